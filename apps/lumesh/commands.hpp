@@ -1,0 +1,14 @@
+#pragma once
+/// @file One function per subcommand; each adds itself to the program and runs when chosen.
+
+#include <CLI/CLI.hpp>
+
+namespace lumesh::cli {
+
+void add_convert_command(CLI::App& program);
+void add_evaluate_command(CLI::App& program);
+void add_info_command(CLI::App& program);
+void add_lattice_command(CLI::App& program);
+void add_phantom_command(CLI::App& program);
+
+}  // namespace lumesh::cli

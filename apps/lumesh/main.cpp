@@ -1,0 +1,44 @@
+#include <fmt/core.h>
+
+#include <new>
+
+#include "commands.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/version.hpp"
+
+namespace {
+
+constexpr int kInternalError = 70;
+
+int report_error(const char* message, int code) {
+  fmt::print(stderr, "lumesh: error: {}\n", message);
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App program{"lumesh: from segmented images of blood vessels to meshes for simulation", "lumesh"};
+  program.set_version_flag("--version", std::string("lumesh ") + lumesh::kVersion);
+  program.require_subcommand(1);
+  program.footer(
+      "Exit codes: 0 good, 1 usage, 2 bad input, 3 request not reached, 4 time limit or interrupted, 5 memory.");
+  lumesh::cli::add_phantom_command(program);
+  lumesh::cli::add_info_command(program);
+  lumesh::cli::add_lattice_command(program);
+  lumesh::cli::add_evaluate_command(program);
+  lumesh::cli::add_convert_command(program);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? 0 : static_cast<int>(lumesh::ErrorKind::kUsage);
+  } catch (const lumesh::Error& error) {
+    return report_error(error.what(), static_cast<int>(error.kind()));
+  } catch (const std::bad_alloc&) {
+    return report_error("out of memory; ask for a coarser mesh or crop the image",
+                        static_cast<int>(lumesh::ErrorKind::kMemory));
+  } catch (const std::exception& error) {
+    return report_error(error.what(), kInternalError);
+  }
+  return 0;
+}

@@ -1,0 +1,28 @@
+# lumesh_module(NAME [DEPENDS module...] [PRIVATE_LIBRARIES target...])
+#
+# One static library per folder of src/. Public headers are include/lumesh/NAME; sources and private headers
+# are src/NAME. Extra private libraries of a module stand in src/NAME/libraries.cmake where it exists.
+function(lumesh_module name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS")
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
+  set(target lumesh_${name})
+  if(sources)
+    add_library(${target} STATIC ${sources})
+    set(scope PUBLIC)
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(lumesh::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(${target} ${scope}
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
+  target_link_libraries(${target} ${scope} lumesh_flags Eigen3::Eigen)
+  foreach(dependency IN LISTS arg_DEPENDS)
+    target_link_libraries(${target} ${scope} lumesh_${dependency})
+  endforeach()
+  if(EXISTS ${PROJECT_SOURCE_DIR}/src/${name}/libraries.cmake)
+    include(${PROJECT_SOURCE_DIR}/src/${name}/libraries.cmake)
+  endif()
+  set_property(GLOBAL APPEND PROPERTY LUMESH_MODULES ${target})
+endfunction()

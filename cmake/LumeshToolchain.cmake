@@ -1,0 +1,30 @@
+# Compiler settings that every lumesh target shares.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+find_program(LUMESH_CCACHE ccache)
+if(LUMESH_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${LUMESH_CCACHE})
+endif()
+
+add_library(lumesh_flags INTERFACE)
+# Contraction into fused multiply-add would make results depend on the optimiser: predicates and
+# "the same bits for every thread count" rest on this flag.
+target_compile_options(lumesh_flags INTERFACE -ffp-contract=off)
+target_compile_options(lumesh_flags INTERFACE $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic>)
+if(LUMESH_WERROR)
+  target_compile_options(lumesh_flags INTERFACE $<BUILD_INTERFACE:-Werror>)
+endif()
+if(LUMESH_SANITIZE)
+  target_compile_options(lumesh_flags INTERFACE
+    $<BUILD_INTERFACE:-fsanitize=${LUMESH_SANITIZE};-fno-omit-frame-pointer>)
+  target_link_options(lumesh_flags INTERFACE $<BUILD_INTERFACE:-fsanitize=${LUMESH_SANITIZE}>)
+endif()

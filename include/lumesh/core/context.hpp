@@ -1,0 +1,56 @@
+#pragma once
+/// @file What a running stage gets from its caller: messages, progress, phase times, cancellation.
+
+#include <chrono>
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lumesh {
+
+/// One timed step of a stage.
+struct PhaseTime {
+  std::string name;
+  double seconds = 0;
+};
+
+/// Handed down through every stage. Not thread-safe, except cancelled(), which any thread may call.
+class Context {
+ public:
+  using MessageSink = std::function<void(std::string_view)>;
+
+  Context() = default;
+  Context(MessageSink on_info, MessageSink on_warning, std::stop_token stop = {})
+      : on_info_(std::move(on_info)), on_warning_(std::move(on_warning)), stop_(std::move(stop)) {}
+
+  void info(std::string_view message) const { if (on_info_) on_info_(message); }
+  void warn(std::string_view message) const { if (on_warning_) on_warning_(message); }
+  [[nodiscard]] bool cancelled() const { return stop_.stop_requested(); }
+
+  /// Runs `step`, records its wall time under `name`, and returns what it returns.
+  template <class Step>
+  decltype(auto) phase(std::string name, Step&& step) {
+    struct Recorder {
+      Context& context;
+      std::string name;
+      std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+      ~Recorder() {
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+        context.phases_.push_back({std::move(name), elapsed.count()});
+      }
+    } recorder{*this, std::move(name)};
+    return std::forward<Step>(step)();
+  }
+
+  [[nodiscard]] const std::vector<PhaseTime>& phases() const { return phases_; }
+
+ private:
+  MessageSink on_info_;
+  MessageSink on_warning_;
+  std::stop_token stop_;
+  std::vector<PhaseTime> phases_;
+};
+
+}  // namespace lumesh

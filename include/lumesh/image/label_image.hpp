@@ -1,0 +1,66 @@
+#pragma once
+/// @file A segmented image: one label per voxel and the frame that places it in space.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lumesh/core/types.hpp"
+
+namespace lumesh {
+
+/// Places voxels in space. A voxel's centre is origin + direction * (spacing .* index), in mm (ITK's LPS).
+struct ImageFrame {
+  Index3 size = Index3::Zero();              ///< Voxels along i, j, k.
+  Vec3 spacing_mm = Vec3::Ones();            ///< Each > 0.
+  Vec3 origin_mm = Vec3::Zero();             ///< Centre of voxel (0, 0, 0).
+  Mat3 direction = Mat3::Identity();         ///< Orthonormal; columns are the axes of i, j, k; det may be -1.
+
+  [[nodiscard]] std::size_t voxel_count() const {
+    return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
+           static_cast<std::size_t>(size.z());
+  }
+  [[nodiscard]] std::size_t offset(const Index3& v) const {
+    return static_cast<std::size_t>(v.x()) +
+           static_cast<std::size_t>(size.x()) *
+               (static_cast<std::size_t>(v.y()) + static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(v.z()));
+  }
+  [[nodiscard]] bool contains(const Index3& v) const {
+    return (v.array() >= 0).all() && (v.array() < size.array()).all();
+  }
+  /// Continuous voxel index of a physical point (voxel centres are whole numbers).
+  [[nodiscard]] Vec3 to_index(const Vec3& point_mm) const {
+    return (direction.transpose() * (point_mm - origin_mm)).cwiseQuotient(spacing_mm);
+  }
+  [[nodiscard]] Vec3 to_physical(const Vec3& index) const {
+    return origin_mm + direction * index.cwiseProduct(spacing_mm);
+  }
+  [[nodiscard]] double voxel_volume_mm3() const { return spacing_mm.prod(); }
+};
+
+/// Labels of an image, 16 bits a voxel. `values[i]` is the file's label of compact index i; values[0] == 0 always
+/// (the background), the rest ascend. Memory: 2 bytes a voxel.
+class LabelImage {
+ public:
+  using Index = std::uint16_t;  ///< Compact label index into values().
+
+  LabelImage() = default;
+  LabelImage(ImageFrame frame, std::vector<Label> values)
+      : frame_(std::move(frame)), values_(std::move(values)), voxels_(frame_.voxel_count(), Index{0}) {}
+
+  [[nodiscard]] const ImageFrame& frame() const { return frame_; }
+  [[nodiscard]] ImageFrame& frame() { return frame_; }
+  [[nodiscard]] const std::vector<Label>& values() const { return values_; }
+  [[nodiscard]] std::vector<Index>& voxels() { return voxels_; }
+  [[nodiscard]] const std::vector<Index>& voxels() const { return voxels_; }
+  [[nodiscard]] Index at(const Index3& v) const { return voxels_[frame_.offset(v)]; }
+  [[nodiscard]] Index& at(const Index3& v) { return voxels_[frame_.offset(v)]; }
+  [[nodiscard]] Label label_at(const Index3& v) const { return values_[at(v)]; }
+
+ private:
+  ImageFrame frame_;
+  std::vector<Label> values_ = {kBackground};
+  std::vector<Index> voxels_;
+};
+
+}  // namespace lumesh

@@ -1,0 +1,95 @@
+#pragma once
+/// @file Data-parallel loops. Results never depend on the number of threads: blocks have fixed borders, and
+/// reductions combine them in a fixed order. oneTBB is used here and nowhere else.
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+#include <tbb/parallel_scan.h>
+#include <tbb/parallel_sort.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace lumesh::parallel {
+
+/// Limits every loop below to `threads` threads while the object lives; 0 means all cores.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(int threads)
+      : control_(tbb::global_control::max_allowed_parallelism,
+                 threads > 0 ? static_cast<std::size_t>(threads)
+                             : static_cast<std::size_t>(tbb::info::default_concurrency())) {}
+
+ private:
+  tbb::global_control control_;
+};
+
+/// Calls body(i) for every i in [0, count); `grain` is the least number of indices per task.
+template <class Body>
+void for_each_index(std::size_t count, const Body& body, std::size_t grain = 1024) {
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count, grain),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+      });
+}
+
+/// Splits [0, count) into blocks of `block` indices and calls body(block_index, begin, end) for each.
+template <class Body>
+void for_each_block(std::size_t count, std::size_t block, const Body& body) {
+  const std::size_t blocks = (count + block - 1) / block;
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, blocks, 1),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t b = range.begin(); b != range.end(); ++b)
+          body(b, b * block, std::min(count, (b + 1) * block));
+      },
+      tbb::simple_partitioner());
+}
+
+/// Reduces map(begin, end) over fixed blocks with `combine`, in block order: the same bits for every thread count.
+template <class Value, class Map, class Combine>
+[[nodiscard]] Value reduce_blocks(std::size_t count, std::size_t block, Value identity, const Map& map,
+                                  const Combine& combine) {
+  std::vector<Value> partial((count + block - 1) / block, identity);
+  for_each_block(count, block, [&](std::size_t b, std::size_t begin, std::size_t end) {
+    partial[b] = map(begin, end);
+  });
+  Value total = std::move(identity);
+  for (Value& value : partial) total = combine(std::move(total), std::move(value));
+  return total;
+}
+
+/// Sorts with a total order: equal elements must be indistinguishable, or the result depends on the schedule.
+template <class Iterator, class Less = std::less<>>
+void sort(Iterator begin, Iterator end, Less less = {}) {
+  tbb::parallel_sort(begin, end, less);
+}
+
+/// Runs both functions, possibly at the same time.
+template <class First, class Second>
+void invoke_both(First&& first, Second&& second) {
+  tbb::parallel_for(0, 2, [&](int i) { i == 0 ? first() : second(); });
+}
+
+/// Collects what collect(i, out) appends for every i, in index order whatever the thread count.
+template <class Item, class Collect>
+[[nodiscard]] std::vector<Item> collect(std::size_t count, const Collect& append, std::size_t block = 4096) {
+  std::vector<std::vector<Item>> parts((count + block - 1) / block);
+  for_each_block(count, block, [&](std::size_t b, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) append(i, parts[b]);
+  });
+  std::size_t total = 0;
+  for (const auto& part : parts) total += part.size();
+  std::vector<Item> all;
+  all.reserve(total);
+  for (auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+}  // namespace lumesh::parallel
