@@ -1,0 +1,59 @@
+#pragma once
+/// @file Measures of one triangle and its nearest point. Pure inline functions.
+
+#include <Eigen/Geometry>
+
+#include "lumesh/core/types.hpp"
+
+namespace lumesh {
+
+/// Normal of triangle (a, b, c) by the right-hand rule; its length is twice the area.
+[[nodiscard]] inline Vec3 triangle_area_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return (b - a).cross(c - a);
+}
+
+/// Area in the square of the coordinates' unit, >= 0.
+[[nodiscard]] inline double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return 0.5 * triangle_area_normal(a, b, c).norm();
+}
+
+/// Unit normal by the right-hand rule; zero for a triangle without area.
+[[nodiscard]] inline Vec3 triangle_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 normal = triangle_area_normal(a, b, c);
+  const double length = normal.norm();
+  return length > 0 ? Vec3(normal / length) : Vec3(Vec3::Zero());
+}
+
+/// Nearest point of segment (a, b) to `p`; a segment of length zero is its point.
+[[nodiscard]] inline Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 direction = b - a;
+  const double squared_length = direction.squaredNorm();
+  if (!(squared_length > 0)) return a;
+  const double t = direction.dot(p - a) / squared_length;
+  return t <= 0 ? a : t >= 1 ? b : Vec3(a + t * direction);
+}
+
+/// Nearest point of triangle (a, b, c) to `p`; a triangle without area is its edges.
+/// Source: Ericson 2005, Real-Time Collision Detection, section 5.1.5.
+[[nodiscard]] inline Vec3 closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b,
+                                                    const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return a;
+  const Vec3 bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return b;
+  const Vec3 cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return closest_point_on_segment(p, a, b);
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return closest_point_on_segment(p, a, c);
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && (d4 - d3) >= 0 && (d5 - d6) >= 0) return closest_point_on_segment(p, b, c);
+  const double scale = 1 / (va + vb + vc);
+  return a + ab * (vb * scale) + ac * (vc * scale);
+}
+
+}  // namespace lumesh
