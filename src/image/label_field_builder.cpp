@@ -1,0 +1,449 @@
+// Construction of LabelField: find the bricks near a boundary, start from truncated distances, filter, constrain.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/image/label_field.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+
+namespace {
+
+constexpr int kBrick = LabelField::kBrick;
+constexpr int kMargin = 4;                       // voxels around a brick that its start values look at
+constexpr int kWindow = kBrick + 2 * kMargin;    // 16
+constexpr int kReach = 3;                        // voxels; distances beyond are cut off
+constexpr int kCore = kBrick * kBrick * kBrick;  // 512
+constexpr float kLimit = static_cast<float>(LabelField::kFieldLimit);
+constexpr float kHold = -0.15F;     // the boundary may pass a voxel's centre on the wrong side by this much (voxels)
+constexpr float kHoldThin = 0.30F;  // the same where the label is too thin to survive any shrinkage
+constexpr int kMaxRadius = 8;       // of the Gaussian, in voxels: one brick
+
+using LabelIndex = LabelImage::Index;
+using Window = std::array<LabelIndex, std::size_t{kWindow} * kWindow * kWindow>;
+using Mask = std::array<std::uint8_t, std::size_t{kWindow} * kWindow * kWindow>;
+
+std::size_t window_at(int i, int j, int k) {
+  return static_cast<std::size_t>(i + kWindow * (j + kWindow * k));
+}
+std::size_t core_at(int i, int j, int k) { return static_cast<std::size_t>(i + kBrick * (j + kBrick * k)); }
+
+/// Squared distance (cut at kFar) from each core voxel to the nearest window voxel with mask == wanted.
+std::array<std::uint8_t, kCore> squared_distance(const Mask& mask, std::uint8_t wanted) {
+  constexpr std::uint8_t kFar = 100;
+  std::array<std::uint8_t, std::size_t{kBrick} * kWindow * kWindow> along_x;
+  for (int k = 0; k < kWindow; ++k) {
+    for (int j = 0; j < kWindow; ++j) {
+      std::uint8_t* out = &along_x[static_cast<std::size_t>(kBrick * (j + kWindow * k))];
+      std::fill_n(out, kBrick, kFar);
+      for (int d = -kReach; d <= kReach; ++d) {
+        const std::uint8_t* row = &mask[window_at(kMargin + d, j, k)];
+        const auto cost = static_cast<std::uint8_t>(d * d);
+        for (int i = 0; i < kBrick; ++i) out[i] = std::min(out[i], row[i] == wanted ? cost : kFar);
+      }
+    }
+  }
+  std::array<std::uint8_t, std::size_t{kBrick} * kBrick * kWindow> along_y;
+  for (int k = 0; k < kWindow; ++k) {
+    for (int j = 0; j < kBrick; ++j) {
+      std::uint8_t* out = &along_y[static_cast<std::size_t>(kBrick * (j + kBrick * k))];
+      std::fill_n(out, kBrick, kFar);
+      for (int d = -kReach; d <= kReach; ++d) {
+        const std::uint8_t* row = &along_x[static_cast<std::size_t>(kBrick * (j + kMargin + d + kWindow * k))];
+        for (int i = 0; i < kBrick; ++i)
+          out[i] = std::min(out[i], static_cast<std::uint8_t>(std::min(kFar + 0, row[i] + d * d)));
+      }
+    }
+  }
+  std::array<std::uint8_t, kCore> result;
+  result.fill(kFar);
+  for (int k = 0; k < kBrick; ++k) {
+    for (int d = -kReach; d <= kReach; ++d) {
+      const std::uint8_t* plane = &along_y[static_cast<std::size_t>(kBrick * kBrick * (k + kMargin + d))];
+      std::uint8_t* out = &result[core_at(0, 0, k)];
+      for (int i = 0; i < kBrick * kBrick; ++i)
+        out[i] = std::min(out[i], static_cast<std::uint8_t>(std::min(kFar + 0, plane[i] + d * d)));
+    }
+  }
+  return result;
+}
+
+/// Slides a window of the given reach over one axis of a mask, keeping the minimum or the maximum.
+template <class Pick>
+Mask slide(const Mask& in, int stride, int reach, Pick pick) {
+  Mask out = in;
+  for (int k = 0; k < kWindow; ++k) {
+    for (int j = 0; j < kWindow; ++j) {
+      for (int i = 0; i < kWindow; ++i) {
+        const int place = stride == 1 ? i : (stride == kWindow ? j : k);
+        const std::size_t at = window_at(i, j, k);
+        std::uint8_t best = in[at];
+        for (int d = -reach; d <= reach; ++d) {
+          if (place + d >= 0 && place + d < kWindow)
+            best = pick(best, in[at + static_cast<std::size_t>(d * stride)]);
+        }
+        out[at] = best;
+      }
+    }
+  }
+  return out;
+}
+
+/// Marks the voxels of a label that lie within kReach of a place where the label fills a 3^3 cube; the others are
+/// thin: vessels and sheets of one or two voxels.
+Mask near_thick_part(const Mask& label) {
+  const auto least = [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); };
+  const auto most = [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); };
+  Mask m = label;
+  for (const int stride : {1, kWindow, kWindow * kWindow}) m = slide(m, stride, 1, least);
+  for (const int stride : {1, kWindow, kWindow * kWindow}) m = slide(m, stride, kReach, most);
+  return m;
+}
+
+}  // namespace
+
+void LabelFieldOptions::validate() const {
+  if (!(sigma >= 0.5 && sigma <= 3)) throw Error(ErrorKind::kUsage, "smoothing sigma must lie in [0.5, 3] voxels");
+  if (rounds < 0 || rounds > 50) throw Error(ErrorKind::kUsage, "smoothing rounds must lie in [0, 50]");
+}
+
+class LabelFieldBuilder {
+ public:
+  LabelFieldBuilder(LabelField& field, const LabelImage& image, const LabelFieldOptions& options)
+      : field_(field), image_(image), options_(options) {}
+
+  void build() {
+    classify_bricks();
+    collect_labels();
+    fill_start_values();
+    std::vector<float> filtered(values_.size());
+    for (int round = 0; round < options_.rounds; ++round) filter_and_constrain(filtered);
+    store_blocks();
+  }
+
+ private:
+  using Brick = LabelField::Brick;
+
+  Index3 brick_index(std::size_t b) const {
+    const auto nx = static_cast<std::size_t>(field_.bricks_.x());
+    const auto ny = static_cast<std::size_t>(field_.bricks_.y());
+    return {static_cast<int>(b % nx), static_cast<int>(b / nx % ny), static_cast<int>(b / (nx * ny))};
+  }
+
+  Index3 clamp_voxel(const Index3& v) const {
+    return v.cwiseMax(0).cwiseMin(field_.frame_.size - Index3::Ones());
+  }
+
+  void read_window(const Index3& brick, Window& window) const {
+    const Index3 low = brick * kBrick - Index3::Constant(kMargin);
+    for (int k = 0; k < kWindow; ++k) {
+      for (int j = 0; j < kWindow; ++j) {
+        for (int i = 0; i < kWindow; ++i)
+          window[window_at(i, j, k)] = image_.at(clamp_voxel(low + Index3(i, j, k)));
+      }
+    }
+  }
+
+  /// Each brick's only label, or -1 where it holds several.
+  std::vector<std::int32_t> uniform_labels() const {
+    const auto count = static_cast<std::size_t>(field_.bricks_.prod());
+    std::vector<std::int32_t> uniform(count);
+    parallel::for_each_index(
+        count,
+        [&](std::size_t b) {
+          const Index3 low = brick_index(b) * kBrick;
+          const Index3 high = (low + Index3::Constant(kBrick)).cwiseMin(field_.frame_.size);
+          const LabelIndex first = image_.at(low);
+          bool same = true;
+          for (int k = low.z(); k < high.z() && same; ++k) {
+            for (int j = low.y(); j < high.y() && same; ++j) {
+              const LabelIndex* row = &image_.voxels()[field_.frame_.offset({low.x(), j, k})];
+              for (int i = 0; i < high.x() - low.x(); ++i) same &= row[i] == first;
+            }
+          }
+          uniform[b] = same ? first : -1;
+        },
+        64);
+    return uniform;
+  }
+
+  void classify_bricks() {
+    const std::vector<std::int32_t> uniform = uniform_labels();
+    const Index3 n = field_.bricks_;
+    auto& code = field_.brick_of_;
+    code.resize(uniform.size());
+    std::vector<std::uint32_t> active = parallel::collect<std::uint32_t>(
+        uniform.size(), [&](std::size_t b, std::vector<std::uint32_t>& out) {
+          code[b] = -1 - uniform[b];
+          if (needs_values(brick_index(b), uniform, n)) out.push_back(static_cast<std::uint32_t>(b));
+        });
+    for (std::size_t i = 0; i < active.size(); ++i) code[active[i]] = static_cast<std::int32_t>(i);
+    place_ = std::move(active);
+    field_.active_.resize(place_.size());
+  }
+
+  /// A brick needs values when its window sees two labels.
+  bool needs_values(const Index3& brick, const std::vector<std::int32_t>& uniform, const Index3& n) const {
+    const auto at = [&](const Index3& b) {
+      return uniform[static_cast<std::size_t>(b.x()) +
+                     static_cast<std::size_t>(n.x()) *
+                         (static_cast<std::size_t>(b.y()) + static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(b.z()))];
+    };
+    const std::int32_t own = at(brick);
+    if (own < 0) return true;
+    bool lonely = true;
+    for (int k = -1; k <= 1; ++k) {
+      for (int j = -1; j <= 1; ++j) {
+        for (int i = -1; i <= 1; ++i) {
+          const Index3 other = (brick + Index3(i, j, k)).cwiseMax(0).cwiseMin(n - Index3::Ones());
+          lonely &= at(other) == own;
+        }
+      }
+    }
+    if (lonely) return false;
+    Window window;
+    read_window(brick, window);
+    return std::any_of(window.begin(), window.end(), [&](LabelIndex l) { return l != own; });
+  }
+
+  void collect_labels() {
+    std::vector<std::vector<LabelIndex>> sets(place_.size());
+    parallel::for_each_index(
+        place_.size(),
+        [&](std::size_t b) {
+          Window window;
+          read_window(brick_index(place_[b]), window);
+          std::vector<LabelIndex>& set = sets[b];
+          LabelIndex last = window[0];
+          set.push_back(last);
+          for (const LabelIndex l : window) {
+            if (l != last && std::find(set.begin(), set.end(), l) == set.end()) set.push_back(l);
+            last = l;
+          }
+          std::sort(set.begin(), set.end());
+        },
+        16);
+    std::size_t blocks = 0;
+    for (std::size_t b = 0; b < sets.size(); ++b) {
+      Brick& brick = field_.active_[b];
+      brick.first_label = static_cast<std::uint32_t>(field_.labels_.size());
+      brick.label_count = static_cast<std::uint32_t>(sets[b].size());
+      brick.first_block = blocks;
+      field_.labels_.insert(field_.labels_.end(), sets[b].begin(), sets[b].end());
+      blocks += block_count(brick);
+    }
+    values_.resize(blocks * kCore);
+    block_count_ = blocks;
+  }
+
+  static std::size_t block_count(const Brick& brick) { return brick.label_count == 2 ? 1 : brick.label_count; }
+  /// The label whose indicator a brick's n-th block holds.
+  LabelIndex block_label(const Brick& brick, std::size_t n) const {
+    return field_.labels_[brick.first_label + (brick.label_count == 2 ? 1 : n)];
+  }
+
+  void fill_start_values() {
+    hold_.resize(place_.size() * kCore);
+    owner_.resize(place_.size() * kCore);
+    parallel::for_each_index(
+        place_.size(),
+        [&](std::size_t b) {
+          const Brick& brick = field_.active_[b];
+          Window window;
+          read_window(brick_index(place_[b]), window);
+          for (std::uint32_t n = 0; n < brick.label_count; ++n) {
+            const LabelIndex label = field_.labels_[brick.first_label + n];
+            fill_hold(window, label, b);
+          }
+          for (std::size_t n = 0; n < block_count(brick); ++n)
+            fill_distance(window, block_label(brick, n), &values_[(brick.first_block + n) * kCore]);
+        },
+        8);
+  }
+
+  static Mask mask_of(const Window& window, LabelIndex label) {
+    Mask mask;
+    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = window[i] == label ? 1 : 0;
+    return mask;
+  }
+
+  /// Notes each core voxel's owner and by how much it must win there.
+  void fill_hold(const Window& window, LabelIndex label, std::size_t b) {
+    const Mask thick = near_thick_part(mask_of(window, label));
+    for (int k = 0; k < kBrick; ++k) {
+      for (int j = 0; j < kBrick; ++j) {
+        for (int i = 0; i < kBrick; ++i) {
+          const std::size_t w = window_at(i + kMargin, j + kMargin, k + kMargin);
+          if (window[w] != label) continue;
+          const std::size_t at = b * kCore + core_at(i, j, k);
+          hold_[at] = thick[w] != 0 ? kHold : kHoldThin;
+          owner_[at] = label;
+        }
+      }
+    }
+  }
+
+  static void fill_distance(const Window& window, LabelIndex label, float* out) {
+    const Mask mask = mask_of(window, label);
+    const auto to_label = squared_distance(mask, 1);
+    const auto to_rest = squared_distance(mask, 0);
+    for (std::size_t i = 0; i < kCore; ++i) {
+      const float inside = std::sqrt(static_cast<float>(to_rest[i])) - 0.5F;
+      const float outside = std::sqrt(static_cast<float>(to_label[i])) - 0.5F;
+      out[i] = std::clamp(to_rest[i] > 0 ? inside : -outside, -kLimit, kLimit);
+    }
+  }
+
+  /// Copies the indicator of `label` around a brick, `radius` voxels to each side, from whatever bricks hold it.
+  void gather(const std::vector<float>& values, const Index3& brick, LabelIndex label, int low, int high,
+              float* out) const {
+    const int width = high - low;
+    const Index3 origin = brick * kBrick;
+    for (int k = low; k < high; ++k) {
+      for (int j = low; j < high; ++j) {
+        float* row = out + static_cast<std::size_t>(width) * static_cast<std::size_t>((j - low) + width * (k - low));
+        int i = low;
+        while (i < high) {
+          const Index3 v = clamp_voxel(origin + Index3(i, j, k));
+          const Index3 at = v / kBrick;
+          const float* block = nullptr;
+          const float sign = block_of(values, at, label, block);
+          // Run along x to the end of the source brick; a clamped voxel stands alone.
+          do {
+            const Index3 w = clamp_voxel(origin + Index3(i, j, k));
+            if (w.x() / kBrick != at.x()) break;
+            const Index3 r = w - at * kBrick;
+            row[i - low] = block == nullptr ? sign * kLimit : sign * block[core_at(r.x(), r.y(), r.z())];
+            ++i;
+          } while (i < high);
+        }
+      }
+    }
+  }
+
+  float block_of(const std::vector<float>& values, const Index3& brick, LabelIndex label, const float*& block) const {
+    const Index3 n = field_.bricks_;
+    const std::int32_t code =
+        field_.brick_of_[static_cast<std::size_t>(brick.x()) +
+                         static_cast<std::size_t>(n.x()) *
+                             (static_cast<std::size_t>(brick.y()) +
+                              static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(brick.z()))];
+    if (code < 0) return -1 - code == label ? 1.0F : -1.0F;
+    const LabelField::BlockRef ref = field_.find_block(field_.active_[static_cast<std::size_t>(code)], label);
+    if (ref.sign == 0) return -1.0F;
+    block = &values[ref.block * kCore];
+    return static_cast<float>(ref.sign);
+  }
+
+  /// One separable Gaussian blur of every block from `in` to `out`.
+  void blur(const std::vector<float>& in, std::vector<float>& out) const {
+    const int radius = std::min(kMaxRadius, static_cast<int>(std::ceil(2.5 * options_.sigma)));
+    std::vector<float> weight(static_cast<std::size_t>(2 * radius + 1));
+    float total = 0;
+    for (int d = -radius; d <= radius; ++d) {
+      const double x = d / options_.sigma;
+      total += weight[static_cast<std::size_t>(d + radius)] = static_cast<float>(std::exp(-0.5 * x * x));
+    }
+    for (float& w : weight) w /= total;
+    const int width = kBrick + 2 * radius;
+    for_each_stored_block([&](std::size_t b, const Brick& brick, std::size_t n) {
+      std::vector<float> window(static_cast<std::size_t>(width * width * width));
+      gather(in, brick_index(place_[b]), block_label(brick, n), -radius, kBrick + radius, window.data());
+      blur_window(window, width, radius, weight, &out[(brick.first_block + n) * kCore]);
+    });
+  }
+
+  static void blur_window(const std::vector<float>& window, int width, int radius, const std::vector<float>& weight,
+                          float* out) {
+    const int taps = 2 * radius + 1;
+    std::vector<float> z(static_cast<std::size_t>(width * width * kBrick), 0.0F);
+    const int plane = width * width;
+    for (int k = 0; k < kBrick; ++k) {
+      for (int d = 0; d < taps; ++d) {
+        const float w = weight[static_cast<std::size_t>(d)];
+        const float* from = &window[static_cast<std::size_t>(plane * (k + d))];
+        float* to = &z[static_cast<std::size_t>(plane * k)];
+        for (int i = 0; i < plane; ++i) to[i] += w * from[i];
+      }
+    }
+    std::vector<float> y(static_cast<std::size_t>(width * kBrick * kBrick), 0.0F);
+    for (int k = 0; k < kBrick; ++k) {
+      for (int j = 0; j < kBrick; ++j) {
+        float* to = &y[static_cast<std::size_t>(width * (j + kBrick * k))];
+        for (int d = 0; d < taps; ++d) {
+          const float w = weight[static_cast<std::size_t>(d)];
+          const float* from = &z[static_cast<std::size_t>(width * (j + d) + plane * k)];
+          for (int i = 0; i < width; ++i) to[i] += w * from[i];
+        }
+      }
+    }
+    for (int row = 0; row < kBrick * kBrick; ++row) {
+      float* to = out + row * kBrick;
+      std::fill_n(to, kBrick, 0.0F);
+      for (int d = 0; d < taps; ++d) {
+        const float w = weight[static_cast<std::size_t>(d)];
+        const float* from = &y[static_cast<std::size_t>(width * row + d)];
+        for (int i = 0; i < kBrick; ++i) to[i] += w * from[i];
+      }
+    }
+  }
+
+  template <class Body>
+  void for_each_stored_block(const Body& body) const {
+    parallel::for_each_index(
+        place_.size(),
+        [&](std::size_t b) {
+          const Brick& brick = field_.active_[b];
+          for (std::size_t n = 0; n < block_count(brick); ++n) body(b, brick, n);
+        },
+        4);
+  }
+
+  /// values <- constrain((2G - G^2) values).
+  void filter_and_constrain(std::vector<float>& once) {
+    blur(values_, once);
+    std::vector<float> twice(values_.size());
+    blur(once, twice);
+    for_each_stored_block([&](std::size_t b, const Brick& brick, std::size_t n) {
+      const LabelIndex label = block_label(brick, n);
+      const std::size_t from = (brick.first_block + n) * kCore;
+      for (std::size_t i = 0; i < kCore; ++i) {
+        const float smooth = std::clamp(2 * once[from + i] - twice[from + i], -kLimit, kLimit);
+        const float hold = hold_[b * kCore + i];
+        values_[from + i] = owner_[b * kCore + i] == label ? std::max(smooth, hold) : std::min(smooth, -hold);
+      }
+    });
+  }
+
+  /// Writes each block with the neighbours that the 4-point stencil needs.
+  void store_blocks() {
+    field_.blocks_.assign(block_count_ * LabelField::kBlock, 0.0F);
+    constexpr int kStored = LabelField::kStored;
+    for_each_stored_block([&](std::size_t b, const Brick& brick, std::size_t n) {
+      std::array<float, std::size_t{kStored} * kStored * kStored> window;
+      gather(values_, brick_index(place_[b]), block_label(brick, n), -1, kStored - 1, window.data());
+      float* out = &field_.blocks_[(brick.first_block + n) * LabelField::kBlock];
+      for (std::size_t row = 0; row < std::size_t{kStored} * kStored; ++row)
+        std::copy_n(&window[row * kStored], kStored, out + row * LabelField::kRowPad);
+    });
+  }
+
+  LabelField& field_;
+  const LabelImage& image_;
+  LabelFieldOptions options_;
+  std::vector<std::uint32_t> place_;  // brick number of each active brick
+  std::vector<float> values_;         // indicator per stored block and core voxel
+  std::vector<float> hold_;           // per active brick and core voxel
+  std::vector<LabelIndex> owner_;
+  std::size_t block_count_ = 0;
+};
+
+LabelField::LabelField(const LabelImage& image, const LabelFieldOptions& options) : frame_(image.frame()) {
+  options.validate();
+  bricks_ = (frame_.size + Index3::Constant(kBrick - 1)) / kBrick;
+  LabelFieldBuilder(*this, image, options).build();
+}
+
+}  // namespace lumesh
