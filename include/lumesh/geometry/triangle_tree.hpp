@@ -1,0 +1,67 @@
+#pragma once
+/// @file Nearest point on a set of triangles.
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "lumesh/core/types.hpp"
+
+namespace lumesh {
+
+/// A balanced tree of boxes over triangles. It copies what it needs: the input may go after construction.
+/// Memory: about 110 bytes per triangle. Threads: queries are const and may run at the same time.
+class TriangleTree {
+ public:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  struct Nearest {
+    double distance = std::numeric_limits<double>::infinity();  ///< In the unit of the points.
+    Vec3 point = Vec3::Zero();
+    std::uint32_t triangle = kNone;  ///< Index in the input; the lowest among equally near ones.
+  };
+
+  /// Builds in parallel, the same tree for every thread count. Cost: O(n log n), about 20 ms for 100k
+  /// triangles.
+  /// @throws Error{kBadInput} if a triangle names a point that is not there or has a coordinate that is not
+  /// finite.
+  TriangleTree(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> triangles);
+
+  /// Nearest point of any triangle to `query` (finite) no farther than `upper_bound`; `triangle` is kNone if
+  /// there is none. A good bound, such as the distance of a neighbour's answer, saves time. Cost: about 1 us
+  /// near the surface.
+  [[nodiscard]] Nearest nearest(const Vec3& query,
+                                double upper_bound = std::numeric_limits<double>::infinity()) const;
+
+  [[nodiscard]] std::size_t triangle_count() const { return ids_.size(); }
+
+ private:
+  struct Box {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+    Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
+    void extend(const Vec3& p) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    [[nodiscard]] double squared_distance(const Vec3& p) const {
+      return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
+    }
+  };
+  struct Item;     // A triangle while the tree is being built.
+  struct Builder;  // The recursive construction.
+
+  /// First item of node `node` of `level`; the node ends where the next one begins.
+  [[nodiscard]] std::size_t first_item(int level, std::size_t node) const {
+    return (ids_.size() * node) >> level;
+  }
+
+  int depth_ = 0;                             // Leaves are the 2^depth_ nodes of the last level.
+  std::vector<Box> boxes_;                    // Heap order: node n has children 2n + 1 and 2n + 2.
+  std::vector<std::array<Vec3, 3>> corners_;  // In leaf order.
+  std::vector<std::uint32_t> ids_;            // Input index of each.
+};
+
+}  // namespace lumesh

@@ -1,0 +1,82 @@
+#include "lumesh/geometry/hilbert.hpp"
+
+#include <array>
+#include <utility>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr int kBitsPerAxis = 21;
+
+/// Spreads the low 21 bits so that two free bits follow each.
+std::uint64_t spread_bits(std::uint64_t x) {
+  x = (x | x << 32) & 0x1f00000000ffff;
+  x = (x | x << 16) & 0x1f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+/// Skilling's transform of cell coordinates into the transposed Hilbert index.
+void to_transposed_index(std::array<std::uint32_t, 3>& x) {
+  for (std::uint32_t bit = 1u << (kBitsPerAxis - 1); bit > 1; bit >>= 1) {
+    const std::uint32_t below = bit - 1;
+    for (int i = 0; i < 3; ++i) {
+      if (x[i] & bit) {
+        x[0] ^= below;
+      } else {
+        const std::uint32_t swapped = (x[0] ^ x[i]) & below;
+        x[0] ^= swapped;
+        x[i] ^= swapped;
+      }
+    }
+  }
+  x[1] ^= x[0];
+  x[2] ^= x[1];
+  std::uint32_t flip = 0;
+  for (std::uint32_t bit = 1u << (kBitsPerAxis - 1); bit > 1; bit >>= 1)
+    if (x[2] & bit) flip ^= bit - 1;
+  for (std::uint32_t& coordinate : x) coordinate ^= flip;
+}
+
+}  // namespace
+
+Box3 bounding_box(std::span<const Vec3> points) {
+  return parallel::reduce_blocks(
+      points.size(), 65536, Box3(),
+      [&](std::size_t begin, std::size_t end) {
+        Box3 box;
+        for (std::size_t i = begin; i < end; ++i) box.extend(points[i]);
+        return box;
+      },
+      [](const Box3& a, const Box3& b) { return a.merged(b); });
+}
+
+std::uint64_t hilbert_key(const Vec3& point, const Box3& box) {
+  constexpr double kCells = 1u << kBitsPerAxis;
+  const double edge = box.sizes().maxCoeff();
+  const double scale = edge > 0 ? kCells / edge : 0;
+  std::array<std::uint32_t, 3> cell;
+  for (int i = 0; i < 3; ++i) {
+    const double position = (point[i] - box.min()[i]) * scale;
+    cell[i] = position > 0 ? static_cast<std::uint32_t>(std::min(position, kCells - 1)) : 0;
+  }
+  to_transposed_index(cell);
+  return spread_bits(cell[0]) << 2 | spread_bits(cell[1]) << 1 | spread_bits(cell[2]);
+}
+
+std::vector<std::uint32_t> hilbert_order(std::span<const Vec3> points) {
+  const Box3 box = bounding_box(points);
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(points.size());
+  parallel::for_each_index(points.size(), [&](std::size_t i) {
+    keys[i] = {hilbert_key(points[i], box), static_cast<std::uint32_t>(i)};
+  });
+  parallel::sort(keys.begin(), keys.end());
+  std::vector<std::uint32_t> order(points.size());
+  parallel::for_each_index(points.size(), [&](std::size_t i) { order[i] = keys[i].second; });
+  return order;
+}
+
+}  // namespace lumesh

@@ -1,0 +1,137 @@
+#include "lumesh/geometry/triangle_tree.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr std::size_t kLeafSize = 4;
+constexpr std::size_t kParallelSize = 4096;  // Smaller subtrees are built by one thread.
+constexpr int kStackSize = 64;               // A heap of 2^32 items is 32 deep and leaves one node per level.
+
+}  // namespace
+
+struct TriangleTree::Item {
+  Vec3 center;
+  std::uint32_t id;
+};
+
+struct TriangleTree::Builder {
+  TriangleTree& tree;
+  std::vector<Item>& items;
+  std::span<const Vec3> points;
+  std::span<const std::array<std::uint32_t, 3>> triangles;
+
+  /// Splits at the median of the longest axis of the centres, down to the leaves, then boxes on the way back.
+  void build(int level, std::size_t node) const {
+    const std::size_t begin = tree.first_item(level, node), end = tree.first_item(level, node + 1);
+    const std::size_t heap = (std::size_t{1} << level) - 1 + node;
+    if (level == tree.depth_) {
+      fill_leaf(begin, end, tree.boxes_[heap]);
+      return;
+    }
+    split(begin, tree.first_item(level + 1, 2 * node + 1), end);
+    const auto left = [&] { build(level + 1, 2 * node); };
+    const auto right = [&] { build(level + 1, 2 * node + 1); };
+    if (end - begin > kParallelSize) {
+      parallel::invoke_both(left, right);
+    } else {
+      left();
+      right();
+    }
+    Box box = tree.boxes_[2 * heap + 1];
+    box.extend(tree.boxes_[2 * heap + 2].low);
+    box.extend(tree.boxes_[2 * heap + 2].high);
+    tree.boxes_[heap] = box;
+  }
+
+  void split(std::size_t begin, std::size_t middle, std::size_t end) const {
+    Box centers;
+    for (std::size_t i = begin; i < end; ++i) centers.extend(items[i].center);
+    int axis = 0;
+    (centers.high - centers.low).maxCoeff(&axis);
+    const auto less = [axis](const Item& a, const Item& b) {
+      return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.id < b.id;
+    };
+    const auto at = [&](std::size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end), less);
+  }
+
+  void fill_leaf(std::size_t begin, std::size_t end, Box& box) const {
+    std::sort(items.begin() + static_cast<std::ptrdiff_t>(begin),
+              items.begin() + static_cast<std::ptrdiff_t>(end),
+              [](const Item& a, const Item& b) { return a.id < b.id; });
+    for (std::size_t i = begin; i < end; ++i) {
+      tree.ids_[i] = items[i].id;
+      for (int k = 0; k < 3; ++k) {
+        tree.corners_[i][k] = points[triangles[items[i].id][k]];
+        box.extend(tree.corners_[i][k]);
+      }
+    }
+  }
+};
+
+TriangleTree::TriangleTree(std::span<const Vec3> points,
+                           std::span<const std::array<std::uint32_t, 3>> triangles)
+    : corners_(triangles.size()), ids_(triangles.size()) {
+  if (triangles.empty()) return;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (const std::uint32_t v : triangles[t])
+      if (v >= points.size() || !points[v].allFinite())
+        throw Error(ErrorKind::kBadInput, "triangle " + std::to_string(t) + ": point " + std::to_string(v) +
+                                              (v >= points.size() ? " does not exist" : " is not finite"));
+  while ((triangles.size() >> depth_) > kLeafSize) ++depth_;
+  boxes_.resize((std::size_t{2} << depth_) - 1);
+  std::vector<Item> items(triangles.size());
+  parallel::for_each_index(triangles.size(), [&](std::size_t i) {
+    const auto& [a, b, c] = triangles[i];
+    items[i] = {points[a] / 3 + points[b] / 3 + points[c] / 3, static_cast<std::uint32_t>(i)};
+  });
+  Builder{*this, items, points, triangles}.build(0, 0);
+}
+
+TriangleTree::Nearest TriangleTree::nearest(const Vec3& query, double upper_bound) const {
+  struct Entry {
+    double squared_distance;
+    std::size_t heap;
+  };
+  Nearest best;
+  if (ids_.empty()) return best;
+  double bound = upper_bound * upper_bound;
+  std::array<Entry, kStackSize> stack;
+  int top = 0;
+  stack[top++] = {boxes_[0].squared_distance(query), 0};
+  const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    if (entry.squared_distance > bound) continue;
+    if (entry.heap < first_leaf) {
+      Entry near{boxes_[2 * entry.heap + 1].squared_distance(query), 2 * entry.heap + 1};
+      Entry far{boxes_[2 * entry.heap + 2].squared_distance(query), 2 * entry.heap + 2};
+      if (far.squared_distance < near.squared_distance) std::swap(near, far);
+      if (far.squared_distance <= bound) stack[top++] = far;
+      if (near.squared_distance <= bound) stack[top++] = near;
+      continue;
+    }
+    const std::size_t leaf = entry.heap - first_leaf;
+    const std::size_t end = first_item(depth_, leaf + 1);
+    for (std::size_t i = first_item(depth_, leaf); i < end; ++i) {
+      const Vec3 point = closest_point_on_triangle(query, corners_[i][0], corners_[i][1], corners_[i][2]);
+      const double squared = (point - query).squaredNorm();
+      if (squared < bound || (squared == bound && ids_[i] < best.triangle)) {
+        bound = squared;
+        best.point = point;
+        best.triangle = ids_[i];
+      }
+    }
+  }
+  if (best.triangle != kNone) best.distance = std::sqrt(bound);
+  return best;
+}
+
+}  // namespace lumesh
