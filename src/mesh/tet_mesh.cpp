@@ -1,0 +1,203 @@
+#include "lumesh/mesh/tet_mesh.hpp"
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr Cell<4> kDeadTet = {VertexId::kNone, VertexId::kNone, VertexId::kNone, VertexId::kNone};
+
+}  // namespace
+
+TetMesh::TetMesh()
+    : points_(kMaxVertices),
+      incident_(kMaxVertices),
+      lock_words_(kMaxVertices),
+      vertex_stamps_(kMaxVertices),
+      dimensions_(kMaxVertices),
+      tets_(kMaxTets),
+      links_(kMaxTets),
+      labels_(kMaxTets),
+      tet_stamps_(kMaxTets),
+      vertex_pool_(0, 1, 1),
+      tet_pool_(0, 1, 1) {}
+
+void TetMesh::commit_vertices(std::uint32_t count) {
+  if (count > kMaxVertices)
+    throw Error(ErrorKind::kMemory, "mesh: more than 2^30 vertices; choose a coarser mesh");
+  points_.commit(count);
+  incident_.commit(count);
+  lock_words_.commit(count);
+  vertex_stamps_.commit(count);
+  dimensions_.commit(count);
+  if (has_metric()) metric_.commit(count);
+}
+
+void TetMesh::commit_tets(std::uint32_t count) {
+  if (count > kMaxTets)
+    throw Error(ErrorKind::kMemory, "mesh: more than 10^9 tetrahedra; choose a coarser mesh");
+  tets_.commit(count);
+  links_.commit(count);
+  labels_.commit(count);
+  tet_stamps_.commit(count);
+  if (has_interfaces()) interface_patches_.commit(count);
+}
+
+void TetMesh::enable_metric() {
+  if (has_metric()) return;
+  metric_ = parallel::StableArray<MetricTensor>(kMaxVertices);
+  metric_.commit(vertex_slots());
+}
+
+void TetMesh::enable_interfaces() {
+  if (has_interfaces()) return;
+  interface_patches_ = parallel::StableArray<std::array<std::uint16_t, 4>>(kMaxTets);
+  interface_patches_.commit(tet_slots());
+}
+
+void TetMesh::set_interface_patch(TetId t, int face, PatchId patch) {
+  interface_patches_[t.value][face] = patch.valid() ? static_cast<std::uint16_t>(patch.value + 1) : 0;
+}
+
+void TetMesh::set_owners(int owners, std::uint32_t block) {
+  compact();
+  vertex_pool_ = parallel::SlotPool(vertex_slots(), owners, block);
+  tet_pool_ = parallel::SlotPool(tet_slots(), owners, block);
+}
+
+VertexId TetMesh::add_vertex(const Vec3& point, int owner) {
+  const std::uint32_t slot = vertex_pool_.take(owner, [this](std::uint32_t begin, std::uint32_t end) {
+    commit_vertices(end);
+    for (std::uint32_t v = begin; v < end; ++v) dimensions_[v] = VertexDimension::kFreed;
+  });
+  points_[slot] = point;
+  incident_[slot] = TetId();
+  lock_words_[slot] = 0;
+  vertex_stamps_[slot] = 0;
+  dimensions_[slot] = VertexDimension::kVolume;
+  if (has_metric()) metric_[slot] = {};
+  return VertexId(slot);
+}
+
+TetId TetMesh::add_tet(const Cell<4>& vertices, Label label, int owner) {
+  const std::uint32_t slot = tet_pool_.take(owner, [this](std::uint32_t begin, std::uint32_t end) {
+    commit_tets(end);
+    for (std::uint32_t t = begin; t < end; ++t) tets_[t] = kDeadTet;
+  });
+  tets_[slot] = vertices;
+  links_[slot] = {};
+  labels_[slot] = label;
+  tet_stamps_[slot] = 0;
+  if (has_interfaces()) interface_patches_[slot] = {};
+  return TetId(slot);
+}
+
+void TetMesh::free_vertex(VertexId v, int owner) {
+  LUMESH_DEBUG_ASSERT(alive(v));
+  dimensions_[v.value] = VertexDimension::kFreed;
+  incident_[v.value] = TetId();
+  vertex_pool_.give(owner, v.value);
+}
+
+void TetMesh::free_tet(TetId t, int owner) {
+  LUMESH_DEBUG_ASSERT(alive(t));
+  tets_[t.value] = kDeadTet;
+  tet_pool_.give(owner, t.value);
+}
+
+void TetMesh::compact() {
+  if (!is_compact()) {
+    std::vector<std::uint32_t> new_vertex(vertex_slots()), new_tet(tet_slots());
+    std::uint32_t vertices = 0, tets = 0;
+    for (std::uint32_t v = 0; v < vertex_slots(); ++v)
+      if (alive(VertexId(v))) new_vertex[v] = vertices++;
+    for (std::uint32_t t = 0; t < tet_slots(); ++t)
+      if (alive(TetId(t))) new_tet[t] = tets++;
+    // A new place is never behind the old one, so one sweep forward overwrites only what has moved already.
+    for (std::uint32_t v = 0; v < vertex_slots(); ++v) {
+      if (!alive(VertexId(v))) continue;
+      const std::uint32_t to = new_vertex[v];
+      points_[to] = points_[v];
+      incident_[to] = incident_[v].valid() ? TetId(new_tet[incident_[v].value]) : TetId();
+      vertex_stamps_[to] = vertex_stamps_[v];
+      dimensions_[to] = dimensions_[v];
+      lock_words_[to] = 0;
+      if (has_metric()) metric_[to] = metric_[v];
+    }
+    for (std::uint32_t t = 0; t < tet_slots(); ++t) {
+      if (!alive(TetId(t))) continue;
+      const std::uint32_t to = new_tet[t];
+      for (int i = 0; i < 4; ++i) {
+        const FaceLink link = links_[t][i];
+        tets_[to][i] = new_vertex[tets_[t][i]];
+        links_[to][i] =
+            link.is_boundary() ? link : FaceLink::to(TetId(new_tet[link.tet().value]), link.face());
+      }
+      labels_[to] = labels_[t];
+      tet_stamps_[to] = tet_stamps_[t];
+      if (has_interfaces()) interface_patches_[to] = interface_patches_[t];
+    }
+    vertex_pool_ = parallel::SlotPool(vertices, 1, 1);
+    tet_pool_ = parallel::SlotPool(tets, 1, 1);
+    points_.shrink(vertices);
+    tets_.shrink(tets);
+    links_.shrink(tets);
+  }
+}
+
+BoundaryFaces TetMesh::boundary_faces() const {
+  struct PatchFace {
+    Cell<3> corners;
+    std::int32_t patch;
+    std::array<TetId, 2> tets;
+  };
+  const auto faces = parallel::collect<PatchFace>(tet_slots(), [&](std::size_t i,
+                                                                   std::vector<PatchFace>& out) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (!alive(t)) return;
+    for (int f = 0; f < 4; ++f) {
+      const FaceLink behind = link(t, f);
+      const PatchId on_face = patch(t, f);
+      if (behind.is_boundary()) {
+        out.push_back({face_corners(t, f), static_cast<std::int32_t>(on_face.value), {t, TetId()}});
+      } else if (on_face.valid()) {
+        const Label first =
+            on_face.value < info_.patches.size() ? info_.patches[on_face.value].labels[0] : kBackground;
+        const Label mine = label(t), other = label(behind.tet());
+        const bool points_out_of_me = first == mine    ? (other != mine || t < behind.tet())
+                                      : first == other ? false
+                                                       : t < behind.tet();
+        if (points_out_of_me)
+          out.push_back({face_corners(t, f), static_cast<std::int32_t>(on_face.value), {t, behind.tet()}});
+      }
+    }
+  });
+  BoundaryFaces result{std::vector<Cell<3>>(faces.size()), std::vector<std::int32_t>(faces.size()),
+                       std::vector<std::array<TetId, 2>>(faces.size())};
+  parallel::for_each_index(faces.size(), [&](std::size_t i) {
+    result.triangles[i] = faces[i].corners;
+    result.patches[i] = faces[i].patch;
+    result.tets[i] = faces[i].tets;
+  });
+  return result;
+}
+
+MeshView TetMesh::view() const {
+  LUMESH_ASSERT(is_compact());
+  MeshView view;
+  view.points = points();
+  view.tetrahedra = tets();
+  view.tetrahedron_labels = labels();
+  view.info = &info_;
+  return view;
+}
+
+MeshView TetMesh::view(const BoundaryFaces& faces) const {
+  MeshView with_triangles = view();
+  with_triangles.triangles = faces.triangles;
+  with_triangles.triangle_patches = faces.patches;
+  return with_triangles;
+}
+
+}  // namespace lumesh

@@ -1,0 +1,335 @@
+// Construction of a TetMesh from plain arrays: check, copy, link, patch, classify.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <tuple>
+
+#include "face_table.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/predicates.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr std::size_t kBlock = 16384;
+constexpr std::size_t kNothing = std::numeric_limits<std::size_t>::max();
+
+/// Lowest index below `count` that `fails`, or kNothing.
+template <class Fails>
+std::size_t first_failing(std::size_t count, const Fails& fails) {
+  return parallel::reduce_blocks(
+      count, kBlock, kNothing,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          if (fails(i)) return i;
+        return kNothing;
+      },
+      [](std::size_t a, std::size_t b) { return std::min(a, b); });
+}
+
+template <std::size_t N>
+std::string text(const Cell<N>& vertices) {
+  std::string list = "(";
+  for (const std::uint32_t v : vertices) list += (list.size() > 1 ? ", " : "") + std::to_string(v);
+  return list + ")";
+}
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorKind::kBadInput, "mesh: " + message);
+}
+
+void check_input(std::span<const Vec3> points, std::span<const Cell<4>> tets, std::span<const Label> labels) {
+  if (labels.size() != tets.size())
+    refuse(std::to_string(tets.size()) + " tetrahedra but " + std::to_string(labels.size()) + " labels");
+  if (points.size() > TetMesh::kMaxVertices || tets.size() > TetMesh::kMaxTets)
+    refuse("too large: at most 2^30 vertices and 10^9 tetrahedra; choose a coarser mesh");
+  const std::size_t bad_point =
+      first_failing(points.size(), [&](std::size_t i) { return !points[i].allFinite(); });
+  if (bad_point != kNothing)
+    refuse("vertex " + std::to_string(bad_point) + " has a coordinate that is not finite");
+  const std::size_t bad_label = first_failing(labels.size(), [&](std::size_t t) { return labels[t] < 0; });
+  if (bad_label != kNothing) refuse("tetrahedron " + std::to_string(bad_label) + " has a negative label");
+  const auto out_of_range = [&](std::size_t t) {
+    return std::any_of(tets[t].begin(), tets[t].end(), [&](std::uint32_t v) { return v >= points.size(); });
+  };
+  const std::size_t bad_index = first_failing(tets.size(), out_of_range);
+  if (bad_index != kNothing)
+    refuse("tetrahedron " + std::to_string(bad_index) + " " + text(tets[bad_index]) +
+           " names a vertex that is not there; there are " + std::to_string(points.size()));
+  const std::size_t inverted = first_failing(tets.size(), [&](std::size_t t) {
+    const auto& [a, b, c, d] = tets[t];
+    return orient3d(points[a], points[b], points[c], points[d]) <= 0;
+  });
+  if (inverted != kNothing)
+    refuse("tetrahedron " + std::to_string(inverted) + " " + text(tets[inverted]) +
+           " is inverted or flat; exchange two of its vertices or repair the mesh");
+}
+
+/// True if the faces are one face seen from its two sides.
+bool opposite_sides(const Cell<3>& a, const Cell<3>& b) {
+  for (int i = 0; i < 3; ++i)
+    if (b[i] == a[0]) return b[(i + 1) % 3] == a[2] && b[(i + 2) % 3] == a[1];
+  return false;
+}
+
+/// A table of patches, sorted for search, that remembers which of its triangles were asked for.
+class PatchSearch {
+ public:
+  explicit PatchSearch(const PatchTable& table)
+      : entries_(table.triangles.size()), used_(table.triangles.size(), 0) {
+    if (table.patches.size() != table.triangles.size())
+      refuse(std::to_string(table.triangles.size()) + " boundary triangles but " +
+             std::to_string(table.patches.size()) + " patches");
+    parallel::for_each_index(entries_.size(), [&](std::size_t i) {
+      entries_[i] = {sorted_corners(table.triangles[i]), table.patches[i], static_cast<std::uint32_t>(i)};
+    });
+    parallel::sort(entries_.begin(), entries_.end());
+    for (std::size_t i = 1; i < entries_.size(); ++i)
+      if (entries_[i].corners == entries_[i - 1].corners && entries_[i].patch != entries_[i - 1].patch)
+        refuse("boundary triangle " + text(entries_[i].corners) + " stands twice with different patches");
+  }
+
+  /// Patch of a face, or -1. Different faces may be asked for at the same time.
+  [[nodiscard]] std::int32_t patch_of(const Cell<3>& corners) {
+    const Cell<3> key = sorted_corners(corners);
+    auto entry = std::lower_bound(entries_.begin(), entries_.end(), key,
+                                  [](const Entry& e, const Cell<3>& k) { return e.corners < k; });
+    if (entry == entries_.end() || entry->corners != key) return -1;
+    const std::int32_t patch = entry->patch;
+    for (; entry != entries_.end() && entry->corners == key; ++entry)
+      used_[static_cast<std::size_t>(entry - entries_.begin())] = 1;
+    return patch;
+  }
+
+  void refuse_unused() const {
+    for (std::size_t i = 0; i < entries_.size(); ++i)
+      if (used_[i] == 0)
+        refuse("boundary triangle " + std::to_string(entries_[i].index) + " " + text(entries_[i].corners) +
+               " is neither on the outside of the tetrahedra nor between two labels; remove it");
+  }
+
+ private:
+  struct Entry {
+    Cell<3> corners;
+    std::int32_t patch;
+    std::uint32_t index;
+    auto operator<=>(const Entry&) const = default;
+  };
+  std::vector<Entry> entries_;
+  std::vector<char> used_;
+};
+
+}  // namespace
+
+struct TetMesh::Assembly {
+  /// A face on the outside or between labels, named by the tetrahedron of the lower label.
+  struct OpenFace {
+    TetId tet;
+    int face;
+    Label inside, outside;
+    std::int32_t patch = -1;
+  };
+
+  TetMesh mesh;
+  std::vector<OpenFace> open_faces;
+
+  Assembly(std::span<const Vec3> points, std::span<const Cell<4>> tets, std::span<const Label> labels,
+           MeshInfo info) {
+    check_input(points, tets, labels);
+    const auto vertex_count = static_cast<std::uint32_t>(points.size());
+    const auto tet_count = static_cast<std::uint32_t>(tets.size());
+    mesh.commit_vertices(vertex_count);
+    mesh.commit_tets(tet_count);
+    mesh.vertex_pool_ = parallel::SlotPool(vertex_count, 1, 1);
+    mesh.tet_pool_ = parallel::SlotPool(tet_count, 1, 1);
+    mesh.info_ = std::move(info);
+    parallel::for_each_index(vertex_count, [&](std::size_t v) {
+      mesh.points_[v] = points[v];
+      mesh.incident_[v] = TetId();
+      mesh.dimensions_[v] = VertexDimension::kVolume;
+    });
+    parallel::for_each_index(tet_count, [&](std::size_t t) {
+      mesh.tets_[t] = tets[t];
+      mesh.labels_[t] = labels[t];
+      mesh.links_[t] = {};
+    });
+    // The lowest tetrahedron of each vertex: backwards, the last writer wins.
+    for (std::uint32_t t = tet_count; t-- > 0;)
+      for (const std::uint32_t v : tets[t]) mesh.incident_[v] = TetId(t);
+    link_faces();
+    find_open_faces();
+  }
+
+  void link_faces() {
+    const FaceTable table(mesh.tets(), mesh.vertex_slots());
+    std::vector<std::string> problems(table.bucket_count());
+    table.for_each_group([&](std::span<const FaceTable::Face> group, std::size_t bucket) {
+      if (group.size() == 1) return;
+      const TetId t(group[0].ref >> 2), u(group[1].ref >> 2);
+      const int f = static_cast<int>(group[0].ref & 3u), g = static_cast<int>(group[1].ref & 3u);
+      std::string& problem =
+          problems[bucket];  // The first of each bucket, so that the report is always the same.
+      if (group.size() > 2 && problem.empty())
+        problem = "face " + text(group[0].corners) + " belongs to " + std::to_string(group.size()) +
+                  " tetrahedra, such as " + std::to_string(t.value) + " and " + std::to_string(u.value);
+      else if (problem.empty() && !opposite_sides(mesh.face_corners(t, f), mesh.face_corners(u, g)))
+        problem = "tetrahedra " + std::to_string(t.value) + " and " + std::to_string(u.value) +
+                  " lie on the same side of their common face " + text(group[0].corners);
+      mesh.set_link(t, f, FaceLink::to(u, g));
+      mesh.set_link(u, g, FaceLink::to(t, f));
+    });
+    for (const std::string& problem : problems)
+      if (!problem.empty()) refuse(problem);
+  }
+
+  void find_open_faces() {
+    open_faces =
+        parallel::collect<OpenFace>(mesh.tet_slots(), [&](std::size_t i, std::vector<OpenFace>& out) {
+          const TetId t(static_cast<std::uint32_t>(i));
+          const Label mine = mesh.label(t);
+          for (int f = 0; f < 4; ++f) {
+            const FaceLink behind = mesh.link(t, f);
+            if (behind.is_boundary())
+              out.push_back({t, f, mine, kBackground});
+            else if (mine < mesh.label(behind.tet()))
+              out.push_back({t, f, mine, mesh.label(behind.tet())});
+          }
+        });
+  }
+
+  /// Asks `choose` for every open face and stores the answers.
+  void assign_patches(const PatchChooser& choose) {
+    parallel::for_each_index(open_faces.size(), [&](std::size_t i) {
+      OpenFace& open = open_faces[i];
+      open.patch = choose(open.inside, open.outside, mesh.face_corners(open.tet, open.face));
+    });
+    const std::size_t patches = std::min<std::size_t>(mesh.info_.patches.size(), kMaxPatches);
+    const auto unknown = [&](std::size_t i) {
+      return open_faces[i].patch < 0 || static_cast<std::size_t>(open_faces[i].patch) >= patches;
+    };
+    const std::size_t missing = first_failing(open_faces.size(), unknown);
+    if (missing != kNothing) {
+      const OpenFace& open = open_faces[missing];
+      const std::string face = "face " + text(mesh.face_corners(open.tet, open.face)) + " of tetrahedron " +
+                               std::to_string(open.tet.value);
+      if (open.patch < 0)
+        refuse(face + " is on the boundary but has no patch; add a boundary triangle there");
+      refuse(face + " has patch " + std::to_string(open.patch) + " but there are " + std::to_string(patches));
+    }
+    const auto is_interface = [&](const OpenFace& open) {
+      return !mesh.link(open.tet, open.face).is_boundary();
+    };
+    if (std::any_of(open_faces.begin(), open_faces.end(), is_interface)) mesh.enable_interfaces();
+    parallel::for_each_index(open_faces.size(), [&](std::size_t i) {
+      const OpenFace& open = open_faces[i];
+      const PatchId patch(static_cast<std::uint32_t>(open.patch));
+      const FaceLink behind = mesh.link(open.tet, open.face);
+      if (behind.is_boundary()) {
+        mesh.set_link(open.tet, open.face, FaceLink::boundary(patch));
+      } else {
+        mesh.set_interface_patch(open.tet, open.face, patch);
+        mesh.set_interface_patch(behind.tet(), behind.face(), patch);
+      }
+    });
+  }
+
+  /// Makes one patch per pair of labels that meet and returns the chooser for them.
+  [[nodiscard]] PatchChooser make_patches_by_labels() {
+    // Labels ascend on an interface, so that its outside is never the background and the pair tells it from a
+    // wall.
+    using Pair = std::array<Label, 2>;  // Outside, inside: walls come first.
+    std::vector<Pair> pairs(open_faces.size());
+    std::transform(open_faces.begin(), open_faces.end(), pairs.begin(), [](const OpenFace& open) {
+      return Pair{open.outside, open.inside};
+    });
+    parallel::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    const auto walls =
+        std::count_if(pairs.begin(), pairs.end(), [](const Pair& p) { return p[0] == kBackground; });
+    mesh.info_.patches.clear();
+    for (const auto& [outside, inside] : pairs) {
+      const bool wall = outside == kBackground;
+      const std::string name = !wall ? "interface_" + std::to_string(inside) + "_" + std::to_string(outside)
+                               : walls == 1 ? "wall"
+                                            : "wall_" + std::to_string(inside);
+      mesh.info_.patches.push_back(
+          {name, wall ? PatchKind::kWall : PatchKind::kInterface, {inside, outside}});
+    }
+    return [pairs = std::move(pairs)](Label inside, Label outside, const Cell<3>&) {
+      const Pair key = {outside, inside};
+      return static_cast<std::int32_t>(std::lower_bound(pairs.begin(), pairs.end(), key) - pairs.begin());
+    };
+  }
+
+  /// Derives the vertex dimensions: patches meet in curves, curves end or meet in corners.
+  void classify_vertices() {
+    struct Edge {
+      std::uint32_t a, b;
+      std::int32_t patch;
+      auto operator<=>(const Edge&) const = default;
+    };
+    std::vector<Edge> edges(open_faces.size() * 3);
+    parallel::for_each_index(open_faces.size(), [&](std::size_t i) {
+      const Cell<3> v = sorted_corners(mesh.face_corners(open_faces[i].tet, open_faces[i].face));
+      const std::int32_t patch = open_faces[i].patch;
+      edges[3 * i] = {v[0], v[1], patch};
+      edges[3 * i + 1] = {v[0], v[2], patch};
+      edges[3 * i + 2] = {v[1], v[2], patch};
+    });
+    parallel::sort(edges.begin(), edges.end());
+    std::vector<std::uint32_t> ends;  // Both ends of every feature edge.
+    for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
+      const auto& [a, b, patch] = edges[i];
+      for (next = i + 1; next < edges.size() && edges[next].a == a && edges[next].b == b;) ++next;
+      for (const std::uint32_t v : {a, b}) mesh.dimensions_[v] = VertexDimension::kSurface;
+      if (next - i != 2 || edges[i + 1].patch != patch) ends.insert(ends.end(), {a, b});
+    }
+    parallel::sort(ends.begin(), ends.end());
+    for (std::size_t i = 0, next = 0; i < ends.size(); i = next) {
+      for (next = i + 1; next < ends.size() && ends[next] == ends[i];) ++next;
+      mesh.dimensions_[ends[i]] = next - i == 2 ? VertexDimension::kCurve : VertexDimension::kCorner;
+    }
+  }
+};
+
+TetMesh TetMesh::build(std::span<const Vec3> points, std::span<const Cell<4>> tets,
+                       std::span<const Label> labels, const PatchTable& patches, MeshInfo info) {
+  PatchSearch search(patches);
+  Assembly assembly(points, tets, labels, std::move(info));
+  assembly.assign_patches([&](Label, Label, const Cell<3>& corners) { return search.patch_of(corners); });
+  search.refuse_unused();
+  assembly.classify_vertices();
+  return std::move(assembly.mesh);
+}
+
+TetMesh TetMesh::build(std::span<const Vec3> points, std::span<const Cell<4>> tets,
+                       std::span<const Label> labels, const PatchChooser& patches, MeshInfo info) {
+  Assembly assembly(points, tets, labels, std::move(info));
+  assembly.assign_patches(patches);
+  assembly.classify_vertices();
+  return std::move(assembly.mesh);
+}
+
+TetMesh TetMesh::build(std::span<const Vec3> points, std::span<const Cell<4>> tets,
+                       std::span<const Label> labels, MeshInfo info) {
+  Assembly assembly(points, tets, labels, std::move(info));
+  assembly.assign_patches(assembly.make_patches_by_labels());
+  assembly.classify_vertices();
+  return std::move(assembly.mesh);
+}
+
+TetMesh TetMesh::build(const MeshView& view) {
+  if (view.cell_count() != view.tetrahedra.size() || !view.quadrilaterals.empty())
+    refuse("has cells other than tetrahedra; this step needs tetrahedra only");
+  MeshInfo info = view.info != nullptr ? *view.info : MeshInfo();
+  if (view.triangles.empty())
+    return build(view.points, view.tetrahedra, view.tetrahedron_labels, std::move(info));
+  return build(view.points, view.tetrahedra, view.tetrahedron_labels,
+               PatchTable{view.triangles, view.triangle_patches}, std::move(info));
+}
+
+}  // namespace lumesh
