@@ -199,6 +199,12 @@ double LabelField::depth(const Vec3& index) const {
   return std::min(kFieldLimit, 0.5 * (first - second));
 }
 
+std::span<const LabelField::LabelIndex> LabelField::labels_near(const Vec3& index) const {
+  const Place place = locate(index);
+  if (place.brick == nullptr) return {&all_labels_[place.uniform], 1};
+  return {&labels_[place.brick->first_label], place.brick->label_count};
+}
+
 bool LabelField::near_boundary(const Vec3& index) const { return locate(index).brick != nullptr; }
 
 std::size_t LabelField::memory_bytes() const {

@@ -442,6 +442,8 @@ class LabelFieldBuilder {
 
 LabelField::LabelField(const LabelImage& image, const LabelFieldOptions& options) : frame_(image.frame()) {
   options.validate();
+  all_labels_.resize(image.values().size());
+  for (std::size_t i = 0; i < all_labels_.size(); ++i) all_labels_[i] = static_cast<LabelIndex>(i);
   bricks_ = (frame_.size + Index3::Constant(kBrick - 1)) / kBrick;
   LabelFieldBuilder(*this, image, options).build();
 }

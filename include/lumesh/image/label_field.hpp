@@ -55,6 +55,8 @@ class LabelField {
   [[nodiscard]] FieldSample difference(const Vec3& index, LabelIndex first, LabelIndex second) const;
   /// True if the box of indices [low, high] may hold a voxel that is not background; a quick conservative test.
   [[nodiscard]] bool may_hold_object(const Vec3& low, const Vec3& high) const;
+  /// Labels with an indicator of their own around the point; just one where no boundary is near.
+  [[nodiscard]] std::span<const LabelIndex> labels_near(const Vec3& index) const;
   /// How far inside its own label the point is: largest indicator minus the second largest, halved; voxels, >= 0,
   /// at most kFieldLimit, which it is wherever no boundary is near.
   [[nodiscard]] double depth(const Vec3& index) const;
@@ -102,7 +104,8 @@ class LabelField {
   Index3 bricks_ = Index3::Zero();
   std::vector<std::int32_t> brick_of_;  ///< Per brick of the image: index into active_, or -1 - label if uniform.
   std::vector<Brick> active_;
-  std::vector<LabelIndex> labels_;
+  std::vector<LabelIndex> labels_;     ///< Of the active bricks, one after the other.
+  std::vector<LabelIndex> all_labels_;  ///< 0, 1, 2, …: what labels_near() returns parts of in uniform bricks.
   std::vector<float> blocks_;
 };
 

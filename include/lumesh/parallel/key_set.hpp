@@ -59,7 +59,7 @@ class KeySet {
       const std::uint64_t key = slots_[i].load(std::memory_order_relaxed);
       if (key != kEmpty) out.push_back(key);
     });
-    sort(keys.begin(), keys.end());
+    parallel::sort(keys.begin(), keys.end());
     return keys;
   }
 

@@ -1,0 +1,195 @@
+#include "lumesh/domain/image_domain.hpp"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+
+namespace {
+constexpr int kMaxNewtonSteps = 12;
+}
+
+ImageDomain::ImageDomain(const LabelImage& image, const ImageDomainOptions& options)
+    : field_(image, options.field), labels_(image.values()) {
+  const ImageFrame& f = image.frame();
+  index_from_mm_ = f.spacing_mm.cwiseInverse().asDiagonal() * f.direction.transpose();
+  voxel_size_mm_ = std::cbrt(f.voxel_volume_mm3());
+  find_object_box(image);
+  add_border_cuts(image);
+  for (const CutPlane& plane : options.cut_planes) {
+    if (!(plane.normal.norm() > 0) || !plane.normal.allFinite() || !plane.point_mm.allFinite())
+      throw Error(ErrorKind::kUsage, "a cut plane needs a finite point and a normal that is not zero");
+    cuts_.push_back({plane.point_mm, plane.normal.normalized()});
+  }
+}
+
+void ImageDomain::find_object_box(const LabelImage& image) {
+  struct Box {
+    Index3 low, high;
+  };
+  const ImageFrame& f = image.frame();
+  const auto rows = static_cast<std::size_t>(f.size.y()) * static_cast<std::size_t>(f.size.z());
+  const auto width = static_cast<std::size_t>(f.size.x());
+  const Box none{f.size, Index3::Constant(-1)};
+  const Box box = parallel::reduce_blocks(
+      rows, 512, none,
+      [&](std::size_t begin, std::size_t end) {
+        Box b = none;
+        for (std::size_t r = begin; r < end; ++r) {
+          const LabelImage::Index* row = &image.voxels()[r * width];
+          std::size_t first = 0;
+          while (first < width && row[first] == 0) ++first;
+          if (first == width) continue;
+          std::size_t last = width - 1;
+          while (row[last] == 0) --last;
+          const auto j = static_cast<int>(r % static_cast<std::size_t>(f.size.y()));
+          const auto k = static_cast<int>(r / static_cast<std::size_t>(f.size.y()));
+          b.low = b.low.cwiseMin(Index3(static_cast<int>(first), j, k));
+          b.high = b.high.cwiseMax(Index3(static_cast<int>(last), j, k));
+        }
+        return b;
+      },
+      [](Box a, const Box& b) { return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)}; });
+  object_box_ = {box.low, box.high};
+}
+
+void ImageDomain::add_border_cuts(const LabelImage& image) {
+  const ImageFrame& f = image.frame();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool upper : {false, true}) {
+      const bool touches = upper ? object_box_[1][axis] == f.size[axis] - 1 : object_box_[0][axis] == 0;
+      if (!touches) continue;
+      Vec3 index = Vec3::Zero();
+      index[axis] = upper ? f.size[axis] - 0.5 : -0.5;
+      const Vec3 normal = f.direction.col(axis) * (upper ? 1.0 : -1.0);
+      cuts_.push_back({f.to_physical(index), normal});
+    }
+  }
+}
+
+Material ImageDomain::material_at(const Vec3& point_mm) const {
+  double furthest = 0;
+  std::size_t cut = cuts_.size();
+  for (std::size_t c = 0; c < cuts_.size(); ++c) {
+    const double beyond = cuts_[c].normal.dot(point_mm - cuts_[c].point_mm);
+    if (beyond > furthest) {
+      furthest = beyond;
+      cut = c;
+    }
+  }
+  if (cut < cuts_.size()) return static_cast<Material>(labels_.size() + cut);
+  return field_.label_at(frame().to_index(point_mm));
+}
+
+Label ImageDomain::label_at(const Vec3& point_mm) const { return label_of(material_at(point_mm)); }
+
+FieldSample ImageDomain::separation(const Vec3& point_mm, Material first, Material second) const {
+  // A cut plane lies between the material and the cut; between two cuts it is where they are equally far.
+  if (is_cut(first) || is_cut(second)) {
+    FieldSample result;
+    if (is_cut(first)) {
+      const CutPlane& plane = cut_plane(first);
+      result.value += plane.normal.dot(point_mm - plane.point_mm);
+      result.gradient += plane.normal;
+    }
+    if (is_cut(second)) {
+      const CutPlane& plane = cut_plane(second);
+      result.value -= plane.normal.dot(point_mm - plane.point_mm);
+      result.gradient -= plane.normal;
+    }
+    return result;
+  }
+  const FieldSample in_voxels = field_.difference(frame().to_index(point_mm), static_cast<LabelImage::Index>(first),
+                                                  static_cast<LabelImage::Index>(second));
+  // The indicator counts voxels; dividing by its slope would make it a distance, a constant factor is enough here.
+  return {in_voxels.value * voxel_size_mm_, index_from_mm_.transpose() * in_voxels.gradient * voxel_size_mm_};
+}
+
+std::optional<Vec3> ImageDomain::project(const Vec3& start_mm, const MaterialSet& set, double reach_mm,
+                                         double offset_mm) const {
+  Vec3 x = start_mm;
+  const double close_mm = 1e-4 * voxel_size_mm_;
+  for (int step = 0; step < kMaxNewtonSteps; ++step) {
+    const Vec3 move = newton_step(x, set, offset_mm);
+    if (!move.allFinite()) return std::nullopt;
+    const double length = move.norm();
+    x += length > voxel_size_mm_ ? Vec3(move * (voxel_size_mm_ / length)) : move;
+    if ((x - start_mm).norm() > reach_mm) return std::nullopt;
+    if (length < close_mm) return x;
+  }
+  return std::nullopt;
+}
+
+Vec3 ImageDomain::newton_step(const Vec3& x, const MaterialSet& set, double offset_mm) const {
+  constexpr double kFlat = 1e-3;  // squared slope below which a separation says nothing about its zero
+  if (set.size() == 2) {
+    const FieldSample s = separation(x, set[0], set[1]);
+    const double slope2 = s.gradient.squaredNorm();
+    if (slope2 < kFlat) return Vec3::Constant(NAN);
+    return s.gradient * ((offset_mm - s.value) / slope2);
+  }
+  // Gauss-Newton with the least step: all separations from the first material vanish together.
+  const auto rows = static_cast<Eigen::Index>(std::min<std::size_t>(set.size() - 1, 3));
+  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> slope(rows, 3);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> residual(rows);
+  // Materials come ascending, cut planes last: count from the last, so that a plane meets each label by itself.
+  const Material pivot = is_cut(set[set.size() - 1]) ? set[0] : set[set.size() - 1];
+  Eigen::Index row = 0;
+  for (const Material m : set) {
+    if (m == pivot || row == rows) continue;
+    const FieldSample s = separation(x, m, pivot);
+    if (s.gradient.squaredNorm() < kFlat) return Vec3::Constant(NAN);
+    slope.row(row) = s.gradient.transpose();
+    residual[row] = s.value;
+    ++row;
+  }
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> normal = slope * slope.transpose();
+  normal.diagonal().array() += 1e-6 * normal.trace();
+  return -slope.transpose() * normal.ldlt().solve(residual);
+}
+
+std::optional<BoundaryPoint> ImageDomain::nearest_boundary(const Vec3& point_mm) const {
+  const double reach = LabelField::kFieldLimit * frame().spacing_mm.maxCoeff() * 1.5;
+  const Material own = material_at(point_mm);
+  std::optional<BoundaryPoint> best;
+  const auto consider = [&](Material inside, Material outside) {
+    MaterialSet pair;
+    pair.insert(inside);
+    pair.insert(outside);
+    const std::optional<Vec3> x = project(point_mm, pair, reach);
+    if (!x || (best && (*x - point_mm).norm() >= (best->position_mm - point_mm).norm())) return;
+    best = BoundaryPoint{*x, -separation(*x, inside, outside).gradient.normalized(), {inside, outside}};
+  };
+  for (const Material other : field_.labels_near(frame().to_index(point_mm))) {
+    if (other != own && !is_cut(own)) consider(own, other);
+  }
+  if (is_meshed(own)) {
+    for (std::size_t c = 0; c < cuts_.size(); ++c) consider(own, static_cast<Material>(labels_.size() + c));
+  }
+  return best;
+}
+
+std::optional<Vec3> ImageDomain::first_crossing(const Vec3& from_mm, const Vec3& to_mm) const {
+  const double length = (to_mm - from_mm).norm();
+  const int steps = std::max(1, static_cast<int>(std::ceil(length / (0.5 * frame().spacing_mm.minCoeff()))));
+  const Material start = material_at(from_mm);
+  Vec3 low = from_mm;
+  for (int s = 1; s <= steps; ++s) {
+    Vec3 high = from_mm + (to_mm - from_mm) * (static_cast<double>(s) / steps);
+    if (material_at(high) == start) {
+      low = high;
+      continue;
+    }
+    for (int i = 0; i < 30; ++i) {
+      const Vec3 middle = 0.5 * (low + high);
+      (material_at(middle) == start ? low : high) = middle;
+    }
+    return Vec3(0.5 * (low + high));
+  }
+  return std::nullopt;
+}
+
+}  // namespace lumesh

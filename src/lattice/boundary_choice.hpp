@@ -1,0 +1,18 @@
+#pragma once
+// The choice of the boundary: tetrahedra change their material until every label's boundary is a manifold surface
+// without spikes and pits, so that it can be fitted to the image.
+
+#include "work_mesh.hpp"
+
+namespace lumesh {
+
+struct BoundaryChoice {
+  std::size_t relabelled = 0;
+  std::size_t non_manifold_vertices = 0;  ///< Left over; 0 unless the image is degenerate at the lattice's scale.
+};
+
+/// Works on mesh.materials alone. A label's boundary is manifold when around every vertex both the label's
+/// tetrahedra and the others are connected through faces.
+BoundaryChoice choose_boundary(WorkMesh& mesh, const ImageDomain& domain);
+
+}  // namespace lumesh

@@ -1,0 +1,252 @@
+#include "fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "lumesh/parallel/loops.hpp"
+#include "star_quality.hpp"
+#include "vertex_colours.hpp"
+
+namespace lumesh {
+
+namespace {
+
+class Fitter {
+ public:
+  Fitter(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain, const FitOptions& options)
+      : mesh_(mesh),
+        boundary_(boundary),
+        domain_(domain),
+        floor_(angle_quality(options.min_dihedral_deg, options.max_dihedral_deg)),
+        offset_mm_(mesh.positions.size(), 0.0) {}
+
+  FitReport run() {
+    find_surface_neighbours();
+    colours_ = colour_vertices(mesh_, active_vertices());
+    for (int s = 0; s < 6; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, 0.30 - 0.03 * s); });
+    for (int s = 0; s < 6; ++s) {
+      if (s == 2) balance_volume();
+      sweep([&](std::uint32_t v) { improve_vertex(v, 0.5); });
+      sweep([&](std::uint32_t v) { fit_vertex(v, floor_); });
+    }
+    for (int s = 0; s < 3; ++s) sweep([&](std::uint32_t v) { improve_vertex(v, 0.4); });
+    return report();
+  }
+
+ private:
+  [[nodiscard]] bool constrained(std::uint32_t v) const { return boundary_.sets[v].size() >= 2; }
+
+  /// Vertices joined to each boundary vertex by an edge of a boundary triangle and bound by at least its materials.
+  void find_surface_neighbours() {
+    std::vector<std::uint64_t> edges;
+    edges.reserve(6 * boundary_.triangles.size());
+    for (const BoundaryTriangle& t : boundary_.triangles) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t a = t.vertices[i];
+        const std::uint32_t b = t.vertices[(i + 1) % 3];
+        if (boundary_.sets[b].contains_all(boundary_.sets[a])) edges.push_back(std::uint64_t{a} << 32 | b);
+        if (boundary_.sets[a].contains_all(boundary_.sets[b])) edges.push_back(std::uint64_t{b} << 32 | a);
+      }
+    }
+    parallel::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    surface_begin_.assign(mesh_.positions.size() + 1, 0);
+    for (const std::uint64_t e : edges) ++surface_begin_[(e >> 32) + 1];
+    for (std::size_t v = 0; v < mesh_.positions.size(); ++v) surface_begin_[v + 1] += surface_begin_[v];
+    surface_.resize(edges.size());
+    for (std::size_t i = 0; i < edges.size(); ++i) surface_[i] = static_cast<std::uint32_t>(edges[i]);
+  }
+
+  /// Boundary vertices and three rings of others behind them.
+  [[nodiscard]] std::vector<std::uint32_t> active_vertices() const {
+    constexpr int kRings = 3;
+    std::vector<std::uint8_t> ring(mesh_.positions.size(), kRings + 1);
+    parallel::for_each_index(ring.size(), [&](std::size_t v) {
+      if (constrained(static_cast<std::uint32_t>(v))) ring[v] = 0;
+    });
+    for (std::uint8_t r = 1; r <= kRings; ++r) {
+      const std::vector<std::uint8_t> before = ring;
+      parallel::for_each_index(ring.size(), [&](std::size_t v) {
+        if (before[v] <= r) return;
+        for (const std::uint32_t t : mesh_.star(static_cast<std::uint32_t>(v))) {
+          for (const std::uint32_t w : mesh_.tets[t]) {
+            if (before[w] < r) ring[v] = r;
+          }
+        }
+      });
+    }
+    return parallel::collect<std::uint32_t>(ring.size(), [&](std::size_t v, auto& out) {
+      if (ring[v] <= kRings) out.push_back(static_cast<std::uint32_t>(v));
+    });
+  }
+
+  template <class Move>
+  void sweep(const Move& move) {
+    for (const std::vector<std::uint32_t>& colour : colours_)
+      parallel::for_each_index(colour.size(), [&](std::size_t i) { move(colour[i]); }, 64);
+  }
+
+  [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const {
+    Vec3 sum = Vec3::Zero();
+    std::size_t count = 0;
+    for (const std::uint32_t t : mesh_.star(v)) {
+      for (const std::uint32_t w : mesh_.tets[t]) {
+        if (w == v) continue;
+        sum += mesh_.positions[w];
+        ++count;
+      }
+    }
+    return sum / static_cast<double>(count);
+  }
+
+  [[nodiscard]] Vec3 mean_of_surface(std::uint32_t v) const {
+    const std::uint32_t begin = surface_begin_[v];
+    const std::uint32_t end = surface_begin_[v + 1];
+    if (begin == end) return mesh_.positions[v];
+    Vec3 sum = Vec3::Zero();
+    for (std::uint32_t i = begin; i < end; ++i) sum += mesh_.positions[surface_[i]];
+    return sum / (end - begin);
+  }
+
+  [[nodiscard]] std::optional<Vec3> on_boundary(std::uint32_t v, const Vec3& near) const {
+    const MaterialSet& set = boundary_.sets[v];
+    const double reach = 4 * domain_.voxel_size_mm();
+    if (auto p = domain_.project(near, set, reach, offset_mm_[v])) return p;
+    return std::nullopt;
+  }
+
+  /// Carries a boundary vertex to the boundary, evenly spread, as far as the star allows; others go to the middle.
+  void fit_vertex(std::uint32_t v, double floor) {
+    const Vec3 x = mesh_.positions[v];
+    if (!constrained(v)) {
+      improve_vertex(v, 0.6);
+      return;
+    }
+    std::optional<Vec3> target = on_boundary(v, x + 0.6 * (mean_of_surface(v) - x));
+    if (!target) target = on_boundary(v, x);
+    if (!target) target = mean_of_surface(v);
+    const StarQuality star(mesh_, v);
+    const double now = star.worst(x, -2);
+    const double enough = std::min(floor, now);
+    for (const double part : {1.0, 0.7, 0.4, 0.2, 0.1}) {
+      const Vec3 y = x + part * (*target - x);
+      const double q = star.worst(y, enough);
+      if (q >= enough && (q >= floor || q > now)) {
+        mesh_.positions[v] = y;
+        return;
+      }
+    }
+  }
+
+  /// Looks for a better place by compass search, on the boundary if the vertex is bound to it.
+  void improve_vertex(std::uint32_t v, double good_enough) {
+    const Vec3 x = mesh_.positions[v];
+    const StarQuality star(mesh_, v);
+    double best_quality = star.worst(x, -2);
+    if (best_quality >= good_enough) return;
+    Vec3 best = x;
+    const bool bound = constrained(v);
+    const auto consider = [&](const Vec3& wish) {
+      Vec3 y = wish;
+      if (bound) {
+        const std::optional<Vec3> p = on_boundary(v, wish);
+        if (!p) return false;
+        y = *p;
+      }
+      const double q = star.worst(y, best_quality);
+      if (q <= best_quality) return false;
+      best_quality = q;
+      best = y;
+      return true;
+    };
+    if (bound && distance_to_boundary(v) > 0.02 * domain_.voxel_size_mm()) return;
+    const Vec3 middle = bound ? mean_of_surface(v) : mean_of_star(v);
+    consider(middle);
+    consider(0.5 * (x + middle));
+    double step = 0.15 * (mean_of_star(v) - mesh_.positions[other_corner(v)]).norm();
+    for (int round = 0; round < 4; ++round) {
+      bool moved = false;
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const double sign : {-1.0, 1.0}) {
+          Vec3 y = best;
+          y[axis] += sign * step;
+          moved |= consider(y);
+        }
+      }
+      if (!moved) step *= 0.5;
+    }
+    mesh_.positions[v] = best;
+  }
+
+  [[nodiscard]] std::uint32_t other_corner(std::uint32_t v) const {
+    const Corner4& c = mesh_.tets[mesh_.star(v)[0]];
+    return c[0] == v ? c[1] : c[0];
+  }
+
+  [[nodiscard]] double distance_to_boundary(std::uint32_t v) const {
+    const std::optional<Vec3> p = on_boundary(v, mesh_.positions[v]);
+    return p ? (*p - mesh_.positions[v]).norm() : domain_.voxel_size_mm();
+  }
+
+  /// Flat triangles between vertices on a curved surface cut its bulges off. Shifting the vertices outwards by the
+  /// mean sag around them keeps the volume and halves the largest distance.
+  void balance_volume() {
+    std::vector<double> sag(mesh_.positions.size(), 0.0);
+    std::vector<double> weight(mesh_.positions.size(), 0.0);
+    for (const BoundaryTriangle& t : boundary_.triangles) {
+      if (domain_.is_cut(t.outside)) continue;
+      const Vec3& a = mesh_.positions[t.vertices[0]];
+      const Vec3& b = mesh_.positions[t.vertices[1]];
+      const Vec3& c = mesh_.positions[t.vertices[2]];
+      const double area = (b - a).cross(c - a).norm();
+      double mean = 0;
+      for (const Vec3& p : {Vec3((a + b + c) / 3), Vec3((4 * a + b + c) / 6), Vec3((a + 4 * b + c) / 6), Vec3((a + b + 4 * c) / 6)}) {
+        const FieldSample s = domain_.separation(p, t.inside, t.outside);
+        const double slope = s.gradient.norm();
+        if (slope > 0.1) mean += 0.25 * s.value / slope;
+      }
+      for (const std::uint32_t v : t.vertices) {
+        const MaterialSet& set = boundary_.sets[v];
+        if (set.size() != 2) continue;
+        const double sign = set[0] == t.inside ? 1 : -1;
+        sag[v] += sign * area * mean;
+        weight[v] += area;
+      }
+    }
+    for (std::size_t v = 0; v < sag.size(); ++v) {
+      if (weight[v] > 0) offset_mm_[v] -= std::clamp(sag[v] / weight[v], -0.5 * domain_.voxel_size_mm(), 0.5 * domain_.voxel_size_mm());
+    }
+  }
+
+  [[nodiscard]] FitReport report() const {
+    FitReport r;
+    std::vector<double> distance(mesh_.positions.size(), 0);
+    parallel::for_each_index(distance.size(), [&](std::size_t v) {
+      if (constrained(static_cast<std::uint32_t>(v))) distance[v] = distance_to_boundary(static_cast<std::uint32_t>(v));
+    });
+    for (const double d : distance) {
+      r.largest_offset_mm = std::max(r.largest_offset_mm, d);
+      r.off_boundary_vertices += d > 0.1 * domain_.voxel_size_mm() ? 1 : 0;
+    }
+    return r;
+  }
+
+  WorkMesh& mesh_;
+  const BoundaryModel& boundary_;
+  const ImageDomain& domain_;
+  double floor_;
+  std::vector<double> offset_mm_;  // where separation shall be on each boundary vertex
+  std::vector<std::uint32_t> surface_begin_;
+  std::vector<std::uint32_t> surface_;
+  std::vector<std::vector<std::uint32_t>> colours_;
+};
+
+}  // namespace
+
+FitReport fit_to_domain(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
+                        const FitOptions& options) {
+  return Fitter(mesh, boundary, domain, options).run();
+}
+
+}  // namespace lumesh

@@ -1,0 +1,235 @@
+#include "refinement.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "lumesh/parallel/key_set.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+
+namespace {
+
+using bcc::Corners;
+using bcc::Key;
+
+/// Grows the set of leaves level by level, then closes it: see algorithms in bcc.hpp.
+class Refiner {
+ public:
+  Refiner(const LatticeFrame& frame, const ImageDomain& domain, const SizeGrid& sizes)
+      : frame_(frame), domain_(domain), sizes_(sizes), leaves_(static_cast<std::size_t>(frame.levels) + 1) {}
+
+  std::vector<Corners> run() {
+    leaves_[0] = coarse_tetrahedra();
+    for (int level = 0; level < frame_.levels; ++level) {
+      refine(level, [&](const Corners& t) { return wants_children(t, level); });
+    }
+    while (close_once()) {
+    }
+    return emit();
+  }
+
+ private:
+  std::vector<Corners> coarse_tetrahedra() const {
+    const Index3 n = frame_.cells;
+    const int s = frame_.step(0);
+    const auto count = static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
+    return parallel::collect<Corners>(
+        count,
+        [&](std::size_t c, std::vector<Corners>& out) {
+          const auto nx = static_cast<std::size_t>(n.x());
+          const auto ny = static_cast<std::size_t>(n.y());
+          const Index3 cell(static_cast<int>(c % nx), static_cast<int>(c / nx % ny), static_cast<int>(c / (nx * ny)));
+          const Index3 centre = 2 * s * cell + Index3::Constant(s);
+          for (int axis = 0; axis < 3; ++axis) {
+            if (cell[axis] + 1 == n[axis]) continue;
+            append_face_tetrahedra(centre, axis, s, out);
+          }
+        },
+        512);
+  }
+
+  /// The four tetrahedra that straddle the face between a cube and the next one along an axis.
+  void append_face_tetrahedra(const Index3& centre, int axis, int s, std::vector<Corners>& out) const {
+    const auto key = [](const Index3& p) {
+      return bcc::pack(static_cast<std::uint32_t>(p.x()), static_cast<std::uint32_t>(p.y()),
+                       static_cast<std::uint32_t>(p.z()));
+    };
+    const int u = (axis + 1) % 3;
+    const int v = (axis + 2) % 3;
+    Index3 next = centre;
+    next[axis] += 2 * s;
+    // Face corners anticlockwise seen from the next cube.
+    std::array<Index3, 4> ring;
+    constexpr int kTurn[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    for (std::size_t i = 0; i < 4; ++i) {
+      ring[i] = centre;
+      ring[i][axis] += s;
+      ring[i][u] += kTurn[i][0] * s;
+      ring[i][v] += kTurn[i][1] * s;
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Corners t = {key(centre), key(next), key(ring[i]), key(ring[(i + 1) % 4])};
+      if (near_object(t)) out.push_back(t);
+    }
+  }
+
+  /// Keeps one more ring of tetrahedra around the object, which the choice of the boundary looks at.
+  bool near_object(const Corners& t) const {
+    Vec3 low = Vec3::Constant(1e300);
+    Vec3 high = -low;
+    for (const Key key : t) {
+      const Vec3 p = domain_.frame().to_index(frame_.position_mm(key));
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    const Vec3 margin = Vec3::Ones() + 0.75 * frame_.spacing_mm(0) * domain_.frame().spacing_mm.cwiseInverse();
+    return domain_.field().may_hold_object(low - margin, high + margin);
+  }
+
+  bool wants_children(const Corners& t, int level) const {
+    Vec3 centre = Vec3::Zero();
+    for (const Key key : t) centre += 0.25 * frame_.position_mm(key);
+    constexpr double kCircumradius = 0.559017;  // of a lattice tetrahedron with spacing 1: sqrt(5) / 4
+    return sizes_.level_wanted(centre, kCircumradius * frame_.spacing_mm(level)) > level;
+  }
+
+  /// Replaces the leaves of a level that `chosen` picks by their children.
+  template <class Chosen>
+  bool refine(int level, const Chosen& chosen) {
+    std::vector<Corners>& from = leaves_[static_cast<std::size_t>(level)];
+    std::vector<std::uint8_t> flag(from.size());
+    parallel::for_each_index(from.size(), [&](std::size_t i) { flag[i] = chosen(from[i]) ? 1 : 0; }, 512);
+    const auto picked = parallel::collect<std::uint32_t>(from.size(), [&](std::size_t i, auto& out) {
+      if (flag[i] != 0) out.push_back(static_cast<std::uint32_t>(i));
+    });
+    if (picked.empty()) return false;
+    split_count_ += 6 * picked.size();
+    split_.reserve(split_count_);
+    std::vector<Corners>& to = leaves_[static_cast<std::size_t>(level) + 1];
+    const std::size_t old = to.size();
+    to.resize(old + 8 * picked.size());
+    parallel::for_each_index(picked.size(), [&](std::size_t i) {
+      const Corners& t = from[picked[i]];
+      for (const auto& [a, b] : bcc::kEdge) split_.insert(bcc::midpoint(t[a], t[b]));
+      const auto children = bcc::red_children(t);
+      std::copy(children.begin(), children.end(), to.begin() + static_cast<std::ptrdiff_t>(old + 8 * i));
+    });
+    from = parallel::collect<Corners>(from.size(), [&](std::size_t i, auto& out) {
+      if (flag[i] == 0) out.push_back(from[i]);
+    });
+    return true;
+  }
+
+  unsigned split_edges(const Corners& t) const {
+    unsigned mask = 0;
+    for (std::size_t e = 0; e < 6; ++e) {
+      if (split_.contains(bcc::midpoint(t[bcc::kEdge[e][0]], t[bcc::kEdge[e][1]]))) mask |= 1U << e;
+    }
+    return mask;
+  }
+
+  /// A green element must not touch anything two levels finer: no half of a split edge, and no edge between the
+  /// midpoints on one face, may be split again.
+  bool split_twice(const Corners& t, unsigned mask) const {
+    std::array<Key, 6> middle;
+    for (std::size_t e = 0; e < 6; ++e) {
+      if ((mask >> e & 1U) == 0) continue;
+      const auto [a, b] = bcc::kEdge[e];
+      middle[e] = bcc::midpoint(t[a], t[b]);
+      if (is_split(t[a], middle[e]) || is_split(middle[e], t[b])) return true;
+    }
+    for (const auto& face : bcc::kFaceEdges) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t e = face[i];
+        const std::size_t f = face[(i + 1) % 3];
+        if ((mask >> e & 1U) != 0 && (mask >> f & 1U) != 0 && is_split(middle[e], middle[f])) return true;
+      }
+    }
+    return false;
+  }
+
+  /// Only edges whose ends have an even sum have a midpoint in whole numbers; finer ones are never split.
+  bool is_split(Key a, Key b) const {
+    constexpr Key kOdd = bcc::pack(1, 1, 1);
+    return ((a ^ b) & kOdd) == 0 && split_.contains(bcc::midpoint(a, b));
+  }
+
+  /// One sweep of the closure rules from fine to coarse; false when nothing changed.
+  bool close_once() {
+    bool changed = false;
+    for (int level = frame_.levels - 1; level >= 0; --level) {
+      const std::vector<Corners>& leaves = leaves_[static_cast<std::size_t>(level)];
+      const auto thirds = parallel::collect<Key>(leaves.size(), [&](std::size_t i, auto& out) {
+        const unsigned mask = split_edges(leaves[i]);
+        if (bcc::closure_of(mask) != bcc::Closure::kSplitThird) return;
+        const auto [a, b] = bcc::kEdge[bcc::third_edge(mask)];
+        out.push_back(bcc::midpoint(leaves[i][a], leaves[i][b]));
+      });
+      split_count_ += thirds.size();
+      split_.reserve(split_count_);
+      for (const Key key : thirds) split_.insert(key);
+      changed |= !thirds.empty();
+      changed |= refine(level, [&](const Corners& t) {
+        const unsigned mask = split_edges(t);
+        return bcc::closure_of(mask) == bcc::Closure::kRed || (mask != 0 && split_twice(t, mask));
+      });
+    }
+    return changed;
+  }
+
+  std::vector<Corners> emit() const {
+    std::vector<Corners> all;
+    for (const std::vector<Corners>& leaves : leaves_) {
+      const auto part = parallel::collect<Corners>(leaves.size(), [&](std::size_t i, auto& out) {
+        const unsigned mask = split_edges(leaves[i]);
+        if (mask == 0) {
+          out.push_back(leaves[i]);
+          return;
+        }
+        const bcc::GreenChildren children = bcc::green_children(leaves[i], mask);
+        out.insert(out.end(), children.items.begin(),
+                   children.items.begin() + static_cast<std::ptrdiff_t>(children.count));
+      });
+      all.insert(all.end(), part.begin(), part.end());
+    }
+    return all;
+  }
+
+  const LatticeFrame& frame_;
+  const ImageDomain& domain_;
+  const SizeGrid& sizes_;
+  std::vector<std::vector<Corners>> leaves_;  // per level
+  parallel::KeySet split_;                    // midpoints of split edges
+  std::size_t split_count_ = 0;               // upper bound of its size
+};
+
+}  // namespace
+
+LatticeFrame make_lattice_frame(const ImageDomain& domain, double coarsest_mm, int levels) {
+  const ImageFrame& image = domain.frame();
+  LatticeFrame frame;
+  frame.levels = levels;
+  frame.unit_mm = coarsest_mm / (2 * frame.step(0));
+  frame.axes = image.direction;
+  const auto [low, high] = domain.object_box();
+  // The box of the voxels in mm along the image's axes, and one cube more on each side.
+  const Vec3 extent = (high - low + Index3::Ones()).cast<double>().cwiseProduct(image.spacing_mm);
+  Vec3 corner = low.cast<double>() - Vec3::Constant(0.5);
+  if (frame.axes.determinant() < 0) {  // mirror the third axis to get a proper rotation
+    frame.axes.col(2) = -frame.axes.col(2);
+    corner.z() = high.z() + 0.5;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    frame.cells[axis] = static_cast<int>(std::ceil(extent[axis] / coarsest_mm)) + 3;
+  }
+  const Vec3 spare = frame.cells.cast<double>() * coarsest_mm - extent;
+  frame.origin_mm = image.to_physical(corner) - frame.axes * (0.5 * spare);
+  return frame;
+}
+
+std::vector<Corners> refined_lattice(const LatticeFrame& frame, const ImageDomain& domain, const SizeGrid& sizes) {
+  return Refiner(frame, domain, sizes).run();
+}
+
+}  // namespace lumesh

@@ -1,0 +1,113 @@
+#include "size_grid.hpp"
+
+#include <cmath>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+
+SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
+                   double coarsest_mm)
+    : image_(image),
+      domain_(domain),
+      coarsest_mm_(coarsest_mm),
+      least_level_(options.coarsening),
+      most_level_(options.coarsening + options.max_refinement),
+      cells_((image.frame().size + Index3::Constant(kCell - 1)) / kCell) {
+  for (const Label label : image.values()) {
+    const auto own = options.label_fidelity.find(label);
+    const double fidelity = own == options.label_fidelity.end() ? options.fidelity : own->second;
+    thickness_factor_.push_back(2 * (1 - fidelity));  // 4 (1 - F) of half the chord
+  }
+  wanted_.resize(static_cast<std::size_t>(cells_.x()) * static_cast<std::size_t>(cells_.y()) *
+                 static_cast<std::size_t>(cells_.z()));
+  const Index3 bricks = (image.frame().size + Index3::Constant(LabelField::kBrick - 1)) / LabelField::kBrick;
+  parallel::for_each_index(
+      static_cast<std::size_t>(bricks.prod()),
+      [&](std::size_t b) {
+        const auto n = static_cast<int>(b);
+        const Index3 low = LabelField::kBrick * Index3(n % bricks.x(), n / bricks.x() % bricks.y(),
+                                                       n / (bricks.x() * bricks.y()));
+        if (domain_.field().near_boundary(low.cast<double>())) fill_brick(low);
+      },
+      16);
+}
+
+void SizeGrid::fill_brick(const Index3& low) {
+  const Index3 high = (low + Index3::Constant(LabelField::kBrick)).cwiseMin(image_.frame().size);
+  for (int k = low.z(); k < high.z(); ++k) {
+    for (int j = low.y(); j < high.y(); ++j) {
+      for (int i = low.x(); i < high.x(); ++i) {
+        const int level = voxel_level({i, j, k});
+        if (level < 0) continue;
+        std::uint8_t& cell = wanted_[static_cast<std::size_t>(i / kCell) +
+                                     static_cast<std::size_t>(cells_.x()) *
+                                         (static_cast<std::size_t>(j / kCell) +
+                                          static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(k / kCell))];
+        cell = std::max(cell, static_cast<std::uint8_t>(level + 1));
+      }
+    }
+  }
+}
+
+int SizeGrid::voxel_level(const Index3& voxel) const {
+  const ImageFrame& frame = image_.frame();
+  const LabelImage::Index own = image_.at(voxel);
+  bool boundary = false;
+  for (int axis = 0; axis < 3 && !boundary; ++axis) {
+    for (const int d : {-1, 1}) {
+      Index3 next = voxel;
+      next[axis] += d;
+      boundary |= frame.contains(next) ? image_.at(next) != own : own != 0;
+    }
+  }
+  if (!boundary) return -1;
+  const double factor = thickness_factor_[own];
+  const double widest_mm = coarsest_mm_ / std::exp2(least_level_);
+  const double chord = chord_mm(voxel, own, 1.01 * widest_mm / factor);
+  int level = least_level_;
+  while (level < most_level_ && coarsest_mm_ / std::exp2(level) > factor * chord) ++level;
+  return level;
+}
+
+double SizeGrid::chord_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const {
+  const ImageFrame& frame = image_.frame();
+  const Vec3 start = voxel.cast<double>();
+  // Gradient per mm along the image axes, then the step per mm in voxels.
+  const Vec3 gradient = domain_.field().sample(start, label).gradient.cwiseQuotient(frame.spacing_mm);
+  if (gradient.norm() < 1e-3) return limit_mm;
+  const Vec3 step = gradient.normalized().cwiseQuotient(frame.spacing_mm);
+  const double step_mm = 0.5 * frame.spacing_mm.minCoeff();
+  const double behind_mm = 0.5 * step_mm + 0.25 * frame.spacing_mm.minCoeff();
+  for (double t = step_mm; t + behind_mm < limit_mm; t += step_mm) {
+    const Vec3 x = start + t * step;
+    const Index3 v(static_cast<int>(std::lround(x.x())), static_cast<int>(std::lround(x.y())),
+                   static_cast<int>(std::lround(x.z())));
+    if (!frame.contains(v)) return limit_mm;
+    if (image_.at(v) != label) return t + behind_mm;
+  }
+  return limit_mm;
+}
+
+int SizeGrid::level_wanted(const Vec3& point_mm, double radius_mm) const {
+  const ImageFrame& frame = image_.frame();
+  const Vec3 centre = frame.to_index(point_mm);
+  const Vec3 radius = radius_mm * frame.spacing_mm.cwiseInverse();
+  Index3 low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = std::max(0, static_cast<int>(std::floor((centre[axis] - radius[axis]) / kCell)));
+    high[axis] = std::min(cells_[axis] - 1, static_cast<int>(std::floor((centre[axis] + radius[axis]) / kCell)));
+  }
+  std::uint8_t most = 0;
+  for (int k = low.z(); k <= high.z(); ++k) {
+    for (int j = low.y(); j <= high.y(); ++j) {
+      const std::size_t row = static_cast<std::size_t>(cells_.x()) *
+                              (static_cast<std::size_t>(j) +
+                               static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(k));
+      for (int i = low.x(); i <= high.x(); ++i) most = std::max(most, wanted_[row + static_cast<std::size_t>(i)]);
+    }
+  }
+  return static_cast<int>(most) - 1;
+}
+
+}  // namespace lumesh

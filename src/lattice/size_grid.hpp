@@ -1,0 +1,40 @@
+#pragma once
+// How fine the lattice must be, place by place: from the local thickness of the labels at their boundaries.
+
+#include <vector>
+
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/image/label_image.hpp"
+#include "lumesh/lattice/lattice.hpp"
+
+namespace lumesh {
+
+/// Least refinement level wanted near each boundary, on a grid of 2^3 voxels. The thickness of a label at a boundary
+/// voxel is the chord through the label along the smoothed field's normal; the background's counts as well, so that
+/// two vessels side by side are kept apart.
+class SizeGrid {
+ public:
+  /// @param coarsest_mm  Spacing of level 0.
+  SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options, double coarsest_mm);
+
+  /// Largest level wanted by a boundary within `radius_mm` of the point; -1 where there is no boundary.
+  [[nodiscard]] int level_wanted(const Vec3& point_mm, double radius_mm) const;
+
+ private:
+  static constexpr int kCell = 2;
+
+  [[nodiscard]] int voxel_level(const Index3& voxel) const;
+  [[nodiscard]] double chord_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const;
+  void fill_brick(const Index3& low);
+
+  const LabelImage& image_;
+  const ImageDomain& domain_;
+  double coarsest_mm_;
+  int least_level_;
+  int most_level_;
+  std::vector<double> thickness_factor_;  // per label: spacing allowed per unit of chord
+  Index3 cells_;
+  std::vector<std::uint8_t> wanted_;  // 1 + level, 0 = no boundary
+};
+
+}  // namespace lumesh

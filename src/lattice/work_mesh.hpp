@@ -1,0 +1,47 @@
+#pragma once
+// The lattice mesh while its boundary is chosen and fitted: plain arrays, vertices and tetrahedra in Morton order.
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "bcc.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "refinement.hpp"
+
+namespace lumesh {
+
+using Corner4 = std::array<std::uint32_t, 4>;
+inline constexpr std::uint32_t kNoTet = ~std::uint32_t{0};
+
+struct WorkMesh {
+  std::vector<Vec3> positions;               ///< mm.
+  std::vector<Corner4> tets;                 ///< Positively oriented.
+  std::vector<Material> materials;           ///< Per tetrahedron.
+  std::vector<std::uint32_t> star_begin;     ///< Per vertex and one more: where its tetrahedra start in star_tets.
+  std::vector<std::uint32_t> star_tets;      ///< Ascending for each vertex.
+  std::vector<std::array<std::uint32_t, 4>> neighbours;  ///< Across the face opposite to each corner, or kNoTet.
+
+  [[nodiscard]] std::span<const std::uint32_t> star(std::uint32_t vertex) const {
+    return {star_tets.data() + star_begin[vertex], star_begin[vertex + 1] - star_begin[vertex]};
+  }
+  [[nodiscard]] Vec3 centroid(std::uint32_t tet) const {
+    const Corner4& t = tets[tet];
+    return 0.25 * (positions[t[0]] + positions[t[1]] + positions[t[2]] + positions[t[3]]);
+  }
+};
+
+/// Gives every lattice tetrahedron the material that fills most of it, keeps those of the object and one ring of
+/// others around it, and numbers vertices and tetrahedra along the Morton curve.
+[[nodiscard]] WorkMesh make_work_mesh(std::vector<bcc::Corners> lattice, const LatticeFrame& frame,
+                                      const ImageDomain& domain);
+
+/// Fills star_begin and star_tets from tets.
+void build_stars(WorkMesh& mesh);
+/// Fills neighbours from tets and stars.
+void build_neighbours(WorkMesh& mesh);
+/// Drops tetrahedra that `keep` refuses, and vertices left alone; rebuilds stars and neighbours.
+/// @return Old vertex number of each vertex that stays.
+std::vector<std::uint32_t> keep_tetrahedra(WorkMesh& mesh, const std::vector<std::uint8_t>& keep);
+
+}  // namespace lumesh
