@@ -1,0 +1,30 @@
+#pragma once
+/// @file A surface of triangles, and the surfaces of volume meshes.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+
+namespace lumesh {
+
+/// A triangle surface that owns its arrays.
+struct TriangleMesh {
+  std::vector<Vec3> points;
+  std::vector<Cell<3>> triangles;     ///< Anticlockwise seen from outside.
+  std::vector<std::int32_t> patches;  ///< One per triangle; index into the patches of the mesh it came from.
+  std::vector<std::uint32_t> volume_points;  ///< Index of each point in the mesh it came from; may be empty.
+};
+
+/// The closed surface of one label, pointing out of it; without a label, the outside of the whole mesh.
+/// Points keep the order they have in the mesh. An unknown label gives an empty surface. Parallel inside; the
+/// same for every thread count.
+[[nodiscard]] TriangleMesh extract_boundary(const TetMesh& mesh, std::optional<Label> label = std::nullopt);
+
+/// The same for any mesh of tetrahedra. Builds the adjacency first. @throws Error{kBadInput} as
+/// TetMesh::build().
+[[nodiscard]] TriangleMesh extract_boundary(const MeshView& view, std::optional<Label> label = std::nullopt);
+
+}  // namespace lumesh

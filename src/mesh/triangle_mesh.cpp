@@ -1,0 +1,54 @@
+#include "lumesh/mesh/triangle_mesh.hpp"
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+struct PatchedTriangle {
+  Cell<3> corners;
+  std::int32_t patch;
+};
+
+std::vector<PatchedTriangle> triangles_around(const TetMesh& mesh, std::optional<Label> label) {
+  return parallel::collect<PatchedTriangle>(
+      mesh.tet_slots(), [&](std::size_t i, std::vector<PatchedTriangle>& out) {
+        const TetId t(static_cast<std::uint32_t>(i));
+        if (!mesh.alive(t) || (label && mesh.label(t) != *label)) return;
+        for (int f = 0; f < 4; ++f) {
+          const FaceLink link = mesh.link(t, f);
+          if (link.is_boundary() || (label && mesh.label(link.tet()) != *label))
+            out.push_back({mesh.face_corners(t, f), static_cast<std::int32_t>(mesh.patch(t, f).value)});
+        }
+      });
+}
+
+}  // namespace
+
+TriangleMesh extract_boundary(const TetMesh& mesh, std::optional<Label> label) {
+  const std::vector<PatchedTriangle> faces = triangles_around(mesh, label);
+  std::vector<std::uint32_t> new_index(mesh.vertex_slots(), VertexId::kNone);
+  for (const PatchedTriangle& face : faces)
+    for (const std::uint32_t v : face.corners) new_index[v] = 0;
+  TriangleMesh surface;
+  for (std::uint32_t v = 0; v < new_index.size(); ++v) {
+    if (new_index[v] == VertexId::kNone) continue;
+    new_index[v] = static_cast<std::uint32_t>(surface.points.size());
+    surface.points.push_back(mesh.point(VertexId(v)));
+    surface.volume_points.push_back(v);
+  }
+  surface.triangles.resize(faces.size());
+  surface.patches.resize(faces.size());
+  parallel::for_each_index(faces.size(), [&](std::size_t i) {
+    const auto& [a, b, c] = faces[i].corners;
+    surface.triangles[i] = {new_index[a], new_index[b], new_index[c]};
+    surface.patches[i] = faces[i].patch;
+  });
+  return surface;
+}
+
+TriangleMesh extract_boundary(const MeshView& view, std::optional<Label> label) {
+  return extract_boundary(TetMesh::build(view), label);
+}
+
+}  // namespace lumesh

@@ -1,0 +1,214 @@
+// The surfaces of the labels: closed manifolds, their topology, and the volume they enclose.
+
+#include <numeric>
+
+#include "face_table.hpp"
+#include "validate_impl.hpp"
+
+namespace lumesh::detail {
+namespace {
+
+/// A face of the surface of `label`, pointing out of it.
+struct SurfaceFace {
+  Label label;
+  Cell<3> corners;
+  TetId tet;
+  bool outside;  // Nothing behind it.
+};
+
+/// An edge of a surface face: corner `corner` of face `face` to the next one.
+struct SurfaceEdge {
+  Label label;
+  std::uint32_t low, high;
+  std::uint32_t face;
+  std::uint32_t corner;
+  auto operator<=>(const SurfaceEdge&) const = default;
+};
+
+/// Disjoint sets with path halving; the lowest member represents its set.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  std::uint32_t find(std::uint32_t x) {
+    while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
+    return x;
+  }
+  void unite(std::uint32_t x, std::uint32_t y) {
+    x = find(x);
+    y = find(y);
+    parent_[std::max(x, y)] = std::min(x, y);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+std::vector<SurfaceFace> surface_faces(const TetMesh& mesh) {
+  return parallel::collect<SurfaceFace>(mesh.tet_slots(), [&](std::size_t i, std::vector<SurfaceFace>& out) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (!mesh.alive(t)) return;
+    for (int f = 0; f < 4; ++f) {
+      const FaceLink link = mesh.link(t, f);
+      if (link.is_boundary() || mesh.label(link.tet()) != mesh.label(t))
+        out.push_back({mesh.label(t), mesh.face_corners(t, f), t, link.is_boundary()});
+    }
+  });
+}
+
+/// Two faces on the outside with the same corners should have been neighbours.
+void check_unlinked(const std::vector<SurfaceFace>& faces, ValidationReport& report) {
+  std::vector<std::pair<Cell<3>, std::uint32_t>> outside;
+  for (const SurfaceFace& face : faces)
+    if (face.outside) outside.emplace_back(sorted_corners(face.corners), face.tet.value);
+  parallel::sort(outside.begin(), outside.end());
+  Findings findings;
+  for (std::size_t i = 1; i < outside.size(); ++i)
+    if (outside[i].first == outside[i - 1].first)
+      findings.add("tetrahedra " + std::to_string(outside[i - 1].second) + " and " +
+                   std::to_string(outside[i].second) + " share face " + list_of(outside[i].first) +
+                   " but are not linked");
+  merge(report, findings);
+}
+
+LabelTopology& entry_of(ValidationReport& report, Label label) {
+  return *std::lower_bound(report.labels.begin(), report.labels.end(), label,
+                           [](const LabelTopology& entry, Label value) { return entry.label < value; });
+}
+
+std::vector<SurfaceEdge> surface_edges(const std::vector<SurfaceFace>& faces) {
+  std::vector<SurfaceEdge> edges(faces.size() * 3);
+  parallel::for_each_index(faces.size(), [&](std::size_t i) {
+    const SurfaceFace& face = faces[i];
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(face.corners[k], face.corners[(k + 1) % 3]);
+      edges[3 * i + k] = {face.label, low, high, static_cast<std::uint32_t>(i), k};
+    }
+  });
+  parallel::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+/// Joins faces across edges, and at each end the corners of the two faces; adds -E to the Euler numbers.
+void join_at_edges(const std::vector<SurfaceFace>& faces, DisjointSets& surfaces, DisjointSets& corners,
+                   ValidationReport& report) {
+  const std::vector<SurfaceEdge> edges = surface_edges(faces);
+  Findings findings;
+  for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
+    const SurfaceEdge& edge = edges[i];
+    const auto same = [&](const SurfaceEdge& other) {
+      return other.label == edge.label && other.low == edge.low && other.high == edge.high;
+    };
+    for (next = i + 1; next < edges.size() && same(edges[next]);) ++next;
+    --entry_of(report, edge.label).surface_euler;
+    if (next - i != 2) {
+      findings.add("edge " + list_of(Cell<2>{edge.low, edge.high}) + " has " + std::to_string(next - i) +
+                   " faces on the surface of label " + std::to_string(edge.label) + " instead of 2");
+      continue;
+    }
+    const SurfaceEdge& other = edges[i + 1];
+    surfaces.unite(edge.face, other.face);
+    // The two faces run along the edge in opposite directions: the end of one is the start of the other.
+    corners.unite(3 * edge.face + edge.corner, 3 * other.face + (other.corner + 1) % 3);
+    corners.unite(3 * edge.face + (edge.corner + 1) % 3, 3 * other.face + other.corner);
+  }
+  merge(report, findings);
+}
+
+/// Every vertex of a surface must have one ring of faces; adds V to the Euler numbers.
+void check_rings(const std::vector<SurfaceFace>& faces, DisjointSets& corners, ValidationReport& report) {
+  struct Corner {
+    Label label;
+    std::uint32_t vertex;
+    std::uint32_t ring;
+    auto operator<=>(const Corner&) const = default;
+  };
+  std::vector<Corner> all(faces.size() * 3);
+  for (std::uint32_t i = 0; i < all.size(); ++i)
+    all[i] = {faces[i / 3].label, faces[i / 3].corners[i % 3], corners.find(i)};
+  parallel::sort(all.begin(), all.end());
+  Findings findings;
+  for (std::size_t i = 0, next = 0; i < all.size(); i = next) {
+    std::size_t rings = 1;
+    for (next = i + 1;
+         next < all.size() && all[next].label == all[i].label && all[next].vertex == all[i].vertex; ++next)
+      rings += all[next].ring != all[next - 1].ring;
+    ++entry_of(report, all[i].label).surface_euler;
+    if (rings > 1)
+      findings.add("vertex " + std::to_string(all[i].vertex) + " joins " + std::to_string(rings) +
+                   " sheets of the surface of label " + std::to_string(all[i].label) + " (pinched vertex)");
+  }
+  merge(report, findings);
+}
+
+/// Fills report.labels with counts and volumes; the surface part starts at zero.
+void count_labels(const TetMesh& mesh, ValidationReport& report) {
+  std::vector<Label> labels;
+  for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
+    if (mesh.alive(TetId(t)) && (labels.empty() || labels.back() != mesh.label(TetId(t))))
+      labels.push_back(mesh.label(TetId(t)));
+  std::sort(labels.begin(), labels.end());
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  for (const Label label : labels) report.labels.push_back({.label = label});
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    const TetId t(i);
+    if (!mesh.alive(t)) continue;
+    LabelTopology& entry = entry_of(report, mesh.label(t));
+    ++entry.tet_count;
+    entry.volume +=
+        tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
+  }
+}
+
+/// The divergence theorem: a third of the flux of the position through a closed surface is the volume inside.
+void check_volumes(const TetMesh& mesh, const std::vector<SurfaceFace>& faces, ValidationReport& report) {
+  struct Flux {
+    double sum = 0, magnitude = 0;
+  };
+  std::vector<Flux> flux(report.labels.size());
+  if (faces.empty()) return;
+  const Vec3 origin = mesh.point(VertexId(faces[0].corners[0]));  // Near the mesh, so that little cancels.
+  for (const SurfaceFace& face : faces) {
+    const auto& [a, b, c] = face.corners;
+    const double term = (mesh.point(VertexId(a)) - origin)
+                            .dot((mesh.point(VertexId(b)) - origin).cross(mesh.point(VertexId(c)) - origin)) /
+                        6;
+    Flux& entry = flux[static_cast<std::size_t>(&entry_of(report, face.label) - report.labels.data())];
+    entry.sum += term;
+    entry.magnitude += std::abs(term);
+  }
+  constexpr double kRounding =
+      1e-11;  // Sums of up to 1e9 terms of random sign, and coordinates far from zero.
+  Findings findings;
+  for (std::size_t i = 0; i < flux.size(); ++i)
+    if (std::abs(flux[i].sum - report.labels[i].volume) >
+        kRounding * (flux[i].magnitude + report.labels[i].volume))
+      findings.add("label " + std::to_string(report.labels[i].label) + ": its tetrahedra have volume " +
+                   std::to_string(report.labels[i].volume) + " but its surface encloses " +
+                   std::to_string(flux[i].sum));
+  merge(report, findings);
+}
+
+}  // namespace
+
+void check_label_surfaces(const TetMesh& mesh, ValidationReport& report) {
+  count_labels(mesh, report);
+  const std::vector<SurfaceFace> faces = surface_faces(mesh);
+  check_unlinked(faces, report);
+  DisjointSets surfaces(faces.size()), corners(faces.size() * 3);
+  join_at_edges(faces, surfaces, corners, report);
+  check_rings(faces, corners, report);
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    LabelTopology& entry = entry_of(report, faces[i].label);
+    ++entry.surface_euler;
+    entry.surface_components += surfaces.find(i) == i;
+  }
+  Findings findings;
+  for (const LabelTopology& entry : report.labels)
+    if (entry.surface_euler % 2 != 0)
+      findings.add("the surface of label " + std::to_string(entry.label) + " has the odd Euler number " +
+                   std::to_string(entry.surface_euler));
+  merge(report, findings);
+  check_volumes(mesh, faces, report);
+}
+
+}  // namespace lumesh::detail
