@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "lumesh/parallel/loops.hpp"
+#include "spikes.hpp"
 #include "star_quality.hpp"
 #include "vertex_colours.hpp"
 
@@ -21,20 +22,31 @@ class Fitter {
         floor_(angle_quality(options.min_dihedral_deg, options.max_dihedral_deg)),
         offset_mm_(mesh.positions.size(), 0.0) {}
 
-  FitReport run() {
-    find_surface_neighbours();
-    colours_ = colour_vertices(mesh_, active_vertices());
-    for (int s = 0; s < 6; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, 0.30 - 0.03 * s); });
-    for (int s = 0; s < 6; ++s) {
-      if (s == 2) balance_volume();
+  /// Carries the boundary roughly to its place.
+  void approach() {
+    prepare();
+    for (int s = 0; s < 4; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, 0.30 - 0.04 * s); });
+  }
+
+  /// Finishes the fit: volume, distance, angles.
+  FitReport finish() {
+    prepare();
+    for (int s = 0; s < 2; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, 0.20); });
+    balance_volume();
+    for (int s = 0; s < 2; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, floor_); });
+    for (int s = 0; s < 4; ++s) {
       sweep([&](std::uint32_t v) { improve_vertex(v, 0.5); });
-      sweep([&](std::uint32_t v) { fit_vertex(v, floor_); });
+      sweep([&](std::uint32_t v) { fit_if_away(v, floor_); });
     }
-    for (int s = 0; s < 3; ++s) sweep([&](std::uint32_t v) { improve_vertex(v, 0.4); });
     return report();
   }
 
  private:
+  void prepare() {
+    find_surface_neighbours();
+    colours_ = colour_vertices(mesh_, active_vertices());
+  }
+
   [[nodiscard]] bool constrained(std::uint32_t v) const { return boundary_.sets[v].size() >= 2; }
 
   /// Vertices joined to each boundary vertex by an edge of a boundary triangle and bound by at least its materials.
@@ -120,7 +132,7 @@ class Fitter {
   void fit_vertex(std::uint32_t v, double floor) {
     const Vec3 x = mesh_.positions[v];
     if (!constrained(v)) {
-      improve_vertex(v, 0.6);
+      improve_vertex(v, 0.45);
       return;
     }
     std::optional<Vec3> target = on_boundary(v, x + 0.6 * (mean_of_surface(v) - x));
@@ -137,6 +149,11 @@ class Fitter {
         return;
       }
     }
+  }
+
+  /// A second try for vertices that could not reach the boundary yet.
+  void fit_if_away(std::uint32_t v, double floor) {
+    if (constrained(v) && distance_to_boundary(v) > 0.02 * domain_.voxel_size_mm()) fit_vertex(v, floor);
   }
 
   /// Looks for a better place by compass search, on the boundary if the vertex is bound to it.
@@ -244,9 +261,12 @@ class Fitter {
 
 }  // namespace
 
-FitReport fit_to_domain(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
-                        const FitOptions& options) {
-  return Fitter(mesh, boundary, domain, options).run();
+FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain, const FitOptions& options) {
+  for (int round = 0; round < 3; ++round) {
+    Fitter(mesh, boundary, domain, options).approach();
+    if (peel_spikes(mesh, boundary, domain) == 0) break;
+  }
+  return Fitter(mesh, boundary, domain, options).finish();
 }
 
 }  // namespace lumesh

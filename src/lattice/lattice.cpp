@@ -16,47 +16,6 @@ namespace {
 
 constexpr double kDefaultSpacingVoxels = 3;
 
-/// Faces between materials, and the materials that meet at each vertex; taken before the outside is dropped.
-BoundaryModel find_boundary(const WorkMesh& mesh, const ImageDomain& domain) {
-  BoundaryModel model;
-  model.triangles = parallel::collect<BoundaryTriangle>(mesh.tets.size(), [&](std::size_t t, auto& out) {
-    const Material own = mesh.materials[t];
-    if (!domain.is_meshed(own)) return;
-    constexpr std::size_t kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-    for (std::size_t f = 0; f < 4; ++f) {
-      const std::uint32_t n = mesh.neighbours[t][f];
-      const Material other = n == kNoTet ? kBackground : mesh.materials[n];
-      if (other == own || (domain.is_meshed(other) && other < own)) continue;
-      const Corner4& c = mesh.tets[t];
-      out.push_back({{c[kFace[f][0]], c[kFace[f][1]], c[kFace[f][2]]}, own, other});
-    }
-  });
-  model.sets.resize(mesh.positions.size());
-  parallel::for_each_index(mesh.positions.size(), [&](std::size_t v) {
-    MaterialSet& set = model.sets[v];
-    for (const std::uint32_t t : mesh.star(static_cast<std::uint32_t>(v))) set.insert(mesh.materials[t]);
-  });
-  return model;
-}
-
-/// Drops what is outside and carries the boundary's vertex numbers over.
-void drop_outside(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain) {
-  std::vector<std::uint8_t> keep(mesh.tets.size());
-  parallel::for_each_index(keep.size(), [&](std::size_t t) { keep[t] = domain.is_meshed(mesh.materials[t]) ? 1 : 0; });
-  const std::size_t old_count = mesh.positions.size();
-  const std::vector<std::uint32_t> kept = keep_tetrahedra(mesh, keep);
-  std::vector<std::uint32_t> number(old_count, kNoTet);
-  std::vector<MaterialSet> sets(kept.size());
-  parallel::for_each_index(kept.size(), [&](std::size_t v) {
-    number[kept[v]] = static_cast<std::uint32_t>(v);
-    sets[v] = boundary.sets[kept[v]];
-  });
-  boundary.sets = std::move(sets);
-  parallel::for_each_index(boundary.triangles.size(), [&](std::size_t i) {
-    for (std::uint32_t& v : boundary.triangles[i].vertices) v = number[v];
-  });
-}
-
 MixedMesh to_mixed_mesh(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain) {
   MixedMesh out;
   out.points = std::move(mesh.positions);
@@ -108,7 +67,10 @@ LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, c
   if (choice.non_manifold_vertices > 0) result.report.notes.push_back("non-manifold " + std::to_string(choice.non_manifold_vertices));
   BoundaryModel boundary = context.phase("model", [&] {
     BoundaryModel model = find_boundary(mesh, domain);
-    drop_outside(mesh, model, domain);
+    std::vector<std::uint8_t> keep(mesh.tets.size());
+    parallel::for_each_index(keep.size(),
+                             [&](std::size_t t) { keep[t] = domain.is_meshed(mesh.materials[t]) ? 1 : 0; });
+    drop_tetrahedra(mesh, model, keep);
     return model;
   });
   const FitReport fit = context.phase("fit", [&] {

@@ -14,6 +14,12 @@ namespace lumesh {
 using Corner4 = std::array<std::uint32_t, 4>;
 inline constexpr std::uint32_t kNoTet = ~std::uint32_t{0};
 
+/// Corners of the face opposite to a corner, anticlockwise seen from outside.
+[[nodiscard]] inline std::array<std::uint32_t, 3> face_of(const Corner4& t, std::size_t opposite) {
+  constexpr std::size_t kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+  return {t[kFace[opposite][0]], t[kFace[opposite][1]], t[kFace[opposite][2]]};
+}
+
 struct WorkMesh {
   std::vector<Vec3> positions;               ///< mm.
   std::vector<Corner4> tets;                 ///< Positively oriented.

@@ -1,0 +1,29 @@
+#pragma once
+// The faces between materials and what binds each vertex.
+
+#include <vector>
+
+#include "work_mesh.hpp"
+
+namespace lumesh {
+
+/// One face between two materials; points out of `inside`.
+struct BoundaryTriangle {
+  std::array<std::uint32_t, 3> vertices;
+  Material inside;   ///< A meshed material.
+  Material outside;  ///< Another; the larger of the two where both are meshed.
+};
+
+/// What the fit needs to know of the boundary.
+struct BoundaryModel {
+  std::vector<BoundaryTriangle> triangles;
+  std::vector<MaterialSet> sets;  ///< Per vertex: materials that meet there; fewer than two inside.
+};
+
+/// Reads the model off a mesh that still has the ring of tetrahedra outside.
+[[nodiscard]] BoundaryModel find_boundary(const WorkMesh& mesh, const ImageDomain& domain);
+
+/// Drops tetrahedra that `keep` refuses, and renumbers both mesh and model; triangles must not lose a vertex.
+void drop_tetrahedra(WorkMesh& mesh, BoundaryModel& boundary, const std::vector<std::uint8_t>& keep);
+
+}  // namespace lumesh

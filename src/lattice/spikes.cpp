@@ -1,0 +1,159 @@
+#include "spikes.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
+  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+}
+
+struct TriangleHash {
+  std::size_t operator()(const Triangle& t) const {
+    return (t[0] * std::size_t{0x9e3779b1} ^ t[1]) * std::size_t{0x85ebca77} ^ t[2];
+  }
+};
+
+Triangle sorted(Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+class SpikePeeler {
+ public:
+  SpikePeeler(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain)
+      : mesh_(mesh), boundary_(boundary), domain_(domain), keep_(mesh.tets.size(), 1) {}
+
+  std::size_t run() {
+    const std::vector<std::uint32_t> spikes = find_spikes();
+    if (spikes.empty()) return 0;
+    index_boundary();
+    std::size_t dropped = 0;
+    for (const std::uint32_t t : spikes) dropped += try_drop(t) ? 1 : 0;
+    if (dropped == 0) return 0;
+    std::erase_if(boundary_.triangles, [](const BoundaryTriangle& t) { return t.vertices[0] == kNoTet; });
+    drop_tetrahedra(mesh_, boundary_, keep_);
+    return dropped;
+  }
+
+ private:
+  [[nodiscard]] int open_faces(std::uint32_t t) const {
+    return static_cast<int>(std::count(mesh_.neighbours[t].begin(), mesh_.neighbours[t].end(), kNoTet));
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> find_spikes() const {
+    return parallel::collect<std::uint32_t>(mesh_.tets.size(), [&](std::size_t i, auto& out) {
+      const auto t = static_cast<std::uint32_t>(i);
+      const int open = open_faces(t);
+      if (open == 3 || (open == 2 && (opens_wide(t) || hangs_out(t)))) out.push_back(t);
+    });
+  }
+
+  /// More than 140 degrees between the two open faces.
+  [[nodiscard]] bool opens_wide(std::uint32_t t) const {
+    std::array<Vec3, 2> normal;
+    std::size_t n = 0;
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (mesh_.neighbours[t][f] != kNoTet || n == 2) continue;
+      const auto [a, b, c] = face_of(mesh_.tets[t], f);
+      normal[n++] = (mesh_.positions[b] - mesh_.positions[a]).cross(mesh_.positions[c] - mesh_.positions[a]).normalized();
+    }
+    return -normal[0].dot(normal[1]) < -0.766;
+  }
+
+  [[nodiscard]] bool hangs_out(std::uint32_t t) const {
+    for (const std::uint32_t v : mesh_.tets[t]) {
+      const MaterialSet& set = boundary_.sets[v];
+      if (set.size() != 2 || set[0] != 0) continue;
+      if (domain_.separation(mesh_.positions[v], set[1], set[0]).value < -0.1 * domain_.voxel_size_mm()) return true;
+    }
+    return false;
+  }
+
+  void index_boundary() {
+    for (std::uint32_t i = 0; i < boundary_.triangles.size(); ++i) add_to_index(i);
+  }
+  void add_to_index(std::uint32_t i) {
+    const Triangle& v = boundary_.triangles[i].vertices;
+    triangle_at_[sorted(v)] = i;
+    for (std::size_t e = 0; e < 3; ++e) ++edge_use_[edge_key(v[e], v[(e + 1) % 3])];
+  }
+  void remove_from_index(std::uint32_t i) {
+    const Triangle v = boundary_.triangles[i].vertices;
+    triangle_at_.erase(sorted(v));
+    for (std::size_t e = 0; e < 3; ++e) --edge_use_[edge_key(v[e], v[(e + 1) % 3])];
+    boundary_.triangles[i].vertices[0] = kNoTet;
+  }
+
+  /// With two open faces the edge that they do not touch must lie inside, or the boundary would pinch there; with
+  /// three there is nothing to pinch. The faces that come to light must belong to the same label.
+  bool try_drop(std::uint32_t t) {
+    const int open = open_faces(t);
+    if (open != 2 && open != 3) return false;
+    Material outside = 0;
+    std::array<std::size_t, 4> faces_open{};
+    std::size_t n = 0;
+    for (std::size_t f = 0; f < 4; ++f) {
+      const std::uint32_t other = mesh_.neighbours[t][f];
+      if (other != kNoTet) {
+        if (mesh_.materials[other] != mesh_.materials[t]) return false;
+        continue;
+      }
+      const auto found = triangle_at_.find(sorted(face_of(mesh_.tets[t], f)));
+      if (found == triangle_at_.end()) return false;
+      const Material m = boundary_.triangles[found->second].outside;
+      if (n > 0 && m != outside) return false;
+      outside = m;
+      faces_open[n++] = f;
+    }
+    if (open == 2) {
+      const std::uint32_t a = mesh_.tets[t][faces_open[0]];
+      const std::uint32_t b = mesh_.tets[t][faces_open[1]];
+      if (const auto use = edge_use_.find(edge_key(a, b)); use != edge_use_.end() && use->second > 0) return false;
+    }
+    drop(t, outside);
+    return true;
+  }
+
+  void drop(std::uint32_t t, Material outside) {
+    keep_[t] = 0;
+    for (std::size_t f = 0; f < 4; ++f) {
+      const std::uint32_t other = mesh_.neighbours[t][f];
+      Triangle face = face_of(mesh_.tets[t], f);
+      if (other == kNoTet) {
+        remove_from_index(triangle_at_.at(sorted(face)));
+        continue;
+      }
+      for (std::uint32_t& back : mesh_.neighbours[other]) {
+        if (back == t) back = kNoTet;
+      }
+      std::swap(face[1], face[2]);  // outwards of the tetrahedron behind
+      boundary_.triangles.push_back({face, mesh_.materials[other], outside});
+      add_to_index(static_cast<std::uint32_t>(boundary_.triangles.size() - 1));
+    }
+  }
+
+  WorkMesh& mesh_;
+  BoundaryModel& boundary_;
+  const ImageDomain& domain_;
+  std::vector<std::uint8_t> keep_;
+  std::unordered_map<Triangle, std::uint32_t, TriangleHash> triangle_at_;
+  std::unordered_map<std::uint64_t, int> edge_use_;
+};
+
+}  // namespace
+
+std::size_t peel_spikes(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain) {
+  return SpikePeeler(mesh, boundary, domain).run();
+}
+
+}  // namespace lumesh

@@ -1,0 +1,13 @@
+#pragma once
+// Tetrahedra with two or three faces on the outer boundary, which keep the boundary from becoming smooth.
+
+#include "boundary_model.hpp"
+
+namespace lumesh {
+
+/// Drops tetrahedra with two or three faces towards the same outside material where the two faces are nearly
+/// coplanar or a corner hangs outside the object, if the boundary stays a manifold of the same topology.
+/// @return How many were dropped.
+std::size_t peel_spikes(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain);
+
+}  // namespace lumesh
