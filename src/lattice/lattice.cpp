@@ -6,6 +6,7 @@
 #include "fit.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "patches.hpp"
 #include "refinement.hpp"
 #include "size_grid.hpp"
 #include "work_mesh.hpp"
@@ -23,11 +24,11 @@ MixedMesh to_mixed_mesh(WorkMesh& mesh, const BoundaryModel& boundary, const Ima
   out.tetrahedron_labels.resize(out.tetrahedra.size());
   parallel::for_each_index(out.tetrahedra.size(),
                            [&](std::size_t t) { out.tetrahedron_labels[t] = domain.label_of(mesh.materials[t]); });
-  for (const BoundaryTriangle& t : boundary.triangles) {
-    out.triangles.push_back(t.vertices);
-    out.triangle_patches.push_back(domain.is_cut(t.outside) ? 1 : 0);
-  }
-  out.info.patches = {{"wall", PatchKind::kWall, {}}, {"cap", PatchKind::kOpening, {}}};
+  PatchAssignment patches = name_patches(boundary, out.points, domain);
+  out.info.patches = std::move(patches.patches);
+  out.triangle_patches = std::move(patches.of_triangle);
+  out.triangles.resize(boundary.triangles.size());
+  parallel::for_each_index(out.triangles.size(), [&](std::size_t t) { out.triangles[t] = boundary.triangles[t].vertices; });
   return out;
 }
 
