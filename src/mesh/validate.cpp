@@ -29,9 +29,7 @@ void check_vertices(const TetMesh& mesh, ValidationReport& report) {
     if (!mesh.alive(v)) return;
     if (!mesh.point(v).allFinite()) findings.add(name(v) + " has a coordinate that is not finite");
     const TetId t = mesh.incident_tet(v);
-    if (!t.valid())
-      findings.add(name(v) + " is used by no tetrahedron");
-    else if (t.value >= mesh.tet_slots() || !mesh.alive(t) || mesh.index_of(t, v) < 0)
+    if (t.valid() && (t.value >= mesh.tet_slots() || !mesh.alive(t) || mesh.index_of(t, v) < 0))
       findings.add(name(v) + " is linked to " + name(t) + ", which does not contain it");
   });
 }
@@ -45,6 +43,8 @@ void check_tets(const TetMesh& mesh, ValidationReport& report) {
         findings.add(name(t) + " has " + name(VertexId(v)) + ", which is not there");
         return;
       }
+    for (int i = 0; i < 4; ++i)
+      if (!mesh.corner(t, i).allFinite()) return;  // Reported with the vertex.
     const int sign = orient3d(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
     if (sign <= 0)
       findings.add(name(t) + " " + list_of(mesh.tet(t)) + (sign == 0 ? " is flat" : " is inverted"));
@@ -104,6 +104,8 @@ struct StarScratch {
 /// which is exact because a connected star has a connected link.
 void check_star(const TetMesh& mesh, VertexId v, std::uint32_t tets_at_vertex, Findings& findings,
                 StarScratch& scratch) {
+  if (tets_at_vertex == 0) return findings.add(name(v) + " is used by no tetrahedron");
+  if (!mesh.incident_tet(v).valid()) return findings.add(name(v) + " is used but linked to no tetrahedron");
   const auto star = scratch.star.gather(mesh, v);
   if (star.size() != tets_at_vertex) {
     findings.add(name(v) + ": only " + std::to_string(star.size()) + " of its " +
