@@ -70,9 +70,11 @@ void ImageDomain::add_border_cuts(const LabelImage& image) {
   }
 }
 
-Material ImageDomain::material_at(const Vec3& point_mm) const {
-  double furthest = 0;
-  std::size_t cut = cuts_.size();
+Material ImageDomain::material_at(const Vec3& point_mm) const { return surroundings(point_mm).material; }
+
+ImageDomain::Surroundings ImageDomain::surroundings(const Vec3& point_mm) const {
+  double furthest = -1e300;
+  std::size_t cut = 0;
   for (std::size_t c = 0; c < cuts_.size(); ++c) {
     const double beyond = cuts_[c].normal.dot(point_mm - cuts_[c].point_mm);
     if (beyond > furthest) {
@@ -80,8 +82,9 @@ Material ImageDomain::material_at(const Vec3& point_mm) const {
       cut = c;
     }
   }
-  if (cut < cuts_.size()) return static_cast<Material>(labels_.size() + cut);
-  return field_.label_at(frame().to_index(point_mm));
+  if (!cuts_.empty() && furthest > 0) return {static_cast<Material>(labels_.size() + cut), furthest};
+  const LabelField::Winner winner = field_.winner(frame().to_index(point_mm));
+  return {winner.label, std::min(-furthest, winner.depth * frame().spacing_mm.minCoeff())};
 }
 
 Label ImageDomain::label_at(const Vec3& point_mm) const { return label_of(material_at(point_mm)); }

@@ -166,37 +166,32 @@ bool LabelField::may_hold_object(const Vec3& low, const Vec3& high) const {
   return false;
 }
 
-LabelField::LabelIndex LabelField::label_at(const Vec3& index) const {
+LabelField::LabelIndex LabelField::label_at(const Vec3& index) const { return winner(index).label; }
+
+LabelField::Winner LabelField::winner(const Vec3& index) const {
   const Place place = locate(index);
-  if (place.brick == nullptr) return place.uniform;
+  if (place.brick == nullptr) return {place.uniform, kFieldLimit};
   const Brick& brick = *place.brick;
   const LabelIndex* labels = &labels_[brick.first_label];
-  if (brick.label_count == 2) return block_value(brick.first_block, place.local) > 0 ? labels[1] : labels[0];
-  LabelIndex best = labels[0];
-  double best_value = -2 * kFieldLimit;
-  for (std::uint32_t i = 0; i < brick.label_count; ++i) {
-    const double v = block_value(brick.first_block + i, place.local);
-    if (v > best_value) {
-      best_value = v;
-      best = labels[i];
-    }
+  if (brick.label_count == 2) {
+    const double value = block_value(brick.first_block, place.local);
+    return {value > 0 ? labels[1] : labels[0], std::min(kFieldLimit, std::abs(value))};
   }
-  return best;
-}
-
-double LabelField::depth(const Vec3& index) const {
-  const Place place = locate(index);
-  if (place.brick == nullptr) return kFieldLimit;
-  const Brick& brick = *place.brick;
-  if (brick.label_count == 2) return std::abs(block_value(brick.first_block, place.local));
+  Winner best;
   double first = -2 * kFieldLimit;
   double second = first;
   for (std::uint32_t i = 0; i < brick.label_count; ++i) {
     const double v = block_value(brick.first_block + i, place.local);
-    second = std::max(second, std::min(first, v));
-    first = std::max(first, v);
+    if (v > first) {
+      second = first;
+      first = v;
+      best.label = labels[i];
+    } else {
+      second = std::max(second, v);
+    }
   }
-  return std::min(kFieldLimit, 0.5 * (first - second));
+  best.depth = std::min(kFieldLimit, 0.5 * (first - second));
+  return best;
 }
 
 std::span<const LabelField::LabelIndex> LabelField::labels_near(const Vec3& index) const {

@@ -70,22 +70,19 @@ std::array<std::uint8_t, kCore> squared_distance(const Mask& mask, std::uint8_t 
   return result;
 }
 
-/// Slides a window of the given reach over one axis of a mask, keeping the minimum or the maximum.
-template <class Pick>
-Mask slide(const Mask& in, int stride, int reach, Pick pick) {
-  Mask out = in;
-  for (int k = 0; k < kWindow; ++k) {
-    for (int j = 0; j < kWindow; ++j) {
-      for (int i = 0; i < kWindow; ++i) {
-        const int place = stride == 1 ? i : (stride == kWindow ? j : k);
-        const std::size_t at = window_at(i, j, k);
-        std::uint8_t best = in[at];
-        for (int d = -reach; d <= reach; ++d) {
-          if (place + d >= 0 && place + d < kWindow)
-            best = pick(best, in[at + static_cast<std::size_t>(d * stride)]);
-        }
-        out[at] = best;
-      }
+/// A window's mask as one 16-bit word for each row along x.
+using Rows = std::array<std::uint16_t, std::size_t{kWindow} * kWindow>;
+static_assert(kWindow == 16);
+
+/// Combines each row with its neighbours up to `reach` rows away along y (stride 1) or z (stride kWindow).
+template <class Combine>
+Rows combine_rows(const Rows& in, int stride, int reach, Combine combine) {
+  Rows out = in;
+  for (int n = 0; n < kWindow * kWindow; ++n) {
+    const int place = stride == 1 ? n % kWindow : n / kWindow;
+    for (int d = -reach; d <= reach; ++d) {
+      if (d != 0 && place + d >= 0 && place + d < kWindow)
+        out[static_cast<std::size_t>(n)] = combine(out[static_cast<std::size_t>(n)], in[static_cast<std::size_t>(n + d * stride)]);
     }
   }
   return out;
@@ -93,13 +90,22 @@ Mask slide(const Mask& in, int stride, int reach, Pick pick) {
 
 /// Marks the voxels of a label that lie within kReach of a place where the label fills a 3^3 cube; the others are
 /// thin: vessels and sheets of one or two voxels.
-Mask near_thick_part(const Mask& label) {
-  const auto least = [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); };
-  const auto most = [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); };
-  Mask m = label;
-  for (const int stride : {1, kWindow, kWindow * kWindow}) m = slide(m, stride, 1, least);
-  for (const int stride : {1, kWindow, kWindow * kWindow}) m = slide(m, stride, kReach, most);
-  return m;
+Rows near_thick_part(const Mask& label) {
+  Rows rows{};
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    for (std::size_t i = 0; i < kWindow; ++i)
+      rows[n] = static_cast<std::uint16_t>(rows[n] | label[n * kWindow + i] << i);
+  }
+  const auto both = [](std::uint16_t a, std::uint16_t b) { return static_cast<std::uint16_t>(a & b); };
+  const auto either = [](std::uint16_t a, std::uint16_t b) { return static_cast<std::uint16_t>(a | b); };
+  for (std::uint16_t& row : rows) row = static_cast<std::uint16_t>(row & (row << 1 | 1) & (row >> 1 | 0x8000));
+  rows = combine_rows(combine_rows(rows, 1, 1, both), kWindow, 1, both);
+  for (std::uint16_t& row : rows) {
+    unsigned wide = row;
+    for (int d = 1; d <= kReach; ++d) wide |= static_cast<unsigned>(row) << d | static_cast<unsigned>(row) >> d;
+    row = static_cast<std::uint16_t>(wide);
+  }
+  return combine_rows(combine_rows(rows, 1, kReach, either), kWindow, kReach, either);
 }
 
 }  // namespace
@@ -271,14 +277,14 @@ class LabelFieldBuilder {
 
   /// Notes each core voxel's owner and by how much it must win there.
   void fill_hold(const Window& window, LabelIndex label, std::size_t b) {
-    const Mask thick = near_thick_part(mask_of(window, label));
+    const Rows thick = near_thick_part(mask_of(window, label));
     for (int k = 0; k < kBrick; ++k) {
       for (int j = 0; j < kBrick; ++j) {
         for (int i = 0; i < kBrick; ++i) {
           const std::size_t w = window_at(i + kMargin, j + kMargin, k + kMargin);
           if (window[w] != label) continue;
           const std::size_t at = b * kCore + core_at(i, j, k);
-          hold_[at] = thick[w] != 0 ? kHold : kHoldThin;
+          hold_[at] = (thick[w / kWindow] >> (i + kMargin) & 1) != 0 ? kHold : kHoldThin;
           owner_[at] = label;
         }
       }

@@ -23,20 +23,24 @@ class Fitter {
         offset_mm_(mesh.positions.size(), 0.0) {}
 
   /// Carries the boundary roughly to its place.
-  void approach() {
+  void approach(int sweeps) {
     prepare();
-    for (int s = 0; s < 4; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, 0.30 - 0.04 * s); });
+    for (int s = 0; s < sweeps; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, 0.30 - 0.04 * s); });
   }
 
   /// Finishes the fit: volume, distance, angles.
   FitReport finish() {
     prepare();
-    for (int s = 0; s < 2; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, 0.20); });
+    sweep([&](std::uint32_t v) { fit_vertex(v, 0.20); });
     balance_volume();
+    forget_tries();
     for (int s = 0; s < 2; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, floor_); });
-    for (int s = 0; s < 4; ++s) {
-      sweep([&](std::uint32_t v) { improve_vertex(v, 0.5); });
-      sweep([&](std::uint32_t v) { fit_if_away(v, floor_); });
+    forget_tries();
+    for (int s = 0; s < 6; ++s) {
+      sweep([&](std::uint32_t v) {
+        fit_if_away(v, floor_);
+        improve_vertex(v, 0.5);
+      });
     }
     return report();
   }
@@ -45,6 +49,8 @@ class Fitter {
   void prepare() {
     find_surface_neighbours();
     colours_ = colour_vertices(mesh_, active_vertices());
+    moved_.assign(mesh_.positions.size(), 0);
+    tried_.assign(mesh_.positions.size(), 0);
   }
 
   [[nodiscard]] bool constrained(std::uint32_t v) const { return boundary_.sets[v].size() >= 2; }
@@ -93,11 +99,39 @@ class Fitter {
     });
   }
 
+  /// Lets every active vertex move once, but for those that did not and around which nothing has moved since.
   template <class Move>
   void sweep(const Move& move) {
-    for (const std::vector<std::uint32_t>& colour : colours_)
-      parallel::for_each_index(colour.size(), [&](std::size_t i) { move(colour[i]); }, 64);
+    ++clock_;
+    const double small2 = std::pow(0.01 * domain_.voxel_size_mm(), 2);
+    for (const std::vector<std::uint32_t>& colour : colours_) {
+      parallel::for_each_index(
+          colour.size(),
+          [&](std::size_t i) {
+            const std::uint32_t v = colour[i];
+            if (settled(v)) return;
+            const Vec3 before = mesh_.positions[v];
+            move(v);
+            if ((mesh_.positions[v] - before).squaredNorm() > small2) moved_[v] = clock_;
+            tried_[v] = clock_;
+          },
+          64);
+    }
   }
+
+  /// Colours run one after the other within a sweep: what moved in the sweep of the last try may have moved after it.
+  [[nodiscard]] bool settled(std::uint32_t v) const {
+    if (tried_[v] == 0) return false;
+    for (const std::uint32_t t : mesh_.star(v)) {
+      for (const std::uint32_t w : mesh_.tets[t]) {
+        if (moved_[w] >= tried_[v]) return false;
+      }
+    }
+    return true;
+  }
+
+  /// Another kind of move follows: everything is worth a try again.
+  void forget_tries() { std::fill(tried_.begin(), tried_.end(), 0); }
 
   [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const {
     Vec3 sum = Vec3::Zero();
@@ -257,15 +291,17 @@ class Fitter {
   std::vector<std::uint32_t> surface_begin_;
   std::vector<std::uint32_t> surface_;
   std::vector<std::vector<std::uint32_t>> colours_;
+  std::uint16_t clock_ = 0;             // sweeps so far
+  std::vector<std::uint16_t> moved_;    // sweep in which each vertex last moved
+  std::vector<std::uint16_t> tried_;    // and in which it was last tried
 };
 
 }  // namespace
 
 FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain, const FitOptions& options) {
-  for (int round = 0; round < 3; ++round) {
-    Fitter(mesh, boundary, domain, options).approach();
-    if (peel_spikes(mesh, boundary, domain) == 0) break;
-  }
+  Fitter(mesh, boundary, domain, options).approach(4);
+  for (int round = 0; round < 2 && peel_spikes(mesh, boundary, domain) > 0; ++round)
+    Fitter(mesh, boundary, domain, options).approach(1);
   return Fitter(mesh, boundary, domain, options).finish();
 }
 

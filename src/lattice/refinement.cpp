@@ -21,8 +21,10 @@ class Refiner {
 
   std::vector<Corners> run() {
     leaves_[0] = coarse_tetrahedra();
+    cell_changed_.assign(static_cast<std::size_t>(frame_.cells.prod()), 1);
     for (int level = 0; level < frame_.levels; ++level) {
-      refine(level, [&](const Corners& t) { return wants_children(t, level); });
+      const auto wanting = pick(leaves_[at(level)], [&](const Corners& t) { return wants_children(t, level); });
+      split(level, wanting);
     }
     while (close_once()) {
     }
@@ -70,7 +72,7 @@ class Refiner {
     }
     for (std::size_t i = 0; i < 4; ++i) {
       const Corners t = {key(centre), key(next), key(ring[i]), key(ring[(i + 1) % 4])};
-      if (near_object(t)) out.push_back(t);
+      if (near_object(t) && !far_outside(t, 0)) out.push_back(t);
     }
   }
 
@@ -90,35 +92,87 @@ class Refiner {
   bool wants_children(const Corners& t, int level) const {
     Vec3 centre = Vec3::Zero();
     for (const Key key : t) centre += 0.25 * frame_.position_mm(key);
-    constexpr double kCircumradius = 0.559017;  // of a lattice tetrahedron with spacing 1: sqrt(5) / 4
+    constexpr double kCircumradius = 0.40;  // of a lattice tetrahedron with spacing 1: sqrt(5) / 4
     return sizes_.level_wanted(centre, kCircumradius * frame_.spacing_mm(level)) > level;
   }
 
-  /// Replaces the leaves of a level that `chosen` picks by their children.
+  static std::size_t at(int level) { return static_cast<std::size_t>(level); }
+
   template <class Chosen>
-  bool refine(int level, const Chosen& chosen) {
-    std::vector<Corners>& from = leaves_[static_cast<std::size_t>(level)];
-    std::vector<std::uint8_t> flag(from.size());
-    parallel::for_each_index(from.size(), [&](std::size_t i) { flag[i] = chosen(from[i]) ? 1 : 0; }, 512);
-    const auto picked = parallel::collect<std::uint32_t>(from.size(), [&](std::size_t i, auto& out) {
-      if (flag[i] != 0) out.push_back(static_cast<std::uint32_t>(i));
-    });
-    if (picked.empty()) return false;
+  static std::vector<std::uint32_t> pick(const std::vector<Corners>& leaves, const Chosen& chosen) {
+    return parallel::collect<std::uint32_t>(
+        leaves.size(),
+        [&](std::size_t i, auto& out) {
+          if (chosen(leaves[i])) out.push_back(static_cast<std::uint32_t>(i));
+        },
+        512);
+  }
+
+  /// Replaces the picked leaves of a level (ascending) by their children, but for those far outside the object.
+  void split(int level, const std::vector<std::uint32_t>& picked) {
+    if (picked.empty()) return;
+    std::vector<Corners>& from = leaves_[at(level)];
+    std::vector<std::uint8_t> gone(from.size());
     split_count_ += 6 * picked.size();
     split_.reserve(split_count_);
-    std::vector<Corners>& to = leaves_[static_cast<std::size_t>(level) + 1];
-    const std::size_t old = to.size();
-    to.resize(old + 8 * picked.size());
-    parallel::for_each_index(picked.size(), [&](std::size_t i) {
-      const Corners& t = from[picked[i]];
-      for (const auto& [a, b] : bcc::kEdge) split_.insert(bcc::midpoint(t[a], t[b]));
-      const auto children = bcc::red_children(t);
-      std::copy(children.begin(), children.end(), to.begin() + static_cast<std::ptrdiff_t>(old + 8 * i));
-    });
+    const auto children = parallel::collect<Corners>(
+        picked.size(),
+        [&](std::size_t i, auto& out) {
+          const Corners& t = from[picked[i]];
+          gone[picked[i]] = 1;
+          for (const auto& [a, b] : bcc::kEdge) split_.insert(bcc::midpoint(t[a], t[b]));
+          for (const Corners& child : bcc::red_children(t)) {
+            if (!far_outside(child, level + 1)) out.push_back(child);
+          }
+        },
+        256);
+    std::vector<Corners>& to = leaves_[at(level) + 1];
+    to.insert(to.end(), children.begin(), children.end());
+    for (const std::uint32_t i : picked) note_change(from[i][0]);
     from = parallel::collect<Corners>(from.size(), [&](std::size_t i, auto& out) {
-      if (flag[i] == 0) out.push_back(from[i]);
+      if (gone[i] == 0) out.push_back(from[i]);
     });
-    return true;
+  }
+
+  /// Tetrahedra that neither belong to the object nor touch one that does are never looked at again.
+  bool far_outside(const Corners& t, int level) const {
+    Vec3 centre = Vec3::Zero();
+    for (const Key key : t) centre += 0.25 * frame_.position_mm(key);
+    constexpr double kReach = 1.15;  // spacings: two circumradii, the way to the centre of a tetrahedron that shares a corner
+    return !domain_.is_meshed(domain_.material_at(centre)) &&
+           !sizes_.boundary_within(centre, kReach * frame_.spacing_mm(level));
+  }
+
+  /// Level-0 cubes whose leaves must be closed again; a leaf reaches into the next cube at most.
+  std::size_t cell_of(Key key) const {
+    const Index3 c = (bcc::unpack(key) / (2 * frame_.step(0))).cwiseMin(frame_.cells - Index3::Ones());
+    return static_cast<std::size_t>(c.x() + frame_.cells.x() * (c.y() + frame_.cells.y() * c.z()));
+  }
+  void note_change(Key key) { changed_keys_.push_back(key); }
+  void spread_changes() {
+    std::fill(cell_changed_.begin(), cell_changed_.end(), 0);
+    for (const Key key : changed_keys_) cell_changed_[cell_of(key)] = 2;
+    changed_keys_.clear();
+    const Index3 n = frame_.cells;
+    for (int k = 0; k < n.z(); ++k) {
+      for (int j = 0; j < n.y(); ++j) {
+        for (int i = 0; i < n.x(); ++i) {
+          if (cell_changed_[static_cast<std::size_t>(i + n.x() * (j + n.y() * k))] == 2) mark_around({i, j, k});
+        }
+      }
+    }
+  }
+  void mark_around(const Index3& cell) {
+    const Index3 low = (cell - Index3::Ones()).cwiseMax(0);
+    const Index3 high = (cell + Index3::Ones()).cwiseMin(frame_.cells - Index3::Ones());
+    for (int k = low.z(); k <= high.z(); ++k) {
+      for (int j = low.y(); j <= high.y(); ++j) {
+        for (int i = low.x(); i <= high.x(); ++i) {
+          std::uint8_t& mark = cell_changed_[static_cast<std::size_t>(i + frame_.cells.x() * (j + frame_.cells.y() * k))];
+          mark = std::max<std::uint8_t>(mark, 1);
+        }
+      }
+    }
   }
 
   unsigned split_edges(const Corners& t) const {
@@ -155,12 +209,14 @@ class Refiner {
     return ((a ^ b) & kOdd) == 0 && split_.contains(bcc::midpoint(a, b));
   }
 
-  /// One sweep of the closure rules from fine to coarse; false when nothing changed.
+  /// One sweep of the closure rules from fine to coarse, where something changed; false when nothing changed.
   bool close_once() {
+    spread_changes();
     bool changed = false;
     for (int level = frame_.levels - 1; level >= 0; --level) {
-      const std::vector<Corners>& leaves = leaves_[static_cast<std::size_t>(level)];
+      const std::vector<Corners>& leaves = leaves_[at(level)];
       const auto thirds = parallel::collect<Key>(leaves.size(), [&](std::size_t i, auto& out) {
+        if (cell_changed_[cell_of(leaves[i][0])] == 0) return;
         const unsigned mask = split_edges(leaves[i]);
         if (bcc::closure_of(mask) != bcc::Closure::kSplitThird) return;
         const auto [a, b] = bcc::kEdge[bcc::third_edge(mask)];
@@ -168,12 +224,17 @@ class Refiner {
       });
       split_count_ += thirds.size();
       split_.reserve(split_count_);
-      for (const Key key : thirds) split_.insert(key);
-      changed |= !thirds.empty();
-      changed |= refine(level, [&](const Corners& t) {
+      for (const Key key : thirds) {
+        split_.insert(key);
+        note_change(key);
+      }
+      const auto red = pick(leaves, [&](const Corners& t) {
+        if (cell_changed_[cell_of(t[0])] == 0) return false;
         const unsigned mask = split_edges(t);
         return bcc::closure_of(mask) == bcc::Closure::kRed || (mask != 0 && split_twice(t, mask));
       });
+      split(level, red);
+      changed |= !thirds.empty() || !red.empty();
     }
     return changed;
   }
@@ -202,6 +263,8 @@ class Refiner {
   std::vector<std::vector<Corners>> leaves_;  // per level
   parallel::KeySet split_;                    // midpoints of split edges
   std::size_t split_count_ = 0;               // upper bound of its size
+  std::vector<Key> changed_keys_;             // where leaves were split since the last sweep
+  std::vector<std::uint8_t> cell_changed_;    // per level-0 cube: its leaves must be looked at
 };
 
 }  // namespace

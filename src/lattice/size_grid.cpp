@@ -89,25 +89,40 @@ double SizeGrid::chord_mm(const Index3& voxel, LabelImage::Index label, double l
   return limit_mm;
 }
 
-int SizeGrid::level_wanted(const Vec3& point_mm, double radius_mm) const {
-  const ImageFrame& frame = image_.frame();
-  const Vec3 centre = frame.to_index(point_mm);
-  const Vec3 radius = radius_mm * frame.spacing_mm.cwiseInverse();
-  Index3 low, high;
+SizeGrid::CellBox SizeGrid::cells_around(const Vec3& point_mm, double radius_mm) const {
+  const Vec3 centre = image_.frame().to_index(point_mm);
+  const Vec3 radius = radius_mm * image_.frame().spacing_mm.cwiseInverse();
+  CellBox box;
   for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = std::max(0, static_cast<int>(std::floor((centre[axis] - radius[axis]) / kCell)));
-    high[axis] = std::min(cells_[axis] - 1, static_cast<int>(std::floor((centre[axis] + radius[axis]) / kCell)));
+    box.low[axis] = std::max(0, static_cast<int>(std::floor((centre[axis] - radius[axis]) / kCell)));
+    box.high[axis] = std::min(cells_[axis] - 1, static_cast<int>(std::floor((centre[axis] + radius[axis]) / kCell)));
   }
+  return box;
+}
+
+int SizeGrid::level_wanted(const Vec3& point_mm, double radius_mm) const {
+  const CellBox box = cells_around(point_mm, radius_mm);
   std::uint8_t most = 0;
-  for (int k = low.z(); k <= high.z(); ++k) {
-    for (int j = low.y(); j <= high.y(); ++j) {
-      const std::size_t row = static_cast<std::size_t>(cells_.x()) *
-                              (static_cast<std::size_t>(j) +
-                               static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(k));
-      for (int i = low.x(); i <= high.x(); ++i) most = std::max(most, wanted_[row + static_cast<std::size_t>(i)]);
+  for (int k = box.low.z(); k <= box.high.z(); ++k) {
+    for (int j = box.low.y(); j <= box.high.y(); ++j) {
+      const std::uint8_t* cells = row(j, k);
+      for (int i = box.low.x(); i <= box.high.x(); ++i) most = std::max(most, cells[i]);
     }
   }
   return static_cast<int>(most) - 1;
+}
+
+bool SizeGrid::boundary_within(const Vec3& point_mm, double radius_mm) const {
+  const CellBox box = cells_around(point_mm, radius_mm);
+  for (int k = box.low.z(); k <= box.high.z(); ++k) {
+    for (int j = box.low.y(); j <= box.high.y(); ++j) {
+      const std::uint8_t* cells = row(j, k);
+      for (int i = box.low.x(); i <= box.high.x(); ++i) {
+        if (cells[i] != 0) return true;
+      }
+    }
+  }
+  return false;
 }
 
 }  // namespace lumesh

@@ -20,7 +20,18 @@ class SizeGrid {
   /// Largest level wanted by a boundary within `radius_mm` of the point; -1 where there is no boundary.
   [[nodiscard]] int level_wanted(const Vec3& point_mm, double radius_mm) const;
 
+  /// Whether some boundary may lie within `radius_mm` of the point.
+  [[nodiscard]] bool boundary_within(const Vec3& point_mm, double radius_mm) const;
+
  private:
+  struct CellBox {
+    Index3 low, high;
+  };
+  [[nodiscard]] CellBox cells_around(const Vec3& point_mm, double radius_mm) const;
+  [[nodiscard]] const std::uint8_t* row(int j, int k) const {
+    return &wanted_[static_cast<std::size_t>(cells_.x()) *
+                    (static_cast<std::size_t>(j) + static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(k))];
+  }
   static constexpr int kCell = 2;
 
   [[nodiscard]] int voxel_level(const Index3& voxel) const;

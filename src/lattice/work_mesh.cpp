@@ -17,7 +17,10 @@ Material material_of(const Corners& t, const LatticeFrame& frame, const ImageDom
   std::array<Vec3, 4> p;
   for (std::size_t i = 0; i < 4; ++i) p[i] = frame.position_mm(t[i]);
   const Vec3 centre = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-  const Material at_centre = domain.material_at(centre);
+  const auto [at_centre, clearance_mm] = domain.surroundings(centre);
+  double reach2 = 0;
+  for (const Vec3& corner : p) reach2 = std::max(reach2, 0.25 * (corner - centre).squaredNorm());
+  if (clearance_mm * clearance_mm > 1.2 * reach2) return at_centre;
   std::array<Material, 4> seen;
   for (std::size_t i = 0; i < 4; ++i) seen[i] = domain.material_at(0.5 * (centre + p[i]));
   Material best = at_centre;

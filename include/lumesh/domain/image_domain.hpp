@@ -82,6 +82,12 @@ class ImageDomain {
   ImageDomain(const LabelImage& image, const ImageDomainOptions& options);
 
   [[nodiscard]] Material material_at(const Vec3& point_mm) const;
+  /// The material at a point and a distance within which it does not change (a cautious estimate).
+  struct Surroundings {
+    Material material = 0;
+    double clearance_mm = 0;
+  };
+  [[nodiscard]] Surroundings surroundings(const Vec3& point_mm) const;
   /// Label of the mesh at a point; the background beyond a cut plane.
   [[nodiscard]] Label label_at(const Vec3& point_mm) const;
   /// First place along the segment where the material changes, found by steps of half a voxel and bisection.

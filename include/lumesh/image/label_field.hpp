@@ -57,9 +57,13 @@ class LabelField {
   [[nodiscard]] bool may_hold_object(const Vec3& low, const Vec3& high) const;
   /// Labels with an indicator of their own around the point; just one where no boundary is near.
   [[nodiscard]] std::span<const LabelIndex> labels_near(const Vec3& index) const;
-  /// How far inside its own label the point is: largest indicator minus the second largest, halved; voxels, >= 0,
-  /// at most kFieldLimit, which it is wherever no boundary is near.
-  [[nodiscard]] double depth(const Vec3& index) const;
+  /// The label with the largest indicator, and how far inside it the point is: the largest indicator minus the second
+  /// largest, halved; voxels, >= 0, at most kFieldLimit, which it is wherever no boundary is near.
+  struct Winner {
+    LabelIndex label = 0;
+    double depth = kFieldLimit;
+  };
+  [[nodiscard]] Winner winner(const Vec3& index) const;
   /// True where the brick around the point holds a boundary within reach; false means label_at is constant nearby.
   [[nodiscard]] bool near_boundary(const Vec3& index) const;
 
