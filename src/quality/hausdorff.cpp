@@ -1,0 +1,211 @@
+#include "lumesh/quality/hausdorff.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lumesh/geometry/triangle_tree.hpp"
+#include "samples.hpp"
+#include "voxel_faces.hpp"
+
+namespace lumesh::quality {
+
+namespace {
+
+constexpr double kOnPlaneVoxels = 0.05;  // A cap's vertices lie on its plane up to this.
+
+/// Image, cuts and scale of one comparison.
+struct Scene {
+  const LabelImage& image;
+  std::vector<Plane> planes;  // Unit normals.
+  double voxel_size_mm;
+
+  [[nodiscard]] Vec3 place_of(const std::array<std::int32_t, 3>& twice_index) const {
+    return image.frame().to_physical(Vec3(twice_index[0], twice_index[1], twice_index[2]) / 2);
+  }
+  [[nodiscard]] bool beyond_a_plane(const Vec3& p) const {
+    return std::any_of(planes.begin(), planes.end(),
+                       [&](const Plane& plane) { return plane.normal.dot(p - plane.point_mm) > 0; });
+  }
+  /// True if all of the points lie on the same plane.
+  [[nodiscard]] bool on_a_plane(std::initializer_list<Vec3> points) const {
+    return std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+      return std::all_of(points.begin(), points.end(), [&](const Vec3& p) {
+        return std::abs(plane.normal.dot(p - plane.point_mm)) < kOnPlaneVoxels * voxel_size_mm;
+      });
+    });
+  }
+};
+
+/// A bound on the distance of the next sample by that of the last one, a little widened for rounding.
+double bound_from(double last_distance, const Vec3& last, const Vec3& next) {
+  return (last_distance + (next - last).norm()) * (1 + 1e-9) + 1e-12;
+}
+
+DistanceSummary mesh_to_image(const Scene& scene, std::span<const Vec3> points,
+                              std::span<const Cell<3>> triangles, const FaceTree& boundary) {
+  const auto distances_of = [&](std::size_t t, std::vector<WeightedValue>& out) {
+    const Vec3 &a = points[triangles[t][0]], &b = points[triangles[t][1]], &c = points[triangles[t][2]];
+    if (scene.on_a_plane({a, b, c})) return;
+    double distance = std::numeric_limits<double>::infinity();
+    Vec3 last = a;
+    sample_triangle(a, b, c, 0.5 * scene.voxel_size_mm, [&](const Vec3& p, double weight) {
+      distance = boundary.distance(along_axes(scene.image.frame(), p), bound_from(distance, last, p));
+      last = p;
+      out.push_back({distance, weight, p});
+    });
+  };
+  std::vector<WeightedValue> values = parallel::collect<WeightedValue>(triangles.size(), distances_of, 256);
+  return summarise(values);
+}
+
+/// Distance to the nearest triangle for a run of points that are near each other.
+class Nearby {
+ public:
+  explicit Nearby(const TriangleTree& tree) : tree_(tree) {}
+  double distance(const Vec3& p) {
+    TriangleTree::Nearest found = tree_.nearest(p, bound_from(last_distance_, last_, p));
+    if (found.triangle == TriangleTree::kNone) found = tree_.nearest(p);
+    last_ = p;
+    last_distance_ = found.distance;
+    return found.distance;
+  }
+
+ private:
+  const TriangleTree& tree_;
+  Vec3 last_ = Vec3::Zero();
+  double last_distance_ = std::numeric_limits<double>::infinity();
+};
+
+double area_of(const VoxelFace& face, const Vec3& spacing_mm) {
+  return spacing_mm.prod() / spacing_mm[face.axis];
+}
+
+/// Corners of the faces, each once, as doubled indices.
+std::vector<std::array<std::int32_t, 3>> corners_of(std::span<const VoxelFace> faces) {
+  std::vector<std::array<std::int32_t, 3>> corners(4 * faces.size());
+  parallel::for_each_index(faces.size(), [&](std::size_t i) {
+    const int u = (faces[i].axis + 1) % 3, v = (faces[i].axis + 2) % 3;
+    for (int c = 0; c < 4; ++c) {
+      std::array<std::int32_t, 3>& corner = corners[4 * i + static_cast<std::size_t>(c)];
+      corner = faces[i].twice_centre;
+      corner[u] += (c & 1) ? 1 : -1;
+      corner[v] += (c & 2) ? 1 : -1;
+    }
+  });
+  parallel::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
+/// Runs distance queries over blocks of consecutive items; item(i) gives a value whose weight and place are
+/// set.
+template <class MakeItem>
+std::vector<WeightedValue> distances_to(const TriangleTree& tree, std::size_t count, const MakeItem& item) {
+  std::vector<WeightedValue> values(count);
+  parallel::for_each_block(count, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
+    Nearby nearby(tree);
+    for (std::size_t i = begin; i < end; ++i) {
+      values[i] = item(i);
+      values[i].value = nearby.distance(values[i].place_mm);
+    }
+  });
+  return values;
+}
+
+DistanceSummary image_to_mesh(const Scene& scene, const TriangleTree& surface,
+                              std::span<const VoxelFace> all_faces) {
+  std::vector<VoxelFace> faces;
+  for (const VoxelFace& face : all_faces)
+    if (!scene.beyond_a_plane(scene.place_of(face.twice_centre))) faces.push_back(face);
+  std::vector<std::array<std::int32_t, 3>> corners = corners_of(faces);
+  std::erase_if(corners, [&](const auto& corner) { return scene.beyond_a_plane(scene.place_of(corner)); });
+  const Vec3& spacing = scene.image.frame().spacing_mm;
+  std::vector<WeightedValue> values = distances_to(surface, faces.size(), [&](std::size_t i) {
+    return WeightedValue{0, area_of(faces[i], spacing), scene.place_of(faces[i].twice_centre)};
+  });
+  const std::vector<WeightedValue> at_corners = distances_to(surface, corners.size(), [&](std::size_t i) {
+    return WeightedValue{0, 0, scene.place_of(corners[i])};
+  });
+  values.insert(values.end(), at_corners.begin(), at_corners.end());
+  return summarise(values);
+}
+
+std::vector<Vec3> used_points(const Scene& scene, std::span<const Vec3> points,
+                              std::span<const Cell<3>> triangles) {
+  std::vector<char> used(points.size(), 0);
+  for (const Cell<3>& triangle : triangles)
+    for (const std::uint32_t v : triangle) used[v] = 1;
+  std::vector<Vec3> result;
+  for (std::size_t v = 0; v < points.size(); ++v)
+    if (used[v] && !scene.on_a_plane({points[v]})) result.push_back(points[v]);
+  return result;
+}
+
+void compare_points(const Scene& scene, const std::vector<Vec3>& vertices, std::span<const VoxelFace> faces,
+                    SurfaceDistances& result) {
+  std::vector<VoxelFace> voxels = boundary_voxels(faces);
+  std::erase_if(voxels, [&](const VoxelFace& voxel) {
+    return scene.beyond_a_plane(scene.place_of(voxel.twice_centre));
+  });
+  if (vertices.empty() || voxels.empty()) return;
+  std::vector<Cell<3>> as_triangles(vertices.size());  // A triangle of three equal corners is a point.
+  for (std::uint32_t v = 0; v < vertices.size(); ++v) as_triangles[v] = {v, v, v};
+  const TriangleTree vertex_tree(vertices, as_triangles);
+  const FaceTree voxel_tree(voxels, scene.image.frame().spacing_mm);
+  std::vector<WeightedValue> to_vertices =
+      distances_to(vertex_tree, voxel_tree.faces().size(), [&](std::size_t i) {
+        return WeightedValue{0, 1, scene.place_of(voxel_tree.faces()[i].twice_centre)};
+      });
+  for (const WeightedValue& v : to_vertices)
+    result.voxels_to_vertices_mm = std::max(result.voxels_to_vertices_mm, v.value);
+  result.vertices_to_voxels_mm = parallel::reduce_blocks(
+      vertices.size(), 1024, 0.0,
+      [&](std::size_t begin, std::size_t end) {
+        double largest = 0;
+        for (std::size_t i = begin; i < end; ++i)
+          largest = std::max(largest, voxel_tree.distance(along_axes(scene.image.frame(), vertices[i])));
+        return largest;
+      },
+      [](double a, double b) { return std::max(a, b); });
+  result.vertex_to_voxel_two_sided_mm = std::max(result.vertices_to_voxels_mm, result.voxels_to_vertices_mm);
+}
+
+std::optional<SurfaceDistances> compare(const Scene& scene, std::span<const Vec3> points,
+                                        const std::vector<Cell<3>>& triangles, std::vector<VoxelFace> faces) {
+  if (triangles.empty() || faces.empty()) return std::nullopt;
+  SurfaceDistances result;
+  const FaceTree boundary(std::move(faces), scene.image.frame().spacing_mm);
+  result.mesh_to_image_mm = mesh_to_image(scene, points, triangles, boundary);
+  result.image_to_mesh_mm = image_to_mesh(scene, TriangleTree(points, triangles), boundary.faces());
+  compare_points(scene, used_points(scene, points, triangles), boundary.faces(), result);
+  return result;
+}
+
+}  // namespace
+
+ImageDistances compare_with_image(const MeshView& mesh, const MeshSurface& surface, const LabelImage& image,
+                                  std::span<const Plane> planes) {
+  ImageDistances result;
+  result.voxel_size_mm = std::cbrt(image.frame().voxel_volume_mm3());
+  Scene scene{image, {planes.begin(), planes.end()}, result.voxel_size_mm};
+  for (Plane& plane : scene.planes) plane.normal.normalize();
+  std::vector<LabelFaces> labels = collect_voxel_faces(image);
+  std::vector<VoxelFace> outer;
+  for (LabelFaces& label : labels) {
+    if (labels.size() > 1)
+      for (const VoxelFace& face : label.faces)
+        if (face.other == 0) outer.push_back(face);
+    result.labels.push_back(
+        {label.label, label.voxels, static_cast<double>(label.voxels) * image.frame().voxel_volume_mm3(),
+         compare(scene, mesh.points, surface.around(label.label), std::move(label.faces))});
+  }
+  const std::vector<Cell<3>> outside = surface.outer();
+  const bool same = labels.size() == 1 && surface.around(labels[0].label).size() == surface.triangles.size();
+  if (same)
+    result.outer = result.labels[0].distances;
+  else if (labels.size() > 1)
+    result.outer = compare(scene, mesh.points, outside, std::move(outer));
+  return result;
+}
+
+}  // namespace lumesh::quality

@@ -1,0 +1,214 @@
+#include "voxel_faces.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::quality {
+
+namespace {
+
+using Voxel = LabelImage::Index;
+
+struct OwnedFace {
+  VoxelFace face;
+  Voxel owner;
+};
+
+/// Appends the face between two neighbours along an axis, once for each that is not background.
+void add_pair(const Index3& low_voxel, int axis, Voxel low, Voxel high, std::vector<OwnedFace>& out) {
+  VoxelFace face;
+  for (int d = 0; d < 3; ++d) face.twice_centre[d] = 2 * low_voxel[d];
+  ++face.twice_centre[axis];
+  face.axis = static_cast<std::uint8_t>(axis);
+  if (low != 0) {
+    face.side = 1;
+    face.other = high;
+    out.push_back({face, low});
+  }
+  if (high != 0) {
+    face.side = -1;
+    face.other = low;
+    out.push_back({face, high});
+  }
+}
+
+/// Calls visit(i) for every i where the two rows differ; equal stretches cost one memory comparison.
+template <class Visit>
+void for_each_difference(const Voxel* a, const Voxel* b, int count, const Visit& visit) {
+  constexpr int kStretch = 64;
+  for (int begin = 0; begin < count; begin += kStretch) {
+    const int end = std::min(count, begin + kStretch);
+    if (std::memcmp(a + begin, b + begin, sizeof(Voxel) * static_cast<std::size_t>(end - begin)) == 0)
+      continue;
+    for (int i = begin; i < end; ++i)
+      if (a[i] != b[i]) visit(i);
+  }
+}
+
+/// Faces of the row (j, k) along i, and those to the rows before it (and behind it at the border).
+void scan_row(const LabelImage& image, const std::vector<Voxel>& empty_row, int j, int k,
+              std::vector<OwnedFace>& out) {
+  const Index3& size = image.frame().size;
+  const auto row_at = [&](int y, int z) {
+    const bool inside = y >= 0 && y < size.y() && z >= 0 && z < size.z();
+    return inside ? image.voxels().data() + image.frame().offset({0, y, z}) : empty_row.data();
+  };
+  const Voxel* row = row_at(j, k);
+  if (row[0] != 0) add_pair({-1, j, k}, 0, 0, row[0], out);
+  for_each_difference(row, row + 1, size.x() - 1, [&](int i) {
+    add_pair({i, j, k}, 0, row[i], row[i + 1], out);
+  });
+  if (row[size.x() - 1] != 0) add_pair({size.x() - 1, j, k}, 0, row[size.x() - 1], 0, out);
+  const auto compare = [&](int axis, const Voxel* low, const Voxel* high, int y, int z) {
+    for_each_difference(low, high, size.x(), [&](int i) { add_pair({i, y, z}, axis, low[i], high[i], out); });
+  };
+  compare(1, row_at(j - 1, k), row, j - 1, k);
+  if (j + 1 == size.y()) compare(1, row, empty_row.data(), j, k);
+  compare(2, row_at(j, k - 1), row, j, k - 1);
+  if (k + 1 == size.z()) compare(2, row, empty_row.data(), j, k);
+}
+
+std::vector<std::uint64_t> count_voxels(const LabelImage& image) {
+  const std::vector<std::uint64_t> zero(image.values().size(), 0);
+  return parallel::reduce_blocks(
+      image.voxels().size(), std::size_t{1} << 20, zero,
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<std::uint64_t> counts = zero;
+        for (std::size_t i = begin; i < end; ++i) ++counts[image.voxels()[i]];
+        return counts;
+      },
+      [](std::vector<std::uint64_t> all, const std::vector<std::uint64_t>& more) {
+        for (std::size_t i = 0; i < all.size(); ++i) all[i] += more[i];
+        return all;
+      });
+}
+
+/// Spreads the low 21 bits to every third bit (Morton order).
+std::uint64_t spread_bits(std::uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffffULL;
+  x = (x | x << 16) & 0x1f0000ff0000ffULL;
+  x = (x | x << 8) & 0x100f00f00f00f00fULL;
+  x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
+  return (x | x << 2) & 0x1249249249249249ULL;
+}
+
+std::uint64_t morton_code(const VoxelFace& face) {
+  std::uint64_t code = 0;
+  for (int d = 0; d < 3; ++d)
+    code |= spread_bits(static_cast<std::uint64_t>(face.twice_centre[d] + 1)) << d;  // The border is -1.
+  return code;
+}
+
+}  // namespace
+
+std::vector<LabelFaces> collect_voxel_faces(const LabelImage& image) {
+  const Index3& size = image.frame().size;
+  const std::vector<Voxel> empty_row(static_cast<std::size_t>(size.x()), 0);
+  const std::vector<OwnedFace> all = parallel::collect<OwnedFace>(
+      static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z()),
+      [&](std::size_t row, std::vector<OwnedFace>& out) {
+        const auto rows = static_cast<std::size_t>(size.y());
+        scan_row(image, empty_row, static_cast<int>(row % rows), static_cast<int>(row / rows), out);
+      },
+      256);
+  const std::vector<std::uint64_t> voxels = count_voxels(image);
+  std::vector<std::size_t> face_counts(image.values().size(), 0);
+  for (const OwnedFace& item : all) ++face_counts[item.owner];
+  std::vector<LabelFaces> labels;
+  for (std::size_t i = 1; i < image.values().size(); ++i) {
+    labels.push_back({image.values()[i], voxels[i], {}});
+    labels.back().faces.reserve(face_counts[i]);
+  }
+  for (const OwnedFace& item : all) labels[item.owner - 1u].faces.push_back(item.face);
+  std::erase_if(labels, [](const LabelFaces& label) { return label.voxels == 0; });
+  return labels;
+}
+
+std::vector<VoxelFace> boundary_voxels(std::span<const VoxelFace> faces) {
+  std::vector<std::array<std::int32_t, 3>> centres(faces.size());
+  parallel::for_each_index(faces.size(), [&](std::size_t i) {
+    const Index3 v = faces[i].voxel();
+    centres[i] = {2 * v.x(), 2 * v.y(), 2 * v.z()};
+  });
+  parallel::sort(centres.begin(), centres.end());
+  centres.erase(std::unique(centres.begin(), centres.end()), centres.end());
+  std::vector<VoxelFace> points;
+  points.reserve(centres.size());
+  for (const auto& centre : centres) points.push_back({centre, 3, 0, 0});
+  return points;
+}
+
+FaceTree::FaceTree(std::vector<VoxelFace> faces, const Vec3& spacing_mm) : half_spacing_(spacing_mm / 2) {
+  struct Item {
+    std::uint64_t code;
+    VoxelFace face;
+  };
+  std::vector<Item> items(faces.size());
+  parallel::for_each_index(faces.size(), [&](std::size_t i) {
+    items[i] = {morton_code(faces[i]), faces[i]};
+  });
+  // Different faces have different codes, up to the two sides of one square; those are at the same place.
+  parallel::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
+    return a.code != b.code ? a.code < b.code : a.face.side < b.face.side;
+  });
+  faces_ = std::move(faces);
+  parallel::for_each_index(faces_.size(), [&](std::size_t i) { faces_[i] = items[i].face; });
+  constexpr std::size_t kLeafSize = 8;
+  while ((faces_.size() >> depth_) > kLeafSize) ++depth_;
+  const std::size_t leaves = std::size_t{1} << depth_;
+  boxes_.resize(2 * leaves - 1);
+  parallel::for_each_index(leaves, [&](std::size_t leaf) {
+    Box& box = boxes_[leaves - 1 + leaf];
+    for (std::size_t i = first_face(leaf); i < first_face(leaf + 1); ++i) {
+      const Box face = box_of(faces_[i]);
+      box.low = box.low.cwiseMin(face.low);
+      box.high = box.high.cwiseMax(face.high);
+    }
+  });
+  for (std::size_t node = leaves - 1; node-- > 0;) {
+    boxes_[node].low = boxes_[2 * node + 1].low.cwiseMin(boxes_[2 * node + 2].low);
+    boxes_[node].high = boxes_[2 * node + 1].high.cwiseMax(boxes_[2 * node + 2].high);
+  }
+}
+
+FaceTree::Box FaceTree::box_of(const VoxelFace& face) const {
+  const Vec3 centre =
+      Vec3(face.twice_centre[0], face.twice_centre[1], face.twice_centre[2]).cwiseProduct(half_spacing_);
+  Vec3 half = face.axis < 3 ? half_spacing_ : Vec3(Vec3::Zero());
+  if (face.axis < 3) half[face.axis] = 0;
+  return {centre - half, centre + half};
+}
+
+double FaceTree::distance(const Vec3& point, double upper_bound) const {
+  if (faces_.empty()) return upper_bound;
+  struct Entry {
+    std::size_t node;
+    double squared_distance;
+  };
+  std::array<Entry, 64> stack;
+  std::size_t size = 0;
+  double best = upper_bound * upper_bound;
+  const std::size_t leaves = std::size_t{1} << depth_;
+  stack[size++] = {0, boxes_[0].squared_distance(point)};
+  while (size > 0) {
+    const auto [node, lower_bound] = stack[--size];
+    if (!(lower_bound < best)) continue;
+    if (node >= leaves - 1) {
+      const std::size_t leaf = node - (leaves - 1);
+      for (std::size_t i = first_face(leaf); i < first_face(leaf + 1); ++i)
+        best = std::min(best, box_of(faces_[i]).squared_distance(point));
+      continue;
+    }
+    Entry near = {2 * node + 1, boxes_[2 * node + 1].squared_distance(point)};
+    Entry far = {2 * node + 2, boxes_[2 * node + 2].squared_distance(point)};
+    if (far.squared_distance < near.squared_distance) std::swap(near, far);
+    if (far.squared_distance < best) stack[size++] = far;
+    if (near.squared_distance < best) stack[size++] = near;
+  }
+  return std::sqrt(best);
+}
+
+}  // namespace lumesh::quality
