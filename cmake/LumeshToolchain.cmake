@@ -25,6 +25,10 @@ if(LUMESH_WERROR)
 endif()
 if(LUMESH_SANITIZE)
   target_compile_options(lumesh_flags INTERFACE
-    $<BUILD_INTERFACE:-fsanitize=${LUMESH_SANITIZE};-fno-omit-frame-pointer>)
+    $<BUILD_INTERFACE:-fsanitize=${LUMESH_SANITIZE};-fno-sanitize-recover=all;-fno-omit-frame-pointer>)
   target_link_options(lumesh_flags INTERFACE $<BUILD_INTERFACE:-fsanitize=${LUMESH_SANITIZE}>)
+endif()
+if(LUMESH_SANITIZE MATCHES "thread")
+  # Debian's oneTBB is not built for ThreadSanitizer; the header there says what stands in for it.
+  target_include_directories(lumesh_flags BEFORE INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/tests/tsan>)
 endif()

@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Checks that every public header compiles alone, says in its first lines what it is, and has an include guard.
+
+Takes the compiler flags of one source file of the release build (build/release/compile_commands.json). A header is
+compiled again only when it, or a header that it includes, has changed.
+
+Usage: check_headers.py [BUILD_FOLDER]
+"""
+import concurrent.futures
+import json
+import os
+import pathlib
+import shlex
+import subprocess
+import sys
+
+import sources
+import stamps
+
+
+def compiler_flags(build):
+    """Flags that make the public headers and the libraries in them visible."""
+    flags = []
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        words = shlex.split(entry["command"])
+        for index, word in enumerate(words):
+            pair = [word, words[index + 1]] if word in ("-I", "-isystem") else [word]
+            if word.startswith(("-I", "-isystem", "-std=", "-f")) and pair[0] not in flags[:0]:
+                if " ".join(pair) not in flags:
+                    flags.append(" ".join(pair))
+    words = [word for flag in flags for word in flag.split(" ")]
+    return [word for word in words if not word.startswith("-fdiagnostics")]
+
+
+def fault_of(path, flags):
+    text = path.read_text()
+    if not text.startswith("#pragma once\n/// @file "):
+        return f"{path}: start with '#pragma once' and '/// @file' and what it is for"
+    # A guard macro such as __INCLUDE_LEVEL__ complains about '#pragma once in main file': compile a file that includes it.
+    result = subprocess.run(["g++", *flags, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-x", "c++", "-"],
+                            input=f'#include "{path}"\n', capture_output=True, text=True, check=False)
+    return f"{path} does not compile alone:\n{result.stderr[:2000]}" if result.returncode else None
+
+
+def main():
+    build = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else sources.ROOT / "build/release")
+    flags = compiler_flags(build)
+    headers = [sources.ROOT / path for path in sources.source_files(sources.ROOT, ["include"])]
+    cache = stamps.Stamps("headers", " ".join(flags))
+    todo = [header for header in headers if not cache.is_fresh(header)]
+    faults = []
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for header, fault in zip(todo, pool.map(lambda path: fault_of(path, flags), todo)):
+            if fault:
+                faults.append(fault)
+            else:
+                cache.mark(header)
+    print("\n".join(faults + [f"check_headers: {len(headers)} headers, {len(todo)} compiled, {len(faults)} faults"]))
+    return 1 if faults or not headers else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

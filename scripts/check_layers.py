@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""Checks who includes whom.
+
+1. A module includes only itself and what the dependency table of docs/design.md allows it; no private header of
+   another module. 2. Heavy libraries never appear in public headers; ITK in one .cpp, VTK in none, CGAL in one.
+
+Usage: check_layers.py [ROOT]
+"""
+import pathlib
+import re
+import sys
+
+import sources
+
+# "x: y z": x may include y and z, and what they include. The same table stands in docs/design.md, section 2.
+TABLE = """
+core:
+parallel: core
+geometry: core parallel
+image: core parallel
+mesh: geometry parallel
+io: image mesh
+domain: image mesh
+metric: mesh
+operators: mesh domain metric
+centerline: image mesh
+lattice: operators
+delaunay: operators
+adapt: operators
+layers: operators
+quality: mesh domain metric
+report: quality
+pipeline: lattice delaunay adapt layers centerline io quality report
+apps: pipeline
+"""
+
+# Libraries that cost seconds per file or leak macros: how many files under src/ may include each.
+HEAVY = {"ITK": (r"itk\w+\.h", 1), "VTK": (r"vtk\w+\.h", 1), "CGAL": (r"CGAL/.*", 1),
+         "nlohmann-json": (r"nlohmann/.*", None), "CLI11": (r"CLI/.*", 0), "pugixml": (r"pugixml\.hpp", None)}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]', re.MULTILINE)
+
+
+def allowed_modules():
+    """Each module with everything it may include: the closure of the table. The order of the table rules out cycles."""
+    closure = {}
+    for line in TABLE.strip().splitlines():
+        module, _, names = line.partition(":")
+        closure[module] = {module}
+        for name in names.split():
+            closure[module] |= closure[name]  # KeyError: the table names a module before it stands there
+    return closure
+
+
+def module_of(path):
+    """include/lumesh/<module>/..., src/<module>/..., or apps."""
+    if path.parts[0] == "apps":
+        return "apps"
+    return path.parts[2] if path.parts[0] == "include" else path.parts[1]
+
+
+def faults_of_include(root, path, included, allowed):
+    """Yields what is wrong with one include of one file."""
+    if included.startswith("lumesh/"):
+        module = included.split("/")[1]
+        if module not in allowed[module_of(path)]:
+            yield f"{path}: {module_of(path)} may not include {included} (see the table in docs/design.md)"
+        if not (root / "include" / included).is_file():
+            yield f"{path}: {included} is not a public header"
+    elif ".." in pathlib.PurePath(included).parts or "src/" in included:
+        yield f"{path}: {included} reaches out of its folder; private headers belong to one module"
+    if path.parts[0] == "include":
+        for name, (pattern, _) in HEAVY.items():
+            if re.fullmatch(pattern, included):
+                yield f"{path}: a public header includes {name} ({included}); keep it in a .cpp"
+
+
+def heavy_in_too_many(includes):
+    """Yields heavy libraries that more files include than may."""
+    for name, (pattern, limit) in HEAVY.items():
+        users = [path for path, names in includes.items() if path.parts[0] == "src"
+                 and any(re.fullmatch(pattern, included) for included in names)]
+        if limit is not None and len(users) > limit:
+            yield f"{name} is included by {len(users)} files of src, {limit} may: " + ", ".join(map(str, users))
+
+
+def main():
+    root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else sources.ROOT
+    allowed = allowed_modules()
+    includes, faults = {}, []
+    for path in sources.source_files(root, ["include/lumesh", "src", "apps"]):
+        if module_of(path) not in allowed:
+            faults.append(f"{path}: module {module_of(path)} is not in the dependency table")
+            continue
+        includes[path] = INCLUDE.findall((root / path).read_text())
+        for included in includes[path]:
+            faults += faults_of_include(root, path, included, allowed)
+    faults += heavy_in_too_many(includes)
+    print("\n".join(faults + [f"check_layers: {len(includes)} files, {len(faults)} faults"]))
+    return 1 if faults or not includes else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""Checks that threads and locks stay where they are looked after.
+
+Threads, mutexes, atomics, oneTBB and OpenMP belong to the module parallel and to the files named below with a
+reason; all other code uses lumesh/parallel/loops.hpp.
+
+Usage: check_primitives.py [ROOT]
+"""
+import pathlib
+import re
+import sys
+
+import sources
+
+# File -> why it may.
+EXCEPTIONS = {
+    "apps/lumesh/main.cpp": "the flag that a signal sets",
+}
+
+PRIMITIVE = re.compile(
+    r"\btbb::|#\s*include\s+<(?:tbb/|oneapi/|thread>|mutex>|shared_mutex>|atomic>|condition_variable>|semaphore>|barrier>"
+    r"|latch>|future>|omp\.h>|pthread\.h>)|#\s*pragma\s+omp|\bomp_\w+\s*\("
+    r"|\bstd::(?:j?thread|(?:recursive_|timed_|shared_)?mutex|atomic\w*|condition_variable\w*|async|future|barrier|latch"
+    r"|counting_semaphore|execution::par\w*)\b")
+
+
+def is_allowed(path):
+    return "parallel" in path.parts or str(path) in EXCEPTIONS
+
+
+def main():
+    root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else sources.ROOT
+    files = sources.source_files(root, ["include", "src", "apps"])
+    faults = []
+    for path in files:
+        if is_allowed(path):
+            continue
+        for number, line in enumerate(sources.without_comments((root / path).read_text()).splitlines(), 1):
+            match = PRIMITIVE.search(line)
+            if match:
+                faults.append(f"{path}:{number}: {match.group().strip()} belongs to the module parallel")
+    print("\n".join(faults + [f"check_primitives: {len(files)} files, {len(faults)} faults"]))
+    return 1 if faults or not files else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
