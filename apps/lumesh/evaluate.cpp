@@ -1,9 +1,130 @@
+#include <fmt/core.h>
+
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <sstream>
+
 #include "commands.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/image/selection.hpp"
+#include "lumesh/image/topology.hpp"
+#include "lumesh/io/image_file.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/quality/evaluation.hpp"
+#include "lumesh/report/summary.hpp"
 
 namespace lumesh::cli {
 
+namespace {
+
+struct EvaluateCommand {
+  std::string mesh_path, image_path, reference_path, json_path, report_path, picture_path;
+  std::vector<Label> labels;
+  std::optional<double> threshold;
+  std::size_t largest_component = 0;
+  std::vector<std::vector<double>> cut_planes;
+  std::vector<double> required_dihedral_deg;
+  std::size_t times = 0;
+  int threads = 0;
+};
+
+std::string read_text(const std::string& path) {
+  std::ifstream in(path);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) throw Error(ErrorKind::kBadInput, path + ": cannot be read; check the path");
+  return text.str();
+}
+
+LabelImage read_labels(const EvaluateCommand& command, Context& context) {
+  LabelImage image = read_image(command.image_path, {command.labels, command.threshold}, context);
+  if (command.largest_component > 0) keep_largest_component(image, ComponentScope::kUnion);
+  return image;
+}
+
+/// Meshes may stand in another frame or unit than images do.
+void bring_to_lps_mm(MixedMesh& mesh) {
+  const bool ras = mesh.info.frame == "RAS";
+  const double scale = mesh.info.unit == "m" ? 1000 : mesh.info.unit == "cm" ? 10 : 1;
+  if (!ras && scale == 1) return;
+  const Vec3 factors = ras ? Vec3(-scale, -scale, scale) : Vec3(scale, scale, scale);
+  for (Vec3& p : mesh.points) p = p.cwiseProduct(factors);
+  mesh.info.frame = "LPS";
+  mesh.info.unit = "mm";
+}
+
+void require_angles(const EvaluateCommand& command, const quality::Evaluation& evaluation) {
+  if (command.required_dihedral_deg.empty()) return;
+  const double low = evaluation.statistics.tetrahedra.smallest_dihedral_deg.value;
+  const double high = evaluation.statistics.tetrahedra.largest_dihedral_deg.value;
+  if (low >= command.required_dihedral_deg[0] && high <= command.required_dihedral_deg[1]) return;
+  throw Error(ErrorKind::kNotReached,
+              fmt::format("{}: dihedral angles {:.2f} to {:.2f} degrees leave the required {} to {}",
+                          command.mesh_path, low, high, command.required_dihedral_deg[0],
+                          command.required_dihedral_deg[1]));
+}
+
+void run(const EvaluateCommand& command) {
+  const parallel::ThreadLimit limit(command.threads);
+  Context context({}, [](std::string_view text) { fmt::print(stderr, "lumesh: warning: {}\n", text); });
+  MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
+  bring_to_lps_mm(mesh);
+  quality::EvaluationInput input;
+  for (const std::vector<double>& v : command.cut_planes)
+    input.cut_planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
+  LabelImage image;
+  if (!command.image_path.empty()) {
+    image = context.phase("read image", [&] { return read_labels(command, context); });
+    input.image = &image;
+  }
+  std::optional<Phantom> phantom;
+  if (!command.reference_path.empty()) {
+    phantom.emplace(phantom_spec_from_json(read_text(command.reference_path)));
+    input.phantom = &*phantom;
+  }
+  const quality::Evaluation evaluation = quality::evaluate(mesh.view(), input, context);
+  fmt::print("{}\n{}", command.mesh_path, report::summary_text(evaluation));
+  if (command.times > 0) {
+    fmt::print("\ntime");
+    for (const PhaseTime& phase : context.phases()) fmt::print("  {} {:.2f} s", phase.name, phase.seconds);
+    fmt::print("\n");
+  }
+  if (!command.json_path.empty()) {
+    std::ofstream out(command.json_path);
+    out << report::evaluation_json(evaluation);
+  }
+  require_angles(command, evaluation);
+}
+
+}  // namespace
+
 void add_evaluate_command(CLI::App& program) {
-  program.add_subcommand("evaluate", "(being built)");
+  const auto command = std::make_shared<EvaluateCommand>();
+  CLI::App* sub = program.add_subcommand("evaluate", "Measure a mesh, by itself and against its image");
+  sub->add_option("mesh", command->mesh_path, "Mesh (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
+  sub->add_option("--image", command->image_path, "Label image the mesh was made from");
+  sub->add_option("--labels", command->labels, "Take these labels of the image only")->delimiter(',');
+  sub->add_option("--threshold", command->threshold,
+                  "Voxels at or above become label 1, the rest background");
+  sub->add_flag("--largest-component", command->largest_component,
+                "Take the largest component of the image only");
+  sub->add_option("--cut-plane", command->cut_planes,
+                  "Point and normal in mm, x y z nx ny nz, as given when the mesh was made; may be repeated")
+      ->type_size(6);
+  sub->add_option("--reference", command->reference_path,
+                  "Parameters of the phantom behind the image (.json)");
+  sub->add_option("--json", command->json_path, "Write all numbers as JSON");
+  sub->add_option("--report", command->report_path, "Write a report with plots and pictures (.html)");
+  sub->add_option("--picture", command->picture_path, "Write a picture of the surface (.png)");
+  sub->add_option("--require-dihedral", command->required_dihedral_deg,
+                  "Exit with 3 unless every dihedral angle lies between these two, degrees")
+      ->expected(2);
+  sub->add_flag("--times", command->times, "Print how long each step took");
+  sub->add_option("--threads", command->threads, "Threads; 0 = all cores")->capture_default_str();
+  sub->footer("Example: lumesh evaluate case1.vtu --image case1.nrrd --json case1.json --report case1.html");
+  sub->callback([command] { run(*command); });
 }
 
 }  // namespace lumesh::cli

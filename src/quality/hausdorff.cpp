@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "on_planes.hpp"
 #include "samples.hpp"
 #include "voxel_faces.hpp"
 
@@ -11,28 +12,14 @@ namespace lumesh::quality {
 
 namespace {
 
-constexpr double kOnPlaneVoxels = 0.05;  // A cap's vertices lie on its plane up to this.
-
 /// Image, cuts and scale of one comparison.
 struct Scene {
   const LabelImage& image;
-  std::vector<Plane> planes;  // Unit normals.
+  CutPlanes planes;
   double voxel_size_mm;
 
   [[nodiscard]] Vec3 place_of(const std::array<std::int32_t, 3>& twice_index) const {
     return image.frame().to_physical(Vec3(twice_index[0], twice_index[1], twice_index[2]) / 2);
-  }
-  [[nodiscard]] bool beyond_a_plane(const Vec3& p) const {
-    return std::any_of(planes.begin(), planes.end(),
-                       [&](const Plane& plane) { return plane.normal.dot(p - plane.point_mm) > 0; });
-  }
-  /// True if all of the points lie on the same plane.
-  [[nodiscard]] bool on_a_plane(std::initializer_list<Vec3> points) const {
-    return std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
-      return std::all_of(points.begin(), points.end(), [&](const Vec3& p) {
-        return std::abs(plane.normal.dot(p - plane.point_mm)) < kOnPlaneVoxels * voxel_size_mm;
-      });
-    });
   }
 };
 
@@ -45,7 +32,7 @@ DistanceSummary mesh_to_image(const Scene& scene, std::span<const Vec3> points,
                               std::span<const Cell<3>> triangles, const FaceTree& boundary) {
   const auto distances_of = [&](std::size_t t, std::vector<WeightedValue>& out) {
     const Vec3 &a = points[triangles[t][0]], &b = points[triangles[t][1]], &c = points[triangles[t][2]];
-    if (scene.on_a_plane({a, b, c})) return;
+    if (scene.planes.contain({a, b, c})) return;
     double distance = std::numeric_limits<double>::infinity();
     Vec3 last = a;
     sample_triangle(a, b, c, 0.5 * scene.voxel_size_mm, [&](const Vec3& p, double weight) {
@@ -116,9 +103,9 @@ DistanceSummary image_to_mesh(const Scene& scene, const TriangleTree& surface,
                               std::span<const VoxelFace> all_faces) {
   std::vector<VoxelFace> faces;
   for (const VoxelFace& face : all_faces)
-    if (!scene.beyond_a_plane(scene.place_of(face.twice_centre))) faces.push_back(face);
+    if (!scene.planes.beyond(scene.place_of(face.twice_centre))) faces.push_back(face);
   std::vector<std::array<std::int32_t, 3>> corners = corners_of(faces);
-  std::erase_if(corners, [&](const auto& corner) { return scene.beyond_a_plane(scene.place_of(corner)); });
+  std::erase_if(corners, [&](const auto& corner) { return scene.planes.beyond(scene.place_of(corner)); });
   const Vec3& spacing = scene.image.frame().spacing_mm;
   std::vector<WeightedValue> values = distances_to(surface, faces.size(), [&](std::size_t i) {
     return WeightedValue{0, area_of(faces[i], spacing), scene.place_of(faces[i].twice_centre)};
@@ -137,7 +124,7 @@ std::vector<Vec3> used_points(const Scene& scene, std::span<const Vec3> points,
     for (const std::uint32_t v : triangle) used[v] = 1;
   std::vector<Vec3> result;
   for (std::size_t v = 0; v < points.size(); ++v)
-    if (used[v] && !scene.on_a_plane({points[v]})) result.push_back(points[v]);
+    if (used[v] && !scene.planes.contain({points[v]})) result.push_back(points[v]);
   return result;
 }
 
@@ -145,7 +132,7 @@ void compare_points(const Scene& scene, const std::vector<Vec3>& vertices, std::
                     SurfaceDistances& result) {
   std::vector<VoxelFace> voxels = boundary_voxels(faces);
   std::erase_if(voxels, [&](const VoxelFace& voxel) {
-    return scene.beyond_a_plane(scene.place_of(voxel.twice_centre));
+    return scene.planes.beyond(scene.place_of(voxel.twice_centre));
   });
   if (vertices.empty() || voxels.empty()) return;
   std::vector<Cell<3>> as_triangles(vertices.size());  // A triangle of three equal corners is a point.
@@ -187,8 +174,7 @@ ImageDistances compare_with_image(const MeshView& mesh, const MeshSurface& surfa
                                   std::span<const Plane> planes) {
   ImageDistances result;
   result.voxel_size_mm = std::cbrt(image.frame().voxel_volume_mm3());
-  Scene scene{image, {planes.begin(), planes.end()}, result.voxel_size_mm};
-  for (Plane& plane : scene.planes) plane.normal.normalize();
+  const Scene scene{image, CutPlanes(planes, result.voxel_size_mm), result.voxel_size_mm};
   std::vector<LabelFaces> labels = collect_voxel_faces(image);
   std::vector<VoxelFace> outer;
   for (LabelFaces& label : labels) {

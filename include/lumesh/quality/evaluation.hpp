@@ -1,0 +1,83 @@
+#pragma once
+/// @file Everything that is said about one mesh.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/image/label_image.hpp"
+#include "lumesh/image/phantom.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/quality/hausdorff.hpp"
+#include "lumesh/quality/reference.hpp"
+#include "lumesh/quality/statistics.hpp"
+#include "lumesh/quality/surface.hpp"
+
+namespace lumesh::quality {
+
+/// Voxels of one label (or of all).
+struct VoxelTopology {
+  Label label = kBackground;
+  std::uint64_t voxels = 0;
+  double volume_mm3 = 0;
+  std::uint64_t components = 0;  ///< Connected through faces.
+  std::int64_t euler = 0;
+};
+
+struct LabelEvaluation {
+  Label label = kBackground;
+  std::string name;         ///< May be empty.
+  std::uint64_t cells = 0;  ///< 0 if the mesh does not have the label: it was lost.
+  double volume_mm3 = 0;
+  std::uint64_t components = 0;
+  std::int64_t euler = 0;
+  SurfaceTopology surface;
+  std::optional<VoxelTopology> image;         ///< If there is an image.
+  std::optional<SurfaceDistances> distances;  ///< If there is an image and the mesh has the label.
+  std::optional<LabelReference> reference;    ///< If there is a phantom.
+
+  /// Relative error of the volume in per cent against the image's voxels; against the exact volume. Only if
+  /// there.
+  [[nodiscard]] double image_volume_error_percent() const;
+  [[nodiscard]] double reference_volume_error_percent() const;
+};
+
+/// What the image says about the mesh as a whole.
+struct ImageEvaluation {
+  ImageFrame frame;
+  double voxel_size_mm = 1;
+  VoxelTopology all;                          ///< Of the union of its labels.
+  std::optional<SurfaceDistances> distances;  ///< Of the union; none if the mesh has no surface.
+};
+
+struct Evaluation {
+  MeshInfo info;
+  std::vector<std::string> problems;  ///< What makes the mesh invalid, the first ones; empty if valid.
+  std::uint64_t problem_count = 0;
+  MeshStatistics statistics;
+  std::vector<LabelEvaluation> labels;  ///< Labels of the mesh and of the image, ascending.
+  SurfaceTopology boundary;             ///< Of the mesh as a whole, without the interfaces inside.
+  std::uint64_t components = 0;         ///< Of the mesh as a whole.
+  std::int64_t euler = 0;
+  std::uint64_t interface_triangles = 0;
+  std::vector<PatchSummary> patches;
+  std::optional<ImageEvaluation> image;
+  std::optional<double> reference_voxel_mm;  ///< Voxel size of the phantom, if there is one.
+
+  [[nodiscard]] bool valid() const { return problem_count == 0; }
+};
+
+struct EvaluationInput {
+  const LabelImage* image = nullptr;  ///< Optional: the image the mesh was made from.
+  const Phantom* phantom = nullptr;   ///< Optional: the truth behind the image.
+  std::vector<Plane> cut_planes;      ///< Those the mesh was made with.
+};
+
+/// @param mesh  In mm (LPS) as the image.
+/// @throws Error{kBadInput} if the mesh has no cells.
+/// Threads: parallel inside, the same bits for every thread count. Phases are timed in the context.
+[[nodiscard]] Evaluation evaluate(const MeshView& mesh, const EvaluationInput& input, Context& context);
+
+}  // namespace lumesh::quality

@@ -1,0 +1,95 @@
+#include "lumesh/quality/evaluation.hpp"
+
+#include <algorithm>
+
+#include "lumesh/core/error.hpp"
+#include "validity.hpp"
+
+namespace lumesh::quality {
+
+double LabelEvaluation::image_volume_error_percent() const {
+  return image ? 100 * (volume_mm3 / image->volume_mm3 - 1) : 0;
+}
+
+double LabelEvaluation::reference_volume_error_percent() const {
+  return reference ? 100 * (volume_mm3 / reference->volume_mm3 - 1) : 0;
+}
+
+namespace {
+
+/// The entry of a label, made if it is not there.
+LabelEvaluation& entry(Evaluation& evaluation, Label label) {
+  auto& labels = evaluation.labels;
+  auto at = std::lower_bound(labels.begin(), labels.end(), label,
+                             [](const LabelEvaluation& l, Label wanted) { return l.label < wanted; });
+  if (at == labels.end() || at->label != label) {
+    at = labels.insert(at, LabelEvaluation());
+    at->label = label;
+    const auto name = evaluation.info.label_names.find(label);
+    if (name != evaluation.info.label_names.end()) at->name = name->second;
+  }
+  return *at;
+}
+
+void add_topology(const MeshView& mesh, const MeshSurface& surface, Evaluation& evaluation) {
+  const std::vector<SolidTopology> solids = analyse_solids(mesh);
+  evaluation.components = solids.back().components;
+  evaluation.euler = solids.back().euler;
+  for (std::size_t i = 0; i + 1 < solids.size(); ++i) {
+    LabelEvaluation& label = entry(evaluation, solids[i].label);
+    label.components = solids[i].components;
+    label.euler = solids[i].euler;
+    label.surface = analyse_surface(mesh.points, surface.around(label.label));
+  }
+  evaluation.boundary = analyse_surface(mesh.points, surface.outer());
+  evaluation.interface_triangles = surface.triangles.size() - evaluation.boundary.triangles;
+  evaluation.patches = summarise_patches(mesh, surface);
+}
+
+void add_image(const MeshView& mesh, const MeshSurface& surface, const EvaluationInput& input,
+               Evaluation& evaluation, Context& context) {
+  const LabelImage& image = *input.image;
+  context.phase("voxel topology", [&] {
+    for (const VoxelTopology& voxels : voxel_topology(image)) entry(evaluation, voxels.label).image = voxels;
+  });
+  ImageEvaluation& result = evaluation.image.emplace();
+  result.frame = image.frame();
+  result.all = context.phase("voxel topology of the union", [&] { return union_voxel_topology(image); });
+  ImageDistances distances = context.phase(
+      "distances to the image", [&] { return compare_with_image(mesh, surface, image, input.cut_planes); });
+  result.voxel_size_mm = distances.voxel_size_mm;
+  result.distances = distances.outer;
+  for (const LabelDistances& label : distances.labels)
+    entry(evaluation, label.label).distances = label.distances;
+}
+
+}  // namespace
+
+Evaluation evaluate(const MeshView& mesh, const EvaluationInput& input, Context& context) {
+  if (mesh.cell_count() == 0)
+    throw Error(ErrorKind::kBadInput,
+                "the mesh has no volume cells; evaluate takes tetrahedra and mixed meshes");
+  Evaluation evaluation;
+  evaluation.info = *mesh.info;
+  evaluation.statistics = context.phase("statistics", [&] { return measure(mesh); });
+  for (const LabelVolume& volume : evaluation.statistics.labels) {
+    LabelEvaluation& label = entry(evaluation, volume.label);
+    label.cells = volume.cells;
+    label.volume_mm3 = volume.volume_mm3;
+  }
+  const MeshSurface surface = context.phase("surface", [&] { return extract_surface(mesh); });
+  context.phase("topology", [&] { add_topology(mesh, surface, evaluation); });
+  context.phase("validity", [&] { find_problems(mesh, surface, evaluation); });
+  if (input.image) add_image(mesh, surface, input, evaluation, context);
+  if (input.phantom) {
+    evaluation.reference_voxel_mm = std::cbrt(input.phantom->frame().voxel_volume_mm3());
+    context.phase("distances to the phantom", [&] {
+      for (const LabelReference& label :
+           compare_with_phantom(mesh, surface, *input.phantom, input.cut_planes))
+        entry(evaluation, label.label).reference = label;
+    });
+  }
+  return evaluation;
+}
+
+}  // namespace lumesh::quality

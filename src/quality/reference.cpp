@@ -1,0 +1,106 @@
+#include "lumesh/quality/reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "on_planes.hpp"
+#include "samples.hpp"
+
+namespace lumesh::quality {
+
+namespace {
+
+/// Gradient of the label's signed distance by central differences; unit length, or zero where it has none.
+Vec3 outward_normal(const Phantom& phantom, const Vec3& p, Label label, double step_mm) {
+  Vec3 gradient;
+  for (int d = 0; d < 3; ++d) {
+    const Vec3 step = step_mm * Vec3::Unit(d);
+    gradient[d] = phantom.signed_distance_mm(p + step, label) - phantom.signed_distance_mm(p - step, label);
+  }
+  const double length = gradient.norm();
+  return length > 0 ? Vec3(gradient / length) : Vec3(Vec3::Zero());
+}
+
+class LabelComparison {
+ public:
+  LabelComparison(const MeshView& mesh, const MeshSurface& surface, const Phantom& phantom,
+                  std::span<const Plane> planes, Label label)
+      : points_(mesh.points),
+        triangles_(surface.around(label)),
+        phantom_(phantom),
+        label_(label),
+        voxel_mm_(std::cbrt(phantom.frame().voxel_volume_mm3())),
+        planes_(planes, voxel_mm_) {}
+
+  [[nodiscard]] bool empty() const { return triangles_.empty(); }
+
+  [[nodiscard]] DistanceSummary distances() const {
+    std::vector<WeightedValue> values = parallel::collect<WeightedValue>(
+        triangles_.size(),
+        [&](std::size_t t, std::vector<WeightedValue>& out) {
+          const Vec3 &a = corner(t, 0), &b = corner(t, 1), &c = corner(t, 2);
+          if (planes_.contain({a, b, c})) return;
+          sample_triangle(a, b, c, voxel_mm_, [&](const Vec3& p, double weight) {
+            out.push_back({phantom_.surface_distance_mm(p, label_), weight, p});
+          });
+        },
+        64);
+    return summarise(values);
+  }
+
+  [[nodiscard]] DistanceSummary normal_angles() const {
+    std::vector<WeightedValue> values = parallel::collect<WeightedValue>(
+        triangles_.size(), [&](std::size_t t, std::vector<WeightedValue>& out) { add_angle(t, out); }, 64);
+    return summarise(values);
+  }
+
+ private:
+  [[nodiscard]] const Vec3& corner(std::size_t t, std::size_t i) const { return points_[triangles_[t][i]]; }
+
+  void add_angle(std::size_t t, std::vector<WeightedValue>& out) const {
+    const Vec3 &a = corner(t, 0), &b = corner(t, 1), &c = corner(t, 2);
+    const Vec3 centre = (a + b + c) / 3;
+    const double distance = phantom_.signed_distance_mm(centre, label_);
+    // Where the cut of the image is nearer than the shape's own surface the triangle belongs to a flat cap.
+    const bool on_cap = phantom_.surface_distance_mm(centre, label_) < std::abs(distance) - 1e-6 * voxel_mm_;
+    if (on_cap || planes_.contain({a, b, c})) return;
+    const double step = 0.02 * voxel_mm_;
+    const Vec3 foot = centre - distance * outward_normal(phantom_, centre, label_, step);
+    const Vec3 truth = outward_normal(phantom_, foot, label_, step);
+    const Vec3 normal = triangle_normal(a, b, c);
+    const double angle = std::atan2(normal.cross(truth).norm(), normal.dot(truth)) * 180 / std::numbers::pi;
+    out.push_back({angle, triangle_area(a, b, c), centre});
+  }
+
+  std::span<const Vec3> points_;
+  std::vector<Cell<3>> triangles_;
+  const Phantom& phantom_;
+  Label label_;
+  double voxel_mm_;
+  CutPlanes planes_;
+};
+
+}  // namespace
+
+std::vector<LabelReference> compare_with_phantom(const MeshView& mesh, const MeshSurface& surface,
+                                                 const Phantom& phantom, std::span<const Plane> planes) {
+  std::vector<LabelReference> result;
+  for (const Label label : phantom.labels()) {
+    LabelReference reference;
+    reference.label = label;
+    reference.volume_mm3 = phantom.volume_mm3(label);
+    const PhantomTruth truth = phantom.truth(label);
+    reference.components = truth.component_count;
+    reference.euler = truth.euler_number;
+    const LabelComparison comparison(mesh, surface, phantom, planes, label);
+    if (!comparison.empty()) {
+      reference.surface_distance_mm = comparison.distances();
+      reference.normal_angle_deg = comparison.normal_angles();
+    }
+    result.push_back(reference);
+  }
+  return result;
+}
+
+}  // namespace lumesh::quality

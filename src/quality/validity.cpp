@@ -1,0 +1,33 @@
+#include "validity.hpp"
+
+#include "lumesh/mesh/validate.hpp"
+
+namespace lumesh::quality {
+
+namespace {
+
+void add_problem(Evaluation& evaluation, std::uint64_t count, const std::string& what) {
+  if (count == 0) return;
+  evaluation.problems.push_back(std::to_string(count) + " " + what);
+  evaluation.problem_count += count;
+}
+
+}  // namespace
+
+void find_problems(const MeshView& mesh, const MeshSurface& surface, Evaluation& evaluation) {
+  if (mesh.cell_count() == mesh.tetrahedra.size()) {
+    const ValidationReport report = validate(mesh);
+    evaluation.problems = report.problems;
+    evaluation.problem_count = report.problem_count;
+    return;
+  }
+  add_problem(evaluation, evaluation.statistics.inverted_cells, "cells whose volume is not positive");
+  add_problem(evaluation, surface.overfull_faces, "faces with more than two cells");
+  for (const LabelEvaluation& label : evaluation.labels) {
+    const std::string of_label = " on the surface of label " + std::to_string(label.label);
+    add_problem(evaluation, label.surface.non_manifold_edges, "non-manifold edges" + of_label);
+    add_problem(evaluation, label.surface.non_manifold_vertices, "non-manifold vertices" + of_label);
+  }
+}
+
+}  // namespace lumesh::quality

@@ -1,0 +1,16 @@
+#pragma once
+/// @file Facts from other modules in the types of this one.
+
+#include "lumesh/quality/evaluation.hpp"
+
+namespace lumesh::quality {
+
+/// Fills in the problems of the mesh: by validate() for tetrahedra, by volumes and faces for mixed cells.
+void find_problems(const MeshView& mesh, const MeshSurface& surface, Evaluation& evaluation);
+
+/// Per label, ascending.
+[[nodiscard]] std::vector<VoxelTopology> voxel_topology(const LabelImage& image);
+/// Of all labels together.
+[[nodiscard]] VoxelTopology union_voxel_topology(const LabelImage& image);
+
+}  // namespace lumesh::quality

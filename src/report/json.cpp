@@ -1,0 +1,182 @@
+#include <nlohmann/json.hpp>
+
+#include "lumesh/report/summary.hpp"
+
+namespace lumesh::report {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using namespace lumesh::quality;
+
+Json point(const Vec3& p) {
+  return Json::array({p.x(), p.y(), p.z()});
+}
+
+Json to_json(const Histogram& histogram) {
+  return {{"low", histogram.low}, {"high", histogram.high}, {"counts", histogram.counts}};
+}
+
+Json to_json(const Extreme& extreme) {
+  return {{"value", extreme.value},
+          {"tetrahedron", extreme.tetrahedron},
+          {"centre_mm", point(extreme.centre_mm)}};
+}
+
+Json to_json(const DistanceSummary& summary) {
+  return {{"max", summary.max},
+          {"mean", summary.mean},
+          {"p95", summary.p95},
+          {"samples", summary.samples},
+          {"worst_mm", point(summary.worst_mm)}};
+}
+
+Json to_json(const std::optional<SurfaceDistances>& distances) {
+  if (!distances) return nullptr;
+  return {{"mesh_to_image", to_json(distances->mesh_to_image_mm)},
+          {"image_to_mesh", to_json(distances->image_to_mesh_mm)},
+          {"vertex_to_voxel_two_sided", distances->vertex_to_voxel_two_sided_mm},
+          {"vertices_to_voxels", distances->vertices_to_voxels_mm},
+          {"voxels_to_vertices", distances->voxels_to_vertices_mm}};
+}
+
+Json to_json(const SurfaceTopology& surface) {
+  Json components = Json::array();
+  for (const SurfaceComponent& c : surface.components)
+    components.push_back({{"triangles", c.triangles},
+                          {"area_mm2", c.area_mm2},
+                          {"enclosed_volume_mm3", c.enclosed_volume_mm3},
+                          {"euler", c.euler},
+                          {"genus", c.genus < 0 ? Json(nullptr) : Json(c.genus)}});
+  return {{"closed", surface.closed()},
+          {"manifold", surface.manifold()},
+          {"components", surface.components.size()},
+          {"genus", surface.genus() < 0 ? Json(nullptr) : Json(surface.genus())},
+          {"vertices", surface.vertices},
+          {"triangles", surface.triangles},
+          {"open_edges", surface.open_edges},
+          {"non_manifold_edges", surface.non_manifold_edges},
+          {"non_manifold_vertices", surface.non_manifold_vertices},
+          {"pieces", components}};
+}
+
+Json dihedral_json(const TetrahedronStatistics& s) {
+  return {{"min", s.smallest_dihedral_deg.value},
+          {"max", s.largest_dihedral_deg.value},
+          {"mean_of_smallest", s.mean_smallest_dihedral_deg},
+          {"below", {{"5", s.below_5_deg}, {"10", s.below_10_deg}, {"15", s.below_15_deg}}},
+          {"above", {{"150", s.above_150_deg}, {"160", s.above_160_deg}, {"165", s.above_165_deg}}},
+          {"smallest", to_json(s.smallest_dihedral_deg)},
+          {"largest", to_json(s.largest_dihedral_deg)},
+          {"histogram", to_json(s.dihedral_deg)}};
+}
+
+Json mean_ratio_json(const TetrahedronStatistics& s) {
+  return {{"min", s.smallest_mean_ratio.value},
+          {"mean", s.mean_mean_ratio},
+          {"smallest", to_json(s.smallest_mean_ratio)},
+          {"histogram", to_json(s.mean_ratio)}};
+}
+
+Json reference_json(const LabelEvaluation& label) {
+  const LabelReference& r = *label.reference;
+  const auto summary = [](const std::optional<DistanceSummary>& d) {
+    return d ? to_json(*d) : Json(nullptr);
+  };
+  return {{"volume_mm3", r.volume_mm3},
+          {"volume_error_percent", label.reference_volume_error_percent()},
+          {"components", r.components},
+          {"euler", r.euler},
+          {"topology_equal",
+           label.components == static_cast<std::uint64_t>(r.components) && label.euler == r.euler},
+          {"surface_distance_mm", summary(r.surface_distance_mm)},
+          {"normal_angle_deg", summary(r.normal_angle_deg)}};
+}
+
+Json to_json(const LabelEvaluation& label) {
+  Json json = {{"label", label.label},
+               {"name", label.name},
+               {"cells", label.cells},
+               {"volume_mm3", label.volume_mm3},
+               {"components", label.components},
+               {"euler", label.euler},
+               {"boundary", to_json(label.surface)}};
+  if (label.image) {
+    json["voxel_volume_mm3"] = label.image->volume_mm3;
+    json["volume_error_percent"] = label.image_volume_error_percent();
+    json["image"] = {{"voxels", label.image->voxels},
+                     {"components", label.image->components},
+                     {"euler", label.image->euler}};
+    json["hausdorff_mm"] = to_json(label.distances);
+  }
+  if (label.reference) json["reference"] = reference_json(label);
+  return json;
+}
+
+const char* kind_name(PatchKind kind) {
+  if (kind == PatchKind::kOpening) return "opening";
+  return kind == PatchKind::kInterface ? "interface" : "wall";
+}
+
+Json patches_json(const std::vector<PatchSummary>& patches) {
+  Json json = Json::array();
+  for (const PatchSummary& p : patches) {
+    Json patch = {{"name", p.name},         {"kind", kind_name(p.kind)},       {"faces", p.faces},
+                  {"area_mm2", p.area_mm2}, {"centre_mm", point(p.centre_mm)}, {"normal", point(p.normal)}};
+    if (p.kind == PatchKind::kOpening) patch["flatness_mm"] = p.flatness_mm;
+    json.push_back(patch);
+  }
+  return json;
+}
+
+Json image_json(const ImageEvaluation& image) {
+  const auto& size = image.frame.size;
+  return {{"size", Json::array({size.x(), size.y(), size.z()})},
+          {"spacing_mm", point(image.frame.spacing_mm)},
+          {"voxel_size_mm", image.voxel_size_mm},
+          {"voxels", image.all.voxels},
+          {"voxel_volume_mm3", image.all.volume_mm3},
+          {"components", image.all.components},
+          {"euler", image.all.euler}};
+}
+
+}  // namespace
+
+std::string evaluation_json(const Evaluation& e) {
+  const MeshStatistics& m = e.statistics;
+  const TetrahedronStatistics& t = m.tetrahedra;
+  Json json = {{"valid", e.valid()},
+               {"problem_count", e.problem_count},
+               {"problems", e.problems},
+               {"unit", e.info.unit},
+               {"frame", e.info.frame},
+               {"provenance", e.info.provenance},
+               {"vertices", m.vertices},
+               {"tetrahedra", t.count},
+               {"pyramids", m.pyramids},
+               {"prisms", m.prisms},
+               {"hexahedra", m.hexahedra},
+               {"inverted", m.inverted_cells},
+               {"bounding_box_mm", Json::array({point(m.low_mm), point(m.high_mm)})},
+               {"mean_edge_mm", t.mean_edge_mm}};
+  json["dihedral_deg"] = dihedral_json(t);
+  json["mean_ratio"] = mean_ratio_json(t);
+  json["aspect"] = {{"max", t.largest_aspect.value}, {"mean", t.mean_aspect}};
+  if (m.pyramids + m.prisms + m.hexahedra > 0)
+    json["scaled_jacobian"] = {{"min", m.smallest_scaled_jacobian}};
+  json["components"] = e.components;
+  json["euler"] = e.euler;
+  json["labels"] = Json::array();
+  for (const LabelEvaluation& label : e.labels) json["labels"].push_back(to_json(label));
+  json["boundary"] = to_json(e.boundary);
+  json["boundary"]["patches"] = patches_json(e.patches);
+  json["interface_triangles"] = e.interface_triangles;
+  if (e.image) {
+    json["image"] = image_json(*e.image);
+    json["hausdorff_mm"] = to_json(e.image->distances);
+  }
+  if (e.reference_voxel_mm) json["reference"] = {{"voxel_size_mm", *e.reference_voxel_mm}};
+  return json.dump(1) + "\n";
+}
+
+}  // namespace lumesh::report

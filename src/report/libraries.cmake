@@ -1,0 +1,2 @@
+find_package(PNG REQUIRED)
+target_link_libraries(${target} PRIVATE fmt::fmt nlohmann_json::nlohmann_json PNG::PNG)

@@ -1,0 +1,171 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "lumesh/report/summary.hpp"
+#include "numbers.hpp"
+
+namespace lumesh::report {
+
+namespace {
+
+using namespace lumesh::quality;
+
+constexpr std::size_t kMostLabels = 24;  // Longer tables go to JSON and the report.
+
+std::string counts_text(const Evaluation& e) {
+  const MeshStatistics& m = e.statistics;
+  std::string text = fmt::format("{:<15}", e.valid() ? "valid" : "INVALID");
+  text += fmt::format("{} tetrahedra", grouped(m.tetrahedra.count));
+  if (m.pyramids) text += fmt::format(", {} pyramids", grouped(m.pyramids));
+  if (m.prisms) text += fmt::format(", {} prisms", grouped(m.prisms));
+  if (m.hexahedra) text += fmt::format(", {} hexahedra", grouped(m.hexahedra));
+  text += fmt::format(", {} vertices\n", grouped(m.vertices));
+  for (std::size_t i = 0; i < std::min<std::size_t>(5, e.problems.size()); ++i)
+    text += fmt::format("  problem: {}\n", e.problems[i]);
+  if (e.problem_count > 5) text += fmt::format("  {} problems in all\n", grouped(e.problem_count));
+  return text;
+}
+
+std::string quality_text(const Evaluation& e) {
+  const TetrahedronStatistics& t = e.statistics.tetrahedra;
+  std::string text;
+  if (t.count > 0) {
+    const Vec3 &low = t.smallest_dihedral_deg.centre_mm, &high = t.largest_dihedral_deg.centre_mm;
+    text += fmt::format(
+        "dihedral       {:.2f}° at ({:.1f}, {:.1f}, {:.1f})  to  {:.2f}° at ({:.1f}, {:.1f}, {:.1f})\n",
+        t.smallest_dihedral_deg.value, low.x(), low.y(), low.z(), t.largest_dihedral_deg.value, high.x(),
+        high.y(), high.z());
+    text += fmt::format(
+        "               mean of smallest {:.1f}°; tetrahedra below 5/10/15°: {}/{}/{}, above 150/160/165°: "
+        "{}/{}/{}\n",
+        t.mean_smallest_dihedral_deg, t.below_5_deg, t.below_10_deg, t.below_15_deg, t.above_150_deg,
+        t.above_160_deg, t.above_165_deg);
+    text += fmt::format(
+        "mean ratio     min {:.3f}  mean {:.3f}      aspect  max {:.2f}  mean {:.2f}      mean edge {:.3g} "
+        "mm\n",
+        t.smallest_mean_ratio.value, t.mean_mean_ratio, t.largest_aspect.value, t.mean_aspect,
+        t.mean_edge_mm);
+  }
+  if (e.statistics.pyramids + e.statistics.prisms + e.statistics.hexahedra > 0)
+    text += fmt::format("other cells    scaled Jacobian min {:.3f}\n", e.statistics.smallest_scaled_jacobian);
+  return text;
+}
+
+std::string boundary_text(const Evaluation& e) {
+  const SurfaceTopology& b = e.boundary;
+  std::string text = fmt::format("boundary       {}, {}, {} {}, genus {}, {} triangles",
+                                 b.closed() ? "closed" : "OPEN", b.manifold() ? "manifold" : "NOT MANIFOLD",
+                                 b.components.size(), b.components.size() == 1 ? "component" : "components",
+                                 b.genus() < 0 ? "–" : std::to_string(b.genus()), grouped(b.triangles));
+  if (e.interface_triangles) text += fmt::format(", {} between labels", grouped(e.interface_triangles));
+  text += "\n";
+  if (!b.manifold())
+    text += fmt::format("               {} open and {} non-manifold edges, {} non-manifold vertices\n",
+                        b.open_edges, b.non_manifold_edges, b.non_manifold_vertices);
+  for (std::size_t i = 0; i < std::min(kMostLabels, e.patches.size()); ++i) {
+    const PatchSummary& p = e.patches[i];
+    text += fmt::format("  {:<12} {:>8} faces {:>10.4g} mm²", p.name, grouped(p.faces), p.area_mm2);
+    if (p.kind == PatchKind::kOpening) text += fmt::format("   flat within {:.2g} mm", p.flatness_mm);
+    text += "\n";
+  }
+  if (e.patches.size() > kMostLabels)
+    text += fmt::format("  … {} more patches\n", e.patches.size() - kMostLabels);
+  return text;
+}
+
+std::string labels_text(const Evaluation& e) {
+  std::string text = fmt::format("\n{:<22}{:>12}{:>12}{:>9}{:>13}{:>12}  {}\n", "label", "volume mm³",
+                                 "image mm³", "error %", "components", "Euler", "surface");
+  for (std::size_t i = 0; i < std::min(kMostLabels, e.labels.size()); ++i) {
+    const LabelEvaluation& l = e.labels[i];
+    const std::string name = l.name.empty() ? std::to_string(l.label) : fmt::format("{} {}", l.label, l.name);
+    const auto of_image = [&](auto value, auto image) {
+      return l.image ? fmt::format("{} ({})", value, image) : fmt::format("{}", value);
+    };
+    text += fmt::format("{:<22.22}{:>12.5g}{:>12}{:>9}{:>13}{:>12}  {}\n", name, l.volume_mm3,
+                        l.image ? fmt::format("{:.5g}", l.image->volume_mm3) : "–",
+                        l.image ? fmt::format("{:+.2f}", l.image_volume_error_percent()) : "–",
+                        of_image(l.components, l.image ? l.image->components : 0),
+                        of_image(l.euler, l.image ? l.image->euler : 0),
+                        l.cells == 0           ? "LOST"
+                        : l.surface.manifold() ? "manifold"
+                                               : "NOT MANIFOLD");
+  }
+  if (e.labels.size() > kMostLabels) text += fmt::format("… {} more labels\n", e.labels.size() - kMostLabels);
+  const auto lost =
+      std::count_if(e.labels.begin(), e.labels.end(), [](const auto& l) { return l.cells == 0; });
+  if (lost > 0) text += fmt::format("{} of {} labels are not in the mesh\n", lost, e.labels.size());
+  if (e.image) text += "in brackets: the voxels of the image, joined through faces\n";
+  return text;
+}
+
+std::string distance_row(const std::string& name, const DistanceSummary& d, double unit) {
+  return fmt::format("  {:<34}{:>10.3f}{:>10.3f}{:>10.3f}\n", name, d.mean / unit, d.p95 / unit,
+                     d.max / unit);
+}
+
+std::string distances_text(const std::string& title, const SurfaceDistances& d, double voxel) {
+  std::string text = fmt::format("{:<36}{:>10}{:>10}{:>10}\n", title, "mean", "95 %", "max");
+  text += distance_row("mesh to image", d.mesh_to_image_mm, voxel);
+  text += distance_row("image to mesh", d.image_to_mesh_mm, voxel);
+  text += fmt::format("  {:<34}{:>30.3f}   (to voxels {:.3f}, to vertices {:.3f})\n",
+                      "vertices and voxels, two-sided", d.vertex_to_voxel_two_sided_mm / voxel,
+                      d.vertices_to_voxels_mm / voxel, d.voxels_to_vertices_mm / voxel);
+  return text;
+}
+
+std::string image_text(const Evaluation& e) {
+  const double voxel = e.image->voxel_size_mm;
+  std::string text = fmt::format("\ndistances in voxels of {:.4g} mm\n", voxel);
+  if (e.image->distances) text += distances_text("whole surface", *e.image->distances, voxel);
+  std::size_t with_distances = 0;
+  const LabelEvaluation* worst = nullptr;
+  const auto reach = [](const LabelEvaluation& l) {
+    return std::max(l.distances->mesh_to_image_mm.max, l.distances->image_to_mesh_mm.max);
+  };
+  for (const LabelEvaluation& l : e.labels) {
+    if (!l.distances) continue;
+    if (!worst || reach(l) > reach(*worst)) worst = &l;
+    ++with_distances;
+  }
+  if (with_distances > 1)
+    text += distances_text(fmt::format("label {} (the worst)", worst->label), *worst->distances, voxel);
+  return text;
+}
+
+std::string reference_text(const Evaluation& e) {
+  std::string text = fmt::format("\nagainst the phantom{:>27}{:>10}{:>10}\n", "mean", "95 %", "max");
+  for (const LabelEvaluation& l : e.labels) {
+    if (!l.reference) continue;
+    const LabelReference& r = *l.reference;
+    text +=
+        fmt::format("  label {}: volume {:+.3f} %, components {} (truth {}), Euler {} (truth {})\n", l.label,
+                    l.reference_volume_error_percent(), l.components, r.components, l.euler, r.euler);
+    if (r.surface_distance_mm)
+      text += distance_row("  surface distance, voxels", *r.surface_distance_mm, *e.reference_voxel_mm);
+    if (r.normal_angle_deg) text += distance_row("  angle of normals, degrees", *r.normal_angle_deg, 1);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string grouped(std::uint64_t count) {
+  const std::string digits = std::to_string(count);
+  std::string text;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text.push_back(',');
+    text.push_back(digits[i]);
+  }
+  return text;
+}
+
+std::string summary_text(const Evaluation& e) {
+  std::string text = counts_text(e) + quality_text(e) + boundary_text(e) + labels_text(e);
+  if (e.image) text += image_text(e);
+  if (e.reference_voxel_mm) text += reference_text(e);
+  return text;
+}
+
+}  // namespace lumesh::report
