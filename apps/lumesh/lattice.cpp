@@ -32,7 +32,8 @@ struct LatticeCommand {
 
 std::vector<CutPlane> parse_cut_planes(const std::vector<std::vector<double>>& values) {
   std::vector<CutPlane> planes;
-  for (const std::vector<double>& v : values) planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
+  for (const std::vector<double>& v : values)
+    planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
   return planes;
 }
 
@@ -52,10 +53,11 @@ std::map<Label, double> parse_label_fidelity(const std::vector<std::string>& pai
 void print_summary(const LatticeCommand& command, const LatticeResult& result, const Context& context,
                    double seconds) {
   const MixedMesh& mesh = result.mesh;
-  fmt::print("{}: {} tetrahedra, {} vertices, {} boundary triangles\n", command.mesh_path, mesh.tetrahedra.size(),
-             mesh.points.size(), mesh.triangles.size());
+  fmt::print("{}: {} tetrahedra, {} vertices, {} boundary triangles\n", command.mesh_path,
+             mesh.tetrahedra.size(), mesh.points.size(), mesh.triangles.size());
   for (std::size_t p = 0; p < mesh.info.patches.size(); ++p) {
-    const auto faces = std::count(mesh.triangle_patches.begin(), mesh.triangle_patches.end(), static_cast<int>(p));
+    const auto faces =
+        std::count(mesh.triangle_patches.begin(), mesh.triangle_patches.end(), static_cast<int>(p));
     fmt::print("  patch {:<20} {:>8} triangles\n", mesh.info.patches[p].name, faces);
   }
   for (const std::string& note : result.report.notes) fmt::print("  note: {}\n", note);
@@ -71,7 +73,8 @@ void run(const LatticeCommand& command) {
   ImageReadOptions read;
   read.labels = command.labels;
   if (command.threshold_option->count() > 0) read.threshold = command.threshold;
-  const LabelImage image = context.phase("read", [&] { return read_image(command.image_path, read, context); });
+  const LabelImage image =
+      context.phase("read", [&] { return read_image(command.image_path, read, context); });
   ImageDomainOptions domain_options = command.domain;
   domain_options.cut_planes = parse_cut_planes(command.cut_planes);
   LatticeOptions options = command.options;
@@ -96,27 +99,34 @@ void add_lattice_command(CLI::App& program) {
   const auto command = std::make_shared<LatticeCommand>();
   CLI::App* sub = program.add_subcommand("lattice", "Mesh a segmented image on a body-centred cubic lattice");
   LatticeOptions& o = command->options;
-  sub->add_option("image", command->image_path, "Label image (.nii[.gz], .nrrd, .nhdr, .mha, .mhd, DICOM folder)")
+  sub->add_option("image", command->image_path,
+                  "Label image (.nii[.gz], .nrrd, .nhdr, .mha, .mhd, DICOM folder)")
       ->required();
-  sub->add_option("-o,--output", command->mesh_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
+  sub->add_option("-o,--output", command->mesh_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
+      ->required();
   sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
   sub->add_option("--spacing", o.spacing_mm, "Lattice spacing at the boundary in mm; default 3 voxels");
   sub->add_option("--fidelity", o.fidelity,
                   "0.1 to 0.98: the spacing is at most 4 (1 - F) times the local half thickness")
       ->capture_default_str();
   sub->add_option("--label-fidelity", command->label_fidelity, "Fidelity of single labels, such as 2=0.9");
-  sub->add_option("--coarsening", o.coarsening, "Times the spacing may double inside, 0 to 4")->capture_default_str();
+  sub->add_option("--coarsening", o.coarsening, "Times the spacing may double inside, 0 to 4")
+      ->capture_default_str();
   sub->add_option("--max-refinement", o.max_refinement, "Times it may halve in thin parts, 0 to 5")
+      ->capture_default_str();
+  sub->add_option("--max-tetrahedra", o.max_tetrahedra, "Give up refinement of thin parts to stay near this")
       ->capture_default_str();
   sub->add_option("--min-dihedral", o.min_dihedral_deg, "Floor of the dihedral angles in degrees, 1 to 25")
       ->capture_default_str();
-  sub->add_option("--max-dihedral", o.max_dihedral_deg, "Ceiling of the dihedral angles in degrees, 130 to 175")
+  sub->add_option("--max-dihedral", o.max_dihedral_deg,
+                  "Ceiling of the dihedral angles in degrees, 130 to 175")
       ->capture_default_str();
   sub->add_option("--labels", command->labels, "Mesh these labels only")->delimiter(',');
-  command->threshold_option =
-      sub->add_option("--threshold", command->threshold, "Voxels at or above become label 1, the rest background");
-  sub->add_option("--cut-plane", command->cut_planes,
-                  "Point and normal in mm, x y z nx ny nz: cut off what lies on the normal's side; may be repeated")
+  command->threshold_option = sub->add_option("--threshold", command->threshold,
+                                              "Voxels at or above become label 1, the rest background");
+  sub->add_option(
+         "--cut-plane", command->cut_planes,
+         "Point and normal in mm, x y z nx ny nz: cut off what lies on the normal's side; may be repeated")
       ->type_size(6);
   sub->add_option("--smoothing", command->domain.field.sigma, "Low-pass width in voxels, 0.5 to 3")
       ->capture_default_str();

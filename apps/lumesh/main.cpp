@@ -22,7 +22,8 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", std::string("lumesh ") + lumesh::kVersion);
   program.require_subcommand(1);
   program.footer(
-      "Exit codes: 0 good, 1 usage, 2 bad input, 3 request not reached, 4 time limit or interrupted, 5 memory.");
+      "Exit codes: 0 good, 1 usage, 2 bad input, 3 request not reached, 4 time limit or interrupted, 5 "
+      "memory.");
   lumesh::cli::add_phantom_command(program);
   lumesh::cli::add_info_command(program);
   lumesh::cli::add_lattice_command(program);

@@ -52,7 +52,9 @@ void ImageDomain::find_object_box(const LabelImage& image) {
         }
         return b;
       },
-      [](Box a, const Box& b) { return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)}; });
+      [](Box a, const Box& b) {
+        return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)};
+      });
   object_box_ = {box.low, box.high};
 }
 
@@ -70,7 +72,9 @@ void ImageDomain::add_border_cuts(const LabelImage& image) {
   }
 }
 
-Material ImageDomain::material_at(const Vec3& point_mm) const { return surroundings(point_mm).material; }
+Material ImageDomain::material_at(const Vec3& point_mm) const {
+  return surroundings(point_mm).material;
+}
 
 ImageDomain::Surroundings ImageDomain::surroundings(const Vec3& point_mm) const {
   double furthest = -1e300;
@@ -87,7 +91,9 @@ ImageDomain::Surroundings ImageDomain::surroundings(const Vec3& point_mm) const 
   return {winner.label, std::min(-furthest, winner.depth * frame().spacing_mm.minCoeff())};
 }
 
-Label ImageDomain::label_at(const Vec3& point_mm) const { return label_of(material_at(point_mm)); }
+Label ImageDomain::label_at(const Vec3& point_mm) const {
+  return label_of(material_at(point_mm));
+}
 
 FieldSample ImageDomain::separation(const Vec3& point_mm, Material first, Material second) const {
   // A cut plane lies between the material and the cut; between two cuts it is where they are equally far.
@@ -105,9 +111,11 @@ FieldSample ImageDomain::separation(const Vec3& point_mm, Material first, Materi
     }
     return result;
   }
-  const FieldSample in_voxels = field_.difference(frame().to_index(point_mm), static_cast<LabelImage::Index>(first),
-                                                  static_cast<LabelImage::Index>(second));
-  // The indicator counts voxels; dividing by its slope would make it a distance, a constant factor is enough here.
+  const FieldSample in_voxels =
+      field_.difference(frame().to_index(point_mm), static_cast<LabelImage::Index>(first),
+                        static_cast<LabelImage::Index>(second));
+  // The indicator counts voxels; dividing by its slope would make it a distance, a constant factor is enough
+  // here.
   return {in_voxels.value * voxel_size_mm_, index_from_mm_.transpose() * in_voxels.gradient * voxel_size_mm_};
 }
 
@@ -138,7 +146,8 @@ Vec3 ImageDomain::newton_step(const Vec3& x, const MaterialSet& set, double offs
   const auto rows = static_cast<Eigen::Index>(std::min<std::size_t>(set.size() - 1, 3));
   Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> slope(rows, 3);
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> residual(rows);
-  // Materials come ascending, cut planes last: count from the last, so that a plane meets each label by itself.
+  // Materials come ascending, cut planes last: count from the last, so that a plane meets each label by
+  // itself.
   const Material pivot = is_cut(set[set.size() - 1]) ? set[0] : set[set.size() - 1];
   Eigen::Index row = 0;
   for (const Material m : set) {

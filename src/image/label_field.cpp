@@ -16,9 +16,10 @@ struct CubicWeights {
 CubicWeights cubic_weights(double t) {
   const double t2 = t * t;
   const double t3 = t2 * t;
-  return {{0.5 * (-t + 2 * t2 - t3), 0.5 * (2 - 5 * t2 + 3 * t3), 0.5 * (t + 4 * t2 - 3 * t3), 0.5 * (t3 - t2)},
-          {0.5 * (-1 + 4 * t - 3 * t2), 0.5 * (-10 * t + 9 * t2), 0.5 * (1 + 8 * t - 9 * t2),
-           0.5 * (3 * t2 - 2 * t)}};
+  return {
+      {0.5 * (-t + 2 * t2 - t3), 0.5 * (2 - 5 * t2 + 3 * t3), 0.5 * (t + 4 * t2 - 3 * t3), 0.5 * (t3 - t2)},
+      {0.5 * (-1 + 4 * t - 3 * t2), 0.5 * (-10 * t + 9 * t2), 0.5 * (1 + 8 * t - 9 * t2),
+       0.5 * (3 * t2 - 2 * t)}};
 }
 
 }  // namespace
@@ -137,7 +138,8 @@ FieldSample LabelField::difference(const Vec3& index, LabelIndex first, LabelInd
     const BlockRef ref_a = find_block(*place.brick, first);
     const BlockRef ref_b = find_block(*place.brick, second);
     if (ref_a.sign != 0) a = block_sample(ref_a.block, place.local);
-    if (ref_b.sign != 0) b = ref_b.block == ref_a.block && ref_a.sign != 0 ? a : block_sample(ref_b.block, place.local);
+    if (ref_b.sign != 0)
+      b = ref_b.block == ref_a.block && ref_a.sign != 0 ? a : block_sample(ref_b.block, place.local);
     if (ref_a.sign != 0) a = {ref_a.sign * a.value, ref_a.sign * a.gradient};
     if (ref_b.sign != 0) b = {ref_b.sign * b.value, ref_b.sign * b.gradient};
   }
@@ -166,7 +168,9 @@ bool LabelField::may_hold_object(const Vec3& low, const Vec3& high) const {
   return false;
 }
 
-LabelField::LabelIndex LabelField::label_at(const Vec3& index) const { return winner(index).label; }
+LabelField::LabelIndex LabelField::label_at(const Vec3& index) const {
+  return winner(index).label;
+}
 
 LabelField::Winner LabelField::winner(const Vec3& index) const {
   const Place place = locate(index);
@@ -200,11 +204,13 @@ std::span<const LabelField::LabelIndex> LabelField::labels_near(const Vec3& inde
   return {&labels_[place.brick->first_label], place.brick->label_count};
 }
 
-bool LabelField::near_boundary(const Vec3& index) const { return locate(index).brick != nullptr; }
+bool LabelField::near_boundary(const Vec3& index) const {
+  return locate(index).brick != nullptr;
+}
 
 std::size_t LabelField::memory_bytes() const {
-  return blocks_.size() * sizeof(float) + brick_of_.size() * sizeof(std::int32_t) + active_.size() * sizeof(Brick) +
-         labels_.size() * sizeof(LabelIndex);
+  return blocks_.size() * sizeof(float) + brick_of_.size() * sizeof(std::int32_t) +
+         active_.size() * sizeof(Brick) + labels_.size() * sizeof(LabelIndex);
 }
 
 }  // namespace lumesh

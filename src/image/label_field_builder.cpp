@@ -1,4 +1,5 @@
-// Construction of LabelField: find the bricks near a boundary, start from truncated distances, filter, constrain.
+// Construction of LabelField: find the bricks near a boundary, start from truncated distances, filter,
+// constrain.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -17,7 +18,8 @@ constexpr int kWindow = kBrick + 2 * kMargin;    // 16
 constexpr int kReach = 3;                        // voxels; distances beyond are cut off
 constexpr int kCore = kBrick * kBrick * kBrick;  // 512
 constexpr float kLimit = static_cast<float>(LabelField::kFieldLimit);
-constexpr float kHold = -0.15F;     // the boundary may pass a voxel's centre on the wrong side by this much (voxels)
+constexpr float kHold =
+    -0.15F;  // the boundary may pass a voxel's centre on the wrong side by this much (voxels)
 constexpr float kHoldThin = 0.30F;  // the same where the label is too thin to survive any shrinkage
 constexpr int kMaxRadius = 8;       // of the Gaussian, in voxels: one brick
 
@@ -28,7 +30,9 @@ using Mask = std::array<std::uint8_t, std::size_t{kWindow} * kWindow * kWindow>;
 std::size_t window_at(int i, int j, int k) {
   return static_cast<std::size_t>(i + kWindow * (j + kWindow * k));
 }
-std::size_t core_at(int i, int j, int k) { return static_cast<std::size_t>(i + kBrick * (j + kBrick * k)); }
+std::size_t core_at(int i, int j, int k) {
+  return static_cast<std::size_t>(i + kBrick * (j + kBrick * k));
+}
 
 /// Squared distance (cut at kFar) from each core voxel to the nearest window voxel with mask == wanted.
 std::array<std::uint8_t, kCore> squared_distance(const Mask& mask, std::uint8_t wanted) {
@@ -51,7 +55,8 @@ std::array<std::uint8_t, kCore> squared_distance(const Mask& mask, std::uint8_t 
       std::uint8_t* out = &along_y[static_cast<std::size_t>(kBrick * (j + kBrick * k))];
       std::fill_n(out, kBrick, kFar);
       for (int d = -kReach; d <= kReach; ++d) {
-        const std::uint8_t* row = &along_x[static_cast<std::size_t>(kBrick * (j + kMargin + d + kWindow * k))];
+        const std::uint8_t* row =
+            &along_x[static_cast<std::size_t>(kBrick * (j + kMargin + d + kWindow * k))];
         for (int i = 0; i < kBrick; ++i)
           out[i] = std::min(out[i], static_cast<std::uint8_t>(std::min(kFar + 0, row[i] + d * d)));
       }
@@ -82,14 +87,15 @@ Rows combine_rows(const Rows& in, int stride, int reach, Combine combine) {
     const int place = stride == 1 ? n % kWindow : n / kWindow;
     for (int d = -reach; d <= reach; ++d) {
       if (d != 0 && place + d >= 0 && place + d < kWindow)
-        out[static_cast<std::size_t>(n)] = combine(out[static_cast<std::size_t>(n)], in[static_cast<std::size_t>(n + d * stride)]);
+        out[static_cast<std::size_t>(n)] =
+            combine(out[static_cast<std::size_t>(n)], in[static_cast<std::size_t>(n + d * stride)]);
     }
   }
   return out;
 }
 
-/// Marks the voxels of a label that lie within kReach of a place where the label fills a 3^3 cube; the others are
-/// thin: vessels and sheets of one or two voxels.
+/// Marks the voxels of a label that lie within kReach of a place where the label fills a 3^3 cube; the others
+/// are thin: vessels and sheets of one or two voxels.
 Rows near_thick_part(const Mask& label) {
   Rows rows{};
   for (std::size_t n = 0; n < rows.size(); ++n) {
@@ -98,11 +104,13 @@ Rows near_thick_part(const Mask& label) {
   }
   const auto both = [](std::uint16_t a, std::uint16_t b) { return static_cast<std::uint16_t>(a & b); };
   const auto either = [](std::uint16_t a, std::uint16_t b) { return static_cast<std::uint16_t>(a | b); };
-  for (std::uint16_t& row : rows) row = static_cast<std::uint16_t>(row & (row << 1 | 1) & (row >> 1 | 0x8000));
+  for (std::uint16_t& row : rows)
+    row = static_cast<std::uint16_t>(row & (row << 1 | 1) & (row >> 1 | 0x8000));
   rows = combine_rows(combine_rows(rows, 1, 1, both), kWindow, 1, both);
   for (std::uint16_t& row : rows) {
     unsigned wide = row;
-    for (int d = 1; d <= kReach; ++d) wide |= static_cast<unsigned>(row) << d | static_cast<unsigned>(row) >> d;
+    for (int d = 1; d <= kReach; ++d)
+      wide |= static_cast<unsigned>(row) << d | static_cast<unsigned>(row) >> d;
     row = static_cast<std::uint16_t>(wide);
   }
   return combine_rows(combine_rows(rows, 1, kReach, either), kWindow, kReach, either);
@@ -111,7 +119,8 @@ Rows near_thick_part(const Mask& label) {
 }  // namespace
 
 void LabelFieldOptions::validate() const {
-  if (!(sigma >= 0.5 && sigma <= 3)) throw Error(ErrorKind::kUsage, "smoothing sigma must lie in [0.5, 3] voxels");
+  if (!(sigma >= 0.5 && sigma <= 3))
+    throw Error(ErrorKind::kUsage, "smoothing sigma must lie in [0.5, 3] voxels");
   if (rounds < 0 || rounds > 50) throw Error(ErrorKind::kUsage, "smoothing rounds must lie in [0, 50]");
 }
 
@@ -180,8 +189,8 @@ class LabelFieldBuilder {
     const Index3 n = field_.bricks_;
     auto& code = field_.brick_of_;
     code.resize(uniform.size());
-    std::vector<std::uint32_t> active = parallel::collect<std::uint32_t>(
-        uniform.size(), [&](std::size_t b, std::vector<std::uint32_t>& out) {
+    std::vector<std::uint32_t> active =
+        parallel::collect<std::uint32_t>(uniform.size(), [&](std::size_t b, std::vector<std::uint32_t>& out) {
           code[b] = -1 - uniform[b];
           if (needs_values(brick_index(b), uniform, n)) out.push_back(static_cast<std::uint32_t>(b));
         });
@@ -195,7 +204,8 @@ class LabelFieldBuilder {
     const auto at = [&](const Index3& b) {
       return uniform[static_cast<std::size_t>(b.x()) +
                      static_cast<std::size_t>(n.x()) *
-                         (static_cast<std::size_t>(b.y()) + static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(b.z()))];
+                         (static_cast<std::size_t>(b.y()) +
+                          static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(b.z()))];
     };
     const std::int32_t own = at(brick);
     if (own < 0) return true;
@@ -244,7 +254,9 @@ class LabelFieldBuilder {
     block_count_ = blocks;
   }
 
-  static std::size_t block_count(const Brick& brick) { return brick.label_count == 2 ? 1 : brick.label_count; }
+  static std::size_t block_count(const Brick& brick) {
+    return brick.label_count == 2 ? 1 : brick.label_count;
+  }
   /// The label whose indicator a brick's n-th block holds.
   LabelIndex block_label(const Brick& brick, std::size_t n) const {
     return field_.labels_[brick.first_label + (brick.label_count == 2 ? 1 : n)];
@@ -302,14 +314,16 @@ class LabelFieldBuilder {
     }
   }
 
-  /// Copies the indicator of `label` around a brick, `radius` voxels to each side, from whatever bricks hold it.
+  /// Copies the indicator of `label` around a brick, `radius` voxels to each side, from whatever bricks hold
+  /// it.
   void gather(const std::vector<float>& values, const Index3& brick, LabelIndex label, int low, int high,
               float* out) const {
     const int width = high - low;
     const Index3 origin = brick * kBrick;
     for (int k = low; k < high; ++k) {
       for (int j = low; j < high; ++j) {
-        float* row = out + static_cast<std::size_t>(width) * static_cast<std::size_t>((j - low) + width * (k - low));
+        float* row =
+            out + static_cast<std::size_t>(width) * static_cast<std::size_t>((j - low) + width * (k - low));
         int i = low;
         while (i < high) {
           const Index3 v = clamp_voxel(origin + Index3(i, j, k));
@@ -329,7 +343,8 @@ class LabelFieldBuilder {
     }
   }
 
-  float block_of(const std::vector<float>& values, const Index3& brick, LabelIndex label, const float*& block) const {
+  float block_of(const std::vector<float>& values, const Index3& brick, LabelIndex label,
+                 const float*& block) const {
     const Index3 n = field_.bricks_;
     const std::int32_t code =
         field_.brick_of_[static_cast<std::size_t>(brick.x()) +
@@ -361,8 +376,8 @@ class LabelFieldBuilder {
     });
   }
 
-  static void blur_window(const std::vector<float>& window, int width, int radius, const std::vector<float>& weight,
-                          float* out) {
+  static void blur_window(const std::vector<float>& window, int width, int radius,
+                          const std::vector<float>& weight, float* out) {
     const int taps = 2 * radius + 1;
     std::vector<float> z(static_cast<std::size_t>(width * width * kBrick), 0.0F);
     const int plane = width * width;

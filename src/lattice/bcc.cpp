@@ -8,7 +8,9 @@ namespace {
 
 constexpr unsigned kFaceMasks[4] = {0b111000, 0b100110, 0b010101, 0b001011};
 
-Key edge_midpoint(const Corners& t, std::size_t e) { return midpoint(t[kEdge[e][0]], t[kEdge[e][1]]); }
+Key edge_midpoint(const Corners& t, std::size_t e) {
+  return midpoint(t[kEdge[e][0]], t[kEdge[e][1]]);
+}
 
 /// Replaces one corner, which keeps the orientation while the new one lies on an edge of the old.
 Corners with(Corners t, std::size_t corner, Key key) {
@@ -34,7 +36,8 @@ Closure closure_of(unsigned split_edges) {
 
 std::size_t third_edge(unsigned split_edges) {
   for (const unsigned face : kFaceMasks) {
-    if ((split_edges & face) == split_edges) return static_cast<std::size_t>(std::countr_zero(face & ~split_edges));
+    if ((split_edges & face) == split_edges)
+      return static_cast<std::size_t>(std::countr_zero(face & ~split_edges));
   }
   return 6;
 }

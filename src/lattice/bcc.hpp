@@ -2,8 +2,8 @@
 // Body-centred cubic lattice in whole numbers, and the red and green subdivisions of its tetrahedra.
 //
 // Notation: level k has spacing h_k = h_0 / 2^k; `levels` is the finest level. Coordinates count units of
-// h_0 / 2^(levels + 2). Level k's lattice points are the multiples of step(k) = 2^(levels + 1 - k) whose three factors
-// are all even (cube corners) or all odd (cube centres); every edge midpoint is a whole number.
+// h_0 / 2^(levels + 2). Level k's lattice points are the multiples of step(k) = 2^(levels + 1 - k) whose
+// three factors are all even (cube corners) or all odd (cube centres); every edge midpoint is a whole number.
 // A lattice tetrahedron (0, 1 | 2, 3) has its two long edges at (0, 1) and (2, 3).
 
 #include <array>
@@ -26,9 +26,11 @@ inline Index3 unpack(Key key) {
   return {static_cast<int>(key & kMask), static_cast<int>((key >> kBits) & kMask),
           static_cast<int>((key >> (2 * kBits)) & kMask)};
 }
-/// Midpoint of two points; their sums must be even in each coordinate. The fields do not overflow into each other,
-/// because coordinates stay below 2^20.
-constexpr Key midpoint(Key a, Key b) { return (a + b) >> 1; }
+/// Midpoint of two points; their sums must be even in each coordinate. The fields do not overflow into each
+/// other, because coordinates stay below 2^20.
+constexpr Key midpoint(Key a, Key b) {
+  return (a + b) >> 1;
+}
 
 /// Morton code of a packed key: neighbours in space get neighbouring numbers.
 inline Key morton(Key key) {
@@ -56,9 +58,11 @@ inline Key from_morton(Key code) {
 }
 
 /// Edge e joins corners kEdge[e][0] and kEdge[e][1]; edges e and 5 - e are opposite.
-inline constexpr std::array<std::array<std::size_t, 2>, 6> kEdge = {{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+inline constexpr std::array<std::array<std::size_t, 2>, 6> kEdge = {
+    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 /// Edges of the face opposite to corner i.
-inline constexpr std::array<std::array<std::size_t, 3>, 4> kFaceEdges = {{{3, 4, 5}, {1, 2, 5}, {0, 2, 4}, {0, 1, 3}}};
+inline constexpr std::array<std::array<std::size_t, 3>, 4> kFaceEdges = {
+    {{3, 4, 5}, {1, 2, 5}, {0, 2, 4}, {0, 1, 3}}};
 
 /// What closure does with a tetrahedron, by which of its edges are split (bit e = edge e).
 enum class Closure : std::uint8_t {
@@ -71,8 +75,8 @@ Closure closure_of(unsigned split_edges);
 /// For kSplitThird: the edge to be split.
 std::size_t third_edge(unsigned split_edges);
 
-/// The eight children; the inner octahedron is cut by its shortest diagonal, so that they are lattice tetrahedra of
-/// half the spacing (Molino et al. 2003), long edges first.
+/// The eight children; the inner octahedron is cut by its shortest diagonal, so that they are lattice
+/// tetrahedra of half the spacing (Molino et al. 2003), long edges first.
 std::array<Corners, 8> red_children(const Corners& t);
 
 /// The two or four children for a mask of class kGreen.

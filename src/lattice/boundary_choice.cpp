@@ -10,7 +10,11 @@ namespace lumesh {
 
 namespace {
 
-constexpr std::size_t kMaxStar = 64;    // stars of a red-green lattice stay well below
+constexpr std::size_t kMaxStar = 64;  // stars of a red-green lattice stay well below
+constexpr int kMendRounds = 16;       // clean images need one or two
+constexpr int kMergeRounds =
+    60;  // until then what still is in the way goes to a neighbouring label, later it is dropped
+constexpr int kMaxRounds = 200;          // dropping always ends; the limit is there for safety
 constexpr std::uint8_t kMaxChanges = 3;  // a tetrahedron changes its material this often at most
 
 /// The tetrahedra around a vertex and which of them share a face that holds the vertex.
@@ -70,13 +74,14 @@ class BoundaryChooser {
   BoundaryChoice run() {
     queue_boundary();
     smooth_out_spikes();
-    for (int round = 0; round < 30; ++round) {
-      const std::vector<std::uint32_t> bad = non_manifold_vertices();
-      result_.non_manifold_vertices = bad.size();
-      if (bad.empty()) break;
-      for (const std::uint32_t v : bad) mend(v, round);
-      smooth_out_spikes();
+    std::vector<std::uint32_t> bad = non_manifold_vertices();
+    for (int round = 0; round < kMaxRounds && !bad.empty(); ++round) {
+      touched_ = bad;
+      for (const std::uint32_t v : bad) round < kMendRounds ? mend(v, round) : erode(v, round);
+      if (round < kMendRounds) smooth_out_spikes();
+      bad = still_bad();
     }
+    result_.non_manifold_vertices = bad.size();
     return result_;
   }
 
@@ -84,24 +89,48 @@ class BoundaryChooser {
   [[nodiscard]] bool manifold_at(std::uint32_t vertex) const {
     const Star star(mesh_, vertex);
     if (star.too_large()) return true;
-    std::uint64_t left = star.all();
+    const std::uint64_t object = object_part(star);
+    if (!star.connected(object) || !star.connected(star.all() & ~object)) return false;
+    std::uint64_t left = object;
     while (left != 0) {
       const Material m = mesh_.materials[star.tets()[static_cast<std::size_t>(std::countr_zero(left))]];
       const std::uint64_t own = star.of_material(m);
       left &= ~own;
-      if (!domain_.is_meshed(m) || own == star.all()) continue;
+      if (own == star.all() || own == object) continue;
       if (!star.connected(own) || !star.connected(star.all() & ~own)) return false;
     }
     return true;
+  }
+
+  /// The tetrahedra around a vertex that belong to any label.
+  [[nodiscard]] std::uint64_t object_part(const Star& star) const {
+    std::uint64_t mask = 0;
+    for (std::size_t i = 0; i < star.tets().size(); ++i) {
+      if (domain_.is_meshed(mesh_.materials[star.tets()[i]])) mask |= std::uint64_t{1} << i;
+    }
+    return mask;
   }
 
   [[nodiscard]] std::vector<std::uint32_t> non_manifold_vertices() const {
     return parallel::collect<std::uint32_t>(mesh_.positions.size(), [&](std::size_t v, auto& out) {
       const auto star = mesh_.star(static_cast<std::uint32_t>(v));
       const Material first = mesh_.materials[star[0]];
-      const bool inner = std::all_of(star.begin(), star.end(), [&](auto t) { return mesh_.materials[t] == first; });
+      const bool inner =
+          std::all_of(star.begin(), star.end(), [&](auto t) { return mesh_.materials[t] == first; });
       if (!inner && !manifold_at(static_cast<std::uint32_t>(v))) out.push_back(static_cast<std::uint32_t>(v));
     });
+  }
+
+  /// Bad vertices among those that the last round touched.
+  [[nodiscard]] std::vector<std::uint32_t> still_bad() {
+    std::sort(touched_.begin(), touched_.end());
+    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+    return parallel::collect<std::uint32_t>(
+        touched_.size(),
+        [&](std::size_t i, auto& out) {
+          if (!manifold_at(touched_[i])) out.push_back(touched_[i]);
+        },
+        256);
   }
 
   void enqueue(std::uint32_t t) {
@@ -129,8 +158,8 @@ class BoundaryChooser {
     }
   }
 
-  /// Gives a spike to the material around it: three faces or more, or two towards the outside. A tetrahedron with two
-  /// faces on the boundary would have to open to nearly 180 degrees once the boundary is smooth.
+  /// Gives a spike to the material around it: three faces or more, or two towards the outside. A tetrahedron
+  /// with two faces on the boundary would have to open to nearly 180 degrees once the boundary is smooth.
   void consider(std::uint32_t t) {
     const Material own = mesh_.materials[t];
     Material other = own;
@@ -139,7 +168,8 @@ class BoundaryChooser {
       if (n == kNoTet || mesh_.materials[n] == own) continue;
       const Material m = mesh_.materials[n];
       int same = 0;
-      for (const std::uint32_t k : mesh_.neighbours[t]) same += k != kNoTet && mesh_.materials[k] == m ? 1 : 0;
+      for (const std::uint32_t k : mesh_.neighbours[t])
+        same += k != kNoTet && mesh_.materials[k] == m ? 1 : 0;
       if (same > faces || (same == faces && m < other)) {
         faces = same;
         other = m;
@@ -178,74 +208,145 @@ class BoundaryChooser {
   void note_change(std::uint32_t t) {
     ++changes_[t];
     ++result_.relabelled;
+    touched_.insert(touched_.end(), mesh_.tets[t].begin(), mesh_.tets[t].end());
     for (const std::uint32_t n : mesh_.neighbours[t]) {
       if (n != kNoTet) enqueue(n);
     }
   }
 
-  /// Makes one vertex manifold: the smaller parts of a label, or of what is not the label, go to their surroundings.
+  /// Makes one vertex manifold: tries to give each part of each label around it, and each gap, to every other
+  /// material around, and keeps what leaves the fewest bad vertices. Where nothing helps, later rounds make
+  /// any of the changes (a pseudo-random one, the same in every run), which breaks deadlocks between
+  /// neighbours.
   void mend(std::uint32_t vertex, int round) {
     const Star star(mesh_, vertex);
-    if (star.too_large()) return;
-    std::uint64_t left = star.all();
-    while (left != 0) {
-      const Material m = mesh_.materials[star.tets()[static_cast<std::size_t>(std::countr_zero(left))]];
-      const std::uint64_t own = star.of_material(m);
-      left &= ~own;
-      if (!domain_.is_meshed(m) || own == star.all()) continue;
-      const bool own_broken = !star.connected(own);
-      const bool rest_broken = !star.connected(star.all() & ~own);
-      if (!own_broken && !rest_broken) continue;
-      // Early rounds keep the label together by filling; later ones give way, which always ends.
-      const bool fill = rest_broken && (!own_broken || round % 2 == 0);
-      if (fill) {
-        give_small_parts(star, star.all() & ~own, m);
-      } else {
-        give_small_parts(star, own, kNobody);
+    if (star.too_large() || manifold_at(vertex)) return;
+    const std::vector<Change> options = possible_changes(star);
+    const Change* best = nullptr;
+    int best_gain = 0;
+    for (const Change& option : options) {
+      const int gain = gain_of(star, option);
+      if (best == nullptr || gain > best_gain) {
+        best = &option;
+        best_gain = gain;
       }
+    }
+    if (best == nullptr) return;
+    constexpr int kPatience = 3;  // rounds
+    if (best_gain <= 0) {
+      if (round < kPatience) return;
+      best = &options[(vertex * std::size_t{2654435761} + static_cast<std::size_t>(round) * 40503) %
+                      options.size()];
+    }
+    apply(star, *best);
+  }
+
+  /// Where mending goes in circles, as with labels one tetrahedron thick: takes the offending label away from
+  /// around the vertex, its smaller parts if it is in pieces, all of it if it encloses something.
+  void erode(std::uint32_t vertex, int round) {
+    const Star star(mesh_, vertex);
+    if (star.too_large() || manifold_at(vertex)) return;
+    std::vector<std::pair<int, Material>> by_size;
+    for (std::uint64_t left = star.all(); left != 0;) {
+      const Material m = mesh_.materials[star.tets()[static_cast<std::size_t>(std::countr_zero(left))]];
+      by_size.emplace_back(std::popcount(star.of_material(m)), m);
+      left &= ~star.of_material(m);
+    }
+    std::sort(by_size.begin(), by_size.end());  // the smallest gives way
+    const Material largest = by_size.back().second;
+    for (const auto& [count, m] : by_size) {
+      const std::uint64_t own = star.of_material(m);
+      if (!domain_.is_meshed(m) || own == star.all()) continue;
+      const bool whole = star.connected(own);
+      if (whole && star.connected(star.all() & ~own)) continue;
+      const Material to = round < kMergeRounds && largest != m ? largest : 0;
+      apply(star, {whole ? own : own & ~star.component(own), to});
       return;
     }
+    apply(star, {object_part(star), 0});
+  }
+
+  /// Tetrahedra of a star (as a mask) that shall get another material.
+  struct Change {
+    std::uint64_t tets = 0;
+    Material to = 0;
+  };
+
+  [[nodiscard]] std::vector<Change> possible_changes(const Star& star) const {
+    std::vector<Material> around = {0};
+    for (const std::uint32_t t : star.tets()) {
+      if (std::find(around.begin(), around.end(), mesh_.materials[t]) == around.end())
+        around.push_back(mesh_.materials[t]);
+    }
+    std::vector<Change> options;
+    const auto add_parts = [&](std::uint64_t region, Material own) {
+      if (region == star.all() || star.connected(region)) return;
+      for (std::uint64_t left = region; left != 0;) {
+        const std::uint64_t part = star.component(left);
+        left &= ~part;
+        if (2 * std::popcount(part) > std::popcount(region)) continue;  // the main part stays
+        for (const Material m : around) {
+          if (m == own) continue;
+          options.push_back({part, m});
+          for (std::uint64_t tets = part; std::popcount(part) > 1 && tets != 0; tets &= tets - 1)
+            options.push_back({tets & (~tets + 1), m});
+        }
+      }
+    };
+    for (const Material m : around) {
+      const std::uint64_t own = star.of_material(m);
+      if (!domain_.is_meshed(m) || own == 0) continue;
+      add_parts(own, m);
+      add_parts(star.all() & ~own, kNobody);
+    }
+    const std::uint64_t object = object_part(star);
+    add_parts(object, kNobody);
+    add_parts(star.all() & ~object, kNobody);
+    return options;
   }
 
   static constexpr Material kNobody = ~Material{0};
 
-  /// All but the largest part of a region goes to `to`, or to the commonest material around each tetrahedron.
-  void give_small_parts(const Star& star, std::uint64_t region, Material to) {
-    std::uint64_t largest = 0;
-    for (std::uint64_t left = region; left != 0;) {
-      const std::uint64_t part = star.component(left);
-      left &= ~part;
-      if (std::popcount(part) > std::popcount(largest)) largest = part;
-    }
-    for (std::uint64_t left = region & ~largest; left != 0; left &= left - 1) {
+  /// How many vertices of the changed tetrahedra become good, less those that become bad.
+  int gain_of(const Star& star, const Change& change) {
+    std::vector<std::uint32_t> vertices;
+    std::vector<Material> before;
+    for (std::uint64_t left = change.tets; left != 0; left &= left - 1) {
       const std::uint32_t t = star.tets()[static_cast<std::size_t>(std::countr_zero(left))];
-      const Material give_to = to == kNobody ? commonest_around(t) : to;
-      if (give_to == mesh_.materials[t]) continue;
-      mesh_.materials[t] = give_to;
-      note_change(t);
+      before.push_back(mesh_.materials[t]);
+      vertices.insert(vertices.end(), mesh_.tets[t].begin(), mesh_.tets[t].end());
     }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    const auto count_bad = [&] {
+      return std::count_if(vertices.begin(), vertices.end(),
+                           [&](std::uint32_t v) { return !manifold_at(v); });
+    };
+    const auto bad_before = count_bad();
+    set_materials(star, change.tets, [&](std::size_t) { return change.to; });
+    const auto bad_after = count_bad();
+    set_materials(star, change.tets, [&](std::size_t n) { return before[n]; });
+    return static_cast<int>(bad_before - bad_after);
   }
 
-  [[nodiscard]] Material commonest_around(std::uint32_t t) const {
-    Material best = mesh_.materials[t];
-    int most = 0;
-    for (const std::uint32_t n : mesh_.neighbours[t]) {
-      if (n == kNoTet || mesh_.materials[n] == mesh_.materials[t]) continue;
-      int same = 0;
-      for (const std::uint32_t k : mesh_.neighbours[t])
-        same += k != kNoTet && mesh_.materials[k] == mesh_.materials[n] ? 1 : 0;
-      if (same > most || (same == most && mesh_.materials[n] < best)) {
-        most = same;
-        best = mesh_.materials[n];
-      }
-    }
-    return best;
+  template <class MaterialOf>
+  void set_materials(const Star& star, std::uint64_t tets, const MaterialOf& material_of) {
+    std::size_t n = 0;
+    for (std::uint64_t left = tets; left != 0; left &= left - 1)
+      mesh_.materials[star.tets()[static_cast<std::size_t>(std::countr_zero(left))]] = material_of(n++);
+  }
+
+  void apply(const Star& star, const Change& change) {
+    set_materials(star, change.tets, [&](std::size_t) { return change.to; });
+    for (std::uint64_t left = change.tets; left != 0; left &= left - 1)
+      note_change(star.tets()[static_cast<std::size_t>(std::countr_zero(left))]);
   }
 
   WorkMesh& mesh_;
   const ImageDomain& domain_;
   std::vector<std::uint8_t> changes_;
   std::vector<std::uint8_t> queued_;
+  std::vector<std::uint32_t> touched_;  // vertices around which something changed in this round
   std::deque<std::uint32_t> queue_;
   BoundaryChoice result_;
 };

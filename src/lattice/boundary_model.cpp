@@ -18,7 +18,8 @@ BoundaryModel find_boundary(const WorkMesh& mesh, const ImageDomain& domain) {
   });
   model.sets.resize(mesh.positions.size());
   parallel::for_each_index(mesh.positions.size(), [&](std::size_t v) {
-    for (const std::uint32_t t : mesh.star(static_cast<std::uint32_t>(v))) model.sets[v].insert(mesh.materials[t]);
+    for (const std::uint32_t t : mesh.star(static_cast<std::uint32_t>(v)))
+      model.sets[v].insert(mesh.materials[t]);
   });
   return model;
 }

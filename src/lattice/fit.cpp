@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "spikes.hpp"
 #include "star_quality.hpp"
@@ -19,6 +19,7 @@ class Fitter {
       : mesh_(mesh),
         boundary_(boundary),
         domain_(domain),
+        options_(options),
         floor_(angle_quality(options.min_dihedral_deg, options.max_dihedral_deg)),
         offset_mm_(mesh.positions.size(), 0.0) {}
 
@@ -32,9 +33,10 @@ class Fitter {
   FitReport finish() {
     prepare();
     sweep([&](std::uint32_t v) { fit_vertex(v, 0.20); });
-    balance_volume();
+    offset_for_sag();
     forget_tries();
     for (int s = 0; s < 2; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, floor_); });
+    offset_for_volume();
     forget_tries();
     for (int s = 0; s < 6; ++s) {
       sweep([&](std::uint32_t v) {
@@ -55,7 +57,8 @@ class Fitter {
 
   [[nodiscard]] bool constrained(std::uint32_t v) const { return boundary_.sets[v].size() >= 2; }
 
-  /// Vertices joined to each boundary vertex by an edge of a boundary triangle and bound by at least its materials.
+  /// Vertices joined to each boundary vertex by an edge of a boundary triangle and bound by at least its
+  /// materials.
   void find_surface_neighbours() {
     std::vector<std::uint64_t> edges;
     edges.reserve(6 * boundary_.triangles.size());
@@ -119,7 +122,8 @@ class Fitter {
     }
   }
 
-  /// Colours run one after the other within a sweep: what moved in the sweep of the last try may have moved after it.
+  /// Colours run one after the other within a sweep: what moved in the sweep of the last try may have moved
+  /// after it.
   [[nodiscard]] bool settled(std::uint32_t v) const {
     if (tried_[v] == 0) return false;
     for (const std::uint32_t t : mesh_.star(v)) {
@@ -162,7 +166,8 @@ class Fitter {
     return std::nullopt;
   }
 
-  /// Carries a boundary vertex to the boundary, evenly spread, as far as the star allows; others go to the middle.
+  /// Carries a boundary vertex to the boundary, evenly spread, as far as the star allows; others go to the
+  /// middle.
   void fit_vertex(std::uint32_t v, double floor) {
     const Vec3 x = mesh_.positions[v];
     if (!constrained(v)) {
@@ -240,33 +245,74 @@ class Fitter {
     return p ? (*p - mesh_.positions[v]).norm() : domain_.voxel_size_mm();
   }
 
-  /// Flat triangles between vertices on a curved surface cut its bulges off. Shifting the vertices outwards by the
-  /// mean sag around them keeps the volume and halves the largest distance.
-  void balance_volume() {
-    std::vector<double> sag(mesh_.positions.size(), 0.0);
+  /// Mean of the boundary function over a triangle in mm, > 0 where the triangle lies inside the label.
+  [[nodiscard]] double mean_sag_mm(const BoundaryTriangle& t) const {
+    const Vec3& a = mesh_.positions[t.vertices[0]];
+    const Vec3& b = mesh_.positions[t.vertices[1]];
+    const Vec3& c = mesh_.positions[t.vertices[2]];
+    double mean = 0;
+    for (const Vec3& p : {Vec3((a + b + c) / 3), Vec3((4 * a + b + c) / 6), Vec3((a + 4 * b + c) / 6),
+                          Vec3((a + b + 4 * c) / 6)}) {
+      const FieldSample s = domain_.separation(p, t.inside, t.outside);
+      const double slope = s.gradient.norm();
+      if (slope > 0.1) mean += 0.25 * s.value / slope;
+    }
+    return mean;
+  }
+
+  [[nodiscard]] double doubled_area_mm2(const BoundaryTriangle& t) const {
+    const Vec3& a = mesh_.positions[t.vertices[0]];
+    return (mesh_.positions[t.vertices[1]] - a).cross(mesh_.positions[t.vertices[2]] - a).norm();
+  }
+
+  /// Flat triangles between vertices on a curved surface cut its bulges off. Shifting the vertices outwards
+  /// by the mean sag around them keeps the volume and halves the largest distance.
+  void offset_for_sag() {
+    const double limit = 0.4 * domain_.voxel_size_mm();
+    std::vector<double> sag(boundary_.triangles.size());
+    parallel::for_each_index(sag.size(), [&](std::size_t i) {
+      const BoundaryTriangle& t = boundary_.triangles[i];
+      sag[i] = domain_.is_cut(t.outside) ? 0 : mean_sag_mm(t);
+    });
+    std::vector<double> sum(mesh_.positions.size(), 0.0);
     std::vector<double> weight(mesh_.positions.size(), 0.0);
-    for (const BoundaryTriangle& t : boundary_.triangles) {
+    for (std::size_t i = 0; i < sag.size(); ++i) {
+      const BoundaryTriangle& t = boundary_.triangles[i];
       if (domain_.is_cut(t.outside)) continue;
-      const Vec3& a = mesh_.positions[t.vertices[0]];
-      const Vec3& b = mesh_.positions[t.vertices[1]];
-      const Vec3& c = mesh_.positions[t.vertices[2]];
-      const double area = (b - a).cross(c - a).norm();
-      double mean = 0;
-      for (const Vec3& p : {Vec3((a + b + c) / 3), Vec3((4 * a + b + c) / 6), Vec3((a + 4 * b + c) / 6), Vec3((a + b + 4 * c) / 6)}) {
-        const FieldSample s = domain_.separation(p, t.inside, t.outside);
-        const double slope = s.gradient.norm();
-        if (slope > 0.1) mean += 0.25 * s.value / slope;
-      }
+      const double area = doubled_area_mm2(t);
       for (const std::uint32_t v : t.vertices) {
         const MaterialSet& set = boundary_.sets[v];
         if (set.size() != 2) continue;
-        const double sign = set[0] == t.inside ? 1 : -1;
-        sag[v] += sign * area * mean;
+        sum[v] += (set[0] == t.inside ? 1 : -1) * area * sag[i];
         weight[v] += area;
       }
     }
-    for (std::size_t v = 0; v < sag.size(); ++v) {
-      if (weight[v] > 0) offset_mm_[v] -= std::clamp(sag[v] / weight[v], -0.5 * domain_.voxel_size_mm(), 0.5 * domain_.voxel_size_mm());
+    for (std::size_t v = 0; v < sum.size(); ++v) {
+      if (weight[v] > 0) offset_mm_[v] = std::clamp(-sum[v] / weight[v], -limit, limit);
+    }
+  }
+
+  /// Shifts each label's outer surface evenly so that the label fills what its voxels fill: undoes the little
+  /// that smoothing takes away.
+  void offset_for_volume() {
+    std::vector<double> missing = options_.label_volumes_mm3;
+    std::vector<double> area(missing.size(), 0.0);
+    for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
+      const Corner4& c = mesh_.tets[t];
+      missing[mesh_.materials[t]] -= tetrahedron_volume(mesh_.positions[c[0]], mesh_.positions[c[1]],
+                                                        mesh_.positions[c[2]], mesh_.positions[c[3]]);
+    }
+    for (const BoundaryTriangle& t : boundary_.triangles) {
+      if (t.outside == 0) area[t.inside] += 0.5 * doubled_area_mm2(t);
+    }
+    const double limit = 0.25 * domain_.voxel_size_mm();
+    for (std::size_t v = 0; v < offset_mm_.size(); ++v) {
+      const MaterialSet& set = boundary_.sets[v];
+      if (set.size() != 2 || set[0] != 0 || domain_.is_cut(set[1])) continue;
+      const Material label = set[1];
+      if (options_.label_volumes_mm3[label] <= 0 || area[label] <= 0) continue;
+      // separation(0, label) grows outwards.
+      offset_mm_[v] += std::clamp(missing[label] / area[label], -limit, limit);
     }
   }
 
@@ -274,11 +320,14 @@ class Fitter {
     FitReport r;
     std::vector<double> distance(mesh_.positions.size(), 0);
     parallel::for_each_index(distance.size(), [&](std::size_t v) {
-      if (constrained(static_cast<std::uint32_t>(v))) distance[v] = distance_to_boundary(static_cast<std::uint32_t>(v));
+      const MaterialSet& set = boundary_.sets[v];
+      if (set.size() < 2) return;
+      const auto p = domain_.project(mesh_.positions[v], set, 4 * domain_.voxel_size_mm());
+      distance[v] = p ? (*p - mesh_.positions[v]).norm() : domain_.voxel_size_mm();
     });
     for (const double d : distance) {
       r.largest_offset_mm = std::max(r.largest_offset_mm, d);
-      r.off_boundary_vertices += d > 0.1 * domain_.voxel_size_mm() ? 1 : 0;
+      r.off_boundary_vertices += d > 0.5 * domain_.voxel_size_mm() ? 1 : 0;
     }
     return r;
   }
@@ -286,19 +335,21 @@ class Fitter {
   WorkMesh& mesh_;
   const BoundaryModel& boundary_;
   const ImageDomain& domain_;
+  const FitOptions& options_;
   double floor_;
   std::vector<double> offset_mm_;  // where separation shall be on each boundary vertex
   std::vector<std::uint32_t> surface_begin_;
   std::vector<std::uint32_t> surface_;
   std::vector<std::vector<std::uint32_t>> colours_;
-  std::uint16_t clock_ = 0;             // sweeps so far
-  std::vector<std::uint16_t> moved_;    // sweep in which each vertex last moved
-  std::vector<std::uint16_t> tried_;    // and in which it was last tried
+  std::uint16_t clock_ = 0;           // sweeps so far
+  std::vector<std::uint16_t> moved_;  // sweep in which each vertex last moved
+  std::vector<std::uint16_t> tried_;  // and in which it was last tried
 };
 
 }  // namespace
 
-FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain, const FitOptions& options) {
+FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
+                        const FitOptions& options) {
   Fitter(mesh, boundary, domain, options).approach(4);
   for (int round = 0; round < 2 && peel_spikes(mesh, boundary, domain) > 0; ++round)
     Fitter(mesh, boundary, domain, options).approach(1);

@@ -11,16 +11,18 @@ namespace lumesh {
 struct FitOptions {
   double min_dihedral_deg = 15;
   double max_dihedral_deg = 150;
+  std::vector<double> label_volumes_mm3;  ///< Per material: what the labels fill in the image; 0 = unknown.
 };
 
 struct FitReport {
-  std::size_t off_boundary_vertices = 0;  ///< Further than a tenth of a voxel.
+  std::size_t off_boundary_vertices = 0;  ///< Further from the boundary's zero set than half a voxel.
   double largest_offset_mm = 0;
 };
 
-/// Moves vertices only; tetrahedra keep positive volume and, once they have them, dihedral angles within the limits.
-/// Same bits for every thread count: vertices move colour by colour, no two of a colour sharing a tetrahedron.
-/// Drops the few tetrahedra that stick out (spikes.hpp).
-FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain, const FitOptions& options);
+/// Moves vertices only; tetrahedra keep positive volume and, once they have them, dihedral angles within the
+/// limits. Same bits for every thread count: vertices move colour by colour, no two of a colour sharing a
+/// tetrahedron. Drops the few tetrahedra that stick out (spikes.hpp).
+FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
+                        const FitOptions& options);
 
 }  // namespace lumesh

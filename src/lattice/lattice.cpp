@@ -1,6 +1,8 @@
 #include "lumesh/lattice/lattice.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "boundary_choice.hpp"
 #include "fit.hpp"
@@ -22,14 +24,129 @@ MixedMesh to_mixed_mesh(WorkMesh& mesh, const BoundaryModel& boundary, const Ima
   out.points = std::move(mesh.positions);
   out.tetrahedra = std::move(mesh.tets);
   out.tetrahedron_labels.resize(out.tetrahedra.size());
-  parallel::for_each_index(out.tetrahedra.size(),
-                           [&](std::size_t t) { out.tetrahedron_labels[t] = domain.label_of(mesh.materials[t]); });
+  parallel::for_each_index(out.tetrahedra.size(), [&](std::size_t t) {
+    out.tetrahedron_labels[t] = domain.label_of(mesh.materials[t]);
+  });
   PatchAssignment patches = name_patches(boundary, out.points, domain);
   out.info.patches = std::move(patches.patches);
   out.triangle_patches = std::move(patches.of_triangle);
   out.triangles.resize(boundary.triangles.size());
-  parallel::for_each_index(out.triangles.size(), [&](std::size_t t) { out.triangles[t] = boundary.triangles[t].vertices; });
+  parallel::for_each_index(out.triangles.size(),
+                           [&](std::size_t t) { out.triangles[t] = boundary.triangles[t].vertices; });
   return out;
+}
+
+constexpr int kMaxRescues = 2;
+
+/// Voxels of each label on the kept side of the cut planes.
+std::vector<std::size_t> count_kept_voxels(const LabelImage& image, const ImageDomain& domain) {
+  const ImageFrame& frame = image.frame();
+  const auto width = static_cast<std::size_t>(frame.size.x());
+  const auto rows = image.voxels().size() / width;
+  using Counts = std::vector<std::size_t>;
+  return parallel::reduce_blocks(
+      rows, 1024, Counts(image.values().size(), 0),
+      [&](std::size_t begin, std::size_t end) {
+        Counts counts(image.values().size(), 0);
+        for (std::size_t r = begin; r < end; ++r) {
+          const auto j = static_cast<int>(r % static_cast<std::size_t>(frame.size.y()));
+          const auto k = static_cast<int>(r / static_cast<std::size_t>(frame.size.y()));
+          for (std::size_t i = 0; i < width; ++i) {
+            const LabelImage::Index label = image.voxels()[r * width + i];
+            if (label != 0 && !domain.beyond_cut(frame.to_physical(Vec3(static_cast<double>(i), j, k))))
+              ++counts[label];
+          }
+        }
+        return counts;
+      },
+      [](Counts a, const Counts& b) {
+        for (std::size_t l = 0; l < a.size(); ++l) a[l] += b[l];
+        return a;
+      });
+}
+
+struct BuiltLattice {
+  WorkMesh mesh;
+  BoundaryModel boundary;
+};
+
+/// From sizes to a labelled mesh with a manifold boundary, not yet fitted.
+BuiltLattice build_lattice(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
+                           std::size_t object_voxels, Context& context, LatticeReport& report) {
+  const double spacing_mm =
+      options.spacing_mm > 0 ? options.spacing_mm : kDefaultSpacingVoxels * domain.voxel_size_mm();
+  const double coarsest_mm = spacing_mm * std::exp2(options.coarsening);
+  const LatticeFrame frame =
+      make_lattice_frame(domain, coarsest_mm, options.coarsening + options.max_refinement);
+  const SizeGrid sizes =
+      context.phase("sizes", [&] { return SizeGrid(image, domain, options, coarsest_mm, object_voxels); });
+  report.levels_given_up = sizes.levels_given_up();
+  std::vector<bcc::Corners> lattice =
+      context.phase("refinement", [&] { return refined_lattice(frame, domain, sizes); });
+  report.lattice_tetrahedra = lattice.size();
+  BuiltLattice built;
+  built.mesh = context.phase("labels", [&] { return make_work_mesh(std::move(lattice), frame, domain); });
+  const BoundaryChoice choice =
+      context.phase("boundary", [&] { return choose_boundary(built.mesh, domain); });
+  report.relabelled = choice.relabelled;
+  report.non_manifold_vertices = choice.non_manifold_vertices;
+  context.phase("model", [&] {
+    built.boundary = find_boundary(built.mesh, domain);
+    std::vector<std::uint8_t> keep(built.mesh.tets.size());
+    parallel::for_each_index(
+        keep.size(), [&](std::size_t t) { keep[t] = domain.is_meshed(built.mesh.materials[t]) ? 1 : 0; });
+    drop_tetrahedra(built.mesh, built.boundary, keep);
+  });
+  return built;
+}
+
+std::vector<Label> lost_labels(const WorkMesh& mesh, const ImageDomain& domain,
+                               const std::vector<std::size_t>& voxels) {
+  std::vector<std::uint8_t> seen(voxels.size(), 0);
+  for (const Material m : mesh.materials) seen[m] = 1;
+  std::vector<Label> lost;
+  for (Material m = 1; m < voxels.size(); ++m) {
+    if (seen[m] == 0 && voxels[m] > 0) lost.push_back(domain.label_of(m));
+  }
+  return lost;
+}
+
+/// Asks for a finer lattice around lost labels; false if there is nothing to gain.
+bool raise_fidelity(LatticeOptions& options, const std::vector<Label>& lost) {
+  constexpr double kHigh = 0.9;
+  bool raised = false;
+  for (const Label label : lost) {
+    double& fidelity = options.label_fidelity.try_emplace(label, options.fidelity).first->second;
+    if (fidelity >= 0.97) continue;
+    fidelity = fidelity < kHigh ? kHigh : 0.97;
+    raised = true;
+  }
+  return raised;
+}
+
+void note_lost(const std::vector<Label>& lost, const ImageDomain& domain,
+               const std::vector<std::size_t>& voxels, LatticeReport& report) {
+  for (Material m = 1; m < voxels.size(); ++m) {
+    const Label label = domain.label_of(m);
+    if (std::find(lost.begin(), lost.end(), label) == lost.end()) continue;
+    report.notes.push_back("label " + std::to_string(label) + " (" + std::to_string(voxels[m]) +
+                           " voxels) is too small for the lattice and is lost");
+    report.lost_labels.push_back(label);
+  }
+}
+
+void finish_lattice(BuiltLattice built, const ImageDomain& domain, const LatticeOptions& options,
+                    const std::vector<std::size_t>& voxels, Context& context, LatticeResult& result) {
+  if (built.mesh.tets.empty())
+    throw Error(ErrorKind::kBadInput, "the object is too small for the lattice; choose a smaller spacing");
+  FitOptions fit_options{options.min_dihedral_deg, options.max_dihedral_deg, {}};
+  for (const std::size_t count : voxels)
+    fit_options.label_volumes_mm3.push_back(static_cast<double>(count) * domain.frame().voxel_volume_mm3());
+  const FitReport fit =
+      context.phase("fit", [&] { return fit_to_domain(built.mesh, built.boundary, domain, fit_options); });
+  result.report.off_boundary_vertices = fit.off_boundary_vertices;
+  result.report.largest_offset_voxels = fit.largest_offset_mm / domain.voxel_size_mm();
+  result.mesh = to_mixed_mesh(built.mesh, built.boundary, domain);
 }
 
 }  // namespace
@@ -44,43 +161,32 @@ void LatticeOptions::validate() const {
     check(value >= 0.1 && value <= 0.98, "the fidelity of a label must lie in [0.1, 0.98]");
   check(coarsening >= 0 && coarsening <= 4, "the coarsening must lie in [0, 4]");
   check(max_refinement >= 0 && max_refinement <= 5, "the refinement limit must lie in [0, 5]");
-  check(min_dihedral_deg >= 1 && min_dihedral_deg <= 25, "the smallest dihedral angle must lie in [1, 25] degrees");
-  check(max_dihedral_deg >= 130 && max_dihedral_deg <= 175, "the largest dihedral angle must lie in [130, 175] degrees");
+  check(min_dihedral_deg >= 1 && min_dihedral_deg <= 25,
+        "the smallest dihedral angle must lie in [1, 25] degrees");
+  check(max_dihedral_deg >= 130 && max_dihedral_deg <= 175,
+        "the largest dihedral angle must lie in [130, 175] degrees");
 }
 
 LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
                            Context& context) {
   options.validate();
-  const double spacing_mm =
-      options.spacing_mm > 0 ? options.spacing_mm : kDefaultSpacingVoxels * domain.voxel_size_mm();
-  const double coarsest_mm = spacing_mm * std::exp2(options.coarsening);
-  const LatticeFrame frame = make_lattice_frame(domain, coarsest_mm, options.coarsening + options.max_refinement);
-
+  const std::vector<std::size_t> voxels =
+      context.phase("count", [&] { return count_kept_voxels(image, domain); });
+  const std::size_t object_voxels = std::accumulate(voxels.begin(), voxels.end(), std::size_t{0});
+  if (object_voxels == 0)
+    throw Error(ErrorKind::kBadInput,
+                "nothing is left of the object: no voxel has a label on the kept side of the cut planes");
+  LatticeOptions trial = options;
   LatticeResult result;
-  const SizeGrid sizes =
-      context.phase("sizes", [&] { return SizeGrid(image, domain, options, coarsest_mm); });
-  std::vector<bcc::Corners> lattice =
-      context.phase("refinement", [&] { return refined_lattice(frame, domain, sizes); });
-  result.report.lattice_tetrahedra = lattice.size();
-  WorkMesh mesh = context.phase("labels", [&] { return make_work_mesh(std::move(lattice), frame, domain); });
-  const BoundaryChoice choice = context.phase("boundary", [&] { return choose_boundary(mesh, domain); });
-  result.report.relabelled = choice.relabelled;
-  if (choice.non_manifold_vertices > 0) result.report.notes.push_back("non-manifold " + std::to_string(choice.non_manifold_vertices));
-  BoundaryModel boundary = context.phase("model", [&] {
-    BoundaryModel model = find_boundary(mesh, domain);
-    std::vector<std::uint8_t> keep(mesh.tets.size());
-    parallel::for_each_index(keep.size(),
-                             [&](std::size_t t) { keep[t] = domain.is_meshed(mesh.materials[t]) ? 1 : 0; });
-    drop_tetrahedra(mesh, model, keep);
-    return model;
-  });
-  const FitReport fit = context.phase("fit", [&] {
-    return fit_to_domain(mesh, boundary, domain, {options.min_dihedral_deg, options.max_dihedral_deg});
-  });
-  result.report.off_boundary_vertices = fit.off_boundary_vertices;
-  result.report.largest_offset_voxels = fit.largest_offset_mm / domain.voxel_size_mm();
-  result.mesh = to_mixed_mesh(mesh, boundary, domain);
-  return result;
+  for (int attempt = 0;; ++attempt) {
+    BuiltLattice built = build_lattice(image, domain, trial, object_voxels, context, result.report);
+    const std::vector<Label> lost = lost_labels(built.mesh, domain, voxels);
+    if (attempt == kMaxRescues || !raise_fidelity(trial, lost)) {
+      note_lost(lost, domain, voxels, result.report);
+      finish_lattice(std::move(built), domain, trial, voxels, context, result);
+      return result;
+    }
+  }
 }
 
 }  // namespace lumesh

@@ -19,7 +19,8 @@ class OpeningGroups {
     double area_mm2 = 0;
   };
 
-  OpeningGroups(const BoundaryModel& boundary, const std::vector<Vec3>& positions, const ImageDomain& domain) {
+  OpeningGroups(const BoundaryModel& boundary, const std::vector<Vec3>& positions,
+                const ImageDomain& domain) {
     for (std::uint32_t i = 0; i < boundary.triangles.size(); ++i) {
       if (domain.is_cut(boundary.triangles[i].outside)) members_.push_back(i);
     }
@@ -85,7 +86,8 @@ PatchAssignment name_patches(const BoundaryModel& boundary, const std::vector<Ve
   std::set<Material> labels;
   for (const BoundaryTriangle& t : boundary.triangles) {
     labels.insert(t.inside);
-    if (!domain.is_cut(t.outside)) pairs.insert({t.outside == 0 ? 0 : t.inside, t.outside == 0 ? t.inside : t.outside});
+    if (!domain.is_cut(t.outside))
+      pairs.insert({t.outside == 0 ? 0 : t.inside, t.outside == 0 ? t.inside : t.outside});
   }
   std::map<std::pair<Material, Material>, std::int32_t> number;
   for (const auto& pair : pairs) {
@@ -93,24 +95,28 @@ PatchAssignment name_patches(const BoundaryModel& boundary, const std::vector<Ve
     const Label second = domain.label_of(pair.second);
     number[pair] = static_cast<std::int32_t>(result.patches.size());
     if (pair.first == 0) {
-      result.patches.push_back({labels.size() == 1 ? "wall" : "wall_" + std::to_string(second), PatchKind::kWall,
+      result.patches.push_back({labels.size() == 1 ? "wall" : "wall_" + std::to_string(second),
+                                PatchKind::kWall,
                                 {second, kBackground}});
     } else {
       result.patches.push_back({"interface_" + std::to_string(first) + "_" + std::to_string(second),
-                                PatchKind::kInterface, {first, second}});
+                                PatchKind::kInterface,
+                                {first, second}});
     }
   }
   for (std::size_t i = 0; i < boundary.triangles.size(); ++i) {
     const BoundaryTriangle& t = boundary.triangles[i];
     if (!domain.is_cut(t.outside))
-      result.of_triangle[i] = number.at({t.outside == 0 ? 0 : t.inside, t.outside == 0 ? t.inside : t.outside});
+      result.of_triangle[i] =
+          number.at({t.outside == 0 ? 0 : t.inside, t.outside == 0 ? t.inside : t.outside});
   }
   const OpeningGroups groups(boundary, positions, domain);
   for (std::size_t i = 0; i < groups.openings().size(); ++i) {
     const OpeningGroups::Opening& opening = groups.openings()[i];
     for (const std::uint32_t t : opening.triangles)
       result.of_triangle[t] = static_cast<std::int32_t>(result.patches.size());
-    result.patches.push_back({i == 0 ? "inlet_1" : "outlet_" + std::to_string(i), PatchKind::kOpening,
+    result.patches.push_back({i == 0 ? "inlet_1" : "outlet_" + std::to_string(i),
+                              PatchKind::kOpening,
                               {domain.label_of(opening.label), kBackground}});
   }
   return result;

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "lumesh/core/error.hpp"
 #include "lumesh/parallel/key_set.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -23,7 +24,8 @@ class Refiner {
     leaves_[0] = coarse_tetrahedra();
     cell_changed_.assign(static_cast<std::size_t>(frame_.cells.prod()), 1);
     for (int level = 0; level < frame_.levels; ++level) {
-      const auto wanting = pick(leaves_[at(level)], [&](const Corners& t) { return wants_children(t, level); });
+      const auto wanting =
+          pick(leaves_[at(level)], [&](const Corners& t) { return wants_children(t, level); });
       split(level, wanting);
     }
     while (close_once()) {
@@ -35,13 +37,15 @@ class Refiner {
   std::vector<Corners> coarse_tetrahedra() const {
     const Index3 n = frame_.cells;
     const int s = frame_.step(0);
-    const auto count = static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
+    const auto count =
+        static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
     return parallel::collect<Corners>(
         count,
         [&](std::size_t c, std::vector<Corners>& out) {
           const auto nx = static_cast<std::size_t>(n.x());
           const auto ny = static_cast<std::size_t>(n.y());
-          const Index3 cell(static_cast<int>(c % nx), static_cast<int>(c / nx % ny), static_cast<int>(c / (nx * ny)));
+          const Index3 cell(static_cast<int>(c % nx), static_cast<int>(c / nx % ny),
+                            static_cast<int>(c / (nx * ny)));
           const Index3 centre = 2 * s * cell + Index3::Constant(s);
           for (int axis = 0; axis < 3; ++axis) {
             if (cell[axis] + 1 == n[axis]) continue;
@@ -85,7 +89,8 @@ class Refiner {
       low = low.cwiseMin(p);
       high = high.cwiseMax(p);
     }
-    const Vec3 margin = Vec3::Ones() + 0.75 * frame_.spacing_mm(0) * domain_.frame().spacing_mm.cwiseInverse();
+    const Vec3 margin =
+        Vec3::Ones() + 0.75 * frame_.spacing_mm(0) * domain_.frame().spacing_mm.cwiseInverse();
     return domain_.field().may_hold_object(low - margin, high + margin);
   }
 
@@ -108,7 +113,8 @@ class Refiner {
         512);
   }
 
-  /// Replaces the picked leaves of a level (ascending) by their children, but for those far outside the object.
+  /// Replaces the picked leaves of a level (ascending) by their children, but for those far outside the
+  /// object.
   void split(int level, const std::vector<std::uint32_t>& picked) {
     if (picked.empty()) return;
     std::vector<Corners>& from = leaves_[at(level)];
@@ -138,7 +144,8 @@ class Refiner {
   bool far_outside(const Corners& t, int level) const {
     Vec3 centre = Vec3::Zero();
     for (const Key key : t) centre += 0.25 * frame_.position_mm(key);
-    constexpr double kReach = 1.15;  // spacings: two circumradii, the way to the centre of a tetrahedron that shares a corner
+    constexpr double kReach =
+        1.15;  // spacings: two circumradii, the way to the centre of a tetrahedron that shares a corner
     return !domain_.is_meshed(domain_.material_at(centre)) &&
            !sizes_.boundary_within(centre, kReach * frame_.spacing_mm(level));
   }
@@ -157,7 +164,8 @@ class Refiner {
     for (int k = 0; k < n.z(); ++k) {
       for (int j = 0; j < n.y(); ++j) {
         for (int i = 0; i < n.x(); ++i) {
-          if (cell_changed_[static_cast<std::size_t>(i + n.x() * (j + n.y() * k))] == 2) mark_around({i, j, k});
+          if (cell_changed_[static_cast<std::size_t>(i + n.x() * (j + n.y() * k))] == 2)
+            mark_around({i, j, k});
         }
       }
     }
@@ -168,7 +176,8 @@ class Refiner {
     for (int k = low.z(); k <= high.z(); ++k) {
       for (int j = low.y(); j <= high.y(); ++j) {
         for (int i = low.x(); i <= high.x(); ++i) {
-          std::uint8_t& mark = cell_changed_[static_cast<std::size_t>(i + frame_.cells.x() * (j + frame_.cells.y() * k))];
+          std::uint8_t& mark =
+              cell_changed_[static_cast<std::size_t>(i + frame_.cells.x() * (j + frame_.cells.y() * k))];
           mark = std::max<std::uint8_t>(mark, 1);
         }
       }
@@ -183,8 +192,8 @@ class Refiner {
     return mask;
   }
 
-  /// A green element must not touch anything two levels finer: no half of a split edge, and no edge between the
-  /// midpoints on one face, may be split again.
+  /// A green element must not touch anything two levels finer: no half of a split edge, and no edge between
+  /// the midpoints on one face, may be split again.
   bool split_twice(const Corners& t, unsigned mask) const {
     std::array<Key, 6> middle;
     for (std::size_t e = 0; e < 6; ++e) {
@@ -284,14 +293,18 @@ LatticeFrame make_lattice_frame(const ImageDomain& domain, double coarsest_mm, i
     corner.z() = high.z() + 0.5;
   }
   for (int axis = 0; axis < 3; ++axis) {
-    frame.cells[axis] = static_cast<int>(std::ceil(extent[axis] / coarsest_mm)) + 3;
+    frame.cells[axis] = static_cast<int>(std::min(1e8, std::ceil(extent[axis] / coarsest_mm))) + 3;
   }
+  if ((frame.cells.cast<double>() * (2.0 * frame.step(0))).maxCoeff() >= 1 << (bcc::kBits - 1))
+    throw Error(ErrorKind::kMemory,
+                "the lattice spacing is too small for the size of the object; choose a larger --spacing");
   const Vec3 spare = frame.cells.cast<double>() * coarsest_mm - extent;
   frame.origin_mm = image.to_physical(corner) - frame.axes * (0.5 * spare);
   return frame;
 }
 
-std::vector<Corners> refined_lattice(const LatticeFrame& frame, const ImageDomain& domain, const SizeGrid& sizes) {
+std::vector<Corners> refined_lattice(const LatticeFrame& frame, const ImageDomain& domain,
+                                     const SizeGrid& sizes) {
   return Refiner(frame, domain, sizes).run();
 }
 

@@ -12,10 +12,10 @@ namespace lumesh {
 /// Where the whole-number lattice lies in space.
 struct LatticeFrame {
   Vec3 origin_mm = Vec3::Zero();
-  Mat3 axes = Mat3::Identity();  ///< Proper rotation: the image's axes.
-  double unit_mm = 1;            ///< One step of the whole-number coordinates.
-  Index3 cells = Index3::Zero(); ///< Cubes of level 0 along each axis.
-  int levels = 0;                ///< Finest level.
+  Mat3 axes = Mat3::Identity();   ///< Proper rotation: the image's axes.
+  double unit_mm = 1;             ///< One step of the whole-number coordinates.
+  Index3 cells = Index3::Zero();  ///< Cubes of level 0 along each axis.
+  int levels = 0;                 ///< Finest level.
 
   [[nodiscard]] Vec3 position_mm(bcc::Key key) const {
     return origin_mm + axes * (unit_mm * bcc::unpack(key).cast<double>());
@@ -28,7 +28,8 @@ struct LatticeFrame {
 /// Lays the lattice over the object: its spacing and the image's axes.
 [[nodiscard]] LatticeFrame make_lattice_frame(const ImageDomain& domain, double coarsest_mm, int levels);
 
-/// Lattice tetrahedra around the object, refined to what `sizes` wants, conforming; lattice order, positively oriented.
+/// Lattice tetrahedra around the object, refined to what `sizes` wants, conforming; lattice order, positively
+/// oriented.
 [[nodiscard]] std::vector<bcc::Corners> refined_lattice(const LatticeFrame& frame, const ImageDomain& domain,
                                                         const SizeGrid& sizes);
 

@@ -2,22 +2,26 @@
 
 #include <cmath>
 
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/memory.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
 
 SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
-                   double coarsest_mm)
+                   double coarsest_mm, std::size_t object_voxels)
     : image_(image),
       domain_(domain),
       coarsest_mm_(coarsest_mm),
       least_level_(options.coarsening),
       most_level_(options.coarsening + options.max_refinement),
+      cap_(most_level_),
       cells_((image.frame().size + Index3::Constant(kCell - 1)) / kCell) {
   for (const Label label : image.values()) {
     const auto own = options.label_fidelity.find(label);
     const double fidelity = own == options.label_fidelity.end() ? options.fidelity : own->second;
     thickness_factor_.push_back(2 * (1 - fidelity));  // 4 (1 - F) of half the chord
+    firm_.push_back(own == options.label_fidelity.end() ? 0 : kFirm);
   }
   wanted_.resize(static_cast<std::size_t>(cells_.x()) * static_cast<std::size_t>(cells_.y()) *
                  static_cast<std::size_t>(cells_.z()));
@@ -26,11 +30,55 @@ SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const Lat
       static_cast<std::size_t>(bricks.prod()),
       [&](std::size_t b) {
         const auto n = static_cast<int>(b);
-        const Index3 low = LabelField::kBrick * Index3(n % bricks.x(), n / bricks.x() % bricks.y(),
-                                                       n / (bricks.x() * bricks.y()));
+        const Index3 low = LabelField::kBrick *
+                           Index3(n % bricks.x(), n / bricks.x() % bricks.y(), n / (bricks.x() * bricks.y()));
         if (domain_.field().near_boundary(low.cast<double>())) fill_brick(low);
       },
       16);
+  keep_within(options.max_tetrahedra, object_voxels);
+}
+
+/// A cell at level l takes its volume over a lattice tetrahedron's, h^3 / 12; about half of it lies in the
+/// object. The rest of the object is filled at the coarsest spacing.
+double SizeGrid::predict(int cap, double object_mm3) const {
+  const double cell_mm3 = image_.frame().voxel_volume_mm3() * kCell * kCell * kCell;
+  const auto sum = parallel::reduce_blocks(
+      wanted_.size(), 65536, 0.0,
+      [&](std::size_t begin, std::size_t end) {
+        double count = 0;
+        for (std::size_t c = begin; c < end; ++c) {
+          if (wanted_[c] == 0) continue;
+          const int level =
+              (wanted_[c] & kFirm) != 0 ? (wanted_[c] & ~kFirm) - 1 : std::min(cap, wanted_[c] - 1);
+          count += std::exp2(3 * level);
+        }
+        return count;
+      },
+      [](double a, double b) { return a + b; });
+  const double per_mm3 = 12 / (coarsest_mm_ * coarsest_mm_ * coarsest_mm_);
+  return per_mm3 * (object_mm3 + 0.75 * cell_mm3 * sum);
+}
+
+void SizeGrid::keep_within(std::size_t most_tetrahedra, std::size_t object_voxels) {
+  const double object_mm3 = static_cast<double>(object_voxels) * image_.frame().voxel_volume_mm3();
+  predicted_ = predict(cap_, object_mm3);
+  while (predicted_ > static_cast<double>(most_tetrahedra) && cap_ > least_level_)
+    predicted_ = predict(--cap_, object_mm3);
+  constexpr double kBytesEach =
+      900;  // measured: lattice, numbering and fit together, per tetrahedron of the mesh
+  const double free_bytes = static_cast<double>(available_memory_bytes());
+  if (predicted_ * kBytesEach > free_bytes) {
+    throw Error(ErrorKind::kMemory,
+                "about " + std::to_string(static_cast<long long>(predicted_ / 1e6 + 1)) +
+                    " million tetrahedra would need " +
+                    std::to_string(static_cast<long long>(predicted_ * kBytesEach / 1e9 + 1)) +
+                    " GB of memory and " + std::to_string(static_cast<long long>(free_bytes / 1e9)) +
+                    " GB are free; choose a larger --spacing");
+  }
+  for (std::uint8_t& cell : wanted_) {
+    cell = (cell & kFirm) != 0 ? static_cast<std::uint8_t>(cell & ~kFirm)
+                               : std::min(cell, static_cast<std::uint8_t>(cap_ + 1));
+  }
 }
 
 void SizeGrid::fill_brick(const Index3& low) {
@@ -40,11 +88,14 @@ void SizeGrid::fill_brick(const Index3& low) {
       for (int i = low.x(); i < high.x(); ++i) {
         const int level = voxel_level({i, j, k});
         if (level < 0) continue;
-        std::uint8_t& cell = wanted_[static_cast<std::size_t>(i / kCell) +
-                                     static_cast<std::size_t>(cells_.x()) *
-                                         (static_cast<std::size_t>(j / kCell) +
-                                          static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(k / kCell))];
-        cell = std::max(cell, static_cast<std::uint8_t>(level + 1));
+        std::uint8_t& cell =
+            wanted_[static_cast<std::size_t>(i / kCell) +
+                    static_cast<std::size_t>(cells_.x()) *
+                        (static_cast<std::size_t>(j / kCell) +
+                         static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(k / kCell))];
+        const std::uint8_t firm = static_cast<std::uint8_t>((cell | firm_[image_.at({i, j, k})]) & kFirm);
+        const int most = std::max<int>(cell & ~kFirm, level + 1);
+        cell = static_cast<std::uint8_t>(most | firm);
       }
     }
   }
@@ -95,7 +146,8 @@ SizeGrid::CellBox SizeGrid::cells_around(const Vec3& point_mm, double radius_mm)
   CellBox box;
   for (int axis = 0; axis < 3; ++axis) {
     box.low[axis] = std::max(0, static_cast<int>(std::floor((centre[axis] - radius[axis]) / kCell)));
-    box.high[axis] = std::min(cells_[axis] - 1, static_cast<int>(std::floor((centre[axis] + radius[axis]) / kCell)));
+    box.high[axis] =
+        std::min(cells_[axis] - 1, static_cast<int>(std::floor((centre[axis] + radius[axis]) / kCell)));
   }
   return box;
 }

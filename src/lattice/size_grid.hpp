@@ -9,13 +9,20 @@
 
 namespace lumesh {
 
-/// Least refinement level wanted near each boundary, on a grid of 2^3 voxels. The thickness of a label at a boundary
-/// voxel is the chord through the label along the smoothed field's normal; the background's counts as well, so that
-/// two vessels side by side are kept apart.
+/// Least refinement level wanted near each boundary, on a grid of 2^3 voxels. The thickness of a label at a
+/// boundary voxel is the chord through the label along the smoothed field's normal; the background's counts
+/// as well, so that two vessels side by side are kept apart.
 class SizeGrid {
  public:
   /// @param coarsest_mm  Spacing of level 0.
-  SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options, double coarsest_mm);
+  /// @throws Error{kMemory} if the mesh would not fit into the free memory.
+  SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
+           double coarsest_mm, std::size_t object_voxels);
+
+  /// Tetrahedra the object will get, roughly (within a factor of two).
+  [[nodiscard]] double predicted_tetrahedra() const { return predicted_; }
+  /// Levels given up to stay within LatticeOptions::max_tetrahedra.
+  [[nodiscard]] int levels_given_up() const { return most_level_ - cap_; }
 
   /// Largest level wanted by a boundary within `radius_mm` of the point; -1 where there is no boundary.
   [[nodiscard]] int level_wanted(const Vec3& point_mm, double radius_mm) const;
@@ -30,22 +37,30 @@ class SizeGrid {
   [[nodiscard]] CellBox cells_around(const Vec3& point_mm, double radius_mm) const;
   [[nodiscard]] const std::uint8_t* row(int j, int k) const {
     return &wanted_[static_cast<std::size_t>(cells_.x()) *
-                    (static_cast<std::size_t>(j) + static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(k))];
+                    (static_cast<std::size_t>(j) +
+                     static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(k))];
   }
   static constexpr int kCell = 2;
+  static constexpr std::uint8_t kFirm =
+      0x80;  // flag: wanted by a label with a fidelity of its own, never given up
 
   [[nodiscard]] int voxel_level(const Index3& voxel) const;
   [[nodiscard]] double chord_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const;
   void fill_brick(const Index3& low);
+  void keep_within(std::size_t most_tetrahedra, std::size_t object_voxels);
+  [[nodiscard]] double predict(int cap, double object_mm3) const;
 
   const LabelImage& image_;
   const ImageDomain& domain_;
   double coarsest_mm_;
   int least_level_;
   int most_level_;
+  int cap_;
+  double predicted_ = 0;
+  std::vector<std::uint8_t> firm_;        // per label: kFirm or 0
   std::vector<double> thickness_factor_;  // per label: spacing allowed per unit of chord
   Index3 cells_;
-  std::vector<std::uint8_t> wanted_;  // 1 + level, 0 = no boundary
+  std::vector<std::uint8_t> wanted_;  // 1 + level and kFirm; 0 = no boundary
 };
 
 }  // namespace lumesh

@@ -65,7 +65,9 @@ class SpikePeeler {
     for (std::size_t f = 0; f < 4; ++f) {
       if (mesh_.neighbours[t][f] != kNoTet || n == 2) continue;
       const auto [a, b, c] = face_of(mesh_.tets[t], f);
-      normal[n++] = (mesh_.positions[b] - mesh_.positions[a]).cross(mesh_.positions[c] - mesh_.positions[a]).normalized();
+      normal[n++] = (mesh_.positions[b] - mesh_.positions[a])
+                        .cross(mesh_.positions[c] - mesh_.positions[a])
+                        .normalized();
     }
     return -normal[0].dot(normal[1]) < -0.766;
   }
@@ -74,7 +76,8 @@ class SpikePeeler {
     for (const std::uint32_t v : mesh_.tets[t]) {
       const MaterialSet& set = boundary_.sets[v];
       if (set.size() != 2 || set[0] != 0) continue;
-      if (domain_.separation(mesh_.positions[v], set[1], set[0]).value < -0.1 * domain_.voxel_size_mm()) return true;
+      if (domain_.separation(mesh_.positions[v], set[1], set[0]).value < -0.1 * domain_.voxel_size_mm())
+        return true;
     }
     return false;
   }
@@ -94,8 +97,8 @@ class SpikePeeler {
     boundary_.triangles[i].vertices[0] = kNoTet;
   }
 
-  /// With two open faces the edge that they do not touch must lie inside, or the boundary would pinch there; with
-  /// three there is nothing to pinch. The faces that come to light must belong to the same label.
+  /// With two open faces the edge that they do not touch must lie inside, or the boundary would pinch there;
+  /// with three there is nothing to pinch. The faces that come to light must belong to the same label.
   bool try_drop(std::uint32_t t) {
     const int open = open_faces(t);
     if (open != 2 && open != 3) return false;
@@ -118,7 +121,8 @@ class SpikePeeler {
     if (open == 2) {
       const std::uint32_t a = mesh_.tets[t][faces_open[0]];
       const std::uint32_t b = mesh_.tets[t][faces_open[1]];
-      if (const auto use = edge_use_.find(edge_key(a, b)); use != edge_use_.end() && use->second > 0) return false;
+      if (const auto use = edge_use_.find(edge_key(a, b)); use != edge_use_.end() && use->second > 0)
+        return false;
     }
     drop(t, outside);
     return true;

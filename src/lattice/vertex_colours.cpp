@@ -9,7 +9,7 @@ namespace lumesh {
 
 namespace {
 
-constexpr std::uint8_t kIdle = 255;        // not to be coloured
+constexpr std::uint8_t kIdle = 255;  // not to be coloured
 constexpr std::uint8_t kUncoloured = 254;
 
 /// Pseudo-random, different for different vertices.

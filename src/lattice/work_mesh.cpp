@@ -36,7 +36,8 @@ Material material_of(const Corners& t, const LatticeFrame& frame, const ImageDom
 }
 
 /// Keeps the object's tetrahedra and those that share a vertex with one.
-void keep_object_ring(std::vector<Corners>& lattice, std::vector<Material>& materials, const ImageDomain& domain) {
+void keep_object_ring(std::vector<Corners>& lattice, std::vector<Material>& materials,
+                      const ImageDomain& domain) {
   parallel::KeySet object;
   object.reserve(lattice.size());
   parallel::for_each_index(lattice.size(), [&](std::size_t i) {
@@ -44,7 +45,8 @@ void keep_object_ring(std::vector<Corners>& lattice, std::vector<Material>& mate
     for (const Key key : lattice[i]) object.insert(key);
   });
   const auto kept = parallel::collect<std::uint32_t>(lattice.size(), [&](std::size_t i, auto& out) {
-    const bool near = std::any_of(lattice[i].begin(), lattice[i].end(), [&](Key key) { return object.contains(key); });
+    const bool near =
+        std::any_of(lattice[i].begin(), lattice[i].end(), [&](Key key) { return object.contains(key); });
     if (near) out.push_back(static_cast<std::uint32_t>(i));
   });
   std::vector<Corners> lattice_kept(kept.size());
@@ -67,9 +69,8 @@ class VertexNumbers {
     });
     codes_ = set_.sorted_keys();
     number_.resize(set_.slot_count());
-    parallel::for_each_index(codes_.size(), [&](std::size_t i) {
-      number_[set_.find(codes_[i])] = static_cast<std::uint32_t>(i);
-    });
+    parallel::for_each_index(
+        codes_.size(), [&](std::size_t i) { number_[set_.find(codes_[i])] = static_cast<std::uint32_t>(i); });
   }
   [[nodiscard]] std::uint32_t number(Key key) const { return number_[set_.find(bcc::morton(key))]; }
   [[nodiscard]] std::size_t size() const { return codes_.size(); }
@@ -156,13 +157,14 @@ std::vector<std::uint32_t> keep_tetrahedra(WorkMesh& mesh, const std::vector<std
   const auto kept_tets = parallel::collect<std::uint32_t>(mesh.tets.size(), [&](std::size_t t, auto& out) {
     if (keep[t] != 0) out.push_back(static_cast<std::uint32_t>(t));
   });
-  const auto kept_vertices = parallel::collect<std::uint32_t>(mesh.positions.size(), [&](std::size_t v, auto& out) {
-    for (const std::uint32_t t : mesh.star(static_cast<std::uint32_t>(v))) {
-      if (keep[t] == 0) continue;
-      out.push_back(static_cast<std::uint32_t>(v));
-      return;
-    }
-  });
+  const auto kept_vertices =
+      parallel::collect<std::uint32_t>(mesh.positions.size(), [&](std::size_t v, auto& out) {
+        for (const std::uint32_t t : mesh.star(static_cast<std::uint32_t>(v))) {
+          if (keep[t] == 0) continue;
+          out.push_back(static_cast<std::uint32_t>(v));
+          return;
+        }
+      });
   std::vector<std::uint32_t> number(mesh.positions.size(), kNoTet);
   WorkMesh small;
   small.positions.resize(kept_vertices.size());

@@ -1,5 +1,6 @@
 #pragma once
-// The lattice mesh while its boundary is chosen and fitted: plain arrays, vertices and tetrahedra in Morton order.
+// The lattice mesh while its boundary is chosen and fitted: plain arrays, vertices and tetrahedra in Morton
+// order.
 
 #include <array>
 #include <span>
@@ -21,12 +22,14 @@ inline constexpr std::uint32_t kNoTet = ~std::uint32_t{0};
 }
 
 struct WorkMesh {
-  std::vector<Vec3> positions;               ///< mm.
-  std::vector<Corner4> tets;                 ///< Positively oriented.
-  std::vector<Material> materials;           ///< Per tetrahedron.
-  std::vector<std::uint32_t> star_begin;     ///< Per vertex and one more: where its tetrahedra start in star_tets.
-  std::vector<std::uint32_t> star_tets;      ///< Ascending for each vertex.
-  std::vector<std::array<std::uint32_t, 4>> neighbours;  ///< Across the face opposite to each corner, or kNoTet.
+  std::vector<Vec3> positions;      ///< mm.
+  std::vector<Corner4> tets;        ///< Positively oriented.
+  std::vector<Material> materials;  ///< Per tetrahedron.
+  std::vector<std::uint32_t>
+      star_begin;  ///< Per vertex and one more: where its tetrahedra start in star_tets.
+  std::vector<std::uint32_t> star_tets;  ///< Ascending for each vertex.
+  std::vector<std::array<std::uint32_t, 4>>
+      neighbours;  ///< Across the face opposite to each corner, or kNoTet.
 
   [[nodiscard]] std::span<const std::uint32_t> star(std::uint32_t vertex) const {
     return {star_tets.data() + star_begin[vertex], star_begin[vertex + 1] - star_begin[vertex]};
@@ -37,8 +40,8 @@ struct WorkMesh {
   }
 };
 
-/// Gives every lattice tetrahedron the material that fills most of it, keeps those of the object and one ring of
-/// others around it, and numbers vertices and tetrahedra along the Morton curve.
+/// Gives every lattice tetrahedron the material that fills most of it, keeps those of the object and one ring
+/// of others around it, and numbers vertices and tetrahedra along the Morton curve.
 [[nodiscard]] WorkMesh make_work_mesh(std::vector<bcc::Corners> lattice, const LatticeFrame& frame,
                                       const ImageDomain& domain);
 

@@ -1,5 +1,6 @@
 #pragma once
-/// @file Assertions at three prices. They guard against our own mistakes, never against bad input (see error.hpp).
+/// @file Assertions at three prices. They guard against our own mistakes, never against bad input (see
+/// error.hpp).
 
 #include <string_view>
 

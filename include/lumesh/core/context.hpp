@@ -25,8 +25,12 @@ class Context {
   Context(MessageSink on_info, MessageSink on_warning, std::stop_token stop = {})
       : on_info_(std::move(on_info)), on_warning_(std::move(on_warning)), stop_(std::move(stop)) {}
 
-  void info(std::string_view message) const { if (on_info_) on_info_(message); }
-  void warn(std::string_view message) const { if (on_warning_) on_warning_(message); }
+  void info(std::string_view message) const {
+    if (on_info_) on_info_(message);
+  }
+  void warn(std::string_view message) const {
+    if (on_warning_) on_warning_(message);
+  }
   [[nodiscard]] bool cancelled() const { return stop_.stop_requested(); }
 
   /// Runs `step`, records its wall time under `name`, and returns what it returns.

@@ -8,10 +8,10 @@
 
 namespace lumesh {
 
-using Vec3 = Eigen::Vector3d;       ///< A point or direction in physical millimetres (LPS) unless said otherwise.
+using Vec3 = Eigen::Vector3d;  ///< A point or direction in physical millimetres (LPS) unless said otherwise.
 using Mat3 = Eigen::Matrix3d;
-using Index3 = Eigen::Vector3i;     ///< Voxel index (i, j, k); i runs fastest in memory.
-using Label = std::int32_t;         ///< Material label; 0 is the background.
+using Index3 = Eigen::Vector3i;  ///< Voxel index (i, j, k); i runs fastest in memory.
+using Label = std::int32_t;      ///< Material label; 0 is the background.
 
 inline constexpr Label kBackground = 0;
 

@@ -13,7 +13,8 @@
 
 namespace lumesh {
 
-/// Index of a material: 0 is the background, then the image's labels (index into values()), then the cut planes.
+/// Index of a material: 0 is the background, then the image's labels (index into values()), then the cut
+/// planes.
 using Material = std::uint32_t;
 
 /// A plane that cuts the object off: what lies on the side of the normal is removed.
@@ -69,12 +70,12 @@ class MaterialSet {
 /// A place on a boundary.
 struct BoundaryPoint {
   Vec3 position_mm = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();                 ///< Unit; points from `inside` to `outside`.
+  Vec3 normal = Vec3::Zero();                  ///< Unit; points from `inside` to `outside`.
   std::array<Material, 2> materials = {0, 0};  ///< inside, outside; two materials name the patch.
 };
 
-/// Answers in physical mm (LPS). Outside the image the border voxels go on for ever; where the object touches the
-/// image border a cut plane at the voxels' outer faces ends it, and so do the planes of the options.
+/// Answers in physical mm (LPS). Outside the image the border voxels go on for ever; where the object touches
+/// the image border a cut plane at the voxels' outer faces ends it, and so do the planes of the options.
 /// Const calls from any thread; most cost well under a microsecond.
 class ImageDomain {
  public:
@@ -96,20 +97,27 @@ class ImageDomain {
   /// (three voxels).
   [[nodiscard]] std::optional<BoundaryPoint> nearest_boundary(const Vec3& point_mm) const;
 
-  /// Signed function of the boundary between two materials, about the distance in mm near it, > 0 on the side of
-  /// `first`, and its gradient (per mm).
+  /// Signed function of the boundary between two materials, about the distance in mm near it, > 0 on the side
+  /// of `first`, and its gradient (per mm).
   [[nodiscard]] FieldSample separation(const Vec3& point_mm, Material first, Material second) const;
-  /// The place near `start_mm` where all materials of the set meet (a surface for two, a curve for three, a point
-  /// for four), shifted for two materials so that separation(first, second) == offset_mm there. None if the descent
-  /// does not arrive within `reach_mm`.
+  /// The place near `start_mm` where all materials of the set meet (a surface for two, a curve for three, a
+  /// point for four), shifted for two materials so that separation(first, second) == offset_mm there. None if
+  /// the descent does not arrive within `reach_mm`.
   [[nodiscard]] std::optional<Vec3> project(const Vec3& start_mm, const MaterialSet& set, double reach_mm,
                                             double offset_mm = 0) const;
 
+  /// Whether a cut plane (of the image border or of the options) removes the point.
+  [[nodiscard]] bool beyond_cut(const Vec3& point_mm) const {
+    return std::any_of(cuts_.begin(), cuts_.end(),
+                       [&](const CutPlane& c) { return c.normal.dot(point_mm - c.point_mm) > 0; });
+  }
   [[nodiscard]] Label label_of(Material m) const { return m < labels_.size() ? labels_[m] : kBackground; }
   [[nodiscard]] bool is_cut(Material m) const { return m >= labels_.size(); }
   /// True for materials that the mesh is made of.
   [[nodiscard]] bool is_meshed(Material m) const { return m > 0 && m < labels_.size(); }
-  [[nodiscard]] Material material_count() const { return static_cast<Material>(labels_.size() + cuts_.size()); }
+  [[nodiscard]] Material material_count() const {
+    return static_cast<Material>(labels_.size() + cuts_.size());
+  }
   [[nodiscard]] const CutPlane& cut_plane(Material m) const { return cuts_[m - labels_.size()]; }
   [[nodiscard]] const LabelField& field() const { return field_; }
   [[nodiscard]] const ImageFrame& frame() const { return field_.frame(); }

@@ -1,5 +1,6 @@
 #pragma once
-/// @file Image-to-mesh conversion on a body-centred cubic lattice, the role of CBC3D in the paper (section 3.1).
+/// @file Image-to-mesh conversion on a body-centred cubic lattice, the role of CBC3D in the paper
+/// (section 3.1).
 
 #include <map>
 #include <string>
@@ -16,16 +17,20 @@ namespace lumesh {
 /// Which cells the mesh is made of.
 enum class LatticeCells {
   kTetrahedra,  ///< Tetrahedra only.
-  kMixed,       ///< Hexahedra where the lattice is uniform and of one label, pyramids next to them, tetrahedra else.
+  kMixed,  ///< Hexahedra where the lattice is uniform and of one label, pyramids next to them, tetrahedra
+           ///< else.
 };
 
 struct LatticeOptions {
-  double spacing_mm = 0;   ///< Lattice spacing at the boundary where the object is thick; 0 means 3 voxels.
-  double fidelity = 0.8;   ///< In [0.1, 0.98]: the spacing is at most 4 (1 - fidelity) times the local half thickness.
+  double spacing_mm = 0;  ///< Lattice spacing at the boundary where the object is thick; 0 means 3 voxels.
+  double fidelity =
+      0.7;  ///< In [0.1, 0.98]: the spacing is at most 4 (1 - fidelity) times the local half thickness.
   std::map<Label, double> label_fidelity;  ///< The same for single labels; others take `fidelity`.
   int coarsening = 1;      ///< How many times the spacing may double away from boundaries, in [0, 4].
   int max_refinement = 3;  ///< How many times it may halve in thin parts, in [0, 5].
-  double min_dihedral_deg = 15;   ///< No tetrahedron falls below this while the mesh is fitted; in [1, 25].
+  std::size_t max_tetrahedra =
+      1'500'000;                 ///< Refinement of thin parts is given up, level by level, to stay near this.
+  double min_dihedral_deg = 15;  ///< No tetrahedron falls below this while the mesh is fitted; in [1, 25].
   double max_dihedral_deg = 150;  ///< None rises above this; in [130, 175].
   LatticeCells cells = LatticeCells::kTetrahedra;
 
@@ -34,11 +39,15 @@ struct LatticeOptions {
 
 /// What happened on the way, for the report.
 struct LatticeReport {
-  std::size_t lattice_tetrahedra = 0;     ///< Before the boundary was chosen.
-  std::size_t relabelled = 0;             ///< Tetrahedra that changed their material to make the boundary manifold.
-  std::size_t off_boundary_vertices = 0;  ///< Boundary vertices that ended more than a tenth of a voxel away.
+  std::size_t lattice_tetrahedra = 0;  ///< Before the boundary was chosen.
+  std::size_t relabelled = 0;  ///< Tetrahedra that changed their material to make the boundary manifold.
+  std::size_t off_boundary_vertices = 0;  ///< Boundary vertices that ended more than half a voxel away.
   double largest_offset_voxels = 0;
-  std::vector<std::string> notes;         ///< Such as labels that were lost, with their voxel counts.
+  std::size_t non_manifold_vertices =
+      0;                    ///< Vertices where a label's boundary is not a manifold; 0 but for hard cases.
+  int levels_given_up = 0;  ///< Of the refinement of thin parts, to stay near max_tetrahedra.
+  std::vector<Label> lost_labels;  ///< Labels without a single tetrahedron.
+  std::vector<std::string> notes;  ///< Such as labels that were lost, with their voxel counts.
 };
 
 struct LatticeResult {
@@ -50,11 +59,12 @@ struct LatticeResult {
 ///
 /// @param image    Labels; must outlive the call only.
 /// @param domain   The oracle built from the same image.
-/// @return         A conforming mesh, positively oriented, in mm (LPS); patches "wall", "inlet_1", "outlet_1", …,
+/// @return         A conforming mesh, positively oriented, in mm (LPS); patches "wall", "inlet_1",
+/// "outlet_1", …,
 ///                 "interface_A_B".
-/// @throws Error{kBadInput} if nothing can be meshed, Error{kMemory} if the lattice would not fit into memory.
-/// Threads: data-parallel, the same bits for every thread count. Cost: linear in the number of tetrahedra.
-/// Reference: the paper's section 3.1; Molino et al. 2003 for the red-green lattice.
+/// @throws Error{kBadInput} if nothing can be meshed, Error{kMemory} if the lattice would not fit into
+/// memory. Threads: data-parallel, the same bits for every thread count. Cost: linear in the number of
+/// tetrahedra. Reference: the paper's section 3.1; Molino et al. 2003 for the red-green lattice.
 [[nodiscard]] LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain,
                                          const LatticeOptions& options, Context& context);
 

@@ -1,5 +1,6 @@
 #pragma once
-/// @file A set of 64-bit keys that many threads fill at the same time. What it holds never depends on their order.
+/// @file A set of 64-bit keys that many threads fill at the same time. What it holds never depends on their
+/// order.
 
 #include <atomic>
 #include <cstdint>
@@ -10,8 +11,8 @@
 
 namespace lumesh::parallel {
 
-/// Open addressing with linear probing. insert() may run on many threads, contains() beside other contains() only;
-/// reserve() alone. The slot of a key stays the same until the next reserve().
+/// Open addressing with linear probing. insert() may run on many threads, contains() beside other contains()
+/// only; reserve() alone. The slot of a key stays the same until the next reserve().
 class KeySet {
  public:
   static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};  ///< Never a key.
@@ -23,7 +24,8 @@ class KeySet {
     if (capacity <= slots_.size()) return;
     const std::vector<std::atomic<std::uint64_t>> old = std::exchange(slots_, make_slots(capacity));
     for_each_index(old.size(), [&](std::size_t i) {
-      const std::uint64_t key = old[i].load(std::memory_order_relaxed);  // no writer is active: see the class comment
+      const std::uint64_t key =
+          old[i].load(std::memory_order_relaxed);  // no writer is active: see the class comment
       if (key != kEmpty) insert(key);
     });
   }
@@ -34,7 +36,8 @@ class KeySet {
       // Relaxed: a slot carries no other data, and readers start after the parallel loop has joined.
       std::uint64_t seen = slots_[at].load(std::memory_order_relaxed);
       if (seen == key) return false;
-      if (seen == kEmpty && slots_[at].compare_exchange_strong(seen, key, std::memory_order_relaxed)) return true;
+      if (seen == kEmpty && slots_[at].compare_exchange_strong(seen, key, std::memory_order_relaxed))
+        return true;
       if (seen == key) return false;  // another thread put the same key here first
     }
   }
@@ -66,7 +69,8 @@ class KeySet {
  private:
   static std::vector<std::atomic<std::uint64_t>> make_slots(std::size_t capacity) {
     std::vector<std::atomic<std::uint64_t>> slots(capacity);
-    for_each_index(capacity, [&](std::size_t i) { slots[i].store(kEmpty, std::memory_order_relaxed); }, 65536);
+    for_each_index(
+        capacity, [&](std::size_t i) { slots[i].store(kEmpty, std::memory_order_relaxed); }, 65536);
     return slots;
   }
   static std::size_t hash(std::uint64_t key) {

@@ -32,11 +32,10 @@ class ThreadLimit {
 /// Calls body(i) for every i in [0, count); `grain` is the least number of indices per task.
 template <class Body>
 void for_each_index(std::size_t count, const Body& body, std::size_t grain = 1024) {
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, count, grain),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
-      });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+                    });
 }
 
 /// Splits [0, count) into blocks of `block` indices and calls body(block_index, begin, end) for each.
@@ -52,14 +51,14 @@ void for_each_block(std::size_t count, std::size_t block, const Body& body) {
       tbb::simple_partitioner());
 }
 
-/// Reduces map(begin, end) over fixed blocks with `combine`, in block order: the same bits for every thread count.
+/// Reduces map(begin, end) over fixed blocks with `combine`, in block order: the same bits for every thread
+/// count.
 template <class Value, class Map, class Combine>
 [[nodiscard]] Value reduce_blocks(std::size_t count, std::size_t block, Value identity, const Map& map,
                                   const Combine& combine) {
   std::vector<Value> partial((count + block - 1) / block, identity);
-  for_each_block(count, block, [&](std::size_t b, std::size_t begin, std::size_t end) {
-    partial[b] = map(begin, end);
-  });
+  for_each_block(count, block,
+                 [&](std::size_t b, std::size_t begin, std::size_t end) { partial[b] = map(begin, end); });
   Value total = std::move(identity);
   for (Value& value : partial) total = combine(std::move(total), std::move(value));
   return total;
