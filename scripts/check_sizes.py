@@ -88,12 +88,16 @@ def functions_of(path, text):
     while match := for_stop.search(text, at):
         at = match.end()
         head = text[head_start:match.start()]
+        access = re.match(r"\s*(?:(?:public|private|protected):\s*)+", head)
+        if access:
+            head_start += access.end()
+            head = head[access.end():]
         if match.group() == ";" and head.count("(") > head.count(")"):
             continue
         if match.group() != "{":
             head_start = at
             continue
-        kind = kind_of_brace(re.sub(r"\b(?:public|private|protected):", "", head))
+        kind = kind_of_brace(head)
         if kind == "scope":
             head_start = at
             continue
@@ -102,7 +106,6 @@ def functions_of(path, text):
             first = head_start + len(head) - len(head.lstrip())
             found.append(Function(path, name_of(head), text.count("\n", 0, first) + 1,
                                   text.count("\n", first, at) + 1, 1 + len(BRANCH.findall(text[match.start():at]))))
-        if kind == "function":
             head_start = at
     return found
 
@@ -154,7 +157,7 @@ def main():
             faults.append(fault)
     faults += [f"scripts/size_exceptions.txt: {place} needs no exception any more" for place in exceptions.keys() - used]
     own = [function for function in functions if function.path.parts[0] in ("include", "src", "apps")]
-    p95 = percentile([function.lines for function in own], 0.95)
+    p95 = percentile([f.lines for f in own if f"{f.path}:{f.name}" not in exceptions], 0.95)
     if p95 > FUNCTION_P95_LINES:
         faults.append(f"95 % of the functions should have at most {FUNCTION_P95_LINES} lines; it is {p95}")
     if "--report" in sys.argv:

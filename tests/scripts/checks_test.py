@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""Tests the checks in scripts/: each must find a planted fault and accept a clean tree."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "scripts"
+
+
+class ChecksTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.root = pathlib.Path(self.folder.name)
+        self.write("include/lumesh/core/types.hpp", "#pragma once\n")
+        self.write("include/lumesh/mesh/tet_mesh.hpp", '#pragma once\n#include "lumesh/core/types.hpp"\n')
+        self.write("src/mesh/tet_mesh.cpp", '#include "lumesh/mesh/tet_mesh.hpp"\nint three() {\n  return 3;\n}\n')
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def write(self, path, text):
+        (self.root / path).parent.mkdir(parents=True, exist_ok=True)
+        (self.root / path).write_text(text)
+
+    def run_check(self, name):
+        result = subprocess.run([sys.executable, SCRIPTS / name, self.root], capture_output=True, text=True, check=False)
+        self.assertEqual(result.stderr, "")
+        return result.returncode, result.stdout
+
+    def assert_finds(self, name, words):
+        status, output = self.run_check(name)
+        self.assertEqual(status, 1, output)
+        self.assertIn(words, output)
+
+    def test_a_clean_tree_passes(self):
+        for name in ("check_layers.py", "check_sizes.py", "check_primitives.py"):
+            self.assertEqual(self.run_check(name)[0], 0, name)
+
+    def test_an_empty_tree_fails(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.root = pathlib.Path(folder)
+            for name in ("check_layers.py", "check_sizes.py", "check_primitives.py"):
+                self.assertEqual(self.run_check(name)[0], 1, name)
+
+    def test_layers_finds_an_include_of_a_higher_module(self):
+        self.write("include/lumesh/io/mesh_file.hpp", "#pragma once\n")
+        self.write("src/mesh/bad.cpp", '#include "lumesh/io/mesh_file.hpp"\n')
+        self.assert_finds("check_layers.py", "mesh may not include lumesh/io/mesh_file.hpp")
+
+    def test_layers_finds_a_stage_that_uses_another_stage(self):
+        self.write("include/lumesh/lattice/lattice.hpp", "#pragma once\n")
+        self.write("src/adapt/bad.cpp", '#include "lumesh/lattice/lattice.hpp"\n')
+        self.assert_finds("check_layers.py", "adapt may not include lumesh/lattice/lattice.hpp")
+
+    def test_layers_finds_a_private_header_of_another_module(self):
+        self.write("src/core/hidden.hpp", "#pragma once\n")
+        self.write("src/mesh/bad.cpp", '#include "../core/hidden.hpp"\n')
+        self.assert_finds("check_layers.py", "reaches out of its folder")
+
+    def test_layers_finds_a_module_that_is_not_in_the_table(self):
+        self.write("src/helpers/bad.cpp", "int one();\n")
+        self.assert_finds("check_layers.py", "module helpers is not in the dependency table")
+
+    def test_layers_finds_a_heavy_library_in_a_public_header(self):
+        self.write("include/lumesh/image/bad.hpp", "#pragma once\n#include <itkImage.h>\n")
+        self.assert_finds("check_layers.py", "a public header includes ITK")
+
+    def test_layers_finds_a_second_file_with_itk(self):
+        for name in ("one", "two"):
+            self.write(f"src/io/{name}.cpp", "#include <itkImage.h>\n")
+        self.assert_finds("check_layers.py", "ITK is included by 2 files of src, 1 may")
+
+    def test_primitives_finds_threads_outside_the_parallel_module(self):
+        for line in ("std::thread t;", "std::atomic<int> a;", "tbb::parallel_for(0, 2, f);", "#pragma omp parallel",
+                     "#include <mutex>", "std::atomic_ref word(x);"):
+            self.write("src/mesh/bad.cpp", f"{line}\n")
+            self.assert_finds("check_primitives.py", "src/mesh/bad.cpp:1")
+
+    def test_primitives_accepts_them_in_comments_strings_and_the_parallel_module(self):
+        self.write("src/mesh/good.cpp", '// std::thread\nconst char* s = "std::mutex";  /* tbb::x */\n')
+        self.write("src/parallel/good.cpp", "std::thread t;\n")
+        self.assertEqual(self.run_check("check_primitives.py")[0], 0)
+
+    def test_sizes_finds_a_long_function(self):
+        self.write("src/mesh/bad.cpp", "int long_one(int a) {\n" + "  a += 1;\n" * 90 + "  return a;\n}\n")
+        self.assert_finds("check_sizes.py", "long_one has 93 lines, limit 80")
+
+    def test_sizes_finds_a_long_constructor_with_a_brace_initialiser(self):
+        self.write("src/mesh/bad.cpp", "Mesh::Mesh(int a)\n    : a_{a}, b_(2) {\n" + "  ++a;\n" * 90 + "}\n")
+        self.assert_finds("check_sizes.py", "Mesh::Mesh has 93 lines, limit 80")
+
+    def test_sizes_finds_a_long_method_inside_a_class_template(self):
+        self.write("src/mesh/bad.cpp", "template <class T>\nclass Box {\n public:\n  template <class U>\n  auto grow(U u) const"
+                   " -> T {\n" + "    ++u;\n" * 90 + "  }\n};\n")
+        self.assert_finds("check_sizes.py", "grow has 93 lines, limit 80")
+
+    def test_sizes_finds_a_complex_function(self):
+        self.write("src/mesh/bad.cpp", "int maze(int a) {\n" + "  if (a > 1 && a < 2) ++a;\n" * 10 + "  return a;\n}\n")
+        self.assert_finds("check_sizes.py", "maze has complexity 21, limit 20")
+
+    def test_sizes_finds_a_long_header_and_a_long_source(self):
+        self.write("include/lumesh/core/long.hpp", "int a();\n" * 401)
+        self.write("src/core/long.cpp", "int a();\n" * 801)
+        self.assert_finds("check_sizes.py", "include/lumesh/core/long.hpp has 401 lines, limit 400")
+        self.assert_finds("check_sizes.py", "src/core/long.cpp has 801 lines, limit 800")
+
+    def test_sizes_does_not_take_a_table_or_a_namespace_for_a_function(self):
+        self.write("src/mesh/good.cpp", "namespace lumesh {\nconstexpr int kTable[] = {\n" + "  f(1),\n" * 90 + "};\n"
+                   + "int one() { return 1; }\n" * 90 + "}\n")
+        self.assertEqual(self.run_check("check_sizes.py")[0], 0, self.run_check("check_sizes.py")[1])
+
+    def test_sizes_accepts_an_exception_with_a_reason_and_refuses_a_stale_one(self):
+        self.write("src/mesh/bad.cpp", "int table() {\n" + "  g();\n" * 90 + "}\n")
+        self.write("scripts/size_exceptions.txt", "src/mesh/bad.cpp:table generated code\n")
+        self.assertEqual(self.run_check("check_sizes.py")[0], 0)
+        self.write("scripts/size_exceptions.txt", "src/mesh/gone.cpp:table generated code\n")
+        self.assert_finds("check_sizes.py", "needs no exception any more")
+
+
+if __name__ == "__main__":
+    unittest.main()
