@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
@@ -13,6 +14,8 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/evaluation.hpp"
+#include "lumesh/report/html.hpp"
+#include "lumesh/report/picture.hpp"
 #include "lumesh/report/summary.hpp"
 
 namespace lumesh::cli {
@@ -66,6 +69,26 @@ void require_angles(const EvaluateCommand& command, const quality::Evaluation& e
                           command.required_dihedral_deg[1]));
 }
 
+void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
+                   const quality::Evaluation& evaluation, Context& context) {
+  if (!command.json_path.empty()) report::write_file(command.json_path, report::evaluation_json(evaluation));
+  if (command.report_path.empty() && command.picture_path.empty()) return;
+  if (!command.report_path.empty()) {
+    const report::ReportPictures pictures =
+        context.phase("pictures", [&] { return report::draw_report_pictures(mesh); });
+    const std::string title = std::filesystem::path(command.mesh_path).filename().string();
+    context.phase("report", [&] {
+      report::write_file(command.report_path, report::report_html(title, evaluation, pictures));
+    });
+  }
+  if (!command.picture_path.empty()) {
+    constexpr report::Colour kPaper = {250, 250, 248};
+    const report::SurfacePicture surface = report::draw_surface(mesh, quality::extract_surface(mesh));
+    report::write_file(command.picture_path,
+                       report::encode_png(report::on_background(surface.picture, kPaper)));
+  }
+}
+
 void run(const EvaluateCommand& command) {
   const parallel::ThreadLimit limit(command.threads);
   Context context({}, [](std::string_view text) { fmt::print(stderr, "lumesh: warning: {}\n", text); });
@@ -86,14 +109,11 @@ void run(const EvaluateCommand& command) {
   }
   const quality::Evaluation evaluation = quality::evaluate(mesh.view(), input, context);
   fmt::print("{}\n{}", command.mesh_path, report::summary_text(evaluation));
+  write_outputs(command, mesh.view(), evaluation, context);
   if (command.times > 0) {
-    fmt::print("\ntime");
-    for (const PhaseTime& phase : context.phases()) fmt::print("  {} {:.2f} s", phase.name, phase.seconds);
-    fmt::print("\n");
-  }
-  if (!command.json_path.empty()) {
-    std::ofstream out(command.json_path);
-    out << report::evaluation_json(evaluation);
+    fmt::print("\ntime\n");
+    for (const PhaseTime& phase : context.phases())
+      fmt::print("  {:<30}{:>8.2f} s\n", phase.name, phase.seconds);
   }
   require_angles(command, evaluation);
 }

@@ -147,46 +147,50 @@ TetrahedronStatistics measure_tetrahedra(const MeshView& mesh) {
   return s;
 }
 
-/// Determinant of the three edges that leave a corner, over the product of their lengths.
-double scaled_jacobian(const Vec3& corner, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 u = a - corner, v = b - corner, w = c - corner;
-  const double lengths = u.norm() * v.norm() * w.norm();
-  return lengths > 0 ? u.cross(v).dot(w) / lengths : 0;
+using CornerTable =
+    std::span<const std::array<int, 4>>;  // A corner and its three neighbours, seen right-handed.
+
+constexpr std::array<std::array<int, 4>, 8> kHexahedronCorners = {{{0, 1, 3, 4},
+                                                                   {1, 2, 0, 5},
+                                                                   {2, 3, 1, 6},
+                                                                   {3, 0, 2, 7},
+                                                                   {4, 7, 5, 0},
+                                                                   {5, 4, 6, 1},
+                                                                   {6, 5, 7, 2},
+                                                                   {7, 6, 4, 3}}};
+constexpr std::array<std::array<int, 4>, 6> kPrismCorners = {
+    {{0, 2, 1, 3}, {1, 0, 2, 4}, {2, 1, 0, 5}, {3, 4, 5, 0}, {4, 5, 3, 1}, {5, 3, 4, 2}}};
+constexpr std::array<std::array<int, 4>, 4> kPyramidCorners = {
+    {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}}};
+
+/// Least determinant of the three edges that leave a corner, over the product of their lengths.
+double least_scaled_jacobian(std::span<const Vec3> points, std::span<const std::uint32_t> cell,
+                             CornerTable corners) {
+  double least = 1;
+  for (const auto& [at, a, b, c] : corners) {
+    const Vec3& corner = points[cell[at]];
+    const Vec3 u = points[cell[a]] - corner, v = points[cell[b]] - corner, w = points[cell[c]] - corner;
+    const double lengths = u.norm() * v.norm() * w.norm();
+    least = std::min(least, lengths > 0 ? u.cross(v).dot(w) / lengths : 0);
+  }
+  return least;
 }
 
-/// Least scaled Jacobian of each cell whose corner i has the neighbours corners[i], seen right-handed.
-template <std::size_t N, std::size_t Corners>
-double smallest_scaled_jacobian(std::span<const Vec3> points, std::span<const Cell<N>> cells,
-                                const std::array<std::array<int, 4>, Corners>& corners) {
+template <std::size_t N>
+double least_over_cells(std::span<const Vec3> points, std::span<const Cell<N>> cells) {
   return parallel::reduce_blocks(
       cells.size(), kBlock, 1.0,
       [&](std::size_t begin, std::size_t end) {
         double least = 1;
-        for (std::size_t i = begin; i < end; ++i)
-          for (const auto& [at, a, b, c] : corners)
-            least = std::min(least, scaled_jacobian(points[cells[i][at]], points[cells[i][a]],
-                                                    points[cells[i][b]], points[cells[i][c]]));
+        for (std::size_t i = begin; i < end; ++i) least = std::min(least, scaled_jacobian(points, cells[i]));
         return least;
       },
       [](double a, double b) { return std::min(a, b); });
 }
 
 double smallest_scaled_jacobian(const MeshView& mesh) {
-  constexpr std::array<std::array<int, 4>, 8> kHexahedron = {{{0, 1, 3, 4},
-                                                              {1, 2, 0, 5},
-                                                              {2, 3, 1, 6},
-                                                              {3, 0, 2, 7},
-                                                              {4, 7, 5, 0},
-                                                              {5, 4, 6, 1},
-                                                              {6, 5, 7, 2},
-                                                              {7, 6, 4, 3}}};
-  constexpr std::array<std::array<int, 4>, 6> kPrism = {
-      {{0, 2, 1, 3}, {1, 0, 2, 4}, {2, 1, 0, 5}, {3, 4, 5, 0}, {4, 5, 3, 1}, {5, 3, 4, 2}}};
-  constexpr std::array<std::array<int, 4>, 4> kPyramid = {
-      {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}}};
-  return std::min({smallest_scaled_jacobian(mesh.points, mesh.hexahedra, kHexahedron),
-                   smallest_scaled_jacobian(mesh.points, mesh.prisms, kPrism),
-                   smallest_scaled_jacobian(mesh.points, mesh.pyramids, kPyramid)});
+  return std::min({least_over_cells(mesh.points, mesh.hexahedra), least_over_cells(mesh.points, mesh.prisms),
+                   least_over_cells(mesh.points, mesh.pyramids)});
 }
 
 std::vector<Label> labels_in_use(const AllCells& cells) {
@@ -244,6 +248,16 @@ VolumeTally measure_volumes(const MeshView& mesh) {
 }
 
 }  // namespace
+
+double scaled_jacobian(std::span<const Vec3> points, const Cell<5>& pyramid) {
+  return least_scaled_jacobian(points, pyramid, kPyramidCorners);
+}
+double scaled_jacobian(std::span<const Vec3> points, const Cell<6>& prism) {
+  return least_scaled_jacobian(points, prism, kPrismCorners);
+}
+double scaled_jacobian(std::span<const Vec3> points, const Cell<8>& hexahedron) {
+  return least_scaled_jacobian(points, hexahedron, kHexahedronCorners);
+}
 
 MeshStatistics measure(const MeshView& mesh) {
   MeshStatistics result;

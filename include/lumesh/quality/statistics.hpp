@@ -2,6 +2,7 @@
 /// @file Element quality and volumes of a mesh, in numbers.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lumesh/core/types.hpp"
@@ -74,5 +75,11 @@ struct MeshStatistics {
 /// Measures every cell. Threads: parallel inside, the same bits for every thread count. Cost: about 0.3 us
 /// per tetrahedron and core.
 [[nodiscard]] MeshStatistics measure(const MeshView& mesh);
+
+/// Least scaled Jacobian over the corners of a cell (of a pyramid: those of its base); 1 for a cube, <= 0 if
+/// inverted.
+[[nodiscard]] double scaled_jacobian(std::span<const Vec3> points, const Cell<5>& pyramid);
+[[nodiscard]] double scaled_jacobian(std::span<const Vec3> points, const Cell<6>& prism);
+[[nodiscard]] double scaled_jacobian(std::span<const Vec3> points, const Cell<8>& hexahedron);
 
 }  // namespace lumesh::quality

@@ -1,0 +1,29 @@
+#pragma once
+/// @file A report on one mesh as a single HTML file.
+
+#include <optional>
+#include <string>
+
+#include "lumesh/quality/evaluation.hpp"
+#include "lumesh/report/picture.hpp"
+
+namespace lumesh::report {
+
+/// Pictures of a report; leave one out if it could not be drawn.
+struct ReportPictures {
+  SurfacePicture surface;
+  CutPicture front;
+  CutPicture side;
+};
+
+/// Draws the three pictures. Cost: about 1 s for 300k tetrahedra on two cores.
+[[nodiscard]] ReportPictures draw_report_pictures(const MeshView& mesh);
+
+/// The page: head figures, pictures, histograms, tables and provenance. Self-contained: style, plots (SVG)
+/// and pictures (PNG) are inside; no script, no network. Follows the reader's light or dark setting and
+/// prints on A4.
+/// @param title  Such as the file name of the mesh.
+[[nodiscard]] std::string report_html(const std::string& title, const quality::Evaluation& evaluation,
+                                      const ReportPictures& pictures);
+
+}  // namespace lumesh::report

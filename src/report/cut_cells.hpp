@@ -1,0 +1,68 @@
+#pragma once
+/// @file Sections of cells with a plane.
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/quality/hausdorff.hpp"
+#include "lumesh/quality/statistics.hpp"
+
+namespace lumesh::report {
+
+inline constexpr std::array<std::array<int, 2>, 8> kPyramidEdges = {
+    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
+inline constexpr std::array<std::array<int, 2>, 9> kPrismEdges = {
+    {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
+inline constexpr std::array<std::array<int, 2>, 12> kHexahedronEdges = {
+    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+
+/// Calls visit(vertices, edges) for every cell of the mesh.
+template <class Visit>
+void for_each_cell(const MeshView& mesh, const Visit& visit) {
+  for (const Cell<4>& cell : mesh.tetrahedra) visit(cell, kTetEdges);
+  for (const Cell<5>& cell : mesh.pyramids) visit(cell, kPyramidEdges);
+  for (const Cell<6>& cell : mesh.prisms) visit(cell, kPrismEdges);
+  for (const Cell<8>& cell : mesh.hexahedra) visit(cell, kHexahedronEdges);
+}
+
+/// Mean ratio of a tetrahedron, scaled Jacobian of another cell.
+[[nodiscard]] inline double cell_quality(std::span<const Vec3> points, const Cell<4>& v) {
+  return mean_ratio(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
+}
+template <std::size_t N>
+[[nodiscard]] double cell_quality(std::span<const Vec3> points, const Cell<N>& cell) {
+  return quality::scaled_jacobian(points, cell);
+}
+
+/// The convex section of a cell with a plane, in order around its middle; empty if the plane misses the cell.
+template <std::size_t N, std::size_t Edges>
+[[nodiscard]] std::vector<Vec3> cut_cell(std::span<const Vec3> points, const Cell<N>& cell,
+                                         const std::array<std::array<int, 2>, Edges>& edges,
+                                         const quality::Plane& plane) {
+  std::array<double, N> height;
+  bool above = false, below = false;
+  for (std::size_t i = 0; i < N; ++i) {
+    height[i] = plane.normal.dot(points[cell[i]] - plane.point_mm);
+    (height[i] > 0 ? above : below) = true;
+  }
+  std::vector<Vec3> section;
+  if (!above || !below) return section;
+  for (const auto& [i, j] : edges)
+    if ((height[i] > 0) != (height[j] > 0))
+      section.push_back(points[cell[i]] +
+                        (points[cell[j]] - points[cell[i]]) * (height[i] / (height[i] - height[j])));
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : section) middle += p / static_cast<double>(section.size());
+  const Vec3 u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
+  std::sort(section.begin(), section.end(), [&](const Vec3& a, const Vec3& b) {
+    return std::atan2(v.dot(a - middle), u.dot(a - middle)) <
+           std::atan2(v.dot(b - middle), u.dot(b - middle));
+  });
+  return section;
+}
+
+}  // namespace lumesh::report
