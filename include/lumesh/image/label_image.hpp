@@ -51,6 +51,7 @@ class LabelImage {
   [[nodiscard]] const ImageFrame& frame() const { return frame_; }
   [[nodiscard]] ImageFrame& frame() { return frame_; }
   [[nodiscard]] const std::vector<Label>& values() const { return values_; }
+  [[nodiscard]] std::vector<Label>& values() { return values_; }
   [[nodiscard]] std::vector<Index>& voxels() { return voxels_; }
   [[nodiscard]] const std::vector<Index>& voxels() const { return voxels_; }
   [[nodiscard]] Index at(const Index3& v) const { return voxels_[frame_.offset(v)]; }

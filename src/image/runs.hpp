@@ -1,0 +1,57 @@
+#pragma once
+/// @file Runs of equal label along i, from which counts, overlaps and components follow.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lumesh/image/label_image.hpp"
+
+namespace lumesh::image {
+
+/// Voxels [begin, end) of one row, of one label that is not background.
+struct Run {
+  std::int32_t begin = 0;
+  std::int32_t end = 0;
+  LabelImage::Index label = 0;
+};
+
+/// All runs of an image, row by row (row = j + size.y * k), ascending in each row.
+struct RunImage {
+  Index3 size = Index3::Zero();
+  std::vector<Run> runs;
+  std::vector<std::uint32_t> first;  ///< Per row, plus one at the end.
+
+  [[nodiscard]] std::size_t row(int j, int k) const {
+    return static_cast<std::size_t>(j) + static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(k);
+  }
+  [[nodiscard]] std::span<const Run> of_row(std::size_t row) const {
+    return {runs.data() + first[row], runs.data() + first[row + 1]};
+  }
+};
+
+/// How labels are told apart.
+enum class RunLabels : std::uint8_t { kEach, kUnion };
+
+/// @throws Error{kMemory} if there are more than 2^32 - 2 runs.
+[[nodiscard]] RunImage find_runs(const LabelImage& image, RunLabels labels);
+
+/// Calls use(a, b, overlap) for all runs of two rows that share a label and at least one i; a and b are
+/// positions in the spans, overlap is the shared part.
+template <class Use>
+void for_each_overlap(std::span<const Run> first, std::span<const Run> second, const Use& use) {
+  std::size_t a = 0;
+  std::size_t b = 0;
+  while (a < first.size() && b < second.size()) {
+    const Run shared = {std::max(first[a].begin, second[b].begin), std::min(first[a].end, second[b].end),
+                        first[a].label};
+    if (shared.begin < shared.end && first[a].label == second[b].label) use(a, b, shared);
+    if (first[a].end < second[b].end) {
+      ++a;
+    } else {
+      ++b;
+    }
+  }
+}
+
+}  // namespace lumesh::image
