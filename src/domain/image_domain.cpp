@@ -119,12 +119,12 @@ FieldSample ImageDomain::separation(const Vec3& point_mm, Material first, Materi
   return {in_voxels.value * voxel_size_mm_, index_from_mm_.transpose() * in_voxels.gradient * voxel_size_mm_};
 }
 
-std::optional<Vec3> ImageDomain::project(const Vec3& start_mm, const MaterialSet& set, double reach_mm,
-                                         double offset_mm) const {
+std::optional<Vec3> ImageDomain::project(const Vec3& start_mm, const MaterialSet& set,
+                                         double reach_mm) const {
   Vec3 x = start_mm;
   const double close_mm = 1e-4 * voxel_size_mm_;
   for (int step = 0; step < kMaxNewtonSteps; ++step) {
-    const Vec3 move = newton_step(x, set, offset_mm);
+    const Vec3 move = newton_step(x, set);
     if (!move.allFinite()) return std::nullopt;
     const double length = move.norm();
     x += length > voxel_size_mm_ ? Vec3(move * (voxel_size_mm_ / length)) : move;
@@ -134,13 +134,13 @@ std::optional<Vec3> ImageDomain::project(const Vec3& start_mm, const MaterialSet
   return std::nullopt;
 }
 
-Vec3 ImageDomain::newton_step(const Vec3& x, const MaterialSet& set, double offset_mm) const {
+Vec3 ImageDomain::newton_step(const Vec3& x, const MaterialSet& set) const {
   constexpr double kFlat = 1e-3;  // squared slope below which a separation says nothing about its zero
   if (set.size() == 2) {
     const FieldSample s = separation(x, set[0], set[1]);
     const double slope2 = s.gradient.squaredNorm();
     if (slope2 < kFlat) return Vec3::Constant(NAN);
-    return s.gradient * ((offset_mm - s.value) / slope2);
+    return s.gradient * (-s.value / slope2);
   }
   // Gauss-Newton with the least step: all separations from the first material vanish together.
   const auto rows = static_cast<Eigen::Index>(std::min<std::size_t>(set.size() - 1, 3));

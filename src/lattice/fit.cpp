@@ -20,7 +20,7 @@ class Fitter {
         boundary_(boundary),
         domain_(domain),
         options_(options),
-        floor_(angle_quality(options.min_dihedral_deg, options.max_dihedral_deg)),
+        floor_(angle_floor(options.min_dihedral_deg, options.max_dihedral_deg)),
         offset_mm_(mesh.positions.size(), 0.0) {}
 
   /// Carries the boundary roughly to its place.
@@ -159,11 +159,13 @@ class Fitter {
     return sum / (end - begin);
   }
 
+  /// The boundary near a place, shifted along its normal by the vertex's offset.
   [[nodiscard]] std::optional<Vec3> on_boundary(std::uint32_t v, const Vec3& near) const {
     const MaterialSet& set = boundary_.sets[v];
-    const double reach = 4 * domain_.voxel_size_mm();
-    if (auto p = domain_.project(near, set, reach, offset_mm_[v])) return p;
-    return std::nullopt;
+    std::optional<Vec3> p = domain_.project(near, set, 4 * domain_.voxel_size_mm());
+    if (!p || offset_mm_[v] == 0) return p;
+    const Vec3 towards_first = domain_.separation(*p, set[0], set[1]).gradient;
+    return Vec3(*p + towards_first * (offset_mm_[v] / towards_first.norm()));
   }
 
   /// Carries a boundary vertex to the boundary, evenly spread, as far as the star allows; others go to the

@@ -218,32 +218,49 @@ class Refiner {
     return ((a ^ b) & kOdd) == 0 && split_.contains(bcc::midpoint(a, b));
   }
 
+  /// A leaf that cannot stay as it is: its third edge must be split, or (no third edge) it becomes red.
+  struct Finding {
+    std::uint32_t leaf = 0;
+    Key third = parallel::KeySet::kEmpty;
+  };
+  std::vector<Finding> find_open_leaves(const std::vector<Corners>& leaves) const {
+    return parallel::collect<Finding>(
+        leaves.size(),
+        [&](std::size_t i, auto& out) {
+          const Corners& t = leaves[i];
+          if (cell_changed_[cell_of(t[0])] == 0) return;
+          const unsigned mask = split_edges(t);
+          if (mask == 0) return;
+          const bcc::Closure closure = bcc::closure_of(mask);
+          const auto leaf = static_cast<std::uint32_t>(i);
+          if (closure == bcc::Closure::kRed || split_twice(t, mask)) {
+            out.push_back({leaf, parallel::KeySet::kEmpty});
+          } else if (closure == bcc::Closure::kSplitThird) {
+            const auto [a, b] = bcc::kEdge[bcc::third_edge(mask)];
+            out.push_back({leaf, bcc::midpoint(t[a], t[b])});
+          }
+        },
+        512);
+  }
+
   /// One sweep of the closure rules from fine to coarse, where something changed; false when nothing changed.
   bool close_once() {
     spread_changes();
     bool changed = false;
     for (int level = frame_.levels - 1; level >= 0; --level) {
-      const std::vector<Corners>& leaves = leaves_[at(level)];
-      const auto thirds = parallel::collect<Key>(leaves.size(), [&](std::size_t i, auto& out) {
-        if (cell_changed_[cell_of(leaves[i][0])] == 0) return;
-        const unsigned mask = split_edges(leaves[i]);
-        if (bcc::closure_of(mask) != bcc::Closure::kSplitThird) return;
-        const auto [a, b] = bcc::kEdge[bcc::third_edge(mask)];
-        out.push_back(bcc::midpoint(leaves[i][a], leaves[i][b]));
-      });
-      split_count_ += thirds.size();
+      const auto findings = find_open_leaves(leaves_[at(level)]);
+      std::vector<std::uint32_t> red;
+      split_count_ += findings.size();
       split_.reserve(split_count_);
-      for (const Key key : thirds) {
-        split_.insert(key);
-        note_change(key);
+      for (const Finding& f : findings) {
+        if (f.third == parallel::KeySet::kEmpty) {
+          red.push_back(f.leaf);
+        } else if (split_.insert(f.third)) {
+          note_change(f.third);
+        }
       }
-      const auto red = pick(leaves, [&](const Corners& t) {
-        if (cell_changed_[cell_of(t[0])] == 0) return false;
-        const unsigned mask = split_edges(t);
-        return bcc::closure_of(mask) == bcc::Closure::kRed || (mask != 0 && split_twice(t, mask));
-      });
       split(level, red);
-      changed |= !thirds.empty() || !red.empty();
+      changed |= !findings.empty();
     }
     return changed;
   }

@@ -100,11 +100,10 @@ class ImageDomain {
   /// Signed function of the boundary between two materials, about the distance in mm near it, > 0 on the side
   /// of `first`, and its gradient (per mm).
   [[nodiscard]] FieldSample separation(const Vec3& point_mm, Material first, Material second) const;
-  /// The place near `start_mm` where all materials of the set meet (a surface for two, a curve for three, a
-  /// point for four), shifted for two materials so that separation(first, second) == offset_mm there. None if
-  /// the descent does not arrive within `reach_mm`.
-  [[nodiscard]] std::optional<Vec3> project(const Vec3& start_mm, const MaterialSet& set, double reach_mm,
-                                            double offset_mm = 0) const;
+  /// The place near `start_mm` where all materials of the set meet: a surface for two, a curve for three, a
+  /// point for four. None if the descent does not arrive within `reach_mm`.
+  [[nodiscard]] std::optional<Vec3> project(const Vec3& start_mm, const MaterialSet& set,
+                                            double reach_mm) const;
 
   /// Whether a cut plane (of the image border or of the options) removes the point.
   [[nodiscard]] bool beyond_cut(const Vec3& point_mm) const {
@@ -127,7 +126,7 @@ class ImageDomain {
   [[nodiscard]] std::array<Index3, 2> object_box() const { return object_box_; }
 
  private:
-  [[nodiscard]] Vec3 newton_step(const Vec3& x, const MaterialSet& set, double offset_mm) const;
+  [[nodiscard]] Vec3 newton_step(const Vec3& x, const MaterialSet& set) const;
   void find_object_box(const LabelImage& image);
   void add_border_cuts(const LabelImage& image);
 
