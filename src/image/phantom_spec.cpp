@@ -1,0 +1,153 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/image/phantom.hpp"
+#include "phantom_kinds.hpp"
+
+namespace lumesh {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::string_view, 5> kKindNames = {"carotid", "bifurcation", "layered", "sphere",
+                                                        "torus"};
+constexpr int kFormatVersion = 1;
+
+[[noreturn]] void refuse(const PhantomSpec& spec, const std::string& what) {
+  throw Error(ErrorKind::kUsage, fmt::format("phantom {}: {}", phantom_kind_name(spec.kind), what));
+}
+
+void check_frame(const PhantomSpec& spec) {
+  if ((spec.size.array() < 8).any() || (spec.size.array() > 2048).any())
+    refuse(spec, fmt::format("size {} x {} x {}: each must be 8 to 2048 voxels", spec.size.x(), spec.size.y(),
+                             spec.size.z()));
+  if (!spec.spacing_mm.allFinite() || (spec.spacing_mm.array() <= 0).any())
+    refuse(spec, "every spacing must be positive and finite");
+  if (!spec.rotation_deg.allFinite() || !spec.origin_mm.allFinite())
+    refuse(spec, "rotation and origin must be finite numbers");
+  if (!(spec.noise_voxels >= 0 && spec.noise_voxels <= 2)) refuse(spec, "noise must be 0 to 2 voxels");
+}
+
+void check_noise(const PhantomSpec& spec) {
+  const double thinnest = spec.kind == PhantomKind::kLayered ? spec.radius_mm
+                          : spec.end_radius_mm > 0           ? spec.end_radius_mm
+                                                             : spec.radius_mm;
+  const double noise_mm = spec.noise_voxels * spec.spacing_mm.maxCoeff();
+  if (noise_mm > 0.4 * thinnest)
+    refuse(spec, fmt::format("noise of {:.3g} mm is more than 0.4 times the smallest radius, {:.3g} mm",
+                             noise_mm, thinnest));
+}
+
+template <class Vector>
+Json to_array(const Vector& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+template <class Vector>
+Vector from_array(const Json& json) {
+  using Scalar = typename Vector::Scalar;
+  if (!json.is_array() || json.size() != 3) throw std::invalid_argument("must be three numbers");
+  return {json[0].get<Scalar>(), json[1].get<Scalar>(), json[2].get<Scalar>()};
+}
+
+void read_field(PhantomSpec& spec, const std::string& key, const Json& value) {
+  if (key == "lumesh_phantom" && value != kFormatVersion)
+    throw std::invalid_argument("is not a known version");
+  if (key == "lumesh_phantom") return;
+  if (key == "kind")
+    spec.kind = phantom_kind_from_name(value.get<std::string>());
+  else if (key == "size")
+    spec.size = from_array<Index3>(value);
+  else if (key == "spacing_mm")
+    spec.spacing_mm = from_array<Vec3>(value);
+  else if (key == "radius_mm")
+    spec.radius_mm = value.get<double>();
+  else if (key == "end_radius_mm")
+    spec.end_radius_mm = value.get<double>();
+  else if (key == "sac_radius_mm")
+    spec.sac_radius_mm = value.get<double>();
+  else if (key == "ring_radius_mm")
+    spec.ring_radius_mm = value.get<double>();
+  else if (key == "wall_mm")
+    spec.wall_mm = value.get<double>();
+  else if (key == "noise_voxels")
+    spec.noise_voxels = value.get<double>();
+  else if (key == "seed")
+    spec.seed = value.get<std::uint32_t>();
+  else if (key == "rotation_deg")
+    spec.rotation_deg = from_array<Vec3>(value);
+  else if (key == "origin_mm")
+    spec.origin_mm = from_array<Vec3>(value);
+  else
+    throw std::invalid_argument("is not a field of a phantom");
+}
+
+}  // namespace
+
+std::string_view phantom_kind_name(PhantomKind kind) {
+  return kKindNames.at(static_cast<std::size_t>(kind));
+}
+
+PhantomKind phantom_kind_from_name(std::string_view name) {
+  for (std::size_t k = 0; k < kKindNames.size(); ++k)
+    if (kKindNames[k] == name) return static_cast<PhantomKind>(k);
+  std::string known;
+  for (const std::string_view kind : kKindNames) known += (known.empty() ? "" : ", ") + std::string(kind);
+  throw Error(ErrorKind::kUsage, "no phantom \"" + std::string(name) + "\"; choose one of " + known);
+}
+
+PhantomSpec resolve(const PhantomSpec& spec) {
+  PhantomSpec full = spec;
+  for (const double length :
+       {spec.radius_mm, spec.end_radius_mm, spec.sac_radius_mm, spec.ring_radius_mm, spec.wall_mm})
+    if (!(length >= 0) || !std::isfinite(length)) refuse(spec, "radii and wall must be positive and finite");
+  const bool has_size = (spec.size.array() != 0).any();
+  const bool has_spacing = !(spec.spacing_mm.array() == 0).all();
+  if (has_size && (spec.size.array() <= 0).any()) refuse(spec, "size must be positive in every direction");
+  if (has_spacing && !(spec.spacing_mm.array() > 0).all())
+    refuse(spec, "every spacing must be positive and finite");
+  image::fill_defaults(full);
+  check_frame(full);
+  image::check_radii(full);
+  check_noise(full);
+  return full;
+}
+
+std::string to_json_text(const PhantomSpec& spec) {
+  const Json json = {{"lumesh_phantom", kFormatVersion},
+                     {"kind", std::string(phantom_kind_name(spec.kind))},
+                     {"size", to_array(spec.size)},
+                     {"spacing_mm", to_array(spec.spacing_mm)},
+                     {"radius_mm", spec.radius_mm},
+                     {"end_radius_mm", spec.end_radius_mm},
+                     {"sac_radius_mm", spec.sac_radius_mm},
+                     {"ring_radius_mm", spec.ring_radius_mm},
+                     {"wall_mm", spec.wall_mm},
+                     {"noise_voxels", spec.noise_voxels},
+                     {"seed", spec.seed},
+                     {"rotation_deg", to_array(spec.rotation_deg)},
+                     {"origin_mm", to_array(spec.origin_mm)}};
+  return json.dump(2) + "\n";
+}
+
+PhantomSpec phantom_spec_from_json(std::string_view text) {
+  const Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("kind"))
+    throw Error(ErrorKind::kBadInput, "phantom parameters: not a JSON object with a \"kind\"");
+  PhantomSpec spec;
+  for (const auto& [key, value] : json.items()) {
+    try {
+      read_field(spec, key, value);
+    } catch (const std::exception& error) {
+      throw Error(ErrorKind::kBadInput, fmt::format("phantom parameters: \"{}\" {}", key, error.what()));
+    }
+  }
+  return spec;
+}
+
+}  // namespace lumesh
