@@ -30,6 +30,10 @@ std::string marked(bool good, const std::string& text) {
   return fmt::format("{}{}", good ? "" : "!", text);
 }
 
+std::string flatness_text(double flatness_mm) {
+  return flatness_mm < 1e-3 ? "0.001 mm" : fmt::format("{:.2g} mm", flatness_mm);
+}
+
 std::string tile(const std::string& value, const std::string& name) {
   return "<div class=\"tile\"><b>" + value + "</b><span>" + name + "</span></div>\n";
 }
@@ -40,10 +44,10 @@ std::string header(const std::string& title, const Evaluation& e) {
                     : fmt::format("<span class=\"badge bad\">invalid: {} problems</span>",
                                   grouped(e.problem_count));
   const Vec3 size = e.statistics.high_mm - e.statistics.low_mm;
-  html +=
-      fmt::format("<p>{:.4g} × {:.4g} × {:.4g} mm, {} of {}, mean edge {:.3g} mm", size.x(), size.y(),
-                  size.z(), e.labels.size() == 1 ? "one label" : std::to_string(e.labels.size()) + " labels",
-                  escaped(e.info.frame) + " coordinates", e.statistics.tetrahedra.mean_edge_mm);
+  html += fmt::format("<p>{:.4g} × {:.4g} × {:.4g} mm, {}, {} coordinates, mean edge {:.3g} mm", size.x(),
+                      size.y(), size.z(),
+                      e.labels.size() == 1 ? "one label" : std::to_string(e.labels.size()) + " labels",
+                      escaped(e.info.frame), e.statistics.tetrahedra.mean_edge_mm);
   if (e.image) {
     const auto& n = e.image->frame.size;
     html += fmt::format("; image of {} × {} × {} voxels of {:.3g} mm", n.x(), n.y(), n.z(),
@@ -222,7 +226,7 @@ std::string boundary_section(const Evaluation& e) {
          opening ? fmt::format("{:.1f}, {:.1f}, {:.1f}", p.centre_mm.x(), p.centre_mm.y(), p.centre_mm.z())
                  : "",
          opening ? fmt::format("{:.2f}, {:.2f}, {:.2f}", p.normal.x(), p.normal.y(), p.normal.z()) : "",
-         opening ? fmt::format("{:.2g} mm", p.flatness_mm) : ""});
+         opening ? flatness_text(p.flatness_mm) : ""});
   }
   std::string note = fmt::format("{}, {}; {} {} of genus {}, {} triangles.", b.closed() ? "Closed" : "Open",
                                  b.manifold() ? "manifold" : "not manifold", b.components.size(),

@@ -46,7 +46,7 @@ std::string histogram_svg(const quality::Histogram& histogram, const HistogramPl
   const std::uint64_t highest =
       std::max<std::uint64_t>(1, *std::max_element(histogram.counts.begin(), histogram.counts.end()));
   const double step = kWidth / static_cast<double>(histogram.counts.size());
-  std::string svg = fmt::format("<svg viewBox=\"-8 0 {:.0f} {:.0f}\" role=\"img\">", kWidth + 16, kHeight);
+  std::string svg = fmt::format("<svg viewBox=\"-16 0 {:.0f} {:.0f}\" role=\"img\">", kWidth + 32, kHeight);
   for (const double share : {0.5, 1.0}) {
     const double y = kBase - share * (kBase - kTop);
     svg += fmt::format(

@@ -21,9 +21,9 @@ std::string encode_png(const Picture& picture) {
   image.width = static_cast<png_uint_32>(picture.width);
   image.height = static_cast<png_uint_32>(picture.height);
   image.format = PNG_FORMAT_RGBA;
-  png_alloc_size_t size = 0;
-  if (!png_image_write_get_memory_size(image, size, 0, picture.rgba.data(), 0, nullptr))
-    throw Error(ErrorKind::kBadInput, std::string("the picture cannot be written as PNG: ") + image.message);
+  image.flags = PNG_IMAGE_FLAG_FAST;  // A third of the time for a tenth more bytes.
+  png_alloc_size_t size =
+      PNG_IMAGE_PNG_SIZE_MAX(image);  // An upper bound, so that the picture is packed only once.
   std::string bytes(size, '\0');
   if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.rgba.data(), 0, nullptr))
     throw Error(ErrorKind::kBadInput, std::string("the picture cannot be written as PNG: ") + image.message);

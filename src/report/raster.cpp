@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kBandRows = 16;            // Output rows drawn by one task.
 constexpr float kOutlinePixels = 0.42F;  // Half the width of an outline.
-constexpr float kOutlineDarkness = 0.62F;
+constexpr float kOutlineDarkness = 0.45F;
 constexpr float kFar = -std::numeric_limits<float>::infinity();
 
 using Float3 = std::array<float, 3>;
@@ -38,8 +38,8 @@ Float3 shade(const ScreenTriangle& triangle) {
   if (inside) n = {-n[0], -n[1], -n[2]};
   static const Float3 kKey = normalised({-0.45F, 0.65F, 0.75F}), kFill = normalised({0.7F, -0.1F, 0.5F}),
                       kHalf = normalised({-0.24F, 0.35F, 0.94F});
-  const float light = 0.34F + 0.62F * std::max(0.0F, dot(n, kKey)) + 0.20F * std::max(0.0F, dot(n, kFill));
-  const float highlight = inside ? 0.0F : 0.22F * std::pow(std::max(0.0F, dot(n, kHalf)), 40.0F);
+  const float light = 0.42F + 0.56F * std::max(0.0F, dot(n, kKey)) + 0.22F * std::max(0.0F, dot(n, kFill));
+  const float highlight = inside ? 0.0F : 0.14F * std::pow(std::max(0.0F, dot(n, kHalf)), 24.0F);
   Float3 result;
   for (int c = 0; c < 3; ++c)
     result[c] = std::clamp((inside ? 0.72F : 1.0F) * light * base[c] + highlight, 0.0F, 1.0F);
@@ -87,7 +87,7 @@ class Band {
     const int begin_y = std::max(0, static_cast<int>(std::floor(low_y)) - first_row_),
               end_y = std::min(rows_ - 1, static_cast<int>(high_y) - first_row_);
     // Weight i is 1 in corner i and 0 on the side opposite; heights turn it into a distance from that side.
-    std::array<float, 3> height, along_x, along_y, start;
+    Float3 height, along_x, along_y, start;
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
       along_x[i] = (y[j] - y[k]) / doubled_area;
@@ -96,11 +96,20 @@ class Band {
       height[i] = std::abs(doubled_area) / std::hypot(x[k] - x[j], y[k] - y[j]);
     }
     const float strength = outline_strength(height);
-    for (int row = begin_y; row <= end_y; ++row)
-      for (int column = begin_x; column <= end_x; ++column) {
-        const float px = static_cast<float>(column) + 0.5F, py = static_cast<float>(row + first_row_) + 0.5F;
-        Float3 weights;
-        for (int i = 0; i < 3; ++i) weights[i] = start[i] + along_x[i] * px + along_y[i] * py;
+    for (int row = begin_y; row <= end_y; ++row) {
+      const float py = static_cast<float>(row + first_row_) + 0.5F;
+      auto first = static_cast<float>(begin_x), last = static_cast<float>(end_x);
+      Float3 offset;  // Weights at px = 0; those are >= 0 between two columns.
+      for (int i = 0; i < 3; ++i) {
+        offset[i] = start[i] + along_y[i] * py;
+        const float zero = -offset[i] / along_x[i] - 0.5F;
+        if (along_x[i] > 0) first = std::max(first, zero - 1);
+        if (along_x[i] < 0) last = std::min(last, zero + 1);
+      }
+      for (int column = static_cast<int>(first); column <= static_cast<int>(last); ++column) {
+        const float px = static_cast<float>(column) + 0.5F;
+        const Float3 weights = {offset[0] + along_x[0] * px, offset[1] + along_x[1] * px,
+                                offset[2] + along_x[2] * px};
         if (weights[0] < 0 || weights[1] < 0 || weights[2] < 0) continue;
         const float depth =
             weights[0] * t.corners[0][2] + weights[1] * t.corners[1][2] + weights[2] * t.corners[2][2];
@@ -109,6 +118,7 @@ class Band {
         if (!(depth > sample.depth)) continue;
         sample = {depth, index, on_outline(t, weights, height) ? strength : 0};
       }
+    }
   }
 
   /// Averages the samples of one pixel.
@@ -163,7 +173,7 @@ class Band {
 /// Share of the light that reaches a pixel past its surroundings on the screen.
 /// Source: McGuire et al. 2011, "The Alchemy screen-space ambient obscurance algorithm", HPG.
 float openness(const std::vector<Pixel>& pixels, int width, int height, int x, int y) {
-  constexpr int kSamples = 28;
+  constexpr int kSamples = 16;
   const float reach = static_cast<float>(width) / 28;
   const Pixel& here =
       pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
@@ -187,37 +197,45 @@ float openness(const std::vector<Pixel>& pixels, int width, int height, int x, i
   return std::max(0.0F, 1 - 0.55F * reach * blocked / kSamples);
 }
 
+/// Averages seven pixels along a row (step 1) or a column (step width) that lie at about the same depth.
+std::vector<float> blur(const std::vector<Pixel>& pixels, const std::vector<float>& values,
+                        std::size_t step) {
+  constexpr std::size_t kReach = 3;
+  constexpr float kSameDepth = 12;  // Pixels.
+  std::vector<float> smooth(values.size(), 1);
+  parallel::for_each_index(
+      values.size(),
+      [&](std::size_t i) {
+        const Pixel& here = pixels[i];
+        if (here.alpha == 0) return;
+        float sum = values[i], weight = 1;
+        for (std::size_t k = 1; k <= kReach; ++k)
+          for (const std::size_t j : {i - k * step, i + k * step}) {  // Below 0 wraps around beyond the end.
+            if (j >= values.size() || pixels[j].alpha == 0 ||
+                std::abs(pixels[j].depth - here.depth) > kSameDepth)
+              continue;
+            sum += values[j];
+            weight += 1;
+          }
+        smooth[i] = sum / weight;
+      },
+      8192);
+  return smooth;
+}
+
 std::vector<float> ambient(const std::vector<Pixel>& pixels, int width, int height) {
   const auto columns = static_cast<std::size_t>(width);
-  std::vector<float> raw(pixels.size(), 1), smooth(pixels.size(), 1);
+  std::vector<float> light(pixels.size(), 1);
   parallel::for_each_index(
       static_cast<std::size_t>(height),
       [&](std::size_t y) {
         for (std::size_t x = 0; x < columns; ++x)
           if (pixels[y * columns + x].alpha > 0)
-            raw[y * columns + x] = openness(pixels, width, height, static_cast<int>(x), static_cast<int>(y));
+            light[y * columns + x] =
+                openness(pixels, width, height, static_cast<int>(x), static_cast<int>(y));
       },
       8);
-  parallel::for_each_index(
-      static_cast<std::size_t>(height),
-      [&](std::size_t y) {
-        for (std::size_t x = 0; x < columns; ++x) {
-          const Pixel& here = pixels[y * columns + x];
-          if (here.alpha == 0) continue;
-          float sum = 0, weight = 0;
-          for (std::size_t v = y < 3 ? 0 : y - 3; v <= std::min(y + 3, static_cast<std::size_t>(height) - 1);
-               ++v)
-            for (std::size_t u = x < 3 ? 0 : x - 3; u <= std::min(x + 3, columns - 1); ++u) {
-              const Pixel& there = pixels[v * columns + u];
-              if (there.alpha == 0 || std::abs(there.depth - here.depth) > 12) continue;
-              sum += raw[v * columns + u];
-              weight += 1;
-            }
-          smooth[y * columns + x] = sum / weight;
-        }
-      },
-      8);
-  return smooth;
+  return blur(pixels, blur(pixels, light, 1), columns);
 }
 
 std::uint8_t to_byte(float value) {

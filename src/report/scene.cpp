@@ -209,7 +209,8 @@ CutPicture draw_cut(const MeshView& mesh, const MeshSurface& surface, CutDirecti
   frame_points(camera, kept.empty() ? points : kept, options.width);
 
   CutPicture result;
-  result.point_mm = plane.point_mm;
+  const Vec3 middle = camera.centre_mm;
+  result.point_mm = middle - plane.normal.dot(middle - plane.point_mm) * plane.normal;
   result.normal = plane.normal;
   const Palette palette(mesh, surface);
   std::vector<ScreenTriangle> triangles;

@@ -66,7 +66,8 @@ std::string boundary_text(const Evaluation& e) {
   for (std::size_t i = 0; i < std::min(kMostLabels, e.patches.size()); ++i) {
     const PatchSummary& p = e.patches[i];
     text += fmt::format("  {:<12} {:>8} faces {:>10.4g} mm²", p.name, grouped(p.faces), p.area_mm2);
-    if (p.kind == PatchKind::kOpening) text += fmt::format("   flat within {:.2g} mm", p.flatness_mm);
+    if (p.kind == PatchKind::kOpening)
+      text += fmt::format("   flat within {:.2g} mm", std::max(p.flatness_mm, 1e-3));
     text += "\n";
   }
   if (e.patches.size() > kMostLabels)

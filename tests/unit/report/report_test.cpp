@@ -1,0 +1,202 @@
+#include <gtest/gtest.h>
+#include <png.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "fixtures/meshes.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/report/html.hpp"
+#include "lumesh/report/picture.hpp"
+#include "lumesh/report/summary.hpp"
+
+namespace lumesh::report {
+namespace {
+
+/// The cube [0, 4]^3 in voxels of its own: labels 1 and 2 meet at x = 2; the image says so, too.
+struct TwoLabelCase {
+  MixedMesh mesh;
+  LabelImage image;
+
+  TwoLabelCase() {
+    const fixtures::TetSoup soup = fixtures::two_label_block(4);
+    mesh.points = soup.points;
+    mesh.tetrahedra = soup.tets;
+    mesh.tetrahedron_labels = soup.labels;
+    mesh.info.provenance["command"] = "lattice <a & b>";
+    ImageFrame frame;
+    frame.size = Index3::Constant(6);
+    frame.origin_mm = Vec3::Constant(-0.5);
+    image = LabelImage(frame, {0, 1, 2});
+    for (int k = 1; k <= 4; ++k)
+      for (int j = 1; j <= 4; ++j)
+        for (int i = 1; i <= 4; ++i) image.at({i, j, k}) = i <= 2 ? 1 : 2;
+  }
+  [[nodiscard]] quality::Evaluation evaluate() const {
+    Context context;
+    quality::EvaluationInput input;
+    input.image = &image;
+    return quality::evaluate(mesh.view(), input, context);
+  }
+};
+
+Picture decode(const std::string& bytes) {
+  png_image image = {};
+  image.version = PNG_IMAGE_VERSION;
+  EXPECT_TRUE(png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()));
+  image.format = PNG_FORMAT_RGBA;
+  Picture picture{static_cast<int>(image.width), static_cast<int>(image.height), {}};
+  picture.rgba.resize(PNG_IMAGE_SIZE(image));
+  EXPECT_TRUE(png_image_finish_read(&image, nullptr, picture.rgba.data(), 0, nullptr));
+  return picture;
+}
+
+/// Share of the pixels that are not transparent.
+double covered(const Picture& picture) {
+  std::size_t count = 0;
+  for (std::size_t i = 3; i < picture.rgba.size(); i += 4) count += picture.rgba[i] > 127;
+  return static_cast<double>(count) / (static_cast<double>(picture.width) * picture.height);
+}
+
+TEST(EvaluationJson, HasTheDocumentedFieldsWithTheRightNumbers) {
+  const auto json = nlohmann::json::parse(evaluation_json(TwoLabelCase().evaluate()));
+  EXPECT_EQ(json.at("valid"), true);
+  EXPECT_EQ(json.at("vertices"), 125);
+  EXPECT_EQ(json.at("tetrahedra"), 384);
+  EXPECT_NEAR(json.at("dihedral_deg").at("min").get<double>(), 45, 1e-9);  // Kuhn's tetrahedra
+  EXPECT_NEAR(json.at("dihedral_deg").at("max").get<double>(), 90, 1e-9);
+  EXPECT_EQ(json.at("dihedral_deg").at("histogram").at("counts").size(), 180u);
+  EXPECT_GT(json.at("mean_ratio").at("min").get<double>(), 0.5);
+  // All of Kuhn's tetrahedra are alike: edge sqrt(3), inradius 1 / (2 (1 + sqrt(2))).
+  const double aspect = std::sqrt(3.0) * (1 + std::sqrt(2.0)) / std::sqrt(6.0);
+  EXPECT_NEAR(json.at("aspect").at("max").get<double>(), aspect, 1e-9);
+  EXPECT_NEAR(json.at("aspect").at("mean").get<double>(), aspect, 1e-9);
+  ASSERT_EQ(json.at("labels").size(), 2u);
+  EXPECT_EQ(json["labels"][1].at("label"), 2);
+  EXPECT_NEAR(json["labels"][1].at("volume_mm3").get<double>(), 32, 1e-12);
+  EXPECT_NEAR(json["labels"][1].at("voxel_volume_mm3").get<double>(), 32, 1e-12);
+  EXPECT_EQ(json["labels"][1].at("components"), 1);
+  EXPECT_EQ(json["labels"][1].at("euler"), 1);
+  EXPECT_NEAR(json["labels"][1].at("hausdorff_mm").at("mesh_to_image").at("max").get<double>(), 0, 1e-12);
+  for (const char* key : {"mesh_to_image", "image_to_mesh"})
+    for (const char* figure : {"max", "mean", "p95"})
+      EXPECT_NEAR(json.at("hausdorff_mm").at(key).at(figure).get<double>(), 0, 1e-12);
+  EXPECT_NEAR(json["hausdorff_mm"].at("vertex_to_voxel_two_sided").get<double>(), std::sqrt(0.75), 1e-12);
+  EXPECT_EQ(json.at("boundary").at("closed"), true);
+  EXPECT_EQ(json["boundary"].at("manifold"), true);
+  EXPECT_EQ(json["boundary"].at("components"), 1);
+  EXPECT_EQ(json["boundary"].at("genus"), 0);
+  EXPECT_EQ(json["boundary"].at("patches").size(), 1u);
+  EXPECT_EQ(json.at("interface_triangles"), 32);
+}
+
+TEST(EvaluationJson, FlatElementsGiveNullInsteadOfInfinity) {
+  TwoLabelCase example;
+  example.mesh.tetrahedra.push_back({0, 1, 5, 6});  // four corners of a square
+  example.mesh.tetrahedron_labels.push_back(1);
+  const auto json = nlohmann::json::parse(evaluation_json(example.evaluate()));
+  EXPECT_EQ(json.at("valid"), false);
+  EXPECT_TRUE(json.at("aspect").at("max").is_null());
+  EXPECT_GE(json.at("problem_count").get<int>(), 1);
+}
+
+TEST(Summary, NamesWhatMatters) {
+  const std::string text = summary_text(TwoLabelCase().evaluate());
+  for (const char* words : {"valid", "384 tetrahedra", "125 vertices", "45.00°", "90.00°",
+                            "closed, manifold, 1 component", "mesh to image", "image to mesh"})
+    EXPECT_NE(text.find(words), std::string::npos) << words << " is missing in\n" << text;
+}
+
+TEST(Picture, CubeCoversTheAreaOfItsProjection) {
+  const TwoLabelCase example;
+  const SurfacePicture drawn =
+      draw_surface(example.mesh.view(), quality::extract_surface(example.mesh.view()), {.width = 300});
+  EXPECT_EQ(drawn.picture.width, 300);
+  ASSERT_EQ(drawn.legend.size(), 2u);
+  // The outline of a cube in a tight frame: a rectangle covers 0.92^2 of the picture, a hexagon three
+  // quarters of that.
+  EXPECT_GT(covered(drawn.picture), 0.5);
+  EXPECT_LT(covered(drawn.picture), 0.85);
+  EXPECT_EQ(drawn.picture.rgba[3], 0);  // corners are empty
+}
+
+TEST(Picture, CutOfACubeShowsItsSection) {
+  const TwoLabelCase example;
+  const CutPicture cut = draw_cut(example.mesh.view(), quality::extract_surface(example.mesh.view()),
+                                  CutDirection::kFront, {.width = 200});
+  EXPECT_GT(cut.cells, 40u);
+  EXPECT_LT(cut.cells, example.mesh.tetrahedra.size());
+  EXPECT_NEAR(cut.normal.norm(), 1, 1e-12);
+  EXPECT_GT(covered(cut.picture), 0.3);
+}
+
+TEST(Picture, SamePixelsForEveryThreadCount) {
+  const TwoLabelCase example;
+  const auto draw = [&](int threads) {
+    const parallel::ThreadLimit limit(threads);
+    return draw_cut(example.mesh.view(), quality::extract_surface(example.mesh.view()), CutDirection::kSide,
+                    {.width = 160})
+        .picture.rgba;
+  };
+  EXPECT_EQ(draw(1), draw(4));
+}
+
+TEST(Picture, PngKeepsEveryPixel) {
+  Picture picture{5, 3, {}};
+  for (int i = 0; i < 60; ++i) picture.rgba.push_back(static_cast<std::uint8_t>(i * 4));
+  const Picture back = decode(encode_png(picture));
+  EXPECT_EQ(back.width, 5);
+  EXPECT_EQ(back.height, 3);
+  EXPECT_EQ(back.rgba, picture.rgba);
+}
+
+TEST(Picture, QualityColoursRunFromDarkToLight) {
+  const auto brightness = [](Colour c) { return c.red + c.green + c.blue; };
+  EXPECT_EQ(quality_colour(-1).css(), "#440154");
+  EXPECT_EQ(quality_colour(1).css(), "#fde725");
+  for (double q = 0.25; q < 1; q += 0.05)
+    EXPECT_GE(brightness(quality_colour(q + 0.05)) + 8, brightness(quality_colour(q)));
+}
+
+TEST(Html, IsSelfContainedAndEscapesWhatItIsGiven) {
+  const TwoLabelCase example;
+  const std::string html =
+      report_html("<case & 1>", example.evaluate(), draw_report_pictures(example.mesh.view()));
+  EXPECT_EQ(html.rfind("<!doctype html>", 0), 0u);
+  EXPECT_NE(html.find("&lt;case &amp; 1&gt;"), std::string::npos);
+  EXPECT_NE(html.find("lattice &lt;a &amp; b&gt;"), std::string::npos);
+  for (const char* outside : {"http:", "https:", "<script", "url(", "@import"})
+    EXPECT_EQ(html.find(outside), std::string::npos) << outside;
+  std::size_t pictures = 0;
+  for (std::size_t at = html.find("src=\"data:image/png;base64,iVBOR"); at != std::string::npos;
+       at = html.find("src=\"data:image/png;base64,iVBOR", at + 1))
+    ++pictures;
+  EXPECT_EQ(pictures, 3u);
+}
+
+TEST(WriteFile, ReplacesTheTargetAndLeavesNothingBehindOnFailure) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("lumesh_report_test_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  write_file(folder / "a.txt", "one");
+  write_file(folder / "a.txt", "two");
+  std::ifstream in(folder / "a.txt");
+  std::stringstream text;
+  text << in.rdbuf();
+  EXPECT_EQ(text.str(), "two");
+  std::filesystem::create_directories(folder / "occupied" / "inside");
+  EXPECT_THROW(write_file(folder / "occupied", "x"), Error);
+  EXPECT_THROW(write_file(folder / "missing" / "b.txt", "x"), Error);
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder)) ++files;
+  EXPECT_EQ(files, 2u);  // a.txt and the folder
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace lumesh::report
