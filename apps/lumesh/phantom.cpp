@@ -1,9 +1,129 @@
+#include "lumesh/image/phantom.hpp"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+
 #include "commands.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/version.hpp"
+#include "lumesh/image/topology.hpp"
+#include "lumesh/io/image_file.hpp"
+#include "lumesh/io/polylines_file.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "phantom_files.hpp"
 
 namespace lumesh::cli {
 
+namespace {
+
+struct PhantomCommand {
+  std::string kind;
+  std::string image_path;
+  std::vector<int> size;
+  std::vector<double> spacing_mm;
+  std::vector<double> rotation_deg;
+  std::vector<double> origin_mm;
+  PhantomSpec spec;
+  std::string parameters_path;
+  std::string centerline_path;
+  std::string velocity_path;
+  int threads = 0;
+};
+
+PhantomSpec make_spec(const PhantomCommand& command) {
+  PhantomSpec spec = command.spec;
+  spec.kind = phantom_kind_from_name(command.kind);
+  if (!command.size.empty()) spec.size = Index3(command.size.data()).cwiseMax(-1);
+  const std::vector<double>& spacing = command.spacing_mm;
+  if (spacing.size() == 2)
+    throw Error(ErrorKind::kUsage, "--spacing: give one value, or one for each of x, y, z");
+  for (const double value : spacing)
+    if (!(value > 0)) throw Error(ErrorKind::kUsage, fmt::format("--spacing: {} is not positive", value));
+  if (spacing.size() == 1) spec.spacing_mm.setConstant(spacing[0]);
+  if (spacing.size() == 3) spec.spacing_mm = Vec3(spacing.data());
+  if (!command.rotation_deg.empty()) spec.rotation_deg = Vec3(command.rotation_deg.data());
+  if (!command.origin_mm.empty()) spec.origin_mm = Vec3(command.origin_mm.data());
+  return spec;
+}
+
+/// "case1.nrrd" -> "case1.phantom.json"; a double extension such as .nii.gz goes as a whole.
+std::filesystem::path parameters_beside(std::filesystem::path image) {
+  if (image.extension() == ".gz") image.replace_extension();
+  return image.replace_extension(".phantom.json");
+}
+
+void write_lines(const std::string& path, const Polylines& lines, const PhantomCommand& command) {
+  if (path.empty()) return;
+  if (lines.lines.empty())
+    throw Error(ErrorKind::kUsage, fmt::format("a {} has no such lines; leave out {}", command.kind, path));
+  MeshInfo info;
+  info.provenance = {
+      {"program", std::string("lumesh ") + kVersion}, {"command", "phantom"}, {"kind", command.kind}};
+  write_polylines(path, lines, info);
+  fmt::print("{}: {} lines, {} points\n", path, lines.lines.size(), lines.points.size());
+}
+
+void run(const PhantomCommand& command) {
+  const parallel::ThreadLimit limit(command.threads);
+  const Phantom phantom(make_spec(command));
+  const LabelImage image = phantom.rasterise();
+  write_image(command.image_path, image);
+  const Index3& size = phantom.spec().size;
+  const Vec3& spacing = phantom.spec().spacing_mm;
+  fmt::print("{}: {} x {} x {} voxels of {:g} x {:g} x {:g} mm\n", command.image_path, size.x(), size.y(),
+             size.z(), spacing.x(), spacing.y(), spacing.z());
+  for (const LabelTopology& label : label_topology(image))
+    fmt::print("  label {}: {} voxels, {:.6g} mm3 (truth {:.6g}), components {}, Euler number {}\n",
+               label.label, label.voxel_count, label.volume_mm3, phantom.volume_mm3(label.label),
+               label.component_count, label.euler_number);
+  const std::filesystem::path parameters =
+      command.parameters_path.empty() ? parameters_beside(command.image_path) : command.parameters_path;
+  write_parameters(parameters, phantom.spec());
+  fmt::print("{}: parameters, for lumesh evaluate --reference\n", parameters.string());
+  write_lines(command.centerline_path, centerline_of(phantom), command);
+  write_lines(command.velocity_path, velocity_of(phantom), command);
+}
+
+}  // namespace
+
 void add_phantom_command(CLI::App& program) {
-  program.add_subcommand("phantom", "(being built)");
+  const auto command = std::make_shared<PhantomCommand>();
+  CLI::App* sub = program.add_subcommand("phantom", "Make a synthetic image of which the truth is known");
+  PhantomSpec& spec = command->spec;
+  sub->add_option("kind", command->kind, "carotid, bifurcation, layered, sphere or torus")->required();
+  sub->add_option("-o,--output", command->image_path, "Image to write (.nrrd, .nii, .nii.gz)")->required();
+  sub->add_option("--size", command->size, "Voxels along x, y, z; default by kind (carotid 512 512 508)")
+      ->expected(3);
+  sub->add_option("--spacing", command->spacing_mm,
+                  "Voxel edge in mm, one value or three; default 1, bifurcation 0.15")
+      ->expected(1, 3);
+  sub->add_option(
+      "--radius", spec.radius_mm,
+      "Inlet, ball or tube radius in mm; default 14, bifurcation 9, layered and sphere 20, torus 11 "
+      "voxels of the default image, scaled with the image's extent");
+  sub->add_option("--end-radius", spec.end_radius_mm,
+                  "Smallest outlet in mm; default 0.29 (bifurcation 0.67) radii");
+  sub->add_option("--sac-radius", spec.sac_radius_mm,
+                  "Sac or dome in mm; default 35 (bifurcation 16) such voxels");
+  sub->add_option("--ring-radius", spec.ring_radius_mm,
+                  "Core circle of the torus in mm; default 28 such voxels");
+  sub->add_option("--wall", spec.wall_mm, "Wall of layered in mm; default 2 voxels");
+  sub->add_option("--noise", spec.noise_voxels, "Largest shift of the boundary in voxels, 0 to 2; default 0");
+  sub->add_option("--seed", spec.seed, "Of the noise; default 1");
+  sub->add_option("--rotate", command->rotation_deg, "Turn the frame about x, y, z in degrees; default 0 0 0")
+      ->expected(3);
+  sub->add_option("--origin", command->origin_mm, "Centre of the first voxel in mm; default 0 0 0")
+      ->expected(3);
+  sub->add_option("--parameters", command->parameters_path, "Parameters; default IMAGE.phantom.json");
+  sub->add_option("--centerline", command->centerline_path,
+                  "Also write the centerline with its radius (.vtp)");
+  sub->add_option("--velocity", command->velocity_path, "Also write streamlines with velocity in m/s (.vtp)");
+  sub->add_option("--threads", command->threads, "Threads; 0 = all cores")->capture_default_str();
+  sub->footer(
+      "Example: lumesh phantom carotid -o case1.nrrd --centerline centerline.vtp --velocity flow.vtp");
+  sub->callback([command] { run(*command); });
 }
 
 }  // namespace lumesh::cli

@@ -118,8 +118,9 @@ double negative_length(const Function& f, double begin, double end, double lipsc
 }
 
 double line_volume(const Phantom::Impl& impl, const Material& material, const Brick& brick) {
-  constexpr std::size_t kManyVoxels = std::size_t{1} << 24;
-  const int lines_per_voxel = impl.frame.voxel_count() < kManyVoxels ? 2 : 1;  // errors of many lines cancel
+  // The larger the image, the more the errors of its lines cancel.
+  const std::size_t voxels = impl.frame.voxel_count();
+  const int lines_per_voxel = voxels < (std::size_t{1} << 20) ? 4 : voxels < (std::size_t{1} << 24) ? 2 : 1;
   const Vec3& spacing = impl.frame.spacing_mm;
   const Vec3 low = (brick.low.cast<double>() - Vec3::Constant(0.5)).cwiseProduct(spacing);
   const Vec3 high = (brick.high.cast<double>() - Vec3::Constant(0.5)).cwiseProduct(spacing);

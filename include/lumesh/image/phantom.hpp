@@ -101,7 +101,7 @@ class Phantom {
   /// Exact where the shape meets the border at right angles, as all phantoms do; otherwise a lower bound.
   [[nodiscard]] double surface_distance_mm(const Vec3& point_mm, Label label) const;
   /// Volume of the label inside the image's outer voxel faces: a closed formula where there is one, else line
-  /// integrals through the exact surface (relative error < 1e-4 for default sizes).
+  /// integrals through the exact surface (relative error about 1e-4 for default sizes).
   [[nodiscard]] double volume_mm3(Label label) const;
   [[nodiscard]] PhantomTruth truth(Label label) const;
 
