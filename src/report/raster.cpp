@@ -170,31 +170,45 @@ class Band {
   std::vector<Sample> samples_;
 };
 
+constexpr int kAmbientSamples = 16;
+constexpr int kAmbientPatterns =
+    16;  // Differ from pixel to pixel: banding becomes fine noise, and the blur removes it.
+using AmbientPatterns = std::array<std::array<std::array<int, 2>, kAmbientSamples>, kAmbientPatterns>;
+
+/// Places around a pixel: spirals of the golden angle.
+AmbientPatterns ambient_patterns(float reach) {
+  constexpr float kGoldenAngle = 2.399963F;
+  AmbientPatterns patterns;
+  for (int pattern = 0; pattern < kAmbientPatterns; ++pattern)
+    for (int i = 0; i < kAmbientSamples; ++i) {
+      const float radius = reach * std::sqrt((static_cast<float>(i) + 0.5F) / kAmbientSamples);
+      const float angle = kGoldenAngle * static_cast<float>(i + pattern);
+      patterns[pattern][i] = {static_cast<int>(std::lround(radius * std::cos(angle))),
+                              static_cast<int>(std::lround(radius * std::sin(angle)))};
+    }
+  return patterns;
+}
+
 /// Share of the light that reaches a pixel past its surroundings on the screen.
 /// Source: McGuire et al. 2011, "The Alchemy screen-space ambient obscurance algorithm", HPG.
-float openness(const std::vector<Pixel>& pixels, int width, int height, int x, int y) {
-  constexpr int kSamples = 16;
-  const float reach = static_cast<float>(width) / 28;
-  const Pixel& here =
-      pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
-  // A rotation that differs from pixel to pixel turns banding into fine noise; the blur below removes it.
-  const float turn = 2.399963F * static_cast<float>((x * 7 + y * 3) % 16);
+float openness(const std::vector<Pixel>& pixels, int width, int height, const AmbientPatterns& patterns,
+               float reach, int x, int y) {
+  const auto at = [&](int u, int v) -> const Pixel& {
+    return pixels[static_cast<std::size_t>(v) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(u)];
+  };
+  const Pixel& here = at(x, y);
   float blocked = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const float radius = reach * std::sqrt((static_cast<float>(i) + 0.5F) / kSamples);
-    const float angle = 2.399963F * static_cast<float>(i) + turn;
-    const int dx = static_cast<int>(std::lround(radius * std::cos(angle))),
-              dy = static_cast<int>(std::lround(radius * std::sin(angle)));
+  for (const auto& [dx, dy] : patterns[(x * 7 + y * 3) % kAmbientPatterns]) {
     const int u = x + dx, v = y + dy;
     if (u < 0 || v < 0 || u >= width || v >= height) continue;
-    const Pixel& there =
-        pixels[static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u)];
+    const Pixel& there = at(u, v);
     if (there.alpha == 0) continue;
     const Float3 way = {static_cast<float>(dx), static_cast<float>(-dy), there.depth - here.depth};
     const float squared = dot(way, way);
     blocked += std::max(0.0F, dot(way, here.normal) - 0.06F * std::sqrt(squared) - 0.5F) / (squared + 4);
   }
-  return std::max(0.0F, 1 - 0.55F * reach * blocked / kSamples);
+  return std::max(0.0F, 1 - 0.55F * reach * blocked / kAmbientSamples);
 }
 
 /// Averages seven pixels along a row (step 1) or a column (step width) that lie at about the same depth.
@@ -226,13 +240,15 @@ std::vector<float> blur(const std::vector<Pixel>& pixels, const std::vector<floa
 std::vector<float> ambient(const std::vector<Pixel>& pixels, int width, int height) {
   const auto columns = static_cast<std::size_t>(width);
   std::vector<float> light(pixels.size(), 1);
+  const float reach = static_cast<float>(width) / 28;
+  const AmbientPatterns patterns = ambient_patterns(reach);
   parallel::for_each_index(
       static_cast<std::size_t>(height),
       [&](std::size_t y) {
         for (std::size_t x = 0; x < columns; ++x)
           if (pixels[y * columns + x].alpha > 0)
             light[y * columns + x] =
-                openness(pixels, width, height, static_cast<int>(x), static_cast<int>(y));
+                openness(pixels, width, height, patterns, reach, static_cast<int>(x), static_cast<int>(y));
       },
       8);
   return blur(pixels, blur(pixels, light, 1), columns);
