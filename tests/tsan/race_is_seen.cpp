@@ -1,4 +1,5 @@
-/// @file A race between two bodies of one loop, on purpose: shows that the ThreadSanitizer build would see ours.
+/// @file A race between two bodies of one loop, on purpose: shows that the ThreadSanitizer build would see
+/// ours.
 
 #include <cstdio>
 

@@ -1,10 +1,11 @@
 #pragma once
 /// @file A stand-in for the part of oneTBB that lumesh uses, for ThreadSanitizer builds only.
 ///
-/// Debian's oneTBB is not built with ThreadSanitizer, which then sees none of its synchronisation and reports every
-/// loop as a race; suppressing those reports would hide ours too. Here each loop is plain std::thread fork and join,
-/// which ThreadSanitizer understands to the last edge, so no suppression is needed. Pieces are handed out by a
-/// relaxed counter: it orders nothing between the bodies, so that no race between them stays hidden.
+/// Debian's oneTBB is not built with ThreadSanitizer, which then sees none of its synchronisation and reports
+/// every loop as a race; suppressing those reports would hide ours too. Here each loop is plain std::thread
+/// fork and join, which ThreadSanitizer understands to the last edge, so no suppression is needed. Pieces are
+/// handed out by a relaxed counter: it orders nothing between the bodies, so that no race between them stays
+/// hidden.
 
 #include <algorithm>
 #include <atomic>
@@ -41,9 +42,9 @@ class blocked_range {
 
 namespace stand_in {
 
-inline constexpr std::size_t kThreads = 4;        ///< More than the cores of a small machine: more interleavings.
+inline constexpr std::size_t kThreads = 4;  ///< More than the cores of a small machine: more interleavings.
 inline constexpr std::size_t kPiecesPerThread = 4;
-inline thread_local bool inside_loop = false;     ///< Loops inside of loops run on their own thread.
+inline thread_local bool inside_loop = false;  ///< Loops inside of loops run on their own thread.
 
 /// Calls run(piece) for every piece in [0, count) on several threads and hands the first exception on.
 template <class Run>
@@ -116,7 +117,8 @@ Result parallel_scan(const blocked_range<Value>& range, const Result& identity, 
                      const Combine& combine) {
   const auto pieces = stand_in::pieces_of(range);
   std::vector<Result> sums(pieces.size() + 1, identity);
-  stand_in::fork_and_join(pieces.size(), [&](std::size_t p) { sums[p + 1] = body(pieces[p], identity, false); });
+  stand_in::fork_and_join(pieces.size(),
+                          [&](std::size_t p) { sums[p + 1] = body(pieces[p], identity, false); });
   for (std::size_t p = 0; p < pieces.size(); ++p) sums[p + 1] = combine(sums[p], sums[p + 1]);
   stand_in::fork_and_join(pieces.size(), [&](std::size_t p) { body(pieces[p], sums[p], true); });
   return sums.back();
@@ -140,11 +142,15 @@ void parallel_invoke(const Functions&... functions) {
 }
 
 namespace info {
-inline int default_concurrency() { return static_cast<int>(stand_in::kThreads); }
+inline int default_concurrency() {
+  return static_cast<int>(stand_in::kThreads);
+}
 }  // namespace info
 
 namespace this_task_arena {
-inline int max_concurrency() { return static_cast<int>(stand_in::kThreads); }
+inline int max_concurrency() {
+  return static_cast<int>(stand_in::kThreads);
+}
 }  // namespace this_task_arena
 
 /// Accepted and ignored: under ThreadSanitizer every loop runs on several threads.
