@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 #include <png.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -177,6 +179,28 @@ TEST(Html, IsSelfContainedAndEscapesWhatItIsGiven) {
        at = html.find("src=\"data:image/png;base64,iVBOR", at + 1))
     ++pictures;
   EXPECT_EQ(pictures, 3u);
+}
+
+TEST(Html, OpensInAHeadlessBrowserWithEveryPictureDecoded) {
+  const std::filesystem::path script =
+      std::filesystem::path(__FILE__).parent_path() / "../../../scripts/check_report.sh";
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("lumesh_browser_test_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  const TwoLabelCase example;
+  write_file(folder / "report.html",
+             report_html("case", example.evaluate(), draw_report_pictures(example.mesh.view())));
+  const int status = std::system(("'" + script.string() + "' '" + (folder / "report.html").string() + "' '" +
+                                  (folder / "shot.png").string() + "'")
+                                     .c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  constexpr int kNoBrowser = 77;
+  if (WEXITSTATUS(status) != kNoBrowser) {
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+    EXPECT_TRUE(std::filesystem::exists(folder / "shot.png"));
+  }
+  std::filesystem::remove_all(folder);
+  if (WEXITSTATUS(status) == kNoBrowser) GTEST_SKIP() << "chromium is not installed";
 }
 
 TEST(WriteFile, ReplacesTheTargetAndLeavesNothingBehindOnFailure) {
