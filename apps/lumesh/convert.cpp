@@ -1,9 +1,57 @@
+#include <fmt/core.h>
+
+#include <memory>
+
 #include "commands.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
 
 namespace lumesh::cli {
 
+namespace {
+
+struct ConvertCommand {
+  std::string from, to, surface, compat, msh_version = "4.1";
+};
+
+MeshWriteOptions write_options(const ConvertCommand& command) {
+  MeshWriteOptions options;
+  if (command.compat == "gmsh") options.compat = LabelAlias::kGmsh;
+  if (command.compat == "medit") options.compat = LabelAlias::kMedit;
+  if (command.compat == "simvascular") options.compat = LabelAlias::kSimVascular;
+  options.msh_version = command.msh_version == "2.2" ? MshVersion::k22 : MshVersion::k41;
+  return options;
+}
+
+void run(const ConvertCommand& command) {
+  MixedMesh mesh = read_mesh(command.from);
+  if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
+  if (const std::size_t inverted = count_inverted_cells(mesh.view()); inverted > 0)
+    fmt::print(stderr, "lumesh: warning: {}: {} cells have no positive volume; they are kept as they are\n",
+               command.from, inverted);
+  const MeshWriteOptions options = write_options(command);
+  write_mesh(command.to, mesh.view(), options);
+  if (!command.surface.empty()) write_surface(command.surface, mesh.view(), options);
+  fmt::print("{}: {} cells, {} points, {} boundary faces, {} patches\n", command.to, mesh.view().cell_count(),
+             mesh.points.size(), mesh.triangles.size() + mesh.quadrilaterals.size(), mesh.info.patches.size());
+}
+
+}  // namespace
+
 void add_convert_command(CLI::App& program) {
-  program.add_subcommand("convert", "(being built)");
+  const auto command = std::make_shared<ConvertCommand>();
+  CLI::App* sub = program.add_subcommand("convert", "Convert a mesh between file formats");
+  sub->add_option("from", command->from, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh, .stl, .vtp)")->required();
+  sub->add_option("to,-o,--output", command->to, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .vtp, .stl)")
+      ->required();
+  sub->add_option("--surface", command->surface, "Also write the boundary alone (.vtp, .stl)");
+  sub->add_option("--msh-version", command->msh_version, "Gmsh format")
+      ->check(CLI::IsMember({"4.1", "2.2"}))
+      ->capture_default_str();
+  sub->add_option("--compat", command->compat, "Also name the label array as this program does")
+      ->check(CLI::IsMember({"gmsh", "medit", "simvascular"}));
+  sub->footer("Example: lumesh convert case1.vtu case1.msh --msh-version 2.2");
+  sub->callback([command] { run(*command); });
 }
 
 }  // namespace lumesh::cli

@@ -1,9 +1,138 @@
+#include <fmt/core.h>
+
+#include <fstream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
 #include "commands.hpp"
+#include "lumesh/image/topology.hpp"
+#include "lumesh/io/image_file.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::cli {
 
+namespace {
+
+using nlohmann::json;
+
+struct InfoCommand {
+  std::string path;
+  std::vector<Label> labels;
+  std::optional<double> threshold;
+  std::size_t largest_component = 0;
+  std::size_t as_json = 0;
+  int threads = 0;
+};
+
+json list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+json describe_image(const LabelImage& image) {
+  const ImageFrame& f = image.frame();
+  json all = {{"kind", "image"},
+              {"size_voxels", {f.size.x(), f.size.y(), f.size.z()}},
+              {"spacing_mm", list(f.spacing_mm)},
+              {"origin_mm", list(f.origin_mm)},
+              {"direction_columns", {list(f.direction.col(0)), list(f.direction.col(1)), list(f.direction.col(2))}},
+              {"frame", "LPS"},
+              {"labels", json::array()}};
+  for (const LabelTopology& t : label_topology(image))
+    all["labels"].push_back({{"label", t.label},
+                             {"voxels", t.voxel_count},
+                             {"volume_mm3", t.volume_mm3},
+                             {"components", t.component_count},
+                             {"euler", t.euler_number}});
+  return all;
+}
+
+json describe_mesh(MixedMesh mesh) {
+  if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
+  Vec3 low = Vec3::Constant(1e300);
+  Vec3 high = -low;
+  for (const Vec3& p : mesh.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  json all = {{"kind", "mesh"},
+              {"points", mesh.points.size()},
+              {"tetrahedra", mesh.tetrahedra.size()},
+              {"pyramids", mesh.pyramids.size()},
+              {"prisms", mesh.prisms.size()},
+              {"hexahedra", mesh.hexahedra.size()},
+              {"unit", mesh.info.unit},
+              {"frame", mesh.info.frame},
+              {"box", {list(low), list(high)}},
+              {"labels", json::array()},
+              {"patches", json::array()},
+              {"provenance", mesh.info.provenance}};
+  std::map<Label, std::size_t> cells;
+  for (const auto* labels :
+       {&mesh.tetrahedron_labels, &mesh.pyramid_labels, &mesh.prism_labels, &mesh.hexahedron_labels}) {
+    for (const Label l : *labels) ++cells[l];
+  }
+  for (const auto& [label, count] : cells) all["labels"].push_back({{"label", label}, {"cells", count}});
+  std::vector<std::size_t> faces(mesh.info.patches.size(), 0);
+  for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches}) {
+    for (const std::int32_t p : *patches) ++faces[static_cast<std::size_t>(p)];
+  }
+  for (std::size_t p = 0; p < faces.size(); ++p)
+    all["patches"].push_back({{"name", mesh.info.patches[p].name}, {"faces", faces[p]}});
+  return all;
+}
+
+void print_value(const std::string& name, const json& value) {
+  fmt::print("{:<18}{}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
+}
+
+void print_text(const json& all) {
+  for (const auto& [name, value] : all.items()) {
+    if (!value.is_array() || value.empty() || !value[0].is_object()) {
+      print_value(name, value);
+      continue;
+    }
+    fmt::print("{}\n", name);
+    for (const json& item : value) {
+      std::string line;
+      for (const auto& [key, entry] : item.items())
+        line += fmt::format("  {} {}", key, entry.is_string() ? entry.get<std::string>() : entry.dump());
+      fmt::print("{}\n", line);
+    }
+  }
+}
+
+void run(const InfoCommand& command) {
+  const parallel::ThreadLimit limit(command.threads);
+  Context context({}, [](std::string_view text) { fmt::print(stderr, "lumesh: warning: {}\n", text); });
+  json all;
+  if (is_mesh_file(command.path)) {
+    all = describe_mesh(read_mesh(command.path));
+  } else {
+    LabelImage image = read_image(command.path, {command.labels, command.threshold}, context);
+    if (command.largest_component > 0) keep_largest_component(image, ComponentScope::kUnion);
+    all = describe_image(image);
+  }
+  if (command.as_json > 0) {
+    fmt::print("{}\n", all.dump(2));
+  } else {
+    print_text(all);
+  }
+}
+
+}  // namespace
+
 void add_info_command(CLI::App& program) {
-  program.add_subcommand("info", "(being built)");
+  const auto command = std::make_shared<InfoCommand>();
+  CLI::App* sub = program.add_subcommand("info", "Say what an image or a mesh holds");
+  sub->add_option("file", command->path, "Image (.nii[.gz], .nrrd, .nhdr, .mha, .mhd, DICOM folder) or mesh")->required();
+  sub->add_option("--labels", command->labels, "Look at these labels only")->delimiter(',');
+  sub->add_option("--threshold", command->threshold, "Voxels at or above become label 1, the rest background");
+  sub->add_flag("--largest-component", command->largest_component, "Keep the largest connected piece only");
+  sub->add_flag("--json", command->as_json, "Print JSON");
+  sub->add_option("--threads", command->threads, "Threads; 0 = all cores")->capture_default_str();
+  sub->footer("Example: lumesh info case1.nrrd");
+  sub->callback([command] { run(*command); });
 }
 
 }  // namespace lumesh::cli

@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
+#include "lumesh/image/topology.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -23,6 +24,7 @@ struct LatticeCommand {
   std::vector<Label> labels;
   double threshold = 0;
   const CLI::Option* threshold_option = nullptr;
+  std::size_t largest_component = 0;
   std::vector<std::vector<double>> cut_planes;
   std::vector<std::string> label_fidelity;
   LatticeOptions options;
@@ -121,6 +123,9 @@ void add_lattice_command(CLI::App& program) {
   sub->add_option("--max-dihedral", o.max_dihedral_deg,
                   "Ceiling of the dihedral angles in degrees, 130 to 175")
       ->capture_default_str();
+  sub->add_flag_callback(
+      "--mixed", [command] { command->options.cells = LatticeCells::kMixed; },
+      "Hexahedra and pyramids where the lattice is regular, tetrahedra elsewhere");
   sub->add_option("--labels", command->labels, "Mesh these labels only")->delimiter(',');
   command->threshold_option = sub->add_option("--threshold", command->threshold,
                                               "Voxels at or above become label 1, the rest background");

@@ -1,0 +1,60 @@
+#pragma once
+/// @file The cells of a mesh as blocks of one shape each, for code that treats all shapes alike.
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "lumesh/mesh/mixed_mesh.hpp"
+
+namespace lumesh::io {
+
+/// VTK's numbers of the cell shapes we know.
+enum class CellShape : std::uint8_t {
+  kTriangle = 5,
+  kQuadrilateral = 9,
+  kTetrahedron = 10,
+  kHexahedron = 12,
+  kPrism = 13,
+  kPyramid = 14,
+};
+
+/// Cells of one shape, corner after corner.
+struct CellBlock {
+  CellShape shape = CellShape::kTetrahedron;
+  std::size_t corners = 4;
+  std::span<const std::uint32_t> vertices;  ///< corners * size() entries.
+  std::span<const std::int32_t> tags;       ///< Labels of cells, patches of faces.
+
+  [[nodiscard]] std::size_t size() const { return vertices.size() / corners; }
+  [[nodiscard]] std::span<const std::uint32_t> cell(std::size_t i) const {
+    return vertices.subspan(i * corners, corners);
+  }
+};
+
+template <std::size_t N>
+CellBlock make_block(CellShape shape, std::span<const Cell<N>> cells, std::span<const std::int32_t> tags) {
+  static_assert(sizeof(Cell<N>) == N * sizeof(std::uint32_t));
+  const std::uint32_t* first = cells.empty() ? nullptr : cells.data()->data();
+  return {shape, N, {first, cells.size() * N}, tags};
+}
+
+/// Tetrahedra, pyramids, prisms, hexahedra.
+inline std::array<CellBlock, 4> volume_blocks(const MeshView& mesh) {
+  return {make_block<4>(CellShape::kTetrahedron, mesh.tetrahedra, mesh.tetrahedron_labels),
+          make_block<5>(CellShape::kPyramid, mesh.pyramids, mesh.pyramid_labels),
+          make_block<6>(CellShape::kPrism, mesh.prisms, mesh.prism_labels),
+          make_block<8>(CellShape::kHexahedron, mesh.hexahedra, mesh.hexahedron_labels)};
+}
+
+/// Triangles, quadrilaterals.
+inline std::array<CellBlock, 2> face_blocks(const MeshView& mesh) {
+  return {make_block<3>(CellShape::kTriangle, mesh.triangles, mesh.triangle_patches),
+          make_block<4>(CellShape::kQuadrilateral, mesh.quadrilaterals, mesh.quadrilateral_patches)};
+}
+
+/// Prisms of Gmsh and Medit have the opposite sense of VTK's: corner i of theirs is corner order[i] of VTK's, and
+/// the other way round.
+inline constexpr std::array<std::size_t, 6> kPrismOrder = {0, 2, 1, 3, 5, 4};
+
+}  // namespace lumesh::io

@@ -1,0 +1,43 @@
+#include "lumesh/io/image_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "lumesh/core/error.hpp"
+#include "raw_image.hpp"
+
+namespace lumesh {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
+}
+
+void check_readable(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (!fs::exists(status)) fail(path, "no such file; check the path");
+  if (fs::is_directory(status)) return;
+  if (!fs::is_regular_file(status)) fail(path, "is not a regular file");
+  if (!std::ifstream(path, std::ios::binary)) fail(path, "cannot be opened for reading; check its permissions");
+  if (fs::file_size(path, ignored) == 0) fail(path, "is empty; copy it again");
+}
+
+}  // namespace
+
+LabelImage read_image(const fs::path& path, const ImageReadOptions& options, Context& context) {
+  if (!options.labels.empty() && options.threshold)
+    throw Error(ErrorKind::kUsage, "labels and a threshold exclude each other: give one of them");
+  if (options.threshold && !std::isfinite(*options.threshold))
+    throw Error(ErrorKind::kUsage, "the threshold must be a finite number");
+  check_readable(path);
+  const bool nifti = !fs::is_directory(path) && io::is_nifti(path);
+  return io::number_labels(nifti ? io::read_nifti(path, context) : io::read_with_itk(path, context), path, options);
+}
+
+}  // namespace lumesh

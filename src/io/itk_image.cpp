@@ -1,0 +1,173 @@
+// The only file that includes ITK.
+#include <itkGDCMImageIO.h>
+#include <itkGDCMSeriesFileNames.h>
+#include <itkGiplImageIO.h>
+#include <itkImage.h>
+#include <itkImageSeriesReader.h>
+#include <itkMetaImageIO.h>
+#include <itkNrrdImageIO.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fmt/format.h>
+
+#include "lumesh/core/error.hpp"
+#include "raw_image.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
+}
+
+/// ITK's descriptions run over several lines and begin with the address of an object.
+std::string one_line(const itk::ExceptionObject& fault) {
+  std::string text = fault.GetDescription();
+  constexpr std::string_view kPrefix = "ITK ERROR: ";
+  if (const auto at = text.find(kPrefix); at != std::string::npos) text.erase(0, at + kPrefix.size());
+  if (const auto at = text.find("): "); at != std::string::npos && at < 60) text.erase(0, at + 3);
+  std::string line;
+  for (const char c : text) {
+    const bool blank = static_cast<unsigned char>(c) <= ' ';
+    if (!blank) line += c;
+    else if (!line.empty() && line.back() != ' ') line += ' ';
+  }
+  constexpr std::size_t kMaximumLength = 200;
+  if (line.size() > kMaximumLength) line.resize(kMaximumLength);
+  return line;
+}
+
+VoxelType voxel_type(const fs::path& path, const itk::ImageIOBase& io) {
+  using Component = itk::IOComponentEnum;
+  switch (io.GetComponentType()) {
+    case Component::UCHAR: return VoxelType::kUInt8;
+    case Component::CHAR: return VoxelType::kInt8;
+    case Component::USHORT: return VoxelType::kUInt16;
+    case Component::SHORT: return VoxelType::kInt16;
+    case Component::UINT: return VoxelType::kUInt32;
+    case Component::INT: return VoxelType::kInt32;
+    case Component::ULONG:
+    case Component::ULONGLONG: return VoxelType::kUInt64;
+    case Component::LONG:
+    case Component::LONGLONG: return VoxelType::kInt64;
+    case Component::FLOAT: return VoxelType::kFloat;
+    case Component::DOUBLE: return VoxelType::kDouble;
+    default: fail(path, "voxels of this type are not supported; save it with integer voxels");
+  }
+}
+
+ImageHeader read_header(const fs::path& path, itk::ImageIOBase& io) {
+  io.SetFileName(path.string());
+  io.ReadImageInformation();
+  const unsigned dimensions = io.GetNumberOfDimensions();
+  if (io.GetNumberOfComponents() != 1)
+    fail(path, fmt::format("has {} values per voxel; a label image has one", io.GetNumberOfComponents()));
+  if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
+  for (unsigned i = 3; i < dimensions; ++i)
+    if (io.GetDimensions(i) != 1)
+      fail(path, fmt::format("has {} volumes ({}-D image); save one of them as a 3-D image", io.GetDimensions(i),
+                             dimensions));
+  ImageHeader header;
+  header.type = voxel_type(path, io);
+  for (unsigned i = 0; i < 3; ++i) {
+    header.size.at(i) = static_cast<std::int64_t>(io.GetDimensions(i));
+    header.spacing_mm[i] = io.GetSpacing(i);
+    header.origin_mm[i] = io.GetOrigin(i);
+    const std::vector<double> axis = io.GetDirection(i);
+    for (unsigned row = 0; row < 3; ++row) header.direction(row, i) = axis.at(row);
+  }
+  return header;
+}
+
+itk::ImageIOBase::Pointer make_reader(const fs::path& path) {
+  const std::string name = path.string();
+  const itk::ImageIOBase::Pointer candidates[] = {
+      itk::NrrdImageIO::New().GetPointer(), itk::MetaImageIO::New().GetPointer(),
+      itk::GiplImageIO::New().GetPointer(), itk::GDCMImageIO::New().GetPointer()};
+  for (const auto& candidate : candidates)
+    if (candidate->CanReadFile(name.c_str())) return candidate;
+  fail(path, "is not an image lumesh can read; it takes NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage "
+             "(.mha, .mhd), GIPL and DICOM");
+}
+
+RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& context) {
+  const ImageHeader header = read_header(path, io);
+  RawImage image;
+  image.frame = checked_frame(path, header, context);
+  image.type = header.type;
+  // Detached data files are not looked at here.
+  const std::string extension = path.extension().string();
+  const bool detached = extension == ".nhdr" || extension == ".mhd";
+  image.voxels = allocate_voxels(path, image.frame, image.type, detached ? 0 : fs::file_size(path));
+  itk::ImageIORegion region(io.GetNumberOfDimensions());
+  for (unsigned i = 0; i < io.GetNumberOfDimensions(); ++i) region.SetSize(i, io.GetDimensions(i));
+  io.SetIORegion(region);
+  io.Read(image.voxels.get());
+  return image;
+}
+
+std::vector<std::string> series_files(const fs::path& path) {
+  const bool is_folder = fs::is_directory(path);
+  const auto names = itk::GDCMSeriesFileNames::New();
+  names->SetDirectory(is_folder ? path.string() : fs::absolute(path).parent_path().string());
+  const std::vector<std::string> all = names->GetSeriesUIDs();
+  if (all.empty()) fail(path, "holds no DICOM series");
+  if (is_folder) {
+    if (all.size() > 1)
+      fail(path, fmt::format("holds {} DICOM series; name one file of the series you want instead", all.size()));
+    return names->GetFileNames(all.front());
+  }
+  for (const std::string& series : all) {
+    std::vector<std::string> files = names->GetFileNames(series);
+    const auto same = [&](const std::string& file) { return fs::equivalent(file, path); };
+    if (std::any_of(files.begin(), files.end(), same)) return files;
+  }
+  return {path.string()};
+}
+
+/// Slices sorted by position; voxels as float, which holds every 16-bit value with its rescale slope.
+RawImage read_dicom_series(const fs::path& path, Context& context) {
+  using Image = itk::Image<float, 3>;
+  const std::vector<std::string> files = series_files(path);
+  const auto reader = itk::ImageSeriesReader<Image>::New();
+  reader->SetImageIO(itk::GDCMImageIO::New());
+  reader->SetFileNames(files);
+  reader->UpdateOutputInformation();
+  ImageHeader header;
+  const Image* const output = reader->GetOutput();
+  const auto size = output->GetLargestPossibleRegion().GetSize();
+  for (unsigned i = 0; i < 3; ++i) {
+    header.size.at(i) = static_cast<std::int64_t>(size[i]);
+    header.spacing_mm[i] = output->GetSpacing()[i];
+    header.origin_mm[i] = output->GetOrigin()[i];
+    for (unsigned row = 0; row < 3; ++row) header.direction(row, i) = output->GetDirection()(row, i);
+  }
+  RawImage image;
+  image.type = VoxelType::kFloat;
+  image.frame = checked_frame(path, header, context);
+  image.voxels = allocate_voxels(path, image.frame, image.type, 0);
+  reader->Update();
+  std::memcpy(image.voxels.get(), reader->GetOutput()->GetBufferPointer(),
+              image.frame.voxel_count() * voxel_bytes(image.type));
+  return image;
+}
+
+}  // namespace
+
+RawImage read_with_itk(const fs::path& path, Context& context) {
+  itk::Object::SetGlobalWarningDisplay(false);  // ITK prints to stderr; faults reach us as exceptions anyway.
+  try {
+    if (fs::is_directory(path)) return read_dicom_series(path, context);
+    const itk::ImageIOBase::Pointer io = make_reader(path);
+    const bool dicom = dynamic_cast<itk::GDCMImageIO*>(io.GetPointer()) != nullptr;
+    return dicom ? read_dicom_series(path, context) : read_single(path, *io, context);
+  } catch (const itk::ExceptionObject& fault) {
+    fail(path, fmt::format("is damaged or incomplete ({}); save it again", one_line(fault)));
+  }
+}
+
+}  // namespace lumesh::io

@@ -1,0 +1,203 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <span>
+#include <type_traits>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "raw_image.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kBlock = std::size_t{1} << 18;
+constexpr std::size_t kMostLabels = std::numeric_limits<LabelImage::Index>::max();
+constexpr std::size_t kListedLabels = 20;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
+}
+
+/// Different values of a part of the image.
+template <class Voxel>
+struct ValueSet {
+  std::vector<Voxel> values;  ///< Ascending, without repeats.
+  bool not_a_number = false;
+  bool fractional = false;
+};
+
+template <class Voxel>
+void sort_unique(std::vector<Voxel>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+template <class Voxel>
+ValueSet<Voxel> values_of_block(const Voxel* begin, const Voxel* end) {
+  ValueSet<Voxel> set;
+  for (const Voxel* v = begin; v != end;) {
+    const Voxel value = *v;
+    if constexpr (std::is_floating_point_v<Voxel>) {
+      if (std::isnan(value)) {
+        set.not_a_number = true;
+        break;
+      }
+      set.fractional = set.fractional || std::trunc(value) != value;
+    }
+    set.values.push_back(value);
+    if (set.fractional) break;
+    // Runs of one value are long in label images.
+    while (v != end && *v == value) ++v;
+  }
+  sort_unique(set.values);
+  return set;
+}
+
+template <class Voxel>
+ValueSet<Voxel> merge(ValueSet<Voxel> a, ValueSet<Voxel> b) {
+  a.not_a_number = a.not_a_number || b.not_a_number;
+  a.fractional = a.fractional || b.fractional;
+  if (b.values.empty() || a.values.size() > kMostLabels + 1) return a;
+  std::vector<Voxel> both;
+  both.reserve(a.values.size() + b.values.size());
+  std::set_union(a.values.begin(), a.values.end(), b.values.begin(), b.values.end(), std::back_inserter(both));
+  a.values = std::move(both);
+  return a;
+}
+
+template <class Voxel>
+std::vector<Voxel> find_values(std::span<const Voxel> voxels, const fs::path& path) {
+  const ValueSet<Voxel> set = parallel::reduce_blocks(
+      voxels.size(), kBlock, ValueSet<Voxel>{},
+      [&](std::size_t begin, std::size_t end) { return values_of_block(voxels.data() + begin, voxels.data() + end); },
+      [](ValueSet<Voxel> a, ValueSet<Voxel> b) { return merge(std::move(a), std::move(b)); });
+  if (set.not_a_number) fail(path, "has voxels that are not numbers (NaN); replace them before meshing");
+  if (set.fractional)
+    fail(path, "has voxels with fractions, so it is no label image; give --threshold VALUE to mesh all voxels at or "
+               "above a value");
+  if (set.values.size() > kMostLabels)
+    fail(path, fmt::format("has more than {} different labels; give --threshold VALUE if it is a grey-value image",
+                           kMostLabels));
+  return set.values;
+}
+
+/// The file's labels in ascending order with 0 in front, checked.
+template <class Voxel>
+std::vector<Label> labels_from_values(const std::vector<Voxel>& values, const fs::path& path) {
+  std::vector<Label> labels = {kBackground};
+  for (const Voxel value : values) {
+    if constexpr (std::is_signed_v<Voxel>)
+      if (value < 0)
+        fail(path, fmt::format("has the negative label {}; labels are positive: renumber them, or give --threshold "
+                               "VALUE",
+                               static_cast<std::int64_t>(value)));
+    if (static_cast<double>(value) > static_cast<double>(std::numeric_limits<Label>::max()))
+      fail(path, fmt::format("has the label {}; labels must be below 2^31: renumber them",
+                             static_cast<double>(value)));
+    if (value != 0) labels.push_back(static_cast<Label>(value));
+  }
+  if (labels.size() == 1) fail(path, "no voxel has a label (all are 0)");
+  return labels;
+}
+
+std::string list_labels(const std::vector<Label>& labels) {
+  std::string list;
+  for (std::size_t i = 1; i < labels.size(); ++i) {
+    if (i > kListedLabels) return list + ", ...";
+    if (i > 1) list += ", ";
+    list += std::to_string(labels[i]);
+  }
+  return list;
+}
+
+std::vector<Label> keep_labels(const std::vector<Label>& present, std::vector<Label> wanted, const fs::path& path) {
+  sort_unique(wanted);
+  for (const Label label : wanted) {
+    if (label <= 0) fail(path, fmt::format("label {} cannot be meshed; labels are positive", label));
+    if (!std::binary_search(present.begin(), present.end(), label))
+      fail(path, fmt::format("no voxel has label {}; labels present: {}", label, list_labels(present)));
+  }
+  wanted.insert(wanted.begin(), kBackground);
+  return wanted;
+}
+
+/// Index of each value in `labels`, 0 for those that are not kept.
+template <class Voxel>
+void map_voxels(std::span<const Voxel> voxels, const std::vector<Label>& labels, LabelImage& image) {
+  parallel::for_each_block(voxels.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    LabelImage::Index* const out = image.voxels().data();
+    for (std::size_t i = begin; i < end;) {
+      const Voxel value = voxels[i];
+      const auto found = std::lower_bound(labels.begin(), labels.end(), static_cast<Label>(value));
+      const bool kept = found != labels.end() && *found == static_cast<Label>(value);
+      const auto index = static_cast<LabelImage::Index>(kept ? found - labels.begin() : 0);
+      for (; i < end && voxels[i] == value; ++i) out[i] = index;
+    }
+  });
+}
+
+template <class Voxel>
+LabelImage threshold_voxels(std::span<const Voxel> voxels, const ImageFrame& frame, double threshold,
+                            const fs::path& path) {
+  LabelImage image(frame, {kBackground, 1});
+  struct Seen {
+    bool inside = false;
+    bool not_a_number = false;
+  };
+  const Seen seen = parallel::reduce_blocks(
+      voxels.size(), kBlock, Seen{},
+      [&](std::size_t begin, std::size_t end) {
+        Seen block;
+        for (std::size_t i = begin; i < end; ++i) {
+          const auto value = static_cast<double>(voxels[i]);
+          const bool inside = value >= threshold;
+          image.voxels()[i] = inside ? 1 : 0;
+          block.inside |= inside;
+          block.not_a_number |= std::isnan(value);
+        }
+        return block;
+      },
+      [](Seen a, Seen b) { return Seen{a.inside || b.inside, a.not_a_number || b.not_a_number}; });
+  if (seen.not_a_number) fail(path, "has voxels that are not numbers (NaN); replace them before meshing");
+  if (!seen.inside) fail(path, fmt::format("no voxel is at or above the threshold {}; lower --threshold", threshold));
+  return image;
+}
+
+template <class Voxel>
+LabelImage number_typed(const RawImage& raw, const fs::path& path, const ImageReadOptions& options) {
+  const std::span<const Voxel> voxels(reinterpret_cast<const Voxel*>(raw.voxels.get()), raw.frame.voxel_count());
+  if (options.threshold) return threshold_voxels(voxels, raw.frame, *options.threshold, path);
+  std::vector<Label> labels = labels_from_values(find_values(voxels, path), path);
+  if (!options.labels.empty()) labels = keep_labels(labels, options.labels, path);
+  LabelImage image(raw.frame, labels);
+  map_voxels(voxels, labels, image);
+  return image;
+}
+
+}  // namespace
+
+LabelImage number_labels(RawImage raw, const fs::path& path, const ImageReadOptions& options) {
+  switch (raw.type) {
+    case VoxelType::kUInt8: return number_typed<std::uint8_t>(raw, path, options);
+    case VoxelType::kInt8: return number_typed<std::int8_t>(raw, path, options);
+    case VoxelType::kUInt16: return number_typed<std::uint16_t>(raw, path, options);
+    case VoxelType::kInt16: return number_typed<std::int16_t>(raw, path, options);
+    case VoxelType::kUInt32: return number_typed<std::uint32_t>(raw, path, options);
+    case VoxelType::kInt32: return number_typed<std::int32_t>(raw, path, options);
+    case VoxelType::kUInt64: return number_typed<std::uint64_t>(raw, path, options);
+    case VoxelType::kInt64: return number_typed<std::int64_t>(raw, path, options);
+    case VoxelType::kFloat: return number_typed<float>(raw, path, options);
+    case VoxelType::kDouble: return number_typed<double>(raw, path, options);
+  }
+  fail(path, "has voxels of an unknown type");
+}
+
+}  // namespace lumesh::io

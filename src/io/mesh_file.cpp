@@ -1,0 +1,64 @@
+#include "lumesh/io/mesh_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "lumesh/core/error.hpp"
+#include "mesh_formats.hpp"
+
+namespace lumesh {
+
+namespace {
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  if (extension == ".gz") extension = path.stem().extension().string() + extension;
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const char* known) {
+  throw Error(ErrorKind::kBadInput, fmt::format("{}: unknown mesh format; use {}", path.string(), known));
+}
+
+}  // namespace
+
+void write_mesh(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options) {
+  const std::string extension = lower_extension(path);
+  if (extension == ".vtu") return io::write_vtu(path, mesh, options);
+  if (extension == ".vtk") return io::write_legacy_vtk(path, mesh, options);
+  if (extension == ".mesh") return io::write_medit_ascii(path, mesh);
+  if (extension == ".meshb") return io::write_medit_binary(path, mesh);
+  if (extension == ".msh") return io::write_gmsh(path, mesh, options.msh_version);
+  if (extension == ".stl" || extension == ".vtp") return write_surface(path, mesh, options);
+  refuse(path, ".vtu, .vtk, .mesh, .meshb, .msh, or .vtp and .stl for the boundary");
+}
+
+void write_surface(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options) {
+  const std::string extension = lower_extension(path);
+  if (extension == ".vtp") return io::write_vtp_surface(path, mesh, options);
+  if (extension == ".stl") return io::write_stl(path, mesh);
+  refuse(path, ".vtp or .stl for a boundary");
+}
+
+MixedMesh read_mesh(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path))
+    throw Error(ErrorKind::kBadInput, fmt::format("{}: no such file; check the path", path.string()));
+  const std::string extension = lower_extension(path);
+  if (extension == ".vtu") return io::read_vtu(path);
+  if (extension == ".vtk" || extension == ".vtk.gz") return io::read_legacy_vtk(path);
+  if (extension == ".mesh") return io::read_medit_ascii(path);
+  if (extension == ".meshb") return io::read_medit_binary(path);
+  if (extension == ".msh") return io::read_gmsh(path);
+  if (extension == ".stl") return io::read_stl(path);
+  if (extension == ".vtp") return io::read_vtp_surface(path);
+  refuse(path, ".vtu, .vtk, .mesh, .meshb, .msh, .stl or .vtp");
+}
+
+bool is_mesh_file(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 8> kKnown = {".vtu", ".vtk", ".vtk.gz", ".mesh", ".meshb", ".msh", ".stl", ".vtp"};
+  return std::find(kKnown.begin(), kKnown.end(), lower_extension(path)) != kKnown.end();
+}
+
+}  // namespace lumesh

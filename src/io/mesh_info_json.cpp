@@ -1,0 +1,63 @@
+#include "mesh_info_json.hpp"
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+namespace lumesh::io {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr std::array<const char*, 3> kKindNames = {"wall", "opening", "interface"};
+
+PatchKind kind_from_name(const std::string& name) {
+  for (std::size_t i = 0; i < kKindNames.size(); ++i)
+    if (name == kKindNames[i]) return static_cast<PatchKind>(i);
+  return PatchKind::kWall;
+}
+
+json patches_to_json(const std::vector<Patch>& patches) {
+  json all = json::array();
+  for (const Patch& patch : patches)
+    all.push_back({{"name", patch.name},
+                   {"kind", kKindNames.at(static_cast<std::size_t>(patch.kind))},
+                   {"labels", patch.labels}});
+  return all;
+}
+
+}  // namespace
+
+std::string info_to_json(const MeshInfo& info) {
+  json names = json::object();
+  for (const auto& [label, name] : info.label_names) names[std::to_string(label)] = name;
+  const json all = {{"lumesh_info", 1},
+                    {"unit", info.unit},
+                    {"frame", info.frame},
+                    {"patches", patches_to_json(info.patches)},
+                    {"label_names", names},
+                    {"provenance", info.provenance}};
+  // Bytes that are not UTF-8 (a file name of another encoding) must not make writing fail.
+  return all.dump(-1, ' ', true, json::error_handler_t::replace);
+}
+
+MeshInfo info_from_json(std::string_view text) {
+  try {
+    const json all = json::parse(text);
+    if (!all.is_object() || !all.contains("lumesh_info")) return {};
+    MeshInfo info;
+    info.unit = all.value("unit", info.unit);
+    info.frame = all.value("frame", info.frame);
+    for (const json& patch : all.value("patches", json::array()))
+      info.patches.push_back({patch.value("name", std::string()), kind_from_name(patch.value("kind", std::string())),
+                              patch.value("labels", std::array<Label, 2>{})});
+    for (const auto& [label, name] : all.value("label_names", std::map<std::string, std::string>()))
+      info.label_names[std::stoi(label)] = name;
+    info.provenance = all.value("provenance", info.provenance);
+    return info;
+  } catch (const std::exception&) {
+    return {};  // A comment of another program.
+  }
+}
+
+}  // namespace lumesh::io

@@ -1,0 +1,279 @@
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+#include <vector>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "raw_image.hpp"
+
+// Layout of the headers: https://nifti.nimh.nih.gov/pub/dist/src/niftilib/nifti1.h and nifti2.h.
+namespace lumesh::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
+}
+
+/// zlib's reader, which passes files that are not compressed through.
+class GzipInput {
+ public:
+  explicit GzipInput(const fs::path& path) : path_(path), file_(::gzopen(path.c_str(), "rb")) {
+    if (file_ == nullptr) fail(path, "cannot be opened for reading");
+    constexpr unsigned kBufferBytes = 1U << 18U;
+    ::gzbuffer(file_, kBufferBytes);
+  }
+  ~GzipInput() { ::gzclose(file_); }
+  GzipInput(const GzipInput&) = delete;
+  GzipInput& operator=(const GzipInput&) = delete;
+
+  /// Bytes read, fewer than asked at the end of the file or where it is damaged.
+  std::size_t read(std::byte* out, std::size_t bytes) {
+    std::size_t done = 0;
+    while (done < bytes) {
+      constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;
+      const int got = ::gzread(file_, out + done, static_cast<unsigned>(std::min(kMostAtOnce, bytes - done)));
+      if (got <= 0) break;
+      done += static_cast<std::size_t>(got);
+    }
+    return done;
+  }
+
+ private:
+  fs::path path_;
+  gzFile file_;
+};
+
+constexpr std::size_t kHeader1Bytes = 348;
+constexpr std::size_t kHeader2Bytes = 540;
+
+/// Fields of a header in either version and byte order.
+class NiftiHeader {
+ public:
+  explicit NiftiHeader(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {
+    if (bytes_.size() < kHeader1Bytes) return;
+    std::int32_t size = 0;
+    std::memcpy(&size, bytes_.data(), sizeof(size));
+    swapped_ = size != 348 && size != 540;
+    if (swapped_) size = static_cast<std::int32_t>(__builtin_bswap32(static_cast<std::uint32_t>(size)));
+    version_ = size == 348 ? 1 : size == 540 && bytes_.size() >= kHeader2Bytes ? 2 : 0;
+  }
+
+  [[nodiscard]] int version() const { return version_; }
+  [[nodiscard]] bool swapped() const { return swapped_; }
+  [[nodiscard]] std::string_view magic() const {
+    const std::size_t at = version_ == 1 ? 344 : 4;
+    return {reinterpret_cast<const char*>(bytes_.data()) + at, 3};
+  }
+  [[nodiscard]] std::int64_t dimension(std::size_t i) const {
+    return version_ == 1 ? get<std::int16_t>(40 + 2 * i) : get<std::int64_t>(16 + 8 * i);
+  }
+  [[nodiscard]] double pixel_size(std::size_t i) const {
+    return version_ == 1 ? static_cast<double>(get<float>(76 + 4 * i)) : get<double>(104 + 8 * i);
+  }
+  [[nodiscard]] int data_type() const { return get<std::int16_t>(version_ == 1 ? 70 : 12); }
+  [[nodiscard]] double data_offset() const {
+    return version_ == 1 ? static_cast<double>(get<float>(108)) : static_cast<double>(get<std::int64_t>(168));
+  }
+  [[nodiscard]] double slope() const { return real(112, 176); }
+  [[nodiscard]] double intercept() const { return real(116, 184); }
+  [[nodiscard]] int units() const {
+    return version_ == 1 ? std::to_integer<int>(bytes_[123]) : get<std::int32_t>(500);
+  }
+  [[nodiscard]] int qform_code() const { return version_ == 1 ? get<std::int16_t>(252) : get<std::int32_t>(344); }
+  [[nodiscard]] int sform_code() const { return version_ == 1 ? get<std::int16_t>(254) : get<std::int32_t>(348); }
+  /// b, c, d of the quaternion, then the offset x, y, z.
+  [[nodiscard]] double qform(std::size_t i) const { return real(256 + 4 * i, 352 + 8 * i); }
+  [[nodiscard]] double sform(std::size_t row, std::size_t column) const {
+    return real(280 + 4 * (4 * row + column), 400 + 8 * (4 * row + column));
+  }
+
+ private:
+  template <class Value>
+  [[nodiscard]] Value get(std::size_t at) const {
+    std::array<std::byte, sizeof(Value)> raw;
+    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(at), sizeof(Value), raw.begin());
+    if (swapped_) std::reverse(raw.begin(), raw.end());
+    return std::bit_cast<Value>(raw);
+  }
+  [[nodiscard]] double real(std::size_t at1, std::size_t at2) const {
+    return version_ == 1 ? static_cast<double>(get<float>(at1)) : get<double>(at2);
+  }
+
+  std::vector<std::byte> bytes_;
+  int version_ = 0;  ///< 0 = not NIfTI.
+  bool swapped_ = false;
+};
+
+NiftiHeader read_nifti_header(GzipInput& input) {
+  std::vector<std::byte> bytes(kHeader2Bytes);
+  bytes.resize(input.read(bytes.data(), bytes.size()));
+  return NiftiHeader(std::move(bytes));
+}
+
+VoxelType voxel_type(const fs::path& path, int code) {
+  switch (code) {
+    case 2: return VoxelType::kUInt8;
+    case 4: return VoxelType::kInt16;
+    case 8: return VoxelType::kInt32;
+    case 16: return VoxelType::kFloat;
+    case 64: return VoxelType::kDouble;
+    case 256: return VoxelType::kInt8;
+    case 512: return VoxelType::kUInt16;
+    case 768: return VoxelType::kUInt32;
+    case 1024: return VoxelType::kInt64;
+    case 1280: return VoxelType::kUInt64;
+    default:
+      fail(path, fmt::format("has voxels of NIfTI type {}, which are not single numbers; save it with integer voxels",
+                             code));
+  }
+}
+
+std::array<std::int64_t, 3> volume_size(const fs::path& path, const NiftiHeader& header) {
+  const std::int64_t dimensions = header.dimension(0);
+  if (dimensions < 1 || dimensions > 7) fail(path, "has a damaged header (number of dimensions); save it again");
+  if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
+  for (std::int64_t i = 4; i <= dimensions; ++i) {
+    const std::int64_t volumes = header.dimension(static_cast<std::size_t>(i));
+    if (volumes != 1)
+      fail(path, fmt::format("has {} volumes ({}-D image); save one of them as a 3-D image", volumes, dimensions));
+  }
+  return {header.dimension(1), header.dimension(2), header.dimension(3)};
+}
+
+/// Axes of the quaternion (nifti1.h, "METHOD 2"), in RAS.
+Mat3 quaternion_axes(const NiftiHeader& header) {
+  const double b = header.qform(0);
+  const double c = header.qform(1);
+  const double d = header.qform(2);
+  const double a = std::sqrt(std::max(0.0, 1 - (b * b + c * c + d * d)));
+  Mat3 axes;
+  axes << a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c),  //
+      2 * (b * c + a * d), a * a + c * c - b * b - d * d, 2 * (c * d - a * b),      //
+      2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c;
+  if (header.pixel_size(0) < 0) axes.col(2) = -axes.col(2);
+  return axes;
+}
+
+double unit_mm(int units) {
+  switch (units & 7) {
+    case 1: return 1000;   // Metres.
+    case 3: return 0.001;  // Micrometres.
+    default: return 1;     // Millimetres, or not said.
+  }
+}
+
+/// Position and axes, from the sform if there is one, else from the qform, else axes along R, A, S.
+ImageHeader place(const fs::path& path, const NiftiHeader& header) {
+  ImageHeader image;
+  image.size = volume_size(path, header);
+  image.type = voxel_type(path, header.data_type());
+  for (int i = 0; i < 3; ++i) image.spacing_mm[i] = header.pixel_size(static_cast<std::size_t>(i) + 1);
+  const bool spacing_good = image.spacing_mm.allFinite() && (image.spacing_mm.array() > 0).all();
+  if (header.sform_code() > 0) {
+    for (int row = 0; row < 3; ++row) {
+      const auto r = static_cast<std::size_t>(row);
+      for (int column = 0; column < 3; ++column)
+        image.direction(row, column) = header.sform(r, static_cast<std::size_t>(column));
+      image.origin_mm[row] = header.sform(r, 3);
+    }
+    const Vec3 lengths = image.direction.colwise().norm();
+    if (spacing_good) image.spacing_mm = lengths;
+    for (int i = 0; i < 3; ++i) image.direction.col(i) /= lengths[i];
+  } else if (header.qform_code() > 0) {
+    image.direction = quaternion_axes(header);
+    image.origin_mm = Vec3(header.qform(3), header.qform(4), header.qform(5));
+  }
+  image.direction.topRows<2>() *= -1;  // RAS to LPS.
+  image.origin_mm.head<2>() *= -1;
+  const double scale = unit_mm(header.units());
+  image.spacing_mm *= scale;
+  image.origin_mm *= scale;
+  return image;
+}
+
+void swap_bytes(std::byte* voxels, std::size_t count, std::size_t width) {
+  parallel::for_each_index(count, [&](std::size_t i) { std::reverse(voxels + i * width, voxels + (i + 1) * width); });
+}
+
+template <class Voxel>
+void scale_typed(const std::byte* from, double* to, std::size_t count, double slope, double intercept) {
+  const auto* voxels = reinterpret_cast<const Voxel*>(from);
+  parallel::for_each_index(count, [&](std::size_t i) { to[i] = static_cast<double>(voxels[i]) * slope + intercept; });
+}
+
+/// Values of a file that stores them scaled; rare for labels.
+void apply_scale(RawImage& image, double slope, double intercept) {
+  const std::size_t count = image.frame.voxel_count();
+  auto scaled = std::make_unique<std::byte[]>(count * sizeof(double));
+  auto* const to = reinterpret_cast<double*>(scaled.get());
+  const std::byte* const from = image.voxels.get();
+  switch (image.type) {
+    case VoxelType::kUInt8: scale_typed<std::uint8_t>(from, to, count, slope, intercept); break;
+    case VoxelType::kInt8: scale_typed<std::int8_t>(from, to, count, slope, intercept); break;
+    case VoxelType::kUInt16: scale_typed<std::uint16_t>(from, to, count, slope, intercept); break;
+    case VoxelType::kInt16: scale_typed<std::int16_t>(from, to, count, slope, intercept); break;
+    case VoxelType::kUInt32: scale_typed<std::uint32_t>(from, to, count, slope, intercept); break;
+    case VoxelType::kInt32: scale_typed<std::int32_t>(from, to, count, slope, intercept); break;
+    case VoxelType::kUInt64: scale_typed<std::uint64_t>(from, to, count, slope, intercept); break;
+    case VoxelType::kInt64: scale_typed<std::int64_t>(from, to, count, slope, intercept); break;
+    case VoxelType::kFloat: scale_typed<float>(from, to, count, slope, intercept); break;
+    case VoxelType::kDouble: scale_typed<double>(from, to, count, slope, intercept); break;
+  }
+  image.voxels = std::move(scaled);
+  image.type = VoxelType::kDouble;
+}
+
+/// Skips to the voxels: headers may have extensions.
+void skip_to(GzipInput& input, const fs::path& path, std::size_t from, double offset) {
+  constexpr double kLargestOffset = 1e9;
+  if (!(offset >= static_cast<double>(from)) || offset > kLargestOffset)
+    fail(path, "has a damaged header (data offset); save it again");
+  std::vector<std::byte> extension(static_cast<std::size_t>(offset) - from);
+  if (input.read(extension.data(), extension.size()) != extension.size()) fail(path, "is truncated; copy it again");
+}
+
+}  // namespace
+
+bool is_nifti(const fs::path& path) {
+  GzipInput input(path);
+  const NiftiHeader header = read_nifti_header(input);
+  return header.version() != 0 && (header.magic() == std::string_view("n+1") || header.magic() == "n+2" ||
+                                   header.magic() == "ni1" || header.magic() == "ni2");
+}
+
+RawImage read_nifti(const fs::path& path, Context& context) {
+  NiftiHeader header = [&] {
+    GzipInput input(path);
+    return read_nifti_header(input);
+  }();
+  if (header.magic().substr(0, 2) == "ni") fail(path, "keeps its voxels in a second file; save it as one .nii file");
+  const ImageHeader placed = place(path, header);
+  RawImage image;
+  image.frame = checked_frame(path, placed, context);
+  image.type = placed.type;
+  image.voxels = allocate_voxels(path, image.frame, image.type, fs::file_size(path));
+  GzipInput input(path);
+  skip_to(input, path, 0, header.data_offset());
+  const std::size_t count = image.frame.voxel_count();
+  const std::size_t width = voxel_bytes(image.type);
+  if (input.read(image.voxels.get(), count * width) != count * width)
+    fail(path, "is truncated or damaged: it holds fewer voxels than its header says; copy it again");
+  if (header.swapped() && width > 1) swap_bytes(image.voxels.get(), count, width);
+  const double slope = header.slope();
+  const bool scaled = std::isfinite(slope) && slope != 0 && (slope != 1 || header.intercept() != 0);
+  if (scaled) apply_scale(image, slope, header.intercept());
+  return image;
+}
+
+}  // namespace lumesh::io

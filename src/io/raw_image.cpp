@@ -1,0 +1,124 @@
+#include "raw_image.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <new>
+#include <numbers>
+
+#include "lumesh/core/error.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Files round direction cosines to about 6 digits; less than this is not worth a warning.
+constexpr double kSilentAngleDeg = 0.01;
+/// More than this is a sheared grid, not rounding: a voxel at the far side would be displaced by 5 % of the image.
+constexpr double kLargestAngleDeg = 3.0;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what, ErrorKind kind = ErrorKind::kBadInput) {
+  throw Error(kind, fmt::format("{}: {}", path.string(), what));
+}
+
+/// Memory that can be had without swapping; "no limit" where the system does not say.
+std::uintmax_t available_memory_bytes() {
+  std::ifstream file("/proc/meminfo");
+  std::string word;
+  while (file >> word) {
+    std::uintmax_t kibibytes = 0;
+    if (word == "MemAvailable:" && file >> kibibytes) return kibibytes * 1024;
+  }
+  return std::numeric_limits<std::uintmax_t>::max();
+}
+
+/// Nearest orthonormal matrix: the orthogonal factor of the polar decomposition (Higham 1986,
+/// doi:10.1137/0907079). Keeps the sign of the determinant.
+Mat3 nearest_orthonormal(const fs::path& path, const Mat3& direction, Context& context) {
+  if (!direction.allFinite()) fail(path, "its direction cosines are not numbers; correct the header");
+  Mat3 unit = direction;
+  for (int i = 0; i < 3; ++i) {
+    const double length = unit.col(i).norm();
+    if (!(length > 0)) fail(path, "one of its axes has no direction; correct the header");
+    unit.col(i) /= length;
+  }
+  const Eigen::JacobiSVD<Mat3> svd(unit, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Mat3 repaired = svd.matrixU() * svd.matrixV().transpose();
+  double worst_sine = 0;
+  for (int i = 0; i < 3; ++i) worst_sine = std::max(worst_sine, unit.col(i).cross(repaired.col(i)).norm());
+  const double angle_deg = std::asin(std::min(1.0, worst_sine)) * 180 / std::numbers::pi;
+  if (std::abs(unit.determinant()) < 0.5 || angle_deg > kLargestAngleDeg)
+    fail(path, fmt::format("its axes are not perpendicular (off by {:.1f} degrees); resample the image to a regular "
+                           "grid",
+                           angle_deg));
+  if (angle_deg > kSilentAngleDeg)
+    context.warn(fmt::format("{}: direction cosines are not orthonormal; used the nearest ones ({:.2g} degrees off)",
+                             path.string(), angle_deg));
+  return repaired;
+}
+
+}  // namespace
+
+std::size_t voxel_bytes(VoxelType type) {
+  switch (type) {
+    case VoxelType::kUInt8:
+    case VoxelType::kInt8: return 1;
+    case VoxelType::kUInt16:
+    case VoxelType::kInt16: return 2;
+    case VoxelType::kUInt32:
+    case VoxelType::kInt32:
+    case VoxelType::kFloat: return 4;
+    default: return 8;
+  }
+}
+
+ImageFrame checked_frame(const fs::path& path, const ImageHeader& header, Context& context) {
+  constexpr std::int64_t kLargestSide = std::int64_t{1} << 20;
+  ImageFrame frame;
+  for (int i = 0; i < 3; ++i) {
+    const std::int64_t side = header.size.at(static_cast<std::size_t>(i));
+    if (side < 1 || side > kLargestSide) fail(path, fmt::format("its size along axis {} is {}", i + 1, side));
+    frame.size[i] = static_cast<int>(side);
+    const double spacing = header.spacing_mm[i];
+    if (!std::isfinite(spacing) || spacing <= 0)
+      fail(path, fmt::format("its spacing along axis {} is {} mm; correct the header, it must be positive", i + 1,
+                             spacing));
+  }
+  if ((frame.size.array() < 2).any())
+    fail(path, fmt::format("is a flat image of {} x {} x {} voxels; lumesh needs a 3-D one", frame.size.x(),
+                           frame.size.y(), frame.size.z()));
+  if (!header.origin_mm.allFinite()) fail(path, "its origin is not a number; correct the header");
+  frame.spacing_mm = header.spacing_mm;
+  frame.origin_mm = header.origin_mm;
+  frame.direction = nearest_orthonormal(path, header.direction, context);
+  return frame;
+}
+
+std::unique_ptr<std::byte[]> allocate_voxels(const fs::path& path, const ImageFrame& frame, VoxelType type,
+                                             std::uintmax_t file_bytes) {
+  constexpr std::uintmax_t kGzipLimit = 1040;  // Deflate cannot pack tighter than 1032 : 1.
+  const std::uintmax_t voxels = frame.voxel_count();
+  const std::uintmax_t bytes = voxels * voxel_bytes(type);
+  if (file_bytes > 0 && bytes / kGzipLimit > file_bytes)
+    fail(path, fmt::format("is too short for the {} x {} x {} voxels its header names; copy it again",
+                           frame.size.x(), frame.size.y(), frame.size.z()));
+  const std::uintmax_t needed = bytes + voxels * sizeof(LabelImage::Index);
+  const std::string advice = fmt::format("{} x {} x {} voxels need {:.1f} GiB of memory; crop or resample the image",
+                                         frame.size.x(), frame.size.y(), frame.size.z(),
+                                         static_cast<double>(needed) / (1U << 30U));
+  if (needed > available_memory_bytes()) fail(path, advice, ErrorKind::kMemory);
+  try {
+    return std::unique_ptr<std::byte[]>(new std::byte[bytes]);  // Uninitialised: read() fills all of it.
+  } catch (const std::bad_alloc&) {
+    fail(path, advice, ErrorKind::kMemory);
+  }
+}
+
+}  // namespace lumesh::io

@@ -1,0 +1,58 @@
+#pragma once
+/// @file Voxels as they stand in a file, before their labels are numbered.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/image/label_image.hpp"
+#include "lumesh/io/image_file.hpp"
+
+namespace lumesh::io {
+
+enum class VoxelType : std::uint8_t { kUInt8, kInt8, kUInt16, kInt16, kUInt32, kInt32, kUInt64, kInt64, kFloat, kDouble };
+
+[[nodiscard]] std::size_t voxel_bytes(VoxelType type);
+
+/// What the header of an image file says; nothing of it is checked.
+struct ImageHeader {
+  std::array<std::int64_t, 3> size = {0, 0, 0};
+  Vec3 spacing_mm = Vec3::Ones();
+  Vec3 origin_mm = Vec3::Zero();
+  Mat3 direction = Mat3::Identity();  ///< Columns of about unit length, not yet orthonormal.
+  VoxelType type = VoxelType::kUInt8;
+};
+
+struct RawImage {
+  ImageFrame frame;
+  VoxelType type = VoxelType::kUInt8;
+  std::unique_ptr<std::byte[]> voxels;  ///< In this machine's byte order.
+};
+
+/// A frame that keeps ImageFrame's promises, or Error. Repairs directions that are slightly off, with a warning.
+[[nodiscard]] ImageFrame checked_frame(const std::filesystem::path& path, const ImageHeader& header,
+                                       Context& context);
+
+/// Buffer for the voxels of a checked frame; throws Error if the file is too short to hold them even if packed as
+/// tightly as gzip can, or if memory is short. `file_bytes` 0 skips the first check.
+[[nodiscard]] std::unique_ptr<std::byte[]> allocate_voxels(const std::filesystem::path& path, const ImageFrame& frame,
+                                                           VoxelType type, std::uintmax_t file_bytes);
+
+/// Through ITK: NRRD, MetaImage, GIPL, DICOM.
+[[nodiscard]] RawImage read_with_itk(const std::filesystem::path& path, Context& context);
+
+/// NIfTI 1 and 2 in one file, plain or gzip. Read here because ITK 5.2 refuses images whose direction cosines are
+/// not orthonormal, and copies the voxels once more.
+[[nodiscard]] RawImage read_nifti(const std::filesystem::path& path, Context& context);
+/// True if the file begins as a NIfTI file, whatever its name.
+[[nodiscard]] bool is_nifti(const std::filesystem::path& path);
+
+/// Finds the labels, applies the options and numbers the voxels.
+[[nodiscard]] LabelImage number_labels(RawImage raw, const std::filesystem::path& path,
+                                       const ImageReadOptions& options);
+
+}  // namespace lumesh::io

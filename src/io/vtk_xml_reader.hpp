@@ -1,0 +1,55 @@
+#pragma once
+/// @file VTK XML files of any encoding: text, base64 or appended raw bytes, plain or zlib.
+
+#include <cstdint>
+#include <filesystem>
+#include <pugixml.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lumesh::io {
+
+/// A parsed file and its arrays on demand. Every failure throws Error{kBadInput} that names the file.
+class VtkXmlReader {
+ public:
+  /// @param dataset_type  What the file must hold, such as "UnstructuredGrid".
+  VtkXmlReader(const std::filesystem::path& path, std::string_view dataset_type);
+
+  /// The dataset element; its one <Piece> is piece().
+  [[nodiscard]] pugi::xml_node dataset() const { return dataset_; }
+  [[nodiscard]] pugi::xml_node piece() const { return piece_; }
+  /// The array called `name` below a parent element, or an empty node.
+  [[nodiscard]] static pugi::xml_node find_array(const pugi::xml_node& parent, std::string_view name);
+  /// A count attribute of the piece, such as NumberOfPoints.
+  [[nodiscard]] std::size_t count(const char* attribute) const;
+
+  /// Values of an array. Integers refuse files with fractions; `what` names the array in messages.
+  [[nodiscard]] std::vector<double> doubles(const pugi::xml_node& array, const char* what) const;
+  [[nodiscard]] std::vector<std::int64_t> integers(const pugi::xml_node& array, const char* what) const;
+  /// Bytes as text, for arrays that hold characters.
+  [[nodiscard]] std::string text(const pugi::xml_node& array) const;
+
+  [[noreturn]] void fail(const std::string& what) const;
+
+ private:
+  [[nodiscard]] std::vector<unsigned char> bytes(const pugi::xml_node& array, const char* what) const;
+  [[nodiscard]] std::vector<unsigned char> unpack(std::string_view raw, const char* what) const;
+  [[nodiscard]] std::uint64_t header_word(std::string_view raw, std::size_t index, const char* what) const;
+  template <class Value>
+  [[nodiscard]] std::vector<Value> values(const pugi::xml_node& array, const char* what) const;
+  void split_appended();
+  [[nodiscard]] std::string_view appended_text(std::size_t offset, const char* what) const;
+
+  std::filesystem::path path_;
+  std::string content_;
+  std::string_view appended_;  ///< After the underscore.
+  bool appended_is_base64_ = false;
+  bool packed_ = false;        ///< zlib blocks.
+  std::size_t header_bytes_ = 4;
+  pugi::xml_document document_;
+  pugi::xml_node dataset_;
+  pugi::xml_node piece_;
+};
+
+}  // namespace lumesh::io

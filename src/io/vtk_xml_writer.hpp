@@ -1,0 +1,56 @@
+#pragma once
+/// @file VTK XML files with inline base64 of zlib blocks, the encoding that ParaView, VTK and meshio all read.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "lumesh/core/types.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "output_file.hpp"
+
+namespace lumesh::io {
+
+/// Name, type and shape of a data array.
+struct XmlArray {
+  std::string_view name;
+  std::string_view type;        ///< VTK's: Int8, UInt8, Int32, Int64, Float64.
+  std::size_t components = 1;   ///< Values per tuple.
+  std::size_t tuples = 0;
+};
+
+/// Bytes per value of a VTK type; 0 if unknown.
+[[nodiscard]] std::size_t xml_type_bytes(std::string_view type);
+
+/// Writes the elements of one file in order. Opened elements must be closed by the caller.
+class VtkXmlWriter {
+ public:
+  /// Fills `out` with the bytes of tuples [first, last).
+  using Fill = std::function<void(std::size_t first, std::size_t last, std::byte* out)>;
+
+  VtkXmlWriter(const std::filesystem::path& path, std::string_view dataset_type);
+
+  template <class... Args>
+  void print(fmt::format_string<Args...> format, Args&&... args) {
+    file_.print(format, std::forward<Args>(args)...);
+  }
+  /// Compresses blocks in parallel; memory: the compressed array.
+  void array(const XmlArray& shape, const Fill& fill);
+  void points(std::span<const Vec3> points);
+  void int32_array(std::string_view name, std::span<const std::int32_t> values);
+  /// FieldData arrays `unit`, `frame` and `lumesh_info` (JSON, with provenance), as bytes of text; for inside <FieldData>.
+  void info_arrays(const MeshInfo& info);
+  void commit();
+
+ private:
+  void text_array(std::string_view name, std::string_view text);
+
+  OutputFile file_;
+  std::string_view dataset_type_;
+};
+
+}  // namespace lumesh::io

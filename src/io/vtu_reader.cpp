@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cell_blocks.hpp"
+#include "mesh_formats.hpp"
+#include "mesh_info_json.hpp"
+#include "vtk_xml_reader.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+/// Cell arrays that may carry the label, ours first.
+constexpr std::array<const char*, 8> kLabelNames = {"label",        "labels",     "gmsh:physical", "medit:ref",
+                                                    "cell_tags",    "ModelRegionID", "CellEntityIds", "Material"};
+
+std::vector<Vec3> read_points(const VtkXmlReader& file) {
+  const std::vector<double> values = file.doubles(file.piece().child("Points").child("DataArray"), "point coordinates");
+  if (values.size() != 3 * file.count("NumberOfPoints")) file.fail("does not hold as many points as it says");
+  std::vector<Vec3> points(values.size() / 3);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i] = Vec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+    if (!points[i].allFinite()) file.fail("point " + std::to_string(i) + " is not finite");
+  }
+  return points;
+}
+
+std::vector<std::int64_t> read_labels(const VtkXmlReader& file, std::size_t cells) {
+  const pugi::xml_node data = file.piece().child("CellData");
+  for (const char* name : kLabelNames) {
+    const pugi::xml_node array = VtkXmlReader::find_array(data, name);
+    if (!array) continue;
+    std::vector<std::int64_t> labels = file.integers(array, name);
+    if (labels.size() != cells) file.fail("does not hold as many labels as cells");
+    return labels;
+  }
+  return std::vector<std::int64_t>(cells, 1);
+}
+
+template <std::size_t N>
+Cell<N> make_cell(const VtkXmlReader& file, std::span<const std::int64_t> corners, std::size_t points) {
+  if (corners.size() != N) file.fail("a cell has a wrong number of corners");
+  Cell<N> cell;
+  for (std::size_t i = 0; i < N; ++i) {
+    if (corners[i] < 0 || corners[i] >= static_cast<std::int64_t>(points)) file.fail("a cell refers to a point that is not there");
+    cell[i] = static_cast<std::uint32_t>(corners[i]);
+  }
+  return cell;
+}
+
+void add_cell(const VtkXmlReader& file, std::int64_t type, std::span<const std::int64_t> corners, Label label,
+              MixedMesh& mesh) {
+  const std::size_t points = mesh.points.size();
+  switch (type) {
+    case 10: mesh.tetrahedra.push_back(make_cell<4>(file, corners, points)); mesh.tetrahedron_labels.push_back(label); break;
+    case 12: mesh.hexahedra.push_back(make_cell<8>(file, corners, points)); mesh.hexahedron_labels.push_back(label); break;
+    case 13: mesh.prisms.push_back(make_cell<6>(file, corners, points)); mesh.prism_labels.push_back(label); break;
+    case 14: mesh.pyramids.push_back(make_cell<5>(file, corners, points)); mesh.pyramid_labels.push_back(label); break;
+    case 5: mesh.triangles.push_back(make_cell<3>(file, corners, points)); mesh.triangle_patches.push_back(label); break;
+    case 9: mesh.quadrilaterals.push_back(make_cell<4>(file, corners, points)); mesh.quadrilateral_patches.push_back(label); break;
+    case 1: case 2: case 3: case 4: break;  // points and lines carry nothing for us
+    default: file.fail("holds cells of VTK type " + std::to_string(type) + ", which lumesh does not know");
+  }
+}
+
+void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
+  const std::size_t cells = file.count("NumberOfCells");
+  const pugi::xml_node node = file.piece().child("Cells");
+  const auto connectivity = file.integers(VtkXmlReader::find_array(node, "connectivity"), "cell connectivity");
+  const auto offsets = file.integers(VtkXmlReader::find_array(node, "offsets"), "cell offsets");
+  const auto types = file.integers(VtkXmlReader::find_array(node, "types"), "cell types");
+  if (offsets.size() != cells || types.size() != cells) file.fail("does not hold as many cells as it says");
+  const auto labels = read_labels(file, cells);
+  std::int64_t begin = 0;
+  for (std::size_t c = 0; c < cells; ++c) {
+    const std::int64_t end = offsets[c];
+    if (end < begin || end > static_cast<std::int64_t>(connectivity.size())) file.fail("its cell offsets are damaged");
+    if (labels[c] < INT32_MIN || labels[c] > INT32_MAX) file.fail("a label is too large");
+    add_cell(file, types[c], {connectivity.data() + begin, static_cast<std::size_t>(end - begin)},
+             static_cast<Label>(labels[c]), mesh);
+    begin = end;
+  }
+}
+
+template <std::size_t N>
+void read_faces(const VtkXmlReader& file, const char* name, const char* patch_name, std::size_t points,
+                std::vector<Cell<N>>& faces, std::vector<std::int32_t>& patches) {
+  const pugi::xml_node fields = file.dataset().child("FieldData");
+  const pugi::xml_node array = VtkXmlReader::find_array(fields, name);
+  if (!array) return;
+  const auto corners = file.integers(array, name);
+  const auto tags = file.integers(VtkXmlReader::find_array(fields, patch_name), patch_name);
+  if (corners.size() != N * tags.size()) file.fail("its boundary faces are damaged");
+  faces.clear();
+  patches.clear();
+  for (std::size_t f = 0; f < tags.size(); ++f) {
+    faces.push_back(make_cell<N>(file, {corners.data() + N * f, N}, points));
+    patches.push_back(static_cast<std::int32_t>(tags[f]));
+  }
+}
+
+/// A face must not name a patch that the file does not describe.
+void complete_patches(const VtkXmlReader& file, MixedMesh& mesh) {
+  std::int32_t last = -1;
+  for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches}) {
+    for (const std::int32_t p : *patches) {
+      if (p < 0 || p > 1'000'000) file.fail("a boundary face has no valid patch");
+      last = std::max(last, p);
+    }
+  }
+  while (static_cast<std::int32_t>(mesh.info.patches.size()) <= last)
+    mesh.info.patches.push_back({"patch_" + std::to_string(mesh.info.patches.size()), PatchKind::kWall, {}});
+}
+
+void read_info(const VtkXmlReader& file, MixedMesh& mesh) {
+  const pugi::xml_node array = VtkXmlReader::find_array(file.dataset().child("FieldData"), "lumesh_info");
+  if (array) mesh.info = info_from_json(file.text(array));
+}
+
+}  // namespace
+
+MixedMesh read_vtu(const std::filesystem::path& path) {
+  const VtkXmlReader file(path, "UnstructuredGrid");
+  MixedMesh mesh;
+  mesh.points = read_points(file);
+  read_cells(file, mesh);
+  read_info(file, mesh);
+  read_faces(file, "lumesh_triangles", "lumesh_triangle_patches", mesh.points.size(), mesh.triangles,
+             mesh.triangle_patches);
+  read_faces(file, "lumesh_quadrilaterals", "lumesh_quadrilateral_patches", mesh.points.size(), mesh.quadrilaterals,
+             mesh.quadrilateral_patches);
+  complete_patches(file, mesh);
+  return mesh;
+}
+
+MixedMesh read_vtp_surface(const std::filesystem::path& path) {
+  const VtkXmlReader file(path, "PolyData");
+  MixedMesh mesh;
+  mesh.points = read_points(file);
+  read_info(file, mesh);
+  const pugi::xml_node polys = file.piece().child("Polys");
+  const auto connectivity = file.integers(VtkXmlReader::find_array(polys, "connectivity"), "polygon connectivity");
+  const auto offsets = file.integers(VtkXmlReader::find_array(polys, "offsets"), "polygon offsets");
+  const pugi::xml_node patch = VtkXmlReader::find_array(file.piece().child("CellData"), "patch");
+  const auto patches = patch ? file.integers(patch, "patch") : std::vector<std::int64_t>(offsets.size(), 0);
+  if (patches.size() < offsets.size()) file.fail("does not hold as many patches as polygons");
+  std::int64_t begin = 0;
+  for (std::size_t p = 0; p < offsets.size(); ++p) {
+    const std::int64_t end = offsets[p];
+    if (end < begin || end > static_cast<std::int64_t>(connectivity.size())) file.fail("its polygon offsets are damaged");
+    const auto corners = static_cast<std::size_t>(end - begin);
+    if (corners != 3 && corners != 4) file.fail("holds polygons that are neither triangles nor quadrilaterals");
+    add_cell(file, corners == 3 ? 5 : 9, {connectivity.data() + begin, corners}, static_cast<Label>(patches[p]), mesh);
+    begin = end;
+  }
+  complete_patches(file, mesh);
+  return mesh;
+}
+
+}  // namespace lumesh::io
