@@ -26,7 +26,7 @@ struct PhantomCommand {
   std::vector<double> rotation_deg;
   std::vector<double> origin_mm;
   PhantomSpec spec;
-  std::string parameters_path;
+  std::filesystem::path parameters_path;
   std::string centerline_path;
   std::string velocity_path;
   int threads = 0;
@@ -35,7 +35,7 @@ struct PhantomCommand {
 PhantomSpec make_spec(const PhantomCommand& command) {
   PhantomSpec spec = command.spec;
   spec.kind = phantom_kind_from_name(command.kind);
-  if (!command.size.empty()) spec.size = Index3(command.size.data()).cwiseMax(-1);
+  if (!command.size.empty()) spec.size = Index3(command.size.data());
   const std::vector<double>& spacing = command.spacing_mm;
   if (spacing.size() == 2)
     throw Error(ErrorKind::kUsage, "--spacing: give one value, or one for each of x, y, z");
@@ -54,10 +54,14 @@ std::filesystem::path parameters_beside(std::filesystem::path image) {
   return image.replace_extension(".phantom.json");
 }
 
+/// Refuses a request for lines that the phantom does not have, before anything is written.
+void check_lines(const std::string& path, const Polylines& lines, const PhantomCommand& command) {
+  if (!path.empty() && lines.lines.empty())
+    throw Error(ErrorKind::kUsage, fmt::format("a {} has no such lines; leave out {}", command.kind, path));
+}
+
 void write_lines(const std::string& path, const Polylines& lines, const PhantomCommand& command) {
   if (path.empty()) return;
-  if (lines.lines.empty())
-    throw Error(ErrorKind::kUsage, fmt::format("a {} has no such lines; leave out {}", command.kind, path));
   MeshInfo info;
   info.provenance = {
       {"program", std::string("lumesh ") + kVersion}, {"command", "phantom"}, {"kind", command.kind}};
@@ -68,6 +72,10 @@ void write_lines(const std::string& path, const Polylines& lines, const PhantomC
 void run(const PhantomCommand& command) {
   const parallel::ThreadLimit limit(command.threads);
   const Phantom phantom(make_spec(command));
+  const Polylines centerline = centerline_of(phantom);
+  const Polylines velocity = velocity_of(phantom);
+  check_lines(command.centerline_path, centerline, command);
+  check_lines(command.velocity_path, velocity, command);
   const LabelImage image = phantom.rasterise();
   write_image(command.image_path, image);
   const Index3& size = phantom.spec().size;
@@ -82,8 +90,8 @@ void run(const PhantomCommand& command) {
       command.parameters_path.empty() ? parameters_beside(command.image_path) : command.parameters_path;
   write_parameters(parameters, phantom.spec());
   fmt::print("{}: parameters, for lumesh evaluate --reference\n", parameters.string());
-  write_lines(command.centerline_path, centerline_of(phantom), command);
-  write_lines(command.velocity_path, velocity_of(phantom), command);
+  write_lines(command.centerline_path, centerline, command);
+  write_lines(command.velocity_path, velocity, command);
 }
 
 }  // namespace
