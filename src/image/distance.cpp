@@ -13,6 +13,7 @@ namespace lumesh {
 namespace {
 
 constexpr int kTile = 64;  ///< Columns that are processed together; one row of them is two cache lines.
+constexpr std::size_t kBlock = 16;  ///< Slices or rows of columns that a task works off.
 constexpr std::int32_t kMixed =
     -1;  ///< Summary of a row of a tile that holds finite distances or several labels.
 
@@ -79,6 +80,20 @@ void lower_row(Tile& tile, int row, const Step& step, float* result) {
   }
 }
 
+/// Work space of the first two passes.
+struct SliceBuffers {
+  std::vector<float> row;      ///< Squared distances along one row.
+  std::vector<float> squared;  ///< Of all rows with more than one label.
+  std::vector<char> uniform;  ///< Per row: 1 if it has one label only; its part of `squared` is not set then.
+  Tile tile;
+
+  SliceBuffers(int rows, int tiles)
+      : row(static_cast<std::size_t>(tiles) * kTile),
+        squared(row.size() * static_cast<std::size_t>(rows)),
+        uniform(static_cast<std::size_t>(rows)),
+        tile(rows) {}
+};
+
 class Transform {
  public:
   Transform(const LabelImage& image, const Index3& low, const Index3& high, double max_distance_mm)
@@ -102,10 +117,18 @@ class Transform {
     summaries_.assign(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(size_.y()) *
                           static_cast<std::size_t>(size_.z()),
                       kMixed);
-    parallel::for_each_index(
-        static_cast<std::size_t>(size_.z()), [&](std::size_t k) { slice(static_cast<int>(k)); }, 1);
-    parallel::for_each_index(
-        static_cast<std::size_t>(size_.y()), [&](std::size_t j) { columns(static_cast<int>(j)); }, 1);
+    // Blocks share their buffers: fresh ones for every slice would cost more in page faults than the work
+    // itself.
+    parallel::for_each_block(static_cast<std::size_t>(size_.z()), kBlock,
+                             [&](std::size_t, std::size_t begin, std::size_t end) {
+                               SliceBuffers buffers(size_.y(), tiles_);
+                               for (std::size_t k = begin; k < end; ++k) slice(static_cast<int>(k), buffers);
+                             });
+    parallel::for_each_block(static_cast<std::size_t>(size_.y()), kBlock,
+                             [&](std::size_t, std::size_t begin, std::size_t end) {
+                               Tile tile(size_.z());
+                               for (std::size_t j = begin; j < end; ++j) columns(static_cast<int>(j), tile);
+                             });
     return field;
   }
 
@@ -148,18 +171,15 @@ class Transform {
   static void lower(float& value, float candidate) { value = std::min(value, candidate); }
 
   /// First and second pass for one slice: distances along i, then along j; leaves squares in the output.
-  void slice(int k) {
-    const auto width = static_cast<std::size_t>(tiles_) * kTile;
-    std::vector<char> uniform(static_cast<std::size_t>(size_.y()));
-    std::vector<float> squared(width * static_cast<std::size_t>(size_.y()));
-    std::vector<float> row(width);
+  void slice(int k, SliceBuffers& buffers) {
+    const std::size_t width = buffers.row.size();
+    auto& [row, squared, uniform, tile] = buffers;
     for (int j = 0; j < size_.y(); ++j) {
       uniform[static_cast<std::size_t>(j)] = row_distances(labels(j, k), row) ? 0 : 1;
       if (uniform[static_cast<std::size_t>(j)] == 0)
         std::copy(row.begin(), row.end(),
                   squared.begin() + static_cast<std::ptrdiff_t>(width * static_cast<std::size_t>(j)));
     }
-    Tile tile(size_.y());
     for (int t = 0; t < tiles_; ++t) slice_tile(t, k, squared, uniform, tile);
   }
 
@@ -219,8 +239,7 @@ class Transform {
   }
 
   /// Third pass for all columns of one j: distances along k and the square root.
-  void columns(int j) {
-    Tile tile(size_.z());
+  void columns(int j, Tile& tile) {
     alignas(64) float result[kTile];
     for (int t = 0; t < tiles_; ++t) {
       for (int k = 0; k < size_.z(); ++k) tile.summary[static_cast<std::size_t>(k)] = summary(t, j, k);
