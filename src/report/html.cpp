@@ -70,8 +70,9 @@ std::string tiles(const Evaluation& e) {
   }
   if (e.image && e.image->distances) {
     const double voxel = e.image->voxel_size_mm;
-    html += tile(fmt::format("{:.2f} voxels", e.image->distances->mesh_to_image_mm.max / voxel),
-                 "farthest from the image");
+    const double farthest =
+        std::max(e.image->distances->mesh_to_image_mm.max, e.image->distances->image_to_mesh_mm.max);
+    html += tile(fmt::format("{:.2f} voxels", farthest / voxel), "largest distance between mesh and image");
   }
   return html + "</div>\n";
 }
@@ -140,9 +141,9 @@ std::string labels_section(const Evaluation& e) {
     if (table.size() > kMostRows) break;
     std::vector<std::string> row = {
         escaped(l.name.empty() ? std::to_string(l.label) : fmt::format("{} {}", l.label, l.name)),
-        grouped(l.cells), fmt::format("{:.5g}", l.volume_mm3)};
+        grouped(l.cells), five_digits(l.volume_mm3)};
     if (e.image) {
-      row.push_back(l.image ? fmt::format("{:.5g}", l.image->volume_mm3) : "–");
+      row.push_back(l.image ? five_digits(l.image->volume_mm3) : "–");
       row.push_back(l.image ? fmt::format("{:+.2f} %", l.image_volume_error_percent()) : "–");
     }
     const bool components_equal = !l.image || l.components == l.image->components,
@@ -222,7 +223,7 @@ std::string boundary_section(const Evaluation& e) {
     if (table.size() > kMostRows) break;
     const bool opening = p.kind == PatchKind::kOpening;
     table.push_back(
-        {escaped(p.name), grouped(p.faces), fmt::format("{:.4g}", p.area_mm2),
+        {escaped(p.name), grouped(p.faces), five_digits(p.area_mm2),
          opening ? fmt::format("{:.1f}, {:.1f}, {:.1f}", p.centre_mm.x(), p.centre_mm.y(), p.centre_mm.z())
                  : "",
          opening ? fmt::format("{:.2f}, {:.2f}, {:.2f}", p.normal.x(), p.normal.y(), p.normal.z()) : "",

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "lumesh/report/summary.hpp"
 #include "numbers.hpp"
@@ -65,7 +66,7 @@ std::string boundary_text(const Evaluation& e) {
                         b.open_edges, b.non_manifold_edges, b.non_manifold_vertices);
   for (std::size_t i = 0; i < std::min(kMostLabels, e.patches.size()); ++i) {
     const PatchSummary& p = e.patches[i];
-    text += fmt::format("  {:<12} {:>8} faces {:>10.4g} mm²", p.name, grouped(p.faces), p.area_mm2);
+    text += fmt::format("  {:<12} {:>8} faces {:>10} mm²", p.name, grouped(p.faces), five_digits(p.area_mm2));
     if (p.kind == PatchKind::kOpening)
       text += fmt::format("   flat within {:.2g} mm", std::max(p.flatness_mm, 1e-3));
     text += "\n";
@@ -84,8 +85,8 @@ std::string labels_text(const Evaluation& e) {
     const auto of_image = [&](auto value, auto image) {
       return l.image ? fmt::format("{} ({})", value, image) : fmt::format("{}", value);
     };
-    text += fmt::format("{:<22.22}{:>12.5g}{:>12}{:>9}{:>13}{:>12}  {}\n", name, l.volume_mm3,
-                        l.image ? fmt::format("{:.5g}", l.image->volume_mm3) : "–",
+    text += fmt::format("{:<22.22}{:>12}{:>12}{:>9}{:>13}{:>12}  {}\n", name, five_digits(l.volume_mm3),
+                        l.image ? five_digits(l.image->volume_mm3) : "–",
                         l.image ? fmt::format("{:+.2f}", l.image_volume_error_percent()) : "–",
                         of_image(l.components, l.image ? l.image->components : 0),
                         of_image(l.euler, l.image ? l.image->euler : 0),
@@ -160,6 +161,11 @@ std::string grouped(std::uint64_t count) {
     text.push_back(digits[i]);
   }
   return text;
+}
+
+std::string five_digits(double value) {
+  if (!(value >= 1e4 && value < 1e15)) return fmt::format("{:.5g}", value);
+  return grouped(static_cast<std::uint64_t>(std::llround(value)));
 }
 
 std::string summary_text(const Evaluation& e) {
