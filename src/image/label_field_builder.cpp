@@ -314,30 +314,65 @@ class LabelFieldBuilder {
     }
   }
 
-  /// Copies the indicator of `label` around a brick, `radius` voxels to each side, from whatever bricks hold
-  /// it.
+  /// Copies the indicator of `label` for the voxels [low, high) around a brick's first voxel, from whatever
+  /// bricks hold it. The window reaches into the next bricks at most.
   void gather(const std::vector<float>& values, const Index3& brick, LabelIndex label, int low, int high,
               float* out) const {
-    const int width = high - low;
     const Index3 origin = brick * kBrick;
+    const bool inside =
+        (origin.array() + low >= 0).all() && ((origin.array() + high) <= field_.frame_.size.array()).all();
+    inside ? gather_inside(values, brick, label, low, high, out)
+           : gather_at_border(values, origin, label, low, high, out);
+  }
+
+  void gather_inside(const std::vector<float>& values, const Index3& brick, LabelIndex label, int low,
+                     int high, float* out) const {
+    struct Source {
+      const float* block = nullptr;
+      float sign = 0;
+    };
+    std::array<Source, 27> around;
+    for (int n = 0; n < 27; ++n) {
+      const Index3 step(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+      const auto unused = [&](int axis) {
+        return (step[axis] < 0 && low >= 0) || (step[axis] > 0 && high <= kBrick);
+      };
+      if (unused(0) || unused(1) || unused(2)) continue;
+      Source& source = around[static_cast<std::size_t>(n)];
+      source.sign = block_of(values, brick + step, label, source.block);
+    }
+    const auto part = [](int i) { return i < 0 ? 0 : (i < kBrick ? 1 : 2); };
     for (int k = low; k < high; ++k) {
       for (int j = low; j < high; ++j) {
-        float* row =
-            out + static_cast<std::size_t>(width) * static_cast<std::size_t>((j - low) + width * (k - low));
-        int i = low;
-        while (i < high) {
+        for (int px = part(low); px <= part(high - 1); ++px) {
+          const Source& source = around[static_cast<std::size_t>(px + 3 * part(j) + 9 * part(k))];
+          const int first = std::max(low, (px - 1) * kBrick);
+          const int last = std::min(high, px * kBrick);
+          if (source.block == nullptr) {
+            std::fill_n(out, last - first, source.sign * kLimit);
+          } else {
+            const float* from = source.block + core_at(first - (px - 1) * kBrick, j - (part(j) - 1) * kBrick,
+                                                       k - (part(k) - 1) * kBrick);
+            for (int i = 0; i < last - first; ++i) out[i] = source.sign * from[i];
+          }
+          out += last - first;
+        }
+      }
+    }
+  }
+
+  /// The same where voxels outside the image stand for their nearest border voxel.
+  void gather_at_border(const std::vector<float>& values, const Index3& origin, LabelIndex label, int low,
+                        int high, float* out) const {
+    for (int k = low; k < high; ++k) {
+      for (int j = low; j < high; ++j) {
+        for (int i = low; i < high; ++i) {
           const Index3 v = clamp_voxel(origin + Index3(i, j, k));
           const Index3 at = v / kBrick;
+          const Index3 r = v - at * kBrick;
           const float* block = nullptr;
           const float sign = block_of(values, at, label, block);
-          // Run along x to the end of the source brick; a clamped voxel stands alone.
-          do {
-            const Index3 w = clamp_voxel(origin + Index3(i, j, k));
-            if (w.x() / kBrick != at.x()) break;
-            const Index3 r = w - at * kBrick;
-            row[i - low] = block == nullptr ? sign * kLimit : sign * block[core_at(r.x(), r.y(), r.z())];
-            ++i;
-          } while (i < high);
+          *out++ = block == nullptr ? sign * kLimit : sign * block[core_at(r.x(), r.y(), r.z())];
         }
       }
     }
@@ -345,12 +380,7 @@ class LabelFieldBuilder {
 
   float block_of(const std::vector<float>& values, const Index3& brick, LabelIndex label,
                  const float*& block) const {
-    const Index3 n = field_.bricks_;
-    const std::int32_t code =
-        field_.brick_of_[static_cast<std::size_t>(brick.x()) +
-                         static_cast<std::size_t>(n.x()) *
-                             (static_cast<std::size_t>(brick.y()) +
-                              static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(brick.z()))];
+    const std::int32_t code = field_.brick_of_[field_.brick_offset(brick)];
     if (code < 0) return -1 - code == label ? 1.0F : -1.0F;
     const LabelField::BlockRef ref = field_.find_block(field_.active_[static_cast<std::size_t>(code)], label);
     if (ref.sign == 0) return -1.0F;

@@ -6,6 +6,7 @@
 
 #include "boundary_choice.hpp"
 #include "fit.hpp"
+#include "hexahedra.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "patches.hpp"
@@ -147,6 +148,8 @@ void finish_lattice(BuiltLattice built, const ImageDomain& domain, const Lattice
   result.report.off_boundary_vertices = fit.off_boundary_vertices;
   result.report.largest_offset_voxels = fit.largest_offset_mm / domain.voxel_size_mm();
   result.mesh = to_mixed_mesh(built.mesh, built.boundary, domain);
+  if (options.cells == LatticeCells::kMixed)
+    context.phase("hexahedra", [&] { merge_hexahedra(result.mesh, domain.frame().direction); });
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ class Refiner {
 
   std::vector<Corners> run() {
     leaves_[0] = coarse_tetrahedra();
-    cell_changed_.assign(static_cast<std::size_t>(frame_.cells.prod()), 1);
+    cell_mark_.assign(static_cast<std::size_t>(frame_.cells.prod()), 0);
+    finest_mark_ = cell_mark_;
     for (int level = 0; level < frame_.levels; ++level) {
       const auto wanting =
           pick(leaves_[at(level)], [&](const Corners& t) { return wants_children(t, level); });
@@ -134,7 +135,7 @@ class Refiner {
         256);
     std::vector<Corners>& to = leaves_[at(level) + 1];
     to.insert(to.end(), children.begin(), children.end());
-    for (const std::uint32_t i : picked) note_change(from[i][0]);
+    for (const std::uint32_t i : picked) note_change(from[i][0], level);
     from = parallel::collect<Corners>(from.size(), [&](std::size_t i, auto& out) {
       if (gone[i] == 0) out.push_back(from[i]);
     });
@@ -150,35 +151,43 @@ class Refiner {
            !sizes_.boundary_within(centre, kReach * frame_.spacing_mm(level));
   }
 
-  /// Level-0 cubes whose leaves must be closed again; a leaf reaches into the next cube at most.
+  /// The level-0 cube of a point; a leaf reaches into the next cube at most.
   std::size_t cell_of(Key key) const {
     const Index3 c = (bcc::unpack(key) / (2 * frame_.step(0))).cwiseMin(frame_.cells - Index3::Ones());
+    return cell_number(c);
+  }
+  std::size_t cell_number(const Index3& c) const {
     return static_cast<std::size_t>(c.x() + frame_.cells.x() * (c.y() + frame_.cells.y() * c.z()));
   }
-  void note_change(Key key) { changed_keys_.push_back(key); }
+
+  /// An edge of a tetrahedron of this level was split; it concerns leaves of the same level and coarser ones.
+  void note_change(Key key, int level) { changes_.push_back({key, static_cast<std::uint8_t>(level + 1)}); }
+
+  /// Turns the noted changes into a mark for each level-0 cube: one more than the finest level split in it or
+  /// next to it. Only leaves of coarser levels must be looked at again.
   void spread_changes() {
-    std::fill(cell_changed_.begin(), cell_changed_.end(), 0);
-    for (const Key key : changed_keys_) cell_changed_[cell_of(key)] = 2;
-    changed_keys_.clear();
+    std::vector<std::uint8_t> own(cell_mark_.size(), 0);
+    for (const Change& c : changes_) own[cell_of(c.key)] = std::max(own[cell_of(c.key)], c.mark);
+    changes_.clear();
+    std::fill(cell_mark_.begin(), cell_mark_.end(), 0);
     const Index3 n = frame_.cells;
     for (int k = 0; k < n.z(); ++k) {
       for (int j = 0; j < n.y(); ++j) {
         for (int i = 0; i < n.x(); ++i) {
-          if (cell_changed_[static_cast<std::size_t>(i + n.x() * (j + n.y() * k))] == 2)
-            mark_around({i, j, k});
+          if (const std::uint8_t mark = own[cell_number({i, j, k})]; mark != 0) mark_around({i, j, k}, mark);
         }
       }
     }
   }
-  void mark_around(const Index3& cell) {
+  void mark_around(const Index3& cell, std::uint8_t mark) {
     const Index3 low = (cell - Index3::Ones()).cwiseMax(0);
     const Index3 high = (cell + Index3::Ones()).cwiseMin(frame_.cells - Index3::Ones());
     for (int k = low.z(); k <= high.z(); ++k) {
       for (int j = low.y(); j <= high.y(); ++j) {
         for (int i = low.x(); i <= high.x(); ++i) {
-          std::uint8_t& mark =
-              cell_changed_[static_cast<std::size_t>(i + frame_.cells.x() * (j + frame_.cells.y() * k))];
-          mark = std::max<std::uint8_t>(mark, 1);
+          const std::size_t c = cell_number({i, j, k});
+          cell_mark_[c] = std::max(cell_mark_[c], mark);
+          finest_mark_[c] = std::max(finest_mark_[c], mark);
         }
       }
     }
@@ -223,12 +232,13 @@ class Refiner {
     std::uint32_t leaf = 0;
     Key third = parallel::KeySet::kEmpty;
   };
-  std::vector<Finding> find_open_leaves(const std::vector<Corners>& leaves) const {
+  std::vector<Finding> find_open_leaves(int level) const {
+    const std::vector<Corners>& leaves = leaves_[at(level)];
     return parallel::collect<Finding>(
         leaves.size(),
         [&](std::size_t i, auto& out) {
           const Corners& t = leaves[i];
-          if (cell_changed_[cell_of(t[0])] == 0) return;
+          if (cell_mark_[cell_of(t[0])] <= level) return;
           const unsigned mask = split_edges(t);
           if (mask == 0) return;
           const bcc::Closure closure = bcc::closure_of(mask);
@@ -248,7 +258,7 @@ class Refiner {
     spread_changes();
     bool changed = false;
     for (int level = frame_.levels - 1; level >= 0; --level) {
-      const auto findings = find_open_leaves(leaves_[at(level)]);
+      const auto findings = find_open_leaves(level);
       std::vector<std::uint32_t> red;
       split_count_ += findings.size();
       split_.reserve(split_count_);
@@ -256,7 +266,7 @@ class Refiner {
         if (f.third == parallel::KeySet::kEmpty) {
           red.push_back(f.leaf);
         } else if (split_.insert(f.third)) {
-          note_change(f.third);
+          note_change(f.third, level);
         }
       }
       split(level, red);
@@ -267,9 +277,10 @@ class Refiner {
 
   std::vector<Corners> emit() const {
     std::vector<Corners> all;
-    for (const std::vector<Corners>& leaves : leaves_) {
+    for (int level = 0; level <= frame_.levels; ++level) {
+      const std::vector<Corners>& leaves = leaves_[at(level)];
       const auto part = parallel::collect<Corners>(leaves.size(), [&](std::size_t i, auto& out) {
-        const unsigned mask = split_edges(leaves[i]);
+        const unsigned mask = finest_mark_[cell_of(leaves[i][0])] <= level ? 0 : split_edges(leaves[i]);
         if (mask == 0) {
           out.push_back(leaves[i]);
           return;
@@ -289,8 +300,13 @@ class Refiner {
   std::vector<std::vector<Corners>> leaves_;  // per level
   parallel::KeySet split_;                    // midpoints of split edges
   std::size_t split_count_ = 0;               // upper bound of its size
-  std::vector<Key> changed_keys_;             // where leaves were split since the last sweep
-  std::vector<std::uint8_t> cell_changed_;    // per level-0 cube: its leaves must be looked at
+  struct Change {
+    Key key;
+    std::uint8_t mark;
+  };
+  std::vector<Change> changes_;            // edges split since the last sweep
+  std::vector<std::uint8_t> cell_mark_;    // of the last sweep, per level-0 cube
+  std::vector<std::uint8_t> finest_mark_;  // of all sweeps
 };
 
 }  // namespace

@@ -114,20 +114,49 @@ WorkMesh make_work_mesh(std::vector<Corners> lattice, const LatticeFrame& frame,
   return mesh;
 }
 
+/// Linear and parallel: blocks of tetrahedra hand their corners to ranges of vertices, each range then fills its own
+/// part; blocks are visited in order, so every star ascends.
 void build_stars(WorkMesh& mesh) {
-  std::vector<std::uint64_t> pairs(4 * mesh.tets.size());
-  parallel::for_each_index(mesh.tets.size(), [&](std::size_t t) {
-    for (std::size_t c = 0; c < 4; ++c) pairs[4 * t + c] = std::uint64_t{mesh.tets[t][c]} << 32 | t;
+  constexpr std::size_t kBlock = 32768;  // tetrahedra
+  constexpr std::size_t kRanges = 64;
+  struct Corner {
+    std::uint32_t vertex, tet;
+  };
+  const std::size_t vertex_count = mesh.positions.size();
+  const std::size_t range = vertex_count / kRanges + 1;
+  std::vector<std::array<std::vector<Corner>, kRanges>> handed((mesh.tets.size() + kBlock - 1) / kBlock);
+  parallel::for_each_block(mesh.tets.size(), kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      for (const std::uint32_t v : mesh.tets[t]) handed[b][v / range].push_back({v, static_cast<std::uint32_t>(t)});
+    }
   });
-  parallel::sort(pairs.begin(), pairs.end());
-  mesh.star_tets.resize(pairs.size());
-  mesh.star_begin.assign(mesh.positions.size() + 1, static_cast<std::uint32_t>(pairs.size()));
-  parallel::for_each_index(pairs.size(), [&](std::size_t i) {
-    mesh.star_tets[i] = static_cast<std::uint32_t>(pairs[i] & 0xffffffffU);
-    const std::size_t vertex = pairs[i] >> 32;
-    const std::size_t before = i == 0 ? 0 : (pairs[i - 1] >> 32) + 1;
-    for (std::size_t v = before; v <= vertex; ++v) mesh.star_begin[v] = static_cast<std::uint32_t>(i);
-  });
+  mesh.star_begin.assign(vertex_count + 1, 0);
+  mesh.star_tets.resize(4 * mesh.tets.size());
+  std::array<std::uint32_t, kRanges + 1> first{};
+  for (std::size_t r = 0; r < kRanges; ++r) {
+    first[r + 1] = first[r];
+    for (const auto& block : handed) first[r + 1] += static_cast<std::uint32_t>(block[r].size());
+  }
+  parallel::for_each_index(
+      kRanges,
+      [&](std::size_t r) {
+        const std::size_t low = std::min(r * range, vertex_count);
+        const std::size_t high = std::min(low + range, vertex_count);
+        std::vector<std::uint32_t> place(high - low + 1, 0);
+        for (const auto& block : handed) {
+          for (const Corner& c : block[r]) ++place[c.vertex - low + 1];
+        }
+        place[0] = first[r];
+        for (std::size_t v = 0; v < high - low; ++v) {
+          place[v + 1] += place[v];
+          mesh.star_begin[low + v] = place[v];
+        }
+        for (const auto& block : handed) {
+          for (const Corner& c : block[r]) mesh.star_tets[place[c.vertex - low]++] = c.tet;
+        }
+      },
+      1);
+  mesh.star_begin[vertex_count] = first[kRanges];
 }
 
 void build_neighbours(WorkMesh& mesh) {
@@ -166,6 +195,9 @@ std::vector<std::uint32_t> keep_tetrahedra(WorkMesh& mesh, const std::vector<std
         }
       });
   std::vector<std::uint32_t> number(mesh.positions.size(), kNoTet);
+  std::vector<std::uint32_t> tet_number(mesh.tets.size(), kNoTet);
+  parallel::for_each_index(kept_tets.size(),
+                           [&](std::size_t t) { tet_number[kept_tets[t]] = static_cast<std::uint32_t>(t); });
   WorkMesh small;
   small.positions.resize(kept_vertices.size());
   parallel::for_each_index(kept_vertices.size(), [&](std::size_t v) {
@@ -174,14 +206,18 @@ std::vector<std::uint32_t> keep_tetrahedra(WorkMesh& mesh, const std::vector<std
   });
   small.tets.resize(kept_tets.size());
   small.materials.resize(kept_tets.size());
+  small.neighbours.resize(kept_tets.size());
   parallel::for_each_index(kept_tets.size(), [&](std::size_t t) {
-    const Corner4& from = mesh.tets[kept_tets[t]];
-    for (std::size_t c = 0; c < 4; ++c) small.tets[t][c] = number[from[c]];
-    small.materials[t] = mesh.materials[kept_tets[t]];
+    const std::uint32_t from = kept_tets[t];
+    for (std::size_t c = 0; c < 4; ++c) {
+      small.tets[t][c] = number[mesh.tets[from][c]];
+      const std::uint32_t n = mesh.neighbours[from][c];
+      small.neighbours[t][c] = n == kNoTet ? kNoTet : tet_number[n];
+    }
+    small.materials[t] = mesh.materials[from];
   });
   mesh = std::move(small);
   build_stars(mesh);
-  build_neighbours(mesh);
   return kept_vertices;
 }
 
