@@ -215,9 +215,10 @@ class BadInputTest(unittest.TestCase):
     # Requests and surroundings that cannot be met.
 
     def test_options_out_of_range(self):
-        for options in (["--spacing", "0"], ["--spacing", "-1"], ["--spacing", "nan"], ["--fidelity", "7"],
+        for options in (["--spacing", "-1"], ["--spacing", "nan"], ["--fidelity", "7"],
                         ["--min-dihedral", "80"], ["--threads", "-3"], ["--cut-plane", "0", "0", "0", "0", "0", "0"]):
             with self.subTest(options):
+                self.mesh.unlink(missing_ok=True)
                 self.assert_image_refused(self.good, USAGE, options=options)
 
     def test_unknown_options_and_commands(self):
