@@ -107,7 +107,7 @@ void add_lattice_command(CLI::App& program) {
   sub->add_option("-o,--output", command->mesh_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
       ->required();
   sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
-  sub->add_option("--spacing", o.spacing_mm, "Lattice spacing at the boundary in mm; default 3 voxels");
+  sub->add_option("--spacing", o.spacing_mm, "Lattice spacing at the boundary in mm; default 2.5 voxels");
   sub->add_option("--fidelity", o.fidelity,
                   "0.1 to 0.98: the spacing is at most 4 (1 - F) times the local half thickness")
       ->capture_default_str();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -41,7 +42,7 @@ class Fitter {
     for (int s = 0; s < 6; ++s) {
       sweep([&](std::uint32_t v) {
         fit_if_away(v, floor_);
-        improve_vertex(v, 0.5);
+        improve_vertex(v, 0.4);
       });
     }
     return report();
@@ -50,6 +51,7 @@ class Fitter {
  private:
   void prepare() {
     find_surface_neighbours();
+    find_vertex_triangles();
     colours_ = colour_vertices(mesh_, active_vertices());
     moved_.assign(mesh_.positions.size(), 0);
     tried_.assign(mesh_.positions.size(), 0);
@@ -77,6 +79,19 @@ class Fitter {
     for (std::size_t v = 0; v < mesh_.positions.size(); ++v) surface_begin_[v + 1] += surface_begin_[v];
     surface_.resize(edges.size());
     for (std::size_t i = 0; i < edges.size(); ++i) surface_[i] = static_cast<std::uint32_t>(edges[i]);
+  }
+
+  void find_vertex_triangles() {
+    triangles_begin_.assign(mesh_.positions.size() + 1, 0);
+    for (const BoundaryTriangle& t : boundary_.triangles) {
+      for (const std::uint32_t v : t.vertices) ++triangles_begin_[v + 1];
+    }
+    for (std::size_t v = 0; v < mesh_.positions.size(); ++v) triangles_begin_[v + 1] += triangles_begin_[v];
+    triangles_.resize(3 * boundary_.triangles.size());
+    std::vector<std::uint32_t> place(triangles_begin_.begin(), triangles_begin_.end() - 1);
+    for (std::uint32_t i = 0; i < boundary_.triangles.size(); ++i) {
+      for (const std::uint32_t v : boundary_.triangles[i].vertices) triangles_[place[v]++] = i;
+    }
   }
 
   /// Boundary vertices and three rings of others behind them.
@@ -168,24 +183,58 @@ class Fitter {
     return Vec3(*p + towards_first * (offset_mm_[v] / towards_first.norm()));
   }
 
+  /// What a place is worth for a vertex: the worst angle quality around it and, on a smooth boundary, how
+  /// well the triangles around it face outwards, so that the surface does not fold.
+  struct Score {
+    double angles = 0;
+    double facing = 1;
+    [[nodiscard]] double total() const { return std::min(angles, facing); }
+  };
+  /// Stops early once the angles are known to be worse than `enough`.
+  [[nodiscard]] Score score(std::uint32_t v, const StarQuality& star, const Vec3& x, double enough) const {
+    Score s{star.worst(x, enough), 1};
+    if (s.angles >= enough && boundary_.sets[v].size() == 2) s.facing = facing(v, x);
+    return s;
+  }
+
+  /// Least cosine between the normals of the boundary triangles at a vertex and the boundary's own normal
+  /// there.
+  [[nodiscard]] double facing(std::uint32_t v, const Vec3& x) const {
+    const MaterialSet& set = boundary_.sets[v];
+    const Vec3 towards_first = domain_.separation(x, set[0], set[1]).gradient;
+    const double slope = towards_first.norm();
+    if (!(slope > 0.1)) return 1;
+    double least = 1;
+    for (std::uint32_t i = triangles_begin_[v]; i < triangles_begin_[v + 1]; ++i) {
+      const BoundaryTriangle& t = boundary_.triangles[triangles_[i]];
+      const std::size_t at = t.vertices[0] == v ? 0 : (t.vertices[1] == v ? 1 : 2);
+      const Vec3 n = (mesh_.positions[t.vertices[(at + 1) % 3]] - x)
+                         .cross(mesh_.positions[t.vertices[(at + 2) % 3]] - x);
+      const double outwards = (t.inside == set[0] ? -1 : 1) * n.dot(towards_first);
+      least = std::min(least, outwards / (n.norm() * slope));
+    }
+    return least;
+  }
+
   /// Carries a boundary vertex to the boundary, evenly spread, as far as the star allows; others go to the
   /// middle.
   void fit_vertex(std::uint32_t v, double floor) {
     const Vec3 x = mesh_.positions[v];
     if (!constrained(v)) {
-      improve_vertex(v, 0.45);
+      improve_vertex(v, 0.35);
       return;
     }
     std::optional<Vec3> target = on_boundary(v, x + 0.6 * (mean_of_surface(v) - x));
     if (!target) target = on_boundary(v, x);
     if (!target) target = mean_of_surface(v);
     const StarQuality star(mesh_, v);
-    const double now = star.worst(x, -2);
-    const double enough = std::min(floor, now);
+    const Score now = score(v, star, x, -2);
+    const double enough = std::min(floor, now.angles);
     for (const double part : {1.0, 0.7, 0.4, 0.2, 0.1}) {
       const Vec3 y = x + part * (*target - x);
-      const double q = star.worst(y, enough);
-      if (q >= enough && (q >= floor || q > now)) {
+      const Score then = score(v, star, y, enough);
+      const bool keeps = then.angles >= enough && then.facing >= std::min(floor, now.facing);
+      if (keeps && (then.total() >= floor || then.total() > now.total())) {
         mesh_.positions[v] = y;
         return;
       }
@@ -201,8 +250,10 @@ class Fitter {
   void improve_vertex(std::uint32_t v, double good_enough) {
     const Vec3 x = mesh_.positions[v];
     const StarQuality star(mesh_, v);
-    double best_quality = star.worst(x, -2);
-    if (best_quality >= good_enough) return;
+    const Score now = score(v, star, x, -2);
+    double best_total = now.total();
+    if (best_total >= good_enough) return;
+    const double least_angles = std::min(floor_, now.angles);
     Vec3 best = x;
     const bool bound = constrained(v);
     const auto consider = [&](const Vec3& wish) {
@@ -212,9 +263,9 @@ class Fitter {
         if (!p) return false;
         y = *p;
       }
-      const double q = star.worst(y, best_quality);
-      if (q <= best_quality) return false;
-      best_quality = q;
+      const Score then = score(v, star, y, std::max(best_total, least_angles));
+      if (then.angles < least_angles || then.total() <= best_total) return false;
+      best_total = then.total();
       best = y;
       return true;
     };
@@ -294,27 +345,50 @@ class Fitter {
     }
   }
 
-  /// Shifts each label's outer surface evenly so that the label fills what its voxels fill: undoes the little
-  /// that smoothing takes away.
+  /// Shifts each boundary between two materials evenly so that the labels fill what their voxels fill: undoes
+  /// the little that smoothing takes away. The shifts solve "missing volume = area times shift, summed over a
+  /// label's boundaries" label by label until they settle.
   void offset_for_volume() {
     std::vector<double> missing = options_.label_volumes_mm3;
-    std::vector<double> area(missing.size(), 0.0);
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
       const Corner4& c = mesh_.tets[t];
       missing[mesh_.materials[t]] -= tetrahedron_volume(mesh_.positions[c[0]], mesh_.positions[c[1]],
                                                         mesh_.positions[c[2]], mesh_.positions[c[3]]);
     }
+    struct Interface {
+      double area_mm2 = 0;
+      double shift_mm = 0;  // towards the second material
+    };
+    std::map<std::pair<Material, Material>, Interface> interfaces;  // first < second
     for (const BoundaryTriangle& t : boundary_.triangles) {
-      if (t.outside == 0) area[t.inside] += 0.5 * doubled_area_mm2(t);
+      if (!domain_.is_cut(t.outside))
+        interfaces[std::minmax(t.inside, t.outside)].area_mm2 += 0.5 * doubled_area_mm2(t);
+    }
+    std::vector<double> area(missing.size(), 0.0);
+    for (const auto& [pair, face] : interfaces) {
+      area[pair.first] += face.area_mm2;
+      area[pair.second] += face.area_mm2;
+    }
+    constexpr int kSweeps = 30;
+    for (int s = 0; s < kSweeps; ++s) {
+      const std::vector<double> now = missing;
+      for (auto& [pair, face] : interfaces) {
+        const auto& [a, b] = pair;
+        const double push_a = a == 0 ? 0 : now[a] / area[a];
+        const double push_b = now[b] / area[b];
+        const double move = 0.5 * (push_a - push_b);  // half steps, because both sides push
+        face.shift_mm += move;
+        missing[a] -= move * face.area_mm2;
+        missing[b] += move * face.area_mm2;
+      }
     }
     const double limit = 0.25 * domain_.voxel_size_mm();
     for (std::size_t v = 0; v < offset_mm_.size(); ++v) {
       const MaterialSet& set = boundary_.sets[v];
-      if (set.size() != 2 || set[0] != 0 || domain_.is_cut(set[1])) continue;
-      const Material label = set[1];
-      if (options_.label_volumes_mm3[label] <= 0 || area[label] <= 0) continue;
-      // separation(0, label) grows outwards.
-      offset_mm_[v] += std::clamp(missing[label] / area[label], -limit, limit);
+      if (set.size() != 2 || domain_.is_cut(set[1])) continue;
+      const auto found = interfaces.find({set[0], set[1]});
+      // separation(first, second) grows towards the first, so a shift towards the second is negative.
+      if (found != interfaces.end()) offset_mm_[v] -= std::clamp(found->second.shift_mm, -limit, limit);
     }
   }
 
@@ -342,6 +416,8 @@ class Fitter {
   std::vector<double> offset_mm_;  // where separation shall be on each boundary vertex
   std::vector<std::uint32_t> surface_begin_;
   std::vector<std::uint32_t> surface_;
+  std::vector<std::uint32_t> triangles_begin_;  // boundary triangles of each vertex
+  std::vector<std::uint32_t> triangles_;
   std::vector<std::vector<std::uint32_t>> colours_;
   std::uint16_t clock_ = 0;           // sweeps so far
   std::vector<std::uint16_t> moved_;  // sweep in which each vertex last moved

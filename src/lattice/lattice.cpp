@@ -18,7 +18,7 @@ namespace lumesh {
 
 namespace {
 
-constexpr double kDefaultSpacingVoxels = 3;
+constexpr double kDefaultSpacingVoxels = 2.5;
 
 MixedMesh to_mixed_mesh(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain) {
   MixedMesh out;

@@ -114,8 +114,8 @@ WorkMesh make_work_mesh(std::vector<Corners> lattice, const LatticeFrame& frame,
   return mesh;
 }
 
-/// Linear and parallel: blocks of tetrahedra hand their corners to ranges of vertices, each range then fills its own
-/// part; blocks are visited in order, so every star ascends.
+/// Linear and parallel: blocks of tetrahedra hand their corners to ranges of vertices, each range then fills
+/// its own part; blocks are visited in order, so every star ascends.
 void build_stars(WorkMesh& mesh) {
   constexpr std::size_t kBlock = 32768;  // tetrahedra
   constexpr std::size_t kRanges = 64;
@@ -127,7 +127,8 @@ void build_stars(WorkMesh& mesh) {
   std::vector<std::array<std::vector<Corner>, kRanges>> handed((mesh.tets.size() + kBlock - 1) / kBlock);
   parallel::for_each_block(mesh.tets.size(), kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
-      for (const std::uint32_t v : mesh.tets[t]) handed[b][v / range].push_back({v, static_cast<std::uint32_t>(t)});
+      for (const std::uint32_t v : mesh.tets[t])
+        handed[b][v / range].push_back({v, static_cast<std::uint32_t>(t)});
     }
   });
   mesh.star_begin.assign(vertex_count + 1, 0);

@@ -70,9 +70,9 @@ void check_unlinked(const std::vector<SurfaceFace>& faces, ValidationReport& rep
   merge(report, findings);
 }
 
-LabelTopology& entry_of(ValidationReport& report, Label label) {
+LabelBoundary& entry_of(ValidationReport& report, Label label) {
   return *std::lower_bound(report.labels.begin(), report.labels.end(), label,
-                           [](const LabelTopology& entry, Label value) { return entry.label < value; });
+                           [](const LabelBoundary& entry, Label value) { return entry.label < value; });
 }
 
 std::vector<SurfaceEdge> surface_edges(const std::vector<SurfaceFace>& faces) {
@@ -152,7 +152,7 @@ void count_labels(const TetMesh& mesh, ValidationReport& report) {
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
     const TetId t(i);
     if (!mesh.alive(t)) continue;
-    LabelTopology& entry = entry_of(report, mesh.label(t));
+    LabelBoundary& entry = entry_of(report, mesh.label(t));
     ++entry.tet_count;
     entry.volume +=
         tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
@@ -198,12 +198,12 @@ void check_label_surfaces(const TetMesh& mesh, ValidationReport& report) {
   join_at_edges(faces, surfaces, corners, report);
   check_rings(faces, corners, report);
   for (std::uint32_t i = 0; i < faces.size(); ++i) {
-    LabelTopology& entry = entry_of(report, faces[i].label);
+    LabelBoundary& entry = entry_of(report, faces[i].label);
     ++entry.surface_euler;
     entry.surface_components += surfaces.find(i) == i;
   }
   Findings findings;
-  for (const LabelTopology& entry : report.labels)
+  for (const LabelBoundary& entry : report.labels)
     if (entry.surface_euler % 2 != 0)
       findings.add("the surface of label " + std::to_string(entry.label) + " has the odd Euler number " +
                    std::to_string(entry.surface_euler));

@@ -22,7 +22,7 @@ enum class LatticeCells {
 };
 
 struct LatticeOptions {
-  double spacing_mm = 0;  ///< Lattice spacing at the boundary where the object is thick; 0 means 3 voxels.
+  double spacing_mm = 0;  ///< Lattice spacing at the boundary where the object is thick; 0 means 2.5 voxels.
   double fidelity =
       0.7;  ///< In [0.1, 0.98]: the spacing is at most 4 (1 - fidelity) times the local half thickness.
   std::map<Label, double> label_fidelity;  ///< The same for single labels; others take `fidelity`.

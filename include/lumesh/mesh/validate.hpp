@@ -11,7 +11,7 @@
 namespace lumesh {
 
 /// What validate() counted on the way, per label.
-struct LabelTopology {
+struct LabelBoundary {
   Label label = kBackground;
   std::uint32_t tet_count = 0;
   double volume = 0;                     ///< In the cube of the points' unit.
@@ -24,7 +24,7 @@ struct ValidationReport {
 
   std::vector<std::string> problems;  ///< One readable line each, at most kMostListed.
   std::size_t problem_count = 0;      ///< All of them.
-  std::vector<LabelTopology> labels;  ///< By ascending label; empty if the mesh is too broken to count.
+  std::vector<LabelBoundary> labels;  ///< By ascending label; empty if the mesh is too broken to count.
 
   [[nodiscard]] bool ok() const { return problem_count == 0; }
   [[nodiscard]] std::string text() const;  ///< The problems, one per line; "valid" if there are none.

@@ -41,7 +41,7 @@ TEST(Validate, AcceptsTheFixtures) {
     const ValidationReport report = validate(soup.build());
     EXPECT_TRUE(report.ok()) << report.text();
     EXPECT_EQ(report.text(), "valid");
-    for (const LabelTopology& label : report.labels) {
+    for (const LabelBoundary& label : report.labels) {
       EXPECT_EQ(label.surface_components, 1u);
       EXPECT_EQ(label.surface_euler, 2);
     }
