@@ -1,0 +1,147 @@
+// Medit .mesh, as its programs (Mmg, FreeFEM, Gmsh) write it; counts from 1.
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+
+#include "cell_blocks.hpp"
+#include "mesh_builder.hpp"
+#include "mesh_formats.hpp"
+#include "mesh_info_json.hpp"
+#include "output_file.hpp"
+#include "text_scanner.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+struct Section {
+  std::string_view keyword;
+  CellShape shape;
+  std::size_t corners;
+};
+
+constexpr std::array<Section, 6> kSections = {{{"Triangles", CellShape::kTriangle, 3},
+                                               {"Quadrilaterals", CellShape::kQuadrilateral, 4},
+                                               {"Tetrahedra", CellShape::kTetrahedron, 4},
+                                               {"Pyramids", CellShape::kPyramid, 5},
+                                               {"Prisms", CellShape::kPrism, 6},
+                                               {"Hexahedra", CellShape::kHexahedron, 8}}};
+
+constexpr std::string_view kInfoMark = "# lumesh_info ";
+
+std::string_view keyword_of(CellShape shape) {
+  for (const Section& section : kSections)
+    if (section.shape == shape) return section.keyword;
+  return {};
+}
+
+/// In short lines: some readers take lines of at most 255 characters.
+void write_info(OutputFile& file, const MeshInfo& info) {
+  constexpr std::size_t kLineLength = 160;
+  const std::string json = info_to_json(info);
+  for (std::size_t i = 0; i < json.size(); i += kLineLength)
+    file.print("{}{}|\n", kInfoMark, std::string_view(json).substr(i, kLineLength));
+}
+
+MeshInfo read_info(std::string_view text) {
+  std::string json;
+  std::size_t at = text.find(kInfoMark);
+  while (at != std::string_view::npos) {
+    const std::size_t begin = at + kInfoMark.size();
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view line = text.substr(begin, end - begin);
+    json += line.substr(0, line.rfind('|'));
+    at = text.substr(end, kInfoMark.size() + 1) == std::string("\n").append(kInfoMark) ? end + 1 : text.npos;
+  }
+  return info_from_json(json);
+}
+
+void write_block(OutputFile& file, const CellBlock& block, std::int32_t tag_offset) {
+  if (block.size() == 0) return;
+  file.print("{}\n{}\n", keyword_of(block.shape), block.size());
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    const auto cell = block.cell(i);
+    for (std::size_t k = 0; k < cell.size(); ++k)
+      file.print("{} ", std::uint64_t{cell[block.shape == CellShape::kPrism ? kPrismOrder[k] : k]} + 1);
+    file.print("{}\n", std::int64_t{block.tags[i]} + tag_offset);
+  }
+}
+
+void read_vertices(TextScanner& scanner, MeshBuilder& builder) {
+  const std::size_t count = scanner.count("the number of vertices", 4);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = scanner.real("a coordinate");
+    const double y = scanner.real("a coordinate");
+    const double z = scanner.real("a coordinate");
+    scanner.integer("a vertex reference");
+    builder.add_point({x, y, z});
+  }
+}
+
+void read_cells(TextScanner& scanner, const Section& section, MeshBuilder& builder) {
+  const std::size_t count = scanner.count("the number of cells", section.corners + 1);
+  std::array<std::int64_t, 8> corners{};
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t k = 0; k < section.corners; ++k) {
+      corners[k] = scanner.integer("a vertex number");
+      if (corners[k] < 1) scanner.fail("vertex numbers start at 1");
+      --corners[k];
+    }
+    builder.add_cell(section.shape, {corners.data(), section.corners}, scanner.integer("a reference"));
+  }
+}
+
+/// Sections we do not know: numbers up to the next keyword.
+void skip_section(TextScanner& scanner, std::string_view keyword) {
+  if (keyword.ends_with("P2"))
+    scanner.fail("second order cells (" + std::string(keyword) + ") are not supported");
+  const auto is_number = [](std::string_view word) {
+    return !word.empty() && (std::isdigit(static_cast<unsigned char>(word[0])) != 0 || word[0] == '-' ||
+                             word[0] == '+' || word[0] == '.');
+  };
+  while (is_number(scanner.peek())) scanner.word();
+}
+
+const Section* find_section(std::string_view keyword) {
+  for (const Section& section : kSections)
+    if (section.keyword == keyword) return &section;
+  return nullptr;
+}
+
+}  // namespace
+
+void write_medit_ascii(const std::filesystem::path& path, const MeshView& mesh) {
+  OutputFile file(path);
+  file.print("MeshVersionFormatted 2\nDimension 3\n");
+  write_info(file, *mesh.info);
+  file.print("Vertices\n{}\n", mesh.points.size());
+  for (const Vec3& p : mesh.points) file.print("{} {} {} 0\n", p.x(), p.y(), p.z());
+  for (const CellBlock& block : face_blocks(mesh)) write_block(file, block, 1);
+  for (const CellBlock& block : volume_blocks(mesh)) write_block(file, block, 0);
+  file.print("End\n");
+  file.commit();
+}
+
+MixedMesh read_medit_ascii(const std::filesystem::path& path) {
+  TextScanner scanner(path, '#');
+  MeshBuilder builder(path);
+  scanner.expect("MeshVersionFormatted");
+  scanner.integer("the format's version");
+  for (std::string_view keyword = scanner.word(); keyword != "End"; keyword = scanner.word()) {
+    if (keyword.empty()) scanner.fail("\"End\" is missing, the file is cut off");
+    if (keyword == "Dimension") {
+      if (scanner.integer("the dimension") != 3) scanner.fail("only meshes of dimension 3 can be read");
+    } else if (keyword == "Vertices") {
+      read_vertices(scanner, builder);
+    } else if (const Section* section = find_section(keyword)) {
+      read_cells(scanner, *section, builder);
+    } else {
+      skip_section(scanner, keyword);
+    }
+  }
+  builder.set_info(read_info(scanner.text()));
+  return builder.finish();
+}
+
+}  // namespace lumesh::io

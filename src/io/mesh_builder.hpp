@@ -1,0 +1,144 @@
+#pragma once
+/// @file Collects what a Gmsh or Medit file holds, checks it, and turns face tags into patches.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cell_blocks.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+
+namespace lumesh::io {
+
+/// Points and cells in any order; finish() checks that they fit together. Prisms come in Gmsh's and Medit's
+/// order.
+class MeshBuilder {
+ public:
+  explicit MeshBuilder(std::filesystem::path path) : path_(std::move(path)) {}
+
+  [[noreturn]] void fail(std::string_view what) const {
+    throw Error(ErrorKind::kBadInput, fmt::format("{}: {}; write the file again", path_.string(), what));
+  }
+
+  void add_point(const Vec3& point) {
+    if (!point.allFinite()) fail(fmt::format("point {} is not finite", mesh_.points.size() + 1));
+    mesh_.points.push_back(point);
+  }
+
+  /// Adds a cell or a boundary face with its label or face tag. Corners count from 0.
+  void add_cell(CellShape shape, std::span<const std::int64_t> corners, std::int64_t tag) {
+    if (tag < std::numeric_limits<std::int32_t>::min() || tag > std::numeric_limits<std::int32_t>::max())
+      fail(fmt::format("tag {} does not fit into 32 bits", tag));
+    const auto small_tag = static_cast<std::int32_t>(tag);
+    switch (shape) {
+      case CellShape::kTriangle:
+        return add(corners, small_tag, mesh_.triangles, mesh_.triangle_patches);
+      case CellShape::kQuadrilateral:
+        return add(corners, small_tag, mesh_.quadrilaterals, mesh_.quadrilateral_patches);
+      case CellShape::kTetrahedron:
+        return add(corners, small_tag, mesh_.tetrahedra, mesh_.tetrahedron_labels);
+      case CellShape::kHexahedron:
+        return add(corners, small_tag, mesh_.hexahedra, mesh_.hexahedron_labels);
+      case CellShape::kPyramid:
+        return add(corners, small_tag, mesh_.pyramids, mesh_.pyramid_labels);
+      case CellShape::kPrism:
+        return add_prism(corners, small_tag);
+    }
+  }
+
+  void name_patch(std::int64_t tag, std::string name) { patch_names_[tag] = std::move(name); }
+  void name_label(Label label, std::string name) { label_names_[label] = std::move(name); }
+  /// What a comment of ours says; its patches hold where the face tags are patch id + 1.
+  void set_info(MeshInfo info) { mesh_.info = std::move(info); }
+
+  MixedMesh finish() {
+    check_corners();
+    number_patches();
+    give_default_label();
+    if (mesh_.info.label_names.empty()) mesh_.info.label_names = std::move(label_names_);
+    return std::move(mesh_);
+  }
+
+ private:
+  template <std::size_t N>
+  void add(std::span<const std::int64_t> corners, std::int32_t tag, std::vector<Cell<N>>& cells,
+           std::vector<std::int32_t>& tags) {
+    if (corners.size() != N) fail("a cell has a wrong number of corners");
+    Cell<N> cell;
+    for (std::size_t i = 0; i < N; ++i) {
+      if (corners[i] < 0 || corners[i] > std::numeric_limits<std::uint32_t>::max() - 1)
+        fail(fmt::format("a cell refers to point {}, which is not there", corners[i] + 1));
+      cell[i] = static_cast<std::uint32_t>(corners[i]);
+    }
+    cells.push_back(cell);
+    tags.push_back(tag);
+  }
+
+  void add_prism(std::span<const std::int64_t> corners, std::int32_t tag) {
+    if (corners.size() != kPrismOrder.size()) fail("a cell has a wrong number of corners");
+    std::array<std::int64_t, 6> ordered{};
+    for (std::size_t i = 0; i < ordered.size(); ++i) ordered[i] = corners[kPrismOrder[i]];
+    add<6>(ordered, tag, mesh_.prisms, mesh_.prism_labels);
+  }
+
+  void check_corners() const {
+    const MeshView mesh = mesh_.view();
+    const auto check = [&](const CellBlock& block) {
+      for (const std::uint32_t v : block.vertices)
+        if (v >= mesh.points.size())
+          fail(fmt::format("a cell refers to point {}, which is not there", v + 1));
+    };
+    for (const CellBlock& block : volume_blocks(mesh)) check(block);
+    for (const CellBlock& block : face_blocks(mesh)) check(block);
+  }
+
+  /// Face tags become patch ids: tag - 1 under our own list of patches, else in ascending order of the tags.
+  void number_patches() {
+    std::set<std::int32_t> tags;
+    for (const auto* faces : {&mesh_.triangle_patches, &mesh_.quadrilateral_patches})
+      for (const std::int32_t tag : *faces)
+        if (tags.empty() || tag != *tags.rbegin()) tags.insert(tag);
+    const auto known = static_cast<std::int32_t>(std::min<std::size_t>(mesh_.info.patches.size(), 1U << 30));
+    std::map<std::int32_t, std::int32_t> patch_of;
+    if (known > 0 && (tags.empty() || (*tags.begin() >= 1 && *tags.rbegin() <= known))) {
+      for (std::int32_t tag = 1; tag <= known; ++tag) patch_of[tag] = tag - 1;
+    } else {
+      mesh_.info.patches.clear();
+      for (const auto& [tag, name] : patch_names_) tags.insert(static_cast<std::int32_t>(tag));
+      for (const std::int32_t tag : tags) {
+        patch_of[tag] = static_cast<std::int32_t>(mesh_.info.patches.size());
+        const auto name = patch_names_.find(tag);
+        mesh_.info.patches.push_back(
+            {name == patch_names_.end() ? fmt::format("patch_{}", tag) : name->second, PatchKind::kWall, {}});
+      }
+    }
+    for (auto* faces : {&mesh_.triangle_patches, &mesh_.quadrilateral_patches})
+      for (std::int32_t& tag : *faces) tag = patch_of.at(tag);
+  }
+
+  /// Files without labels say 0 everywhere.
+  void give_default_label() {
+    const std::array<std::vector<Label>*, 4> all = {&mesh_.tetrahedron_labels, &mesh_.pyramid_labels,
+                                                    &mesh_.prism_labels, &mesh_.hexahedron_labels};
+    for (const auto* labels : all)
+      for (const Label label : *labels)
+        if (label != 0) return;
+    for (auto* labels : all) std::fill(labels->begin(), labels->end(), 1);
+  }
+
+  std::filesystem::path path_;
+  MixedMesh mesh_;
+  std::map<std::int64_t, std::string> patch_names_;
+  std::map<Label, std::string> label_names_;
+};
+
+}  // namespace lumesh::io
