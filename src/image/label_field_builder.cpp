@@ -20,8 +20,9 @@ constexpr int kCore = kBrick * kBrick * kBrick;  // 512
 constexpr float kLimit = static_cast<float>(LabelField::kFieldLimit);
 constexpr float kHold =
     -0.15F;  // the boundary may pass a voxel's centre on the wrong side by this much (voxels)
-constexpr float kHoldThin = 0.30F;  // the same where the label is too thin to survive any shrinkage
-constexpr int kMaxRadius = 8;       // of the Gaussian, in voxels: one brick
+constexpr float kThinGive =
+    0.2F;                      // thin parts and their surroundings may change by this much (voxels), no more
+constexpr int kMaxRadius = 8;  // of the Gaussian, in voxels: one brick
 
 using LabelIndex = LabelImage::Index;
 using Window = std::array<LabelIndex, std::size_t{kWindow} * kWindow * kWindow>;
@@ -94,14 +95,15 @@ Rows combine_rows(const Rows& in, int stride, int reach, Combine combine) {
   return out;
 }
 
-/// Marks the voxels of a label that lie within kReach of a place where the label fills a 3^3 cube; the others
-/// are thin: vessels and sheets of one or two voxels.
-Rows near_thick_part(const Mask& label) {
-  Rows rows{};
-  for (std::size_t n = 0; n < rows.size(); ++n) {
+/// Marks the surroundings (one voxel) of a label's thin parts: of voxels further than kReach from any place
+/// where the label fills a 3^3 cube, as in vessels and sheets of one or two voxels.
+Rows around_thin_part(const Mask& label) {
+  Rows all{};
+  for (std::size_t n = 0; n < all.size(); ++n) {
     for (std::size_t i = 0; i < kWindow; ++i)
-      rows[n] = static_cast<std::uint16_t>(rows[n] | label[n * kWindow + i] << i);
+      all[n] = static_cast<std::uint16_t>(all[n] | label[n * kWindow + i] << i);
   }
+  Rows rows = all;
   const auto both = [](std::uint16_t a, std::uint16_t b) { return static_cast<std::uint16_t>(a & b); };
   const auto either = [](std::uint16_t a, std::uint16_t b) { return static_cast<std::uint16_t>(a | b); };
   for (std::uint16_t& row : rows)
@@ -113,7 +115,13 @@ Rows near_thick_part(const Mask& label) {
       wide |= static_cast<unsigned>(row) << d | static_cast<unsigned>(row) >> d;
     row = static_cast<std::uint16_t>(wide);
   }
-  return combine_rows(combine_rows(rows, 1, kReach, either), kWindow, kReach, either);
+  const Rows thick = combine_rows(combine_rows(rows, 1, kReach, either), kWindow, kReach, either);
+  Rows thin{};
+  for (std::size_t n = 0; n < thin.size(); ++n) {
+    const unsigned row = all[n] & static_cast<unsigned>(~thick[n]);
+    thin[n] = static_cast<std::uint16_t>(row | row << 1 | row >> 1);
+  }
+  return combine_rows(combine_rows(thin, 1, 1, either), kWindow, 1, either);
 }
 
 }  // namespace
@@ -133,6 +141,7 @@ class LabelFieldBuilder {
     classify_bricks();
     collect_labels();
     fill_start_values();
+    start_ = values_;
     std::vector<float> filtered(values_.size());
     for (int round = 0; round < options_.rounds; ++round) filter_and_constrain(filtered);
     store_blocks();
@@ -263,7 +272,7 @@ class LabelFieldBuilder {
   }
 
   void fill_start_values() {
-    hold_.resize(place_.size() * kCore);
+    thin_.resize(place_.size() * kCore);
     owner_.resize(place_.size() * kCore);
     parallel::for_each_index(
         place_.size(),
@@ -273,7 +282,7 @@ class LabelFieldBuilder {
           read_window(brick_index(place_[b]), window);
           for (std::uint32_t n = 0; n < brick.label_count; ++n) {
             const LabelIndex label = field_.labels_[brick.first_label + n];
-            fill_hold(window, label, b);
+            fill_owner(window, label, b);
           }
           for (std::size_t n = 0; n < block_count(brick); ++n)
             fill_distance(window, block_label(brick, n), &values_[(brick.first_block + n) * kCore]);
@@ -287,17 +296,16 @@ class LabelFieldBuilder {
     return mask;
   }
 
-  /// Notes each core voxel's owner and by how much it must win there.
-  void fill_hold(const Window& window, LabelIndex label, std::size_t b) {
-    const Rows thick = near_thick_part(mask_of(window, label));
+  /// Notes each core voxel's owner, and the surroundings of thin parts.
+  void fill_owner(const Window& window, LabelIndex label, std::size_t b) {
+    const Rows thin = around_thin_part(mask_of(window, label));
     for (int k = 0; k < kBrick; ++k) {
       for (int j = 0; j < kBrick; ++j) {
         for (int i = 0; i < kBrick; ++i) {
           const std::size_t w = window_at(i + kMargin, j + kMargin, k + kMargin);
-          if (window[w] != label) continue;
           const std::size_t at = b * kCore + core_at(i, j, k);
-          hold_[at] = (thick[w / kWindow] >> (i + kMargin) & 1) != 0 ? kHold : kHoldThin;
-          owner_[at] = label;
+          if ((thin[w / kWindow] >> (i + kMargin) & 1) != 0) thin_[at] = 1;
+          if (window[w] == label) owner_[at] = label;
         }
       }
     }
@@ -462,8 +470,12 @@ class LabelFieldBuilder {
       const std::size_t from = (brick.first_block + n) * kCore;
       for (std::size_t i = 0; i < kCore; ++i) {
         const float smooth = std::clamp(2 * once[from + i] - twice[from + i], -kLimit, kLimit);
-        const float hold = hold_[b * kCore + i];
-        values_[from + i] = owner_[b * kCore + i] == label ? std::max(smooth, hold) : std::min(smooth, -hold);
+        if (thin_[b * kCore + i] != 0) {
+          values_[from + i] = std::clamp(smooth, start_[from + i] - kThinGive, start_[from + i] + kThinGive);
+        } else {
+          values_[from + i] =
+              owner_[b * kCore + i] == label ? std::max(smooth, kHold) : std::min(smooth, -kHold);
+        }
       }
     });
   }
@@ -486,7 +498,8 @@ class LabelFieldBuilder {
   LabelFieldOptions options_;
   std::vector<std::uint32_t> place_;  // brick number of each active brick
   std::vector<float> values_;         // indicator per stored block and core voxel
-  std::vector<float> hold_;           // per active brick and core voxel
+  std::vector<float> start_;          // the same before filtering
+  std::vector<std::uint8_t> thin_;    // per active brick and core voxel
   std::vector<LabelIndex> owner_;
   std::size_t block_count_ = 0;
 };
