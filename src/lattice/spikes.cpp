@@ -54,8 +54,19 @@ class SpikePeeler {
     return parallel::collect<std::uint32_t>(mesh_.tets.size(), [&](std::size_t i, auto& out) {
       const auto t = static_cast<std::uint32_t>(i);
       const int open = open_faces(t);
-      if (open == 3 || (open == 2 && (opens_wide(t) || hangs_out(t)))) out.push_back(t);
+      if (open < 2 || deep_inside(t)) return;
+      if (open == 3 || opens_wide(t) || hangs_out(t)) out.push_back(t);
     });
+  }
+
+  /// Tips of thin vessels look like spikes too, but the label fills them.
+  [[nodiscard]] bool deep_inside(std::uint32_t t) const {
+    double longest2 = 0;
+    for (const auto& [a, b] : bcc::kEdge)
+      longest2 = std::max(
+          longest2, (mesh_.positions[mesh_.tets[t][a]] - mesh_.positions[mesh_.tets[t][b]]).squaredNorm());
+    const double depth = domain_.separation(mesh_.centroid(t), mesh_.materials[t], 0).value;
+    return depth > 0.3 * std::sqrt(longest2);
   }
 
   /// More than 140 degrees between the two open faces.
