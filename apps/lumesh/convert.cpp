@@ -33,7 +33,8 @@ void run(const ConvertCommand& command) {
   write_mesh(command.to, mesh.view(), options);
   if (!command.surface.empty()) write_surface(command.surface, mesh.view(), options);
   fmt::print("{}: {} cells, {} points, {} boundary faces, {} patches\n", command.to, mesh.view().cell_count(),
-             mesh.points.size(), mesh.triangles.size() + mesh.quadrilaterals.size(), mesh.info.patches.size());
+             mesh.points.size(), mesh.triangles.size() + mesh.quadrilaterals.size(),
+             mesh.info.patches.size());
 }
 
 }  // namespace
@@ -41,8 +42,10 @@ void run(const ConvertCommand& command) {
 void add_convert_command(CLI::App& program) {
   const auto command = std::make_shared<ConvertCommand>();
   CLI::App* sub = program.add_subcommand("convert", "Convert a mesh between file formats");
-  sub->add_option("from", command->from, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh, .stl, .vtp)")->required();
-  sub->add_option("to,-o,--output", command->to, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .vtp, .stl)")
+  sub->add_option("from", command->from, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh, .stl, .vtp)")
+      ->required();
+  sub->add_option("to,-o,--output", command->to,
+                  "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .vtp, .stl)")
       ->required();
   sub->add_option("--surface", command->surface, "Also write the boundary alone (.vtp, .stl)");
   sub->add_option("--msh-version", command->msh_version, "Gmsh format")

@@ -27,17 +27,20 @@ struct InfoCommand {
   int threads = 0;
 };
 
-json list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+json list(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 json describe_image(const LabelImage& image) {
   const ImageFrame& f = image.frame();
-  json all = {{"kind", "image"},
-              {"size_voxels", {f.size.x(), f.size.y(), f.size.z()}},
-              {"spacing_mm", list(f.spacing_mm)},
-              {"origin_mm", list(f.origin_mm)},
-              {"direction_columns", {list(f.direction.col(0)), list(f.direction.col(1)), list(f.direction.col(2))}},
-              {"frame", "LPS"},
-              {"labels", json::array()}};
+  json all = {
+      {"kind", "image"},
+      {"size_voxels", {f.size.x(), f.size.y(), f.size.z()}},
+      {"spacing_mm", list(f.spacing_mm)},
+      {"origin_mm", list(f.origin_mm)},
+      {"direction_columns", {list(f.direction.col(0)), list(f.direction.col(1)), list(f.direction.col(2))}},
+      {"frame", "LPS"},
+      {"labels", json::array()}};
   for (const LabelTopology& t : label_topology(image))
     all["labels"].push_back({{"label", t.label},
                              {"voxels", t.voxel_count},
@@ -125,9 +128,11 @@ void run(const InfoCommand& command) {
 void add_info_command(CLI::App& program) {
   const auto command = std::make_shared<InfoCommand>();
   CLI::App* sub = program.add_subcommand("info", "Say what an image or a mesh holds");
-  sub->add_option("file", command->path, "Image (.nii[.gz], .nrrd, .nhdr, .mha, .mhd, DICOM folder) or mesh")->required();
+  sub->add_option("file", command->path, "Image (.nii[.gz], .nrrd, .nhdr, .mha, .mhd, DICOM folder) or mesh")
+      ->required();
   sub->add_option("--labels", command->labels, "Look at these labels only")->delimiter(',');
-  sub->add_option("--threshold", command->threshold, "Voxels at or above become label 1, the rest background");
+  sub->add_option("--threshold", command->threshold,
+                  "Voxels at or above become label 1, the rest background");
   sub->add_flag("--largest-component", command->largest_component, "Keep the largest connected piece only");
   sub->add_flag("--json", command->as_json, "Print JSON");
   sub->add_option("--threads", command->threads, "Threads; 0 = all cores")->capture_default_str();

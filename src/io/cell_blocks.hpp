@@ -53,8 +53,8 @@ inline std::array<CellBlock, 2> face_blocks(const MeshView& mesh) {
           make_block<4>(CellShape::kQuadrilateral, mesh.quadrilaterals, mesh.quadrilateral_patches)};
 }
 
-/// Prisms of Gmsh and Medit have the opposite sense of VTK's: corner i of theirs is corner order[i] of VTK's, and
-/// the other way round.
+/// Prisms of Gmsh and Medit have the opposite sense of VTK's: corner i of theirs is corner order[i] of VTK's,
+/// and the other way round.
 inline constexpr std::array<std::size_t, 6> kPrismOrder = {0, 2, 1, 3, 5, 4};
 
 }  // namespace lumesh::io

@@ -24,7 +24,8 @@ void check_readable(const fs::path& path) {
   if (!fs::exists(status)) fail(path, "no such file; check the path");
   if (fs::is_directory(status)) return;
   if (!fs::is_regular_file(status)) fail(path, "is not a regular file");
-  if (!std::ifstream(path, std::ios::binary)) fail(path, "cannot be opened for reading; check its permissions");
+  if (!std::ifstream(path, std::ios::binary))
+    fail(path, "cannot be opened for reading; check its permissions");
   if (fs::file_size(path, ignored) == 0) fail(path, "is empty; copy it again");
 }
 
@@ -37,7 +38,8 @@ LabelImage read_image(const fs::path& path, const ImageReadOptions& options, Con
     throw Error(ErrorKind::kUsage, "the threshold must be a finite number");
   check_readable(path);
   const bool nifti = !fs::is_directory(path) && io::is_nifti(path);
-  return io::number_labels(nifti ? io::read_nifti(path, context) : io::read_with_itk(path, context), path, options);
+  return io::number_labels(nifti ? io::read_nifti(path, context) : io::read_with_itk(path, context), path,
+                           options);
 }
 
 }  // namespace lumesh

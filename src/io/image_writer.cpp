@@ -35,15 +35,21 @@ void fill_typed(const LabelImage& image, std::size_t first, std::size_t last, st
 }
 
 /// Labels of the voxels [first, last) as they stand in the file.
-void fill_voxels(const LabelImage& image, VoxelType type, std::size_t first, std::size_t last, std::byte* out) {
+void fill_voxels(const LabelImage& image, VoxelType type, std::size_t first, std::size_t last,
+                 std::byte* out) {
   switch (type) {
-    case VoxelType::kUInt8: return fill_typed<std::uint8_t>(image, first, last, out);
-    case VoxelType::kUInt16: return fill_typed<std::uint16_t>(image, first, last, out);
-    default: return fill_typed<std::int32_t>(image, first, last, out);
+    case VoxelType::kUInt8:
+      return fill_typed<std::uint8_t>(image, first, last, out);
+    case VoxelType::kUInt16:
+      return fill_typed<std::uint16_t>(image, first, last, out);
+    default:
+      return fill_typed<std::int32_t>(image, first, last, out);
   }
 }
 
-std::string vector_text(const Vec3& v) { return fmt::format("({},{},{})", v.x(), v.y(), v.z()); }
+std::string vector_text(const Vec3& v) {
+  return fmt::format("({},{},{})", v.x(), v.y(), v.z());
+}
 
 void write_nrrd(const fs::path& path, const LabelImage& image) {
   const ImageFrame& frame = image.frame();
@@ -55,7 +61,8 @@ void write_nrrd(const fs::path& path, const LabelImage& image) {
   file.print("NRRD0004\ntype: {}\ndimension: 3\nspace: left-posterior-superior\n", type_name);
   file.print("sizes: {} {} {}\nspace directions:", frame.size.x(), frame.size.y(), frame.size.z());
   for (int i = 0; i < 3; ++i) file.print(" {}", vector_text(frame.direction.col(i) * frame.spacing_mm[i]));
-  file.print("\nkinds: domain domain domain\nendian: little\nencoding: gzip\nspace units: \"mm\" \"mm\" \"mm\"\n");
+  file.print(
+      "\nkinds: domain domain domain\nendian: little\nencoding: gzip\nspace units: \"mm\" \"mm\" \"mm\"\n");
   file.print("space origin: {}\n\n", vector_text(frame.origin_mm));
   const std::size_t width = io::voxel_bytes(type);
   io::write_gzip(file, frame.voxel_count() * width, [&](std::size_t first, std::size_t last, std::byte* out) {
@@ -73,8 +80,9 @@ void put(std::array<std::byte, 352>& header, std::size_t at, Value value) {
 std::array<std::byte, 352> nifti_header(const fs::path& path, const ImageFrame& frame, VoxelType type) {
   std::array<std::byte, 352> header = {};
   if ((frame.size.array() > 32767).any())
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("{}: NIfTI-1 holds at most 32767 voxels along an axis; write .nrrd", path.string()));
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("{}: NIfTI-1 holds at most 32767 voxels along an axis; write .nrrd", path.string()));
   put<std::int32_t>(header, 0, 348);
   const std::array<int, 8> dimensions = {3, frame.size.x(), frame.size.y(), frame.size.z(), 1, 1, 1, 1};
   for (std::size_t i = 0; i < 8; ++i) put(header, 40 + 2 * i, static_cast<std::int16_t>(dimensions[i]));
@@ -84,7 +92,8 @@ std::array<std::byte, 352> nifti_header(const fs::path& path, const ImageFrame& 
   axes.topRows<2>() *= -1;
   const bool mirrored = axes.determinant() < 0;
   put(header, 76, mirrored ? -1.0F : 1.0F);
-  for (int i = 0; i < 3; ++i) put(header, 80 + 4 * static_cast<std::size_t>(i), static_cast<float>(frame.spacing_mm[i]));
+  for (int i = 0; i < 3; ++i)
+    put(header, 80 + 4 * static_cast<std::size_t>(i), static_cast<float>(frame.spacing_mm[i]));
   put(header, 108, 352.0F);
   put(header, 112, 1.0F);
   constexpr std::byte kMillimetres{2};
@@ -95,7 +104,8 @@ std::array<std::byte, 352> nifti_header(const fs::path& path, const ImageFrame& 
   for (int row = 0; row < 3; ++row) {
     const std::size_t at = 280 + 16 * static_cast<std::size_t>(row);
     for (int i = 0; i < 3; ++i)
-      put(header, at + 4 * static_cast<std::size_t>(i), static_cast<float>(axes(row, i) * frame.spacing_mm[i]));
+      put(header, at + 4 * static_cast<std::size_t>(i),
+          static_cast<float>(axes(row, i) * frame.spacing_mm[i]));
     put(header, at + 12, static_cast<float>(origin[row]));
     put(header, 268 + 4 * static_cast<std::size_t>(row), static_cast<float>(origin[row]));
   }
@@ -141,7 +151,8 @@ void write_nifti(const fs::path& path, const LabelImage& image) {
 void write_image(const fs::path& path, const LabelImage& image) {
   const std::string name = path.filename().string();
   const auto ends_with = [&](std::string_view ending) {
-    return name.size() > ending.size() && std::string_view(name).substr(name.size() - ending.size()) == ending;
+    return name.size() > ending.size() &&
+           std::string_view(name).substr(name.size() - ending.size()) == ending;
   };
   if (ends_with(".nrrd")) return write_nrrd(path, image);
   if (ends_with(".nii") || ends_with(".nii.gz")) return write_nifti(path, image);

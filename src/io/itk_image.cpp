@@ -1,4 +1,5 @@
 // The only file that includes ITK.
+#include <fmt/format.h>
 #include <itkGDCMImageIO.h>
 #include <itkGDCMSeriesFileNames.h>
 #include <itkGiplImageIO.h>
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fmt/format.h>
 
 #include "lumesh/core/error.hpp"
 #include "raw_image.hpp"
@@ -33,8 +33,10 @@ std::string one_line(const itk::ExceptionObject& fault) {
   std::string line;
   for (const char c : text) {
     const bool blank = static_cast<unsigned char>(c) <= ' ';
-    if (!blank) line += c;
-    else if (!line.empty() && line.back() != ' ') line += ' ';
+    if (!blank)
+      line += c;
+    else if (!line.empty() && line.back() != ' ')
+      line += ' ';
   }
   constexpr std::size_t kMaximumLength = 200;
   if (line.size() > kMaximumLength) line.resize(kMaximumLength);
@@ -44,19 +46,30 @@ std::string one_line(const itk::ExceptionObject& fault) {
 VoxelType voxel_type(const fs::path& path, const itk::ImageIOBase& io) {
   using Component = itk::IOComponentEnum;
   switch (io.GetComponentType()) {
-    case Component::UCHAR: return VoxelType::kUInt8;
-    case Component::CHAR: return VoxelType::kInt8;
-    case Component::USHORT: return VoxelType::kUInt16;
-    case Component::SHORT: return VoxelType::kInt16;
-    case Component::UINT: return VoxelType::kUInt32;
-    case Component::INT: return VoxelType::kInt32;
+    case Component::UCHAR:
+      return VoxelType::kUInt8;
+    case Component::CHAR:
+      return VoxelType::kInt8;
+    case Component::USHORT:
+      return VoxelType::kUInt16;
+    case Component::SHORT:
+      return VoxelType::kInt16;
+    case Component::UINT:
+      return VoxelType::kUInt32;
+    case Component::INT:
+      return VoxelType::kInt32;
     case Component::ULONG:
-    case Component::ULONGLONG: return VoxelType::kUInt64;
+    case Component::ULONGLONG:
+      return VoxelType::kUInt64;
     case Component::LONG:
-    case Component::LONGLONG: return VoxelType::kInt64;
-    case Component::FLOAT: return VoxelType::kFloat;
-    case Component::DOUBLE: return VoxelType::kDouble;
-    default: fail(path, "voxels of this type are not supported; save it with integer voxels");
+    case Component::LONGLONG:
+      return VoxelType::kInt64;
+    case Component::FLOAT:
+      return VoxelType::kFloat;
+    case Component::DOUBLE:
+      return VoxelType::kDouble;
+    default:
+      fail(path, "voxels of this type are not supported; save it with integer voxels");
   }
 }
 
@@ -69,8 +82,8 @@ ImageHeader read_header(const fs::path& path, itk::ImageIOBase& io) {
   if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
   for (unsigned i = 3; i < dimensions; ++i)
     if (io.GetDimensions(i) != 1)
-      fail(path, fmt::format("has {} volumes ({}-D image); save one of them as a 3-D image", io.GetDimensions(i),
-                             dimensions));
+      fail(path, fmt::format("has {} volumes ({}-D image); save one of them as a 3-D image",
+                             io.GetDimensions(i), dimensions));
   ImageHeader header;
   header.type = voxel_type(path, io);
   for (unsigned i = 0; i < 3; ++i) {
@@ -90,8 +103,9 @@ itk::ImageIOBase::Pointer make_reader(const fs::path& path) {
       itk::GiplImageIO::New().GetPointer(), itk::GDCMImageIO::New().GetPointer()};
   for (const auto& candidate : candidates)
     if (candidate->CanReadFile(name.c_str())) return candidate;
-  fail(path, "is not an image lumesh can read; it takes NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage "
-             "(.mha, .mhd), GIPL and DICOM");
+  fail(path,
+       "is not an image lumesh can read; it takes NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage "
+       "(.mha, .mhd), GIPL and DICOM");
 }
 
 RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& context) {
@@ -118,7 +132,8 @@ std::vector<std::string> series_files(const fs::path& path) {
   if (all.empty()) fail(path, "holds no DICOM series");
   if (is_folder) {
     if (all.size() > 1)
-      fail(path, fmt::format("holds {} DICOM series; name one file of the series you want instead", all.size()));
+      fail(path,
+           fmt::format("holds {} DICOM series; name one file of the series you want instead", all.size()));
     return names->GetFileNames(all.front());
   }
   for (const std::string& series : all) {

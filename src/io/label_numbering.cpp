@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string>
 #include <span>
+#include <string>
 #include <type_traits>
 
 #include "lumesh/core/error.hpp"
@@ -68,7 +68,8 @@ ValueSet<Voxel> merge(ValueSet<Voxel> a, ValueSet<Voxel> b) {
   if (b.values.empty() || a.values.size() > kMostLabels + 1) return a;
   std::vector<Voxel> both;
   both.reserve(a.values.size() + b.values.size());
-  std::set_union(a.values.begin(), a.values.end(), b.values.begin(), b.values.end(), std::back_inserter(both));
+  std::set_union(a.values.begin(), a.values.end(), b.values.begin(), b.values.end(),
+                 std::back_inserter(both));
   a.values = std::move(both);
   return a;
 }
@@ -77,15 +78,20 @@ template <class Voxel>
 std::vector<Voxel> find_values(std::span<const Voxel> voxels, const fs::path& path) {
   const ValueSet<Voxel> set = parallel::reduce_blocks(
       voxels.size(), kBlock, ValueSet<Voxel>{},
-      [&](std::size_t begin, std::size_t end) { return values_of_block(voxels.data() + begin, voxels.data() + end); },
+      [&](std::size_t begin, std::size_t end) {
+        return values_of_block(voxels.data() + begin, voxels.data() + end);
+      },
       [](ValueSet<Voxel> a, ValueSet<Voxel> b) { return merge(std::move(a), std::move(b)); });
   if (set.not_a_number) fail(path, "has voxels that are not numbers (NaN); replace them before meshing");
   if (set.fractional)
-    fail(path, "has voxels with fractions, so it is no label image; give --threshold VALUE to mesh all voxels at or "
-               "above a value");
+    fail(
+        path,
+        "has voxels with fractions, so it is no label image; give --threshold VALUE to mesh all voxels at or "
+        "above a value");
   if (set.values.size() > kMostLabels)
-    fail(path, fmt::format("has more than {} different labels; give --threshold VALUE if it is a grey-value image",
-                           kMostLabels));
+    fail(path,
+         fmt::format("has more than {} different labels; give --threshold VALUE if it is a grey-value image",
+                     kMostLabels));
   return set.values;
 }
 
@@ -96,9 +102,10 @@ std::vector<Label> labels_from_values(const std::vector<Voxel>& values, const fs
   for (const Voxel value : values) {
     if constexpr (std::is_signed_v<Voxel>)
       if (value < 0)
-        fail(path, fmt::format("has the negative label {}; labels are positive: renumber them, or give --threshold "
-                               "VALUE",
-                               static_cast<std::int64_t>(value)));
+        fail(path,
+             fmt::format("has the negative label {}; labels are positive: renumber them, or give --threshold "
+                         "VALUE",
+                         static_cast<std::int64_t>(value)));
     if (static_cast<double>(value) > static_cast<double>(std::numeric_limits<Label>::max()))
       fail(path, fmt::format("has the label {}; labels must be below 2^31: renumber them",
                              static_cast<double>(value)));
@@ -118,7 +125,8 @@ std::string list_labels(const std::vector<Label>& labels) {
   return list;
 }
 
-std::vector<Label> keep_labels(const std::vector<Label>& present, std::vector<Label> wanted, const fs::path& path) {
+std::vector<Label> keep_labels(const std::vector<Label>& present, std::vector<Label> wanted,
+                               const fs::path& path) {
   sort_unique(wanted);
   for (const Label label : wanted) {
     if (label <= 0) fail(path, fmt::format("label {} cannot be meshed; labels are positive", label));
@@ -165,15 +173,19 @@ LabelImage threshold_voxels(std::span<const Voxel> voxels, const ImageFrame& fra
         }
         return block;
       },
-      [](Seen a, Seen b) { return Seen{a.inside || b.inside, a.not_a_number || b.not_a_number}; });
+      [](Seen a, Seen b) {
+        return Seen{a.inside || b.inside, a.not_a_number || b.not_a_number};
+      });
   if (seen.not_a_number) fail(path, "has voxels that are not numbers (NaN); replace them before meshing");
-  if (!seen.inside) fail(path, fmt::format("no voxel is at or above the threshold {}; lower --threshold", threshold));
+  if (!seen.inside)
+    fail(path, fmt::format("no voxel is at or above the threshold {}; lower --threshold", threshold));
   return image;
 }
 
 template <class Voxel>
 LabelImage number_typed(const RawImage& raw, const fs::path& path, const ImageReadOptions& options) {
-  const std::span<const Voxel> voxels(reinterpret_cast<const Voxel*>(raw.voxels.get()), raw.frame.voxel_count());
+  const std::span<const Voxel> voxels(reinterpret_cast<const Voxel*>(raw.voxels.get()),
+                                      raw.frame.voxel_count());
   if (options.threshold) return threshold_voxels(voxels, raw.frame, *options.threshold, path);
   std::vector<Label> labels = labels_from_values(find_values(voxels, path), path);
   if (!options.labels.empty()) labels = keep_labels(labels, options.labels, path);
@@ -186,16 +198,26 @@ LabelImage number_typed(const RawImage& raw, const fs::path& path, const ImageRe
 
 LabelImage number_labels(RawImage raw, const fs::path& path, const ImageReadOptions& options) {
   switch (raw.type) {
-    case VoxelType::kUInt8: return number_typed<std::uint8_t>(raw, path, options);
-    case VoxelType::kInt8: return number_typed<std::int8_t>(raw, path, options);
-    case VoxelType::kUInt16: return number_typed<std::uint16_t>(raw, path, options);
-    case VoxelType::kInt16: return number_typed<std::int16_t>(raw, path, options);
-    case VoxelType::kUInt32: return number_typed<std::uint32_t>(raw, path, options);
-    case VoxelType::kInt32: return number_typed<std::int32_t>(raw, path, options);
-    case VoxelType::kUInt64: return number_typed<std::uint64_t>(raw, path, options);
-    case VoxelType::kInt64: return number_typed<std::int64_t>(raw, path, options);
-    case VoxelType::kFloat: return number_typed<float>(raw, path, options);
-    case VoxelType::kDouble: return number_typed<double>(raw, path, options);
+    case VoxelType::kUInt8:
+      return number_typed<std::uint8_t>(raw, path, options);
+    case VoxelType::kInt8:
+      return number_typed<std::int8_t>(raw, path, options);
+    case VoxelType::kUInt16:
+      return number_typed<std::uint16_t>(raw, path, options);
+    case VoxelType::kInt16:
+      return number_typed<std::int16_t>(raw, path, options);
+    case VoxelType::kUInt32:
+      return number_typed<std::uint32_t>(raw, path, options);
+    case VoxelType::kInt32:
+      return number_typed<std::int32_t>(raw, path, options);
+    case VoxelType::kUInt64:
+      return number_typed<std::uint64_t>(raw, path, options);
+    case VoxelType::kInt64:
+      return number_typed<std::int64_t>(raw, path, options);
+    case VoxelType::kFloat:
+      return number_typed<float>(raw, path, options);
+    case VoxelType::kDouble:
+      return number_typed<double>(raw, path, options);
   }
   fail(path, "has voxels of an unknown type");
 }

@@ -14,7 +14,8 @@ namespace {
 std::string lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   if (extension == ".gz") extension = path.stem().extension().string() + extension;
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return extension;
 }
 
@@ -57,7 +58,8 @@ MixedMesh read_mesh(const std::filesystem::path& path) {
 }
 
 bool is_mesh_file(const std::filesystem::path& path) {
-  constexpr std::array<std::string_view, 8> kKnown = {".vtu", ".vtk", ".vtk.gz", ".mesh", ".meshb", ".msh", ".stl", ".vtp"};
+  constexpr std::array<std::string_view, 8> kKnown = {".vtu",   ".vtk", ".vtk.gz", ".mesh",
+                                                      ".meshb", ".msh", ".stl",    ".vtp"};
   return std::find(kKnown.begin(), kKnown.end(), lower_extension(path)) != kKnown.end();
 }
 

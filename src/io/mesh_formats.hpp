@@ -9,8 +9,10 @@
 namespace lumesh::io {
 
 void write_vtu(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options);
-void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options);
-void write_legacy_vtk(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options);
+void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh,
+                       const MeshWriteOptions& options);
+void write_legacy_vtk(const std::filesystem::path& path, const MeshView& mesh,
+                      const MeshWriteOptions& options);
 void write_medit_ascii(const std::filesystem::path& path, const MeshView& mesh);
 void write_medit_binary(const std::filesystem::path& path, const MeshView& mesh);
 void write_gmsh(const std::filesystem::path& path, const MeshView& mesh, MshVersion version);

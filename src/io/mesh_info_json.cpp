@@ -31,12 +31,9 @@ json patches_to_json(const std::vector<Patch>& patches) {
 std::string info_to_json(const MeshInfo& info) {
   json names = json::object();
   for (const auto& [label, name] : info.label_names) names[std::to_string(label)] = name;
-  const json all = {{"lumesh_info", 1},
-                    {"unit", info.unit},
-                    {"frame", info.frame},
-                    {"patches", patches_to_json(info.patches)},
-                    {"label_names", names},
-                    {"provenance", info.provenance}};
+  const json all = {{"lumesh_info", 1},     {"unit", info.unit},
+                    {"frame", info.frame},  {"patches", patches_to_json(info.patches)},
+                    {"label_names", names}, {"provenance", info.provenance}};
   // Bytes that are not UTF-8 (a file name of another encoding) must not make writing fail.
   return all.dump(-1, ' ', true, json::error_handler_t::replace);
 }
@@ -49,7 +46,8 @@ MeshInfo info_from_json(std::string_view text) {
     info.unit = all.value("unit", info.unit);
     info.frame = all.value("frame", info.frame);
     for (const json& patch : all.value("patches", json::array()))
-      info.patches.push_back({patch.value("name", std::string()), kind_from_name(patch.value("kind", std::string())),
+      info.patches.push_back({patch.value("name", std::string()),
+                              kind_from_name(patch.value("kind", std::string())),
                               patch.value("labels", std::array<Label, 2>{})});
     for (const auto& [label, name] : all.value("label_names", std::map<std::string, std::string>()))
       info.label_names[std::stoi(label)] = name;

@@ -13,17 +13,23 @@ namespace {
 /// Faces of each shape, outwards, in VTK order; triangles repeat their last corner.
 using LocalFace = std::array<std::uint8_t, 4>;
 constexpr std::array<LocalFace, 4> kTetFaces4 = {{{1, 2, 3, 3}, {0, 3, 2, 2}, {0, 1, 3, 3}, {0, 2, 1, 1}}};
-constexpr std::array<LocalFace, 5> kPyramidFaces = {{{0, 3, 2, 1}, {0, 1, 4, 4}, {1, 2, 4, 4}, {2, 3, 4, 4}, {3, 0, 4, 4}}};
-constexpr std::array<LocalFace, 5> kPrismFaces = {{{0, 1, 2, 2}, {3, 5, 4, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}}};
+constexpr std::array<LocalFace, 5> kPyramidFaces = {
+    {{0, 3, 2, 1}, {0, 1, 4, 4}, {1, 2, 4, 4}, {2, 3, 4, 4}, {3, 0, 4, 4}}};
+constexpr std::array<LocalFace, 5> kPrismFaces = {
+    {{0, 1, 2, 2}, {3, 5, 4, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}}};
 constexpr std::array<LocalFace, 6> kHexFaces = {
     {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
 
 std::span<const LocalFace> faces_of(io::CellShape shape) {
   switch (shape) {
-    case io::CellShape::kPyramid: return kPyramidFaces;
-    case io::CellShape::kPrism: return kPrismFaces;
-    case io::CellShape::kHexahedron: return kHexFaces;
-    default: return kTetFaces4;
+    case io::CellShape::kPyramid:
+      return kPyramidFaces;
+    case io::CellShape::kPrism:
+      return kPrismFaces;
+    case io::CellShape::kHexahedron:
+      return kHexFaces;
+    default:
+      return kTetFaces4;
   }
 }
 
@@ -64,8 +70,10 @@ std::string patch_name(Label inside, Label outside, bool single_label) {
 }  // namespace
 
 std::size_t count_inverted_cells(const MeshView& mesh) {
-  const auto bad = [&](std::span<const std::uint32_t> c, std::size_t i, std::size_t j, std::size_t k, std::size_t l) {
-    return !(tetrahedron_volume(mesh.points[c[i]], mesh.points[c[j]], mesh.points[c[k]], mesh.points[c[l]]) > 0);
+  const auto bad = [&](std::span<const std::uint32_t> c, std::size_t i, std::size_t j, std::size_t k,
+                       std::size_t l) {
+    return !(tetrahedron_volume(mesh.points[c[i]], mesh.points[c[j]], mesh.points[c[k]], mesh.points[c[l]]) >
+             0);
   };
   std::size_t count = 0;
   for (const io::CellBlock& block : io::volume_blocks(mesh)) {
@@ -76,10 +84,17 @@ std::size_t count_inverted_cells(const MeshView& mesh) {
           for (std::size_t i = begin; i < end; ++i) {
             const auto c = block.cell(i);
             switch (block.shape) {
-              case io::CellShape::kPyramid: n += bad(c, 0, 1, 3, 4) || bad(c, 2, 3, 1, 4); break;
-              case io::CellShape::kPrism: n += bad(c, 0, 2, 1, 3) || bad(c, 3, 4, 5, 1); break;
-              case io::CellShape::kHexahedron: n += bad(c, 0, 1, 3, 4) || bad(c, 6, 5, 7, 2); break;
-              default: n += bad(c, 0, 1, 2, 3);
+              case io::CellShape::kPyramid:
+                n += bad(c, 0, 1, 3, 4) || bad(c, 2, 3, 1, 4);
+                break;
+              case io::CellShape::kPrism:
+                n += bad(c, 0, 2, 1, 3) || bad(c, 3, 4, 5, 1);
+                break;
+              case io::CellShape::kHexahedron:
+                n += bad(c, 0, 1, 3, 4) || bad(c, 6, 5, 7, 2);
+                break;
+              default:
+                n += bad(c, 0, 1, 2, 3);
             }
           }
           return n;
@@ -100,7 +115,8 @@ void extract_boundary(MixedMesh& mesh) {
       by_pair[{faces[i].label, kBackground}].push_back(faces[i].corners);
       continue;
     }
-    if (faces[i].label != faces[i + 1].label) by_pair[{faces[i].label, faces[i + 1].label}].push_back(faces[i].corners);
+    if (faces[i].label != faces[i + 1].label)
+      by_pair[{faces[i].label, faces[i + 1].label}].push_back(faces[i].corners);
     ++i;
   }
   mesh.triangles.clear();

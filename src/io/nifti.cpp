@@ -90,8 +90,12 @@ class NiftiHeader {
   [[nodiscard]] int units() const {
     return version_ == 1 ? std::to_integer<int>(bytes_[123]) : get<std::int32_t>(500);
   }
-  [[nodiscard]] int qform_code() const { return version_ == 1 ? get<std::int16_t>(252) : get<std::int32_t>(344); }
-  [[nodiscard]] int sform_code() const { return version_ == 1 ? get<std::int16_t>(254) : get<std::int32_t>(348); }
+  [[nodiscard]] int qform_code() const {
+    return version_ == 1 ? get<std::int16_t>(252) : get<std::int32_t>(344);
+  }
+  [[nodiscard]] int sform_code() const {
+    return version_ == 1 ? get<std::int16_t>(254) : get<std::int32_t>(348);
+  }
   /// b, c, d of the quaternion, then the offset x, y, z.
   [[nodiscard]] double qform(std::size_t i) const { return real(256 + 4 * i, 352 + 8 * i); }
   [[nodiscard]] double sform(std::size_t row, std::size_t column) const {
@@ -123,30 +127,43 @@ NiftiHeader read_nifti_header(GzipInput& input) {
 
 VoxelType voxel_type(const fs::path& path, int code) {
   switch (code) {
-    case 2: return VoxelType::kUInt8;
-    case 4: return VoxelType::kInt16;
-    case 8: return VoxelType::kInt32;
-    case 16: return VoxelType::kFloat;
-    case 64: return VoxelType::kDouble;
-    case 256: return VoxelType::kInt8;
-    case 512: return VoxelType::kUInt16;
-    case 768: return VoxelType::kUInt32;
-    case 1024: return VoxelType::kInt64;
-    case 1280: return VoxelType::kUInt64;
+    case 2:
+      return VoxelType::kUInt8;
+    case 4:
+      return VoxelType::kInt16;
+    case 8:
+      return VoxelType::kInt32;
+    case 16:
+      return VoxelType::kFloat;
+    case 64:
+      return VoxelType::kDouble;
+    case 256:
+      return VoxelType::kInt8;
+    case 512:
+      return VoxelType::kUInt16;
+    case 768:
+      return VoxelType::kUInt32;
+    case 1024:
+      return VoxelType::kInt64;
+    case 1280:
+      return VoxelType::kUInt64;
     default:
-      fail(path, fmt::format("has voxels of NIfTI type {}, which are not single numbers; save it with integer voxels",
-                             code));
+      fail(path, fmt::format(
+                     "has voxels of NIfTI type {}, which are not single numbers; save it with integer voxels",
+                     code));
   }
 }
 
 std::array<std::int64_t, 3> volume_size(const fs::path& path, const NiftiHeader& header) {
   const std::int64_t dimensions = header.dimension(0);
-  if (dimensions < 1 || dimensions > 7) fail(path, "has a damaged header (number of dimensions); save it again");
+  if (dimensions < 1 || dimensions > 7)
+    fail(path, "has a damaged header (number of dimensions); save it again");
   if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
   for (std::int64_t i = 4; i <= dimensions; ++i) {
     const std::int64_t volumes = header.dimension(static_cast<std::size_t>(i));
     if (volumes != 1)
-      fail(path, fmt::format("has {} volumes ({}-D image); save one of them as a 3-D image", volumes, dimensions));
+      fail(path,
+           fmt::format("has {} volumes ({}-D image); save one of them as a 3-D image", volumes, dimensions));
   }
   return {header.dimension(1), header.dimension(2), header.dimension(3)};
 }
@@ -167,9 +184,12 @@ Mat3 quaternion_axes(const NiftiHeader& header) {
 
 double unit_mm(int units) {
   switch (units & 7) {
-    case 1: return 1000;   // Metres.
-    case 3: return 0.001;  // Micrometres.
-    default: return 1;     // Millimetres, or not said.
+    case 1:
+      return 1000;  // Metres.
+    case 3:
+      return 0.001;  // Micrometres.
+    default:
+      return 1;  // Millimetres, or not said.
   }
 }
 
@@ -203,13 +223,15 @@ ImageHeader place(const fs::path& path, const NiftiHeader& header) {
 }
 
 void swap_bytes(std::byte* voxels, std::size_t count, std::size_t width) {
-  parallel::for_each_index(count, [&](std::size_t i) { std::reverse(voxels + i * width, voxels + (i + 1) * width); });
+  parallel::for_each_index(
+      count, [&](std::size_t i) { std::reverse(voxels + i * width, voxels + (i + 1) * width); });
 }
 
 template <class Voxel>
 void scale_typed(const std::byte* from, double* to, std::size_t count, double slope, double intercept) {
   const auto* voxels = reinterpret_cast<const Voxel*>(from);
-  parallel::for_each_index(count, [&](std::size_t i) { to[i] = static_cast<double>(voxels[i]) * slope + intercept; });
+  parallel::for_each_index(
+      count, [&](std::size_t i) { to[i] = static_cast<double>(voxels[i]) * slope + intercept; });
 }
 
 /// Values of a file that stores them scaled; rare for labels.
@@ -219,16 +241,36 @@ void apply_scale(RawImage& image, double slope, double intercept) {
   auto* const to = reinterpret_cast<double*>(scaled.get());
   const std::byte* const from = image.voxels.get();
   switch (image.type) {
-    case VoxelType::kUInt8: scale_typed<std::uint8_t>(from, to, count, slope, intercept); break;
-    case VoxelType::kInt8: scale_typed<std::int8_t>(from, to, count, slope, intercept); break;
-    case VoxelType::kUInt16: scale_typed<std::uint16_t>(from, to, count, slope, intercept); break;
-    case VoxelType::kInt16: scale_typed<std::int16_t>(from, to, count, slope, intercept); break;
-    case VoxelType::kUInt32: scale_typed<std::uint32_t>(from, to, count, slope, intercept); break;
-    case VoxelType::kInt32: scale_typed<std::int32_t>(from, to, count, slope, intercept); break;
-    case VoxelType::kUInt64: scale_typed<std::uint64_t>(from, to, count, slope, intercept); break;
-    case VoxelType::kInt64: scale_typed<std::int64_t>(from, to, count, slope, intercept); break;
-    case VoxelType::kFloat: scale_typed<float>(from, to, count, slope, intercept); break;
-    case VoxelType::kDouble: scale_typed<double>(from, to, count, slope, intercept); break;
+    case VoxelType::kUInt8:
+      scale_typed<std::uint8_t>(from, to, count, slope, intercept);
+      break;
+    case VoxelType::kInt8:
+      scale_typed<std::int8_t>(from, to, count, slope, intercept);
+      break;
+    case VoxelType::kUInt16:
+      scale_typed<std::uint16_t>(from, to, count, slope, intercept);
+      break;
+    case VoxelType::kInt16:
+      scale_typed<std::int16_t>(from, to, count, slope, intercept);
+      break;
+    case VoxelType::kUInt32:
+      scale_typed<std::uint32_t>(from, to, count, slope, intercept);
+      break;
+    case VoxelType::kInt32:
+      scale_typed<std::int32_t>(from, to, count, slope, intercept);
+      break;
+    case VoxelType::kUInt64:
+      scale_typed<std::uint64_t>(from, to, count, slope, intercept);
+      break;
+    case VoxelType::kInt64:
+      scale_typed<std::int64_t>(from, to, count, slope, intercept);
+      break;
+    case VoxelType::kFloat:
+      scale_typed<float>(from, to, count, slope, intercept);
+      break;
+    case VoxelType::kDouble:
+      scale_typed<double>(from, to, count, slope, intercept);
+      break;
   }
   image.voxels = std::move(scaled);
   image.type = VoxelType::kDouble;
@@ -240,7 +282,8 @@ void skip_to(GzipInput& input, const fs::path& path, std::size_t from, double of
   if (!(offset >= static_cast<double>(from)) || offset > kLargestOffset)
     fail(path, "has a damaged header (data offset); save it again");
   std::vector<std::byte> extension(static_cast<std::size_t>(offset) - from);
-  if (input.read(extension.data(), extension.size()) != extension.size()) fail(path, "is truncated; copy it again");
+  if (input.read(extension.data(), extension.size()) != extension.size())
+    fail(path, "is truncated; copy it again");
 }
 
 }  // namespace
@@ -257,7 +300,8 @@ RawImage read_nifti(const fs::path& path, Context& context) {
     GzipInput input(path);
     return read_nifti_header(input);
   }();
-  if (header.magic().substr(0, 2) == "ni") fail(path, "keeps its voxels in a second file; save it as one .nii file");
+  if (header.magic().substr(0, 2) == "ni")
+    fail(path, "keeps its voxels in a second file; save it as one .nii file");
   const ImageHeader placed = place(path, header);
   RawImage image;
   image.frame = checked_frame(path, placed, context);

@@ -89,7 +89,8 @@ void OutputFile::commit() {
   const int closed = ::close(descriptor_);
   const int reason = errno;
   descriptor_ = -1;
-  const bool renamed = closed == 0 && (temporary_.empty() || ::rename(temporary_.c_str(), target_.c_str()) == 0);
+  const bool renamed =
+      closed == 0 && (temporary_.empty() || ::rename(temporary_.c_str(), target_.c_str()) == 0);
   if (renamed) return;
   const int final_reason = closed == 0 ? errno : reason;
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
@@ -99,7 +100,8 @@ void OutputFile::commit() {
 void OutputFile::fail(std::string_view action, int error_number) const {
   std::string message = fmt::format("{}: {}", target_.string(), action);
   if (error_number != 0) message += fmt::format(" ({})", std::strerror(error_number));
-  if (error_number == ENOSPC || error_number == EFBIG || error_number == EDQUOT) message += "; free some space";
+  if (error_number == ENOSPC || error_number == EFBIG || error_number == EDQUOT)
+    message += "; free some space";
   throw Error(ErrorKind::kBadInput, message);
 }
 

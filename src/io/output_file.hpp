@@ -11,8 +11,9 @@
 
 namespace lumesh::io {
 
-/// Buffered writer to a temporary file beside the target; commit() renames it, the destructor removes it otherwise.
-/// Devices and pipes are written directly. Every failure throws Error{kBadInput} that names the target.
+/// Buffered writer to a temporary file beside the target; commit() renames it, the destructor removes it
+/// otherwise. Devices and pipes are written directly. Every failure throws Error{kBadInput} that names the
+/// target.
 class OutputFile {
  public:
   explicit OutputFile(const std::filesystem::path& target);

@@ -22,8 +22,8 @@ struct Packed {
   uLong crc = 0;
 };
 
-/// Raw deflate of one block. All but the last end with an empty stored block, on a byte border, so that blocks can
-/// be joined (as pigz does).
+/// Raw deflate of one block. All but the last end with an empty stored block, on a byte border, so that
+/// blocks can be joined (as pigz does).
 Packed pack(const std::vector<std::byte>& raw, int flush) {
   Packed packed;
   const auto* in = reinterpret_cast<const Bytef*>(raw.data());

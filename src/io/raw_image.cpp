@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 /// Files round direction cosines to about 6 digits; less than this is not worth a warning.
 constexpr double kSilentAngleDeg = 0.01;
-/// More than this is a sheared grid, not rounding: a voxel at the far side would be displaced by 5 % of the image.
+/// More than this is a sheared grid, not rounding: a voxel at the far side would be displaced by 5 % of the
+/// image.
 constexpr double kLargestAngleDeg = 3.0;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what, ErrorKind kind = ErrorKind::kBadInput) {
@@ -55,12 +56,14 @@ Mat3 nearest_orthonormal(const fs::path& path, const Mat3& direction, Context& c
   for (int i = 0; i < 3; ++i) worst_sine = std::max(worst_sine, unit.col(i).cross(repaired.col(i)).norm());
   const double angle_deg = std::asin(std::min(1.0, worst_sine)) * 180 / std::numbers::pi;
   if (std::abs(unit.determinant()) < 0.5 || angle_deg > kLargestAngleDeg)
-    fail(path, fmt::format("its axes are not perpendicular (off by {:.1f} degrees); resample the image to a regular "
-                           "grid",
-                           angle_deg));
+    fail(path, fmt::format(
+                   "its axes are not perpendicular (off by {:.1f} degrees); resample the image to a regular "
+                   "grid",
+                   angle_deg));
   if (angle_deg > kSilentAngleDeg)
-    context.warn(fmt::format("{}: direction cosines are not orthonormal; used the nearest ones ({:.2g} degrees off)",
-                             path.string(), angle_deg));
+    context.warn(
+        fmt::format("{}: direction cosines are not orthonormal; used the nearest ones ({:.2g} degrees off)",
+                    path.string(), angle_deg));
   return repaired;
 }
 
@@ -69,13 +72,17 @@ Mat3 nearest_orthonormal(const fs::path& path, const Mat3& direction, Context& c
 std::size_t voxel_bytes(VoxelType type) {
   switch (type) {
     case VoxelType::kUInt8:
-    case VoxelType::kInt8: return 1;
+    case VoxelType::kInt8:
+      return 1;
     case VoxelType::kUInt16:
-    case VoxelType::kInt16: return 2;
+    case VoxelType::kInt16:
+      return 2;
     case VoxelType::kUInt32:
     case VoxelType::kInt32:
-    case VoxelType::kFloat: return 4;
-    default: return 8;
+    case VoxelType::kFloat:
+      return 4;
+    default:
+      return 8;
   }
 }
 
@@ -88,8 +95,8 @@ ImageFrame checked_frame(const fs::path& path, const ImageHeader& header, Contex
     frame.size[i] = static_cast<int>(side);
     const double spacing = header.spacing_mm[i];
     if (!std::isfinite(spacing) || spacing <= 0)
-      fail(path, fmt::format("its spacing along axis {} is {} mm; correct the header, it must be positive", i + 1,
-                             spacing));
+      fail(path, fmt::format("its spacing along axis {} is {} mm; correct the header, it must be positive",
+                             i + 1, spacing));
   }
   if ((frame.size.array() < 2).any())
     fail(path, fmt::format("is a flat image of {} x {} x {} voxels; lumesh needs a 3-D one", frame.size.x(),
@@ -110,9 +117,9 @@ std::unique_ptr<std::byte[]> allocate_voxels(const fs::path& path, const ImageFr
     fail(path, fmt::format("is too short for the {} x {} x {} voxels its header names; copy it again",
                            frame.size.x(), frame.size.y(), frame.size.z()));
   const std::uintmax_t needed = bytes + voxels * sizeof(LabelImage::Index);
-  const std::string advice = fmt::format("{} x {} x {} voxels need {:.1f} GiB of memory; crop or resample the image",
-                                         frame.size.x(), frame.size.y(), frame.size.z(),
-                                         static_cast<double>(needed) / (1U << 30U));
+  const std::string advice =
+      fmt::format("{} x {} x {} voxels need {:.1f} GiB of memory; crop or resample the image", frame.size.x(),
+                  frame.size.y(), frame.size.z(), static_cast<double>(needed) / (1U << 30U));
   if (needed > available_memory_bytes()) fail(path, advice, ErrorKind::kMemory);
   try {
     return std::unique_ptr<std::byte[]>(new std::byte[bytes]);  // Uninitialised: read() fills all of it.

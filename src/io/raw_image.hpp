@@ -14,7 +14,18 @@
 
 namespace lumesh::io {
 
-enum class VoxelType : std::uint8_t { kUInt8, kInt8, kUInt16, kInt16, kUInt32, kInt32, kUInt64, kInt64, kFloat, kDouble };
+enum class VoxelType : std::uint8_t {
+  kUInt8,
+  kInt8,
+  kUInt16,
+  kInt16,
+  kUInt32,
+  kInt32,
+  kUInt64,
+  kInt64,
+  kFloat,
+  kDouble
+};
 
 [[nodiscard]] std::size_t voxel_bytes(VoxelType type);
 
@@ -33,20 +44,22 @@ struct RawImage {
   std::unique_ptr<std::byte[]> voxels;  ///< In this machine's byte order.
 };
 
-/// A frame that keeps ImageFrame's promises, or Error. Repairs directions that are slightly off, with a warning.
+/// A frame that keeps ImageFrame's promises, or Error. Repairs directions that are slightly off, with a
+/// warning.
 [[nodiscard]] ImageFrame checked_frame(const std::filesystem::path& path, const ImageHeader& header,
                                        Context& context);
 
-/// Buffer for the voxels of a checked frame; throws Error if the file is too short to hold them even if packed as
-/// tightly as gzip can, or if memory is short. `file_bytes` 0 skips the first check.
-[[nodiscard]] std::unique_ptr<std::byte[]> allocate_voxels(const std::filesystem::path& path, const ImageFrame& frame,
-                                                           VoxelType type, std::uintmax_t file_bytes);
+/// Buffer for the voxels of a checked frame; throws Error if the file is too short to hold them even if
+/// packed as tightly as gzip can, or if memory is short. `file_bytes` 0 skips the first check.
+[[nodiscard]] std::unique_ptr<std::byte[]> allocate_voxels(const std::filesystem::path& path,
+                                                           const ImageFrame& frame, VoxelType type,
+                                                           std::uintmax_t file_bytes);
 
 /// Through ITK: NRRD, MetaImage, GIPL, DICOM.
 [[nodiscard]] RawImage read_with_itk(const std::filesystem::path& path, Context& context);
 
-/// NIfTI 1 and 2 in one file, plain or gzip. Read here because ITK 5.2 refuses images whose direction cosines are
-/// not orthonormal, and copies the voxels once more.
+/// NIfTI 1 and 2 in one file, plain or gzip. Read here because ITK 5.2 refuses images whose direction cosines
+/// are not orthonormal, and copies the voxels once more.
 [[nodiscard]] RawImage read_nifti(const std::filesystem::path& path, Context& context);
 /// True if the file begins as a NIfTI file, whatever its name.
 [[nodiscard]] bool is_nifti(const std::filesystem::path& path);

@@ -89,10 +89,12 @@ VtkXmlReader::VtkXmlReader(const std::filesystem::path& path, std::string_view d
   const std::size_t xml_size = appended_.data() == nullptr
                                    ? content_.size()
                                    : static_cast<std::size_t>(appended_.data() - content_.data());
-  // The appended bytes are no XML: an unclosed <AppendedData> ends the parse, but what stands before it is there.
+  // The appended bytes are no XML: an unclosed <AppendedData> ends the parse, but what stands before it is
+  // there.
   const pugi::xml_parse_result result =
       document_.load_buffer_inplace(content_.data(), xml_size, pugi::parse_minimal | pugi::parse_fragment);
-  if (!result && appended_.data() == nullptr) fail(fmt::format("not a complete XML file ({})", result.description()));
+  if (!result && appended_.data() == nullptr)
+    fail(fmt::format("not a complete XML file ({})", result.description()));
   const pugi::xml_node file = document_.child("VTKFile");
   if (!file) fail("not a VTK XML file");
   if (file.attribute("type").value() != dataset_type)
@@ -129,12 +131,14 @@ pugi::xml_node VtkXmlReader::find_array(const pugi::xml_node& parent, std::strin
 
 std::size_t VtkXmlReader::count(const char* attribute) const {
   const long long n = piece_.attribute(attribute).as_llong(0);
-  if (n < 0 || n > std::numeric_limits<std::int32_t>::max() * 4LL) fail(fmt::format("{} is out of range", attribute));
+  if (n < 0 || n > std::numeric_limits<std::int32_t>::max() * 4LL)
+    fail(fmt::format("{} is out of range", attribute));
   return static_cast<std::size_t>(n);
 }
 
 std::string_view VtkXmlReader::appended_text(std::size_t offset, const char* what) const {
-  if (appended_.data() == nullptr || offset >= appended_.size()) fail(fmt::format("the data of {} are cut off", what));
+  if (appended_.data() == nullptr || offset >= appended_.size())
+    fail(fmt::format("the data of {} are cut off", what));
   return appended_.substr(offset);
 }
 
@@ -173,7 +177,8 @@ std::vector<unsigned char> VtkXmlReader::unpack(std::string_view raw, const char
     uLongf wanted = b + 1 == blocks && last_bytes > 0 ? last_bytes : block_bytes;
     const uLongf expected = wanted;
     if (uncompress(out.data() + to, &wanted, reinterpret_cast<const Bytef*>(raw.data() + from),
-                   static_cast<uLong>(packed)) != Z_OK || wanted != expected)
+                   static_cast<uLong>(packed)) != Z_OK ||
+        wanted != expected)
       cut_off();
     from += packed;
     to += wanted;
@@ -186,7 +191,8 @@ std::vector<unsigned char> VtkXmlReader::bytes(const pugi::xml_node& array, cons
   if (format == "appended") {
     const auto offset = static_cast<std::size_t>(array.attribute("offset").as_ullong(0));
     const std::string_view data = appended_text(offset, what);
-    return appended_is_base64_ ? unpack(decode_base64(data.substr(0, data.find('<'))), what) : unpack(data, what);
+    return appended_is_base64_ ? unpack(decode_base64(data.substr(0, data.find('<'))), what)
+                               : unpack(data, what);
   }
   if (format != "binary") fail(fmt::format("{} has the unknown format {}", what, format));
   return unpack(decode_base64(array.text().get()), what);
@@ -204,17 +210,28 @@ std::vector<Value> VtkXmlReader::values(const pugi::xml_node& array, const char*
   const std::string_view type = array.attribute("type").as_string("");
   const std::vector<unsigned char> raw = bytes(array, what);
   bool good = true;
-  if (type == "Float64") good = convert_all<double>(raw, out);
-  else if (type == "Float32") good = convert_all<float>(raw, out);
-  else if (type == "Int64") good = convert_all<std::int64_t>(raw, out);
-  else if (type == "UInt64") good = convert_all<std::uint64_t>(raw, out);
-  else if (type == "Int32") good = convert_all<std::int32_t>(raw, out);
-  else if (type == "UInt32") good = convert_all<std::uint32_t>(raw, out);
-  else if (type == "Int16") good = convert_all<std::int16_t>(raw, out);
-  else if (type == "UInt16") good = convert_all<std::uint16_t>(raw, out);
-  else if (type == "Int8") good = convert_all<std::int8_t>(raw, out);
-  else if (type == "UInt8") good = convert_all<std::uint8_t>(raw, out);
-  else fail(fmt::format("{} has the unknown type {}", what, type));
+  if (type == "Float64")
+    good = convert_all<double>(raw, out);
+  else if (type == "Float32")
+    good = convert_all<float>(raw, out);
+  else if (type == "Int64")
+    good = convert_all<std::int64_t>(raw, out);
+  else if (type == "UInt64")
+    good = convert_all<std::uint64_t>(raw, out);
+  else if (type == "Int32")
+    good = convert_all<std::int32_t>(raw, out);
+  else if (type == "UInt32")
+    good = convert_all<std::uint32_t>(raw, out);
+  else if (type == "Int16")
+    good = convert_all<std::int16_t>(raw, out);
+  else if (type == "UInt16")
+    good = convert_all<std::uint16_t>(raw, out);
+  else if (type == "Int8")
+    good = convert_all<std::int8_t>(raw, out);
+  else if (type == "UInt8")
+    good = convert_all<std::uint8_t>(raw, out);
+  else
+    fail(fmt::format("{} has the unknown type {}", what, type));
   if (!good) fail(fmt::format("{} holds fractions where whole numbers are needed", what));
   return out;
 }

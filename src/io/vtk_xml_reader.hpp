@@ -45,7 +45,7 @@ class VtkXmlReader {
   std::string content_;
   std::string_view appended_;  ///< After the underscore.
   bool appended_is_base64_ = false;
-  bool packed_ = false;        ///< zlib blocks.
+  bool packed_ = false;  ///< zlib blocks.
   std::size_t header_bytes_ = 4;
   pugi::xml_document document_;
   pugi::xml_node dataset_;

@@ -40,7 +40,8 @@ class Base64Stream {
   void finish() {
     if (held_ == 0) return;
     const std::size_t used = held_;
-    std::fill(group_.begin() + static_cast<std::ptrdiff_t>(used), group_.end(), static_cast<unsigned char>(0));
+    std::fill(group_.begin() + static_cast<std::ptrdiff_t>(used), group_.end(),
+              static_cast<unsigned char>(0));
     text_.clear();
     append(group_.data());
     for (std::size_t i = used + 1; i < 4; ++i) text_[i] = '=';
@@ -85,11 +86,20 @@ std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += static_cast<unsigned char>(c) < ' ' ? '_' : c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += static_cast<unsigned char>(c) < ' ' ? '_' : c;
     }
   }
   return out;
@@ -108,13 +118,16 @@ std::size_t xml_type_bytes(std::string_view type) {
 VtkXmlWriter::VtkXmlWriter(const std::filesystem::path& path, std::string_view dataset_type)
     : file_(path), dataset_type_(dataset_type) {
   print("<?xml version=\"1.0\"?>\n<!-- lumesh {} -->\n", kVersion);
-  print("<VTKFile type=\"{}\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" ", dataset_type);
+  print("<VTKFile type=\"{}\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" ",
+        dataset_type);
   print("compressor=\"vtkZLibDataCompressor\">\n<{}>\n", dataset_type);
 }
 
 void VtkXmlWriter::array(const XmlArray& shape, const Fill& fill) {
-  print("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" NumberOfTuples=\"{}\" format=\"binary\">\n",
-        shape.type, escaped(shape.name), shape.components, shape.tuples);
+  print(
+      "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" NumberOfTuples=\"{}\" "
+      "format=\"binary\">\n",
+      shape.type, escaped(shape.name), shape.components, shape.tuples);
   const std::size_t tuple_bytes = xml_type_bytes(shape.type) * shape.components;
   // A multiple of 8 tuples, so that readers may decode blocks one by one into any type.
   const std::size_t block = std::max<std::size_t>(8, kTargetBlockBytes / tuple_bytes / 8 * 8);
@@ -128,7 +141,8 @@ void VtkXmlWriter::array(const XmlArray& shape, const Fill& fill) {
   std::vector<std::uint64_t> header = {packed.size(), packed.empty() ? 0 : block * tuple_bytes, last};
   for (const auto& bytes : packed) header.push_back(bytes.size());
   Base64Stream header_stream(file_);
-  header_stream.write(reinterpret_cast<const unsigned char*>(header.data()), header.size() * sizeof(header[0]));
+  header_stream.write(reinterpret_cast<const unsigned char*>(header.data()),
+                      header.size() * sizeof(header[0]));
   header_stream.finish();
   Base64Stream stream(file_);
   for (const auto& bytes : packed) stream.write(bytes.data(), bytes.size());

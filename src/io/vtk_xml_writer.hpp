@@ -1,5 +1,6 @@
 #pragma once
-/// @file VTK XML files with inline base64 of zlib blocks, the encoding that ParaView, VTK and meshio all read.
+/// @file VTK XML files with inline base64 of zlib blocks, the encoding that ParaView, VTK and meshio all
+/// read.
 
 #include <cstddef>
 #include <cstdint>
@@ -18,8 +19,8 @@ namespace lumesh::io {
 /// Name, type and shape of a data array.
 struct XmlArray {
   std::string_view name;
-  std::string_view type;        ///< VTK's: Int8, UInt8, Int32, Int64, Float64.
-  std::size_t components = 1;   ///< Values per tuple.
+  std::string_view type;       ///< VTK's: Int8, UInt8, Int32, Int64, Float64.
+  std::size_t components = 1;  ///< Values per tuple.
   std::size_t tuples = 0;
 };
 
@@ -42,7 +43,8 @@ class VtkXmlWriter {
   void array(const XmlArray& shape, const Fill& fill);
   void points(std::span<const Vec3> points);
   void int32_array(std::string_view name, std::span<const std::int32_t> values);
-  /// FieldData arrays `unit`, `frame` and `lumesh_info` (JSON, with provenance), as bytes of text; for inside <FieldData>.
+  /// FieldData arrays `unit`, `frame` and `lumesh_info` (JSON, with provenance), as bytes of text; for inside
+  /// <FieldData>.
   void info_arrays(const MeshInfo& info);
   void commit();
 

@@ -13,7 +13,9 @@ namespace lumesh::io {
 
 namespace {
 
-std::size_t face_count(const MeshView& mesh) { return mesh.triangles.size() + mesh.quadrilaterals.size(); }
+std::size_t face_count(const MeshView& mesh) {
+  return mesh.triangles.size() + mesh.quadrilaterals.size();
+}
 
 /// All cells behind each other: what VTK's arrays run over.
 class CellSequence {
@@ -30,7 +32,8 @@ class CellSequence {
     for (const CellBlock& block : blocks_) count += block.vertices.size();
     return count;
   }
-  /// Calls visit(block, first cell in block, last, cells before, corners before) for the parts of [first, last).
+  /// Calls visit(block, first cell in block, last, cells before, corners before) for the parts of [first,
+  /// last).
   template <class Visit>
   void visit_cells(std::size_t first, std::size_t last, const Visit& visit) const {
     std::size_t cells_before = 0;
@@ -63,58 +66,69 @@ class CellSequence {
 
 void write_labels(VtkXmlWriter& writer, const CellSequence& cells, std::string_view name) {
   writer.array({name, "Int32", 1, cells.cells()}, [&](std::size_t first, std::size_t last, std::byte* out) {
-    cells.visit_cells(first, last, [&](const CellBlock& block, std::size_t begin, std::size_t end, std::size_t) {
-      const std::size_t bytes = (end - begin) * sizeof(std::int32_t);
-      std::memcpy(out, block.tags.data() + begin, bytes);
-      out += bytes;
-    });
+    cells.visit_cells(first, last,
+                      [&](const CellBlock& block, std::size_t begin, std::size_t end, std::size_t) {
+                        const std::size_t bytes = (end - begin) * sizeof(std::int32_t);
+                        std::memcpy(out, block.tags.data() + begin, bytes);
+                        out += bytes;
+                      });
   });
 }
 
 void write_cells(VtkXmlWriter& writer, const CellSequence& cells) {
   writer.print("<Cells>\n");
   // Vertex indices are below 2^31 by far (checked), so their bits serve as Int32.
-  writer.array({"connectivity", "Int32", 1, cells.corners()},
-               [&](std::size_t first, std::size_t last, std::byte* out) { cells.copy_corners(first, last, out); });
-  writer.array({"offsets", "Int64", 1, cells.cells()}, [&](std::size_t first, std::size_t last, std::byte* out) {
-    cells.visit_cells(first, last, [&](const CellBlock& block, std::size_t begin, std::size_t end, std::size_t before) {
-      for (std::size_t i = begin; i < end; ++i, out += sizeof(std::int64_t)) {
-        const auto offset = static_cast<std::int64_t>(before + (i + 1) * block.corners);
-        std::memcpy(out, &offset, sizeof(offset));
-      }
-    });
-  });
-  writer.array({"types", "UInt8", 1, cells.cells()}, [&](std::size_t first, std::size_t last, std::byte* out) {
-    cells.visit_cells(first, last, [&](const CellBlock& block, std::size_t begin, std::size_t end, std::size_t) {
-      std::memset(out, static_cast<int>(block.shape), end - begin);
-      out += end - begin;
-    });
-  });
+  writer.array(
+      {"connectivity", "Int32", 1, cells.corners()},
+      [&](std::size_t first, std::size_t last, std::byte* out) { cells.copy_corners(first, last, out); });
+  writer.array(
+      {"offsets", "Int64", 1, cells.cells()}, [&](std::size_t first, std::size_t last, std::byte* out) {
+        cells.visit_cells(
+            first, last, [&](const CellBlock& block, std::size_t begin, std::size_t end, std::size_t before) {
+              for (std::size_t i = begin; i < end; ++i, out += sizeof(std::int64_t)) {
+                const auto offset = static_cast<std::int64_t>(before + (i + 1) * block.corners);
+                std::memcpy(out, &offset, sizeof(offset));
+              }
+            });
+      });
+  writer.array(
+      {"types", "UInt8", 1, cells.cells()}, [&](std::size_t first, std::size_t last, std::byte* out) {
+        cells.visit_cells(first, last,
+                          [&](const CellBlock& block, std::size_t begin, std::size_t end, std::size_t) {
+                            std::memset(out, static_cast<int>(block.shape), end - begin);
+                            out += end - begin;
+                          });
+      });
   writer.print("</Cells>\n");
 }
 
 /// The boundary faces, kept beside the volume cells so that programs that count cells see volume cells only.
 void write_faces(VtkXmlWriter& writer, const MeshView& mesh) {
   const std::array<std::string_view, 2> names = {"lumesh_triangles", "lumesh_quadrilaterals"};
-  const std::array<std::string_view, 2> patch_names = {"lumesh_triangle_patches", "lumesh_quadrilateral_patches"};
+  const std::array<std::string_view, 2> patch_names = {"lumesh_triangle_patches",
+                                                       "lumesh_quadrilateral_patches"};
   const auto blocks = face_blocks(mesh);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const CellBlock& block = blocks[i];
     if (block.size() == 0) continue;  // meshio fails on arrays without any block.
-    writer.array({names[i], "Int32", block.corners, block.size()},
-                 [&](std::size_t first, std::size_t last, std::byte* out) {
-                   std::memcpy(out, block.cell(first).data(), (last - first) * block.corners * sizeof(std::uint32_t));
-                 });
+    writer.array({names[i], "Int32", block.corners, block.size()}, [&](std::size_t first, std::size_t last,
+                                                                       std::byte* out) {
+      std::memcpy(out, block.cell(first).data(), (last - first) * block.corners * sizeof(std::uint32_t));
+    });
     writer.int32_array(patch_names[i], block.tags);
   }
 }
 
 std::vector<std::string_view> label_array_names(LabelAlias alias) {
   switch (alias) {
-    case LabelAlias::kGmsh: return {"label", "gmsh:physical", "gmsh:geometrical"};
-    case LabelAlias::kMedit: return {"label", "medit:ref"};
-    case LabelAlias::kSimVascular: return {"label", "ModelRegionID"};
-    case LabelAlias::kNone: break;
+    case LabelAlias::kGmsh:
+      return {"label", "gmsh:physical", "gmsh:geometrical"};
+    case LabelAlias::kMedit:
+      return {"label", "medit:ref"};
+    case LabelAlias::kSimVascular:
+      return {"label", "ModelRegionID"};
+    case LabelAlias::kNone:
+      break;
   }
   return {"label"};
 }

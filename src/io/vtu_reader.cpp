@@ -12,11 +12,13 @@ namespace lumesh::io {
 namespace {
 
 /// Cell arrays that may carry the label, ours first.
-constexpr std::array<const char*, 8> kLabelNames = {"label",        "labels",     "gmsh:physical", "medit:ref",
-                                                    "cell_tags",    "ModelRegionID", "CellEntityIds", "Material"};
+constexpr std::array<const char*, 8> kLabelNames = {"label",         "labels",    "gmsh:physical",
+                                                    "medit:ref",     "cell_tags", "ModelRegionID",
+                                                    "CellEntityIds", "Material"};
 
 std::vector<Vec3> read_points(const VtkXmlReader& file) {
-  const std::vector<double> values = file.doubles(file.piece().child("Points").child("DataArray"), "point coordinates");
+  const std::vector<double> values =
+      file.doubles(file.piece().child("Points").child("DataArray"), "point coordinates");
   if (values.size() != 3 * file.count("NumberOfPoints")) file.fail("does not hold as many points as it says");
   std::vector<Vec3> points(values.size() / 3);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -43,7 +45,8 @@ Cell<N> make_cell(const VtkXmlReader& file, std::span<const std::int64_t> corner
   if (corners.size() != N) file.fail("a cell has a wrong number of corners");
   Cell<N> cell;
   for (std::size_t i = 0; i < N; ++i) {
-    if (corners[i] < 0 || corners[i] >= static_cast<std::int64_t>(points)) file.fail("a cell refers to a point that is not there");
+    if (corners[i] < 0 || corners[i] >= static_cast<std::int64_t>(points))
+      file.fail("a cell refers to a point that is not there");
     cell[i] = static_cast<std::uint32_t>(corners[i]);
   }
   return cell;
@@ -53,21 +56,45 @@ void add_cell(const VtkXmlReader& file, std::int64_t type, std::span<const std::
               MixedMesh& mesh) {
   const std::size_t points = mesh.points.size();
   switch (type) {
-    case 10: mesh.tetrahedra.push_back(make_cell<4>(file, corners, points)); mesh.tetrahedron_labels.push_back(label); break;
-    case 12: mesh.hexahedra.push_back(make_cell<8>(file, corners, points)); mesh.hexahedron_labels.push_back(label); break;
-    case 13: mesh.prisms.push_back(make_cell<6>(file, corners, points)); mesh.prism_labels.push_back(label); break;
-    case 14: mesh.pyramids.push_back(make_cell<5>(file, corners, points)); mesh.pyramid_labels.push_back(label); break;
-    case 5: mesh.triangles.push_back(make_cell<3>(file, corners, points)); mesh.triangle_patches.push_back(label); break;
-    case 9: mesh.quadrilaterals.push_back(make_cell<4>(file, corners, points)); mesh.quadrilateral_patches.push_back(label); break;
-    case 1: case 2: case 3: case 4: break;  // points and lines carry nothing for us
-    default: file.fail("holds cells of VTK type " + std::to_string(type) + ", which lumesh does not know");
+    case 10:
+      mesh.tetrahedra.push_back(make_cell<4>(file, corners, points));
+      mesh.tetrahedron_labels.push_back(label);
+      break;
+    case 12:
+      mesh.hexahedra.push_back(make_cell<8>(file, corners, points));
+      mesh.hexahedron_labels.push_back(label);
+      break;
+    case 13:
+      mesh.prisms.push_back(make_cell<6>(file, corners, points));
+      mesh.prism_labels.push_back(label);
+      break;
+    case 14:
+      mesh.pyramids.push_back(make_cell<5>(file, corners, points));
+      mesh.pyramid_labels.push_back(label);
+      break;
+    case 5:
+      mesh.triangles.push_back(make_cell<3>(file, corners, points));
+      mesh.triangle_patches.push_back(label);
+      break;
+    case 9:
+      mesh.quadrilaterals.push_back(make_cell<4>(file, corners, points));
+      mesh.quadrilateral_patches.push_back(label);
+      break;
+    case 1:
+    case 2:
+    case 3:
+    case 4:
+      break;  // points and lines carry nothing for us
+    default:
+      file.fail("holds cells of VTK type " + std::to_string(type) + ", which lumesh does not know");
   }
 }
 
 void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
   const std::size_t cells = file.count("NumberOfCells");
   const pugi::xml_node node = file.piece().child("Cells");
-  const auto connectivity = file.integers(VtkXmlReader::find_array(node, "connectivity"), "cell connectivity");
+  const auto connectivity =
+      file.integers(VtkXmlReader::find_array(node, "connectivity"), "cell connectivity");
   const auto offsets = file.integers(VtkXmlReader::find_array(node, "offsets"), "cell offsets");
   const auto types = file.integers(VtkXmlReader::find_array(node, "types"), "cell types");
   if (offsets.size() != cells || types.size() != cells) file.fail("does not hold as many cells as it says");
@@ -75,7 +102,8 @@ void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
   std::int64_t begin = 0;
   for (std::size_t c = 0; c < cells; ++c) {
     const std::int64_t end = offsets[c];
-    if (end < begin || end > static_cast<std::int64_t>(connectivity.size())) file.fail("its cell offsets are damaged");
+    if (end < begin || end > static_cast<std::int64_t>(connectivity.size()))
+      file.fail("its cell offsets are damaged");
     if (labels[c] < INT32_MIN || labels[c] > INT32_MAX) file.fail("a label is too large");
     add_cell(file, types[c], {connectivity.data() + begin, static_cast<std::size_t>(end - begin)},
              static_cast<Label>(labels[c]), mesh);
@@ -128,8 +156,8 @@ MixedMesh read_vtu(const std::filesystem::path& path) {
   read_info(file, mesh);
   read_faces(file, "lumesh_triangles", "lumesh_triangle_patches", mesh.points.size(), mesh.triangles,
              mesh.triangle_patches);
-  read_faces(file, "lumesh_quadrilaterals", "lumesh_quadrilateral_patches", mesh.points.size(), mesh.quadrilaterals,
-             mesh.quadrilateral_patches);
+  read_faces(file, "lumesh_quadrilaterals", "lumesh_quadrilateral_patches", mesh.points.size(),
+             mesh.quadrilaterals, mesh.quadrilateral_patches);
   complete_patches(file, mesh);
   return mesh;
 }
@@ -140,7 +168,8 @@ MixedMesh read_vtp_surface(const std::filesystem::path& path) {
   mesh.points = read_points(file);
   read_info(file, mesh);
   const pugi::xml_node polys = file.piece().child("Polys");
-  const auto connectivity = file.integers(VtkXmlReader::find_array(polys, "connectivity"), "polygon connectivity");
+  const auto connectivity =
+      file.integers(VtkXmlReader::find_array(polys, "connectivity"), "polygon connectivity");
   const auto offsets = file.integers(VtkXmlReader::find_array(polys, "offsets"), "polygon offsets");
   const pugi::xml_node patch = VtkXmlReader::find_array(file.piece().child("CellData"), "patch");
   const auto patches = patch ? file.integers(patch, "patch") : std::vector<std::int64_t>(offsets.size(), 0);
@@ -148,10 +177,13 @@ MixedMesh read_vtp_surface(const std::filesystem::path& path) {
   std::int64_t begin = 0;
   for (std::size_t p = 0; p < offsets.size(); ++p) {
     const std::int64_t end = offsets[p];
-    if (end < begin || end > static_cast<std::int64_t>(connectivity.size())) file.fail("its polygon offsets are damaged");
+    if (end < begin || end > static_cast<std::int64_t>(connectivity.size()))
+      file.fail("its polygon offsets are damaged");
     const auto corners = static_cast<std::size_t>(end - begin);
-    if (corners != 3 && corners != 4) file.fail("holds polygons that are neither triangles nor quadrilaterals");
-    add_cell(file, corners == 3 ? 5 : 9, {connectivity.data() + begin, corners}, static_cast<Label>(patches[p]), mesh);
+    if (corners != 3 && corners != 4)
+      file.fail("holds polygons that are neither triangles nor quadrilaterals");
+    add_cell(file, corners == 3 ? 5 : 9, {connectivity.data() + begin, corners},
+             static_cast<Label>(patches[p]), mesh);
     begin = end;
   }
   complete_patches(file, mesh);

@@ -1,0 +1,342 @@
+// Legacy VTK of versions 1.0 to 5.1, text or binary, also gzipped.
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cell_blocks.hpp"
+#include "lumesh/core/error.hpp"
+#include "mesh_formats.hpp"
+#include "mesh_info_json.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+std::string load(const std::filesystem::path& path) {
+  gzFile file = gzopen(path.c_str(), "rb");  // reads plain files too
+  if (file == nullptr)
+    throw Error(ErrorKind::kBadInput, path.string() + ": cannot be opened for reading; check the path");
+  std::string content;
+  std::vector<char> buffer(1U << 20);
+  int got = 0;
+  while ((got = gzread(file, buffer.data(), static_cast<unsigned>(buffer.size()))) > 0)
+    content.append(buffer.data(), static_cast<std::size_t>(got));
+  gzclose(file);
+  if (got < 0)
+    throw Error(ErrorKind::kBadInput, path.string() + ": its compressed data are cut off or damaged");
+  return content;
+}
+
+class LegacyReader {
+ public:
+  explicit LegacyReader(const std::filesystem::path& path) : path_(path), content_(load(path)) {}
+
+  MixedMesh run() {
+    read_header();
+    for (std::string word = next(); !word.empty(); word = next()) read_section(word);
+    assemble();
+    return std::move(mesh_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path_.string(), what));
+  }
+
+  std::string_view line() {
+    const std::size_t end = std::min(content_.find('\n', at_), content_.size());
+    const std::string_view text = std::string_view(content_).substr(at_, end - at_);
+    at_ = std::min(end + 1, content_.size());
+    return text;
+  }
+  std::string next() {
+    constexpr std::string_view kSpace = " \t\r\n";
+    at_ = content_.find_first_not_of(kSpace, at_);
+    if (at_ == std::string::npos) {
+      at_ = content_.size();
+      return {};
+    }
+    const std::size_t end = std::min(content_.find_first_of(kSpace, at_), content_.size());
+    std::string word = content_.substr(at_, end - at_);
+    at_ = end;
+    return word;
+  }
+  std::size_t next_count() {
+    const std::string word = next();
+    std::size_t value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size() || value > content_.size())
+      fail(fmt::format("'{}' stands where a count belongs; the file is cut off or damaged",
+                       word.substr(0, 20)));
+    return value;
+  }
+
+  void read_header() {
+    if (!content_.starts_with("# vtk DataFile")) fail("not a legacy VTK file");
+    line();
+    line();
+    const std::string kind = next();
+    if (kind != "ASCII" && kind != "BINARY") fail("neither ASCII nor BINARY");
+    binary_ = kind == "BINARY";
+    if (next() != "DATASET" || next() != "UNSTRUCTURED_GRID") fail("holds no unstructured grid");
+  }
+
+  static std::size_t bytes_of(const std::string& type) {
+    static const std::map<std::string, std::size_t> kBytes = {
+        {"char", 1},           {"unsigned_char", 1}, {"signed_char", 1},   {"short", 2},
+        {"unsigned_short", 2}, {"int", 4},           {"float", 4},         {"unsigned_int", 4},
+        {"vtktypeint32", 4},   {"long", 8},          {"unsigned_long", 8}, {"double", 8},
+        {"vtktypeint64", 8},   {"vtktypeuint64", 8}};
+    const auto found = kBytes.find(type);
+    return found == kBytes.end() ? 0 : found->second;
+  }
+
+  /// `count` numbers of a type, as doubles (exact for the integers that occur).
+  std::vector<double> numbers(std::string type, std::size_t count) {
+    for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::size_t size = bytes_of(type);
+    if (size == 0) fail(fmt::format("holds an array of the unknown type {}", type.substr(0, 20)));
+    if (count > content_.size()) fail("is cut off");
+    std::vector<double> out(count);
+    if (!binary_) {
+      for (double& value : out) {
+        const std::string word = next();
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+        if (error != std::errc()) fail("is cut off, or holds text where a number belongs");
+      }
+      return out;
+    }
+    line();  // the rest of the header line
+    if (count > (content_.size() - at_) / size) fail("is cut off");
+    for (double& value : out) {
+      value = number_at(content_.data() + at_, type, size);
+      at_ += size;
+    }
+    return out;
+  }
+
+  static double number_at(const char* bytes, const std::string& type, std::size_t size) {
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < size; ++i) bits = bits << 8 | static_cast<unsigned char>(bytes[i]);
+    if (type == "double") return std::bit_cast<double>(bits);
+    if (type == "float") return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+    if (type.starts_with("unsigned") || type == "vtktypeuint64") return static_cast<double>(bits);
+    if (size == 8) return static_cast<double>(static_cast<std::int64_t>(bits));
+    const unsigned shift = 64 - 8 * static_cast<unsigned>(size);
+    return static_cast<double>(static_cast<std::int64_t>(bits << shift) >> shift);
+  }
+
+  void read_section(const std::string& word) {
+    if (word == "POINTS") {
+      const std::size_t count = next_count();
+      points_ = numbers(next(), 3 * count);
+    } else if (word == "CELLS") {
+      read_cells();
+    } else if (word == "CELL_TYPES") {
+      types_ = numbers("int", next_count());
+    } else if (word == "CELL_DATA") {
+      tuples_ = next_count();
+      in_cells_ = true;
+    } else if (word == "POINT_DATA") {
+      tuples_ = next_count();
+      in_cells_ = false;
+    } else if (word == "FIELD") {
+      next();
+      read_field(next_count());
+    } else if (word == "SCALARS") {
+      read_scalars();
+    } else if (word == "VECTORS" || word == "NORMALS" || word == "TENSORS") {
+      next();
+      const std::string type = next();
+      numbers(type, tuples_ * (word == "TENSORS" ? 9 : 3));
+    } else if (word == "METADATA") {
+      line();
+      while (at_ < content_.size() && !line().empty()) {
+      }
+    } else {
+      fail(fmt::format("holds the unknown section '{}'", word.substr(0, 20)));
+    }
+  }
+
+  void read_cells() {
+    const std::size_t count = next_count();
+    const std::size_t words = next_count();
+    const std::size_t before = at_;
+    if (next() == "OFFSETS") {
+      const std::vector<double> offsets = numbers(next(), count);
+      if (next() != "CONNECTIVITY") fail("has cell offsets without a connectivity");
+      connectivity_ = numbers(next(), words);
+      for (const double o : offsets) offsets_.push_back(static_cast<std::size_t>(std::max(0.0, o)));
+      return;
+    }
+    at_ = before;
+    const std::vector<double> mixed = numbers("int", words);
+    offsets_.push_back(0);
+    for (std::size_t i = 0; i < mixed.size();) {
+      const auto corners = static_cast<std::size_t>(std::max(0.0, mixed[i]));
+      if (corners == 0 || corners > mixed.size() - i - 1) fail("its cells are damaged");
+      connectivity_.insert(connectivity_.end(), mixed.begin() + static_cast<std::ptrdiff_t>(i + 1),
+                           mixed.begin() + static_cast<std::ptrdiff_t>(i + 1 + corners));
+      offsets_.push_back(connectivity_.size());
+      i += corners + 1;
+    }
+  }
+
+  void read_field(std::size_t arrays) {
+    for (std::size_t a = 0; a < arrays; ++a) {
+      const std::string name = next();
+      const std::size_t components = next_count();
+      const std::size_t tuples = next_count();
+      const std::string type = next();
+      if (components > 0 && tuples > content_.size() / components) fail("is cut off");
+      keep_array(name, numbers(type, components * tuples));
+    }
+  }
+
+  void read_scalars() {
+    const std::string name = next();
+    const std::string type = next();
+    std::size_t components = 1;
+    std::string word = next();
+    if (word != "LOOKUP_TABLE") {
+      components = word == "2" ? 2 : (word == "3" ? 3 : (word == "4" ? 4 : 1));
+      word = next();
+    }
+    if (word != "LOOKUP_TABLE") fail("has scalars without a lookup table");
+    next();
+    keep_array(name, numbers(type, tuples_ * components));
+  }
+
+  void keep_array(const std::string& name, std::vector<double> values) {
+    const bool ours = name.starts_with("lumesh_");
+    if (ours || in_cells_) arrays_.emplace(name, std::move(values));
+  }
+
+  template <std::size_t N>
+  Cell<N> cell_at(const std::vector<double>& from, std::size_t begin) const {
+    Cell<N> cell;
+    for (std::size_t i = 0; i < N; ++i) {
+      const double v = from[begin + i];
+      if (!(v >= 0 && v < static_cast<double>(mesh_.points.size())))
+        fail("a cell refers to a point that is not there");
+      cell[i] = static_cast<std::uint32_t>(v);
+    }
+    return cell;
+  }
+
+  void assemble() {
+    for (std::size_t i = 0; i + 2 < points_.size(); i += 3) {
+      mesh_.points.emplace_back(points_[i], points_[i + 1], points_[i + 2]);
+      if (!mesh_.points.back().allFinite()) fail("point " + std::to_string(i / 3) + " is not finite");
+    }
+    if (offsets_.size() != types_.size() + 1) fail("does not hold as many cell types as cells");
+    const std::vector<double>* labels = find_labels();
+    for (std::size_t c = 0; c < types_.size(); ++c) {
+      if (offsets_[c] > offsets_[c + 1] || offsets_[c + 1] > connectivity_.size())
+        fail("its cell offsets are damaged");
+      const double label = labels == nullptr ? 1 : (*labels)[c];
+      if (!(std::abs(label) < 2e9)) fail("a label is too large");
+      add_cell(static_cast<int>(types_[c]), offsets_[c], offsets_[c + 1] - offsets_[c],
+               static_cast<Label>(label));
+    }
+    restore_faces();
+  }
+
+  [[nodiscard]] const std::vector<double>* find_labels() const {
+    for (const char* name : {"label", "labels", "Label", "Material", "material", "medit:ref", "gmsh:physical",
+                             "CellEntityIds", "ModelRegionID", "cell_tags"}) {
+      const auto found = arrays_.find(name);
+      if (found != arrays_.end() && found->second.size() == types_.size()) return &found->second;
+    }
+    return nullptr;
+  }
+
+  void add_cell(int type, std::size_t begin, std::size_t corners, Label label) {
+    const auto expect = [&](std::size_t n) {
+      if (corners != n) fail("a cell has a wrong number of corners");
+    };
+    switch (type) {
+      case 10:
+        expect(4);
+        mesh_.tetrahedra.push_back(cell_at<4>(connectivity_, begin));
+        mesh_.tetrahedron_labels.push_back(label);
+        break;
+      case 12:
+        expect(8);
+        mesh_.hexahedra.push_back(cell_at<8>(connectivity_, begin));
+        mesh_.hexahedron_labels.push_back(label);
+        break;
+      case 13:
+        expect(6);
+        mesh_.prisms.push_back(cell_at<6>(connectivity_, begin));
+        mesh_.prism_labels.push_back(label);
+        break;
+      case 14:
+        expect(5);
+        mesh_.pyramids.push_back(cell_at<5>(connectivity_, begin));
+        mesh_.pyramid_labels.push_back(label);
+        break;
+      case 5:
+      case 9:
+      case 1:
+      case 2:
+      case 3:
+      case 4:
+        break;  // boundary faces of other programs are found anew
+      default:
+        fail("holds cells of VTK type " + std::to_string(type) + ", which lumesh does not know");
+    }
+  }
+
+  template <std::size_t N>
+  void restore(const char* name, const char* patch_name, std::vector<Cell<N>>& faces,
+               std::vector<std::int32_t>& patches) {
+    const auto corners = arrays_.find(name);
+    const auto tags = arrays_.find(patch_name);
+    if (corners == arrays_.end() || tags == arrays_.end()) return;
+    if (corners->second.size() != N * tags->second.size()) fail("its boundary faces are damaged");
+    for (std::size_t f = 0; f < tags->second.size(); ++f) {
+      const double patch = tags->second[f];
+      if (!(patch >= 0 && patch < static_cast<double>(mesh_.info.patches.size())))
+        fail("a boundary face has no valid patch");
+      faces.push_back(cell_at<N>(corners->second, N * f));
+      patches.push_back(static_cast<std::int32_t>(patch));
+    }
+  }
+
+  void restore_faces() {
+    const auto info = arrays_.find("lumesh_info");
+    if (info == arrays_.end()) return;
+    std::string text;
+    for (const double c : info->second) text.push_back(static_cast<char>(static_cast<int>(c)));
+    mesh_.info = info_from_json(text);
+    restore("lumesh_triangles", "lumesh_triangle_patches", mesh_.triangles, mesh_.triangle_patches);
+    restore("lumesh_quadrilaterals", "lumesh_quadrilateral_patches", mesh_.quadrilaterals,
+            mesh_.quadrilateral_patches);
+  }
+
+  const std::filesystem::path& path_;
+  std::string content_;
+  std::size_t at_ = 0;
+  bool binary_ = false;
+  bool in_cells_ = false;
+  std::size_t tuples_ = 0;
+  std::vector<double> points_, connectivity_, types_;
+  std::vector<std::size_t> offsets_;
+  std::map<std::string, std::vector<double>> arrays_;
+  MixedMesh mesh_;
+};
+
+}  // namespace
+
+MixedMesh read_legacy_vtk(const std::filesystem::path& path) {
+  return LegacyReader(path).run();
+}
+
+}  // namespace lumesh::io

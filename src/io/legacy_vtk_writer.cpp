@@ -1,0 +1,94 @@
+// Legacy VTK, binary (big endian), file version 3.0, which every VTK and meshio read.
+#include <bit>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "cell_blocks.hpp"
+#include "mesh_formats.hpp"
+#include "mesh_info_json.hpp"
+#include "output_file.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+class BigEndianWriter {
+ public:
+  explicit BigEndianWriter(OutputFile& file) : file_(file) {}
+  void put(std::int32_t value) {
+    const std::uint32_t swapped = __builtin_bswap32(static_cast<std::uint32_t>(value));
+    file_.write(&swapped, sizeof(swapped));
+  }
+  void put(double value) {
+    const std::uint64_t swapped = __builtin_bswap64(std::bit_cast<std::uint64_t>(value));
+    file_.write(&swapped, sizeof(swapped));
+  }
+
+ private:
+  OutputFile& file_;
+};
+
+void write_field_data(OutputFile& file, BigEndianWriter& out, const MeshView& mesh) {
+  const std::string info = info_to_json(*mesh.info);
+  const auto blocks = face_blocks(mesh);
+  const std::size_t arrays = 1 + 2 * ((blocks[0].size() > 0 ? 1 : 0) + (blocks[1].size() > 0 ? 1 : 0));
+  file.print("FIELD FieldData {}\nlumesh_info 1 {} char\n", arrays, info.size());
+  file.write(info);
+  file.print("\n");
+  constexpr std::array<const char*, 2> kNames = {"lumesh_triangles", "lumesh_quadrilaterals"};
+  constexpr std::array<const char*, 2> kPatchNames = {"lumesh_triangle_patches",
+                                                      "lumesh_quadrilateral_patches"};
+  for (std::size_t b = 0; b < 2; ++b) {
+    if (blocks[b].size() == 0) continue;
+    file.print("{} {} {} int\n", kNames[b], blocks[b].corners, blocks[b].size());
+    for (const std::uint32_t v : blocks[b].vertices) out.put(static_cast<std::int32_t>(v));
+    file.print("\n{} 1 {} int\n", kPatchNames[b], blocks[b].size());
+    for (const std::int32_t p : blocks[b].tags) out.put(p);
+    file.print("\n");
+  }
+}
+
+void write_label_array(OutputFile& file, BigEndianWriter& out, const MeshView& mesh, const char* name) {
+  file.print("SCALARS {} int 1\nLOOKUP_TABLE default\n", name);
+  for (const CellBlock& block : volume_blocks(mesh)) {
+    for (const std::int32_t label : block.tags) out.put(label);
+  }
+  file.print("\n");
+}
+
+}  // namespace
+
+void write_legacy_vtk(const std::filesystem::path& path, const MeshView& mesh,
+                      const MeshWriteOptions& options) {
+  OutputFile file(path);
+  BigEndianWriter out(file);
+  file.print("# vtk DataFile Version 3.0\nlumesh, unit {}, frame {}\nBINARY\nDATASET UNSTRUCTURED_GRID\n",
+             mesh.info->unit, mesh.info->frame);
+  write_field_data(file, out, mesh);
+  file.print("POINTS {} double\n", mesh.points.size());
+  for (const Vec3& p : mesh.points) {
+    for (int i = 0; i < 3; ++i) out.put(p[i]);
+  }
+  std::size_t words = 0;
+  for (const CellBlock& block : volume_blocks(mesh)) words += block.size() * (block.corners + 1);
+  file.print("\nCELLS {} {}\n", mesh.cell_count(), words);
+  for (const CellBlock& block : volume_blocks(mesh)) {
+    for (std::size_t c = 0; c < block.size(); ++c) {
+      out.put(static_cast<std::int32_t>(block.corners));
+      for (const std::uint32_t v : block.cell(c)) out.put(static_cast<std::int32_t>(v));
+    }
+  }
+  file.print("\nCELL_TYPES {}\n", mesh.cell_count());
+  for (const CellBlock& block : volume_blocks(mesh)) {
+    for (std::size_t c = 0; c < block.size(); ++c) out.put(static_cast<std::int32_t>(block.shape));
+  }
+  file.print("\nCELL_DATA {}\n", mesh.cell_count());
+  write_label_array(file, out, mesh, "label");
+  if (options.compat == LabelAlias::kGmsh) write_label_array(file, out, mesh, "gmsh:physical");
+  if (options.compat == LabelAlias::kMedit) write_label_array(file, out, mesh, "medit:ref");
+  if (options.compat == LabelAlias::kSimVascular) write_label_array(file, out, mesh, "ModelRegionID");
+  file.commit();
+}
+
+}  // namespace lumesh::io

@@ -1,0 +1,134 @@
+// STL: binary out; binary and text in, equal points merged.
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+
+#include "lumesh/core/error.hpp"
+#include "mesh_formats.hpp"
+#include "output_file.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+constexpr std::size_t kHeaderBytes = 80;
+constexpr std::size_t kFacetBytes = 50;
+
+void write_facet(OutputFile& file, const MeshView& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const std::array<Vec3, 3> p = {mesh.points[a], mesh.points[b], mesh.points[c]};
+  const Vec3 n = (p[1] - p[0]).cross(p[2] - p[0]).stableNormalized();
+  std::array<float, 12> numbers{};
+  for (int i = 0; i < 3; ++i) {
+    numbers[static_cast<std::size_t>(i)] = static_cast<float>(n[i]);
+    for (std::size_t k = 0; k < 3; ++k)
+      numbers[3 * (k + 1) + static_cast<std::size_t>(i)] = static_cast<float>(p[k][i]);
+  }
+  std::array<char, kFacetBytes> bytes{};
+  std::memcpy(bytes.data(), numbers.data(), sizeof(numbers));
+  file.write(bytes.data(), bytes.size());
+}
+
+/// Gathers facets; points with the same coordinates become one.
+class SurfaceBuilder {
+ public:
+  explicit SurfaceBuilder(const std::filesystem::path& path) : path_(path) {}
+
+  void add(const std::array<Vec3, 3>& corners) {
+    Cell<3> triangle;
+    for (std::size_t i = 0; i < 3; ++i) triangle[i] = number(corners[i]);
+    mesh_.triangles.push_back(triangle);
+    mesh_.triangle_patches.push_back(0);
+  }
+  MixedMesh finish() {
+    if (mesh_.triangles.empty()) throw Error(ErrorKind::kBadInput, path_.string() + ": holds no triangle");
+    mesh_.info.patches = {{"wall", PatchKind::kWall, {}}};
+    return std::move(mesh_);
+  }
+
+ private:
+  std::uint32_t number(const Vec3& p) {
+    if (!p.allFinite()) throw Error(ErrorKind::kBadInput, path_.string() + ": a corner is not finite");
+    const auto [at, added] =
+        numbers_.try_emplace({p.x(), p.y(), p.z()}, static_cast<std::uint32_t>(mesh_.points.size()));
+    if (added) mesh_.points.push_back(p);
+    return at->second;
+  }
+
+  const std::filesystem::path& path_;
+  MixedMesh mesh_;
+  std::map<std::array<double, 3>, std::uint32_t> numbers_;
+};
+
+MixedMesh parse_binary(const std::filesystem::path& path, const std::string& bytes, std::size_t facets) {
+  SurfaceBuilder surface(path);
+  for (std::size_t f = 0; f < facets; ++f) {
+    std::array<float, 9> numbers;
+    std::memcpy(numbers.data(), bytes.data() + kHeaderBytes + 4 + f * kFacetBytes + 12, sizeof(numbers));
+    std::array<Vec3, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k)
+      corners[k] = Vec3(numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]);
+    surface.add(corners);
+  }
+  return surface.finish();
+}
+
+MixedMesh parse_text(const std::filesystem::path& path, const std::string& text) {
+  SurfaceBuilder surface(path);
+  std::istringstream in(text);
+  std::array<Vec3, 3> corners;
+  std::size_t corner = 0;
+  for (std::string word; in >> word;) {
+    if (word == "outer") corner = 0;
+    if (word != "vertex") continue;
+    Vec3 p;
+    if (!(in >> p.x() >> p.y() >> p.z()) || corner == 3)
+      throw Error(ErrorKind::kBadInput, path.string() + ": a facet is damaged");
+    corners[corner++] = p;
+    if (corner == 3) surface.add(corners);
+  }
+  return surface.finish();
+}
+
+}  // namespace
+
+void write_stl(const std::filesystem::path& path, const MeshView& mesh) {
+  const std::size_t facets = mesh.triangles.size() + 2 * mesh.quadrilaterals.size();
+  if (facets == 0)
+    throw Error(ErrorKind::kBadInput, path.string() + ": the mesh has no boundary faces to write");
+  OutputFile file(path);
+  std::array<char, kHeaderBytes> header{};
+  std::strncpy(header.data(),
+               fmt::format("lumesh SPACE={} UNIT={}", mesh.info->frame, mesh.info->unit).c_str(),
+               header.size() - 1);
+  file.write(header.data(), header.size());
+  const auto count = static_cast<std::uint32_t>(facets);
+  file.write(&count, sizeof(count));
+  for (const Cell<3>& t : mesh.triangles) write_facet(file, mesh, t[0], t[1], t[2]);
+  for (const Cell<4>& q : mesh.quadrilaterals) {
+    write_facet(file, mesh, q[0], q[1], q[2]);
+    write_facet(file, mesh, q[0], q[2], q[3]);
+  }
+  file.commit();
+}
+
+MixedMesh read_stl(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  if (bytes.size() >= kHeaderBytes + 4) {
+    std::uint32_t count = 0;
+    std::memcpy(&count, bytes.data() + kHeaderBytes, sizeof(count));
+    if (kHeaderBytes + 4 + std::size_t{count} * kFacetBytes == bytes.size())
+      return parse_binary(path, bytes, count);
+  }
+  if (bytes.starts_with("solid")) return parse_text(path, bytes);
+  throw Error(ErrorKind::kBadInput, path.string() + ": not a complete STL file");
+}
+
+}  // namespace lumesh::io

@@ -1,0 +1,77 @@
+#include <cstring>
+#include <vector>
+
+#include "cell_blocks.hpp"
+#include "lumesh/core/error.hpp"
+#include "mesh_formats.hpp"
+#include "vtk_xml_writer.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+/// The boundary faces with their own point numbers.
+struct Surface {
+  std::vector<Vec3> points;
+  std::vector<std::uint32_t> corners;
+  std::vector<std::int64_t> ends;
+  std::vector<std::int32_t> patches;
+};
+
+Surface gather_surface(const MeshView& mesh) {
+  constexpr std::uint32_t kUnused = ~std::uint32_t{0};
+  std::vector<std::uint32_t> number(mesh.points.size(), kUnused);
+  Surface surface;
+  for (const CellBlock& block : face_blocks(mesh)) {
+    for (std::size_t f = 0; f < block.size(); ++f) {
+      for (const std::uint32_t v : block.cell(f)) {
+        if (number[v] == kUnused) {
+          number[v] = static_cast<std::uint32_t>(surface.points.size());
+          surface.points.push_back(mesh.points[v]);
+        }
+        surface.corners.push_back(number[v]);
+      }
+      surface.ends.push_back(static_cast<std::int64_t>(surface.corners.size()));
+      surface.patches.push_back(block.tags[f]);
+    }
+  }
+  return surface;
+}
+
+template <class Value>
+void write_values(VtkXmlWriter& writer, const XmlArray& shape, const std::vector<Value>& values) {
+  writer.array(shape, [&](std::size_t first, std::size_t last, std::byte* out) {
+    std::memcpy(out, values.data() + first, (last - first) * sizeof(Value));
+  });
+}
+
+}  // namespace
+
+void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh,
+                       const MeshWriteOptions& options) {
+  const Surface surface = gather_surface(mesh);
+  if (surface.patches.empty())
+    throw Error(ErrorKind::kBadInput, path.string() + ": the mesh has no boundary faces to write");
+  VtkXmlWriter writer(path, "PolyData");
+  writer.print("<FieldData>\n");
+  writer.info_arrays(*mesh.info);
+  writer.print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" ",
+               surface.points.size());
+  writer.print("NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n<CellData Scalars=\"patch\">\n",
+               surface.patches.size());
+  writer.int32_array("patch", surface.patches);
+  if (options.compat == LabelAlias::kSimVascular) {
+    std::vector<std::int32_t> ids = surface.patches;
+    for (std::int32_t& id : ids) ++id;
+    writer.int32_array("ModelFaceID", ids);
+  }
+  writer.print("</CellData>\n");
+  writer.points(surface.points);
+  writer.print("<Polys>\n");
+  write_values(writer, {"connectivity", "Int32", 1, surface.corners.size()}, surface.corners);
+  write_values(writer, {"offsets", "Int64", 1, surface.ends.size()}, surface.ends);
+  writer.print("</Polys>\n</Piece>\n");
+  writer.commit();
+}
+
+}  // namespace lumesh::io
