@@ -107,7 +107,8 @@ void add_lattice_command(CLI::App& program) {
   sub->add_option("-o,--output", command->mesh_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
       ->required();
   sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
-  sub->add_option("--spacing", o.spacing_mm, "Lattice spacing at the boundary in mm; default 2.5 voxels");
+  sub->add_option("--spacing", o.spacing_mm, "Lattice spacing at the boundary in mm; default 2.5 voxels")
+      ->check(CLI::PositiveNumber);
   sub->add_option("--fidelity", o.fidelity,
                   "0.1 to 0.98: the spacing is at most 4 (1 - F) times the local half thickness")
       ->capture_default_str();
@@ -135,7 +136,9 @@ void add_lattice_command(CLI::App& program) {
       ->type_size(6);
   sub->add_option("--smoothing", command->domain.field.sigma, "Low-pass width in voxels, 0.5 to 3")
       ->capture_default_str();
-  sub->add_option("--threads", command->threads, "Threads; 0 = all cores")->capture_default_str();
+  sub->add_option("--threads", command->threads, "Threads; 0 = all cores")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   sub->footer("Example: lumesh lattice case1.nrrd -o case1.vtu --spacing 1.2 --cut-plane 0 0 10 0 0 -1");
   sub->callback([command] { run(*command); });
 }

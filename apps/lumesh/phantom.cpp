@@ -128,7 +128,9 @@ void add_phantom_command(CLI::App& program) {
   sub->add_option("--centerline", command->centerline_path,
                   "Also write the centerline with its radius (.vtp)");
   sub->add_option("--velocity", command->velocity_path, "Also write streamlines with velocity in m/s (.vtp)");
-  sub->add_option("--threads", command->threads, "Threads; 0 = all cores")->capture_default_str();
+  sub->add_option("--threads", command->threads, "Threads; 0 = all cores")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   sub->footer(
       "Example: lumesh phantom carotid -o case1.nrrd --centerline centerline.vtp --velocity flow.vtp");
   sub->callback([command] { run(*command); });

@@ -52,7 +52,7 @@ void ImageDomain::find_object_box(const LabelImage& image) {
         }
         return b;
       },
-      [](Box a, const Box& b) {
+      [](const Box& a, const Box& b) {
         return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)};
       });
   object_box_ = {box.low, box.high};

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "lumesh/core/error.hpp"
+#include "vtk_xml_reader.hpp"
 #include "vtk_xml_writer.hpp"
 
 namespace lumesh {
@@ -52,14 +53,16 @@ void write_polylines(const std::filesystem::path& path, const Polylines& lines, 
   writer.print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" ",
                lines.points.size(), lines.lines.size());
   writer.print("NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<PointData>\n");
-  for (const auto& [name, values] : lines.scalars) {
-    writer.array({name, "Float64", 1, values.size()},
+  for (const auto& array : lines.scalars) {
+    const std::vector<double>& values = array.second;
+    writer.array({array.first, "Float64", 1, values.size()},
                  [&](std::size_t first, std::size_t last, std::byte* out) {
                    std::memcpy(out, values.data() + first, (last - first) * sizeof(double));
                  });
   }
-  for (const auto& [name, values] : lines.vectors) {
-    writer.array({name, "Float64", 3, values.size()},
+  for (const auto& array : lines.vectors) {
+    const std::vector<Vec3>& values = array.second;
+    writer.array({array.first, "Float64", 3, values.size()},
                  [&](std::size_t first, std::size_t last, std::byte* out) {
                    std::memcpy(out, values.data() + first, (last - first) * sizeof(Vec3));
                  });
@@ -69,6 +72,42 @@ void write_polylines(const std::filesystem::path& path, const Polylines& lines, 
   write_lines(writer, lines);
   writer.print("</Piece>\n");
   writer.commit();
+}
+
+Polylines read_polylines(const std::filesystem::path& path) {
+  const io::VtkXmlReader file(path, "PolyData");
+  Polylines lines;
+  const std::vector<double> xyz =
+      file.doubles(file.piece().child("Points").child("DataArray"), "point coordinates");
+  if (xyz.size() != 3 * file.count("NumberOfPoints")) file.fail("does not hold as many points as it says");
+  for (std::size_t i = 0; i < xyz.size(); i += 3) lines.points.emplace_back(xyz[i], xyz[i + 1], xyz[i + 2]);
+  const pugi::xml_node node = file.piece().child("Lines");
+  const auto corners = file.integers(io::VtkXmlReader::find_array(node, "connectivity"), "line connectivity");
+  const auto ends = file.integers(io::VtkXmlReader::find_array(node, "offsets"), "line offsets");
+  std::int64_t begin = 0;
+  for (const std::int64_t end : ends) {
+    if (end < begin || end > static_cast<std::int64_t>(corners.size()))
+      file.fail("its line offsets are damaged");
+    std::vector<std::uint32_t>& line = lines.lines.emplace_back();
+    for (; begin < end; ++begin) {
+      const std::int64_t v = corners[static_cast<std::size_t>(begin)];
+      if (v < 0 || v >= static_cast<std::int64_t>(lines.points.size()))
+        file.fail("a line refers to a point that is not there");
+      line.push_back(static_cast<std::uint32_t>(v));
+    }
+  }
+  if (lines.lines.empty()) file.fail("holds no line");
+  for (const pugi::xml_node& array : file.piece().child("PointData").children("DataArray")) {
+    const std::string name = array.attribute("Name").value();
+    std::vector<double> values = file.doubles(array, name.c_str());
+    if (values.size() == lines.points.size()) {
+      lines.scalars[name] = std::move(values);
+    } else if (values.size() == 3 * lines.points.size()) {
+      for (std::size_t i = 0; i < values.size(); i += 3)
+        lines.vectors[name].emplace_back(values[i], values[i + 1], values[i + 2]);
+    }
+  }
+  return lines;
 }
 
 }  // namespace lumesh

@@ -147,8 +147,12 @@ class Refiner {
     for (const Key key : t) centre += 0.25 * frame_.position_mm(key);
     constexpr double kReach =
         1.15;  // spacings: two circumradii, the way to the centre of a tetrahedron that shares a corner
-    return !domain_.is_meshed(domain_.material_at(centre)) &&
-           !sizes_.boundary_within(centre, kReach * frame_.spacing_mm(level));
+    const double reach_mm = kReach * frame_.spacing_mm(level);
+    const ImageDomain::Surroundings here = domain_.surroundings(centre);
+    if (domain_.is_meshed(here.material)) return false;
+    // Cut planes are boundaries too, but not of the voxels; beyond one the clearance is the distance to it.
+    if (domain_.is_cut(here.material) && here.clearance_mm < reach_mm) return false;
+    return !sizes_.boundary_within(centre, reach_mm);
   }
 
   /// The level-0 cube of a point; a leaf reaches into the next cube at most.

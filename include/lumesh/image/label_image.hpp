@@ -11,10 +11,10 @@ namespace lumesh {
 
 /// Places voxels in space. A voxel's centre is origin + direction * (spacing .* index), in mm (ITK's LPS).
 struct ImageFrame {
-  Index3 size = Index3::Zero();              ///< Voxels along i, j, k.
-  Vec3 spacing_mm = Vec3::Ones();            ///< Each > 0.
-  Vec3 origin_mm = Vec3::Zero();             ///< Centre of voxel (0, 0, 0).
-  Mat3 direction = Mat3::Identity();         ///< Orthonormal; columns are the axes of i, j, k; det may be -1.
+  Index3 size = Index3::Zero();       ///< Voxels along i, j, k.
+  Vec3 spacing_mm = Vec3::Ones();     ///< Each > 0.
+  Vec3 origin_mm = Vec3::Zero();      ///< Centre of voxel (0, 0, 0).
+  Mat3 direction = Mat3::Identity();  ///< Orthonormal; columns are the axes of i, j, k; det may be -1.
 
   [[nodiscard]] std::size_t voxel_count() const {
     return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
@@ -23,7 +23,8 @@ struct ImageFrame {
   [[nodiscard]] std::size_t offset(const Index3& v) const {
     return static_cast<std::size_t>(v.x()) +
            static_cast<std::size_t>(size.x()) *
-               (static_cast<std::size_t>(v.y()) + static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(v.z()));
+               (static_cast<std::size_t>(v.y()) +
+                static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(v.z()));
   }
   [[nodiscard]] bool contains(const Index3& v) const {
     return (v.array() >= 0).all() && (v.array() < size.array()).all();
@@ -38,8 +39,8 @@ struct ImageFrame {
   [[nodiscard]] double voxel_volume_mm3() const { return spacing_mm.prod(); }
 };
 
-/// Labels of an image, 16 bits a voxel. `values[i]` is the file's label of compact index i; values[0] == 0 always
-/// (the background), the rest ascend. Memory: 2 bytes a voxel.
+/// Labels of an image, 16 bits a voxel. `values[i]` is the file's label of compact index i; values[0] == 0
+/// always (the background), the rest ascend. Memory: 2 bytes a voxel.
 class LabelImage {
  public:
   using Index = std::uint16_t;  ///< Compact label index into values().

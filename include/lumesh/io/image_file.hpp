@@ -14,27 +14,30 @@ namespace lumesh {
 
 /// What to keep of an image that is read.
 struct ImageReadOptions {
-  std::vector<Label> labels;        ///< Keep these only, the rest becomes background; empty = all.
-  std::optional<double> threshold;  ///< Voxels >= threshold become label 1, the rest background; excludes `labels`.
+  std::vector<Label> labels;  ///< Keep these only, the rest becomes background; empty = all.
+  std::optional<double>
+      threshold;  ///< Voxels >= threshold become label 1, the rest background; excludes `labels`.
 };
 
-/// Reads a label image: NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), GIPL (.gipl, .gipl.gz),
-/// or a DICOM series (its folder, or one file of it). Positions are millimetres in LPS whatever the file's frame.
+/// Reads a label image: NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), GIPL (.gipl,
+/// .gipl.gz), or a DICOM series (its folder, or one file of it). Positions are millimetres in LPS whatever
+/// the file's frame.
 ///
-/// Integer voxels, or floats with integral values, of at most 65,535 different labels. Direction cosines that are not
-/// orthonormal are replaced by the nearest orthonormal ones: with a warning when no voxel axis turns by more than
-/// 3 degrees, else refused. A 4-D image with one volume is taken as 3-D.
+/// Integer voxels, or floats with integral values, of at most 65,535 different labels. Direction cosines that
+/// are not orthonormal are replaced by the nearest orthonormal ones: with a warning when no voxel axis turns
+/// by more than 3 degrees, else refused. A 4-D image with one volume is taken as 3-D.
 ///
-/// @throws Error{kBadInput} for every fault of the file (missing, truncated, 2-D, spacing, labels, NaN); the message
-/// is one line with the file, the fault and the remedy. Error{kMemory} if the voxels do not fit in memory;
-/// Error{kUsage} if both options are set.
-/// Memory: the file's voxels in their own type plus 2 bytes a voxel. Threads: same result for every number of them.
+/// @throws Error{kBadInput} for every fault of the file (missing, truncated, 2-D, spacing, labels, NaN); the
+/// message is one line with the file, the fault and the remedy. Error{kMemory} if the voxels do not fit in
+/// memory; Error{kUsage} if both options are set. Memory: the file's voxels in their own type plus 2 bytes a
+/// voxel. Threads: same result for every number of them.
 [[nodiscard]] LabelImage read_image(const std::filesystem::path& path, const ImageReadOptions& options,
                                     Context& context);
 
-/// Writes .nrrd (gzip), .nii or .nii.gz, in the smallest integer type that holds the labels. Written beside the
-/// target and renamed when complete.
-/// @throws Error{kBadInput} if the extension is unknown or the file cannot be written; nothing is left behind then.
+/// Writes .nrrd (gzip), .nii or .nii.gz, in the smallest integer type that holds the labels. Written beside
+/// the target and renamed when complete.
+/// @throws Error{kBadInput} if the extension is unknown or the file cannot be written; nothing is left behind
+/// then.
 void write_image(const std::filesystem::path& path, const LabelImage& image);
 
 /// SHA-256 of a file's bytes in hexadecimal; of a folder, of its files' digests in the order of their names.

@@ -20,26 +20,32 @@ enum class LabelAlias : std::uint8_t {
 enum class MshVersion : std::uint8_t { k22, k41 };
 
 struct MeshWriteOptions {
-  LabelAlias compat = LabelAlias::kNone;      ///< VTU, VTP and VTK files only.
+  LabelAlias compat = LabelAlias::kNone;     ///< VTU, VTP and VTK files only.
   MshVersion msh_version = MshVersion::k41;  ///< .msh files only.
 };
 
-/// Writes a mesh: .vtu, .vtk (legacy, binary), .mesh, .meshb, .msh (ASCII); its boundary faces: .stl (binary), .vtp.
+/// Writes a mesh: .vtu, .vtk (legacy, binary), .mesh, .meshb, .msh (ASCII); its boundary faces: .stl
+/// (binary), .vtp.
 ///
-/// Cells carry their label, boundary faces their patch; docs/stages/convert.md says what each format holds. The file
-/// is written beside the target and renamed when complete. Memory: a few MB, for VTU also one compressed array.
-/// @throws Error{kBadInput} if the extension is unknown, the format cannot hold the mesh, or writing fails (no such
-/// folder, read-only, disk full); nothing is left behind then.
-void write_mesh(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options = {});
+/// Cells carry their label, boundary faces their patch; docs/stages/convert.md says what each format holds.
+/// The file is written beside the target and renamed when complete. Memory: a few MB, for VTU also one
+/// compressed array.
+/// @throws Error{kBadInput} if the extension is unknown, the format cannot hold the mesh, or writing fails
+/// (no such folder, read-only, disk full); nothing is left behind then.
+void write_mesh(const std::filesystem::path& path, const MeshView& mesh,
+                const MeshWriteOptions& options = {});
 
 /// Writes the boundary faces alone, with the points they use, as .vtp (with int32 `patch`) or .stl.
 /// Faces are as in `mesh`; see extract_boundary() for meshes without any. Errors as write_mesh().
-void write_surface(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options = {});
+void write_surface(const std::filesystem::path& path, const MeshView& mesh,
+                   const MeshWriteOptions& options = {});
 
-/// Reads .vtu, .vtk (legacy, also .vtk.gz), .mesh, .meshb, .msh (4.1 and 2.2, ASCII), and surfaces .vtp, .stl.
+/// Reads .vtu, .vtk (legacy, also .vtk.gz), .mesh, .meshb, .msh (4.1 and 2.2, ASCII), and surfaces .vtp,
+/// .stl.
 ///
-/// Cells keep the order of the file, in VTK's vertex order. Labels come from `label` or another program's array
-/// (docs/stages/convert.md); 1 if there is none. Every cell refers to existing points and all points are finite.
+/// Cells keep the order of the file, in VTK's vertex order. Labels come from `label` or another program's
+/// array (docs/stages/convert.md); 1 if there is none. Every cell refers to existing points and all points
+/// are finite.
 /// @throws Error{kBadInput} if the file is missing, broken, or holds cells lumesh does not know.
 /// Memory: the file, and the mesh.
 [[nodiscard]] MixedMesh read_mesh(const std::filesystem::path& path);
@@ -47,7 +53,8 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh, cons
 /// True for a file name that read_mesh() takes.
 [[nodiscard]] bool is_mesh_file(const std::filesystem::path& path);
 
-/// Cells whose volume is not positive in VTK's vertex order (hexahedra, prisms and pyramids by corner tetrahedra).
+/// Cells whose volume is not positive in VTK's vertex order (hexahedra, prisms and pyramids by corner
+/// tetrahedra).
 [[nodiscard]] std::size_t count_inverted_cells(const MeshView& mesh);
 
 /// Replaces the boundary faces by those found from the cells: one patch per pair of labels, named "wall" or

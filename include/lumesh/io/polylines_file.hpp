@@ -10,7 +10,8 @@ namespace lumesh {
 
 /// Writes a .vtp file of lines with float64 point arrays; unit, frame and provenance of `info` as field data.
 /// Written beside the target and renamed when complete.
-/// @throws Error{kBadInput} if the extension is not .vtp or the file cannot be written; nothing is left behind then.
+/// @throws Error{kBadInput} if the extension is not .vtp or the file cannot be written; nothing is left
+/// behind then.
 void write_polylines(const std::filesystem::path& path, const Polylines& lines, const MeshInfo& info = {});
 
 /// Reads the lines and the point arrays with one or three components of a .vtp file.

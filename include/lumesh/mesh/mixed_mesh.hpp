@@ -1,6 +1,6 @@
 #pragma once
-/// @file The output container: points, cells of several shapes with labels, boundary faces with patches, and what
-/// a reader needs to know about them. The kernel's own container is TetMesh.
+/// @file The output container: points, cells of several shapes with labels, boundary faces with patches, and
+/// what a reader needs to know about them. The kernel's own container is TetMesh.
 
 #include <array>
 #include <cstdint>
@@ -22,7 +22,7 @@ enum class PatchKind : std::uint8_t {
 
 /// A named set of boundary faces.
 struct Patch {
-  std::string name;                                   ///< Such as "wall", "inlet_1", "interface_1_2".
+  std::string name;  ///< Such as "wall", "inlet_1", "interface_1_2".
   PatchKind kind = PatchKind::kWall;
   std::array<Label, 2> labels = {kBackground, kBackground};  ///< The two sides; a side outside the mesh is 0.
 };
@@ -30,9 +30,9 @@ struct Patch {
 /// What is known about a mesh besides its geometry; written into every format that can hold it.
 struct MeshInfo {
   std::string unit = "mm";
-  std::string frame = "LPS";               ///< Patient frame of the coordinates: "LPS" or "RAS".
-  std::vector<Patch> patches;              ///< Index = patch id of the boundary faces.
-  std::map<Label, std::string> label_names;  ///< May be empty or partial.
+  std::string frame = "LPS";                      ///< Patient frame of the coordinates: "LPS" or "RAS".
+  std::vector<Patch> patches;                     ///< Index = patch id of the boundary faces.
+  std::map<Label, std::string> label_names;       ///< May be empty or partial.
   std::map<std::string, std::string> provenance;  ///< version, command, options, input, input_sha256, …
 };
 
@@ -51,11 +51,11 @@ struct MeshView {
   std::span<const Label> prism_labels;
   std::span<const Cell<8>> hexahedra;
   std::span<const Label> hexahedron_labels;
-  std::span<const Cell<3>> triangles;            ///< Boundary and interface triangles.
+  std::span<const Cell<3>> triangles;  ///< Boundary and interface triangles.
   std::span<const std::int32_t> triangle_patches;
-  std::span<const Cell<4>> quadrilaterals;       ///< Boundary and interface quadrilaterals.
+  std::span<const Cell<4>> quadrilaterals;  ///< Boundary and interface quadrilaterals.
   std::span<const std::int32_t> quadrilateral_patches;
-  const MeshInfo* info = nullptr;                ///< Never null in a view made by view().
+  const MeshInfo* info = nullptr;  ///< Never null in a view made by view().
 
   [[nodiscard]] std::size_t cell_count() const {
     return tetrahedra.size() + pyramids.size() + prisms.size() + hexahedra.size();
@@ -80,9 +80,20 @@ struct MixedMesh {
   MeshInfo info;
 
   [[nodiscard]] MeshView view() const {
-    return {points,    tetrahedra,    tetrahedron_labels, pyramids,         pyramid_labels,
-            prisms,    prism_labels,  hexahedra,          hexahedron_labels, triangles,
-            triangle_patches, quadrilaterals, quadrilateral_patches, &info};
+    return {points,
+            tetrahedra,
+            tetrahedron_labels,
+            pyramids,
+            pyramid_labels,
+            prisms,
+            prism_labels,
+            hexahedra,
+            hexahedron_labels,
+            triangles,
+            triangle_patches,
+            quadrilaterals,
+            quadrilateral_patches,
+            &info};
   }
 };
 
