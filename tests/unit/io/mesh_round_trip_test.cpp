@@ -1,0 +1,221 @@
+// Every format holds every shape of cell, its label, its boundary faces and what is known about the mesh.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "io_fixtures.hpp"
+#include "lumesh/io/mesh_file.hpp"
+
+namespace lumesh {
+namespace {
+
+using fixtures::every_cell_shape;
+using fixtures::everything;
+using fixtures::TemporaryFolder;
+
+struct Format {
+  const char* file;
+  MshVersion msh_version = MshVersion::k41;
+  bool holds_info = true;
+};
+
+void PrintTo(const Format& format, std::ostream* out) {
+  *out << format.file;
+}
+
+class MeshRoundTrip : public testing::TestWithParam<Format> {
+ protected:
+  MixedMesh write_and_read(const MixedMesh& mesh) {
+    write_mesh(folder_ / GetParam().file, mesh.view(), {.msh_version = GetParam().msh_version});
+    EXPECT_EQ(folder_.file_count(), 1U) << "the temporary file stays";
+    return read_mesh(folder_ / GetParam().file);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_P(MeshRoundTrip, KeepsPointsToTheLastBit) {
+  MixedMesh mesh = every_cell_shape();
+  mesh.points[3] = Vec3(0.1 + 0.2, 1.0 / 3.0, -1e-300);
+  mesh.points[4] = Vec3(-123456789.123456789, 5e-324, 1e17);
+  const MixedMesh back = write_and_read(mesh);
+  ASSERT_EQ(back.points.size(), mesh.points.size());
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) EXPECT_EQ(back.points[i], mesh.points[i]) << i;
+}
+
+TEST_P(MeshRoundTrip, KeepsCellsLabelsFacesAndPatches) {
+  const MixedMesh mesh = every_cell_shape();
+  const MixedMesh back = write_and_read(mesh);
+  EXPECT_EQ(everything(back), everything(mesh));
+  ASSERT_EQ(back.info.patches.size(), 5U);
+}
+
+TEST_P(MeshRoundTrip, KeepsNamesFrameAndProvenance) {
+  if (!GetParam().holds_info) GTEST_SKIP() << "the format has no place for text";
+  const MixedMesh mesh = every_cell_shape();
+  const MeshInfo back = write_and_read(mesh).info;
+  EXPECT_EQ(back.unit, "mm");
+  EXPECT_EQ(back.frame, "RAS");
+  EXPECT_EQ(back.label_names, mesh.info.label_names);
+  EXPECT_EQ(back.provenance, mesh.info.provenance);
+  ASSERT_EQ(back.patches.size(), mesh.info.patches.size());
+  for (std::size_t i = 0; i < mesh.info.patches.size(); ++i) {
+    EXPECT_EQ(back.patches[i].name, mesh.info.patches[i].name);
+    EXPECT_EQ(back.patches[i].kind, mesh.info.patches[i].kind);
+    EXPECT_EQ(back.patches[i].labels, mesh.info.patches[i].labels);
+  }
+}
+
+TEST_P(MeshRoundTrip, KeepsAPatchWithoutFaces) {
+  if (!GetParam().holds_info) GTEST_SKIP() << "the format has no place for text";
+  MixedMesh mesh = every_cell_shape();
+  mesh.info.patches.insert(mesh.info.patches.begin(), Patch{"empty", PatchKind::kOpening, {1, 0}});
+  for (auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches})
+    for (std::int32_t& patch : *patches) ++patch;
+  const MixedMesh back = write_and_read(mesh);
+  EXPECT_EQ(everything(back), everything(mesh));
+  ASSERT_EQ(back.info.patches.size(), 6U);
+  EXPECT_EQ(back.info.patches[0].name, "empty");
+}
+
+TEST_P(MeshRoundTrip, KeepsAMeshOfManyBlocks) {
+  // 60,000 tetrahedra: more than one compressed block of every array.
+  MixedMesh mesh;
+  for (std::uint32_t i = 0; i < 60000; ++i) {
+    const double x = i;
+    mesh.points.insert(mesh.points.end(), {{x, 0, 0}, {x + 0.5, 0, 0}, {x, 1.0 / (1 + i), 0}, {x, 0, 1}});
+    mesh.tetrahedra.push_back({4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3});
+    mesh.tetrahedron_labels.push_back(1 + static_cast<Label>(i % 300));
+  }
+  const MixedMesh back = write_and_read(mesh);
+  EXPECT_EQ(everything(back), everything(mesh));
+  EXPECT_EQ(back.points, mesh.points);
+}
+
+TEST_P(MeshRoundTrip, WritesTheSameBytesTwice) {
+  const MixedMesh mesh = every_cell_shape();
+  write_and_read(mesh);
+  const std::string first = fixtures::read_file(folder_ / GetParam().file);
+  write_and_read(mesh);
+  EXPECT_EQ(fixtures::read_file(folder_ / GetParam().file), first);
+}
+
+TEST_P(MeshRoundTrip, ReadsNoInvertedCell) {
+  EXPECT_EQ(count_inverted_cells(write_and_read(every_cell_shape()).view()), 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, MeshRoundTrip,
+                         testing::Values(Format{"m.vtu"}, Format{"m.vtk"}, Format{"m.mesh"},
+                                         Format{"m.meshb", MshVersion::k41, false}, Format{"m.msh"},
+                                         Format{"m.msh", MshVersion::k22}),
+                         [](const auto& info) {
+                           std::string name = std::string(info.param.file).substr(2);
+                           if (name == "msh") name += info.param.msh_version == MshVersion::k41 ? "41" : "22";
+                           return name;
+                         });
+
+TEST(Surface, KeepsFacesAndPatchesInVtp) {
+  const TemporaryFolder folder;
+  MixedMesh mesh = every_cell_shape();
+  mesh.points.insert(mesh.points.begin(), Vec3(9, 9, 9));  // A point that no face uses is left out.
+  const auto shift = [](auto& cells) {
+    for (auto& cell : cells)
+      for (auto& v : cell) ++v;
+  };
+  shift(mesh.triangles);
+  shift(mesh.quadrilaterals);
+  write_surface(folder / "s.vtp", mesh.view());
+  const MixedMesh back = read_mesh(folder / "s.vtp");
+  EXPECT_EQ(back.points.size(), 12U);
+  ASSERT_EQ(back.triangles.size(), 9U);
+  ASSERT_EQ(back.quadrilaterals.size(), 8U);
+  for (std::size_t i = 0; i < back.triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_EQ(back.points[back.triangles[i][k]], mesh.points[mesh.triangles[i][k]]);
+  EXPECT_EQ(back.triangle_patches, mesh.triangle_patches);
+  EXPECT_EQ(back.quadrilateral_patches, mesh.quadrilateral_patches);
+  EXPECT_EQ(back.info.patches.at(1).name, "dome wall");
+  EXPECT_EQ(back.info.frame, "RAS");
+}
+
+TEST(Surface, WritesQuadrilateralsAsTwoTrianglesOfTheSameAreaInStl) {
+  const TemporaryFolder folder;
+  const MixedMesh mesh = every_cell_shape();
+  write_surface(folder / "s.stl", mesh.view());
+  EXPECT_EQ(std::filesystem::file_size(folder / "s.stl"), 84U + 50U * (9 + 2 * 8));
+  const MixedMesh back = read_mesh(folder / "s.stl");
+  ASSERT_EQ(back.triangles.size(), 25U);
+  EXPECT_EQ(back.points.size(), 12U);
+  double cube_bottom = 0;  // The square z = 0 of the cube.
+  for (const auto& t : back.triangles) {
+    const Vec3 a = back.points[t[0]], b = back.points[t[1]], c = back.points[t[2]];
+    const Vec3 normal = (b - a).cross(c - a);
+    if (a.z() == 0 && b.z() == 0 && c.z() == 0 && std::max({a.x(), b.x(), c.x()}) <= 1)
+      cube_bottom -= normal.z() / 2;
+  }
+  EXPECT_DOUBLE_EQ(cube_bottom, 1) << "its normal must point down";
+}
+
+TEST(Surface, SaysItsFrameInTheHeaderOfStl) {
+  const TemporaryFolder folder;
+  write_surface(folder / "s.stl", every_cell_shape().view());
+  const std::string header = fixtures::read_file(folder / "s.stl").substr(0, 80);
+  EXPECT_NE(header.find("SPACE=RAS"), std::string::npos);  // What 3D Slicer looks for.
+  EXPECT_NE(header.substr(0, 5), "solid");                 // What text files begin with.
+}
+
+TEST(Boundary, IsFoundBetweenLabelsAndOutside) {
+  MixedMesh mesh = every_cell_shape();
+  const MixedMesh before = mesh;
+  extract_boundary(mesh);
+  EXPECT_EQ(mesh.triangles.size(), 9U);
+  EXPECT_EQ(mesh.quadrilaterals.size(), 8U);
+  std::map<std::string, int> faces;
+  for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches})
+    for (const std::int32_t p : *patches) ++faces[mesh.info.patches.at(static_cast<std::size_t>(p)).name];
+  const std::map<std::string, int> expected = {
+      {"wall_1", 4},        {"wall_2", 3},        {"wall_3", 4},       {"wall_7", 3},
+      {"interface_1_2", 1}, {"interface_1_3", 1}, {"interface_2_7", 1}};
+  EXPECT_EQ(faces, expected);
+}
+
+TEST(Boundary, FacesPointOutOfTheirFirstLabel) {
+  MixedMesh mesh = every_cell_shape();
+  extract_boundary(mesh);
+  // By the divergence theorem the flux of the position field through a label's closed boundary is 3 volumes.
+  std::map<Label, double> volume;
+  const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c, std::int32_t p) {
+    const auto& sides = mesh.info.patches[static_cast<std::size_t>(p)].labels;
+    const double flux = a.dot(b.cross(c)) / 6;
+    volume[sides[0]] += flux;
+    volume[sides[1]] -= flux;
+  };
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto& t = mesh.triangles[i];
+    add(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.triangle_patches[i]);
+  }
+  for (std::size_t i = 0; i < mesh.quadrilaterals.size(); ++i) {
+    const auto& q = mesh.quadrilaterals[i];
+    add(mesh.points[q[0]], mesh.points[q[1]], mesh.points[q[2]], mesh.quadrilateral_patches[i]);
+    add(mesh.points[q[0]], mesh.points[q[2]], mesh.points[q[3]], mesh.quadrilateral_patches[i]);
+  }
+  EXPECT_NEAR(volume[1], 1, 1e-12);
+  EXPECT_NEAR(volume[2], 1.0 / 3, 1e-12);
+  EXPECT_NEAR(volume[3], 0.5, 1e-12);
+  EXPECT_NEAR(volume[7], 1.25 / 6, 1e-12);
+}
+
+TEST(InvertedCells, AreCountedForEveryShape) {
+  MixedMesh mesh = every_cell_shape();
+  EXPECT_EQ(count_inverted_cells(mesh.view()), 0U);
+  std::swap(mesh.tetrahedra[0][0], mesh.tetrahedra[0][1]);
+  EXPECT_EQ(count_inverted_cells(mesh.view()), 1U);
+  mesh.pyramids[0] = {7, 6, 5, 4, 10};
+  EXPECT_EQ(count_inverted_cells(mesh.view()), 2U);
+  mesh.prisms[0] = {1, 5, 8, 2, 6, 9};
+  EXPECT_EQ(count_inverted_cells(mesh.view()), 3U);
+  mesh.hexahedra[0] = {4, 5, 6, 7, 0, 1, 2, 3};
+  EXPECT_EQ(count_inverted_cells(mesh.view()), 4U);
+}
+
+}  // namespace
+}  // namespace lumesh
