@@ -1,0 +1,105 @@
+// What every module shares: errors, context, memory, typed indices, assertions.
+#include <gtest/gtest.h>
+
+#include <sstream>
+#include <thread>
+#include <type_traits>
+
+#include "lumesh/core/assert.hpp"
+#include "lumesh/core/context.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/memory.hpp"
+#include "lumesh/core/types.hpp"
+
+namespace lumesh {
+namespace {
+
+TEST(Error, CarriesItsKindAndItsLine) {
+  try {
+    throw Error(ErrorKind::kBadInput, "case1.nrrd: no such file");
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "case1.nrrd: no such file");
+    const auto* own = dynamic_cast<const Error*>(&error);
+    ASSERT_NE(own, nullptr);
+    EXPECT_EQ(own->kind(), ErrorKind::kBadInput);
+  }
+}
+
+TEST(Error, KindsAreTheProgramsExitCodes) {
+  EXPECT_EQ(static_cast<int>(ErrorKind::kUsage), 1);
+  EXPECT_EQ(static_cast<int>(ErrorKind::kBadInput), 2);
+  EXPECT_EQ(static_cast<int>(ErrorKind::kNotReached), 3);
+  EXPECT_EQ(static_cast<int>(ErrorKind::kTimeLimit), 4);
+  EXPECT_EQ(static_cast<int>(ErrorKind::kMemory), 5);
+}
+
+TEST(Context, PhasesReturnWhatTheStepReturnsAndAreRecordedInOrder) {
+  Context context;
+  EXPECT_EQ(context.phase("first", [] { return 42; }), 42);
+  int calls = 0;
+  context.phase("second", [&] {
+    ++calls;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  });
+  EXPECT_EQ(calls, 1);
+  ASSERT_EQ(context.phases().size(), 2U);
+  EXPECT_EQ(context.phases()[0].name, "first");
+  EXPECT_EQ(context.phases()[1].name, "second");
+  EXPECT_GE(context.phases()[0].seconds, 0);
+  EXPECT_GE(context.phases()[1].seconds, 0.005);
+}
+
+TEST(Context, APhaseThatThrowsIsRecordedToo) {
+  Context context;
+  EXPECT_THROW(context.phase("fails", [] { throw Error(ErrorKind::kMemory, "no"); }), Error);
+  ASSERT_EQ(context.phases().size(), 1U);
+  EXPECT_EQ(context.phases()[0].name, "fails");
+}
+
+TEST(Context, MessagesReachTheirOwnSinkAndMayHaveNone) {
+  std::vector<std::string> infos, warnings;
+  const Context context([&](std::string_view m) { infos.emplace_back(m); },
+                        [&](std::string_view m) { warnings.emplace_back(m); });
+  context.info("reading");
+  context.warn("no spacing");
+  EXPECT_EQ(infos, std::vector<std::string>{"reading"});
+  EXPECT_EQ(warnings, std::vector<std::string>{"no spacing"});
+  const Context silent;
+  EXPECT_NO_THROW(silent.info("nobody hears"));
+  EXPECT_NO_THROW(silent.warn("nobody hears"));
+}
+
+TEST(Context, CancellationIsSeenFromAnotherThread) {
+  std::stop_source source;
+  const Context context({}, {}, source.get_token());
+  EXPECT_FALSE(context.cancelled());
+  std::jthread([&] { source.request_stop(); }).join();
+  EXPECT_TRUE(context.cancelled());
+  EXPECT_FALSE(Context().cancelled());
+}
+
+TEST(Memory, SomeIsAvailableAndLessThanAnyMachineHas) {
+  constexpr std::uint64_t kMebibyte = 1ULL << 20;
+  EXPECT_GT(available_memory_bytes(), 16 * kMebibyte);
+  EXPECT_LT(available_memory_bytes(), kMebibyte * kMebibyte) << "a tebi-mebibyte";
+}
+
+TEST(Id, IsInvalidUntilSetAndCannotBeMixedUp) {
+  EXPECT_FALSE(VertexId().valid());
+  EXPECT_TRUE(VertexId(0).valid());
+  EXPECT_LT(VertexId(3), VertexId(4));
+  EXPECT_EQ(TetId(7).value, 7U);
+  static_assert(!std::is_convertible_v<VertexId, TetId>);
+  static_assert(!std::is_convertible_v<std::uint32_t, VertexId>);
+  static_assert(sizeof(PatchId) == 4);
+}
+
+TEST(AssertDeathTest, AFailedConditionEndsTheProgramAndNamesItself) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const int apples = 2;
+  EXPECT_DEATH(LUMESH_ASSERT(apples == 3), "apples == 3.*core_test");
+  LUMESH_ASSERT(apples == 2);
+}
+
+}  // namespace
+}  // namespace lumesh

@@ -1,0 +1,321 @@
+// The domain oracle of images of balls, tubes and plates, against their known surfaces.
+#include "lumesh/domain/image_domain.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include "lumesh/core/error.hpp"
+
+namespace lumesh {
+namespace {
+
+LabelImage voxels_of(const ImageFrame& frame, int labels, const std::function<int(const Vec3&)>& label_of) {
+  std::vector<Label> values;
+  for (int l = 0; l <= labels; ++l) values.push_back(10 * l);
+  LabelImage image(frame, values);
+  for (int k = 0; k < frame.size.z(); ++k) {
+    for (int j = 0; j < frame.size.y(); ++j) {
+      for (int i = 0; i < frame.size.x(); ++i)
+        image.at({i, j, k}) = static_cast<LabelImage::Index>(label_of(frame.to_physical(Vec3(i, j, k))));
+    }
+  }
+  return image;
+}
+
+ImageFrame frame_of(const Index3& size) {
+  ImageFrame frame;
+  frame.size = size;
+  return frame;
+}
+
+/// Turned, mirrored, with voxels of two sizes.
+ImageFrame odd_frame() {
+  ImageFrame frame = frame_of({52, 52, 40});
+  frame.spacing_mm = {0.6, 0.6, 0.9};
+  frame.origin_mm = {100, -50, 20};
+  frame.direction =
+      Eigen::AngleAxisd(0.6, Vec3(1, -2, 1).normalized()).toRotationMatrix() * Vec3(1, 1, -1).asDiagonal();
+  return frame;
+}
+
+struct Ball {
+  LabelImage image;
+  Vec3 centre_mm;
+  double radius_mm;
+};
+Ball odd_ball() {
+  const ImageFrame frame = odd_frame();
+  const Vec3 centre = frame.to_physical(Vec3(25.3, 25.8, 19.6));
+  return {voxels_of(frame, 1, [&](const Vec3& p) { return (p - centre).norm() < 12 ? 1 : 0; }), centre, 12};
+}
+
+std::vector<Vec3> random_directions(int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<Vec3> directions;
+  for (int n = 0; n < count; ++n)
+    directions.push_back(Vec3(normal(random), normal(random), normal(random)).normalized());
+  return directions;
+}
+
+TEST(ImageDomain, VoxelsAwayFromTheBoundaryKeepTheirLabel) {
+  const Vec3 c(20.3, 20.6, 20.2);
+  const auto label_of = [c](const Vec3& p) { return (p - c).norm() < 14 ? (p.x() < c.x() ? 1 : 2) : 0; };
+  const LabelImage image = voxels_of(frame_of({41, 41, 41}), 2, label_of);
+  const ImageDomain domain(image, {});
+  std::size_t checked = 0, wrong = 0;
+  for (int k = 0; k < 41; ++k) {
+    for (int j = 0; j < 41; ++j) {
+      for (int i = 0; i < 41; ++i) {
+        const Vec3 p(i, j, k);
+        const double from_ball = std::abs((p - c).norm() - 14);
+        const double from_plane = (p - c).norm() < 14 ? std::abs(p.x() - c.x()) : 9;
+        if (from_ball < 1.5 || from_plane < 1.5) continue;
+        ++checked;
+        wrong += domain.label_at(p) == 10 * label_of(p) ? 0U : 1U;
+      }
+    }
+  }
+  EXPECT_GT(checked, 40000U);
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_EQ(domain.label_at({-500, 3, 1e6}), kBackground) << "outside the image its border goes on";
+}
+
+TEST(ImageDomain, SeparationIsAboutTheDistanceAndChangesSignWithItsArguments) {
+  const Ball ball = odd_ball();
+  const ImageDomain domain(ball.image, {});
+  for (const Vec3& d : random_directions(200, 1)) {
+    for (const double off : {-0.5, 0.0, 0.5}) {
+      const Vec3 p = ball.centre_mm + (ball.radius_mm + off) * d;
+      const double value = domain.separation(p, 1, 0).value;
+      EXPECT_NEAR(value, -off, 0.45) << "0.9 mm are the longest edge of a voxel";
+      EXPECT_DOUBLE_EQ(domain.separation(p, 0, 1).value, -value);
+    }
+  }
+}
+
+TEST(ImageDomain, GradientOfTheSeparationIsThatOfFiniteDifferences) {
+  const Ball ball = odd_ball();
+  const ImageDomain domain(ball.image, {});
+  constexpr double kStep = 1e-4;
+  for (const Vec3& d : random_directions(300, 2)) {
+    const Vec3 p = ball.centre_mm + (ball.radius_mm + 0.7 * d.x()) * d;
+    const FieldSample s = domain.separation(p, 1, 0);
+    Vec3 slope;
+    for (int a = 0; a < 3; ++a) {
+      const Vec3 step = kStep * Vec3::Unit(a);
+      slope[a] =
+          (domain.separation(p + step, 1, 0).value - domain.separation(p - step, 1, 0).value) / (2 * kStep);
+    }
+    EXPECT_LT((s.gradient - slope).norm(), 2e-3) << p.transpose();
+    EXPECT_LT(s.gradient.dot(d), -0.3) << "label 1 lies inside";
+  }
+}
+
+TEST(ImageDomain, ProjectionLandsOnTheBall) {
+  const Ball ball = odd_ball();
+  const ImageDomain domain(ball.image, {});
+  MaterialSet set;
+  set.insert(1);
+  set.insert(0);
+  double sum = 0;
+  int found = 0;
+  for (const Vec3& d : random_directions(500, 3)) {
+    const Vec3 start = ball.centre_mm + (ball.radius_mm + 0.9 * d.y()) * d;
+    const auto p = domain.project(start, set, 3.0);
+    if (!p) continue;
+    ++found;
+    sum += std::abs((*p - ball.centre_mm).norm() - ball.radius_mm);
+    EXPECT_LT(std::abs(domain.separation(*p, 0, 1).value), 1e-3);
+    EXPECT_LT((*p - start).norm(), 2.0) << "the way to the surface is 0.9 mm at most";
+  }
+  EXPECT_EQ(found, 500);
+  EXPECT_LT(sum / found, 0.15 * domain.voxel_size_mm());
+}
+
+TEST(ImageDomain, AProjectionBeyondItsReachIsNone) {
+  const Ball ball = odd_ball();
+  const ImageDomain domain(ball.image, {});
+  MaterialSet set;
+  set.insert(1);
+  set.insert(0);
+  const Vec3 d = Vec3(1, 1, 1).normalized();
+  EXPECT_TRUE(domain.project(ball.centre_mm + (ball.radius_mm - 1.0) * d, set, 2.0).has_value());
+  EXPECT_FALSE(domain.project(ball.centre_mm + (ball.radius_mm - 1.0) * d, set, 0.5).has_value());
+  EXPECT_FALSE(domain.project(ball.centre_mm, set, 100).has_value()) << "no slope in the middle of the ball";
+}
+
+TEST(ImageDomain, ThreeMaterialsMeetInACurveThatProjectionFinds) {
+  const Vec3 c(20.3, 20.6, 20.2);
+  const LabelImage image = voxels_of(frame_of({41, 41, 41}), 2, [c](const Vec3& p) {
+    return (p - c).norm() < 14 ? (p.x() < c.x() ? 1 : 2) : 0;
+  });
+  const ImageDomain domain(image, {});
+  MaterialSet set;
+  for (const Material m : {0U, 1U, 2U}) set.insert(m);
+  for (int n = 0; n < 24; ++n) {
+    const double angle = n * 0.2618;
+    const Vec3 truth = c + 14 * Vec3(0, std::cos(angle), std::sin(angle));
+    const auto p = domain.project(truth + Vec3(0.4, -0.2, 0.3), set, 3);
+    ASSERT_TRUE(p.has_value()) << angle;
+    EXPECT_LT((*p - truth).norm(), 1.0);
+    for (const auto& [a, b] : {std::pair(0U, 1U), std::pair(0U, 2U), std::pair(1U, 2U)})
+      EXPECT_NEAR(domain.separation(*p, a, b).value, 0, 1e-2);
+  }
+}
+
+TEST(ImageDomain, NearestBoundaryNamesBothSidesAndPointsOutwards) {
+  const Ball ball = odd_ball();
+  const ImageDomain domain(ball.image, {});
+  for (const Vec3& d : random_directions(200, 4)) {
+    const double off = 0.8 * d.z();
+    const auto found = domain.nearest_boundary(ball.centre_mm + (ball.radius_mm + off) * d);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_NEAR((found->position_mm - ball.centre_mm).norm(), ball.radius_mm, 0.45);
+    EXPECT_NEAR(found->normal.norm(), 1, 1e-9);
+    const Material inside = found->materials[0];
+    EXPECT_NE(inside, found->materials[1]);
+    EXPECT_LE(inside, 1U);
+    EXPECT_LE(found->materials[1], 1U);
+    EXPECT_GT((inside == 1 ? 1 : -1) * found->normal.dot(d), 0.8);
+  }
+  EXPECT_FALSE(domain.nearest_boundary(ball.centre_mm).has_value()) << "12 mm from the surface";
+}
+
+TEST(ImageDomain, FirstCrossingIsWhereTheSegmentEntersTheBall) {
+  const Ball ball = odd_ball();
+  const ImageDomain domain(ball.image, {});
+  for (const Vec3& d : random_directions(100, 5)) {
+    const Vec3 outside = ball.centre_mm + 15 * d;
+    const auto in = domain.first_crossing(outside, ball.centre_mm - 15 * d);
+    ASSERT_TRUE(in.has_value());
+    EXPECT_NEAR((*in - ball.centre_mm).dot(d), ball.radius_mm, 0.45) << "the first of two";
+    EXPECT_FALSE(domain.first_crossing(ball.centre_mm, ball.centre_mm + 9 * d).has_value());
+  }
+}
+
+TEST(ImageDomain, ObjectsThatTouchTheImageBorderAreCutAtTheVoxelsOuterFaces) {
+  ImageFrame frame = frame_of({20, 20, 24});
+  frame.spacing_mm = {1, 1, 0.5};
+  const LabelImage image = voxels_of(
+      frame, 1, [](const Vec3& p) { return std::hypot(p.x() - 9.4, p.y() - 9.7) < 6 && p.z() < 8 ? 1 : 0; });
+  const ImageDomain domain(image, {});
+  EXPECT_EQ(domain.object_box()[0], Index3(4, 4, 0));
+  EXPECT_EQ(domain.object_box()[1], Index3(15, 15, 15));
+  ASSERT_EQ(domain.material_count(), 3U) << "background, label, one cut";
+  EXPECT_TRUE(domain.is_cut(2));
+  EXPECT_FALSE(domain.is_meshed(2));
+  EXPECT_EQ(domain.label_of(2), kBackground);
+  EXPECT_EQ(domain.label_at({9.4, 9.7, -0.24}), 10) << "the outer half of the first voxel";
+  EXPECT_EQ(domain.label_at({9.4, 9.7, -0.26}), kBackground);
+  EXPECT_TRUE(domain.beyond_cut({9.4, 9.7, -0.26}));
+  EXPECT_EQ(domain.material_at({9.4, 9.7, -0.26}), 2U);
+  EXPECT_LT((domain.cut_plane(2).normal - Vec3(0, 0, -1)).norm(), 1e-12);
+  const FieldSample to_cut = domain.separation({9, 9, 2}, 1, 2);
+  EXPECT_NEAR(to_cut.value, 2.25, 1e-12);
+  EXPECT_LT((to_cut.gradient - Vec3(0, 0, 1)).norm(), 1e-12);
+  MaterialSet rim;
+  for (const Material m : {0U, 1U, 2U}) rim.insert(m);
+  const auto p = domain.project({15.0, 9.7, 0.2}, rim, 3);
+  ASSERT_TRUE(p.has_value());
+  EXPECT_NEAR(p->z(), -0.25, 1e-3);
+  EXPECT_NEAR(std::hypot(p->x() - 9.4, p->y() - 9.7), 6, 0.6);
+}
+
+TEST(ImageDomain, CutPlanesOfTheOptionsRemoveTheSideOfTheirNormal) {
+  const Ball ball = odd_ball();
+  ImageDomainOptions options;
+  const Vec3 normal = Vec3(1, 2, -1).normalized();
+  options.cut_planes.push_back({ball.centre_mm, 5 * normal});
+  const ImageDomain domain(ball.image, options);
+  EXPECT_EQ(domain.label_at(ball.centre_mm - 0.01 * normal), 10);
+  EXPECT_EQ(domain.label_at(ball.centre_mm + 0.01 * normal), kBackground);
+  EXPECT_NEAR(domain.surroundings(ball.centre_mm - 2 * normal).clearance_mm, 1.9, 0.3)
+      << "2 mm from the plane; the voxels allow for 3 * 0.6 mm";
+  for (const Vec3& bad : {Vec3(0, 0, 0), Vec3(0, NAN, 1)}) {
+    options.cut_planes[0].normal = bad;
+    try {
+      const ImageDomain refused(ball.image, options);
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    }
+  }
+}
+
+TEST(ImageDomain, ClearanceNeverReachesPastTheBoundary) {
+  const Ball ball = odd_ball();
+  const ImageDomain domain(ball.image, {});
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> off(-3, 3);
+  const auto directions = random_directions(300, 7);
+  for (const Vec3& d : directions) {
+    const Vec3 p = ball.centre_mm + (ball.radius_mm + off(random)) * d;
+    const auto here = domain.surroundings(p);
+    EXPECT_EQ(here.material, domain.material_at(p));
+    for (const Vec3& way : {d, Vec3(-d), directions[0]})
+      EXPECT_EQ(domain.material_at(p + 0.9 * here.clearance_mm * way), here.material) << p.transpose();
+  }
+}
+
+TEST(ImageDomain, PlatesAndLinesOfOneVoxelSurvive) {
+  const LabelImage plate = voxels_of(frame_of({24, 24, 24}), 1, [](const Vec3& p) {
+    return p.z() == 12 && p.x() > 4 && p.x() < 19 && p.y() > 4 && p.y() < 19 ? 1 : 0;
+  });
+  const LabelImage line = voxels_of(frame_of({24, 24, 24}), 1, [](const Vec3& p) {
+    return p.x() == 11 && p.y() == 13 && p.z() > 4 && p.z() < 19 ? 1 : 0;
+  });
+  const LabelImage diagonal = voxels_of(frame_of({24, 24, 24}), 1, [](const Vec3& p) {
+    return p.x() == p.y() && p.z() == 12 && p.x() > 4 && p.x() < 19 ? 1 : 0;
+  });
+  for (const LabelImage* image : {&plate, &line, &diagonal}) {
+    const ImageDomain domain(*image, {});
+    std::size_t kept = 0, all = 0;
+    for (int k = 0; k < 24; ++k) {
+      for (int j = 0; j < 24; ++j) {
+        for (int i = 0; i < 24; ++i) {
+          if (image->label_at({i, j, k}) == 0) continue;
+          ++all;
+          kept += domain.label_at(Vec3(i, j, k)) == 10 ? 1U : 0U;
+        }
+      }
+    }
+    EXPECT_GE(all, 14U);
+    EXPECT_EQ(kept, all);
+  }
+}
+
+TEST(ImageDomain, MemoryFollowsTheBoundaryNotTheImage) {
+  const auto bytes = [](int size) {
+    const double c = 0.5 * size + 0.3;
+    const LabelImage image = voxels_of(frame_of({size, size, size}), 1, [c](const Vec3& p) {
+      return (p - Vec3(c, c, c)).norm() < 20 ? 1 : 0;
+    });
+    return static_cast<double>(ImageDomain(image, {}).field().memory_bytes());
+  };
+  EXPECT_LT(bytes(112), 1.3 * bytes(56)) << "an eightfold image with the same ball";
+}
+
+TEST(ImageDomain, MaterialSetsAreSortedWithoutDoublesAndStayWithinCapacity) {
+  MaterialSet set;
+  for (const Material m : {5U, 1U, 5U, 3U, 1U}) set.insert(m);
+  ASSERT_EQ(set.size(), 3U);
+  EXPECT_EQ(set[0], 1U);
+  EXPECT_EQ(set[1], 3U);
+  EXPECT_EQ(set[2], 5U);
+  MaterialSet part;
+  part.insert(3);
+  EXPECT_TRUE(set.contains_all(part));
+  EXPECT_FALSE(part.contains_all(set));
+  EXPECT_FALSE(set == part);
+  for (Material m = 10; m < 30; ++m) set.insert(m);
+  EXPECT_EQ(set.size(), MaterialSet::kCapacity);
+}
+
+}  // namespace
+}  // namespace lumesh

@@ -1,0 +1,258 @@
+// Meshes of shapes with known surfaces.
+#include "lumesh/lattice/lattice.hpp"
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "shapes.hpp"
+
+namespace lumesh {
+namespace {
+
+using test::expect_good;
+using test::frame_of;
+using test::meshed;
+using test::voxels_of;
+
+const Vec3 kCentre(31.3, 31.6, 31.8);
+const Vec3 kSmallCentre(23.3, 23.6, 23.8);
+
+LabelImage ball(const ImageFrame& frame, const Vec3& centre_mm, double radius_mm) {
+  return voxels_of(frame, 1, [&](const Vec3& p) { return (p - centre_mm).norm() < radius_mm ? 1 : 0; });
+}
+
+/// Ball (3) around two half balls (1, 2) that touch each other.
+LabelImage nested_balls() {
+  const Vec3 c(23.4, 23.7, 23.1);
+  return voxels_of(frame_of({48, 48, 48}), 3, [c](const Vec3& p) {
+    const double r = (p - c).norm();
+    if (r < 12) return p.x() < c.x() ? 1 : 2;
+    return r < 20 ? 3 : 0;
+  });
+}
+
+TEST(Lattice, ABallIsRoundAndSmooth) {
+  const LabelImage image = ball(frame_of({64, 64, 64}), kCentre, 20);
+  const MixedMesh mesh = meshed(image);
+  const ValidationReport report = expect_good(mesh);
+  test::expect_label_volumes(image, mesh, 0.01);
+  EXPECT_EQ(test::patch_names(mesh), std::vector<std::string>{"wall"});
+  EXPECT_EQ(test::euler_number(mesh, {0}), 2);
+  ASSERT_EQ(report.labels.size(), 1U);
+  EXPECT_EQ(report.labels[0].surface_components, 1U);
+  const auto distance = [](const Vec3& p) { return (p - kCentre).norm() - 20; };
+  const auto offsets = test::offsets_of(mesh, "wall", distance);
+  EXPECT_LE(offsets.mean, 0.2);
+  EXPECT_LE(offsets.most, 1.0);
+  const auto normal = [](const Vec3& p) { return Vec3(p - kCentre); };
+  EXPECT_LE(test::normal_error_deg(mesh, "wall", 0.95, normal), 6);
+  EXPECT_LE(test::normal_error_deg(mesh, "wall", 0.99, normal), 15);
+}
+
+TEST(Lattice, ATorusKeepsItsHole) {
+  const Vec3 c(29.6, 29.3, 13.4);
+  const auto distance = [c](const Vec3& p) {
+    const Vec3 d = p - c;
+    return std::hypot(std::hypot(d.x(), d.y()) - 19, d.z()) - 7;
+  };
+  const LabelImage image =
+      voxels_of(frame_of({60, 60, 28}), 1, [&](const Vec3& p) { return distance(p) < 0 ? 1 : 0; });
+  const MixedMesh mesh = meshed(image);
+  expect_good(mesh);
+  test::expect_label_volumes(image, mesh, 0.01);
+  EXPECT_EQ(test::euler_number(mesh, {0}), 0);
+  const auto offsets = test::offsets_of(mesh, "wall", distance);
+  EXPECT_LE(offsets.mean, 0.2);
+  EXPECT_LE(offsets.most, 1.0);
+}
+
+TEST(Lattice, LabelsThatTouchShareTheirInterface) {
+  const LabelImage image = nested_balls();
+  const MixedMesh mesh = meshed(image);
+  expect_good(mesh);
+  test::expect_label_volumes(image, mesh, 0.015);  // the edges of the half balls are rounded a little
+  EXPECT_EQ(test::patch_names(mesh),
+            (std::vector<std::string>{"interface_1_2", "interface_1_3", "interface_2_3", "wall_3"}));
+  const Vec3 c(23.4, 23.7, 23.1);
+  const auto flat = test::offsets_of(mesh, "interface_1_2", [c](const Vec3& p) { return p.x() - c.x(); });
+  EXPECT_LE(flat.mean, 0.5) << "the voxels' boundary lies at 23.5, 0.1 voxels away";
+  const auto inner =
+      test::offsets_of(mesh, "interface_1_3", [c](const Vec3& p) { return (p - c).norm() - 12; });
+  EXPECT_LE(inner.mean, 0.25);
+  const auto outer = test::offsets_of(mesh, "wall_3", [c](const Vec3& p) { return (p - c).norm() - 20; });
+  EXPECT_LE(outer.mean, 0.2);
+  EXPECT_EQ(test::euler_number(mesh, {test::patch_number(mesh, "wall_3")}), 2);
+  EXPECT_EQ(test::euler_number(mesh, {test::patch_number(mesh, "interface_1_2")}), 1) << "a disc";
+}
+
+TEST(Lattice, SpacingAndDirectionOfTheImageAreFollowed) {
+  const Mat3 turned =
+      (Eigen::AngleAxisd(0.5, Vec3::UnitZ()) * Eigen::AngleAxisd(-0.8, Vec3::UnitY())).toRotationMatrix();
+  for (const double mirror : {1.0, -1.0}) {
+    ImageFrame frame = frame_of({60, 60, 30});
+    frame.spacing_mm = {0.8, 0.8, 1.6};
+    frame.origin_mm = {-40, 12, 700};
+    frame.direction = turned * Vec3(1, mirror, 1).asDiagonal();
+    const Vec3 centre = frame.to_physical(Vec3(29.3, 29.8, 14.6));
+    const LabelImage image = ball(frame, centre, 16);
+    const MixedMesh mesh = meshed(image);
+    expect_good(mesh);
+    test::expect_label_volumes(image, mesh, 0.01);
+    EXPECT_EQ(test::euler_number(mesh, {0}), 2);
+    const auto offsets =
+        test::offsets_of(mesh, "wall", [&](const Vec3& p) { return (p - centre).norm() - 16; });
+    EXPECT_LE(offsets.mean, 0.2 * 1.6);
+    EXPECT_LE(offsets.most, 1.6);
+    const auto normal = [&](const Vec3& p) { return Vec3(p - centre); };
+    EXPECT_LE(test::normal_error_deg(mesh, "wall", 0.99, normal), 25);
+  }
+}
+
+TEST(Lattice, EveryThreadCountGivesTheSameBits) {
+  const LabelImage image = nested_balls();
+  std::vector<MixedMesh> results;
+  for (const int threads : {1, 2, 5}) {
+    const parallel::ThreadLimit limit(threads);
+    results.push_back(meshed(image));
+  }
+  for (const MixedMesh& m : results) {
+    EXPECT_EQ(m.points, results[0].points);
+    EXPECT_EQ(m.tetrahedra, results[0].tetrahedra);
+    EXPECT_EQ(m.tetrahedron_labels, results[0].tetrahedron_labels);
+    EXPECT_EQ(m.triangles, results[0].triangles);
+    EXPECT_EQ(m.triangle_patches, results[0].triangle_patches);
+  }
+}
+
+TEST(Lattice, FidelityOfALabelRefinesThatLabel) {
+  const LabelImage image = nested_balls();
+  LatticeOptions options;
+  const auto count = [](const MixedMesh& m, Label label) {
+    return std::count(m.tetrahedron_labels.begin(), m.tetrahedron_labels.end(), label);
+  };
+  const MixedMesh plain = meshed(image, options);
+  options.label_fidelity[1] = 0.92;
+  const MixedMesh fine = meshed(image, options);
+  expect_good(fine);
+  EXPECT_GT(count(fine, 1), 2 * count(plain, 1));
+  EXPECT_GT(static_cast<double>(count(fine, 1)), 1.5 * static_cast<double>(count(fine, 2)));
+}
+
+TEST(Lattice, SmallerSpacingGivesMoreTetrahedraAndBothLieOnTheSurface) {
+  const LabelImage image = ball(frame_of({48, 48, 48}), kSmallCentre, 15);
+  LatticeOptions coarse, fine;
+  coarse.spacing_mm = 5;
+  fine.spacing_mm = 2;
+  const MixedMesh few = meshed(image, coarse);
+  const MixedMesh many = meshed(image, fine);
+  expect_good(few);
+  expect_good(many);
+  EXPECT_GT(many.tetrahedra.size(), 4 * few.tetrahedra.size());
+  // Flat facets with their corners on the sphere would stand off by a^2 / (6 R): 0.28 at 5 mm.
+  const auto sag = [](const MixedMesh& mesh) {
+    double most = 0;
+    for (const Cell<3>& t : mesh.triangles) {
+      const Vec3 middle = (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3;
+      most = std::max(most, std::abs((middle - kSmallCentre).norm() - 15));
+    }
+    return most;
+  };
+  EXPECT_LT(sag(few), 0.5);
+  EXPECT_LT(sag(many), 0.3);
+}
+
+TEST(Lattice, TheMixedMeshFillsWhatTheTetrahedraFill) {
+  const LabelImage image = nested_balls();
+  LatticeOptions options;
+  options.spacing_mm = 2;
+  options.coarsening = 1;
+  const MixedMesh tets = meshed(image, options);
+  options.cells = LatticeCells::kMixed;
+  const MixedMesh mixed = meshed(image, options);
+  EXPECT_GT(mixed.hexahedra.size(), 100U);
+  EXPECT_LT(mixed.tetrahedra.size(), tets.tetrahedra.size());
+  test::expect_conforming(mixed);
+  EXPECT_GT(test::smallest_cell_volume(mixed), 0);
+  const auto expected = test::label_volumes(tets);
+  const auto found = test::label_volumes(mixed);
+  ASSERT_EQ(found.size(), expected.size());
+  for (const auto& [label, volume] : expected) EXPECT_NEAR(found.at(label), volume, 1e-9 * volume);
+  ASSERT_EQ(mixed.triangles.size(), tets.triangles.size());
+  for (std::size_t t = 0; t < tets.triangles.size(); ++t) {
+    EXPECT_EQ(mixed.triangle_patches[t], tets.triangle_patches[t]);
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_EQ(mixed.points[mixed.triangles[t][c]], tets.points[tets.triangles[t][c]]);
+  }
+}
+
+TEST(Lattice, TinyObjectsGiveAMeshOrOneLine) {
+  for (const int edge : {1, 2}) {
+    const LabelImage image = voxels_of(frame_of({12, 12, 12}), 1, [edge](const Vec3& p) {
+      return (p.array() >= 5).all() && (p.array() < 5 + edge).all() ? 1 : 0;
+    });
+    try {
+      const MixedMesh mesh = meshed(image);
+      EXPECT_FALSE(mesh.tetrahedra.empty());
+      expect_good(mesh);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    }
+  }
+}
+
+TEST(Lattice, AnEmptyImageIsBadInput) {
+  const LabelImage image = voxels_of(frame_of({12, 12, 12}), 1, [](const Vec3&) { return 0; });
+  try {
+    (void)meshed(image);
+    FAIL() << "an empty image was meshed";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+  }
+}
+
+TEST(Lattice, AnAbsurdSpacingIsRefusedBeforeMemoryRunsOut) {
+  const LabelImage image = ball(frame_of({64, 64, 64}), kCentre, 20);
+  for (const double spacing : {1e-9, 1e-4, 1e-2}) {
+    LatticeOptions options;
+    options.spacing_mm = spacing;
+    try {
+      (void)meshed(image, options);
+      FAIL() << spacing;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kMemory) << spacing;
+      EXPECT_NE(std::string(error.what()).find("--spacing"), std::string::npos);
+    }
+  }
+}
+
+TEST(LatticeOptions, ValuesOutOfRangeAreUsageErrors) {
+  const std::vector<std::function<void(LatticeOptions&)>> faults = {[](LatticeOptions& o) { o.spacing_mm = -1; },
+                                                                    [](LatticeOptions& o) { o.spacing_mm = NAN; },
+                                                                    [](LatticeOptions& o) { o.spacing_mm = INFINITY; },
+                                                                    [](LatticeOptions& o) { o.fidelity = 0.05; },
+                                                                    [](LatticeOptions& o) { o.fidelity = 0.99; },
+                                                                    [](LatticeOptions& o) { o.fidelity = NAN; },
+                                                                    [](LatticeOptions& o) { o.label_fidelity[3] = 1.5; },
+                                                                    [](LatticeOptions& o) { o.coarsening = -1; },
+                                                                    [](LatticeOptions& o) { o.coarsening = 5; },
+                                                                    [](LatticeOptions& o) { o.max_refinement = -1; },
+                                                                    [](LatticeOptions& o) { o.max_refinement = 6; },
+                                                                    [](LatticeOptions& o) { o.min_dihedral_deg = 0; },
+                                                                    [](LatticeOptions& o) { o.min_dihedral_deg = 26; },
+                                                                    [](LatticeOptions& o) { o.max_dihedral_deg = 129; },
+                                                                    [](LatticeOptions& o) { o.max_dihedral_deg = 176; }};
+  EXPECT_NO_THROW(LatticeOptions{}.validate());
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    LatticeOptions options;
+    faults[i](options);
+    try {
+      options.validate();
+      ADD_FAILURE() << "fault " << i << " passed";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lumesh

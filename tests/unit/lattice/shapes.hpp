@@ -1,0 +1,133 @@
+#pragma once
+// Label images of shapes with known surfaces, and their meshes, for tests.
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "lumesh/lattice/lattice.hpp"
+#include "lumesh/mesh/validate.hpp"
+#include "measures.hpp"
+
+namespace lumesh::test {
+
+/// Labels the voxels by their centres in mm; values are 0, 1, …, `labels`.
+inline LabelImage voxels_of(const ImageFrame& frame, int labels,
+                            const std::function<int(const Vec3&)>& label_of) {
+  std::vector<Label> values;
+  for (int l = 0; l <= labels; ++l) values.push_back(l);
+  LabelImage image(frame, values);
+  for (int k = 0; k < frame.size.z(); ++k) {
+    for (int j = 0; j < frame.size.y(); ++j) {
+      for (int i = 0; i < frame.size.x(); ++i)
+        image.at({i, j, k}) = static_cast<LabelImage::Index>(label_of(frame.to_physical(Vec3(i, j, k))));
+    }
+  }
+  return image;
+}
+
+inline ImageFrame frame_of(const Index3& size) {
+  ImageFrame frame;
+  frame.size = size;
+  return frame;
+}
+
+inline MixedMesh meshed(const LabelImage& image, const LatticeOptions& options = {},
+                        const ImageDomainOptions& domain_options = {}) {
+  const ImageDomain domain(image, domain_options);
+  Context context;
+  return mesh_lattice(image, domain, options, context).mesh;
+}
+
+/// What every mesh promises: valid, oriented, angles within the default limits.
+inline ValidationReport expect_good(const MixedMesh& mesh) {
+  const ValidationReport report = validate(mesh.view());
+  EXPECT_TRUE(report.ok()) << report.text();
+  const AngleRange angles = dihedral_range(mesh);
+  EXPECT_GE(angles.least_deg, 14.8);
+  EXPECT_LE(angles.most_deg, 150.2);
+  EXPECT_GT(smallest_cell_volume(mesh), 0);
+  expect_conforming(mesh);
+  return report;
+}
+
+inline void expect_label_volumes(const LabelImage& image, const MixedMesh& mesh, double tolerance) {
+  std::map<Label, double> voxels;
+  for (const LabelImage::Index index : image.voxels())
+    voxels[image.values()[index]] += image.frame().voxel_volume_mm3();
+  const auto found = label_volumes(mesh);
+  for (const auto& [label, volume] : voxels) {
+    if (label == kBackground) continue;
+    ASSERT_EQ(found.count(label), 1U) << "label " << label << " is lost";
+    EXPECT_NEAR(found.at(label), volume, tolerance * volume) << "label " << label;
+  }
+}
+
+inline std::int32_t patch_number(const MixedMesh& mesh, const std::string& name) {
+  for (std::size_t p = 0; p < mesh.info.patches.size(); ++p) {
+    if (mesh.info.patches[p].name == name) return static_cast<std::int32_t>(p);
+  }
+  ADD_FAILURE() << "no patch " << name;
+  return -1;
+}
+
+inline std::vector<Cell<3>> triangles_of(const MixedMesh& mesh, const std::string& name) {
+  const std::int32_t patch = patch_number(mesh, name);
+  std::vector<Cell<3>> found;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.triangle_patches[t] == patch) found.push_back(mesh.triangles[t]);
+  }
+  EXPECT_FALSE(found.empty()) << name;
+  return found;
+}
+
+inline std::set<std::uint32_t> vertices_of(const std::vector<Cell<3>>& triangles) {
+  std::set<std::uint32_t> found;
+  for (const Cell<3>& t : triangles) found.insert(t.begin(), t.end());
+  return found;
+}
+
+inline std::vector<std::string> patch_names(const MixedMesh& mesh) {
+  std::vector<std::string> names;
+  for (const Patch& p : mesh.info.patches) names.push_back(p.name);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// How far patch vertices lie from a surface given by its distance, in voxels: mean and largest.
+struct Offsets {
+  double mean = 0, most = 0;
+};
+inline Offsets offsets_of(const MixedMesh& mesh, const std::string& patch,
+                          const std::function<double(const Vec3&)>& distance) {
+  const auto vertices = vertices_of(triangles_of(mesh, patch));
+  Offsets result;
+  for (const std::uint32_t v : vertices) {
+    const double d = std::abs(distance(mesh.points[v]));
+    result.mean += d / static_cast<double>(vertices.size());
+    result.most = std::max(result.most, d);
+  }
+  return result;
+}
+
+/// Angles between a patch's triangles and a surface's normals: what the given share of the area keeps to.
+inline double normal_error_deg(const MixedMesh& mesh, const std::string& patch, double share,
+                               const std::function<Vec3(const Vec3&)>& normal) {
+  std::vector<std::pair<double, double>> angle_and_area;
+  double area = 0;
+  for (const Cell<3>& t : triangles_of(mesh, patch)) {
+    const Vec3 own = area_vector(mesh, t);
+    const Vec3 truth = normal((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3);
+    angle_and_area.emplace_back(degrees(std::atan2(own.cross(truth).norm(), own.dot(truth))), own.norm());
+    area += own.norm();
+  }
+  std::sort(angle_and_area.begin(), angle_and_area.end());
+  double passed = 0;
+  for (const auto& [angle, own] : angle_and_area) {
+    passed += own;
+    if (passed >= share * area) return angle;
+  }
+  return angle_and_area.back().first;
+}
+
+}  // namespace lumesh::test
