@@ -81,7 +81,7 @@ TEST(Context, CancellationIsSeenFromAnotherThread) {
 TEST(Memory, SomeIsAvailableAndLessThanAnyMachineHas) {
   constexpr std::uint64_t kMebibyte = 1ULL << 20;
   EXPECT_GT(available_memory_bytes(), 16 * kMebibyte);
-  EXPECT_LT(available_memory_bytes(), kMebibyte * kMebibyte) << "a tebi-mebibyte";
+  EXPECT_LT(available_memory_bytes(), kMebibyte * kMebibyte * 1024) << "a pebibyte";
 }
 
 TEST(Id, IsInvalidUntilSetAndCannotBeMixedUp) {
