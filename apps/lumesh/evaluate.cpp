@@ -143,7 +143,7 @@ void add_evaluate_command(CLI::App& program) {
       ->expected(2);
   sub->add_flag("--times", command->times, "Print how long each step took");
   sub->add_option("--threads", command->threads, "Threads; 0 = all cores")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   sub->footer("Example: lumesh evaluate case1.vtu --image case1.nrrd --json case1.json --report case1.html");
   sub->callback([command] { run(*command); });

@@ -136,7 +136,7 @@ void add_info_command(CLI::App& program) {
   sub->add_flag("--largest-component", command->largest_component, "Keep the largest connected piece only");
   sub->add_flag("--json", command->as_json, "Print JSON");
   sub->add_option("--threads", command->threads, "Threads; 0 = all cores")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   sub->footer("Example: lumesh info case1.nrrd");
   sub->callback([command] { run(*command); });

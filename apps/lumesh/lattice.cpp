@@ -137,7 +137,7 @@ void add_lattice_command(CLI::App& program) {
   sub->add_option("--smoothing", command->domain.field.sigma, "Low-pass width in voxels, 0.5 to 3")
       ->capture_default_str();
   sub->add_option("--threads", command->threads, "Threads; 0 = all cores")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   sub->footer("Example: lumesh lattice case1.nrrd -o case1.vtu --spacing 1.2 --cut-plane 0 0 10 0 0 -1");
   sub->callback([command] { run(*command); });

@@ -32,7 +32,8 @@ int main(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? 0 : static_cast<int>(lumesh::ErrorKind::kUsage);
+    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
+    return report_error(error.what(), static_cast<int>(lumesh::ErrorKind::kUsage));
   } catch (const lumesh::Error& error) {
     return report_error(error.what(), static_cast<int>(error.kind()));
   } catch (const std::bad_alloc&) {

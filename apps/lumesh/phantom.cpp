@@ -129,7 +129,7 @@ void add_phantom_command(CLI::App& program) {
                   "Also write the centerline with its radius (.vtp)");
   sub->add_option("--velocity", command->velocity_path, "Also write streamlines with velocity in m/s (.vtp)");
   sub->add_option("--threads", command->threads, "Threads; 0 = all cores")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   sub->footer(
       "Example: lumesh phantom carotid -o case1.nrrd --centerline centerline.vtp --velocity flow.vtp");

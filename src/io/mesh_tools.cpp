@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "cell_blocks.hpp"
@@ -51,7 +52,8 @@ std::vector<Face> all_faces(const MeshView& mesh) {
         Face face;
         for (std::size_t i = 0; i < 4; ++i) face.corners[i] = cell[local[i]];
         face.sorted = face.corners;
-        if (local[2] == local[3]) face.sorted[3] = ~std::uint32_t{0};  // a triangle: its doubled corner must not tell
+        if (local[2] == local[3])
+          face.sorted[3] = ~std::uint32_t{0};  // a triangle: its doubled corner must not tell
         std::sort(face.sorted.begin(), face.sorted.end());
         face.label = block.tags[c];
         out.push_back(face);

@@ -14,9 +14,9 @@ namespace lumesh {
 
 /// What to keep of an image that is read.
 struct ImageReadOptions {
-  std::vector<Label> labels;  ///< Keep these only, the rest becomes background; empty = all.
-  std::optional<double>
-      threshold;  ///< Voxels >= threshold become label 1, the rest background; excludes `labels`.
+  std::vector<Label> labels = {};  ///< Keep these only, the rest becomes background; empty = all.
+  /// Voxels >= threshold become label 1, the rest background; excludes `labels`.
+  std::optional<double> threshold = {};
 };
 
 /// Reads a label image: NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), GIPL (.gipl,
