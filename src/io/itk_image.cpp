@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iostream>
 
 #include "lumesh/core/error.hpp"
 #include "raw_image.hpp"
@@ -23,6 +24,23 @@ namespace fs = std::filesystem;
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
   throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
 }
+
+/// MetaIO and GDCM print what they find wrong, and then it comes as an exception, or as voxels that are
+/// missing.
+class QuietStreams {
+ public:
+  QuietStreams() : cout_(std::cout.rdbuf(nullptr)), cerr_(std::cerr.rdbuf(nullptr)) {}
+  ~QuietStreams() {
+    std::cout.rdbuf(cout_);
+    std::cerr.rdbuf(cerr_);
+  }
+  QuietStreams(const QuietStreams&) = delete;
+  QuietStreams& operator=(const QuietStreams&) = delete;
+
+ private:
+  std::streambuf* cout_;
+  std::streambuf* cerr_;
+};
 
 /// ITK's descriptions run over several lines and begin with the address of an object.
 std::string one_line(const itk::ExceptionObject& fault) {
@@ -108,6 +126,17 @@ itk::ImageIOBase::Pointer make_reader(const fs::path& path) {
        "(.mha, .mhd), GIPL and DICOM");
 }
 
+/// Some readers leave the rest of the buffer as it is when the file ends early, and return as if all were
+/// well: the last byte tells, whatever it should be, when two reads from different bytes leave both.
+void read_to_the_end(const fs::path& path, itk::ImageIOBase& io, std::byte* voxels, std::size_t bytes) {
+  for (const std::byte mark : {std::byte{0x5a}, std::byte{0xa5}}) {
+    voxels[bytes - 1] = mark;
+    io.Read(voxels);
+    if (voxels[bytes - 1] != mark) return;
+  }
+  fail(path, "is truncated: it holds fewer voxels than its header says; copy it again");
+}
+
 RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& context) {
   const ImageHeader header = read_header(path, io);
   RawImage image;
@@ -120,7 +149,7 @@ RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& contex
   itk::ImageIORegion region(io.GetNumberOfDimensions());
   for (unsigned i = 0; i < io.GetNumberOfDimensions(); ++i) region.SetSize(i, io.GetDimensions(i));
   io.SetIORegion(region);
-  io.Read(image.voxels.get());
+  read_to_the_end(path, io, image.voxels.get(), image.frame.voxel_count() * voxel_bytes(image.type));
   return image;
 }
 
@@ -174,6 +203,7 @@ RawImage read_dicom_series(const fs::path& path, Context& context) {
 }  // namespace
 
 RawImage read_with_itk(const fs::path& path, Context& context) {
+  const QuietStreams quiet;
   itk::Object::SetGlobalWarningDisplay(false);  // ITK prints to stderr; faults reach us as exceptions anyway.
   try {
     if (fs::is_directory(path)) return read_dicom_series(path, context);

@@ -126,7 +126,7 @@ double SizeGrid::chord_mm(const Index3& voxel, LabelImage::Index label, double l
   const Vec3 start = voxel.cast<double>();
   // Gradient per mm along the image axes, then the step per mm in voxels.
   const Vec3 gradient = domain_.field().sample(start, label).gradient.cwiseQuotient(frame.spacing_mm);
-  if (gradient.norm() < 1e-3) return limit_mm;
+  if (gradient.norm() < 1e-3) return shortest_run_mm(voxel, label, limit_mm);
   const Vec3 step = gradient.normalized().cwiseQuotient(frame.spacing_mm);
   const double step_mm = 0.5 * frame.spacing_mm.minCoeff();
   const double behind_mm = 0.5 * step_mm + 0.25 * frame.spacing_mm.minCoeff();
@@ -138,6 +138,24 @@ double SizeGrid::chord_mm(const Index3& voxel, LabelImage::Index label, double l
     if (image_.at(v) != label) return t + behind_mm;
   }
   return limit_mm;
+}
+
+double SizeGrid::shortest_run_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const {
+  const ImageFrame& frame = image_.frame();
+  double shortest_mm = limit_mm;
+  for (int axis = 0; axis < 3; ++axis) {
+    double run_mm = frame.spacing_mm[axis];
+    for (const int d : {-1, 1}) {
+      Index3 at = voxel + d * Index3::Unit(axis);
+      while (run_mm < shortest_mm && frame.contains(at) && image_.at(at) == label) {
+        run_mm += frame.spacing_mm[axis];
+        at[axis] += d;
+      }
+      if (!frame.contains(at)) run_mm = limit_mm;  // goes on beyond the border
+    }
+    shortest_mm = std::min(shortest_mm, run_mm);
+  }
+  return shortest_mm;
 }
 
 SizeGrid::CellBox SizeGrid::cells_around(const Vec3& point_mm, double radius_mm) const {

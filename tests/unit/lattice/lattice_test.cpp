@@ -173,6 +173,27 @@ TEST(Lattice, TheMixedMeshFillsWhatTheTetrahedraFill) {
   }
 }
 
+TEST(Lattice, PlatesAndLinesOfOneVoxelAreMeshed) {
+  const LabelImage plate = voxels_of(frame_of({16, 16, 16}), 1, [](const Vec3& p) {
+    return p.z() == 8 && p.x() > 2 && p.x() < 13 && p.y() > 2 && p.y() < 13 ? 1 : 0;
+  });
+  const LabelImage line = voxels_of(frame_of({16, 16, 16}), 1, [](const Vec3& p) {
+    return p.x() == 8 && p.y() == 8 && p.z() > 2 && p.z() < 13 ? 1 : 0;
+  });
+  for (const LabelImage* image : {&plate, &line}) {
+    const MixedMesh mesh = meshed(*image);
+    EXPECT_TRUE(validate(mesh.view()).ok()) << validate(mesh.view()).text();
+    EXPECT_EQ(test::euler_number(mesh, {0}), 2) << "one piece without holes";
+    Vec3 low = mesh.points[0], high = low;
+    for (const Vec3& p : mesh.points) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    EXPECT_GT((high - low).maxCoeff(), 9) << "ten voxels long";
+    EXPECT_LT((high - low).minCoeff(), 2);
+  }
+}
+
 TEST(Lattice, TinyObjectsGiveAMeshOrOneLine) {
   for (const int edge : {1, 2}) {
     const LabelImage image = voxels_of(frame_of({12, 12, 12}), 1, [edge](const Vec3& p) {
