@@ -92,6 +92,7 @@ VoxelType voxel_type(const fs::path& path, const itk::ImageIOBase& io) {
 }
 
 ImageHeader read_header(const fs::path& path, itk::ImageIOBase& io) {
+  const QuietStreams quiet;
   io.SetFileName(path.string());
   io.ReadImageInformation();
   const unsigned dimensions = io.GetNumberOfDimensions();
@@ -115,6 +116,7 @@ ImageHeader read_header(const fs::path& path, itk::ImageIOBase& io) {
 }
 
 itk::ImageIOBase::Pointer make_reader(const fs::path& path) {
+  const QuietStreams quiet;
   const std::string name = path.string();
   const itk::ImageIOBase::Pointer candidates[] = {
       itk::NrrdImageIO::New().GetPointer(), itk::MetaImageIO::New().GetPointer(),
@@ -129,6 +131,7 @@ itk::ImageIOBase::Pointer make_reader(const fs::path& path) {
 /// Some readers leave the rest of the buffer as it is when the file ends early, and return as if all were
 /// well: the last byte tells, whatever it should be, when two reads from different bytes leave both.
 void read_to_the_end(const fs::path& path, itk::ImageIOBase& io, std::byte* voxels, std::size_t bytes) {
+  const QuietStreams quiet;
   for (const std::byte mark : {std::byte{0x5a}, std::byte{0xa5}}) {
     voxels[bytes - 1] = mark;
     io.Read(voxels);
@@ -154,6 +157,7 @@ RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& contex
 }
 
 std::vector<std::string> series_files(const fs::path& path) {
+  const QuietStreams quiet;
   const bool is_folder = fs::is_directory(path);
   const auto names = itk::GDCMSeriesFileNames::New();
   names->SetDirectory(is_folder ? path.string() : fs::absolute(path).parent_path().string());
@@ -180,7 +184,10 @@ RawImage read_dicom_series(const fs::path& path, Context& context) {
   const auto reader = itk::ImageSeriesReader<Image>::New();
   reader->SetImageIO(itk::GDCMImageIO::New());
   reader->SetFileNames(files);
-  reader->UpdateOutputInformation();
+  {
+    const QuietStreams quiet;
+    reader->UpdateOutputInformation();
+  }
   ImageHeader header;
   const Image* const output = reader->GetOutput();
   const auto size = output->GetLargestPossibleRegion().GetSize();
@@ -194,6 +201,7 @@ RawImage read_dicom_series(const fs::path& path, Context& context) {
   image.type = VoxelType::kFloat;
   image.frame = checked_frame(path, header, context);
   image.voxels = allocate_voxels(path, image.frame, image.type, 0);
+  const QuietStreams quiet;
   reader->Update();
   std::memcpy(image.voxels.get(), reader->GetOutput()->GetBufferPointer(),
               image.frame.voxel_count() * voxel_bytes(image.type));
@@ -203,7 +211,6 @@ RawImage read_dicom_series(const fs::path& path, Context& context) {
 }  // namespace
 
 RawImage read_with_itk(const fs::path& path, Context& context) {
-  const QuietStreams quiet;
   itk::Object::SetGlobalWarningDisplay(false);  // ITK prints to stderr; faults reach us as exceptions anyway.
   try {
     if (fs::is_directory(path)) return read_dicom_series(path, context);
