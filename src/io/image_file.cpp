@@ -29,6 +29,13 @@ void check_readable(const fs::path& path) {
   if (fs::file_size(path, ignored) == 0) fail(path, "is empty; copy it again");
 }
 
+io::RawImage read_raw(const fs::path& path, Context& context) {
+  if (fs::is_directory(path)) return io::read_with_itk(path, context);
+  if (io::is_nifti(path)) return io::read_nifti(path, context);
+  if (io::is_meta_image(path)) return io::read_meta_image(path, context);
+  return io::read_with_itk(path, context);
+}
+
 }  // namespace
 
 LabelImage read_image(const fs::path& path, const ImageReadOptions& options, Context& context) {
@@ -37,9 +44,7 @@ LabelImage read_image(const fs::path& path, const ImageReadOptions& options, Con
   if (options.threshold && !std::isfinite(*options.threshold))
     throw Error(ErrorKind::kUsage, "the threshold must be a finite number");
   check_readable(path);
-  const bool nifti = !fs::is_directory(path) && io::is_nifti(path);
-  return io::number_labels(nifti ? io::read_nifti(path, context) : io::read_with_itk(path, context), path,
-                           options);
+  return io::number_labels(read_raw(path, context), path, options);
 }
 
 }  // namespace lumesh

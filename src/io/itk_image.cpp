@@ -5,7 +5,6 @@
 #include <itkGiplImageIO.h>
 #include <itkImage.h>
 #include <itkImageSeriesReader.h>
-#include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
 
 #include <algorithm>
@@ -25,7 +24,7 @@ namespace fs = std::filesystem;
   throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
 }
 
-/// MetaIO and GDCM print what they find wrong, and then it comes as an exception, or as voxels that are
+/// Teem and GDCM print what they find wrong, and then it comes as an exception, or as voxels that are
 /// missing.
 class QuietStreams {
  public:
@@ -118,9 +117,9 @@ ImageHeader read_header(const fs::path& path, itk::ImageIOBase& io) {
 itk::ImageIOBase::Pointer make_reader(const fs::path& path) {
   const QuietStreams quiet;
   const std::string name = path.string();
-  const itk::ImageIOBase::Pointer candidates[] = {
-      itk::NrrdImageIO::New().GetPointer(), itk::MetaImageIO::New().GetPointer(),
-      itk::GiplImageIO::New().GetPointer(), itk::GDCMImageIO::New().GetPointer()};
+  const itk::ImageIOBase::Pointer candidates[] = {itk::NrrdImageIO::New().GetPointer(),
+                                                  itk::GiplImageIO::New().GetPointer(),
+                                                  itk::GDCMImageIO::New().GetPointer()};
   for (const auto& candidate : candidates)
     if (candidate->CanReadFile(name.c_str())) return candidate;
   fail(path,
@@ -147,7 +146,7 @@ RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& contex
   image.type = header.type;
   // Detached data files are not looked at here.
   const std::string extension = path.extension().string();
-  const bool detached = extension == ".nhdr" || extension == ".mhd";
+  const bool detached = extension == ".nhdr";
   image.voxels = allocate_voxels(path, image.frame, image.type, detached ? 0 : fs::file_size(path));
   itk::ImageIORegion region(io.GetNumberOfDimensions());
   for (unsigned i = 0; i < io.GetNumberOfDimensions(); ++i) region.SetSize(i, io.GetDimensions(i));

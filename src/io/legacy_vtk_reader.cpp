@@ -92,7 +92,7 @@ class LegacyReader {
         {"char", 1},           {"unsigned_char", 1}, {"signed_char", 1},   {"short", 2},
         {"unsigned_short", 2}, {"int", 4},           {"float", 4},         {"unsigned_int", 4},
         {"vtktypeint32", 4},   {"long", 8},          {"unsigned_long", 8}, {"double", 8},
-        {"vtktypeint64", 8},   {"vtktypeuint64", 8}};
+        {"vtktypeint64", 8},   {"vtktypeuint64", 8}, {"vtkidtype", 4}};
     const auto found = kBytes.find(type);
     return found == kBytes.end() ? 0 : found->second;
   }
@@ -132,6 +132,12 @@ class LegacyReader {
     return static_cast<double>(static_cast<std::int64_t>(bits << shift) >> shift);
   }
 
+  /// A number that an array index or a type can be; readers of damaged files meet infinities.
+  [[nodiscard]] std::size_t whole(double value) const {
+    if (!(value >= 0 && value < 1e15)) fail(fmt::format("{} stands where a whole number belongs", value));
+    return static_cast<std::size_t>(value);
+  }
+
   void read_section(const std::string& word) {
     if (word == "POINTS") {
       const std::size_t count = next_count();
@@ -156,9 +162,7 @@ class LegacyReader {
       const std::string type = next();
       numbers(type, tuples_ * (word == "TENSORS" ? 9 : 3));
     } else if (word == "METADATA") {
-      line();
-      while (at_ < content_.size() && !line().empty()) {
-      }
+      skip_metadata();
     } else {
       fail(fmt::format("holds the unknown section '{}'", word.substr(0, 20)));
     }
@@ -172,14 +176,14 @@ class LegacyReader {
       const std::vector<double> offsets = numbers(next(), count);
       if (next() != "CONNECTIVITY") fail("has cell offsets without a connectivity");
       connectivity_ = numbers(next(), words);
-      for (const double o : offsets) offsets_.push_back(static_cast<std::size_t>(std::max(0.0, o)));
+      for (const double o : offsets) offsets_.push_back(whole(o));
       return;
     }
     at_ = before;
     const std::vector<double> mixed = numbers("int", words);
     offsets_.push_back(0);
     for (std::size_t i = 0; i < mixed.size();) {
-      const auto corners = static_cast<std::size_t>(std::max(0.0, mixed[i]));
+      const std::size_t corners = whole(mixed[i]);
       if (corners == 0 || corners > mixed.size() - i - 1) fail("its cells are damaged");
       connectivity_.insert(connectivity_.end(), mixed.begin() + static_cast<std::ptrdiff_t>(i + 1),
                            mixed.begin() + static_cast<std::ptrdiff_t>(i + 1 + corners));
@@ -188,9 +192,20 @@ class LegacyReader {
     }
   }
 
+  /// VTK's notes on an array, up to an empty line.
+  void skip_metadata() {
+    line();
+    while (at_ < content_.size() && !line().empty()) {
+    }
+  }
+
   void read_field(std::size_t arrays) {
     for (std::size_t a = 0; a < arrays; ++a) {
-      const std::string name = next();
+      std::string name = next();
+      while (name == "METADATA") {
+        skip_metadata();
+        name = next();
+      }
       const std::size_t components = next_count();
       const std::size_t tuples = next_count();
       const std::string type = next();
@@ -242,8 +257,7 @@ class LegacyReader {
         fail("its cell offsets are damaged");
       const double label = labels == nullptr ? 1 : (*labels)[c];
       if (!(std::abs(label) < 2e9)) fail("a label is too large");
-      add_cell(static_cast<int>(types_[c]), offsets_[c], offsets_[c + 1] - offsets_[c],
-               static_cast<Label>(label));
+      add_cell(whole(types_[c]), offsets_[c], offsets_[c + 1] - offsets_[c], static_cast<Label>(label));
     }
     restore_faces();
   }
@@ -257,7 +271,7 @@ class LegacyReader {
     return nullptr;
   }
 
-  void add_cell(int type, std::size_t begin, std::size_t corners, Label label) {
+  void add_cell(std::size_t type, std::size_t begin, std::size_t corners, Label label) {
     const auto expect = [&](std::size_t n) {
       if (corners != n) fail("a cell has a wrong number of corners");
     };
@@ -314,7 +328,7 @@ class LegacyReader {
     const auto info = arrays_.find("lumesh_info");
     if (info == arrays_.end()) return;
     std::string text;
-    for (const double c : info->second) text.push_back(static_cast<char>(static_cast<int>(c)));
+    for (const double c : info->second) text.push_back(static_cast<char>(whole(c)));
     mesh_.info = info_from_json(text);
     restore("lumesh_triangles", "lumesh_triangle_patches", mesh_.triangles, mesh_.triangle_patches);
     restore("lumesh_quadrilaterals", "lumesh_quadrilateral_patches", mesh_.quadrilaterals,

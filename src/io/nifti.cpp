@@ -222,11 +222,6 @@ ImageHeader place(const fs::path& path, const NiftiHeader& header) {
   return image;
 }
 
-void swap_bytes(std::byte* voxels, std::size_t count, std::size_t width) {
-  parallel::for_each_index(
-      count, [&](std::size_t i) { std::reverse(voxels + i * width, voxels + (i + 1) * width); });
-}
-
 template <class Voxel>
 void scale_typed(const std::byte* from, double* to, std::size_t count, double slope, double intercept) {
   const auto* voxels = reinterpret_cast<const Voxel*>(from);
@@ -313,7 +308,7 @@ RawImage read_nifti(const fs::path& path, Context& context) {
   const std::size_t width = voxel_bytes(image.type);
   if (input.read(image.voxels.get(), count * width) != count * width)
     fail(path, "is truncated or damaged: it holds fewer voxels than its header says; copy it again");
-  if (header.swapped() && width > 1) swap_bytes(image.voxels.get(), count, width);
+  if (header.swapped()) swap_bytes(image);
   const double slope = header.slope();
   const bool scaled = std::isfinite(slope) && slope != 0 && (slope != 1 || header.intercept() != 0);
   if (scaled) apply_scale(image, slope, header.intercept());

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <numbers>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::io {
 
@@ -84,6 +86,15 @@ std::size_t voxel_bytes(VoxelType type) {
     default:
       return 8;
   }
+}
+
+void swap_bytes(RawImage& image) {
+  const std::size_t width = voxel_bytes(image.type);
+  if (width == 1) return;
+  std::byte* const voxels = image.voxels.get();
+  parallel::for_each_index(image.frame.voxel_count(), [&](std::size_t i) {
+    std::reverse(voxels + i * width, voxels + (i + 1) * width);
+  });
 }
 
 ImageFrame checked_frame(const fs::path& path, const ImageHeader& header, Context& context) {

@@ -55,7 +55,7 @@ struct RawImage {
                                                            const ImageFrame& frame, VoxelType type,
                                                            std::uintmax_t file_bytes);
 
-/// Through ITK: NRRD, MetaImage, GIPL, DICOM.
+/// Through ITK: NRRD, GIPL, DICOM.
 [[nodiscard]] RawImage read_with_itk(const std::filesystem::path& path, Context& context);
 
 /// NIfTI 1 and 2 in one file, plain or gzip. Read here because ITK 5.2 refuses images whose direction cosines
@@ -63,6 +63,14 @@ struct RawImage {
 [[nodiscard]] RawImage read_nifti(const std::filesystem::path& path, Context& context);
 /// True if the file begins as a NIfTI file, whatever its name.
 [[nodiscard]] bool is_nifti(const std::filesystem::path& path);
+
+/// MetaImage, with its voxels in the same file or in another one.
+[[nodiscard]] RawImage read_meta_image(const std::filesystem::path& path, Context& context);
+/// By its name: the format has no mark of its own.
+[[nodiscard]] bool is_meta_image(const std::filesystem::path& path);
+
+/// Turns the byte order of every voxel.
+void swap_bytes(RawImage& image);
 
 /// Finds the labels, applies the options and numbers the voxels.
 [[nodiscard]] LabelImage number_labels(RawImage raw, const std::filesystem::path& path,

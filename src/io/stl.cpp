@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -20,6 +21,10 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 80;
 constexpr std::size_t kFacetBytes = 50;
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
+  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}; write the file again", path.string(), what));
+}
 
 void write_facet(OutputFile& file, const MeshView& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   const std::array<Vec3, 3> p = {mesh.points[a], mesh.points[b], mesh.points[c]};
@@ -47,14 +52,14 @@ class SurfaceBuilder {
     mesh_.triangle_patches.push_back(0);
   }
   MixedMesh finish() {
-    if (mesh_.triangles.empty()) throw Error(ErrorKind::kBadInput, path_.string() + ": holds no triangle");
+    if (mesh_.triangles.empty()) fail(path_, "holds no triangle");
     mesh_.info.patches = {{"wall", PatchKind::kWall, {}}};
     return std::move(mesh_);
   }
 
  private:
   std::uint32_t number(const Vec3& p) {
-    if (!p.allFinite()) throw Error(ErrorKind::kBadInput, path_.string() + ": a corner is not finite");
+    if (!p.allFinite()) fail(path_, "a corner is not finite");
     const auto [at, added] =
         numbers_.try_emplace({p.x(), p.y(), p.z()}, static_cast<std::uint32_t>(mesh_.points.size()));
     if (added) mesh_.points.push_back(p);
@@ -83,16 +88,20 @@ MixedMesh parse_text(const std::filesystem::path& path, const std::string& text)
   SurfaceBuilder surface(path);
   std::istringstream in(text);
   std::array<Vec3, 3> corners;
-  std::size_t corner = 0;
+  std::size_t corner = 3;
+  bool is_complete = false;
   for (std::string word; in >> word;) {
+    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    is_complete = word == "endsolid" || (is_complete && word != "facet");
+    if ((word == "outer" || word == "endsolid") && corner != 3) fail(path, "a facet is damaged");
     if (word == "outer") corner = 0;
     if (word != "vertex") continue;
     Vec3 p;
-    if (!(in >> p.x() >> p.y() >> p.z()) || corner == 3)
-      throw Error(ErrorKind::kBadInput, path.string() + ": a facet is damaged");
+    if (!(in >> p.x() >> p.y() >> p.z()) || corner == 3) fail(path, "a facet is damaged");
     corners[corner++] = p;
     if (corner == 3) surface.add(corners);
   }
+  if (!is_complete) fail(path, "\"endsolid\" is missing, the file is cut off");
   return surface.finish();
 }
 
@@ -127,8 +136,8 @@ MixedMesh read_stl(const std::filesystem::path& path) {
     if (kHeaderBytes + 4 + std::size_t{count} * kFacetBytes == bytes.size())
       return parse_binary(path, bytes, count);
   }
-  if (bytes.starts_with("solid")) return parse_text(path, bytes);
-  throw Error(ErrorKind::kBadInput, path.string() + ": not a complete STL file");
+  if (bytes.starts_with("solid") || bytes.starts_with("SOLID")) return parse_text(path, bytes);
+  fail(path, "not a complete STL file");
 }
 
 }  // namespace lumesh::io

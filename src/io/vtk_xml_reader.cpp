@@ -251,7 +251,10 @@ std::string VtkXmlReader::text(const pugi::xml_node& array) const {
 }
 
 void VtkXmlReader::fail(const std::string& what) const {
-  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path_.string(), what));
+  std::string line = what;  // It may quote what stands in a damaged file.
+  for (char& c : line)
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path_.string(), line));
 }
 
 }  // namespace lumesh::io

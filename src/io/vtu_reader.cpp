@@ -35,6 +35,8 @@ std::vector<std::int64_t> read_labels(const VtkXmlReader& file, std::size_t cell
     if (!array) continue;
     std::vector<std::int64_t> labels = file.integers(array, name);
     if (labels.size() != cells) file.fail("does not hold as many labels as cells");
+    const auto fits = [](std::int64_t label) { return label >= INT32_MIN && label <= INT32_MAX; };
+    if (!std::all_of(labels.begin(), labels.end(), fits)) file.fail("a label is too large");
     return labels;
   }
   return std::vector<std::int64_t>(cells, 1);
@@ -104,11 +106,16 @@ void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
     const std::int64_t end = offsets[c];
     if (end < begin || end > static_cast<std::int64_t>(connectivity.size()))
       file.fail("its cell offsets are damaged");
-    if (labels[c] < INT32_MIN || labels[c] > INT32_MAX) file.fail("a label is too large");
     add_cell(file, types[c], {connectivity.data() + begin, static_cast<std::size_t>(end - begin)},
              static_cast<Label>(labels[c]), mesh);
     begin = end;
   }
+}
+
+std::int32_t checked_patch(const VtkXmlReader& file, std::int64_t patch) {
+  constexpr std::int64_t kLargest = 1'000'000;
+  if (patch < 0 || patch > kLargest) file.fail("a boundary face has no valid patch");
+  return static_cast<std::int32_t>(patch);
 }
 
 template <std::size_t N>
@@ -124,7 +131,7 @@ void read_faces(const VtkXmlReader& file, const char* name, const char* patch_na
   patches.clear();
   for (std::size_t f = 0; f < tags.size(); ++f) {
     faces.push_back(make_cell<N>(file, {corners.data() + N * f, N}, points));
-    patches.push_back(static_cast<std::int32_t>(tags[f]));
+    patches.push_back(checked_patch(file, tags[f]));
   }
 }
 
@@ -132,10 +139,7 @@ void read_faces(const VtkXmlReader& file, const char* name, const char* patch_na
 void complete_patches(const VtkXmlReader& file, MixedMesh& mesh) {
   std::int32_t last = -1;
   for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches}) {
-    for (const std::int32_t p : *patches) {
-      if (p < 0 || p > 1'000'000) file.fail("a boundary face has no valid patch");
-      last = std::max(last, p);
-    }
+    for (const std::int32_t p : *patches) last = std::max(last, checked_patch(file, p));
   }
   while (static_cast<std::int32_t>(mesh.info.patches.size()) <= last)
     mesh.info.patches.push_back({"patch_" + std::to_string(mesh.info.patches.size()), PatchKind::kWall, {}});
@@ -183,7 +187,7 @@ MixedMesh read_vtp_surface(const std::filesystem::path& path) {
     if (corners != 3 && corners != 4)
       file.fail("holds polygons that are neither triangles nor quadrilaterals");
     add_cell(file, corners == 3 ? 5 : 9, {connectivity.data() + begin, corners},
-             static_cast<Label>(patches[p]), mesh);
+             checked_patch(file, patches[p]), mesh);
     begin = end;
   }
   complete_patches(file, mesh);

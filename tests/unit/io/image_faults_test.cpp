@@ -211,12 +211,35 @@ TEST_F(ImageFault, MoreVoxelsThanTheFileCanHold) {
   expect_refused("a.nrrd", NrrdText{.sizes = "100000 100000 100000"}.with(bytes_of(sixty_voxels())), "");
 }
 
+TEST_F(ImageFault, MetaImageShorterThanItsVoxels) {
+  const std::string header = "ObjectType = Image\nNDims = 3\nDimSize = 30000 30000 30000\n";
+  const std::string end = "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n";
+  expect_refused("a.mha", header + end + "x", "truncated");
+  expect_refused("a.mha", header + "CompressedData = True\n" + end + "x", "too short");
+  expect_refused("a.mha", header + "HeaderSize = 99999\n" + end + "x", "truncated");
+  expect_refused("a.mha", header + "HeaderSize = -1\n" + end + "x", "truncated");
+}
+
+TEST_F(ImageFault, MetaImageThatLumeshDoesNotRead) {
+  const std::string header = "ObjectType = Image\nNDims = 3\nDimSize = 3 4 5\nElementType = MET_UCHAR\n";
+  const std::string voxels = bytes_of(sixty_voxels());
+  expect_refused("a.mhd", header + "ElementDataFile = LIST 2D\na.raw\n", "slice");
+  expect_refused("a.mhd", header + "ElementDataFile = a%03d.raw 1 5 1\n", "slice");
+  expect_refused("a.mha", header + "BinaryData = False\nElementDataFile = LOCAL\n1 1\n", "text");
+  expect_refused("a.mha", header + "ElementNumberOfChannels = 3\nElementDataFile = LOCAL\n" + voxels,
+                 "per voxel");
+  expect_refused("a.mha", "NDims = 2147483648\nDimSize = 3 4 5\nElementDataFile = LOCAL\n", "NDims");
+  expect_refused("a.mha", header + "ElementSpacing = 1 1\nElementDataFile = LOCAL\n" + voxels,
+                 "ElementSpacing");
+}
+
 TEST_F(ImageFault, MoreVoxelsThanMemoryHolds) {
-  // Its file is large enough on paper: a hole of 4 GB on the disk, 16 TB of voxels if it were gzip.
+  // Its file is large enough on paper: a hole of 12 GB on the disk, 10 TB of voxels if they were packed.
   write_file(folder_ / "a.mhd",
-             "ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = 100000 100000 1000\n"
-             "ElementType = MET_UCHAR\nElementDataFile = a.raw\n");
+             "ObjectType = Image\nNDims = 3\nBinaryData = True\nCompressedData = True\n"
+             "DimSize = 100000 100000 1000\nElementType = MET_UCHAR\nElementDataFile = a.raw\n");
   write_file(folder_ / "a.raw", "x");
+  std::filesystem::resize_file(folder_ / "a.raw", 12'000'000'000);
   expect_path_refused("a.mhd", "memory", {}, ErrorKind::kMemory);
 }
 

@@ -21,6 +21,17 @@ using fixtures::sixty_voxels;
 using fixtures::TemporaryFolder;
 using fixtures::write_file;
 
+/// As MetaIO packs voxels.
+std::string zlib_packed(const std::string& text) {
+  std::string out(text.size() + 1024, '\0');
+  uLongf bytes = out.size();
+  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(out.data()), &bytes,
+                     reinterpret_cast<const Bytef*>(text.data()), text.size()),
+            Z_OK);
+  out.resize(bytes);
+  return out;
+}
+
 std::string deflated(const std::string& text) {
   std::string out(text.size() + 1024, '\0');
   z_stream stream = {};
@@ -253,6 +264,29 @@ TEST_F(ImageFile, ReadsMetaImage) {
     EXPECT_TRUE(image.frame().origin_mm.isApprox(Vec3(1, 2, 3)));
     EXPECT_TRUE(image.frame().direction.col(1).isApprox(Vec3(0, 0, 1))) << image.frame().direction;
   }
+}
+
+TEST_F(ImageFile, ReadsCompressedMetaImageOfTheOtherByteOrder) {
+  // Labels 258 = 0x0102 and 3, high byte first.
+  std::string voxels(120, '\0');
+  for (std::size_t i = 0; i < 60; ++i) voxels[2 * i + 1] = '\3';
+  voxels[4] = '\1';
+  voxels[5] = '\2';
+  const LabelImage image = read(
+      "a.mha",
+      "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = True\nCompressedData = "
+      "True\nElementSpacing = 1 1 1\nDimSize = 3 4 5\nElementType = MET_USHORT\nElementDataFile = LOCAL\n" +
+          zlib_packed(voxels));
+  EXPECT_EQ(image.label_at({2, 0, 0}), 258);
+  EXPECT_EQ(image.label_at({2, 3, 4}), 3);
+}
+
+TEST_F(ImageFile, FindsMetaImageVoxelsAtTheEndOfTheirFile) {
+  write_file(folder_ / "voxels.raw", "any header" + bytes_of(sixty_voxels()));
+  const LabelImage image = read("a.mhd",
+                                "NDims = 3\nDimSize = 3 4 5\nElementType = MET_UCHAR\nHeaderSize = -1\n"
+                                "ElementDataFile = voxels.raw");
+  EXPECT_EQ(image.label_at({2, 0, 0}), 2);
 }
 
 TEST_F(ImageFile, ReadsDetachedNrrd) {

@@ -1,0 +1,247 @@
+// MetaImage, https://itk.org/Wiki/ITK/MetaIO/Documentation. Read here because MetaIO, which ITK uses, trusts
+// every number of the header: NDims = 2147483648 keeps it busy for hours, and a file cut off is read as if it
+// were whole.
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <fstream>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumesh/core/error.hpp"
+#include "raw_image.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
+}
+
+std::string trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const std::size_t begin = text.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) return {};
+  return std::string(text.substr(begin, text.find_last_not_of(kBlank) - begin + 1));
+}
+
+/// The "key = value" lines up to ElementDataFile, after which the voxels may follow.
+class MetaHeader {
+ public:
+  explicit MetaHeader(const fs::path& path) : path_(path) {
+    std::ifstream in(path, std::ios::binary);
+    constexpr std::size_t kMostLines = 1000;
+    constexpr std::size_t kLongestLine = 4096;
+    std::string line(kLongestLine, '\0');
+    for (std::size_t i = 0; i < kMostLines && in.getline(line.data(), kLongestLine); ++i) {
+      const std::string_view text(line.c_str());
+      const std::size_t equals = text.find('=');
+      if (equals == std::string_view::npos) break;
+      const std::string key = trimmed(text.substr(0, equals));
+      values_.emplace(key, trimmed(text.substr(equals + 1)));
+      if (key != "ElementDataFile") continue;
+      size_ = static_cast<std::size_t>(in.tellg());
+      return;
+    }
+    fail(path, "its header has no ElementDataFile; save it again");
+  }
+
+  /// Bytes of the header.
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// The value of the first of the keys that is there, empty if none is.
+  [[nodiscard]] std::string text(std::initializer_list<const char*> keys) const {
+    for (const char* key : keys)
+      if (const auto found = values_.find(key); found != values_.end()) return found->second;
+    return {};
+  }
+  [[nodiscard]] bool is_true(std::initializer_list<const char*> keys) const {
+    const std::string value = text(keys);
+    return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
+  }
+  /// `count` numbers; empty if none of the keys is there.
+  [[nodiscard]] std::vector<double> numbers(std::initializer_list<const char*> keys,
+                                            std::size_t count) const {
+    const std::string value = text(keys);
+    if (value.empty()) return {};
+    std::vector<double> all(count);
+    const char* at = value.data();
+    const char* const end = at + value.size();
+    for (double& number : all) {
+      while (at != end && (*at == ' ' || *at == '\t')) ++at;
+      const auto [next, error] = std::from_chars(at, end, number);
+      if (error != std::errc())
+        fail(path_, fmt::format("its {} does not hold {} numbers; correct the header", *keys.begin(), count));
+      at = next;
+    }
+    return all;
+  }
+  [[nodiscard]] std::int64_t integer(const char* key, std::int64_t otherwise) const {
+    const std::string value = text({key});
+    if (value.empty()) return otherwise;
+    std::int64_t number = 0;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+    if (error != std::errc() || end != value.data() + value.size())
+      fail(path_, fmt::format("its {} is no whole number; correct the header", key));
+    return number;
+  }
+
+ private:
+  const fs::path& path_;
+  std::map<std::string, std::string> values_;
+  std::size_t size_ = 0;
+};
+
+VoxelType voxel_type(const fs::path& path, const std::string& name) {
+  static const std::map<std::string, VoxelType> kTypes = {
+      {"MET_UCHAR", VoxelType::kUInt8},       {"MET_CHAR", VoxelType::kInt8},
+      {"MET_USHORT", VoxelType::kUInt16},     {"MET_SHORT", VoxelType::kInt16},
+      {"MET_UINT", VoxelType::kUInt32},       {"MET_INT", VoxelType::kInt32},
+      {"MET_ULONG", VoxelType::kUInt32},      {"MET_LONG", VoxelType::kInt32},
+      {"MET_ULONG_LONG", VoxelType::kUInt64}, {"MET_LONG_LONG", VoxelType::kInt64},
+      {"MET_FLOAT", VoxelType::kFloat},       {"MET_DOUBLE", VoxelType::kDouble}};
+  const auto found = kTypes.find(name);
+  if (found == kTypes.end())
+    fail(path, fmt::format("has voxels of type '{}'; save it with integer voxels", name.substr(0, 30)));
+  return found->second;
+}
+
+std::size_t dimension_count(const fs::path& path, const MetaHeader& header) {
+  constexpr std::int64_t kMost = 10;
+  const std::int64_t dimensions = header.integer("NDims", 0);
+  if (dimensions < 1 || dimensions > kMost) fail(path, "has a damaged header (NDims); save it again");
+  if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
+  if (const std::int64_t channels = header.integer("ElementNumberOfChannels", 1); channels != 1)
+    fail(path, fmt::format("has {} values per voxel; a label image has one", channels));
+  return static_cast<std::size_t>(dimensions);
+}
+
+ImageHeader place(const fs::path& path, const MetaHeader& header) {
+  const std::size_t n = dimension_count(path, header);
+  const auto size = header.numbers({"DimSize"}, n);
+  if (size.empty()) fail(path, "its header has no DimSize; save it again");
+  for (std::size_t i = 3; i < n; ++i)
+    if (size[i] != 1)
+      fail(path, fmt::format("has {} volumes ({}-D image); save one of them as a 3-D image", size[i], n));
+  const auto spacing = header.numbers({"ElementSpacing", "ElementSize"}, n);
+  const auto origin = header.numbers({"Offset", "Position", "Origin"}, n);
+  const auto axes = header.numbers({"TransformMatrix", "Rotation", "Orientation"}, n * n);
+  ImageHeader image;
+  image.type = voxel_type(path, header.text({"ElementType"}));
+  constexpr double kLargestSide = 1e9;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (!(std::abs(size[i]) < kLargestSide)) fail(path, "has a damaged header (DimSize); save it again");
+    image.size.at(i) = static_cast<std::int64_t>(size[i]);
+    if (!spacing.empty()) image.spacing_mm[k] = spacing[i];
+    if (!origin.empty()) image.origin_mm[k] = origin[i];
+    if (!axes.empty()) image.direction.col(k) = Vec3(axes[n * i], axes[n * i + 1], axes[n * i + 2]);
+  }
+  return image;
+}
+
+/// Inflates zlib or gzip data into `out`; returns the bytes that came.
+std::size_t inflate_all(std::ifstream& in, std::byte* out, std::size_t bytes) {
+  constexpr std::size_t kChunk = std::size_t{1} << 18;
+  constexpr int kAnyHeader = 15 + 32;
+  std::vector<char> chunk(kChunk);
+  z_stream stream = {};
+  if (inflateInit2(&stream, kAnyHeader) != Z_OK) return 0;
+  std::size_t done = 0;
+  int code = Z_OK;
+  while (code == Z_OK && done < bytes) {
+    if (stream.avail_in == 0) {
+      in.read(chunk.data(), kChunk);
+      stream.next_in = reinterpret_cast<Bytef*>(chunk.data());
+      stream.avail_in = static_cast<uInt>(in.gcount());
+      if (stream.avail_in == 0) break;
+    }
+    const std::size_t room = std::min<std::size_t>(bytes - done, std::size_t{1} << 30);
+    stream.next_out = reinterpret_cast<Bytef*>(out + done);
+    stream.avail_out = static_cast<uInt>(room);
+    code = inflate(&stream, Z_NO_FLUSH);
+    done += room - stream.avail_out;
+  }
+  inflateEnd(&stream);
+  return done;
+}
+
+/// Where the voxels are.
+struct VoxelSource {
+  fs::path path;
+  std::uintmax_t file_bytes = 0;
+  bool local = false;  ///< Behind the header.
+  bool packed = false;
+};
+
+VoxelSource find_voxels(const fs::path& path, const MetaHeader& header) {
+  if (!header.text({"BinaryData"}).empty() && !header.is_true({"BinaryData"}))
+    fail(path, "stores its voxels as text; save it as binary");
+  const std::string name = header.text({"ElementDataFile"});
+  if (name.starts_with("LIST") || name.find('%') != std::string::npos)
+    fail(path, "keeps its voxels in one file per slice; save it as one .mha file");
+  VoxelSource source;
+  source.local = name == "LOCAL" || name == "Local" || name == "local";
+  source.path = source.local ? path : path.parent_path() / name;
+  source.packed = header.is_true({"CompressedData"});
+  std::error_code code;
+  source.file_bytes = fs::file_size(source.path, code);
+  if (code)
+    fail(path, fmt::format("its voxels cannot be read from {}; check that file", source.path.string()));
+  return source;
+}
+
+/// Where they begin, from HeaderSize: -1 says that they end with the file. Refuses files too short for them.
+std::uintmax_t voxel_offset(const fs::path& path, const MetaHeader& header, const VoxelSource& source,
+                            std::uintmax_t bytes) {
+  const std::int64_t stated = header.integer("HeaderSize", 0);
+  std::uintmax_t offset = source.local ? header.size() : 0;
+  if (stated > 0) offset = static_cast<std::uintmax_t>(stated);
+  if (stated == -1) offset = source.file_bytes - std::min(source.file_bytes, bytes);
+  if (offset > source.file_bytes || (!source.packed && source.file_bytes - offset < bytes))
+    fail(path, "is truncated: it holds fewer voxels than its header says; copy it again");
+  return offset;
+}
+
+}  // namespace
+
+bool is_meta_image(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".mha" || extension == ".mhd";
+}
+
+RawImage read_meta_image(const fs::path& path, Context& context) {
+  const MetaHeader header(path);
+  const ImageHeader placed = place(path, header);
+  const VoxelSource source = find_voxels(path, header);
+  RawImage image;
+  image.frame = checked_frame(path, placed, context);
+  image.type = placed.type;
+  const std::size_t bytes = image.frame.voxel_count() * voxel_bytes(image.type);
+  const std::uintmax_t offset = voxel_offset(path, header, source, bytes);
+  image.voxels = allocate_voxels(path, image.frame, image.type, source.file_bytes);
+  std::ifstream in(source.path, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(offset));
+  std::size_t got = 0;
+  if (source.packed) {
+    got = inflate_all(in, image.voxels.get(), bytes);
+  } else {
+    in.read(reinterpret_cast<char*>(image.voxels.get()), static_cast<std::streamsize>(bytes));
+    got = static_cast<std::size_t>(in.gcount());
+  }
+  if (got != bytes)
+    fail(path, "is truncated or damaged: it holds fewer voxels than its header says; copy it again");
+  if (header.is_true({"BinaryDataByteOrderMSB", "ElementByteOrderMSB"})) swap_bytes(image);
+  return image;
+}
+
+}  // namespace lumesh::io
