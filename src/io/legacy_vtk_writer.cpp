@@ -65,7 +65,6 @@ void write_legacy_vtk(const std::filesystem::path& path, const MeshView& mesh,
   BigEndianWriter out(file);
   file.print("# vtk DataFile Version 3.0\nlumesh, unit {}, frame {}\nBINARY\nDATASET UNSTRUCTURED_GRID\n",
              mesh.info->unit, mesh.info->frame);
-  write_field_data(file, out, mesh);
   file.print("POINTS {} double\n", mesh.points.size());
   for (const Vec3& p : mesh.points) {
     for (int i = 0; i < 3; ++i) out.put(p[i]);
@@ -83,7 +82,10 @@ void write_legacy_vtk(const std::filesystem::path& path, const MeshView& mesh,
   for (const CellBlock& block : volume_blocks(mesh)) {
     for (std::size_t c = 0; c < block.size(); ++c) out.put(static_cast<std::int32_t>(block.shape));
   }
-  file.print("\nCELL_DATA {}\n", mesh.cell_count());
+  // Behind the grid: Gmsh wants the points first.
+  file.print("\n");
+  write_field_data(file, out, mesh);
+  file.print("CELL_DATA {}\n", mesh.cell_count());
   write_label_array(file, out, mesh, "label");
   if (options.compat == LabelAlias::kGmsh) write_label_array(file, out, mesh, "gmsh:physical");
   if (options.compat == LabelAlias::kMedit) write_label_array(file, out, mesh, "medit:ref");

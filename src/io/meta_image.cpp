@@ -26,11 +26,14 @@ namespace fs = std::filesystem;
   throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
 }
 
+/// Without blanks around it; damaged files have other control characters too, which must not reach messages.
 std::string trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t begin = text.find_first_not_of(kBlank);
-  if (begin == std::string_view::npos) return {};
-  return std::string(text.substr(begin, text.find_last_not_of(kBlank) - begin + 1));
+  std::string clean(text);
+  for (char& c : clean)
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  const std::size_t begin = clean.find_first_not_of(' ');
+  if (begin == std::string::npos) return {};
+  return clean.substr(begin, clean.find_last_not_of(' ') - begin + 1);
 }
 
 /// The "key = value" lines up to ElementDataFile, after which the voxels may follow.
@@ -75,7 +78,7 @@ class MetaHeader {
     const char* at = value.data();
     const char* const end = at + value.size();
     for (double& number : all) {
-      while (at != end && (*at == ' ' || *at == '\t')) ++at;
+      while (at != end && *at == ' ') ++at;
       const auto [next, error] = std::from_chars(at, end, number);
       if (error != std::errc())
         fail(path_, fmt::format("its {} does not hold {} numbers; correct the header", *keys.begin(), count));
