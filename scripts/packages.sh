@@ -9,7 +9,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 # are not needed; CGAL is used for its header-only kernel of exact predicates.
 build_packages=(
   g++ cmake ninja-build
-  libinsighttoolkit5-dev             # images: NRRD, MetaImage, GIPL, DICOM
+  libinsighttoolkit5-dev             # images: NRRD, GIPL, DICOM
   libcgal-dev libgmp-dev libmpfr-dev # exact predicates
   libeigen3-dev libtbb-dev libfmt-dev nlohmann-json3-dev libpugixml-dev libcli11-dev zlib1g-dev libpng-dev
 )

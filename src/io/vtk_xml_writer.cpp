@@ -124,10 +124,10 @@ VtkXmlWriter::VtkXmlWriter(const std::filesystem::path& path, std::string_view d
 }
 
 void VtkXmlWriter::array(const XmlArray& shape, const Fill& fill) {
-  print(
-      "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" NumberOfTuples=\"{}\" "
-      "format=\"binary\">\n",
-      shape.type, escaped(shape.name), shape.components, shape.tuples);
+  print("<DataArray type=\"{}\" Name=\"{}\" ", shape.type, escaped(shape.name));
+  // meshio makes a column of a scalar that says it has one component.
+  if (shape.components > 1) print("NumberOfComponents=\"{}\" ", shape.components);
+  print("NumberOfTuples=\"{}\" format=\"binary\">\n", shape.tuples);
   const std::size_t tuple_bytes = xml_type_bytes(shape.type) * shape.components;
   // A multiple of 8 tuples, so that readers may decode blocks one by one into any type.
   const std::size_t block = std::max<std::size_t>(8, kTargetBlockBytes / tuple_bytes / 8 * 8);

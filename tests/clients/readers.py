@@ -12,8 +12,8 @@ from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkFiltersGeneral import vtkCellValidator
 from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
 from vtkmodules.vtkIOGeometry import vtkSTLReader
-from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
+from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader, vtkUnstructuredGridWriter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter
 
 VTK_READERS = {".vtu": vtkXMLUnstructuredGridReader, ".vtk": vtkUnstructuredGridReader, ".vtp": vtkXMLPolyDataReader,
                ".stl": vtkSTLReader}
@@ -86,6 +86,25 @@ def vtk_sizes(data, name):
     sizes.SetInputData(data)
     sizes.Update()
     return vtk_to_numpy(sizes.GetOutput().GetCellData().GetArray(name))
+
+
+def write_vtu_with_vtk(data, path, encoding, compression):
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(data)
+    writer.SetFileName(str(path))
+    {"inline": writer.SetDataModeToBinary, "ascii": writer.SetDataModeToAscii}.get(encoding, writer.SetDataModeToAppended)()
+    writer.SetEncodeAppendedData(encoding == "appended base64")
+    (writer.SetCompressorTypeToZLib if compression == "zlib" else writer.SetCompressorTypeToNone)()
+    writer.Write()
+
+
+def write_legacy_with_vtk(data, path, kind, version):
+    writer = vtkUnstructuredGridWriter()
+    writer.SetInputData(data)
+    writer.SetFileName(str(path))
+    writer.SetFileVersion(version)
+    (writer.SetFileTypeToBinary if kind == "binary" else writer.SetFileTypeToASCII)()
+    writer.Write()
 
 
 def vtk_field_text(data, name):

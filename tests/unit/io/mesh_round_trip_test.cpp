@@ -16,7 +16,6 @@ using fixtures::TemporaryFolder;
 struct Format {
   const char* file;
   MshVersion msh_version = MshVersion::k41;
-  bool holds_info = true;
 };
 
 void PrintTo(const Format& format, std::ostream* out) {
@@ -49,8 +48,10 @@ TEST_P(MeshRoundTrip, KeepsCellsLabelsFacesAndPatches) {
   ASSERT_EQ(back.info.patches.size(), 5U);
 }
 
-TEST_P(MeshRoundTrip, KeepsNamesFrameAndProvenance) {
-  if (!GetParam().holds_info) GTEST_SKIP() << "the format has no place for text";
+/// Formats with a place for text.
+class MeshInfoRoundTrip : public MeshRoundTrip {};
+
+TEST_P(MeshInfoRoundTrip, KeepsNamesFrameAndProvenance) {
   const MixedMesh mesh = every_cell_shape();
   const MeshInfo back = write_and_read(mesh).info;
   EXPECT_EQ(back.unit, "mm");
@@ -65,8 +66,7 @@ TEST_P(MeshRoundTrip, KeepsNamesFrameAndProvenance) {
   }
 }
 
-TEST_P(MeshRoundTrip, KeepsAPatchWithoutFaces) {
-  if (!GetParam().holds_info) GTEST_SKIP() << "the format has no place for text";
+TEST_P(MeshInfoRoundTrip, KeepsAPatchWithoutFaces) {
   MixedMesh mesh = every_cell_shape();
   mesh.info.patches.insert(mesh.info.patches.begin(), Patch{"empty", PatchKind::kOpening, {1, 0}});
   for (auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches})
@@ -103,15 +103,28 @@ TEST_P(MeshRoundTrip, ReadsNoInvertedCell) {
   EXPECT_EQ(count_inverted_cells(write_and_read(every_cell_shape()).view()), 0U);
 }
 
+std::string format_name(const testing::TestParamInfo<Format>& info) {
+  const std::string name = std::string(info.param.file).substr(2);
+  return name == "msh" ? name + (info.param.msh_version == MshVersion::k41 ? "41" : "22") : name;
+}
+
 INSTANTIATE_TEST_SUITE_P(Formats, MeshRoundTrip,
                          testing::Values(Format{"m.vtu"}, Format{"m.vtk"}, Format{"m.mesh"},
-                                         Format{"m.meshb", MshVersion::k41, false}, Format{"m.msh"},
+                                         Format{"m.meshb"}, Format{"m.msh"},
                                          Format{"m.msh", MshVersion::k22}),
-                         [](const auto& info) {
-                           std::string name = std::string(info.param.file).substr(2);
-                           if (name == "msh") name += info.param.msh_version == MshVersion::k41 ? "41" : "22";
-                           return name;
-                         });
+                         format_name);
+INSTANTIATE_TEST_SUITE_P(Formats, MeshInfoRoundTrip,
+                         testing::Values(Format{"m.vtu"}, Format{"m.vtk"}, Format{"m.mesh"}, Format{"m.msh"},
+                                         Format{"m.msh", MshVersion::k22}),
+                         format_name);
+
+TEST(MeditBinaryFile, NumbersThePatchesThatItCannotName) {
+  const TemporaryFolder folder;
+  write_mesh(folder / "m.meshb", every_cell_shape().view());
+  const std::vector<Patch> patches = read_mesh(folder / "m.meshb").info.patches;
+  ASSERT_EQ(patches.size(), 5U);
+  EXPECT_EQ(patches[1].name, "patch_2");
+}
 
 TEST(Surface, KeepsFacesAndPatchesInVtp) {
   const TemporaryFolder folder;
