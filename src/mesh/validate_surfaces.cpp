@@ -166,7 +166,7 @@ void check_volumes(const TetMesh& mesh, const std::vector<SurfaceFace>& faces, V
   };
   std::vector<Flux> flux(report.labels.size());
   if (faces.empty()) return;
-  const Vec3 origin = mesh.point(VertexId(faces[0].corners[0]));  // Near the mesh, so that little cancels.
+  const Vec3& origin = mesh.point(VertexId(faces[0].corners[0]));  // Near the mesh, so that little cancels.
   for (const SurfaceFace& face : faces) {
     const auto& [a, b, c] = face.corners;
     const double term = (mesh.point(VertexId(a)) - origin)
