@@ -105,7 +105,7 @@ std::vector<Label> labels_from_values(const std::vector<Voxel>& values, const fs
         fail(path,
              fmt::format("has the negative label {}; labels are positive: renumber them, or give --threshold "
                          "VALUE",
-                         static_cast<std::int64_t>(value)));
+                         static_cast<double>(value)));
     if (static_cast<double>(value) > static_cast<double>(std::numeric_limits<Label>::max()))
       fail(path, fmt::format("has the label {}; labels must be below 2^31: renumber them",
                              static_cast<double>(value)));
