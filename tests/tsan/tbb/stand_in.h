@@ -3,12 +3,11 @@
 ///
 /// Debian's oneTBB is not built with ThreadSanitizer, which then sees none of its synchronisation and reports
 /// every loop as a race; suppressing those reports would hide ours too. Here each loop is plain std::thread
-/// fork and join, which ThreadSanitizer understands to the last edge, so no suppression is needed. Pieces are
-/// handed out by a relaxed counter: it orders nothing between the bodies, so that no race between them stays
-/// hidden.
+/// fork and join, which ThreadSanitizer understands to the last edge, so no suppression is needed. Which
+/// thread runs which piece is fixed: nothing orders the bodies, and every thread has its share however slowly
+/// it starts, so that a race between them is seen in every run.
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <exception>
 #include <iterator>
@@ -53,13 +52,13 @@ void fork_and_join(std::size_t count, const Run& run) {
     for (std::size_t piece = 0; piece < count; ++piece) run(piece);
     return;
   }
-  std::atomic<std::size_t> next = 0;
+  const std::size_t thread_count = std::min(kThreads, count);
   std::exception_ptr first_exception;
   std::mutex exception_mutex;
-  const auto work = [&] {
+  const auto work = [&](std::size_t thread) {
     inside_loop = true;
     try {
-      for (std::size_t piece; (piece = next.fetch_add(1, std::memory_order_relaxed)) < count;) run(piece);
+      for (std::size_t piece = thread; piece < count; piece += thread_count) run(piece);
     } catch (...) {
       const std::lock_guard lock(exception_mutex);
       if (!first_exception) first_exception = std::current_exception();
@@ -67,8 +66,8 @@ void fork_and_join(std::size_t count, const Run& run) {
     inside_loop = false;
   };
   std::vector<std::thread> threads;
-  for (std::size_t t = 1; t < std::min(kThreads, count); ++t) threads.emplace_back(work);
-  work();
+  for (std::size_t thread = 1; thread < thread_count; ++thread) threads.emplace_back(work, thread);
+  work(0);
   for (std::thread& thread : threads) thread.join();
   if (first_exception) std::rethrow_exception(first_exception);
 }
