@@ -18,8 +18,13 @@ constexpr int kWindow = kBrick + 2 * kMargin;    // 16
 constexpr int kReach = 3;                        // voxels; distances beyond are cut off
 constexpr int kCore = kBrick * kBrick * kBrick;  // 512
 constexpr float kLimit = static_cast<float>(LabelField::kFieldLimit);
-constexpr float kHold =
-    -0.15F;  // the boundary may pass a voxel's centre on the wrong side by this much (voxels)
+/// The boundary may pass a voxel's centre on the wrong side by 0.15 voxels on faces, where half of the 27
+/// voxels around have the same label, but must leave it on the right side at tips and corners, which would
+/// vanish.
+constexpr float kHoldOnFaces = -0.05F;
+constexpr float kHoldOnTips = 0.15F;
+constexpr int kFaceCount = 13;
+constexpr int kTipCount = 10;
 constexpr float kThinGive =
     0.2F;                      // thin parts and their surroundings may change by this much (voxels), no more
 constexpr int kMaxRadius = 8;  // of the Gaussian, in voxels: one brick
@@ -271,7 +276,31 @@ class LabelFieldBuilder {
     return field_.labels_[brick.first_label + (brick.label_count == 2 ? 1 : n)];
   }
 
+  /// What each voxel's own indicator must keep, by how many of the 27 voxels around it have its label.
+  static float hold_of(int count) {
+    const float t = std::clamp(static_cast<float>(kFaceCount - count) / (kFaceCount - kTipCount), 0.0F, 1.0F);
+    return kHoldOnFaces + t * (kHoldOnTips - kHoldOnFaces);
+  }
+
+  void fill_hold(const Window& window, std::size_t b) {
+    for (int k = 0; k < kBrick; ++k) {
+      for (int j = 0; j < kBrick; ++j) {
+        for (int i = 0; i < kBrick; ++i) {
+          const std::size_t w = window_at(i + kMargin, j + kMargin, k + kMargin);
+          int count = 0;
+          for (int n = 0; n < 27; ++n) {
+            const std::size_t other =
+                window_at(i + kMargin + n % 3 - 1, j + kMargin + n / 3 % 3 - 1, k + kMargin + n / 9 - 1);
+            count += window[other] == window[w] ? 1 : 0;
+          }
+          hold_[b * kCore + core_at(i, j, k)] = hold_of(count);
+        }
+      }
+    }
+  }
+
   void fill_start_values() {
+    hold_.resize(place_.size() * kCore);
     thin_.resize(place_.size() * kCore);
     owner_.resize(place_.size() * kCore);
     parallel::for_each_index(
@@ -280,6 +309,7 @@ class LabelFieldBuilder {
           const Brick& brick = field_.active_[b];
           Window window;
           read_window(brick_index(place_[b]), window);
+          fill_hold(window, b);
           for (std::uint32_t n = 0; n < brick.label_count; ++n) {
             const LabelIndex label = field_.labels_[brick.first_label + n];
             fill_owner(window, label, b);
@@ -473,8 +503,9 @@ class LabelFieldBuilder {
         if (thin_[b * kCore + i] != 0) {
           values_[from + i] = std::clamp(smooth, start_[from + i] - kThinGive, start_[from + i] + kThinGive);
         } else {
+          const float hold = hold_[b * kCore + i];
           values_[from + i] =
-              owner_[b * kCore + i] == label ? std::max(smooth, kHold) : std::min(smooth, -kHold);
+              owner_[b * kCore + i] == label ? std::max(smooth, hold) : std::min(smooth, -hold);
         }
       }
     });
@@ -501,6 +532,7 @@ class LabelFieldBuilder {
   std::vector<float> start_;          // the same before filtering
   std::vector<std::uint8_t> thin_;    // per active brick and core voxel
   std::vector<LabelIndex> owner_;
+  std::vector<float> hold_;  // what the owner's indicator must keep, per active brick and core voxel
   std::size_t block_count_ = 0;
 };
 

@@ -192,15 +192,13 @@ class BoundaryChooser {
   bool try_change(std::uint32_t t, Material to) {
     if (changes_[t] >= kMaxChanges) return false;
     const Material from = mesh_.materials[t];
-    std::array<bool, 4> was_good;
-    for (std::size_t c = 0; c < 4; ++c) was_good[c] = manifold_at(mesh_.tets[t][c]);
-    mesh_.materials[t] = to;
-    for (std::size_t c = 0; c < 4; ++c) {
-      if (was_good[c] && !manifold_at(mesh_.tets[t][c])) {
-        mesh_.materials[t] = from;
-        return false;
-      }
+    for (const std::uint32_t v : mesh_.tets[t]) {
+      mesh_.materials[t] = to;
+      if (manifold_at(v)) continue;
+      mesh_.materials[t] = from;
+      if (manifold_at(v)) return false;  // it would break a good place
     }
+    mesh_.materials[t] = to;
     note_change(t);
     return true;
   }

@@ -2,97 +2,66 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <optional>
 
-#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "offsets.hpp"
 #include "spikes.hpp"
 #include "star_quality.hpp"
+#include "surface_stars.hpp"
 #include "vertex_colours.hpp"
+#include "voxel_reach.hpp"
 
 namespace lumesh {
 
 namespace {
 
+constexpr double kThere = 0.02;  // voxels from its target at which a vertex counts as arrived
+
 class Fitter {
  public:
-  Fitter(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain, const FitOptions& options)
+  Fitter(WorkMesh& mesh, const BoundaryModel& boundary, const LabelImage& image, const ImageDomain& domain,
+         const FitOptions& options)
       : mesh_(mesh),
         boundary_(boundary),
+        image_(image),
         domain_(domain),
         options_(options),
         floor_(angle_floor(options.min_dihedral_deg, options.max_dihedral_deg)),
-        offset_mm_(mesh.positions.size(), 0.0) {}
+        surface_(boundary, mesh.positions.size()),
+        anchors_(domain, options.probes),
+        offset_mm_(mesh.positions.size(), 0.0),
+        waiting_(mesh.positions.size(), 1) {
+    colours_ = colour_vertices(mesh_, active_vertices());
+  }
 
   /// Carries the boundary roughly to its place.
   void approach(int sweeps) {
-    prepare();
     for (int s = 0; s < sweeps; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, 0.30 - 0.04 * s); });
   }
 
-  /// Finishes the fit: volume, distance, angles.
+  /// Finishes the fit: tips, volume, distance, angles.
   FitReport finish() {
-    prepare();
     sweep([&](std::uint32_t v) { fit_vertex(v, 0.20); });
-    offset_for_sag();
-    forget_tries();
+    reach_tips();
+    offset_mm_ = sag_offsets_mm(mesh_, boundary_, domain_);
+    try_all_again();
     for (int s = 0; s < 2; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, floor_); });
-    offset_for_volume();
-    forget_tries();
+    add_volume_offsets(mesh_, boundary_, domain_, options_.label_volumes_mm3, offset_mm_);
+    trim_bulges_ = true;
+    try_all_again();
+    constexpr double kGood = 0.4;
     for (int s = 0; s < 6; ++s) {
       sweep([&](std::uint32_t v) {
-        fit_if_away(v, floor_);
-        improve_vertex(v, 0.4);
+        fit_if_away(v);
+        improve_vertex(v, kGood);
       });
     }
     return report();
   }
 
  private:
-  void prepare() {
-    find_surface_neighbours();
-    find_vertex_triangles();
-    colours_ = colour_vertices(mesh_, active_vertices());
-    moved_.assign(mesh_.positions.size(), 0);
-    tried_.assign(mesh_.positions.size(), 0);
-  }
-
   [[nodiscard]] bool constrained(std::uint32_t v) const { return boundary_.sets[v].size() >= 2; }
-
-  /// Vertices joined to each boundary vertex by an edge of a boundary triangle and bound by at least its
-  /// materials.
-  void find_surface_neighbours() {
-    std::vector<std::uint64_t> edges;
-    edges.reserve(6 * boundary_.triangles.size());
-    for (const BoundaryTriangle& t : boundary_.triangles) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = t.vertices[i];
-        const std::uint32_t b = t.vertices[(i + 1) % 3];
-        if (boundary_.sets[b].contains_all(boundary_.sets[a])) edges.push_back(std::uint64_t{a} << 32 | b);
-        if (boundary_.sets[a].contains_all(boundary_.sets[b])) edges.push_back(std::uint64_t{b} << 32 | a);
-      }
-    }
-    parallel::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    surface_begin_.assign(mesh_.positions.size() + 1, 0);
-    for (const std::uint64_t e : edges) ++surface_begin_[(e >> 32) + 1];
-    for (std::size_t v = 0; v < mesh_.positions.size(); ++v) surface_begin_[v + 1] += surface_begin_[v];
-    surface_.resize(edges.size());
-    for (std::size_t i = 0; i < edges.size(); ++i) surface_[i] = static_cast<std::uint32_t>(edges[i]);
-  }
-
-  void find_vertex_triangles() {
-    triangles_begin_.assign(mesh_.positions.size() + 1, 0);
-    for (const BoundaryTriangle& t : boundary_.triangles) {
-      for (const std::uint32_t v : t.vertices) ++triangles_begin_[v + 1];
-    }
-    for (std::size_t v = 0; v < mesh_.positions.size(); ++v) triangles_begin_[v + 1] += triangles_begin_[v];
-    triangles_.resize(3 * boundary_.triangles.size());
-    std::vector<std::uint32_t> place(triangles_begin_.begin(), triangles_begin_.end() - 1);
-    for (std::uint32_t i = 0; i < boundary_.triangles.size(); ++i) {
-      for (const std::uint32_t v : boundary_.triangles[i].vertices) triangles_[place[v]++] = i;
-    }
-  }
 
   /// Boundary vertices and three rings of others behind them.
   [[nodiscard]] std::vector<std::uint32_t> active_vertices() const {
@@ -117,40 +86,57 @@ class Fitter {
     });
   }
 
-  /// Lets every active vertex move once, but for those that did not and around which nothing has moved since.
+  /// Lets every waiting vertex move once. Vertices wait until they have been tried, and again once something
+  /// in their star has moved.
   template <class Move>
   void sweep(const Move& move) {
-    ++clock_;
     const double small2 = std::pow(0.01 * domain_.voxel_size_mm(), 2);
     for (const std::vector<std::uint32_t>& colour : colours_) {
+      const auto trying = parallel::collect<std::uint32_t>(colour.size(), [&](std::size_t i, auto& out) {
+        if (waiting_[colour[i]] != 0) out.push_back(colour[i]);
+      });
       parallel::for_each_index(
-          colour.size(),
+          trying.size(),
           [&](std::size_t i) {
-            const std::uint32_t v = colour[i];
-            if (settled(v)) return;
+            const std::uint32_t v = trying[i];
             const Vec3 before = mesh_.positions[v];
+            waiting_[v] = 0;  // no other vertex of this colour shares a tetrahedron with v
             move(v);
-            if ((mesh_.positions[v] - before).squaredNorm() > small2) moved_[v] = clock_;
-            tried_[v] = clock_;
+            if ((mesh_.positions[v] - before).squaredNorm() > small2) wake_star(v);
           },
           64);
     }
   }
 
-  /// Colours run one after the other within a sweep: what moved in the sweep of the last try may have moved
-  /// after it.
-  [[nodiscard]] bool settled(std::uint32_t v) const {
-    if (tried_[v] == 0) return false;
+  void wake_star(std::uint32_t v) {
     for (const std::uint32_t t : mesh_.star(v)) {
-      for (const std::uint32_t w : mesh_.tets[t]) {
-        if (moved_[w] >= tried_[v]) return false;
-      }
+      for (const std::uint32_t w : mesh_.tets[t]) parallel::raise(waiting_[w]);
     }
-    return true;
   }
 
-  /// Another kind of move follows: everything is worth a try again.
-  void forget_tries() { std::fill(tried_.begin(), tried_.end(), 0); }
+  /// Another kind of move follows.
+  void try_all_again() { std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{1}); }
+
+  /// Draws the surface out to tips and into clefts that it passes by.
+  void reach_tips() {
+    constexpr int kRounds = 3;
+    constexpr int kSweeps = 3;
+    for (int round = 0; round < kRounds; ++round) {
+      std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+      for (const std::uint32_t v : anchors_.update(mesh_, boundary_)) wake_star(v);
+      const std::vector<std::uint8_t> first_ring = waiting_;
+      parallel::for_each_index(first_ring.size(), [&](std::size_t v) {
+        if (first_ring[v] != 0) wake_star(static_cast<std::uint32_t>(v));
+      });
+      const std::vector<std::uint8_t> near = waiting_;
+      for (int s = 0; s < kSweeps; ++s) {
+        waiting_ = near;
+        sweep([&](std::uint32_t v) {
+          if (near[v] != 0) fit_vertex(v, floor_);
+        });
+      }
+    }
+  }
 
   [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const {
     Vec3 sum = Vec3::Zero();
@@ -166,23 +152,30 @@ class Fitter {
   }
 
   [[nodiscard]] Vec3 mean_of_surface(std::uint32_t v) const {
-    const std::uint32_t begin = surface_begin_[v];
-    const std::uint32_t end = surface_begin_[v + 1];
-    if (begin == end) return mesh_.positions[v];
+    const auto around = surface_.neighbours(v);
+    if (around.empty()) return mesh_.positions[v];
     Vec3 sum = Vec3::Zero();
-    for (std::uint32_t i = begin; i < end; ++i) sum += mesh_.positions[surface_[i]];
-    return sum / (end - begin);
+    for (const std::uint32_t w : around) sum += mesh_.positions[w];
+    return sum / static_cast<double>(around.size());
   }
 
   /// The boundary near a place, shifted along its normal by the vertex's offset.
   [[nodiscard]] std::optional<Vec3> on_boundary(std::uint32_t v, const Vec3& near) const {
     const MaterialSet& set = boundary_.sets[v];
     std::optional<Vec3> p = domain_.project(near, set, 4 * domain_.voxel_size_mm());
-    if (!p || offset_mm_[v] == 0) return p;
-    const Vec3 towards_first = domain_.separation(*p, set[0], set[1]).gradient;
-    return Vec3(*p + towards_first * (offset_mm_[v] / towards_first.norm()));
+    if (!p) return p;
+    if (offset_mm_[v] != 0) {
+      const Vec3 towards_first = domain_.separation(*p, set[0], set[1]).gradient;
+      *p += towards_first * (offset_mm_[v] / towards_first.norm());
+    }
+    return trimmed(v, *p);
   }
 
+  [[nodiscard]] Vec3 trimmed(std::uint32_t v, const Vec3& p) const {
+    return trim_bulges_ ? within_reach_of_voxels(image_, domain_, boundary_.sets[v], p) : p;
+  }
+
+  enum class Facing : std::uint8_t { kCounts, kIsIgnored };
   /// What a place is worth for a vertex: the worst angle quality around it and, on a smooth boundary, how
   /// well the triangles around it face outwards, so that the surface does not fold.
   struct Score {
@@ -191,9 +184,12 @@ class Fitter {
     [[nodiscard]] double total() const { return std::min(angles, facing); }
   };
   /// Stops early once the angles are known to be worse than `enough`.
-  [[nodiscard]] Score score(std::uint32_t v, const StarQuality& star, const Vec3& x, double enough) const {
+  [[nodiscard]] Score score(std::uint32_t v, const StarQuality& star, const Vec3& x, double enough,
+                            Facing facing_counts = Facing::kCounts) const {
     Score s{star.worst(x, enough), 1};
-    if (s.angles >= enough && boundary_.sets[v].size() == 2) s.facing = facing(v, x);
+    const bool smooth =
+        facing_counts == Facing::kCounts && boundary_.sets[v].size() == 2 && !anchors_.holds(v);
+    if (s.angles >= enough && smooth) s.facing = facing(v, x);
     return s;
   }
 
@@ -205,8 +201,8 @@ class Fitter {
     const double slope = towards_first.norm();
     if (!(slope > 0.1)) return 1;
     double least = 1;
-    for (std::uint32_t i = triangles_begin_[v]; i < triangles_begin_[v + 1]; ++i) {
-      const BoundaryTriangle& t = boundary_.triangles[triangles_[i]];
+    for (const std::uint32_t i : surface_.triangles(v)) {
+      const BoundaryTriangle& t = boundary_.triangles[i];
       const std::size_t at = t.vertices[0] == v ? 0 : (t.vertices[1] == v ? 1 : 2);
       const Vec3 n = (mesh_.positions[t.vertices[(at + 1) % 3]] - x)
                          .cross(mesh_.positions[t.vertices[(at + 2) % 3]] - x);
@@ -216,23 +212,31 @@ class Fitter {
     return least;
   }
 
+  /// Where a boundary vertex shall go.
+  [[nodiscard]] Vec3 target_of(std::uint32_t v) const {
+    if (anchors_.holds(v)) return trimmed(v, anchors_.place_mm(v));
+    const Vec3& x = mesh_.positions[v];
+    const Vec3 middle = mean_of_surface(v);
+    std::optional<Vec3> target = on_boundary(v, x + 0.6 * (middle - x));
+    if (!target) target = on_boundary(v, x);
+    return target ? *target : middle;
+  }
+
   /// Carries a boundary vertex to the boundary, evenly spread, as far as the star allows; others go to the
   /// middle.
-  void fit_vertex(std::uint32_t v, double floor) {
+  void fit_vertex(std::uint32_t v, double floor, Facing facing_counts = Facing::kCounts) {
     const Vec3 x = mesh_.positions[v];
     if (!constrained(v)) {
       improve_vertex(v, 0.35);
       return;
     }
-    std::optional<Vec3> target = on_boundary(v, x + 0.6 * (mean_of_surface(v) - x));
-    if (!target) target = on_boundary(v, x);
-    if (!target) target = mean_of_surface(v);
+    const Vec3 target = target_of(v);
     const StarQuality star(mesh_, v);
-    const Score now = score(v, star, x, -2);
+    const Score now = score(v, star, x, -2, facing_counts);
     const double enough = std::min(floor, now.angles);
     for (const double part : {1.0, 0.7, 0.4, 0.2, 0.1}) {
-      const Vec3 y = x + part * (*target - x);
-      const Score then = score(v, star, y, enough);
+      const Vec3 y = x + part * (target - x);
+      const Score then = score(v, star, y, enough, facing_counts);
       const bool keeps = then.angles >= enough && then.facing >= std::min(floor, now.facing);
       if (keeps && (then.total() >= floor || then.total() > now.total())) {
         mesh_.positions[v] = y;
@@ -241,13 +245,22 @@ class Fitter {
     }
   }
 
-  /// A second try for vertices that could not reach the boundary yet.
-  void fit_if_away(std::uint32_t v, double floor) {
-    if (constrained(v) && distance_to_boundary(v) > 0.02 * domain_.voxel_size_mm()) fit_vertex(v, floor);
+  /// A second try for vertices that could not reach the boundary yet; those far away go there even where the
+  /// surface folds.
+  void fit_if_away(std::uint32_t v) {
+    if (!constrained(v)) return;
+    const double distance = distance_to_target(v);
+    constexpr double kFar = 0.3;  // voxels
+    if (distance > kFar * domain_.voxel_size_mm())
+      fit_vertex(v, floor_, Facing::kIsIgnored);
+    else if (distance > kThere * domain_.voxel_size_mm())
+      fit_vertex(v, floor_);
   }
 
-  /// Looks for a better place by compass search, on the boundary if the vertex is bound to it.
+  /// Looks for a better place by compass search, on the boundary if the vertex is bound to it. Vertices at
+  /// tips stay there.
   void improve_vertex(std::uint32_t v, double good_enough) {
+    if (anchors_.holds(v)) return;
     const Vec3 x = mesh_.positions[v];
     const StarQuality star(mesh_, v);
     const Score now = score(v, star, x, -2);
@@ -269,7 +282,7 @@ class Fitter {
       best = y;
       return true;
     };
-    if (bound && distance_to_boundary(v) > 0.02 * domain_.voxel_size_mm()) return;
+    if (bound && distance_to_target(v) > kThere * domain_.voxel_size_mm()) return;
     const Vec3 middle = bound ? mean_of_surface(v) : mean_of_star(v);
     consider(middle);
     consider(0.5 * (x + middle));
@@ -293,103 +306,10 @@ class Fitter {
     return c[0] == v ? c[1] : c[0];
   }
 
-  [[nodiscard]] double distance_to_boundary(std::uint32_t v) const {
+  [[nodiscard]] double distance_to_target(std::uint32_t v) const {
+    if (anchors_.holds(v)) return (target_of(v) - mesh_.positions[v]).norm();
     const std::optional<Vec3> p = on_boundary(v, mesh_.positions[v]);
     return p ? (*p - mesh_.positions[v]).norm() : domain_.voxel_size_mm();
-  }
-
-  /// Mean of the boundary function over a triangle in mm, > 0 where the triangle lies inside the label.
-  [[nodiscard]] double mean_sag_mm(const BoundaryTriangle& t) const {
-    const Vec3& a = mesh_.positions[t.vertices[0]];
-    const Vec3& b = mesh_.positions[t.vertices[1]];
-    const Vec3& c = mesh_.positions[t.vertices[2]];
-    double mean = 0;
-    for (const Vec3& p : {Vec3((a + b + c) / 3), Vec3((4 * a + b + c) / 6), Vec3((a + 4 * b + c) / 6),
-                          Vec3((a + b + 4 * c) / 6)}) {
-      const FieldSample s = domain_.separation(p, t.inside, t.outside);
-      const double slope = s.gradient.norm();
-      if (slope > 0.1) mean += 0.25 * s.value / slope;
-    }
-    return mean;
-  }
-
-  [[nodiscard]] double doubled_area_mm2(const BoundaryTriangle& t) const {
-    const Vec3& a = mesh_.positions[t.vertices[0]];
-    return (mesh_.positions[t.vertices[1]] - a).cross(mesh_.positions[t.vertices[2]] - a).norm();
-  }
-
-  /// Flat triangles between vertices on a curved surface cut its bulges off. Shifting the vertices outwards
-  /// by the mean sag around them keeps the volume and halves the largest distance.
-  void offset_for_sag() {
-    const double limit = 0.4 * domain_.voxel_size_mm();
-    std::vector<double> sag(boundary_.triangles.size());
-    parallel::for_each_index(sag.size(), [&](std::size_t i) {
-      const BoundaryTriangle& t = boundary_.triangles[i];
-      sag[i] = domain_.is_cut(t.outside) ? 0 : mean_sag_mm(t);
-    });
-    std::vector<double> sum(mesh_.positions.size(), 0.0);
-    std::vector<double> weight(mesh_.positions.size(), 0.0);
-    for (std::size_t i = 0; i < sag.size(); ++i) {
-      const BoundaryTriangle& t = boundary_.triangles[i];
-      if (domain_.is_cut(t.outside)) continue;
-      const double area = doubled_area_mm2(t);
-      for (const std::uint32_t v : t.vertices) {
-        const MaterialSet& set = boundary_.sets[v];
-        if (set.size() != 2) continue;
-        sum[v] += (set[0] == t.inside ? 1 : -1) * area * sag[i];
-        weight[v] += area;
-      }
-    }
-    for (std::size_t v = 0; v < sum.size(); ++v) {
-      if (weight[v] > 0) offset_mm_[v] = std::clamp(-sum[v] / weight[v], -limit, limit);
-    }
-  }
-
-  /// Shifts each boundary between two materials evenly so that the labels fill what their voxels fill: undoes
-  /// the little that smoothing takes away. The shifts solve "missing volume = area times shift, summed over a
-  /// label's boundaries" label by label until they settle.
-  void offset_for_volume() {
-    std::vector<double> missing = options_.label_volumes_mm3;
-    for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
-      const Corner4& c = mesh_.tets[t];
-      missing[mesh_.materials[t]] -= tetrahedron_volume(mesh_.positions[c[0]], mesh_.positions[c[1]],
-                                                        mesh_.positions[c[2]], mesh_.positions[c[3]]);
-    }
-    struct Interface {
-      double area_mm2 = 0;
-      double shift_mm = 0;  // towards the second material
-    };
-    std::map<std::pair<Material, Material>, Interface> interfaces;  // first < second
-    for (const BoundaryTriangle& t : boundary_.triangles) {
-      if (!domain_.is_cut(t.outside))
-        interfaces[std::minmax(t.inside, t.outside)].area_mm2 += 0.5 * doubled_area_mm2(t);
-    }
-    std::vector<double> area(missing.size(), 0.0);
-    for (const auto& [pair, face] : interfaces) {
-      area[pair.first] += face.area_mm2;
-      area[pair.second] += face.area_mm2;
-    }
-    constexpr int kSweeps = 30;
-    for (int s = 0; s < kSweeps; ++s) {
-      const std::vector<double> now = missing;
-      for (auto& [pair, face] : interfaces) {
-        const auto& [a, b] = pair;
-        const double push_a = a == 0 ? 0 : now[a] / area[a];
-        const double push_b = now[b] / area[b];
-        const double move = 0.5 * (push_a - push_b);  // half steps, because both sides push
-        face.shift_mm += move;
-        missing[a] -= move * face.area_mm2;
-        missing[b] += move * face.area_mm2;
-      }
-    }
-    const double limit = 0.25 * domain_.voxel_size_mm();
-    for (std::size_t v = 0; v < offset_mm_.size(); ++v) {
-      const MaterialSet& set = boundary_.sets[v];
-      if (set.size() != 2 || domain_.is_cut(set[1])) continue;
-      const auto found = interfaces.find({set[0], set[1]});
-      // separation(first, second) grows towards the first, so a shift towards the second is negative.
-      if (found != interfaces.end()) offset_mm_[v] -= std::clamp(found->second.shift_mm, -limit, limit);
-    }
   }
 
   [[nodiscard]] FitReport report() const {
@@ -410,28 +330,28 @@ class Fitter {
 
   WorkMesh& mesh_;
   const BoundaryModel& boundary_;
+  const LabelImage& image_;
   const ImageDomain& domain_;
   const FitOptions& options_;
   double floor_;
+  SurfaceStars surface_;
+  Anchors anchors_;
   std::vector<double> offset_mm_;  // where separation shall be on each boundary vertex
-  std::vector<std::uint32_t> surface_begin_;
-  std::vector<std::uint32_t> surface_;
-  std::vector<std::uint32_t> triangles_begin_;  // boundary triangles of each vertex
-  std::vector<std::uint32_t> triangles_;
+  bool trim_bulges_ = false;       // where the smoothed boundary goes beyond the voxels
   std::vector<std::vector<std::uint32_t>> colours_;
-  std::uint16_t clock_ = 0;           // sweeps so far
-  std::vector<std::uint16_t> moved_;  // sweep in which each vertex last moved
-  std::vector<std::uint16_t> tried_;  // and in which it was last tried
+  std::vector<std::uint8_t> waiting_;  // flag per vertex: worth a try
 };
 
 }  // namespace
 
-FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
-                        const FitOptions& options) {
-  Fitter(mesh, boundary, domain, options).approach(4);
-  for (int round = 0; round < 2 && peel_spikes(mesh, boundary, domain) > 0; ++round)
-    Fitter(mesh, boundary, domain, options).approach(1);
-  return Fitter(mesh, boundary, domain, options).finish();
+FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
+                        const ImageDomain& domain, const FitOptions& options) {
+  Fitter(mesh, boundary, image, domain, options).approach(4);
+  if (peel_spikes(mesh, boundary, domain) > 0) {
+    Fitter(mesh, boundary, image, domain, options).approach(1);
+    peel_spikes(mesh, boundary, domain);
+  }
+  return Fitter(mesh, boundary, image, domain, options).finish();
 }
 
 }  // namespace lumesh

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "anchors.hpp"
 #include "boundary_model.hpp"
 #include "work_mesh.hpp"
 
@@ -11,6 +12,7 @@ namespace lumesh {
 struct FitOptions {
   double min_dihedral_deg = 15;
   double max_dihedral_deg = 150;
+  std::vector<Probe> probes;              ///< Where the surface shall come close to the image's boundary.
   std::vector<double> label_volumes_mm3;  ///< Per material: what the labels fill in the image; 0 = unknown.
 };
 
@@ -22,7 +24,7 @@ struct FitReport {
 /// Moves vertices only; tetrahedra keep positive volume and, once they have them, dihedral angles within the
 /// limits. Same bits for every thread count: vertices move colour by colour, no two of a colour sharing a
 /// tetrahedron. Drops the few tetrahedra that stick out (spikes.hpp).
-FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
-                        const FitOptions& options);
+FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
+                        const ImageDomain& domain, const FitOptions& options);
 
 }  // namespace lumesh

@@ -136,15 +136,19 @@ void note_lost(const std::vector<Label>& lost, const ImageDomain& domain,
   }
 }
 
-void finish_lattice(BuiltLattice built, const ImageDomain& domain, const LatticeOptions& options,
-                    const std::vector<std::size_t>& voxels, Context& context, LatticeResult& result) {
+void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDomain& domain,
+                    const LatticeOptions& options, const std::vector<std::size_t>& voxels, Context& context,
+                    LatticeResult& result) {
   if (built.mesh.tets.empty())
     throw Error(ErrorKind::kBadInput, "the object is too small for the lattice; choose a smaller spacing");
-  FitOptions fit_options{options.min_dihedral_deg, options.max_dihedral_deg, {}};
+  FitOptions fit_options{options.min_dihedral_deg,
+                         options.max_dihedral_deg,
+                         context.phase("probes", [&] { return boundary_probes(image, domain); }),
+                         {}};
   for (const std::size_t count : voxels)
     fit_options.label_volumes_mm3.push_back(static_cast<double>(count) * domain.frame().voxel_volume_mm3());
-  const FitReport fit =
-      context.phase("fit", [&] { return fit_to_domain(built.mesh, built.boundary, domain, fit_options); });
+  const FitReport fit = context.phase(
+      "fit", [&] { return fit_to_domain(built.mesh, built.boundary, image, domain, fit_options); });
   result.report.off_boundary_vertices = fit.off_boundary_vertices;
   result.report.largest_offset_voxels = fit.largest_offset_mm / domain.voxel_size_mm();
   result.mesh = to_mixed_mesh(built.mesh, built.boundary, domain);
@@ -186,7 +190,7 @@ LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, c
     const std::vector<Label> lost = lost_labels(built.mesh, domain, voxels);
     if (attempt == kMaxRescues || !raise_fidelity(trial, lost)) {
       note_lost(lost, domain, voxels, result.report);
-      finish_lattice(std::move(built), domain, trial, voxels, context, result);
+      finish_lattice(image, std::move(built), domain, trial, voxels, context, result);
       return result;
     }
   }

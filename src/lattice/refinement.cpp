@@ -48,6 +48,7 @@ class Refiner {
           const Index3 cell(static_cast<int>(c % nx), static_cast<int>(c / nx % ny),
                             static_cast<int>(c / (nx * ny)));
           const Index3 centre = 2 * s * cell + Index3::Constant(s);
+          if (!near_object(centre, 3 * s)) return;
           for (int axis = 0; axis < 3; ++axis) {
             if (cell[axis] + 1 == n[axis]) continue;
             append_face_tetrahedra(centre, axis, s, out);
@@ -77,22 +78,21 @@ class Refiner {
     }
     for (std::size_t i = 0; i < 4; ++i) {
       const Corners t = {key(centre), key(next), key(ring[i]), key(ring[(i + 1) % 4])};
-      if (near_object(t) && !far_outside(t, 0)) out.push_back(t);
+      if (!far_outside(t, 0)) out.push_back(t);
     }
   }
 
-  /// Keeps one more ring of tetrahedra around the object, which the choice of the boundary looks at.
-  bool near_object(const Corners& t) const {
-    Vec3 low = Vec3::Constant(1e300);
-    Vec3 high = -low;
-    for (const Key key : t) {
-      const Vec3 p = domain_.frame().to_index(frame_.position_mm(key));
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    const Vec3 margin =
-        Vec3::Ones() + 0.75 * frame_.spacing_mm(0) * domain_.frame().spacing_mm.cwiseInverse();
-    return domain_.field().may_hold_object(low - margin, high + margin);
+  /// Whether the box within `half_size` of a lattice point, and a margin for one more ring of tetrahedra,
+  /// which the choice of the boundary looks at, may hold a part of the object.
+  bool near_object(const Index3& centre, int half_size) const {
+    const ImageFrame& image = domain_.frame();
+    const Vec3 at = image.to_index(frame_.position_mm(bcc::pack(static_cast<std::uint32_t>(centre.x()),
+                                                                static_cast<std::uint32_t>(centre.y()),
+                                                                static_cast<std::uint32_t>(centre.z()))));
+    // The lattice lies along the image's axes.
+    const Vec3 reach = Vec3::Ones() + (frame_.unit_mm * half_size + 0.75 * frame_.spacing_mm(0)) *
+                                          image.spacing_mm.cwiseInverse();
+    return domain_.field().may_hold_object(at - reach, at + reach);
   }
 
   bool wants_children(const Corners& t, int level) const {
@@ -152,7 +152,16 @@ class Refiner {
     if (domain_.is_meshed(here.material)) return false;
     // Cut planes are boundaries too, but not of the voxels; beyond one the clearance is the distance to it.
     if (domain_.is_cut(here.material) && here.clearance_mm < reach_mm) return false;
-    return !sizes_.boundary_within(centre, reach_mm);
+    if (!sizes_.boundary_within(centre, reach_mm)) return true;
+    return std::none_of(t.begin(), t.end(), [&](Key key) { return near_inside(key, level); });
+  }
+
+  /// Whether a corner may belong to a tetrahedron of the object: the nearest of the places that decide on its
+  /// label (work_mesh.cpp) is at most 0.67 spacings away. The field's slope is not exactly one, hence more.
+  bool near_inside(Key corner, int level) const {
+    constexpr double kReach = 0.9;  // spacings
+    const ImageDomain::Surroundings here = domain_.surroundings(frame_.position_mm(corner));
+    return domain_.is_meshed(here.material) || here.clearance_mm < kReach * frame_.spacing_mm(level);
   }
 
   /// The level-0 cube of a point; a leaf reaches into the next cube at most.

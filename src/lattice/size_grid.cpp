@@ -4,9 +4,15 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
+#include "lumesh/image/neighbourhood.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
+
+namespace {
+
+constexpr int kRidgeCount = 11;  // of the 27 voxels around; fewer on edges, at tips and in clefts
+}
 
 SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
                    double coarsest_mm, std::size_t object_voxels)
@@ -118,6 +124,7 @@ int SizeGrid::voxel_level(const Index3& voxel) const {
   const double chord = chord_mm(voxel, own, 1.01 * widest_mm / factor);
   int level = least_level_;
   while (level < most_level_ && coarsest_mm_ / std::exp2(level) > factor * chord) ++level;
+  if (level == least_level_ && level < most_level_ && same_label_count(image_, voxel) <= kRidgeCount) ++level;
   return level;
 }
 

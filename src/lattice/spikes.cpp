@@ -36,7 +36,7 @@ class SpikePeeler {
   std::size_t run() {
     const std::vector<std::uint32_t> spikes = find_spikes();
     if (spikes.empty()) return 0;
-    index_boundary();
+    index_boundary(spikes);
     std::size_t dropped = 0;
     for (const std::uint32_t t : spikes) dropped += try_drop(t) ? 1 : 0;
     if (dropped == 0) return 0;
@@ -93,8 +93,18 @@ class SpikePeeler {
     return false;
   }
 
-  void index_boundary() {
-    for (std::uint32_t i = 0; i < boundary_.triangles.size(); ++i) add_to_index(i);
+  /// Only triangles with an edge between corners of spikes matter.
+  void index_boundary(const std::vector<std::uint32_t>& spikes) {
+    std::vector<std::uint8_t> corner(mesh_.positions.size(), 0);
+    for (const std::uint32_t t : spikes) {
+      for (const std::uint32_t v : mesh_.tets[t]) corner[v] = 1;
+    }
+    const auto near =
+        parallel::collect<std::uint32_t>(boundary_.triangles.size(), [&](std::size_t i, auto& out) {
+          const Triangle& v = boundary_.triangles[i].vertices;
+          if (corner[v[0]] + corner[v[1]] + corner[v[2]] >= 2) out.push_back(static_cast<std::uint32_t>(i));
+        });
+    for (const std::uint32_t i : near) add_to_index(i);
   }
   void add_to_index(std::uint32_t i) {
     const Triangle& v = boundary_.triangles[i].vertices;

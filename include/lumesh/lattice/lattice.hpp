@@ -24,7 +24,7 @@ enum class LatticeCells {
 struct LatticeOptions {
   double spacing_mm = 0;  ///< Lattice spacing at the boundary where the object is thick; 0 means 2.5 voxels.
   double fidelity =
-      0.7;  ///< In [0.1, 0.98]: the spacing is at most 4 (1 - fidelity) times the local half thickness.
+      0.5;  ///< In [0.1, 0.98]: the spacing is at most 4 (1 - fidelity) times the local half thickness.
   std::map<Label, double> label_fidelity;  ///< The same for single labels; others take `fidelity`.
   int coarsening = 1;      ///< How many times the spacing may double away from boundaries, in [0, 4].
   int max_refinement = 3;  ///< How many times it may halve in thin parts, in [0, 5].

@@ -11,7 +11,9 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -74,6 +76,11 @@ void sort(Iterator begin, Iterator end, Less less = {}) {
 template <class First, class Second>
 void invoke_both(First&& first, Second&& second) {
   tbb::parallel_for(0, 2, [&](int i) { i == 0 ? first() : second(); });
+}
+
+/// Sets a flag that several threads may set in the same loop; nobody may read it before the loop ends.
+inline void raise(std::uint8_t& flag) {
+  std::atomic_ref(flag).store(1, std::memory_order_relaxed);
 }
 
 /// Collects what collect(i, out) appends for every i, in index order whatever the thread count.

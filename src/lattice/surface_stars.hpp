@@ -1,0 +1,30 @@
+#pragma once
+// Which boundary vertices and triangles surround each boundary vertex.
+
+#include <span>
+#include <vector>
+
+#include "boundary_model.hpp"
+
+namespace lumesh {
+
+class SurfaceStars {
+ public:
+  SurfaceStars() = default;
+  SurfaceStars(const BoundaryModel& boundary, std::size_t vertex_count);
+
+  /// Vertices joined to v by an edge of a boundary triangle and bound by at least v's materials, ascending.
+  [[nodiscard]] std::span<const std::uint32_t> neighbours(std::uint32_t v) const {
+    return {neighbours_.data() + neighbours_begin_[v], neighbours_begin_[v + 1] - neighbours_begin_[v]};
+  }
+  /// Numbers of the boundary triangles at v, ascending.
+  [[nodiscard]] std::span<const std::uint32_t> triangles(std::uint32_t v) const {
+    return {triangles_.data() + triangles_begin_[v], triangles_begin_[v + 1] - triangles_begin_[v]};
+  }
+
+ private:
+  std::vector<std::uint32_t> neighbours_begin_, neighbours_;
+  std::vector<std::uint32_t> triangles_begin_, triangles_;
+};
+
+}  // namespace lumesh
