@@ -133,8 +133,10 @@ class GmshReader {
       const std::int64_t tag = scanner_.integer("a physical tag");
       std::string name = scanner_.quoted("a physical name");
       if (tag < INT32_MIN || tag > INT32_MAX) scanner_.fail("a physical tag does not fit into 32 bits");
-      if (dimension == 2) builder_.name_patch(tag, std::move(name));
-      if (dimension == 3) builder_.name_label(static_cast<Label>(tag), std::move(name));
+      if (dimension == 2)
+        builder_.name_patch(tag, std::move(name));
+      else if (dimension == 3)
+        builder_.name_label(static_cast<Label>(tag), std::move(name));
     }
   }
 
