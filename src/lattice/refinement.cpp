@@ -102,6 +102,9 @@ class Refiner {
     return sizes_.level_wanted(centre, kCircumradius * frame_.spacing_mm(level)) > level;
   }
 
+  /// Leaves that were split stay in their list, without a first corner.
+  static bool is_gone(const Corners& leaf) { return leaf[0] == parallel::KeySet::kEmpty; }
+
   static std::size_t at(int level) { return static_cast<std::size_t>(level); }
 
   template <class Chosen>
@@ -119,14 +122,12 @@ class Refiner {
   void split(int level, const std::vector<std::uint32_t>& picked) {
     if (picked.empty()) return;
     std::vector<Corners>& from = leaves_[at(level)];
-    std::vector<std::uint8_t> gone(from.size());
     split_count_ += 6 * picked.size();
     split_.reserve(split_count_);
     const auto children = parallel::collect<Corners>(
         picked.size(),
         [&](std::size_t i, auto& out) {
           const Corners& t = from[picked[i]];
-          gone[picked[i]] = 1;
           for (const auto& [a, b] : bcc::kEdge) split_.insert(bcc::midpoint(t[a], t[b]));
           for (const Corners& child : bcc::red_children(t)) {
             if (!far_outside(child, level + 1)) out.push_back(child);
@@ -135,10 +136,10 @@ class Refiner {
         256);
     std::vector<Corners>& to = leaves_[at(level) + 1];
     to.insert(to.end(), children.begin(), children.end());
-    for (const std::uint32_t i : picked) note_change(from[i][0], level);
-    from = parallel::collect<Corners>(from.size(), [&](std::size_t i, auto& out) {
-      if (gone[i] == 0) out.push_back(from[i]);
-    });
+    for (const std::uint32_t i : picked) {
+      note_change(from[i][0], level);
+      from[i][0] = parallel::KeySet::kEmpty;
+    }
   }
 
   /// Tetrahedra that neither belong to the object nor touch one that does are never looked at again.
@@ -251,6 +252,7 @@ class Refiner {
         leaves.size(),
         [&](std::size_t i, auto& out) {
           const Corners& t = leaves[i];
+          if (is_gone(t)) return;
           if (cell_mark_[cell_of(t[0])] <= level) return;
           const unsigned mask = split_edges(t);
           if (mask == 0) return;
@@ -293,6 +295,7 @@ class Refiner {
     for (int level = 0; level <= frame_.levels; ++level) {
       const std::vector<Corners>& leaves = leaves_[at(level)];
       const auto part = parallel::collect<Corners>(leaves.size(), [&](std::size_t i, auto& out) {
+        if (is_gone(leaves[i])) return;
         const unsigned mask = finest_mark_[cell_of(leaves[i][0])] <= level ? 0 : split_edges(leaves[i]);
         if (mask == 0) {
           out.push_back(leaves[i]);
