@@ -42,7 +42,6 @@ class Fitter {
 
   /// Finishes the fit: tips, volume, distance, angles.
   FitReport finish() {
-    sweep([&](std::uint32_t v) { fit_vertex(v, 0.20); });
     reach_tips();
     offset_mm_ = sag_offsets_mm(mesh_, boundary_, domain_);
     try_all_again();
@@ -50,8 +49,8 @@ class Fitter {
     add_volume_offsets(mesh_, boundary_, domain_, options_.label_volumes_mm3, offset_mm_);
     trim_bulges_ = true;
     try_all_again();
-    constexpr double kGood = 0.4;
-    for (int s = 0; s < 6; ++s) {
+    constexpr double kGood = 0.3;
+    for (int s = 0; s < 4; ++s) {
       sweep([&](std::uint32_t v) {
         fit_if_away(v);
         improve_vertex(v, kGood);
@@ -90,7 +89,7 @@ class Fitter {
   /// in their star has moved.
   template <class Move>
   void sweep(const Move& move) {
-    const double small2 = std::pow(0.01 * domain_.voxel_size_mm(), 2);
+    const double small2 = std::pow(0.03 * domain_.voxel_size_mm(), 2);
     for (const std::vector<std::uint32_t>& colour : colours_) {
       const auto trying = parallel::collect<std::uint32_t>(colour.size(), [&](std::size_t i, auto& out) {
         if (waiting_[colour[i]] != 0) out.push_back(colour[i]);
