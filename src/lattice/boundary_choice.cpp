@@ -179,14 +179,20 @@ class BoundaryChooser {
     if (faces >= enough && near_boundary(t, own, other)) try_change(t, other);
   }
 
-  /// Guards thin vessels: only tetrahedra that the boundary passes close by may change sides.
+  /// Guards thin vessels: only tetrahedra that the boundary passes close by may change sides, and where the
+  /// label goes on behind them also somewhat deeper ones, because the boundary can be drawn out again.
   [[nodiscard]] bool near_boundary(std::uint32_t t, Material own, Material other) const {
     const Corner4& c = mesh_.tets[t];
-    double longest = 0;
+    double longest2 = 0;
     for (const auto& [a, b] : bcc::kEdge)
-      longest = std::max(longest, (mesh_.positions[c[a]] - mesh_.positions[c[b]]).squaredNorm());
-    const double depth = domain_.separation(mesh_.centroid(t), own, other).value;
-    return depth < 0.3 * std::sqrt(longest);
+      longest2 = std::max(longest2, (mesh_.positions[c[a]] - mesh_.positions[c[b]]).squaredNorm());
+    const double longest = std::sqrt(longest2);
+    const Vec3 centroid = mesh_.centroid(t);
+    const FieldSample here = domain_.separation(centroid, own, other);
+    if (here.value < 0.3 * longest) return true;
+    if (here.value > 0.6 * longest) return false;
+    const Vec3 behind = centroid + here.gradient.normalized() * longest;
+    return domain_.separation(behind, own, other).value > here.value + 0.5 * longest;
   }
 
   bool try_change(std::uint32_t t, Material to) {

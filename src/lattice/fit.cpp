@@ -43,7 +43,7 @@ class Fitter {
   /// Finishes the fit: tips, volume, distance, angles.
   FitReport finish() {
     reach_tips();
-    offset_mm_ = sag_offsets_mm(mesh_, boundary_, domain_);
+    offset_mm_ = averaged(sag_offsets_mm(mesh_, boundary_, domain_));
     try_all_again();
     for (int s = 0; s < 2; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, floor_); });
     add_volume_offsets(mesh_, boundary_, domain_, options_.label_volumes_mm3, offset_mm_);
@@ -111,6 +111,24 @@ class Fitter {
     for (const std::uint32_t t : mesh_.star(v)) {
       for (const std::uint32_t w : mesh_.tets[t]) parallel::raise(waiting_[w]);
     }
+  }
+
+  /// Each boundary vertex's value averaged with its neighbours' of the same boundary: what single triangles
+  /// in an odd position say counts less.
+  [[nodiscard]] std::vector<double> averaged(const std::vector<double>& values) const {
+    std::vector<double> result = values;
+    parallel::for_each_index(values.size(), [&](std::size_t i) {
+      const auto v = static_cast<std::uint32_t>(i);
+      if (boundary_.sets[v].size() != 2) return;
+      int count = 1;
+      for (const std::uint32_t w : surface_.neighbours(v)) {
+        if (!(boundary_.sets[w] == boundary_.sets[v])) continue;
+        result[v] += values[w];
+        ++count;
+      }
+      result[v] /= count;
+    });
+    return result;
   }
 
   /// Another kind of move follows.
