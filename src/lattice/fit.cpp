@@ -201,7 +201,7 @@ class Fitter {
     [[nodiscard]] double total() const { return std::min(angles, facing); }
   };
   /// Stops early once the angles are known to be worse than `enough`.
-  [[nodiscard]] Score score(std::uint32_t v, const StarQuality& star, const Vec3& x, double enough,
+  [[nodiscard]] Score score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough,
                             Facing facing_counts = Facing::kCounts) const {
     Score s{star.worst(x, enough), 1};
     const bool smooth =
@@ -248,7 +248,7 @@ class Fitter {
       return;
     }
     const Vec3 target = target_of(v);
-    const StarQuality star(mesh_, v);
+    StarQuality star(mesh_, v);
     const Score now = score(v, star, x, -2, facing_counts);
     const double enough = std::min(floor, now.angles);
     for (const double part : {1.0, 0.7, 0.4, 0.2, 0.1}) {
@@ -279,7 +279,7 @@ class Fitter {
   void improve_vertex(std::uint32_t v, double good_enough) {
     if (anchors_.holds(v)) return;
     const Vec3 x = mesh_.positions[v];
-    const StarQuality star(mesh_, v);
+    StarQuality star(mesh_, v);
     const Score now = score(v, star, x, -2);
     double best_total = now.total();
     if (best_total >= good_enough) return;
