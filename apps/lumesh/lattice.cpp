@@ -18,6 +18,7 @@ namespace lumesh::cli {
 namespace {
 
 struct LatticeCommand {
+  const CLI::App* self = nullptr;
   std::string image_path;
   std::string mesh_path;
   std::string surface_path;
@@ -52,11 +53,25 @@ std::map<Label, double> parse_label_fidelity(const std::vector<std::string>& pai
   return result;
 }
 
+/// The options of the command line as they were given.
+std::string given_options(const CLI::App& command) {
+  std::string all;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0 || option->get_positional()) continue;
+    all += (all.empty() ? "" : " ") + option->get_name();
+    if (option->get_items_expected_max() == 0) continue;
+    for (const std::string& value : option->results()) all += " " + value;
+  }
+  return all;
+}
+
 void print_summary(const LatticeCommand& command, const LatticeResult& result, const Context& context,
                    double seconds) {
   const MixedMesh& mesh = result.mesh;
-  fmt::print("{}: {} tetrahedra, {} vertices, {} boundary triangles\n", command.mesh_path,
-             mesh.tetrahedra.size(), mesh.points.size(), mesh.triangles.size());
+  fmt::print("{}: {} tetrahedra, ", command.mesh_path, mesh.tetrahedra.size());
+  if (command.options.cells == LatticeCells::kMixed)
+    fmt::print("{} hexahedra, {} pyramids, ", mesh.hexahedra.size(), mesh.pyramids.size());
+  fmt::print("{} vertices, {} boundary triangles\n", mesh.points.size(), mesh.triangles.size());
   for (std::size_t p = 0; p < mesh.info.patches.size(); ++p) {
     const auto faces =
         std::count(mesh.triangle_patches.begin(), mesh.triangle_patches.end(), static_cast<int>(p));
@@ -75,8 +90,11 @@ void run(const LatticeCommand& command) {
   ImageReadOptions read;
   read.labels = command.labels;
   if (command.threshold_option->count() > 0) read.threshold = command.threshold;
-  const LabelImage image =
-      context.phase("read", [&] { return read_image(command.image_path, read, context); });
+  const LabelImage image = context.phase("read", [&] {
+    LabelImage all = read_image(command.image_path, read, context);
+    if (command.largest_component > 0) keep_largest_component(all, ComponentScope::kUnion);
+    return all;
+  });
   ImageDomainOptions domain_options = command.domain;
   domain_options.cut_planes = parse_cut_planes(command.cut_planes);
   LatticeOptions options = command.options;
@@ -85,6 +103,7 @@ void run(const LatticeCommand& command) {
   LatticeResult result = mesh_lattice(image, domain, options, context);
   result.mesh.info.provenance = {{"program", std::string("lumesh ") + kVersion},
                                  {"command", "lattice"},
+                                 {"options", given_options(*command.self)},
                                  {"input", command.image_path},
                                  {"input_sha256", file_sha256(command.image_path)}};
   context.phase("write", [&] {
@@ -100,6 +119,7 @@ void run(const LatticeCommand& command) {
 void add_lattice_command(CLI::App& program) {
   const auto command = std::make_shared<LatticeCommand>();
   CLI::App* sub = program.add_subcommand("lattice", "Mesh a segmented image on a body-centred cubic lattice");
+  command->self = sub;
   LatticeOptions& o = command->options;
   sub->add_option("image", command->image_path,
                   "Label image (.nii[.gz], .nrrd, .nhdr, .mha, .mhd, DICOM folder)")
@@ -130,6 +150,8 @@ void add_lattice_command(CLI::App& program) {
   sub->add_option("--labels", command->labels, "Mesh these labels only")->delimiter(',');
   command->threshold_option = sub->add_option("--threshold", command->threshold,
                                               "Voxels at or above become label 1, the rest background");
+  sub->add_flag("--largest-component", command->largest_component,
+                "Mesh the largest connected piece of the image only");
   sub->add_option(
          "--cut-plane", command->cut_planes,
          "Point and normal in mm, x y z nx ny nz: cut off what lies on the normal's side; may be repeated")

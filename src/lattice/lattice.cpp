@@ -140,7 +140,8 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
                     const LatticeOptions& options, const std::vector<std::size_t>& voxels, Context& context,
                     LatticeResult& result) {
   if (built.mesh.tets.empty())
-    throw Error(ErrorKind::kBadInput, "the object is too small for the lattice; choose a smaller spacing");
+    throw Error(ErrorKind::kBadInput,
+                "the object is too small for the lattice; choose a smaller --spacing or a higher --fidelity");
   FitOptions fit_options{options.min_dihedral_deg,
                          options.max_dihedral_deg,
                          context.phase("probes", [&] { return boundary_probes(image, domain); }),
