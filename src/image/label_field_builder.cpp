@@ -282,18 +282,31 @@ class LabelFieldBuilder {
     return kHoldOnFaces + t * (kHoldOnTips - kHoldOnFaces);
   }
 
+  /// Voxels whose six face neighbours have their label are safe from the filter.
+  static bool is_inner(const Window& window, std::size_t w) {
+    constexpr std::size_t kRow = kWindow;
+    constexpr std::size_t kPlane = kRow * kWindow;
+    const LabelIndex own = window[w];
+    return window[w - 1] == own && window[w + 1] == own && window[w - kRow] == own &&
+           window[w + kRow] == own && window[w - kPlane] == own && window[w + kPlane] == own;
+  }
+
+  static int same_label_count(const Window& window, int i, int j, int k) {
+    const LabelIndex own = window[window_at(i, j, k)];
+    int count = 0;
+    for (int n = 0; n < 27; ++n)
+      count += window[window_at(i + n % 3 - 1, j + n / 3 % 3 - 1, k + n / 9 - 1)] == own ? 1 : 0;
+    return count;
+  }
+
   void fill_hold(const Window& window, std::size_t b) {
     for (int k = 0; k < kBrick; ++k) {
       for (int j = 0; j < kBrick; ++j) {
         for (int i = 0; i < kBrick; ++i) {
           const std::size_t w = window_at(i + kMargin, j + kMargin, k + kMargin);
-          int count = 0;
-          for (int n = 0; n < 27; ++n) {
-            const std::size_t other =
-                window_at(i + kMargin + n % 3 - 1, j + kMargin + n / 3 % 3 - 1, k + kMargin + n / 9 - 1);
-            count += window[other] == window[w] ? 1 : 0;
-          }
-          hold_[b * kCore + core_at(i, j, k)] = hold_of(count);
+          hold_[b * kCore + core_at(i, j, k)] =
+              is_inner(window, w) ? kHoldOnFaces
+                                  : hold_of(same_label_count(window, i + kMargin, j + kMargin, k + kMargin));
         }
       }
     }

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kFlatCount = 13;
 constexpr double kMissVoxels = 0.9;
+constexpr double kWatchVoxels = 0.6;
 constexpr double kApartVoxels = 1.5;
 
 /// Centre and corners of the face between a voxel and the next one along an axis.
@@ -99,21 +100,25 @@ std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& d
       64);
 }
 
-std::vector<Anchors::Miss> Anchors::misses(const WorkMesh& mesh, const BoundaryModel& boundary) const {
+std::vector<Anchors::Miss> Anchors::misses(const WorkMesh& mesh, const BoundaryModel& boundary) {
   std::vector<std::array<std::uint32_t, 3>> triangles(boundary.triangles.size());
   parallel::for_each_index(triangles.size(),
                            [&](std::size_t i) { triangles[i] = boundary.triangles[i].vertices; });
   const TriangleTree tree(mesh.positions, triangles);
   auto found = parallel::collect<Miss>(
-      probes_.size(),
+      watched_.size(),
       [&](std::size_t i, std::vector<Miss>& out) {
-        const Vec3& position_mm = probes_[i].position_mm;
+        const Vec3& position_mm = probes_[watched_[i]].position_mm;
         if (domain_.beyond_cut(position_mm)) return;
         const TriangleTree::Nearest nearest = tree.nearest(position_mm);
-        if (nearest.distance > kMissVoxels * domain_.voxel_size_mm())
-          out.push_back({nearest.distance, static_cast<std::uint32_t>(i), nearest.triangle});
+        if (nearest.distance > kWatchVoxels * domain_.voxel_size_mm())
+          out.push_back({nearest.distance, watched_[i], nearest.triangle});
       },
       256);
+  watched_.resize(found.size());
+  parallel::for_each_index(found.size(), [&](std::size_t i) { watched_[i] = found[i].probe; });
+  std::erase_if(found,
+                [&](const Miss& miss) { return miss.distance_mm <= kMissVoxels * domain_.voxel_size_mm(); });
   parallel::sort(found.begin(), found.end(), [](const Miss& a, const Miss& b) {
     return a.distance_mm != b.distance_mm ? a.distance_mm > b.distance_mm : a.probe < b.probe;
   });

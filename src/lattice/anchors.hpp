@@ -2,6 +2,8 @@
 // Tips, edges and clefts of the labels that the surface passes by, and the vertices sent there.
 
 #include <array>
+#include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "boundary_model.hpp"
@@ -23,7 +25,10 @@ struct Probe {
 /// Places on the boundary that certain vertices shall reach.
 class Anchors {
  public:
-  Anchors(const ImageDomain& domain, const std::vector<Probe>& probes) : domain_(domain), probes_(probes) {}
+  Anchors(const ImageDomain& domain, const std::vector<Probe>& probes)
+      : domain_(domain), probes_(probes), watched_(probes.size()) {
+    std::iota(watched_.begin(), watched_.end(), 0U);
+  }
 
   /// Sends the nearest free vertex to each probe further than 0.9 voxels from the surface, the furthest
   /// probes first, and at most one within 1.5 voxels. Vertices keep an anchor until they get another one.
@@ -39,10 +44,11 @@ class Anchors {
     std::uint32_t probe;
     std::uint32_t triangle;
   };
-  [[nodiscard]] std::vector<Miss> misses(const WorkMesh& mesh, const BoundaryModel& boundary) const;
+  [[nodiscard]] std::vector<Miss> misses(const WorkMesh& mesh, const BoundaryModel& boundary);
 
   const ImageDomain& domain_;
   const std::vector<Probe>& probes_;
+  std::vector<std::uint32_t> watched_;  // probes worth a look: those not close to the surface the last time
   std::vector<std::uint8_t> is_set_;
   std::vector<Vec3> place_;
 };

@@ -364,11 +364,10 @@ class Fitter {
 FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
                         const ImageDomain& domain, const FitOptions& options) {
   Fitter(mesh, boundary, image, domain, options).approach(4);
-  if (peel_spikes(mesh, boundary, domain) > 0) {
-    Fitter(mesh, boundary, image, domain, options).approach(1);
-    peel_spikes(mesh, boundary, domain);
-  }
-  return Fitter(mesh, boundary, image, domain, options).finish();
+  peel_spikes(mesh, boundary, domain);
+  Fitter fitter(mesh, boundary, image, domain, options);
+  fitter.approach(1);
+  return fitter.finish();
 }
 
 }  // namespace lumesh

@@ -160,7 +160,7 @@ class Refiner {
   /// Whether a corner may belong to a tetrahedron of the object: the nearest of the places that decide on its
   /// label (work_mesh.cpp) is at most 0.67 spacings away. The field's slope is not exactly one, hence more.
   bool near_inside(Key corner, int level) const {
-    constexpr double kReach = 0.9;  // spacings
+    constexpr double kReach = 0.75;  // spacings
     const ImageDomain::Surroundings here = domain_.surroundings(frame_.position_mm(corner));
     return domain_.is_meshed(here.material) || here.clearance_mm < kReach * frame_.spacing_mm(level);
   }

@@ -43,8 +43,8 @@ class StarQuality {
     }
   }
 
-  /// Worst angle quality with the vertex at x; stops early once it is known to be below `enough`. What stopped
-  /// it is looked at first the next time.
+  /// Worst angle quality with the vertex at x; stops early once it is known to be below `enough`. What
+  /// stopped it is looked at first the next time.
   [[nodiscard]] double worst(const Vec3& x, double enough) {
     double q = 2;
     for (std::size_t i = 0; i < size_; ++i) {
