@@ -229,6 +229,25 @@ class Fitter {
     return least;
   }
 
+  /// Where several materials were to meet but do not, as at a vessel that ends just before a cut plane: the
+  /// nearest place between any two of them, but for the plane.
+  [[nodiscard]] std::optional<Vec3> on_one_boundary(std::uint32_t v) const {
+    const MaterialSet& set = boundary_.sets[v];
+    if (set.size() < 3) return std::nullopt;
+    const Vec3& x = mesh_.positions[v];
+    std::optional<Vec3> best;
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      for (std::size_t j = i + 1; j < set.size() && !domain_.is_cut(set[j]); ++j) {
+        MaterialSet pair;
+        pair.insert(set[i]);
+        pair.insert(set[j]);
+        const std::optional<Vec3> p = domain_.project(x, pair, 4 * domain_.voxel_size_mm());
+        if (p && (!best || (*p - x).squaredNorm() < (*best - x).squaredNorm())) best = p;
+      }
+    }
+    return best;
+  }
+
   /// Where a boundary vertex shall go.
   [[nodiscard]] Vec3 target_of(std::uint32_t v) const {
     if (anchors_.holds(v)) return trimmed(v, anchors_.place_mm(v));
@@ -236,6 +255,7 @@ class Fitter {
     const Vec3 middle = mean_of_surface(v);
     std::optional<Vec3> target = on_boundary(v, x + 0.6 * (middle - x));
     if (!target) target = on_boundary(v, x);
+    if (!target) target = on_one_boundary(v);
     return target ? *target : middle;
   }
 
