@@ -287,7 +287,7 @@ class Fitter {
   void fit_if_away(std::uint32_t v) {
     if (!constrained(v)) return;
     const double distance = distance_to_target(v);
-    constexpr double kFar = 0.3;  // voxels
+    constexpr double kFar = 0.15;  // voxels
     if (distance > kFar * domain_.voxel_size_mm())
       fit_vertex(v, floor_, Facing::kIsIgnored);
     else if (distance > kThere * domain_.voxel_size_mm())
