@@ -167,8 +167,10 @@ class Refiner {
 
   /// The level-0 cube of a point; a leaf reaches into the next cube at most.
   std::size_t cell_of(Key key) const {
-    const Index3 c = (bcc::unpack(key) / (2 * frame_.step(0))).cwiseMin(frame_.cells - Index3::Ones());
-    return cell_number(c);
+    const int shift = frame_.levels + 2;  // a cube's edge is a power of two
+    const Index3 at = bcc::unpack(key);
+    const Index3 cell(at.x() >> shift, at.y() >> shift, at.z() >> shift);
+    return cell_number(cell.cwiseMin(frame_.cells - Index3::Ones()));
   }
   std::size_t cell_number(const Index3& c) const {
     return static_cast<std::size_t>(c.x() + frame_.cells.x() * (c.y() + frame_.cells.y() * c.z()));
