@@ -10,8 +10,24 @@ namespace lumesh {
 
 namespace {
 
-constexpr std::size_t kMaxStar = 64;  // stars of a red-green lattice stay well below
-constexpr int kMendRounds = 16;       // clean images need one or two
+/// A set of tetrahedra of one star. Stars of 96 have been seen where several levels meet.
+__extension__ using Mask = unsigned __int128;
+constexpr std::size_t kMaxStar = 128;
+
+constexpr Mask single(std::size_t i) {
+  return Mask{1} << i;
+}
+std::size_t lowest(Mask mask) {
+  const auto low = static_cast<std::uint64_t>(mask);
+  return static_cast<std::size_t>(low != 0 ? std::countr_zero(low)
+                                           : 64 + std::countr_zero(static_cast<std::uint64_t>(mask >> 64)));
+}
+int size_of(Mask mask) {
+  return std::popcount(static_cast<std::uint64_t>(mask)) +
+         std::popcount(static_cast<std::uint64_t>(mask >> 64));
+}
+
+constexpr int kMendRounds = 16;  // clean images need one or two
 constexpr int kMergeRounds =
     60;  // until then what still is in the way goes to a neighbouring label, later it is dropped
 constexpr int kMaxRounds = 200;          // dropping always ends; the limit is there for safety
@@ -28,42 +44,40 @@ class Star {
         const std::uint32_t other = mesh.neighbours[tets_[i]][c];
         if (corners[c] == vertex || other == kNoTet) continue;
         const auto at = std::lower_bound(tets_.begin(), tets_.end(), other);
-        links_[i] |= std::uint64_t{1} << (at - tets_.begin());
+        links_[i] |= single(static_cast<std::size_t>(at - tets_.begin()));
       }
     }
   }
 
   [[nodiscard]] bool too_large() const { return tets_.size() > kMaxStar; }
   [[nodiscard]] std::span<const std::uint32_t> tets() const { return tets_; }
-  [[nodiscard]] std::uint64_t all() const {
-    return tets_.size() == kMaxStar ? ~std::uint64_t{0} : (std::uint64_t{1} << tets_.size()) - 1;
-  }
-  [[nodiscard]] std::uint64_t of_material(Material m) const {
-    std::uint64_t mask = 0;
+  [[nodiscard]] Mask all() const { return tets_.size() == kMaxStar ? ~Mask{0} : (single(tets_.size())) - 1; }
+  [[nodiscard]] Mask of_material(Material m) const {
+    Mask mask = 0;
     for (std::size_t i = 0; i < tets_.size(); ++i) {
-      if (mesh_.materials[tets_[i]] == m) mask |= std::uint64_t{1} << i;
+      if (mesh_.materials[tets_[i]] == m) mask |= single(i);
     }
     return mask;
   }
   /// The part of `region` connected to its first tetrahedron.
-  [[nodiscard]] std::uint64_t component(std::uint64_t region) const {
-    std::uint64_t reached = region & (~region + 1);
-    std::uint64_t front = reached;
+  [[nodiscard]] Mask component(Mask region) const {
+    Mask reached = region & (~region + 1);
+    Mask front = reached;
     while (front != 0) {
-      const auto i = static_cast<std::size_t>(std::countr_zero(front));
+      const auto i = lowest(front);
       front &= front - 1;
-      const std::uint64_t next = links_[i] & region & ~reached;
+      const Mask next = links_[i] & region & ~reached;
       reached |= next;
       front |= next;
     }
     return reached;
   }
-  [[nodiscard]] bool connected(std::uint64_t region) const { return component(region) == region; }
+  [[nodiscard]] bool connected(Mask region) const { return component(region) == region; }
 
  private:
   const WorkMesh& mesh_;
   std::span<const std::uint32_t> tets_;
-  std::array<std::uint64_t, kMaxStar> links_ = {};
+  std::array<Mask, kMaxStar> links_ = {};
 };
 
 class BoundaryChooser {
@@ -88,13 +102,13 @@ class BoundaryChooser {
  private:
   [[nodiscard]] bool manifold_at(std::uint32_t vertex) const {
     const Star star(mesh_, vertex);
-    if (star.too_large()) return true;
-    const std::uint64_t object = object_part(star);
+    if (star.too_large()) return false;
+    const Mask object = object_part(star);
     if (!star.connected(object) || !star.connected(star.all() & ~object)) return false;
-    std::uint64_t left = object;
+    Mask left = object;
     while (left != 0) {
-      const Material m = mesh_.materials[star.tets()[static_cast<std::size_t>(std::countr_zero(left))]];
-      const std::uint64_t own = star.of_material(m);
+      const Material m = mesh_.materials[star.tets()[lowest(left)]];
+      const Mask own = star.of_material(m);
       left &= ~own;
       if (own == star.all() || own == object) continue;
       if (!star.connected(own) || !star.connected(star.all() & ~own)) return false;
@@ -103,10 +117,10 @@ class BoundaryChooser {
   }
 
   /// The tetrahedra around a vertex that belong to any label.
-  [[nodiscard]] std::uint64_t object_part(const Star& star) const {
-    std::uint64_t mask = 0;
+  [[nodiscard]] Mask object_part(const Star& star) const {
+    Mask mask = 0;
     for (std::size_t i = 0; i < star.tets().size(); ++i) {
-      if (domain_.is_meshed(mesh_.materials[star.tets()[i]])) mask |= std::uint64_t{1} << i;
+      if (domain_.is_meshed(mesh_.materials[star.tets()[i]])) mask |= single(i);
     }
     return mask;
   }
@@ -251,15 +265,15 @@ class BoundaryChooser {
     const Star star(mesh_, vertex);
     if (star.too_large() || manifold_at(vertex)) return;
     std::vector<std::pair<int, Material>> by_size;
-    for (std::uint64_t left = star.all(); left != 0;) {
-      const Material m = mesh_.materials[star.tets()[static_cast<std::size_t>(std::countr_zero(left))]];
-      by_size.emplace_back(std::popcount(star.of_material(m)), m);
+    for (Mask left = star.all(); left != 0;) {
+      const Material m = mesh_.materials[star.tets()[lowest(left)]];
+      by_size.emplace_back(size_of(star.of_material(m)), m);
       left &= ~star.of_material(m);
     }
     std::sort(by_size.begin(), by_size.end());  // the smallest gives way
     const Material largest = by_size.back().second;
     for (const auto& [count, m] : by_size) {
-      const std::uint64_t own = star.of_material(m);
+      const Mask own = star.of_material(m);
       if (!domain_.is_meshed(m) || own == star.all()) continue;
       const bool whole = star.connected(own);
       if (whole && star.connected(star.all() & ~own)) continue;
@@ -272,7 +286,7 @@ class BoundaryChooser {
 
   /// Tetrahedra of a star (as a mask) that shall get another material.
   struct Change {
-    std::uint64_t tets = 0;
+    Mask tets = 0;
     Material to = 0;
   };
 
@@ -283,27 +297,27 @@ class BoundaryChooser {
         around.push_back(mesh_.materials[t]);
     }
     std::vector<Change> options;
-    const auto add_parts = [&](std::uint64_t region, Material own) {
+    const auto add_parts = [&](Mask region, Material own) {
       if (region == star.all() || star.connected(region)) return;
-      for (std::uint64_t left = region; left != 0;) {
-        const std::uint64_t part = star.component(left);
+      for (Mask left = region; left != 0;) {
+        const Mask part = star.component(left);
         left &= ~part;
-        if (2 * std::popcount(part) > std::popcount(region)) continue;  // the main part stays
+        if (2 * size_of(part) > size_of(region)) continue;  // the main part stays
         for (const Material m : around) {
           if (m == own) continue;
           options.push_back({part, m});
-          for (std::uint64_t tets = part; std::popcount(part) > 1 && tets != 0; tets &= tets - 1)
+          for (Mask tets = part; size_of(part) > 1 && tets != 0; tets &= tets - 1)
             options.push_back({tets & (~tets + 1), m});
         }
       }
     };
     for (const Material m : around) {
-      const std::uint64_t own = star.of_material(m);
+      const Mask own = star.of_material(m);
       if (!domain_.is_meshed(m) || own == 0) continue;
       add_parts(own, m);
       add_parts(star.all() & ~own, kNobody);
     }
-    const std::uint64_t object = object_part(star);
+    const Mask object = object_part(star);
     add_parts(object, kNobody);
     add_parts(star.all() & ~object, kNobody);
     return options;
@@ -315,8 +329,8 @@ class BoundaryChooser {
   int gain_of(const Star& star, const Change& change) {
     std::vector<std::uint32_t> vertices;
     std::vector<Material> before;
-    for (std::uint64_t left = change.tets; left != 0; left &= left - 1) {
-      const std::uint32_t t = star.tets()[static_cast<std::size_t>(std::countr_zero(left))];
+    for (Mask left = change.tets; left != 0; left &= left - 1) {
+      const std::uint32_t t = star.tets()[lowest(left)];
       before.push_back(mesh_.materials[t]);
       vertices.insert(vertices.end(), mesh_.tets[t].begin(), mesh_.tets[t].end());
     }
@@ -334,16 +348,15 @@ class BoundaryChooser {
   }
 
   template <class MaterialOf>
-  void set_materials(const Star& star, std::uint64_t tets, const MaterialOf& material_of) {
+  void set_materials(const Star& star, Mask tets, const MaterialOf& material_of) {
     std::size_t n = 0;
-    for (std::uint64_t left = tets; left != 0; left &= left - 1)
-      mesh_.materials[star.tets()[static_cast<std::size_t>(std::countr_zero(left))]] = material_of(n++);
+    for (Mask left = tets; left != 0; left &= left - 1)
+      mesh_.materials[star.tets()[lowest(left)]] = material_of(n++);
   }
 
   void apply(const Star& star, const Change& change) {
     set_materials(star, change.tets, [&](std::size_t) { return change.to; });
-    for (std::uint64_t left = change.tets; left != 0; left &= left - 1)
-      note_change(star.tets()[static_cast<std::size_t>(std::countr_zero(left))]);
+    for (Mask left = change.tets; left != 0; left &= left - 1) note_change(star.tets()[lowest(left)]);
   }
 
   WorkMesh& mesh_;

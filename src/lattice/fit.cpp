@@ -37,7 +37,10 @@ class Fitter {
 
   /// Carries the boundary roughly to its place.
   void approach(int sweeps) {
-    for (int s = 0; s < sweeps; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, 0.30 - 0.04 * s); });
+    for (int s = 0; s < sweeps; ++s) {
+      const double floor = std::max(floor_, 0.30 - 0.04 * s);
+      sweep([&](std::uint32_t v) { fit_vertex(v, floor); });
+    }
   }
 
   /// Finishes the fit: tips, volume, distance, angles.
@@ -358,9 +361,10 @@ class Fitter {
       const auto p = domain_.project(mesh_.positions[v], set, 4 * domain_.voxel_size_mm());
       distance[v] = p ? (*p - mesh_.positions[v]).norm() : domain_.voxel_size_mm();
     });
+    constexpr double kOff = 0.75;  // voxels; the offsets are up to 0.65
     for (const double d : distance) {
       r.largest_offset_mm = std::max(r.largest_offset_mm, d);
-      r.off_boundary_vertices += d > 0.5 * domain_.voxel_size_mm() ? 1 : 0;
+      r.off_boundary_vertices += d > kOff * domain_.voxel_size_mm() ? 1 : 0;
     }
     return r;
   }
@@ -373,7 +377,7 @@ class Fitter {
   double floor_;
   SurfaceStars surface_;
   Anchors anchors_;
-  std::vector<double> offset_mm_;  // where separation shall be on each boundary vertex
+  std::vector<double> offset_mm_;  // how far beside the boundary each vertex shall be
   bool trim_bulges_ = false;       // where the smoothed boundary goes beyond the voxels
   std::vector<std::vector<std::uint32_t>> colours_;
   std::vector<std::uint8_t> waiting_;  // flag per vertex: worth a try

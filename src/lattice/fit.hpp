@@ -13,11 +13,11 @@ struct FitOptions {
   double min_dihedral_deg = 15;
   double max_dihedral_deg = 150;
   std::vector<Probe> probes;              ///< Where the surface shall come close to the image's boundary.
-  std::vector<double> label_volumes_mm3;  ///< Per material: what the labels fill in the image; 0 = unknown.
+  std::vector<double> label_volumes_mm3;  ///< Per material: what the labels fill in the image.
 };
 
 struct FitReport {
-  std::size_t off_boundary_vertices = 0;  ///< Further from the boundary's zero set than half a voxel.
+  std::size_t off_boundary_vertices = 0;  ///< Further from the boundary's zero set than 0.75 voxels.
   double largest_offset_mm = 0;
 };
 

@@ -39,12 +39,25 @@ MixedMesh to_mixed_mesh(WorkMesh& mesh, const BoundaryModel& boundary, const Ima
 
 constexpr int kMaxRescues = 2;
 
+/// The share of a voxel on the kept side of all cut planes: linear while a plane passes through it.
+double kept_share(const ImageDomain& domain, const Vec3& centre_mm) {
+  const ImageFrame& frame = domain.frame();
+  double share = 1;
+  for (Material m = domain.label_count(); m < domain.material_count(); ++m) {
+    const CutPlane& plane = domain.cut_plane(m);
+    const double beyond = plane.normal.dot(centre_mm - plane.point_mm);
+    const double width = (frame.direction.transpose() * plane.normal).cwiseAbs().dot(frame.spacing_mm);
+    share *= std::clamp(0.5 - beyond / width, 0.0, 1.0);
+  }
+  return share;
+}
+
 /// Voxels of each label on the kept side of the cut planes.
-std::vector<std::size_t> count_kept_voxels(const LabelImage& image, const ImageDomain& domain) {
+std::vector<double> count_kept_voxels(const LabelImage& image, const ImageDomain& domain) {
   const ImageFrame& frame = image.frame();
   const auto width = static_cast<std::size_t>(frame.size.x());
   const auto rows = image.voxels().size() / width;
-  using Counts = std::vector<std::size_t>;
+  using Counts = std::vector<double>;
   return parallel::reduce_blocks(
       rows, 1024, Counts(image.values().size(), 0),
       [&](std::size_t begin, std::size_t end) {
@@ -54,8 +67,8 @@ std::vector<std::size_t> count_kept_voxels(const LabelImage& image, const ImageD
           const auto k = static_cast<int>(r / static_cast<std::size_t>(frame.size.y()));
           for (std::size_t i = 0; i < width; ++i) {
             const LabelImage::Index label = image.voxels()[r * width + i];
-            if (label != 0 && !domain.beyond_cut(frame.to_physical(Vec3(static_cast<double>(i), j, k))))
-              ++counts[label];
+            if (label != 0)
+              counts[label] += kept_share(domain, frame.to_physical(Vec3(static_cast<double>(i), j, k)));
           }
         }
         return counts;
@@ -102,7 +115,7 @@ BuiltLattice build_lattice(const LabelImage& image, const ImageDomain& domain, c
 }
 
 std::vector<Label> lost_labels(const WorkMesh& mesh, const ImageDomain& domain,
-                               const std::vector<std::size_t>& voxels) {
+                               const std::vector<double>& voxels) {
   std::vector<std::uint8_t> seen(voxels.size(), 0);
   for (const Material m : mesh.materials) seen[m] = 1;
   std::vector<Label> lost;
@@ -125,19 +138,36 @@ bool raise_fidelity(LatticeOptions& options, const std::vector<Label>& lost) {
   return raised;
 }
 
-void note_lost(const std::vector<Label>& lost, const ImageDomain& domain,
-               const std::vector<std::size_t>& voxels, LatticeReport& report) {
+void note_lost(const std::vector<Label>& lost, const ImageDomain& domain, const std::vector<double>& voxels,
+               LatticeReport& report) {
   for (Material m = 1; m < voxels.size(); ++m) {
     const Label label = domain.label_of(m);
     if (std::find(lost.begin(), lost.end(), label) == lost.end()) continue;
-    report.notes.push_back("label " + std::to_string(label) + " (" + std::to_string(voxels[m]) +
+    report.notes.push_back("label " + std::to_string(label) + " (" + std::to_string(std::lround(voxels[m])) +
                            " voxels) is too small for the lattice and is lost");
     report.lost_labels.push_back(label);
   }
 }
 
+/// What the user should know about a mesh that is less than perfect.
+void note_shortcomings(const LatticeOptions& options, LatticeReport& report) {
+  if (report.levels_given_up > 0)
+    report.notes.push_back("thin parts are refined " + std::to_string(report.levels_given_up) +
+                           " levels less than wanted, to stay near " +
+                           std::to_string(options.max_tetrahedra) + " tetrahedra; raise --max-tetrahedra");
+  if (report.non_manifold_vertices > 0)
+    report.notes.push_back(
+        std::to_string(report.non_manifold_vertices) +
+        " vertices remain where a label's boundary is not a manifold; try another --spacing");
+  if (report.off_boundary_vertices > 0)
+    report.notes.push_back(
+        std::to_string(report.off_boundary_vertices) +
+        " boundary vertices lie more than 0.75 voxels from the image's boundary, because the "
+        "limits of the angles hold them; a smaller --spacing or higher --fidelity helps");
+}
+
 void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDomain& domain,
-                    const LatticeOptions& options, const std::vector<std::size_t>& voxels, Context& context,
+                    const LatticeOptions& options, const std::vector<double>& voxels, Context& context,
                     LatticeResult& result) {
   if (built.mesh.tets.empty())
     throw Error(ErrorKind::kBadInput,
@@ -146,12 +176,13 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
                          options.max_dihedral_deg,
                          context.phase("probes", [&] { return boundary_probes(image, domain); }),
                          {}};
-  for (const std::size_t count : voxels)
-    fit_options.label_volumes_mm3.push_back(static_cast<double>(count) * domain.frame().voxel_volume_mm3());
+  for (const double count : voxels)
+    fit_options.label_volumes_mm3.push_back(count * domain.frame().voxel_volume_mm3());
   const FitReport fit = context.phase(
       "fit", [&] { return fit_to_domain(built.mesh, built.boundary, image, domain, fit_options); });
   result.report.off_boundary_vertices = fit.off_boundary_vertices;
   result.report.largest_offset_voxels = fit.largest_offset_mm / domain.voxel_size_mm();
+  note_shortcomings(options, result.report);
   result.mesh = to_mixed_mesh(built.mesh, built.boundary, domain);
   if (options.cells == LatticeCells::kMixed)
     context.phase("hexahedra", [&] { merge_hexahedra(result.mesh, domain.frame().direction); });
@@ -178,9 +209,9 @@ void LatticeOptions::validate() const {
 LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
                            Context& context) {
   options.validate();
-  const std::vector<std::size_t> voxels =
-      context.phase("count", [&] { return count_kept_voxels(image, domain); });
-  const std::size_t object_voxels = std::accumulate(voxels.begin(), voxels.end(), std::size_t{0});
+  const std::vector<double> voxels = context.phase("count", [&] { return count_kept_voxels(image, domain); });
+  const auto object_voxels =
+      static_cast<std::size_t>(std::ceil(std::accumulate(voxels.begin(), voxels.end(), 0.0)));
   if (object_voxels == 0)
     throw Error(ErrorKind::kBadInput,
                 "nothing is left of the object: no voxel has a label on the kept side of the cut planes");

@@ -24,7 +24,7 @@ inline double angle_floor(double smallest_deg, double largest_deg) {
 /// The star of a vertex, gathered once so that many places can be tried.
 class StarQuality {
  public:
-  static constexpr std::size_t kMaxTets = 128;
+  static constexpr std::size_t kMaxTets = 256;  // twice the largest star seen
   static constexpr double kInverted = -1;
 
   StarQuality(const WorkMesh& mesh, std::uint32_t vertex) {

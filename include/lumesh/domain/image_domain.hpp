@@ -114,6 +114,8 @@ class ImageDomain {
   [[nodiscard]] bool is_cut(Material m) const { return m >= labels_.size(); }
   /// True for materials that the mesh is made of.
   [[nodiscard]] bool is_meshed(Material m) const { return m > 0 && m < labels_.size(); }
+  /// Number of the image's labels with the background; materials from there on are cut planes.
+  [[nodiscard]] Material label_count() const { return static_cast<Material>(labels_.size()); }
   [[nodiscard]] Material material_count() const {
     return static_cast<Material>(labels_.size() + cuts_.size());
   }

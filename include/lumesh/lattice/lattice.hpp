@@ -41,7 +41,7 @@ struct LatticeOptions {
 struct LatticeReport {
   std::size_t lattice_tetrahedra = 0;  ///< Before the boundary was chosen.
   std::size_t relabelled = 0;  ///< Tetrahedra that changed their material to make the boundary manifold.
-  std::size_t off_boundary_vertices = 0;  ///< Boundary vertices that ended more than half a voxel away.
+  std::size_t off_boundary_vertices = 0;  ///< Boundary vertices that ended more than 0.75 voxels away.
   double largest_offset_voxels = 0;
   std::size_t non_manifold_vertices =
       0;                    ///< Vertices where a label's boundary is not a manifold; 0 but for hard cases.
