@@ -132,6 +132,16 @@ TEST(Caps, TwoVesselsThatLeaveThroughOneBorderGetTwoCaps) {
   }
 }
 
+TEST(Caps, ACutBetweenVoxelsGivesTheVolumeInBetween) {
+  const LabelImage image = tube();
+  for (const double z : {20.05, 20.45, 20.55, 20.95}) {
+    ImageDomainOptions options;
+    options.cut_planes.push_back({{0, 0, z}, Vec3::UnitZ()});
+    const double truth = std::numbers::pi * 49 * (z + 0.5);
+    EXPECT_NEAR(test::label_volumes(meshed(image, {}, options)).at(1), truth, 0.01 * truth) << "cut at " << z;
+  }
+}
+
 TEST(Caps, ACutPlaneThatLeavesNothingIsBadInput) {
   const LabelImage image = tube();
   ImageDomainOptions options;

@@ -2,6 +2,8 @@
 #include "lumesh/lattice/lattice.hpp"
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/image/phantom.hpp"
+#include "lumesh/image/selection.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "shapes.hpp"
 
@@ -46,6 +48,29 @@ TEST(Lattice, ABallIsRoundAndSmooth) {
   const auto normal = [](const Vec3& p) { return Vec3(p - kCentre); };
   EXPECT_LE(test::normal_error_deg(mesh, "wall", 0.95, normal), 6);
   EXPECT_LE(test::normal_error_deg(mesh, "wall", 1, normal), 15);
+}
+
+TEST(Lattice, StrictAngleLimitsHold) {
+  LatticeOptions options;
+  options.min_dihedral_deg = 25;
+  options.max_dihedral_deg = 130;
+  const MixedMesh mesh = meshed(nested_balls(), options);
+  const test::AngleRange angles = test::dihedral_range(mesh);
+  EXPECT_GE(angles.least_deg, 25 - 1e-6);
+  EXPECT_LE(angles.most_deg, 130 + 1e-6);
+}
+
+TEST(Lattice, AThinWallByItselfIsAManifold) {
+  PhantomSpec spec;
+  spec.kind = PhantomKind::kLayered;
+  spec.size = Index3::Constant(64);
+  LabelImage image = Phantom(spec).rasterise();
+  const std::array<Label, 1> wall = {2};
+  select_labels(image, wall);
+  const MixedMesh mesh = meshed(image);  // levels meet here in stars of more than 64 tetrahedra
+  const ValidationReport report = expect_good(mesh);
+  ASSERT_EQ(report.labels.size(), 1U);
+  EXPECT_EQ(report.labels[0].surface_components, 2U) << "a shell";
 }
 
 TEST(Lattice, ATorusKeepsItsHole) {
