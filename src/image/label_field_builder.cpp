@@ -6,6 +6,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/image/label_field.hpp"
+#include "lumesh/image/neighbourhood.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -18,7 +19,7 @@ constexpr int kWindow = kBrick + 2 * kMargin;    // 16
 constexpr int kReach = 3;                        // voxels; distances beyond are cut off
 constexpr int kCore = kBrick * kBrick * kBrick;  // 512
 constexpr float kLimit = static_cast<float>(LabelField::kFieldLimit);
-/// The boundary may pass a voxel's centre on the wrong side by 0.15 voxels on faces, where half of the 27
+/// The boundary may pass a voxel's centre on the wrong side by 0.05 voxels on faces, where half of the 27
 /// voxels around have the same label, but must leave it on the right side at tips and corners, which would
 /// vanish.
 constexpr float kHoldOnFaces = -0.05F;
@@ -291,22 +292,17 @@ class LabelFieldBuilder {
            window[w + kRow] == own && window[w - kPlane] == own && window[w + kPlane] == own;
   }
 
-  static int same_label_count(const Window& window, int i, int j, int k) {
-    const LabelIndex own = window[window_at(i, j, k)];
-    int count = 0;
-    for (int n = 0; n < 27; ++n)
-      count += window[window_at(i + n % 3 - 1, j + n / 3 % 3 - 1, k + n / 9 - 1)] == own ? 1 : 0;
-    return count;
-  }
-
   void fill_hold(const Window& window, std::size_t b) {
     for (int k = 0; k < kBrick; ++k) {
       for (int j = 0; j < kBrick; ++j) {
         for (int i = 0; i < kBrick; ++i) {
-          const std::size_t w = window_at(i + kMargin, j + kMargin, k + kMargin);
-          hold_[b * kCore + core_at(i, j, k)] =
-              is_inner(window, w) ? kHoldOnFaces
-                                  : hold_of(same_label_count(window, i + kMargin, j + kMargin, k + kMargin));
+          const int at[3] = {i + kMargin, j + kMargin, k + kMargin};
+          const auto around = [&](int u, int v, int w) {
+            return window[window_at(at[0] + u, at[1] + v, at[2] + w)];
+          };
+          hold_[b * kCore + core_at(i, j, k)] = is_inner(window, window_at(at[0], at[1], at[2]))
+                                                    ? kHoldOnFaces
+                                                    : hold_of(same_label_count(around));
         }
       }
     }

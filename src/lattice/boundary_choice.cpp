@@ -51,7 +51,7 @@ class Star {
 
   [[nodiscard]] bool too_large() const { return tets_.size() > kMaxStar; }
   [[nodiscard]] std::span<const std::uint32_t> tets() const { return tets_; }
-  [[nodiscard]] Mask all() const { return tets_.size() == kMaxStar ? ~Mask{0} : (single(tets_.size())) - 1; }
+  [[nodiscard]] Mask all() const { return tets_.size() == kMaxStar ? ~Mask{0} : single(tets_.size()) - 1; }
   [[nodiscard]] Mask of_material(Material m) const {
     Mask mask = 0;
     for (std::size_t i = 0; i < tets_.size(); ++i) {
@@ -196,11 +196,7 @@ class BoundaryChooser {
   /// Guards thin vessels: only tetrahedra that the boundary passes close by may change sides, and where the
   /// label goes on behind them also somewhat deeper ones, because the boundary can be drawn out again.
   [[nodiscard]] bool near_boundary(std::uint32_t t, Material own, Material other) const {
-    const Corner4& c = mesh_.tets[t];
-    double longest2 = 0;
-    for (const auto& [a, b] : bcc::kEdge)
-      longest2 = std::max(longest2, (mesh_.positions[c[a]] - mesh_.positions[c[b]]).squaredNorm());
-    const double longest = std::sqrt(longest2);
+    const double longest = mesh_.longest_edge_mm(t);
     const Vec3 centroid = mesh_.centroid(t);
     const FieldSample here = domain_.separation(centroid, own, other);
     if (here.value < 0.3 * longest) return true;

@@ -61,12 +61,8 @@ class SpikePeeler {
 
   /// Tips of thin vessels look like spikes too, but the label fills them.
   [[nodiscard]] bool deep_inside(std::uint32_t t) const {
-    double longest2 = 0;
-    for (const auto& [a, b] : bcc::kEdge)
-      longest2 = std::max(
-          longest2, (mesh_.positions[mesh_.tets[t][a]] - mesh_.positions[mesh_.tets[t][b]]).squaredNorm());
     const double depth = domain_.separation(mesh_.centroid(t), mesh_.materials[t], 0).value;
-    return depth > 0.3 * std::sqrt(longest2);
+    return depth > 0.3 * mesh_.longest_edge_mm(t);
   }
 
   /// More than 140 degrees between the two open faces.

@@ -2,7 +2,9 @@
 // The lattice mesh while its boundary is chosen and fitted: plain arrays, vertices and tetrahedra in Morton
 // order.
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -37,6 +39,12 @@ struct WorkMesh {
   [[nodiscard]] Vec3 centroid(std::uint32_t tet) const {
     const Corner4& t = tets[tet];
     return 0.25 * (positions[t[0]] + positions[t[1]] + positions[t[2]] + positions[t[3]]);
+  }
+  [[nodiscard]] double longest_edge_mm(std::uint32_t tet) const {
+    double longest2 = 0;
+    for (const auto& [a, b] : bcc::kEdge)
+      longest2 = std::max(longest2, (positions[tets[tet][a]] - positions[tets[tet][b]]).squaredNorm());
+    return std::sqrt(longest2);
   }
 };
 
