@@ -24,9 +24,10 @@ BoundaryModel find_boundary(const WorkMesh& mesh, const ImageDomain& domain) {
   return model;
 }
 
-void drop_tetrahedra(WorkMesh& mesh, BoundaryModel& boundary, const std::vector<std::uint8_t>& keep) {
+std::vector<std::uint32_t> drop_tetrahedra(WorkMesh& mesh, BoundaryModel& boundary,
+                                           const std::vector<std::uint8_t>& keep) {
   const std::size_t old_count = mesh.positions.size();
-  const std::vector<std::uint32_t> kept = keep_tetrahedra(mesh, keep);
+  std::vector<std::uint32_t> kept = keep_tetrahedra(mesh, keep);
   std::vector<std::uint32_t> number(old_count, kNoTet);
   std::vector<MaterialSet> sets(kept.size());
   parallel::for_each_index(kept.size(), [&](std::size_t v) {
@@ -37,6 +38,7 @@ void drop_tetrahedra(WorkMesh& mesh, BoundaryModel& boundary, const std::vector<
   parallel::for_each_index(boundary.triangles.size(), [&](std::size_t i) {
     for (std::uint32_t& v : boundary.triangles[i].vertices) v = number[v];
   });
+  return kept;
 }
 
 }  // namespace lumesh

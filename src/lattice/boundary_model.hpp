@@ -24,6 +24,8 @@ struct BoundaryModel {
 [[nodiscard]] BoundaryModel find_boundary(const WorkMesh& mesh, const ImageDomain& domain);
 
 /// Drops tetrahedra that `keep` refuses, and renumbers both mesh and model; triangles must not lose a vertex.
-void drop_tetrahedra(WorkMesh& mesh, BoundaryModel& boundary, const std::vector<std::uint8_t>& keep);
+/// @return The vertices that are left, by their old numbers, ascending; those are their new order.
+std::vector<std::uint32_t> drop_tetrahedra(WorkMesh& mesh, BoundaryModel& boundary,
+                                           const std::vector<std::uint8_t>& keep);
 
 }  // namespace lumesh

@@ -1,5 +1,6 @@
 #include "fit.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -21,7 +22,7 @@ constexpr double kThere = 0.02;  // voxels from its target at which a vertex cou
 class Fitter {
  public:
   Fitter(WorkMesh& mesh, const BoundaryModel& boundary, const LabelImage& image, const ImageDomain& domain,
-         const FitOptions& options)
+         const FitOptions& options, const VertexColours& colours)
       : mesh_(mesh),
         boundary_(boundary),
         image_(image),
@@ -31,9 +32,8 @@ class Fitter {
         surface_(boundary, mesh.positions.size()),
         anchors_(domain, options.probes),
         offset_mm_(mesh.positions.size(), 0.0),
-        waiting_(mesh.positions.size(), 1) {
-    colours_ = colour_vertices(mesh_, active_vertices());
-  }
+        colours_(colours),
+        waiting_(mesh.positions.size(), 1) {}
 
   /// Carries the boundary roughly to its place.
   void approach(int sweeps) {
@@ -64,29 +64,6 @@ class Fitter {
 
  private:
   [[nodiscard]] bool constrained(std::uint32_t v) const { return boundary_.sets[v].size() >= 2; }
-
-  /// Boundary vertices and three rings of others behind them.
-  [[nodiscard]] std::vector<std::uint32_t> active_vertices() const {
-    constexpr int kRings = 3;
-    std::vector<std::uint8_t> ring(mesh_.positions.size(), kRings + 1);
-    parallel::for_each_index(ring.size(), [&](std::size_t v) {
-      if (constrained(static_cast<std::uint32_t>(v))) ring[v] = 0;
-    });
-    for (std::uint8_t r = 1; r <= kRings; ++r) {
-      const std::vector<std::uint8_t> before = ring;
-      parallel::for_each_index(ring.size(), [&](std::size_t v) {
-        if (before[v] <= r) return;
-        for (const std::uint32_t t : mesh_.star(static_cast<std::uint32_t>(v))) {
-          for (const std::uint32_t w : mesh_.tets[t]) {
-            if (before[w] < r) ring[v] = r;
-          }
-        }
-      });
-    }
-    return parallel::collect<std::uint32_t>(ring.size(), [&](std::size_t v, auto& out) {
-      if (ring[v] <= kRings) out.push_back(static_cast<std::uint32_t>(v));
-    });
-  }
 
   /// Lets every waiting vertex move once. Vertices wait until they have been tried, and again once something
   /// in their star has moved.
@@ -150,7 +127,6 @@ class Fitter {
       });
       const std::vector<std::uint8_t> near = waiting_;
       for (int s = 0; s < kSweeps; ++s) {
-        waiting_ = near;
         sweep([&](std::uint32_t v) {
           if (near[v] != 0) fit_vertex(v, floor_);
         });
@@ -379,7 +355,7 @@ class Fitter {
   Anchors anchors_;
   std::vector<double> offset_mm_;  // how far beside the boundary each vertex shall be
   bool trim_bulges_ = false;       // where the smoothed boundary goes beyond the voxels
-  std::vector<std::vector<std::uint32_t>> colours_;
+  const VertexColours& colours_;
   std::vector<std::uint8_t> waiting_;  // flag per vertex: worth a try
 };
 
@@ -387,9 +363,10 @@ class Fitter {
 
 FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
                         const ImageDomain& domain, const FitOptions& options) {
-  Fitter(mesh, boundary, image, domain, options).approach(4);
-  peel_spikes(mesh, boundary, domain);
-  Fitter fitter(mesh, boundary, image, domain, options);
+  VertexColours colours = colour_vertices(mesh, vertices_near_boundary(mesh, boundary));
+  Fitter(mesh, boundary, image, domain, options, colours).approach(4);
+  keep_vertices(colours, peel_spikes(mesh, boundary, domain));
+  Fitter fitter(mesh, boundary, image, domain, options, colours);
   fitter.approach(1);
   return fitter.finish();
 }

@@ -33,16 +33,12 @@ class SpikePeeler {
   SpikePeeler(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain)
       : mesh_(mesh), boundary_(boundary), domain_(domain), keep_(mesh.tets.size(), 1) {}
 
-  std::size_t run() {
+  std::vector<std::uint32_t> run() {
     const std::vector<std::uint32_t> spikes = find_spikes();
-    if (spikes.empty()) return 0;
     index_boundary(spikes);
-    std::size_t dropped = 0;
-    for (const std::uint32_t t : spikes) dropped += try_drop(t) ? 1 : 0;
-    if (dropped == 0) return 0;
+    for (const std::uint32_t t : spikes) try_drop(t);
     std::erase_if(boundary_.triangles, [](const BoundaryTriangle& t) { return t.vertices[0] == kNoTet; });
-    drop_tetrahedra(mesh_, boundary_, keep_);
-    return dropped;
+    return drop_tetrahedra(mesh_, boundary_, keep_);
   }
 
  private:
@@ -116,33 +112,31 @@ class SpikePeeler {
 
   /// With two open faces the edge that they do not touch must lie inside, or the boundary would pinch there;
   /// with three there is nothing to pinch. The faces that come to light must belong to the same label.
-  bool try_drop(std::uint32_t t) {
+  void try_drop(std::uint32_t t) {
     const int open = open_faces(t);
-    if (open != 2 && open != 3) return false;
+    if (open != 2 && open != 3) return;
     Material outside = 0;
     std::array<std::size_t, 4> faces_open{};
     std::size_t n = 0;
     for (std::size_t f = 0; f < 4; ++f) {
       const std::uint32_t other = mesh_.neighbours[t][f];
       if (other != kNoTet) {
-        if (mesh_.materials[other] != mesh_.materials[t]) return false;
+        if (mesh_.materials[other] != mesh_.materials[t]) return;
         continue;
       }
       const auto found = triangle_at_.find(sorted(face_of(mesh_.tets[t], f)));
-      if (found == triangle_at_.end()) return false;
+      if (found == triangle_at_.end()) return;
       const Material m = boundary_.triangles[found->second].outside;
-      if (n > 0 && m != outside) return false;
+      if (n > 0 && m != outside) return;
       outside = m;
       faces_open[n++] = f;
     }
     if (open == 2) {
       const std::uint32_t a = mesh_.tets[t][faces_open[0]];
       const std::uint32_t b = mesh_.tets[t][faces_open[1]];
-      if (const auto use = edge_use_.find(edge_key(a, b)); use != edge_use_.end() && use->second > 0)
-        return false;
+      if (const auto use = edge_use_.find(edge_key(a, b)); use != edge_use_.end() && use->second > 0) return;
     }
     drop(t, outside);
-    return true;
   }
 
   void drop(std::uint32_t t, Material outside) {
@@ -173,7 +167,7 @@ class SpikePeeler {
 
 }  // namespace
 
-std::size_t peel_spikes(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain) {
+std::vector<std::uint32_t> peel_spikes(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain) {
   return SpikePeeler(mesh, boundary, domain).run();
 }
 

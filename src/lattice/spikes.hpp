@@ -7,7 +7,7 @@ namespace lumesh {
 
 /// Drops tetrahedra with two or three faces towards the same outside material where the two faces are nearly
 /// coplanar or a corner hangs outside the object, if the boundary stays a manifold of the same topology.
-/// @return How many were dropped.
-std::size_t peel_spikes(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain);
+/// @return The vertices that are left, by their old numbers, ascending; those are their new order.
+std::vector<std::uint32_t> peel_spikes(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain);
 
 }  // namespace lumesh

@@ -1,6 +1,8 @@
 #include "vertex_colours.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -21,8 +23,29 @@ std::uint64_t priority(std::uint32_t v) {
 
 }  // namespace
 
-std::vector<std::vector<std::uint32_t>> colour_vertices(const WorkMesh& mesh,
-                                                        const std::vector<std::uint32_t>& vertices) {
+std::vector<std::uint32_t> vertices_near_boundary(const WorkMesh& mesh, const BoundaryModel& boundary) {
+  constexpr int kRings = 3;
+  std::vector<std::uint8_t> ring(mesh.positions.size(), kRings + 1);
+  parallel::for_each_index(ring.size(), [&](std::size_t v) {
+    if (boundary.sets[v].size() >= 2) ring[v] = 0;
+  });
+  for (std::uint8_t r = 1; r <= kRings; ++r) {
+    const std::vector<std::uint8_t> before = ring;
+    parallel::for_each_index(ring.size(), [&](std::size_t v) {
+      if (before[v] <= r) return;
+      for (const std::uint32_t t : mesh.star(static_cast<std::uint32_t>(v))) {
+        for (const std::uint32_t w : mesh.tets[t]) {
+          if (before[w] < r) ring[v] = r;
+        }
+      }
+    });
+  }
+  return parallel::collect<std::uint32_t>(ring.size(), [&](std::size_t v, auto& out) {
+    if (ring[v] <= kRings) out.push_back(static_cast<std::uint32_t>(v));
+  });
+}
+
+VertexColours colour_vertices(const WorkMesh& mesh, const std::vector<std::uint32_t>& vertices) {
   std::vector<std::uint8_t> colour(mesh.positions.size(), kIdle);
   for (const std::uint32_t v : vertices) colour[v] = kUncoloured;
   std::vector<std::uint32_t> waiting = vertices;
@@ -52,13 +75,27 @@ std::vector<std::vector<std::uint32_t>> colour_vertices(const WorkMesh& mesh,
       if (chosen[i] == kUncoloured) out.push_back(waiting[i]);
     });
   }
-  std::vector<std::vector<std::uint32_t>> classes;
+  VertexColours classes;
   for (const std::uint32_t v : vertices) {
     LUMESH_ASSERT(colour[v] < 64);
     if (colour[v] >= classes.size()) classes.resize(colour[v] + std::size_t{1});
     classes[colour[v]].push_back(v);
   }
   return classes;
+}
+
+void keep_vertices(VertexColours& colours, const std::vector<std::uint32_t>& kept) {
+  parallel::for_each_index(
+      colours.size(),
+      [&](std::size_t c) {
+        std::vector<std::uint32_t> left;
+        for (const std::uint32_t v : colours[c]) {
+          const auto at = std::lower_bound(kept.begin(), kept.end(), v);
+          if (at != kept.end() && *at == v) left.push_back(static_cast<std::uint32_t>(at - kept.begin()));
+        }
+        colours[c] = std::move(left);
+      },
+      1);
 }
 
 }  // namespace lumesh
