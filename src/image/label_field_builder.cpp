@@ -5,6 +5,7 @@
 #include <string>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/wide.hpp"
 #include "lumesh/image/label_field.hpp"
 #include "lumesh/image/neighbourhood.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -42,8 +43,8 @@ std::size_t core_at(int i, int j, int k) {
 }
 
 /// Squared distance (cut at kFar) from each core voxel to the nearest window voxel with mask == wanted.
-std::array<std::uint8_t, kCore> squared_distance(const Mask& mask, std::uint8_t wanted) {
-  constexpr std::uint8_t kFar = 100;
+LUMESH_WIDE_LOOPS std::array<std::uint8_t, kCore> squared_distance(const Mask& mask, std::uint8_t wanted) {
+  constexpr std::uint8_t kFar = 100;  // plus two squares it still fits a byte
   std::array<std::uint8_t, std::size_t{kBrick} * kWindow * kWindow> along_x;
   for (int k = 0; k < kWindow; ++k) {
     for (int j = 0; j < kWindow; ++j) {
@@ -64,8 +65,8 @@ std::array<std::uint8_t, kCore> squared_distance(const Mask& mask, std::uint8_t 
       for (int d = -kReach; d <= kReach; ++d) {
         const std::uint8_t* row =
             &along_x[static_cast<std::size_t>(kBrick * (j + kMargin + d + kWindow * k))];
-        for (int i = 0; i < kBrick; ++i)
-          out[i] = std::min(out[i], static_cast<std::uint8_t>(std::min(kFar + 0, row[i] + d * d)));
+        const auto cost = static_cast<std::uint8_t>(d * d);
+        for (int i = 0; i < kBrick; ++i) out[i] = std::min(out[i], static_cast<std::uint8_t>(row[i] + cost));
       }
     }
   }
@@ -75,8 +76,9 @@ std::array<std::uint8_t, kCore> squared_distance(const Mask& mask, std::uint8_t 
     for (int d = -kReach; d <= kReach; ++d) {
       const std::uint8_t* plane = &along_y[static_cast<std::size_t>(kBrick * kBrick * (k + kMargin + d))];
       std::uint8_t* out = &result[core_at(0, 0, k)];
+      const auto cost = static_cast<std::uint8_t>(d * d);
       for (int i = 0; i < kBrick * kBrick; ++i)
-        out[i] = std::min(out[i], static_cast<std::uint8_t>(std::min(kFar + 0, plane[i] + d * d)));
+        out[i] = std::min(out[i], static_cast<std::uint8_t>(plane[i] + cost));
     }
   }
   return result;
@@ -168,8 +170,15 @@ class LabelFieldBuilder {
 
   void read_window(const Index3& brick, Window& window) const {
     const Index3 low = brick * kBrick - Index3::Constant(kMargin);
+    const bool inside = (low.array() >= 0).all() &&
+                        ((low + Index3::Constant(kWindow)).array() <= field_.frame_.size.array()).all();
     for (int k = 0; k < kWindow; ++k) {
       for (int j = 0; j < kWindow; ++j) {
+        if (inside) {
+          std::copy_n(&image_.voxels()[field_.frame_.offset(low + Index3(0, j, k))], kWindow,
+                      &window[window_at(0, j, k)]);
+          continue;
+        }
         for (int i = 0; i < kWindow; ++i)
           window[window_at(i, j, k)] = image_.at(clamp_voxel(low + Index3(i, j, k)));
       }
@@ -453,8 +462,8 @@ class LabelFieldBuilder {
     });
   }
 
-  static void blur_window(const std::vector<float>& window, int width, int radius,
-                          const std::vector<float>& weight, float* out) {
+  LUMESH_WIDE_LOOPS static void blur_window(const std::vector<float>& window, int width, int radius,
+                                            const std::vector<float>& weight, float* out) {
     const int taps = 2 * radius + 1;
     std::vector<float> z(static_cast<std::size_t>(width * width * kBrick), 0.0F);
     const int plane = width * width;
