@@ -122,13 +122,14 @@ class Refiner {
   void split(int level, const std::vector<std::uint32_t>& picked) {
     if (picked.empty()) return;
     std::vector<Corners>& from = leaves_[at(level)];
-    split_count_ += 6 * picked.size();
-    split_.reserve(split_count_);
+    split_.insert_all(picked.size(), 2 * picked.size(), [&](std::size_t i, auto& put) {
+      const Corners& t = from[picked[i]];
+      for (const auto& [a, b] : bcc::kEdge) put(bcc::midpoint(t[a], t[b]));
+    });
     const auto children = parallel::collect<Corners>(
         picked.size(),
         [&](std::size_t i, auto& out) {
           const Corners& t = from[picked[i]];
-          for (const auto& [a, b] : bcc::kEdge) split_.insert(bcc::midpoint(t[a], t[b]));
           for (const Corners& child : bcc::red_children(t)) {
             if (!far_outside(child, level + 1)) out.push_back(child);
           }
@@ -158,9 +159,9 @@ class Refiner {
   }
 
   /// Whether a corner may belong to a tetrahedron of the object: the nearest of the places that decide on its
-  /// label (work_mesh.cpp) is at most 0.67 spacings away. The field's slope is not exactly one, hence more.
+  /// label (work_mesh.cpp) is hardly ever further away than this.
   bool near_inside(Key corner, int level) const {
-    constexpr double kReach = 0.75;  // spacings
+    constexpr double kReach = 0.6;  // spacings
     const ImageDomain::Surroundings here = domain_.surroundings(frame_.position_mm(corner));
     return domain_.is_meshed(here.material) || here.clearance_mm < kReach * frame_.spacing_mm(level);
   }
@@ -210,10 +211,13 @@ class Refiner {
   }
 
   unsigned split_edges(const Corners& t) const {
-    unsigned mask = 0;
+    std::array<Key, 6> middle;
     for (std::size_t e = 0; e < 6; ++e) {
-      if (split_.contains(bcc::midpoint(t[bcc::kEdge[e][0]], t[bcc::kEdge[e][1]]))) mask |= 1U << e;
+      middle[e] = bcc::midpoint(t[bcc::kEdge[e][0]], t[bcc::kEdge[e][1]]);
+      split_.prefetch(middle[e]);
     }
+    unsigned mask = 0;
+    for (std::size_t e = 0; e < 6; ++e) mask |= (split_.contains(middle[e]) ? 1U : 0U) << e;
     return mask;
   }
 
@@ -277,8 +281,6 @@ class Refiner {
     for (int level = frame_.levels - 1; level >= 0; --level) {
       const auto findings = find_open_leaves(level);
       std::vector<std::uint32_t> red;
-      split_count_ += findings.size();
-      split_.reserve(split_count_);
       for (const Finding& f : findings) {
         if (f.third == parallel::KeySet::kEmpty) {
           red.push_back(f.leaf);
@@ -317,7 +319,6 @@ class Refiner {
   const SizeGrid& sizes_;
   std::vector<std::vector<Corners>> leaves_;  // per level
   parallel::KeySet split_;                    // midpoints of split edges
-  std::size_t split_count_ = 0;               // upper bound of its size
   struct Change {
     Key key;
     std::uint8_t mark;

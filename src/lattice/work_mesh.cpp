@@ -39,10 +39,9 @@ Material material_of(const Corners& t, const LatticeFrame& frame, const ImageDom
 void keep_object_ring(std::vector<Corners>& lattice, std::vector<Material>& materials,
                       const ImageDomain& domain) {
   parallel::KeySet object;
-  object.reserve(lattice.size());
-  parallel::for_each_index(lattice.size(), [&](std::size_t i) {
+  object.insert_all(lattice.size(), lattice.size() / 8, [&](std::size_t i, auto& put) {
     if (!domain.is_meshed(materials[i])) return;
-    for (const Key key : lattice[i]) object.insert(key);
+    for (const Key key : lattice[i]) put(key);
   });
   const auto kept = parallel::collect<std::uint32_t>(lattice.size(), [&](std::size_t i, auto& out) {
     const bool near =
@@ -63,9 +62,9 @@ void keep_object_ring(std::vector<Corners>& lattice, std::vector<Material>& mate
 class VertexNumbers {
  public:
   explicit VertexNumbers(const std::vector<Corners>& lattice) {
-    set_.reserve(lattice.size() + 1024);  // about six tetrahedra share a vertex's number
-    parallel::for_each_index(lattice.size(), [&](std::size_t i) {
-      for (const Key key : lattice[i]) set_.insert(bcc::morton(key));
+    // There are about five tetrahedra for each vertex.
+    set_.insert_all(lattice.size(), lattice.size() / 4, [&](std::size_t i, auto& put) {
+      for (const Key key : lattice[i]) put(bcc::morton(key));
     });
     codes_ = set_.sorted_keys();
     number_.resize(set_.slot_count());
@@ -160,25 +159,33 @@ void build_stars(WorkMesh& mesh) {
   mesh.star_begin[vertex_count] = first[kRanges];
 }
 
+namespace {
+
+/// The other tetrahedron at the face opposite to a corner, found in the smallest star of the face's vertices.
+std::uint32_t across_face(const WorkMesh& mesh, std::size_t t, std::size_t corner) {
+  std::uint32_t a = mesh.tets[t][(corner + 1) % 4];
+  std::uint32_t b = mesh.tets[t][(corner + 2) % 4];
+  std::uint32_t d = mesh.tets[t][(corner + 3) % 4];
+  if (mesh.star(b).size() < mesh.star(a).size()) std::swap(a, b);
+  if (mesh.star(d).size() < mesh.star(a).size()) std::swap(a, d);
+  for (const std::uint32_t other : mesh.star(a)) {
+    if (other == t) continue;
+    const Corner4& o = mesh.tets[other];
+    const bool has_b = o[0] == b || o[1] == b || o[2] == b || o[3] == b;
+    const bool has_d = o[0] == d || o[1] == d || o[2] == d || o[3] == d;
+    if (has_b && has_d) return other;
+  }
+  return kNoTet;
+}
+
+}  // namespace
+
 void build_neighbours(WorkMesh& mesh) {
   mesh.neighbours.resize(mesh.tets.size());
   parallel::for_each_index(
       mesh.tets.size(),
       [&](std::size_t t) {
-        for (std::size_t c = 0; c < 4; ++c) {
-          const std::uint32_t a = mesh.tets[t][(c + 1) % 4];
-          const std::uint32_t b = mesh.tets[t][(c + 2) % 4];
-          const std::uint32_t d = mesh.tets[t][(c + 3) % 4];
-          std::uint32_t found = kNoTet;
-          for (const std::uint32_t other : mesh.star(a)) {
-            if (other == t) continue;
-            const Corner4& o = mesh.tets[other];
-            const bool has_b = o[0] == b || o[1] == b || o[2] == b || o[3] == b;
-            const bool has_d = o[0] == d || o[1] == d || o[2] == d || o[3] == d;
-            if (has_b && has_d) found = other;
-          }
-          mesh.neighbours[t][c] = found;
-        }
+        for (std::size_t c = 0; c < 4; ++c) mesh.neighbours[t][c] = across_face(mesh, t, c);
       },
       256);
 }

@@ -11,8 +11,9 @@
 
 namespace lumesh::parallel {
 
-/// Open addressing with linear probing. insert() may run on many threads, contains() beside other contains()
-/// only; reserve() alone. The slot of a key stays the same until the next reserve().
+/// Open addressing with linear probing. contains() may run beside other contains() only; what inserts or
+/// reserves runs alone and, where it says so, uses all threads itself. The slot of a key stays the same until
+/// then.
 class KeySet {
  public:
   static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};  ///< Never a key.
@@ -23,26 +24,83 @@ class KeySet {
     while (capacity < 2 * count) capacity *= 2;
     if (capacity <= slots_.size()) return;
     const std::vector<std::atomic<std::uint64_t>> old = std::exchange(slots_, make_slots(capacity));
-    for_each_index(old.size(), [&](std::size_t i) {
-      const std::uint64_t key =
-          old[i].load(std::memory_order_relaxed);  // no writer is active: see the class comment
-      if (key != kEmpty) insert(key);
+    for_each_block(old.size(), 65536, [&](std::size_t, std::size_t begin, std::size_t end) {
+      Put put(*this);
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::uint64_t key = old[i].load(std::memory_order_relaxed);  // no writer is active
+        if (key != kEmpty) put(key);
+      }
     });
   }
 
   /// @return True if the key was not there before.
   bool insert(std::uint64_t key) {
-    for (std::size_t at = hash(key) & mask();; at = (at + 1) & mask()) {
-      // Relaxed: a slot carries no other data, and readers start after the parallel loop has joined.
-      std::uint64_t seen = slots_[at].load(std::memory_order_relaxed);
-      if (seen == key) return false;
-      if (seen == kEmpty && slots_[at].compare_exchange_strong(seen, key, std::memory_order_relaxed))
-        return true;
-      if (seen == key) return false;  // another thread put the same key here first
+    reserve(size_ + 1);
+    Put put(*this);
+    put(key);
+    size_ += put.added_;
+    return put.added_ > 0;
+  }
+
+  /// Inserts, on all threads, what `keys_of(i, put)` hands to `put(key)` for every i in [0, count). It may be
+  /// called several times for the same i. `expected` is a guess of how many keys are new; a wrong one costs
+  /// time only.
+  template <class KeysOf>
+  void insert_all(std::size_t count, std::size_t expected, const KeysOf& keys_of) {
+    for (bool complete = false; !complete; expected *= 2) {
+      reserve(size_ + expected + 1);
+      struct Result {
+        std::size_t added = 0;
+        bool complete = true;
+      };
+      const Result result = reduce_blocks(
+          count, 1024, Result{},
+          [&](std::size_t begin, std::size_t end) {
+            Put put(*this);
+            for (std::size_t i = begin; i < end; ++i) keys_of(i, put);
+            return Result{put.added_, put.complete_};
+          },
+          [](const Result& a, const Result& b) {
+            return Result{a.added + b.added, a.complete && b.complete};
+          });
+      size_ += result.added;
+      complete = result.complete;
     }
   }
 
+  /// Puts keys into a set; gives up on a key where the set is too full.
+  class Put {
+   public:
+    void operator()(std::uint64_t key) {
+      std::size_t at = hash(key) & set_.mask();
+      for (int probe = 0; probe < kMaxProbes; ++probe, at = (at + 1) & set_.mask()) {
+        // Relaxed: a slot carries no other data, and readers start after the parallel loop has joined.
+        std::uint64_t seen = set_.slots_[at].load(std::memory_order_relaxed);
+        if (seen == key) return;
+        if (seen == kEmpty && set_.slots_[at].compare_exchange_strong(seen, key, std::memory_order_relaxed)) {
+          ++added_;
+          return;
+        }
+        if (seen == key) return;  // another thread put the same key here first
+      }
+      complete_ = false;
+    }
+
+   private:
+    friend class KeySet;
+    static constexpr int kMaxProbes = 512;  // a set half full needs some dozens at most
+    explicit Put(KeySet& set) : set_(set) {}
+    KeySet& set_;
+    std::size_t added_ = 0;
+    bool complete_ = true;
+  };
+
   [[nodiscard]] bool contains(std::uint64_t key) const { return find(key) != slots_.size(); }
+
+  /// Fetches from memory what contains() will need soon.
+  void prefetch(std::uint64_t key) const {
+    if (!slots_.empty()) __builtin_prefetch(&slots_[hash(key) & mask()]);
+  }
 
   /// The slot that holds the key, or slot_count() if it is not in the set.
   [[nodiscard]] std::size_t find(std::uint64_t key) const {
@@ -54,6 +112,7 @@ class KeySet {
     }
   }
 
+  [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t slot_count() const { return slots_.size(); }
 
   /// All keys, ascending.
@@ -83,6 +142,7 @@ class KeySet {
   [[nodiscard]] std::size_t mask() const { return slots_.size() - 1; }
 
   std::vector<std::atomic<std::uint64_t>> slots_;
+  std::size_t size_ = 0;
 };
 
 }  // namespace lumesh::parallel
