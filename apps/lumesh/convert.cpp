@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 
@@ -27,8 +28,8 @@ void run(const ConvertCommand& command) {
   MixedMesh mesh = read_mesh(command.from);
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
   if (const std::size_t inverted = count_inverted_cells(mesh.view()); inverted > 0)
-    fmt::print(stderr, "lumesh: warning: {}: {} cells have no positive volume; they are kept as they are\n",
-               command.from, inverted);
+    print_warning(fmt::format("{}: {} cells have no positive volume; they are kept as they are", command.from,
+                              inverted));
   const MeshWriteOptions options = write_options(command);
   write_mesh(command.to, mesh.view(), options);
   if (!command.surface.empty()) write_surface(command.surface, mesh.view(), options);

@@ -7,10 +7,8 @@
 #include <sstream>
 
 #include "commands.hpp"
+#include "common.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/image/selection.hpp"
-#include "lumesh/image/topology.hpp"
-#include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/evaluation.hpp"
@@ -24,13 +22,11 @@ namespace {
 
 struct EvaluateCommand {
   std::string mesh_path, image_path, reference_path, json_path, report_path, picture_path;
-  std::vector<Label> labels;
-  std::optional<double> threshold;
-  std::size_t largest_component = 0;
-  std::vector<std::vector<double>> cut_planes;
+  ImageSelection selection;
+  PlaneNumbers cut_planes;
   std::vector<double> required_dihedral_deg;
   std::size_t times = 0;
-  int threads = 0;
+  RunOptions run;
 };
 
 std::string read_text(const std::string& path) {
@@ -39,12 +35,6 @@ std::string read_text(const std::string& path) {
   text << in.rdbuf();
   if (!in) throw Error(ErrorKind::kBadInput, path + ": cannot be read; check the path");
   return text.str();
-}
-
-LabelImage read_labels(const EvaluateCommand& command, Context& context) {
-  LabelImage image = read_image(command.image_path, {command.labels, command.threshold}, context);
-  if (command.largest_component > 0) keep_largest_component(image, ComponentScope::kUnion);
-  return image;
 }
 
 /// Meshes may stand in another frame or unit than images do.
@@ -90,16 +80,16 @@ void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
 }
 
 void run(const EvaluateCommand& command) {
-  const parallel::ThreadLimit limit(command.threads);
-  Context context({}, [](std::string_view text) { fmt::print(stderr, "lumesh: warning: {}\n", text); });
+  const parallel::ThreadLimit limit(command.run.threads);
+  Context context = make_context();
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);
   quality::EvaluationInput input;
-  for (const std::vector<double>& v : command.cut_planes)
-    input.cut_planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
+  input.cut_planes = planes_from<quality::Plane>(command.cut_planes);
   LabelImage image;
   if (!command.image_path.empty()) {
-    image = context.phase("read image", [&] { return read_labels(command, context); });
+    image = context.phase(
+        "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
     input.image = &image;
   }
   std::optional<Phantom> phantom;
@@ -125,14 +115,8 @@ void add_evaluate_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("evaluate", "Measure a mesh, by itself and against its image");
   sub->add_option("mesh", command->mesh_path, "Mesh (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("--image", command->image_path, "Label image the mesh was made from");
-  sub->add_option("--labels", command->labels, "Take these labels of the image only")->delimiter(',');
-  sub->add_option("--threshold", command->threshold,
-                  "Voxels at or above become label 1, the rest background");
-  sub->add_flag("--largest-component", command->largest_component,
-                "Take the largest component of the image only");
-  sub->add_option("--cut-plane", command->cut_planes,
-                  "Point and normal in mm, x y z nx ny nz, as given when the mesh was made; may be repeated")
-      ->type_size(6);
+  add_selection_options(*sub, command->selection, "Take");
+  add_cut_plane_option(*sub, command->cut_planes, "as given when the mesh was made");
   sub->add_option("--reference", command->reference_path,
                   "Parameters of the phantom behind the image (.json)");
   sub->add_option("--json", command->json_path, "Write all numbers as JSON");
@@ -142,9 +126,7 @@ void add_evaluate_command(CLI::App& program) {
                   "Exit with 3 unless every dihedral angle lies between these two, degrees")
       ->expected(2);
   sub->add_flag("--times", command->times, "Print how long each step took");
-  sub->add_option("--threads", command->threads, "Threads; 0 = all cores")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
+  add_threads_option(*sub, command->run);
   sub->footer("Example: lumesh evaluate case1.vtu --image case1.nrrd --json case1.json --report case1.html");
   sub->callback([command] { run(*command); });
 }

@@ -4,11 +4,10 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "commands.hpp"
+#include "common.hpp"
 #include "lumesh/image/topology.hpp"
-#include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -20,11 +19,9 @@ using nlohmann::json;
 
 struct InfoCommand {
   std::string path;
-  std::vector<Label> labels;
-  std::optional<double> threshold;
-  std::size_t largest_component = 0;
+  ImageSelection selection;
   std::size_t as_json = 0;
-  int threads = 0;
+  RunOptions run;
 };
 
 json list(const Vec3& v) {
@@ -106,15 +103,13 @@ void print_text(const json& all) {
 }
 
 void run(const InfoCommand& command) {
-  const parallel::ThreadLimit limit(command.threads);
-  Context context({}, [](std::string_view text) { fmt::print(stderr, "lumesh: warning: {}\n", text); });
+  const parallel::ThreadLimit limit(command.run.threads);
+  Context context = make_context();
   json all;
   if (is_mesh_file(command.path)) {
     all = describe_mesh(read_mesh(command.path));
   } else {
-    LabelImage image = read_image(command.path, {command.labels, command.threshold}, context);
-    if (command.largest_component > 0) keep_largest_component(image, ComponentScope::kUnion);
-    all = describe_image(image);
+    all = describe_image(read_selected_image(command.path, command.selection, context));
   }
   if (command.as_json > 0) {
     fmt::print("{}\n", all.dump(2));
@@ -130,14 +125,9 @@ void add_info_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("info", "Say what an image or a mesh holds");
   sub->add_option("file", command->path, "Image (.nii[.gz], .nrrd, .nhdr, .mha, .mhd, DICOM folder) or mesh")
       ->required();
-  sub->add_option("--labels", command->labels, "Look at these labels only")->delimiter(',');
-  sub->add_option("--threshold", command->threshold,
-                  "Voxels at or above become label 1, the rest background");
-  sub->add_flag("--largest-component", command->largest_component, "Keep the largest connected piece only");
+  add_selection_options(*sub, command->selection, "Look at");
   sub->add_flag("--json", command->as_json, "Print JSON");
-  sub->add_option("--threads", command->threads, "Threads; 0 = all cores")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
+  add_threads_option(*sub, command->run);
   sub->footer("Example: lumesh info case1.nrrd");
   sub->callback([command] { run(*command); });
 }

@@ -6,9 +6,9 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
-#include "lumesh/image/topology.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -22,23 +22,13 @@ struct LatticeCommand {
   std::string image_path;
   std::string mesh_path;
   std::string surface_path;
-  std::vector<Label> labels;
-  double threshold = 0;
-  const CLI::Option* threshold_option = nullptr;
-  std::size_t largest_component = 0;
-  std::vector<std::vector<double>> cut_planes;
+  ImageSelection selection;
+  PlaneNumbers cut_planes;
   std::vector<std::string> label_fidelity;
   LatticeOptions options;
   ImageDomainOptions domain;
-  int threads = 0;
+  RunOptions run;
 };
-
-std::vector<CutPlane> parse_cut_planes(const std::vector<std::vector<double>>& values) {
-  std::vector<CutPlane> planes;
-  for (const std::vector<double>& v : values)
-    planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
-  return planes;
-}
 
 std::map<Label, double> parse_label_fidelity(const std::vector<std::string>& pairs) {
   std::map<Label, double> result;
@@ -85,18 +75,12 @@ void print_summary(const LatticeCommand& command, const LatticeResult& result, c
 
 void run(const LatticeCommand& command) {
   const auto start = std::chrono::steady_clock::now();
-  const parallel::ThreadLimit limit(command.threads);
-  Context context({}, [](std::string_view text) { fmt::print(stderr, "lumesh: warning: {}\n", text); });
-  ImageReadOptions read;
-  read.labels = command.labels;
-  if (command.threshold_option->count() > 0) read.threshold = command.threshold;
-  const LabelImage image = context.phase("read", [&] {
-    LabelImage all = read_image(command.image_path, read, context);
-    if (command.largest_component > 0) keep_largest_component(all, ComponentScope::kUnion);
-    return all;
-  });
+  const parallel::ThreadLimit limit(command.run.threads);
+  Context context = make_context();
+  const LabelImage image = context.phase(
+      "read", [&] { return read_selected_image(command.image_path, command.selection, context); });
   ImageDomainOptions domain_options = command.domain;
-  domain_options.cut_planes = parse_cut_planes(command.cut_planes);
+  domain_options.cut_planes = planes_from<CutPlane>(command.cut_planes);
   LatticeOptions options = command.options;
   options.label_fidelity = parse_label_fidelity(command.label_fidelity);
   const ImageDomain domain = context.phase("domain", [&] { return ImageDomain(image, domain_options); });
@@ -147,20 +131,11 @@ void add_lattice_command(CLI::App& program) {
   sub->add_flag_callback(
       "--mixed", [command] { command->options.cells = LatticeCells::kMixed; },
       "Hexahedra and pyramids where the lattice is regular, tetrahedra elsewhere");
-  sub->add_option("--labels", command->labels, "Mesh these labels only")->delimiter(',');
-  command->threshold_option = sub->add_option("--threshold", command->threshold,
-                                              "Voxels at or above become label 1, the rest background");
-  sub->add_flag("--largest-component", command->largest_component,
-                "Mesh the largest connected piece of the image only");
-  sub->add_option(
-         "--cut-plane", command->cut_planes,
-         "Point and normal in mm, x y z nx ny nz: cut off what lies on the normal's side; may be repeated")
-      ->type_size(6);
+  add_selection_options(*sub, command->selection, "Mesh");
+  add_cut_plane_option(*sub, command->cut_planes, "cut off what lies on the normal's side");
   sub->add_option("--smoothing", command->domain.field.sigma, "Low-pass width in voxels, 0.5 to 3")
       ->capture_default_str();
-  sub->add_option("--threads", command->threads, "Threads; 0 = all cores")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
+  add_threads_option(*sub, command->run);
   sub->footer("Example: lumesh lattice case1.nrrd -o case1.vtu --spacing 1.2 --cut-plane 0 0 10 0 0 -1");
   sub->callback([command] { run(*command); });
 }

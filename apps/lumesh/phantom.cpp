@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/image/topology.hpp"
@@ -29,7 +30,7 @@ struct PhantomCommand {
   std::filesystem::path parameters_path;
   std::string centerline_path;
   std::string velocity_path;
-  int threads = 0;
+  RunOptions run;
 };
 
 PhantomSpec make_spec(const PhantomCommand& command) {
@@ -70,7 +71,7 @@ void write_lines(const std::string& path, const Polylines& lines, const PhantomC
 }
 
 void run(const PhantomCommand& command) {
-  const parallel::ThreadLimit limit(command.threads);
+  const parallel::ThreadLimit limit(command.run.threads);
   const Phantom phantom(make_spec(command));
   const Polylines centerline = centerline_of(phantom);
   const Polylines velocity = velocity_of(phantom);
@@ -128,9 +129,7 @@ void add_phantom_command(CLI::App& program) {
   sub->add_option("--centerline", command->centerline_path,
                   "Also write the centerline with its radius (.vtp)");
   sub->add_option("--velocity", command->velocity_path, "Also write streamlines with velocity in m/s (.vtp)");
-  sub->add_option("--threads", command->threads, "Threads; 0 = all cores")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
+  add_threads_option(*sub, command->run);
   sub->footer(
       "Example: lumesh phantom carotid -o case1.nrrd --centerline centerline.vtp --velocity flow.vtp");
   sub->callback([command] { run(*command); });
