@@ -53,6 +53,39 @@ inline std::array<CellBlock, 2> face_blocks(const MeshView& mesh) {
           make_block<4>(CellShape::kQuadrilateral, mesh.quadrilaterals, mesh.quadrilateral_patches)};
 }
 
+/// Calls `visit` with the cells of a shape, by VTK's number, and their labels or patches:
+/// visit(std::vector<Cell<N>>&, std::vector<std::int32_t>&).
+/// @return False, without a call, if the number is none of CellShape's.
+template <class Visit>
+bool visit_cells(MixedMesh& mesh, std::int64_t vtk_type, Visit&& visit) {
+  if (vtk_type < 0 || vtk_type > 0xff) return false;
+  switch (static_cast<CellShape>(vtk_type)) {
+    case CellShape::kTriangle:
+      return visit(mesh.triangles, mesh.triangle_patches), true;
+    case CellShape::kQuadrilateral:
+      return visit(mesh.quadrilaterals, mesh.quadrilateral_patches), true;
+    case CellShape::kTetrahedron:
+      return visit(mesh.tetrahedra, mesh.tetrahedron_labels), true;
+    case CellShape::kHexahedron:
+      return visit(mesh.hexahedra, mesh.hexahedron_labels), true;
+    case CellShape::kPrism:
+      return visit(mesh.prisms, mesh.prism_labels), true;
+    case CellShape::kPyramid:
+      return visit(mesh.pyramids, mesh.pyramid_labels), true;
+  }
+  return false;
+}
+
+/// VTK's vertices and lines, which carry nothing for us.
+[[nodiscard]] constexpr bool is_point_or_line(std::int64_t vtk_type) {
+  return vtk_type >= 1 && vtk_type <= 4;
+}
+
+[[nodiscard]] constexpr bool is_face(std::int64_t vtk_type) {
+  return vtk_type == static_cast<int>(CellShape::kTriangle) ||
+         vtk_type == static_cast<int>(CellShape::kQuadrilateral);
+}
+
 /// Prisms of Gmsh and Medit have the opposite sense of VTK's: corner i of theirs is corner order[i] of VTK's,
 /// and the other way round.
 inline constexpr std::array<std::size_t, 6> kPrismOrder = {0, 2, 1, 3, 5, 4};

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cell_blocks.hpp"
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 #include "output_file.hpp"
@@ -73,9 +73,7 @@ class GmshWriter {
         surfaces_(boxes_by_tag(mesh.points, face_blocks(mesh))) {
     if ((!volumes_.empty() && volumes_.begin()->first < 1) ||
         (!surfaces_.empty() && surfaces_.begin()->first < 0))
-      throw Error(
-          ErrorKind::kBadInput,
-          path.string() + ": Gmsh needs labels from 1 and patches from 0; renumber them or choose .vtu");
+      fail(path, "Gmsh needs labels from 1 and patches from 0; renumber them or choose .vtu");
     for (std::size_t p = 0; p < mesh.info->patches.size(); ++p)
       surfaces_.try_emplace(static_cast<std::int32_t>(p));
   }

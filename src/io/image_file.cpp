@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "file_fault.hpp"
 #include "lumesh/core/error.hpp"
 #include "raw_image.hpp"
 
@@ -13,10 +14,7 @@ namespace lumesh {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
-}
+using io::fail;
 
 void check_readable(const fs::path& path) {
   std::error_code ignored;

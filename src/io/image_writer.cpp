@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "output_file.hpp"
 #include "parallel_gzip.hpp"
@@ -80,9 +80,7 @@ void put(std::array<std::byte, 352>& header, std::size_t at, Value value) {
 std::array<std::byte, 352> nifti_header(const fs::path& path, const ImageFrame& frame, VoxelType type) {
   std::array<std::byte, 352> header = {};
   if ((frame.size.array() > 32767).any())
-    throw Error(
-        ErrorKind::kBadInput,
-        fmt::format("{}: NIfTI-1 holds at most 32767 voxels along an axis; write .nrrd", path.string()));
+    io::fail(path, "NIfTI-1 holds at most 32767 voxels along an axis; write .nrrd");
   put<std::int32_t>(header, 0, 348);
   const std::array<int, 8> dimensions = {3, frame.size.x(), frame.size.y(), frame.size.z(), 1, 1, 1, 1};
   for (std::size_t i = 0; i < 8; ++i) put(header, 40 + 2 * i, static_cast<std::int16_t>(dimensions[i]));
@@ -156,8 +154,7 @@ void write_image(const fs::path& path, const LabelImage& image) {
   };
   if (ends_with(".nrrd")) return write_nrrd(path, image);
   if (ends_with(".nii") || ends_with(".nii.gz")) return write_nifti(path, image);
-  throw Error(ErrorKind::kBadInput,
-              fmt::format("{}: unknown image format; use .nrrd, .nii or .nii.gz", path.string()));
+  io::fail(path, "unknown image format; use .nrrd, .nii or .nii.gz");
 }
 
 }  // namespace lumesh

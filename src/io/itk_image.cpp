@@ -11,7 +11,7 @@
 #include <cstring>
 #include <iostream>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "raw_image.hpp"
 
 namespace lumesh::io {
@@ -19,10 +19,6 @@ namespace lumesh::io {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
-}
 
 /// Teem and GDCM print what they find wrong, and then it comes as an exception, or as voxels that are
 /// missing.

@@ -8,7 +8,7 @@
 #include <string>
 #include <type_traits>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "raw_image.hpp"
 
@@ -18,13 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kBlock = std::size_t{1} << 18;
+constexpr std::size_t kVoxelsPerBlock = std::size_t{1} << 18;
 constexpr std::size_t kMostLabels = std::numeric_limits<LabelImage::Index>::max();
 constexpr std::size_t kListedLabels = 20;
-
-[[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
-}
 
 /// Different values of a part of the image.
 template <class Voxel>
@@ -77,7 +73,7 @@ ValueSet<Voxel> merge(ValueSet<Voxel> a, ValueSet<Voxel> b) {
 template <class Voxel>
 std::vector<Voxel> find_values(std::span<const Voxel> voxels, const fs::path& path) {
   const ValueSet<Voxel> set = parallel::reduce_blocks(
-      voxels.size(), kBlock, ValueSet<Voxel>{},
+      voxels.size(), kVoxelsPerBlock, ValueSet<Voxel>{},
       [&](std::size_t begin, std::size_t end) {
         return values_of_block(voxels.data() + begin, voxels.data() + end);
       },
@@ -140,16 +136,17 @@ std::vector<Label> keep_labels(const std::vector<Label>& present, std::vector<La
 /// Index of each value in `labels`, 0 for those that are not kept.
 template <class Voxel>
 void map_voxels(std::span<const Voxel> voxels, const std::vector<Label>& labels, LabelImage& image) {
-  parallel::for_each_block(voxels.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
-    LabelImage::Index* const out = image.voxels().data();
-    for (std::size_t i = begin; i < end;) {
-      const Voxel value = voxels[i];
-      const auto found = std::lower_bound(labels.begin(), labels.end(), static_cast<Label>(value));
-      const bool kept = found != labels.end() && *found == static_cast<Label>(value);
-      const auto index = static_cast<LabelImage::Index>(kept ? found - labels.begin() : 0);
-      for (; i < end && voxels[i] == value; ++i) out[i] = index;
-    }
-  });
+  parallel::for_each_block(
+      voxels.size(), kVoxelsPerBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+        LabelImage::Index* const out = image.voxels().data();
+        for (std::size_t i = begin; i < end;) {
+          const Voxel value = voxels[i];
+          const auto found = std::lower_bound(labels.begin(), labels.end(), static_cast<Label>(value));
+          const bool kept = found != labels.end() && *found == static_cast<Label>(value);
+          const auto index = static_cast<LabelImage::Index>(kept ? found - labels.begin() : 0);
+          for (; i < end && voxels[i] == value; ++i) out[i] = index;
+        }
+      });
 }
 
 template <class Voxel>
@@ -161,7 +158,7 @@ LabelImage threshold_voxels(std::span<const Voxel> voxels, const ImageFrame& fra
     bool not_a_number = false;
   };
   const Seen seen = parallel::reduce_blocks(
-      voxels.size(), kBlock, Seen{},
+      voxels.size(), kVoxelsPerBlock, Seen{},
       [&](std::size_t begin, std::size_t end) {
         Seen block;
         for (std::size_t i = begin; i < end; ++i) {
@@ -183,43 +180,20 @@ LabelImage threshold_voxels(std::span<const Voxel> voxels, const ImageFrame& fra
 }
 
 template <class Voxel>
-LabelImage number_typed(const RawImage& raw, const fs::path& path, const ImageReadOptions& options) {
-  const std::span<const Voxel> voxels(reinterpret_cast<const Voxel*>(raw.voxels.get()),
-                                      raw.frame.voxel_count());
-  if (options.threshold) return threshold_voxels(voxels, raw.frame, *options.threshold, path);
+LabelImage number_typed(std::span<const Voxel> voxels, const ImageFrame& frame, const fs::path& path,
+                        const ImageReadOptions& options) {
+  if (options.threshold) return threshold_voxels(voxels, frame, *options.threshold, path);
   std::vector<Label> labels = labels_from_values(find_values(voxels, path), path);
   if (!options.labels.empty()) labels = keep_labels(labels, options.labels, path);
-  LabelImage image(raw.frame, labels);
+  LabelImage image(frame, labels);
   map_voxels(voxels, labels, image);
   return image;
 }
 
 }  // namespace
 
-LabelImage number_labels(RawImage raw, const fs::path& path, const ImageReadOptions& options) {
-  switch (raw.type) {
-    case VoxelType::kUInt8:
-      return number_typed<std::uint8_t>(raw, path, options);
-    case VoxelType::kInt8:
-      return number_typed<std::int8_t>(raw, path, options);
-    case VoxelType::kUInt16:
-      return number_typed<std::uint16_t>(raw, path, options);
-    case VoxelType::kInt16:
-      return number_typed<std::int16_t>(raw, path, options);
-    case VoxelType::kUInt32:
-      return number_typed<std::uint32_t>(raw, path, options);
-    case VoxelType::kInt32:
-      return number_typed<std::int32_t>(raw, path, options);
-    case VoxelType::kUInt64:
-      return number_typed<std::uint64_t>(raw, path, options);
-    case VoxelType::kInt64:
-      return number_typed<std::int64_t>(raw, path, options);
-    case VoxelType::kFloat:
-      return number_typed<float>(raw, path, options);
-    case VoxelType::kDouble:
-      return number_typed<double>(raw, path, options);
-  }
-  fail(path, "has voxels of an unknown type");
+LabelImage number_labels(const RawImage& raw, const fs::path& path, const ImageReadOptions& options) {
+  return visit_voxels(raw, [&](auto voxels) { return number_typed(voxels, raw.frame, path, options); });
 }
 
 }  // namespace lumesh::io

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cell_blocks.hpp"
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 
@@ -20,16 +20,14 @@ namespace {
 
 std::string load(const std::filesystem::path& path) {
   gzFile file = gzopen(path.c_str(), "rb");  // reads plain files too
-  if (file == nullptr)
-    throw Error(ErrorKind::kBadInput, path.string() + ": cannot be opened for reading; check the path");
+  if (file == nullptr) fail(path, "cannot be opened for reading; check the path");
   std::string content;
   std::vector<char> buffer(1U << 20);
   int got = 0;
   while ((got = gzread(file, buffer.data(), static_cast<unsigned>(buffer.size()))) > 0)
     content.append(buffer.data(), static_cast<std::size_t>(got));
   gzclose(file);
-  if (got < 0)
-    throw Error(ErrorKind::kBadInput, path.string() + ": its compressed data are cut off or damaged");
+  if (got < 0) fail(path, "its compressed data are cut off or damaged");
   return content;
 }
 
@@ -45,9 +43,7 @@ class LegacyReader {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const {
-    throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path_.string(), what));
-  }
+  [[noreturn]] void fail(const std::string& what) const { io::fail(path_, what); }
 
   std::string_view line() {
     const std::size_t end = std::min(content_.find('\n', at_), content_.size());
@@ -257,7 +253,8 @@ class LegacyReader {
         fail("its cell offsets are damaged");
       const double label = labels == nullptr ? 1 : (*labels)[c];
       if (!(std::abs(label) < 2e9)) fail("a label is too large");
-      add_cell(whole(types_[c]), offsets_[c], offsets_[c + 1] - offsets_[c], static_cast<Label>(label));
+      add_cell(static_cast<std::int64_t>(whole(types_[c])), offsets_[c], offsets_[c + 1] - offsets_[c],
+               static_cast<Label>(label));
     }
     restore_faces();
   }
@@ -271,41 +268,15 @@ class LegacyReader {
     return nullptr;
   }
 
-  void add_cell(std::size_t type, std::size_t begin, std::size_t corners, Label label) {
-    const auto expect = [&](std::size_t n) {
-      if (corners != n) fail("a cell has a wrong number of corners");
+  void add_cell(std::int64_t type, std::size_t begin, std::size_t corners, Label label) {
+    if (is_point_or_line(type) || is_face(type)) return;  // faces of other programs are found anew
+    const auto add = [&]<std::size_t N>(std::vector<Cell<N>>& cells, std::vector<Label>& labels) {
+      if (corners != N) fail("a cell has a wrong number of corners");
+      cells.push_back(cell_at<N>(connectivity_, begin));
+      labels.push_back(label);
     };
-    switch (type) {
-      case 10:
-        expect(4);
-        mesh_.tetrahedra.push_back(cell_at<4>(connectivity_, begin));
-        mesh_.tetrahedron_labels.push_back(label);
-        break;
-      case 12:
-        expect(8);
-        mesh_.hexahedra.push_back(cell_at<8>(connectivity_, begin));
-        mesh_.hexahedron_labels.push_back(label);
-        break;
-      case 13:
-        expect(6);
-        mesh_.prisms.push_back(cell_at<6>(connectivity_, begin));
-        mesh_.prism_labels.push_back(label);
-        break;
-      case 14:
-        expect(5);
-        mesh_.pyramids.push_back(cell_at<5>(connectivity_, begin));
-        mesh_.pyramid_labels.push_back(label);
-        break;
-      case 5:
-      case 9:
-      case 1:
-      case 2:
-      case 3:
-      case 4:
-        break;  // boundary faces of other programs are found anew
-      default:
-        fail("holds cells of VTK type " + std::to_string(type) + ", which lumesh does not know");
-    }
+    if (!visit_cells(mesh_, type, add))
+      fail("holds cells of VTK type " + std::to_string(type) + ", which lumesh does not know");
   }
 
   template <std::size_t N>

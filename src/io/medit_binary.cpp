@@ -10,7 +10,7 @@
 #include <string>
 
 #include "cell_blocks.hpp"
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "mesh_builder.hpp"
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
@@ -24,21 +24,21 @@ constexpr std::int32_t kDimension = 3;
 constexpr std::int32_t kVertices = 4;
 constexpr std::int32_t kEnd = 54;
 
-struct Section {
+struct BinarySection {
   std::int32_t keyword;
   CellShape shape;
   std::size_t corners;
 };
 
-constexpr std::array<Section, 6> kSections = {{{6, CellShape::kTriangle, 3},
-                                               {7, CellShape::kQuadrilateral, 4},
-                                               {8, CellShape::kTetrahedron, 4},
-                                               {49, CellShape::kPyramid, 5},
-                                               {9, CellShape::kPrism, 6},
-                                               {10, CellShape::kHexahedron, 8}}};
+constexpr std::array<BinarySection, 6> kBinarySections = {{{6, CellShape::kTriangle, 3},
+                                                           {7, CellShape::kQuadrilateral, 4},
+                                                           {8, CellShape::kTetrahedron, 4},
+                                                           {49, CellShape::kPyramid, 5},
+                                                           {9, CellShape::kPrism, 6},
+                                                           {10, CellShape::kHexahedron, 8}}};
 
-std::int32_t keyword_of(CellShape shape) {
-  for (const Section& section : kSections)
+std::int32_t keyword_number_of(CellShape shape) {
+  for (const BinarySection& section : kBinarySections)
     if (section.shape == shape) return section.keyword;
   return 0;
 }
@@ -57,8 +57,7 @@ class BinaryWriter {
     };
     for (const CellBlock& block : face_blocks(mesh)) add(block);
     for (const CellBlock& block : volume_blocks(mesh)) add(block);
-    if (!fits)
-      throw Error(ErrorKind::kBadInput, path.string() + ": too many points or cells for .meshb; choose .vtu");
+    if (!fits) fail(path, "too many points or cells for .meshb; choose .vtu");
     version_ = bytes > kMost ? 3 : 2;
   }
 
@@ -98,7 +97,8 @@ class BinaryWriter {
   }
   void write_block(const CellBlock& block, std::int32_t tag_offset) {
     if (block.size() == 0) return;
-    begin_section(keyword_of(block.shape), (1 + block.size() * (block.corners + 1)) * sizeof(std::int32_t));
+    begin_section(keyword_number_of(block.shape),
+                  (1 + block.size() * (block.corners + 1)) * sizeof(std::int32_t));
     put(static_cast<std::int32_t>(block.size()));
     std::array<std::int32_t, 9> row{};
     for (std::size_t i = 0; i < block.size(); ++i) {
@@ -145,7 +145,7 @@ class BinaryReader {
     } else if (keyword == kVertices) {
       read_vertices();
     } else {
-      for (const Section& section : kSections)
+      for (const BinarySection& section : kBinarySections)
         if (section.keyword == keyword) read_cells(section);
     }
     position_ = end_;
@@ -164,7 +164,7 @@ class BinaryReader {
     }
   }
 
-  void read_cells(const Section& section) {
+  void read_cells(const BinarySection& section) {
     const std::size_t count = read_count((section.corners + 1) * integer_bytes());
     std::array<std::int64_t, 8> corners{};
     for (std::size_t i = 0; i < count; ++i) {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "cell_blocks.hpp"
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh::io {
@@ -26,7 +26,7 @@ class MeshBuilder {
   explicit MeshBuilder(std::filesystem::path path) : path_(std::move(path)) {}
 
   [[noreturn]] void fail(std::string_view what) const {
-    throw Error(ErrorKind::kBadInput, fmt::format("{}: {}; write the file again", path_.string(), what));
+    io::fail(path_, fmt::format("{}; write the file again", what));
   }
 
   void add_point(const Vec3& point) {
@@ -39,20 +39,8 @@ class MeshBuilder {
     if (tag < std::numeric_limits<std::int32_t>::min() || tag > std::numeric_limits<std::int32_t>::max())
       fail(fmt::format("tag {} does not fit into 32 bits", tag));
     const auto small_tag = static_cast<std::int32_t>(tag);
-    switch (shape) {
-      case CellShape::kTriangle:
-        return add(corners, small_tag, mesh_.triangles, mesh_.triangle_patches);
-      case CellShape::kQuadrilateral:
-        return add(corners, small_tag, mesh_.quadrilaterals, mesh_.quadrilateral_patches);
-      case CellShape::kTetrahedron:
-        return add(corners, small_tag, mesh_.tetrahedra, mesh_.tetrahedron_labels);
-      case CellShape::kHexahedron:
-        return add(corners, small_tag, mesh_.hexahedra, mesh_.hexahedron_labels);
-      case CellShape::kPyramid:
-        return add(corners, small_tag, mesh_.pyramids, mesh_.pyramid_labels);
-      case CellShape::kPrism:
-        return add_prism(corners, small_tag);
-    }
+    visit_cells(mesh_, static_cast<std::int64_t>(shape),
+                [&](auto& cells, auto& tags) { add(corners, small_tag, cells, tags); });
   }
 
   void name_patch(std::int64_t tag, std::string name) { patch_names_[tag] = std::move(name); }
@@ -75,19 +63,13 @@ class MeshBuilder {
     if (corners.size() != N) fail("a cell has a wrong number of corners");
     Cell<N> cell;
     for (std::size_t i = 0; i < N; ++i) {
-      if (corners[i] < 0 || corners[i] > std::numeric_limits<std::uint32_t>::max() - 1)
-        fail(fmt::format("a cell refers to point {}, which is not there", corners[i] + 1));
-      cell[i] = static_cast<std::uint32_t>(corners[i]);
+      const std::int64_t corner = corners[N == kPrismOrder.size() ? kPrismOrder[i] : i];
+      if (corner < 0 || corner > std::numeric_limits<std::uint32_t>::max() - 1)
+        fail(fmt::format("a cell refers to point {}, which is not there", corner + 1));
+      cell[i] = static_cast<std::uint32_t>(corner);
     }
     cells.push_back(cell);
     tags.push_back(tag);
-  }
-
-  void add_prism(std::span<const std::int64_t> corners, std::int32_t tag) {
-    if (corners.size() != kPrismOrder.size()) fail("a cell has a wrong number of corners");
-    std::array<std::int64_t, 6> ordered{};
-    for (std::size_t i = 0; i < ordered.size(); ++i) ordered[i] = corners[kPrismOrder[i]];
-    add<6>(ordered, tag, mesh_.prisms, mesh_.prism_labels);
   }
 
   void check_corners() const {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "mesh_formats.hpp"
 
 namespace lumesh {
@@ -20,7 +20,7 @@ std::string lower_extension(const std::filesystem::path& path) {
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const char* known) {
-  throw Error(ErrorKind::kBadInput, fmt::format("{}: unknown mesh format; use {}", path.string(), known));
+  io::fail(path, fmt::format("unknown mesh format; use {}", known));
 }
 
 }  // namespace
@@ -44,8 +44,7 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh, cons
 }
 
 MixedMesh read_mesh(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path))
-    throw Error(ErrorKind::kBadInput, fmt::format("{}: no such file; check the path", path.string()));
+  if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
   const std::string extension = lower_extension(path);
   if (extension == ".vtu") return io::read_vtu(path);
   if (extension == ".vtk" || extension == ".vtk.gz") return io::read_legacy_vtk(path);

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "raw_image.hpp"
 
 namespace lumesh::io {
@@ -21,10 +21,6 @@ namespace lumesh::io {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
-}
 
 /// Without blanks around it; damaged files have other control characters too, which must not reach messages.
 std::string trimmed(std::string_view text) {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "raw_image.hpp"
 
@@ -20,10 +20,6 @@ namespace lumesh::io {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), what));
-}
 
 /// zlib's reader, which passes files that are not compressed through.
 class GzipInput {
@@ -222,51 +218,14 @@ ImageHeader place(const fs::path& path, const NiftiHeader& header) {
   return image;
 }
 
-template <class Voxel>
-void scale_typed(const std::byte* from, double* to, std::size_t count, double slope, double intercept) {
-  const auto* voxels = reinterpret_cast<const Voxel*>(from);
-  parallel::for_each_index(
-      count, [&](std::size_t i) { to[i] = static_cast<double>(voxels[i]) * slope + intercept; });
-}
-
 /// Values of a file that stores them scaled; rare for labels.
 void apply_scale(RawImage& image, double slope, double intercept) {
-  const std::size_t count = image.frame.voxel_count();
-  auto scaled = std::make_unique<std::byte[]>(count * sizeof(double));
+  auto scaled = std::make_unique<std::byte[]>(image.frame.voxel_count() * sizeof(double));
   auto* const to = reinterpret_cast<double*>(scaled.get());
-  const std::byte* const from = image.voxels.get();
-  switch (image.type) {
-    case VoxelType::kUInt8:
-      scale_typed<std::uint8_t>(from, to, count, slope, intercept);
-      break;
-    case VoxelType::kInt8:
-      scale_typed<std::int8_t>(from, to, count, slope, intercept);
-      break;
-    case VoxelType::kUInt16:
-      scale_typed<std::uint16_t>(from, to, count, slope, intercept);
-      break;
-    case VoxelType::kInt16:
-      scale_typed<std::int16_t>(from, to, count, slope, intercept);
-      break;
-    case VoxelType::kUInt32:
-      scale_typed<std::uint32_t>(from, to, count, slope, intercept);
-      break;
-    case VoxelType::kInt32:
-      scale_typed<std::int32_t>(from, to, count, slope, intercept);
-      break;
-    case VoxelType::kUInt64:
-      scale_typed<std::uint64_t>(from, to, count, slope, intercept);
-      break;
-    case VoxelType::kInt64:
-      scale_typed<std::int64_t>(from, to, count, slope, intercept);
-      break;
-    case VoxelType::kFloat:
-      scale_typed<float>(from, to, count, slope, intercept);
-      break;
-    case VoxelType::kDouble:
-      scale_typed<double>(from, to, count, slope, intercept);
-      break;
-  }
+  visit_voxels(image, [&](auto voxels) {
+    parallel::for_each_index(
+        voxels.size(), [&](std::size_t i) { to[i] = static_cast<double>(voxels[i]) * slope + intercept; });
+  });
   image.voxels = std::move(scaled);
   image.type = VoxelType::kDouble;
 }

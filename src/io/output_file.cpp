@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 
 namespace lumesh::io {
 
@@ -98,11 +98,11 @@ void OutputFile::commit() {
 }
 
 void OutputFile::fail(std::string_view action, int error_number) const {
-  std::string message = fmt::format("{}: {}", target_.string(), action);
+  std::string message(action);
   if (error_number != 0) message += fmt::format(" ({})", std::strerror(error_number));
   if (error_number == ENOSPC || error_number == EFBIG || error_number == EDQUOT)
     message += "; free some space";
-  throw Error(ErrorKind::kBadInput, message);
+  io::fail(target_, message);
 }
 
 }  // namespace lumesh::io

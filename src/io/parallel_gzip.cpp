@@ -13,7 +13,7 @@ namespace lumesh::io {
 
 namespace {
 
-constexpr std::size_t kBlock = std::size_t{1} << 20;
+constexpr std::size_t kGzipBlockBytes = std::size_t{1} << 20;
 constexpr std::size_t kBlocksAtOnce = 64;
 constexpr int kLevel = 3;
 
@@ -59,15 +59,15 @@ void write_gzip(OutputFile& file, std::size_t bytes,
                 const std::function<void(std::size_t, std::size_t, std::byte*)>& fill) {
   constexpr std::array<unsigned char, 10> kHeader = {0x1f, 0x8b, Z_DEFLATED, 0, 0, 0, 0, 0, 0, 0xff};
   file.write(kHeader.data(), kHeader.size());
-  const std::size_t blocks = std::max<std::size_t>(1, (bytes + kBlock - 1) / kBlock);
+  const std::size_t blocks = std::max<std::size_t>(1, (bytes + kGzipBlockBytes - 1) / kGzipBlockBytes);
   uLong crc = crc32_z(0, nullptr, 0);
   for (std::size_t first = 0; first < blocks; first += kBlocksAtOnce) {
     std::vector<Packed> wave(std::min(kBlocksAtOnce, blocks - first));
     parallel::for_each_index(
         wave.size(),
         [&](std::size_t i) {
-          const std::size_t begin = (first + i) * kBlock;
-          const std::size_t end = std::min(bytes, begin + kBlock);
+          const std::size_t begin = (first + i) * kGzipBlockBytes;
+          const std::size_t end = std::min(bytes, begin + kGzipBlockBytes);
           std::vector<std::byte> raw(end - begin);
           fill(begin, end, raw.data());
           wave[i] = pack(raw, first + i + 1 == blocks ? Z_FINISH : Z_SYNC_FLUSH);
@@ -75,8 +75,9 @@ void write_gzip(OutputFile& file, std::size_t bytes,
         1);
     for (std::size_t i = 0; i < wave.size(); ++i) {
       file.write(wave[i].bytes.data(), wave[i].bytes.size());
-      const std::size_t begin = (first + i) * kBlock;
-      crc = crc32_combine(crc, wave[i].crc, static_cast<z_off_t>(std::min(bytes, begin + kBlock) - begin));
+      const std::size_t begin = (first + i) * kGzipBlockBytes;
+      crc = crc32_combine(crc, wave[i].crc,
+                          static_cast<z_off_t>(std::min(bytes, begin + kGzipBlockBytes) - begin));
     }
   }
   write_little_endian(file, static_cast<std::uint32_t>(crc));

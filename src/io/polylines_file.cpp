@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "vtk_xml_reader.hpp"
 #include "vtk_xml_writer.hpp"
 
@@ -34,8 +34,7 @@ void write_lines(io::VtkXmlWriter& writer, const Polylines& lines) {
 void check_arrays(const std::filesystem::path& path, const Polylines& lines) {
   const auto check = [&](const std::string& name, std::size_t size) {
     if (size != lines.points.size())
-      throw Error(ErrorKind::kBadInput, fmt::format("{}: array {} has {} values for {} points", path.string(),
-                                                    name, size, lines.points.size()));
+      io::fail(path, fmt::format("array {} has {} values for {} points", name, size, lines.points.size()));
   };
   for (const auto& [name, values] : lines.scalars) check(name, values.size());
   for (const auto& [name, values] : lines.vectors) check(name, values.size());
@@ -44,8 +43,7 @@ void check_arrays(const std::filesystem::path& path, const Polylines& lines) {
 }  // namespace
 
 void write_polylines(const std::filesystem::path& path, const Polylines& lines, const MeshInfo& info) {
-  if (path.extension() != ".vtp")
-    throw Error(ErrorKind::kBadInput, fmt::format("{}: lines are written as .vtp", path.string()));
+  if (path.extension() != ".vtp") io::fail(path, "lines are written as .vtp");
   check_arrays(path, lines);
   io::VtkXmlWriter writer(path, "PolyData");
   writer.print("<FieldData>\n");

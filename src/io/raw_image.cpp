@@ -7,12 +7,11 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <limits>
 #include <new>
 #include <numbers>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
+#include "lumesh/core/memory.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::io {
@@ -26,21 +25,6 @@ constexpr double kSilentAngleDeg = 0.01;
 /// More than this is a sheared grid, not rounding: a voxel at the far side would be displaced by 5 % of the
 /// image.
 constexpr double kLargestAngleDeg = 3.0;
-
-[[noreturn]] void fail(const fs::path& path, const std::string& what, ErrorKind kind = ErrorKind::kBadInput) {
-  throw Error(kind, fmt::format("{}: {}", path.string(), what));
-}
-
-/// Memory that can be had without swapping; "no limit" where the system does not say.
-std::uintmax_t available_memory_bytes() {
-  std::ifstream file("/proc/meminfo");
-  std::string word;
-  while (file >> word) {
-    std::uintmax_t kibibytes = 0;
-    if (word == "MemAvailable:" && file >> kibibytes) return kibibytes * 1024;
-  }
-  return std::numeric_limits<std::uintmax_t>::max();
-}
 
 /// Nearest orthonormal matrix: the orthogonal factor of the polar decomposition (Higham 1986,
 /// doi:10.1137/0907079). Keeps the sign of the determinant.
@@ -70,23 +54,6 @@ Mat3 nearest_orthonormal(const fs::path& path, const Mat3& direction, Context& c
 }
 
 }  // namespace
-
-std::size_t voxel_bytes(VoxelType type) {
-  switch (type) {
-    case VoxelType::kUInt8:
-    case VoxelType::kInt8:
-      return 1;
-    case VoxelType::kUInt16:
-    case VoxelType::kInt16:
-      return 2;
-    case VoxelType::kUInt32:
-    case VoxelType::kInt32:
-    case VoxelType::kFloat:
-      return 4;
-    default:
-      return 8;
-  }
-}
 
 void swap_bytes(RawImage& image) {
   const std::size_t width = voxel_bytes(image.type);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "lumesh/core/context.hpp"
@@ -27,8 +28,6 @@ enum class VoxelType : std::uint8_t {
   kDouble
 };
 
-[[nodiscard]] std::size_t voxel_bytes(VoxelType type);
-
 /// What the header of an image file says; nothing of it is checked.
 struct ImageHeader {
   std::array<std::int64_t, 3> size = {0, 0, 0};
@@ -43,6 +42,46 @@ struct RawImage {
   VoxelType type = VoxelType::kUInt8;
   std::unique_ptr<std::byte[]> voxels;  ///< In this machine's byte order.
 };
+
+/// Calls `visit` with a value of the type, and returns what it returns: auto visit(auto example).
+template <class Visit>
+decltype(auto) visit_voxel_type(VoxelType type, Visit&& visit) {
+  switch (type) {
+    case VoxelType::kUInt8:
+      return visit(std::uint8_t{});
+    case VoxelType::kInt8:
+      return visit(std::int8_t{});
+    case VoxelType::kUInt16:
+      return visit(std::uint16_t{});
+    case VoxelType::kInt16:
+      return visit(std::int16_t{});
+    case VoxelType::kUInt32:
+      return visit(std::uint32_t{});
+    case VoxelType::kInt32:
+      return visit(std::int32_t{});
+    case VoxelType::kUInt64:
+      return visit(std::uint64_t{});
+    case VoxelType::kInt64:
+      return visit(std::int64_t{});
+    case VoxelType::kFloat:
+      return visit(float{});
+    default:
+      return visit(double{});
+  }
+}
+
+/// Calls `visit` with the voxels in their own type: visit(std::span<const Voxel>).
+template <class Visit>
+decltype(auto) visit_voxels(const RawImage& image, Visit&& visit) {
+  return visit_voxel_type(image.type, [&](auto example) -> decltype(auto) {
+    const auto* voxels = reinterpret_cast<const decltype(example)*>(image.voxels.get());
+    return visit(std::span(voxels, image.frame.voxel_count()));
+  });
+}
+
+[[nodiscard]] inline std::size_t voxel_bytes(VoxelType type) {
+  return visit_voxel_type(type, [](auto example) { return sizeof(example); });
+}
 
 /// A frame that keeps ImageFrame's promises, or Error. Repairs directions that are slightly off, with a
 /// warning.
@@ -73,7 +112,7 @@ struct RawImage {
 void swap_bytes(RawImage& image);
 
 /// Finds the labels, applies the options and numbers the voxels.
-[[nodiscard]] LabelImage number_labels(RawImage raw, const std::filesystem::path& path,
+[[nodiscard]] LabelImage number_labels(const RawImage& raw, const std::filesystem::path& path,
                                        const ImageReadOptions& options);
 
 }  // namespace lumesh::io

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <fstream>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "lumesh/io/image_file.hpp"
 
 namespace lumesh {
@@ -59,8 +59,7 @@ void mix_block(State& state, const unsigned char* block) {
 std::string file_sha256(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path)) return "";  // a DICOM series has no single hash
   std::ifstream in(path, std::ios::binary);
-  if (!in)
-    throw Error(ErrorKind::kBadInput, path.string() + ": cannot be opened for reading; check the path");
+  if (!in) io::fail(path, "cannot be opened for reading; check the path");
   State state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                  0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
   std::uint64_t total = 0;

@@ -11,7 +11,7 @@
 #include <map>
 #include <sstream>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
 
@@ -22,8 +22,8 @@ namespace {
 constexpr std::size_t kHeaderBytes = 80;
 constexpr std::size_t kFacetBytes = 50;
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
-  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}; write the file again", path.string(), what));
+[[noreturn]] void fail_damaged(const std::filesystem::path& path, std::string_view what) {
+  fail(path, fmt::format("{}; write the file again", what));
 }
 
 void write_facet(OutputFile& file, const MeshView& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -52,14 +52,14 @@ class SurfaceBuilder {
     mesh_.triangle_patches.push_back(0);
   }
   MixedMesh finish() {
-    if (mesh_.triangles.empty()) fail(path_, "holds no triangle");
+    if (mesh_.triangles.empty()) fail_damaged(path_, "holds no triangle");
     mesh_.info.patches = {{"wall", PatchKind::kWall, {}}};
     return std::move(mesh_);
   }
 
  private:
   std::uint32_t number(const Vec3& p) {
-    if (!p.allFinite()) fail(path_, "a corner is not finite");
+    if (!p.allFinite()) fail_damaged(path_, "a corner is not finite");
     const auto [at, added] =
         numbers_.try_emplace({p.x(), p.y(), p.z()}, static_cast<std::uint32_t>(mesh_.points.size()));
     if (added) mesh_.points.push_back(p);
@@ -93,15 +93,15 @@ MixedMesh parse_text(const std::filesystem::path& path, const std::string& text)
   for (std::string word; in >> word;) {
     for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     is_complete = word == "endsolid" || (is_complete && word != "facet");
-    if ((word == "outer" || word == "endsolid") && corner != 3) fail(path, "a facet is damaged");
+    if ((word == "outer" || word == "endsolid") && corner != 3) fail_damaged(path, "a facet is damaged");
     if (word == "outer") corner = 0;
     if (word != "vertex") continue;
     Vec3 p;
-    if (!(in >> p.x() >> p.y() >> p.z()) || corner == 3) fail(path, "a facet is damaged");
+    if (!(in >> p.x() >> p.y() >> p.z()) || corner == 3) fail_damaged(path, "a facet is damaged");
     corners[corner++] = p;
     if (corner == 3) surface.add(corners);
   }
-  if (!is_complete) fail(path, "\"endsolid\" is missing, the file is cut off");
+  if (!is_complete) fail_damaged(path, "\"endsolid\" is missing, the file is cut off");
   return surface.finish();
 }
 
@@ -109,8 +109,7 @@ MixedMesh parse_text(const std::filesystem::path& path, const std::string& text)
 
 void write_stl(const std::filesystem::path& path, const MeshView& mesh) {
   const std::size_t facets = mesh.triangles.size() + 2 * mesh.quadrilaterals.size();
-  if (facets == 0)
-    throw Error(ErrorKind::kBadInput, path.string() + ": the mesh has no boundary faces to write");
+  if (facets == 0) fail(path, "the mesh has no boundary faces to write");
   OutputFile file(path);
   std::array<char, kHeaderBytes> header{};
   std::strncpy(header.data(),
@@ -137,7 +136,7 @@ MixedMesh read_stl(const std::filesystem::path& path) {
       return parse_binary(path, bytes, count);
   }
   if (bytes.starts_with("solid") || bytes.starts_with("SOLID")) return parse_text(path, bytes);
-  fail(path, "not a complete STL file");
+  fail_damaged(path, "not a complete STL file");
 }
 
 }  // namespace lumesh::io

@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 
 namespace lumesh::io {
 
@@ -21,14 +21,11 @@ inline std::string read_whole_file(const std::filesystem::path& path) {
   std::error_code code;
   const auto bytes = std::filesystem::file_size(path, code);
   std::ifstream file(path, std::ios::binary);
-  if (code || !file)
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("{}: cannot be read; check path and rights", path.string()));
+  if (code || !file) fail(path, "cannot be read; check path and rights");
   std::string content(static_cast<std::size_t>(bytes), '\0');
   file.read(content.data(), static_cast<std::streamsize>(bytes));
   if (static_cast<std::uintmax_t>(file.gcount()) != bytes)
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("{}: cannot be read to its end; check the disk", path.string()));
+    fail(path, "cannot be read to its end; check the disk");
   return content;
 }
 
@@ -42,8 +39,7 @@ class TextScanner {
   [[noreturn]] void fail(std::string_view what) const {
     std::size_t line = 1;
     for (std::size_t i = 0; i < position_; ++i) line += text_[i] == '\n' ? 1 : 0;
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("{}: line {}: {}; write the file again", path_.string(), line, what));
+    io::fail(path_, fmt::format("line {}: {}; write the file again", line, what));
   }
 
   [[nodiscard]] std::string_view text() const { return text_; }

@@ -10,7 +10,7 @@
 #include <iterator>
 #include <limits>
 
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "vtk_xml_writer.hpp"
 
 namespace lumesh::io {
@@ -254,7 +254,7 @@ void VtkXmlReader::fail(const std::string& what) const {
   std::string line = what;  // It may quote what stands in a damaged file.
   for (char& c : line)
     if (static_cast<unsigned char>(c) < ' ') c = ' ';
-  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path_.string(), line));
+  io::fail(path_, line);
 }
 
 }  // namespace lumesh::io

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "cell_blocks.hpp"
-#include "lumesh/core/error.hpp"
+#include "file_fault.hpp"
 #include "mesh_formats.hpp"
 #include "vtk_xml_writer.hpp"
 
@@ -50,8 +50,7 @@ void write_values(VtkXmlWriter& writer, const XmlArray& shape, const std::vector
 void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh,
                        const MeshWriteOptions& options) {
   const Surface surface = gather_surface(mesh);
-  if (surface.patches.empty())
-    throw Error(ErrorKind::kBadInput, path.string() + ": the mesh has no boundary faces to write");
+  if (surface.patches.empty()) fail(path, "the mesh has no boundary faces to write");
   VtkXmlWriter writer(path, "PolyData");
   writer.print("<FieldData>\n");
   writer.info_arrays(*mesh.info);

@@ -56,40 +56,12 @@ Cell<N> make_cell(const VtkXmlReader& file, std::span<const std::int64_t> corner
 
 void add_cell(const VtkXmlReader& file, std::int64_t type, std::span<const std::int64_t> corners, Label label,
               MixedMesh& mesh) {
-  const std::size_t points = mesh.points.size();
-  switch (type) {
-    case 10:
-      mesh.tetrahedra.push_back(make_cell<4>(file, corners, points));
-      mesh.tetrahedron_labels.push_back(label);
-      break;
-    case 12:
-      mesh.hexahedra.push_back(make_cell<8>(file, corners, points));
-      mesh.hexahedron_labels.push_back(label);
-      break;
-    case 13:
-      mesh.prisms.push_back(make_cell<6>(file, corners, points));
-      mesh.prism_labels.push_back(label);
-      break;
-    case 14:
-      mesh.pyramids.push_back(make_cell<5>(file, corners, points));
-      mesh.pyramid_labels.push_back(label);
-      break;
-    case 5:
-      mesh.triangles.push_back(make_cell<3>(file, corners, points));
-      mesh.triangle_patches.push_back(label);
-      break;
-    case 9:
-      mesh.quadrilaterals.push_back(make_cell<4>(file, corners, points));
-      mesh.quadrilateral_patches.push_back(label);
-      break;
-    case 1:
-    case 2:
-    case 3:
-    case 4:
-      break;  // points and lines carry nothing for us
-    default:
-      file.fail("holds cells of VTK type " + std::to_string(type) + ", which lumesh does not know");
-  }
+  const auto add = [&]<std::size_t N>(std::vector<Cell<N>>& cells, std::vector<std::int32_t>& tags) {
+    cells.push_back(make_cell<N>(file, corners, mesh.points.size()));
+    tags.push_back(label);
+  };
+  if (!visit_cells(mesh, type, add) && !is_point_or_line(type))
+    file.fail("holds cells of VTK type " + std::to_string(type) + ", which lumesh does not know");
 }
 
 void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {

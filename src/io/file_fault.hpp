@@ -1,0 +1,15 @@
+#pragma once
+/// @file How every reader and writer says what is wrong with a file.
+
+#include <filesystem>
+#include <string_view>
+
+#include "lumesh/core/error.hpp"
+
+namespace lumesh::io {
+
+/// Throws Error: one line, "path: what"; `what` also says what to do.
+[[noreturn]] void fail(const std::filesystem::path& path, std::string_view what,
+                       ErrorKind kind = ErrorKind::kBadInput);
+
+}  // namespace lumesh::io
