@@ -5,33 +5,17 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 
+#include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
 
 namespace lumesh {
 namespace {
 
-LabelImage voxels_of(const ImageFrame& frame, int labels, const std::function<int(const Vec3&)>& label_of) {
-  std::vector<Label> values;
-  for (int l = 0; l <= labels; ++l) values.push_back(10 * l);
-  LabelImage image(frame, values);
-  for (int k = 0; k < frame.size.z(); ++k) {
-    for (int j = 0; j < frame.size.y(); ++j) {
-      for (int i = 0; i < frame.size.x(); ++i)
-        image.at({i, j, k}) = static_cast<LabelImage::Index>(label_of(frame.to_physical(Vec3(i, j, k))));
-    }
-  }
-  return image;
-}
-
-ImageFrame frame_of(const Index3& size) {
-  ImageFrame frame;
-  frame.size = size;
-  return frame;
-}
+using fixtures::frame_of;
+using fixtures::voxels_of;
 
 /// Turned, mirrored, with voxels of two sizes.
 ImageFrame odd_frame() {
@@ -51,7 +35,8 @@ struct Ball {
 Ball odd_ball() {
   const ImageFrame frame = odd_frame();
   const Vec3 centre = frame.to_physical(Vec3(25.3, 25.8, 19.6));
-  return {voxels_of(frame, 1, [&](const Vec3& p) { return (p - centre).norm() < 12 ? 1 : 0; }), centre, 12};
+  return {voxels_of(frame, {0, 10}, [&](const Vec3& p) { return (p - centre).norm() < 12 ? 1 : 0; }), centre,
+          12};
 }
 
 std::vector<Vec3> random_directions(int count, unsigned seed) {
@@ -66,7 +51,7 @@ std::vector<Vec3> random_directions(int count, unsigned seed) {
 TEST(ImageDomain, VoxelsAwayFromTheBoundaryKeepTheirLabel) {
   const Vec3 c(20.3, 20.6, 20.2);
   const auto label_of = [c](const Vec3& p) { return (p - c).norm() < 14 ? (p.x() < c.x() ? 1 : 2) : 0; };
-  const LabelImage image = voxels_of(frame_of({41, 41, 41}), 2, label_of);
+  const LabelImage image = voxels_of(frame_of({41, 41, 41}), {0, 10, 20}, label_of);
   const ImageDomain domain(image, {});
   std::size_t checked = 0, wrong = 0;
   for (int k = 0; k < 41; ++k) {
@@ -152,7 +137,7 @@ TEST(ImageDomain, AProjectionBeyondItsReachIsNone) {
 
 TEST(ImageDomain, ThreeMaterialsMeetInACurveThatProjectionFinds) {
   const Vec3 c(20.3, 20.6, 20.2);
-  const LabelImage image = voxels_of(frame_of({41, 41, 41}), 2, [c](const Vec3& p) {
+  const LabelImage image = voxels_of(frame_of({41, 41, 41}), {0, 10, 20}, [c](const Vec3& p) {
     return (p - c).norm() < 14 ? (p.x() < c.x() ? 1 : 2) : 0;
   });
   const ImageDomain domain(image, {});
@@ -202,8 +187,9 @@ TEST(ImageDomain, FirstCrossingIsWhereTheSegmentEntersTheBall) {
 TEST(ImageDomain, ObjectsThatTouchTheImageBorderAreCutAtTheVoxelsOuterFaces) {
   ImageFrame frame = frame_of({20, 20, 24});
   frame.spacing_mm = {1, 1, 0.5};
-  const LabelImage image = voxels_of(
-      frame, 1, [](const Vec3& p) { return std::hypot(p.x() - 9.4, p.y() - 9.7) < 6 && p.z() < 8 ? 1 : 0; });
+  const LabelImage image = voxels_of(frame, {0, 10}, [](const Vec3& p) {
+    return std::hypot(p.x() - 9.4, p.y() - 9.7) < 6 && p.z() < 8 ? 1 : 0;
+  });
   const ImageDomain domain(image, {});
   EXPECT_EQ(domain.object_box()[0], Index3(4, 4, 0));
   EXPECT_EQ(domain.object_box()[1], Index3(15, 15, 15));
@@ -264,13 +250,13 @@ TEST(ImageDomain, ClearanceNeverReachesPastTheBoundary) {
 }
 
 TEST(ImageDomain, PlatesAndLinesOfOneVoxelSurvive) {
-  const LabelImage plate = voxels_of(frame_of({24, 24, 24}), 1, [](const Vec3& p) {
+  const LabelImage plate = voxels_of(frame_of({24, 24, 24}), {0, 10}, [](const Vec3& p) {
     return p.z() == 12 && p.x() > 4 && p.x() < 19 && p.y() > 4 && p.y() < 19 ? 1 : 0;
   });
-  const LabelImage line = voxels_of(frame_of({24, 24, 24}), 1, [](const Vec3& p) {
+  const LabelImage line = voxels_of(frame_of({24, 24, 24}), {0, 10}, [](const Vec3& p) {
     return p.x() == 11 && p.y() == 13 && p.z() > 4 && p.z() < 19 ? 1 : 0;
   });
-  const LabelImage diagonal = voxels_of(frame_of({24, 24, 24}), 1, [](const Vec3& p) {
+  const LabelImage diagonal = voxels_of(frame_of({24, 24, 24}), {0, 10}, [](const Vec3& p) {
     return p.x() == p.y() && p.z() == 12 && p.x() > 4 && p.x() < 19 ? 1 : 0;
   });
   for (const LabelImage* image : {&plate, &line, &diagonal}) {
@@ -293,7 +279,7 @@ TEST(ImageDomain, PlatesAndLinesOfOneVoxelSurvive) {
 TEST(ImageDomain, MemoryFollowsTheBoundaryNotTheImage) {
   const auto bytes = [](int size) {
     const double c = 0.5 * size + 0.3;
-    const LabelImage image = voxels_of(frame_of({size, size, size}), 1, [c](const Vec3& p) {
+    const LabelImage image = voxels_of(frame_of({size, size, size}), {0, 10}, [c](const Vec3& p) {
       return (p - Vec3(c, c, c)).norm() < 20 ? 1 : 0;
     });
     return static_cast<double>(ImageDomain(image, {}).field().memory_bytes());

@@ -1,14 +1,15 @@
 // Flat caps where the image border or a cut plane ends the object.
+#include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
 #include "shapes.hpp"
 
 namespace lumesh {
 namespace {
 
+using fixtures::frame_of;
+using fixtures::voxels_of;
 using test::expect_good;
-using test::frame_of;
 using test::meshed;
-using test::voxels_of;
 
 const Vec3 kAxis(15.3, 15.6, 0);
 
@@ -18,7 +19,7 @@ double from_axis(const Vec3& p) {
 
 /// A tube of radius 7 along z through the whole image.
 LabelImage tube() {
-  return voxels_of(frame_of({32, 32, 40}), 1, [](const Vec3& p) { return from_axis(p) < 7 ? 1 : 0; });
+  return voxels_of(frame_of({32, 32, 40}), {0, 1}, [](const Vec3& p) { return from_axis(p) < 7 ? 1 : 0; });
 }
 
 double area_of(const MixedMesh& mesh, const std::vector<Cell<3>>& triangles) {
@@ -109,7 +110,7 @@ TEST(Caps, AnObjectThatFillsTheImageIsABoxOfSixCaps) {
   ImageFrame frame = frame_of({24, 18, 15});
   frame.spacing_mm = {0.5, 0.5, 1};
   frame.direction = Eigen::AngleAxisd(0.7, Vec3(1, 1, 0).normalized()).toRotationMatrix();
-  const LabelImage image = voxels_of(frame, 1, [](const Vec3&) { return 1; });
+  const LabelImage image = voxels_of(frame, {0, 1}, [](const Vec3&) { return 1; });
   const MixedMesh mesh = meshed(image);
   expect_good(mesh);
   EXPECT_EQ(test::patch_names(mesh), (std::vector<std::string>{"inlet_1", "outlet_1", "outlet_2", "outlet_3",
@@ -120,7 +121,7 @@ TEST(Caps, AnObjectThatFillsTheImageIsABoxOfSixCaps) {
 
 TEST(Caps, TwoVesselsThatLeaveThroughOneBorderGetTwoCaps) {
   const auto axis = [](const Vec3& p, double x) { return std::hypot(p.x() - x, p.y() - 11.6); };
-  const LabelImage image = voxels_of(frame_of({44, 24, 20}), 1, [&](const Vec3& p) {
+  const LabelImage image = voxels_of(frame_of({44, 24, 20}), {0, 1}, [&](const Vec3& p) {
     return p.z() > 3.5 && (axis(p, 12.3) < 6 || axis(p, 31.4) < 5) ? 1 : 0;
   });
   const MixedMesh mesh = meshed(image);

@@ -1,6 +1,7 @@
 // Meshes of shapes with known surfaces.
 #include "lumesh/lattice/lattice.hpp"
 
+#include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/image/phantom.hpp"
 #include "lumesh/image/selection.hpp"
@@ -10,22 +11,22 @@
 namespace lumesh {
 namespace {
 
+using fixtures::frame_of;
+using fixtures::voxels_of;
 using test::expect_good;
-using test::frame_of;
 using test::meshed;
-using test::voxels_of;
 
 const Vec3 kCentre(31.3, 31.6, 31.8);
 const Vec3 kSmallCentre(23.3, 23.6, 23.8);
 
 LabelImage ball(const ImageFrame& frame, const Vec3& centre_mm, double radius_mm) {
-  return voxels_of(frame, 1, [&](const Vec3& p) { return (p - centre_mm).norm() < radius_mm ? 1 : 0; });
+  return voxels_of(frame, {0, 1}, [&](const Vec3& p) { return (p - centre_mm).norm() < radius_mm ? 1 : 0; });
 }
 
 /// Ball (3) around two half balls (1, 2) that touch each other.
 LabelImage nested_balls() {
   const Vec3 c(23.4, 23.7, 23.1);
-  return voxels_of(frame_of({48, 48, 48}), 3, [c](const Vec3& p) {
+  return voxels_of(frame_of({48, 48, 48}), {0, 1, 2, 3}, [c](const Vec3& p) {
     const double r = (p - c).norm();
     if (r < 12) return p.x() < c.x() ? 1 : 2;
     return r < 20 ? 3 : 0;
@@ -80,7 +81,7 @@ TEST(Lattice, ATorusKeepsItsHole) {
     return std::hypot(std::hypot(d.x(), d.y()) - 19, d.z()) - 7;
   };
   const LabelImage image =
-      voxels_of(frame_of({60, 60, 28}), 1, [&](const Vec3& p) { return distance(p) < 0 ? 1 : 0; });
+      voxels_of(frame_of({60, 60, 28}), {0, 1}, [&](const Vec3& p) { return distance(p) < 0 ? 1 : 0; });
   const MixedMesh mesh = meshed(image);
   expect_good(mesh);
   test::expect_label_volumes(image, mesh, 0.01);
@@ -199,10 +200,10 @@ TEST(Lattice, TheMixedMeshFillsWhatTheTetrahedraFill) {
 }
 
 TEST(Lattice, PlatesAndLinesOfOneVoxelAreMeshed) {
-  const LabelImage plate = voxels_of(frame_of({16, 16, 16}), 1, [](const Vec3& p) {
+  const LabelImage plate = voxels_of(frame_of({16, 16, 16}), {0, 1}, [](const Vec3& p) {
     return p.z() == 8 && p.x() > 2 && p.x() < 13 && p.y() > 2 && p.y() < 13 ? 1 : 0;
   });
-  const LabelImage line = voxels_of(frame_of({16, 16, 16}), 1, [](const Vec3& p) {
+  const LabelImage line = voxels_of(frame_of({16, 16, 16}), {0, 1}, [](const Vec3& p) {
     return p.x() == 8 && p.y() == 8 && p.z() > 2 && p.z() < 13 ? 1 : 0;
   });
   for (const LabelImage* image : {&plate, &line}) {
@@ -221,7 +222,7 @@ TEST(Lattice, PlatesAndLinesOfOneVoxelAreMeshed) {
 
 TEST(Lattice, TinyObjectsGiveAMeshOrOneLine) {
   for (const int edge : {1, 2}) {
-    const LabelImage image = voxels_of(frame_of({12, 12, 12}), 1, [edge](const Vec3& p) {
+    const LabelImage image = voxels_of(frame_of({12, 12, 12}), {0, 1}, [edge](const Vec3& p) {
       return (p.array() >= 5).all() && (p.array() < 5 + edge).all() ? 1 : 0;
     });
     try {
@@ -236,7 +237,7 @@ TEST(Lattice, TinyObjectsGiveAMeshOrOneLine) {
 }
 
 TEST(Lattice, AnEmptyImageIsBadInput) {
-  const LabelImage image = voxels_of(frame_of({12, 12, 12}), 1, [](const Vec3&) { return 0; });
+  const LabelImage image = voxels_of(frame_of({12, 12, 12}), {0, 1}, [](const Vec3&) { return 0; });
   try {
     (void)meshed(image);
     FAIL() << "an empty image was meshed";

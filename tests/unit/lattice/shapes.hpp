@@ -11,27 +11,6 @@
 
 namespace lumesh::test {
 
-/// Labels the voxels by their centres in mm; values are 0, 1, …, `labels`.
-inline LabelImage voxels_of(const ImageFrame& frame, int labels,
-                            const std::function<int(const Vec3&)>& label_of) {
-  std::vector<Label> values;
-  for (int l = 0; l <= labels; ++l) values.push_back(l);
-  LabelImage image(frame, values);
-  for (int k = 0; k < frame.size.z(); ++k) {
-    for (int j = 0; j < frame.size.y(); ++j) {
-      for (int i = 0; i < frame.size.x(); ++i)
-        image.at({i, j, k}) = static_cast<LabelImage::Index>(label_of(frame.to_physical(Vec3(i, j, k))));
-    }
-  }
-  return image;
-}
-
-inline ImageFrame frame_of(const Index3& size) {
-  ImageFrame frame;
-  frame.size = size;
-  return frame;
-}
-
 inline MixedMesh meshed(const LabelImage& image, const LatticeOptions& options = {},
                         const ImageDomainOptions& domain_options = {}) {
   const ImageDomain domain(image, domain_options);
