@@ -2,6 +2,7 @@
 /// @file What a running stage gets from its caller: messages, progress, phase times, cancellation.
 
 #include <chrono>
+#include <exception>
 #include <functional>
 #include <stop_token>
 #include <string>
@@ -20,6 +21,7 @@ struct PhaseTime {
 class Context {
  public:
   using MessageSink = std::function<void(std::string_view)>;
+  using PhaseSink = std::function<void(const PhaseTime&)>;
 
   Context() = default;
   Context(MessageSink on_info, MessageSink on_warning, std::stop_token stop = {})
@@ -31,18 +33,23 @@ class Context {
   void warn(std::string_view message) const {
     if (on_warning_) on_warning_(message);
   }
+  /// Has `sink` called at the end of each phase that does not throw; `sink` must not throw either.
+  void report_phases_to(PhaseSink sink) { on_phase_ = std::move(sink); }
   [[nodiscard]] bool cancelled() const { return stop_.stop_requested(); }
 
-  /// Runs `step`, records its wall time under `name`, and returns what it returns.
+  /// Runs `step`, records its wall time under `name`, reports it, and returns what it returns.
   template <class Step>
   decltype(auto) phase(std::string name, Step&& step) {
     struct Recorder {
       Context& context;
       std::string name;
+      int exceptions = std::uncaught_exceptions();
       std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
       ~Recorder() {
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
         context.phases_.push_back({std::move(name), elapsed.count()});
+        const bool failed = std::uncaught_exceptions() > exceptions;
+        if (context.on_phase_ && !failed) context.on_phase_(context.phases_.back());
       }
     } recorder{*this, std::move(name)};
     return std::forward<Step>(step)();
@@ -53,6 +60,7 @@ class Context {
  private:
   MessageSink on_info_;
   MessageSink on_warning_;
+  PhaseSink on_phase_;
   std::stop_token stop_;
   std::vector<PhaseTime> phases_;
 };

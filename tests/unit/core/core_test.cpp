@@ -56,6 +56,18 @@ TEST(Context, APhaseThatThrowsIsRecordedToo) {
   EXPECT_EQ(context.phases()[0].name, "fails");
 }
 
+TEST(Context, PhasesAreReportedAsTheyEndUnlessTheyThrow) {
+  Context context;
+  std::vector<std::string> ended;
+  context.report_phases_to([&](const PhaseTime& phase) { ended.push_back(phase.name); });
+  context.phase("outer", [&] {
+    context.phase("inner", [] {});
+    EXPECT_EQ(ended, std::vector<std::string>{"inner"});
+  });
+  EXPECT_THROW(context.phase("fails", [] { throw Error(ErrorKind::kMemory, "no"); }), Error);
+  EXPECT_EQ(ended, (std::vector<std::string>{"inner", "outer"}));
+}
+
 TEST(Context, MessagesReachTheirOwnSinkAndMayHaveNone) {
   std::vector<std::string> infos, warnings;
   const Context context([&](std::string_view m) { infos.emplace_back(m); },
