@@ -8,7 +8,7 @@
 namespace lumesh::quality {
 
 double LabelEvaluation::image_volume_error_percent() const {
-  return image ? 100 * (volume_mm3 / image->volume_mm3 - 1) : 0;
+  return image && image->volume_mm3 > 0 ? 100 * (volume_mm3 / image->volume_mm3 - 1) : 0;
 }
 
 double LabelEvaluation::reference_volume_error_percent() const {
@@ -46,6 +46,18 @@ void add_topology(const MeshView& mesh, const MeshSurface& surface, Evaluation& 
   evaluation.patches = summarise_patches(mesh, surface);
 }
 
+/// Volumes of the image become those of its kept part.
+void cut_volumes(const EvaluationInput& input, Evaluation& evaluation) {
+  const std::vector<double> kept = kept_volumes_mm3(*input.image, input.cut_planes);
+  double all = 0;
+  for (std::size_t i = 1; i < kept.size(); ++i) {
+    LabelEvaluation& label = entry(evaluation, input.image->values()[i]);
+    if (label.image) label.image->volume_mm3 = kept[i];
+    all += kept[i];
+  }
+  evaluation.image->all.volume_mm3 = all;
+}
+
 void add_image(const MeshView& mesh, const MeshSurface& surface, const EvaluationInput& input,
                Evaluation& evaluation, Context& context) {
   const LabelImage& image = *input.image;
@@ -55,6 +67,8 @@ void add_image(const MeshView& mesh, const MeshSurface& surface, const Evaluatio
   ImageEvaluation& result = evaluation.image.emplace();
   result.frame = image.frame();
   result.all = context.phase("voxel topology of the union", [&] { return union_voxel_topology(image); });
+  if (!input.cut_planes.empty())
+    context.phase("voxels that are kept", [&] { cut_volumes(input, evaluation); });
   ImageDistances distances = context.phase(
       "distances to the image", [&] { return compare_with_image(mesh, surface, image, input.cut_planes); });
   result.voxel_size_mm = distances.voxel_size_mm;
@@ -71,6 +85,7 @@ Evaluation evaluate(const MeshView& mesh, const EvaluationInput& input, Context&
                 "the mesh has no volume cells; evaluate takes tetrahedra and mixed meshes");
   Evaluation evaluation;
   evaluation.info = *mesh.info;
+  evaluation.cut_planes = input.cut_planes.size();
   evaluation.statistics = context.phase("statistics", [&] { return measure(mesh); });
   for (const LabelVolume& volume : evaluation.statistics.labels) {
     LabelEvaluation& label = entry(evaluation, volume.label);

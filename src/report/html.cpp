@@ -152,13 +152,17 @@ std::string labels_section(const Evaluation& e) {
                                    : fmt::format("{} (image {})", l.components, l.image->components));
     row.push_back(euler_equal ? std::to_string(l.euler)
                               : fmt::format("{} (image {})", l.euler, l.image->euler));
-    row.push_back(l.cells == 0 ? "!lost"
-                               : marked(l.surface.manifold(),
-                                        l.surface.manifold() ? "closed manifold" : "not manifold"));
+    row.push_back(l.lost()       ? "!lost"
+                  : l.cells == 0 ? "cut off"
+                                 : marked(l.surface.manifold(),
+                                          l.surface.manifold() ? "closed manifold" : "not manifold"));
     row.push_back(l.surface.genus() < 0 ? "–" : std::to_string(l.surface.genus()));
     table.push_back(row);
   }
-  return section("Labels", table_html(table));
+  std::string html = table_html(table);
+  if (e.image && e.cut_planes > 0)
+    html += "<p class=\"note\">Volumes of voxels are those of what the cuts keep.</p>";
+  return section("Labels", html);
 }
 
 void add_distances(Table& table, const std::string& name, const SurfaceDistances& d, double voxel) {
@@ -205,8 +209,9 @@ std::string reference_section(const Evaluation& e) {
     };
     if (r.surface_distance_mm) row("surface distance, voxels", *r.surface_distance_mm, *e.reference_voxel_mm);
     if (r.normal_angle_deg) row("angle between normals, degrees", *r.normal_angle_deg, 1);
-    table.push_back(
-        {name, "volume error", fmt::format("{:+.3f} %", l.reference_volume_error_percent()), "", ""});
+    if (e.cut_planes == 0)
+      table.push_back(
+          {name, "volume error", fmt::format("{:+.3f} %", l.reference_volume_error_percent()), "", ""});
     const bool same = l.components == static_cast<std::uint64_t>(r.components) && l.euler == r.euler;
     table.push_back(
         {name, "components, Euler number",
@@ -237,6 +242,13 @@ std::string boundary_section(const Evaluation& e) {
     note += fmt::format(" {} open edges, {} non-manifold edges, {} non-manifold vertices.", b.open_edges,
                         b.non_manifold_edges, b.non_manifold_vertices);
   return section("Boundary", table_html(table) + "<p class=\"note\">" + note + "</p>");
+}
+
+std::string warnings_section(const Evaluation& e) {
+  if (e.warnings.empty()) return "";
+  std::string html;
+  for (const std::string& warning : e.warnings) html += "<p>" + escaped(warning) + "</p>";
+  return section("Warnings", html);
 }
 
 std::string problems_section(const Evaluation& e) {
@@ -270,7 +282,7 @@ std::string report_html(const std::string& title, const Evaluation& e, const Rep
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><link rel=\"icon\" "
       "href=\"data:,\"><title>" +
       escaped(title) + " – mesh report</title>\n<style>" + kPageStyle + "</style></head>\n<body><main>\n";
-  html += header(title, e) + tiles(e) + problems_section(e);
+  html += header(title, e) + tiles(e) + warnings_section(e) + problems_section(e);
   html += surface_section(pictures.surface);
   html += pair(cut_section("Cut, from the front", pictures.front),
                cut_section("Cut, from the side", pictures.side));

@@ -78,13 +78,14 @@ Json mean_ratio_json(const TetrahedronStatistics& s) {
           {"histogram", to_json(s.mean_ratio)}};
 }
 
-Json reference_json(const LabelEvaluation& label) {
+Json reference_json(const LabelEvaluation& label, const Evaluation& e) {
   const LabelReference& r = *label.reference;
   const auto summary = [](const std::optional<DistanceSummary>& d) {
     return d ? to_json(*d) : Json(nullptr);
   };
   return {{"volume_mm3", r.volume_mm3},
-          {"volume_error_percent", label.reference_volume_error_percent()},
+          {"volume_error_percent",
+           e.cut_planes > 0 ? Json(nullptr) : Json(label.reference_volume_error_percent())},
           {"components", r.components},
           {"euler", r.euler},
           {"topology_equal",
@@ -93,7 +94,7 @@ Json reference_json(const LabelEvaluation& label) {
           {"normal_angle_deg", summary(r.normal_angle_deg)}};
 }
 
-Json to_json(const LabelEvaluation& label) {
+Json to_json(const LabelEvaluation& label, const Evaluation& e) {
   Json json = {{"label", label.label},
                {"name", label.name},
                {"cells", label.cells},
@@ -109,7 +110,7 @@ Json to_json(const LabelEvaluation& label) {
                      {"euler", label.image->euler}};
     json["hausdorff_mm"] = to_json(label.distances);
   }
-  if (label.reference) json["reference"] = reference_json(label);
+  if (label.reference) json["reference"] = reference_json(label, e);
   return json;
 }
 
@@ -146,6 +147,7 @@ std::string evaluation_json(const Evaluation& e) {
   const MeshStatistics& m = e.statistics;
   const TetrahedronStatistics& t = m.tetrahedra;
   Json json = {{"valid", e.valid()},
+               {"warnings", e.warnings},
                {"problem_count", e.problem_count},
                {"problems", e.problems},
                {"unit", e.info.unit},
@@ -167,7 +169,7 @@ std::string evaluation_json(const Evaluation& e) {
   json["components"] = e.components;
   json["euler"] = e.euler;
   json["labels"] = Json::array();
-  for (const LabelEvaluation& label : e.labels) json["labels"].push_back(to_json(label));
+  for (const LabelEvaluation& label : e.labels) json["labels"].push_back(to_json(label, e));
   json["boundary"] = to_json(e.boundary);
   json["boundary"]["patches"] = patches_json(e.patches);
   json["interface_triangles"] = e.interface_triangles;

@@ -90,15 +90,17 @@ std::string labels_text(const Evaluation& e) {
                         l.image ? fmt::format("{:+.2f}", l.image_volume_error_percent()) : "–",
                         of_image(l.components, l.image ? l.image->components : 0),
                         of_image(l.euler, l.image ? l.image->euler : 0),
-                        l.cells == 0           ? "LOST"
+                        l.lost()               ? "LOST"
+                        : l.cells == 0         ? "cut off"
                         : l.surface.manifold() ? "manifold"
                                                : "NOT MANIFOLD");
   }
   if (e.labels.size() > kMostLabels) text += fmt::format("… {} more labels\n", e.labels.size() - kMostLabels);
-  const auto lost =
-      std::count_if(e.labels.begin(), e.labels.end(), [](const auto& l) { return l.cells == 0; });
+  const auto lost = std::count_if(e.labels.begin(), e.labels.end(), [](const auto& l) { return l.lost(); });
   if (lost > 0) text += fmt::format("{} of {} labels are not in the mesh\n", lost, e.labels.size());
-  if (e.image) text += "in brackets: the voxels of the image, joined through faces\n";
+  if (e.image) text += "in brackets: the voxels of the image, joined through faces";
+  if (e.image && e.cut_planes > 0) text += ", as if it were not cut; volumes: of what the cuts keep";
+  if (e.image) text += "\n";
   return text;
 }
 
@@ -141,9 +143,11 @@ std::string reference_text(const Evaluation& e) {
   for (const LabelEvaluation& l : e.labels) {
     if (!l.reference) continue;
     const LabelReference& r = *l.reference;
-    text +=
-        fmt::format("  label {}: volume {:+.3f} %, components {} (truth {}), Euler {} (truth {})\n", l.label,
-                    l.reference_volume_error_percent(), l.components, r.components, l.euler, r.euler);
+    const std::string volume = e.cut_planes > 0
+                                   ? "volume not compared because of the cuts"
+                                   : fmt::format("volume {:+.3f} %", l.reference_volume_error_percent());
+    text += fmt::format("  label {}: {}, components {} (truth {}), Euler {} (truth {})\n", l.label, volume,
+                        l.components, r.components, l.euler, r.euler);
     if (r.surface_distance_mm)
       text += distance_row("  surface distance, voxels", *r.surface_distance_mm, *e.reference_voxel_mm);
     if (r.normal_angle_deg) text += distance_row("  angle of normals, degrees", *r.normal_angle_deg, 1);

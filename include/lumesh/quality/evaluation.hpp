@@ -21,7 +21,7 @@ namespace lumesh::quality {
 struct VoxelTopology {
   Label label = kBackground;
   std::uint64_t voxels = 0;
-  double volume_mm3 = 0;
+  double volume_mm3 = 0;         ///< On the kept side of the cut planes; all else is of the uncut image.
   std::uint64_t components = 0;  ///< Connected through faces.
   std::int64_t euler = 0;
 };
@@ -29,7 +29,7 @@ struct VoxelTopology {
 struct LabelEvaluation {
   Label label = kBackground;
   std::string name;         ///< May be empty.
-  std::uint64_t cells = 0;  ///< 0 if the mesh does not have the label: it was lost.
+  std::uint64_t cells = 0;  ///< 0 if the mesh does not have the label.
   double volume_mm3 = 0;
   std::uint64_t components = 0;
   std::int64_t euler = 0;
@@ -38,8 +38,10 @@ struct LabelEvaluation {
   std::optional<SurfaceDistances> distances;  ///< If there is an image and the mesh has the label.
   std::optional<LabelReference> reference;    ///< If there is a phantom.
 
-  /// Relative error of the volume in per cent against the image's voxels; against the exact volume. Only if
-  /// there.
+  /// True if the mesh does not have the label although its image has voxels of it that no plane cut off.
+  [[nodiscard]] bool lost() const { return cells == 0 && !(image && image->volume_mm3 <= 0); }
+  /// Relative error of the volume in per cent against the image's voxels; against the exact volume, which no
+  /// plane cuts. Only if there.
   [[nodiscard]] double image_volume_error_percent() const;
   [[nodiscard]] double reference_volume_error_percent() const;
 };
@@ -54,6 +56,8 @@ struct ImageEvaluation {
 
 struct Evaluation {
   MeshInfo info;
+  std::vector<std::string> warnings;  ///< Of the caller: what makes the figures doubtful.
+  std::size_t cut_planes = 0;
   std::vector<std::string> problems;  ///< What makes the mesh invalid, the first ones; empty if valid.
   std::uint64_t problem_count = 0;
   MeshStatistics statistics;
