@@ -1,11 +1,53 @@
 #include "common.hpp"
 
-#include <fmt/core.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <numeric>
+
+#include "lumesh/core/error.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/image_file.hpp"
 
 namespace lumesh::cli {
+
+namespace {
+
+/// A line that must not throw, whatever has become of stderr.
+void print_line(const std::string& line) {
+  std::fputs(line.c_str(), stderr);
+}
+
+template <class Number>
+std::optional<Number> parsed(std::string_view text) {
+  Number number{};
+  const char* const end = text.data() + text.size();
+  const auto [stop, fault] = std::from_chars(text.data(), end, number);
+  if (fault != std::errc() || stop != end) return std::nullopt;
+  return number;
+}
+
+/// Insertions, deletions and exchanges that lead from one word to the other (Levenshtein 1966).
+std::size_t edit_distance(const std::string& from, const std::string& to) {
+  std::vector<std::size_t> row(to.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < to.size(); ++j) {
+      const std::size_t exchanged = diagonal + (from[i] == to[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({exchanged, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
 
 void add_threads_option(CLI::App& command, RunOptions& options) {
   command.add_option("--threads", options.threads, "Threads; 0 = all cores")
@@ -13,12 +55,23 @@ void add_threads_option(CLI::App& command, RunOptions& options) {
       ->capture_default_str();
 }
 
-Context make_context() {
-  return {{}, print_warning};
+void add_verbosity_options(CLI::App& command, RunOptions& options) {
+  CLI::Option* const verbose =
+      command.add_flag("-v,--verbose", options.verbose, "Say on stderr when each step ends, and its time");
+  command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->excludes(verbose);
+}
+
+Context make_context(const RunOptions& options) {
+  Context context({}, print_warning);
+  if (options.verbose > 0)
+    context.report_phases_to([](const PhaseTime& phase) {
+      print_line(fmt::format("lumesh: {} took {:.2f} s\n", phase.name, phase.seconds));
+    });
+  return context;
 }
 
 void print_warning(std::string_view text) {
-  fmt::print(stderr, "lumesh: warning: {}\n", text);
+  print_line(fmt::format("lumesh: warning: {}\n", text));
 }
 
 void add_selection_options(CLI::App& command, ImageSelection& selection, const std::string& verb) {
@@ -40,6 +93,52 @@ void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::st
       .add_option("--cut-plane", planes,
                   "Point and normal in mm, x y z nx ny nz: " + meaning + "; may be repeated")
       ->type_size(6);
+}
+
+CLI::Validator positive_number() {
+  return {[](const std::string& text) {
+            const std::optional<double> number = number_from(text);
+            const bool good = number && std::isfinite(*number) && *number > 0;
+            return good ? std::string() : fmt::format("\"{}\" is not a positive number", text);
+          },
+          "POSITIVE"};
+}
+
+std::optional<double> number_from(std::string_view text) {
+  return parsed<double>(text);
+}
+
+std::optional<int> integer_from(std::string_view text) {
+  return parsed<int>(text);
+}
+
+void check_output_folders(std::initializer_list<std::string> paths) {
+  for (const std::filesystem::path path : paths) {
+    if (path.empty()) continue;
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(folder, ignored))
+      throw Error(ErrorKind::kBadInput, path.string() + ": its folder does not exist; create it first");
+    const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+    if (std::filesystem::is_directory(status))
+      throw Error(ErrorKind::kBadInput, path.string() + ": is a folder; give the name of a file");
+    const bool device = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+    if (!device && ::access(folder.c_str(), W_OK | X_OK) != 0)
+      throw Error(ErrorKind::kBadInput, path.string() + ": cannot be written; its folder is read-only");
+  }
+}
+
+std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known) {
+  std::string nearest;
+  std::size_t least = std::max<std::size_t>(2, wrong.size() / 2);  // More is another word.
+  for (const std::string& word : known) {
+    const bool begins = wrong.size() > 1 && word.starts_with(wrong);
+    const std::size_t distance = begins ? 0 : edit_distance(wrong, word);
+    if (distance > least || (distance == least && !nearest.empty())) continue;
+    nearest = word;
+    least = distance;
+  }
+  return nearest;
 }
 
 }  // namespace lumesh::cli

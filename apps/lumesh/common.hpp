@@ -1,10 +1,13 @@
 #pragma once
-/// @file What several subcommands share: options, the context they run in.
+/// @file What several subcommands share: options, the context they run in, checks of paths.
+
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
+#include <initializer_list>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "lumesh/core/context.hpp"
@@ -16,13 +19,23 @@ namespace lumesh::cli {
 inline constexpr const char* kImageFormats =
     "(.nii[.gz], .nrrd, .nhdr, .mha, .mhd, .gipl[.gz], DICOM folder)";
 
-/// How a command runs.
+/// How a command runs and how much it says.
 struct RunOptions {
   int threads = 0;
+  std::size_t verbose = 0;
+  std::size_t quiet = 0;
 };
 void add_threads_option(CLI::App& command, RunOptions& options);
-/// Warnings go to stderr.
-[[nodiscard]] Context make_context();
+/// -v and -q.
+void add_verbosity_options(CLI::App& command, RunOptions& options);
+/// Warnings go to stderr; with -v so does each phase as it ends, with its time.
+[[nodiscard]] Context make_context(const RunOptions& options);
+/// Prints to stdout unless -q was given.
+template <class... Args>
+void say(const RunOptions& options, fmt::format_string<Args...> format, Args&&... args) {
+  if (options.quiet == 0) fmt::print(format, std::forward<Args>(args)...);
+}
+
 /// One warning line on stderr.
 void print_warning(std::string_view text);
 
@@ -48,5 +61,19 @@ template <class Plane>
     planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
   return planes;
 }
+
+/// Accepts what is a finite number above 0, and says so otherwise.
+[[nodiscard]] CLI::Validator positive_number();
+
+/// The whole text as a number; none if it is anything else.
+[[nodiscard]] std::optional<double> number_from(std::string_view text);
+[[nodiscard]] std::optional<int> integer_from(std::string_view text);
+
+/// Refuses outputs that could not be written, before time is spent on them; empty names are not wanted ones.
+/// @throws Error{kBadInput} if a folder does not exist or the name is that of a folder.
+void check_output_folders(std::initializer_list<std::string> paths);
+
+/// The word of `known` most like a wrong one, empty if none is alike.
+[[nodiscard]] std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known);
 
 }  // namespace lumesh::cli

@@ -13,6 +13,7 @@ namespace {
 
 struct ConvertCommand {
   std::string from, to, surface, compat, msh_version = "4.1";
+  RunOptions run;
 };
 
 MeshWriteOptions write_options(const ConvertCommand& command) {
@@ -25,17 +26,24 @@ MeshWriteOptions write_options(const ConvertCommand& command) {
 }
 
 void run(const ConvertCommand& command) {
-  MixedMesh mesh = read_mesh(command.from);
+  if (command.to.empty())
+    throw Error(ErrorKind::kUsage,
+                "no name for the mesh to write; give it as in: lumesh convert case1.vtu case1.msh");
+  check_output_folders({command.to, command.surface});
+  Context context = make_context(command.run);
+  MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.from); });
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
   if (const std::size_t inverted = count_inverted_cells(mesh.view()); inverted > 0)
     print_warning(fmt::format("{}: {} cells have no positive volume; they are kept as they are", command.from,
                               inverted));
   const MeshWriteOptions options = write_options(command);
-  write_mesh(command.to, mesh.view(), options);
-  if (!command.surface.empty()) write_surface(command.surface, mesh.view(), options);
-  fmt::print("{}: {} cells, {} points, {} boundary faces, {} patches\n", command.to, mesh.view().cell_count(),
-             mesh.points.size(), mesh.triangles.size() + mesh.quadrilaterals.size(),
-             mesh.info.patches.size());
+  context.phase("write", [&] {
+    write_mesh(command.to, mesh.view(), options);
+    if (!command.surface.empty()) write_surface(command.surface, mesh.view(), options);
+  });
+  say(command.run, "{}: {} cells, {} points, {} boundary faces, {} patches\n", command.to,
+      mesh.view().cell_count(), mesh.points.size(), mesh.triangles.size() + mesh.quadrilaterals.size(),
+      mesh.info.patches.size());
 }
 
 }  // namespace
@@ -46,14 +54,14 @@ void add_convert_command(CLI::App& program) {
   sub->add_option("from", command->from, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh, .stl, .vtp)")
       ->required();
   sub->add_option("to,-o,--output", command->to,
-                  "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .vtp, .stl)")
-      ->required();
+                  "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .vtp, .stl), as second name or with -o");
   sub->add_option("--surface", command->surface, "Also write the boundary alone (.vtp, .stl)");
   sub->add_option("--msh-version", command->msh_version, "Gmsh format")
       ->check(CLI::IsMember({"4.1", "2.2"}))
       ->capture_default_str();
   sub->add_option("--compat", command->compat, "Also name the label array as this program does")
       ->check(CLI::IsMember({"gmsh", "medit", "simvascular"}));
+  add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh convert case1.vtu case1.msh --msh-version 2.2");
   sub->callback([command] { run(*command); });
 }

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/evaluation.hpp"
@@ -48,6 +49,29 @@ void bring_to_lps_mm(MixedMesh& mesh) {
   mesh.info.unit = "mm";
 }
 
+/// What makes the comparison with the image doubtful.
+std::vector<std::string> doubts(const EvaluateCommand& command, const MeshInfo& info) {
+  const auto made_from = info.provenance.find("input_sha256");
+  if (made_from == info.provenance.end() || made_from->second.empty()) return {};
+  const std::string found = file_sha256(command.image_path);
+  if (found.empty() || found == made_from->second) return {};
+  const auto input = info.provenance.find("input");
+  return {
+      fmt::format("{}: is not the file that {} was made from{} (SHA-256 {:.8}, not {:.8}); distances and "
+                  "volumes may mean nothing",
+                  command.image_path, command.mesh_path,
+                  input == info.provenance.end() ? "" : ", " + input->second, found, made_from->second)};
+}
+
+void require_valid(const EvaluateCommand& command, const quality::Evaluation& evaluation) {
+  if (evaluation.valid()) return;
+  throw Error(
+      ErrorKind::kNotReached,
+      fmt::format(
+          "{}: the mesh is invalid: {}{}", command.mesh_path, evaluation.problems.front(),
+          evaluation.problem_count > 1 ? fmt::format("; {} problems in all", evaluation.problem_count) : ""));
+}
+
 void require_angles(const EvaluateCommand& command, const quality::Evaluation& evaluation) {
   if (command.required_dihedral_deg.empty()) return;
   const double low = evaluation.statistics.tetrahedra.smallest_dihedral_deg.value;
@@ -81,30 +105,36 @@ void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
 
 void run(const EvaluateCommand& command) {
   const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context();
+  check_output_folders({command.json_path, command.report_path, command.picture_path});
+  Context context = make_context(command.run);
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);
   quality::EvaluationInput input;
   input.cut_planes = planes_from<quality::Plane>(command.cut_planes);
+  std::vector<std::string> warnings;
   LabelImage image;
   if (!command.image_path.empty()) {
     image = context.phase(
         "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
     input.image = &image;
+    warnings = context.phase("provenance", [&] { return doubts(command, mesh.info); });
   }
+  for (const std::string& warning : warnings) context.warn(warning);
   std::optional<Phantom> phantom;
   if (!command.reference_path.empty()) {
     phantom.emplace(phantom_spec_from_json(read_text(command.reference_path)));
     input.phantom = &*phantom;
   }
-  const quality::Evaluation evaluation = quality::evaluate(mesh.view(), input, context);
-  fmt::print("{}\n{}", command.mesh_path, report::summary_text(evaluation));
+  quality::Evaluation evaluation = quality::evaluate(mesh.view(), input, context);
+  evaluation.warnings = std::move(warnings);
+  say(command.run, "{}\n{}", command.mesh_path, report::summary_text(evaluation));
   write_outputs(command, mesh.view(), evaluation, context);
   if (command.times > 0) {
-    fmt::print("\ntime\n");
+    say(command.run, "\ntime\n");
     for (const PhaseTime& phase : context.phases())
-      fmt::print("  {:<30}{:>8.2f} s\n", phase.name, phase.seconds);
+      say(command.run, "  {:<30}{:>8.2f} s\n", phase.name, phase.seconds);
   }
+  require_valid(command, evaluation);
   require_angles(command, evaluation);
 }
 
@@ -127,7 +157,10 @@ void add_evaluate_command(CLI::App& program) {
       ->expected(2);
   sub->add_flag("--times", command->times, "Print how long each step took");
   add_threads_option(*sub, command->run);
-  sub->footer("Example: lumesh evaluate case1.vtu --image case1.nrrd --json case1.json --report case1.html");
+  add_verbosity_options(*sub, command->run);
+  sub->footer(
+      "Exit code 3 if the mesh is invalid, after everything was written.\n"
+      "Example: lumesh evaluate case1.vtu --image case1.nrrd --json case1.json --report case1.html");
   sub->callback([command] { run(*command); });
 }
 

@@ -15,7 +15,7 @@ namespace lumesh::cli {
 
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 struct InfoCommand {
   std::string path;
@@ -24,24 +24,29 @@ struct InfoCommand {
   RunOptions run;
 };
 
+/// 12 digits, which headers mean, instead of the 17 that arithmetic leaves: 0.5 for 0.49999999999999994.
+double tidy(double value) {
+  return number_from(fmt::format("{:.12g}", value)).value_or(value);
+}
+
 json list(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
+  return json::array({tidy(v.x()), tidy(v.y()), tidy(v.z())});
 }
 
 json describe_image(const LabelImage& image) {
   const ImageFrame& f = image.frame();
-  json all = {
-      {"kind", "image"},
-      {"size_voxels", {f.size.x(), f.size.y(), f.size.z()}},
-      {"spacing_mm", list(f.spacing_mm)},
-      {"origin_mm", list(f.origin_mm)},
-      {"direction_columns", {list(f.direction.col(0)), list(f.direction.col(1)), list(f.direction.col(2))}},
-      {"frame", "LPS"},
-      {"labels", json::array()}};
+  json all = {{"kind", "image"},
+              {"size_voxels", json::array({f.size.x(), f.size.y(), f.size.z()})},
+              {"spacing_mm", list(f.spacing_mm)},
+              {"origin_mm", list(f.origin_mm)},
+              {"direction_columns",
+               json::array({list(f.direction.col(0)), list(f.direction.col(1)), list(f.direction.col(2))})},
+              {"frame", "LPS"},
+              {"labels", json::array()}};
   for (const LabelTopology& t : label_topology(image))
     all["labels"].push_back({{"label", t.label},
                              {"voxels", t.voxel_count},
-                             {"volume_mm3", t.volume_mm3},
+                             {"volume_mm3", tidy(t.volume_mm3)},
                              {"components", t.component_count},
                              {"euler", t.euler_number}});
   return all;
@@ -63,7 +68,7 @@ json describe_mesh(MixedMesh mesh) {
               {"hexahedra", mesh.hexahedra.size()},
               {"unit", mesh.info.unit},
               {"frame", mesh.info.frame},
-              {"box", {list(low), list(high)}},
+              {"box", json::array({list(low), list(high)})},
               {"labels", json::array()},
               {"patches", json::array()},
               {"provenance", mesh.info.provenance}};
@@ -104,13 +109,16 @@ void print_text(const json& all) {
 
 void run(const InfoCommand& command) {
   const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context();
+  Context context = make_context(command.run);
   json all;
   if (is_mesh_file(command.path)) {
-    all = describe_mesh(read_mesh(command.path));
+    all = describe_mesh(context.phase("read", [&] { return read_mesh(command.path); }));
   } else {
-    all = describe_image(read_selected_image(command.path, command.selection, context));
+    const LabelImage image =
+        context.phase("read", [&] { return read_selected_image(command.path, command.selection, context); });
+    all = context.phase("labels", [&] { return describe_image(image); });
   }
+  if (command.run.quiet > 0) return;
   if (command.as_json > 0) {
     fmt::print("{}\n", all.dump(2));
   } else {
@@ -123,11 +131,11 @@ void run(const InfoCommand& command) {
 void add_info_command(CLI::App& program) {
   const auto command = std::make_shared<InfoCommand>();
   CLI::App* sub = program.add_subcommand("info", "Say what an image or a mesh holds");
-  sub->add_option("file", command->path, "Image (.nii[.gz], .nrrd, .nhdr, .mha, .mhd, DICOM folder) or mesh")
-      ->required();
+  sub->add_option("file", command->path, std::string("Image ") + kImageFormats + " or mesh")->required();
   add_selection_options(*sub, command->selection, "Look at");
   sub->add_flag("--json", command->as_json, "Print JSON");
   add_threads_option(*sub, command->run);
+  add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh info case1.nrrd");
   sub->callback([command] { run(*command); });
 }

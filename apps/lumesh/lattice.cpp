@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -30,25 +31,46 @@ struct LatticeCommand {
   RunOptions run;
 };
 
-std::map<Label, double> parse_label_fidelity(const std::vector<std::string>& pairs) {
+/// The labels of an image, the first ones of many.
+std::string label_list(const LabelImage& image) {
+  constexpr std::size_t kMost = 20;
+  std::string list;
+  for (std::size_t i = 1; i < image.values().size(); ++i) {
+    if (i > kMost) return list + ", ...";
+    list += (i > 1 ? ", " : "") + std::to_string(image.values()[i]);
+  }
+  return list;
+}
+
+/// --label-fidelity as given, checked against the labels of the image.
+std::map<Label, double> parse_label_fidelity(const LatticeCommand& command, const LabelImage& image) {
   std::map<Label, double> result;
-  for (const std::string& pair : pairs) {
-    try {
-      const std::size_t equals = pair.find('=');
-      result[std::stoi(pair.substr(0, equals))] = std::stod(pair.substr(equals + 1));
-    } catch (const std::exception&) {
-      throw Error(ErrorKind::kUsage, "--label-fidelity " + pair + ": write LABEL=VALUE, such as 2=0.9");
-    }
+  for (const std::string& pair : command.label_fidelity) {
+    const std::size_t equals = pair.find('=');
+    const bool is_pair = equals != std::string::npos;
+    const auto label = integer_from(pair.substr(0, equals));
+    const auto value = number_from(is_pair ? pair.substr(equals + 1) : "");
+    if (!label || !value)
+      throw Error(ErrorKind::kUsage,
+                  "--label-fidelity \"" + pair + "\": write LABEL=VALUE, such as 2=0.9, once for each label");
+    const std::vector<Label>& present = image.values();
+    if (*label == kBackground || !std::binary_search(present.begin(), present.end(), *label))
+      throw Error(ErrorKind::kBadInput, "--label-fidelity \"" + pair + "\": " + command.image_path +
+                                            " has no label " + std::to_string(*label) + " to mesh; it has " +
+                                            label_list(image));
+    result[*label] = *value;
   }
   return result;
 }
 
-/// The options of the command line as they were given.
+/// The options of the command line as they were given, but for those that do not change the mesh.
 std::string given_options(const CLI::App& command) {
   std::string all;
   for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    if (name == "--threads" || name == "--verbose" || name == "--quiet") continue;
     if (option->count() == 0 || option->get_positional()) continue;
-    all += (all.empty() ? "" : " ") + option->get_name();
+    all += (all.empty() ? "" : " ") + name;
     if (option->get_items_expected_max() == 0) continue;
     for (const std::string& value : option->results()) all += " " + value;
   }
@@ -76,13 +98,14 @@ void print_summary(const LatticeCommand& command, const LatticeResult& result, c
 void run(const LatticeCommand& command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context();
+  Context context = make_context(command.run);
+  check_output_folders({command.mesh_path, command.surface_path});
   const LabelImage image = context.phase(
       "read", [&] { return read_selected_image(command.image_path, command.selection, context); });
   ImageDomainOptions domain_options = command.domain;
   domain_options.cut_planes = planes_from<CutPlane>(command.cut_planes);
   LatticeOptions options = command.options;
-  options.label_fidelity = parse_label_fidelity(command.label_fidelity);
+  options.label_fidelity = parse_label_fidelity(command, image);
   const ImageDomain domain = context.phase("domain", [&] { return ImageDomain(image, domain_options); });
   LatticeResult result = mesh_lattice(image, domain, options, context);
   result.mesh.info.provenance = {{"program", std::string("lumesh ") + kVersion},
@@ -95,7 +118,7 @@ void run(const LatticeCommand& command) {
     if (!command.surface_path.empty()) write_surface(command.surface_path, result.mesh.view());
   });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  print_summary(command, result, context, elapsed.count());
+  if (command.run.quiet == 0) print_summary(command, result, context, elapsed.count());
 }
 
 }  // namespace
@@ -105,14 +128,12 @@ void add_lattice_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("lattice", "Mesh a segmented image on a body-centred cubic lattice");
   command->self = sub;
   LatticeOptions& o = command->options;
-  sub->add_option("image", command->image_path,
-                  "Label image (.nii[.gz], .nrrd, .nhdr, .mha, .mhd, DICOM folder)")
-      ->required();
+  sub->add_option("image", command->image_path, std::string("Label image ") + kImageFormats)->required();
   sub->add_option("-o,--output", command->mesh_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
       ->required();
   sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
   sub->add_option("--spacing", o.spacing_mm, "Lattice spacing at the boundary in mm; default 2.5 voxels")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   sub->add_option("--fidelity", o.fidelity,
                   "0.1 to 0.98: the spacing is at most 4 (1 - F) times the local half thickness")
       ->capture_default_str();
@@ -136,6 +157,7 @@ void add_lattice_command(CLI::App& program) {
   sub->add_option("--smoothing", command->domain.field.sigma, "Low-pass width in voxels, 0.5 to 3")
       ->capture_default_str();
   add_threads_option(*sub, command->run);
+  add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh lattice case1.nrrd -o case1.vtu --spacing 1.2 --cut-plane 0 0 10 0 0 -1");
   sub->callback([command] { run(*command); });
 }

@@ -1,8 +1,10 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <new>
 
 #include "commands.hpp"
+#include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 
@@ -13,6 +15,18 @@ constexpr int kInternalError = 70;
 int report_error(const char* message, int code) {
   fmt::print(stderr, "lumesh: error: {}\n", message);
   return code;
+}
+
+/// The parser speaks of arguments that it did not expect; this says which word is wrong.
+void check_command(const CLI::App& program, const std::string& word) {
+  std::vector<std::string> known;
+  for (const CLI::App* command : program.get_subcommands({})) known.push_back(command->get_name());
+  if (word.starts_with('-') || std::find(known.begin(), known.end(), word) != known.end()) return;
+  std::string message = "unknown command \"" + word + "\"";
+  const std::string nearest = lumesh::cli::nearest_word(word, known);
+  if (!nearest.empty()) message += "; did you mean \"" + nearest + "\"?";
+  for (const std::string& name : known) message += (name == known.front() ? " (commands: " : ", ") + name;
+  throw lumesh::Error(lumesh::ErrorKind::kUsage, message + ")");
 }
 
 }  // namespace
@@ -30,6 +44,7 @@ int main(int argc, char** argv) {
   lumesh::cli::add_evaluate_command(program);
   lumesh::cli::add_convert_command(program);
   try {
+    if (argc > 1) check_command(program, argv[1]);
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version

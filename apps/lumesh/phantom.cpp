@@ -40,8 +40,6 @@ PhantomSpec make_spec(const PhantomCommand& command) {
   const std::vector<double>& spacing = command.spacing_mm;
   if (spacing.size() == 2)
     throw Error(ErrorKind::kUsage, "--spacing: give one value, or one for each of x, y, z");
-  for (const double value : spacing)
-    if (!(value > 0)) throw Error(ErrorKind::kUsage, fmt::format("--spacing: {} is not positive", value));
   if (spacing.size() == 1) spec.spacing_mm.setConstant(spacing[0]);
   if (spacing.size() == 3) spec.spacing_mm = Vec3(spacing.data());
   if (!command.rotation_deg.empty()) spec.rotation_deg = Vec3(command.rotation_deg.data());
@@ -67,18 +65,10 @@ void write_lines(const std::string& path, const Polylines& lines, const PhantomC
   info.provenance = {
       {"program", std::string("lumesh ") + kVersion}, {"command", "phantom"}, {"kind", command.kind}};
   write_polylines(path, lines, info);
-  fmt::print("{}: {} lines, {} points\n", path, lines.lines.size(), lines.points.size());
+  say(command.run, "{}: {} lines, {} points\n", path, lines.lines.size(), lines.points.size());
 }
 
-void run(const PhantomCommand& command) {
-  const parallel::ThreadLimit limit(command.run.threads);
-  const Phantom phantom(make_spec(command));
-  const Polylines centerline = centerline_of(phantom);
-  const Polylines velocity = velocity_of(phantom);
-  check_lines(command.centerline_path, centerline, command);
-  check_lines(command.velocity_path, velocity, command);
-  const LabelImage image = phantom.rasterise();
-  write_image(command.image_path, image);
+void print_summary(const PhantomCommand& command, const Phantom& phantom, const LabelImage& image) {
   const Index3& size = phantom.spec().size;
   const Vec3& spacing = phantom.spec().spacing_mm;
   fmt::print("{}: {} x {} x {} voxels of {:g} x {:g} x {:g} mm\n", command.image_path, size.x(), size.y(),
@@ -87,10 +77,25 @@ void run(const PhantomCommand& command) {
     fmt::print("  label {}: {} voxels, {:.6g} mm3 (truth {:.6g}), components {}, Euler number {}\n",
                label.label, label.voxel_count, label.volume_mm3, phantom.volume_mm3(label.label),
                label.component_count, label.euler_number);
+}
+
+void run(const PhantomCommand& command) {
+  const parallel::ThreadLimit limit(command.run.threads);
   const std::filesystem::path parameters =
       command.parameters_path.empty() ? parameters_beside(command.image_path) : command.parameters_path;
+  check_output_folders(
+      {command.image_path, parameters.string(), command.centerline_path, command.velocity_path});
+  Context context = make_context(command.run);
+  const Phantom phantom(make_spec(command));
+  const Polylines centerline = centerline_of(phantom);
+  const Polylines velocity = velocity_of(phantom);
+  check_lines(command.centerline_path, centerline, command);
+  check_lines(command.velocity_path, velocity, command);
+  const LabelImage image = context.phase("voxels", [&] { return phantom.rasterise(); });
+  context.phase("write", [&] { write_image(command.image_path, image); });
+  if (command.run.quiet == 0) print_summary(command, phantom, image);
   write_parameters(parameters, phantom.spec());
-  fmt::print("{}: parameters, for lumesh evaluate --reference\n", parameters.string());
+  say(command.run, "{}: parameters, for lumesh evaluate --reference\n", parameters.string());
   write_lines(command.centerline_path, centerline, command);
   write_lines(command.velocity_path, velocity, command);
 }
@@ -107,7 +112,8 @@ void add_phantom_command(CLI::App& program) {
       ->expected(3);
   sub->add_option("--spacing", command->spacing_mm,
                   "Voxel edge in mm, one value or three; default 1, bifurcation 0.15")
-      ->expected(1, 3);
+      ->expected(1, 3)
+      ->check(positive_number());
   sub->add_option(
       "--radius", spec.radius_mm,
       "Inlet, ball or tube radius in mm; default 14, bifurcation 9, layered and sphere 20, torus 11 "
@@ -125,11 +131,14 @@ void add_phantom_command(CLI::App& program) {
       ->expected(3);
   sub->add_option("--origin", command->origin_mm, "Centre of the first voxel in mm; default 0 0 0")
       ->expected(3);
-  sub->add_option("--parameters", command->parameters_path, "Parameters; default IMAGE.phantom.json");
+  sub->add_option("--parameters", command->parameters_path,
+                  "Where to write the parameters, for lumesh evaluate; default: beside the image, "
+                  "case1.nrrd: case1.phantom.json");
   sub->add_option("--centerline", command->centerline_path,
                   "Also write the centerline with its radius (.vtp)");
   sub->add_option("--velocity", command->velocity_path, "Also write streamlines with velocity in m/s (.vtp)");
   add_threads_option(*sub, command->run);
+  add_verbosity_options(*sub, command->run);
   sub->footer(
       "Example: lumesh phantom carotid -o case1.nrrd --centerline centerline.vtp --velocity flow.vtp");
   sub->callback([command] { run(*command); });

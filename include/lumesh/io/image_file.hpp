@@ -40,7 +40,7 @@ struct ImageReadOptions {
 /// then.
 void write_image(const std::filesystem::path& path, const LabelImage& image);
 
-/// SHA-256 of a file's bytes in hexadecimal; of a folder, of its files' digests in the order of their names.
+/// SHA-256 of a file's bytes in hexadecimal; empty for a folder, since a series of files has no single one.
 /// @throws Error{kBadInput} if it cannot be read.
 [[nodiscard]] std::string file_sha256(const std::filesystem::path& path);
 

@@ -1,0 +1,204 @@
+#!/usr/bin/env python3
+"""What the commands say and how they end: warnings, exit codes, help, progress.
+
+Usage: commands_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input, 3 request not reached.
+"""
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import nrrd
+
+LUMESH = str(pathlib.Path(sys.argv.pop(1)).resolve())
+USAGE, BAD_INPUT, NOT_REACHED = 1, 2, 3
+SIZE = 24
+
+
+class CommandTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="lumesh_cli_"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.image = nrrd.write(self.folder / "ball.nrrd", [SIZE] * 3, nrrd.ball(SIZE, 8))
+        self.mesh = self.folder / "ball.vtu"
+        self.json = self.folder / "ball.json"
+
+    def run_lumesh(self, *arguments):
+        return subprocess.run([LUMESH, *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False,
+                              stdin=subprocess.DEVNULL)
+
+    def run_well(self, *arguments):
+        result = self.run_lumesh(*arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result
+
+    def make_mesh(self, *options):
+        return self.run_well("lattice", self.image, "-o", self.mesh, *options)
+
+    def evaluate(self, *options):
+        return self.run_lumesh("evaluate", self.mesh, "--json", self.json, *options)
+
+    def assert_refused(self, result, code, *words):
+        self.assertEqual(result.returncode, code, result.stderr)
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 1, result.stderr)
+        self.assertTrue(lines[0].startswith("lumesh: error: "), lines[0])
+        self.assertLess(len(lines[0]), 250)
+        for word in words:
+            self.assertIn(word, lines[0])
+
+
+class OptionsTest(CommandTest):
+    def test_a_label_fidelity_that_is_not_one_pair_of_numbers_is_refused(self):
+        for pair in ("1=0.7,2=0.9", "1=0.9x", "1=", "=0.9", "1", "x=0.9", "1.5=0.9", "1=0.7=0.9", "1 =0.7"):
+            with self.subTest(pair):
+                result = self.run_lumesh("lattice", self.image, "-o", self.mesh, "--label-fidelity", pair)
+                self.assert_refused(result, USAGE, "--label-fidelity", f'"{pair}"', "LABEL=VALUE")
+                self.assertFalse(self.mesh.exists())
+
+    def test_a_label_fidelity_of_a_label_that_is_not_there_is_refused(self):
+        for pair in ("7=0.9", "0=0.9"):
+            with self.subTest(pair):
+                result = self.run_lumesh("lattice", self.image, "-o", self.mesh, "--label-fidelity", pair)
+                self.assert_refused(result, BAD_INPUT, "--label-fidelity", "ball.nrrd", f"no label {pair[0]}", "it has 1")
+
+    def test_a_label_fidelity_makes_the_mesh_finer(self):
+        count = lambda result: int(re.search(r"(\d+) tetrahedra", result.stdout)[1])
+        self.assertGreater(count(self.make_mesh("--label-fidelity", "1=0.96")), 2 * count(self.make_mesh()))
+
+    def test_a_spacing_that_is_no_positive_number_is_named(self):
+        for value in ("abc", "1e999", "0", "1mm", "inf", "nan"):
+            for command in (["lattice", self.image], ["phantom", "sphere"]):
+                with self.subTest([*command, value]):
+                    result = self.run_lumesh(*command, "-o", self.folder / "out.vtu", "--spacing", value)
+                    self.assert_refused(result, USAGE, "--spacing", f'"{value}" is not a positive number')
+
+    def test_an_unknown_command_is_named_with_the_nearest_one(self):
+        for wrong, right in (("latice", "lattice"), ("evalute", "evaluate"), ("lat", "lattice"), ("covert", "convert")):
+            with self.subTest(wrong):
+                self.assert_refused(self.run_lumesh(wrong, "x"), USAGE, f'"{wrong}"', f'did you mean "{right}"?', "phantom")
+        result = self.run_lumesh("mesh", "x")
+        self.assert_refused(result, USAGE, '"mesh"', "phantom, info, lattice, evaluate, convert")
+        self.assertNotIn("did you mean", result.stderr)
+
+    def test_outputs_that_cannot_be_written_are_refused_before_the_work(self):
+        self.make_mesh()
+        nowhere = self.folder / "nodir" / "x"
+        for command in (["evaluate", self.mesh, "--report", f"{nowhere}.html"], ["evaluate", self.mesh, "--json", f"{nowhere}.json"],
+                        ["evaluate", self.mesh, "--picture", self.folder], ["convert", self.mesh, f"{nowhere}.msh"],
+                        ["lattice", self.image, "-o", f"{nowhere}.vtu"],
+                        ["lattice", self.image, "-o", self.folder / "y.vtu", "--surface", f"{nowhere}.stl"],
+                        ["phantom", "sphere", "-o", self.folder / "y.nrrd", "--parameters", f"{nowhere}.json"]):
+            with self.subTest(command):
+                before = sorted(self.folder.iterdir())
+                result = self.run_lumesh(*command)
+                self.assert_refused(result, BAD_INPUT, "folder")
+                self.assertEqual(result.stdout, "")
+                self.assertEqual(sorted(self.folder.iterdir()), before)
+
+    def test_convert_takes_two_names_or_o(self):
+        self.make_mesh()
+        help_text = self.run_well("convert", "--help").stdout
+        self.assertNotIn("--output TEXT REQUIRED", help_text)
+        for arguments in ([self.mesh, self.folder / "a.msh"], [self.mesh, "-o", self.folder / "b.msh"]):
+            self.run_well("convert", *arguments)
+            self.assertTrue(arguments[-1].exists())
+        self.assert_refused(self.run_lumesh("convert", self.mesh), USAGE, "mesh to write")
+
+
+class EvaluateTest(CommandTest):
+    def test_the_image_of_the_mesh_gives_no_warning(self):
+        self.make_mesh()
+        result = self.evaluate("--image", self.image)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertEqual(json.loads(self.json.read_text())["warnings"], [])
+
+    def test_another_image_than_that_of_the_mesh_gives_a_warning(self):
+        self.make_mesh()
+        other = nrrd.write(self.folder / "other.nrrd", [SIZE] * 3, nrrd.ball(SIZE, 7))
+        result = self.evaluate("--image", other, "--report", self.folder / "ball.html")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stderr, r"^lumesh: warning: .*other\.nrrd: .*ball\.vtu.*ball\.nrrd.*\n$")
+        warnings = json.loads(self.json.read_text())["warnings"]
+        self.assertEqual([f"lumesh: warning: {w}" for w in warnings], result.stderr.splitlines())
+        self.assertIn("Warnings", (self.folder / "ball.html").read_text())
+
+    def test_an_invalid_mesh_ends_with_3_after_the_report(self):
+        self.make_mesh()
+        text = self.folder / "ball.mesh"
+        self.run_well("convert", self.mesh, text)
+        lines = text.read_text().splitlines()
+        first = next(i for i, line in enumerate(lines) if line.startswith("Tetrahedra")) + 2
+        a, b, *rest = lines[first].split()
+        lines[first] = " ".join([b, a, *rest])  # the first tetrahedron inside out
+        text.write_text("\n".join(lines) + "\n")
+        result = self.run_lumesh("evaluate", text, "--json", self.json, "--report", self.folder / "ball.html")
+        self.assert_refused(result, NOT_REACHED, "ball.mesh", "invalid")
+        self.assertIn("INVALID", result.stdout)
+        self.assertIs(json.loads(self.json.read_text())["valid"], False)
+        self.assertTrue((self.folder / "ball.html").exists())
+
+    def test_volumes_are_compared_with_what_the_cut_keeps(self):
+        # A bar of 6 x 6 voxels along x from 4 to 20; the plane leaves 10.3 of its 16 voxels' length.
+        voxels = [1 if 4 <= i < 20 and 9 <= j < 15 and 9 <= k < 15 else 0
+                  for k in range(SIZE) for j in range(SIZE) for i in range(SIZE)]
+        nrrd.write(self.image, [SIZE] * 3, voxels)
+        cut = ("--cut-plane", "13.8", "0", "0", "2", "0", "0")
+        self.make_mesh("--spacing", "1", *cut)
+        self.evaluate("--image", self.image, *cut)
+        label = json.loads(self.json.read_text())["labels"][0]
+        self.assertAlmostEqual(label["voxel_volume_mm3"], 10.3 * 36, places=6)
+        self.assertEqual(label["image"]["voxels"], 16 * 36)
+        self.assertLess(abs(label["volume_error_percent"]), 12)  # edges are rounded off
+        self.assertAlmostEqual(label["volume_mm3"], label["voxel_volume_mm3"] * (1 + label["volume_error_percent"] / 100))
+
+
+class InfoTest(CommandTest):
+    def test_numbers_are_short_and_fields_in_a_sensible_order(self):
+        nrrd.write(self.image, [SIZE] * 3, nrrd.ball(SIZE, 8), spacing=[0.49999999999999994, 0.1, 1 / 3])
+        all_fields = json.loads(self.run_well("info", self.image, "--json").stdout)
+        self.assertEqual(all_fields["spacing_mm"], [0.5, 0.1, 0.333333333333])
+        self.assertEqual(list(all_fields)[:3], ["kind", "size_voxels", "spacing_mm"])
+        self.assertEqual(list(all_fields["labels"][0])[0], "label")
+        text = self.run_well("info", self.image).stdout
+        self.assertIn("[0.5,0.1,0.333333333333]", text)
+        self.assertLess(text.index("size_voxels"), text.index("origin_mm"))
+
+    def test_help_names_every_image_format(self):
+        for command in ("info", "lattice"):
+            self.assertIn(".gipl", self.run_well(command, "--help").stdout)
+
+
+class ProgressTest(CommandTest):
+    def test_verbose_tells_each_step_with_its_time(self):
+        result = self.make_mesh("-v")
+        lines = result.stderr.splitlines()
+        for line in lines:
+            self.assertRegex(line, r"^lumesh: [\w ]+ took \d+\.\d\d s$")
+        steps = [re.match(r"lumesh: (.*) took", line)[1] for line in lines]
+        self.assertEqual((steps[0], steps[-1]), ("read", "write"))
+        self.assertIn("boundary", steps)
+        self.assertIn("tetrahedra", result.stdout)
+
+    def test_quiet_prints_warnings_and_errors_only(self):
+        result = self.make_mesh("-q")
+        self.assertEqual((result.stdout, result.stderr), ("", ""))
+        other = nrrd.write(self.folder / "other.nrrd", [SIZE] * 3, nrrd.ball(SIZE, 7))
+        result = self.evaluate("--quiet", "--times", "--image", other)
+        self.assertEqual(result.stdout, "")
+        self.assertIn("warning", result.stderr)
+        for command in (["convert", self.mesh, self.folder / "x.msh"],
+                        ["phantom", "sphere", "-o", self.folder / "s.nrrd", "--size", "16", "16", "16"]):
+            result = self.run_well(*command, "-q")
+            self.assertEqual((result.stdout, result.stderr), ("", ""))
+        self.assert_refused(self.run_lumesh("convert", "none.vtu", self.folder / "x.msh", "-q"), BAD_INPUT, "none.vtu")
+        self.assert_refused(self.run_lumesh("lattice", self.image, "-o", self.mesh, "-q", "-v"), USAGE, "--quiet")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
