@@ -1,6 +1,10 @@
 #include <fmt/core.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <algorithm>
+#include <limits>
 #include <new>
 
 #include "commands.hpp"
@@ -15,6 +19,15 @@ constexpr int kInternalError = 70;
 int report_error(const char* message, int code) {
   fmt::print(stderr, "lumesh: error: {}\n", message);
   return code;
+}
+
+/// One stage's large arrays serve the next one. By default the C library returns each to the system, which
+/// clears its pages again: some 5 % of a run.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, std::numeric_limits<int>::max());
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+#endif
 }
 
 /// The parser speaks of arguments that it did not expect; this says which word is wrong.
@@ -32,6 +45,7 @@ void check_command(const CLI::App& program, const std::string& word) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_freed_memory();
   CLI::App program{"lumesh: from segmented images of blood vessels to meshes for simulation", "lumesh"};
   program.set_version_flag("--version", std::string("lumesh ") + lumesh::kVersion);
   program.require_subcommand(1);
