@@ -134,4 +134,31 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& query, double upper_boun
   return best;
 }
 
+std::vector<std::uint32_t> TriangleTree::overlapping(const Vec3& low, const Vec3& high) const {
+  std::vector<std::uint32_t> found;
+  if (ids_.empty()) return found;
+  const Box query{low, high};
+  std::array<std::size_t, kStackSize> stack;
+  int top = 0;
+  stack[top++] = 0;
+  const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
+  while (top > 0) {
+    const std::size_t heap = stack[--top];
+    if (!boxes_[heap].meets(query)) continue;
+    if (heap < first_leaf) {
+      stack[top++] = 2 * heap + 1;
+      stack[top++] = 2 * heap + 2;
+      continue;
+    }
+    const std::size_t leaf = heap - first_leaf;
+    for (std::size_t i = first_item(depth_, leaf); i < first_item(depth_, leaf + 1); ++i) {
+      Box own;
+      for (const Vec3& corner : corners_[i]) own.extend(corner);
+      if (own.meets(query)) found.push_back(ids_[i]);
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 }  // namespace lumesh

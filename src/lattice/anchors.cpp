@@ -5,7 +5,6 @@
 #include <optional>
 #include <unordered_map>
 
-#include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/image/neighbourhood.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -100,17 +99,20 @@ std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& d
       64);
 }
 
-std::vector<Anchors::Miss> Anchors::misses(const WorkMesh& mesh, const BoundaryModel& boundary) {
+TriangleTree boundary_tree(const WorkMesh& mesh, const BoundaryModel& boundary) {
   std::vector<std::array<std::uint32_t, 3>> triangles(boundary.triangles.size());
   parallel::for_each_index(triangles.size(),
                            [&](std::size_t i) { triangles[i] = boundary.triangles[i].vertices; });
-  const TriangleTree tree(mesh.positions, triangles);
+  return {mesh.positions, triangles};
+}
+
+std::vector<Anchors::Miss> Anchors::misses(const TriangleTree& surface) {
   auto found = parallel::collect<Miss>(
       watched_.size(),
       [&](std::size_t i, std::vector<Miss>& out) {
         const Vec3& position_mm = probes_[watched_[i]].position_mm;
         if (domain_.beyond_cut(position_mm)) return;
-        const TriangleTree::Nearest nearest = tree.nearest(position_mm);
+        const TriangleTree::Nearest nearest = surface.nearest(position_mm);
         if (nearest.distance > kWatchVoxels * domain_.voxel_size_mm())
           out.push_back({nearest.distance, watched_[i], nearest.triangle});
       },
@@ -131,7 +133,7 @@ std::vector<std::uint32_t> Anchors::update(const WorkMesh& mesh, const BoundaryM
   std::vector<std::uint32_t> changed;
   const double apart_mm = kApartVoxels * domain_.voxel_size_mm();
   SparsePoints taken(apart_mm);
-  for (const Miss& miss : misses(mesh, boundary)) {
+  for (const Miss& miss : misses(boundary_tree(mesh, boundary))) {
     const Vec3& probe = probes_[miss.probe].position_mm;
     const auto& [first, second] = probes_[miss.probe].materials;
     if (!taken.add(probe)) continue;

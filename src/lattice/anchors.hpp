@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "boundary_model.hpp"
+#include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
@@ -21,6 +22,8 @@ struct Probe {
 /// voxels has at most 13 of the 27 voxels around of its own label: wherever the boundary is not flat. They
 /// see whether the mesh reaches everywhere.
 [[nodiscard]] std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& domain);
+
+[[nodiscard]] TriangleTree boundary_tree(const WorkMesh& mesh, const BoundaryModel& boundary);
 
 /// Places on the boundary that certain vertices shall reach.
 class Anchors {
@@ -38,14 +41,16 @@ class Anchors {
   [[nodiscard]] bool holds(std::uint32_t v) const { return !is_set_.empty() && is_set_[v] != 0; }
   [[nodiscard]] const Vec3& place_mm(std::uint32_t v) const { return place_[v]; }
 
- private:
+  /// A probe further than 0.9 voxels from the surface, and the triangle nearest to it.
   struct Miss {
     double distance_mm;
     std::uint32_t probe;
     std::uint32_t triangle;
   };
-  [[nodiscard]] std::vector<Miss> misses(const WorkMesh& mesh, const BoundaryModel& boundary);
+  /// The furthest first; the tree is that of the boundary's triangles.
+  [[nodiscard]] std::vector<Miss> misses(const TriangleTree& surface);
 
+ private:
   const ImageDomain& domain_;
   const std::vector<Probe>& probes_;
   std::vector<std::uint32_t> watched_;  // probes worth a look: those not close to the surface the last time

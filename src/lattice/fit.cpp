@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lumesh/parallel/loops.hpp"
+#include "missed_tips.hpp"
 #include "offsets.hpp"
 #include "spikes.hpp"
 #include "star_quality.hpp"
@@ -21,7 +22,7 @@ constexpr double kThere = 0.02;  // voxels from its target at which a vertex cou
 
 class Fitter {
  public:
-  Fitter(WorkMesh& mesh, const BoundaryModel& boundary, const LabelImage& image, const ImageDomain& domain,
+  Fitter(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image, const ImageDomain& domain,
          const FitOptions& options, const VertexColours& colours)
       : mesh_(mesh),
         boundary_(boundary),
@@ -45,7 +46,7 @@ class Fitter {
 
   /// Finishes the fit: tips, volume, distance, angles.
   FitReport finish() {
-    reach_tips();
+    draw_to_tips();
     offset_mm_ = averaged(sag_offsets_mm(mesh_, boundary_, domain_));
     try_all_again();
     for (int s = 0; s < 2; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, floor_); });
@@ -59,6 +60,7 @@ class Fitter {
         improve_vertex(v, kGood);
       });
     }
+    for (int round = 0; round < 2; ++round) add_missed_tips();
     return report();
   }
 
@@ -115,23 +117,28 @@ class Fitter {
   void try_all_again() { std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{1}); }
 
   /// Draws the surface out to tips and into clefts that it passes by.
-  void reach_tips() {
-    constexpr int kRounds = 3;
+  void draw_to_tips() {
     constexpr int kSweeps = 3;
-    for (int round = 0; round < kRounds; ++round) {
-      std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
-      for (const std::uint32_t v : anchors_.update(mesh_, boundary_)) wake_star(v);
-      const std::vector<std::uint8_t> first_ring = waiting_;
-      parallel::for_each_index(first_ring.size(), [&](std::size_t v) {
-        if (first_ring[v] != 0) wake_star(static_cast<std::uint32_t>(v));
+    std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+    for (const std::uint32_t v : anchors_.update(mesh_, boundary_)) wake_star(v);
+    const std::vector<std::uint8_t> first_ring = waiting_;
+    parallel::for_each_index(first_ring.size(), [&](std::size_t v) {
+      if (first_ring[v] != 0) wake_star(static_cast<std::uint32_t>(v));
+    });
+    const std::vector<std::uint8_t> near = waiting_;
+    for (int s = 0; s < kSweeps; ++s) {
+      sweep([&](std::uint32_t v) {
+        if (near[v] != 0) fit_vertex(v, floor_);
       });
-      const std::vector<std::uint8_t> near = waiting_;
-      for (int s = 0; s < kSweeps; ++s) {
-        sweep([&](std::uint32_t v) {
-          if (near[v] != 0) fit_vertex(v, floor_);
-        });
-      }
     }
+  }
+
+  /// Where drawing did not help, tetrahedra are added or change sides.
+  void add_missed_tips() {
+    const TriangleTree tree = boundary_tree(mesh_, boundary_);
+    reach_missed_tips(mesh_, boundary_, surface_, tree, domain_, options_.probes, anchors_.misses(tree),
+                      {options_.min_dihedral_deg, options_.max_dihedral_deg});
+    surface_ = SurfaceStars(boundary_, mesh_.positions.size());
   }
 
   [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const {
@@ -346,7 +353,7 @@ class Fitter {
   }
 
   WorkMesh& mesh_;
-  const BoundaryModel& boundary_;
+  BoundaryModel& boundary_;
   const LabelImage& image_;
   const ImageDomain& domain_;
   const FitOptions& options_;

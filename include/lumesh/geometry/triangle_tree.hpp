@@ -36,6 +36,10 @@ class TriangleTree {
   [[nodiscard]] Nearest nearest(const Vec3& query,
                                 double upper_bound = std::numeric_limits<double>::infinity()) const;
 
+  /// The triangles whose own boxes along the axes meet the box [low, high], as indices in the input,
+  /// ascending.
+  [[nodiscard]] std::vector<std::uint32_t> overlapping(const Vec3& low, const Vec3& high) const;
+
   [[nodiscard]] std::size_t triangle_count() const { return ids_.size(); }
 
  private:
@@ -45,6 +49,9 @@ class TriangleTree {
     void extend(const Vec3& p) {
       low = low.cwiseMin(p);
       high = high.cwiseMax(p);
+    }
+    [[nodiscard]] bool meets(const Box& other) const {
+      return (low.array() <= other.high.array()).all() && (high.array() >= other.low.array()).all();
     }
     [[nodiscard]] double squared_distance(const Vec3& p) const {
       return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();

@@ -1,0 +1,356 @@
+#include "missed_tips.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+using Corners3 = std::array<Vec3, 3>;
+
+/// Whether a segment passes through a triangle.
+bool crosses(const Vec3& p, const Vec3& q, const Corners3& t) {
+  const auto side = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    return tetrahedron_volume(a, b, c, d);
+  };
+  if (side(t[0], t[1], t[2], p) * side(t[0], t[1], t[2], q) >= 0) return false;
+  const double u = side(p, q, t[0], t[1]), v = side(p, q, t[1], t[2]), w = side(p, q, t[2], t[0]);
+  return (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
+}
+
+class MissedTips {
+ public:
+  MissedTips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface, const TriangleTree& tree,
+             const ImageDomain& domain, const std::vector<Probe>& probes, const AngleLimits& limits)
+      : mesh_(mesh),
+        boundary_(boundary),
+        surface_(surface),
+        tree_(tree),
+        domain_(domain),
+        probes_(probes),
+        limits_(limits),
+        keep_(mesh.tets.size(), 1),
+        used_(mesh.positions.size(), 0) {}
+
+  void run(const std::vector<Anchors::Miss>& misses) {
+    std::vector<std::vector<Option>> options(misses.size());
+    parallel::for_each_index(
+        misses.size(), [&](std::size_t i) { options[i] = options_for(misses[i]); }, 4);
+    for (const std::vector<Option>& choice : options) {
+      const auto best =
+          std::find_if(choice.begin(), choice.end(), [&](const Option& o) { return is_free(o); });
+      if (best != choice.end()) carry_out(*best);
+    }
+    drop_what_changed_sides();
+    mesh_.neighbours.clear();
+    build_stars(mesh_);
+  }
+
+ private:
+  struct Attempt {
+    Vec3 probe_mm;
+    Vec3 place_mm;     // on the boundary, near the probe
+    double before_mm;  // the probe's distance from the surface
+  };
+  /// A triangle that shall give way to three, which join its edges to a point: a new vertex where `tet` is
+  /// none, the far vertex of a tetrahedron that changes sides otherwise.
+  struct Option {
+    std::uint32_t triangle;
+    std::uint32_t tet;
+    Vec3 apex;
+    double distance_mm;  // of the probe afterwards
+  };
+
+  /// What would bring the surface closer to a missed probe, the best first.
+  [[nodiscard]] std::vector<Option> options_for(const Anchors::Miss& miss) const {
+    const Probe& probe = probes_[miss.probe];
+    MaterialSet pair;
+    for (const Material m : probe.materials) pair.insert(m);
+    const std::optional<Vec3> place = domain_.project(probe.position_mm, pair, 2 * domain_.voxel_size_mm());
+    const Attempt attempt{probe.position_mm, place.value_or(probe.position_mm), miss.distance_mm};
+    std::vector<Option> options;
+    for (const std::uint32_t i : candidates(miss.triangle, probe)) {
+      if (const std::optional<Option> best = best_at(i, attempt)) options.push_back(*best);
+    }
+    std::stable_sort(options.begin(), options.end(),
+                     [](const Option& a, const Option& b) { return a.distance_mm < b.distance_mm; });
+    return options;
+  }
+
+  [[nodiscard]] std::optional<Option> best_at(std::uint32_t i, const Attempt& attempt) const {
+    const BoundaryTriangle& t = boundary_.triangles[i];
+    const Corners3 p = corners(t.vertices);
+    const Vec3 middle = (p[0] + p[1] + p[2]) / 3;
+    const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+    const double height = normal.dot(attempt.place_mm - middle);
+    std::uint32_t tet = kNoTet;
+    if (height < 0 || domain_.is_meshed(t.outside)) {
+      const std::optional<std::uint32_t> found = behind(t.vertices, height > 0 ? t.outside : t.inside);
+      if (!found) return std::nullopt;
+      tet = *found;
+      const std::uint32_t far = far_corner(tet, t.vertices);
+      if (boundary_.sets[far].size() >= 2) return std::nullopt;
+    }
+    const Vec3 from = tet == kNoTet ? middle : mesh_.positions[far_corner(tet, t.vertices)];
+    std::optional<Option> best;
+    for (const double sideways : {0.0, 0.4, 0.8}) {
+      const Vec3 wish = attempt.place_mm + sideways * (middle + height * normal - attempt.place_mm);
+      for (const double part : {1.0, 0.85, 0.7, 0.55, 0.4}) {
+        Option option{i, tet, from + part * (wish - from), 0};
+        option.distance_mm = distance_mm(p, option.apex, attempt.probe_mm);
+        if (option.distance_mm > (best ? best->distance_mm : 0.8 * attempt.before_mm)) continue;
+        if (lies_at_boundary(t, p, option.apex) && angles_good(option) &&
+            (tet != kNoTet || !hits_surface(t.vertices, option.apex)))
+          best = option;
+      }
+    }
+    return best;
+  }
+
+  [[nodiscard]] bool angles_good(const Option& o) const {
+    const Triangle& t = boundary_.triangles[o.triangle].vertices;
+    if (o.tet == kNoTet) {
+      const Corners3 p = corners(t);
+      return angles_good(p[0], p[1], p[2], o.apex);
+    }
+    const bool stays = domain_.is_meshed(other_side(o));
+    return star_good(far_corner(o.tet, t), o.apex, stays ? kNoTet : o.tet);
+  }
+
+  /// The material that the tetrahedron of an option goes to.
+  [[nodiscard]] Material other_side(const Option& o) const {
+    const BoundaryTriangle& t = boundary_.triangles[o.triangle];
+    return mesh_.materials[o.tet] == t.inside ? t.outside : t.inside;
+  }
+
+  /// Whether nothing near has changed since the options were found.
+  [[nodiscard]] bool is_free(const Option& o) const {
+    const Triangle& t = boundary_.triangles[o.triangle].vertices;
+    if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return used_[v] != 0; })) return false;
+    if (o.tet != kNoTet) return used_[far_corner(o.tet, t)] == 0;
+    return std::none_of(fresh_.begin(), fresh_.end(),
+                        [&](const Triangle& f) { return hits(f, t, corners(t), o.apex); });
+  }
+
+  void carry_out(const Option& o) {
+    const BoundaryTriangle base = boundary_.triangles[o.triangle];
+    MaterialSet pair;
+    pair.insert(base.inside);
+    pair.insert(base.outside);
+    if (o.tet == kNoTet) {
+      const auto v = static_cast<std::uint32_t>(mesh_.positions.size());
+      mesh_.positions.push_back(o.apex);
+      used_.push_back(1);
+      boundary_.sets.push_back(pair);
+      mesh_.tets.push_back({base.vertices[0], base.vertices[1], base.vertices[2], v});
+      mesh_.materials.push_back(base.inside);
+      keep_.push_back(1);
+      open_towards(o.triangle, v);
+      for (const std::uint32_t w : base.vertices) used_[w] = 1;
+      return;
+    }
+    const Material to = other_side(o);
+    const std::uint32_t far = far_corner(o.tet, base.vertices);
+    mesh_.positions[far] = o.apex;
+    boundary_.sets[far] = pair;
+    if (domain_.is_meshed(to))
+      mesh_.materials[o.tet] = to;
+    else
+      keep_[o.tet] = 0;
+    open_towards(o.triangle, far);
+    for (const std::uint32_t s : mesh_.star(far)) {
+      for (const std::uint32_t w : mesh_.tets[s]) used_[w] = 1;
+    }
+  }
+
+  /// The nearest triangle and those around its corners, by their distance from the probe.
+  [[nodiscard]] std::vector<std::uint32_t> candidates(std::uint32_t nearest, const Probe& probe) const {
+    std::vector<std::uint32_t> found;
+    for (const std::uint32_t v : boundary_.triangles[nearest].vertices) {
+      for (const std::uint32_t i : surface_.triangles(v)) {
+        const BoundaryTriangle& t = boundary_.triangles[i];
+        const std::array<Material, 2> pair = {std::min(t.inside, t.outside), std::max(t.inside, t.outside)};
+        if (pair == probe.materials) found.push_back(i);
+      }
+    }
+    const auto distance2 = [&](std::uint32_t i) {
+      const Corners3 p = corners(boundary_.triangles[i].vertices);
+      return ((p[0] + p[1] + p[2]) / 3 - probe.position_mm).squaredNorm();
+    };
+    std::sort(found.begin(), found.end(), [&](std::uint32_t a, std::uint32_t b) {
+      const double da = distance2(a), db = distance2(b);
+      return da != db ? da < db : a < b;
+    });
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+  }
+
+  [[nodiscard]] Corners3 corners(const Triangle& t) const {
+    return {mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]};
+  }
+
+  [[nodiscard]] bool angles_good(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const {
+    if (!(tetrahedron_volume(a, b, c, d) > 0)) return false;
+    const auto angles = dihedral_angles_deg(a, b, c, d);
+    const auto [least, most] = std::minmax_element(angles.begin(), angles.end());
+    return *least >= limits_.min_deg && *most <= limits_.max_deg;
+  }
+
+  /// Replaces a boundary triangle by the three that join its edges to a vertex.
+  void open_towards(std::uint32_t i, std::uint32_t v) {
+    const BoundaryTriangle base = boundary_.triangles[i];
+    for (std::size_t e = 0; e < 3; ++e) {
+      const BoundaryTriangle side{
+          {base.vertices[e], base.vertices[(e + 1) % 3], v}, base.inside, base.outside};
+      if (e == 0)
+        boundary_.triangles[i] = side;
+      else
+        boundary_.triangles.push_back(side);
+      fresh_.push_back(side.vertices);
+    }
+  }
+
+  /// Of a point from the three new triangles.
+  [[nodiscard]] static double distance_mm(const Corners3& p, const Vec3& apex, const Vec3& from) {
+    double least2 = std::numeric_limits<double>::infinity();
+    for (std::size_t e = 0; e < 3; ++e) {
+      const Vec3 x = closest_point_on_triangle(from, p[e], p[(e + 1) % 3], apex);
+      least2 = std::min(least2, (x - from).squaredNorm());
+    }
+    return std::sqrt(least2);
+  }
+
+  /// Whether the new triangles stay close to the boundary between their materials.
+  [[nodiscard]] bool lies_at_boundary(const BoundaryTriangle& base, const Corners3& p,
+                                      const Vec3& apex) const {
+    const auto off = [&](const Vec3& x) {
+      return std::abs(domain_.separation(x, base.inside, base.outside).value) / domain_.voxel_size_mm();
+    };
+    if (off(apex) > 0.6) return false;
+    for (std::size_t e = 0; e < 3; ++e) {
+      const Vec3& a = p[e];
+      const Vec3& b = p[(e + 1) % 3];
+      for (const Vec3& x : {Vec3((a + b + apex) / 3), Vec3(0.5 * (a + apex))}) {
+        if (off(x) > 0.9) return false;
+      }
+    }
+    return true;
+  }
+
+  /// Whether the sides of a cap would cut the surface or come close to folding onto it.
+  [[nodiscard]] bool hits_surface(const Triangle& base, const Vec3& apex) const {
+    const Corners3 p = corners(base);
+    Vec3 low = apex, high = apex;
+    for (const Vec3& x : p) {
+      low = low.cwiseMin(x);
+      high = high.cwiseMax(x);
+    }
+    const std::vector<std::uint32_t> near = tree_.overlapping(low, high);
+    return std::any_of(near.begin(), near.end(), [&](std::uint32_t i) {
+      return boundary_.triangles[i].vertices != base && hits(boundary_.triangles[i].vertices, base, p, apex);
+    });
+  }
+
+  [[nodiscard]] bool hits(const Triangle& other, const Triangle& base, const Corners3& p,
+                          const Vec3& apex) const {
+    const Corners3 q = corners(other);
+    const auto shared = [&](std::uint32_t v) { return std::find(base.begin(), base.end(), v) != base.end(); };
+    const auto in_other = [&](std::uint32_t v) {
+      return std::find(other.begin(), other.end(), v) != other.end();
+    };
+    constexpr double kLeastGap = 0.94;  // cosine of 20 degrees
+    for (std::size_t e = 0; e < 3; ++e) {
+      const std::size_t f = (e + 1) % 3;
+      // An edge of the cap through the other triangle.
+      if (!in_other(base[e]) && crosses(p[e], apex, q)) return true;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t l = (k + 1) % 3;
+        // An edge of the other triangle through a side of the cap.
+        const bool touches =
+            other[k] == base[e] || other[k] == base[f] || other[l] == base[e] || other[l] == base[f];
+        if (!touches && crosses(q[k], q[l], {p[e], p[f], apex})) return true;
+      }
+      if (!in_other(base[e]) || !in_other(base[f])) continue;
+      // The neighbour across an edge: the gap between it and the side of the cap.
+      std::size_t k = 0;
+      while (shared(other[k])) ++k;
+      const Vec3 along = (p[f] - p[e]).normalized();
+      const auto away = [&](const Vec3& x) {
+        const Vec3 d = x - p[e];
+        return Vec3((d - along * along.dot(d)).normalized());
+      };
+      if (away(apex).dot(away(q[k])) > kLeastGap) return true;
+      if (tetrahedron_volume(p[0], p[1], p[2], q[k]) > 0 && tetrahedron_volume(p[e], p[f], apex, q[k]) < 0)
+        return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] std::uint32_t far_corner(std::uint32_t t, const Triangle& face) const {
+    std::size_t at = 0;
+    while (std::find(face.begin(), face.end(), mesh_.tets[t][at]) != face.end()) ++at;
+    return mesh_.tets[t][at];
+  }
+
+  [[nodiscard]] std::optional<std::uint32_t> behind(const Triangle& face, Material material) const {
+    for (const std::uint32_t t : mesh_.star(face[0])) {
+      const Corner4& c = mesh_.tets[t];
+      const bool has = std::all_of(face.begin(), face.end(), [&](std::uint32_t v) {
+        return std::find(c.begin(), c.end(), v) != c.end();
+      });
+      if (has && mesh_.materials[t] == material) return t;
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] bool star_good(std::uint32_t v, const Vec3& x, std::uint32_t without) const {
+    const auto star = mesh_.star(v);
+    return std::all_of(star.begin(), star.end(), [&](std::uint32_t t) {
+      if (t == without) return true;
+      const auto at = [&](std::size_t c) {
+        return mesh_.tets[t][c] == v ? x : mesh_.positions[mesh_.tets[t][c]];
+      };
+      return angles_good(at(0), at(1), at(2), at(3));
+    });
+  }
+
+  void drop_what_changed_sides() {
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
+      if (keep_[t] == 0) continue;
+      mesh_.tets[kept] = mesh_.tets[t];
+      mesh_.materials[kept++] = mesh_.materials[t];
+    }
+    mesh_.tets.resize(kept);
+    mesh_.materials.resize(kept);
+  }
+
+  WorkMesh& mesh_;
+  BoundaryModel& boundary_;
+  const SurfaceStars& surface_;
+  const TriangleTree& tree_;
+  const ImageDomain& domain_;
+  const std::vector<Probe>& probes_;
+  const AngleLimits& limits_;
+  std::vector<std::uint8_t> keep_;  // per tetrahedron
+  std::vector<Triangle> fresh_;     // new triangles
+  std::vector<std::uint8_t> used_;  // per vertex: something around it has changed already
+};
+
+}  // namespace
+
+void reach_missed_tips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
+                       const TriangleTree& tree, const ImageDomain& domain, const std::vector<Probe>& probes,
+                       const std::vector<Anchors::Miss>& misses, const AngleLimits& limits) {
+  MissedTips(mesh, boundary, surface, tree, domain, probes, limits).run(misses);
+}
+
+}  // namespace lumesh
