@@ -176,6 +176,7 @@ class BoundaryChooser {
   struct Wish {
     std::uint32_t tet = 0;
     Material to = 0;
+    double depth = 0;  // of its centroid inside its own material, in units of its longest edge
   };
 
   /// Round by round: of the tetrahedra that want to change, those that come first at all of their vertices
@@ -187,8 +188,8 @@ class BoundaryChooser {
           now.size(),
           [&](std::size_t i, auto& out) {
             queued_[now[i]] = 0;
-            const Material to = wish_of(now[i]);
-            if (to != mesh_.materials[now[i]]) out.push_back({now[i], to});
+            const Wish wish = wish_of(now[i]);
+            if (wish.to != mesh_.materials[now[i]]) out.push_back(wish);
           },
           256);
       ++round_;
@@ -202,14 +203,14 @@ class BoundaryChooser {
           wishes.size(), [&](std::size_t i) { body(i, wishes[i]); }, 64);
     };
     for_each_wish([&](std::size_t, const Wish& w) {
-      for (const std::uint32_t v : mesh_.tets[w.tet]) parallel::raise_to(claim_[v], priority(w.tet));
+      for (const std::uint32_t v : mesh_.tets[w.tet]) parallel::raise_to(claim_[v], priority(w));
     });
     enum class Outcome : std::uint8_t { kLater, kRefused, kDone };
     std::vector<Outcome> outcome(wishes.size(), Outcome::kLater);
     for_each_wish([&](std::size_t i, const Wish& w) {
       const Corner4& c = mesh_.tets[w.tet];
       const bool first =
-          std::all_of(c.begin(), c.end(), [&](std::uint32_t v) { return claim_[v] == priority(w.tet); });
+          std::all_of(c.begin(), c.end(), [&](std::uint32_t v) { return claim_[v] == priority(w); });
       // No other that comes first shares a vertex with it, so nobody else looks at its material.
       if (first) outcome[i] = try_change(w.tet, w.to) ? Outcome::kDone : Outcome::kRefused;
     });
@@ -219,15 +220,16 @@ class BoundaryChooser {
     }
   }
 
-  /// Pseudo-random, different for different tetrahedra, and higher in each round than in those before.
-  [[nodiscard]] std::uint64_t priority(std::uint32_t t) const {
-    const std::uint64_t scattered = (std::uint64_t{t} * 0x9e3779b97f4a7c15ULL) >> 52;
-    return std::uint64_t{round_} << 44 | scattered << 32 | t;
+  /// The shallowest come first; different for different tetrahedra, and higher in each round than in those
+  /// before.
+  [[nodiscard]] std::uint64_t priority(const Wish& wish) const {
+    const double shallow = std::clamp((0.6 - wish.depth) / 2, 0.0, 0.999);
+    return std::uint64_t{round_} << 44 | static_cast<std::uint64_t>(4096 * shallow) << 32 | wish.tet;
   }
 
   /// A spike wants the material around it: three faces or more, or two towards the outside. A tetrahedron
   /// with two faces on the boundary would have to open to nearly 180 degrees once the boundary is smooth.
-  [[nodiscard]] Material wish_of(std::uint32_t t) const {
+  [[nodiscard]] Wish wish_of(std::uint32_t t) const {
     const Material own = mesh_.materials[t];
     Material other = own;
     int faces = 0;
@@ -243,15 +245,20 @@ class BoundaryChooser {
       }
     }
     const int enough = domain_.is_meshed(own) && !domain_.is_meshed(other) ? 2 : 3;
-    return faces >= enough && changes_[t] < kMaxChanges && near_boundary(t, own, other) ? other : own;
+    Wish wish{t, own};
+    if (faces < enough || changes_[t] >= kMaxChanges) return wish;
+    const double longest = mesh_.longest_edge_mm(t);
+    const Vec3 centroid = mesh_.centroid(t);
+    const FieldSample here = domain_.separation(centroid, own, other);
+    wish.depth = here.value / longest;
+    if (near_boundary(here, centroid, longest, own, other)) wish.to = other;
+    return wish;
   }
 
   /// Guards thin vessels: only tetrahedra that the boundary passes close by may change sides, and where the
   /// label goes on behind them also somewhat deeper ones, because the boundary can be drawn out again.
-  [[nodiscard]] bool near_boundary(std::uint32_t t, Material own, Material other) const {
-    const double longest = mesh_.longest_edge_mm(t);
-    const Vec3 centroid = mesh_.centroid(t);
-    const FieldSample here = domain_.separation(centroid, own, other);
+  [[nodiscard]] bool near_boundary(const FieldSample& here, const Vec3& centroid, double longest,
+                                   Material own, Material other) const {
     if (here.value < 0.3 * longest) return true;
     if (here.value > 0.6 * longest) return false;
     const Vec3 behind = centroid + here.gradient.normalized() * longest;

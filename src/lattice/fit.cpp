@@ -60,7 +60,9 @@ class Fitter {
         improve_vertex(v, kGood);
       });
     }
-    for (int round = 0; round < 2; ++round) add_missed_tips();
+    constexpr int kRounds = 4;  // a long tip grows by one tetrahedron in each
+    for (int round = 0; round < kRounds && add_missed_tips(); ++round) {
+    }
     return report();
   }
 
@@ -133,12 +135,17 @@ class Fitter {
     }
   }
 
-  /// Where drawing did not help, tetrahedra are added or change sides.
-  void add_missed_tips() {
+  /// Where drawing did not help, tetrahedra are added or change sides. False when that is not worth
+  /// repeating.
+  bool add_missed_tips() {
     const TriangleTree tree = boundary_tree(mesh_, boundary_);
-    reach_missed_tips(mesh_, boundary_, surface_, tree, domain_, options_.probes, anchors_.misses(tree),
-                      {options_.min_dihedral_deg, options_.max_dihedral_deg});
+    const std::vector<Anchors::Miss> misses = anchors_.misses(tree);
+    constexpr double kWorthIt = 1.2;  // voxels
+    const std::size_t reached =
+        reach_missed_tips(mesh_, boundary_, surface_, tree, domain_, options_.probes, misses,
+                          {options_.min_dihedral_deg, options_.max_dihedral_deg});
     surface_ = SurfaceStars(boundary_, mesh_.positions.size());
+    return reached > 0 && misses.front().distance_mm > kWorthIt * domain_.voxel_size_mm();
   }
 
   [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const {

@@ -40,18 +40,22 @@ class MissedTips {
         keep_(mesh.tets.size(), 1),
         used_(mesh.positions.size(), 0) {}
 
-  void run(const std::vector<Anchors::Miss>& misses) {
+  std::size_t run(const std::vector<Anchors::Miss>& misses) {
     std::vector<std::vector<Option>> options(misses.size());
     parallel::for_each_index(
         misses.size(), [&](std::size_t i) { options[i] = options_for(misses[i]); }, 4);
+    std::size_t reached = 0;
     for (const std::vector<Option>& choice : options) {
       const auto best =
           std::find_if(choice.begin(), choice.end(), [&](const Option& o) { return is_free(o); });
-      if (best != choice.end()) carry_out(*best);
+      if (best == choice.end()) continue;
+      carry_out(*best);
+      ++reached;
     }
     drop_what_changed_sides();
     mesh_.neighbours.clear();
     build_stars(mesh_);
+    return reached;
   }
 
  private:
@@ -347,10 +351,11 @@ class MissedTips {
 
 }  // namespace
 
-void reach_missed_tips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
-                       const TriangleTree& tree, const ImageDomain& domain, const std::vector<Probe>& probes,
-                       const std::vector<Anchors::Miss>& misses, const AngleLimits& limits) {
-  MissedTips(mesh, boundary, surface, tree, domain, probes, limits).run(misses);
+std::size_t reach_missed_tips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
+                              const TriangleTree& tree, const ImageDomain& domain,
+                              const std::vector<Probe>& probes, const std::vector<Anchors::Miss>& misses,
+                              const AngleLimits& limits) {
+  return MissedTips(mesh, boundary, surface, tree, domain, probes, limits).run(misses);
 }
 
 }  // namespace lumesh

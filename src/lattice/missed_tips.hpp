@@ -16,8 +16,9 @@ struct AngleLimits {
 /// other material, and its far vertex to the boundary. Only where the angles keep their limits, the boundary
 /// stays a manifold that does not cut itself, and the probe comes closer. Rebuilds the mesh's stars; its
 /// neighbours are gone. New vertices come last.
-void reach_missed_tips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
-                       const TriangleTree& tree, const ImageDomain& domain, const std::vector<Probe>& probes,
-                       const std::vector<Anchors::Miss>& misses, const AngleLimits& limits);
+std::size_t reach_missed_tips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
+                              const TriangleTree& tree, const ImageDomain& domain,
+                              const std::vector<Probe>& probes, const std::vector<Anchors::Miss>& misses,
+                              const AngleLimits& limits);
 
 }  // namespace lumesh

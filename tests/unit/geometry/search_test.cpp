@@ -100,6 +100,16 @@ TEST(TriangleTree, BoundExcludesWhatIsFarther) {
   EXPECT_EQ(tree.nearest(Vec3(1.5, 1.2, 3), 3.1).distance, 3);
 }
 
+TEST(TriangleTree, FindsTheTrianglesThatABoxMeets) {
+  const Surface surface = plane_grid(20);
+  const TriangleTree tree(surface.points, surface.triangles);
+  const std::vector<std::uint32_t> found = tree.overlapping({2.25, 3.25, -1}, {3.75, 3.75, 1});
+  EXPECT_EQ(found, (std::vector<std::uint32_t>{124, 125, 126, 127}))
+      << "both halves of the squares 2 and 3 of row 3";
+  EXPECT_TRUE(tree.overlapping({2, 2, 0.5}, {9, 9, 1}).empty());
+  EXPECT_EQ(tree.overlapping({-1, -1, -1}, {21, 21, 1}).size(), surface.triangles.size());
+}
+
 TEST(TriangleTree, ManyEqualTrianglesAndNoneAtAllAreFine) {
   const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const TriangleTree same(points, Triangles(1000, {0, 1, 2}));

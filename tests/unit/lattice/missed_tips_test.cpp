@@ -1,0 +1,79 @@
+// Bumps and pits of single voxels, which no smooth surface passes through.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "fixtures/images.hpp"
+#include "lumesh/geometry/triangle_tree.hpp"
+#include "shapes.hpp"
+
+namespace lumesh {
+namespace {
+
+/// How many of a voxel's six neighbours have a label.
+int neighbours_of_label(const LabelImage& image, const Index3& voxel, LabelImage::Index label) {
+  int count = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int d : {-1, 1}) count += image.at(voxel + d * Index3::Unit(axis)) == label ? 1 : 0;
+  }
+  return count;
+}
+
+/// A ball of radius 12 whose surface has lost and got some single voxels, each joined to its like by one
+/// face.
+LabelImage rough_ball(std::uint64_t seed, int changes) {
+  LabelImage image = fixtures::voxels_of(fixtures::frame_of({40, 40, 40}), {0, 1}, [](const Vec3& p) {
+    return (p - Vec3(19.6, 19.3, 19.8)).norm() < 12 ? 1 : 0;
+  });
+  std::mt19937_64 random(seed);
+  std::uniform_int_distribution<int> place(2, 37);
+  for (int done = 0; done < changes;) {
+    const Index3 voxel(place(random), place(random), place(random));
+    const LabelImage::Index other = 1 - image.at(voxel);
+    if (neighbours_of_label(image, voxel, other) != 1) continue;
+    image.at(voxel) = other;
+    ++done;
+  }
+  return image;
+}
+
+/// Largest distance of the centres and corners of the faces between label and background from the mesh.
+double worst_distance_mm(const LabelImage& image, const MixedMesh& mesh) {
+  const TriangleTree tree(mesh.points, mesh.triangles);
+  double worst = 0;
+  const Index3 size = image.frame().size;
+  for (int k = 1; k < size.z(); ++k) {
+    for (int j = 1; j < size.y(); ++j) {
+      for (int i = 1; i < size.x(); ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+          const Index3 voxel(i, j, k);
+          if (image.at(voxel) == image.at(voxel - Index3::Unit(axis))) continue;
+          const Vec3 centre = voxel.cast<double>() - 0.5 * Vec3::Unit(axis);
+          worst = std::max(worst, tree.nearest(image.frame().to_physical(centre)).distance);
+          for (int corner = 0; corner < 4; ++corner) {
+            Vec3 at = centre;
+            at[(axis + 1) % 3] += corner % 2 == 0 ? -0.5 : 0.5;
+            at[(axis + 2) % 3] += corner < 2 ? -0.5 : 0.5;
+            worst = std::max(worst, tree.nearest(image.frame().to_physical(at)).distance);
+          }
+        }
+      }
+    }
+  }
+  return worst;
+}
+
+TEST(MissedTips, BumpsAndPitsOfOneVoxelAreReached) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const LabelImage image = rough_ball(seed, 60);
+    const MixedMesh mesh = test::meshed(image);
+    test::expect_good(mesh);
+    EXPECT_EQ(test::euler_number(mesh, {0}), 2) << "the surface stays one sphere";
+    test::expect_label_volumes(image, mesh, 0.01);
+    EXPECT_LT(worst_distance_mm(image, mesh), 1.2) << "voxels";
+  }
+}
+
+}  // namespace
+}  // namespace lumesh

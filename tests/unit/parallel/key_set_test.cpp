@@ -1,0 +1,40 @@
+#include "lumesh/parallel/key_set.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::parallel {
+namespace {
+
+TEST(KeySet, HoldsEveryKeyOnceWhateverWasExpected) {
+  constexpr std::size_t kCount = 300000;
+  for (const std::size_t expected : {std::size_t{0}, std::size_t{1000}, kCount}) {
+    KeySet set;
+    set.insert_all(kCount, expected, [](std::size_t i, auto& put) {
+      put(3 * i);
+      put(3 * (i / 2));  // most are there already
+    });
+    EXPECT_EQ(set.size(), kCount);
+    const std::vector<std::uint64_t> keys = set.sorted_keys();
+    ASSERT_EQ(keys.size(), kCount);
+    for (std::size_t i = 0; i < kCount; ++i) ASSERT_EQ(keys[i], 3 * i);
+    EXPECT_FALSE(set.contains(1));
+    EXPECT_TRUE(set.insert(1));
+    EXPECT_FALSE(set.insert(1));
+    EXPECT_TRUE(set.contains(1));
+    EXPECT_EQ(set.size(), kCount + 1);
+  }
+}
+
+TEST(RaiseTo, LeavesTheLargestOfAll) {
+  std::vector<std::uint64_t> most(7, 0);
+  for_each_index(
+      700000, [&](std::size_t i) { raise_to(most[i % 7], i); }, 100);
+  for (std::size_t r = 0; r < 7; ++r) EXPECT_EQ(most[r], 699993 + r);
+}
+
+}  // namespace
+}  // namespace lumesh::parallel
