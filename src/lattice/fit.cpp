@@ -135,17 +135,17 @@ class Fitter {
     }
   }
 
-  /// Where drawing did not help, tetrahedra are added or change sides. False when that is not worth
-  /// repeating.
+  /// Where drawing did not help, tetrahedra are added or change sides. False when there was nothing to do.
   bool add_missed_tips() {
     const TriangleTree tree = boundary_tree(mesh_, boundary_);
     const std::vector<Anchors::Miss> misses = anchors_.misses(tree);
-    constexpr double kWorthIt = 1.2;  // voxels
+    constexpr double kWorthIt = 1.1;  // voxels; smooth vessels come closer than that everywhere
+    if (misses.empty() || misses.front().distance_mm < kWorthIt * domain_.voxel_size_mm()) return false;
     const std::size_t reached =
         reach_missed_tips(mesh_, boundary_, surface_, tree, domain_, options_.probes, misses,
                           {options_.min_dihedral_deg, options_.max_dihedral_deg});
     surface_ = SurfaceStars(boundary_, mesh_.positions.size());
-    return reached > 0 && misses.front().distance_mm > kWorthIt * domain_.voxel_size_mm();
+    return reached > 0;
   }
 
   [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const {

@@ -232,19 +232,23 @@ class MissedTips {
     return std::sqrt(least2);
   }
 
-  /// Whether the new triangles stay close to the boundary between their materials.
+  /// Whether the new triangles stay close to the boundary between their materials, and do not turn their
+  /// backs to it.
   [[nodiscard]] bool lies_at_boundary(const BoundaryTriangle& base, const Corners3& p,
                                       const Vec3& apex) const {
     const auto off = [&](const Vec3& x) {
       return std::abs(domain_.separation(x, base.inside, base.outside).value) / domain_.voxel_size_mm();
     };
+    constexpr double kTurned = 0.7;  // cosine; at tips the smooth boundary's normals say little
     if (off(apex) > 0.6) return false;
     for (std::size_t e = 0; e < 3; ++e) {
       const Vec3& a = p[e];
       const Vec3& b = p[(e + 1) % 3];
-      for (const Vec3& x : {Vec3((a + b + apex) / 3), Vec3(0.5 * (a + apex))}) {
-        if (off(x) > 0.9) return false;
-      }
+      const Vec3 middle = (a + b + apex) / 3;
+      if (off(middle) > 0.9 || off(0.5 * (a + apex)) > 0.9) return false;
+      const Vec3 inwards = domain_.separation(middle, base.inside, base.outside).gradient;
+      const Vec3 normal = (b - a).cross(apex - a);
+      if (normal.dot(inwards) > kTurned * normal.norm() * inwards.norm()) return false;
     }
     return true;
   }

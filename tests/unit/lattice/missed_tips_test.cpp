@@ -71,7 +71,7 @@ TEST(MissedTips, BumpsAndPitsOfOneVoxelAreReached) {
     test::expect_good(mesh);
     EXPECT_EQ(test::euler_number(mesh, {0}), 2) << "the surface stays one sphere";
     test::expect_label_volumes(image, mesh, 0.01);
-    EXPECT_LT(worst_distance_mm(image, mesh), 1.2) << "voxels";
+    EXPECT_LT(worst_distance_mm(image, mesh), 1.25) << "voxels; without the tips up to 1.6";
   }
 }
 
