@@ -53,9 +53,12 @@ void add_selection_options(CLI::App& command, ImageSelection& selection, const s
 /// Planes as they come from the command line: x y z nx ny nz each.
 using PlaneNumbers = std::vector<std::vector<double>>;
 void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::string& meaning);
+/// @throws Error{kUsage} unless every number is finite and no normal is zero.
+void check_planes(const PlaneNumbers& numbers);
 /// The same as planes of another module, which begin with a point and a normal.
 template <class Plane>
 [[nodiscard]] std::vector<Plane> planes_from(const PlaneNumbers& numbers) {
+  check_planes(numbers);
   std::vector<Plane> planes;
   for (const std::vector<double>& v : numbers)
     planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});

@@ -118,7 +118,7 @@ void run(const InfoCommand& command) {
         context.phase("read", [&] { return read_selected_image(command.path, command.selection, context); });
     all = context.phase("labels", [&] { return describe_image(image); });
   }
-  if (command.run.quiet > 0) return;
+  if (command.run.quiet > 0 && command.as_json == 0) return;
   if (command.as_json > 0) {
     fmt::print("{}\n", all.dump(2));
   } else {

@@ -68,7 +68,8 @@ std::string given_options(const CLI::App& command) {
   std::string all;
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
-    if (name == "--threads" || name == "--verbose" || name == "--quiet") continue;
+    constexpr std::string_view kElsewhere[] = {"--threads", "--verbose", "--quiet", "--output", "--surface"};
+    if (std::find(std::begin(kElsewhere), std::end(kElsewhere), name) != std::end(kElsewhere)) continue;
     if (option->count() == 0 || option->get_positional()) continue;
     all += (all.empty() ? "" : " ") + name;
     if (option->get_items_expected_max() == 0) continue;
@@ -89,7 +90,6 @@ void print_summary(const LatticeCommand& command, const LatticeResult& result, c
         std::count(mesh.triangle_patches.begin(), mesh.triangle_patches.end(), static_cast<int>(p));
     fmt::print("  patch {:<20} {:>8} triangles\n", mesh.info.patches[p].name, faces);
   }
-  for (const std::string& note : result.report.notes) fmt::print("  note: {}\n", note);
   fmt::print("  time");
   for (const PhaseTime& phase : context.phases()) fmt::print("  {} {:.2f}", phase.name, phase.seconds);
   fmt::print("  total {:.2f} s\n", seconds);
@@ -117,6 +117,7 @@ void run(const LatticeCommand& command) {
     write_mesh(command.mesh_path, result.mesh.view());
     if (!command.surface_path.empty()) write_surface(command.surface_path, result.mesh.view());
   });
+  for (const std::string& note : result.report.notes) context.warn(note);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (command.run.quiet == 0) print_summary(command, result, context, elapsed.count());
 }
@@ -143,6 +144,7 @@ void add_lattice_command(CLI::App& program) {
   sub->add_option("--max-refinement", o.max_refinement, "Times it may halve in thin parts, 0 to 5")
       ->capture_default_str();
   sub->add_option("--max-tetrahedra", o.max_tetrahedra, "Give up refinement of thin parts to stay near this")
+      ->check(positive_number())
       ->capture_default_str();
   sub->add_option("--min-dihedral", o.min_dihedral_deg, "Floor of the dihedral angles in degrees, 1 to 25")
       ->capture_default_str();

@@ -4,6 +4,7 @@
 #endif
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <new>
 
@@ -71,5 +72,8 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     return report_error(error.what(), kInternalError);
   }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return report_error("cannot write to the standard output",
+                        static_cast<int>(lumesh::ErrorKind::kBadInput));
   return 0;
 }

@@ -151,7 +151,7 @@ std::vector<std::uint32_t> Anchors::update(const WorkMesh& mesh, const BoundaryM
     if (!best) continue;
     const std::optional<Vec3> place =
         domain_.project(probe, boundary.sets[*best], 2 * domain_.voxel_size_mm());
-    if (!place) continue;
+    if (!place || domain_.beyond_cut(*place)) continue;
     is_set_[*best] = 1;
     place_[*best] = *place;
     changed.push_back(*best);

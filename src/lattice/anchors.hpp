@@ -38,7 +38,7 @@ class Anchors {
   /// @return The vertices with a new anchor.
   std::vector<std::uint32_t> update(const WorkMesh& mesh, const BoundaryModel& boundary);
 
-  [[nodiscard]] bool holds(std::uint32_t v) const { return !is_set_.empty() && is_set_[v] != 0; }
+  [[nodiscard]] bool holds(std::uint32_t v) const { return v < is_set_.size() && is_set_[v] != 0; }
   [[nodiscard]] const Vec3& place_mm(std::uint32_t v) const { return place_[v]; }
 
   /// A probe further than 0.9 voxels from the surface, and the triangle nearest to it.

@@ -145,6 +145,8 @@ class Fitter {
         reach_missed_tips(mesh_, boundary_, surface_, tree, domain_, options_.probes, misses,
                           {options_.min_dihedral_deg, options_.max_dihedral_deg});
     surface_ = SurfaceStars(boundary_, mesh_.positions.size());
+    offset_mm_.resize(mesh_.positions.size(), 0.0);
+    waiting_.resize(mesh_.positions.size(), 0);
     return reached > 0;
   }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <unordered_map>
 
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -26,6 +27,55 @@ bool crosses(const Vec3& p, const Vec3& q, const Corners3& t) {
   return (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
 }
 
+struct Extent {
+  Vec3 low, high;
+  explicit Extent(const Vec3& p) : low(p), high(p) {}
+  void extend(const Vec3& p) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+};
+
+/// Triangles by the cells of a grid that their boxes touch.
+class TriangleGrid {
+ public:
+  explicit TriangleGrid(double cell_mm) : cell_mm_(cell_mm) {}
+  void add(const Triangle& t, const Extent& box) {
+    for_each_cell(box, [&](std::uint64_t cell) { cells_[cell].push_back(t); });
+  }
+  /// Whether `condition` holds for a triangle in one of the cells of a box.
+  template <class Condition>
+  [[nodiscard]] bool any(const Extent& box, const Condition& condition) const {
+    bool found = false;
+    for_each_cell(box, [&](std::uint64_t cell) {
+      const auto at = cells_.find(cell);
+      if (!found && at != cells_.end()) found = std::any_of(at->second.begin(), at->second.end(), condition);
+    });
+    return found;
+  }
+
+ private:
+  template <class Body>
+  void for_each_cell(const Extent& box, const Body& body) const {
+    const auto cell_of = [&](const Vec3& p) {
+      return Index3(Eigen::Array3d((p / cell_mm_).array().floor()).cast<int>().matrix());
+    };
+    const Index3 low = cell_of(box.low), high = cell_of(box.high);
+    for (int k = low.z(); k <= high.z(); ++k) {
+      for (int j = low.y(); j <= high.y(); ++j) {
+        for (int i = low.x(); i <= high.x(); ++i) body(key({i, j, k}));
+      }
+    }
+  }
+  static std::uint64_t key(const Index3& c) {
+    constexpr std::uint64_t kMask = (1U << 21) - 1;
+    const auto part = [](int i) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)) & kMask; };
+    return part(c.x()) | part(c.y()) << 21 | part(c.z()) << 42;
+  }
+  double cell_mm_;
+  std::unordered_map<std::uint64_t, std::vector<Triangle>> cells_;
+};
+
 class MissedTips {
  public:
   MissedTips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface, const TriangleTree& tree,
@@ -38,6 +88,7 @@ class MissedTips {
         probes_(probes),
         limits_(limits),
         keep_(mesh.tets.size(), 1),
+        fresh_(4 * domain.voxel_size_mm()),
         used_(mesh.positions.size(), 0) {}
 
   std::size_t run(const std::vector<Anchors::Miss>& misses) {
@@ -109,6 +160,7 @@ class MissedTips {
       const Vec3 wish = attempt.place_mm + sideways * (middle + height * normal - attempt.place_mm);
       for (const double part : {1.0, 0.85, 0.7, 0.55, 0.4}) {
         Option option{i, tet, from + part * (wish - from), 0};
+        if (domain_.beyond_cut(option.apex)) continue;
         option.distance_mm = distance_mm(p, option.apex, attempt.probe_mm);
         if (option.distance_mm > (best ? best->distance_mm : 0.8 * attempt.before_mm)) continue;
         if (lies_at_boundary(t, p, option.apex) && angles_good(option) &&
@@ -140,8 +192,8 @@ class MissedTips {
     const Triangle& t = boundary_.triangles[o.triangle].vertices;
     if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return used_[v] != 0; })) return false;
     if (o.tet != kNoTet) return used_[far_corner(o.tet, t)] == 0;
-    return std::none_of(fresh_.begin(), fresh_.end(),
-                        [&](const Triangle& f) { return hits(f, t, corners(t), o.apex); });
+    return !fresh_.any(extent_of(t, o.apex),
+                       [&](const Triangle& f) { return hits(f, t, corners(t), o.apex); });
   }
 
   void carry_out(const Option& o) {
@@ -197,6 +249,12 @@ class MissedTips {
     return found;
   }
 
+  [[nodiscard]] Extent extent_of(const Triangle& t, const Vec3& apex) const {
+    Extent box(apex);
+    for (const std::uint32_t v : t) box.extend(mesh_.positions[v]);
+    return box;
+  }
+
   [[nodiscard]] Corners3 corners(const Triangle& t) const {
     return {mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]};
   }
@@ -218,7 +276,7 @@ class MissedTips {
         boundary_.triangles[i] = side;
       else
         boundary_.triangles.push_back(side);
-      fresh_.push_back(side.vertices);
+      fresh_.add(side.vertices, extent_of(base.vertices, mesh_.positions[v]));
     }
   }
 
@@ -256,12 +314,8 @@ class MissedTips {
   /// Whether the sides of a cap would cut the surface or come close to folding onto it.
   [[nodiscard]] bool hits_surface(const Triangle& base, const Vec3& apex) const {
     const Corners3 p = corners(base);
-    Vec3 low = apex, high = apex;
-    for (const Vec3& x : p) {
-      low = low.cwiseMin(x);
-      high = high.cwiseMax(x);
-    }
-    const std::vector<std::uint32_t> near = tree_.overlapping(low, high);
+    const Extent box = extent_of(base, apex);
+    const std::vector<std::uint32_t> near = tree_.overlapping(box.low, box.high);
     return std::any_of(near.begin(), near.end(), [&](std::uint32_t i) {
       return boundary_.triangles[i].vertices != base && hits(boundary_.triangles[i].vertices, base, p, apex);
     });
@@ -349,7 +403,7 @@ class MissedTips {
   const std::vector<Probe>& probes_;
   const AngleLimits& limits_;
   std::vector<std::uint8_t> keep_;  // per tetrahedron
-  std::vector<Triangle> fresh_;     // new triangles
+  TriangleGrid fresh_;              // new triangles
   std::vector<std::uint8_t> used_;  // per vertex: something around it has changed already
 };
 

@@ -78,6 +78,24 @@ class OptionsTest(CommandTest):
                     result = self.run_lumesh(*command, "-o", self.folder / "out.vtu", "--spacing", value)
                     self.assert_refused(result, USAGE, "--spacing", f'"{value}" is not a positive number')
 
+    def test_a_cut_plane_without_a_direction_is_refused_everywhere(self):
+        self.make_mesh()
+        for plane in ("0 0 0 0 0 0", "0 0 10 0 0 nan", "inf 0 0 1 0 0"):
+            for command in (("lattice", self.image, "-o", self.folder / "other.vtu"),
+                            ("evaluate", self.mesh, "--image", self.image)):
+                with self.subTest(plane=plane, command=command[0]):
+                    self.assert_refused(self.run_lumesh(*command, "--cut-plane", *plane.split()), USAGE, "--cut-plane")
+
+    def test_a_negative_number_of_tetrahedra_is_refused(self):
+        result = self.run_lumesh("lattice", self.image, "-o", self.mesh, "--max-tetrahedra", "-5")
+        self.assert_refused(result, USAGE, "--max-tetrahedra")
+
+    def test_a_full_standard_output_is_an_error(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            result = subprocess.run([LUMESH, "info", str(self.image)], stdout=full, stderr=subprocess.PIPE, text=True,
+                                    timeout=60, check=False)
+        self.assert_refused(result, BAD_INPUT, "standard output")
+
     def test_an_unknown_command_is_named_with_the_nearest_one(self):
         for wrong, right in (("latice", "lattice"), ("evalute", "evaluate"), ("lat", "lattice"), ("covert", "convert")):
             with self.subTest(wrong):
@@ -184,6 +202,14 @@ class ProgressTest(CommandTest):
         self.assertEqual((steps[0], steps[-1]), ("read", "write"))
         self.assertIn("boundary", steps)
         self.assertIn("tetrahedra", result.stdout)
+
+    def test_quiet_still_tells_of_a_lost_label(self):
+        labels = nrrd.ball(SIZE, 8)
+        labels[2 + SIZE * (2 + SIZE * 2)] = 5
+        image = nrrd.write(self.folder / "lonely.nrrd", [SIZE] * 3, labels)
+        result = self.run_well("lattice", image, "-o", self.mesh, "-q", "--max-refinement", "0", "--spacing", "6")
+        self.assertEqual(result.stdout, "")
+        self.assertIn("label 5", result.stderr)
 
     def test_quiet_prints_warnings_and_errors_only(self):
         result = self.make_mesh("-q")

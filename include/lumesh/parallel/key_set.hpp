@@ -2,6 +2,7 @@
 /// @file A set of 64-bit keys that many threads fill at the same time. What it holds never depends on their
 /// order.
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -47,7 +48,7 @@ class KeySet {
   /// time only.
   template <class KeysOf>
   void insert_all(std::size_t count, std::size_t expected, const KeysOf& keys_of) {
-    for (bool complete = false; !complete; expected *= 2) {
+    for (bool complete = false; !complete; expected = std::max<std::size_t>(2 * expected, 1024)) {
       reserve(size_ + expected + 1);
       struct Result {
         std::size_t added = 0;
@@ -66,6 +67,7 @@ class KeySet {
       size_ += result.added;
       complete = result.complete;
     }
+    reserve(size_ + 1);  // half empty again, so that searches end soon
   }
 
   /// Puts keys into a set; gives up on a key where the set is too full.
