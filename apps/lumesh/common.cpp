@@ -88,12 +88,15 @@ LabelImage read_selected_image(const std::string& path, const ImageSelection& se
   return image;
 }
 
-void check_planes(const PlaneNumbers& numbers) {
+std::vector<CutPlane> planes_from(const PlaneNumbers& numbers) {
+  std::vector<CutPlane> planes;
   for (const std::vector<double>& v : numbers) {
     const bool finite = std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
     if (!finite || (v[3] == 0 && v[4] == 0 && v[5] == 0))
       throw Error(ErrorKind::kUsage, "--cut-plane needs a finite point and a normal that is not zero");
+    planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
   }
+  return planes;
 }
 
 void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::string& meaning) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lumesh/core/context.hpp"
+#include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh::cli {
@@ -54,16 +55,7 @@ void add_selection_options(CLI::App& command, ImageSelection& selection, const s
 using PlaneNumbers = std::vector<std::vector<double>>;
 void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::string& meaning);
 /// @throws Error{kUsage} unless every number is finite and no normal is zero.
-void check_planes(const PlaneNumbers& numbers);
-/// The same as planes of another module, which begin with a point and a normal.
-template <class Plane>
-[[nodiscard]] std::vector<Plane> planes_from(const PlaneNumbers& numbers) {
-  check_planes(numbers);
-  std::vector<Plane> planes;
-  for (const std::vector<double>& v : numbers)
-    planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
-  return planes;
-}
+[[nodiscard]] std::vector<CutPlane> planes_from(const PlaneNumbers& numbers);
 
 /// Accepts what is a finite number above 0, and says so otherwise.
 [[nodiscard]] CLI::Validator positive_number();

@@ -110,7 +110,7 @@ void run(const EvaluateCommand& command) {
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);
   quality::EvaluationInput input;
-  input.cut_planes = planes_from<quality::Plane>(command.cut_planes);
+  input.cut_planes = planes_from(command.cut_planes);
   std::vector<std::string> warnings;
   LabelImage image;
   if (!command.image_path.empty()) {

@@ -103,7 +103,7 @@ void run(const LatticeCommand& command) {
   const LabelImage image = context.phase(
       "read", [&] { return read_selected_image(command.image_path, command.selection, context); });
   ImageDomainOptions domain_options = command.domain;
-  domain_options.cut_planes = planes_from<CutPlane>(command.cut_planes);
+  domain_options.cut_planes = planes_from(command.cut_planes);
   LatticeOptions options = command.options;
   options.label_fidelity = parse_label_fidelity(command, image);
   const ImageDomain domain = context.phase("domain", [&] { return ImageDomain(image, domain_options); });

@@ -169,10 +169,7 @@ std::optional<BoundaryPoint> ImageDomain::nearest_boundary(const Vec3& point_mm)
   const Material own = material_at(point_mm);
   std::optional<BoundaryPoint> best;
   const auto consider = [&](Material inside, Material outside) {
-    MaterialSet pair;
-    pair.insert(inside);
-    pair.insert(outside);
-    const std::optional<Vec3> x = project(point_mm, pair, reach);
+    const std::optional<Vec3> x = project(point_mm, {inside, outside}, reach);
     if (!x || (best && (*x - point_mm).norm() >= (best->position_mm - point_mm).norm())) return;
     best = BoundaryPoint{*x, -separation(*x, inside, outside).gradient.normalized(), {inside, outside}};
   };

@@ -5,6 +5,8 @@
 #include <optional>
 #include <unordered_map>
 
+#include "boundary_bricks.hpp"
+#include "cells.hpp"
 #include "lumesh/image/neighbourhood.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -53,26 +55,19 @@ class SparsePoints {
   explicit SparsePoints(double apart_mm) : apart_mm_(apart_mm) {}
   /// False if another one is too close.
   bool add(const Vec3& p) {
-    const Index3 cell = cell_of(p);
+    const Index3 cell = cell_of(p, apart_mm_);
     for (int n = 0; n < 27; ++n) {
-      const auto found = cells_.find(key(cell + Index3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1)));
+      const auto found = cells_.find(cell_key(cell + Index3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1)));
       if (found == cells_.end()) continue;
       for (const Vec3& q : found->second) {
         if ((q - p).squaredNorm() < apart_mm_ * apart_mm_) return false;
       }
     }
-    cells_[key(cell)].push_back(p);
+    cells_[cell_key(cell)].push_back(p);
     return true;
   }
 
  private:
-  [[nodiscard]] Index3 cell_of(const Vec3& p) const {
-    return Eigen::Array3d((p / apart_mm_).array().floor()).cast<int>().matrix();
-  }
-  static std::uint64_t key(const Index3& c) {
-    const auto part = [](int i) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)); };
-    return part(c.x()) * 0x9e3779b97f4a7c15U ^ part(c.y()) * 0xc2b2ae3d27d4eb4fU ^ part(c.z()) << 17;
-  }
   double apart_mm_;
   std::unordered_map<std::uint64_t, std::vector<Vec3>> cells_;
 };
@@ -80,21 +75,11 @@ class SparsePoints {
 }  // namespace
 
 std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& domain) {
-  const Index3 size = image.frame().size;
-  const Index3 bricks = (size + Index3::Constant(LabelField::kBrick - 1)) / LabelField::kBrick;
   return parallel::collect<Probe>(
-      static_cast<std::size_t>(bricks.prod()),
+      brick_count(image),
       [&](std::size_t b, std::vector<Probe>& out) {
-        const auto n = static_cast<int>(b);
-        const Index3 low = LabelField::kBrick *
-                           Index3(n % bricks.x(), n / bricks.x() % bricks.y(), n / (bricks.x() * bricks.y()));
-        if (!domain.field().near_boundary(low.cast<double>())) return;
-        const Index3 high = (low + Index3::Constant(LabelField::kBrick)).cwiseMin(size);
-        for (int k = low.z(); k < high.z(); ++k) {
-          for (int j = low.y(); j < high.y(); ++j) {
-            for (int i = low.x(); i < high.x(); ++i) append_probes(image, {i, j, k}, out);
-          }
-        }
+        for_each_voxel_near_boundary(image, domain.field(), b,
+                                     [&](const Index3& voxel) { append_probes(image, voxel, out); });
       },
       64);
 }

@@ -30,7 +30,9 @@ int size_of(Mask mask) {
 constexpr int kMendRounds = 16;  // clean images need one or two
 constexpr int kMergeRounds =
     60;  // until then what still is in the way goes to a neighbouring label, later it is dropped
-constexpr int kMaxRounds = 200;          // dropping always ends; the limit is there for safety
+constexpr int kMaxRounds = 200;  // dropping always ends; the limit is there for safety
+constexpr double kDeepest =
+    0.6;  // longest edges inside its material, for a centroid whose tetrahedron may change
 constexpr std::uint8_t kMaxChanges = 3;  // a tetrahedron changes its material this often at most
 
 /// The tetrahedra around a vertex and which of them share a face that holds the vertex.
@@ -223,7 +225,7 @@ class BoundaryChooser {
   /// The shallowest come first; different for different tetrahedra, and higher in each round than in those
   /// before.
   [[nodiscard]] std::uint64_t priority(const Wish& wish) const {
-    const double shallow = std::clamp((0.6 - wish.depth) / 2, 0.0, 0.999);
+    const double shallow = std::clamp((kDeepest - wish.depth) / 2, 0.0, 0.999);
     return std::uint64_t{round_} << 44 | static_cast<std::uint64_t>(4096 * shallow) << 32 | wish.tet;
   }
 
@@ -260,7 +262,7 @@ class BoundaryChooser {
   [[nodiscard]] bool near_boundary(const FieldSample& here, const Vec3& centroid, double longest,
                                    Material own, Material other) const {
     if (here.value < 0.3 * longest) return true;
-    if (here.value > 0.6 * longest) return false;
+    if (here.value > kDeepest * longest) return false;
     const Vec3 behind = centroid + here.gradient.normalized() * longest;
     return domain_.separation(behind, own, other).value > here.value + 0.5 * longest;
   }

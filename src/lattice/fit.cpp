@@ -144,10 +144,11 @@ class Fitter {
     const std::size_t reached =
         reach_missed_tips(mesh_, boundary_, surface_, tree, domain_, options_.probes, misses,
                           {options_.min_dihedral_deg, options_.max_dihedral_deg});
+    if (reached == 0) return false;
     surface_ = SurfaceStars(boundary_, mesh_.positions.size());
     offset_mm_.resize(mesh_.positions.size(), 0.0);
     waiting_.resize(mesh_.positions.size(), 0);
-    return reached > 0;
+    return true;
   }
 
   [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const {
@@ -233,10 +234,7 @@ class Fitter {
     std::optional<Vec3> best;
     for (std::size_t i = 0; i < set.size(); ++i) {
       for (std::size_t j = i + 1; j < set.size() && !domain_.is_cut(set[j]); ++j) {
-        MaterialSet pair;
-        pair.insert(set[i]);
-        pair.insert(set[j]);
-        const std::optional<Vec3> p = domain_.project(x, pair, 4 * domain_.voxel_size_mm());
+        const std::optional<Vec3> p = domain_.project(x, {set[i], set[j]}, 4 * domain_.voxel_size_mm());
         if (p && (!best || (*p - x).squaredNorm() < (*best - x).squaredNorm())) best = p;
       }
     }

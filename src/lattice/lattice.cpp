@@ -39,46 +39,6 @@ MixedMesh to_mixed_mesh(WorkMesh& mesh, const BoundaryModel& boundary, const Ima
 
 constexpr int kMaxRescues = 2;
 
-/// The share of a voxel on the kept side of all cut planes: linear while a plane passes through it.
-double kept_share(const ImageDomain& domain, const Vec3& centre_mm) {
-  const ImageFrame& frame = domain.frame();
-  double share = 1;
-  for (Material m = domain.label_count(); m < domain.material_count(); ++m) {
-    const CutPlane& plane = domain.cut_plane(m);
-    const double beyond = plane.normal.dot(centre_mm - plane.point_mm);
-    const double width = (frame.direction.transpose() * plane.normal).cwiseAbs().dot(frame.spacing_mm);
-    share *= std::clamp(0.5 - beyond / width, 0.0, 1.0);
-  }
-  return share;
-}
-
-/// Voxels of each label on the kept side of the cut planes.
-std::vector<double> count_kept_voxels(const LabelImage& image, const ImageDomain& domain) {
-  const ImageFrame& frame = image.frame();
-  const auto width = static_cast<std::size_t>(frame.size.x());
-  const auto rows = image.voxels().size() / width;
-  using Counts = std::vector<double>;
-  return parallel::reduce_blocks(
-      rows, 1024, Counts(image.values().size(), 0),
-      [&](std::size_t begin, std::size_t end) {
-        Counts counts(image.values().size(), 0);
-        for (std::size_t r = begin; r < end; ++r) {
-          const auto j = static_cast<int>(r % static_cast<std::size_t>(frame.size.y()));
-          const auto k = static_cast<int>(r / static_cast<std::size_t>(frame.size.y()));
-          for (std::size_t i = 0; i < width; ++i) {
-            const LabelImage::Index label = image.voxels()[r * width + i];
-            if (label != 0)
-              counts[label] += kept_share(domain, frame.to_physical(Vec3(static_cast<double>(i), j, k)));
-          }
-        }
-        return counts;
-      },
-      [](Counts a, const Counts& b) {
-        for (std::size_t l = 0; l < a.size(); ++l) a[l] += b[l];
-        return a;
-      });
-}
-
 struct BuiltLattice {
   WorkMesh mesh;
   BoundaryModel boundary;
@@ -209,7 +169,8 @@ void LatticeOptions::validate() const {
 LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
                            Context& context) {
   options.validate();
-  const std::vector<double> voxels = context.phase("count", [&] { return count_kept_voxels(image, domain); });
+  const std::vector<double> voxels =
+      context.phase("count", [&] { return count_kept_voxels(image, domain.cut_planes()); });
   const auto object_voxels =
       static_cast<std::size_t>(std::ceil(std::accumulate(voxels.begin(), voxels.end(), 0.0)));
   if (object_voxels == 0)

@@ -6,6 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "cells.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -57,20 +58,12 @@ class TriangleGrid {
  private:
   template <class Body>
   void for_each_cell(const Extent& box, const Body& body) const {
-    const auto cell_of = [&](const Vec3& p) {
-      return Index3(Eigen::Array3d((p / cell_mm_).array().floor()).cast<int>().matrix());
-    };
-    const Index3 low = cell_of(box.low), high = cell_of(box.high);
+    const Index3 low = cell_of(box.low, cell_mm_), high = cell_of(box.high, cell_mm_);
     for (int k = low.z(); k <= high.z(); ++k) {
       for (int j = low.y(); j <= high.y(); ++j) {
-        for (int i = low.x(); i <= high.x(); ++i) body(key({i, j, k}));
+        for (int i = low.x(); i <= high.x(); ++i) body(cell_key({i, j, k}));
       }
     }
-  }
-  static std::uint64_t key(const Index3& c) {
-    constexpr std::uint64_t kMask = (1U << 21) - 1;
-    const auto part = [](int i) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)) & kMask; };
-    return part(c.x()) | part(c.y()) << 21 | part(c.z()) << 42;
   }
   double cell_mm_;
   std::unordered_map<std::uint64_t, std::vector<Triangle>> cells_;
@@ -127,9 +120,8 @@ class MissedTips {
   /// What would bring the surface closer to a missed probe, the best first.
   [[nodiscard]] std::vector<Option> options_for(const Anchors::Miss& miss) const {
     const Probe& probe = probes_[miss.probe];
-    MaterialSet pair;
-    for (const Material m : probe.materials) pair.insert(m);
-    const std::optional<Vec3> place = domain_.project(probe.position_mm, pair, 2 * domain_.voxel_size_mm());
+    const std::optional<Vec3> place = domain_.project(
+        probe.position_mm, {probe.materials[0], probe.materials[1]}, 2 * domain_.voxel_size_mm());
     const Attempt attempt{probe.position_mm, place.value_or(probe.position_mm), miss.distance_mm};
     std::vector<Option> options;
     for (const std::uint32_t i : candidates(miss.triangle, probe)) {
@@ -147,14 +139,15 @@ class MissedTips {
     const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
     const double height = normal.dot(attempt.place_mm - middle);
     std::uint32_t tet = kNoTet;
+    Vec3 from = middle;
     if (height < 0 || domain_.is_meshed(t.outside)) {
       const std::optional<std::uint32_t> found = behind(t.vertices, height > 0 ? t.outside : t.inside);
       if (!found) return std::nullopt;
       tet = *found;
       const std::uint32_t far = far_corner(tet, t.vertices);
       if (boundary_.sets[far].size() >= 2) return std::nullopt;
+      from = mesh_.positions[far];
     }
-    const Vec3 from = tet == kNoTet ? middle : mesh_.positions[far_corner(tet, t.vertices)];
     std::optional<Option> best;
     for (const double sideways : {0.0, 0.4, 0.8}) {
       const Vec3 wish = attempt.place_mm + sideways * (middle + height * normal - attempt.place_mm);
@@ -198,9 +191,7 @@ class MissedTips {
 
   void carry_out(const Option& o) {
     const BoundaryTriangle base = boundary_.triangles[o.triangle];
-    MaterialSet pair;
-    pair.insert(base.inside);
-    pair.insert(base.outside);
+    const MaterialSet pair = {base.inside, base.outside};
     if (o.tet == kNoTet) {
       const auto v = static_cast<std::uint32_t>(mesh_.positions.size());
       mesh_.positions.push_back(o.apex);
@@ -365,9 +356,7 @@ class MissedTips {
   [[nodiscard]] std::optional<std::uint32_t> behind(const Triangle& face, Material material) const {
     for (const std::uint32_t t : mesh_.star(face[0])) {
       const Corner4& c = mesh_.tets[t];
-      const bool has = std::all_of(face.begin(), face.end(), [&](std::uint32_t v) {
-        return std::find(c.begin(), c.end(), v) != c.end();
-      });
+      const bool has = has_corner(c, face[0]) && has_corner(c, face[1]) && has_corner(c, face[2]);
       if (has && mesh_.materials[t] == material) return t;
     }
     return std::nullopt;

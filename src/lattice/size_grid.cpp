@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "boundary_bricks.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/image/neighbourhood.hpp"
@@ -31,14 +32,11 @@ SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const Lat
   }
   wanted_.resize(static_cast<std::size_t>(cells_.x()) * static_cast<std::size_t>(cells_.y()) *
                  static_cast<std::size_t>(cells_.z()));
-  const Index3 bricks = (image.frame().size + Index3::Constant(LabelField::kBrick - 1)) / LabelField::kBrick;
   parallel::for_each_index(
-      static_cast<std::size_t>(bricks.prod()),
+      brick_count(image),
       [&](std::size_t b) {
-        const auto n = static_cast<int>(b);
-        const Index3 low = LabelField::kBrick *
-                           Index3(n % bricks.x(), n / bricks.x() % bricks.y(), n / (bricks.x() * bricks.y()));
-        if (domain_.field().near_boundary(low.cast<double>())) fill_brick(low);
+        for_each_voxel_near_boundary(image_, domain_.field(), b,
+                                     [&](const Index3& voxel) { note_voxel(voxel); });
       },
       16);
   keep_within(options.max_tetrahedra, object_voxels);
@@ -87,24 +85,17 @@ void SizeGrid::keep_within(std::size_t most_tetrahedra, std::size_t object_voxel
   }
 }
 
-void SizeGrid::fill_brick(const Index3& low) {
-  const Index3 high = (low + Index3::Constant(LabelField::kBrick)).cwiseMin(image_.frame().size);
-  for (int k = low.z(); k < high.z(); ++k) {
-    for (int j = low.y(); j < high.y(); ++j) {
-      for (int i = low.x(); i < high.x(); ++i) {
-        const int level = voxel_level({i, j, k});
-        if (level < 0) continue;
-        std::uint8_t& cell =
-            wanted_[static_cast<std::size_t>(i / kCell) +
-                    static_cast<std::size_t>(cells_.x()) *
-                        (static_cast<std::size_t>(j / kCell) +
-                         static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(k / kCell))];
-        const std::uint8_t firm = static_cast<std::uint8_t>((cell | firm_[image_.at({i, j, k})]) & kFirm);
-        const int most = std::max<int>(cell & ~kFirm, level + 1);
-        cell = static_cast<std::uint8_t>(most | firm);
-      }
-    }
-  }
+void SizeGrid::note_voxel(const Index3& voxel) {
+  const int level = voxel_level(voxel);
+  if (level < 0) return;
+  const Index3 at = voxel / kCell;
+  std::uint8_t& cell = wanted_[static_cast<std::size_t>(at.x()) +
+                               static_cast<std::size_t>(cells_.x()) *
+                                   (static_cast<std::size_t>(at.y()) +
+                                    static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(at.z()))];
+  const std::uint8_t firm = static_cast<std::uint8_t>((cell | firm_[image_.at(voxel)]) & kFirm);
+  const int most = std::max<int>(cell & ~kFirm, level + 1);
+  cell = static_cast<std::uint8_t>(most | firm);
 }
 
 int SizeGrid::voxel_level(const Index3& voxel) const {

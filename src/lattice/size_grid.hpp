@@ -48,7 +48,8 @@ class SizeGrid {
   [[nodiscard]] double chord_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const;
   /// Stands in for the chord where the field has no slope, as in the middle of plates and lines of one voxel.
   [[nodiscard]] double shortest_run_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const;
-  void fill_brick(const Index3& low);
+  /// Notes what a voxel at a boundary wants. Cells never reach across bricks.
+  void note_voxel(const Index3& voxel);
   void keep_within(std::size_t most_tetrahedra, std::size_t object_voxels);
   [[nodiscard]] double predict(int cap, double object_mm3) const;
 

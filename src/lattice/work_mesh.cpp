@@ -169,11 +169,7 @@ std::uint32_t across_face(const WorkMesh& mesh, std::size_t t, std::size_t corne
   if (mesh.star(b).size() < mesh.star(a).size()) std::swap(a, b);
   if (mesh.star(d).size() < mesh.star(a).size()) std::swap(a, d);
   for (const std::uint32_t other : mesh.star(a)) {
-    if (other == t) continue;
-    const Corner4& o = mesh.tets[other];
-    const bool has_b = o[0] == b || o[1] == b || o[2] == b || o[3] == b;
-    const bool has_d = o[0] == d || o[1] == d || o[2] == d || o[3] == d;
-    if (has_b && has_d) return other;
+    if (other != t && has_corner(mesh.tets[other], b) && has_corner(mesh.tets[other], d)) return other;
   }
   return kNoTet;
 }

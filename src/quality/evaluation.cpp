@@ -48,12 +48,13 @@ void add_topology(const MeshView& mesh, const MeshSurface& surface, Evaluation& 
 
 /// Volumes of the image become those of its kept part.
 void cut_volumes(const EvaluationInput& input, Evaluation& evaluation) {
-  const std::vector<double> kept = kept_volumes_mm3(*input.image, input.cut_planes);
+  const std::vector<double> kept = count_kept_voxels(*input.image, input.cut_planes);
   double all = 0;
   for (std::size_t i = 1; i < kept.size(); ++i) {
+    const double volume_mm3 = kept[i] * input.image->frame().voxel_volume_mm3();
     LabelEvaluation& label = entry(evaluation, input.image->values()[i]);
-    if (label.image) label.image->volume_mm3 = kept[i];
-    all += kept[i];
+    if (label.image) label.image->volume_mm3 = volume_mm3;
+    all += volume_mm3;
   }
   evaluation.image->all.volume_mm3 = all;
 }

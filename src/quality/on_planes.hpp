@@ -22,16 +22,6 @@ class CutPlanes {
     return std::any_of(planes_.begin(), planes_.end(),
                        [&](const Plane& plane) { return plane.normal.dot(p - plane.point_mm) > 0; });
   }
-  /// The share of a voxel that was not cut off: linear while a plane passes through it.
-  [[nodiscard]] double kept_share(const ImageFrame& frame, const Vec3& centre_mm) const {
-    double share = 1;
-    for (const Plane& plane : planes_) {
-      const double beyond = plane.normal.dot(centre_mm - plane.point_mm);
-      const double width = (frame.direction.transpose() * plane.normal).cwiseAbs().dot(frame.spacing_mm);
-      share *= std::clamp(0.5 - beyond / width, 0.0, 1.0);
-    }
-    return share;
-  }
   /// True if all of the points lie on the same plane, as the corners of a cap do.
   [[nodiscard]] bool contain(std::initializer_list<Vec3> points) const {
     return std::any_of(planes_.begin(), planes_.end(), [&](const Plane& plane) {

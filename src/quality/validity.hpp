@@ -10,9 +10,6 @@ void find_problems(const MeshView& mesh, const MeshSurface& surface, Evaluation&
 
 /// Per label, ascending.
 [[nodiscard]] std::vector<VoxelTopology> voxel_topology(const LabelImage& image);
-/// Volume on the kept side of all planes, for each of image.values(). Voxels that a plane passes through
-/// count by their share, taken as linear in the plane's place.
-[[nodiscard]] std::vector<double> kept_volumes_mm3(const LabelImage& image, std::span<const Plane> planes);
 /// Of all labels together.
 [[nodiscard]] VoxelTopology union_voxel_topology(const LabelImage& image);
 

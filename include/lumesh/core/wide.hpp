@@ -3,8 +3,8 @@
 
 /// Put before a function: it is compiled twice, for every x86-64 processor and for those with AVX2 (2013 and
 /// later), and the program picks when it starts. Results have the same bits either way, as no multiplication
-/// is fused with an addition. An attribute that not every compiler knows needs a macro; the sanitizers do not
-/// get along with it (GCC bug 85099).
+/// is fused with an addition. An attribute that not every compiler knows needs a macro; sanitizers' programs
+/// do without it, because the choice is made before their runtime is set up.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__) && \
     !defined(__SANITIZE_ADDRESS__)
 #define LUMESH_WIDE_LOOPS __attribute__((target_clones("avx2", "default")))

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/image/label_field.hpp"
 #include "lumesh/image/label_image.hpp"
 
@@ -16,12 +18,6 @@ namespace lumesh {
 /// Index of a material: 0 is the background, then the image's labels (index into values()), then the cut
 /// planes.
 using Material = std::uint32_t;
-
-/// A plane that cuts the object off: what lies on the side of the normal is removed.
-struct CutPlane {
-  Vec3 point_mm = Vec3::Zero();
-  Vec3 normal = Vec3::UnitZ();  ///< Need not be of unit length, must not be zero.
-};
 
 struct ImageDomainOptions {
   LabelFieldOptions field;
@@ -32,6 +28,11 @@ struct ImageDomainOptions {
 class MaterialSet {
  public:
   static constexpr std::size_t kCapacity = 6;
+
+  MaterialSet() = default;
+  MaterialSet(std::initializer_list<Material> materials) {
+    for (const Material m : materials) insert(m);
+  }
 
   /// Adds a material; ignored once the set is full (such a place is a corner anyway).
   void insert(Material m) {
@@ -119,6 +120,8 @@ class ImageDomain {
   [[nodiscard]] Material material_count() const {
     return static_cast<Material>(labels_.size() + cuts_.size());
   }
+  /// Those asked for and the image's borders where the object touches them; unit normals.
+  [[nodiscard]] std::span<const CutPlane> cut_planes() const { return cuts_; }
   [[nodiscard]] const CutPlane& cut_plane(Material m) const { return cuts_[m - labels_.size()]; }
   [[nodiscard]] const LabelField& field() const { return field_; }
   [[nodiscard]] const ImageFrame& frame() const { return field_.frame(); }

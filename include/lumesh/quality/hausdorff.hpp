@@ -6,17 +6,15 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/quality/surface.hpp"
 
 namespace lumesh::quality {
 
-/// A plane that cut the object: what lies on the side of the normal was removed.
-struct Plane {
-  Vec3 point_mm = Vec3::Zero();
-  Vec3 normal = Vec3::UnitZ();
-};
+/// Of a cut: what lies on the side of the normal was removed.
+using Plane = CutPlane;
 
 /// Distances of one set of samples.
 struct DistanceSummary {

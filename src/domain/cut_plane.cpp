@@ -1,0 +1,50 @@
+#include "lumesh/domain/cut_plane.hpp"
+
+#include <algorithm>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+
+namespace {
+
+double kept_share(const ImageFrame& frame, std::span<const CutPlane> planes, const Vec3& centre_mm) {
+  double share = 1;
+  for (const CutPlane& plane : planes) {
+    const double beyond = plane.normal.dot(centre_mm - plane.point_mm);
+    const double width = (frame.direction.transpose() * plane.normal).cwiseAbs().dot(frame.spacing_mm);
+    share *= std::clamp(0.5 - beyond / width, 0.0, 1.0);
+  }
+  return share;
+}
+
+}  // namespace
+
+std::vector<double> count_kept_voxels(const LabelImage& image, std::span<const CutPlane> planes) {
+  const ImageFrame& frame = image.frame();
+  const auto width = static_cast<std::size_t>(frame.size.x());
+  const auto rows = image.voxels().size() / width;
+  using Counts = std::vector<double>;
+  return parallel::reduce_blocks(
+      rows, 1024, Counts(image.values().size(), 0),
+      [&](std::size_t begin, std::size_t end) {
+        Counts counts(image.values().size(), 0);
+        for (std::size_t r = begin; r < end; ++r) {
+          const auto j = static_cast<int>(r % static_cast<std::size_t>(frame.size.y()));
+          const auto k = static_cast<int>(r / static_cast<std::size_t>(frame.size.y()));
+          for (std::size_t i = 0; i < width; ++i) {
+            const LabelImage::Index label = image.voxels()[r * width + i];
+            if (label != 0)
+              counts[label] +=
+                  kept_share(frame, planes, frame.to_physical(Vec3(static_cast<double>(i), j, k)));
+          }
+        }
+        return counts;
+      },
+      [](Counts a, const Counts& b) {
+        for (std::size_t l = 0; l < a.size(); ++l) a[l] += b[l];
+        return a;
+      });
+}
+
+}  // namespace lumesh
