@@ -3,8 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <optional>
+#include <utility>
 
+#include "anchors.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "missed_tips.hpp"
 #include "offsets.hpp"
@@ -31,7 +35,8 @@ class Fitter {
         options_(options),
         floor_(angle_floor(options.min_dihedral_deg, options.max_dihedral_deg)),
         surface_(boundary, mesh.positions.size()),
-        anchors_(domain, options.probes),
+        anchors_(domain),
+        finder_(image, domain, options.probes),
         offset_mm_(mesh.positions.size(), 0.0),
         colours_(colours),
         waiting_(mesh.positions.size(), 1) {}
@@ -60,9 +65,7 @@ class Fitter {
         improve_vertex(v, kGood);
       });
     }
-    constexpr int kRounds = 4;  // a long tip grows by one tetrahedron in each
-    for (int round = 0; round < kRounds && add_missed_tips(); ++round) {
-    }
+    reach_misses();
     return report();
   }
 
@@ -73,8 +76,12 @@ class Fitter {
   /// in their star has moved.
   template <class Move>
   void sweep(const Move& move) {
+    sweep(colours_, move);
+  }
+  template <class Move>
+  void sweep(const VertexColours& colours, const Move& move) {
     const double small2 = std::pow(0.03 * domain_.voxel_size_mm(), 2);
-    for (const std::vector<std::uint32_t>& colour : colours_) {
+    for (const std::vector<std::uint32_t>& colour : colours) {
       const auto trying = parallel::collect<std::uint32_t>(colour.size(), [&](std::size_t i, auto& out) {
         if (waiting_[colour[i]] != 0) out.push_back(colour[i]);
       });
@@ -122,33 +129,102 @@ class Fitter {
   void draw_to_tips() {
     constexpr int kSweeps = 3;
     std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
-    for (const std::uint32_t v : anchors_.update(mesh_, boundary_)) wake_star(v);
+    for (const std::uint32_t v : anchors_.set(mesh_, boundary_, misses())) wake_star(v);
+    const VertexColours near = two_rings_awake();
+    for (int s = 0; s < kSweeps; ++s) sweep(near, [&](std::uint32_t v) { fit_vertex(v, floor_); });
+  }
+
+  [[nodiscard]] std::vector<Miss> misses() {
+    constexpr double kFar = 1.1;  // voxels; smooth vessels come closer than that everywhere
+    return finder_.find(mesh_, boundary_, kFar * domain_.voxel_size_mm());
+  }
+
+  /// Wakes the vertices around those that wait; all of these by colours.
+  [[nodiscard]] VertexColours two_rings_awake() {
     const std::vector<std::uint8_t> first_ring = waiting_;
     parallel::for_each_index(first_ring.size(), [&](std::size_t v) {
       if (first_ring[v] != 0) wake_star(static_cast<std::uint32_t>(v));
     });
-    const std::vector<std::uint8_t> near = waiting_;
-    for (int s = 0; s < kSweeps; ++s) {
-      sweep([&](std::uint32_t v) {
-        if (near[v] != 0) fit_vertex(v, floor_);
-      });
+    VertexColours near(colours_.size());
+    parallel::for_each_index(
+        near.size(),
+        [&](std::size_t c) {
+          std::copy_if(colours_[c].begin(), colours_[c].end(), std::back_inserter(near[c]),
+                       [&](std::uint32_t v) { return waiting_[v] != 0; });
+        },
+        1);
+    return near;
+  }
+
+  /// Where the surface is still more than a voxel away from the image's boundary: tetrahedra are added or
+  /// change sides, then vertices are drawn there, in turns, as long as it helps. A long tip grows by one
+  /// tetrahedron in each. The best state stays: what is drawn to one place may leave another.
+  void reach_misses() {
+    constexpr int kRounds = 8;
+    std::vector<std::size_t> counts;
+    std::pair<double, std::size_t> least = {std::numeric_limits<double>::infinity(), 0};
+    WorkMesh best_mesh;
+    BoundaryModel best_boundary;
+    for (int round = 0;; ++round) {
+      const std::vector<Miss> missed = misses();
+      counts.push_back(missed.size());
+      const std::pair now = {furthest_probe_tenths(missed), missed.size()};
+      const bool is_best = now < least;
+      if (missed.empty() || round == kRounds || !still_helps(counts)) {
+        if (is_best) return;
+        mesh_ = std::move(best_mesh);
+        boundary_ = std::move(best_boundary);
+        return;
+      }
+      if (is_best) {
+        least = now;
+        best_mesh = mesh_;
+        best_boundary = boundary_;
+      }
+      add_tetrahedra(missed);
+      draw_to_misses(round);
     }
   }
 
-  /// Where drawing did not help, tetrahedra are added or change sides. False when there was nothing to do.
-  bool add_missed_tips() {
-    const TriangleTree tree = boundary_tree(mesh_, boundary_);
-    const std::vector<Anchors::Miss> misses = anchors_.misses(tree);
-    constexpr double kWorthIt = 1.1;  // voxels; smooth vessels come closer than that everywhere
-    if (misses.empty() || misses.front().distance_mm < kWorthIt * domain_.voxel_size_mm()) return false;
-    const std::size_t reached =
-        reach_missed_tips(mesh_, boundary_, surface_, tree, domain_, options_.probes, misses,
-                          {options_.min_dihedral_deg, options_.max_dihedral_deg});
-    if (reached == 0) return false;
+  /// Whether two rounds left 60 % of the misses at most. Where more than one probe of a hundred is missed
+  /// after the first round, the lattice is too coarse.
+  [[nodiscard]] bool still_helps(const std::vector<std::size_t>& counts) const {
+    const std::size_t n = counts.size();
+    if (n > 1 && counts[n - 1] > options_.probes.size() / 100) return false;
+    return n < 3 || static_cast<double>(counts[n - 1]) <= 0.6 * static_cast<double>(counts[n - 3]);
+  }
+
+  /// In tenths of a voxel: what is less makes no state better.
+  [[nodiscard]] double furthest_probe_tenths(const std::vector<Miss>& missed) const {
+    const auto first = std::find_if(missed.begin(), missed.end(), [](const Miss& m) { return !m.stray; });
+    return first == missed.end() ? 0 : std::ceil(10 * first->distance_mm / domain_.voxel_size_mm());
+  }
+
+  void add_tetrahedra(const std::vector<Miss>& missed) {
+    const std::size_t added = reach_missed_tips(mesh_, boundary_, surface_, domain_, missed,
+                                                {options_.min_dihedral_deg, options_.max_dihedral_deg});
+    if (added == 0) return;
     surface_ = SurfaceStars(boundary_, mesh_.positions.size());
     offset_mm_.resize(mesh_.positions.size(), 0.0);
     waiting_.resize(mesh_.positions.size(), 0);
-    return true;
+  }
+
+  void draw_to_misses(int round) {
+    const int sweeps = 4 + 2 * round;
+    constexpr double kGood = 0.5;
+    const std::vector<Miss> missed = misses();
+    std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+    for (const std::uint32_t v : anchors_.set(mesh_, boundary_, missed)) wake_star(v);
+    for (const Miss& miss : missed) {
+      for (const std::uint32_t v : boundary_.triangles[miss.triangle].vertices) wake_star(v);
+    }
+    const VertexColours near = two_rings_awake();
+    for (int s = 0; s < sweeps; ++s) {
+      sweep(near, [&](std::uint32_t v) {
+        fit_if_away(v);
+        improve_vertex(v, kGood);
+      });
+    }
   }
 
   [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const {
@@ -188,7 +264,6 @@ class Fitter {
     return trim_bulges_ ? within_reach_of_voxels(image_, domain_, boundary_.sets[v], p) : p;
   }
 
-  enum class Facing : std::uint8_t { kCounts, kIsIgnored };
   /// What a place is worth for a vertex: the worst angle quality around it and, on a smooth boundary, how
   /// well the triangles around it face outwards, so that the surface does not fold.
   struct Score {
@@ -197,11 +272,9 @@ class Fitter {
     [[nodiscard]] double total() const { return std::min(angles, facing); }
   };
   /// Stops early once the angles are known to be worse than `enough`.
-  [[nodiscard]] Score score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough,
-                            Facing facing_counts = Facing::kCounts) const {
+  [[nodiscard]] Score score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough) const {
     Score s{star.worst(x, enough), 1};
-    const bool smooth =
-        facing_counts == Facing::kCounts && boundary_.sets[v].size() == 2 && !anchors_.holds(v);
+    const bool smooth = boundary_.sets[v].size() == 2 && !anchors_.holds(v);
     if (s.angles >= enough && smooth) s.facing = facing(v, x);
     return s;
   }
@@ -254,7 +327,7 @@ class Fitter {
 
   /// Carries a boundary vertex to the boundary, evenly spread, as far as the star allows; others go to the
   /// middle.
-  void fit_vertex(std::uint32_t v, double floor, Facing facing_counts = Facing::kCounts) {
+  void fit_vertex(std::uint32_t v, double floor) {
     const Vec3 x = mesh_.positions[v];
     if (!constrained(v)) {
       improve_vertex(v, 0.35);
@@ -262,11 +335,11 @@ class Fitter {
     }
     const Vec3 target = target_of(v);
     StarQuality star(mesh_, v);
-    const Score now = score(v, star, x, -2, facing_counts);
+    const Score now = score(v, star, x, -2);
     const double enough = std::min(floor, now.angles);
     for (const double part : {1.0, 0.7, 0.4, 0.2, 0.1}) {
       const Vec3 y = x + part * (target - x);
-      const Score then = score(v, star, y, enough, facing_counts);
+      const Score then = score(v, star, y, enough);
       const bool keeps = then.angles >= enough && then.facing >= std::min(floor, now.facing);
       if (keeps && (then.total() >= floor || then.total() > now.total())) {
         mesh_.positions[v] = y;
@@ -275,16 +348,9 @@ class Fitter {
     }
   }
 
-  /// A second try for vertices that could not reach the boundary yet; those far away go there even where the
-  /// surface folds.
+  /// A second try for vertices that could not reach the boundary yet.
   void fit_if_away(std::uint32_t v) {
-    if (!constrained(v)) return;
-    const double distance = distance_to_target(v);
-    constexpr double kFar = 0.15;  // voxels
-    if (distance > kFar * domain_.voxel_size_mm())
-      fit_vertex(v, floor_, Facing::kIsIgnored);
-    else if (distance > kThere * domain_.voxel_size_mm())
-      fit_vertex(v, floor_);
+    if (constrained(v) && distance_to_target(v) > kThere * domain_.voxel_size_mm()) fit_vertex(v, floor_);
   }
 
   /// Looks for a better place by compass search, on the boundary if the vertex is bound to it. Vertices at
@@ -367,6 +433,7 @@ class Fitter {
   double floor_;
   SurfaceStars surface_;
   Anchors anchors_;
+  MissFinder finder_;
   std::vector<double> offset_mm_;  // how far beside the boundary each vertex shall be
   bool trim_bulges_ = false;       // where the smoothed boundary goes beyond the voxels
   const VertexColours& colours_;

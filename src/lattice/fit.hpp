@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "anchors.hpp"
 #include "boundary_model.hpp"
+#include "misses.hpp"
 #include "work_mesh.hpp"
 
 namespace lumesh {
@@ -21,9 +21,10 @@ struct FitReport {
   double largest_offset_mm = 0;
 };
 
-/// Moves vertices only; tetrahedra keep positive volume and, once they have them, dihedral angles within the
-/// limits. Same bits for every thread count: vertices move colour by colour, no two of a colour sharing a
-/// tetrahedron. Drops the few tetrahedra that stick out (spikes.hpp).
+/// Moves vertices; tetrahedra keep positive volume and, once they have them, dihedral angles within the
+/// limits. Drops the few tetrahedra that stick out (spikes.hpp) and adds or drops a few where no vertex could
+/// be moved to the boundary (missed_tips.hpp). Same bits for every thread count: vertices move colour by
+/// colour, no two of a colour sharing a tetrahedron.
 FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
                         const ImageDomain& domain, const FitOptions& options);
 

@@ -4,87 +4,31 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <unordered_map>
 
-#include "cells.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "triangle_grid.hpp"
 
 namespace lumesh {
 
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
-using Corners3 = std::array<Vec3, 3>;
-
-/// Whether a segment passes through a triangle.
-bool crosses(const Vec3& p, const Vec3& q, const Corners3& t) {
-  const auto side = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-    return tetrahedron_volume(a, b, c, d);
-  };
-  if (side(t[0], t[1], t[2], p) * side(t[0], t[1], t[2], q) >= 0) return false;
-  const double u = side(p, q, t[0], t[1]), v = side(p, q, t[1], t[2]), w = side(p, q, t[2], t[0]);
-  return (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
-}
-
-struct Extent {
-  Vec3 low, high;
-  explicit Extent(const Vec3& p) : low(p), high(p) {}
-  void extend(const Vec3& p) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-};
-
-/// Triangles by the cells of a grid that their boxes touch.
-class TriangleGrid {
- public:
-  explicit TriangleGrid(double cell_mm) : cell_mm_(cell_mm) {}
-  void add(const Triangle& t, const Extent& box) {
-    for_each_cell(box, [&](std::uint64_t cell) { cells_[cell].push_back(t); });
-  }
-  /// Whether `condition` holds for a triangle in one of the cells of a box.
-  template <class Condition>
-  [[nodiscard]] bool any(const Extent& box, const Condition& condition) const {
-    bool found = false;
-    for_each_cell(box, [&](std::uint64_t cell) {
-      const auto at = cells_.find(cell);
-      if (!found && at != cells_.end()) found = std::any_of(at->second.begin(), at->second.end(), condition);
-    });
-    return found;
-  }
-
- private:
-  template <class Body>
-  void for_each_cell(const Extent& box, const Body& body) const {
-    const Index3 low = cell_of(box.low, cell_mm_), high = cell_of(box.high, cell_mm_);
-    for (int k = low.z(); k <= high.z(); ++k) {
-      for (int j = low.y(); j <= high.y(); ++j) {
-        for (int i = low.x(); i <= high.x(); ++i) body(cell_key({i, j, k}));
-      }
-    }
-  }
-  double cell_mm_;
-  std::unordered_map<std::uint64_t, std::vector<Triangle>> cells_;
-};
-
 class MissedTips {
  public:
-  MissedTips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface, const TriangleTree& tree,
-             const ImageDomain& domain, const std::vector<Probe>& probes, const AngleLimits& limits)
+  MissedTips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface, const SurfaceTree& tree,
+             const ImageDomain& domain, const AngleLimits& limits)
       : mesh_(mesh),
         boundary_(boundary),
         surface_(surface),
         tree_(tree),
         domain_(domain),
-        probes_(probes),
         limits_(limits),
         keep_(mesh.tets.size(), 1),
         fresh_(4 * domain.voxel_size_mm()),
         used_(mesh.positions.size(), 0) {}
 
-  std::size_t run(const std::vector<Anchors::Miss>& misses) {
+  std::size_t run(const std::vector<Miss>& misses) {
     std::vector<std::vector<Option>> options(misses.size());
     parallel::for_each_index(
         misses.size(), [&](std::size_t i) { options[i] = options_for(misses[i]); }, 4);
@@ -96,6 +40,7 @@ class MissedTips {
       carry_out(*best);
       ++reached;
     }
+    if (reached == 0) return 0;
     drop_what_changed_sides();
     mesh_.neighbours.clear();
     build_stars(mesh_);
@@ -107,25 +52,33 @@ class MissedTips {
     Vec3 probe_mm;
     Vec3 place_mm;     // on the boundary, near the probe
     double before_mm;  // the probe's distance from the surface
+    bool stray;        // the surface runs far inside or outside
   };
   /// A triangle that shall give way to three, which join its edges to a point: a new vertex where `tet` is
-  /// none, the far vertex of a tetrahedron that changes sides otherwise.
+  /// none, the far vertex of a tetrahedron that changes sides otherwise. Or, with the neighbour across its
+  /// edge `shared`, to the other two sides of the tetrahedron that fills the valley between both.
   struct Option {
     std::uint32_t triangle;
     std::uint32_t tet;
     Vec3 apex;
-    double distance_mm;  // of the probe afterwards
+    double distance_mm = 0;  // of the probe afterwards
+    std::size_t shared = 3;
+    std::uint32_t neighbour = kNoTet;
+    std::uint32_t top = kNoTet;  // the neighbour's far corner
   };
 
   /// What would bring the surface closer to a missed probe, the best first.
-  [[nodiscard]] std::vector<Option> options_for(const Anchors::Miss& miss) const {
-    const Probe& probe = probes_[miss.probe];
+  [[nodiscard]] std::vector<Option> options_for(const Miss& miss) const {
+    const Probe& probe = miss.probe;
     const std::optional<Vec3> place = domain_.project(
         probe.position_mm, {probe.materials[0], probe.materials[1]}, 2 * domain_.voxel_size_mm());
-    const Attempt attempt{probe.position_mm, place.value_or(probe.position_mm), miss.distance_mm};
+    const Attempt attempt{probe.position_mm, place.value_or(probe.position_mm), miss.distance_mm, miss.stray};
     std::vector<Option> options;
     for (const std::uint32_t i : candidates(miss.triangle, probe)) {
       if (const std::optional<Option> best = best_at(i, attempt)) options.push_back(*best);
+      for (std::size_t e = 0; e < 3; ++e) {
+        if (const std::optional<Option> filled = fill_at(i, e, attempt)) options.push_back(*filled);
+      }
     }
     std::stable_sort(options.begin(), options.end(),
                      [](const Option& a, const Option& b) { return a.distance_mm < b.distance_mm; });
@@ -152,16 +105,67 @@ class MissedTips {
     for (const double sideways : {0.0, 0.4, 0.8}) {
       const Vec3 wish = attempt.place_mm + sideways * (middle + height * normal - attempt.place_mm);
       for (const double part : {1.0, 0.85, 0.7, 0.55, 0.4}) {
-        Option option{i, tet, from + part * (wish - from), 0};
+        Option option{i, tet, from + part * (wish - from)};
         if (domain_.beyond_cut(option.apex)) continue;
-        option.distance_mm = distance_mm(p, option.apex, attempt.probe_mm);
+        option.distance_mm = distance_mm(p, option, attempt.probe_mm);
         if (option.distance_mm > (best ? best->distance_mm : 0.8 * attempt.before_mm)) continue;
-        if (lies_at_boundary(t, p, option.apex) && angles_good(option) &&
-            (tet != kNoTet || !hits_surface(t.vertices, option.apex)))
+        if (lies_at_boundary(t, p, option) && angles_good(option) && (tet != kNoTet || !hits_surface(option)))
           best = option;
       }
     }
     return best;
+  }
+
+  /// The tetrahedron between a triangle and its neighbour across an edge, both towards the background.
+  [[nodiscard]] std::optional<Option> fill_at(std::uint32_t i, std::size_t edge,
+                                              const Attempt& attempt) const {
+    const BoundaryTriangle& t = boundary_.triangles[i];
+    if (domain_.is_meshed(t.outside)) return std::nullopt;
+    const std::uint32_t a = t.vertices[edge], b = t.vertices[(edge + 1) % 3], c = t.vertices[(edge + 2) % 3];
+    Option option{i, kNoTet, Vec3::Zero()};
+    option.shared = edge;
+    for (const std::uint32_t j : surface_.triangles(a)) {
+      const BoundaryTriangle& other = boundary_.triangles[j];
+      if (j == i || std::find(other.vertices.begin(), other.vertices.end(), b) == other.vertices.end())
+        continue;
+      if (option.neighbour != kNoTet || other.inside != t.inside || other.outside != t.outside)
+        return std::nullopt;
+      option.neighbour = j;
+      option.top = third_corner(other.vertices, a, b);
+    }
+    if (option.neighbour == kNoTet || are_neighbours(c, option.top)) return std::nullopt;
+    option.apex = mesh_.positions[option.top];
+    const Corners3 p = corners(t.vertices);
+    option.distance_mm = distance_mm(p, option, attempt.probe_mm);
+    const bool useful = attempt.stray
+                            ? lies_inside(t, p, option)
+                            : option.distance_mm <= 0.8 * attempt.before_mm && lies_at_boundary(t, p, option);
+    const bool good = useful && angles_good(option) && !hits_surface(option) &&
+                      !hits_surface(from_other_side(option, a, c));
+    return good ? std::optional(option) : std::nullopt;
+  }
+
+  /// The same, as seen from the neighbour; `a` is the first corner of the shared edge, `c` the triangle's far
+  /// corner.
+  [[nodiscard]] Option from_other_side(const Option& o, std::uint32_t a, std::uint32_t c) const {
+    const Triangle& t = boundary_.triangles[o.neighbour].vertices;
+    const auto end_of_edge = static_cast<std::size_t>(std::find(t.begin(), t.end(), a) - t.begin());
+    Option other = o;
+    std::swap(other.triangle, other.neighbour);
+    other.shared = (end_of_edge + 2) % 3;
+    other.top = c;
+    other.apex = mesh_.positions[c];
+    return other;
+  }
+
+  [[nodiscard]] static std::uint32_t third_corner(const Triangle& t, std::uint32_t a, std::uint32_t b) {
+    return *std::find_if(t.begin(), t.end(), [&](std::uint32_t v) { return v != a && v != b; });
+  }
+  /// Whether an edge of the mesh joins two vertices.
+  [[nodiscard]] bool are_neighbours(std::uint32_t a, std::uint32_t b) const {
+    const auto star = mesh_.star(a);
+    return std::any_of(star.begin(), star.end(),
+                       [&](std::uint32_t t) { return has_corner(mesh_.tets[t], b); });
   }
 
   [[nodiscard]] bool angles_good(const Option& o) const {
@@ -185,23 +189,25 @@ class MissedTips {
     const Triangle& t = boundary_.triangles[o.triangle].vertices;
     if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return used_[v] != 0; })) return false;
     if (o.tet != kNoTet) return used_[far_corner(o.tet, t)] == 0;
-    return !fresh_.any(extent_of(t, o.apex),
-                       [&](const Triangle& f) { return hits(f, t, corners(t), o.apex); });
+    if (o.top != kNoTet && used_[o.top] != 0) return false;
+    return !fresh_.any(extent_of(t, o.apex), [&](const Triangle& f) { return hits(f, o); });
   }
 
   void carry_out(const Option& o) {
     const BoundaryTriangle base = boundary_.triangles[o.triangle];
     const MaterialSet pair = {base.inside, base.outside};
+    if (o.top != kNoTet) {
+      add_tetrahedron(base, o.top);
+      fill_valley(o);
+      return;
+    }
     if (o.tet == kNoTet) {
       const auto v = static_cast<std::uint32_t>(mesh_.positions.size());
       mesh_.positions.push_back(o.apex);
       used_.push_back(1);
       boundary_.sets.push_back(pair);
-      mesh_.tets.push_back({base.vertices[0], base.vertices[1], base.vertices[2], v});
-      mesh_.materials.push_back(base.inside);
-      keep_.push_back(1);
+      add_tetrahedron(base, v);
       open_towards(o.triangle, v);
-      for (const std::uint32_t w : base.vertices) used_[w] = 1;
       return;
     }
     const Material to = other_side(o);
@@ -216,6 +222,14 @@ class MissedTips {
     for (const std::uint32_t s : mesh_.star(far)) {
       for (const std::uint32_t w : mesh_.tets[s]) used_[w] = 1;
     }
+  }
+
+  void add_tetrahedron(const BoundaryTriangle& base, std::uint32_t top) {
+    mesh_.tets.push_back({base.vertices[0], base.vertices[1], base.vertices[2], top});
+    mesh_.materials.push_back(base.inside);
+    keep_.push_back(1);
+    for (const std::uint32_t w : base.vertices) used_[w] = 1;
+    used_[top] = 1;
   }
 
   /// The nearest triangle and those around its corners, by their distance from the probe.
@@ -271,11 +285,22 @@ class MissedTips {
     }
   }
 
-  /// Of a point from the three new triangles.
-  [[nodiscard]] static double distance_mm(const Corners3& p, const Vec3& apex, const Vec3& from) {
+  void fill_valley(const Option& o) {
+    const BoundaryTriangle base = boundary_.triangles[o.triangle];
+    for (std::size_t n = 1; n < 3; ++n) {
+      const std::size_t e = (o.shared + n) % 3;
+      const Triangle side = {base.vertices[e], base.vertices[(e + 1) % 3], o.top};
+      boundary_.triangles[n == 1 ? o.triangle : o.neighbour].vertices = side;
+      fresh_.add(side, extent_of(side, o.apex));
+    }
+  }
+
+  /// Of a point from the new triangles.
+  [[nodiscard]] static double distance_mm(const Corners3& p, const Option& o, const Vec3& from) {
     double least2 = std::numeric_limits<double>::infinity();
     for (std::size_t e = 0; e < 3; ++e) {
-      const Vec3 x = closest_point_on_triangle(from, p[e], p[(e + 1) % 3], apex);
+      if (e == o.shared) continue;
+      const Vec3 x = closest_point_on_triangle(from, p[e], p[(e + 1) % 3], o.apex);
       least2 = std::min(least2, (x - from).squaredNorm());
     }
     return std::sqrt(least2);
@@ -284,13 +309,15 @@ class MissedTips {
   /// Whether the new triangles stay close to the boundary between their materials, and do not turn their
   /// backs to it.
   [[nodiscard]] bool lies_at_boundary(const BoundaryTriangle& base, const Corners3& p,
-                                      const Vec3& apex) const {
+                                      const Option& o) const {
+    const Vec3& apex = o.apex;
     const auto off = [&](const Vec3& x) {
       return std::abs(domain_.separation(x, base.inside, base.outside).value) / domain_.voxel_size_mm();
     };
     constexpr double kTurned = 0.7;  // cosine; at tips the smooth boundary's normals say little
-    if (off(apex) > 0.6) return false;
+    if (o.top == kNoTet && off(apex) > 0.6) return false;
     for (std::size_t e = 0; e < 3; ++e) {
+      if (e == o.shared) continue;
       const Vec3& a = p[e];
       const Vec3& b = p[(e + 1) % 3];
       const Vec3 middle = (a + b + apex) / 3;
@@ -302,18 +329,31 @@ class MissedTips {
     return true;
   }
 
+  /// Whether a valley lies in the label and its filling nearly so.
+  [[nodiscard]] bool lies_inside(const BoundaryTriangle& base, const Corners3& p, const Option& o) const {
+    const auto depth = [&](const Vec3& x) {
+      return domain_.separation(x, base.inside, base.outside).value / domain_.voxel_size_mm();
+    };
+    const Vec3& a = p[o.shared];
+    const Vec3& b = p[(o.shared + 1) % 3];
+    const Vec3& c = p[(o.shared + 2) % 3];
+    return depth((a + b + c + o.apex) / 4) > 0.3 && depth(0.5 * (c + o.apex)) > -0.3 &&
+           depth((a + c + o.apex) / 3) > -0.3 && depth((b + c + o.apex) / 3) > -0.3;
+  }
+
   /// Whether the sides of a cap would cut the surface or come close to folding onto it.
-  [[nodiscard]] bool hits_surface(const Triangle& base, const Vec3& apex) const {
-    const Corners3 p = corners(base);
-    const Extent box = extent_of(base, apex);
+  [[nodiscard]] bool hits_surface(const Option& o) const {
+    const Extent box = extent_of(boundary_.triangles[o.triangle].vertices, o.apex);
     const std::vector<std::uint32_t> near = tree_.overlapping(box.low, box.high);
     return std::any_of(near.begin(), near.end(), [&](std::uint32_t i) {
-      return boundary_.triangles[i].vertices != base && hits(boundary_.triangles[i].vertices, base, p, apex);
+      return i != o.triangle && i != o.neighbour && hits(boundary_.triangles[i].vertices, o);
     });
   }
 
-  [[nodiscard]] bool hits(const Triangle& other, const Triangle& base, const Corners3& p,
-                          const Vec3& apex) const {
+  [[nodiscard]] bool hits(const Triangle& other, const Option& o) const {
+    const Triangle& base = boundary_.triangles[o.triangle].vertices;
+    const Corners3 p = corners(base);
+    const Vec3& apex = o.apex;
     const Corners3 q = corners(other);
     const auto shared = [&](std::uint32_t v) { return std::find(base.begin(), base.end(), v) != base.end(); };
     const auto in_other = [&](std::uint32_t v) {
@@ -323,12 +363,12 @@ class MissedTips {
     for (std::size_t e = 0; e < 3; ++e) {
       const std::size_t f = (e + 1) % 3;
       // An edge of the cap through the other triangle.
-      if (!in_other(base[e]) && crosses(p[e], apex, q)) return true;
+      if (!in_other(base[e]) && !in_other(o.top) && crosses(p[e], apex, q)) return true;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t l = (k + 1) % 3;
         // An edge of the other triangle through a side of the cap.
-        const bool touches =
-            other[k] == base[e] || other[k] == base[f] || other[l] == base[e] || other[l] == base[f];
+        const bool touches = other[k] == base[e] || other[k] == base[f] || other[l] == base[e] ||
+                             other[l] == base[f] || other[k] == o.top || other[l] == o.top;
         if (!touches && crosses(q[k], q[l], {p[e], p[f], apex})) return true;
       }
       if (!in_other(base[e]) || !in_other(base[f])) continue;
@@ -387,9 +427,8 @@ class MissedTips {
   WorkMesh& mesh_;
   BoundaryModel& boundary_;
   const SurfaceStars& surface_;
-  const TriangleTree& tree_;
+  const SurfaceTree& tree_;
   const ImageDomain& domain_;
-  const std::vector<Probe>& probes_;
   const AngleLimits& limits_;
   std::vector<std::uint8_t> keep_;  // per tetrahedron
   TriangleGrid fresh_;              // new triangles
@@ -399,10 +438,16 @@ class MissedTips {
 }  // namespace
 
 std::size_t reach_missed_tips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
-                              const TriangleTree& tree, const ImageDomain& domain,
-                              const std::vector<Probe>& probes, const std::vector<Anchors::Miss>& misses,
+                              const ImageDomain& domain, const std::vector<Miss>& misses,
                               const AngleLimits& limits) {
-  return MissedTips(mesh, boundary, surface, tree, domain, probes, limits).run(misses);
+  constexpr double kReach = 8;  // voxels; tetrahedra near boundaries are smaller
+  std::vector<Vec3> places;
+  for (const Miss& miss : misses) {
+    for (const std::uint32_t v : boundary.triangles[miss.triangle].vertices)
+      places.push_back(mesh.positions[v]);
+  }
+  const SurfaceTree tree(mesh, boundary, places, kReach * domain.voxel_size_mm());
+  return MissedTips(mesh, boundary, surface, tree, domain, limits).run(misses);
 }
 
 }  // namespace lumesh

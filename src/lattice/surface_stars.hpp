@@ -14,17 +14,13 @@ class SurfaceStars {
   SurfaceStars(const BoundaryModel& boundary, std::size_t vertex_count);
 
   /// Vertices joined to v by an edge of a boundary triangle and bound by at least v's materials, ascending.
-  [[nodiscard]] std::span<const std::uint32_t> neighbours(std::uint32_t v) const {
-    return {neighbours_.data() + neighbours_begin_[v], neighbours_begin_[v + 1] - neighbours_begin_[v]};
-  }
+  [[nodiscard]] std::span<const std::uint32_t> neighbours(std::uint32_t v) const { return neighbours_.of(v); }
   /// Numbers of the boundary triangles at v, ascending.
-  [[nodiscard]] std::span<const std::uint32_t> triangles(std::uint32_t v) const {
-    return {triangles_.data() + triangles_begin_[v], triangles_begin_[v + 1] - triangles_begin_[v]};
-  }
+  [[nodiscard]] std::span<const std::uint32_t> triangles(std::uint32_t v) const { return triangles_.of(v); }
 
  private:
-  std::vector<std::uint32_t> neighbours_begin_, neighbours_;
-  std::vector<std::uint32_t> triangles_begin_, triangles_;
+  Groups neighbours_;
+  Groups triangles_;
 };
 
 }  // namespace lumesh

@@ -113,50 +113,9 @@ WorkMesh make_work_mesh(std::vector<Corners> lattice, const LatticeFrame& frame,
   return mesh;
 }
 
-/// Linear and parallel: blocks of tetrahedra hand their corners to ranges of vertices, each range then fills
-/// its own part; blocks are visited in order, so every star ascends.
 void build_stars(WorkMesh& mesh) {
-  constexpr std::size_t kBlock = 32768;  // tetrahedra
-  constexpr std::size_t kRanges = 64;
-  struct Corner {
-    std::uint32_t vertex, tet;
-  };
-  const std::size_t vertex_count = mesh.positions.size();
-  const std::size_t range = vertex_count / kRanges + 1;
-  std::vector<std::array<std::vector<Corner>, kRanges>> handed((mesh.tets.size() + kBlock - 1) / kBlock);
-  parallel::for_each_block(mesh.tets.size(), kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      for (const std::uint32_t v : mesh.tets[t])
-        handed[b][v / range].push_back({v, static_cast<std::uint32_t>(t)});
-    }
-  });
-  mesh.star_begin.assign(vertex_count + 1, 0);
-  mesh.star_tets.resize(4 * mesh.tets.size());
-  std::array<std::uint32_t, kRanges + 1> first{};
-  for (std::size_t r = 0; r < kRanges; ++r) {
-    first[r + 1] = first[r];
-    for (const auto& block : handed) first[r + 1] += static_cast<std::uint32_t>(block[r].size());
-  }
-  parallel::for_each_index(
-      kRanges,
-      [&](std::size_t r) {
-        const std::size_t low = std::min(r * range, vertex_count);
-        const std::size_t high = std::min(low + range, vertex_count);
-        std::vector<std::uint32_t> place(high - low + 1, 0);
-        for (const auto& block : handed) {
-          for (const Corner& c : block[r]) ++place[c.vertex - low + 1];
-        }
-        place[0] = first[r];
-        for (std::size_t v = 0; v < high - low; ++v) {
-          place[v + 1] += place[v];
-          mesh.star_begin[low + v] = place[v];
-        }
-        for (const auto& block : handed) {
-          for (const Corner& c : block[r]) mesh.star_tets[place[c.vertex - low]++] = c.tet;
-        }
-      },
-      1);
-  mesh.star_begin[vertex_count] = first[kRanges];
+  mesh.stars = group_by_owner(mesh.tets.size(), mesh.positions.size(),
+                              [&](std::size_t t) -> const Corner4& { return mesh.tets[t]; });
 }
 
 namespace {

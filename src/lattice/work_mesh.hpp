@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bcc.hpp"
+#include "groups.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "refinement.hpp"
 
@@ -31,15 +32,11 @@ struct WorkMesh {
   std::vector<Vec3> positions;      ///< mm.
   std::vector<Corner4> tets;        ///< Positively oriented.
   std::vector<Material> materials;  ///< Per tetrahedron.
-  std::vector<std::uint32_t>
-      star_begin;  ///< Per vertex and one more: where its tetrahedra start in star_tets.
-  std::vector<std::uint32_t> star_tets;  ///< Ascending for each vertex.
+  Groups stars;                     ///< The tetrahedra around each vertex.
   std::vector<std::array<std::uint32_t, 4>>
       neighbours;  ///< Across the face opposite to each corner, or kNoTet.
 
-  [[nodiscard]] std::span<const std::uint32_t> star(std::uint32_t vertex) const {
-    return {star_tets.data() + star_begin[vertex], star_begin[vertex + 1] - star_begin[vertex]};
-  }
+  [[nodiscard]] std::span<const std::uint32_t> star(std::uint32_t vertex) const { return stars.of(vertex); }
   [[nodiscard]] Vec3 centroid(std::uint32_t tet) const {
     const Corner4& t = tets[tet];
     return 0.25 * (positions[t[0]] + positions[t[1]] + positions[t[2]] + positions[t[3]]);
@@ -57,7 +54,7 @@ struct WorkMesh {
 [[nodiscard]] WorkMesh make_work_mesh(std::vector<bcc::Corners> lattice, const LatticeFrame& frame,
                                       const ImageDomain& domain);
 
-/// Fills star_begin and star_tets from tets.
+/// Fills stars from tets.
 void build_stars(WorkMesh& mesh);
 /// Fills neighbours from tets and stars.
 void build_neighbours(WorkMesh& mesh);

@@ -92,19 +92,27 @@ inline void raise_to(std::uint64_t& number, std::uint64_t value) {
   }
 }
 
-/// Collects what collect(i, out) appends for every i, in index order whatever the thread count.
-template <class Item, class Collect>
-[[nodiscard]] std::vector<Item> collect(std::size_t count, const Collect& append, std::size_t block = 4096) {
+/// Collects what append(begin, end, out) appends for fixed blocks of [0, count), in block order whatever the
+/// thread count.
+template <class Item, class Append>
+[[nodiscard]] std::vector<Item> collect_blocks(std::size_t count, std::size_t block, const Append& append) {
   std::vector<std::vector<Item>> parts((count + block - 1) / block);
-  for_each_block(count, block, [&](std::size_t b, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) append(i, parts[b]);
-  });
+  for_each_block(count, block,
+                 [&](std::size_t b, std::size_t begin, std::size_t end) { append(begin, end, parts[b]); });
   std::size_t total = 0;
   for (const auto& part : parts) total += part.size();
   std::vector<Item> all;
   all.reserve(total);
   for (auto& part : parts) all.insert(all.end(), part.begin(), part.end());
   return all;
+}
+
+/// Collects what append(i, out) appends for every i, in index order whatever the thread count.
+template <class Item, class Append>
+[[nodiscard]] std::vector<Item> collect(std::size_t count, const Append& append, std::size_t block = 4096) {
+  return collect_blocks<Item>(count, block, [&](std::size_t begin, std::size_t end, std::vector<Item>& out) {
+    for (std::size_t i = begin; i < end; ++i) append(i, out);
+  });
 }
 
 }  // namespace lumesh::parallel

@@ -1,0 +1,193 @@
+#include "misses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "boundary_bricks.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+
+namespace {
+
+constexpr double kAhead = 3;  // voxels: how far from a stray triangle the boundary is sought
+constexpr double kAway =
+    0.4;  // voxels: the smoothed boundary is closer than this where a triangle is no stray
+
+std::array<Material, 2> ascending(Material a, Material b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+/// The centres of the faces between a voxel and the next ones along the axes.
+void append_face_centres(const LabelImage& image, const Index3& voxel, std::vector<Probe>& out) {
+  const ImageFrame& frame = image.frame();
+  const Material own = image.at(voxel);
+  for (int axis = 0; axis < 3; ++axis) {
+    Index3 next = voxel;
+    ++next[axis];
+    if (!frame.contains(next) || image.at(next) == own) continue;
+    Vec3 centre = voxel.cast<double>();
+    centre[axis] += 0.5;
+    out.push_back({frame.to_physical(centre), ascending(own, image.at(next))});
+  }
+}
+
+/// The corner between eight voxels, the first of which is given, once for each pair of materials that share a
+/// face there. Voxels outside the image do not count.
+void append_corner(const LabelImage& image, const Index3& first, std::vector<Probe>& out) {
+  const ImageFrame& frame = image.frame();
+  std::array<int, 8> around;
+  bool all_alike = true;
+  for (int n = 0; n < 8; ++n) {
+    const Index3 voxel = first + Index3(n & 1, n >> 1 & 1, n >> 2);
+    around[static_cast<std::size_t>(n)] = frame.contains(voxel) ? static_cast<int>(image.at(voxel)) : -1;
+    all_alike &= around[static_cast<std::size_t>(n)] == around[0];
+  }
+  if (all_alike) return;
+  const std::size_t before = out.size();
+  for (std::size_t n = 0; n < 8; ++n) {
+    for (std::size_t bit = 1; bit < 8; bit *= 2) {
+      if ((n & bit) != 0 || around[n] < 0 || around[n | bit] < 0 || around[n] == around[n | bit]) continue;
+      const Probe probe{frame.to_physical(first.cast<double>() + Vec3::Constant(0.5)),
+                        ascending(static_cast<Material>(around[n]), static_cast<Material>(around[n | bit]))};
+      const bool known = std::any_of(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(),
+                                     [&](const Probe& p) { return p.materials == probe.materials; });
+      if (!known) out.push_back(probe);
+    }
+  }
+}
+
+/// The corners that a voxel begins; on the image's lower borders also those before it.
+void append_corners(const LabelImage& image, const Index3& voxel, std::vector<Probe>& out) {
+  const Index3 low = voxel - Index3((voxel.array() == 0).cast<int>());
+  for (int k = low.z(); k <= voxel.z(); ++k) {
+    for (int j = low.y(); j <= voxel.y(); ++j) {
+      for (int i = low.x(); i <= voxel.x(); ++i) append_corner(image, {i, j, k}, out);
+    }
+  }
+}
+
+/// The place nearest to a point on the faces between voxels of two materials, within two voxels.
+std::optional<Vec3> nearest_on_voxel_faces(const LabelImage& image, const Vec3& point_mm,
+                                           const std::array<Material, 2>& materials) {
+  const ImageFrame& frame = image.frame();
+  const Vec3 at = frame.to_index(point_mm);
+  const Index3 centre = Eigen::Array3d(at.array().round()).cast<int>().matrix();
+  std::optional<Vec3> best;
+  double least2 = 0;
+  constexpr int kReach = 2;
+  for (int n = 0; n < 125; ++n) {
+    const Index3 voxel = centre + Index3(n % 5 - kReach, n / 5 % 5 - kReach, n / 25 - kReach);
+    if (!frame.contains(voxel)) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      Index3 next = voxel;
+      ++next[axis];
+      if (!frame.contains(next) || ascending(image.at(voxel), image.at(next)) != materials) continue;
+      Vec3 low = voxel.cast<double>() - Vec3::Constant(0.5);
+      Vec3 high = low + Vec3::Ones();
+      low[axis] = high[axis];
+      const Vec3 nearest = at.cwiseMax(low).cwiseMin(high);
+      const double squared = (nearest - at).cwiseProduct(frame.spacing_mm).squaredNorm();
+      if (best && squared >= least2) continue;
+      best = nearest;
+      least2 = squared;
+    }
+  }
+  if (best) best = frame.to_physical(*best);
+  return best;
+}
+
+}  // namespace
+
+std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& domain) {
+  return parallel::collect<Probe>(
+      brick_count(image),
+      [&](std::size_t b, std::vector<Probe>& out) {
+        const auto before = static_cast<std::ptrdiff_t>(out.size());
+        for_each_voxel_near_boundary(image, domain.field(), b, [&](const Index3& voxel) {
+          append_face_centres(image, voxel, out);
+          append_corners(image, voxel, out);
+        });
+        out.erase(std::remove_if(out.begin() + before, out.end(),
+                                 [&](const Probe& p) { return domain.beyond_cut(p.position_mm); }),
+                  out.end());
+      },
+      64);
+}
+
+std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                            double limit_mm) {
+  const auto is_close = [&](std::uint32_t triangle, const Vec3& p) {
+    if (triangle == SurfaceTree::kNone) return false;
+    const auto& [a, b, c] = boundary.triangles[triangle].vertices;
+    const Vec3 nearest =
+        closest_point_on_triangle(p, mesh.positions[a], mesh.positions[b], mesh.positions[c]);
+    return (nearest - p).squaredNorm() <= limit_mm * limit_mm;
+  };
+  const auto lost = parallel::collect<std::uint32_t>(probes_.size(), [&](std::size_t i, auto& out) {
+    if (!is_close(close_[i], probes_[i].position_mm)) out.push_back(static_cast<std::uint32_t>(i));
+  });
+  const SurfaceTree tree = tree_near(mesh, boundary, lost);
+  return parallel::collect_blocks<Miss>(
+      lost.size(), 512, [&](std::size_t begin, std::size_t end, std::vector<Miss>& out) {
+        std::uint32_t last = SurfaceTree::kNone;
+        for (std::size_t n = begin; n < end; ++n) {
+          const Probe& probe = probes_[lost[n]];
+          // Many are close to the triangle of the probe before, which saves the search.
+          if (!is_close(last, probe.position_mm)) {
+            const SurfaceTree::Nearest nearest = tree.nearest(probe.position_mm);
+            last = nearest.triangle;
+            if (last != SurfaceTree::kNone && nearest.distance_mm > limit_mm)
+              out.push_back({nearest.distance_mm, probe, last, false});
+          }
+          close_[lost[n]] = last;
+        }
+      });
+}
+
+/// Of all triangles when most probes are searched, as the first time.
+SurfaceTree MissFinder::tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                  const std::vector<std::uint32_t>& probes) const {
+  constexpr double kReach = 8;  // voxels
+  if (probes.size() > probes_.size() / 16) return {mesh, boundary};
+  std::vector<Vec3> places;
+  places.reserve(probes.size());
+  for (const std::uint32_t i : probes) places.push_back(probes_[i].position_mm);
+  return {mesh, boundary, places, kReach * domain_.voxel_size_mm()};
+}
+
+std::vector<Miss> MissFinder::stray_triangles(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                              double limit_mm) const {
+  return parallel::collect<Miss>(boundary.triangles.size(), [&](std::size_t i, std::vector<Miss>& out) {
+    const BoundaryTriangle& t = boundary.triangles[i];
+    if (domain_.is_cut(t.outside)) return;
+    const auto& [a, b, c] = t.vertices;
+    const std::array<Vec3, 3> p = {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
+    const auto depth = [&](const Vec3& x) { return domain_.separation(x, t.inside, t.outside).value; };
+    const Vec3 centre = (p[0] + p[1] + p[2]) / 3;
+    if (std::abs(depth(centre)) < kAway * domain_.voxel_size_mm()) return;
+    const std::array<Material, 2> pair = ascending(t.inside, t.outside);
+    const Vec3 outwards = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+    for (const Vec3& x :
+         {centre, Vec3((p[0] + p[1]) / 2), Vec3((p[1] + p[2]) / 2), Vec3((p[2] + p[0]) / 2)}) {
+      const std::optional<Vec3> nearest = nearest_on_voxel_faces(image_, x, pair);
+      if (!nearest || (*nearest - x).norm() <= limit_mm) continue;
+      const double ahead_mm = std::copysign(kAhead * domain_.voxel_size_mm(), depth(x));
+      const std::optional<Vec3> ahead = domain_.first_crossing(x, x + ahead_mm * outwards);
+      if (ahead) out.push_back({(*ahead - x).norm(), {*ahead, pair}, static_cast<std::uint32_t>(i), true});
+    }
+  });
+}
+
+std::vector<Miss> MissFinder::find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm) {
+  std::vector<Miss> found = missed_probes(mesh, boundary, limit_mm);
+  const std::vector<Miss> strays = stray_triangles(mesh, boundary, limit_mm);
+  found.insert(found.end(), strays.begin(), strays.end());
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Miss& a, const Miss& b) { return a.distance_mm > b.distance_mm; });
+  return found;
+}
+
+}  // namespace lumesh

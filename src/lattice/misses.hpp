@@ -1,0 +1,57 @@
+#pragma once
+// Where the surface and the boundary of the voxels are too far apart.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "boundary_model.hpp"
+#include "lumesh/image/label_image.hpp"
+#include "surface_tree.hpp"
+
+namespace lumesh {
+
+/// A point of the image's voxel boundary.
+struct Probe {
+  Vec3 position_mm;
+  std::array<Material, 2> materials;  ///< On its two sides, ascending.
+};
+
+/// Corners and centres of the voxel faces between labels, or a label and the background, on the kept side of
+/// cut planes.
+[[nodiscard]] std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& domain);
+
+/// A place of the image's boundary and the triangle that should come closer to it.
+struct Miss {
+  double distance_mm;
+  Probe probe;
+  std::uint32_t triangle;
+  bool stray;  ///< The triangle is far from all of the image's boundary; the probe is what it faces.
+};
+
+/// Finds misses again and again while the surface moves; remembers a triangle close to each probe.
+class MissFinder {
+ public:
+  /// All that is given must stay.
+  MissFinder(const LabelImage& image, const ImageDomain& domain, const std::vector<Probe>& probes)
+      : image_(image), domain_(domain), probes_(probes), close_(probes.size(), SurfaceTree::kNone) {}
+
+  /// Probes further than `limit_mm` from the surface and triangles further than that from the voxels'
+  /// boundary, the furthest first. Between calls triangles may move and new ones may follow.
+  [[nodiscard]] std::vector<Miss> find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
+
+ private:
+  [[nodiscard]] std::vector<Miss> missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                                double limit_mm);
+  [[nodiscard]] SurfaceTree tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                      const std::vector<std::uint32_t>& probes) const;
+  [[nodiscard]] std::vector<Miss> stray_triangles(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                                  double limit_mm) const;
+
+  const LabelImage& image_;
+  const ImageDomain& domain_;
+  const std::vector<Probe>& probes_;
+  std::vector<std::uint32_t> close_;
+};
+
+}  // namespace lumesh
