@@ -46,7 +46,7 @@ std::vector<std::uint32_t> Anchors::set(const WorkMesh& mesh, const BoundaryMode
   for (const Miss& miss : misses) {
     const Vec3& probe = miss.probe.position_mm;
     const auto& [first, second] = miss.probe.materials;
-    if (!taken.add(probe)) continue;
+    if (!miss.drawable || !taken.add(probe)) continue;
     std::optional<std::uint32_t> best;
     double least = 0;
     for (const std::uint32_t v : boundary.triangles[miss.triangle].vertices) {

@@ -140,7 +140,7 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
             const SurfaceTree::Nearest nearest = tree.nearest(probe.position_mm);
             last = nearest.triangle;
             if (last != SurfaceTree::kNone && nearest.distance_mm > limit_mm)
-              out.push_back({nearest.distance_mm, probe, last, false});
+              out.push_back({nearest.distance_mm, probe, last, false, true});
           }
           close_[lost[n]] = last;
         }
@@ -176,7 +176,9 @@ std::vector<Miss> MissFinder::stray_triangles(const WorkMesh& mesh, const Bounda
       if (!nearest || (*nearest - x).norm() <= limit_mm) continue;
       const double ahead_mm = std::copysign(kAhead * domain_.voxel_size_mm(), depth(x));
       const std::optional<Vec3> ahead = domain_.first_crossing(x, x + ahead_mm * outwards);
-      if (ahead) out.push_back({(*ahead - x).norm(), {*ahead, pair}, static_cast<std::uint32_t>(i), true});
+      const Vec3 place = ahead.value_or(*nearest);
+      out.push_back(
+          {(place - x).norm(), {place, pair}, static_cast<std::uint32_t>(i), true, ahead.has_value()});
     }
   });
 }

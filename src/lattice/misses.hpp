@@ -26,7 +26,9 @@ struct Miss {
   double distance_mm;
   Probe probe;
   std::uint32_t triangle;
-  bool stray;  ///< The triangle is far from all of the image's boundary; the probe is what it faces.
+  bool stray;     ///< The triangle is far from all of the image's boundary; the probe is what it faces or, if
+                  ///< it faces nothing within three voxels, what is nearest.
+  bool drawable;  ///< Whether a vertex may be sent to the probe: not where a stray faces nothing.
 };
 
 /// Finds misses again and again while the surface moves; remembers a triangle close to each probe.
