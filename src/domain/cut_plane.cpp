@@ -15,7 +15,8 @@ double kept_share(const ImageFrame& frame, std::span<const CutPlane> planes, con
     const double width = (frame.direction.transpose() * plane.normal).cwiseAbs().dot(frame.spacing_mm);
     share *= std::clamp(0.5 - beyond / width, 0.0, 1.0);
   }
-  return share;
+  constexpr double kRounding = 1e-9;  // a plane along voxel faces keeps nothing of those behind it
+  return share < kRounding ? 0 : share;
 }
 
 }  // namespace

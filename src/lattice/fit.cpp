@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -139,21 +138,17 @@ class Fitter {
     return finder_.find(mesh_, boundary_, kFar * domain_.voxel_size_mm());
   }
 
-  /// Wakes the vertices around those that wait; all of these by colours.
+  /// Wakes the vertices around those that wait; all of these by colours of their own, as new tetrahedra may
+  /// join vertices that had the same.
   [[nodiscard]] VertexColours two_rings_awake() {
     const std::vector<std::uint8_t> first_ring = waiting_;
     parallel::for_each_index(first_ring.size(), [&](std::size_t v) {
       if (first_ring[v] != 0) wake_star(static_cast<std::uint32_t>(v));
     });
-    VertexColours near(colours_.size());
-    parallel::for_each_index(
-        near.size(),
-        [&](std::size_t c) {
-          std::copy_if(colours_[c].begin(), colours_[c].end(), std::back_inserter(near[c]),
-                       [&](std::uint32_t v) { return waiting_[v] != 0; });
-        },
-        1);
-    return near;
+    return colour_vertices(mesh_,
+                           parallel::collect<std::uint32_t>(waiting_.size(), [&](std::size_t v, auto& out) {
+                             if (waiting_[v] != 0) out.push_back(static_cast<std::uint32_t>(v));
+                           }));
   }
 
   /// Where the surface is still more than a voxel away from the image's boundary: tetrahedra are added or
@@ -186,11 +181,11 @@ class Fitter {
     }
   }
 
-  /// Whether two rounds left 60 % of the misses at most. Where more than one probe of a hundred is missed
-  /// after the first round, the lattice is too coarse.
+  /// Whether two rounds left 60 % of the misses at most. Where there are more than a
+  /// hundredth of the probes after the first round, the lattice is too coarse.
   [[nodiscard]] bool still_helps(const std::vector<std::size_t>& counts) const {
     const std::size_t n = counts.size();
-    if (n > 1 && counts[n - 1] > options_.probes.size() / 100) return false;
+    if (n > 1 && counts[n - 1] > std::max<std::size_t>(100, options_.probes.size() / 100)) return false;
     return n < 3 || static_cast<double>(counts[n - 1]) <= 0.6 * static_cast<double>(counts[n - 3]);
   }
 

@@ -238,8 +238,7 @@ class MissedTips {
     for (const std::uint32_t v : boundary_.triangles[nearest].vertices) {
       for (const std::uint32_t i : surface_.triangles(v)) {
         const BoundaryTriangle& t = boundary_.triangles[i];
-        const std::array<Material, 2> pair = {std::min(t.inside, t.outside), std::max(t.inside, t.outside)};
-        if (pair == probe.materials) found.push_back(i);
+        if (ascending(t.inside, t.outside) == probe.materials) found.push_back(i);
       }
     }
     const auto distance2 = [&](std::uint32_t i) {

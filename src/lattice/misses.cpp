@@ -16,10 +16,6 @@ constexpr double kAhead = 3;  // voxels: how far from a stray triangle the bound
 constexpr double kAway =
     0.4;  // voxels: the smoothed boundary is closer than this where a triangle is no stray
 
-std::array<Material, 2> ascending(Material a, Material b) {
-  return {std::min(a, b), std::max(a, b)};
-}
-
 /// The centres of the faces between a voxel and the next ones along the axes.
 void append_face_centres(const LabelImage& image, const Index3& voxel, std::vector<Probe>& out) {
   const ImageFrame& frame = image.frame();

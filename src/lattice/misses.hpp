@@ -1,6 +1,7 @@
 #pragma once
 // Where the surface and the boundary of the voxels are too far apart.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -16,6 +17,10 @@ struct Probe {
   Vec3 position_mm;
   std::array<Material, 2> materials;  ///< On its two sides, ascending.
 };
+
+[[nodiscard]] inline std::array<Material, 2> ascending(Material a, Material b) {
+  return {std::min(a, b), std::max(a, b)};
+}
 
 /// Corners and centres of the voxel faces between labels, or a label and the background, on the kept side of
 /// cut planes.

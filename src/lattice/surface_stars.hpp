@@ -2,9 +2,9 @@
 // Which boundary vertices and triangles surround each boundary vertex.
 
 #include <span>
-#include <vector>
 
 #include "boundary_model.hpp"
+#include "groups.hpp"
 
 namespace lumesh {
 

@@ -21,7 +21,7 @@ class SurfaceTree {
 
   /// Over all triangles.
   SurfaceTree(const WorkMesh& mesh, const BoundaryModel& boundary);
-  /// Over the triangles within `reach_mm` of any of the places, and some more.
+  /// Over the triangles whose centres are within `reach_mm` of any of the places, and some more.
   SurfaceTree(const WorkMesh& mesh, const BoundaryModel& boundary, std::span<const Vec3> places,
               double reach_mm);
 
