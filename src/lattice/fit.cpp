@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -38,7 +39,8 @@ class Fitter {
         finder_(image, domain, options.probes),
         offset_mm_(mesh.positions.size(), 0.0),
         colours_(colours),
-        waiting_(mesh.positions.size(), 1) {}
+        waiting_(mesh.positions.size(), 1),
+        stays_(mesh.positions.size(), 0) {}
 
   /// Carries the boundary roughly to its place.
   void approach(int sweeps) {
@@ -138,17 +140,21 @@ class Fitter {
     return finder_.find(mesh_, boundary_, kFar * domain_.voxel_size_mm());
   }
 
-  /// Wakes the vertices around those that wait; all of these by colours of their own, as new tetrahedra may
-  /// join vertices that had the same.
+  /// Wakes the vertices around those that wait; all of these by colours.
   [[nodiscard]] VertexColours two_rings_awake() {
     const std::vector<std::uint8_t> first_ring = waiting_;
     parallel::for_each_index(first_ring.size(), [&](std::size_t v) {
       if (first_ring[v] != 0) wake_star(static_cast<std::uint32_t>(v));
     });
-    return colour_vertices(mesh_,
-                           parallel::collect<std::uint32_t>(waiting_.size(), [&](std::size_t v, auto& out) {
-                             if (waiting_[v] != 0) out.push_back(static_cast<std::uint32_t>(v));
-                           }));
+    VertexColours near(colours_.size());
+    parallel::for_each_index(
+        near.size(),
+        [&](std::size_t c) {
+          std::copy_if(colours_[c].begin(), colours_[c].end(), std::back_inserter(near[c]),
+                       [&](std::uint32_t v) { return waiting_[v] != 0 && stays_[v] == 0; });
+        },
+        1);
+    return near;
   }
 
   /// Where the surface is still more than a voxel away from the image's boundary: tetrahedra are added or
@@ -200,8 +206,25 @@ class Fitter {
                                                 {options_.min_dihedral_deg, options_.max_dihedral_deg});
     if (added == 0) return;
     surface_ = SurfaceStars(boundary_, mesh_.positions.size());
+    hold_joined(missed.size());
     offset_mm_.resize(mesh_.positions.size(), 0.0);
     waiting_.resize(mesh_.positions.size(), 0);
+  }
+
+  /// Two vertices of one colour must not move at the same time: where one of the last tetrahedra joins such,
+  /// one of them stays where it is from now on. New vertices have no colour and never move.
+  void hold_joined(std::size_t most_new_tetrahedra) {
+    std::vector<std::size_t> colour_of(mesh_.positions.size(), colours_.size());
+    for (std::size_t c = 0; c < colours_.size(); ++c) {
+      for (const std::uint32_t v : colours_[c]) colour_of[v] = c;
+    }
+    const std::size_t first = mesh_.tets.size() - std::min(mesh_.tets.size(), most_new_tetrahedra);
+    for (std::size_t t = first; t < mesh_.tets.size(); ++t) {
+      for (const auto& [i, j] : bcc::kEdge) {
+        const std::uint32_t a = mesh_.tets[t][i], b = mesh_.tets[t][j];
+        if (colour_of[a] == colour_of[b] && colour_of[a] < colours_.size()) stays_[b] = 1;
+      }
+    }
   }
 
   void draw_to_misses(int round) {
@@ -433,6 +456,7 @@ class Fitter {
   bool trim_bulges_ = false;       // where the smoothed boundary goes beyond the voxels
   const VertexColours& colours_;
   std::vector<std::uint8_t> waiting_;  // flag per vertex: worth a try
+  std::vector<std::uint8_t> stays_;    // flag per vertex that has a colour: never moves again
 };
 
 }  // namespace
