@@ -1,6 +1,7 @@
 #pragma once
 // The voxels near boundaries, brick by brick as the label field stores them.
 
+#include "cells.hpp"
 #include "lumesh/image/label_field.hpp"
 
 namespace lumesh {
@@ -21,12 +22,8 @@ void for_each_voxel_near_boundary(const LabelImage& image, const LabelField& fie
   const Index3 low =
       LabelField::kBrick * Index3(n % bricks.x(), n / bricks.x() % bricks.y(), n / (bricks.x() * bricks.y()));
   if (!field.near_boundary(low.cast<double>())) return;
-  const Index3 high = (low + Index3::Constant(LabelField::kBrick)).cwiseMin(image.frame().size);
-  for (int k = low.z(); k < high.z(); ++k) {
-    for (int j = low.y(); j < high.y(); ++j) {
-      for (int i = low.x(); i < high.x(); ++i) body(Index3(i, j, k));
-    }
-  }
+  const Index3 end = (low + Index3::Constant(LabelField::kBrick)).cwiseMin(image.frame().size);
+  for_each_index_between(low, end - Index3::Ones(), body);
 }
 
 }  // namespace lumesh

@@ -129,8 +129,7 @@ class Fitter {
   /// Draws the surface out to tips and into clefts that it passes by.
   void draw_to_tips() {
     constexpr int kSweeps = 3;
-    std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
-    for (const std::uint32_t v : anchors_.set(mesh_, boundary_, misses())) wake_star(v);
+    wake_anchored(misses());
     const VertexColours near = two_rings_awake();
     for (int s = 0; s < kSweeps; ++s) sweep(near, [&](std::uint32_t v) { fit_vertex(v, floor_); });
   }
@@ -138,6 +137,12 @@ class Fitter {
   [[nodiscard]] std::vector<Miss> misses() {
     constexpr double kFar = 1.1;  // voxels; smooth vessels come closer than that everywhere
     return finder_.find(mesh_, boundary_, kFar * domain_.voxel_size_mm());
+  }
+
+  /// Sends vertices to misses; only what is around these waits then.
+  void wake_anchored(const std::vector<Miss>& missed) {
+    std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+    for (const std::uint32_t v : anchors_.set(mesh_, boundary_, missed)) wake_star(v);
   }
 
   /// Wakes the vertices around those that wait; all of these by colours.
@@ -171,24 +176,23 @@ class Fitter {
       counts.push_back(missed.size());
       const std::pair now = {furthest_probe_tenths(missed), missed.size()};
       const bool is_best = now < least;
-      if (missed.empty() || round == kRounds || !still_helps(counts)) {
-        if (is_best) return;
-        mesh_ = std::move(best_mesh);
-        boundary_ = std::move(best_boundary);
-        return;
-      }
+      const bool done = missed.empty() || round == kRounds || !still_helps(counts);
+      if (done && is_best) return;
+      if (done) break;
       if (is_best) {
         least = now;
         best_mesh = mesh_;
         best_boundary = boundary_;
       }
-      add_tetrahedra(missed);
-      draw_to_misses(round);
+      const bool added = add_tetrahedra(missed);
+      draw_to(added ? misses() : missed, round);
     }
+    mesh_ = std::move(best_mesh);
+    boundary_ = std::move(best_boundary);
   }
 
-  /// Whether two rounds left 60 % of the misses at most. Where there are more than a
-  /// hundredth of the probes after the first round, the lattice is too coarse.
+  /// Whether two rounds left 60 % of the misses at most. Where there are more than a hundredth of the probes
+  /// after the first round, the lattice is too coarse.
   [[nodiscard]] bool still_helps(const std::vector<std::size_t>& counts) const {
     const std::size_t n = counts.size();
     if (n > 1 && counts[n - 1] > std::max<std::size_t>(100, options_.probes.size() / 100)) return false;
@@ -201,14 +205,16 @@ class Fitter {
     return first == missed.end() ? 0 : std::ceil(10 * first->distance_mm / domain_.voxel_size_mm());
   }
 
-  void add_tetrahedra(const std::vector<Miss>& missed) {
+  /// False if there was nothing to do.
+  bool add_tetrahedra(const std::vector<Miss>& missed) {
     const std::size_t added = reach_missed_tips(mesh_, boundary_, surface_, domain_, missed,
                                                 {options_.min_dihedral_deg, options_.max_dihedral_deg});
-    if (added == 0) return;
+    if (added == 0) return false;
     surface_ = SurfaceStars(boundary_, mesh_.positions.size());
     hold_joined(missed.size());
     offset_mm_.resize(mesh_.positions.size(), 0.0);
     waiting_.resize(mesh_.positions.size(), 0);
+    return true;
   }
 
   /// Two vertices of one colour must not move at the same time: where one of the last tetrahedra joins such,
@@ -227,12 +233,10 @@ class Fitter {
     }
   }
 
-  void draw_to_misses(int round) {
+  void draw_to(const std::vector<Miss>& missed, int round) {
     const int sweeps = 4 + 2 * round;
     constexpr double kGood = 0.5;
-    const std::vector<Miss> missed = misses();
-    std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
-    for (const std::uint32_t v : anchors_.set(mesh_, boundary_, missed)) wake_star(v);
+    wake_anchored(missed);
     for (const Miss& miss : missed) {
       for (const std::uint32_t v : boundary_.triangles[miss.triangle].vertices) wake_star(v);
     }
@@ -466,6 +470,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   VertexColours colours = colour_vertices(mesh, vertices_near_boundary(mesh, boundary));
   Fitter(mesh, boundary, image, domain, options, colours).approach(4);
   keep_vertices(colours, peel_spikes(mesh, boundary, domain));
+  mesh.neighbours = {};  // not needed any more
   Fitter fitter(mesh, boundary, image, domain, options, colours);
   fitter.approach(1);
   return fitter.finish();

@@ -42,7 +42,6 @@ class MissedTips {
     }
     if (reached == 0) return 0;
     drop_what_changed_sides();
-    mesh_.neighbours.clear();
     build_stars(mesh_);
     return reached;
   }
@@ -126,8 +125,7 @@ class MissedTips {
     option.shared = edge;
     for (const std::uint32_t j : surface_.triangles(a)) {
       const BoundaryTriangle& other = boundary_.triangles[j];
-      if (j == i || std::find(other.vertices.begin(), other.vertices.end(), b) == other.vertices.end())
-        continue;
+      if (j == i || !has_corner(other.vertices, b)) continue;
       if (option.neighbour != kNoTet || other.inside != t.inside || other.outside != t.outside)
         return std::nullopt;
       option.neighbour = j;
@@ -190,7 +188,7 @@ class MissedTips {
     if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return used_[v] != 0; })) return false;
     if (o.tet != kNoTet) return used_[far_corner(o.tet, t)] == 0;
     if (o.top != kNoTet && used_[o.top] != 0) return false;
-    return !fresh_.any(extent_of(t, o.apex), [&](const Triangle& f) { return hits(f, o); });
+    return !fresh_.any(box_of(t, o.apex), [&](const Triangle& f) { return hits(f, o); });
   }
 
   void carry_out(const Option& o) {
@@ -253,8 +251,8 @@ class MissedTips {
     return found;
   }
 
-  [[nodiscard]] Extent extent_of(const Triangle& t, const Vec3& apex) const {
-    Extent box(apex);
+  [[nodiscard]] Eigen::AlignedBox3d box_of(const Triangle& t, const Vec3& apex) const {
+    Eigen::AlignedBox3d box(apex);
     for (const std::uint32_t v : t) box.extend(mesh_.positions[v]);
     return box;
   }
@@ -280,7 +278,7 @@ class MissedTips {
         boundary_.triangles[i] = side;
       else
         boundary_.triangles.push_back(side);
-      fresh_.add(side.vertices, extent_of(base.vertices, mesh_.positions[v]));
+      fresh_.add(side.vertices, box_of(base.vertices, mesh_.positions[v]));
     }
   }
 
@@ -290,7 +288,7 @@ class MissedTips {
       const std::size_t e = (o.shared + n) % 3;
       const Triangle side = {base.vertices[e], base.vertices[(e + 1) % 3], o.top};
       boundary_.triangles[n == 1 ? o.triangle : o.neighbour].vertices = side;
-      fresh_.add(side, extent_of(side, o.apex));
+      fresh_.add(side, box_of(side, o.apex));
     }
   }
 
@@ -342,8 +340,8 @@ class MissedTips {
 
   /// Whether the sides of a cap would cut the surface or come close to folding onto it.
   [[nodiscard]] bool hits_surface(const Option& o) const {
-    const Extent box = extent_of(boundary_.triangles[o.triangle].vertices, o.apex);
-    const std::vector<std::uint32_t> near = tree_.overlapping(box.low, box.high);
+    const Eigen::AlignedBox3d box = box_of(boundary_.triangles[o.triangle].vertices, o.apex);
+    const std::vector<std::uint32_t> near = tree_.overlapping(box.min(), box.max());
     return std::any_of(near.begin(), near.end(), [&](std::uint32_t i) {
       return i != o.triangle && i != o.neighbour && hits(boundary_.triangles[i].vertices, o);
     });
@@ -354,15 +352,11 @@ class MissedTips {
     const Corners3 p = corners(base);
     const Vec3& apex = o.apex;
     const Corners3 q = corners(other);
-    const auto shared = [&](std::uint32_t v) { return std::find(base.begin(), base.end(), v) != base.end(); };
-    const auto in_other = [&](std::uint32_t v) {
-      return std::find(other.begin(), other.end(), v) != other.end();
-    };
     constexpr double kLeastGap = 0.94;  // cosine of 20 degrees
     for (std::size_t e = 0; e < 3; ++e) {
       const std::size_t f = (e + 1) % 3;
       // An edge of the cap through the other triangle.
-      if (!in_other(base[e]) && !in_other(o.top) && crosses(p[e], apex, q)) return true;
+      if (!has_corner(other, base[e]) && !has_corner(other, o.top) && crosses(p[e], apex, q)) return true;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t l = (k + 1) % 3;
         // An edge of the other triangle through a side of the cap.
@@ -370,10 +364,10 @@ class MissedTips {
                              other[l] == base[f] || other[k] == o.top || other[l] == o.top;
         if (!touches && crosses(q[k], q[l], {p[e], p[f], apex})) return true;
       }
-      if (!in_other(base[e]) || !in_other(base[f])) continue;
+      if (!has_corner(other, base[e]) || !has_corner(other, base[f])) continue;
       // The neighbour across an edge: the gap between it and the side of the cap.
       std::size_t k = 0;
-      while (shared(other[k])) ++k;
+      while (has_corner(base, other[k])) ++k;
       const Vec3 along = (p[f] - p[e]).normalized();
       const auto away = [&](const Vec3& x) {
         const Vec3 d = x - p[e];
@@ -388,7 +382,7 @@ class MissedTips {
 
   [[nodiscard]] std::uint32_t far_corner(std::uint32_t t, const Triangle& face) const {
     std::size_t at = 0;
-    while (std::find(face.begin(), face.end(), mesh_.tets[t][at]) != face.end()) ++at;
+    while (has_corner(face, mesh_.tets[t][at])) ++at;
     return mesh_.tets[t][at];
   }
 
@@ -439,13 +433,12 @@ class MissedTips {
 std::size_t reach_missed_tips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
                               const ImageDomain& domain, const std::vector<Miss>& misses,
                               const AngleLimits& limits) {
-  constexpr double kReach = 8;  // voxels; tetrahedra near boundaries are smaller
   std::vector<Vec3> places;
   for (const Miss& miss : misses) {
     for (const std::uint32_t v : boundary.triangles[miss.triangle].vertices)
       places.push_back(mesh.positions[v]);
   }
-  const SurfaceTree tree(mesh, boundary, places, kReach * domain.voxel_size_mm());
+  const SurfaceTree tree(mesh, boundary, places, kNearVoxels * domain.voxel_size_mm());
   return MissedTips(mesh, boundary, surface, tree, domain, limits).run(misses);
 }
 

@@ -15,7 +15,8 @@ struct AngleLimits {
 /// with a new vertex at the boundary, or into the valley between two triangles; elsewhere a tetrahedron
 /// behind a triangle goes to the other material, and its far vertex to the boundary. Only where the angles
 /// keep their limits, the boundary stays a manifold that does not cut itself, and the surface comes closer.
-/// Rebuilds the mesh's stars; its neighbours are gone. New vertices come last.
+/// Rebuilds the mesh's stars, but
+/// not its neighbours, which it does not need. New vertices come last.
 /// @return The number of misses that something was done for.
 std::size_t reach_missed_tips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
                               const ImageDomain& domain, const std::vector<Miss>& misses,

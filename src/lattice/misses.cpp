@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "boundary_bricks.hpp"
+#include "cells.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -58,11 +59,7 @@ void append_corner(const LabelImage& image, const Index3& first, std::vector<Pro
 /// The corners that a voxel begins; on the image's lower borders also those before it.
 void append_corners(const LabelImage& image, const Index3& voxel, std::vector<Probe>& out) {
   const Index3 low = voxel - Index3((voxel.array() == 0).cast<int>());
-  for (int k = low.z(); k <= voxel.z(); ++k) {
-    for (int j = low.y(); j <= voxel.y(); ++j) {
-      for (int i = low.x(); i <= voxel.x(); ++i) append_corner(image, {i, j, k}, out);
-    }
-  }
+  for_each_index_between(low, voxel, [&](const Index3& first) { append_corner(image, first, out); });
 }
 
 /// The place nearest to a point on the faces between voxels of two materials, within two voxels.
@@ -98,19 +95,17 @@ std::optional<Vec3> nearest_on_voxel_faces(const LabelImage& image, const Vec3& 
 }  // namespace
 
 std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& domain) {
-  return parallel::collect<Probe>(
+  auto probes = parallel::collect<Probe>(
       brick_count(image),
       [&](std::size_t b, std::vector<Probe>& out) {
-        const auto before = static_cast<std::ptrdiff_t>(out.size());
         for_each_voxel_near_boundary(image, domain.field(), b, [&](const Index3& voxel) {
           append_face_centres(image, voxel, out);
           append_corners(image, voxel, out);
         });
-        out.erase(std::remove_if(out.begin() + before, out.end(),
-                                 [&](const Probe& p) { return domain.beyond_cut(p.position_mm); }),
-                  out.end());
       },
       64);
+  std::erase_if(probes, [&](const Probe& p) { return domain.beyond_cut(p.position_mm); });
+  return probes;
 }
 
 std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
@@ -146,12 +141,11 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
 /// Of all triangles when most probes are searched, as the first time.
 SurfaceTree MissFinder::tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
                                   const std::vector<std::uint32_t>& probes) const {
-  constexpr double kReach = 8;  // voxels
   if (probes.size() > probes_.size() / 16) return {mesh, boundary};
   std::vector<Vec3> places;
   places.reserve(probes.size());
   for (const std::uint32_t i : probes) places.push_back(probes_[i].position_mm);
-  return {mesh, boundary, places, kReach * domain_.voxel_size_mm()};
+  return {mesh, boundary, places, kNearVoxels * domain_.voxel_size_mm()};
 }
 
 std::vector<Miss> MissFinder::stray_triangles(const WorkMesh& mesh, const BoundaryModel& boundary,

@@ -11,8 +11,6 @@ namespace lumesh {
 
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
-
 std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }

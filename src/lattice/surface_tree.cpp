@@ -27,11 +27,9 @@ std::vector<std::uint32_t> near(const WorkMesh& mesh, const BoundaryModel& bound
   for (const Vec3& place : places) {
     const Index3 cell = cell_of(place, edge_mm);
     if (!centres.insert(cell_key(cell)).second) continue;
-    for (int k = -kRings; k <= kRings; ++k) {
-      for (int j = -kRings; j <= kRings; ++j) {
-        for (int i = -kRings; i <= kRings; ++i) cells.insert(cell_key(cell + Index3(i, j, k)));
-      }
-    }
+    const Index3 rings = Index3::Constant(kRings);
+    for_each_index_between(cell - rings, cell + rings,
+                           [&](const Index3& near_cell) { cells.insert(cell_key(near_cell)); });
   }
   return parallel::collect<std::uint32_t>(boundary.triangles.size(), [&](std::size_t i, auto& out) {
     const auto& [a, b, c] = boundary.triangles[i].vertices;

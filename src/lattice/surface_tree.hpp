@@ -10,6 +10,9 @@
 
 namespace lumesh {
 
+/// A reach that leaves out nothing that tetrahedra near boundaries, which are smaller, could touch.
+inline constexpr double kNearVoxels = 8;
+
 /// A tree over boundary triangles as they lie when it is made.
 class SurfaceTree {
  public:

@@ -1,6 +1,7 @@
 #pragma once
 // A few triangles that can be found by place while more are added, and whether triangles cut each other.
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -9,10 +10,10 @@
 
 #include "cells.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
+#include "work_mesh.hpp"
 
 namespace lumesh {
 
-using Triangle = std::array<std::uint32_t, 3>;
 using Corners3 = std::array<Vec3, 3>;
 
 /// Whether a segment passes through a triangle.
@@ -25,25 +26,16 @@ using Corners3 = std::array<Vec3, 3>;
   return (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
 }
 
-struct Extent {
-  Vec3 low, high;
-  explicit Extent(const Vec3& p) : low(p), high(p) {}
-  void extend(const Vec3& p) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-};
-
 /// Triangles by the cells of a grid that their boxes touch.
 class TriangleGrid {
  public:
   explicit TriangleGrid(double cell_mm) : cell_mm_(cell_mm) {}
-  void add(const Triangle& t, const Extent& box) {
+  void add(const Triangle& t, const Eigen::AlignedBox3d& box) {
     for_each_cell(box, [&](std::uint64_t cell) { cells_[cell].push_back(t); });
   }
   /// Whether `condition` holds for a triangle in one of the cells of a box.
   template <class Condition>
-  [[nodiscard]] bool any(const Extent& box, const Condition& condition) const {
+  [[nodiscard]] bool any(const Eigen::AlignedBox3d& box, const Condition& condition) const {
     bool found = false;
     for_each_cell(box, [&](std::uint64_t cell) {
       const auto at = cells_.find(cell);
@@ -54,13 +46,9 @@ class TriangleGrid {
 
  private:
   template <class Body>
-  void for_each_cell(const Extent& box, const Body& body) const {
-    const Index3 low = cell_of(box.low, cell_mm_), high = cell_of(box.high, cell_mm_);
-    for (int k = low.z(); k <= high.z(); ++k) {
-      for (int j = low.y(); j <= high.y(); ++j) {
-        for (int i = low.x(); i <= high.x(); ++i) body(cell_key({i, j, k}));
-      }
-    }
+  void for_each_cell(const Eigen::AlignedBox3d& box, const Body& body) const {
+    for_each_index_between(cell_of(box.min(), cell_mm_), cell_of(box.max(), cell_mm_),
+                           [&](const Index3& cell) { body(cell_key(cell)); });
   }
   double cell_mm_;
   std::unordered_map<std::uint64_t, std::vector<Triangle>> cells_;

@@ -16,14 +16,18 @@
 namespace lumesh {
 
 using Corner4 = std::array<std::uint32_t, 4>;
+using Triangle = std::array<std::uint32_t, 3>;
 inline constexpr std::uint32_t kNoTet = ~std::uint32_t{0};
 
 [[nodiscard]] inline bool has_corner(const Corner4& t, std::uint32_t v) {
   return t[0] == v || t[1] == v || t[2] == v || t[3] == v;
 }
+[[nodiscard]] inline bool has_corner(const Triangle& t, std::uint32_t v) {
+  return t[0] == v || t[1] == v || t[2] == v;
+}
 
 /// Corners of the face opposite to a corner, anticlockwise seen from outside.
-[[nodiscard]] inline std::array<std::uint32_t, 3> face_of(const Corner4& t, std::size_t opposite) {
+[[nodiscard]] inline Triangle face_of(const Corner4& t, std::size_t opposite) {
   constexpr std::size_t kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   return {t[kFace[opposite][0]], t[kFace[opposite][1]], t[kFace[opposite][2]]};
 }

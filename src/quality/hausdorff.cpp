@@ -171,7 +171,7 @@ std::optional<SurfaceDistances> compare(const Scene& scene, std::span<const Vec3
 }  // namespace
 
 ImageDistances compare_with_image(const MeshView& mesh, const MeshSurface& surface, const LabelImage& image,
-                                  std::span<const Plane> planes) {
+                                  std::span<const CutPlane> planes) {
   ImageDistances result;
   result.voxel_size_mm = std::cbrt(image.frame().voxel_volume_mm3());
   const Scene scene{image, CutPlanes(planes, result.voxel_size_mm), result.voxel_size_mm};

@@ -14,18 +14,18 @@ namespace lumesh::quality {
 /// Planes with unit normals, and the tolerance that goes with the voxel size.
 class CutPlanes {
  public:
-  CutPlanes(std::span<const Plane> planes, double voxel_size_mm)
+  CutPlanes(std::span<const CutPlane> planes, double voxel_size_mm)
       : planes_(planes.begin(), planes.end()), tolerance_mm_(0.05 * voxel_size_mm) {
-    for (Plane& plane : planes_) plane.normal.normalize();
+    for (CutPlane& plane : planes_) plane.normal.normalize();
   }
   /// True if the point was cut off.
   [[nodiscard]] bool beyond(const Vec3& p) const {
     return std::any_of(planes_.begin(), planes_.end(),
-                       [&](const Plane& plane) { return plane.normal.dot(p - plane.point_mm) > 0; });
+                       [&](const CutPlane& plane) { return plane.normal.dot(p - plane.point_mm) > 0; });
   }
   /// True if all of the points lie on the same plane, as the corners of a cap do.
   [[nodiscard]] bool contain(std::initializer_list<Vec3> points) const {
-    return std::any_of(planes_.begin(), planes_.end(), [&](const Plane& plane) {
+    return std::any_of(planes_.begin(), planes_.end(), [&](const CutPlane& plane) {
       return std::all_of(points.begin(), points.end(), [&](const Vec3& p) {
         return std::abs(plane.normal.dot(p - plane.point_mm)) < tolerance_mm_;
       });
@@ -33,7 +33,7 @@ class CutPlanes {
   }
 
  private:
-  std::vector<Plane> planes_;
+  std::vector<CutPlane> planes_;
   double tolerance_mm_;
 };
 

@@ -25,7 +25,7 @@ Vec3 outward_normal(const Phantom& phantom, const Vec3& p, Label label, double s
 class LabelComparison {
  public:
   LabelComparison(const MeshView& mesh, const MeshSurface& surface, const Phantom& phantom,
-                  std::span<const Plane> planes, Label label)
+                  std::span<const CutPlane> planes, Label label)
       : points_(mesh.points),
         triangles_(surface.around(label)),
         phantom_(phantom),
@@ -84,7 +84,7 @@ class LabelComparison {
 }  // namespace
 
 std::vector<LabelReference> compare_with_phantom(const MeshView& mesh, const MeshSurface& surface,
-                                                 const Phantom& phantom, std::span<const Plane> planes) {
+                                                 const Phantom& phantom, std::span<const CutPlane> planes) {
   std::vector<LabelReference> result;
   for (const Label label : phantom.labels()) {
     LabelReference reference;

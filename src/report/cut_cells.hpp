@@ -42,7 +42,7 @@ template <std::size_t N>
 template <std::size_t N, std::size_t Edges>
 [[nodiscard]] std::vector<Vec3> cut_cell(std::span<const Vec3> points, const Cell<N>& cell,
                                          const std::array<std::array<int, 2>, Edges>& edges,
-                                         const quality::Plane& plane) {
+                                         const CutPlane& plane) {
   std::array<double, N> height;
   bool above = false, below = false;
   for (std::size_t i = 0; i < N; ++i) {

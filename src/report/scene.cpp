@@ -111,7 +111,7 @@ void add_polygon(const Camera& camera, std::span<const Vec3> corners, const Vec3
 }
 
 /// The part of a triangle on the side of the plane away from its normal.
-std::vector<Vec3> clip(const std::array<Vec3, 3>& triangle, const quality::Plane& plane) {
+std::vector<Vec3> clip(const std::array<Vec3, 3>& triangle, const CutPlane& plane) {
   std::vector<Vec3> kept;
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 &a = triangle[i], &b = triangle[(i + 1) % 3];
@@ -123,7 +123,7 @@ std::vector<Vec3> clip(const std::array<Vec3, 3>& triangle, const quality::Plane
 }
 
 /// Offset along `normal` where the section is largest, by volume per slice.
-quality::Plane widest_section(const MeshView& mesh, const Vec3& normal) {
+CutPlane widest_section(const MeshView& mesh, const Vec3& normal) {
   constexpr std::size_t kSlices = 64;
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const Vec3& p : mesh.points) {
@@ -200,7 +200,7 @@ CutPicture draw_cut(const MeshView& mesh, const MeshSurface& surface, CutDirecti
   const ViewAngles angles = best_view(points);
   const double turn = direction == CutDirection::kSide ? 90 : 0;
   Camera camera = look_from(angles.azimuth_deg + turn, angles.elevation_deg);
-  const quality::Plane plane = widest_section(mesh, camera.toward);
+  const CutPlane plane = widest_section(mesh, camera.toward);
   // Seen a little from the side, what lies behind the section shows its depth.
   camera = look_from(angles.azimuth_deg + turn + 14, angles.elevation_deg + 10);
   std::vector<Vec3> kept;

@@ -76,7 +76,7 @@ struct Evaluation {
 struct EvaluationInput {
   const LabelImage* image = nullptr;  ///< Optional: the image the mesh was made from.
   const Phantom* phantom = nullptr;   ///< Optional: the truth behind the image.
-  std::vector<Plane> cut_planes;      ///< Those the mesh was made with.
+  std::vector<CutPlane> cut_planes;   ///< Those the mesh was made with.
 };
 
 /// @param mesh  In mm (LPS) as the image.

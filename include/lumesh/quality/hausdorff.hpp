@@ -13,9 +13,6 @@
 
 namespace lumesh::quality {
 
-/// Of a cut: what lies on the side of the normal was removed.
-using Plane = CutPlane;
-
 /// Distances of one set of samples.
 struct DistanceSummary {
   double max = 0;
@@ -61,6 +58,6 @@ struct ImageDistances {
 /// out. Threads: parallel inside, the same bits for every thread count. Cost: about 1 us per sample; 60k
 /// triangles and 300k voxel faces take 2 s on two cores.
 [[nodiscard]] ImageDistances compare_with_image(const MeshView& mesh, const MeshSurface& surface,
-                                                const LabelImage& image, std::span<const Plane> planes);
+                                                const LabelImage& image, std::span<const CutPlane> planes);
 
 }  // namespace lumesh::quality

@@ -33,6 +33,6 @@ struct LabelReference {
 [[nodiscard]] std::vector<LabelReference> compare_with_phantom(const MeshView& mesh,
                                                                const MeshSurface& surface,
                                                                const Phantom& phantom,
-                                                               std::span<const Plane> planes);
+                                                               std::span<const CutPlane> planes);
 
 }  // namespace lumesh::quality

@@ -23,7 +23,7 @@ LabelImage two_label_cube() {
   });
 }
 
-Evaluation evaluated(const std::vector<Plane>& cut_planes) {
+Evaluation evaluated(const std::vector<CutPlane>& cut_planes) {
   const fixtures::TetSoup soup = fixtures::two_label_block(4);
   MixedMesh mesh;
   mesh.points = soup.points;

@@ -36,7 +36,7 @@ MixedMesh block_mesh(int n, const Vec3& low, const Vec3& high) {
 }
 
 ImageDistances compare(const MixedMesh& mesh, const LabelImage& image,
-                       const std::vector<Plane>& planes = {}) {
+                       const std::vector<CutPlane>& planes = {}) {
   return compare_with_image(mesh.view(), extract_surface(mesh.view()), image, planes);
 }
 
