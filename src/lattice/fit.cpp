@@ -15,7 +15,7 @@
 #include "spikes.hpp"
 #include "star_quality.hpp"
 #include "surface_stars.hpp"
-#include "vertex_colours.hpp"
+#include "vertex_blocks.hpp"
 #include "voxel_reach.hpp"
 
 namespace lumesh {
@@ -27,7 +27,7 @@ constexpr double kThere = 0.02;  // voxels from its target at which a vertex cou
 class Fitter {
  public:
   Fitter(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image, const ImageDomain& domain,
-         const FitOptions& options, const VertexColours& colours)
+         const FitOptions& options, const VertexBlocks& blocks)
       : mesh_(mesh),
         boundary_(boundary),
         image_(image),
@@ -38,7 +38,7 @@ class Fitter {
         anchors_(domain),
         finder_(image, domain, options.probes),
         offset_mm_(mesh.positions.size(), 0.0),
-        colours_(colours),
+        blocks_(blocks),
         waiting_(mesh.positions.size(), 1),
         stays_(mesh.positions.size(), 0) {}
 
@@ -46,7 +46,7 @@ class Fitter {
   void approach(int sweeps) {
     for (int s = 0; s < sweeps; ++s) {
       const double floor = std::max(floor_, 0.30 - 0.04 * s);
-      sweep([&](std::uint32_t v) { fit_vertex(v, floor); });
+      sweep(blocks_, [&](std::uint32_t v) { fit_vertex(v, floor); });
     }
   }
 
@@ -55,13 +55,13 @@ class Fitter {
     draw_to_tips();
     offset_mm_ = averaged(sag_offsets_mm(mesh_, boundary_, domain_));
     try_all_again();
-    for (int s = 0; s < 2; ++s) sweep([&](std::uint32_t v) { fit_vertex(v, floor_); });
+    for (int s = 0; s < 2; ++s) sweep(blocks_, [&](std::uint32_t v) { fit_vertex(v, floor_); });
     add_volume_offsets(mesh_, boundary_, domain_, options_.label_volumes_mm3, offset_mm_);
     trim_bulges_ = true;
     try_all_again();
     constexpr double kGood = 0.3;
     for (int s = 0; s < 4; ++s) {
-      sweep([&](std::uint32_t v) {
+      sweep(blocks_, [&](std::uint32_t v) {
         fit_if_away(v);
         improve_vertex(v, kGood);
       });
@@ -76,26 +76,22 @@ class Fitter {
   /// Lets every waiting vertex move once. Vertices wait until they have been tried, and again once something
   /// in their star has moved.
   template <class Move>
-  void sweep(const Move& move) {
-    sweep(colours_, move);
-  }
-  template <class Move>
-  void sweep(const VertexColours& colours, const Move& move) {
-    const double small2 = std::pow(0.03 * domain_.voxel_size_mm(), 2);
-    for (const std::vector<std::uint32_t>& colour : colours) {
-      const auto trying = parallel::collect<std::uint32_t>(colour.size(), [&](std::size_t i, auto& out) {
-        if (waiting_[colour[i]] != 0) out.push_back(colour[i]);
-      });
+  void sweep(const VertexBlocks& blocks, const Move& move) {
+    for (const std::vector<VertexBlocks::Block>& of_class : blocks.classes) {
       parallel::for_each_index(
-          trying.size(),
-          [&](std::size_t i) {
-            const std::uint32_t v = trying[i];
-            const Vec3 before = mesh_.positions[v];
-            waiting_[v] = 0;  // no other vertex of this colour shares a tetrahedron with v
-            move(v);
-            if ((mesh_.positions[v] - before).squaredNorm() > small2) wake_star(v);
-          },
-          64);
+          of_class.size(), [&](std::size_t b) { move_waiting(of_class[b], move); }, 1);
+    }
+  }
+
+  template <class Move>
+  void move_waiting(const VertexBlocks::Block& block, const Move& move) {
+    const double small2 = std::pow(0.03 * domain_.voxel_size_mm(), 2);
+    for (const std::uint32_t v : block) {
+      if (waiting_[v] == 0) continue;
+      waiting_[v] = 0;
+      const Vec3 before = mesh_.positions[v];
+      move(v);
+      if ((mesh_.positions[v] - before).squaredNorm() > small2) wake_star(v);
     }
   }
 
@@ -130,7 +126,7 @@ class Fitter {
   void draw_to_tips() {
     constexpr int kSweeps = 3;
     wake_anchored(misses());
-    const VertexColours near = two_rings_awake();
+    const VertexBlocks near = two_rings_awake();
     for (int s = 0; s < kSweeps; ++s) sweep(near, [&](std::uint32_t v) { fit_vertex(v, floor_); });
   }
 
@@ -145,21 +141,13 @@ class Fitter {
     for (const std::uint32_t v : anchors_.set(mesh_, boundary_, missed)) wake_star(v);
   }
 
-  /// Wakes the vertices around those that wait; all of these by colours.
-  [[nodiscard]] VertexColours two_rings_awake() {
+  /// Wakes the vertices around those that wait; all of these, block by block.
+  [[nodiscard]] VertexBlocks two_rings_awake() {
     const std::vector<std::uint8_t> first_ring = waiting_;
     parallel::for_each_index(first_ring.size(), [&](std::size_t v) {
       if (first_ring[v] != 0) wake_star(static_cast<std::uint32_t>(v));
     });
-    VertexColours near(colours_.size());
-    parallel::for_each_index(
-        near.size(),
-        [&](std::size_t c) {
-          std::copy_if(colours_[c].begin(), colours_[c].end(), std::back_inserter(near[c]),
-                       [&](std::uint32_t v) { return waiting_[v] != 0 && stays_[v] == 0; });
-        },
-        1);
-    return near;
+    return pick_vertices(blocks_, [&](std::uint32_t v) { return waiting_[v] != 0 && stays_[v] == 0; });
   }
 
   /// Where the surface is still more than a voxel away from the image's boundary: tetrahedra are added or
@@ -217,18 +205,15 @@ class Fitter {
     return true;
   }
 
-  /// Two vertices of one colour must not move at the same time: where one of the last tetrahedra joins such,
-  /// one of them stays where it is from now on. New vertices have no colour and never move.
+  /// Blocks of one class move at the same time: where one of the last tetrahedra joins two of these, a vertex
+  /// of it stays where it is from now on. New vertices are in no block and never move.
   void hold_joined(std::size_t most_new_tetrahedra) {
-    std::vector<std::size_t> colour_of(mesh_.positions.size(), colours_.size());
-    for (std::size_t c = 0; c < colours_.size(); ++c) {
-      for (const std::uint32_t v : colours_[c]) colour_of[v] = c;
-    }
+    const std::vector<VertexBlocks::Place> places = places_in(blocks_, mesh_.positions.size());
     const std::size_t first = mesh_.tets.size() - std::min(mesh_.tets.size(), most_new_tetrahedra);
     for (std::size_t t = first; t < mesh_.tets.size(); ++t) {
       for (const auto& [i, j] : bcc::kEdge) {
         const std::uint32_t a = mesh_.tets[t][i], b = mesh_.tets[t][j];
-        if (colour_of[a] == colour_of[b] && colour_of[a] < colours_.size()) stays_[b] = 1;
+        if (may_move_together(places[a], places[b])) stays_[b] = 1;
       }
     }
   }
@@ -240,7 +225,7 @@ class Fitter {
     for (const Miss& miss : missed) {
       for (const std::uint32_t v : boundary_.triangles[miss.triangle].vertices) wake_star(v);
     }
-    const VertexColours near = two_rings_awake();
+    const VertexBlocks near = two_rings_awake();
     for (int s = 0; s < sweeps; ++s) {
       sweep(near, [&](std::uint32_t v) {
         fit_if_away(v);
@@ -458,20 +443,20 @@ class Fitter {
   MissFinder finder_;
   std::vector<double> offset_mm_;  // how far beside the boundary each vertex shall be
   bool trim_bulges_ = false;       // where the smoothed boundary goes beyond the voxels
-  const VertexColours& colours_;
+  const VertexBlocks& blocks_;
   std::vector<std::uint8_t> waiting_;  // flag per vertex: worth a try
-  std::vector<std::uint8_t> stays_;    // flag per vertex that has a colour: never moves again
+  std::vector<std::uint8_t> stays_;    // flag per vertex that is in a block: never moves again
 };
 
 }  // namespace
 
 FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
                         const ImageDomain& domain, const FitOptions& options) {
-  VertexColours colours = colour_vertices(mesh, vertices_near_boundary(mesh, boundary));
-  Fitter(mesh, boundary, image, domain, options, colours).approach(4);
-  keep_vertices(colours, peel_spikes(mesh, boundary, domain));
+  VertexBlocks blocks = make_vertex_blocks(mesh, vertices_near_boundary(mesh, boundary));
+  Fitter(mesh, boundary, image, domain, options, blocks).approach(4);
+  keep_vertices(blocks, peel_spikes(mesh, boundary, domain));
   mesh.neighbours = {};  // not needed any more
-  Fitter fitter(mesh, boundary, image, domain, options, colours);
+  Fitter fitter(mesh, boundary, image, domain, options, blocks);
   fitter.approach(1);
   return fitter.finish();
 }

@@ -108,6 +108,20 @@ std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& d
   return probes;
 }
 
+void MissFinder::note_moved_triangles(const WorkMesh& mesh, const BoundaryModel& boundary) {
+  triangles_.resize(boundary.triangles.size(), Triangle{kNoTet, kNoTet, kNoTet});
+  moved_.resize(triangles_.size());
+  parallel::for_each_index(triangles_.size(), [&](std::size_t i) {
+    const Triangle& now = boundary.triangles[i].vertices;
+    const bool same = triangles_[i] == now && std::all_of(now.begin(), now.end(), [&](std::uint32_t v) {
+                        return positions_[v] == mesh.positions[v];
+                      });
+    moved_[i] = same ? 0 : 1;
+    triangles_[i] = now;
+  });
+  positions_ = mesh.positions;
+}
+
 std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
                                             double limit_mm) {
   const auto is_close = [&](std::uint32_t triangle, const Vec3& p) {
@@ -118,7 +132,9 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
     return (nearest - p).squaredNorm() <= limit_mm * limit_mm;
   };
   const auto lost = parallel::collect<std::uint32_t>(probes_.size(), [&](std::size_t i, auto& out) {
-    if (!is_close(close_[i], probes_[i].position_mm)) out.push_back(static_cast<std::uint32_t>(i));
+    const std::uint32_t last = close_[i];
+    const bool stays = last != SurfaceTree::kNone && moved_[last] == 0;
+    if (!stays && !is_close(last, probes_[i].position_mm)) out.push_back(static_cast<std::uint32_t>(i));
   });
   const SurfaceTree tree = tree_near(mesh, boundary, lost);
   return parallel::collect_blocks<Miss>(
@@ -129,9 +145,9 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
           // Many are close to the triangle of the probe before, which saves the search.
           if (!is_close(last, probe.position_mm)) {
             const SurfaceTree::Nearest nearest = tree.nearest(probe.position_mm);
-            last = nearest.triangle;
-            if (last != SurfaceTree::kNone && nearest.distance_mm > limit_mm)
-              out.push_back({nearest.distance_mm, probe, last, false, true});
+            last = nearest.distance_mm > limit_mm ? SurfaceTree::kNone : nearest.triangle;
+            if (last == SurfaceTree::kNone && nearest.triangle != SurfaceTree::kNone)
+              out.push_back({nearest.distance_mm, probe, nearest.triangle, false, true});
           }
           close_[lost[n]] = last;
         }
@@ -148,35 +164,43 @@ SurfaceTree MissFinder::tree_near(const WorkMesh& mesh, const BoundaryModel& bou
   return {mesh, boundary, places, kNearVoxels * domain_.voxel_size_mm()};
 }
 
-std::vector<Miss> MissFinder::stray_triangles(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                              double limit_mm) const {
-  return parallel::collect<Miss>(boundary.triangles.size(), [&](std::size_t i, std::vector<Miss>& out) {
-    const BoundaryTriangle& t = boundary.triangles[i];
-    if (domain_.is_cut(t.outside)) return;
-    const auto& [a, b, c] = t.vertices;
-    const std::array<Vec3, 3> p = {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
-    const auto depth = [&](const Vec3& x) { return domain_.separation(x, t.inside, t.outside).value; };
-    const Vec3 centre = (p[0] + p[1] + p[2]) / 3;
-    if (std::abs(depth(centre)) < kAway * domain_.voxel_size_mm()) return;
-    const std::array<Material, 2> pair = ascending(t.inside, t.outside);
-    const Vec3 outwards = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
-    for (const Vec3& x :
-         {centre, Vec3((p[0] + p[1]) / 2), Vec3((p[1] + p[2]) / 2), Vec3((p[2] + p[0]) / 2)}) {
-      const std::optional<Vec3> nearest = nearest_on_voxel_faces(image_, x, pair);
-      if (!nearest || (*nearest - x).norm() <= limit_mm) continue;
-      const double ahead_mm = std::copysign(kAhead * domain_.voxel_size_mm(), depth(x));
-      const std::optional<Vec3> ahead = domain_.first_crossing(x, x + ahead_mm * outwards);
-      const Vec3 place = ahead.value_or(*nearest);
-      out.push_back(
-          {(place - x).norm(), {place, pair}, static_cast<std::uint32_t>(i), true, ahead.has_value()});
-    }
+void MissFinder::update_strays(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm) {
+  std::erase_if(strays_, [&](const Miss& m) { return moved_[m.triangle] != 0; });
+  const auto found = parallel::collect<Miss>(moved_.size(), [&](std::size_t i, std::vector<Miss>& out) {
+    if (moved_[i] != 0) append_strays(mesh, boundary, static_cast<std::uint32_t>(i), limit_mm, out);
   });
+  const auto known = static_cast<std::ptrdiff_t>(strays_.size());
+  strays_.insert(strays_.end(), found.begin(), found.end());
+  std::inplace_merge(strays_.begin(), strays_.begin() + known, strays_.end(),
+                     [](const Miss& a, const Miss& b) { return a.triangle < b.triangle; });
+}
+
+void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& boundary, std::uint32_t triangle,
+                               double limit_mm, std::vector<Miss>& out) const {
+  const BoundaryTriangle& t = boundary.triangles[triangle];
+  if (domain_.is_cut(t.outside)) return;
+  const auto& [a, b, c] = t.vertices;
+  const std::array<Vec3, 3> p = {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
+  const auto depth = [&](const Vec3& x) { return domain_.separation(x, t.inside, t.outside).value; };
+  const Vec3 centre = (p[0] + p[1] + p[2]) / 3;
+  if (std::abs(depth(centre)) < kAway * domain_.voxel_size_mm()) return;
+  const std::array<Material, 2> pair = ascending(t.inside, t.outside);
+  const Vec3 outwards = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+  for (const Vec3& x : {centre, Vec3((p[0] + p[1]) / 2), Vec3((p[1] + p[2]) / 2), Vec3((p[2] + p[0]) / 2)}) {
+    const std::optional<Vec3> nearest = nearest_on_voxel_faces(image_, x, pair);
+    if (!nearest || (*nearest - x).norm() <= limit_mm) continue;
+    const double ahead_mm = std::copysign(kAhead * domain_.voxel_size_mm(), depth(x));
+    const std::optional<Vec3> ahead = domain_.first_crossing(x, x + ahead_mm * outwards);
+    const Vec3 place = ahead.value_or(*nearest);
+    out.push_back({(place - x).norm(), {place, pair}, triangle, true, ahead.has_value()});
+  }
 }
 
 std::vector<Miss> MissFinder::find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm) {
+  note_moved_triangles(mesh, boundary);
   std::vector<Miss> found = missed_probes(mesh, boundary, limit_mm);
-  const std::vector<Miss> strays = stray_triangles(mesh, boundary, limit_mm);
-  found.insert(found.end(), strays.begin(), strays.end());
+  update_strays(mesh, boundary, limit_mm);
+  found.insert(found.end(), strays_.begin(), strays_.end());
   std::stable_sort(found.begin(), found.end(),
                    [](const Miss& a, const Miss& b) { return a.distance_mm > b.distance_mm; });
   return found;

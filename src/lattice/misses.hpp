@@ -36,7 +36,8 @@ struct Miss {
   bool drawable;  ///< Whether a vertex may be sent to the probe: not where a stray faces nothing.
 };
 
-/// Finds misses again and again while the surface moves; remembers a triangle close to each probe.
+/// Finds misses again and again while the surface moves; remembers a triangle close to each probe and looks
+/// again only where triangles have moved.
 class MissFinder {
  public:
   /// All that is given must stay.
@@ -44,21 +45,28 @@ class MissFinder {
       : image_(image), domain_(domain), probes_(probes), close_(probes.size(), SurfaceTree::kNone) {}
 
   /// Probes further than `limit_mm` from the surface and triangles further than that from the voxels'
-  /// boundary, the furthest first. Between calls triangles may move and new ones may follow.
+  /// boundary, the furthest first. Between calls, of the same limit, triangles may change and new ones may
+  /// follow.
   [[nodiscard]] std::vector<Miss> find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
 
  private:
+  void note_moved_triangles(const WorkMesh& mesh, const BoundaryModel& boundary);
   [[nodiscard]] std::vector<Miss> missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
                                                 double limit_mm);
   [[nodiscard]] SurfaceTree tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
                                       const std::vector<std::uint32_t>& probes) const;
-  [[nodiscard]] std::vector<Miss> stray_triangles(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                                  double limit_mm) const;
+  void update_strays(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
+  void append_strays(const WorkMesh& mesh, const BoundaryModel& boundary, std::uint32_t triangle,
+                     double limit_mm, std::vector<Miss>& out) const;
 
   const LabelImage& image_;
   const ImageDomain& domain_;
   const std::vector<Probe>& probes_;
-  std::vector<std::uint32_t> close_;
+  std::vector<std::uint32_t> close_;  // per probe: a triangle within the limit, or none
+  std::vector<Miss> strays_;          // by triangle
+  std::vector<Triangle> triangles_;   // of the last call
+  std::vector<Vec3> positions_;       // of the last call
+  std::vector<std::uint8_t> moved_;   // flag per triangle: not the same as in the last call
 };
 
 }  // namespace lumesh

@@ -14,16 +14,45 @@ namespace {
 using bcc::Corners;
 using bcc::Key;
 
+Key pack(const Index3& p) {
+  return bcc::pack(static_cast<std::uint32_t>(p.x()), static_cast<std::uint32_t>(p.y()),
+                   static_cast<std::uint32_t>(p.z()));
+}
+
+/// What was found for the last few lattice points: neighbouring tetrahedra share corners.
+class PointMemo {
+ public:
+  PointMemo() { keys_.fill(parallel::KeySet::kEmpty); }
+  template <class Find>
+  bool get(Key key, const Find& find) {
+    constexpr Key kSpread = 0x9e3779b97f4a7c15ULL;
+    const std::size_t at = key * kSpread >> (64 - kBits);
+    if (keys_[at] != key) {
+      found_[at] = find(key);
+      keys_[at] = key;
+    }
+    return found_[at];
+  }
+
+ private:
+  static constexpr int kBits = 5;
+  std::array<Key, std::size_t{1} << kBits> keys_;
+  std::array<bool, std::size_t{1} << kBits> found_{};
+};
+
 /// Grows the set of leaves level by level, then closes it: see algorithms in bcc.hpp.
 class Refiner {
  public:
   Refiner(const LatticeFrame& frame, const ImageDomain& domain, const SizeGrid& sizes)
-      : frame_(frame), domain_(domain), sizes_(sizes), leaves_(static_cast<std::size_t>(frame.levels) + 1) {}
+      : frame_(frame),
+        domain_(domain),
+        sizes_(sizes),
+        leaves_(static_cast<std::size_t>(frame.levels) + 1),
+        masks_(leaves_.size()) {}
 
   std::vector<Corners> run() {
     leaves_[0] = coarse_tetrahedra();
     cell_mark_.assign(static_cast<std::size_t>(frame_.cells.prod()), 0);
-    finest_mark_ = cell_mark_;
     for (int level = 0; level < frame_.levels; ++level) {
       const auto wanting =
           pick(leaves_[at(level)], [&](const Corners& t) { return wants_children(t, level); });
@@ -48,21 +77,19 @@ class Refiner {
           const Index3 cell(static_cast<int>(c % nx), static_cast<int>(c / nx % ny),
                             static_cast<int>(c / (nx * ny)));
           const Index3 centre = 2 * s * cell + Index3::Constant(s);
-          if (!near_object(centre, 3 * s)) return;
+          if (!near_object(centre, 3 * s) || far_in_background(centre)) return;
+          PointMemo memo;
           for (int axis = 0; axis < 3; ++axis) {
             if (cell[axis] + 1 == n[axis]) continue;
-            append_face_tetrahedra(centre, axis, s, out);
+            append_face_tetrahedra(centre, axis, s, memo, out);
           }
         },
         512);
   }
 
   /// The four tetrahedra that straddle the face between a cube and the next one along an axis.
-  void append_face_tetrahedra(const Index3& centre, int axis, int s, std::vector<Corners>& out) const {
-    const auto key = [](const Index3& p) {
-      return bcc::pack(static_cast<std::uint32_t>(p.x()), static_cast<std::uint32_t>(p.y()),
-                       static_cast<std::uint32_t>(p.z()));
-    };
+  void append_face_tetrahedra(const Index3& centre, int axis, int s, PointMemo& memo,
+                              std::vector<Corners>& out) const {
     const int u = (axis + 1) % 3;
     const int v = (axis + 2) % 3;
     Index3 next = centre;
@@ -77,8 +104,8 @@ class Refiner {
       ring[i][v] += kTurn[i][1] * s;
     }
     for (std::size_t i = 0; i < 4; ++i) {
-      const Corners t = {key(centre), key(next), key(ring[i]), key(ring[(i + 1) % 4])};
-      if (!far_outside(t, 0)) out.push_back(t);
+      const Corners t = {pack(centre), pack(next), pack(ring[i]), pack(ring[(i + 1) % 4])};
+      if (!far_outside(t, 0, memo)) out.push_back(t);
     }
   }
 
@@ -86,13 +113,19 @@ class Refiner {
   /// which the choice of the boundary looks at, may hold a part of the object.
   bool near_object(const Index3& centre, int half_size) const {
     const ImageFrame& image = domain_.frame();
-    const Vec3 at = image.to_index(frame_.position_mm(bcc::pack(static_cast<std::uint32_t>(centre.x()),
-                                                                static_cast<std::uint32_t>(centre.y()),
-                                                                static_cast<std::uint32_t>(centre.z()))));
+    const Vec3 at = image.to_index(frame_.position_mm(pack(centre)));
     // The lattice lies along the image's axes.
     const Vec3 reach = Vec3::Ones() + (frame_.unit_mm * half_size + 0.75 * frame_.spacing_mm(0)) *
                                           image.spacing_mm.cwiseInverse();
     return domain_.field().may_hold_object(at - reach, at + reach);
+  }
+
+  /// Whether far_outside() holds for all tetrahedra at the faces of a cube, which is quicker to say.
+  bool far_in_background(const Index3& centre) const {
+    constexpr double kReach =
+        1.65;  // spacings: the way from here to the centre of one of them, and from there
+    const Vec3 at = frame_.position_mm(pack(centre));
+    return domain_.material_at(at) == 0 && !sizes_.boundary_within(at, kReach * frame_.spacing_mm(0));
   }
 
   bool wants_children(const Corners& t, int level) const {
@@ -130,8 +163,9 @@ class Refiner {
         picked.size(),
         [&](std::size_t i, auto& out) {
           const Corners& t = from[picked[i]];
+          PointMemo memo;
           for (const Corners& child : bcc::red_children(t)) {
-            if (!far_outside(child, level + 1)) out.push_back(child);
+            if (!far_outside(child, level + 1, memo)) out.push_back(child);
           }
         },
         256);
@@ -144,7 +178,7 @@ class Refiner {
   }
 
   /// Tetrahedra that neither belong to the object nor touch one that does are never looked at again.
-  bool far_outside(const Corners& t, int level) const {
+  bool far_outside(const Corners& t, int level, PointMemo& memo) const {
     Vec3 centre = Vec3::Zero();
     for (const Key key : t) centre += 0.25 * frame_.position_mm(key);
     constexpr double kReach =
@@ -155,7 +189,10 @@ class Refiner {
     // Cut planes are boundaries too, but not of the voxels; beyond one the clearance is the distance to it.
     if (domain_.is_cut(here.material) && here.clearance_mm < reach_mm) return false;
     if (!sizes_.boundary_within(centre, reach_mm)) return true;
-    return std::none_of(t.begin(), t.end(), [&](Key key) { return near_inside(key, level); });
+    const auto near = [&](Key corner) {
+      return memo.get(corner, [&](Key key) { return near_inside(key, level); });
+    };
+    return std::none_of(t.begin(), t.end(), near);
   }
 
   /// Whether a corner may belong to a tetrahedron of the object: the nearest of the places that decide on its
@@ -204,7 +241,6 @@ class Refiner {
         for (int i = low.x(); i <= high.x(); ++i) {
           const std::size_t c = cell_number({i, j, k});
           cell_mark_[c] = std::max(cell_mark_[c], mark);
-          finest_mark_[c] = std::max(finest_mark_[c], mark);
         }
       }
     }
@@ -252,8 +288,10 @@ class Refiner {
     std::uint32_t leaf = 0;
     Key third = parallel::KeySet::kEmpty;
   };
-  std::vector<Finding> find_open_leaves(int level) const {
+  std::vector<Finding> find_open_leaves(int level) {
     const std::vector<Corners>& leaves = leaves_[at(level)];
+    std::vector<std::uint8_t>& masks = masks_[at(level)];
+    masks.resize(leaves.size(), 0);
     return parallel::collect<Finding>(
         leaves.size(),
         [&](std::size_t i, auto& out) {
@@ -261,6 +299,7 @@ class Refiner {
           if (is_gone(t)) return;
           if (cell_mark_[cell_of(t[0])] <= level) return;
           const unsigned mask = split_edges(t);
+          masks[i] = static_cast<std::uint8_t>(mask);
           if (mask == 0) return;
           const bcc::Closure closure = bcc::closure_of(mask);
           const auto leaf = static_cast<std::uint32_t>(i);
@@ -294,38 +333,41 @@ class Refiner {
     return changed;
   }
 
-  std::vector<Corners> emit() const {
-    std::vector<Corners> all;
-    for (int level = 0; level <= frame_.levels; ++level) {
-      const std::vector<Corners>& leaves = leaves_[at(level)];
-      const auto part = parallel::collect<Corners>(leaves.size(), [&](std::size_t i, auto& out) {
-        if (is_gone(leaves[i])) return;
-        const unsigned mask = finest_mark_[cell_of(leaves[i][0])] <= level ? 0 : split_edges(leaves[i]);
-        if (mask == 0) {
-          out.push_back(leaves[i]);
-          return;
-        }
-        const bcc::GreenChildren children = bcc::green_children(leaves[i], mask);
-        out.insert(out.end(), children.items.begin(),
-                   children.items.begin() + static_cast<std::ptrdiff_t>(children.count));
-      });
-      all.insert(all.end(), part.begin(), part.end());
+  std::vector<Corners> emit() {
+    std::vector<std::size_t> first = {0};  // of each level among all leaves
+    for (std::size_t l = 0; l < leaves_.size(); ++l) {
+      masks_[l].resize(leaves_[l].size(), 0);
+      first.push_back(first.back() + leaves_[l].size());
     }
-    return all;
+    return parallel::collect<Corners>(first.back(), [&](std::size_t n, std::vector<Corners>& out) {
+      const auto level =
+          static_cast<std::size_t>(std::upper_bound(first.begin(), first.end(), n) - first.begin()) - 1;
+      const std::size_t i = n - first[level];
+      const Corners& leaf = leaves_[level][i];
+      if (is_gone(leaf)) return;
+      if (masks_[level][i] == 0) {
+        out.push_back(leaf);
+        return;
+      }
+      const bcc::GreenChildren children = bcc::green_children(leaf, masks_[level][i]);
+      out.insert(out.end(), children.items.begin(),
+                 children.items.begin() + static_cast<std::ptrdiff_t>(children.count));
+    });
   }
 
   const LatticeFrame& frame_;
   const ImageDomain& domain_;
   const SizeGrid& sizes_;
   std::vector<std::vector<Corners>> leaves_;  // per level
-  parallel::KeySet split_;                    // midpoints of split edges
+  std::vector<std::vector<std::uint8_t>>
+      masks_;               // per level and leaf: edges that were split when last looked at
+  parallel::KeySet split_;  // midpoints of split edges
   struct Change {
     Key key;
     std::uint8_t mark;
   };
-  std::vector<Change> changes_;            // edges split since the last sweep
-  std::vector<std::uint8_t> cell_mark_;    // of the last sweep, per level-0 cube
-  std::vector<std::uint8_t> finest_mark_;  // of all sweeps
+  std::vector<Change> changes_;          // edges split since the last sweep
+  std::vector<std::uint8_t> cell_mark_;  // of the last sweep, per level-0 cube
 };
 
 }  // namespace

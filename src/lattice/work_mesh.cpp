@@ -95,21 +95,25 @@ WorkMesh make_work_mesh(std::vector<Corners> lattice, const LatticeFrame& frame,
   parallel::for_each_index(vertices.size(),
                            [&](std::size_t v) { mesh.positions[v] = frame.position_mm(vertices.key(v)); });
   std::vector<Corner4> tets(lattice.size());
-  std::vector<std::uint64_t> order(lattice.size());
-  parallel::for_each_index(lattice.size(), [&](std::size_t i) {
-    for (std::size_t c = 0; c < 4; ++c) tets[i][c] = vertices.number(lattice[i][c]);
-    order[i] = std::uint64_t{*std::min_element(tets[i].begin(), tets[i].end())} << 32 | i;
+  std::vector<std::uint32_t> least(lattice.size());
+  parallel::for_each_index(lattice.size(), [&](std::size_t t) {
+    for (std::size_t c = 0; c < 4; ++c) tets[t][c] = vertices.number(lattice[t][c]);
+    least[t] = *std::min_element(tets[t].begin(), tets[t].end());
   });
-  parallel::sort(order.begin(), order.end());
+
+  const Groups order =
+      group_by_owner(tets.size(), vertices.size(), [&](std::size_t t) { return std::span(&least[t], 1); });
   mesh.tets.resize(tets.size());
   mesh.materials.resize(tets.size());
   parallel::for_each_index(tets.size(), [&](std::size_t i) {
-    const std::size_t from = order[i] & 0xffffffffU;
-    mesh.tets[i] = tets[from];
-    mesh.materials[i] = materials[from];
+    mesh.tets[i] = tets[order.items[i]];
+    mesh.materials[i] = materials[order.items[i]];
   });
+
   build_stars(mesh);
+
   build_neighbours(mesh);
+
   return mesh;
 }
 
@@ -120,29 +124,53 @@ void build_stars(WorkMesh& mesh) {
 
 namespace {
 
-/// The other tetrahedron at the face opposite to a corner, found in the smallest star of the face's vertices.
-std::uint32_t across_face(const WorkMesh& mesh, std::size_t t, std::size_t corner) {
-  std::uint32_t a = mesh.tets[t][(corner + 1) % 4];
-  std::uint32_t b = mesh.tets[t][(corner + 2) % 4];
-  std::uint32_t d = mesh.tets[t][(corner + 3) % 4];
-  if (mesh.star(b).size() < mesh.star(a).size()) std::swap(a, b);
-  if (mesh.star(d).size() < mesh.star(a).size()) std::swap(a, d);
-  for (const std::uint32_t other : mesh.star(a)) {
-    if (other != t && has_corner(mesh.tets[other], b) && has_corner(mesh.tets[other], d)) return other;
+/// A face of a tetrahedron, listed at the least of its vertices.
+struct ListedFace {
+  std::uint64_t others;  // the two other vertices
+  std::uint32_t tet, corner;
+};
+
+/// The faces of which the vertex is the least; both sides of one come one after the other.
+void list_faces(const WorkMesh& mesh, std::uint32_t v, std::vector<ListedFace>& faces) {
+  faces.clear();
+  for (const std::uint32_t t : mesh.star(v)) {
+    const Corner4& corners = mesh.tets[t];
+    for (std::uint32_t opposite = 0; opposite < 4; ++opposite) {
+      if (corners[opposite] == v) continue;
+      std::uint32_t low = 0, high = 0;
+      bool least = true;
+      for (std::uint32_t c = 0; c < 4; ++c) {
+        if (c == opposite || corners[c] == v) continue;
+        least &= corners[c] > v;
+        low = high;
+        high = corners[c];
+      }
+      if (low > high) std::swap(low, high);
+      if (least) faces.push_back({std::uint64_t{high} << 32 | low, t, opposite});
+    }
   }
-  return kNoTet;
+  std::sort(faces.begin(), faces.end(),
+            [](const ListedFace& a, const ListedFace& b) { return a.others < b.others; });
 }
 
 }  // namespace
 
 void build_neighbours(WorkMesh& mesh) {
   mesh.neighbours.resize(mesh.tets.size());
-  parallel::for_each_index(
-      mesh.tets.size(),
-      [&](std::size_t t) {
-        for (std::size_t c = 0; c < 4; ++c) mesh.neighbours[t][c] = across_face(mesh, t, c);
-      },
-      256);
+  parallel::for_each_block(mesh.positions.size(), 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
+    std::vector<ListedFace> faces;
+    for (std::size_t v = begin; v < end; ++v) {
+      list_faces(mesh, static_cast<std::uint32_t>(v), faces);
+      for (std::size_t i = 0; i < faces.size(); ++i) {
+        const ListedFace& face = faces[i];
+        const bool before = i > 0 && faces[i - 1].others == face.others;
+        const bool after = i + 1 < faces.size() && faces[i + 1].others == face.others;
+        mesh.neighbours[face.tet][face.corner] = before  ? faces[i - 1].tet
+                                                 : after ? faces[i + 1].tet
+                                                         : kNoTet;
+      }
+    }
+  });
 }
 
 std::vector<std::uint32_t> keep_tetrahedra(WorkMesh& mesh, const std::vector<std::uint8_t>& keep) {

@@ -298,6 +298,26 @@ TEST_F(ImageFile, ReadsDetachedNrrd) {
   EXPECT_TRUE(image.frame().spacing_mm.isApprox(Vec3(0.5, 0.5, 2)));
 }
 
+TEST_F(ImageFile, ReadsPackedNrrdWhoeverUnpacksIt) {
+  const std::string header =
+      "NRRD0004\n# encoding: raw\ntype: uint16\ndimension: 3\nsizes: 3 4 5\nspacings: 1 1 2\n";
+  const std::vector<std::uint8_t> small = sixty_voxels();
+  const std::string little = bytes_of(std::vector<std::uint16_t>(small.begin(), small.end()));
+  std::string big = little;
+  for (std::size_t i = 0; i < big.size(); i += 2) std::swap(big[i], big[i + 1]);
+  const LabelImage expected = read("raw.nrrd", header + "endian: little\nencoding: raw\n\n" + little);
+  const std::string halves = deflated(little.substr(0, 40)) + deflated(little.substr(40));
+  for (const std::string& rest :
+       {"endian: little\nencoding: gzip\n\n" + deflated(little),
+        "Encoding: GZ\nendian: little\n\n" + deflated(little),
+        "endian: little\r\nencoding: gz\r\n\r\n" + deflated(little),
+        "endian: big\nencoding: gzip\n\n" + deflated(big),
+        "endian: big\nendian:=little\nencoding: gzip\n\n" + deflated(big),
+        "endian: little\nencoding: gzip\n\n" + halves,
+        "endian: little\nencoding: gzip\nbyte skip: 3\n\n" + deflated("abc" + little)})
+    EXPECT_EQ(read("packed.nrrd", header + rest).voxels(), expected.voxels()) << rest.substr(0, 50);
+}
+
 LabelImage image_with_frame(const std::vector<Label>& values) {
   ImageFrame frame;
   frame.size = Index3(7, 5, 3);

@@ -1,0 +1,65 @@
+// The voxels of the NRRD files that most programs write, http://teem.sourceforge.net/nrrd/format.html.
+#include <libdeflate.h>
+
+#include <bit>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "raw_image.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Whether a line of the header is of the field, in any case and with any blanks.
+bool is_field(std::string_view line, std::string_view field) {
+  std::string name;
+  for (const char c : line.substr(0, line.find(':'))) {
+    if (c != ' ') name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  const std::size_t colon = line.find(':');
+  return colon != std::string_view::npos && !line.substr(colon).starts_with(":=") && name == field;
+}
+
+bool holds(std::string_view line, std::string_view word) {
+  return line.find(word) != std::string_view::npos;
+}
+
+/// Reads the header; true if it says that one gzip stream in this machine's byte order follows.
+bool gzip_follows(std::istream& in, std::size_t voxel_bytes) {
+  bool packed = false;
+  bool own_order = voxel_bytes == 1;
+  std::string text;
+  for (bool first = true; std::getline(in, text); first = false) {
+    std::string_view line = text;
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (line.empty()) return packed && own_order;
+    if (first && !line.starts_with("NRRD")) return false;
+    if (is_field(line, "datafile") || is_field(line, "lineskip") || is_field(line, "byteskip")) return false;
+    if (is_field(line, "encoding")) packed = holds(line, "gz");
+    if (is_field(line, "endian"))
+      own_order |= holds(line, std::endian::native == std::endian::little ? "little" : "big");
+  }
+  return false;
+}
+
+}  // namespace
+
+bool unpack_nrrd(const fs::path& path, std::size_t voxel_bytes, std::span<std::byte> voxels) {
+  std::ifstream in(path, std::ios::binary);
+  if (!gzip_follows(in, voxel_bytes)) return false;
+  const std::vector<char> packed((std::istreambuf_iterator<char>(in)), {});
+  const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> inflater(
+      libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
+  return inflater && libdeflate_gzip_decompress(inflater.get(), packed.data(), packed.size(), voxels.data(),
+                                                voxels.size(), nullptr) == LIBDEFLATE_SUCCESS;
+}
+
+}  // namespace lumesh::io

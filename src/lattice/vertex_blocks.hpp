@@ -1,0 +1,67 @@
+#pragma once
+// Which vertices move at the same time.
+
+#include <array>
+#include <vector>
+
+#include "boundary_model.hpp"
+#include "work_mesh.hpp"
+
+namespace lumesh {
+
+/// Vertices in cubes of space, each of which fits into a processor's cache. Those of one block move one after
+/// another, blocks of one class at the same time: between two of these lies a whole block, so that no
+/// tetrahedron reaches from one to the other.
+struct VertexBlocks {
+  static constexpr std::size_t kClasses = 8;  ///< By even or odd indices along the axes.
+  using Block = std::vector<std::uint32_t>;   ///< Ascends.
+  std::array<std::vector<Block>, kClasses> classes;
+
+  /// Where a vertex is; in no block if not set.
+  struct Place {
+    std::uint32_t of_class = kClasses;
+    std::uint32_t block = 0;
+  };
+  bool operator==(const VertexBlocks&) const = default;
+};
+
+/// Boundary vertices and three rings of others behind them, ascending.
+[[nodiscard]] std::vector<std::uint32_t> vertices_near_boundary(const WorkMesh& mesh,
+                                                                const BoundaryModel& boundary);
+
+/// Splits the vertices into blocks. Deterministic.
+[[nodiscard]] VertexBlocks make_vertex_blocks(const WorkMesh& mesh,
+                                              const std::vector<std::uint32_t>& vertices);
+
+/// The place of each vertex below `vertex_count`.
+[[nodiscard]] std::vector<VertexBlocks::Place> places_in(const VertexBlocks& blocks,
+                                                         std::size_t vertex_count);
+
+/// Whether two vertices are in different blocks that move at the same time.
+[[nodiscard]] inline bool may_move_together(const VertexBlocks::Place& a, const VertexBlocks::Place& b) {
+  return a.of_class == b.of_class && a.of_class != VertexBlocks::kClasses && a.block != b.block;
+}
+
+/// Those that `chosen` accepts.
+template <class Chosen>
+[[nodiscard]] VertexBlocks pick_vertices(const VertexBlocks& blocks, const Chosen& chosen) {
+  VertexBlocks picked;
+  for (std::size_t c = 0; c < VertexBlocks::kClasses; ++c) {
+    picked.classes[c] = parallel::collect<VertexBlocks::Block>(
+        blocks.classes[c].size(),
+        [&](std::size_t b, std::vector<VertexBlocks::Block>& out) {
+          VertexBlocks::Block part;
+          for (const std::uint32_t v : blocks.classes[c][b]) {
+            if (chosen(v)) part.push_back(v);
+          }
+          if (!part.empty()) out.push_back(std::move(part));
+        },
+        64);
+  }
+  return picked;
+}
+
+/// Follows a mesh that has lost tetrahedra: `kept` are the old numbers of its vertices, ascending.
+void keep_vertices(VertexBlocks& blocks, const std::vector<std::uint32_t>& kept);
+
+}  // namespace lumesh
