@@ -58,6 +58,7 @@ class Refiner {
           pick(leaves_[at(level)], [&](const Corners& t) { return wants_children(t, level); });
       split(level, wanting);
     }
+    for (std::size_t l = 0; l < leaves_.size(); ++l) masks_[l].resize(leaves_[l].size(), 0);
     while (close_once()) {
     }
     return emit();
@@ -291,13 +292,14 @@ class Refiner {
   std::vector<Finding> find_open_leaves(int level) {
     const std::vector<Corners>& leaves = leaves_[at(level)];
     std::vector<std::uint8_t>& masks = masks_[at(level)];
+    const std::size_t seen = masks.size();  // what follows was born in the last sweep
     masks.resize(leaves.size(), 0);
     return parallel::collect<Finding>(
         leaves.size(),
         [&](std::size_t i, auto& out) {
           const Corners& t = leaves[i];
           if (is_gone(t)) return;
-          if (cell_mark_[cell_of(t[0])] <= level) return;
+          if (i < seen && cell_mark_[cell_of(t[0])] <= level) return;
           const unsigned mask = split_edges(t);
           masks[i] = static_cast<std::uint8_t>(mask);
           if (mask == 0) return;
