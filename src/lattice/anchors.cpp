@@ -36,12 +36,11 @@ class SparsePoints {
 
 }  // namespace
 
-std::vector<std::uint32_t> Anchors::set(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                        const std::vector<Miss>& misses) {
-  is_set_.resize(mesh.positions.size(), 0);
-  place_.resize(mesh.positions.size());
+std::vector<std::uint32_t> set_anchors(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                       const ImageDomain& domain, const std::vector<Miss>& misses,
+                                       std::vector<std::optional<Vec3>>& anchors_mm) {
   std::vector<std::uint32_t> changed;
-  const double apart_mm = kApartVoxels * domain_.voxel_size_mm();
+  const double apart_mm = kApartVoxels * domain.voxel_size_mm();
   SparsePoints taken(apart_mm);
   for (const Miss& miss : misses) {
     const Vec3& probe = miss.probe.position_mm;
@@ -52,18 +51,16 @@ std::vector<std::uint32_t> Anchors::set(const WorkMesh& mesh, const BoundaryMode
     for (const std::uint32_t v : boundary.triangles[miss.triangle].vertices) {
       const MaterialSet& set = boundary.sets[v];
       if (set.size() != 2 || set[0] != first || set[1] != second) continue;
-      if (is_set_[v] != 0 && (place_[v] - probe).norm() > apart_mm) continue;  // needed elsewhere
+      if (anchors_mm[v] && (*anchors_mm[v] - probe).norm() > apart_mm) continue;  // needed elsewhere
       const double distance = (mesh.positions[v] - probe).norm();
       if (best && distance >= least) continue;
       best = v;
       least = distance;
     }
     if (!best) continue;
-    const std::optional<Vec3> place =
-        domain_.project(probe, boundary.sets[*best], 2 * domain_.voxel_size_mm());
-    if (!place || domain_.beyond_cut(*place)) continue;
-    is_set_[*best] = 1;
-    place_[*best] = *place;
+    const std::optional<Vec3> place = domain.project(probe, boundary.sets[*best], 2 * domain.voxel_size_mm());
+    if (!place || domain.beyond_cut(*place)) continue;
+    anchors_mm[*best] = *place;
     changed.push_back(*best);
   }
   return changed;

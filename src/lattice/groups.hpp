@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lumesh/parallel/loops.hpp"
@@ -13,10 +14,21 @@ namespace lumesh {
 
 /// For each owner the numbers of its items, ascending.
 struct Groups {
-  std::vector<std::uint32_t> begin;  ///< First place of each owner in `items`; one more at the end.
+  struct Range {
+    std::uint32_t begin = 0, end = 0;
+  };
+  std::vector<Range> ranges;  ///< Of each owner in `items`.
   std::vector<std::uint32_t> items;
   [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t owner) const {
-    return {items.data() + begin[owner], begin[owner + 1] - begin[owner]};
+    const auto [begin, end] = ranges[owner];
+    return {items.data() + begin, end - begin};
+  }
+  /// Gives an owner, perhaps a new one, other items; what it had stays in memory, unused.
+  void replace(std::uint32_t owner, const std::vector<std::uint32_t>& others) {
+    if (owner >= ranges.size()) ranges.resize(owner + std::size_t{1});
+    ranges[owner].begin = static_cast<std::uint32_t>(items.size());
+    items.insert(items.end(), others.begin(), others.end());
+    ranges[owner].end = static_cast<std::uint32_t>(items.size());
   }
 };
 
@@ -45,28 +57,28 @@ template <class OwnersOf>
     for (const auto& block : handed) first[r + 1] += static_cast<std::uint32_t>(block[r].size());
   }
   Groups groups;
-  groups.begin.resize(owner_count + 1);
+  groups.ranges.resize(owner_count);
   groups.items.resize(first[kRanges]);
   parallel::for_each_index(
       kRanges,
       [&](std::size_t r) {
         const std::size_t low = std::min(r * range, owner_count);
         const std::size_t high = std::min(low + range, owner_count);
-        std::vector<std::uint32_t> place(high - low + 1, 0);
+        std::vector<std::uint32_t> place(high - low, 0);  // first the counts, then where the next one goes
         for (const auto& block : handed) {
-          for (const Pair& pair : block[r]) ++place[pair.owner - low + 1];
+          for (const Pair& pair : block[r]) ++place[pair.owner - low];
         }
-        place[0] = first[r];
-        for (std::size_t o = 0; o < high - low; ++o) {
-          place[o + 1] += place[o];
-          groups.begin[low + o] = place[o];
+        std::uint32_t next = first[r];
+        for (std::size_t o = low; o < high; ++o) {
+          const std::uint32_t count = std::exchange(place[o - low], next);
+          next += count;
+          groups.ranges[o] = {place[o - low], next};
         }
         for (const auto& block : handed) {
           for (const Pair& pair : block[r]) groups.items[place[pair.owner - low]++] = pair.item;
         }
       },
       1);
-  groups.begin[owner_count] = first[kRanges];
   return groups;
 }
 

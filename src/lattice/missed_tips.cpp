@@ -17,13 +17,13 @@ namespace {
 class MissedTips {
  public:
   MissedTips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface, const SurfaceTree& tree,
-             const ImageDomain& domain, const AngleLimits& limits)
+             const ImageDomain& domain, const TipOptions& options)
       : mesh_(mesh),
         boundary_(boundary),
         surface_(surface),
         tree_(tree),
         domain_(domain),
-        limits_(limits),
+        options_(options),
         keep_(mesh.tets.size(), 1),
         fresh_(4 * domain.voxel_size_mm()),
         used_(mesh.positions.size(), 0) {}
@@ -97,17 +97,19 @@ class MissedTips {
       if (!found) return std::nullopt;
       tet = *found;
       const std::uint32_t far = far_corner(tet, t.vertices);
-      if (boundary_.sets[far].size() >= 2) return std::nullopt;
+      if (boundary_.sets[far].size() >= 2 || is_fixed(far)) return std::nullopt;
       from = mesh_.positions[far];
     }
     std::optional<Option> best;
     for (const double sideways : {0.0, 0.4, 0.8}) {
       const Vec3 wish = attempt.place_mm + sideways * (middle + height * normal - attempt.place_mm);
-      for (const double part : {1.0, 0.85, 0.7, 0.55, 0.4}) {
+      for (const double part : {1.0, 0.85, 0.7, 0.55, 0.4, 0.2, 0.0}) {
+        if (part < 0.3 && !options_.bold) continue;
         Option option{i, tet, from + part * (wish - from)};
         if (domain_.beyond_cut(option.apex)) continue;
         option.distance_mm = distance_mm(p, option, attempt.probe_mm);
-        if (option.distance_mm > (best ? best->distance_mm : 0.8 * attempt.before_mm)) continue;
+        if (option.distance_mm > (best ? best->distance_mm : (options_.bold ? 1.0 : 0.8) * attempt.before_mm))
+          continue;
         if (lies_at_boundary(t, p, option) && angles_good(option) && (tet != kNoTet || !hits_surface(option)))
           best = option;
       }
@@ -131,7 +133,8 @@ class MissedTips {
       option.neighbour = j;
       option.top = third_corner(other.vertices, a, b);
     }
-    if (option.neighbour == kNoTet || are_neighbours(c, option.top)) return std::nullopt;
+    if (option.neighbour == kNoTet || is_fixed(option.top) || are_neighbours(c, option.top))
+      return std::nullopt;
     option.apex = mesh_.positions[option.top];
     const Corners3 p = corners(t.vertices);
     option.distance_mm = distance_mm(p, option, attempt.probe_mm);
@@ -154,6 +157,13 @@ class MissedTips {
     other.top = c;
     other.apex = mesh_.positions[c];
     return other;
+  }
+
+  [[nodiscard]] bool is_fixed(std::uint32_t v) const {
+    return v < options_.fixed.size() && options_.fixed[v] != 0;
+  }
+  [[nodiscard]] bool touches_fixed(const Triangle& t) const {
+    return std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return is_fixed(v); });
   }
 
   [[nodiscard]] static std::uint32_t third_corner(const Triangle& t, std::uint32_t a, std::uint32_t b) {
@@ -236,7 +246,8 @@ class MissedTips {
     for (const std::uint32_t v : boundary_.triangles[nearest].vertices) {
       for (const std::uint32_t i : surface_.triangles(v)) {
         const BoundaryTriangle& t = boundary_.triangles[i];
-        if (ascending(t.inside, t.outside) == probe.materials) found.push_back(i);
+        if (ascending(t.inside, t.outside) == probe.materials && !touches_fixed(t.vertices))
+          found.push_back(i);
       }
     }
     const auto distance2 = [&](std::uint32_t i) {
@@ -265,7 +276,7 @@ class MissedTips {
     if (!(tetrahedron_volume(a, b, c, d) > 0)) return false;
     const auto angles = dihedral_angles_deg(a, b, c, d);
     const auto [least, most] = std::minmax_element(angles.begin(), angles.end());
-    return *least >= limits_.min_deg && *most <= limits_.max_deg;
+    return *least >= options_.limits.min_deg && *most <= options_.limits.max_deg;
   }
 
   /// Replaces a boundary triangle by the three that join its edges to a vertex.
@@ -312,13 +323,14 @@ class MissedTips {
       return std::abs(domain_.separation(x, base.inside, base.outside).value) / domain_.voxel_size_mm();
     };
     constexpr double kTurned = 0.7;  // cosine; at tips the smooth boundary's normals say little
-    if (o.top == kNoTet && off(apex) > 0.6) return false;
+    const double most = options_.bold ? 1.6 : 0.9;
+    if (o.top == kNoTet && off(apex) > (options_.bold ? 1.6 : 0.6)) return false;
     for (std::size_t e = 0; e < 3; ++e) {
       if (e == o.shared) continue;
       const Vec3& a = p[e];
       const Vec3& b = p[(e + 1) % 3];
       const Vec3 middle = (a + b + apex) / 3;
-      if (off(middle) > 0.9 || off(0.5 * (a + apex)) > 0.9) return false;
+      if (off(middle) > most || off(0.5 * (a + apex)) > most) return false;
       const Vec3 inwards = domain_.separation(middle, base.inside, base.outside).gradient;
       const Vec3 normal = (b - a).cross(apex - a);
       if (normal.dot(inwards) > kTurned * normal.norm() * inwards.norm()) return false;
@@ -422,7 +434,7 @@ class MissedTips {
   const SurfaceStars& surface_;
   const SurfaceTree& tree_;
   const ImageDomain& domain_;
-  const AngleLimits& limits_;
+  const TipOptions& options_;
   std::vector<std::uint8_t> keep_;  // per tetrahedron
   TriangleGrid fresh_;              // new triangles
   std::vector<std::uint8_t> used_;  // per vertex: something around it has changed already
@@ -432,14 +444,14 @@ class MissedTips {
 
 std::size_t reach_missed_tips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
                               const ImageDomain& domain, const std::vector<Miss>& misses,
-                              const AngleLimits& limits) {
+                              const TipOptions& options) {
   std::vector<Vec3> places;
   for (const Miss& miss : misses) {
     for (const std::uint32_t v : boundary.triangles[miss.triangle].vertices)
       places.push_back(mesh.positions[v]);
   }
   const SurfaceTree tree(mesh, boundary, places, kNearVoxels * domain.voxel_size_mm());
-  return MissedTips(mesh, boundary, surface, tree, domain, limits).run(misses);
+  return MissedTips(mesh, boundary, surface, tree, domain, options).run(misses);
 }
 
 }  // namespace lumesh

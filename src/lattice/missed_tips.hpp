@@ -1,25 +1,28 @@
 #pragma once
 // Tips and clefts that no vertex could be drawn to: single tetrahedra are added or change sides there.
 
+#include <span>
+
 #include "misses.hpp"
+#include "star_quality.hpp"
 #include "surface_stars.hpp"
 
 namespace lumesh {
 
-struct AngleLimits {
-  double min_deg;
-  double max_deg;
+struct TipOptions {
+  AngleLimits limits;
+  std::span<const std::uint8_t> fixed;  ///< Flag per vertex whose star stays as it is; later ones are free.
+  bool bold = false;  ///< Also takes what leaves the surface up to 1.6 voxels from the boundary for now.
 };
 
 /// For each miss, the worst first: at a tip towards the background a tetrahedron is put on a triangle nearby,
 /// with a new vertex at the boundary, or into the valley between two triangles; elsewhere a tetrahedron
 /// behind a triangle goes to the other material, and its far vertex to the boundary. Only where the angles
 /// keep their limits, the boundary stays a manifold that does not cut itself, and the surface comes closer.
-/// Rebuilds the mesh's stars, but
-/// not its neighbours, which it does not need. New vertices come last.
+/// Rebuilds the mesh's stars, but not its neighbours, which it does not need. New vertices come last.
 /// @return The number of misses that something was done for.
 std::size_t reach_missed_tips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
                               const ImageDomain& domain, const std::vector<Miss>& misses,
-                              const AngleLimits& limits);
+                              const TipOptions& options);
 
 }  // namespace lumesh

@@ -13,9 +13,10 @@ namespace lumesh {
 
 namespace {
 
-constexpr double kAhead = 3;  // voxels: how far from a stray triangle the boundary is sought
-constexpr double kAway =
-    0.4;  // voxels: the smoothed boundary is closer than this where a triangle is no stray
+constexpr double kAhead = 3;        // voxels: how far from a stray triangle the boundary is sought
+constexpr double kFaceReach = 2.5;  // voxels: how far faces of voxels are sought
+constexpr double kAway = 0.4;  // voxels: where a triangle is no stray, the smoothed boundary is closer than
+constexpr double kCornerAway = 0.8;  // this to its centre and than that to its corners
 
 /// The centres of the faces between a voxel and the next ones along the axes.
 void append_face_centres(const LabelImage& image, const Index3& voxel, std::vector<Probe>& out) {
@@ -62,32 +63,33 @@ void append_corners(const LabelImage& image, const Index3& voxel, std::vector<Pr
   for_each_index_between(low, voxel, [&](const Index3& first) { append_corner(image, first, out); });
 }
 
-/// The place nearest to a point on the faces between voxels of two materials, within two voxels.
+/// The place nearest to a point on the faces between voxels of two materials, within 2.5 voxels.
 std::optional<Vec3> nearest_on_voxel_faces(const LabelImage& image, const Vec3& point_mm,
                                            const std::array<Material, 2>& materials) {
   const ImageFrame& frame = image.frame();
   const Vec3 at = frame.to_index(point_mm);
-  const Index3 centre = Eigen::Array3d(at.array().round()).cast<int>().matrix();
+  const double reach_mm = kFaceReach * std::cbrt(frame.voxel_volume_mm3());
+  const Vec3 reach = reach_mm * frame.spacing_mm.cwiseInverse() + Vec3::Constant(0.5);
+  const Index3 last = frame.size - Index3::Ones();
+  const Index3 low = Eigen::Array3d((at - reach).array().round()).cast<int>().matrix().cwiseMax(0);
+  const Index3 high = Eigen::Array3d((at + reach).array().round()).cast<int>().matrix().cwiseMin(last);
   std::optional<Vec3> best;
-  double least2 = 0;
-  constexpr int kReach = 2;
-  for (int n = 0; n < 125; ++n) {
-    const Index3 voxel = centre + Index3(n % 5 - kReach, n / 5 % 5 - kReach, n / 25 - kReach);
-    if (!frame.contains(voxel)) continue;
+  double least2 = reach_mm * reach_mm;
+  for_each_index_between(low, high, [&](const Index3& voxel) {
     for (int axis = 0; axis < 3; ++axis) {
       Index3 next = voxel;
       ++next[axis];
       if (!frame.contains(next) || ascending(image.at(voxel), image.at(next)) != materials) continue;
-      Vec3 low = voxel.cast<double>() - Vec3::Constant(0.5);
-      Vec3 high = low + Vec3::Ones();
-      low[axis] = high[axis];
-      const Vec3 nearest = at.cwiseMax(low).cwiseMin(high);
+      Vec3 face_low = voxel.cast<double>() - Vec3::Constant(0.5);
+      Vec3 face_high = face_low + Vec3::Ones();
+      face_low[axis] = face_high[axis];
+      const Vec3 nearest = at.cwiseMax(face_low).cwiseMin(face_high);
       const double squared = (nearest - at).cwiseProduct(frame.spacing_mm).squaredNorm();
-      if (best && squared >= least2) continue;
+      if (squared >= least2) continue;
       best = nearest;
       least2 = squared;
     }
-  }
+  });
   if (best) best = frame.to_physical(*best);
   return best;
 }
@@ -108,6 +110,27 @@ std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& d
   return probes;
 }
 
+std::vector<Probe> probes_near(const LabelImage& image, const ImageDomain& domain, const Vec3& centre_mm,
+                               double radius_mm) {
+  const ImageFrame& frame = image.frame();
+  const Vec3 centre = frame.to_index(centre_mm);
+  const Vec3 reach = radius_mm * frame.spacing_mm.cwiseInverse() + Vec3::Ones();
+  const Index3 low = Eigen::Array3d((centre - reach).array().floor()).cast<int>().matrix().cwiseMax(0);
+  const Index3 high = Eigen::Array3d((centre + reach).array().ceil())
+                          .cast<int>()
+                          .matrix()
+                          .cwiseMin(frame.size - Index3::Ones());
+  std::vector<Probe> probes;
+  for_each_index_between(low, high, [&](const Index3& voxel) {
+    append_face_centres(image, voxel, probes);
+    append_corners(image, voxel, probes);
+  });
+  std::erase_if(probes, [&](const Probe& p) {
+    return (p.position_mm - centre_mm).norm() > radius_mm || domain.beyond_cut(p.position_mm);
+  });
+  return probes;
+}
+
 void MissFinder::note_moved_triangles(const WorkMesh& mesh, const BoundaryModel& boundary) {
   triangles_.resize(boundary.triangles.size(), Triangle{kNoTet, kNoTet, kNoTet});
   moved_.resize(triangles_.size());
@@ -125,29 +148,30 @@ void MissFinder::note_moved_triangles(const WorkMesh& mesh, const BoundaryModel&
 std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
                                             double limit_mm) {
   const auto is_close = [&](std::uint32_t triangle, const Vec3& p) {
-    if (triangle == SurfaceTree::kNone) return false;
+    if (triangle >= boundary.triangles.size()) return false;
     const auto& [a, b, c] = boundary.triangles[triangle].vertices;
     const Vec3 nearest =
         closest_point_on_triangle(p, mesh.positions[a], mesh.positions[b], mesh.positions[c]);
     return (nearest - p).squaredNorm() <= limit_mm * limit_mm;
   };
-  const auto lost = parallel::collect<std::uint32_t>(probes_.size(), [&](std::size_t i, auto& out) {
+  const auto lost = parallel::collect<std::uint32_t>(probes_->size(), [&](std::size_t i, auto& out) {
     const std::uint32_t last = close_[i];
-    const bool stays = last != SurfaceTree::kNone && moved_[last] == 0;
-    if (!stays && !is_close(last, probes_[i].position_mm)) out.push_back(static_cast<std::uint32_t>(i));
+    const bool stays = last < moved_.size() && moved_[last] == 0;
+    if (!stays && !is_close(last, (*probes_)[i].position_mm)) out.push_back(static_cast<std::uint32_t>(i));
   });
   const SurfaceTree tree = tree_near(mesh, boundary, lost);
   return parallel::collect_blocks<Miss>(
       lost.size(), 512, [&](std::size_t begin, std::size_t end, std::vector<Miss>& out) {
         std::uint32_t last = SurfaceTree::kNone;
         for (std::size_t n = begin; n < end; ++n) {
-          const Probe& probe = probes_[lost[n]];
+          const Probe& probe = (*probes_)[lost[n]];
           // Many are close to the triangle of the probe before, which saves the search.
           if (!is_close(last, probe.position_mm)) {
             const SurfaceTree::Nearest nearest = tree.nearest(probe.position_mm);
             last = nearest.distance_mm > limit_mm ? SurfaceTree::kNone : nearest.triangle;
             if (last == SurfaceTree::kNone && nearest.triangle != SurfaceTree::kNone)
-              out.push_back({nearest.distance_mm, probe, nearest.triangle, false, true});
+              out.push_back({nearest.distance_mm, probe, nearest.triangle, probe.position_mm,
+                             nearest.distance_mm, false, true});
           }
           close_[lost[n]] = last;
         }
@@ -157,15 +181,16 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
 /// Of all triangles when most probes are searched, as the first time.
 SurfaceTree MissFinder::tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
                                   const std::vector<std::uint32_t>& probes) const {
-  if (probes.size() > probes_.size() / 16) return {mesh, boundary};
+  if (probes.size() > probes_->size() / 16) return {mesh, boundary};
   std::vector<Vec3> places;
   places.reserve(probes.size());
-  for (const std::uint32_t i : probes) places.push_back(probes_[i].position_mm);
-  return {mesh, boundary, places, kNearVoxels * domain_.voxel_size_mm()};
+  for (const std::uint32_t i : probes) places.push_back((*probes_)[i].position_mm);
+  return {mesh, boundary, places, kNearVoxels * domain_->voxel_size_mm()};
 }
 
 void MissFinder::update_strays(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm) {
-  std::erase_if(strays_, [&](const Miss& m) { return moved_[m.triangle] != 0; });
+  std::erase_if(strays_,
+                [&](const Miss& m) { return m.triangle >= moved_.size() || moved_[m.triangle] != 0; });
   const auto found = parallel::collect<Miss>(moved_.size(), [&](std::size_t i, std::vector<Miss>& out) {
     if (moved_[i] != 0) append_strays(mesh, boundary, static_cast<std::uint32_t>(i), limit_mm, out);
   });
@@ -178,22 +203,58 @@ void MissFinder::update_strays(const WorkMesh& mesh, const BoundaryModel& bounda
 void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& boundary, std::uint32_t triangle,
                                double limit_mm, std::vector<Miss>& out) const {
   const BoundaryTriangle& t = boundary.triangles[triangle];
-  if (domain_.is_cut(t.outside)) return;
+  if (domain_->is_cut(t.outside)) return;
   const auto& [a, b, c] = t.vertices;
   const std::array<Vec3, 3> p = {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
-  const auto depth = [&](const Vec3& x) { return domain_.separation(x, t.inside, t.outside).value; };
+  const auto depth = [&](const Vec3& x) { return domain_->separation(x, t.inside, t.outside).value; };
   const Vec3 centre = (p[0] + p[1] + p[2]) / 3;
-  if (std::abs(depth(centre)) < kAway * domain_.voxel_size_mm()) return;
+  const auto is_away = [&](const Vec3& x, double voxels) {
+    return std::abs(depth(x)) >= voxels * domain_->voxel_size_mm();
+  };
+  bool away = is_away(centre, kAway);
+  for (std::size_t c = 0; c < 3 && !away; ++c)
+    away = is_away(p[c], kCornerAway) || is_away((p[c] + p[(c + 1) % 3]) / 2, kAway) ||
+           is_away((centre + p[c]) / 2, kAway);
+  if (!away) return;
   const std::array<Material, 2> pair = ascending(t.inside, t.outside);
   const Vec3 outwards = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
-  for (const Vec3& x : {centre, Vec3((p[0] + p[1]) / 2), Vec3((p[1] + p[2]) / 2), Vec3((p[2] + p[0]) / 2)}) {
-    const std::optional<Vec3> nearest = nearest_on_voxel_faces(image_, x, pair);
-    if (!nearest || (*nearest - x).norm() <= limit_mm) continue;
-    const double ahead_mm = std::copysign(kAhead * domain_.voxel_size_mm(), depth(x));
-    const std::optional<Vec3> ahead = domain_.first_crossing(x, x + ahead_mm * outwards);
-    const Vec3 place = ahead.value_or(*nearest);
-    out.push_back({(place - x).norm(), {place, pair}, triangle, true, ahead.has_value()});
+  double most_mm = limit_mm;
+  Vec3 furthest = centre;
+  std::optional<Vec3> nearest_to_it;
+  for (int n = 0; n < 25; ++n) {
+    const int u = n % 5, v = n / 5;
+    if (u + v > 4) continue;
+    const Vec3 x = p[0] + (u / 4.0) * (p[1] - p[0]) + (v / 4.0) * (p[2] - p[0]);
+    const std::optional<Vec3> nearest = nearest_on_voxel_faces(*image_, x, pair);
+    const double off_mm = nearest ? (*nearest - x).norm() : kFaceReach * domain_->voxel_size_mm();
+    if (off_mm <= most_mm) continue;
+    most_mm = off_mm;
+    furthest = x;
+    nearest_to_it = nearest;
   }
+  if (most_mm <= limit_mm) return;
+  const double ahead_mm = std::copysign(kAhead * domain_->voxel_size_mm(), depth(furthest));
+  const std::optional<Vec3> ahead = domain_->first_crossing(furthest, furthest + ahead_mm * outwards);
+  const Vec3 place = ahead.value_or(nearest_to_it.value_or(furthest));
+  out.push_back(
+      {(place - furthest).norm(), {place, pair}, triangle, furthest, most_mm, true, ahead.has_value()});
+}
+
+namespace {
+
+void sort_by_distance(std::vector<Miss>& misses) {
+  std::stable_sort(misses.begin(), misses.end(),
+                   [](const Miss& a, const Miss& b) { return a.off_mm > b.off_mm; });
+}
+
+}  // namespace
+
+std::vector<Miss> MissFinder::find_missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                                 double limit_mm) {
+  moved_.assign(boundary.triangles.size(), 1);
+  std::vector<Miss> found = missed_probes(mesh, boundary, limit_mm);
+  sort_by_distance(found);
+  return found;
 }
 
 std::vector<Miss> MissFinder::find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm) {
@@ -201,8 +262,7 @@ std::vector<Miss> MissFinder::find(const WorkMesh& mesh, const BoundaryModel& bo
   std::vector<Miss> found = missed_probes(mesh, boundary, limit_mm);
   update_strays(mesh, boundary, limit_mm);
   found.insert(found.end(), strays_.begin(), strays_.end());
-  std::stable_sort(found.begin(), found.end(),
-                   [](const Miss& a, const Miss& b) { return a.distance_mm > b.distance_mm; });
+  sort_by_distance(found);
   return found;
 }
 

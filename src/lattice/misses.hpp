@@ -26,11 +26,17 @@ struct Probe {
 /// cut planes.
 [[nodiscard]] std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& domain);
 
+/// Those within a radius of a place.
+[[nodiscard]] std::vector<Probe> probes_near(const LabelImage& image, const ImageDomain& domain,
+                                             const Vec3& centre_mm, double radius_mm);
+
 /// A place of the image's boundary and the triangle that should come closer to it.
 struct Miss {
   double distance_mm;
   Probe probe;
   std::uint32_t triangle;
+  Vec3 place_mm;  ///< Of the probe; for strays, of the triangle's point that is furthest off.
+  double off_mm;  ///< How far apart the two are; for strays, the triangle and the nearest boundary.
   bool stray;     ///< The triangle is far from all of the image's boundary; the probe is what it faces or, if
                   ///< it faces nothing within three voxels, what is nearest.
   bool drawable;  ///< Whether a vertex may be sent to the probe: not where a stray faces nothing.
@@ -42,12 +48,15 @@ class MissFinder {
  public:
   /// All that is given must stay.
   MissFinder(const LabelImage& image, const ImageDomain& domain, const std::vector<Probe>& probes)
-      : image_(image), domain_(domain), probes_(probes), close_(probes.size(), SurfaceTree::kNone) {}
+      : image_(&image), domain_(&domain), probes_(&probes), close_(probes.size(), SurfaceTree::kNone) {}
 
   /// Probes further than `limit_mm` from the surface and triangles further than that from the voxels'
   /// boundary, the furthest first. Between calls, of the same limit, triangles may change and new ones may
   /// follow.
   [[nodiscard]] std::vector<Miss> find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
+  /// Only the probes.
+  [[nodiscard]] std::vector<Miss> find_missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                                     double limit_mm);
 
  private:
   void note_moved_triangles(const WorkMesh& mesh, const BoundaryModel& boundary);
@@ -59,9 +68,9 @@ class MissFinder {
   void append_strays(const WorkMesh& mesh, const BoundaryModel& boundary, std::uint32_t triangle,
                      double limit_mm, std::vector<Miss>& out) const;
 
-  const LabelImage& image_;
-  const ImageDomain& domain_;
-  const std::vector<Probe>& probes_;
+  const LabelImage* image_;
+  const ImageDomain* domain_;
+  const std::vector<Probe>* probes_;
   std::vector<std::uint32_t> close_;  // per probe: a triangle within the limit, or none
   std::vector<Miss> strays_;          // by triangle
   std::vector<Triangle> triangles_;   // of the last call

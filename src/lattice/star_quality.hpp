@@ -11,12 +11,17 @@
 
 namespace lumesh {
 
+struct AngleLimits {
+  double min_deg;
+  double max_deg;
+};
+
 /// The angle quality of a tetrahedron is min(4 (1 - cos smallest), 1 + cos largest) of its dihedral angles:
 /// 4/3 for the regular one, 0 for a flat one. It weighs 10 deg like 160, 15 like 150, 20 like 140 and 30 like
 /// 120 deg. This is the least quality that keeps both limits.
-inline double angle_floor(double smallest_deg, double largest_deg) {
+inline double angle_floor(const AngleLimits& limits) {
   constexpr double kRadian = std::numbers::pi / 180;
-  return std::max(4 * (1 - std::cos(smallest_deg * kRadian)), 1 + std::cos(largest_deg * kRadian));
+  return std::max(4 * (1 - std::cos(limits.min_deg * kRadian)), 1 + std::cos(limits.max_deg * kRadian));
 }
 
 /// The star of a vertex, gathered once so that many places can be tried; tetrahedra are looked at in groups,

@@ -27,25 +27,28 @@ SurfaceStars::SurfaceStars(const BoundaryModel& boundary, std::size_t vertex_cou
   triangles_ = group_by_owner(
       boundary.triangles.size(),
       vertex_count, [&](std::size_t t) -> const auto& { return boundary.triangles[t].vertices; });
-  neighbours_.begin.resize(vertex_count + 1);
+  neighbours_.ranges.resize(vertex_count);
   constexpr std::size_t kBlock = 4096;
   std::vector<std::vector<std::uint32_t>> parts((vertex_count + kBlock - 1) / kBlock);
   parallel::for_each_block(vertex_count, kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> found;
     for (std::size_t v = begin; v < end; ++v) {
-      neighbours_.begin[v] = static_cast<std::uint32_t>(parts[b].size());
       const auto vertex = static_cast<std::uint32_t>(v);
       find_neighbours(boundary, triangles_.of(vertex), vertex, found);
+      neighbours_.ranges[v].begin = static_cast<std::uint32_t>(parts[b].size());
       parts[b].insert(parts[b].end(), found.begin(), found.end());
+      neighbours_.ranges[v].end = static_cast<std::uint32_t>(parts[b].size());
     }
   });
   for (std::size_t b = 0; b < parts.size(); ++b) {
     const auto shift = static_cast<std::uint32_t>(neighbours_.items.size());
     const std::size_t end = std::min(vertex_count, (b + 1) * kBlock);
-    for (std::size_t v = b * kBlock; v < end; ++v) neighbours_.begin[v] += shift;
+    for (std::size_t v = b * kBlock; v < end; ++v) {
+      neighbours_.ranges[v].begin += shift;
+      neighbours_.ranges[v].end += shift;
+    }
     neighbours_.items.insert(neighbours_.items.end(), parts[b].begin(), parts[b].end());
   }
-  neighbours_.begin[vertex_count] = static_cast<std::uint32_t>(neighbours_.items.size());
 }
 
 }  // namespace lumesh

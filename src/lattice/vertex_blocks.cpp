@@ -32,18 +32,6 @@ std::vector<std::uint32_t> vertices_near_boundary(const WorkMesh& mesh, const Bo
 
 namespace {
 
-double longest_edge_mm(const WorkMesh& mesh) {
-  return parallel::reduce_blocks(
-      mesh.tets.size(), 4096, 0.0,
-      [&](std::size_t begin, std::size_t end) {
-        double longest_mm = 0;
-        for (std::size_t t = begin; t < end; ++t)
-          longest_mm = std::max(longest_mm, mesh.longest_edge_mm(static_cast<std::uint32_t>(t)));
-        return longest_mm;
-      },
-      [](double a, double b) { return std::max(a, b); });
-}
-
 /// From the last bits of the indices along the axes (cell_key).
 std::size_t class_of(std::uint64_t block) {
   return (block & 1) | (block >> 20 & 2) | (block >> 40 & 4);

@@ -117,6 +117,18 @@ WorkMesh make_work_mesh(std::vector<Corners> lattice, const LatticeFrame& frame,
   return mesh;
 }
 
+double longest_edge_mm(const WorkMesh& mesh) {
+  return parallel::reduce_blocks(
+      mesh.tets.size(), 4096, 0.0,
+      [&](std::size_t begin, std::size_t end) {
+        double longest_mm = 0;
+        for (std::size_t t = begin; t < end; ++t)
+          longest_mm = std::max(longest_mm, mesh.longest_edge_mm(static_cast<std::uint32_t>(t)));
+        return longest_mm;
+      },
+      [](double a, double b) { return std::max(a, b); });
+}
+
 void build_stars(WorkMesh& mesh) {
   mesh.stars = group_by_owner(mesh.tets.size(), mesh.positions.size(),
                               [&](std::size_t t) -> const Corner4& { return mesh.tets[t]; });

@@ -58,6 +58,8 @@ struct WorkMesh {
 [[nodiscard]] WorkMesh make_work_mesh(std::vector<bcc::Corners> lattice, const LatticeFrame& frame,
                                       const ImageDomain& domain);
 
+[[nodiscard]] double longest_edge_mm(const WorkMesh& mesh);
+
 /// Fills stars from tets.
 void build_stars(WorkMesh& mesh);
 /// Fills neighbours from tets and stars.

@@ -1,0 +1,314 @@
+#include "fitter.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "anchors.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "voxel_reach.hpp"
+
+namespace lumesh {
+
+namespace {
+
+constexpr double kThere = 0.02;  // voxels from its target at which a vertex counts as arrived
+
+}  // namespace
+
+Fitter::Fitter(WorkMesh& mesh, BoundaryModel& boundary, VertexTargets& targets, const FitSetting& setting,
+               const VertexBlocks& blocks)
+    : mesh_(mesh),
+      boundary_(boundary),
+      targets_(targets),
+      image_(setting.image),
+      domain_(setting.domain),
+      floor_(angle_floor(setting.limits)),
+      surface_(boundary, mesh.positions.size()),
+      blocks_(blocks),
+      waiting_(mesh.positions.size(), 1) {
+  targets_.resize(mesh.positions.size());
+}
+
+void Fitter::approach(int sweeps) {
+  for (int s = 0; s < sweeps; ++s) {
+    const double floor = std::max(floor_, 0.30 - 0.04 * s);
+    sweep(blocks_, [&](std::uint32_t v) { fit_vertex(v, floor); });
+  }
+}
+
+void Fitter::fit(int sweeps) {
+  try_all_again();
+  for (int s = 0; s < sweeps; ++s) sweep(blocks_, [&](std::uint32_t v) { fit_vertex(v, floor_); });
+}
+
+void Fitter::fit_and_improve(int sweeps, double good_enough) {
+  try_all_again();
+  for (int s = 0; s < sweeps; ++s) {
+    sweep(blocks_, [&](std::uint32_t v) {
+      fit_if_away(v);
+      improve_vertex(v, good_enough);
+    });
+  }
+}
+
+void Fitter::draw_to_tips(const std::vector<Miss>& missed, int sweeps) {
+  wake_anchored(missed);
+  const VertexBlocks near = two_rings_awake();
+  for (int s = 0; s < sweeps; ++s) sweep(near, [&](std::uint32_t v) { fit_vertex(v, floor_); });
+}
+
+void Fitter::draw_to(const std::vector<Miss>& missed, int sweeps, double good_enough) {
+  wake_anchored(missed);
+  for (const Miss& miss : missed) {
+    for (const std::uint32_t v : boundary_.triangles[miss.triangle].vertices) wake_star(v);
+  }
+  const VertexBlocks near = two_rings_awake();
+  for (int s = 0; s < sweeps; ++s) {
+    sweep(near, [&](std::uint32_t v) {
+      fit_if_away(v);
+      improve_vertex(v, good_enough);
+    });
+  }
+}
+
+/// Lets every waiting vertex move once. Vertices wait until they have been tried, and again once something in
+/// their star has moved.
+template <class Move>
+void Fitter::sweep(const VertexBlocks& blocks, const Move& move) {
+  for (const std::vector<VertexBlocks::Block>& of_class : blocks.classes) {
+    parallel::for_each_index(
+        of_class.size(), [&](std::size_t b) { move_waiting(of_class[b], move); }, 1);
+  }
+}
+
+template <class Move>
+void Fitter::move_waiting(const VertexBlocks::Block& block, const Move& move) {
+  const double small2 = std::pow(0.03 * domain_.voxel_size_mm(), 2);
+  for (const std::uint32_t v : block) {
+    if (waiting_[v] == 0) continue;
+    waiting_[v] = 0;
+    const Vec3 before = mesh_.positions[v];
+    move(v);
+    if ((mesh_.positions[v] - before).squaredNorm() > small2) wake_star(v);
+  }
+}
+
+/// Another kind of move follows.
+void Fitter::try_all_again() {
+  std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{1});
+}
+
+void Fitter::wake_star(std::uint32_t v) {
+  for (const std::uint32_t t : mesh_.star(v)) {
+    for (const std::uint32_t w : mesh_.tets[t]) parallel::raise(waiting_[w]);
+  }
+}
+
+/// Sends vertices to misses; only what is around these waits then.
+void Fitter::wake_anchored(const std::vector<Miss>& missed) {
+  std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+  for (const std::uint32_t v : set_anchors(mesh_, boundary_, domain_, missed, targets_.anchors_mm))
+    wake_star(v);
+}
+
+/// Wakes the vertices around those that wait; all of these, block by block.
+VertexBlocks Fitter::two_rings_awake() {
+  const std::vector<std::uint8_t> first_ring = waiting_;
+  parallel::for_each_index(first_ring.size(), [&](std::size_t v) {
+    if (first_ring[v] != 0) wake_star(static_cast<std::uint32_t>(v));
+  });
+  return pick_vertices(blocks_, [&](std::uint32_t v) { return waiting_[v] != 0; });
+}
+
+std::vector<double> Fitter::averaged(const std::vector<double>& values) const {
+  std::vector<double> result = values;
+  parallel::for_each_index(values.size(), [&](std::size_t i) {
+    const auto v = static_cast<std::uint32_t>(i);
+    if (boundary_.sets[v].size() != 2) return;
+    int count = 1;
+    for (const std::uint32_t w : surface_.neighbours(v)) {
+      if (!(boundary_.sets[w] == boundary_.sets[v])) continue;
+      result[v] += values[w];
+      ++count;
+    }
+    result[v] /= count;
+  });
+  return result;
+}
+
+Vec3 Fitter::mean_of_star(std::uint32_t v) const {
+  Vec3 sum = Vec3::Zero();
+  std::size_t count = 0;
+  for (const std::uint32_t t : mesh_.star(v)) {
+    for (const std::uint32_t w : mesh_.tets[t]) {
+      if (w == v) continue;
+      sum += mesh_.positions[w];
+      ++count;
+    }
+  }
+  return sum / static_cast<double>(count);
+}
+
+Vec3 Fitter::mean_of_surface(std::uint32_t v) const {
+  const auto around = surface_.neighbours(v);
+  if (around.empty()) return mesh_.positions[v];
+  Vec3 sum = Vec3::Zero();
+  for (const std::uint32_t w : around) sum += mesh_.positions[w];
+  return sum / static_cast<double>(around.size());
+}
+
+/// The boundary near a place, shifted along its normal by the vertex's offset.
+std::optional<Vec3> Fitter::on_boundary(std::uint32_t v, const Vec3& near) const {
+  const MaterialSet& set = boundary_.sets[v];
+  std::optional<Vec3> p = domain_.project(near, set, 4 * domain_.voxel_size_mm());
+  if (!p) return p;
+  if (targets_.offset_mm[v] != 0) {
+    const Vec3 towards_first = domain_.separation(*p, set[0], set[1]).gradient;
+    *p += towards_first * (targets_.offset_mm[v] / towards_first.norm());
+  }
+  return trimmed(v, *p);
+}
+
+Vec3 Fitter::trimmed(std::uint32_t v, const Vec3& p) const {
+  return trim_bulges_ ? within_reach_of_voxels(image_, domain_, boundary_.sets[v], p) : p;
+}
+
+/// Stops early once the angles are known to be worse than `enough`.
+Fitter::Score Fitter::score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough) const {
+  Score s{star.worst(x, enough), 1};
+  const bool smooth = boundary_.sets[v].size() == 2 && !targets_.anchors_mm[v];
+  if (s.angles >= enough && smooth) s.facing = facing(v, x);
+  return s;
+}
+
+/// Least cosine between the normals of the boundary triangles at a vertex and the boundary's own normal
+/// there.
+double Fitter::facing(std::uint32_t v, const Vec3& x) const {
+  const MaterialSet& set = boundary_.sets[v];
+  const Vec3 towards_first = domain_.separation(x, set[0], set[1]).gradient;
+  const double slope = towards_first.norm();
+  if (!(slope > 0.1)) return 1;
+  double least = 1;
+  for (const std::uint32_t i : surface_.triangles(v)) {
+    const BoundaryTriangle& t = boundary_.triangles[i];
+    const std::size_t at = t.vertices[0] == v ? 0 : (t.vertices[1] == v ? 1 : 2);
+    const Vec3 n =
+        (mesh_.positions[t.vertices[(at + 1) % 3]] - x).cross(mesh_.positions[t.vertices[(at + 2) % 3]] - x);
+    const double outwards = (t.inside == set[0] ? -1 : 1) * n.dot(towards_first);
+    least = std::min(least, outwards / (n.norm() * slope));
+  }
+  return least;
+}
+
+/// Where several materials were to meet but do not, as at a vessel that ends just before a cut plane: the
+/// nearest place between any two of them, but for the plane.
+std::optional<Vec3> Fitter::on_one_boundary(std::uint32_t v) const {
+  const MaterialSet& set = boundary_.sets[v];
+  if (set.size() < 3) return std::nullopt;
+  const Vec3& x = mesh_.positions[v];
+  std::optional<Vec3> best;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    for (std::size_t j = i + 1; j < set.size() && !domain_.is_cut(set[j]); ++j) {
+      const std::optional<Vec3> p = domain_.project(x, {set[i], set[j]}, 4 * domain_.voxel_size_mm());
+      if (p && (!best || (*p - x).squaredNorm() < (*best - x).squaredNorm())) best = p;
+    }
+  }
+  return best;
+}
+
+/// Where a boundary vertex shall go.
+Vec3 Fitter::target_of(std::uint32_t v) const {
+  if (targets_.anchors_mm[v]) return trimmed(v, *targets_.anchors_mm[v]);
+  const Vec3& x = mesh_.positions[v];
+  const Vec3 middle = mean_of_surface(v);
+  std::optional<Vec3> target = on_boundary(v, x + 0.6 * (middle - x));
+  if (!target) target = on_boundary(v, x);
+  if (!target) target = on_one_boundary(v);
+  return target ? *target : middle;
+}
+
+/// Carries a boundary vertex to the boundary, evenly spread, as far as the star allows; others go to the
+/// middle.
+void Fitter::fit_vertex(std::uint32_t v, double floor) {
+  const Vec3 x = mesh_.positions[v];
+  if (!constrained(v)) {
+    improve_vertex(v, 0.35);
+    return;
+  }
+  const Vec3 target = target_of(v);
+  StarQuality star(mesh_, v);
+  const Score now = score(v, star, x, -2);
+  const double enough = std::min(floor, now.angles);
+  for (const double part : {1.0, 0.7, 0.4, 0.2, 0.1}) {
+    const Vec3 y = x + part * (target - x);
+    const Score then = score(v, star, y, enough);
+    const bool keeps = then.angles >= enough && then.facing >= std::min(floor, now.facing);
+    if (keeps && (then.total() >= floor || then.total() > now.total())) {
+      mesh_.positions[v] = y;
+      return;
+    }
+  }
+}
+
+/// A second try for vertices that could not reach the boundary yet.
+void Fitter::fit_if_away(std::uint32_t v) {
+  if (constrained(v) && distance_to_target(v) > kThere * domain_.voxel_size_mm()) fit_vertex(v, floor_);
+}
+
+/// Looks for a better place by compass search, on the boundary if the vertex is bound to it. Vertices at
+/// tips stay there.
+void Fitter::improve_vertex(std::uint32_t v, double good_enough) {
+  if (targets_.anchors_mm[v]) return;
+  const Vec3 x = mesh_.positions[v];
+  StarQuality star(mesh_, v);
+  const Score now = score(v, star, x, -2);
+  double best_total = now.total();
+  if (best_total >= good_enough) return;
+  const double least_angles = std::min(floor_, now.angles);
+  Vec3 best = x;
+  const bool bound = constrained(v);
+  const auto consider = [&](const Vec3& wish) {
+    Vec3 y = wish;
+    if (bound) {
+      const std::optional<Vec3> p = on_boundary(v, wish);
+      if (!p) return false;
+      y = *p;
+    }
+    const Score then = score(v, star, y, std::max(best_total, least_angles));
+    if (then.angles < least_angles || then.total() <= best_total) return false;
+    best_total = then.total();
+    best = y;
+    return true;
+  };
+  if (bound && distance_to_target(v) > kThere * domain_.voxel_size_mm()) return;
+  const Vec3 middle = bound ? mean_of_surface(v) : mean_of_star(v);
+  consider(middle);
+  consider(0.5 * (x + middle));
+  double step = 0.15 * (mean_of_star(v) - mesh_.positions[other_corner(v)]).norm();
+  for (int round = 0; round < 4; ++round) {
+    bool moved = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double sign : {-1.0, 1.0}) {
+        Vec3 y = best;
+        y[axis] += sign * step;
+        moved |= consider(y);
+      }
+    }
+    if (!moved) step *= 0.5;
+  }
+  mesh_.positions[v] = best;
+}
+
+std::uint32_t Fitter::other_corner(std::uint32_t v) const {
+  const Corner4& c = mesh_.tets[mesh_.star(v)[0]];
+  return c[0] == v ? c[1] : c[0];
+}
+
+double Fitter::distance_to_target(std::uint32_t v) const {
+  if (targets_.anchors_mm[v]) return (target_of(v) - mesh_.positions[v]).norm();
+  const std::optional<Vec3> p = on_boundary(v, mesh_.positions[v]);
+  return p ? (*p - mesh_.positions[v]).norm() : domain_.voxel_size_mm();
+}
+
+}  // namespace lumesh

@@ -1,0 +1,103 @@
+#pragma once
+// Moves vertices to the domain's boundaries, with a floor on the dihedral angles.
+
+#include <optional>
+#include <vector>
+
+#include "misses.hpp"
+#include "star_quality.hpp"
+#include "surface_stars.hpp"
+#include "vertex_blocks.hpp"
+
+namespace lumesh {
+
+/// What a fit follows; all of it must stay.
+struct FitSetting {
+  const LabelImage& image;
+  const ImageDomain& domain;
+  AngleLimits limits;
+};
+
+/// Where vertices shall be, other than on the nearest boundary.
+struct VertexTargets {
+  std::vector<double> offset_mm;                ///< How far beside the boundary.
+  std::vector<std::optional<Vec3>> anchors_mm;  ///< Places that the surface passes by, anchors.hpp.
+
+  void resize(std::size_t vertices) {
+    offset_mm.resize(vertices, 0.0);
+    anchors_mm.resize(vertices);
+  }
+};
+
+/// Moves the vertices of some blocks; others stay. Tetrahedra keep a positive volume and, once they have
+/// them, dihedral angles within the limits. Same bits for every thread count.
+class Fitter {
+ public:
+  /// All that is given must stay, and the mesh's and boundary's topology the same.
+  Fitter(WorkMesh& mesh, BoundaryModel& boundary, VertexTargets& targets, const FitSetting& setting,
+         const VertexBlocks& blocks);
+
+  /// Carries the boundary roughly to its place.
+  void approach(int sweeps);
+  /// Carries each vertex to its target as far as the limits allow; tries all again.
+  void fit(int sweeps);
+  /// Also looks for better places for vertices whose worst angle quality is below `good_enough`.
+  void fit_and_improve(int sweeps, double good_enough);
+  /// From now on boundary vertices stay within reach of the voxels (voxel_reach.hpp).
+  void keep_to_voxels() { trim_bulges_ = true; }
+
+  /// Draws the surface to misses; only what is around these moves.
+  void draw_to_tips(const std::vector<Miss>& missed, int sweeps);
+  /// The same more thoroughly, with what is near moving along.
+  void draw_to(const std::vector<Miss>& missed, int sweeps, double good_enough);
+
+  /// Each boundary vertex's value averaged with its neighbours' of the same boundary: what single triangles
+  /// in an odd position say counts less.
+  [[nodiscard]] std::vector<double> averaged(const std::vector<double>& values) const;
+
+ private:
+  /// What a place is worth for a vertex: the worst angle quality around it and, on a smooth boundary, how
+  /// well the triangles around it face outwards, so that the surface does not fold.
+  struct Score {
+    double angles = 0;
+    double facing = 1;
+    [[nodiscard]] double total() const { return std::min(angles, facing); }
+  };
+
+  template <class Move>
+  void sweep(const VertexBlocks& blocks, const Move& move);
+  template <class Move>
+  void move_waiting(const VertexBlocks::Block& block, const Move& move);
+  void try_all_again();
+  void wake_star(std::uint32_t v);
+  void wake_anchored(const std::vector<Miss>& missed);
+  [[nodiscard]] VertexBlocks two_rings_awake();
+
+  [[nodiscard]] bool constrained(std::uint32_t v) const { return boundary_.sets[v].size() >= 2; }
+  [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const;
+  [[nodiscard]] Vec3 mean_of_surface(std::uint32_t v) const;
+  [[nodiscard]] std::uint32_t other_corner(std::uint32_t v) const;
+  [[nodiscard]] std::optional<Vec3> on_boundary(std::uint32_t v, const Vec3& near) const;
+  [[nodiscard]] std::optional<Vec3> on_one_boundary(std::uint32_t v) const;
+  [[nodiscard]] Vec3 trimmed(std::uint32_t v, const Vec3& p) const;
+  [[nodiscard]] Vec3 target_of(std::uint32_t v) const;
+  [[nodiscard]] double distance_to_target(std::uint32_t v) const;
+  [[nodiscard]] Score score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough) const;
+  [[nodiscard]] double facing(std::uint32_t v, const Vec3& x) const;
+  void fit_vertex(std::uint32_t v, double floor);
+  void fit_if_away(std::uint32_t v);
+  void improve_vertex(std::uint32_t v, double good_enough);
+
+  WorkMesh& mesh_;
+  BoundaryModel& boundary_;
+  VertexTargets& targets_;
+  const LabelImage& image_;
+  const ImageDomain& domain_;
+  double floor_;
+  SurfaceStars surface_;
+  const VertexBlocks& blocks_;
+  bool trim_bulges_ = false;           // where the smoothed boundary goes beyond the voxels
+  std::vector<std::uint8_t> waiting_;  // flag per vertex: worth a try
+};
+
+}  // namespace lumesh
