@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "../src/lattice/cells.hpp"
 #include "fixtures/images.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "shapes.hpp"
@@ -63,6 +64,38 @@ double worst_distance_mm(const LabelImage& image, const MixedMesh& mesh) {
   return worst;
 }
 
+/// Largest distance of the mesh's boundary, sampled, from the faces between label and background.
+double worst_stray_mm(const LabelImage& image, const MixedMesh& mesh) {
+  std::vector<Vec3> corners;
+  std::vector<Cell<3>> faces;
+  const Index3 size = image.frame().size;
+  for_each_index_between(Index3::Ones(), size - Index3::Ones(), [&](const Index3& voxel) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (image.at(voxel) == image.at(voxel - Index3::Unit(axis))) continue;
+      const auto first = static_cast<std::uint32_t>(corners.size());
+      for (int corner = 0; corner < 4; ++corner) {
+        Vec3 at = voxel.cast<double>() - 0.5 * Vec3::Unit(axis);
+        at[(axis + 1) % 3] += corner % 2 == 0 ? -0.5 : 0.5;
+        at[(axis + 2) % 3] += corner < 2 ? -0.5 : 0.5;
+        corners.push_back(image.frame().to_physical(at));
+      }
+      faces.push_back({first, first + 1, first + 2});
+      faces.push_back({first + 3, first + 1, first + 2});
+    }
+  });
+  const TriangleTree tree(corners, faces);
+  double worst = 0;
+  for (const Cell<3>& t : mesh.triangles) {
+    for (int n = 0; n < 15; ++n) {  // barycentric coordinates in quarters
+      const int u = n % 5, v = n / 5;
+      const double a = std::min(u, 4 - v) / 4.0, b = v / 4.0;
+      const Vec3 x = (1 - a - b) * mesh.points[t[0]] + a * mesh.points[t[1]] + b * mesh.points[t[2]];
+      worst = std::max(worst, tree.nearest(x).distance);
+    }
+  }
+  return worst;
+}
+
 TEST(MissedTips, BumpsAndPitsOfOneVoxelAreReached) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -72,6 +105,7 @@ TEST(MissedTips, BumpsAndPitsOfOneVoxelAreReached) {
     EXPECT_EQ(test::euler_number(mesh, {0}), 2) << "the surface stays one sphere";
     test::expect_label_volumes(image, mesh, 0.01);
     EXPECT_LT(worst_distance_mm(image, mesh), 1.2) << "voxels; without the tips up to 1.6";
+    EXPECT_LT(worst_stray_mm(image, mesh), 1.2);
   }
 }
 
@@ -102,6 +136,7 @@ TEST(MissedTips, ThinPlatesAndRodsAreReached) {
     test::expect_good(mesh);
     test::expect_label_volumes(image, mesh, 0.02);
     EXPECT_LT(worst_distance_mm(image, mesh), 1.2);
+    EXPECT_LT(worst_stray_mm(image, mesh), 1.2);
   }
 }
 
