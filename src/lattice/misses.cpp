@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kAhead = 3;        // voxels: how far from a stray triangle the boundary is sought
 constexpr double kFaceReach = 2.5;  // voxels: how far faces of voxels are sought
-constexpr double kAway = 0.4;  // voxels: where a triangle is no stray, the smoothed boundary is closer than
-constexpr double kCornerAway = 0.8;  // this to its centre and than that to its corners
+constexpr double kAway = 0.4;       // voxels: the smoothed boundary is closer than this to the centre and the
+                                    // middles of the edges of a triangle that is no stray
 
 /// The centres of the faces between a voxel and the next ones along the axes.
 void append_face_centres(const LabelImage& image, const Index3& voxel, std::vector<Probe>& out) {
@@ -32,18 +32,26 @@ void append_face_centres(const LabelImage& image, const Index3& voxel, std::vect
   }
 }
 
+/// Whether eight voxels within the image have one label; the first is given.
+bool all_alike(const LabelImage& image, const Index3& first) {
+  const Index3& size = image.frame().size;
+  const std::ptrdiff_t x = 1, y = size.x(), z = y * size.y();
+  const LabelImage::Index* const v = &image.voxels()[image.frame().offset(first)];
+  return v[0] == v[x] && v[0] == v[y] && v[0] == v[x + y] && v[0] == v[z] && v[0] == v[x + z] &&
+         v[0] == v[y + z] && v[0] == v[x + y + z];
+}
+
 /// The corner between eight voxels, the first of which is given, once for each pair of materials that share a
 /// face there. Voxels outside the image do not count.
 void append_corner(const LabelImage& image, const Index3& first, std::vector<Probe>& out) {
   const ImageFrame& frame = image.frame();
+  const bool inside = frame.contains(first) && frame.contains(first + Index3::Ones());
+  if (inside && all_alike(image, first)) return;
   std::array<int, 8> around;
-  bool all_alike = true;
   for (int n = 0; n < 8; ++n) {
     const Index3 voxel = first + Index3(n & 1, n >> 1 & 1, n >> 2);
     around[static_cast<std::size_t>(n)] = frame.contains(voxel) ? static_cast<int>(image.at(voxel)) : -1;
-    all_alike &= around[static_cast<std::size_t>(n)] == around[0];
   }
-  if (all_alike) return;
   const std::size_t before = out.size();
   for (std::size_t n = 0; n < 8; ++n) {
     for (std::size_t bit = 1; bit < 8; bit *= 2) {
@@ -208,13 +216,9 @@ void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& bounda
   const std::array<Vec3, 3> p = {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
   const auto depth = [&](const Vec3& x) { return domain_->separation(x, t.inside, t.outside).value; };
   const Vec3 centre = (p[0] + p[1] + p[2]) / 3;
-  const auto is_away = [&](const Vec3& x, double voxels) {
-    return std::abs(depth(x)) >= voxels * domain_->voxel_size_mm();
-  };
-  bool away = is_away(centre, kAway);
-  for (std::size_t c = 0; c < 3 && !away; ++c)
-    away = is_away(p[c], kCornerAway) || is_away((p[c] + p[(c + 1) % 3]) / 2, kAway) ||
-           is_away((centre + p[c]) / 2, kAway);
+  const auto is_away = [&](const Vec3& x) { return std::abs(depth(x)) >= kAway * domain_->voxel_size_mm(); };
+  const bool away = is_away(centre) || is_away((p[0] + p[1]) / 2) || is_away((p[1] + p[2]) / 2) ||
+                    is_away((p[2] + p[0]) / 2);
   if (!away) return;
   const std::array<Material, 2> pair = ascending(t.inside, t.outside);
   const Vec3 outwards = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
