@@ -6,5 +6,6 @@ foreach(module ITKIONRRD ITKIOGIPL ITKIOGDCM ITKIOImageBase ITKCommon itkvnl_alg
   target_link_libraries(${target} PRIVATE ${module}-${CMAKE_MATCH_1})
 endforeach()
 find_library(LUMESH_DEFLATE_LIBRARY deflate REQUIRED)
+find_path(LUMESH_DEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)
 target_link_libraries(${target} PRIVATE deflate)
 target_link_libraries(${target} PRIVATE ZLIB::ZLIB fmt::fmt pugixml::pugixml nlohmann_json::nlohmann_json)

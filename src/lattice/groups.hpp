@@ -12,7 +12,7 @@
 
 namespace lumesh {
 
-/// For each owner the numbers of its items, ascending.
+/// For each owner the numbers of its items.
 struct Groups {
   struct Range {
     std::uint32_t begin = 0, end = 0;

@@ -31,7 +31,7 @@ struct WholeMesh {
 
 /// The tetrahedra at the vertices within a radius, as far as these hang together with a boundary there, and
 /// the boundary triangles with such a vertex.
-/// @param tree  Has the triangles near the centre.
+/// @param tree  Has the triangles with a vertex within the radius.
 [[nodiscard]] MeshPart cut_out(const WholeMesh& whole, const SurfaceTree& tree, const Vec3& centre_mm,
                                double radius_mm);
 

@@ -224,7 +224,7 @@ void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& bounda
   const Vec3 outwards = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
   double most_mm = limit_mm;
   Vec3 furthest = centre;
-  std::optional<Vec3> nearest_to_it;
+  Vec3 back = centre;  // where the boundary is nearest to it
   for (int n = 0; n < 25; ++n) {
     const int u = n % 5, v = n / 5;
     if (u + v > 4) continue;
@@ -234,12 +234,12 @@ void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& bounda
     if (off_mm <= most_mm) continue;
     most_mm = off_mm;
     furthest = x;
-    nearest_to_it = nearest;
+    back = nearest.value_or(x);
   }
   if (most_mm <= limit_mm) return;
   const double ahead_mm = std::copysign(kAhead * domain_->voxel_size_mm(), depth(furthest));
   const std::optional<Vec3> ahead = domain_->first_crossing(furthest, furthest + ahead_mm * outwards);
-  const Vec3 place = ahead.value_or(nearest_to_it.value_or(furthest));
+  const Vec3 place = ahead.value_or(back);
   out.push_back(
       {(place - furthest).norm(), {place, pair}, triangle, furthest, most_mm, true, ahead.has_value()});
 }

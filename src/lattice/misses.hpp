@@ -51,8 +51,8 @@ class MissFinder {
       : image_(&image), domain_(&domain), probes_(&probes), close_(probes.size(), SurfaceTree::kNone) {}
 
   /// Probes further than `limit_mm` from the surface and triangles further than that from the voxels'
-  /// boundary, the furthest first. Between calls, of the same limit, triangles may change and new ones may
-  /// follow.
+  /// boundary, the furthest first. Between calls, of the same limit, triangles may change, new ones
+  /// may follow and the last ones may go.
   [[nodiscard]] std::vector<Miss> find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
   /// Only the probes.
   [[nodiscard]] std::vector<Miss> find_missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,

@@ -124,7 +124,7 @@ class Refiner {
   /// Whether far_outside() holds for all tetrahedra at the faces of a cube, which is quicker to say.
   bool far_in_background(const Index3& centre) const {
     constexpr double kReach =
-        1.65;  // spacings: the way from here to the centre of one of them, and from there
+        1.71;  // spacings: the way from here to the centre of one of them, and from there
     const Vec3 at = frame_.position_mm(pack(centre));
     return domain_.material_at(at) == 0 && !sizes_.boundary_within(at, kReach * frame_.spacing_mm(0));
   }

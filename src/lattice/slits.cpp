@@ -25,7 +25,6 @@ class Slits {
 
   /// Closes one of the valleys at the triangles around a miss.
   bool close_one(const Miss& miss) {
-    if (miss.triangle >= boundary_.triangles.size()) return false;
     std::optional<Merge> best;
     for (const std::uint32_t v : boundary_.triangles[miss.triangle].vertices) {
       for (const std::uint32_t i : surface_.triangles(v)) {
@@ -49,14 +48,14 @@ class Slits {
 
   [[nodiscard]] std::optional<Merge> merge_across(std::uint32_t i, std::size_t edge) const {
     const BoundaryTriangle& t = boundary_.triangles[i];
-    if (domain_.is_meshed(t.outside)) return std::nullopt;
+    if (domain_.is_meshed(t.outside) || domain_.is_cut(t.outside)) return std::nullopt;
     const std::uint32_t a = t.vertices[edge], b = t.vertices[(edge + 1) % 3], c = t.vertices[(edge + 2) % 3];
     for (const std::uint32_t j : surface_.triangles(a)) {
       const Triangle& other = boundary_.triangles[j].vertices;
       if (j == i || !has_corner(other, b)) continue;
       const std::uint32_t d =
           *std::find_if(other.begin(), other.end(), [&](auto v) { return v != a && v != b; });
-      if (!is_narrow(a, b, c, d)) return std::nullopt;
+      if (!is_narrow(a, b, c, d) || !lies_inside(t, d)) return std::nullopt;
       return merge_of(c, d, {t.inside, t.outside});
     }
     return std::nullopt;
@@ -73,6 +72,13 @@ class Slits {
       return Vec3((way - along * along.dot(way)).normalized());
     };
     return tetrahedron_volume(at(a), at(b), at(c), at(d)) > 0 && away(c).dot(away(d)) > kNarrow;
+  }
+
+  /// Whether the valley between a triangle and a vertex should belong to the label.
+  [[nodiscard]] bool lies_inside(const BoundaryTriangle& t, std::uint32_t d) const {
+    Vec3 middle = mesh_.positions[d] / 4;
+    for (const std::uint32_t v : t.vertices) middle += mesh_.positions[v] / 4;
+    return domain_.separation(middle, t.inside, t.outside).value > 0.3 * domain_.voxel_size_mm();
   }
 
   [[nodiscard]] std::optional<Merge> merge_of(std::uint32_t c, std::uint32_t d,
@@ -214,15 +220,12 @@ class Slits {
 
 }  // namespace
 
-std::size_t close_slits(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
-                        const std::vector<Miss>& misses, const std::vector<std::uint8_t>& fixed,
-                        const AngleLimits& limits) {
+bool close_slit(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
+                const std::vector<Miss>& misses, const std::vector<std::uint8_t>& fixed,
+                const AngleLimits& limits) {
   Slits slits(mesh, boundary, domain, fixed, limits);
-  std::size_t closed = 0;
-  for (const Miss& miss : misses) {
-    if (miss.stray && slits.close_one(miss)) ++closed;
-  }
-  return closed;
+  return std::any_of(misses.begin(), misses.end(),
+                     [&](const Miss& miss) { return miss.stray && slits.close_one(miss); });
 }
 
 }  // namespace lumesh

@@ -10,13 +10,14 @@
 
 namespace lumesh {
 
-/// Where the surface runs through a label's inside, merges the far corners of two boundary triangles that
-/// share an edge and enclose a narrow valley, so that both triangles vanish. Only where the angles keep their
-/// limits and the mesh stays a manifold. Rebuilds the stars. The vertex that is left over has no tetrahedra.
+/// Near the first stray triangle where it works: merges the far corners of two boundary triangles that share
+/// an edge and enclose a narrow valley inside the label, so that both triangles vanish. Only where the angles
+/// keep their limits and the mesh stays a manifold. Rebuilds the stars. The vertex that is left over has no
+/// tetrahedra; other triangles get other numbers.
 /// @param fixed  Flag per vertex that must stay; later ones may move.
-/// @return The number of valleys closed.
-std::size_t close_slits(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
-                        const std::vector<Miss>& misses, const std::vector<std::uint8_t>& fixed,
-                        const AngleLimits& limits);
+/// @return False if nothing was done.
+bool close_slit(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
+                const std::vector<Miss>& misses, const std::vector<std::uint8_t>& fixed,
+                const AngleLimits& limits);
 
 }  // namespace lumesh

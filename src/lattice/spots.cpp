@@ -15,10 +15,11 @@ namespace lumesh {
 namespace {
 
 // In voxels.
-constexpr double kSpot = 4.5;  // misses this close to the centre of a spot belong to it
-constexpr double kPart = 7;    // vertices this close to it may move
-constexpr double kFar = 1.2;   // what is further from the surface is worth a bold try
-constexpr double kSame = 2.5;  // a miss this close to a spot that could not be mended is given up too
+constexpr double kSpot = 4.5;   // misses this close to the centre of a spot belong to it
+constexpr double kShell = 6.5;  // misses that arise up to here count too
+constexpr double kPart = 7;     // vertices this close to it may move; more if edges are longer than that
+constexpr double kFar = 1.2;    // what is further from the surface is worth a bold try
+constexpr double kSame = 2.5;   // a miss this close to a spot that could not be mended is given up too
 
 /// How bad a spot is: its worst miss, in twentieths of a voxel (what is less makes nothing better), and the
 /// number of misses.
@@ -36,7 +37,7 @@ class Spot {
         centre_mm_(centre_mm),
         setting_(setting),
         voxel_mm_(setting.domain.voxel_size_mm()),
-        probes_(probes_near(setting.image, setting.domain, centre_mm, kSpot * voxel_mm_)),
+        probes_(probes_near(setting.image, setting.domain, centre_mm, kShell * voxel_mm_)),
         finder_(setting.image, setting.domain, probes_) {}
 
   /// False if nothing helped.
@@ -50,7 +51,7 @@ class Spot {
       take_turns(way);
     }
     part_ = std::move(best_);
-    promising_ = least_.second == 0 || least_.first < at_start.first;
+    promising_ = at_start.second > 0 && (least_.second == 0 || least_.first < at_start.first);
     return least_ < at_start;
   }
 
@@ -62,7 +63,7 @@ class Spot {
   /// One way to go about it, for what one does not mend another may.
   struct Way {
     bool from_start;      ///< Or from the best state so far.
-    bool bold;            ///< Begins with a turn in which things may get worse at first.
+    bool bold;            ///< Things may get worse at first in the first turn and in those after a success.
     bool close;           ///< Closes slits.
     std::size_t at_once;  ///< Misses that tetrahedra are added for in one turn.
   };
@@ -71,7 +72,7 @@ class Spot {
 
   void take_turns(const Way& way) {
     constexpr int kTurns = 10;
-    constexpr int kPatience = 2;  // turns that may bring nothing
+    constexpr int kPatience = 2;  // turns after a first one that bring nothing
     finder_ = MissFinder(setting_.image, setting_.domain, probes_);
     std::vector<Miss> missed = misses();
     int best_turn = 0;
@@ -95,15 +96,26 @@ class Spot {
 
   [[nodiscard]] std::vector<Miss> misses() {
     std::vector<Miss> found = finder_.find(part_.mesh, part_.boundary, kMissedVoxels * voxel_mm_);
-    std::erase_if(found, [&](const Miss& m) { return (m.place_mm - centre_mm_).norm() > kSpot * voxel_mm_; });
+    if (!knows_shell_) {
+      for (const Miss& m : found) known_in_shell_.push_back(m.place_mm);
+      knows_shell_ = true;
+    }
+    std::erase_if(found, [&](const Miss& m) { return !counts(m); });
     return found;
+  }
+
+  /// Around the core, only what has been missed since the start: the rest is another spot's, or belongs to
+  /// triangles that the part does not have.
+  [[nodiscard]] bool counts(const Miss& m) const {
+    const double away_mm = (m.place_mm - centre_mm_).norm();
+    if (away_mm <= kSpot * voxel_mm_) return true;
+    return away_mm <= kShell * voxel_mm_ && !m.stray &&
+           std::find(known_in_shell_.begin(), known_in_shell_.end(), m.place_mm) == known_in_shell_.end();
   }
 
   void take_turn(std::vector<Miss> missed, int turn, const Way& way, bool bold) {
     constexpr double kGood = 0.5;
-    if (way.close &&
-        close_slits(part_.mesh, part_.boundary, setting_.domain, missed, part_.fixed, setting_.limits) > 0)
-      missed = misses();
+    if (way.close) missed = close_some_slits(std::move(missed));
     if (missed.empty()) return;
     const SurfaceStars surface(part_.boundary, part_.mesh.positions.size());
     const std::vector<Miss> worst(
@@ -116,6 +128,20 @@ class Spot {
     fitter.draw_to(added > 0 ? misses() : missed, std::min(4 + 2 * turn, 8), kGood);
   }
 
+  /// @return What is missed then.
+  [[nodiscard]] std::vector<Miss> close_some_slits(std::vector<Miss> missed) {
+    constexpr int kMost = 6;
+    for (int n = 0; n < kMost; ++n) {
+      if (!close_slit(part_.mesh, part_.boundary, setting_.domain, missed, part_.fixed, setting_.limits))
+        break;
+      missed = misses();
+    }
+    for (std::size_t v = 0; v < part_.boundary.sets.size(); ++v) {
+      if (part_.boundary.sets[v].size() < 2) part_.targets.anchors_mm[v].reset();
+    }
+    return missed;
+  }
+
   MeshPart part_;
   Vec3 centre_mm_;
   const FitSetting& setting_;
@@ -124,6 +150,8 @@ class Spot {
   MissFinder finder_;
   MeshPart best_;
   std::pair<double, std::size_t> least_ = {std::numeric_limits<double>::infinity(), 0};
+  std::vector<Vec3> known_in_shell_;  // misses at the start
+  bool knows_shell_ = false;
   bool improved_ = false;
   bool promising_ = false;
 };
@@ -146,6 +174,11 @@ std::vector<Vec3> choose_centres(const std::vector<Miss>& missed, const std::vec
   return centres;
 }
 
+std::size_t count_missed_probes(const std::vector<Miss>& missed) {
+  return static_cast<std::size_t>(
+      std::count_if(missed.begin(), missed.end(), [](const Miss& m) { return !m.stray; }));
+}
+
 /// Puts back what was mended, but no two parts with a common tetrahedron.
 void put_back_all(WholeMesh& whole, const std::vector<std::optional<MeshPart>>& mended) {
   std::vector<std::uint8_t> taken(whole.mesh.tets.size(), 0);
@@ -165,20 +198,22 @@ void put_back_all(WholeMesh& whole, const std::vector<std::optional<MeshPart>>& 
 void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder, std::size_t probes) {
   constexpr int kRounds = 8;
   const double voxel_mm = setting.domain.voxel_size_mm();
-  const double apart_mm = 2 * kPart * voxel_mm + longest_edge_mm(whole.mesh);
+  const double edge_mm = longest_edge_mm(whole.mesh);
+  const double part_mm = std::max(kPart * voxel_mm, edge_mm);
   std::vector<Vec3> given_up;
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<Miss> missed = finder.find(whole.mesh, whole.boundary, kMissedVoxels * voxel_mm);
-    if (missed.size() > probes / 100) break;
-    const std::vector<Vec3> centres = choose_centres(missed, given_up, apart_mm, kSame * voxel_mm);
+    if (count_missed_probes(missed) > std::max<std::size_t>(100, probes / 100)) break;
+    const std::vector<Vec3> centres =
+        choose_centres(missed, given_up, 2 * part_mm + edge_mm, kSame * voxel_mm);
     if (centres.empty()) break;
-    const SurfaceTree tree(whole.mesh, whole.boundary, centres, (kPart + 1) * voxel_mm);
+    const SurfaceTree tree(whole.mesh, whole.boundary, centres, part_mm + edge_mm);
     std::vector<std::optional<MeshPart>> mended(centres.size());
     std::vector<std::uint8_t> promising(centres.size(), 0);
     parallel::for_each_index(
         centres.size(),
         [&](std::size_t i) {
-          Spot spot(cut_out(whole, tree, centres[i], kPart * voxel_mm), centres[i], setting);
+          Spot spot(cut_out(whole, tree, centres[i], part_mm), centres[i], setting);
           if (spot.mend()) mended[i] = spot.take();
           promising[i] = spot.is_promising() ? 1 : 0;
         },

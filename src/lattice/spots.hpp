@@ -9,8 +9,9 @@ namespace lumesh {
 /// At each spot, tetrahedra are added or change sides (missed_tips.hpp), then vertices are drawn to what is
 /// missed, in turns; the best state stays. A long tip grows by one tetrahedron in each turn. Spots far enough
 /// apart are mended at the same time, each in a part of the mesh by itself.
-/// @param probes  How many the finder has: where more than a hundredth of them are missed, the lattice is too
-///                coarse for this and nothing is done.
+/// @param probes  How many the finder has: where more than a hundredth of them (and more than 100) are
+/// missed,
+///                the lattice is too coarse for this and nothing is done.
 void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder, std::size_t probes);
 
 /// Voxels from the surface beyond which a probe counts as missed; smooth vessels come closer everywhere.

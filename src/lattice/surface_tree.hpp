@@ -10,7 +10,8 @@
 
 namespace lumesh {
 
-/// A reach that leaves out nothing that tetrahedra near boundaries, which are smaller, could touch.
+/// A reach that leaves out nothing that tetrahedra near boundaries could touch, whose edges are shorter as a
+/// rule.
 inline constexpr double kNearVoxels = 8;
 
 /// A tree over boundary triangles as they lie when it is made.

@@ -40,7 +40,7 @@ std::size_t class_of(std::uint64_t block) {
 }  // namespace
 
 VertexBlocks make_vertex_blocks(const WorkMesh& mesh, const std::vector<std::uint32_t>& vertices) {
-  const double block_mm = 2 * longest_edge_mm(mesh);  // once would do, twice leaves room for new tetrahedra
+  const double block_mm = 2 * longest_edge_mm(mesh);  // more than once would do
   struct Entry {
     std::uint64_t block;
     std::uint32_t vertex;
@@ -59,17 +59,6 @@ VertexBlocks make_vertex_blocks(const WorkMesh& mesh, const std::vector<std::uin
     for (; i < entries.size() && entries[i].block == block; ++i) of_class.back().push_back(entries[i].vertex);
   }
   return blocks;
-}
-
-std::vector<VertexBlocks::Place> places_in(const VertexBlocks& blocks, std::size_t vertex_count) {
-  std::vector<VertexBlocks::Place> places(vertex_count);
-  for (std::size_t c = 0; c < VertexBlocks::kClasses; ++c) {
-    for (std::size_t b = 0; b < blocks.classes[c].size(); ++b) {
-      for (const std::uint32_t v : blocks.classes[c][b])
-        places[v] = {static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(b)};
-    }
-  }
-  return places;
 }
 
 void keep_vertices(VertexBlocks& blocks, const std::vector<std::uint32_t>& kept) {

@@ -17,11 +17,6 @@ struct VertexBlocks {
   using Block = std::vector<std::uint32_t>;   ///< Ascends.
   std::array<std::vector<Block>, kClasses> classes;
 
-  /// Where a vertex is; in no block if not set.
-  struct Place {
-    std::uint32_t of_class = kClasses;
-    std::uint32_t block = 0;
-  };
   bool operator==(const VertexBlocks&) const = default;
 };
 
@@ -32,15 +27,6 @@ struct VertexBlocks {
 /// Splits the vertices into blocks. Deterministic.
 [[nodiscard]] VertexBlocks make_vertex_blocks(const WorkMesh& mesh,
                                               const std::vector<std::uint32_t>& vertices);
-
-/// The place of each vertex below `vertex_count`.
-[[nodiscard]] std::vector<VertexBlocks::Place> places_in(const VertexBlocks& blocks,
-                                                         std::size_t vertex_count);
-
-/// Whether two vertices are in different blocks that move at the same time.
-[[nodiscard]] inline bool may_move_together(const VertexBlocks::Place& a, const VertexBlocks::Place& b) {
-  return a.of_class == b.of_class && a.of_class != VertexBlocks::kClasses && a.block != b.block;
-}
 
 /// Those that `chosen` accepts.
 template <class Chosen>

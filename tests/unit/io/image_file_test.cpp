@@ -7,7 +7,9 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
+#include <cstring>
 
+#include "../src/io/raw_image.hpp"
 #include "image_bytes.hpp"
 #include "io_fixtures.hpp"
 
@@ -307,15 +309,26 @@ TEST_F(ImageFile, ReadsPackedNrrdWhoeverUnpacksIt) {
   for (std::size_t i = 0; i < big.size(); i += 2) std::swap(big[i], big[i + 1]);
   const LabelImage expected = read("raw.nrrd", header + "endian: little\nencoding: raw\n\n" + little);
   const std::string halves = deflated(little.substr(0, 40)) + deflated(little.substr(40));
-  for (const std::string& rest :
-       {"endian: little\nencoding: gzip\n\n" + deflated(little),
-        "Encoding: GZ\nendian: little\n\n" + deflated(little),
-        "endian: little\r\nencoding: gz\r\n\r\n" + deflated(little),
-        "endian: big\nencoding: gzip\n\n" + deflated(big),
-        "endian: big\nendian:=little\nencoding: gzip\n\n" + deflated(big),
-        "endian: little\nencoding: gzip\n\n" + halves,
-        "endian: little\nencoding: gzip\nbyte skip: 3\n\n" + deflated("abc" + little)})
-    EXPECT_EQ(read("packed.nrrd", header + rest).voxels(), expected.voxels()) << rest.substr(0, 50);
+  struct Case {
+    std::string rest;
+    bool unpacked_here;
+  };
+  for (const Case& c :
+       {Case{"endian: little\nencoding: gzip\n\n" + deflated(little), true},
+        {"Encoding: GZ\nendian: little\n\n" + deflated(little), true},
+        {"endian: little\r\nencoding: gz\r\n\r\n" + deflated(little), true},
+        {"endian: big\nencoding: gzip\n\n" + deflated(big), false},
+        {"endian: big\nendian:=little\nencoding: gzip\n\n" + deflated(big), false},
+        {"endian: little\nencoding: gzip\n\n" + halves, false},
+        {"endian: little\nencoding: gzip\nbyte skip: 3\n\n" + deflated("abc" + little), false}}) {
+    SCOPED_TRACE(c.rest.substr(0, 50));
+    EXPECT_EQ(read("packed.nrrd", header + c.rest).voxels(), expected.voxels());
+    std::vector<std::byte> voxels(little.size());
+    EXPECT_EQ(io::unpack_nrrd(folder_ / "packed.nrrd", 2, voxels), c.unpacked_here);
+    if (c.unpacked_here) {
+      EXPECT_EQ(std::memcmp(voxels.data(), little.data(), little.size()), 0);
+    }
+  }
 }
 
 LabelImage image_with_frame(const std::vector<Label>& values) {

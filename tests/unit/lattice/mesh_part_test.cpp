@@ -15,15 +15,15 @@ namespace {
 constexpr double kRadiusMm = 18;
 
 /// A block of lattice with all of its boundary.
-struct Block {
+struct BlockWithBoundary {
   WorkMesh mesh;
   BoundaryModel boundary;
   VertexTargets targets;
 };
 
-Block block() {
+BlockWithBoundary block_with_boundary() {
   const MixedMesh mixed = test::mesh_of(test::lattice_block({6, 5, 4}, 4), Mat3::Identity(), 1);
-  Block b;
+  BlockWithBoundary b;
   b.mesh.positions = mixed.points;
   b.mesh.tets = mixed.tetrahedra;
   b.mesh.materials.assign(b.mesh.tets.size(), 1);
@@ -73,7 +73,7 @@ void expect_stars(const WholeMesh& whole) {
 }
 
 TEST(MeshPart, HoldsTheStarsOfTheVerticesThatMayMove) {
-  Block b = block();
+  BlockWithBoundary b = block_with_boundary();
   const WholeMesh whole{b.mesh, b.boundary, b.targets, {}, {}};
   const MeshPart part = part_of(whole, b.mesh.positions[0], kRadiusMm);
   ASSERT_GT(part.tets.size(), 10U);
@@ -94,8 +94,8 @@ TEST(MeshPart, HoldsTheStarsOfTheVerticesThatMayMove) {
 }
 
 TEST(MeshPart, PutBackUnchangedChangesNothing) {
-  Block b = block();
-  const Block before = b;
+  BlockWithBoundary b = block_with_boundary();
+  const BlockWithBoundary before = b;
   WholeMesh whole{b.mesh, b.boundary, b.targets, {}, {}};
   put_back(whole, part_of(whole, b.mesh.positions[0], kRadiusMm));
   EXPECT_EQ(b.mesh.tets, before.mesh.tets);
@@ -107,7 +107,7 @@ TEST(MeshPart, PutBackUnchangedChangesNothing) {
 }
 
 TEST(MeshPart, MovesAddsAndDropsAreTakenOver) {
-  Block b = block();
+  BlockWithBoundary b = block_with_boundary();
   WholeMesh whole{b.mesh, b.boundary, b.targets, {}, {}};
   MeshPart part = part_of(whole, b.mesh.positions[0], kRadiusMm);
   const std::size_t tets = b.mesh.tets.size(), vertices = b.mesh.positions.size();

@@ -6,6 +6,7 @@
 #include "../src/lattice/cells.hpp"
 #include "fixtures/images.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/parallel/loops.hpp"
 #include "shapes.hpp"
 
 namespace lumesh {
@@ -86,9 +87,10 @@ double worst_stray_mm(const LabelImage& image, const MixedMesh& mesh) {
   const TriangleTree tree(corners, faces);
   double worst = 0;
   for (const Cell<3>& t : mesh.triangles) {
-    for (int n = 0; n < 15; ++n) {  // barycentric coordinates in quarters
+    for (int n = 0; n < 25; ++n) {  // barycentric coordinates in quarters
       const int u = n % 5, v = n / 5;
-      const double a = std::min(u, 4 - v) / 4.0, b = v / 4.0;
+      if (u + v > 4) continue;
+      const double a = u / 4.0, b = v / 4.0;
       const Vec3 x = (1 - a - b) * mesh.points[t[0]] + a * mesh.points[t[1]] + b * mesh.points[t[2]];
       worst = std::max(worst, tree.nearest(x).distance);
     }
@@ -137,6 +139,19 @@ TEST(MissedTips, ThinPlatesAndRodsAreReached) {
     test::expect_label_volumes(image, mesh, 0.02);
     EXPECT_LT(worst_distance_mm(image, mesh), 1.2);
     EXPECT_LT(worst_stray_mm(image, mesh), 1.2);
+  }
+}
+
+TEST(MissedTips, EveryThreadCountGivesTheSameBits) {
+  for (const LabelImage& image : {rough_ball(7, 60), tangle(7)}) {
+    const MixedMesh expected = test::meshed(image);
+    for (const int threads : {1, 2, 5}) {
+      const parallel::ThreadLimit limit(threads);
+      const MixedMesh mesh = test::meshed(image);
+      EXPECT_EQ(mesh.points, expected.points);
+      EXPECT_EQ(mesh.tetrahedra, expected.tetrahedra);
+      EXPECT_EQ(mesh.triangles, expected.triangles);
+    }
   }
 }
 

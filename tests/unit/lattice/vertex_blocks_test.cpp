@@ -32,6 +32,26 @@ std::vector<std::vector<std::uint32_t>> selections(const WorkMesh& mesh) {
   return {all, some};
 }
 
+/// Where a vertex is; in no block if not set.
+struct Place {
+  std::size_t of_class = VertexBlocks::kClasses;
+  std::size_t block = 0;
+};
+
+std::vector<Place> places_in(const VertexBlocks& blocks, std::size_t vertex_count) {
+  std::vector<Place> places(vertex_count);
+  for (std::size_t c = 0; c < VertexBlocks::kClasses; ++c) {
+    for (std::size_t b = 0; b < blocks.classes[c].size(); ++b) {
+      for (const std::uint32_t v : blocks.classes[c][b]) places[v] = {c, b};
+    }
+  }
+  return places;
+}
+
+bool may_move_together(const Place& a, const Place& b) {
+  return a.of_class == b.of_class && a.of_class != VertexBlocks::kClasses && a.block != b.block;
+}
+
 TEST(VertexBlocks, NoTetrahedronJoinsTwoBlocksThatMoveTogether) {
   const WorkMesh mesh = block();
   for (const std::vector<std::uint32_t>& vertices : selections(mesh)) {
