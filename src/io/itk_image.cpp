@@ -145,7 +145,8 @@ RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& contex
   const bool detached = extension == ".nhdr";
   image.voxels = allocate_voxels(path, image.frame, image.type, detached ? 0 : fs::file_size(path));
   const std::size_t bytes = image.frame.voxel_count() * voxel_bytes(image.type);
-  if (!detached && unpack_nrrd(path, voxel_bytes(image.type), {image.voxels.get(), bytes})) return image;
+  if (extension == ".nrrd" && unpack_nrrd(path, voxel_bytes(image.type), {image.voxels.get(), bytes}))
+    return image;
   itk::ImageIORegion region(io.GetNumberOfDimensions());
   for (unsigned i = 0; i < io.GetNumberOfDimensions(); ++i) region.SetSize(i, io.GetDimensions(i));
   io.SetIORegion(region);

@@ -1,6 +1,7 @@
 // The voxels of the NRRD files that most programs write, http://teem.sourceforge.net/nrrd/format.html.
 #include <libdeflate.h>
 
+#include <algorithm>
 #include <bit>
 #include <cctype>
 #include <fstream>
@@ -18,14 +19,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether a line of the header is of the field, in any case and with any blanks.
+/// Whether a line of the header, in small letters, is of the field.
 bool is_field(std::string_view line, std::string_view field) {
-  std::string name;
-  for (const char c : line.substr(0, line.find(':'))) {
-    if (c != ' ') name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
   const std::size_t colon = line.find(':');
-  return colon != std::string_view::npos && !line.substr(colon).starts_with(":=") && name == field;
+  if (colon == std::string_view::npos || line.substr(colon).starts_with(":=")) return false;
+  std::string name(line.substr(0, colon));
+  std::erase(name, ' ');
+  return name == field;
 }
 
 bool holds(std::string_view line, std::string_view word) {
@@ -38,10 +38,11 @@ bool gzip_follows(std::istream& in, std::size_t voxel_bytes) {
   bool own_order = voxel_bytes == 1;
   std::string text;
   for (bool first = true; std::getline(in, text); first = false) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
     std::string_view line = text;
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (line.empty()) return packed && own_order;
-    if (first && !line.starts_with("NRRD")) return false;
+    if (first && !line.starts_with("nrrd")) return false;
     if (is_field(line, "datafile") || is_field(line, "lineskip") || is_field(line, "byteskip")) return false;
     if (is_field(line, "encoding")) packed = holds(line, "gz");
     if (is_field(line, "endian"))
