@@ -22,9 +22,8 @@ struct FitReport {
 };
 
 /// Moves vertices; tetrahedra keep positive volume and, once they have them, dihedral angles within the
-/// limits. Drops the few tetrahedra that stick out (spikes.hpp) and adds or drops a few where no vertex could
-/// be moved to the boundary (missed_tips.hpp). Same bits for every thread count: see
-/// vertex_blocks.hpp.
+/// limits. Drops the few tetrahedra that stick out (spikes.hpp) and adds, drops or joins a few where no
+/// vertex could be moved to the boundary (spots.hpp). Same bits for every thread count (vertex_blocks.hpp).
 FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
                         const ImageDomain& domain, const FitOptions& options);
 
