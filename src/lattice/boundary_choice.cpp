@@ -156,8 +156,7 @@ class BoundaryChooser {
 
   /// Bad vertices among those that the last round touched.
   [[nodiscard]] std::vector<std::uint32_t> still_bad() {
-    std::sort(touched_.begin(), touched_.end());
-    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+    sort_unique(touched_);
     return parallel::collect<std::uint32_t>(
         touched_.size(),
         [&](std::size_t i, auto& out) {
@@ -397,8 +396,7 @@ class BoundaryChooser {
       before.push_back(mesh_.materials[t]);
       vertices.insert(vertices.end(), mesh_.tets[t].begin(), mesh_.tets[t].end());
     }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sort_unique(vertices);
     const auto count_bad = [&] {
       return std::count_if(vertices.begin(), vertices.end(),
                            [&](std::uint32_t v) { return !manifold_at(v); });

@@ -44,12 +44,7 @@ void Fitter::fit(int sweeps) {
 
 void Fitter::fit_and_improve(int sweeps, double good_enough) {
   try_all_again();
-  for (int s = 0; s < sweeps; ++s) {
-    sweep(blocks_, [&](std::uint32_t v) {
-      fit_if_away(v);
-      improve_vertex(v, good_enough);
-    });
-  }
+  improve(blocks_, sweeps, good_enough);
 }
 
 void Fitter::draw_to_tips(const std::vector<Miss>& missed, int sweeps) {
@@ -63,9 +58,12 @@ void Fitter::draw_to(const std::vector<Miss>& missed, int sweeps, double good_en
   for (const Miss& miss : missed) {
     for (const std::uint32_t v : boundary_.triangles[miss.triangle].vertices) wake_star(v);
   }
-  const VertexBlocks near = two_rings_awake();
+  improve(two_rings_awake(), sweeps, good_enough);
+}
+
+void Fitter::improve(const VertexBlocks& blocks, int sweeps, double good_enough) {
   for (int s = 0; s < sweeps; ++s) {
-    sweep(near, [&](std::uint32_t v) {
+    sweep(blocks, [&](std::uint32_t v) {
       fit_if_away(v);
       improve_vertex(v, good_enough);
     });

@@ -68,6 +68,7 @@ class Fitter {
   void sweep(const VertexBlocks& blocks, const Move& move);
   template <class Move>
   void move_waiting(const VertexBlocks::Block& block, const Move& move);
+  void improve(const VertexBlocks& blocks, int sweeps, double good_enough);
   void try_all_again();
   void wake_star(std::uint32_t v);
   void wake_anchored(const std::vector<Miss>& missed);

@@ -7,14 +7,10 @@ namespace lumesh {
 
 namespace {
 
-void sort_unique(std::vector<std::uint32_t>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
-
-/// The vertices within a ball that can be reached along edges in it from boundary triangles there, ascending.
-std::vector<std::uint32_t> core_of(const WholeMesh& whole, const SurfaceTree& tree, const Vec3& centre_mm,
-                                   double radius_mm) {
+/// The vertices within a ball that can be reached along edges in it from the boundary triangles
+/// given, ascending.
+std::vector<std::uint32_t> core_of(const WholeMesh& whole, const std::vector<std::uint32_t>& triangles,
+                                   const Vec3& centre_mm, double radius_mm) {
   const WorkMesh& mesh = whole.mesh;
   std::vector<std::uint32_t> core;
   std::unordered_set<std::uint32_t> seen;
@@ -22,8 +18,7 @@ std::vector<std::uint32_t> core_of(const WholeMesh& whole, const SurfaceTree& tr
     if (!seen.insert(v).second) return;
     if ((mesh.positions[v] - centre_mm).norm() <= radius_mm) core.push_back(v);
   };
-  const Vec3 reach = Vec3::Constant(radius_mm);
-  for (const std::uint32_t t : tree.overlapping(centre_mm - reach, centre_mm + reach)) {
+  for (const std::uint32_t t : triangles) {
     for (const std::uint32_t v : whole.boundary.triangles[t].vertices) visit(v);
   }
   for (std::size_t i = 0; i < core.size(); ++i) {
@@ -50,14 +45,15 @@ VertexBlocks MeshPart::movable() const {
 
 MeshPart cut_out(const WholeMesh& whole, const SurfaceTree& tree, const Vec3& centre_mm, double radius_mm) {
   MeshPart part;
-  const std::vector<std::uint32_t> core = core_of(whole, tree, centre_mm, radius_mm);
+  const Vec3 reach = Vec3::Constant(radius_mm);
+  const std::vector<std::uint32_t> near = tree.overlapping(centre_mm - reach, centre_mm + reach);
+  const std::vector<std::uint32_t> core = core_of(whole, near, centre_mm, radius_mm);
   for (const std::uint32_t v : core) {
     const auto tets = whole.mesh.star(v);
     part.tets.insert(part.tets.end(), tets.begin(), tets.end());
   }
   sort_unique(part.tets);
-  const Vec3 reach = Vec3::Constant(radius_mm);
-  for (const std::uint32_t t : tree.overlapping(centre_mm - reach, centre_mm + reach)) {
+  for (const std::uint32_t t : near) {
     const Triangle& corners = whole.boundary.triangles[t].vertices;
     const bool in_core = std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
       return std::binary_search(core.begin(), core.end(), v);

@@ -166,9 +166,6 @@ class MissedTips {
     return std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return is_fixed(v); });
   }
 
-  [[nodiscard]] static std::uint32_t third_corner(const Triangle& t, std::uint32_t a, std::uint32_t b) {
-    return *std::find_if(t.begin(), t.end(), [&](std::uint32_t v) { return v != a && v != b; });
-  }
   /// Whether an edge of the mesh joins two vertices.
   [[nodiscard]] bool are_neighbours(std::uint32_t a, std::uint32_t b) const {
     const auto star = mesh_.star(a);

@@ -53,8 +53,7 @@ class Slits {
     for (const std::uint32_t j : surface_.triangles(a)) {
       const Triangle& other = boundary_.triangles[j].vertices;
       if (j == i || !has_corner(other, b)) continue;
-      const std::uint32_t d =
-          *std::find_if(other.begin(), other.end(), [&](auto v) { return v != a && v != b; });
+      const std::uint32_t d = third_corner(other, a, b);
       if (!is_narrow(a, b, c, d) || !lies_inside(t, d)) return std::nullopt;
       return merge_of(c, d, {t.inside, t.outside});
     }
@@ -160,8 +159,7 @@ class Slits {
         if (w != v) found.push_back(w);
       }
     }
-    std::sort(found.begin(), found.end());
-    found.erase(std::unique(found.begin(), found.end()), found.end());
+    sort_unique(found);
     return found;
   }
 
@@ -174,8 +172,7 @@ class Slits {
         if (p != v && q != v) found.push_back({std::min(p, q), std::max(p, q)});
       }
     }
-    std::sort(found.begin(), found.end());
-    found.erase(std::unique(found.begin(), found.end()), found.end());
+    sort_unique(found);
     return found;
   }
 

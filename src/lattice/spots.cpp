@@ -42,13 +42,13 @@ class Spot {
 
   /// False if nothing helped.
   bool mend() {
-    keep_if_best();
+    std::vector<Miss> missed = keep_if_best();
     const auto at_start = least_;
     const MeshPart first = part_;
     for (const Way& way : kWays) {
       if (least_.second == 0 || (way.bold && least_.first <= 20 * kFar)) break;
-      part_ = way.from_start ? first : best_;
-      take_turns(way);
+      if (&way != &kWays[0]) missed = go_back_to(way.from_start ? first : best_);
+      take_turns(way, missed);
     }
     part_ = std::move(best_);
     promising_ = at_start.second > 0 && (least_.second == 0 || least_.first < at_start.first);
@@ -70,11 +70,16 @@ class Spot {
   static constexpr Way kWays[] = {
       {true, false, true, 6}, {false, true, true, 6}, {true, true, false, 6}, {true, true, true, 1}};
 
-  void take_turns(const Way& way) {
+  /// @return What is missed there.
+  [[nodiscard]] std::vector<Miss> go_back_to(const MeshPart& state) {
+    part_ = state;
+    finder_ = MissFinder(setting_.image, setting_.domain, probes_);
+    return misses();
+  }
+
+  void take_turns(const Way& way, std::vector<Miss> missed) {
     constexpr int kTurns = 10;
     constexpr int kPatience = 2;  // turns after a first one that bring nothing
-    finder_ = MissFinder(setting_.image, setting_.domain, probes_);
-    std::vector<Miss> missed = misses();
     int best_turn = 0;
     for (int turn = 0; !missed.empty() && turn < kTurns && turn <= best_turn + kPatience; ++turn) {
       take_turn(missed, turn, way, way.bold && turn == best_turn);

@@ -17,8 +17,7 @@ void find_neighbours(const BoundaryModel& boundary, std::span<const std::uint32_
       if (w != v && boundary.sets[w].contains_all(boundary.sets[v])) found.push_back(w);
     }
   }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  sort_unique(found);
 }
 
 }  // namespace

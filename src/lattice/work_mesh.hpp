@@ -26,6 +26,11 @@ inline constexpr std::uint32_t kNoTet = ~std::uint32_t{0};
   return t[0] == v || t[1] == v || t[2] == v;
 }
 
+/// The corner of a triangle that is neither of two others.
+[[nodiscard]] inline std::uint32_t third_corner(const Triangle& t, std::uint32_t a, std::uint32_t b) {
+  return *std::find_if(t.begin(), t.end(), [&](std::uint32_t v) { return v != a && v != b; });
+}
+
 /// Corners of the face opposite to a corner, anticlockwise seen from outside.
 [[nodiscard]] inline Triangle face_of(const Corner4& t, std::size_t opposite) {
   constexpr std::size_t kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
