@@ -10,6 +10,8 @@ namespace lumesh {
 namespace {
 
 constexpr double kApartVoxels = 1.5;
+constexpr double kReachVoxels =
+    1;  // where the smooth boundary is further from a probe, the surface leaves it
 
 /// Points no two of which are closer than a distance.
 class SparsePoints {
@@ -46,6 +48,11 @@ std::vector<std::uint32_t> set_anchors(const WorkMesh& mesh, const BoundaryModel
     const Vec3& probe = miss.probe.position_mm;
     const auto& [first, second] = miss.probe.materials;
     if (!miss.drawable || !taken.add(probe)) continue;
+    if (miss.vertex) {
+      anchors_mm[*miss.vertex] = probe;
+      changed.push_back(*miss.vertex);
+      continue;
+    }
     std::optional<std::uint32_t> best;
     double least = 0;
     for (const std::uint32_t v : boundary.triangles[miss.triangle].vertices) {
@@ -60,7 +67,8 @@ std::vector<std::uint32_t> set_anchors(const WorkMesh& mesh, const BoundaryModel
     if (!best) continue;
     const std::optional<Vec3> place = domain.project(probe, boundary.sets[*best], 2 * domain.voxel_size_mm());
     if (!place || domain.beyond_cut(*place)) continue;
-    anchors_mm[*best] = *place;
+    const double short_mm = (probe - *place).norm() - kReachVoxels * domain.voxel_size_mm();
+    anchors_mm[*best] = short_mm > 0 ? Vec3(*place + short_mm * (probe - *place).normalized()) : *place;
     changed.push_back(*best);
   }
   return changed;

@@ -34,26 +34,31 @@ FitReport report_on(const WorkMesh& mesh, const BoundaryModel& boundary, const I
 
 FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
                         const ImageDomain& domain, const FitOptions& options) {
-  constexpr double kGood = 0.3;  // angle quality of 30 degrees nearly
+  constexpr double kGood = 0.3;       // angle quality of 30 degrees nearly
+  constexpr double kTipVoxels = 1.1;  // what is further from the surface is drawn to
   const FitSetting setting{image, domain, {options.min_dihedral_deg, options.max_dihedral_deg}};
   VertexTargets targets;
+  std::vector<Vec3> lattice_mm = mesh.positions;
   VertexBlocks blocks = make_vertex_blocks(mesh, vertices_near_boundary(mesh, boundary));
   Fitter(mesh, boundary, targets, setting, blocks).approach(4);
-  keep_vertices(blocks, peel_spikes(mesh, boundary, domain));
+  const std::vector<std::uint32_t> kept = peel_spikes(mesh, boundary, domain);
+  keep_vertices(blocks, kept);
+  for (std::size_t v = 0; v < kept.size(); ++v) lattice_mm[v] = lattice_mm[kept[v]];
+  lattice_mm.resize(kept.size());
   mesh.neighbours = {};  // not needed any more
 
   targets = {};
   Fitter fitter(mesh, boundary, targets, setting, blocks);
   fitter.approach(1);
   MissFinder finder(image, domain, options.probes);
-  fitter.draw_to_tips(finder.find_missed_probes(mesh, boundary, kMissedVoxels * domain.voxel_size_mm()), 3);
+  fitter.draw_to_tips(finder.find_missed_probes(mesh, boundary, kTipVoxels * domain.voxel_size_mm()), 3);
   targets.offset_mm = fitter.averaged(sag_offsets_mm(mesh, boundary, domain));
   fitter.fit(2);
   add_volume_offsets(mesh, boundary, domain, options.label_volumes_mm3, targets.offset_mm);
   fitter.keep_to_voxels();
   fitter.fit_and_improve(4, kGood);
 
-  WholeMesh whole{mesh, boundary, targets, {}, {}};
+  WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
   mend_spots(whole, setting, finder, options.probes.size());
   return report_on(mesh, boundary, domain);
 }

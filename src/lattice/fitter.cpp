@@ -47,6 +47,23 @@ void Fitter::fit_and_improve(int sweeps, double good_enough) {
   improve(blocks_, sweeps, good_enough);
 }
 
+void Fitter::refit_from(const std::vector<Vec3>& places_mm, const VertexBlocks& vertices, int sweeps,
+                        double good_enough) {
+  for (int s = 0; s < sweeps; ++s) {
+    try_all_again();
+    sweep(vertices, [&](std::uint32_t v) {
+      if (v < places_mm.size()) carry_vertex(v, places_mm[v]);
+    });
+  }
+  std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+  for (const std::vector<VertexBlocks::Block>& of_class : vertices.classes) {
+    for (const VertexBlocks::Block& block : of_class) {
+      for (const std::uint32_t v : block) wake_star(v);
+    }
+  }
+  improve(blocks_, sweeps, good_enough);
+}
+
 void Fitter::draw_to_tips(const std::vector<Miss>& missed, int sweeps) {
   wake_anchored(missed);
   const VertexBlocks near = two_rings_awake();
@@ -224,6 +241,18 @@ Vec3 Fitter::target_of(std::uint32_t v) const {
   if (!target) target = on_boundary(v, x);
   if (!target) target = on_one_boundary(v);
   return target ? *target : middle;
+}
+
+void Fitter::carry_vertex(std::uint32_t v, const Vec3& place) {
+  const Vec3 x = mesh_.positions[v];
+  StarQuality star(mesh_, v);
+  const double enough = std::min(floor_, star.worst(x, -2));
+  for (const double part : {1.0, 0.7, 0.4, 0.2, 0.1}) {
+    const Vec3 y = x + part * (place - x);
+    if (star.worst(y, enough) < enough) continue;
+    mesh_.positions[v] = y;
+    return;
+  }
 }
 
 /// Carries a boundary vertex to the boundary, evenly spread, as far as the star allows; others go to the

@@ -43,6 +43,11 @@ class Fitter {
   void fit(int sweeps);
   /// Also looks for better places for vertices whose worst angle quality is below `good_enough`.
   void fit_and_improve(int sweeps, double good_enough);
+  /// Takes vertices to other places, as far as the limits of the angles allow, and fits them from there, with
+  /// what is around them.
+  /// @param places_mm  Of the first vertices; others stay.
+  void refit_from(const std::vector<Vec3>& places_mm, const VertexBlocks& vertices, int sweeps,
+                  double good_enough);
   /// From now on boundary vertices stay within reach of the voxels (voxel_reach.hpp).
   void keep_to_voxels() { trim_bulges_ = true; }
 
@@ -85,6 +90,7 @@ class Fitter {
   [[nodiscard]] double distance_to_target(std::uint32_t v) const;
   [[nodiscard]] Score score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough) const;
   [[nodiscard]] double facing(std::uint32_t v, const Vec3& x) const;
+  void carry_vertex(std::uint32_t v, const Vec3& place);
   void fit_vertex(std::uint32_t v, double floor);
   void fit_if_away(std::uint32_t v);
   void improve_vertex(std::uint32_t v, double good_enough);

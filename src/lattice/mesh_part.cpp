@@ -73,6 +73,7 @@ MeshPart cut_out(const WholeMesh& whole, const SurfaceTree& tree, const Vec3& ce
   for (const std::uint32_t v : core) part.fixed[number(v)] = 0;
   for (const std::uint32_t v : part.vertices) {
     part.mesh.positions.push_back(whole.mesh.positions[v]);
+    part.lattice_mm.push_back(v < whole.lattice_mm.size() ? whole.lattice_mm[v] : whole.mesh.positions[v]);
     part.boundary.sets.push_back(whole.boundary.sets[v]);
     part.targets.offset_mm.push_back(whole.targets.offset_mm[v]);
     part.targets.anchors_mm.push_back(whole.targets.anchors_mm[v]);

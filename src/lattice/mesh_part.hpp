@@ -12,6 +12,7 @@ struct MeshPart {
   WorkMesh mesh;  ///< Without neighbours.
   BoundaryModel boundary;
   VertexTargets targets;
+  std::vector<Vec3> lattice_mm;     ///< Where the first vertices were in the lattice.
   std::vector<std::uint8_t> fixed;  ///< Flag per vertex: tetrahedra outside the part share it.
   /// The numbers in the whole mesh; those of the part begin with these, in the same order.
   std::vector<std::uint32_t> vertices, tets, triangles;
@@ -25,6 +26,7 @@ struct WholeMesh {
   WorkMesh& mesh;
   BoundaryModel& boundary;
   VertexTargets& targets;
+  std::vector<Vec3> lattice_mm;               ///< Where vertices were before the fit.
   std::vector<std::uint32_t> gone;            ///< Tetrahedra that are no more, but keep their number.
   std::vector<std::uint32_t> gone_triangles;  ///< The same of the boundary.
 };

@@ -8,6 +8,7 @@
 #include "cells.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "voxel_reach.hpp"
 
 namespace lumesh {
 
@@ -15,8 +16,11 @@ namespace {
 
 constexpr double kAhead = 3;        // voxels: how far from a stray triangle the boundary is sought
 constexpr double kFaceReach = 2.5;  // voxels: how far faces of voxels are sought
-constexpr double kAway = 0.4;       // voxels: the smoothed boundary is closer than this to the centre and the
-                                    // middles of the edges of a triangle that is no stray
+constexpr double kFine = 0.15;      // voxels: triangles of this radius are not divided further
+constexpr double kVertexReach =
+    1.155;                     // half diagonals of a voxel: vertices are this close to voxels' centres
+constexpr double kAway = 0.4;  // voxels: the smoothed boundary is closer than this to the centre and the
+                               // middles of the edges of a triangle that is no stray
 
 /// The centres of the faces between a voxel and the next ones along the axes.
 void append_face_centres(const LabelImage& image, const Index3& voxel, std::vector<Probe>& out) {
@@ -208,6 +212,24 @@ void MissFinder::update_strays(const WorkMesh& mesh, const BoundaryModel& bounda
                      [](const Miss& a, const Miss& b) { return a.triangle < b.triangle; });
 }
 
+/// Looks for a place of a triangle that is further from the voxel faces than what is known. No place is
+/// further than the centre by more than its distance from the centre, which saves most of the search.
+void MissFinder::look_for_furthest(const std::array<Vec3, 3>& p, const std::array<Material, 2>& pair,
+                                   Furthest& furthest) const {
+  const double fine_mm = kFine * domain_->voxel_size_mm();
+  const Vec3 centre = (p[0] + p[1] + p[2]) / 3;
+  const std::optional<Vec3> nearest = nearest_on_voxel_faces(*image_, centre, pair);
+  const double off_mm = nearest ? (*nearest - centre).norm() : kFaceReach * domain_->voxel_size_mm();
+  if (off_mm > furthest.off_mm) furthest = {off_mm, centre, nearest.value_or(centre)};
+  const double radius_mm = std::sqrt(std::max(
+      {(p[0] - centre).squaredNorm(), (p[1] - centre).squaredNorm(), (p[2] - centre).squaredNorm()}));
+  if (radius_mm < fine_mm || off_mm + radius_mm <= furthest.off_mm) return;
+  const Vec3 a = (p[1] + p[2]) / 2, b = (p[2] + p[0]) / 2, c = (p[0] + p[1]) / 2;
+  for (const std::array<Vec3, 3>& part :
+       {std::array{a, b, c}, std::array{p[0], c, b}, std::array{c, p[1], a}, std::array{b, a, p[2]}})
+    look_for_furthest(part, pair, furthest);
+}
+
 void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& boundary, std::uint32_t triangle,
                                double limit_mm, std::vector<Miss>& out) const {
   const BoundaryTriangle& t = boundary.triangles[triangle];
@@ -222,26 +244,44 @@ void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& bounda
   if (!away) return;
   const std::array<Material, 2> pair = ascending(t.inside, t.outside);
   const Vec3 outwards = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
-  double most_mm = limit_mm;
-  Vec3 furthest = centre;
-  Vec3 back = centre;  // where the boundary is nearest to it
-  for (int n = 0; n < 25; ++n) {
-    const int u = n % 5, v = n / 5;
-    if (u + v > 4) continue;
-    const Vec3 x = p[0] + (u / 4.0) * (p[1] - p[0]) + (v / 4.0) * (p[2] - p[0]);
-    const std::optional<Vec3> nearest = nearest_on_voxel_faces(*image_, x, pair);
-    const double off_mm = nearest ? (*nearest - x).norm() : kFaceReach * domain_->voxel_size_mm();
-    if (off_mm <= most_mm) continue;
-    most_mm = off_mm;
-    furthest = x;
-    back = nearest.value_or(x);
-  }
-  if (most_mm <= limit_mm) return;
-  const double ahead_mm = std::copysign(kAhead * domain_->voxel_size_mm(), depth(furthest));
-  const std::optional<Vec3> ahead = domain_->first_crossing(furthest, furthest + ahead_mm * outwards);
-  const Vec3 place = ahead.value_or(back);
+  Furthest furthest{limit_mm, centre, centre};
+  look_for_furthest(p, pair, furthest);
+  if (furthest.off_mm <= limit_mm) return;
+  const Vec3& from = furthest.at;
+  const double ahead_mm = std::copysign(kAhead * domain_->voxel_size_mm(), depth(from));
+  const std::optional<Vec3> ahead = domain_->first_crossing(from, from + ahead_mm * outwards);
+  const Vec3 place = ahead.value_or(furthest.back);
   out.push_back(
-      {(place - furthest).norm(), {place, pair}, triangle, furthest, most_mm, true, ahead.has_value()});
+      {(place - from).norm(), {place, pair}, triangle, from, furthest.off_mm, true, ahead.has_value()});
+}
+
+void MissFinder::append_far_vertices(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
+                                     std::vector<Miss>& out) const {
+  const double reach_mm = kVertexReach * 0.5 * image_->frame().spacing_mm.norm();
+  std::vector<double> beyond_mm(boundary.sets.size(), 0);
+  parallel::for_each_index(beyond_mm.size(), [&](std::size_t v) {
+    const MaterialSet& set = boundary.sets[v];
+    const bool on_cut = std::any_of(set.begin(), set.end(), [&](Material m) { return domain_->is_cut(m); });
+    if (set.size() < 2 || on_cut) return;
+    beyond_mm[v] = distance_to_voxels_mm(*image_, *domain_, set, mesh.positions[v], reach_mm) - reach_mm;
+  });
+  for (std::uint32_t i = 0; i < boundary.triangles.size(); ++i) {
+    const BoundaryTriangle& t = boundary.triangles[i];
+    for (const std::uint32_t v : t.vertices) {
+      if (beyond_mm[v] <= 0) continue;
+      const Vec3& x = mesh.positions[v];
+      const Vec3 place = within_reach_of_voxels(*image_, *domain_, boundary.sets[v], x);
+      out.push_back({(place - x).norm(),
+                     {place, ascending(t.inside, t.outside)},
+                     i,
+                     x,
+                     limit_mm + 0.1 * domain_->voxel_size_mm() + beyond_mm[v],
+                     true,
+                     true,
+                     v});
+      beyond_mm[v] = 0;  // with one triangle only
+    }
+  }
 }
 
 namespace {
@@ -266,6 +306,7 @@ std::vector<Miss> MissFinder::find(const WorkMesh& mesh, const BoundaryModel& bo
   std::vector<Miss> found = missed_probes(mesh, boundary, limit_mm);
   update_strays(mesh, boundary, limit_mm);
   found.insert(found.end(), strays_.begin(), strays_.end());
+  append_far_vertices(mesh, boundary, limit_mm, found);
   sort_by_distance(found);
   return found;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "boundary_model.hpp"
@@ -36,10 +37,13 @@ struct Miss {
   Probe probe;
   std::uint32_t triangle;
   Vec3 place_mm;  ///< Of the probe; for strays, of the triangle's point that is furthest off.
-  double off_mm;  ///< How far apart the two are; for strays, the triangle and the nearest boundary.
+  double off_mm;  ///< How far apart the two are; for strays, the triangle and the nearest boundary; for a
+                  ///< vertex, the limit and what it is beyond its own.
   bool stray;     ///< The triangle is far from all of the image's boundary; the probe is what it faces or, if
                   ///< it faces nothing within three voxels, what is nearest.
   bool drawable;  ///< Whether a vertex may be sent to the probe: not where a stray faces nothing.
+  std::optional<std::uint32_t> vertex = {};  ///< A stray that is one vertex of the triangle; the probe is
+                                             ///< where it would be near enough.
 };
 
 /// Finds misses again and again while the surface moves; remembers a triangle close to each probe and looks
@@ -50,9 +54,10 @@ class MissFinder {
   MissFinder(const LabelImage& image, const ImageDomain& domain, const std::vector<Probe>& probes)
       : image_(&image), domain_(&domain), probes_(&probes), close_(probes.size(), SurfaceTree::kNone) {}
 
-  /// Probes further than `limit_mm` from the surface and triangles further than that from the voxels'
-  /// boundary, the furthest first. Between calls, of the same limit, triangles may change, new ones
-  /// may follow and the last ones may go.
+  /// Probes further than `limit_mm` from the surface, triangles further than that from the voxels' boundary,
+  /// and vertices further than 1.155 half diagonals of a voxel (one voxel for cubic ones) from the centres of
+  /// their labels' boundary voxels, the furthest first. Between calls, of the same limit, triangles may
+  /// change, new ones may follow and the last ones may go.
   [[nodiscard]] std::vector<Miss> find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
   /// Only the probes.
   [[nodiscard]] std::vector<Miss> find_missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
@@ -67,6 +72,15 @@ class MissFinder {
   void update_strays(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
   void append_strays(const WorkMesh& mesh, const BoundaryModel& boundary, std::uint32_t triangle,
                      double limit_mm, std::vector<Miss>& out) const;
+  /// A place of a triangle and the nearest one on the voxel faces.
+  struct Furthest {
+    double off_mm;
+    Vec3 at, back;
+  };
+  void look_for_furthest(const std::array<Vec3, 3>& p, const std::array<Material, 2>& pair,
+                         Furthest& furthest) const;
+  void append_far_vertices(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
+                           std::vector<Miss>& out) const;
 
   const LabelImage* image_;
   const ImageDomain* domain_;

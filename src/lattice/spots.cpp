@@ -1,9 +1,12 @@
 #include "spots.hpp"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <random>
 #include <utility>
 
 #include "lumesh/parallel/loops.hpp"
@@ -16,10 +19,16 @@ namespace {
 
 // In voxels.
 constexpr double kSpot = 4.5;   // misses this close to the centre of a spot belong to it
+constexpr double kAnew = 4;     // vertices this close to the centre go back to the lattice
 constexpr double kShell = 6.5;  // misses that arise up to here count too
 constexpr double kPart = 7;     // vertices this close to it may move; more if edges are longer than that
-constexpr double kFar = 1.2;    // what is further from the surface is worth a bold try
+constexpr double kShake = 0.6;  // vertices are shaken by half of it
 constexpr double kSame = 2.5;   // a miss this close to a spot that could not be mended is given up too
+
+// Vertices with a better angle quality stay.
+constexpr double kGoodAsItIs = 0.25;
+constexpr double kGoodAnew = 0.5;
+constexpr std::size_t kAtOnce = 6;  // misses that tetrahedra are added for in one turn
 
 /// How bad a spot is: its worst miss, in twentieths of a voxel (what is less makes nothing better), and the
 /// number of misses.
@@ -28,6 +37,23 @@ std::pair<double, std::size_t> badness(const std::vector<Miss>& missed, double v
   for (const Miss& m : missed) worst_mm = std::max(worst_mm, m.off_mm);
   return {std::ceil(20 * worst_mm / voxel_mm), missed.size()};
 }
+
+/// Places moved by up to half an amplitude along each axis, otherwise for another seed.
+std::vector<Vec3> shaken(std::vector<Vec3> places, unsigned seed, double amplitude) {
+  std::mt19937_64 random(seed);
+  for (Vec3& p : places) {
+    for (int axis = 0; axis < 3; ++axis)
+      p[axis] += amplitude * (std::ldexp(static_cast<double>(random()), -64) - 0.5);
+  }
+  return places;
+}
+
+struct SpotResult {
+  bool better = false;
+  bool well = false;           ///< Nothing is missed any more.
+  bool promising = false;      ///< The worst is less bad than before, so another time may help.
+  std::size_t more_tries = 0;  ///< Made after the first.
+};
 
 /// One spot in a part of its own.
 class Spot {
@@ -40,49 +66,57 @@ class Spot {
         probes_(probes_near(setting.image, setting.domain, centre_mm, kShell * voxel_mm_)),
         finder_(setting.image, setting.domain, probes_) {}
 
-  /// False if nothing helped.
-  bool mend() {
+  /// First as it is, then up to `tries` times anew from the lattice.
+  SpotResult mend(std::size_t tries) {
+    constexpr std::size_t kTooMany = 20;  // misses after fitting anew, of which nothing good comes
     std::vector<Miss> missed = keep_if_best();
     const auto at_start = least_;
     const MeshPart first = part_;
-    for (const Way& way : kWays) {
-      if (least_.second == 0 || (way.bold && least_.first <= 20 * kFar)) break;
-      if (&way != &kWays[0]) missed = go_back_to(way.from_start ? first : best_);
-      take_turns(way, missed);
+    take_turns(std::move(missed), false);
+    std::size_t n = 0;
+    for (; n < tries && is_worth_try(n); ++n) {
+      part_ = first;
+      missed = fit_anew(static_cast<unsigned>(n));
+      if (missed.size() <= kTooMany) take_turns(std::move(missed), true);
     }
-    part_ = std::move(best_);
-    promising_ = at_start.second > 0 && (least_.second == 0 || least_.first < at_start.first);
-    return least_ < at_start;
+    const bool well = least_.second == 0;
+    return {least_ < at_start, well && at_start.second > 0,
+            at_start.second > 0 && (well || least_.first < at_start.first), n > 1 ? n - 1 : 0};
   }
 
-  /// Whether another try may help: all is well, or the worst is less bad than before.
-  [[nodiscard]] bool is_promising() const { return promising_; }
-  [[nodiscard]] MeshPart take() { return std::move(part_); }
+  [[nodiscard]] MeshPart take() { return std::move(best_); }
 
  private:
-  /// One way to go about it, for what one does not mend another may.
-  struct Way {
-    bool from_start;      ///< Or from the best state so far.
-    bool bold;            ///< Things may get worse at first in the first turn and in those after a success.
-    bool close;           ///< Closes slits.
-    std::size_t at_once;  ///< Misses that tetrahedra are added for in one turn.
-  };
-  static constexpr Way kWays[] = {
-      {true, false, true, 6}, {false, true, true, 6}, {true, true, false, 6}, {true, true, true, 1}};
-
-  /// @return What is missed there.
-  [[nodiscard]] std::vector<Miss> go_back_to(const MeshPart& state) {
-    part_ = state;
-    finder_ = MissFinder(setting_.image, setting_.domain, probes_);
-    return misses();
+  /// What is nearly good enough is worth few tries only.
+  [[nodiscard]] bool is_worth_try(std::size_t n) const {
+    constexpr double kNearly = 1.15;  // voxels
+    constexpr std::size_t kFew = 3;
+    return least_.second > 0 && (n < kFew || least_.first > 20 * kNearly);
   }
 
-  void take_turns(const Way& way, std::vector<Miss> missed) {
+  /// Takes what is near the centre back to its places in the lattice, where nothing is folded, and fits
+  /// again, each time from places shaken a little more.
+  /// @return What is missed then.
+  [[nodiscard]] std::vector<Miss> fit_anew(unsigned shake) {
+    constexpr int kSweeps = 5;  // there and back
+    const VertexBlocks blocks = part_.movable();
+    const VertexBlocks near = pick_vertices(blocks, [&](std::uint32_t v) {
+      return (part_.mesh.positions[v] - centre_mm_).norm() <= (kAnew + 0.5 * shake) * voxel_mm_;
+    });
+    Fitter fitter(part_.mesh, part_.boundary, part_.targets, setting_, blocks);
+    fitter.keep_to_voxels();
+    fitter.refit_from(shaken(part_.lattice_mm, shake, shake * kShake * voxel_mm_), near, kSweeps, kGoodAnew);
+    finder_ = MissFinder(setting_.image, setting_.domain, probes_);
+    return keep_if_best();
+  }
+
+  /// @param bold  Things may get worse at first, in the first turn and in those after a success.
+  void take_turns(std::vector<Miss> missed, bool bold) {
     constexpr int kTurns = 10;
     constexpr int kPatience = 2;  // turns after a first one that bring nothing
     int best_turn = 0;
     for (int turn = 0; !missed.empty() && turn < kTurns && turn <= best_turn + kPatience; ++turn) {
-      take_turn(missed, turn, way, way.bold && turn == best_turn);
+      take_turn(missed, turn, bold && turn == best_turn, bold ? kGoodAnew : kGoodAsItIs);
       missed = keep_if_best();
       if (improved_) best_turn = turn + 1;
     }
@@ -114,23 +148,24 @@ class Spot {
   [[nodiscard]] bool counts(const Miss& m) const {
     const double away_mm = (m.place_mm - centre_mm_).norm();
     if (away_mm <= kSpot * voxel_mm_) return true;
-    return away_mm <= kShell * voxel_mm_ && !m.stray &&
-           std::find(known_in_shell_.begin(), known_in_shell_.end(), m.place_mm) == known_in_shell_.end();
+    if (!m.stray && away_mm > kShell * voxel_mm_) return false;
+    const double same_mm = m.stray ? voxel_mm_ : 0;
+    return std::none_of(known_in_shell_.begin(), known_in_shell_.end(),
+                        [&](const Vec3& p) { return (p - m.place_mm).norm() <= same_mm; });
   }
 
-  void take_turn(std::vector<Miss> missed, int turn, const Way& way, bool bold) {
-    constexpr double kGood = 0.5;
-    if (way.close) missed = close_some_slits(std::move(missed));
+  void take_turn(std::vector<Miss> missed, int turn, bool bold, double good_enough) {
+    missed = close_some_slits(std::move(missed));
     if (missed.empty()) return;
     const SurfaceStars surface(part_.boundary, part_.mesh.positions.size());
     const std::vector<Miss> worst(
-        missed.begin(), missed.begin() + static_cast<std::ptrdiff_t>(std::min(missed.size(), way.at_once)));
+        missed.begin(), missed.begin() + static_cast<std::ptrdiff_t>(std::min(missed.size(), kAtOnce)));
     const std::size_t added = reach_missed_tips(part_.mesh, part_.boundary, surface, setting_.domain, worst,
                                                 {setting_.limits, part_.fixed, bold});
     const VertexBlocks blocks = part_.movable();
     Fitter fitter(part_.mesh, part_.boundary, part_.targets, setting_, blocks);
     fitter.keep_to_voxels();
-    fitter.draw_to(added > 0 ? misses() : missed, std::min(4 + 2 * turn, 8), kGood);
+    fitter.draw_to(added > 0 ? misses() : missed, std::min(4 + 2 * turn, 8), good_enough);
   }
 
   /// @return What is missed then.
@@ -158,7 +193,6 @@ class Spot {
   std::vector<Vec3> known_in_shell_;  // misses at the start
   bool knows_shell_ = false;
   bool improved_ = false;
-  bool promising_ = false;
 };
 
 bool is_near_any(const Vec3& p, const std::vector<Vec3>& places, double reach_mm) {
@@ -201,30 +235,36 @@ void put_back_all(WholeMesh& whole, const std::vector<std::optional<MeshPart>>& 
 }  // namespace
 
 void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder, std::size_t probes) {
-  constexpr int kRounds = 8;
+  constexpr std::size_t kRounds = 8;
+  constexpr std::size_t kMoreTries = 5;  // of one spot, after the first
+  std::size_t tries_left = 24;           // of all
   const double voxel_mm = setting.domain.voxel_size_mm();
   const double edge_mm = longest_edge_mm(whole.mesh);
   const double part_mm = std::max(kPart * voxel_mm, edge_mm);
   std::vector<Vec3> given_up;
-  for (int round = 0; round < kRounds; ++round) {
+  for (std::size_t round = 0; round < kRounds; ++round) {
     const std::vector<Miss> missed = finder.find(whole.mesh, whole.boundary, kMissedVoxels * voxel_mm);
     if (count_missed_probes(missed) > std::max<std::size_t>(100, probes / 100)) break;
     const std::vector<Vec3> centres =
         choose_centres(missed, given_up, 2 * part_mm + edge_mm, kSame * voxel_mm);
     if (centres.empty()) break;
+    // At first only what is mended easily, which may mend its neighbours too.
+    const bool thorough = round > 0;
+    const std::size_t more_tries = thorough ? std::min(kMoreTries, tries_left / centres.size()) : 0;
     const SurfaceTree tree(whole.mesh, whole.boundary, centres, part_mm + edge_mm);
     std::vector<std::optional<MeshPart>> mended(centres.size());
-    std::vector<std::uint8_t> promising(centres.size(), 0);
+    std::vector<SpotResult> results(centres.size());
     parallel::for_each_index(
         centres.size(),
         [&](std::size_t i) {
           Spot spot(cut_out(whole, tree, centres[i], part_mm), centres[i], setting);
-          if (spot.mend()) mended[i] = spot.take();
-          promising[i] = spot.is_promising() ? 1 : 0;
+          results[i] = spot.mend(1 + more_tries);
+          if (results[i].well || (results[i].better && thorough)) mended[i] = spot.take();
         },
         1);
     for (std::size_t i = 0; i < centres.size(); ++i) {
-      if (promising[i] == 0) given_up.push_back(centres[i]);
+      if (thorough && !results[i].promising) given_up.push_back(centres[i]);
+      tries_left -= std::min(tries_left, results[i].more_tries);
     }
     put_back_all(whole, mended);
   }

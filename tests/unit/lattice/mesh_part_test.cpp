@@ -74,7 +74,7 @@ void expect_stars(const WholeMesh& whole) {
 
 TEST(MeshPart, HoldsTheStarsOfTheVerticesThatMayMove) {
   BlockWithBoundary b = block_with_boundary();
-  const WholeMesh whole{b.mesh, b.boundary, b.targets, {}, {}};
+  const WholeMesh whole{b.mesh, b.boundary, b.targets, {}, {}, {}};
   const MeshPart part = part_of(whole, b.mesh.positions[0], kRadiusMm);
   ASSERT_GT(part.tets.size(), 10U);
   ASSERT_LT(part.tets.size(), b.mesh.tets.size());
@@ -96,7 +96,7 @@ TEST(MeshPart, HoldsTheStarsOfTheVerticesThatMayMove) {
 TEST(MeshPart, PutBackUnchangedChangesNothing) {
   BlockWithBoundary b = block_with_boundary();
   const BlockWithBoundary before = b;
-  WholeMesh whole{b.mesh, b.boundary, b.targets, {}, {}};
+  WholeMesh whole{b.mesh, b.boundary, b.targets, {}, {}, {}};
   put_back(whole, part_of(whole, b.mesh.positions[0], kRadiusMm));
   EXPECT_EQ(b.mesh.tets, before.mesh.tets);
   EXPECT_EQ(b.mesh.positions, before.mesh.positions);
@@ -108,7 +108,7 @@ TEST(MeshPart, PutBackUnchangedChangesNothing) {
 
 TEST(MeshPart, MovesAddsAndDropsAreTakenOver) {
   BlockWithBoundary b = block_with_boundary();
-  WholeMesh whole{b.mesh, b.boundary, b.targets, {}, {}};
+  WholeMesh whole{b.mesh, b.boundary, b.targets, {}, {}, {}};
   MeshPart part = part_of(whole, b.mesh.positions[0], kRadiusMm);
   const std::size_t tets = b.mesh.tets.size(), vertices = b.mesh.positions.size();
   const double volume = volume_of(b.mesh, {});
