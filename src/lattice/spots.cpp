@@ -236,8 +236,8 @@ void put_back_all(WholeMesh& whole, const std::vector<std::optional<MeshPart>>& 
 
 void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder, std::size_t probes) {
   constexpr std::size_t kRounds = 8;
-  constexpr std::size_t kMoreTries = 5;  // of one spot, after the first
-  std::size_t tries_left = 24;           // of all
+  constexpr std::size_t kMoreTries = 7;  // of one spot, after the first
+  std::size_t tries_left = 40;           // of all
   const double voxel_mm = setting.domain.voxel_size_mm();
   const double edge_mm = longest_edge_mm(whole.mesh);
   const double part_mm = std::max(kPart * voxel_mm, edge_mm);
