@@ -55,7 +55,7 @@ class MissFinder {
       : image_(&image), domain_(&domain), probes_(&probes), close_(probes.size(), SurfaceTree::kNone) {}
 
   /// Probes further than `limit_mm` from the surface, triangles further than that from the voxels' boundary,
-  /// and vertices further than 1.155 half diagonals of a voxel (one voxel for cubic ones) from the centres of
+  /// and vertices further than 1.154 half diagonals of a voxel (one voxel for cubic ones) from the centres of
   /// their labels' boundary voxels, the furthest first. Between calls, of the same limit, triangles may
   /// change, new ones may follow and the last ones may go.
   [[nodiscard]] std::vector<Miss> find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
