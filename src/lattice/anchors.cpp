@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kApartVoxels = 1.5;
 constexpr double kReachVoxels =
-    1;  // where the smooth boundary is further from a probe, the surface leaves it
+    1;  // an anchor is moved off the boundary towards its probe until it is within this
 
 /// Points no two of which are closer than a distance.
 class SparsePoints {

@@ -18,7 +18,7 @@ constexpr double kAhead = 3;        // voxels: how far from a stray triangle the
 constexpr double kFaceReach = 2.5;  // voxels: how far faces of voxels are sought
 constexpr double kFine = 0.15;      // voxels: triangles of this radius are not divided further
 constexpr double kVertexReach =
-    1.155;                     // half diagonals of a voxel: vertices are this close to voxels' centres
+    1.154;                     // half diagonals of a voxel: vertices are this close to voxels' centres
 constexpr double kAway = 0.4;  // voxels: the smoothed boundary is closer than this to the centre and the
                                // middles of the edges of a triangle that is no stray
 
@@ -224,6 +224,7 @@ void MissFinder::look_for_furthest(const std::array<Vec3, 3>& p, const std::arra
   const double radius_mm = std::sqrt(std::max(
       {(p[0] - centre).squaredNorm(), (p[1] - centre).squaredNorm(), (p[2] - centre).squaredNorm()}));
   if (radius_mm < fine_mm || off_mm + radius_mm <= furthest.off_mm) return;
+  if (!nearest) return;  // nothing further is seen
   const Vec3 a = (p[1] + p[2]) / 2, b = (p[2] + p[0]) / 2, c = (p[0] + p[1]) / 2;
   for (const std::array<Vec3, 3>& part :
        {std::array{a, b, c}, std::array{p[0], c, b}, std::array{c, p[1], a}, std::array{b, a, p[2]}})
@@ -277,7 +278,7 @@ void MissFinder::append_far_vertices(const WorkMesh& mesh, const BoundaryModel& 
                      x,
                      limit_mm + 0.1 * domain_->voxel_size_mm() + beyond_mm[v],
                      true,
-                     true,
+                     place != x,
                      v});
       beyond_mm[v] = 0;  // with one triangle only
     }

@@ -50,9 +50,9 @@ std::vector<Vec3> shaken(std::vector<Vec3> places, unsigned seed, double amplitu
 
 struct SpotResult {
   bool better = false;
-  bool well = false;           ///< Nothing is missed any more.
-  bool promising = false;      ///< The worst is less bad than before, so another time may help.
-  std::size_t more_tries = 0;  ///< Made after the first.
+  bool well = false;       ///< Nothing is missed any more.
+  bool promising = false;  ///< The worst is less bad than before, so another time may help.
+  std::size_t tries = 0;   ///< That were made.
 };
 
 /// One spot in a part of its own.
@@ -81,7 +81,7 @@ class Spot {
     }
     const bool well = least_.second == 0;
     return {least_ < at_start, well && at_start.second > 0,
-            at_start.second > 0 && (well || least_.first < at_start.first), n > 1 ? n - 1 : 0};
+            at_start.second > 0 && (well || least_.first < at_start.first), n};
   }
 
   [[nodiscard]] MeshPart take() { return std::move(best_); }
@@ -101,7 +101,10 @@ class Spot {
     constexpr int kSweeps = 5;  // there and back
     const VertexBlocks blocks = part_.movable();
     const VertexBlocks near = pick_vertices(blocks, [&](std::uint32_t v) {
-      return (part_.mesh.positions[v] - centre_mm_).norm() <= (kAnew + 0.5 * shake) * voxel_mm_;
+      const MaterialSet& set = part_.boundary.sets[v];
+      const bool on_cut =
+          std::any_of(set.begin(), set.end(), [&](Material m) { return setting_.domain.is_cut(m); });
+      return !on_cut && (part_.mesh.positions[v] - centre_mm_).norm() <= (kAnew + 0.5 * shake) * voxel_mm_;
     });
     Fitter fitter(part_.mesh, part_.boundary, part_.targets, setting_, blocks);
     fitter.keep_to_voxels();
@@ -236,8 +239,9 @@ void put_back_all(WholeMesh& whole, const std::vector<std::optional<MeshPart>>& 
 
 void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder, std::size_t probes) {
   constexpr std::size_t kRounds = 8;
-  constexpr std::size_t kMoreTries = 7;  // of one spot, after the first
-  std::size_t tries_left = 40;           // of all
+  constexpr std::size_t kMostTries = 8;  // of one spot
+  // Small meshes get fewer, so that they do not take longer than the rest of the work.
+  std::size_t tries_left = std::clamp<std::size_t>(whole.mesh.tets.size() / 3000, 8, 80);
   const double voxel_mm = setting.domain.voxel_size_mm();
   const double edge_mm = longest_edge_mm(whole.mesh);
   const double part_mm = std::max(kPart * voxel_mm, edge_mm);
@@ -250,7 +254,8 @@ void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder,
     if (centres.empty()) break;
     // At first only what is mended easily, which may mend its neighbours too.
     const bool thorough = round > 0;
-    const std::size_t more_tries = thorough ? std::min(kMoreTries, tries_left / centres.size()) : 0;
+    const std::size_t most = std::clamp<std::size_t>(tries_left / centres.size(), 1, kMostTries);
+    const std::size_t tries = thorough ? std::min(most, tries_left) : 1;
     const SurfaceTree tree(whole.mesh, whole.boundary, centres, part_mm + edge_mm);
     std::vector<std::optional<MeshPart>> mended(centres.size());
     std::vector<SpotResult> results(centres.size());
@@ -258,13 +263,13 @@ void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder,
         centres.size(),
         [&](std::size_t i) {
           Spot spot(cut_out(whole, tree, centres[i], part_mm), centres[i], setting);
-          results[i] = spot.mend(1 + more_tries);
+          results[i] = spot.mend(tries);
           if (results[i].well || (results[i].better && thorough)) mended[i] = spot.take();
         },
         1);
     for (std::size_t i = 0; i < centres.size(); ++i) {
       if (thorough && !results[i].promising) given_up.push_back(centres[i]);
-      tries_left -= std::min(tries_left, results[i].more_tries);
+      if (thorough) tries_left -= std::min(tries_left, results[i].tries);
     }
     put_back_all(whole, mended);
   }

@@ -88,16 +88,17 @@ Vec3 within_reach_of_voxels(const LabelImage& image, const ImageDomain& domain, 
 double distance_to_voxels_mm(const LabelImage& image, const ImageDomain& domain, const MaterialSet& materials,
                              const Vec3& point_mm, double enough_mm) {
   const Vec3 at = image.frame().to_index(point_mm);
+  const int ring = std::max(1, static_cast<int>(std::ceil(enough_mm / image.frame().spacing_mm.minCoeff())));
   const double enough_mm2 = enough_mm * enough_mm;
   double most_mm2 = 0;
   for (const Material m : materials) {
     if (!domain.is_meshed(m)) continue;
     const auto label = static_cast<LabelImage::Index>(m);
     NearestVoxel nearest = nearest_voxel(image, at, label, 0, enough_mm2);
-    if (nearest.squared_mm > enough_mm2) nearest = nearest_voxel(image, at, label, 1, 0);
+    if (nearest.squared_mm > enough_mm2) nearest = nearest_voxel(image, at, label, ring, 0);
     most_mm2 = std::max(most_mm2, nearest.squared_mm);
   }
-  return std::min(std::sqrt(most_mm2), 3 * domain.voxel_size_mm());
+  return std::min(std::sqrt(most_mm2), enough_mm + 2 * domain.voxel_size_mm());
 }
 
 }  // namespace lumesh

@@ -14,7 +14,8 @@ namespace lumesh {
                                           const MaterialSet& materials, const Vec3& point_mm);
 
 /// How far a point between the materials of a set is from the nearest centre of a boundary voxel of that of
-/// its labels where this is most, in mm; 3 voxels where none is near. Exact only above `enough_mm`.
+/// its labels where this is most, in mm; two voxels more than `enough_mm` where none is near. Exact only
+/// above `enough_mm`.
 [[nodiscard]] double distance_to_voxels_mm(const LabelImage& image, const ImageDomain& domain,
                                            const MaterialSet& materials, const Vec3& point_mm,
                                            double enough_mm);
