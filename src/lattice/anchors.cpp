@@ -10,8 +10,7 @@ namespace lumesh {
 namespace {
 
 constexpr double kApartVoxels = 1.5;
-constexpr double kReachVoxels =
-    1;  // an anchor is moved off the boundary towards its probe until it is within this
+constexpr double kReachVoxels = 1;  // anchors leave the boundary towards a probe further away than this
 
 /// Points no two of which are closer than a distance.
 class SparsePoints {

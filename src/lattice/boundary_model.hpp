@@ -20,6 +20,11 @@ struct BoundaryModel {
   std::vector<MaterialSet> sets;  ///< Per vertex: materials that meet there; fewer than two inside.
 };
 
+/// Whether a vertex of this set lies in a cut plane; of its materials, cuts are the last.
+[[nodiscard]] inline bool is_on_cut(const ImageDomain& domain, const MaterialSet& set) {
+  return set.size() >= 2 && domain.is_cut(set[set.size() - 1]);
+}
+
 /// Reads the model off a mesh that still has the ring of tetrahedra outside.
 [[nodiscard]] BoundaryModel find_boundary(const WorkMesh& mesh, const ImageDomain& domain);
 

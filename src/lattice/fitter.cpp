@@ -13,6 +13,7 @@ namespace lumesh {
 namespace {
 
 constexpr double kThere = 0.02;  // voxels from its target at which a vertex counts as arrived
+constexpr double kParts[] = {1.0, 0.7, 0.4, 0.2, 0.1};  // of the way to its target that are tried
 
 }  // namespace
 
@@ -247,7 +248,7 @@ void Fitter::carry_vertex(std::uint32_t v, const Vec3& place) {
   const Vec3 x = mesh_.positions[v];
   StarQuality star(mesh_, v);
   const double enough = std::min(floor_, star.worst(x, -2));
-  for (const double part : {1.0, 0.7, 0.4, 0.2, 0.1}) {
+  for (const double part : kParts) {
     const Vec3 y = x + part * (place - x);
     if (star.worst(y, enough) < enough) continue;
     mesh_.positions[v] = y;
@@ -267,7 +268,7 @@ void Fitter::fit_vertex(std::uint32_t v, double floor) {
   StarQuality star(mesh_, v);
   const Score now = score(v, star, x, -2);
   const double enough = std::min(floor, now.angles);
-  for (const double part : {1.0, 0.7, 0.4, 0.2, 0.1}) {
+  for (const double part : kParts) {
     const Vec3 y = x + part * (target - x);
     const Score then = score(v, star, y, enough);
     const bool keeps = then.angles >= enough && then.facing >= std::min(floor, now.facing);

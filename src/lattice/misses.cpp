@@ -14,13 +14,16 @@ namespace lumesh {
 
 namespace {
 
-constexpr double kAhead = 3;        // voxels: how far from a stray triangle the boundary is sought
-constexpr double kFaceReach = 2.5;  // voxels: how far faces of voxels are sought
-constexpr double kFine = 0.15;      // voxels: triangles of this radius are not divided further
-constexpr double kVertexReach =
-    1.154;                     // half diagonals of a voxel: vertices are this close to voxels' centres
-constexpr double kAway = 0.4;  // voxels: the smoothed boundary is closer than this to the centre and the
-                               // middles of the edges of a triangle that is no stray
+// In voxels.
+constexpr double kAhead = 3;        // how far from a stray triangle the boundary is sought
+constexpr double kFaceReach = 2.5;  // how far faces of voxels are sought
+constexpr double kFine = 0.15;      // triangles of this radius are not divided further
+constexpr double kUrgent = 0.1;  // how much worse vertices count than probes, whose limit has more to spare
+constexpr double kAway = 0.4;    // the smoothed boundary is closer than this to the centre and the middles
+                                 // of the edges of a triangle that is no stray
+
+// Half diagonals of a voxel: vertices are this close to the centres of voxels.
+constexpr double kVertexReach = 1.154;
 
 /// The centres of the faces between a voxel and the next ones along the axes.
 void append_face_centres(const LabelImage& image, const Index3& voxel, std::vector<Probe>& out) {
@@ -223,8 +226,8 @@ void MissFinder::look_for_furthest(const std::array<Vec3, 3>& p, const std::arra
   if (off_mm > furthest.off_mm) furthest = {off_mm, centre, nearest.value_or(centre)};
   const double radius_mm = std::sqrt(std::max(
       {(p[0] - centre).squaredNorm(), (p[1] - centre).squaredNorm(), (p[2] - centre).squaredNorm()}));
-  if (radius_mm < fine_mm || off_mm + radius_mm <= furthest.off_mm) return;
-  if (!nearest) return;  // nothing further is seen
+  const bool nothing_seen = !nearest;  // nor is anything further seen then
+  if (nothing_seen || radius_mm < fine_mm || off_mm + radius_mm <= furthest.off_mm) return;
   const Vec3 a = (p[1] + p[2]) / 2, b = (p[2] + p[0]) / 2, c = (p[0] + p[1]) / 2;
   for (const std::array<Vec3, 3>& part :
        {std::array{a, b, c}, std::array{p[0], c, b}, std::array{c, p[1], a}, std::array{b, a, p[2]}})
@@ -262,8 +265,7 @@ void MissFinder::append_far_vertices(const WorkMesh& mesh, const BoundaryModel& 
   std::vector<double> beyond_mm(boundary.sets.size(), 0);
   parallel::for_each_index(beyond_mm.size(), [&](std::size_t v) {
     const MaterialSet& set = boundary.sets[v];
-    const bool on_cut = std::any_of(set.begin(), set.end(), [&](Material m) { return domain_->is_cut(m); });
-    if (set.size() < 2 || on_cut) return;
+    if (set.size() < 2 || is_on_cut(*domain_, set)) return;
     beyond_mm[v] = distance_to_voxels_mm(*image_, *domain_, set, mesh.positions[v], reach_mm) - reach_mm;
   });
   for (std::uint32_t i = 0; i < boundary.triangles.size(); ++i) {
@@ -276,7 +278,7 @@ void MissFinder::append_far_vertices(const WorkMesh& mesh, const BoundaryModel& 
                      {place, ascending(t.inside, t.outside)},
                      i,
                      x,
-                     limit_mm + 0.1 * domain_->voxel_size_mm() + beyond_mm[v],
+                     limit_mm + kUrgent * domain_->voxel_size_mm() + beyond_mm[v],
                      true,
                      place != x,
                      v});

@@ -38,7 +38,7 @@ struct Miss {
   std::uint32_t triangle;
   Vec3 place_mm;  ///< Of the probe; for strays, of the triangle's point that is furthest off.
   double off_mm;  ///< How far apart the two are; for strays, the triangle and the nearest boundary; for a
-                  ///< vertex, the limit and what it is beyond its own.
+                  ///< vertex, the limit, what it is beyond its own, and a tenth of a voxel.
   bool stray;     ///< The triangle is far from all of the image's boundary; the probe is what it faces or, if
                   ///< it faces nothing within three voxels, what is nearest.
   bool drawable;  ///< Whether a vertex may be sent to the probe: not where a stray faces nothing.

@@ -18,12 +18,13 @@ namespace lumesh {
 namespace {
 
 // In voxels.
-constexpr double kSpot = 4.5;   // misses this close to the centre of a spot belong to it
-constexpr double kAnew = 4;     // vertices this close to the centre go back to the lattice
-constexpr double kShell = 6.5;  // misses that arise up to here count too
-constexpr double kPart = 7;     // vertices this close to it may move; more if edges are longer than that
-constexpr double kShake = 0.6;  // vertices are shaken by half of it
-constexpr double kSame = 2.5;   // a miss this close to a spot that could not be mended is given up too
+constexpr double kMissed = 1.125;  // what is further from the surface is missed; smooth vessels come closer
+constexpr double kSpot = 4.5;      // misses this close to the centre of a spot belong to it
+constexpr double kAnew = 4;        // vertices this close to the centre go back to the lattice
+constexpr double kShell = 6.5;     // misses that arise up to here count too
+constexpr double kPart = 7;        // vertices this close to it may move; more if edges are longer than that
+constexpr double kShake = 0.6;     // vertices are shaken by half of it
+constexpr double kSame = 2.5;      // a miss this close to a spot that could not be mended is given up too
 
 // Vertices with a better angle quality stay.
 constexpr double kGoodAsItIs = 0.25;
@@ -79,9 +80,9 @@ class Spot {
       missed = fit_anew(static_cast<unsigned>(n));
       if (missed.size() <= kTooMany) take_turns(std::move(missed), true);
     }
-    const bool well = least_.second == 0;
-    return {least_ < at_start, well && at_start.second > 0,
-            at_start.second > 0 && (well || least_.first < at_start.first), n};
+    const bool better = least_ < at_start;
+    const bool well = better && least_.second == 0;
+    return {better, well, well || least_.first < at_start.first, n};
   }
 
   [[nodiscard]] MeshPart take() { return std::move(best_); }
@@ -101,10 +102,8 @@ class Spot {
     constexpr int kSweeps = 5;  // there and back
     const VertexBlocks blocks = part_.movable();
     const VertexBlocks near = pick_vertices(blocks, [&](std::uint32_t v) {
-      const MaterialSet& set = part_.boundary.sets[v];
-      const bool on_cut =
-          std::any_of(set.begin(), set.end(), [&](Material m) { return setting_.domain.is_cut(m); });
-      return !on_cut && (part_.mesh.positions[v] - centre_mm_).norm() <= (kAnew + 0.5 * shake) * voxel_mm_;
+      return !is_on_cut(setting_.domain, part_.boundary.sets[v]) &&
+             (part_.mesh.positions[v] - centre_mm_).norm() <= (kAnew + 0.5 * shake) * voxel_mm_;
     });
     Fitter fitter(part_.mesh, part_.boundary, part_.targets, setting_, blocks);
     fitter.keep_to_voxels();
@@ -119,17 +118,17 @@ class Spot {
     constexpr int kPatience = 2;  // turns after a first one that bring nothing
     int best_turn = 0;
     for (int turn = 0; !missed.empty() && turn < kTurns && turn <= best_turn + kPatience; ++turn) {
+      const auto before = least_;
       take_turn(missed, turn, bold && turn == best_turn, bold ? kGoodAnew : kGoodAsItIs);
       missed = keep_if_best();
-      if (improved_) best_turn = turn + 1;
+      if (least_ < before) best_turn = turn + 1;
     }
   }
 
   std::vector<Miss> keep_if_best() {
     std::vector<Miss> missed = misses();
     const auto now = badness(missed, voxel_mm_);
-    improved_ = now < least_;
-    if (improved_) {
+    if (now < least_) {
       least_ = now;
       best_ = part_;
     }
@@ -137,10 +136,10 @@ class Spot {
   }
 
   [[nodiscard]] std::vector<Miss> misses() {
-    std::vector<Miss> found = finder_.find(part_.mesh, part_.boundary, kMissedVoxels * voxel_mm_);
-    if (!knows_shell_) {
-      for (const Miss& m : found) known_in_shell_.push_back(m.place_mm);
-      knows_shell_ = true;
+    std::vector<Miss> found = finder_.find(part_.mesh, part_.boundary, kMissed * voxel_mm_);
+    if (!known_mm_) {
+      known_mm_.emplace();
+      for (const Miss& m : found) known_mm_->push_back(m.place_mm);
     }
     std::erase_if(found, [&](const Miss& m) { return !counts(m); });
     return found;
@@ -153,7 +152,7 @@ class Spot {
     if (away_mm <= kSpot * voxel_mm_) return true;
     if (!m.stray && away_mm > kShell * voxel_mm_) return false;
     const double same_mm = m.stray ? voxel_mm_ : 0;
-    return std::none_of(known_in_shell_.begin(), known_in_shell_.end(),
+    return std::none_of(known_mm_->begin(), known_mm_->end(),
                         [&](const Vec3& p) { return (p - m.place_mm).norm() <= same_mm; });
   }
 
@@ -193,9 +192,7 @@ class Spot {
   MissFinder finder_;
   MeshPart best_;
   std::pair<double, std::size_t> least_ = {std::numeric_limits<double>::infinity(), 0};
-  std::vector<Vec3> known_in_shell_;  // misses at the start
-  bool knows_shell_ = false;
-  bool improved_ = false;
+  std::optional<std::vector<Vec3>> known_mm_;  // the misses at the start, once they are known
 };
 
 bool is_near_any(const Vec3& p, const std::vector<Vec3>& places, double reach_mm) {
@@ -246,10 +243,10 @@ void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder,
   const double voxel_mm = setting.domain.voxel_size_mm();
   const double edge_mm = longest_edge_mm(whole.mesh);
   const double part_mm = std::max(kPart * voxel_mm, edge_mm);
-  const bool worth_it = !is_too_coarse(whole, finder, kMissedVoxels * voxel_mm, probes);
+  const bool worth_it = !is_too_coarse(whole, finder, kMissed * voxel_mm, probes);
   std::vector<Vec3> given_up;
   for (std::size_t round = 0; worth_it && round < kRounds; ++round) {
-    const std::vector<Miss> missed = finder.find(whole.mesh, whole.boundary, kMissedVoxels * voxel_mm);
+    const std::vector<Miss> missed = finder.find(whole.mesh, whole.boundary, kMissed * voxel_mm);
     const std::vector<Vec3> centres =
         choose_centres(missed, given_up, 2 * part_mm + edge_mm, kSame * voxel_mm);
     if (centres.empty()) break;

@@ -15,7 +15,4 @@ namespace lumesh {
 ///                missed, the lattice is too coarse for this and nothing is done.
 void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder, std::size_t probes);
 
-/// Voxels from the surface beyond which a probe counts as missed; smooth vessels come closer everywhere.
-inline constexpr double kMissedVoxels = 1.125;
-
 }  // namespace lumesh
