@@ -9,8 +9,17 @@
 namespace lumesh {
 
 namespace {
+
 constexpr int kMaxNewtonSteps = 12;
+
+/// The whole row is read, which is quicker than to stop early.
+bool is_background(const LabelImage::Index* row, std::size_t width) {
+  unsigned any = 0;
+  for (std::size_t i = 0; i < width; ++i) any |= row[i];
+  return any == 0;
 }
+
+}  // namespace
 
 ImageDomain::ImageDomain(const LabelImage& image, const ImageDomainOptions& options)
     : field_(image, options.field), labels_(image.values()) {
@@ -40,9 +49,9 @@ void ImageDomain::find_object_box(const LabelImage& image) {
         Box b = none;
         for (std::size_t r = begin; r < end; ++r) {
           const LabelImage::Index* row = &image.voxels()[r * width];
+          if (is_background(row, width)) continue;
           std::size_t first = 0;
-          while (first < width && row[first] == 0) ++first;
-          if (first == width) continue;
+          while (row[first] == 0) ++first;
           std::size_t last = width - 1;
           while (row[last] == 0) --last;
           const auto j = static_cast<int>(r % static_cast<std::size_t>(f.size.y()));

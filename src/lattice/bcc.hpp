@@ -10,11 +10,13 @@
 #include <cstdint>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/core/uninitialised.hpp"
 
 namespace lumesh::bcc {
 
 using Key = std::uint64_t;  // packed coordinates, 21 bits each
 using Corners = std::array<Key, 4>;
+using Lattice = UninitialisedVector<Corners>;
 
 inline constexpr int kBits = 21;
 inline constexpr Key kMask = (Key{1} << kBits) - 1;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "lumesh/core/uninitialised.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -25,7 +26,7 @@ struct Groups {
     std::uint32_t begin = 0, end = 0;
   };
   std::vector<Range> ranges;  ///< Of each owner in `items`.
-  std::vector<std::uint32_t> items;
+  UninitialisedVector<std::uint32_t> items;
   [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t owner) const {
     const auto [begin, end] = ranges[owner];
     return {items.data() + begin, end - begin};

@@ -55,8 +55,7 @@ BuiltLattice build_lattice(const LabelImage& image, const ImageDomain& domain, c
   const SizeGrid sizes =
       context.phase("sizes", [&] { return SizeGrid(image, domain, options, coarsest_mm, object_voxels); });
   report.levels_given_up = sizes.levels_given_up();
-  std::vector<bcc::Corners> lattice =
-      context.phase("refinement", [&] { return refined_lattice(frame, domain, sizes); });
+  bcc::Lattice lattice = context.phase("refinement", [&] { return refined_lattice(frame, domain, sizes); });
   report.lattice_tetrahedra = lattice.size();
   BuiltLattice built;
   built.mesh = context.phase("labels", [&] { return make_work_mesh(std::move(lattice), frame, domain); });

@@ -96,9 +96,8 @@ MeshPart cut_out(const WholeMesh& whole, const SurfaceTree& tree, const Vec3& ce
 namespace {
 
 /// Writes items over those that they replace and appends the rest.
-template <class Item>
-void replace(std::vector<Item>& all, const std::vector<std::uint32_t>& places,
-             const std::vector<Item>& items) {
+template <class Items>
+void replace(Items& all, const std::vector<std::uint32_t>& places, const Items& items) {
   const std::size_t replaced = std::min(places.size(), items.size());
   for (std::size_t i = 0; i < replaced; ++i) all[places[i]] = items[i];
   all.insert(all.end(), items.begin() + static_cast<std::ptrdiff_t>(replaced), items.end());

@@ -17,6 +17,7 @@ namespace {
 // In voxels.
 constexpr double kAhead = 3;        // how far from a stray triangle the boundary is sought
 constexpr double kFaceReach = 2.5;  // how far faces of voxels are sought
+constexpr double kClose = 1;        // where most of them are
 constexpr double kFine = 0.15;      // triangles of this radius are not divided further
 constexpr double kUrgent = 0.1;  // how much worse vertices count than probes, whose limit has more to spare
 constexpr double kAway = 0.4;    // the smoothed boundary is closer than this to the centre and the middles
@@ -78,23 +79,25 @@ void append_corners(const LabelImage& image, const Index3& voxel, std::vector<Pr
   for_each_index_between(low, voxel, [&](const Index3& first) { append_corner(image, first, out); });
 }
 
-/// The place nearest to a point on the faces between voxels of two materials, within 2.5 voxels.
+/// The place nearest to a point on the faces between voxels of two materials, closer than a distance.
 std::optional<Vec3> nearest_on_voxel_faces(const LabelImage& image, const Vec3& point_mm,
-                                           const std::array<Material, 2>& materials) {
+                                           const std::array<Material, 2>& materials, double reach_mm) {
   const ImageFrame& frame = image.frame();
   const Vec3 at = frame.to_index(point_mm);
-  const double reach_mm = kFaceReach * std::cbrt(frame.voxel_volume_mm3());
   const Vec3 reach = reach_mm * frame.spacing_mm.cwiseInverse() + Vec3::Constant(0.5);
   const Index3 last = frame.size - Index3::Ones();
   const Index3 low = Eigen::Array3d((at - reach).array().round()).cast<int>().matrix().cwiseMax(0);
   const Index3 high = Eigen::Array3d((at + reach).array().round()).cast<int>().matrix().cwiseMin(last);
+  const std::array<std::ptrdiff_t, 3> stride = {1, frame.size.x(),
+                                                std::ptrdiff_t{1} * frame.size.x() * frame.size.y()};
   std::optional<Vec3> best;
   double least2 = reach_mm * reach_mm;
   for_each_index_between(low, high, [&](const Index3& voxel) {
+    const LabelImage::Index* const own = &image.voxels()[frame.offset(voxel)];
     for (int axis = 0; axis < 3; ++axis) {
-      Index3 next = voxel;
-      ++next[axis];
-      if (!frame.contains(next) || ascending(image.at(voxel), image.at(next)) != materials) continue;
+      if (voxel[axis] == last[axis]) continue;
+      const LabelImage::Index next = own[stride[static_cast<std::size_t>(axis)]];
+      if (next == *own || ascending(*own, next) != materials) continue;
       Vec3 face_low = voxel.cast<double>() - Vec3::Constant(0.5);
       Vec3 face_high = face_low + Vec3::Ones();
       face_low[axis] = face_high[axis];
@@ -107,6 +110,14 @@ std::optional<Vec3> nearest_on_voxel_faces(const LabelImage& image, const Vec3& 
   });
   if (best) best = frame.to_physical(*best);
   return best;
+}
+
+/// The same within 2.5 voxels. Most are close, so that it is quicker to look there first.
+std::optional<Vec3> nearest_on_voxel_faces(const LabelImage& image, const Vec3& point_mm,
+                                           const std::array<Material, 2>& materials) {
+  const double voxel_mm = std::cbrt(image.frame().voxel_volume_mm3());
+  const auto close = nearest_on_voxel_faces(image, point_mm, materials, kClose * voxel_mm);
+  return close ? close : nearest_on_voxel_faces(image, point_mm, materials, kFaceReach * voxel_mm);
 }
 
 }  // namespace
@@ -147,17 +158,31 @@ std::vector<Probe> probes_near(const LabelImage& image, const ImageDomain& domai
 }
 
 void MissFinder::note_moved_triangles(const WorkMesh& mesh, const BoundaryModel& boundary) {
-  triangles_.resize(boundary.triangles.size(), Triangle{kNoTet, kNoTet, kNoTet});
-  moved_.resize(triangles_.size());
-  parallel::for_each_index(triangles_.size(), [&](std::size_t i) {
-    const Triangle& now = boundary.triangles[i].vertices;
-    const bool same = triangles_[i] == now && std::all_of(now.begin(), now.end(), [&](std::uint32_t v) {
-                        return positions_[v] == mesh.positions[v];
-                      });
+  const std::size_t known = std::min(triangles_.size(), boundary.triangles.size());
+  moved_.assign(boundary.triangles.size(), 1);
+  parallel::for_each_index(known, [&](std::size_t i) {
+    const BoundaryTriangle& now = boundary.triangles[i];
+    const bool same = triangles_[i] == now &&
+                      std::all_of(now.vertices.begin(), now.vertices.end(),
+                                  [&](std::uint32_t v) { return positions_[v] == mesh.positions[v]; });
     moved_[i] = same ? 0 : 1;
-    triangles_[i] = now;
+  });
+  triangles_ = boundary.triangles;
+}
+
+void MissFinder::measure_moved_vertices(const WorkMesh& mesh, const BoundaryModel& boundary) {
+  const double reach_mm = kVertexReach * 0.5 * image_->frame().spacing_mm.norm();
+  const std::size_t known = std::min(positions_.size(), mesh.positions.size());
+  beyond_mm_.resize(mesh.positions.size());
+  parallel::for_each_index(mesh.positions.size(), [&](std::size_t v) {
+    const MaterialSet& set = boundary.sets[v];
+    const Vec3& x = mesh.positions[v];
+    if (v < known && positions_[v] == x && sets_[v] == set) return;
+    const bool free = set.size() >= 2 && !is_on_cut(*domain_, set);
+    beyond_mm_[v] = free ? distance_to_voxels_mm(*image_, *domain_, set, x, reach_mm) - reach_mm : 0;
   });
   positions_ = mesh.positions;
+  sets_ = boundary.sets;
 }
 
 std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
@@ -261,28 +286,28 @@ void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& bounda
 
 void MissFinder::append_far_vertices(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
                                      std::vector<Miss>& out) const {
-  const double reach_mm = kVertexReach * 0.5 * image_->frame().spacing_mm.norm();
-  std::vector<double> beyond_mm(boundary.sets.size(), 0);
-  parallel::for_each_index(beyond_mm.size(), [&](std::size_t v) {
-    const MaterialSet& set = boundary.sets[v];
-    if (set.size() < 2 || is_on_cut(*domain_, set)) return;
-    beyond_mm[v] = distance_to_voxels_mm(*image_, *domain_, set, mesh.positions[v], reach_mm) - reach_mm;
+  const auto far = parallel::collect<std::uint32_t>(beyond_mm_.size(), [&](std::size_t v, auto& found) {
+    if (beyond_mm_[v] > 0) found.push_back(static_cast<std::uint32_t>(v));
   });
+  if (far.empty()) return;
+  // Each with the first of its triangles.
+  std::vector<std::uint8_t> done(beyond_mm_.size(), 1);
+  for (const std::uint32_t v : far) done[v] = 0;
   for (std::uint32_t i = 0; i < boundary.triangles.size(); ++i) {
     const BoundaryTriangle& t = boundary.triangles[i];
     for (const std::uint32_t v : t.vertices) {
-      if (beyond_mm[v] <= 0) continue;
+      if (done[v] != 0) continue;
       const Vec3& x = mesh.positions[v];
       const Vec3 place = within_reach_of_voxels(*image_, *domain_, boundary.sets[v], x);
       out.push_back({(place - x).norm(),
                      {place, ascending(t.inside, t.outside)},
                      i,
                      x,
-                     limit_mm + kUrgent * domain_->voxel_size_mm() + beyond_mm[v],
+                     limit_mm + kUrgent * domain_->voxel_size_mm() + beyond_mm_[v],
                      true,
                      place != x,
                      v});
-      beyond_mm[v] = 0;  // with one triangle only
+      done[v] = 1;
     }
   }
 }
@@ -304,9 +329,15 @@ std::vector<Miss> MissFinder::find_missed_probes(const WorkMesh& mesh, const Bou
   return found;
 }
 
-std::vector<Miss> MissFinder::find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm) {
+std::vector<Miss> MissFinder::find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
+                                   std::size_t most_probes) {
   note_moved_triangles(mesh, boundary);
+  measure_moved_vertices(mesh, boundary);
   std::vector<Miss> found = missed_probes(mesh, boundary, limit_mm);
+  if (found.size() > most_probes) {
+    triangles_.clear();  // so that strays are looked for everywhere next time
+    return found;
+  }
   update_strays(mesh, boundary, limit_mm);
   found.insert(found.end(), strays_.begin(), strays_.end());
   append_far_vertices(mesh, boundary, limit_mm, found);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -58,13 +59,16 @@ class MissFinder {
   /// and vertices further than 1.154 half diagonals of a voxel (one voxel for cubic ones) from the centres of
   /// their labels' boundary voxels, the furthest first. Between calls, of the same limit, triangles may
   /// change, new ones may follow and the last ones may go.
-  [[nodiscard]] std::vector<Miss> find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
+  /// @param most_probes  Where more are missed, these are all that is looked for.
+  [[nodiscard]] std::vector<Miss> find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
+                                       std::size_t most_probes = std::numeric_limits<std::size_t>::max());
   /// Only the probes.
   [[nodiscard]] std::vector<Miss> find_missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
                                                      double limit_mm);
 
  private:
   void note_moved_triangles(const WorkMesh& mesh, const BoundaryModel& boundary);
+  void measure_moved_vertices(const WorkMesh& mesh, const BoundaryModel& boundary);
   [[nodiscard]] std::vector<Miss> missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
                                                 double limit_mm);
   [[nodiscard]] SurfaceTree tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
@@ -87,9 +91,12 @@ class MissFinder {
   const std::vector<Probe>* probes_;
   std::vector<std::uint32_t> close_;  // per probe: a triangle within the limit, or none
   std::vector<Miss> strays_;          // by triangle
-  std::vector<Triangle> triangles_;   // of the last call
-  std::vector<Vec3> positions_;       // of the last call
   std::vector<std::uint8_t> moved_;   // flag per triangle: not the same as in the last call
+  std::vector<double> beyond_mm_;     // per vertex: how much too far it is from its labels' voxels
+  // Of the last call.
+  std::vector<BoundaryTriangle> triangles_;
+  std::vector<Vec3> positions_;
+  std::vector<MaterialSet> sets_;
 };
 
 }  // namespace lumesh

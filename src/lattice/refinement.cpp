@@ -6,6 +6,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/parallel/key_set.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "split_marks.hpp"
 
 namespace lumesh {
 
@@ -48,11 +49,12 @@ class Refiner {
         domain_(domain),
         sizes_(sizes),
         leaves_(static_cast<std::size_t>(frame.levels) + 1),
-        masks_(leaves_.size()) {}
+        masks_(leaves_.size()),
+        cubes_(leaves_.size()),
+        marks_(frame) {}
 
-  std::vector<Corners> run() {
-    leaves_[0] = coarse_tetrahedra();
-    cell_mark_.assign(static_cast<std::size_t>(frame_.cells.prod()), 0);
+  bcc::Lattice run() {
+    add_coarse_tetrahedra();
     for (int level = 0; level < frame_.levels; ++level) {
       const auto wanting =
           pick(leaves_[at(level)], [&](const Corners& t) { return wants_children(t, level); });
@@ -65,27 +67,30 @@ class Refiner {
   }
 
  private:
-  std::vector<Corners> coarse_tetrahedra() const {
+  void add_coarse_tetrahedra() {
     const Index3 n = frame_.cells;
-    const int s = frame_.step(0);
     const auto count =
         static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
-    return parallel::collect<Corners>(
-        count,
-        [&](std::size_t c, std::vector<Corners>& out) {
-          const auto nx = static_cast<std::size_t>(n.x());
-          const auto ny = static_cast<std::size_t>(n.y());
-          const Index3 cell(static_cast<int>(c % nx), static_cast<int>(c / nx % ny),
-                            static_cast<int>(c / (nx * ny)));
-          const Index3 centre = 2 * s * cell + Index3::Constant(s);
-          if (!near_object(centre, 3 * s) || far_in_background(centre)) return;
-          PointMemo memo;
-          for (int axis = 0; axis < 3; ++axis) {
-            if (cell[axis] + 1 == n[axis]) continue;
-            append_face_tetrahedra(centre, axis, s, memo, out);
-          }
-        },
-        512);
+    parallel::collect_blocks_into<Corners>(
+        leaves_[0], count, 512, [&](std::size_t begin, std::size_t end, std::vector<Corners>& out) {
+          for (std::size_t c = begin; c < end; ++c) append_coarse_tetrahedra(c, out);
+        });
+  }
+
+  /// Those at the upper faces of a cube.
+  void append_coarse_tetrahedra(std::size_t cube, std::vector<Corners>& out) const {
+    const auto nx = static_cast<std::size_t>(frame_.cells.x());
+    const auto ny = static_cast<std::size_t>(frame_.cells.y());
+    const Index3 cell(static_cast<int>(cube % nx), static_cast<int>(cube / nx % ny),
+                      static_cast<int>(cube / (nx * ny)));
+    const int s = frame_.step(0);
+    const Index3 centre = 2 * s * cell + Index3::Constant(s);
+    if (!near_object(centre, 3 * s) || far_in_background(centre)) return;
+    PointMemo memo;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (cell[axis] + 1 == frame_.cells[axis]) continue;
+      append_face_tetrahedra(centre, axis, s, memo, out);
+    }
   }
 
   /// The four tetrahedra that straddle the face between a cube and the next one along an axis.
@@ -142,7 +147,7 @@ class Refiner {
   static std::size_t at(int level) { return static_cast<std::size_t>(level); }
 
   template <class Chosen>
-  static std::vector<std::uint32_t> pick(const std::vector<Corners>& leaves, const Chosen& chosen) {
+  static std::vector<std::uint32_t> pick(const bcc::Lattice& leaves, const Chosen& chosen) {
     return parallel::collect<std::uint32_t>(
         leaves.size(),
         [&](std::size_t i, auto& out) {
@@ -155,26 +160,26 @@ class Refiner {
   /// object.
   void split(int level, const std::vector<std::uint32_t>& picked) {
     if (picked.empty()) return;
-    std::vector<Corners>& from = leaves_[at(level)];
+    bcc::Lattice& from = leaves_[at(level)];
     split_.insert_all(picked.size(), 2 * picked.size(), [&](std::size_t i, auto& put) {
       const Corners& t = from[picked[i]];
       for (const auto& [a, b] : bcc::kEdge) put(bcc::midpoint(t[a], t[b]));
     });
-    const auto children = parallel::collect<Corners>(
-        picked.size(),
-        [&](std::size_t i, auto& out) {
-          const Corners& t = from[picked[i]];
-          PointMemo memo;
-          for (const Corners& child : bcc::red_children(t)) {
-            if (!far_outside(child, level + 1, memo)) out.push_back(child);
-          }
-        },
-        256);
-    std::vector<Corners>& to = leaves_[at(level) + 1];
-    to.insert(to.end(), children.begin(), children.end());
+    parallel::collect_blocks_into<Corners>(
+        leaves_[at(level) + 1], picked.size(), 256,
+        [&](std::size_t begin, std::size_t end, std::vector<Corners>& out) {
+          for (std::size_t i = begin; i < end; ++i) append_children(from[picked[i]], level, out);
+        });
     for (const std::uint32_t i : picked) {
-      note_change(from[i][0], level);
+      marks_.note(middle_of(from[i]), level);
       from[i][0] = parallel::KeySet::kEmpty;
+    }
+  }
+
+  void append_children(const Corners& t, int level, std::vector<Corners>& out) const {
+    PointMemo memo;
+    for (const Corners& child : bcc::red_children(t)) {
+      if (!far_outside(child, level + 1, memo)) out.push_back(child);
     }
   }
 
@@ -204,57 +209,16 @@ class Refiner {
     return domain_.is_meshed(here.material) || here.clearance_mm < kReach * frame_.spacing_mm(level);
   }
 
-  /// The level-0 cube of a point; a leaf reaches into the next cube at most.
-  std::size_t cell_of(Key key) const {
-    const int shift = frame_.levels + 2;  // a cube's edge is a power of two
-    const Index3 at = bcc::unpack(key);
-    const Index3 cell(at.x() >> shift, at.y() >> shift, at.z() >> shift);
-    return cell_number(cell.cwiseMin(frame_.cells - Index3::Ones()));
-  }
-  std::size_t cell_number(const Index3& c) const {
-    return static_cast<std::size_t>(c.x() + frame_.cells.x() * (c.y() + frame_.cells.y() * c.z()));
-  }
+  static Key middle_of(const Corners& leaf) { return bcc::midpoint(leaf[0], leaf[1]); }
 
-  /// An edge of a tetrahedron of this level was split; it concerns leaves of the same level and coarser ones.
-  void note_change(Key key, int level) { changes_.push_back({key, static_cast<std::uint8_t>(level + 1)}); }
-
-  /// Turns the noted changes into a mark for each level-0 cube: one more than the finest level split in it or
-  /// next to it. Only leaves of coarser levels must be looked at again.
-  void spread_changes() {
-    std::vector<std::uint8_t> own(cell_mark_.size(), 0);
-    for (const Change& c : changes_) own[cell_of(c.key)] = std::max(own[cell_of(c.key)], c.mark);
-    changes_.clear();
-    std::fill(cell_mark_.begin(), cell_mark_.end(), 0);
-    const Index3 n = frame_.cells;
-    for (int k = 0; k < n.z(); ++k) {
-      for (int j = 0; j < n.y(); ++j) {
-        for (int i = 0; i < n.x(); ++i) {
-          if (const std::uint8_t mark = own[cell_number({i, j, k})]; mark != 0) mark_around({i, j, k}, mark);
-        }
-      }
-    }
-  }
-  void mark_around(const Index3& cell, std::uint8_t mark) {
-    const Index3 low = (cell - Index3::Ones()).cwiseMax(0);
-    const Index3 high = (cell + Index3::Ones()).cwiseMin(frame_.cells - Index3::Ones());
-    for (int k = low.z(); k <= high.z(); ++k) {
-      for (int j = low.y(); j <= high.y(); ++j) {
-        for (int i = low.x(); i <= high.x(); ++i) {
-          const std::size_t c = cell_number({i, j, k});
-          cell_mark_[c] = std::max(cell_mark_[c], mark);
-        }
-      }
-    }
-  }
-
-  unsigned split_edges(const Corners& t) const {
+  static unsigned split_edges(const Corners& t, parallel::KeySet::Lookup& split) {
     std::array<Key, 6> middle;
     for (std::size_t e = 0; e < 6; ++e) {
       middle[e] = bcc::midpoint(t[bcc::kEdge[e][0]], t[bcc::kEdge[e][1]]);
-      split_.prefetch(middle[e]);
+      split.prefetch(middle[e]);
     }
     unsigned mask = 0;
-    for (std::size_t e = 0; e < 6; ++e) mask |= (split_.contains(middle[e]) ? 1U : 0U) << e;
+    for (std::size_t e = 0; e < 6; ++e) mask |= (split.contains(middle[e]) ? 1U : 0U) << e;
     return mask;
   }
 
@@ -290,34 +254,43 @@ class Refiner {
     Key third = parallel::KeySet::kEmpty;
   };
   std::vector<Finding> find_open_leaves(int level) {
-    const std::vector<Corners>& leaves = leaves_[at(level)];
+    const bcc::Lattice& leaves = leaves_[at(level)];
     std::vector<std::uint8_t>& masks = masks_[at(level)];
+    std::vector<std::uint32_t>& cubes = cubes_[at(level)];
     const std::size_t seen = masks.size();  // what follows was born in the last sweep
+    const std::size_t placed = cubes.size();
     masks.resize(leaves.size(), 0);
-    return parallel::collect<Finding>(
-        leaves.size(),
-        [&](std::size_t i, auto& out) {
-          const Corners& t = leaves[i];
-          if (is_gone(t)) return;
-          if (i < seen && cell_mark_[cell_of(t[0])] <= level) return;
-          const unsigned mask = split_edges(t);
-          masks[i] = static_cast<std::uint8_t>(mask);
-          if (mask == 0) return;
-          const bcc::Closure closure = bcc::closure_of(mask);
-          const auto leaf = static_cast<std::uint32_t>(i);
-          if (closure == bcc::Closure::kRed || split_twice(t, mask)) {
-            out.push_back({leaf, parallel::KeySet::kEmpty});
-          } else if (closure == bcc::Closure::kSplitThird) {
-            const auto [a, b] = bcc::kEdge[bcc::third_edge(mask)];
-            out.push_back({leaf, bcc::midpoint(t[a], t[b])});
+    cubes.resize(leaves.size());
+    return parallel::collect_blocks<Finding>(
+        leaves.size(), 512, [&](std::size_t begin, std::size_t end, std::vector<Finding>& out) {
+          parallel::KeySet::Lookup split(split_);
+          for (std::size_t i = begin; i < end; ++i) {
+            const Corners& t = leaves[i];
+            if (i >= placed && !is_gone(t)) cubes[i] = marks_.cube_of(middle_of(t), level);
+            if ((i < seen && !marks_.is_marked(cubes[i], level)) || is_gone(t)) continue;
+            const unsigned mask = split_edges(t, split);
+            masks[i] = static_cast<std::uint8_t>(mask);
+            const bool finer_near = marks_.ever_marked(cubes[i], level, level + 1);
+            if (mask != 0) append_if_open(static_cast<std::uint32_t>(i), t, mask, finer_near, out);
           }
-        },
-        512);
+        });
+  }
+
+  /// @param finer_near  Whether split_twice() may hold.
+  void append_if_open(std::uint32_t leaf, const Corners& t, unsigned mask, bool finer_near,
+                      std::vector<Finding>& out) const {
+    const bcc::Closure closure = bcc::closure_of(mask);
+    if (closure == bcc::Closure::kRed || (finer_near && split_twice(t, mask))) {
+      out.push_back({leaf, parallel::KeySet::kEmpty});
+    } else if (closure == bcc::Closure::kSplitThird) {
+      const auto [a, b] = bcc::kEdge[bcc::third_edge(mask)];
+      out.push_back({leaf, bcc::midpoint(t[a], t[b])});
+    }
   }
 
   /// One sweep of the closure rules from fine to coarse, where something changed; false when nothing changed.
   bool close_once() {
-    spread_changes();
+    marks_.renew();
     bool changed = false;
     for (int level = frame_.levels - 1; level >= 0; --level) {
       const auto findings = find_open_leaves(level);
@@ -326,7 +299,7 @@ class Refiner {
         if (f.third == parallel::KeySet::kEmpty) {
           red.push_back(f.leaf);
         } else if (split_.insert(f.third)) {
-          note_change(f.third, level);
+          marks_.note(f.third, level);
         }
       }
       split(level, red);
@@ -335,41 +308,43 @@ class Refiner {
     return changed;
   }
 
-  std::vector<Corners> emit() {
-    std::vector<std::size_t> first = {0};  // of each level among all leaves
-    for (std::size_t l = 0; l < leaves_.size(); ++l) {
-      masks_[l].resize(leaves_[l].size(), 0);
-      first.push_back(first.back() + leaves_[l].size());
+  bcc::Lattice emit() {
+    bcc::Lattice all;
+    std::size_t count = 0;
+    for (const bcc::Lattice& leaves : leaves_) count += leaves.size();
+    all.reserve(count + count / 4);  // green children
+    for (std::size_t level = 0; level < leaves_.size(); ++level) {
+      masks_[level].resize(leaves_[level].size(), 0);
+      parallel::collect_blocks_into<Corners>(
+          all, leaves_[level].size(), 4096,
+          [&](std::size_t begin, std::size_t end, std::vector<Corners>& out) {
+            for (std::size_t i = begin; i < end; ++i) emit_leaf(leaves_[level][i], masks_[level][i], out);
+          });
+      leaves_[level] = {};
     }
-    return parallel::collect<Corners>(first.back(), [&](std::size_t n, std::vector<Corners>& out) {
-      const auto level =
-          static_cast<std::size_t>(std::upper_bound(first.begin(), first.end(), n) - first.begin()) - 1;
-      const std::size_t i = n - first[level];
-      const Corners& leaf = leaves_[level][i];
-      if (is_gone(leaf)) return;
-      if (masks_[level][i] == 0) {
-        out.push_back(leaf);
-        return;
-      }
-      const bcc::GreenChildren children = bcc::green_children(leaf, masks_[level][i]);
-      out.insert(out.end(), children.items.begin(),
-                 children.items.begin() + static_cast<std::ptrdiff_t>(children.count));
-    });
+    return all;
+  }
+
+  static void emit_leaf(const Corners& leaf, unsigned mask, std::vector<Corners>& out) {
+    if (is_gone(leaf)) return;
+    if (mask == 0) {
+      out.push_back(leaf);
+      return;
+    }
+    const bcc::GreenChildren children = bcc::green_children(leaf, mask);
+    out.insert(out.end(), children.items.begin(),
+               children.items.begin() + static_cast<std::ptrdiff_t>(children.count));
   }
 
   const LatticeFrame& frame_;
   const ImageDomain& domain_;
   const SizeGrid& sizes_;
-  std::vector<std::vector<Corners>> leaves_;  // per level
+  std::vector<bcc::Lattice> leaves_;  // per level
   std::vector<std::vector<std::uint8_t>>
       masks_;               // per level and leaf: edges that were split when last looked at
   parallel::KeySet split_;  // midpoints of split edges
-  struct Change {
-    Key key;
-    std::uint8_t mark;
-  };
-  std::vector<Change> changes_;          // edges split since the last sweep
-  std::vector<std::uint8_t> cell_mark_;  // of the last sweep, per level-0 cube
+  std::vector<std::vector<std::uint32_t>> cubes_;  // per level and leaf: where its marks are
+  SplitMarks marks_;
 };
 
 }  // namespace
@@ -399,8 +374,7 @@ LatticeFrame make_lattice_frame(const ImageDomain& domain, double coarsest_mm, i
   return frame;
 }
 
-std::vector<Corners> refined_lattice(const LatticeFrame& frame, const ImageDomain& domain,
-                                     const SizeGrid& sizes) {
+bcc::Lattice refined_lattice(const LatticeFrame& frame, const ImageDomain& domain, const SizeGrid& sizes) {
   return Refiner(frame, domain, sizes).run();
 }
 

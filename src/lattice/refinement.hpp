@@ -30,7 +30,7 @@ struct LatticeFrame {
 
 /// Lattice tetrahedra around the object, refined to what `sizes` wants, conforming; lattice order, positively
 /// oriented.
-[[nodiscard]] std::vector<bcc::Corners> refined_lattice(const LatticeFrame& frame, const ImageDomain& domain,
-                                                        const SizeGrid& sizes);
+[[nodiscard]] bcc::Lattice refined_lattice(const LatticeFrame& frame, const ImageDomain& domain,
+                                           const SizeGrid& sizes);
 
 }  // namespace lumesh

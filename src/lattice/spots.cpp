@@ -213,10 +213,9 @@ std::vector<Vec3> choose_centres(const std::vector<Miss>& missed, const std::vec
   return centres;
 }
 
-/// Whether the lattice is too coarse for the surface to come close everywhere.
-bool is_too_coarse(const WholeMesh& whole, MissFinder& finder, double limit_mm, std::size_t probes) {
-  const std::vector<Miss> missed = finder.find_missed_probes(whole.mesh, whole.boundary, limit_mm);
-  return missed.size() > std::max<std::size_t>(100, probes / 100);
+std::size_t count_probes(const std::vector<Miss>& missed) {
+  return static_cast<std::size_t>(
+      std::count_if(missed.begin(), missed.end(), [](const Miss& m) { return !m.stray; }));
 }
 
 /// Puts back what was mended, but no two parts with a common tetrahedron.
@@ -243,10 +242,11 @@ void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder,
   const double voxel_mm = setting.domain.voxel_size_mm();
   const double edge_mm = longest_edge_mm(whole.mesh);
   const double part_mm = std::max(kPart * voxel_mm, edge_mm);
-  const bool worth_it = !is_too_coarse(whole, finder, kMissed * voxel_mm, probes);
+  const std::size_t too_many = std::max<std::size_t>(100, probes / 100);
   std::vector<Vec3> given_up;
-  for (std::size_t round = 0; worth_it && round < kRounds; ++round) {
-    const std::vector<Miss> missed = finder.find(whole.mesh, whole.boundary, kMissed * voxel_mm);
+  for (std::size_t round = 0; round < kRounds; ++round) {
+    const std::vector<Miss> missed = finder.find(whole.mesh, whole.boundary, kMissed * voxel_mm, too_many);
+    if (count_probes(missed) > too_many) break;  // the lattice is too coarse to come close everywhere
     const std::vector<Vec3> centres =
         choose_centres(missed, given_up, 2 * part_mm + edge_mm, kSame * voxel_mm);
     if (centres.empty()) break;

@@ -36,20 +36,24 @@ Material material_of(const Corners& t, const LatticeFrame& frame, const ImageDom
 }
 
 /// Keeps the object's tetrahedra and those that share a vertex with one.
-void keep_object_ring(std::vector<Corners>& lattice, std::vector<Material>& materials,
+void keep_object_ring(bcc::Lattice& lattice, UninitialisedVector<Material>& materials,
                       const ImageDomain& domain) {
   parallel::KeySet object;
   object.insert_all(lattice.size(), lattice.size() / 8, [&](std::size_t i, auto& put) {
     if (!domain.is_meshed(materials[i])) return;
     for (const Key key : lattice[i]) put(key);
   });
-  const auto kept = parallel::collect<std::uint32_t>(lattice.size(), [&](std::size_t i, auto& out) {
-    const bool near =
-        std::any_of(lattice[i].begin(), lattice[i].end(), [&](Key key) { return object.contains(key); });
-    if (near) out.push_back(static_cast<std::uint32_t>(i));
-  });
-  std::vector<Corners> lattice_kept(kept.size());
-  std::vector<Material> materials_kept(kept.size());
+  const auto kept = parallel::collect_blocks<std::uint32_t>(
+      lattice.size(), 4096, [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& out) {
+        parallel::KeySet::Lookup lookup(object);
+        for (std::size_t i = begin; i < end; ++i) {
+          const bool near = std::any_of(lattice[i].begin(), lattice[i].end(),
+                                        [&](Key key) { return lookup.contains(key); });
+          if (near) out.push_back(static_cast<std::uint32_t>(i));
+        }
+      });
+  bcc::Lattice lattice_kept(kept.size());
+  UninitialisedVector<Material> materials_kept(kept.size());
   parallel::for_each_index(kept.size(), [&](std::size_t i) {
     lattice_kept[i] = lattice[kept[i]];
     materials_kept[i] = materials[kept[i]];
@@ -61,7 +65,7 @@ void keep_object_ring(std::vector<Corners>& lattice, std::vector<Material>& mate
 /// Vertices along the Morton curve, and the number of each.
 class VertexNumbers {
  public:
-  explicit VertexNumbers(const std::vector<Corners>& lattice) {
+  explicit VertexNumbers(const bcc::Lattice& lattice) {
     // There are about five tetrahedra for each vertex.
     set_.insert_all(lattice.size(), lattice.size() / 4, [&](std::size_t i, auto& put) {
       for (const Key key : lattice[i]) put(bcc::morton(key));
@@ -71,7 +75,17 @@ class VertexNumbers {
     parallel::for_each_index(
         codes_.size(), [&](std::size_t i) { number_[set_.find(codes_[i])] = static_cast<std::uint32_t>(i); });
   }
-  [[nodiscard]] std::uint32_t number(Key key) const { return number_[set_.find(bcc::morton(key))]; }
+  /// The tetrahedra with their corners' numbers.
+  [[nodiscard]] UninitialisedVector<Corner4> numbered(const bcc::Lattice& lattice) const {
+    UninitialisedVector<Corner4> tets(lattice.size());
+    parallel::for_each_block(lattice.size(), 4096, [&](std::size_t, std::size_t begin, std::size_t end) {
+      parallel::KeySet::Lookup lookup(set_);
+      for (std::size_t t = begin; t < end; ++t) {
+        for (std::size_t c = 0; c < 4; ++c) tets[t][c] = number_[lookup.find(bcc::morton(lattice[t][c]))];
+      }
+    });
+    return tets;
+  }
   [[nodiscard]] std::size_t size() const { return codes_.size(); }
   [[nodiscard]] Key key(std::size_t number) const { return bcc::from_morton(codes_[number]); }
 
@@ -81,10 +95,28 @@ class VertexNumbers {
   std::vector<std::uint32_t> number_;
 };
 
+/// The tetrahedra by their ascending corners, so that their order says nothing of how the lattice was made.
+UninitialisedVector<std::uint32_t> order_by_corners(const UninitialisedVector<Corner4>& tets,
+                                                    std::size_t vertex_count) {
+  UninitialisedVector<Corner4> ascending(tets.size());
+  parallel::for_each_index(tets.size(), [&](std::size_t t) {
+    ascending[t] = tets[t];
+    std::sort(ascending[t].begin(), ascending[t].end());
+  });
+  Groups by_least = group_by_owner(tets.size(), vertex_count,
+                                   [&](std::size_t t) { return std::span(ascending[t].data(), 1); });
+  parallel::for_each_index(by_least.ranges.size(), [&](std::size_t v) {
+    const auto [begin, end] = by_least.ranges[v];
+    std::sort(by_least.items.begin() + begin, by_least.items.begin() + end,
+              [&](std::uint32_t a, std::uint32_t b) { return ascending[a] < ascending[b]; });
+  });
+  return std::move(by_least.items);
+}
+
 }  // namespace
 
-WorkMesh make_work_mesh(std::vector<Corners> lattice, const LatticeFrame& frame, const ImageDomain& domain) {
-  std::vector<Material> materials(lattice.size());
+WorkMesh make_work_mesh(bcc::Lattice lattice, const LatticeFrame& frame, const ImageDomain& domain) {
+  UninitialisedVector<Material> materials(lattice.size());
   parallel::for_each_index(
       lattice.size(), [&](std::size_t i) { materials[i] = material_of(lattice[i], frame, domain); }, 256);
   keep_object_ring(lattice, materials, domain);
@@ -94,20 +126,13 @@ WorkMesh make_work_mesh(std::vector<Corners> lattice, const LatticeFrame& frame,
   mesh.positions.resize(vertices.size());
   parallel::for_each_index(vertices.size(),
                            [&](std::size_t v) { mesh.positions[v] = frame.position_mm(vertices.key(v)); });
-  std::vector<Corner4> tets(lattice.size());
-  std::vector<std::uint32_t> least(lattice.size());
-  parallel::for_each_index(lattice.size(), [&](std::size_t t) {
-    for (std::size_t c = 0; c < 4; ++c) tets[t][c] = vertices.number(lattice[t][c]);
-    least[t] = *std::min_element(tets[t].begin(), tets[t].end());
-  });
-
-  const Groups order =
-      group_by_owner(tets.size(), vertices.size(), [&](std::size_t t) { return std::span(&least[t], 1); });
+  const UninitialisedVector<Corner4> tets = vertices.numbered(lattice);
+  const UninitialisedVector<std::uint32_t> order = order_by_corners(tets, vertices.size());
   mesh.tets.resize(tets.size());
   mesh.materials.resize(tets.size());
   parallel::for_each_index(tets.size(), [&](std::size_t i) {
-    mesh.tets[i] = tets[order.items[i]];
-    mesh.materials[i] = materials[order.items[i]];
+    mesh.tets[i] = tets[order[i]];
+    mesh.materials[i] = materials[order[i]];
   });
 
   build_stars(mesh);

@@ -38,12 +38,11 @@ inline constexpr std::uint32_t kNoTet = ~std::uint32_t{0};
 }
 
 struct WorkMesh {
-  std::vector<Vec3> positions;      ///< mm.
-  std::vector<Corner4> tets;        ///< Positively oriented.
-  std::vector<Material> materials;  ///< Per tetrahedron.
-  Groups stars;                     ///< The tetrahedra around each vertex.
-  std::vector<std::array<std::uint32_t, 4>>
-      neighbours;  ///< Across the face opposite to each corner, or kNoTet.
+  std::vector<Vec3> positions;              ///< mm.
+  std::vector<Corner4> tets;                ///< Positively oriented.
+  UninitialisedVector<Material> materials;  ///< Per tetrahedron.
+  Groups stars;                             ///< The tetrahedra around each vertex.
+  UninitialisedVector<Corner4> neighbours;  ///< Across the face opposite to each corner, or kNoTet.
 
   [[nodiscard]] std::span<const std::uint32_t> star(std::uint32_t vertex) const { return stars.of(vertex); }
   [[nodiscard]] Vec3 centroid(std::uint32_t tet) const {
@@ -60,7 +59,7 @@ struct WorkMesh {
 
 /// Gives every lattice tetrahedron the material that fills most of it, keeps those of the object and one ring
 /// of others around it, and numbers vertices and tetrahedra along the Morton curve.
-[[nodiscard]] WorkMesh make_work_mesh(std::vector<bcc::Corners> lattice, const LatticeFrame& frame,
+[[nodiscard]] WorkMesh make_work_mesh(bcc::Lattice lattice, const LatticeFrame& frame,
                                       const ImageDomain& domain);
 
 [[nodiscard]] double longest_edge_mm(const WorkMesh& mesh);

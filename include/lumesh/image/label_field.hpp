@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/core/uninitialised.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
@@ -120,7 +121,7 @@ class LabelField {
   std::vector<LabelIndex> labels_;  ///< Of the active bricks, one after the other.
   std::vector<LabelIndex>
       all_labels_;  ///< 0, 1, 2, …: what labels_near() returns parts of in uniform bricks.
-  std::vector<float> blocks_;
+  UninitialisedVector<float> blocks_;
 };
 
 }  // namespace lumesh

@@ -3,9 +3,11 @@
 /// order.
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "lumesh/parallel/loops.hpp"
@@ -18,6 +20,7 @@ namespace lumesh::parallel {
 class KeySet {
  public:
   static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};  ///< Never a key.
+  static constexpr std::size_t kRecent = 128;                 ///< Keys that Put and Lookup keep in mind.
 
   /// Makes room for `count` keys in all; keeps what is there.
   void reserve(std::size_t count) {
@@ -74,16 +77,20 @@ class KeySet {
   class Put {
    public:
     void operator()(std::uint64_t key) {
-      std::size_t at = hash(key) & set_.mask();
+      const std::size_t start = hash(key);
+      std::uint64_t& recent = recent_[start % kRecent];
+      if (recent == key) return;
+      std::size_t at = start & set_.mask();
       for (int probe = 0; probe < kMaxProbes; ++probe, at = (at + 1) & set_.mask()) {
         // Relaxed: a slot carries no other data, and readers start after the parallel loop has joined.
         std::uint64_t seen = set_.slots_[at].load(std::memory_order_relaxed);
-        if (seen == key) return;
-        if (seen == kEmpty && set_.slots_[at].compare_exchange_strong(seen, key, std::memory_order_relaxed)) {
-          ++added_;
+        const bool put =
+            seen == kEmpty && set_.slots_[at].compare_exchange_strong(seen, key, std::memory_order_relaxed);
+        if (put) ++added_;
+        if (put || seen == key) {  // perhaps another thread put the same key here first
+          recent = key;
           return;
         }
-        if (seen == key) return;  // another thread put the same key here first
       }
       complete_ = false;
     }
@@ -91,28 +98,46 @@ class KeySet {
    private:
     friend class KeySet;
     static constexpr int kMaxProbes = 512;  // a set half full needs some dozens at most
-    explicit Put(KeySet& set) : set_(set) {}
+    explicit Put(KeySet& set) : set_(set) { recent_.fill(kEmpty); }
     KeySet& set_;
+    std::array<std::uint64_t, kRecent> recent_;  // many keys come again soon
     std::size_t added_ = 0;
     bool complete_ = true;
   };
 
+  /// Looks up keys of which many come again soon, as those of the corners of neighbouring cells.
+  class Lookup {
+   public:
+    explicit Lookup(const KeySet& set) : set_(set) { recent_.fill({kEmpty, 0}); }
+
+    /// As KeySet::find().
+    [[nodiscard]] std::size_t find(std::uint64_t key) {
+      const std::size_t start = hash(key);
+      Recent& recent = recent_[start % kRecent];
+      if (recent.key != key) recent = {key, set_.find_from(start, key)};
+      return recent.slot;
+    }
+    [[nodiscard]] bool contains(std::uint64_t key) { return find(key) != set_.slot_count(); }
+    /// Fetches from memory what find() will need soon.
+    void prefetch(std::uint64_t key) const {
+      const std::size_t start = hash(key);
+      if (recent_[start % kRecent].key == key || set_.slots_.empty()) return;
+      __builtin_prefetch(&set_.slots_[start & set_.mask()]);
+    }
+
+   private:
+    struct Recent {
+      std::uint64_t key;
+      std::size_t slot;
+    };
+    const KeySet& set_;
+    std::array<Recent, kRecent> recent_;
+  };
+
   [[nodiscard]] bool contains(std::uint64_t key) const { return find(key) != slots_.size(); }
 
-  /// Fetches from memory what contains() will need soon.
-  void prefetch(std::uint64_t key) const {
-    if (!slots_.empty()) __builtin_prefetch(&slots_[hash(key) & mask()]);
-  }
-
   /// The slot that holds the key, or slot_count() if it is not in the set.
-  [[nodiscard]] std::size_t find(std::uint64_t key) const {
-    if (slots_.empty()) return 0;
-    for (std::size_t at = hash(key) & mask();; at = (at + 1) & mask()) {
-      const std::uint64_t seen = slots_[at].load(std::memory_order_relaxed);
-      if (seen == key) return at;
-      if (seen == kEmpty) return slots_.size();
-    }
-  }
+  [[nodiscard]] std::size_t find(std::uint64_t key) const { return find_from(hash(key), key); }
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t slot_count() const { return slots_.size(); }
@@ -128,6 +153,14 @@ class KeySet {
   }
 
  private:
+  [[nodiscard]] std::size_t find_from(std::size_t start, std::uint64_t key) const {
+    if (slots_.empty()) return 0;
+    for (std::size_t at = start & mask();; at = (at + 1) & mask()) {
+      const std::uint64_t seen = slots_[at].load(std::memory_order_relaxed);
+      if (seen == key) return at;
+      if (seen == kEmpty) return slots_.size();
+    }
+  }
   static std::vector<std::atomic<std::uint64_t>> make_slots(std::size_t capacity) {
     std::vector<std::atomic<std::uint64_t>> slots(capacity);
     for_each_index(

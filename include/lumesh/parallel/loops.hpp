@@ -17,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "lumesh/core/uninitialised.hpp"
+
 namespace lumesh::parallel {
 
 /// Limits every loop below to `threads` threads while the object lives; 0 means all cores.
@@ -105,6 +107,25 @@ template <class Item, class Append>
   all.reserve(total);
   for (auto& part : parts) all.insert(all.end(), part.begin(), part.end());
   return all;
+}
+
+/// Appends the same to a vector that is large: all threads copy, and should come to its memory first.
+template <class Item, class Append>
+void collect_blocks_into(UninitialisedVector<Item>& all, std::size_t count, std::size_t block,
+                         const Append& append) {
+  std::vector<std::vector<Item>> parts((count + block - 1) / block);
+  for_each_block(count, block,
+                 [&](std::size_t b, std::size_t begin, std::size_t end) { append(begin, end, parts[b]); });
+  std::vector<std::size_t> first = {all.size()};
+  for (const auto& part : parts) first.push_back(first.back() + part.size());
+  all.resize(first.back());
+  for_each_index(
+      parts.size(),
+      [&](std::size_t b) {
+        std::copy(parts[b].begin(), parts[b].end(), all.begin() + static_cast<std::ptrdiff_t>(first[b]));
+        parts[b] = {};
+      },
+      1);
 }
 
 /// Collects what append(i, out) appends for every i, in index order whatever the thread count.

@@ -30,7 +30,7 @@ LabelImage speckled_ball(std::uint64_t seed, int speckles) {
 
 struct Lattice {
   LatticeFrame frame;
-  std::vector<bcc::Corners> tetrahedra;
+  bcc::Lattice tetrahedra;
 };
 
 Lattice lattice_of(const LabelImage& image, const ImageDomain& domain, int levels) {
