@@ -28,7 +28,7 @@ constexpr double kSame = 2.5;      // a miss this close to a spot that could not
 
 // Vertices with a better angle quality stay.
 constexpr double kGoodAsItIs = 0.25;
-constexpr double kGoodAnew = 0.5;
+constexpr double kGoodAnew = 0.3;
 constexpr std::size_t kAtOnce = 6;  // misses that tetrahedra are added for in one turn
 
 /// How bad a spot is: its worst miss, in twentieths of a voxel (what is less makes nothing better), and the
@@ -51,8 +51,7 @@ std::vector<Vec3> shaken(std::vector<Vec3> places, unsigned seed, double amplitu
 
 struct SpotResult {
   bool better = false;
-  bool well = false;       ///< Nothing is missed any more.
-  bool promising = false;  ///< The worst is less bad than before, so another time may help.
+  bool promising = false;  ///< Nothing is missed any more, or the worst is less bad: another time may help.
   std::size_t tries = 0;   ///< That were made.
 };
 
@@ -67,22 +66,24 @@ class Spot {
         probes_(probes_near(setting.image, setting.domain, centre_mm, kShell * voxel_mm_)),
         finder_(setting.image, setting.domain, probes_) {}
 
-  /// First as it is, then up to `tries` times anew from the lattice.
-  SpotResult mend(std::size_t tries) {
+  /// First as it is, then anew from the lattice, at most until `most` tries have been made.
+  /// @param made  Tries made before; what follows is different.
+  /// @param seed  Another one for each call at the same place.
+  SpotResult mend(std::size_t made, std::size_t most, unsigned seed) {
     constexpr std::size_t kTooMany = 20;  // misses after fitting anew, of which nothing good comes
     std::vector<Miss> missed = keep_if_best();
     const auto at_start = least_;
     const MeshPart first = part_;
     take_turns(std::move(missed), false);
-    std::size_t n = 0;
-    for (; n < tries && is_worth_try(n); ++n) {
+    std::size_t n = made;
+    for (; n < most && is_worth_try(n); ++n) {
       part_ = first;
-      missed = fit_anew(static_cast<unsigned>(n));
+      missed = fit_anew(static_cast<unsigned>(n), seed);
       if (missed.size() <= kTooMany) take_turns(std::move(missed), true);
     }
     const bool better = least_ < at_start;
     const bool well = better && least_.second == 0;
-    return {better, well, well || least_.first < at_start.first, n};
+    return {better, well || least_.first < at_start.first, n - made};
   }
 
   [[nodiscard]] MeshPart take() { return std::move(best_); }
@@ -90,24 +91,25 @@ class Spot {
  private:
   /// What is nearly good enough is worth few tries only.
   [[nodiscard]] bool is_worth_try(std::size_t n) const {
-    constexpr double kNearly = 1.15;  // voxels
+    constexpr double kNearly = 1.2;  // voxels
     constexpr std::size_t kFew = 3;
     return least_.second > 0 && (n < kFew || least_.first > 20 * kNearly);
   }
 
-  /// Takes what is near the centre back to its places in the lattice, where nothing is folded, and fits
-  /// again, each time from places shaken a little more.
+  /// Takes what is near the centre back to its places in the lattice, where nothing is folded, shakes them,
+  /// and fits again; a little further around for each try.
   /// @return What is missed then.
-  [[nodiscard]] std::vector<Miss> fit_anew(unsigned shake) {
+  [[nodiscard]] std::vector<Miss> fit_anew(unsigned n, unsigned seed) {
     constexpr int kSweeps = 5;  // there and back
+    const double shake_mm = (1 + n % 3) * kShake * voxel_mm_;
     const VertexBlocks blocks = part_.movable();
     const VertexBlocks near = pick_vertices(blocks, [&](std::uint32_t v) {
       return !is_on_cut(setting_.domain, part_.boundary.sets[v]) &&
-             (part_.mesh.positions[v] - centre_mm_).norm() <= (kAnew + 0.5 * shake) * voxel_mm_;
+             (part_.mesh.positions[v] - centre_mm_).norm() <= (kAnew + 0.5 * n) * voxel_mm_;
     });
     Fitter fitter(part_.mesh, part_.boundary, part_.targets, setting_, blocks);
     fitter.keep_to_voxels();
-    fitter.refit_from(shaken(part_.lattice_mm, shake, shake * kShake * voxel_mm_), near, kSweeps, kGoodAnew);
+    fitter.refit_from(shaken(part_.lattice_mm, 100 * seed + n, shake_mm), near, kSweeps, kGoodAnew);
     finder_ = MissFinder(setting_.image, setting_.domain, probes_);
     return keep_if_best();
   }
@@ -195,19 +197,44 @@ class Spot {
   std::optional<std::vector<Vec3>> known_mm_;  // the misses at the start, once they are known
 };
 
-bool is_near_any(const Vec3& p, const std::vector<Vec3>& places, double reach_mm) {
-  return std::any_of(places.begin(), places.end(), [&](const Vec3& q) { return (p - q).norm() < reach_mm; });
-}
+/// Where tries have been made in vain.
+class TriedPlaces {
+ public:
+  static constexpr std::size_t kMost = 12;  // at one place
+
+  explicit TriedPlaces(double same_mm) : same_mm_(same_mm) {}
+
+  [[nodiscard]] std::size_t tries_at(const Vec3& p) const {
+    std::size_t tries = 0;
+    for (const Place& t : places_) {
+      if ((t.place_mm - p).norm() < same_mm_) tries = std::max(tries, t.tries);
+    }
+    return tries;
+  }
+  void set(const Vec3& p, std::size_t tries) {
+    std::erase_if(places_, [&](const Place& t) { return (t.place_mm - p).norm() < same_mm_; });
+    if (tries > 0) places_.push_back({p, tries});
+  }
+
+ private:
+  struct Place {
+    Vec3 place_mm;
+    std::size_t tries;
+  };
+  double same_mm_;
+  std::vector<Place> places_;
+};
 
 /// The worst misses that are far enough from each other and from what was given up.
-std::vector<Vec3> choose_centres(const std::vector<Miss>& missed, const std::vector<Vec3>& given_up,
-                                 double apart_mm, double same_mm) {
+std::vector<Vec3> choose_centres(const std::vector<Miss>& missed, const TriedPlaces& tried, double apart_mm) {
   constexpr std::size_t kMostCentres = 512;
   std::vector<Vec3> centres;
   for (const Miss& miss : missed) {
     const Vec3& place = miss.place_mm;
-    if (is_near_any(place, given_up, same_mm)) continue;
-    if (!is_near_any(place, centres, apart_mm)) centres.push_back(place);
+    if (tried.tries_at(place) >= TriedPlaces::kMost) continue;
+    const bool free = std::none_of(centres.begin(), centres.end(),
+                                   [&](const Vec3& c) { return (c - place).norm() < apart_mm; });
+    if (free) centres.push_back(place);
     if (centres.size() == kMostCentres) break;
   }
   return centres;
@@ -235,39 +262,39 @@ void put_back_all(WholeMesh& whole, const std::vector<std::optional<MeshPart>>& 
 }  // namespace
 
 void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder, std::size_t probes) {
-  constexpr std::size_t kRounds = 8;
-  constexpr std::size_t kMostTries = 8;  // of one spot
-  // Small meshes get fewer, so that they do not take longer than the rest of the work.
-  std::size_t tries_left = std::clamp<std::size_t>(whole.mesh.tets.size() / 3000, 8, 80);
+  constexpr std::size_t kRounds = 16;
+  // Small meshes get fewer, so that they do not take much longer than the rest of the work.
+  std::size_t tries_left = std::clamp<std::size_t>(whole.mesh.tets.size() / 3000, 60, 120);
   const double voxel_mm = setting.domain.voxel_size_mm();
   const double edge_mm = longest_edge_mm(whole.mesh);
   const double part_mm = std::max(kPart * voxel_mm, edge_mm);
   const std::size_t too_many = std::max<std::size_t>(100, probes / 100);
-  std::vector<Vec3> given_up;
+  TriedPlaces tried(kSame * voxel_mm);
   for (std::size_t round = 0; round < kRounds; ++round) {
     const std::vector<Miss> missed = finder.find(whole.mesh, whole.boundary, kMissed * voxel_mm, too_many);
     if (count_probes(missed) > too_many) break;  // the lattice is too coarse to come close everywhere
-    const std::vector<Vec3> centres =
-        choose_centres(missed, given_up, 2 * part_mm + edge_mm, kSame * voxel_mm);
+    const std::vector<Vec3> centres = choose_centres(missed, tried, 2 * part_mm + edge_mm);
     if (centres.empty()) break;
-    // At first only what is mended easily, which may mend its neighbours too.
-    const bool thorough = round > 0;
-    const std::size_t most = std::clamp<std::size_t>(tries_left / centres.size(), 1, kMostTries);
-    const std::size_t tries = thorough ? std::min(most, tries_left) : 1;
+    const bool thorough = round > 0;  // what is mended easily may mend its neighbours too
+    const std::size_t share = std::min(std::max<std::size_t>(tries_left / centres.size(), 1), tries_left);
     const SurfaceTree tree(whole.mesh, whole.boundary, centres, part_mm + edge_mm);
     std::vector<std::optional<MeshPart>> mended(centres.size());
     std::vector<SpotResult> results(centres.size());
     parallel::for_each_index(
         centres.size(),
         [&](std::size_t i) {
+          const std::size_t made = tried.tries_at(centres[i]);
+          const std::size_t most = thorough ? std::min(made + share, TriedPlaces::kMost) : 1;
           Spot spot(cut_out(whole, tree, centres[i], part_mm), centres[i], setting);
-          results[i] = spot.mend(tries);
-          if (results[i].well || (results[i].better && thorough)) mended[i] = spot.take();
+          results[i] = spot.mend(made, most, static_cast<unsigned>(round));
+          if (results[i].better) mended[i] = spot.take();
         },
         1);
-    for (std::size_t i = 0; i < centres.size(); ++i) {
-      if (thorough && !results[i].promising) given_up.push_back(centres[i]);
-      if (thorough) tries_left -= std::min(tries_left, results[i].tries);
+    for (std::size_t i = 0; thorough && i < centres.size(); ++i) {
+      tries_left -= std::min(tries_left, results[i].tries);
+      const bool gives_up = results[i].tries < share || tries_left == 0;
+      const std::size_t made = tried.tries_at(centres[i]) + results[i].tries;
+      tried.set(centres[i], results[i].promising ? 0 : gives_up ? TriedPlaces::kMost : made);
     }
     put_back_all(whole, mended);
   }
