@@ -7,6 +7,7 @@
 #include <map>
 #include <random>
 
+#include "../src/lattice/work_mesh.hpp"
 #include "fixtures/images.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -84,6 +85,19 @@ TEST(Refinement, IsConformingAndWithoutHolesAndKeepsItsAngles) {
     EXPECT_GE(least, 30 - 1e-6);    // Labelle and Shewchuk 2007, as the green elements of Molino et al. 2003
     EXPECT_LE(most, 116.6 + 1e-1);  // have them
   }
+}
+
+TEST(Refinement, TheOrderOfLatticeTetrahedraDoesNotMatter) {
+  const LabelImage image = speckled_ball(8, 6);
+  const ImageDomain domain(image, {});
+  Lattice lattice = lattice_of(image, domain, 3);
+  const WorkMesh expected = make_work_mesh(lattice.tetrahedra, lattice.frame, domain);
+  std::shuffle(lattice.tetrahedra.begin(), lattice.tetrahedra.end(), std::mt19937(5));
+  const WorkMesh mesh = make_work_mesh(lattice.tetrahedra, lattice.frame, domain);
+  EXPECT_EQ(mesh.tets, expected.tets);
+  EXPECT_EQ(mesh.positions, expected.positions);
+  EXPECT_EQ(mesh.materials, expected.materials);
+  EXPECT_EQ(mesh.neighbours, expected.neighbours);
 }
 
 TEST(Refinement, ThreadCountsDoNotMatter) {

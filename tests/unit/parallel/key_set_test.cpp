@@ -29,6 +29,23 @@ TEST(KeySet, HoldsEveryKeyOnceWhateverWasExpected) {
   }
 }
 
+TEST(KeySet, LookupFindsWhatFindFinds) {
+  constexpr std::uint64_t kKeys = 4 * KeySet::kRecent;  // more than are kept in mind
+  KeySet set;
+  set.insert_all(kKeys, kKeys, [](std::size_t i, auto& put) { put(7 * i); });
+  KeySet::Lookup lookup(set);
+  for (int round = 0; round < 3; ++round) {
+    for (std::uint64_t key = 0; key < 7 * kKeys; ++key) {
+      lookup.prefetch(key);
+      ASSERT_EQ(lookup.find(key), set.find(key));
+      ASSERT_EQ(lookup.contains(key), key % 7 == 0);
+      ASSERT_EQ(lookup.contains(key / 2), key / 2 % 7 == 0);  // comes twice
+    }
+  }
+  const KeySet empty;
+  EXPECT_FALSE(KeySet::Lookup(empty).contains(5));
+}
+
 TEST(RaiseTo, LeavesTheLargestOfAll) {
   std::vector<std::uint64_t> most(7, 0);
   for_each_index(
