@@ -16,10 +16,6 @@ namespace lumesh {
 
 namespace {
 
-constexpr int kBrick = LabelField::kBrick;
-constexpr int kMargin = VoxelWindow::kMargin;
-constexpr int kWindow = VoxelWindow::kSize;
-constexpr int kCore = VoxelWindow::kCore;
 constexpr float kLimit = static_cast<float>(LabelField::kFieldLimit);
 /// The boundary may pass a voxel's centre on the wrong side by 0.05 voxels on faces, where half of the 27
 /// voxels around have the same label, but must leave it on the right side at tips and corners, which would

@@ -8,10 +8,7 @@ namespace lumesh {
 
 namespace {
 
-constexpr int kBrick = VoxelWindow::kBrick;
-constexpr int kMargin = VoxelWindow::kMargin;
-constexpr int kSize = VoxelWindow::kSize;
-constexpr int kReach = VoxelWindow::kReach;
+constexpr int kReach = 3;           // voxels; distances beyond are cut off
 constexpr std::uint8_t kFar = 100;  // a squared distance; plus two squares it still fits a byte
 
 /// Squared distances of eight voxels in a row: the first eight bytes to the label, the others to the rest.
@@ -28,13 +25,13 @@ std::uint8_t square(int d) {
 }
 
 /// Along x for each row of the window.
-std::array<Pairs, std::size_t{kSize} * kSize> along_x(const VoxelMask& mask) {
+std::array<Pairs, std::size_t{kWindow} * kWindow> along_x(const VoxelMask& mask) {
   constexpr Pairs kToLabel = {1, 1, 1, 1, 1, 1, 1, 1};  // then to the rest
-  std::array<Pairs, std::size_t{kSize} * kSize> result;
+  std::array<Pairs, std::size_t{kWindow} * kWindow> result;
   for (std::size_t row = 0; row < result.size(); ++row) {
     Pairs least = same(kFar);
     for (int d = -kReach; d <= kReach; ++d) {
-      const std::uint8_t* from = &mask[row * kSize + static_cast<std::size_t>(kMargin + d)];
+      const std::uint8_t* from = &mask[row * kWindow + static_cast<std::size_t>(kMargin + d)];
       Pairs twice;
       std::memcpy(&twice, from, kBrick);
       std::memcpy(reinterpret_cast<std::uint8_t*>(&twice) + kBrick, from, kBrick);
@@ -48,12 +45,12 @@ std::array<Pairs, std::size_t{kSize} * kSize> along_x(const VoxelMask& mask) {
 /// Of each row of the brick, separably.
 std::array<Pairs, std::size_t{kBrick} * kBrick> squared_distances(const VoxelMask& mask) {
   const auto x = along_x(mask);
-  std::array<Pairs, std::size_t{kBrick} * kSize> y;
-  for (int k = 0; k < kSize; ++k) {
+  std::array<Pairs, std::size_t{kBrick} * kWindow> y;
+  for (int k = 0; k < kWindow; ++k) {
     for (int j = 0; j < kBrick; ++j) {
       Pairs least = same(kFar);
       for (int d = -kReach; d <= kReach; ++d)
-        least = smaller(least, x[static_cast<std::size_t>(j + kMargin + d + kSize * k)] + square(d));
+        least = smaller(least, x[static_cast<std::size_t>(j + kMargin + d + kWindow * k)] + square(d));
       y[static_cast<std::size_t>(j + kBrick * k)] = least;
     }
   }
@@ -70,8 +67,8 @@ std::array<Pairs, std::size_t{kBrick} * kBrick> squared_distances(const VoxelMas
 }
 
 /// A window's mask as one 16-bit word for each row along x.
-using Rows = std::array<std::uint16_t, std::size_t{kSize} * kSize>;
-static_assert(kSize == 16);
+using Rows = std::array<std::uint16_t, std::size_t{kWindow} * kWindow>;
+static_assert(kWindow == 16);
 
 Rows rows_of(const VoxelMask& mask) {
   // Multiplying gathers the lowest bits of eight bytes in the highest one.
@@ -82,7 +79,7 @@ Rows rows_of(const VoxelMask& mask) {
   };
   Rows rows;
   for (std::size_t n = 0; n < rows.size(); ++n)
-    rows[n] = static_cast<std::uint16_t>(eight(&mask[n * kSize]) | eight(&mask[n * kSize + 8]) << 8);
+    rows[n] = static_cast<std::uint16_t>(eight(&mask[n * kWindow]) | eight(&mask[n * kWindow + 8]) << 8);
   return rows;
 }
 
@@ -91,18 +88,18 @@ template <class Combine>
 Rows combine_rows(const Rows& in, int reach, Combine combine) {
   Rows along_y = in;
   for (int d = -reach; d <= reach; ++d) {
-    for (int k = 0; k < kSize; ++k) {
-      for (int j = std::max(0, -d); j < std::min(kSize, kSize - d); ++j) {
-        std::uint16_t& row = along_y[static_cast<std::size_t>(j + kSize * k)];
-        row = combine(row, in[static_cast<std::size_t>(j + d + kSize * k)]);
+    for (int k = 0; k < kWindow; ++k) {
+      for (int j = std::max(0, -d); j < std::min(kWindow, kWindow - d); ++j) {
+        std::uint16_t& row = along_y[static_cast<std::size_t>(j + kWindow * k)];
+        row = combine(row, in[static_cast<std::size_t>(j + d + kWindow * k)]);
       }
     }
   }
   Rows along_z = along_y;
   for (int d = -reach; d <= reach; ++d) {
-    for (int n = kSize * std::max(0, -d); n < kSize * std::min(kSize, kSize - d); ++n) {
+    for (int n = kWindow * std::max(0, -d); n < kWindow * std::min(kWindow, kWindow - d); ++n) {
       std::uint16_t& row = along_z[static_cast<std::size_t>(n)];
-      row = combine(row, along_y[static_cast<std::size_t>(n + kSize * d)]);
+      row = combine(row, along_y[static_cast<std::size_t>(n + kWindow * d)]);
     }
   }
   return along_z;
@@ -161,7 +158,7 @@ CoreRows around_thin_part(const VoxelMask& mask) {
   for (int k = 0; k < kBrick; ++k) {
     for (int j = 0; j < kBrick; ++j)
       result[static_cast<std::size_t>(j + kBrick * k)] = static_cast<std::uint8_t>(
-          thin[static_cast<std::size_t>(j + kMargin + kSize * (k + kMargin))] >> kMargin);
+          thin[static_cast<std::size_t>(j + kMargin + kWindow * (k + kMargin))] >> kMargin);
   }
   return result;
 }
