@@ -45,7 +45,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   keep_vertices(blocks, kept);
   for (std::size_t v = 0; v < kept.size(); ++v) lattice_mm[v] = lattice_mm[kept[v]];
   lattice_mm.resize(kept.size());
-  mesh.neighbours = {};  // not needed any more
+  mesh.neighbours = UninitialisedVector<Corner4>();  // not needed any more
 
   targets = {};
   Fitter fitter(mesh, boundary, targets, setting, blocks);

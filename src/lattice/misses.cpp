@@ -324,6 +324,7 @@ void sort_by_distance(std::vector<Miss>& misses) {
 std::vector<Miss> MissFinder::find_missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
                                                  double limit_mm) {
   moved_.assign(boundary.triangles.size(), 1);
+  triangles_.clear();  // so that find() looks everywhere next time
   std::vector<Miss> found = missed_probes(mesh, boundary, limit_mm);
   sort_by_distance(found);
   return found;
@@ -336,6 +337,7 @@ std::vector<Miss> MissFinder::find(const WorkMesh& mesh, const BoundaryModel& bo
   std::vector<Miss> found = missed_probes(mesh, boundary, limit_mm);
   if (found.size() > most_probes) {
     triangles_.clear();  // so that strays are looked for everywhere next time
+    sort_by_distance(found);
     return found;
   }
   update_strays(mesh, boundary, limit_mm);

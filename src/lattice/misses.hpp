@@ -62,7 +62,7 @@ class MissFinder {
   /// @param most_probes  Where more are missed, these are all that is looked for.
   [[nodiscard]] std::vector<Miss> find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
                                        std::size_t most_probes = std::numeric_limits<std::size_t>::max());
-  /// Only the probes.
+  /// Only the probes; the limit may be another one.
   [[nodiscard]] std::vector<Miss> find_missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
                                                      double limit_mm);
 

@@ -320,7 +320,7 @@ class Refiner {
           [&](std::size_t begin, std::size_t end, std::vector<Corners>& out) {
             for (std::size_t i = begin; i < end; ++i) emit_leaf(leaves_[level][i], masks_[level][i], out);
           });
-      leaves_[level] = {};
+      leaves_[level] = bcc::Lattice();  // = {} would keep the memory
     }
     return all;
   }

@@ -20,9 +20,9 @@ class SplitMarks {
  public:
   explicit SplitMarks(const LatticeFrame& frame) : frame_(frame) {
     constexpr std::size_t kMostCubes = std::size_t{1} << 23;
-    do {
+    while (static_cast<int>(grids_.size()) < frame.levels &&
+           (grids_.empty() || 8 * grids_.back().marks.size() <= kMostCubes))
       grids_.push_back(Grid(frame.cells * (1 << grids_.size())));
-    } while (static_cast<int>(grids_.size()) < frame.levels && 8 * grids_.back().marks.size() <= kMostCubes);
   }
 
   /// The cube, for its level, of a leaf or of another place, by its midpoint.
@@ -74,7 +74,9 @@ class SplitMarks {
                 static_cast<std::size_t>(cubes.z())) {}
 
     [[nodiscard]] std::uint32_t number(const Index3& c) const {
-      return static_cast<std::uint32_t>(c.x() + size.x() * (c.y() + size.y() * c.z()));
+      const auto at = [&](int axis) { return static_cast<std::size_t>(c[axis]); };
+      const auto along = [&](int axis) { return static_cast<std::size_t>(size[axis]); };
+      return static_cast<std::uint32_t>(at(0) + along(0) * (at(1) + along(1) * at(2)));
     }
     void clear() {
       for (const std::uint32_t c : marked) marks[c] = mark_of(0, 0, ever(marks[c]));

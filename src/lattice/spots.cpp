@@ -23,7 +23,7 @@ constexpr double kSpot = 4.5;      // misses this close to the centre of a spot 
 constexpr double kAnew = 4;        // vertices this close to the centre go back to the lattice
 constexpr double kShell = 6.5;     // misses that arise up to here count too
 constexpr double kPart = 7;        // vertices this close to it may move; more if edges are longer than that
-constexpr double kShake = 0.6;     // vertices are shaken by half of it
+constexpr double kShake = 0.6;     // vertices are shaken by half of it, or twice or three times that
 constexpr double kSame = 2.5;      // a miss this close to a spot that could not be mended is given up too
 
 // Vertices with a better angle quality stay.
@@ -264,7 +264,9 @@ void put_back_all(WholeMesh& whole, const std::vector<std::optional<MeshPart>>& 
 void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder, std::size_t probes) {
   constexpr std::size_t kRounds = 16;
   // Small meshes get fewer, so that they do not take much longer than the rest of the work.
-  std::size_t tries_left = std::clamp<std::size_t>(whole.mesh.tets.size() / 3000, 60, 120);
+  const std::size_t tets = whole.mesh.tets.size();
+  const std::size_t least = std::clamp<std::size_t>(tets / 1000, 8, 60);
+  std::size_t tries_left = std::clamp<std::size_t>(tets / 3000, least, 120);
   const double voxel_mm = setting.domain.voxel_size_mm();
   const double edge_mm = longest_edge_mm(whole.mesh);
   const double part_mm = std::max(kPart * voxel_mm, edge_mm);

@@ -105,7 +105,8 @@ class KeySet {
     bool complete_ = true;
   };
 
-  /// Looks up keys of which many come again soon, as those of the corners of neighbouring cells.
+  /// Looks up keys of which many come again soon, as those of the corners of neighbouring cells. Good until
+  /// something is inserted.
   class Lookup {
    public:
     explicit Lookup(const KeySet& set) : set_(set) { recent_.fill({kEmpty, 0}); }

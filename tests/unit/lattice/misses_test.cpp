@@ -1,0 +1,91 @@
+#include "../src/lattice/misses.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <tuple>
+
+#include "../src/lattice/boundary_choice.hpp"
+#include "fixtures/images.hpp"
+
+namespace lumesh {
+namespace {
+
+/// A ball in two halves, as it comes from the lattice: no vertex is where it should be.
+LabelImage halved_ball() {
+  return fixtures::voxels_of(fixtures::frame_of({26, 26, 26}), {0, 1, 2}, [](const Vec3& p) {
+    const Vec3 from_centre = p - Vec3(12.6, 12.3, 12.8);
+    return from_centre.norm() > 9 ? 0 : from_centre.x() > 0 ? 1 : 2;
+  });
+}
+
+struct Surface {
+  WorkMesh mesh;
+  BoundaryModel boundary;
+};
+
+Surface surface_of(const LabelImage& image, const ImageDomain& domain) {
+  LatticeOptions options;
+  const SizeGrid sizes(image, domain, options, 5, image.voxels().size());
+  const LatticeFrame frame = make_lattice_frame(domain, 5, options.coarsening + options.max_refinement);
+  Surface s{make_work_mesh(refined_lattice(frame, domain, sizes), frame, domain), {}};
+  choose_boundary(s.mesh, domain);
+  s.boundary = find_boundary(s.mesh, domain);
+  return s;
+}
+
+using Told = std::tuple<bool, double, double, double, double>;
+
+/// What was found, in an order of its own: which of two equally near triangles is told may differ.
+std::vector<Told> told(const std::vector<Miss>& misses) {
+  std::vector<Told> all;
+  for (const Miss& m : misses)
+    all.emplace_back(m.stray, m.place_mm.x(), m.place_mm.y(), m.place_mm.z(), m.off_mm);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+/// Vertices move, one triangle goes, one vertex gets other materials.
+void change(Surface& s, std::mt19937& random) {
+  std::uniform_real_distribution<double> step(-1, 1);
+  for (int n = 0; n < 15; ++n) {
+    const BoundaryTriangle& t = s.boundary.triangles[random() % s.boundary.triangles.size()];
+    s.mesh.positions[t.vertices[random() % 3]] += Vec3(step(random), step(random), step(random));
+  }
+  s.boundary.triangles[random() % s.boundary.triangles.size()] = s.boundary.triangles.back();
+  s.boundary.triangles.pop_back();
+  const BoundaryTriangle& other = s.boundary.triangles[random() % s.boundary.triangles.size()];
+  s.boundary.sets[other.vertices[0]] = {0, 1, 2};
+}
+
+TEST(MissFinder, FindsTheSameWhetherItKnowsTheSurfaceOfBeforeOrNot) {
+  const LabelImage image = halved_ball();
+  const ImageDomain domain(image, {});
+  Surface s = surface_of(image, domain);
+  const std::vector<Probe> probes = boundary_probes(image, domain);
+  std::mt19937 random(17);
+  MissFinder knowing(image, domain, probes);
+  std::size_t found = 0, strays = 0;
+  for (int round = 0; round < 12; ++round) {
+    if (round % 4 == 3) {
+      EXPECT_GT(knowing.find(s.mesh, s.boundary, 0.5, 0).size(), 0U);  // stops at the first kind of miss
+      change(s, random);
+    }
+    const std::vector<Miss> again = knowing.find(s.mesh, s.boundary, 0.5);
+    MissFinder fresh(image, domain, probes);
+    const std::vector<Miss> first = fresh.find(s.mesh, s.boundary, 0.5);
+    ASSERT_EQ(told(again), told(first)) << "round " << round;
+    EXPECT_TRUE(std::is_sorted(again.begin(), again.end(),
+                               [](const Miss& a, const Miss& b) { return a.off_mm > b.off_mm; }));
+    found += first.size();
+    strays += static_cast<std::size_t>(
+        std::count_if(first.begin(), first.end(), [](const Miss& m) { return m.stray; }));
+    change(s, random);
+  }
+  EXPECT_GT(strays, 20U);
+  EXPECT_GT(found - strays, 20U);
+}
+
+}  // namespace
+}  // namespace lumesh
