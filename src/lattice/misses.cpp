@@ -40,10 +40,15 @@ void append_face_centres(const LabelImage& image, const Index3& voxel, std::vect
   }
 }
 
+/// From a voxel to the next one along each axis.
+std::array<std::ptrdiff_t, 3> strides(const ImageFrame& frame) {
+  const std::ptrdiff_t y = frame.size.x();
+  return {1, y, y * frame.size.y()};
+}
+
 /// Whether eight voxels within the image have one label; the first is given.
 bool all_alike(const LabelImage& image, const Index3& first) {
-  const Index3& size = image.frame().size;
-  const std::ptrdiff_t x = 1, y = size.x(), z = y * size.y();
+  const auto [x, y, z] = strides(image.frame());
   const LabelImage::Index* const v = &image.voxels()[image.frame().offset(first)];
   return v[0] == v[x] && v[0] == v[y] && v[0] == v[x + y] && v[0] == v[z] && v[0] == v[x + z] &&
          v[0] == v[y + z] && v[0] == v[x + y + z];
@@ -88,8 +93,7 @@ std::optional<Vec3> nearest_on_voxel_faces(const LabelImage& image, const Vec3& 
   const Index3 last = frame.size - Index3::Ones();
   const Index3 low = Eigen::Array3d((at - reach).array().round()).cast<int>().matrix().cwiseMax(0);
   const Index3 high = Eigen::Array3d((at + reach).array().round()).cast<int>().matrix().cwiseMin(last);
-  const std::array<std::ptrdiff_t, 3> stride = {1, frame.size.x(),
-                                                std::ptrdiff_t{1} * frame.size.x() * frame.size.y()};
+  const std::array<std::ptrdiff_t, 3> stride = strides(frame);
   std::optional<Vec3> best;
   double least2 = reach_mm * reach_mm;
   for_each_index_between(low, high, [&](const Index3& voxel) {
@@ -286,28 +290,23 @@ void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& bounda
 
 void MissFinder::append_far_vertices(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
                                      std::vector<Miss>& out) const {
-  const auto far = parallel::collect<std::uint32_t>(beyond_mm_.size(), [&](std::size_t v, auto& found) {
-    if (beyond_mm_[v] > 0) found.push_back(static_cast<std::uint32_t>(v));
-  });
-  if (far.empty()) return;
-  // Each with the first of its triangles.
-  std::vector<std::uint8_t> done(beyond_mm_.size(), 1);
-  for (const std::uint32_t v : far) done[v] = 0;
+  std::vector<double> beyond_mm = beyond_mm_;
+  if (std::all_of(beyond_mm.begin(), beyond_mm.end(), [](double mm) { return mm <= 0; })) return;
   for (std::uint32_t i = 0; i < boundary.triangles.size(); ++i) {
     const BoundaryTriangle& t = boundary.triangles[i];
     for (const std::uint32_t v : t.vertices) {
-      if (done[v] != 0) continue;
+      if (beyond_mm[v] <= 0) continue;
       const Vec3& x = mesh.positions[v];
       const Vec3 place = within_reach_of_voxels(*image_, *domain_, boundary.sets[v], x);
       out.push_back({(place - x).norm(),
                      {place, ascending(t.inside, t.outside)},
                      i,
                      x,
-                     limit_mm + kUrgent * domain_->voxel_size_mm() + beyond_mm_[v],
+                     limit_mm + kUrgent * domain_->voxel_size_mm() + beyond_mm[v],
                      true,
                      place != x,
                      v});
-      done[v] = 1;
+      beyond_mm[v] = 0;  // with one triangle only
     }
   }
 }
