@@ -84,44 +84,80 @@ void append_corners(const LabelImage& image, const Index3& voxel, std::vector<Pr
   for_each_index_between(low, voxel, [&](const Index3& first) { append_corner(image, first, out); });
 }
 
-/// The place nearest to a point on the faces between voxels of two materials, closer than a distance.
-std::optional<Vec3> nearest_on_voxel_faces(const LabelImage& image, const Vec3& point_mm,
-                                           const std::array<Material, 2>& materials, double reach_mm) {
-  const ImageFrame& frame = image.frame();
-  const Vec3 at = frame.to_index(point_mm);
-  const Vec3 reach = reach_mm * frame.spacing_mm.cwiseInverse() + Vec3::Constant(0.5);
-  const Index3 last = frame.size - Index3::Ones();
-  const Index3 low = Eigen::Array3d((at - reach).array().round()).cast<int>().matrix().cwiseMax(0);
-  const Index3 high = Eigen::Array3d((at + reach).array().round()).cast<int>().matrix().cwiseMin(last);
-  const std::array<std::ptrdiff_t, 3> stride = strides(frame);
-  std::optional<Vec3> best;
-  double least2 = reach_mm * reach_mm;
-  for_each_index_between(low, high, [&](const Index3& voxel) {
-    const LabelImage::Index* const own = &image.voxels()[frame.offset(voxel)];
-    for (int axis = 0; axis < 3; ++axis) {
-      if (voxel[axis] == last[axis]) continue;
-      const LabelImage::Index next = own[stride[static_cast<std::size_t>(axis)]];
-      if (next == *own || ascending(*own, next) != materials) continue;
-      Vec3 face_low = voxel.cast<double>() - Vec3::Constant(0.5);
-      Vec3 face_high = face_low + Vec3::Ones();
-      face_low[axis] = face_high[axis];
-      const Vec3 nearest = at.cwiseMax(face_low).cwiseMin(face_high);
-      const double squared = (nearest - at).cwiseProduct(frame.spacing_mm).squaredNorm();
-      if (squared >= least2) continue;
-      best = nearest;
-      least2 = squared;
-    }
-  });
-  if (best) best = frame.to_physical(*best);
-  return best;
-}
+/// The place on the faces between voxels of two materials that is nearest to a point.
+class NearestFace {
+ public:
+  NearestFace(const LabelImage& image, const Vec3& point_mm, const std::array<Material, 2>& materials)
+      : image_(image),
+        frame_(image.frame()),
+        materials_(materials),
+        last_(frame_.size - Index3::Ones()),
+        at_(frame_.to_index(point_mm)) {}
 
-/// The same within 2.5 voxels. Most are close, so that it is quicker to look there first.
+  /// @return None where it is not closer than `reach_mm`.
+  [[nodiscard]] std::optional<Vec3> find(double reach_mm) {
+    const Vec3 reach = reach_mm * frame_.spacing_mm.cwiseInverse() + Vec3::Constant(0.5);
+    const Index3 low = Eigen::Array3d((at_ - reach).array().round()).cast<int>().matrix().cwiseMax(0);
+    const Index3 high = Eigen::Array3d((at_ + reach).array().round()).cast<int>().matrix().cwiseMin(last_);
+    least2_ = reach_mm * reach_mm;
+    for (int k = low.z(); k <= high.z(); ++k) {
+      const double slice2 = away2(2, k);
+      for (int j = low.y(); slice2 < least2_ && j <= high.y(); ++j) {
+        if (slice2 + away2(1, j) < least2_) look_along({low.x(), j, k}, high.x());
+      }
+    }
+    if (!nearest_) return std::nullopt;
+    return frame_.to_physical(*nearest_);
+  }
+
+ private:
+  /// Squared distance in mm, along one axis, to the voxels of an index there.
+  [[nodiscard]] double away2(int axis, int index) const {
+    const double away = std::max(std::abs(index - at_[axis]) - 0.5, 0.0) * frame_.spacing_mm[axis];
+    return away * away;
+  }
+
+  /// From a voxel to the last one of its row that counts.
+  void look_along(Index3 voxel, int last_x) {
+    const std::array<std::ptrdiff_t, 3> stride = strides(frame_);
+    const LabelImage::Index* own = &image_.voxels()[frame_.offset(voxel)];
+    for (; voxel.x() <= last_x; ++voxel.x(), ++own) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (voxel[axis] == last_[axis]) continue;
+        const LabelImage::Index next = own[stride[static_cast<std::size_t>(axis)]];
+        if (next != *own && ascending(*own, next) == materials_) take_if_nearer(voxel, axis);
+      }
+    }
+  }
+
+  /// The face between a voxel and the next one along an axis.
+  void take_if_nearer(const Index3& voxel, int axis) {
+    Vec3 low = voxel.cast<double>() - Vec3::Constant(0.5);
+    Vec3 high = low + Vec3::Ones();
+    low[axis] = high[axis];
+    const Vec3 nearest = at_.cwiseMax(low).cwiseMin(high);
+    const double squared = (nearest - at_).cwiseProduct(frame_.spacing_mm).squaredNorm();
+    if (squared >= least2_) return;
+    nearest_ = nearest;
+    least2_ = squared;
+  }
+
+  const LabelImage& image_;
+  const ImageFrame& frame_;
+  std::array<Material, 2> materials_;
+  Index3 last_;
+  Vec3 at_;  // voxels
+  double least2_ = 0;
+  std::optional<Vec3> nearest_;
+};
+
+/// Within 2.5 voxels. Most are close, so that it is quicker to look there first.
 std::optional<Vec3> nearest_on_voxel_faces(const LabelImage& image, const Vec3& point_mm,
                                            const std::array<Material, 2>& materials) {
   const double voxel_mm = std::cbrt(image.frame().voxel_volume_mm3());
-  const auto close = nearest_on_voxel_faces(image, point_mm, materials, kClose * voxel_mm);
-  return close ? close : nearest_on_voxel_faces(image, point_mm, materials, kFaceReach * voxel_mm);
+  NearestFace nearest(image, point_mm, materials);
+  const auto close = nearest.find(kClose * voxel_mm);
+  return close ? close : nearest.find(kFaceReach * voxel_mm);
 }
 
 }  // namespace
@@ -246,21 +282,23 @@ void MissFinder::update_strays(const WorkMesh& mesh, const BoundaryModel& bounda
 
 /// Looks for a place of a triangle that is further from the voxel faces than what is known. No place is
 /// further than the centre by more than its distance from the centre, which saves most of the search.
+/// @param face_mm  A place on the faces, if one is known: where it is close enough, nothing is sought.
 void MissFinder::look_for_furthest(const std::array<Vec3, 3>& p, const std::array<Material, 2>& pair,
-                                   Furthest& furthest) const {
+                                   const std::optional<Vec3>& face_mm, Furthest& furthest) const {
   const double fine_mm = kFine * domain_->voxel_size_mm();
   const Vec3 centre = (p[0] + p[1] + p[2]) / 3;
+  const double radius_mm = std::sqrt(std::max(
+      {(p[0] - centre).squaredNorm(), (p[1] - centre).squaredNorm(), (p[2] - centre).squaredNorm()}));
+  if (face_mm && (*face_mm - centre).norm() + radius_mm <= furthest.off_mm) return;
   const std::optional<Vec3> nearest = nearest_on_voxel_faces(*image_, centre, pair);
   const double off_mm = nearest ? (*nearest - centre).norm() : kFaceReach * domain_->voxel_size_mm();
   if (off_mm > furthest.off_mm) furthest = {off_mm, centre, nearest.value_or(centre)};
-  const double radius_mm = std::sqrt(std::max(
-      {(p[0] - centre).squaredNorm(), (p[1] - centre).squaredNorm(), (p[2] - centre).squaredNorm()}));
   const bool nothing_seen = !nearest;  // nor is anything further seen then
   if (nothing_seen || radius_mm < fine_mm || off_mm + radius_mm <= furthest.off_mm) return;
   const Vec3 a = (p[1] + p[2]) / 2, b = (p[2] + p[0]) / 2, c = (p[0] + p[1]) / 2;
   for (const std::array<Vec3, 3>& part :
        {std::array{a, b, c}, std::array{p[0], c, b}, std::array{c, p[1], a}, std::array{b, a, p[2]}})
-    look_for_furthest(part, pair, furthest);
+    look_for_furthest(part, pair, nearest, furthest);
 }
 
 void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& boundary, std::uint32_t triangle,
@@ -278,7 +316,7 @@ void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& bounda
   const std::array<Material, 2> pair = ascending(t.inside, t.outside);
   const Vec3 outwards = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
   Furthest furthest{limit_mm, centre, centre};
-  look_for_furthest(p, pair, furthest);
+  look_for_furthest(p, pair, std::nullopt, furthest);
   if (furthest.off_mm <= limit_mm) return;
   const Vec3& from = furthest.at;
   const double ahead_mm = std::copysign(kAhead * domain_->voxel_size_mm(), depth(from));

@@ -82,7 +82,7 @@ class MissFinder {
     Vec3 at, back;
   };
   void look_for_furthest(const std::array<Vec3, 3>& p, const std::array<Material, 2>& pair,
-                         Furthest& furthest) const;
+                         const std::optional<Vec3>& face_mm, Furthest& furthest) const;
   void append_far_vertices(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
                            std::vector<Miss>& out) const;
 
