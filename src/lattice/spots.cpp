@@ -70,16 +70,19 @@ class Spot {
   /// @param made  Tries made before; what follows is different.
   /// @param seed  Another one for each call at the same place.
   SpotResult mend(std::size_t made, std::size_t most, unsigned seed) {
-    constexpr std::size_t kTooMany = 20;  // misses after fitting anew, of which nothing good comes
+    constexpr int kHopeless = 3;          // times in a row that this happens
     std::vector<Miss> missed = keep_if_best();
     const auto at_start = least_;
     const MeshPart first = part_;
     take_turns(std::move(missed), false);
+    // More misses than these after fitting anew, of which nothing good comes.
+    const std::size_t too_many = std::max<std::size_t>(20, at_start.second + at_start.second / 4);
     std::size_t n = made;
-    for (; n < most && is_worth_try(n); ++n) {
+    for (int in_vain = 0; n < most && in_vain < kHopeless && is_worth_try(n); ++n) {
       part_ = first;
       missed = fit_anew(static_cast<unsigned>(n), seed);
-      if (missed.size() <= kTooMany) take_turns(std::move(missed), true);
+      in_vain = missed.size() > too_many ? in_vain + 1 : 0;
+      if (in_vain == 0) take_turns(std::move(missed), true);
     }
     const bool better = least_ < at_start;
     const bool well = better && least_.second == 0;
@@ -265,7 +268,7 @@ void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder,
   constexpr std::size_t kRounds = 16;
   // Small meshes get fewer, so that they do not take much longer than the rest of the work.
   const std::size_t tets = whole.mesh.tets.size();
-  const std::size_t least = std::clamp<std::size_t>(tets / 1000, 8, 60);
+  const std::size_t least = std::clamp<std::size_t>(tets / 2000, 8, 60);
   std::size_t tries_left = std::clamp<std::size_t>(tets / 3000, least, 120);
   const double voxel_mm = setting.domain.voxel_size_mm();
   const double edge_mm = longest_edge_mm(whole.mesh);
