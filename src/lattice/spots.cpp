@@ -70,7 +70,7 @@ class Spot {
   /// @param made  Tries made before; what follows is different.
   /// @param seed  Another one for each call at the same place.
   SpotResult mend(std::size_t made, std::size_t most, unsigned seed) {
-    constexpr int kHopeless = 3;          // times in a row that this happens
+    constexpr int kHopeless = 3;  // times in a row that this happens
     std::vector<Miss> missed = keep_if_best();
     const auto at_start = least_;
     const MeshPart first = part_;

@@ -94,36 +94,43 @@ inline void raise_to(std::uint64_t& number, std::uint64_t value) {
   }
 }
 
+/// What append(begin, end, out) appends for each fixed block of [0, count).
+template <class Item, class Append>
+[[nodiscard]] std::vector<std::vector<Item>> collect_parts(std::size_t count, std::size_t block,
+                                                           const Append& append) {
+  std::vector<std::vector<Item>> parts((count + block - 1) / block);
+  for_each_block(count, block,
+                 [&](std::size_t b, std::size_t begin, std::size_t end) { append(begin, end, parts[b]); });
+  return parts;
+}
+
 /// Collects what append(begin, end, out) appends for fixed blocks of [0, count), in block order whatever the
 /// thread count.
 template <class Item, class Append>
 [[nodiscard]] std::vector<Item> collect_blocks(std::size_t count, std::size_t block, const Append& append) {
-  std::vector<std::vector<Item>> parts((count + block - 1) / block);
-  for_each_block(count, block,
-                 [&](std::size_t b, std::size_t begin, std::size_t end) { append(begin, end, parts[b]); });
+  const std::vector<std::vector<Item>> parts = collect_parts<Item>(count, block, append);
   std::size_t total = 0;
   for (const auto& part : parts) total += part.size();
   std::vector<Item> all;
   all.reserve(total);
-  for (auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
   return all;
 }
 
-/// Appends the same to a vector that is large: all threads copy, and should come to its memory first.
+/// The same for results so large that all threads copy them, to the end of a vector; new memory is touched
+/// first by the threads that copy.
 template <class Item, class Append>
 void collect_blocks_into(UninitialisedVector<Item>& all, std::size_t count, std::size_t block,
                          const Append& append) {
-  std::vector<std::vector<Item>> parts((count + block - 1) / block);
-  for_each_block(count, block,
-                 [&](std::size_t b, std::size_t begin, std::size_t end) { append(begin, end, parts[b]); });
+  std::vector<std::vector<Item>> parts = collect_parts<Item>(count, block, append);
   std::vector<std::size_t> first = {all.size()};
   for (const auto& part : parts) first.push_back(first.back() + part.size());
   all.resize(first.back());
   for_each_index(
       parts.size(),
       [&](std::size_t b) {
-        std::copy(parts[b].begin(), parts[b].end(), all.begin() + static_cast<std::ptrdiff_t>(first[b]));
-        parts[b] = {};
+        const std::vector<Item> part = std::move(parts[b]);  // frees its memory at once
+        std::copy(part.begin(), part.end(), all.begin() + static_cast<std::ptrdiff_t>(first[b]));
       },
       1);
 }
