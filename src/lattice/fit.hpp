@@ -17,8 +17,9 @@ struct FitOptions {
 };
 
 struct FitReport {
-  std::size_t off_boundary_vertices = 0;  ///< Further from the boundary's zero set than 0.75 voxels.
-  double largest_offset_mm = 0;
+  std::size_t missed_places =
+      0;  ///< Where the surface and the voxels' boundary are more than 1.25 voxels apart.
+  double furthest_miss_mm = 0;  ///< How far at most, where there are any.
 };
 
 /// Moves vertices; tetrahedra keep positive volume and, once they have them, dihedral angles within the

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <numeric>
+#include <sstream>
 
 #include "boundary_choice.hpp"
 #include "fit.hpp"
@@ -108,6 +110,12 @@ void note_lost(const std::vector<Label>& lost, const ImageDomain& domain, const 
   }
 }
 
+std::string two_decimals(double number) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(2) << number;
+  return text.str();
+}
+
 /// What the user should know about a mesh that is less than perfect.
 void note_shortcomings(const LatticeOptions& options, LatticeReport& report) {
   if (report.levels_given_up > 0)
@@ -116,13 +124,39 @@ void note_shortcomings(const LatticeOptions& options, LatticeReport& report) {
                            std::to_string(options.max_tetrahedra) + " tetrahedra; raise --max-tetrahedra");
   if (report.non_manifold_vertices > 0)
     report.notes.push_back(
-        std::to_string(report.non_manifold_vertices) +
-        " vertices remain where a label's boundary is not a manifold; try another --spacing");
-  if (report.off_boundary_vertices > 0)
-    report.notes.push_back(
-        std::to_string(report.off_boundary_vertices) +
-        " boundary vertices lie more than 0.75 voxels from the image's boundary, because the "
-        "limits of the angles hold them; a smaller --spacing or higher --fidelity helps");
+        "a label's boundary is not a manifold at " + std::to_string(report.non_manifold_vertices) +
+        (report.non_manifold_vertices == 1 ? " vertex" : " vertices") + "; try another --spacing");
+  if (report.missed_places > 0)
+    report.notes.push_back("the surface and the image's boundary are up to " +
+                           two_decimals(report.furthest_miss_mm) + " mm apart (more than 1.25 voxels at " +
+                           std::to_string(report.missed_places) +
+                           (report.missed_places == 1 ? " place" : " places") +
+                           "); a smaller --spacing or higher --fidelity helps");
+}
+
+/// Of labels that are too thin for the lattice and fill another volume than their voxels.
+void note_volumes(const WorkMesh& mesh, const ImageDomain& domain,
+                  const std::vector<double>& label_volumes_mm3, LatticeReport& report) {
+  constexpr double kMuch = 0.05;
+  const std::vector<double> filled = material_volumes_mm3(mesh, label_volumes_mm3.size());
+  std::size_t count = 0;
+  double worst = 0;
+  Label label = 0;
+  for (Material m = 1; m < filled.size(); ++m) {
+    if (filled[m] <= 0) continue;  // lost, which is said elsewhere
+    const double change = filled[m] / label_volumes_mm3[m] - 1;
+    count += std::abs(change) > kMuch ? 1 : 0;
+    if (std::abs(change) <= std::abs(worst)) continue;
+    worst = change;
+    label = domain.label_of(m);
+  }
+  if (count == 0) return;
+  const std::string who =
+      count == 1 ? "1 label fills a volume more than 5 % off that of its voxels"
+                 : std::to_string(count) + " labels fill volumes more than 5 % off those of their voxels";
+  report.notes.push_back(who + "; label " + std::to_string(label) + " is " +
+                         two_decimals(100 * std::abs(worst)) + " % too " + (worst < 0 ? "small" : "large") +
+                         "; a smaller --spacing or higher --fidelity helps");
 }
 
 void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDomain& domain,
@@ -139,9 +173,10 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
     fit_options.label_volumes_mm3.push_back(count * domain.frame().voxel_volume_mm3());
   const FitReport fit = context.phase(
       "fit", [&] { return fit_to_domain(built.mesh, built.boundary, image, domain, fit_options); });
-  result.report.off_boundary_vertices = fit.off_boundary_vertices;
-  result.report.largest_offset_voxels = fit.largest_offset_mm / domain.voxel_size_mm();
+  result.report.missed_places = fit.missed_places;
+  result.report.furthest_miss_mm = fit.furthest_miss_mm;
   note_shortcomings(options, result.report);
+  note_volumes(built.mesh, domain, fit_options.label_volumes_mm3, result.report);
   result.mesh = to_mixed_mesh(built.mesh, built.boundary, domain);
   if (options.cells == LatticeCells::kMixed)
     context.phase("hexahedra", [&] { merge_hexahedra(result.mesh, domain.frame().direction); });

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <map>
 
-#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -33,23 +32,7 @@ double doubled_area_mm2(const WorkMesh& mesh, const BoundaryTriangle& t) {
 
 /// What each label still lacks of its volume.
 std::vector<double> missing_mm3(const WorkMesh& mesh, const std::vector<double>& label_volumes_mm3) {
-  const std::vector<double> none(label_volumes_mm3.size(), 0.0);
-  const auto add = [](std::vector<double> a, const std::vector<double>& b) {
-    for (std::size_t i = 0; i < a.size(); ++i) a[i] += b[i];
-    return a;
-  };
-  const std::vector<double> filled = parallel::reduce_blocks(
-      mesh.tets.size(), 65536, none,
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<double> sum = none;
-        for (std::size_t t = begin; t < end; ++t) {
-          const Corner4& c = mesh.tets[t];
-          sum[mesh.materials[t]] += tetrahedron_volume(mesh.positions[c[0]], mesh.positions[c[1]],
-                                                       mesh.positions[c[2]], mesh.positions[c[3]]);
-        }
-        return sum;
-      },
-      add);
+  const std::vector<double> filled = material_volumes_mm3(mesh, label_volumes_mm3.size());
   std::vector<double> missing = label_volumes_mm3;
   for (std::size_t i = 0; i < missing.size(); ++i) missing[i] -= filled[i];
   return missing;

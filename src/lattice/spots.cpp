@@ -52,6 +52,7 @@ std::vector<Vec3> shaken(std::vector<Vec3> places, unsigned seed, double amplitu
 struct SpotResult {
   bool better = false;
   bool promising = false;  ///< Nothing is missed any more, or the worst is less bad: another time may help.
+  bool hopeless = false;   ///< Fewer tries were made than allowed, because more do not help.
   std::size_t tries = 0;   ///< That were made.
 };
 
@@ -66,19 +67,22 @@ class Spot {
         probes_(probes_near(setting.image, setting.domain, centre_mm, kShell * voxel_mm_)),
         finder_(setting.image, setting.domain, probes_) {}
 
+  /// What a try costs: the tetrahedra that it works on, and something for what each try costs besides.
+  [[nodiscard]] std::size_t cost() const { return part_.mesh.tets.size() + 1500; }
+
   /// First as it is, then anew from the lattice, at most until `most` tries have been made.
   /// @param made  Tries made before; what follows is different.
   /// @param seed  Another one for each call at the same place.
   SpotResult mend(std::size_t made, std::size_t most, unsigned seed) {
-    constexpr int kHopeless = 3;  // times in a row that this happens
+    constexpr int kInVain =
+        3;  // times in a row that fitting anew leaves so many that nothing good comes of it
     std::vector<Miss> missed = keep_if_best();
     const auto at_start = least_;
     const MeshPart first = part_;
     take_turns(std::move(missed), false);
-    // More misses than these after fitting anew, of which nothing good comes.
     const std::size_t too_many = std::max<std::size_t>(20, at_start.second + at_start.second / 4);
     std::size_t n = made;
-    for (int in_vain = 0; n < most && in_vain < kHopeless && is_worth_try(n); ++n) {
+    for (int in_vain = 0; n < most && in_vain < kInVain && is_worth_try(n); ++n) {
       part_ = first;
       missed = fit_anew(static_cast<unsigned>(n), seed);
       in_vain = missed.size() > too_many ? in_vain + 1 : 0;
@@ -86,7 +90,7 @@ class Spot {
     }
     const bool better = least_ < at_start;
     const bool well = better && least_.second == 0;
-    return {better, well || least_.first < at_start.first, n - made};
+    return {better, well || least_.first < at_start.first, n < most, n - made};
   }
 
   [[nodiscard]] MeshPart take() { return std::move(best_); }
@@ -248,62 +252,109 @@ std::size_t count_probes(const std::vector<Miss>& missed) {
       std::count_if(missed.begin(), missed.end(), [](const Miss& m) { return !m.stray; }));
 }
 
-/// Puts back what was mended, but no two parts with a common tetrahedron.
-void put_back_all(WholeMesh& whole, const std::vector<std::optional<MeshPart>>& mended) {
-  std::vector<std::uint8_t> taken(whole.mesh.tets.size(), 0);
-  for (const std::optional<MeshPart>& part : mended) {
-    if (!part) continue;
-    const bool free =
-        std::none_of(part->tets.begin(), part->tets.end(), [&](std::uint32_t t) { return taken[t] != 0; });
-    if (!free) continue;  // its misses are found again
-    for (const std::uint32_t t : part->tets) taken[t] = 1;
-    put_back(whole, *part);
+/// Mends spots in rounds.
+class SpotMender {
+ public:
+  SpotMender(WholeMesh& whole, const FitSetting& setting)
+      : whole_(whole),
+        setting_(setting),
+        edge_mm_(longest_edge_mm(whole.mesh)),
+        part_mm_(std::max(kPart * setting.domain.voxel_size_mm(), edge_mm_)),
+        tried_(kSame * setting.domain.voxel_size_mm()),
+        work_left_(3 * whole.mesh.tets.size() / 2) {}
+
+  /// One round. What is mended easily may mend its neighbours too, so that the first one makes few tries.
+  /// @return False if there was nothing to do, or more rounds would hardly help.
+  bool mend(const std::vector<Miss>& missed) {
+    const std::vector<Vec3> centres = choose_centres(missed, tried_, 2 * part_mm_ + edge_mm_);
+    if (centres.empty()) return false;
+    const SurfaceTree tree(whole_.mesh, whole_.boundary, centres, part_mm_ + edge_mm_);
+    const std::size_t share = work_left_ / centres.size();
+    std::vector<Mended> mended(centres.size());
+    parallel::for_each_index(
+        centres.size(), [&](std::size_t i) { mended[i] = mend_spot(tree, centres[i], share); }, 1);
+    if (round_++ > 0) note_tries(centres, mended);
+    put_back_all(mended);
+    const bool promising =
+        std::any_of(mended.begin(), mended.end(), [](const Mended& m) { return m.result.promising; });
+    dull_rounds_ = promising ? 0 : dull_rounds_ + 1;
+    return work_left_ > 0 || dull_rounds_ < 3;
   }
-  drop_gone_triangles(whole);
-}
+
+ private:
+  struct Mended {
+    SpotResult result;
+    std::optional<MeshPart> part;  // if it is better than what was there
+    std::size_t work = 0;
+  };
+
+  [[nodiscard]] Mended mend_spot(const SurfaceTree& tree, const Vec3& centre_mm, std::size_t share) const {
+    const std::size_t made = tried_.tries_at(centre_mm);
+    Spot spot(cut_out(whole_, tree, centre_mm, part_mm_), centre_mm, setting_);
+    const std::size_t cost = spot.cost();
+    std::size_t most = 1;
+    if (round_ > 0) {
+      const std::size_t affordable = std::max<std::size_t>(share / cost, work_left_ > 0 ? 1 : 0);
+      most = std::min(made + affordable, TriedPlaces::kMost);
+    }
+    Mended mended;
+    mended.result = spot.mend(made, most, round_);
+    mended.work = mended.result.tries * cost;
+    if (mended.result.better) mended.part = spot.take();
+    return mended;
+  }
+
+  void note_tries(const std::vector<Vec3>& centres, const std::vector<Mended>& mended) {
+    for (std::size_t i = 0; i < centres.size(); ++i) {
+      const SpotResult& result = mended[i].result;
+      work_left_ -= std::min(work_left_, mended[i].work);
+      const bool gives_up = result.hopeless || work_left_ == 0;
+      const std::size_t made = tried_.tries_at(centres[i]) + result.tries;
+      tried_.set(centres[i], result.promising ? 0 : gives_up ? TriedPlaces::kMost : made);
+    }
+  }
+
+  /// No two parts with a common tetrahedron.
+  void put_back_all(const std::vector<Mended>& mended) {
+    std::vector<std::uint8_t> taken(whole_.mesh.tets.size(), 0);
+    for (const Mended& m : mended) {
+      if (!m.part) continue;
+      const std::vector<std::uint32_t>& tets = m.part->tets;
+      if (std::any_of(tets.begin(), tets.end(), [&](std::uint32_t t) { return taken[t] != 0; }))
+        continue;  // its misses are found again
+      for (const std::uint32_t t : tets) taken[t] = 1;
+      put_back(whole_, *m.part);
+    }
+    drop_gone_triangles(whole_);
+  }
+
+  WholeMesh& whole_;
+  const FitSetting& setting_;
+  double edge_mm_;
+  double part_mm_;  // how far parts reach around their centres
+  TriedPlaces tried_;
+  std::size_t work_left_;  // what tries may cost; follows the size of the mesh, so that time stays linear
+  unsigned round_ = 0;
+  int dull_rounds_ = 0;  // in a row, that brought nothing
+};
 
 }  // namespace
 
-void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder, std::size_t probes) {
-  constexpr std::size_t kRounds = 16;
-  // Small meshes get fewer, so that they do not take much longer than the rest of the work.
-  const std::size_t tets = whole.mesh.tets.size();
-  const std::size_t least = std::clamp<std::size_t>(tets / 2000, 8, 60);
-  std::size_t tries_left = std::clamp<std::size_t>(tets / 3000, least, 120);
-  const double voxel_mm = setting.domain.voxel_size_mm();
-  const double edge_mm = longest_edge_mm(whole.mesh);
-  const double part_mm = std::max(kPart * voxel_mm, edge_mm);
+std::vector<Miss> mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder,
+                             std::size_t probes) {
+  constexpr int kRounds = 16;
+  const double limit_mm = kMissed * setting.domain.voxel_size_mm();
   const std::size_t too_many = std::max<std::size_t>(100, probes / 100);
-  TriedPlaces tried(kSame * voxel_mm);
-  for (std::size_t round = 0; round < kRounds; ++round) {
-    const std::vector<Miss> missed = finder.find(whole.mesh, whole.boundary, kMissed * voxel_mm, too_many);
+  SpotMender mender(whole, setting);
+  std::vector<Miss> missed = finder.find(whole.mesh, whole.boundary, limit_mm, too_many);
+  for (int round = 0; round < kRounds; ++round) {
     if (count_probes(missed) > too_many) break;  // the lattice is too coarse to come close everywhere
-    const std::vector<Vec3> centres = choose_centres(missed, tried, 2 * part_mm + edge_mm);
-    if (centres.empty()) break;
-    const bool thorough = round > 0;  // what is mended easily may mend its neighbours too
-    const std::size_t share = std::min(std::max<std::size_t>(tries_left / centres.size(), 1), tries_left);
-    const SurfaceTree tree(whole.mesh, whole.boundary, centres, part_mm + edge_mm);
-    std::vector<std::optional<MeshPart>> mended(centres.size());
-    std::vector<SpotResult> results(centres.size());
-    parallel::for_each_index(
-        centres.size(),
-        [&](std::size_t i) {
-          const std::size_t made = tried.tries_at(centres[i]);
-          const std::size_t most = thorough ? std::min(made + share, TriedPlaces::kMost) : 1;
-          Spot spot(cut_out(whole, tree, centres[i], part_mm), centres[i], setting);
-          results[i] = spot.mend(made, most, static_cast<unsigned>(round));
-          if (results[i].better) mended[i] = spot.take();
-        },
-        1);
-    for (std::size_t i = 0; thorough && i < centres.size(); ++i) {
-      tries_left -= std::min(tries_left, results[i].tries);
-      const bool gives_up = results[i].tries < share || tries_left == 0;
-      const std::size_t made = tried.tries_at(centres[i]) + results[i].tries;
-      tried.set(centres[i], results[i].promising ? 0 : gives_up ? TriedPlaces::kMost : made);
-    }
-    put_back_all(whole, mended);
+    const bool goes_on = mender.mend(missed);
+    missed = finder.find(whole.mesh, whole.boundary, limit_mm, too_many);
+    if (!goes_on) break;
   }
   drop_gone(whole);
+  return missed;
 }
 
 }  // namespace lumesh

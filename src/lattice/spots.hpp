@@ -14,6 +14,8 @@ namespace lumesh {
 /// @param whole  Has the vertices' places in the lattice.
 /// @param probes  How many the finder has: where more than a hundredth of them (and more than 100) are
 ///                missed, the lattice is too coarse for this and nothing more is done.
-void mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder, std::size_t probes);
+/// @return What is missed at the end, the furthest first; only probes where the lattice is too coarse.
+std::vector<Miss> mend_spots(WholeMesh& whole, const FitSetting& setting, MissFinder& finder,
+                             std::size_t probes);
 
 }  // namespace lumesh

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/key_set.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -152,6 +153,26 @@ double longest_edge_mm(const WorkMesh& mesh) {
         return longest_mm;
       },
       [](double a, double b) { return std::max(a, b); });
+}
+
+std::vector<double> material_volumes_mm3(const WorkMesh& mesh, std::size_t materials) {
+  const std::vector<double> none(materials, 0.0);
+  const auto add = [](std::vector<double> a, const std::vector<double>& b) {
+    for (std::size_t i = 0; i < a.size(); ++i) a[i] += b[i];
+    return a;
+  };
+  return parallel::reduce_blocks(
+      mesh.tets.size(), 65536, none,
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<double> sum = none;
+        for (std::size_t t = begin; t < end; ++t) {
+          const Corner4& c = mesh.tets[t];
+          sum[mesh.materials[t]] += tetrahedron_volume(mesh.positions[c[0]], mesh.positions[c[1]],
+                                                       mesh.positions[c[2]], mesh.positions[c[3]]);
+        }
+        return sum;
+      },
+      add);
 }
 
 void build_stars(WorkMesh& mesh) {

@@ -41,8 +41,9 @@ struct LatticeOptions {
 struct LatticeReport {
   std::size_t lattice_tetrahedra = 0;  ///< Before the boundary was chosen.
   std::size_t relabelled = 0;  ///< Tetrahedra that changed their material to make the boundary manifold.
-  std::size_t off_boundary_vertices = 0;  ///< Boundary vertices that ended more than 0.75 voxels away.
-  double largest_offset_voxels = 0;
+  std::size_t missed_places =
+      0;  ///< Where the surface and the voxels' boundary are more than 1.25 voxels apart.
+  double furthest_miss_mm = 0;  ///< How far at most, where there are any.
   std::size_t non_manifold_vertices =
       0;                    ///< Vertices where a label's boundary is not a manifold; 0 but for hard cases.
   int levels_given_up = 0;  ///< Of the refinement of thin parts, to stay near max_tetrahedra.
