@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "fitter.hpp"
-#include "lumesh/parallel/loops.hpp"
 #include "offsets.hpp"
 #include "spikes.hpp"
 #include "spots.hpp"
@@ -13,13 +12,19 @@ namespace lumesh {
 
 namespace {
 
-FitReport report_on(const std::vector<Miss>& missed, double voxel_mm) {
-  constexpr double kFar = 1.25;  // voxels; what is closer meets every need
+/// @param misses  Of which the triangles count; the probes' distances are given.
+FitReport report_on(const std::vector<Miss>& misses, const std::vector<double>& distances_mm,
+                    double voxel_mm) {
+  constexpr double kFar = 1.25;  // voxels; more than what spots are mended to, so that few meshes are blamed
   FitReport report;
-  for (const Miss& miss : missed) {
-    if (miss.vertex || miss.off_mm <= kFar * voxel_mm) continue;
-    ++report.missed_places;
-    report.furthest_miss_mm = std::max(report.furthest_miss_mm, miss.off_mm);
+  const auto add = [&](double off_mm) {
+    if (off_mm <= kFar * voxel_mm) return;
+    ++report.missed_points;
+    report.furthest_miss_mm = std::max(report.furthest_miss_mm, off_mm);
+  };
+  for (const double distance_mm : distances_mm) add(distance_mm);
+  for (const Miss& miss : misses) {
+    if (miss.stray && !miss.vertex) add(miss.off_mm);  // a vertex has no distance here, but a rank
   }
   return report;
 }
@@ -54,7 +59,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
   const std::vector<Miss> missed = mend_spots(whole, setting, finder, options.probes.size());
-  return report_on(missed, domain.voxel_size_mm());
+  return report_on(missed, finder.missed_distances_mm(mesh, boundary), domain.voxel_size_mm());
 }
 
 }  // namespace lumesh

@@ -17,9 +17,10 @@ struct FitOptions {
 };
 
 struct FitReport {
-  std::size_t missed_places =
-      0;  ///< Where the surface and the voxels' boundary are more than 1.25 voxels apart.
-  double furthest_miss_mm = 0;  ///< How far at most, where there are any.
+  /// Corners and centres of voxel faces, and triangles, that are more than 1.25 voxels off.
+  std::size_t missed_points = 0;
+  /// How far at most; a triangle with no voxel face within 2.5 voxels counts as that far.
+  double furthest_miss_mm = 0;
 };
 
 /// Moves vertices; tetrahedra keep positive volume and, once they have them, dihedral angles within the

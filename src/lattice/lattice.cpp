@@ -110,9 +110,9 @@ void note_lost(const std::vector<Label>& lost, const ImageDomain& domain, const 
   }
 }
 
-std::string two_decimals(double number) {
+std::string decimals(double number, int count) {
   std::ostringstream text;
-  text << std::fixed << std::setprecision(2) << number;
+  text << std::fixed << std::setprecision(count) << number;
   return text.str();
 }
 
@@ -126,15 +126,14 @@ void note_shortcomings(const LatticeOptions& options, LatticeReport& report) {
     report.notes.push_back(
         "a label's boundary is not a manifold at " + std::to_string(report.non_manifold_vertices) +
         (report.non_manifold_vertices == 1 ? " vertex" : " vertices") + "; try another --spacing");
-  if (report.missed_places > 0)
+  if (report.missed_points > 0)
     report.notes.push_back("the surface and the image's boundary are up to " +
-                           two_decimals(report.furthest_miss_mm) + " mm apart (more than 1.25 voxels at " +
-                           std::to_string(report.missed_places) +
-                           (report.missed_places == 1 ? " place" : " places") +
+                           decimals(report.furthest_miss_mm, 2) + " mm apart (" +
+                           std::to_string(report.missed_points) + " points are off by more than 1.25 voxels" +
                            "); a smaller --spacing or higher --fidelity helps");
 }
 
-/// Of labels that are too thin for the lattice and fill another volume than their voxels.
+/// Labels that are too thin for the lattice fill another volume than their voxels.
 void note_volumes(const WorkMesh& mesh, const ImageDomain& domain,
                   const std::vector<double>& label_volumes_mm3, LatticeReport& report) {
   constexpr double kMuch = 0.05;
@@ -143,20 +142,20 @@ void note_volumes(const WorkMesh& mesh, const ImageDomain& domain,
   double worst = 0;
   Label label = 0;
   for (Material m = 1; m < filled.size(); ++m) {
-    if (filled[m] <= 0) continue;  // lost, which is said elsewhere
-    const double change = filled[m] / label_volumes_mm3[m] - 1;
+    const double wanted = label_volumes_mm3[m];
+    const bool hardly_there = wanted < domain.frame().voxel_volume_mm3();  // grazed by a cut plane
+    if (filled[m] <= 0 || hardly_there) continue;                          // what is lost is said elsewhere
+    const double change = filled[m] / wanted - 1;
     count += std::abs(change) > kMuch ? 1 : 0;
     if (std::abs(change) <= std::abs(worst)) continue;
     worst = change;
     label = domain.label_of(m);
   }
   if (count == 0) return;
-  const std::string who =
-      count == 1 ? "1 label fills a volume more than 5 % off that of its voxels"
-                 : std::to_string(count) + " labels fill volumes more than 5 % off those of their voxels";
-  report.notes.push_back(who + "; label " + std::to_string(label) + " is " +
-                         two_decimals(100 * std::abs(worst)) + " % too " + (worst < 0 ? "small" : "large") +
-                         "; a smaller --spacing or higher --fidelity helps");
+  std::string note = "label " + std::to_string(label) + " fills " + decimals(100 * std::abs(worst), 1) +
+                     (worst < 0 ? " % less" : " % more") + " than its voxels";
+  if (count > 1) note += ", the worst of " + std::to_string(count) + " labels that are more than 5 % off";
+  report.notes.push_back(note + "; a smaller --spacing or higher --fidelity helps");
 }
 
 void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDomain& domain,
@@ -173,7 +172,7 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
     fit_options.label_volumes_mm3.push_back(count * domain.frame().voxel_volume_mm3());
   const FitReport fit = context.phase(
       "fit", [&] { return fit_to_domain(built.mesh, built.boundary, image, domain, fit_options); });
-  result.report.missed_places = fit.missed_places;
+  result.report.missed_points = fit.missed_points;
   result.report.furthest_miss_mm = fit.furthest_miss_mm;
   note_shortcomings(options, result.report);
   note_volumes(built.mesh, domain, fit_options.label_volumes_mm3, result.report);

@@ -99,7 +99,9 @@ class NearestFace {
     const Vec3 reach = reach_mm * frame_.spacing_mm.cwiseInverse() + Vec3::Constant(0.5);
     const Index3 low = Eigen::Array3d((at_ - reach).array().round()).cast<int>().matrix().cwiseMax(0);
     const Index3 high = Eigen::Array3d((at_ + reach).array().round()).cast<int>().matrix().cwiseMin(last_);
+    if ((low.array() > high.array()).any()) return std::nullopt;  // outside the image
     least2_ = reach_mm * reach_mm;
+    nearest_.reset();
     for (int k = low.z(); k <= high.z(); ++k) {
       const double slice2 = away2(2, k);
       for (int j = low.y(); slice2 < least2_ && j <= high.y(); ++j) {
@@ -256,6 +258,20 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
           close_[lost[n]] = last;
         }
       });
+}
+
+std::vector<double> MissFinder::missed_distances_mm(const WorkMesh& mesh,
+                                                    const BoundaryModel& boundary) const {
+  std::vector<Vec3> places;
+  for (std::size_t i = 0; i < probes_->size(); ++i) {
+    if (close_[i] == SurfaceTree::kNone) places.push_back((*probes_)[i].position_mm);
+  }
+  std::vector<double> distances(places.size());
+  if (places.empty()) return distances;
+  const SurfaceTree tree(mesh, boundary);
+  parallel::for_each_index(places.size(),
+                           [&](std::size_t i) { distances[i] = tree.nearest(places[i]).distance_mm; });
+  return distances;
 }
 
 /// Of all triangles when most probes are searched, as the first time.

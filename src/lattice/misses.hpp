@@ -65,6 +65,9 @@ class MissFinder {
   /// Only the probes; the limit may be another one.
   [[nodiscard]] std::vector<Miss> find_missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
                                                      double limit_mm);
+  /// For the probes that the last call missed: how far from the surface they are, however far that is.
+  [[nodiscard]] std::vector<double> missed_distances_mm(const WorkMesh& mesh,
+                                                        const BoundaryModel& boundary) const;
 
  private:
   void note_moved_triangles(const WorkMesh& mesh, const BoundaryModel& boundary);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -52,8 +51,8 @@ std::vector<Vec3> shaken(std::vector<Vec3> places, unsigned seed, double amplitu
 struct SpotResult {
   bool better = false;
   bool promising = false;  ///< Nothing is missed any more, or the worst is less bad: another time may help.
-  bool hopeless = false;   ///< Fewer tries were made than allowed, because more do not help.
-  std::size_t tries = 0;   ///< That were made.
+  bool stopped_early = false;  ///< Before all tries allowed: more would not help.
+  std::size_t tries = 0;       ///< That were made.
 };
 
 /// One spot in a part of its own.
@@ -74,15 +73,15 @@ class Spot {
   /// @param made  Tries made before; what follows is different.
   /// @param seed  Another one for each call at the same place.
   SpotResult mend(std::size_t made, std::size_t most, unsigned seed) {
-    constexpr int kInVain =
-        3;  // times in a row that fitting anew leaves so many that nothing good comes of it
+    constexpr int kInVain = 3;  // tries in a row that leave too many misses for anything good to come of them
     std::vector<Miss> missed = keep_if_best();
     const auto at_start = least_;
     const MeshPart first = part_;
     take_turns(std::move(missed), false);
     const std::size_t too_many = std::max<std::size_t>(20, at_start.second + at_start.second / 4);
     std::size_t n = made;
-    for (int in_vain = 0; n < most && in_vain < kInVain && is_worth_try(n); ++n) {
+    int in_vain = 0;
+    for (; n < most && in_vain < kInVain && is_worth_try(n); ++n) {
       part_ = first;
       missed = fit_anew(static_cast<unsigned>(n), seed);
       in_vain = missed.size() > too_many ? in_vain + 1 : 0;
@@ -90,7 +89,7 @@ class Spot {
     }
     const bool better = least_ < at_start;
     const bool well = better && least_.second == 0;
-    return {better, well || least_.first < at_start.first, n < most, n - made};
+    return {better, well || least_.first < at_start.first, n < most || in_vain == kInVain, n - made};
   }
 
   [[nodiscard]] MeshPart take() { return std::move(best_); }
@@ -273,7 +272,8 @@ class SpotMender {
     std::vector<Mended> mended(centres.size());
     parallel::for_each_index(
         centres.size(), [&](std::size_t i) { mended[i] = mend_spot(tree, centres[i], share); }, 1);
-    if (round_++ > 0) note_tries(centres, mended);
+    if (round_ > 0) note_tries(centres, mended);
+    ++round_;
     put_back_all(mended);
     const bool promising =
         std::any_of(mended.begin(), mended.end(), [](const Mended& m) { return m.result.promising; });
@@ -308,7 +308,7 @@ class SpotMender {
     for (std::size_t i = 0; i < centres.size(); ++i) {
       const SpotResult& result = mended[i].result;
       work_left_ -= std::min(work_left_, mended[i].work);
-      const bool gives_up = result.hopeless || work_left_ == 0;
+      const bool gives_up = result.stopped_early || work_left_ == 0;
       const std::size_t made = tried_.tries_at(centres[i]) + result.tries;
       tried_.set(centres[i], result.promising ? 0 : gives_up ? TriedPlaces::kMost : made);
     }
@@ -333,7 +333,9 @@ class SpotMender {
   double edge_mm_;
   double part_mm_;  // how far parts reach around their centres
   TriedPlaces tried_;
-  std::size_t work_left_;  // what tries may cost; follows the size of the mesh, so that time stays linear
+  // For tries after the first round; may be passed by one try for each spot of a round. Follows the size of
+  // the mesh, so that time does too.
+  std::size_t work_left_;
   unsigned round_ = 0;
   int dull_rounds_ = 0;  // in a row, that brought nothing
 };

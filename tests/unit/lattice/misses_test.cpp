@@ -87,5 +87,20 @@ TEST(MissFinder, FindsTheSameWhetherItKnowsTheSurfaceOfBeforeOrNot) {
   EXPECT_GT(found - strays, 20U);
 }
 
+TEST(MissFinder, MeasuresWhatItMissedHoweverFarItIs) {
+  const LabelImage image = halved_ball();
+  const ImageDomain domain(image, {});
+  const Surface s = surface_of(image, domain);
+  const Vec3 near = s.mesh.positions[s.boundary.triangles[0].vertices[0]];  // on the surface
+  const Vec3 far(12.6, 12.3, 62.8);                                         // 41 voxels from the ball's pole
+  std::vector<Probe> probes(40, Probe{near, {0, 1}});
+  probes.push_back({far, {0, 1}});
+  MissFinder finder(image, domain, probes);
+  (void)finder.find_missed_probes(s.mesh, s.boundary, 1.0);
+  const std::vector<double> distances = finder.missed_distances_mm(s.mesh, s.boundary);
+  ASSERT_EQ(distances.size(), 1U);
+  EXPECT_NEAR(distances[0], 41, 2) << "the lattice is not fitted yet";
+}
+
 }  // namespace
 }  // namespace lumesh

@@ -5,6 +5,7 @@
 
 #include <functional>
 
+#include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "measures.hpp"
@@ -107,6 +108,32 @@ inline double normal_error_deg(const MixedMesh& mesh, const std::string& patch, 
     if (passed >= share * area) return angle;
   }
   return angle_and_area.back().first;
+}
+
+/// Largest distance of the centres and corners of the faces between label and background from the mesh.
+inline double worst_distance_mm(const LabelImage& image, const MixedMesh& mesh) {
+  const TriangleTree tree(mesh.points, mesh.triangles);
+  double worst = 0;
+  const Index3 size = image.frame().size;
+  for (int k = 1; k < size.z(); ++k) {
+    for (int j = 1; j < size.y(); ++j) {
+      for (int i = 1; i < size.x(); ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+          const Index3 voxel(i, j, k);
+          if (image.at(voxel) == image.at(voxel - Index3::Unit(axis))) continue;
+          const Vec3 centre = voxel.cast<double>() - 0.5 * Vec3::Unit(axis);
+          worst = std::max(worst, tree.nearest(image.frame().to_physical(centre)).distance);
+          for (int corner = 0; corner < 4; ++corner) {
+            Vec3 at = centre;
+            at[(axis + 1) % 3] += corner % 2 == 0 ? -0.5 : 0.5;
+            at[(axis + 2) % 3] += corner < 2 ? -0.5 : 0.5;
+            worst = std::max(worst, tree.nearest(image.frame().to_physical(at)).distance);
+          }
+        }
+      }
+    }
+  }
+  return worst;
 }
 
 }  // namespace lumesh::test
