@@ -78,6 +78,7 @@ class Spot {
     const auto at_start = least_;
     const MeshPart first = part_;
     take_turns(std::move(missed), false);
+    // After fitting anew; where much was missed at the start, about as much may be mended still.
     const std::size_t too_many = std::max<std::size_t>(20, at_start.second + at_start.second / 4);
     std::size_t n = made;
     int in_vain = 0;
@@ -263,8 +264,9 @@ class SpotMender {
         work_left_(3 * whole.mesh.tets.size() / 2) {}
 
   /// One round. What is mended easily may mend its neighbours too, so that the first one makes few tries.
-  /// @return False if there was nothing to do, or more rounds would hardly help.
+  /// @return False if nothing was done, because nothing is left to do or more rounds would hardly help.
   bool mend(const std::vector<Miss>& missed) {
+    if (work_left_ == 0 && dull_rounds_ >= 3) return false;
     const std::vector<Vec3> centres = choose_centres(missed, tried_, 2 * part_mm_ + edge_mm_);
     if (centres.empty()) return false;
     const SurfaceTree tree(whole_.mesh, whole_.boundary, centres, part_mm_ + edge_mm_);
@@ -278,7 +280,7 @@ class SpotMender {
     const bool promising =
         std::any_of(mended.begin(), mended.end(), [](const Mended& m) { return m.result.promising; });
     dull_rounds_ = promising ? 0 : dull_rounds_ + 1;
-    return work_left_ > 0 || dull_rounds_ < 3;
+    return true;
   }
 
  private:
@@ -351,9 +353,8 @@ std::vector<Miss> mend_spots(WholeMesh& whole, const FitSetting& setting, MissFi
   std::vector<Miss> missed = finder.find(whole.mesh, whole.boundary, limit_mm, too_many);
   for (int round = 0; round < kRounds; ++round) {
     if (count_probes(missed) > too_many) break;  // the lattice is too coarse to come close everywhere
-    const bool goes_on = mender.mend(missed);
+    if (!mender.mend(missed)) break;
     missed = finder.find(whole.mesh, whole.boundary, limit_mm, too_many);
-    if (!goes_on) break;
   }
   drop_gone(whole);
   return missed;

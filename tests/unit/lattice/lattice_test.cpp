@@ -136,7 +136,7 @@ TEST(Lattice, SpacingAndDirectionOfTheImageAreFollowed) {
 TEST(Lattice, EveryThreadCountGivesTheSameBits) {
   const LabelImage image = nested_balls(13);
   std::vector<MixedMesh> results;
-  for (const int threads : {1, 5}) {
+  for (const int threads : {1, 2, 5}) {
     const parallel::ThreadLimit limit(threads);
     results.push_back(meshed(image));
   }
@@ -176,14 +176,14 @@ TEST(Lattice, SmallerSpacingGivesMoreTetrahedraAndBothLieOnTheSurface) {
 }
 
 TEST(Lattice, TheMixedMeshFillsWhatTheTetrahedraFill) {
-  const LabelImage image = nested_balls(14);
+  const LabelImage image = nested_balls(17);
   LatticeOptions options;
   options.spacing_mm = 2;
   options.coarsening = 1;
   const MixedMesh tets = meshed(image, options);
   options.cells = LatticeCells::kMixed;
   const MixedMesh mixed = meshed(image, options);
-  EXPECT_GT(mixed.hexahedra.size(), 50U);
+  EXPECT_GT(mixed.hexahedra.size(), 100U);
   EXPECT_LT(mixed.tetrahedra.size(), tets.tetrahedra.size());
   test::expect_conforming(mixed);
   EXPECT_GT(test::smallest_cell_volume(mixed), 0);
