@@ -31,7 +31,10 @@ void TetMesh::commit_vertices(std::uint32_t count) {
   lock_words_.commit(count);
   vertex_stamps_.commit(count);
   dimensions_.commit(count);
-  if (has_metric()) metric_.commit(count);
+  if (has_metric()) {
+    metric_.commit(count);
+    log_metric_.commit(count);
+  }
 }
 
 void TetMesh::commit_tets(std::uint32_t count) {
@@ -41,13 +44,18 @@ void TetMesh::commit_tets(std::uint32_t count) {
   links_.commit(count);
   labels_.commit(count);
   tet_stamps_.commit(count);
+  if (has_metric()) qualities_.commit(count);
   if (has_interfaces()) interface_patches_.commit(count);
 }
 
 void TetMesh::enable_metric() {
   if (has_metric()) return;
-  metric_ = parallel::StableArray<MetricTensor>(kMaxVertices);
+  metric_ = parallel::StableArray<SymTensor>(kMaxVertices);
+  log_metric_ = parallel::StableArray<SymTensor>(kMaxVertices);
+  qualities_ = parallel::StableArray<float>(kMaxTets);
   metric_.commit(vertex_slots());
+  log_metric_.commit(vertex_slots());
+  qualities_.commit(tet_slots());
 }
 
 void TetMesh::enable_interfaces() {
@@ -76,7 +84,7 @@ VertexId TetMesh::add_vertex(const Vec3& point, int owner) {
   lock_words_[slot] = 0;
   vertex_stamps_[slot] = 0;
   dimensions_[slot] = VertexDimension::kVolume;
-  if (has_metric()) metric_[slot] = {};
+  if (has_metric()) set_metric(VertexId(slot), {}, {});
   return VertexId(slot);
 }
 
@@ -89,6 +97,7 @@ TetId TetMesh::add_tet(const Cell<4>& vertices, Label label, int owner) {
   links_[slot] = {};
   labels_[slot] = label;
   tet_stamps_[slot] = 0;
+  if (has_metric()) qualities_[slot] = 0;
   if (has_interfaces()) interface_patches_[slot] = {};
   return TetId(slot);
 }
@@ -123,7 +132,7 @@ void TetMesh::compact() {
       vertex_stamps_[to] = vertex_stamps_[v];
       dimensions_[to] = dimensions_[v];
       lock_words_[to] = 0;
-      if (has_metric()) metric_[to] = metric_[v];
+      if (has_metric()) set_metric(VertexId(to), metric_[v], log_metric_[v]);
     }
     for (std::uint32_t t = 0; t < tet_slots(); ++t) {
       if (!alive(TetId(t))) continue;
@@ -136,6 +145,7 @@ void TetMesh::compact() {
       }
       labels_[to] = labels_[t];
       tet_stamps_[to] = tet_stamps_[t];
+      if (has_metric()) qualities_[to] = qualities_[t];
       if (has_interfaces()) interface_patches_[to] = interface_patches_[t];
     }
     vertex_pool_ = parallel::SlotPool(vertices, 1, 1);

@@ -4,8 +4,8 @@
 /// Structure of arrays with 32-bit ids, growing without moving (parallel/stable_array.hpp), so that
 /// references and spans stay good while other threads add elements. Bytes per element:
 ///   tetrahedron  40: vertices 16, face links 16, label 4, stamp 4; + 8 where interfaces between labels exist
-///   vertex       37: position 24, incident tetrahedron 4, lock word 4, stamp 4, dimension 1; + 48 with a
-///   metric
+///   vertex       37: position 24, incident tetrahedron 4, lock word 4, stamp 4, dimension 1
+///   with a metric: + 96 per vertex (metric and its logarithm) and 4 per tetrahedron (quality)
 /// so about 46 bytes per tetrahedron of a one-label mesh (5.8 tetrahedra per vertex).
 ///
 /// Faces: face f of a tetrahedron is opposite its vertex f, with the corners kTetFaces[f]
@@ -28,6 +28,7 @@
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/types.hpp"
+#include "lumesh/geometry/sym_tensor.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/parallel/stable_array.hpp"
@@ -160,11 +161,17 @@ class TetMesh {
   /// The word of the region locks (0: free); used through std::atomic_ref.
   [[nodiscard]] std::uint32_t& lock_word(VertexId v) { return lock_words_[v.value]; }
 
-  using MetricTensor = std::array<double, 6>;  ///< xx, xy, xz, yy, yz, zz in 1/mm^2.
+  /// Room for the metric of every vertex and its logarithm, and the quality of every tetrahedron: what
+  /// adaptation works with. All zero at first.
+  void enable_metric();
   [[nodiscard]] bool has_metric() const { return metric_.reserved(); }
-  void enable_metric();                                                        ///< All zero at first.
-  [[nodiscard]] MetricTensor& metric(VertexId v) { return metric_[v.value]; }  ///< Only if has_metric().
-  [[nodiscard]] const MetricTensor& metric(VertexId v) const { return metric_[v.value]; }
+  /// Metric in 1/mm^2 and its matrix logarithm. Only if has_metric().
+  [[nodiscard]] const SymTensor& metric(VertexId v) const { return metric_[v.value]; }
+  [[nodiscard]] const SymTensor& log_metric(VertexId v) const { return log_metric_[v.value]; }
+  void set_metric(VertexId v, const SymTensor& metric, const SymTensor& log_metric) {
+    metric_[v.value] = metric;
+    log_metric_[v.value] = log_metric;
+  }
 
   // --- Tetrahedra
   // --------------------------------------------------------------------------------------------------
@@ -176,6 +183,9 @@ class TetMesh {
   void set_label(TetId t, Label label) { labels_[t.value] = label; }
   [[nodiscard]] std::uint32_t stamp(TetId t) const { return tet_stamps_[t.value]; }
   void set_stamp(TetId t, std::uint32_t epoch) { tet_stamps_[t.value] = epoch; }
+  /// Mean ratio of t in the metric, as whoever changed t last measured it. Only if has_metric().
+  [[nodiscard]] float quality(TetId t) const { return qualities_[t.value]; }
+  void set_quality(TetId t, float quality) { qualities_[t.value] = quality; }
   /// Index (0 to 3) of vertex v in t, or -1.
   [[nodiscard]] int index_of(TetId t, VertexId v) const {
     const Cell<4>& corners = tets_[t.value];
@@ -224,6 +234,10 @@ class TetMesh {
   /// Closes the gaps of dead slots; the order of the live ones stays. Invalidates ids and owners. Cost:
   /// O(slots).
   void compact();
+  /// compact(), and numbers vertices along the Hilbert curve and tetrahedra by their lowest vertex, so that
+  /// what is near in space is near in memory. Ties by the old number. Owners as after compact(). Parallel
+  /// inside; the same result for every thread count. Cost: about 0.1 s per million tetrahedra.
+  void reorder_along_curve();
 
   // --- The whole mesh
   // ----------------------------------------------------------------------------------------------
@@ -252,12 +266,14 @@ class TetMesh {
   parallel::StableArray<std::uint32_t> lock_words_;
   parallel::StableArray<std::uint32_t> vertex_stamps_;
   parallel::StableArray<VertexDimension> dimensions_;
-  parallel::StableArray<MetricTensor> metric_;  // On demand.
+  parallel::StableArray<SymTensor> metric_;      // On demand.
+  parallel::StableArray<SymTensor> log_metric_;  // With metric_.
 
   parallel::StableArray<Cell<4>> tets_;
   parallel::StableArray<std::array<FaceLink, 4>> links_;
   parallel::StableArray<Label> labels_;
   parallel::StableArray<std::uint32_t> tet_stamps_;
+  parallel::StableArray<float> qualities_;                                 // With metric_.
   parallel::StableArray<std::array<std::uint16_t, 4>> interface_patches_;  // Patch + 1, 0: none. On demand.
 
   parallel::SlotPool vertex_pool_;

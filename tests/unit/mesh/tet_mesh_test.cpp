@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <numeric>
 #include <random>
@@ -11,6 +12,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/mesh/triangle_mesh.hpp"
+#include "lumesh/mesh/validate.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -246,7 +248,8 @@ TEST(TetMesh, ViewSharesItsArrays) {
 TEST(TetMesh, GrowsWithoutMovingAndCompactsAway) {
   TetMesh mesh = fixtures::cube_grid(2).build();
   mesh.enable_metric();
-  mesh.metric(VertexId(3)) = {1, 0, 0, 1, 0, 1};
+  mesh.set_metric(VertexId(3), SymTensor::diagonal(1, 2, 3), SymTensor::diagonal(4, 5, 6));
+  mesh.set_quality(TetId(5), 0.5f);
   const Vec3* const first_point = mesh.points().data();
   const std::uint32_t tets = mesh.tet_count(), vertices = mesh.vertex_count();
   mesh.set_owners(3, 8);
@@ -267,8 +270,40 @@ TEST(TetMesh, GrowsWithoutMovingAndCompactsAway) {
   EXPECT_TRUE(mesh.is_compact());
   EXPECT_EQ(mesh.vertex_count(), vertices);
   EXPECT_EQ(mesh.tet_count(), tets);
-  EXPECT_EQ(mesh.metric(VertexId(3))[0], 1);
+  EXPECT_EQ(mesh.metric(VertexId(3)), SymTensor::diagonal(1, 2, 3));
+  EXPECT_EQ(mesh.log_metric(VertexId(3)), SymTensor::diagonal(4, 5, 6));
+  EXPECT_EQ(mesh.quality(TetId(5)), 0.5f);
   EXPECT_NEAR(volume(mesh), 8, 1e-12);
+}
+
+TEST(TetMesh, ReordersAlongTheCurveAndStaysTheSameMesh) {
+  TetMesh mesh = fixtures::cube_grid(4).build();
+  mesh.enable_metric();
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec3& p = mesh.point(VertexId(v));
+    mesh.set_metric(VertexId(v), SymTensor::diagonal(1 + p[0], 1 + p[1], 1 + p[2]), {});
+  }
+  const std::uint32_t vertices = mesh.vertex_count(), tets = mesh.tet_count();
+  mesh.add_vertex(Vec3(1, 1, 1));  // Leaves a dead slot behind.
+  mesh.free_vertex(VertexId(vertices));
+  mesh.reorder_along_curve();
+  EXPECT_EQ(mesh.vertex_count(), vertices);
+  EXPECT_EQ(mesh.tet_count(), tets);
+  EXPECT_TRUE(validate(mesh).ok()) << validate(mesh).text();
+  EXPECT_NEAR(volume(mesh), 64, 1e-12);
+  double jumps = 0;
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    const Vec3& p = mesh.point(VertexId(v));
+    EXPECT_EQ(mesh.metric(VertexId(v)), SymTensor::diagonal(1 + p[0], 1 + p[1], 1 + p[2]));
+    if (v > 0) jumps += (p - mesh.point(VertexId(v - 1))).norm();
+  }
+  EXPECT_LT(jumps / vertices, 1.6);  // Random order: about 2.6.
+  for (std::uint32_t t = 1; t < tets; ++t) {
+    const auto lowest = [&](std::uint32_t i) {
+      return std::min({mesh.tets()[i][0], mesh.tets()[i][1], mesh.tets()[i][2], mesh.tets()[i][3]});
+    };
+    EXPECT_LE(lowest(t - 1), lowest(t));
+  }
 }
 
 TEST(TetMesh, CompactClosesGapsInTheMiddle) {

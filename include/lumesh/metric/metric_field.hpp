@@ -1,0 +1,56 @@
+#pragma once
+/// @file The metric of every point of space.
+
+#include <memory>
+#include <variant>
+
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/metric/analytic.hpp"
+
+namespace lumesh::metric {
+
+/// Either a formula, or tensors at the vertices of a background mesh, interpolated log-Euclidean.
+/// Threads: const members may run at the same time.
+class MetricField {
+ public:
+  /// Where a search begins and where it ended: a tetrahedron of the background, unused by formulas.
+  using Hint = TetId;
+
+  [[nodiscard]] static MetricField analytic(AnalyticKind kind, double size_factor = 1);
+  /// @param background  With a metric at every vertex (TetMesh::set_metric()).
+  [[nodiscard]] static MetricField on_background(TetMesh background);
+
+  /// The metric at `point`. A point outside the background gets that of a near point of its boundary: the one
+  /// in the tetrahedron where the walk towards it had to end, which for a point just off the surface is the
+  /// nearest one. Cost: about 0.1 us for a formula, 0.3 us where the hint is near.
+  [[nodiscard]] MetricPair at(const Vec3& point, Hint& hint) const;
+
+  /// Multiplies all sizes by `factor` > 0: the complexity changes by factor^-3.
+  void scale_sizes(double factor);
+  /// Any tetrahedron to begin a search at.
+  [[nodiscard]] Hint first_hint() const { return TetId(0); }
+
+ private:
+  struct Background {
+    std::shared_ptr<const TetMesh> mesh;
+  };
+  std::variant<AnalyticKind, Background> source_;
+  double size_factor_ = 1;
+
+  [[nodiscard]] MetricPair interpolated(const TetMesh& mesh, const Vec3& point, Hint& hint) const;
+};
+
+/// Complexity of the metric stored on a mesh: the integral of sqrt(det M), with the vertices' values weighted
+/// by a quarter of their tetrahedra's volume. A mesh of unit elements has about twice as many vertices.
+/// Source: Loseille and Alauzet 2011, doi:10.1137/090754078. Parallel inside, same bits for every thread
+/// count.
+[[nodiscard]] double complexity(const TetMesh& mesh);
+
+/// Sets metric and logarithm of every vertex from the field, and the quality of every tetrahedron. Calls
+/// enable_metric(). Parallel inside.
+void assign_metric(TetMesh& mesh, const MetricField& field);
+
+/// Measures every tetrahedron in the metric of its vertices.
+void measure_qualities(TetMesh& mesh);
+
+}  // namespace lumesh::metric

@@ -1,0 +1,48 @@
+#pragma once
+/// @file Algebra of metric tensors: symmetric positive definite, in 1/mm^2; a vector v has metric length
+/// sqrt(v^T M v), so that a size h along a direction is the eigenvalue 1/h^2.
+///
+/// Means are taken of the matrix logarithms (log-Euclidean): sizes average geometrically and directions
+/// turn, where a mean of the tensors themselves would shrink. Source: Arsigny et al. 2006,
+/// doi:10.1002/mrm.20965.
+
+#include <array>
+#include <span>
+
+#include "lumesh/geometry/sym_tensor.hpp"
+
+namespace lumesh::metric {
+
+/// T = axes * diag(values) * axes^T with orthonormal columns; ascending values.
+struct EigenSystem {
+  Vec3 values;
+  Mat3 axes;
+
+  [[nodiscard]] SymTensor tensor() const {
+    return SymTensor::from(axes * values.asDiagonal() * axes.transpose());
+  }
+};
+[[nodiscard]] EigenSystem eigen_system(const SymTensor& tensor);
+
+/// True for a finite tensor whose eigenvalues are positive and no more than 10^30 times apart.
+[[nodiscard]] bool is_metric(const SymTensor& tensor);
+
+/// The metric with the given sizes in mm (> 0) along the columns of `axes` (orthonormal).
+[[nodiscard]] SymTensor from_sizes(const Mat3& axes, const Vec3& sizes_mm);
+
+/// Matrix logarithm of a metric, and the exponential, its inverse.
+[[nodiscard]] SymTensor log(const SymTensor& metric);
+[[nodiscard]] SymTensor exp(const SymTensor& log_metric);
+
+/// The log-Euclidean mean of metrics given by their logarithms; weights sum to 1.
+[[nodiscard]] SymTensor weighted_log_mean(std::span<const SymTensor> logs, std::span<const double> weights);
+
+/// The largest ellipsoid's metric that asks for no larger sizes than `a` and `b` do anywhere: >= both in the
+/// Loewner order. By simultaneous diagonalisation of a^-1/2 b a^-1/2, which is symmetric and so stays
+/// accurate at high anisotropy. Source: Alauzet 2010, doi:10.1016/j.finel.2009.06.028.
+[[nodiscard]] SymTensor intersection(const SymTensor& a, const SymTensor& b);
+
+/// The metric with its sizes held within [smallest_mm, largest_mm]; eigenvectors stay.
+[[nodiscard]] SymTensor with_sizes_within(const SymTensor& metric, double smallest_mm, double largest_mm);
+
+}  // namespace lumesh::metric

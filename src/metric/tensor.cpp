@@ -1,0 +1,70 @@
+#include "lumesh/metric/tensor.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "lumesh/core/assert.hpp"
+
+namespace lumesh::metric {
+namespace {
+
+constexpr double kMostStretch = 1e30;  // Of eigenvalues: sizes may differ by 10^15.
+
+template <class Function>
+SymTensor on_eigenvalues(const SymTensor& tensor, const Function& function) {
+  EigenSystem system = eigen_system(tensor);
+  for (double& value : system.values) value = function(value);
+  return system.tensor();
+}
+
+}  // namespace
+
+EigenSystem eigen_system(const SymTensor& tensor) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(tensor.matrix());
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+bool is_metric(const SymTensor& tensor) {
+  for (const double number : {tensor.xx, tensor.xy, tensor.xz, tensor.yy, tensor.yz, tensor.zz})
+    if (!std::isfinite(number)) return false;
+  const Vec3 values = eigen_system(tensor).values;
+  return values[0] > 0 && values[2] <= kMostStretch * values[0];
+}
+
+SymTensor from_sizes(const Mat3& axes, const Vec3& sizes_mm) {
+  const Vec3 values = sizes_mm.cwiseProduct(sizes_mm).cwiseInverse();
+  return SymTensor::from(axes * values.asDiagonal() * axes.transpose());
+}
+
+SymTensor log(const SymTensor& metric) {
+  return on_eigenvalues(metric, [](double value) { return std::log(value); });
+}
+
+SymTensor exp(const SymTensor& log_metric) {
+  return on_eigenvalues(log_metric, [](double value) { return std::exp(value); });
+}
+
+SymTensor weighted_log_mean(std::span<const SymTensor> logs, std::span<const double> weights) {
+  LUMESH_ASSERT(logs.size() == weights.size());
+  SymTensor sum;
+  for (std::size_t i = 0; i < logs.size(); ++i) sum = sum + weights[i] * logs[i];
+  return exp(sum);
+}
+
+SymTensor intersection(const SymTensor& a, const SymTensor& b) {
+  const EigenSystem system = eigen_system(a);
+  const Vec3 roots = system.values.cwiseSqrt();
+  const Mat3 half = system.axes * roots.asDiagonal() * system.axes.transpose();
+  const Mat3 inverse_half = system.axes * roots.cwiseInverse().asDiagonal() * system.axes.transpose();
+  // In the frame where a is the identity: the larger of each eigenvalue and 1.
+  EigenSystem relative = eigen_system(SymTensor::from(inverse_half * b.matrix() * inverse_half));
+  relative.values = relative.values.cwiseMax(1);
+  return SymTensor::from(half * relative.tensor().matrix() * half);
+}
+
+SymTensor with_sizes_within(const SymTensor& metric, double smallest_mm, double largest_mm) {
+  const double most = 1 / (smallest_mm * smallest_mm), least = 1 / (largest_mm * largest_mm);
+  return on_eigenvalues(metric, [&](double value) { return std::clamp(value, least, most); });
+}
+
+}  // namespace lumesh::metric

@@ -1,0 +1,117 @@
+#include "lumesh/metric/metric_field.hpp"
+
+#include <gtest/gtest.h>
+
+#include "fixtures/meshes.hpp"
+#include "lumesh/metric/measures.hpp"
+#include "lumesh/metric/tensor.hpp"
+
+namespace lumesh::metric {
+namespace {
+
+/// Size along a direction.
+double size_along(const SymTensor& metric, const Vec3& direction) {
+  return 1 / std::sqrt(metric.quadratic(direction.normalized()));
+}
+
+TEST(AnalyticMetric, HasTheSizesOfTheBenchmark) {
+  const SymTensor linear = analytic_metric(AnalyticKind::kLinear, Vec3(0.3, 0.9, 0.75)).metric;
+  EXPECT_NEAR(size_along(linear, Vec3(1, 0, 0)), 0.1, 1e-12);
+  EXPECT_NEAR(size_along(linear, Vec3(0, 1, 0)), 0.1, 1e-12);
+  EXPECT_NEAR(size_along(linear, Vec3(0, 0, 1)), 0.0505, 1e-12);  // Half way from 0.001 to 0.1.
+  const Vec3 at_layer(0.3, 0.4, 0.1), radial(3, 4, 0), tangential(-4, 3, 0);
+  const SymTensor polar1 = analytic_metric(AnalyticKind::kPolar1, at_layer).metric;
+  EXPECT_NEAR(size_along(polar1, radial), 0.001, 1e-12);
+  EXPECT_NEAR(size_along(polar1, tangential), 0.1, 1e-10);
+  const SymTensor polar2 = analytic_metric(AnalyticKind::kPolar2, at_layer).metric;
+  EXPECT_NEAR(size_along(polar2, tangential), 0.025, 1e-10);
+  EXPECT_NEAR(size_along(polar2, Vec3(0, 0, 1)), 0.1, 1e-12);
+  const SymTensor far = analytic_metric(AnalyticKind::kPolar2, Vec3(0.6, 0.8, 0), 0.5).metric;
+  EXPECT_NEAR(size_along(far, radial), 0.05, 1e-12);  // r = 1: 0.1, with all sizes halved.
+  EXPECT_NEAR(size_along(far, tangential), 0.05, 1e-12);
+}
+
+TEST(AnalyticMetric, CarriesItsLogarithm) {
+  for (const auto kind : {AnalyticKind::kLinear, AnalyticKind::kPolar1, AnalyticKind::kPolar2}) {
+    for (const Vec3& p : {Vec3(0.3, 0.4, 0.2), Vec3(0, 0, 0), Vec3(0.9, 0.1, 0.5)}) {
+      const MetricPair pair = analytic_metric(kind, p);
+      EXPECT_LT((log(pair.metric).matrix() - pair.log.matrix()).norm(), 1e-8);
+    }
+  }
+}
+
+TEST(AnalyticMetric, IsKnownByName) {
+  EXPECT_EQ(analytic_kind_from("polar-1"), AnalyticKind::kPolar1);
+  EXPECT_EQ(analytic_kind_from("polar-3"), std::nullopt);
+}
+
+/// The cube [0, n]^3 with linearly varying logarithms of the metric.
+TetMesh mesh_with_linear_log(int n) {
+  TetMesh mesh = fixtures::cube_grid(n).build();
+  mesh.enable_metric();
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec3& p = mesh.point(VertexId(v));
+    const SymTensor log_metric{0.1 * p[0], 0.2, 0.05 * p[1], 1, 0, -0.3 * p[2]};
+    mesh.set_metric(VertexId(v), exp(log_metric), log_metric);
+  }
+  return mesh;
+}
+
+TEST(MetricField, OnABackgroundInterpolatesLogarithmsLinearly) {
+  const MetricField field = MetricField::on_background(mesh_with_linear_log(4));
+  MetricField::Hint hint = field.first_hint();
+  for (const Vec3& p : {Vec3(0.3, 3.2, 1.9), Vec3(3.99, 0.01, 2.5), Vec3(2, 2, 2), Vec3(0, 0, 4)}) {
+    const MetricPair pair = field.at(p, hint);
+    const SymTensor expected{0.1 * p[0], 0.2, 0.05 * p[1], 1, 0, -0.3 * p[2]};
+    EXPECT_LT((pair.log.matrix() - expected.matrix()).norm(), 1e-12);
+    EXPECT_LT((pair.metric.matrix() - exp(expected).matrix()).norm(), 1e-6);
+  }
+}
+
+TEST(MetricField, OutsideItsBackgroundTakesTheNearestValues) {
+  const MetricField field = MetricField::on_background(mesh_with_linear_log(4));
+  MetricField::Hint hint = field.first_hint();
+  const MetricPair outside = field.at(Vec3(4.1, 2, 2), hint);
+  EXPECT_NEAR(outside.log.xx, 0.4, 0.02);
+}
+
+TEST(MetricField, SizesScale) {
+  MetricField field = MetricField::on_background(mesh_with_linear_log(3));
+  MetricField::Hint hint = field.first_hint();
+  const SymTensor before = field.at(Vec3(1, 1.5, 2), hint).metric;
+  field.scale_sizes(0.5);
+  const SymTensor after = field.at(Vec3(1, 1.5, 2), hint).metric;
+  EXPECT_LT((after.matrix() - 4 * before.matrix()).norm(), 1e-12 * after.matrix().norm());
+}
+
+TEST(Complexity, IsTheIntegralOfTheDensity) {
+  fixtures::TetSoup soup = fixtures::cube_grid(16);
+  for (Vec3& p : soup.points) p /= 4;
+  TetMesh mesh = soup.build();
+  mesh.enable_metric();
+  const auto set_sizes = [&](auto sizes_at) {
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+      const SymTensor metric = from_sizes(Mat3::Identity(), sizes_at(mesh.point(VertexId(v))));
+      mesh.set_metric(VertexId(v), metric, log(metric));
+    }
+  };
+  set_sizes([](const Vec3&) { return Vec3(0.5, 0.25, 2); });
+  EXPECT_NEAR(complexity(mesh), 64 / 0.25, 1e-9);
+  set_sizes([](const Vec3& p) { return Vec3(1, 1, 1 + p[2]); });
+  EXPECT_NEAR(complexity(mesh), 16 * std::log(5.0), 0.005 * 16 * std::log(5.0));
+}
+
+TEST(AssignMetric, MeasuresQualities) {
+  TetMesh mesh = fixtures::cube_grid(2).build();
+  assign_metric(mesh, MetricField::analytic(AnalyticKind::kLinear));
+  for (std::uint32_t i = 0; i < mesh.tet_count(); ++i) {
+    const TetId t(i);
+    const auto log_of = [&](int k) -> const SymTensor& { return mesh.log_metric(mesh.vertex(t, k)); };
+    EXPECT_FLOAT_EQ(mesh.quality(t), static_cast<float>(mean_ratio(
+                                         mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2),
+                                         mesh.corner(t, 3), log_of(0), log_of(1), log_of(2), log_of(3))));
+  }
+}
+
+}  // namespace
+}  // namespace lumesh::metric
