@@ -34,6 +34,7 @@ void TetMesh::commit_vertices(std::uint32_t count) {
   if (has_metric()) {
     metric_.commit(count);
     log_metric_.commit(count);
+    metric_hints_.commit(count);
   }
 }
 
@@ -52,9 +53,11 @@ void TetMesh::enable_metric() {
   if (has_metric()) return;
   metric_ = parallel::StableArray<SymTensor>(kMaxVertices);
   log_metric_ = parallel::StableArray<SymTensor>(kMaxVertices);
+  metric_hints_ = parallel::StableArray<TetId>(kMaxVertices);
   qualities_ = parallel::StableArray<float>(kMaxTets);
   metric_.commit(vertex_slots());
   log_metric_.commit(vertex_slots());
+  metric_hints_.commit(vertex_slots());
   qualities_.commit(tet_slots());
 }
 
@@ -84,7 +87,10 @@ VertexId TetMesh::add_vertex(const Vec3& point, int owner) {
   lock_words_[slot] = 0;
   vertex_stamps_[slot] = 0;
   dimensions_[slot] = VertexDimension::kVolume;
-  if (has_metric()) set_metric(VertexId(slot), {}, {});
+  if (has_metric()) {
+    set_metric(VertexId(slot), {}, {});
+    metric_hints_[slot] = TetId(0);
+  }
   return VertexId(slot);
 }
 
@@ -132,7 +138,10 @@ void TetMesh::compact() {
       vertex_stamps_[to] = vertex_stamps_[v];
       dimensions_[to] = dimensions_[v];
       lock_words_[to] = 0;
-      if (has_metric()) set_metric(VertexId(to), metric_[v], log_metric_[v]);
+      if (has_metric()) {
+        set_metric(VertexId(to), metric_[v], log_metric_[v]);
+        metric_hints_[to] = metric_hints_[v];
+      }
     }
     for (std::uint32_t t = 0; t < tet_slots(); ++t) {
       if (!alive(TetId(t))) continue;

@@ -42,6 +42,7 @@ void TetMesh::reorder_along_curve() {
   if (has_metric()) {
     permute(metric_, new_vertex);
     permute(log_metric_, new_vertex);
+    permute(metric_hints_, new_vertex);
   }
   parallel::for_each_index(tet_count(), [&](std::size_t t) {
     for (std::uint32_t& v : tets_[t]) v = new_vertex[v];

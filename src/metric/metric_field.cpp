@@ -127,6 +127,7 @@ void assign_metric(TetMesh& mesh, const MetricField& field) {
       if (!mesh.alive(v)) continue;
       const MetricPair pair = field.at(mesh.point(v), hint);
       mesh.set_metric(v, pair.metric, pair.log);
+      mesh.set_metric_hint(v, hint);
     }
   });
   measure_qualities(mesh);

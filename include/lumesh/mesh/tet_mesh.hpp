@@ -5,7 +5,7 @@
 /// references and spans stay good while other threads add elements. Bytes per element:
 ///   tetrahedron  40: vertices 16, face links 16, label 4, stamp 4; + 8 where interfaces between labels exist
 ///   vertex       37: position 24, incident tetrahedron 4, lock word 4, stamp 4, dimension 1
-///   with a metric: + 96 per vertex (metric and its logarithm) and 4 per tetrahedron (quality)
+///   with a metric: + 100 per vertex (metric, its logarithm, hint) and 4 per tetrahedron (quality)
 /// so about 46 bytes per tetrahedron of a one-label mesh (5.8 tetrahedra per vertex).
 ///
 /// Faces: face f of a tetrahedron is opposite its vertex f, with the corners kTetFaces[f]
@@ -172,6 +172,9 @@ class TetMesh {
     metric_[v.value] = metric;
     log_metric_[v.value] = log_metric;
   }
+  /// Where in the background mesh of its metric a vertex was last found; the field's business, not checked.
+  [[nodiscard]] TetId metric_hint(VertexId v) const { return metric_hints_[v.value]; }
+  void set_metric_hint(VertexId v, TetId hint) { metric_hints_[v.value] = hint; }
 
   // --- Tetrahedra
   // --------------------------------------------------------------------------------------------------
@@ -267,7 +270,8 @@ class TetMesh {
   parallel::StableArray<std::uint32_t> vertex_stamps_;
   parallel::StableArray<VertexDimension> dimensions_;
   parallel::StableArray<SymTensor> metric_;      // On demand.
-  parallel::StableArray<SymTensor> log_metric_;  // With metric_.
+  parallel::StableArray<SymTensor> log_metric_;  // With metric_, as the next one.
+  parallel::StableArray<TetId> metric_hints_;
 
   parallel::StableArray<Cell<4>> tets_;
   parallel::StableArray<std::array<FaceLink, 4>> links_;

@@ -84,10 +84,11 @@ TEST(MeanRatio, IsTheEuclideanOneInTheIdentity) {
     const Vec3 a = sample.point(), b = sample.point(), c = sample.point(), d = sample.point();
     const double expected = lumesh::mean_ratio(a, b, c, d);
     const double found = mean_ratio(a, b, c, d, zero, zero, zero, zero);
-    if (expected > 0)
+    if (expected > 0) {
       EXPECT_NEAR(found, expected, 1e-8);
-    else
+    } else {
       EXPECT_LT(found, 0);
+    }
   }
 }
 

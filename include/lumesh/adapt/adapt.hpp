@@ -1,0 +1,59 @@
+#pragma once
+/// @file Anisotropic mesh adaptation: a tetrahedral mesh and a metric in, a unit mesh of that metric out.
+
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/metric/metric_field.hpp"
+#include "lumesh/operators/operators.hpp"
+#include "lumesh/operators/patch_shapes.hpp"
+
+namespace lumesh {
+
+/// Lengths and qualities (mean ratios) are those of the metric. In brackets the paper's names.
+struct AdaptOptions {
+  double split_above = std::numbers::sqrt2;  ///< Edges longer than this are split, 1 to 3 (cdff).
+  double collapse_below = 0.7;               ///< Edges shorter than this are collapsed, 0.1 to 0.8.
+  double least_length = 0.6;                 ///< From a new point to those around it, 0.1 to 0.8 (cdfn).
+  int quality_passes = 2;                    ///< Of reconnection, smoothing, collapse, split, >= 0 (nqual).
+  int smoothing_passes = 1;                  ///< At the end of each of them, >= 0 (nsmth).
+  double reconnect_below = 0.6;              ///< Quality of the tetrahedra to reconnect, 0 to 1.
+
+  /// @throws Error{kUsage} that names the field.
+  void validate() const;
+};
+
+/// One row of what happened: everything since the row before.
+struct AdaptPass {
+  std::string name;
+  double seconds = 0;
+  std::uint32_t tets = 0, vertices = 0;  ///< Afterwards.
+  operators::OperatorCounts counts;
+};
+
+struct AdaptReport {
+  std::vector<AdaptPass> passes;
+  operators::OperatorCounts counts;
+};
+
+/// Adapts `mesh` until its edges have about unit length in `field`, then betters its shapes.
+///
+/// First the mesh is brought to the metric level by level: each level splits the edges longer than a bound,
+/// which sinks from the longest edge's length to split_above, curves first, then surfaces, then the volume.
+/// New points are put in by cavities that are Delaunay in their metric, so that few tetrahedra are left to
+/// mend. Then quality passes reconnect, smooth, collapse and split.
+///
+/// @param mesh    Any valid mesh; it becomes the adapted one, compact, with the metric of every vertex.
+///                Labels and patches stay.
+/// @param shapes  One per patch: patches in a plane are adapted, all others are kept as they are.
+/// @throws Error{kBadInput} if the mesh is empty.
+/// Sources: Loseille, Menier and Alauzet 2015, doi:10.1016/j.proeng.2015.10.122 (cavities);
+/// docs/experiments/adapt.md (what was compared).
+AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
+                  const AdaptOptions& options, Context& context);
+
+}  // namespace lumesh

@@ -1,0 +1,120 @@
+#pragma once
+/// @file The operators that change a mesh: the only code that does so concurrently.
+///
+/// Each has one shape: lock what it touches, check that it is still there, gather, evaluate without changing
+/// anything, and commit, which cannot fail, or leave everything as it was. After each of them the mesh is
+/// valid: every tetrahedron positively oriented by the exact predicate, conforming, labels and patches kept.
+/// Vertices carry metrics (TetMesh::enable_metric()), and the stored quality of every tetrahedron stays
+/// right.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/metric/metric_field.hpp"
+#include "lumesh/operators/locks.hpp"
+#include "lumesh/operators/patch_shapes.hpp"
+#include "lumesh/operators/rules.hpp"
+
+namespace lumesh::operators {
+
+enum class Outcome : std::uint8_t {
+  kApplied,
+  kRejected,   ///< A rule or the geometry speaks against it.
+  kContended,  ///< Something was not to be locked; it may go another time.
+};
+
+/// What operators work on. All of it outlives them.
+struct Subject {
+  TetMesh& mesh;                     ///< With metrics.
+  const metric::MetricField& field;  ///< Gives new and moved vertices their metric.
+  const PatchShapes& shapes;         ///< One per patch.
+};
+
+struct OperatorCount {
+  std::uint64_t applied = 0, rejected = 0, contended = 0;
+
+  void add(Outcome outcome) {
+    ++(outcome == Outcome::kApplied ? applied : outcome == Outcome::kRejected ? rejected : contended);
+  }
+  OperatorCount& operator+=(const OperatorCount& other) {
+    applied += other.applied;
+    rejected += other.rejected;
+    contended += other.contended;
+    return *this;
+  }
+};
+
+struct OperatorCounts {
+  OperatorCount insertion, collapse, edge_removal, face_swap, smoothing;
+
+  OperatorCounts& operator+=(const OperatorCounts& other) {
+    insertion += other.insertion;
+    collapse += other.collapse;
+    edge_removal += other.edge_removal;
+    face_swap += other.face_swap;
+    smoothing += other.smoothing;
+    return *this;
+  }
+};
+
+/// One thread's operators with their working memory: make one per thread and keep it.
+template <class Lock>
+class Operators {
+ public:
+  /// New elements are taken from, and freed ones given to, `owner` of the mesh (TetMesh::set_owners()).
+  explicit Operators(const Subject& subject, Lock lock = {}, int owner = 0);
+  ~Operators();
+  Operators(Operators&&) noexcept;
+  Operators& operator=(Operators&&) = delete;
+
+  /// Puts a vertex on edge (corner i, corner j) of t, `fraction` of its metric length from i, and fills the
+  /// hole of all tetrahedra whose circumsphere in the new vertex's metric holds it (insphere test, corrected
+  /// until every face of the hole sees the vertex). Inner vertices too near to a new vertex of a surface are
+  /// drawn into it afterwards. Sources: Loseille and Alauzet 2009, doi:10.1007/978-3-642-04319-2_33;
+  /// Borouchaki, George et al. 1997, doi:10.1016/S0168-874X(96)00057-1.
+  Outcome split_edge(TetId t, int i, int j, double fraction, const InsertionRules& rules);
+
+  /// Draws corner `from` of t into corner `to`: the tetrahedra around the edge vanish. A vertex of a curve
+  /// stays on it, one of a surface on its patch, corners stay.
+  Outcome collapse_edge(TetId t, int from, int to, const CollapseRules& rules);
+
+  /// Replaces the tetrahedra around edge (corner i, corner j) of t by the best ones without it: of all
+  /// triangulations of the ring, the one with the best worst quality (dynamic programming). Covers 3-2, 4-4
+  /// and larger rings, and 2-2 where the edge lies on a flat patch. Source: Shewchuk 2002, Two discrete
+  /// optimization algorithms for the topological improvement of tetrahedral meshes.
+  Outcome remove_edge(TetId t, int i, int j, const SwapRules& rules);
+
+  /// Replaces t and its neighbour behind `face` by three tetrahedra around a new edge (2-3).
+  Outcome swap_face(TetId t, int face, const SwapRules& rules);
+
+  /// Moves a vertex to lessen the sum of 1 / quality around it plus that of its edges' deviation from unit
+  /// length: one Newton step with backtracking. No tetrahedron falls below the worst one before or
+  /// rules.quality_floor, whichever is less. Vertices of flat patches move within them.
+  Outcome smooth_vertex(VertexId v, const SmoothingRules& rules);
+
+  /// Metric length of edge (corner i, corner j) of t.
+  [[nodiscard]] double edge_length(TetId t, int i, int j) const;
+
+  [[nodiscard]] const OperatorCounts& counts() const { return counts_; }
+
+ private:
+  struct Scratch;
+
+  Outcome split_held_edge(TetId t, VertexId a, VertexId b, double fraction, const InsertionRules& rules);
+  Outcome collapse_held_edge(TetId t, VertexId a, VertexId b, const CollapseRules& rules);
+  Outcome remove_held_edge(TetId t, VertexId a, VertexId b, const SwapRules& rules);
+  Outcome swap_held_face(TetId t, int face, const SwapRules& rules);
+  Outcome smooth_held_vertex(VertexId v, const SmoothingRules& rules);
+  void draw_in_near_vertices(VertexId into);
+  bool move_if_better(VertexId v, const Vec3& to, double below, double floor, const SmoothingRules& rules);
+
+  Subject subject_;
+  Lock lock_;
+  int owner_;
+  OperatorCounts counts_;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+}  // namespace lumesh::operators

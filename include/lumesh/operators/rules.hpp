@@ -1,0 +1,37 @@
+#pragma once
+/// @file What an operator may do; lengths and qualities (mean ratios) are those of the metric.
+
+namespace lumesh::operators {
+
+/// New points.
+struct InsertionRules {
+  double least_length = 0.6;    ///< To every vertex around, but those of surfaces come first (below).
+  double least_height = 0.35;   ///< From an inner point to the faces of a patch nearby.
+  double least_quality = 1e-3;  ///< Of each new tetrahedron, in (0, 1).
+  int most_cavity_tets = 300;   ///< A cavity that would grow beyond is given up.
+};
+
+/// Edges that are drawn together.
+struct CollapseRules {
+  double most_length = 1.5;     ///< Of each new edge.
+  double least_quality = 0.1;   ///< Of each new tetrahedron, or that of the worst before if that is less.
+  double least_relative = 0.3;  ///< New worst over old worst quality.
+};
+
+/// Edges and faces that are replaced.
+struct SwapRules {
+  int most_ring_tets = 8;    ///< Edges with more tetrahedra around them stay; at most kMostRing.
+  double least_gain = 1e-3;  ///< Of the worst quality.
+};
+inline constexpr int kMostRing = 12;
+
+/// Vertices that move.
+struct SmoothingRules {
+  double length_weight = 1;    ///< Of the edges' lengths against the tetrahedra's shapes, >= 0.
+  double most_step = 0.4;      ///< Metric length of one move.
+  double least_step = 1e-3;    ///< Shorter moves are not made.
+  double quality_floor = 0.5;  ///< No tetrahedron may fall below this or the worst one before.
+  int halvings = 3;            ///< Of a step that does not improve the sum, >= 1.
+};
+
+}  // namespace lumesh::operators

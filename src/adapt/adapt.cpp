@@ -1,0 +1,123 @@
+#include "lumesh/adapt/adapt.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "lumesh/core/error.hpp"
+#include "passes.hpp"
+
+namespace lumesh {
+namespace {
+
+/// What one run of adapt() works with.
+class Adapter {
+ public:
+  Adapter(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
+          const AdaptOptions& options, Context& context)
+      : mesh_(mesh), kernel_({mesh, field, shapes}), options_(options), context_(context) {
+    insertion_.least_length = options.least_length;
+  }
+
+  /// Level by level down to unit length. The bound halves less than exactly, so that it also sinks where the
+  /// longest edges are those that cannot be split.
+  void bring_to_unit_length() {
+    constexpr double kLevel = 0.5, kSink = 0.6, kNearlyThere = 1.1;
+    constexpr int kMostLevels = 200;
+    double bound = longest_edge(mesh_) / kLevel;
+    for (int level = 0; level < kMostLevels && bound > kNearlyThere * options_.split_above; ++level) {
+      bound = std::min(kSink * bound, kLevel * longest_edge(mesh_));
+      bound = std::max(bound, options_.split_above);
+      reorder_if_grown();
+      collapse();
+      split(bound);
+      phase("reconnect", [&] { reconnect(mesh_, kernel_, kBadQuality, swaps_); });
+      close_pass("level " + std::to_string(level));
+    }
+  }
+
+  void improve_quality() {
+    for (int round = 0; round < options_.quality_passes; ++round) {
+      reorder_if_grown();
+      phase("reconnect", [&] { reconnect(mesh_, kernel_, options_.reconnect_below, swaps_); });
+      phase("smooth", [&] { smooth(mesh_, kernel_, smoothing_); });
+      collapse();
+      split(options_.split_above);
+      phase("reconnect", [&] { reconnect(mesh_, kernel_, options_.reconnect_below, swaps_); });
+      for (int i = 0; i < options_.smoothing_passes; ++i)
+        phase("smooth", [&] { smooth(mesh_, kernel_, smoothing_); });
+      close_pass("quality " + std::to_string(round));
+    }
+  }
+
+  AdaptReport report() {
+    phase("reorder", [&] { mesh_.reorder_along_curve(); });
+    report_.counts = kernel_.counts();
+    return std::move(report_);
+  }
+
+ private:
+  static constexpr double kBadQuality = 0.5;
+
+  template <class Step>
+  void phase(const char* name, const Step& step) {
+    context_.phase(name, step);
+  }
+
+  void split(double bound) {
+    for (const SplitRank rank : {SplitRank::kCurves, SplitRank::kSurfaces, SplitRank::kAll})
+      phase("split", [&] { split_long_edges(mesh_, kernel_, bound, rank, insertion_); });
+  }
+  void collapse() {
+    phase("collapse", [&] { collapse_short_edges(mesh_, kernel_, options_.collapse_below, collapse_); });
+  }
+  /// What was made later lies elsewhere in memory; ordering costs little against the misses it spares.
+  void reorder_if_grown() {
+    constexpr double kGrown = 1.5;
+    if (mesh_.tet_count() < kGrown * ordered_tets_) return;
+    phase("reorder", [&] { mesh_.reorder_along_curve(); });
+    ordered_tets_ = mesh_.tet_count();
+  }
+  void close_pass(std::string name) {
+    report_.passes.push_back({std::move(name), 0, mesh_.tet_count(), mesh_.vertex_count(), kernel_.counts()});
+  }
+
+  TetMesh& mesh_;
+  Kernel kernel_;
+  const AdaptOptions& options_;
+  Context& context_;
+  operators::InsertionRules insertion_;
+  operators::CollapseRules collapse_;
+  operators::SwapRules swaps_;
+  operators::SmoothingRules smoothing_;
+  double ordered_tets_ = 0;
+  AdaptReport report_;
+};
+
+}  // namespace
+
+void AdaptOptions::validate() const {
+  const auto check = [](const char* name, double value, double least, double most) {
+    if (!(value >= least && value <= most))
+      throw Error(ErrorKind::kUsage, std::string(name) + " must lie between " + std::to_string(least) +
+                                         " and " + std::to_string(most));
+  };
+  check("split above", split_above, 1, 3);
+  check("collapse below", collapse_below, 0.1, 0.8);
+  check("least length", least_length, 0.1, 0.8);
+  check("reconnect below", reconnect_below, 0, 1);
+  check("quality passes", quality_passes, 0, 1000);
+  check("smoothing passes", smoothing_passes, 0, 1000);
+}
+
+AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
+                  const AdaptOptions& options, Context& context) {
+  options.validate();
+  if (mesh.tet_count() == 0) throw Error(ErrorKind::kBadInput, "adapt: the mesh has no tetrahedra");
+  context.phase("metric", [&] { metric::assign_metric(mesh, field); });
+  Adapter run(mesh, field, shapes, options, context);
+  run.bring_to_unit_length();
+  run.improve_quality();
+  return run.report();
+}
+
+}  // namespace lumesh

@@ -1,0 +1,219 @@
+#include "cavity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lumesh::operators {
+namespace {
+
+constexpr std::uint32_t kAbsorbedEdge =
+    0x80000000u;  // With the patch; others hold tetrahedron << 2 | corner.
+constexpr int kMostRounds = 50;
+
+std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
+  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+}
+
+bool lies_on(const NewVertex& vertex, PatchId patch) {
+  return std::find(vertex.patches.begin(), vertex.patches.end(), patch) != vertex.patches.end();
+}
+
+/// Distance of the origin from the plane through three points.
+double height_over(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 normal = (b - a).cross(c - a);
+  return std::abs(normal.dot(a)) / normal.norm();
+}
+
+}  // namespace
+
+MetricFrame::MetricFrame(const SymTensor& m, const Vec3& origin) : origin_(origin) {
+  xx_ = std::sqrt(m.xx);
+  xy_ = m.xy / xx_;
+  xz_ = m.xz / xx_;
+  constexpr double kTiny = 1e-300;  // Rounding may leave nothing under the root.
+  yy_ = std::sqrt(std::max(kTiny, m.yy - xy_ * xy_));
+  yz_ = (m.yz - xz_ * xy_) / yy_;
+  zz_ = std::sqrt(std::max(kTiny, m.zz - xz_ * xz_ - yz_ * yz_));
+}
+
+void Cavity::begin(std::span<const TetId> tets) {
+  tets_.assign(tets.begin(), tets.end());
+  kept_ = tets.size();
+  places_.clear();
+  for (const TetId t : tets) places_.insert(t.value, Place::kInside);
+}
+
+void Cavity::keep_inside_only() {
+  const auto first = tets_.begin() + static_cast<std::ptrdiff_t>(kept_);
+  tets_.erase(std::remove_if(first, tets_.end(), [&](TetId t) { return !is_inside(t); }), tets_.end());
+}
+
+bool Cavity::take_out_blind_tets(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
+                                 bool& stuck) {
+  bool changed = false;
+  hull_.clear();
+  for (std::size_t i = 0; i < tets_.size(); ++i) {
+    const TetId t = tets_[i];
+    for (int f = 0; f < 4; ++f) {
+      const FaceLink link = mesh.link(t, f);
+      if (!link.is_boundary() && is_inside(link.tet())) continue;
+      const auto [x, y, z] = mesh.face_corners(t, f);  // From outside; from inside the other way round.
+      const PatchId patch = mesh.patch(t, f);
+      const bool absorbed =
+          link.is_boundary() && lies_on(vertex, patch) && shapes[patch.value].freedom == PatchFreedom::kPlane;
+      if (!absorbed && orient3d(mesh.point(VertexId(x)), mesh.point(VertexId(z)), mesh.point(VertexId(y)),
+                                vertex.point) <= 0) {
+        if (i < kept_) {
+          stuck = true;
+          return true;
+        }
+        *places_.find(t.value) = Place::kOutside;
+        changed = true;
+        break;
+      }
+      hull_.push_back({{x, z, y}, t, link, patch, mesh.label(t), absorbed, TetId(), 0});
+    }
+  }
+  return changed;
+}
+
+bool Cavity::take_out_lost_vertices(const TetMesh& mesh, bool& stuck) {
+  hull_vertices_.clear();
+  hull_vertex_list_.clear();
+  for (const HullFace& face : hull_)
+    for (const std::uint32_t v : face.corners)
+      if (hull_vertices_.insert(v, 0).added) hull_vertex_list_.push_back(v);
+  const auto loses_one = [&](TetId t) {
+    const Cell<4>& v = mesh.tet(t);
+    return std::any_of(v.begin(), v.end(), [&](std::uint32_t x) { return !hull_vertices_.contains(x); });
+  };
+  bool lost = false, changed = false;
+  for (std::size_t i = 0; i < tets_.size(); ++i) {
+    if (!loses_one(tets_[i])) continue;
+    lost = true;
+    if (i < kept_) continue;
+    *places_.find(tets_[i].value) = Place::kOutside;
+    changed = true;
+  }
+  stuck = lost && !changed;
+  return changed;
+}
+
+bool Cavity::carve(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes) {
+  for (int round = 0; round < kMostRounds; ++round) {
+    bool stuck = false;
+    const bool changed =
+        take_out_blind_tets(mesh, vertex, shapes, stuck) || (!stuck && take_out_lost_vertices(mesh, stuck));
+    if (stuck) return false;
+    if (!changed) return true;
+    keep_inside_only();
+  }
+  return false;
+}
+
+bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const InsertionRules& rules) {
+  const SymTensor& metric = vertex.metric.metric;
+  too_near_.clear();
+  for (const std::uint32_t w : hull_vertex_list_) {
+    const VertexId v(w);
+    if (metric::edge_length(vertex.point, metric, mesh.point(v), mesh.metric(v)) >= rules.least_length)
+      continue;
+    if (mesh.dimension(v) <= vertex.dimension) return false;
+    if (mesh.dimension(v) == VertexDimension::kVolume) too_near_.push_back(v);
+  }
+  const MetricFrame frame(metric, vertex.point);
+  const double least_cubed = rules.least_quality * rules.least_quality * rules.least_quality;
+  for (HullFace& face : hull_) {
+    if (face.absorbed) continue;
+    const VertexId a(face.corners[0]), b(face.corners[1]), c(face.corners[2]);
+    if (vertex.dimension == VertexDimension::kVolume && face.patch.valid() &&
+        height_over(frame(mesh.point(a)), frame(mesh.point(b)), frame(mesh.point(c))) < rules.least_height)
+      return false;
+    const double cubed = metric::mean_ratio_cubed(mesh.point(a), mesh.point(b), mesh.point(c), vertex.point,
+                                                  mesh.log_metric(a), mesh.log_metric(b), mesh.log_metric(c),
+                                                  vertex.metric.log);
+    if (cubed < least_cubed) return false;
+    face.quality = static_cast<float>(metric::cube_root(cubed));
+  }
+  return true;
+}
+
+void Cavity::note_interfaces(const TetMesh& mesh) {
+  interface_edges_.clear();
+  if (!mesh.has_interfaces()) return;
+  for (const TetId t : tets_) {
+    for (int f = 0; f < 4; ++f) {
+      const PatchId patch = mesh.interface_patch(t, f);
+      if (!patch.valid() || !is_inside(mesh.link(t, f).tet())) continue;
+      const Cell<3> corners = mesh.face_corners(t, f);
+      for (int k = 0; k < 3; ++k) interface_edges_.push_back({corners[k], corners[(k + 1) % 3], patch});
+    }
+  }
+}
+
+PatchId Cavity::patch_of_edge(std::uint32_t a, std::uint32_t b) const {
+  for (const PatchEdge& edge : interface_edges_)
+    if ((edge.a == a && edge.b == b) || (edge.a == b && edge.b == a)) return edge.patch;
+  LUMESH_ASSERT(false);  // Two labels meet at an edge of the hull only where an interface met it before.
+  return {};
+}
+
+VertexId Cavity::fill(TetMesh& mesh, const NewVertex& vertex, int owner) {
+  note_interfaces(mesh);
+  const VertexId v = mesh.add_vertex(vertex.point, owner);
+  mesh.set_metric(v, vertex.metric.metric, vertex.metric.log);
+  mesh.set_metric_hint(v, vertex.hint);
+  mesh.set_dimension(v, vertex.dimension);
+  for (const TetId t : tets_) mesh.free_tet(t, owner);
+  for (HullFace& face : hull_) {
+    if (face.absorbed) continue;
+    const auto [a, b, c] = face.corners;
+    face.filled = mesh.add_tet({a, b, c, v.value}, face.label, owner);
+    mesh.set_quality(face.filled, face.quality);
+    mesh.set_link(face.filled, 3, face.behind);
+    if (!face.behind.is_boundary()) {
+      mesh.set_link(face.behind.tet(), face.behind.face(), FaceLink::to(face.filled, 3));
+      if (face.patch.valid()) mesh.set_interface_patch(face.filled, 3, face.patch);
+    }
+    for (const std::uint32_t corner : face.corners) mesh.set_incident_tet(VertexId(corner), face.filled);
+    mesh.set_incident_tet(v, face.filled);
+  }
+  link_new_tets(mesh);
+  return v;
+}
+
+void Cavity::link_new_tets(TetMesh& mesh) {
+  open_edges_.clear();
+  for (std::size_t i = 0; i < hull_.size(); ++i) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::uint32_t a = hull_[i].corners[(corner + 1) % 3], b = hull_[i].corners[(corner + 2) % 3];
+      const std::uint32_t mine =
+          hull_[i].absorbed ? kAbsorbedEdge | hull_[i].patch.value
+                            : static_cast<std::uint32_t>(i << 2) | static_cast<std::uint32_t>(corner);
+      const auto [other, added] = open_edges_.insert(edge_key(a, b), mine);
+      if (!added) link_across(mesh, i, corner, other);
+    }
+  }
+}
+
+void Cavity::link_across(TetMesh& mesh, std::size_t i, int corner, std::uint32_t other) {
+  const bool other_absorbed = (other & kAbsorbedEdge) != 0;
+  if (hull_[i].absorbed && other_absorbed) return;  // The edge of a curve, replaced by two.
+  const HullFace& theirs = hull_[other_absorbed ? i : other >> 2];
+  if (other_absorbed) {
+    mesh.set_link(hull_[i].filled, corner, FaceLink::boundary(PatchId(other & ~kAbsorbedEdge)));
+  } else if (hull_[i].absorbed) {
+    mesh.set_link(theirs.filled, static_cast<int>(other & 3), FaceLink::boundary(hull_[i].patch));
+  } else {
+    const int their_corner = static_cast<int>(other & 3);
+    mesh.set_link(hull_[i].filled, corner, FaceLink::to(theirs.filled, their_corner));
+    mesh.set_link(theirs.filled, their_corner, FaceLink::to(hull_[i].filled, corner));
+    if (hull_[i].label == theirs.label) return;
+    const auto& v = hull_[i].corners;
+    const PatchId patch = patch_of_edge(v[(corner + 1) % 3], v[(corner + 2) % 3]);
+    mesh.set_interface_patch(hull_[i].filled, corner, patch);
+    mesh.set_interface_patch(theirs.filled, their_corner, patch);
+  }
+}
+
+}  // namespace lumesh::operators

@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "scratch.hpp"
+
+namespace lumesh::operators {
+namespace {
+
+struct Triangle {
+  int i, j, k;  // Of the rim, i < j < k.
+};
+
+/// The triangulation of the rim of an edge (a, b) whose tetrahedra, one to a and one to b on each triangle,
+/// have the best worst quality; all of it in cubes of qualities.
+class RimTriangulation {
+ public:
+  RimTriangulation(const TetMesh& mesh, const EdgeRing& ring, VertexId a, VertexId b)
+      : mesh_(mesh), rim_(ring.rim), a_(a), b_(b), size_(static_cast<int>(ring.rim.size())) {}
+
+  /// @return false if none is better than `least`.
+  bool find(double least);
+  [[nodiscard]] std::span<const Triangle> triangles() const { return {triangles_.data(), count_}; }
+  /// Positive by the exact predicate?
+  [[nodiscard]] bool is_positive() const;
+
+  /// The tetrahedra on a triangle; both have it as face 3.
+  [[nodiscard]] Cell<4> towards_b(const Triangle& x) const {
+    return {rim_[x.i], rim_[x.j], rim_[x.k], b_.value};
+  }
+  [[nodiscard]] Cell<4> towards_a(const Triangle& x) const {
+    return {rim_[x.k], rim_[x.j], rim_[x.i], a_.value};
+  }
+
+ private:
+  [[nodiscard]] double cubed(const Cell<4>& v) const {
+    return quality_cubed(mesh_, VertexId(v[0]), VertexId(v[1]), VertexId(v[2]), VertexId(v[3]));
+  }
+  void collect(int i, int k);
+
+  const TetMesh& mesh_;
+  const std::vector<std::uint32_t>& rim_;
+  VertexId a_, b_;
+  int size_;
+  // Of the polygon i, i + 1, ..., k closed by an edge: the best worst quality, and the corner of the triangle
+  // on that edge.
+  std::array<std::array<double, kMostRing>, kMostRing> best_;
+  std::array<std::array<int, kMostRing>, kMostRing> corner_;
+  std::array<Triangle, kMostRing> triangles_;
+  std::size_t count_ = 0;
+};
+
+bool RimTriangulation::find(double least) {
+  for (int i = 0; i + 1 < size_; ++i) best_[i][i + 1] = std::numeric_limits<double>::infinity();
+  for (int length = 2; length < size_; ++length) {
+    for (int i = 0, k = length; k < size_; ++i, ++k) {
+      best_[i][k] = -1;
+      for (int j = i + 1; j < k; ++j) {
+        double worst = std::min(best_[i][j], best_[j][k]);
+        const double needed = std::max(best_[i][k], least);
+        if (worst <= needed) continue;
+        worst = std::min(worst, cubed(towards_b({i, j, k})));
+        if (worst <= needed) continue;
+        worst = std::min(worst, cubed(towards_a({i, j, k})));
+        if (worst <= needed) continue;
+        best_[i][k] = worst;
+        corner_[i][k] = j;
+      }
+    }
+  }
+  if (best_[0][size_ - 1] <= least) return false;
+  count_ = 0;
+  collect(0, size_ - 1);
+  return true;
+}
+
+void RimTriangulation::collect(int i, int k) {
+  if (k - i < 2) return;
+  const int j = corner_[i][k];
+  triangles_[count_++] = {i, j, k};
+  collect(i, j);
+  collect(j, k);
+}
+
+bool RimTriangulation::is_positive() const {
+  const auto positive = [&](const Cell<4>& v) {
+    return orient3d(mesh_.point(VertexId(v[0])), mesh_.point(VertexId(v[1])), mesh_.point(VertexId(v[2])),
+                    mesh_.point(VertexId(v[3]))) > 0;
+  };
+  return std::all_of(triangles().begin(), triangles().end(),
+                     [&](const Triangle& x) { return positive(towards_b(x)) && positive(towards_a(x)); });
+}
+
+/// Puts the tetrahedra of a triangulation in the place of those of the ring.
+class RingReplacement {
+ public:
+  RingReplacement(TetMesh& mesh, const EdgeRing& ring, VertexId a, VertexId b, int owner)
+      : mesh_(mesh), ring_(ring), size_(static_cast<int>(ring.rim.size())), owner_(owner) {
+    for (std::size_t k = 0; k < ring.tets.size(); ++k) {
+      const TetId t = ring.tets[k];
+      behind_a_[k] = side_of(t, mesh.index_of(t, a));
+      behind_b_[k] = side_of(t, mesh.index_of(t, b));
+    }
+    for (auto& row : open_) row.fill({});
+  }
+
+  void apply(const RimTriangulation& triangulation) {
+    const Label label = mesh_.label(ring_.tets[0]);
+    for (const TetId t : ring_.tets) mesh_.free_tet(t, owner_);
+    for (const Triangle& x : triangulation.triangles()) {
+      const Pair made = {add(triangulation.towards_b(x), label), add(triangulation.towards_a(x), label)};
+      link_to(mesh_, made.b, 3, FaceLink::to(made.a, 3));
+      // Faces of (i, j, k, b) and (k, j, i, a) across the triangle's edges, by the corner opposite.
+      connect(x.i, x.j, made, 2, 0);
+      connect(x.j, x.k, made, 0, 2);
+      connect(x.i, x.k, made, 1, 1);
+    }
+  }
+
+ private:
+  struct Side {
+    FaceLink link;
+    PatchId patch;
+  };
+  struct Pair {
+    TetId b, a;
+  };
+  struct OpenFaces {
+    FaceLink b, a;
+    bool waiting = false;
+  };
+
+  [[nodiscard]] Side side_of(TetId t, int face) const { return {mesh_.link(t, face), mesh_.patch(t, face)}; }
+
+  TetId add(const Cell<4>& v, Label label) {
+    const TetId t = mesh_.add_tet(v, label, owner_);
+    mesh_.set_quality(t, static_cast<float>(metric::cube_root(quality_cubed(
+                             mesh_, VertexId(v[0]), VertexId(v[1]), VertexId(v[2]), VertexId(v[3])))));
+    for (const std::uint32_t w : v) mesh_.set_incident_tet(VertexId(w), t);
+    return t;
+  }
+  void put_behind(TetId t, int face, const Side& side) {
+    link_to(mesh_, t, face, side.link);
+    if (side.patch.valid() && !side.link.is_boundary()) mesh_.set_interface_patch(t, face, side.patch);
+  }
+  /// Links the faces of a pair of tetrahedra over the rim's edge (u, v), u < v.
+  void connect(int u, int v, const Pair& made, int face_b, int face_a) {
+    const bool last = u == 0 && v == size_ - 1;
+    if (v == u + 1 || (last && !ring_.open)) {
+      const auto k = static_cast<std::size_t>(last && v != u + 1 ? v : u);
+      put_behind(made.b, face_b, behind_a_[k]);  // The old face opposite a has b at its top.
+      put_behind(made.a, face_a, behind_b_[k]);
+    } else if (last) {  // The new faces of the outside.
+      mesh_.set_link(made.b, face_b, FaceLink::boundary(ring_.patches[0]));
+      mesh_.set_link(made.a, face_a, FaceLink::boundary(ring_.patches[0]));
+    } else if (OpenFaces& open = open_[u][v]; !open.waiting) {
+      open = {FaceLink::to(made.b, face_b), FaceLink::to(made.a, face_a), true};
+    } else {
+      link_to(mesh_, made.b, face_b, open.b);
+      link_to(mesh_, made.a, face_a, open.a);
+    }
+  }
+
+  TetMesh& mesh_;
+  const EdgeRing& ring_;
+  int size_;
+  int owner_;
+  std::array<Side, kMostRing> behind_a_, behind_b_;
+  std::array<std::array<OpenFaces, kMostRing>, kMostRing> open_;
+};
+
+/// True if the edge may go: not one of a curve, nor between labels; on the outside only where it is flat.
+bool may_remove(const TetMesh& mesh, const EdgeRing& ring, const PatchShapes& shapes, int most_tets) {
+  const std::size_t most_rim = static_cast<std::size_t>(std::min(most_tets, kMostRing));
+  if (ring.rim.size() < 3 || ring.rim.size() > most_rim) return false;
+  if (ring.patch_faces == 0) return true;
+  if (!ring.open || ring.dimension() != VertexDimension::kSurface) return false;
+  const Label label = mesh.label(ring.tets[0]);
+  return shapes[ring.patches[0].value].freedom == PatchFreedom::kPlane &&
+         std::all_of(ring.tets.begin(), ring.tets.end(), [&](TetId t) { return mesh.label(t) == label; });
+}
+
+}  // namespace
+
+template <class Lock>
+Outcome Operators<Lock>::remove_edge(TetId t, int i, int j, const SwapRules& rules) {
+  const LockScope scope(lock_);
+  const VertexId a = subject_.mesh.vertex(t, i), b = subject_.mesh.vertex(t, j);
+  Outcome outcome = Outcome::kContended;
+  if (lock_.try_lock(a) && lock_.try_lock(b)) outcome = remove_held_edge(t, a, b, rules);
+  counts_.edge_removal.add(outcome);
+  return outcome;
+}
+
+template <class Lock>
+Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const SwapRules& rules) {
+  TetMesh& mesh = subject_.mesh;
+  EdgeRing& ring = scratch_->ring;
+  if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
+  if (!may_remove(mesh, ring, subject_.shapes, rules.most_ring_tets)) return Outcome::kRejected;
+  double worst = 1;
+  for (const TetId x : ring.tets) worst = std::min<double>(worst, mesh.quality(x));
+  const double least = worst + rules.least_gain;
+  RimTriangulation triangulation(mesh, ring, a, b);
+  if (!triangulation.find(least * least * least) || !triangulation.is_positive()) return Outcome::kRejected;
+  RingReplacement(mesh, ring, a, b, owner_).apply(triangulation);
+  return Outcome::kApplied;
+}
+
+template Outcome Operators<NoLock>::remove_edge(TetId, int, int, const SwapRules&);
+
+}  // namespace lumesh::operators

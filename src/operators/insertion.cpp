@@ -1,0 +1,80 @@
+#include <algorithm>
+#include <cmath>
+
+#include "scratch.hpp"
+
+namespace lumesh::operators {
+namespace {
+
+/// The point that divides the metric length of edge (a, b) so that `fraction` of it lies on a's side, for
+/// sizes that vary geometrically along the edge. Coordinates that both ends share stay exactly the same.
+Vec3 point_on_edge(const TetMesh& mesh, VertexId a, VertexId b, double fraction) {
+  const Vec3 edge = mesh.point(b) - mesh.point(a);
+  const double ratio = std::sqrt(mesh.metric(b).quadratic(edge) / mesh.metric(a).quadratic(edge));
+  // The length up to t is proportional to (ratio^t - 1) / (ratio - 1).
+  constexpr double kNearlyOne = 1e-3, kMargin = 0.1;
+  double t = fraction;
+  if (std::abs(ratio - 1) > kNearlyOne) t = std::log(1 + fraction * (ratio - 1)) / std::log(ratio);
+  t = std::clamp(t, kMargin, 1 - kMargin);
+  return mesh.point(a) + t * edge;
+}
+
+/// True if some patch at the edge must stay as it is.
+bool is_frozen(const EdgeRing& ring, const PatchShapes& shapes) {
+  return std::any_of(ring.patches.begin(), ring.patches.end(),
+                     [&](PatchId patch) { return shapes[patch.value].freedom == PatchFreedom::kFrozen; });
+}
+
+}  // namespace
+
+template <class Lock>
+Outcome Operators<Lock>::split_edge(TetId t, int i, int j, double fraction, const InsertionRules& rules) {
+  const LockScope scope(lock_);
+  VertexId a = subject_.mesh.vertex(t, i), b = subject_.mesh.vertex(t, j);
+  if (a > b) {  // The same point whichever tetrahedron asks.
+    std::swap(a, b);
+    fraction = 1 - fraction;
+  }
+  Outcome outcome = Outcome::kContended;
+  if (lock_.try_lock(a) && lock_.try_lock(b)) outcome = split_held_edge(t, a, b, fraction, rules);
+  counts_.insertion.add(outcome);
+  return outcome;
+}
+
+template <class Lock>
+Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double fraction,
+                                         const InsertionRules& rules) {
+  TetMesh& mesh = subject_.mesh;
+  auto& [ring, ball, cavity, qualities, near] = *scratch_;
+  if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
+  if (is_frozen(ring, subject_.shapes)) return Outcome::kRejected;
+
+  NewVertex vertex;
+  vertex.point = point_on_edge(mesh, a, b, fraction);
+  vertex.hint = mesh.metric_hint(a);
+  vertex.metric = subject_.field.at(vertex.point, vertex.hint);
+  vertex.dimension = ring.dimension();
+  vertex.patches = ring.patches;
+  cavity.begin(ring.tets);
+  if (!cavity.enlarge(mesh, vertex, rules.most_cavity_tets, lock_) ||
+      !cavity.carve(mesh, vertex, subject_.shapes) || !cavity.accept(mesh, vertex, rules))
+    return Outcome::kRejected;
+  const VertexId v = cavity.fill(mesh, vertex, owner_);
+  if (!cavity.too_near().empty()) draw_in_near_vertices(v);
+  return Outcome::kApplied;
+}
+
+template <class Lock>
+void Operators<Lock>::draw_in_near_vertices(VertexId into) {
+  const CollapseRules rules{.most_length = 2, .least_quality = 1e-3, .least_relative = 0.3};
+  scratch_->near.assign(scratch_->cavity.too_near().begin(), scratch_->cavity.too_near().end());
+  for (const VertexId v : scratch_->near) {
+    // The new vertex made a neighbour of every vertex of its hole; a collapse before this one kept that.
+    const TetId t = subject_.mesh.incident_tet(v);
+    if (subject_.mesh.index_of(t, into) >= 0) counts_.collapse.add(collapse_held_edge(t, v, into, rules));
+  }
+}
+
+template Outcome Operators<NoLock>::split_edge(TetId, int, int, double, const InsertionRules&);
+
+}  // namespace lumesh::operators

@@ -1,0 +1,137 @@
+#pragma once
+/// @file The tetrahedra around an edge and around a vertex, gathered under locks.
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "local_map.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+
+namespace lumesh::operators {
+
+/// The corners of t besides i and j, ordered so that (i, j, first, second) is positively oriented.
+[[nodiscard]] std::array<int, 2> other_corners(int i, int j);
+
+/// The tetrahedra around edge (a, b) in the order of rotation: tets[k] is (a, b, rim[k], rim[k + 1]),
+/// positively oriented; in a closed ring the rim goes round, in an open one it has one vertex more than there
+/// are tetrahedra. The two ends of an open ring are faces of the outside.
+struct EdgeRing {
+  std::vector<TetId> tets;
+  std::vector<std::uint32_t> rim;
+  bool open = false;
+  /// Patches of the faces at the edge, outside or interface, without repetition; and the number of such
+  /// faces.
+  std::vector<PatchId> patches;
+  int patch_faces = 0;
+
+  /// Of a vertex put on the edge.
+  [[nodiscard]] VertexDimension dimension() const {
+    if (patch_faces == 0) return VertexDimension::kVolume;
+    return patch_faces == 2 && patches.size() == 1 ? VertexDimension::kSurface : VertexDimension::kCurve;
+  }
+  void clear() {
+    tets.clear();
+    rim.clear();
+    patches.clear();
+    open = false;
+    patch_faces = 0;
+  }
+  void add_patch(PatchId patch) {
+    ++patch_faces;
+    for (const PatchId known : patches)
+      if (known == patch) return;
+    patches.push_back(patch);
+  }
+};
+
+/// @return false if a vertex of the ring was not to be locked. The caller holds a and b.
+template <class Lock>
+bool gather_ring(const TetMesh& mesh, TetId start, VertexId a, VertexId b, Lock& lock, EdgeRing& ring) {
+  ring.clear();
+  const auto [first, second] = other_corners(mesh.index_of(start, a), mesh.index_of(start, b));
+  const VertexId begin = mesh.vertex(start, first), end = mesh.vertex(start, second);
+  if (!lock.try_lock(begin) || !lock.try_lock(end)) return false;
+  ring.tets.push_back(start);
+  ring.rim = {begin.value, end.value};
+  // Turns around the edge: leaves each tetrahedron through the face opposite the rim vertex it was entered
+  // by.
+  enum class End { kClosed, kBoundary, kNotLocked };
+  const auto turn = [&](VertexId behind, VertexId ahead, const auto& add) {
+    for (TetId t = start;;) {
+      const int face = mesh.index_of(t, behind);
+      const FaceLink link = mesh.link(t, face);
+      const PatchId patch = mesh.patch(t, face);
+      if (patch.valid()) ring.add_patch(patch);
+      if (link.is_boundary()) return End::kBoundary;
+      if (link.tet() == start) return End::kClosed;
+      t = link.tet();
+      const VertexId next = mesh.vertex(t, link.face());
+      if (!lock.try_lock(next)) return End::kNotLocked;
+      add(t, next);
+      behind = std::exchange(ahead, next);
+    }
+  };
+  const End forward = turn(begin, end, [&](TetId t, VertexId next) {
+    ring.tets.push_back(t);
+    ring.rim.push_back(next.value);
+  });
+  if (forward == End::kClosed) ring.rim.pop_back();  // The last one is the first one.
+  if (forward != End::kBoundary) return forward == End::kClosed;
+  ring.open = true;
+  const std::size_t ahead_tets = ring.tets.size(), ahead_rim = ring.rim.size();
+  const End backward = turn(end, begin, [&](TetId t, VertexId next) {
+    ring.tets.push_back(t);
+    ring.rim.push_back(next.value);
+  });
+  // What was met backwards goes to the front, the farthest first.
+  const auto to_front = [](auto& items, std::size_t ahead) {
+    std::reverse(items.begin() + static_cast<std::ptrdiff_t>(ahead), items.end());
+    std::rotate(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(ahead), items.end());
+  };
+  to_front(ring.tets, ahead_tets);
+  to_front(ring.rim, ahead_rim);
+  return backward == End::kBoundary;
+}
+
+/// The tetrahedra around a vertex, with the vertices and patches there.
+struct VertexBall {
+  std::vector<TetId> tets;
+  std::vector<std::uint32_t> neighbours;
+  std::vector<PatchId> patches;  ///< Of faces at the vertex, without repetition.
+
+  LocalMap<std::uint32_t, char> known_tets, known_vertices;
+};
+
+/// @return false if a vertex was not to be locked. The caller holds v.
+template <class Lock>
+bool gather_ball(const TetMesh& mesh, VertexId v, Lock& lock, VertexBall& ball) {
+  ball.tets.assign(1, mesh.incident_tet(v));
+  ball.neighbours.clear();
+  ball.patches.clear();
+  ball.known_tets.clear();
+  ball.known_vertices.clear();
+  ball.known_tets.insert(ball.tets[0].value, 0);
+  ball.known_vertices.insert(v.value, 0);
+  for (std::size_t next = 0; next < ball.tets.size(); ++next) {
+    const TetId t = ball.tets[next];
+    const Cell<4>& corners = mesh.tet(t);
+    for (int i = 0; i < 4; ++i) {
+      if (corners[i] == v.value) continue;
+      if (ball.known_vertices.insert(corners[i], 0).added) {
+        if (!lock.try_lock(VertexId(corners[i]))) return false;
+        ball.neighbours.push_back(corners[i]);
+      }
+      const FaceLink link = mesh.link(t, i);
+      if (const PatchId patch = mesh.patch(t, i); patch.valid())
+        if (std::find(ball.patches.begin(), ball.patches.end(), patch) == ball.patches.end())
+          ball.patches.push_back(patch);
+      if (!link.is_boundary() && ball.known_tets.insert(link.tet().value, 0).added)
+        ball.tets.push_back(link.tet());
+    }
+  }
+  return true;
+}
+
+}  // namespace lumesh::operators

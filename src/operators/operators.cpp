@@ -1,0 +1,40 @@
+#include "lumesh/operators/operators.hpp"
+
+#include "scratch.hpp"
+
+namespace lumesh::operators {
+
+std::array<int, 2> other_corners(int i, int j) {
+  std::array<int, 2> others{};
+  for (int k = 0, n = 0; k < 4; ++k)
+    if (k != i && k != j) others[n++] = k;
+  // (i, j, first, second) must be an even permutation of (0, 1, 2, 3).
+  const std::array<int, 4> order = {i, j, others[0], others[1]};
+  int inversions = 0;
+  for (int k = 0; k < 4; ++k)
+    for (int m = k + 1; m < 4; ++m) inversions += order[k] > order[m] ? 1 : 0;
+  if (inversions % 2 != 0) std::swap(others[0], others[1]);
+  return others;
+}
+
+template <class Lock>
+Operators<Lock>::Operators(const Subject& subject, Lock lock, int owner)
+    : subject_(subject), lock_(std::move(lock)), owner_(owner), scratch_(std::make_unique<Scratch>()) {
+  LUMESH_ASSERT(subject.mesh.has_metric());
+  LUMESH_ASSERT(subject.shapes.size() == subject.mesh.info().patches.size());
+}
+
+template <class Lock>
+Operators<Lock>::~Operators() = default;
+
+template <class Lock>
+Operators<Lock>::Operators(Operators&&) noexcept = default;
+
+template <class Lock>
+double Operators<Lock>::edge_length(TetId t, int i, int j) const {
+  return metric_length(subject_.mesh, subject_.mesh.vertex(t, i), subject_.mesh.vertex(t, j));
+}
+
+template class Operators<NoLock>;
+
+}  // namespace lumesh::operators

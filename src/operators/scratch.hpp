@@ -1,0 +1,50 @@
+#pragma once
+/// @file The working memory of one thread's operators.
+
+#include "cavity.hpp"
+#include "lumesh/operators/operators.hpp"
+#include "neighbourhoods.hpp"
+
+namespace lumesh::operators {
+
+/// Frees what an operator locked when it is done.
+template <class Lock>
+class LockScope {
+ public:
+  explicit LockScope(Lock& lock) : lock_(lock) {}
+  ~LockScope() { lock_.release_all(); }
+  LockScope(const LockScope&) = delete;
+  LockScope& operator=(const LockScope&) = delete;
+
+ private:
+  Lock& lock_;
+};
+
+template <class Lock>
+struct Operators<Lock>::Scratch {
+  EdgeRing ring;
+  VertexBall ball;
+  Cavity cavity;
+  std::vector<float> qualities;
+  std::vector<VertexId> near;
+};
+
+/// Quality cubed of the tetrahedron (a, b, c, d) of vertices of the mesh.
+[[nodiscard]] inline double quality_cubed(const TetMesh& mesh, VertexId a, VertexId b, VertexId c,
+                                          VertexId d) {
+  return metric::mean_ratio_cubed(mesh.point(a), mesh.point(b), mesh.point(c), mesh.point(d),
+                                  mesh.log_metric(a), mesh.log_metric(b), mesh.log_metric(c),
+                                  mesh.log_metric(d));
+}
+
+[[nodiscard]] inline double metric_length(const TetMesh& mesh, VertexId a, VertexId b) {
+  return metric::edge_length(mesh.point(a), mesh.metric(a), mesh.point(b), mesh.metric(b));
+}
+
+/// Makes t and what lies behind a face neighbours, or the face one of the outside.
+inline void link_to(TetMesh& mesh, TetId t, int face, FaceLink behind) {
+  mesh.set_link(t, face, behind);
+  if (!behind.is_boundary()) mesh.set_link(behind.tet(), behind.face(), FaceLink::to(t, face));
+}
+
+}  // namespace lumesh::operators

@@ -1,0 +1,218 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "scratch.hpp"
+
+namespace lumesh::operators {
+namespace {
+
+/// Deviation of a length from 1: sinh^2(ln L), which is (ln L)^2 near 1 and needs no logarithm.
+double length_deviation(double length) {
+  const double x = 0.5 * (length - 1 / length);
+  return x * x;
+}
+
+/// Solves H x = b for positive definite H by Cholesky; none if H is not.
+std::optional<Vec3> solve_positive(const SymTensor& h, const Vec3& b) {
+  if (!(h.xx > 0)) return std::nullopt;
+  const double l11 = std::sqrt(h.xx), l21 = h.xy / l11, l31 = h.xz / l11;
+  const double d2 = h.yy - l21 * l21;
+  if (!(d2 > 0)) return std::nullopt;
+  const double l22 = std::sqrt(d2), l32 = (h.yz - l31 * l21) / l22;
+  const double d3 = h.zz - l31 * l31 - l32 * l32;
+  if (!(d3 > 0)) return std::nullopt;
+  const double l33 = std::sqrt(d3);
+  const double y1 = b[0] / l11, y2 = (b[1] - l21 * y1) / l22, y3 = (b[2] - l31 * y1 - l32 * y2) / l33;
+  const double x3 = y3 / l33, x2 = (y2 - l32 * x3) / l22;
+  return Vec3((y1 - l21 * x2 - l31 * x3) / l11, x2, x3);
+}
+
+/// Where a vertex may go: everywhere, in a plane, along a line, or nowhere.
+struct Freedom {
+  int dimensions = 3;
+  Vec3 direction = Vec3::Zero();  ///< Normal of the plane, or along the line.
+
+  [[nodiscard]] Vec3 project(const Vec3& step) const {
+    if (dimensions == 3) return step;
+    const Vec3 along = direction.dot(step) * direction;
+    return dimensions == 2 ? Vec3(step - along) : along;
+  }
+};
+
+Freedom freedom_of(const std::vector<PatchId>& patches, const PatchShapes& shapes) {
+  Freedom freedom;
+  for (const PatchId patch : patches) {
+    const PatchShape& shape = shapes[patch.value];
+    if (shape.freedom == PatchFreedom::kFrozen) return {0, {}};
+    if (freedom.dimensions == 3) {
+      freedom = {2, shape.normal};
+      continue;
+    }
+    // The second plane leaves a line; a third one would leave a point unless it holds the line.
+    constexpr double kParallel = 1e-6;
+    if (freedom.dimensions == 2) {
+      const Vec3 line = freedom.direction.cross(shape.normal);
+      if (line.norm() > kParallel) freedom = {1, line.normalized()};
+    } else if (std::abs(freedom.direction.dot(shape.normal)) > kParallel) {
+      return {0, {}};
+    }
+  }
+  return freedom;
+}
+
+SymTensor symmetric_product(const Vec3& u, const Vec3& v) {  // u v^T + v u^T
+  return {2 * u[0] * v[0], u[0] * v[1] + u[1] * v[0], u[0] * v[2] + u[2] * v[0],
+          2 * u[1] * v[1], u[1] * v[2] + u[2] * v[1], 2 * u[2] * v[2]};
+}
+
+/// The three corners of t besides corner i, so that (first, second, third, i) is positively oriented.
+std::array<VertexId, 3> base_of(const TetMesh& mesh, TetId t, int i) {
+  const auto [x, y, z] = kTetFaces[i];
+  return {mesh.vertex(t, x), mesh.vertex(t, z), mesh.vertex(t, y)};
+}
+
+/// The sum that smoothing lessens, with its derivatives by the position of the vertex while metrics stay.
+struct Objective {
+  double value = 0;
+  Vec3 gradient = Vec3::Zero();
+  SymTensor hessian;
+
+  /// 1 / quality = T V^(-2/3) / constant, with T the sum of the squared lengths of the edges.
+  void add_tet(const TetMesh& mesh, TetId t, VertexId v, const Vec3& x) {
+    const auto [a, b, c] = base_of(mesh, t, mesh.index_of(t, v));
+    const Vec3 &pa = mesh.point(a), &pb = mesh.point(b), &pc = mesh.point(c);
+    const SymTensor m = metric::TraceFreeExp(metric::mean_of_logs(mesh.log_metric(a), mesh.log_metric(b),
+                                                                  mesh.log_metric(c), mesh.log_metric(v)))
+                            .tensor();
+    const Vec3 ea = x - pa, eb = x - pb, ec = x - pc;
+    const double edges = contraction(m, metric::sum_of_edge_squares(pb - pa, pc - pa, ea));
+    const Vec3 normal = (pb - pa).cross(pc - pa);
+    const double inverse_quality = 1 / static_cast<double>(mesh.quality(t));
+    const Vec3 by_edges = (2 / edges) * m.times(ea + eb + ec), by_volume = normal / normal.dot(ea);
+    value += inverse_quality;
+    gradient += inverse_quality * (by_edges - (2.0 / 3) * by_volume);
+    hessian =
+        hessian + inverse_quality * ((6 / edges) * m + (-2.0 / 3) * symmetric_product(by_edges, by_volume) +
+                                     (5.0 / 9) * symmetric_product(by_volume, by_volume));
+  }
+
+  void add_edge(const TetMesh& mesh, VertexId v, const Vec3& x, VertexId w, double weight) {
+    const Vec3 edge = x - mesh.point(w);
+    const double length = metric::edge_length(x, mesh.metric(v), mesh.point(w), mesh.metric(w));
+    const SymTensor m = 0.5 * (mesh.metric(v) + mesh.metric(w));
+    const Vec3 direction = (1 / m.quadratic(edge)) * m.times(edge);  // Gradient of ln L.
+    const double inverse = 1 / length;
+    value += weight * length_deviation(length);
+    gradient += (0.5 * weight * (length - inverse) * (length + inverse)) * direction;
+    const double slope = 0.5 * (length + inverse);
+    hessian = hessian + (weight * slope * slope) * symmetric_product(direction, direction);
+  }
+};
+
+/// Newton's step within the freedom, shortened to `most` in the metric; along the metric's gradient where the
+/// Hessian is not positive.
+Vec3 step_of(const Objective& objective, const Freedom& freedom, const SymTensor& metric, double most) {
+  const auto within = [&](const SymTensor& h) {
+    if (freedom.dimensions == 3) return h;
+    const Vec3& d = freedom.direction;
+    const SymTensor dd = 0.5 * symmetric_product(d, d);
+    if (freedom.dimensions == 1) {  // Only what it does along d counts.
+      const double scale = h.quadratic(d);
+      return scale * SymTensor::diagonal(1, 1, 1);
+    }
+    const Mat3 project = Mat3::Identity() - dd.matrix();
+    return SymTensor::from(project * h.matrix() * project) + h.trace() * dd;
+  };
+  const Vec3 slope = freedom.project(-objective.gradient);
+  std::optional<Vec3> step = solve_positive(within(objective.hessian), slope);
+  double limit = most;
+  if (!step) {
+    step = solve_positive(within(metric), slope);
+    limit = 0.5 * most;
+    if (!step) return Vec3::Zero();
+    *step *= 1e6;  // Its length says nothing; the limit does.
+  }
+  *step = freedom.project(*step);
+  const double length = std::sqrt(metric.quadratic(*step));
+  return length > limit ? Vec3(limit / length * *step) : *step;
+}
+
+}  // namespace
+
+template <class Lock>
+Outcome Operators<Lock>::smooth_vertex(VertexId v, const SmoothingRules& rules) {
+  const LockScope scope(lock_);
+  const Outcome outcome = lock_.try_lock(v) ? smooth_held_vertex(v, rules) : Outcome::kContended;
+  counts_.smoothing.add(outcome);
+  return outcome;
+}
+
+template <class Lock>
+Outcome Operators<Lock>::smooth_held_vertex(VertexId v, const SmoothingRules& rules) {
+  TetMesh& mesh = subject_.mesh;
+  VertexBall& ball = scratch_->ball;
+  if (mesh.dimension(v) == VertexDimension::kCorner) return Outcome::kRejected;
+  if (!gather_ball(mesh, v, lock_, ball)) return Outcome::kContended;
+  const Freedom freedom = freedom_of(ball.patches, subject_.shapes);
+  if (freedom.dimensions == 0) return Outcome::kRejected;
+
+  const Vec3 old = mesh.point(v);
+  Objective before;
+  float worst = 1;
+  for (const TetId t : ball.tets) {
+    before.add_tet(mesh, t, v, old);
+    worst = std::min(worst, mesh.quality(t));
+  }
+  for (const std::uint32_t w : ball.neighbours)
+    before.add_edge(mesh, v, old, VertexId(w), rules.length_weight);
+
+  Vec3 step = step_of(before, freedom, mesh.metric(v), rules.most_step);
+  if (!(mesh.metric(v).quadratic(step) > rules.least_step * rules.least_step)) return Outcome::kRejected;
+  const double floor = std::min<double>(worst, rules.quality_floor);
+  for (int i = 0; i < rules.halvings; ++i, step *= 0.5)
+    if (move_if_better(v, old + step, before.value, floor, rules)) return Outcome::kApplied;
+  return Outcome::kRejected;
+}
+
+template <class Lock>
+bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, double floor,
+                                     const SmoothingRules& rules) {
+  TetMesh& mesh = subject_.mesh;
+  auto& [ring, ball, cavity, qualities, near] = *scratch_;
+  TetId hint = mesh.metric_hint(v);
+  const metric::MetricPair pair = subject_.field.at(to, hint);
+  double sum = 0;
+  for (const std::uint32_t w : ball.neighbours) {
+    const VertexId n(w);
+    sum += rules.length_weight *
+           length_deviation(metric::edge_length(to, pair.metric, mesh.point(n), mesh.metric(n)));
+  }
+  if (!(sum < below)) return false;
+  qualities.clear();
+  const double floor_cubed = 0.999 * floor * floor * floor;  // Stored qualities are rounded.
+  for (const TetId t : ball.tets) {
+    const auto [a, b, c] = base_of(mesh, t, mesh.index_of(t, v));
+    const double cubed =
+        metric::mean_ratio_cubed(mesh.point(a), mesh.point(b), mesh.point(c), to, mesh.log_metric(a),
+                                 mesh.log_metric(b), mesh.log_metric(c), pair.log);
+    if (!(cubed >= floor_cubed) || !(cubed > 0)) return false;
+    const double quality = metric::cube_root(cubed);
+    qualities.push_back(static_cast<float>(quality));
+    sum += 1 / quality;
+    if (!(sum < below)) return false;
+  }
+  for (const TetId t : ball.tets) {
+    const auto [a, b, c] = base_of(mesh, t, mesh.index_of(t, v));
+    if (orient3d(mesh.point(a), mesh.point(b), mesh.point(c), to) <= 0) return false;
+  }
+  mesh.set_point(v, to);
+  mesh.set_metric(v, pair.metric, pair.log);
+  mesh.set_metric_hint(v, hint);
+  for (std::size_t i = 0; i < ball.tets.size(); ++i) mesh.set_quality(ball.tets[i], qualities[i]);
+  return true;
+}
+
+template Outcome Operators<NoLock>::smooth_vertex(VertexId, const SmoothingRules&);
+
+}  // namespace lumesh::operators

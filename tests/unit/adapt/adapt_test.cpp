@@ -1,0 +1,123 @@
+#include "lumesh/adapt/adapt.hpp"
+
+#include <gtest/gtest.h>
+
+#include "fixtures/metric_cubes.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/mesh/validate.hpp"
+#include "lumesh/metric/measures.hpp"
+
+namespace lumesh {
+namespace {
+
+using metric::AnalyticKind;
+using metric::MetricField;
+
+struct Conformity {
+  double share_in_band = 0, shortest = 1e9, longest = 0, mean_quality = 0, least_quality = 1;
+};
+
+/// By the definitions, edge by edge as each tetrahedron sees them (inner edges count several times).
+Conformity conformity_of(const TetMesh& mesh) {
+  Conformity result;
+  double in_band = 0, edges = 0;
+  for (std::uint32_t i = 0; i < mesh.tet_count(); ++i) {
+    const TetId t(i);
+    for (const auto& [k, l] : kTetEdges) {
+      const VertexId a = mesh.vertex(t, k), b = mesh.vertex(t, l);
+      const Vec3 edge = mesh.point(b) - mesh.point(a);
+      const double la = std::sqrt(mesh.metric(a).quadratic(edge)),
+                   lb = std::sqrt(mesh.metric(b).quadratic(edge));
+      const double length = std::abs(la - lb) > 1e-3 ? (la - lb) / std::log(la / lb) : 0.5 * (la + lb);
+      in_band += length >= std::sqrt(0.5) && length <= std::sqrt(2.0) ? 1 : 0;
+      result.shortest = std::min(result.shortest, length);
+      result.longest = std::max(result.longest, length);
+      ++edges;
+    }
+    result.mean_quality += mesh.quality(t) / mesh.tet_count();
+    result.least_quality = std::min<double>(result.least_quality, mesh.quality(t));
+  }
+  result.share_in_band = in_band / edges;
+  return result;
+}
+
+TEST(Adapt, MakesAUnitMeshOfTheLinearMetric) {
+  TetMesh mesh = fixtures::unit_cube(3);
+  const auto shapes = operators::planes_where_flat(mesh);
+  Context context;
+  adapt(mesh, MetricField::analytic(AnalyticKind::kLinear), shapes, {}, context);
+  const ValidationReport report = validate(mesh);
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_NEAR(report.labels[0].volume, 1, 1e-12);
+  const Conformity found = conformity_of(mesh);
+  EXPECT_GT(found.share_in_band, 0.98);
+  EXPECT_GT(found.mean_quality, 0.87);
+  EXPECT_GT(found.least_quality, 0.35);
+  EXPECT_GT(found.shortest, 0.25);
+  EXPECT_LT(found.longest, 2.5);
+  // The complexity of the continuous metric, 4652, as quadrature on a unit mesh sees it.
+  EXPECT_NEAR(metric::complexity(mesh), 4652, 0.02 * 4652);
+  EXPECT_NEAR(mesh.tet_count() / 4652.0, 11, 1.2);
+}
+
+TEST(Adapt, CoarsensAFineMesh) {
+  TetMesh mesh = fixtures::unit_cube(12);
+  const auto shapes = operators::planes_where_flat(mesh);
+  Context context;
+  adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 5), shapes, {}, context);
+  ASSERT_TRUE(validate(mesh).ok()) << validate(mesh).text();
+  const Conformity found = conformity_of(mesh);
+  EXPECT_GT(found.share_in_band, 0.8);
+  EXPECT_LT(mesh.vertex_count(), 13u * 13 * 13 / 3);
+}
+
+TEST(Adapt, KeepsLabelsAndTheirInterface) {
+  TetMesh mesh = fixtures::unit_cube_of_two_labels(4);
+  const auto shapes = operators::planes_where_flat(mesh);
+  Context context;
+  adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 1.5), shapes, {}, context);
+  const ValidationReport report = validate(mesh);
+  ASSERT_TRUE(report.ok()) << report.text();
+  ASSERT_EQ(report.labels.size(), 2u);
+  for (const LabelBoundary& label : report.labels) {
+    EXPECT_NEAR(label.volume, 0.5, 1e-12);
+    EXPECT_EQ(label.surface_euler, 2);
+  }
+}
+
+TEST(Adapt, KeepsFrozenSurfacesAsTheyAre) {
+  TetMesh mesh = fixtures::unit_cube(4);
+  const std::size_t faces = mesh.boundary_faces().triangles.size();
+  Context context;
+  adapt(mesh, MetricField::analytic(AnalyticKind::kLinear, 2), operators::all_frozen(mesh), {}, context);
+  ASSERT_TRUE(validate(mesh).ok()) << validate(mesh).text();
+  EXPECT_EQ(mesh.boundary_faces().triangles.size(), faces);
+  EXPECT_GT(mesh.vertex_count(), 200u);
+}
+
+TEST(Adapt, OfAUnitMeshChangesItLittle) {
+  TetMesh mesh = fixtures::unit_cube(3);
+  const auto shapes = operators::planes_where_flat(mesh);
+  const MetricField field = MetricField::analytic(AnalyticKind::kLinear);
+  Context context;
+  adapt(mesh, field, shapes, {}, context);
+  const std::uint32_t before = mesh.vertex_count();
+  adapt(mesh, field, shapes, {}, context);
+  EXPECT_NEAR(mesh.vertex_count(), before, 0.03 * before);
+  EXPECT_GT(conformity_of(mesh).share_in_band, 0.985);
+}
+
+TEST(AdaptOptions, OutOfRangeAreNamed) {
+  AdaptOptions options;
+  options.collapse_below = 5;
+  try {
+    options.validate();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    EXPECT_NE(std::string(error.what()).find("collapse below"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace lumesh

@@ -1,0 +1,237 @@
+#include "lumesh/operators/operators.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "fixtures/metric_cubes.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
+#include "lumesh/mesh/validate.hpp"
+#include "lumesh/metric/measures.hpp"
+
+namespace lumesh::operators {
+namespace {
+
+using metric::AnalyticKind;
+using metric::MetricField;
+
+std::vector<double> volumes_by_label(const TetMesh& mesh) {
+  std::vector<double> volumes;
+  for (const LabelBoundary& label : validate(mesh).labels) volumes.push_back(label.volume);
+  return volumes;
+}
+
+/// True if every stored quality is that of the tetrahedron as it stands.
+bool qualities_are_right(const TetMesh& mesh) {
+  TetMesh again = TetMesh::build(mesh.points(), mesh.tets(), mesh.labels());
+  again.enable_metric();
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    again.set_metric(VertexId(v), mesh.metric(VertexId(v)), mesh.log_metric(VertexId(v)));
+  metric::measure_qualities(again);
+  for (std::uint32_t t = 0; t < mesh.tet_count(); ++t)
+    if (std::abs(again.quality(TetId(t)) - mesh.quality(TetId(t))) > 1e-5) return false;
+  return true;
+}
+
+/// A cube, its field and its operators.
+struct Bench {
+  TetMesh mesh;
+  MetricField field;
+  PatchShapes shapes;
+  Operators<NoLock> kernel;
+
+  Bench(TetMesh cube, AnalyticKind kind, double size_factor)
+      : mesh(prepared(std::move(cube), kind, size_factor)),
+        field(MetricField::analytic(kind, size_factor)),
+        shapes(planes_where_flat(mesh)),
+        kernel({mesh, field, shapes}) {}
+
+  static TetMesh prepared(TetMesh cube, AnalyticKind kind, double size_factor) {
+    metric::assign_metric(cube, MetricField::analytic(kind, size_factor));
+    return cube;
+  }
+
+  /// Any operator on any tetrahedron.
+  Outcome random_step(std::mt19937& random, const InsertionRules& insertion, const CollapseRules& collapse) {
+    const TetId t(static_cast<std::uint32_t>(random() % mesh.tet_slots()));
+    if (!mesh.alive(t)) return Outcome::kRejected;
+    const int i = static_cast<int>(random() % 4), j = (i + 1 + static_cast<int>(random() % 3)) % 4;
+    switch (random() % 5) {
+      case 0:
+        return kernel.split_edge(t, i, j, 0.5, insertion);
+      case 1:
+        return kernel.collapse_edge(t, i, j, collapse);
+      case 2:
+        return kernel.remove_edge(t, i, j, {});
+      case 3:
+        return kernel.swap_face(t, i, {});
+      default:
+        return kernel.smooth_vertex(mesh.vertex(t, i), {});
+    }
+  }
+};
+
+struct RandomCase {
+  const char* name;
+  bool two_labels;
+  AnalyticKind kind;
+  double size_factor;
+};
+
+class RandomOperators : public testing::TestWithParam<RandomCase> {};
+
+TEST_P(RandomOperators, KeepTheMeshValid) {
+  const RandomCase& given = GetParam();
+  Bench bench(given.two_labels ? fixtures::unit_cube_of_two_labels(4) : fixtures::unit_cube(4), given.kind,
+              given.size_factor);
+  const std::vector<double> before = volumes_by_label(bench.mesh);
+  const InsertionRules dense{.least_length = 0.3};
+  const CollapseRules loose{.most_length = 4, .least_quality = 0.01, .least_relative = 0.01};
+  std::mt19937 random(11);
+  for (int round = 0; round < 6; ++round) {
+    for (int i = 0; i < 5000; ++i) bench.random_step(random, dense, loose);
+    bench.mesh.compact();
+    const ValidationReport report = validate(bench.mesh);
+    ASSERT_TRUE(report.ok()) << "round " << round << ": " << report.text();
+    ASSERT_TRUE(qualities_are_right(bench.mesh)) << "round " << round;
+  }
+  const std::vector<double> after = volumes_by_label(bench.mesh);
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) EXPECT_NEAR(after[i], before[i], 1e-12);
+  const OperatorCounts& counts = bench.kernel.counts();
+  EXPECT_GT(counts.insertion.applied, 100u);
+  EXPECT_GT(counts.collapse.applied, 20u);
+  EXPECT_GT(counts.edge_removal.applied, 100u);
+  EXPECT_GT(counts.face_swap.applied, 0u);
+  EXPECT_GT(counts.smoothing.applied, 100u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Metrics, RandomOperators,
+                         testing::Values(RandomCase{"Linear", false, AnalyticKind::kLinear, 1},
+                                         RandomCase{"Polar1", false, AnalyticKind::kPolar1, 2},
+                                         RandomCase{"Polar2", false, AnalyticKind::kPolar2, 1},
+                                         RandomCase{"TwoLabels", true, AnalyticKind::kPolar2, 1.5}),
+                         [](const auto& info) { return info.param.name; });
+
+/// Edge (i, j) of t with both ends as given, anywhere in the mesh.
+struct FoundEdge {
+  TetId t;
+  int i = 0, j = 0;
+};
+template <class Test>
+FoundEdge find_edge(const TetMesh& mesh, const Test& test) {
+  for (std::uint32_t t = 0; t < mesh.tet_count(); ++t)
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j)
+        if (i != j && test(mesh.vertex(TetId(t), i), mesh.vertex(TetId(t), j))) return {TetId(t), i, j};
+  return {};
+}
+
+TEST(SplitEdge, PutsTheVertexWhereTheMetricHalvesTheEdge) {
+  Bench bench(fixtures::unit_cube(1), AnalyticKind::kLinear, 1);
+  const auto vertical = find_edge(bench.mesh, [&](VertexId a, VertexId b) {
+    const Vec3 edge = bench.mesh.point(b) - bench.mesh.point(a);
+    return edge == Vec3(0, 0, 1);
+  });
+  ASSERT_TRUE(vertical.t.valid());
+  ASSERT_EQ(bench.kernel.split_edge(vertical.t, vertical.i, vertical.j, 0.5, {}), Outcome::kApplied);
+  const Vec3& added = bench.mesh.point(VertexId(8));
+  EXPECT_NEAR(added[2], 0.5, 1e-12);  // The metric is the same at both ends.
+  EXPECT_TRUE(added[0] == 0 || added[0] == 1);
+  EXPECT_EQ(bench.mesh.dimension(VertexId(8)), VertexDimension::kCurve);
+  EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
+}
+
+TEST(SplitEdge, LeavesFrozenPatchesAlone) {
+  Bench bench(fixtures::unit_cube(2), AnalyticKind::kLinear, 1);
+  bench.shapes = all_frozen(bench.mesh);
+  const std::size_t faces = bench.mesh.boundary_faces().triangles.size();
+  std::mt19937 random(3);
+  for (int i = 0; i < 5000; ++i) bench.random_step(random, {}, {});
+  bench.mesh.compact();
+  EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
+  EXPECT_EQ(bench.mesh.boundary_faces().triangles.size(), faces);
+  EXPECT_GT(bench.kernel.counts().insertion.applied, 10u);
+}
+
+TEST(CollapseEdge, KeepsCornersAndCurves) {
+  Bench bench(fixtures::unit_cube(3), AnalyticKind::kLinear, 20);
+  const CollapseRules loose{.most_length = 100, .least_quality = 1e-6, .least_relative = 0};
+  const auto on = [&](VertexDimension from, VertexDimension to) {
+    return find_edge(bench.mesh, [&](VertexId a, VertexId b) {
+      return bench.mesh.dimension(a) == from && bench.mesh.dimension(b) == to;
+    });
+  };
+  using enum VertexDimension;
+  for (const auto& [from, to] :
+       {std::pair{kCorner, kCurve}, {kCurve, kSurface}, {kSurface, kVolume}, {kCurve, kVolume}}) {
+    const FoundEdge edge = on(from, to);
+    ASSERT_TRUE(edge.t.valid());
+    EXPECT_EQ(bench.kernel.collapse_edge(edge.t, edge.i, edge.j, loose), Outcome::kRejected);
+  }
+  const FoundEdge along = on(kCurve, kCorner);
+  EXPECT_EQ(bench.kernel.collapse_edge(along.t, along.i, along.j, loose), Outcome::kApplied);
+  bench.mesh.compact();
+  EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
+}
+
+TEST(RemoveEdge, BettersTheWorstQualityAround) {
+  Bench bench(fixtures::unit_cube(4), AnalyticKind::kPolar2, 1);
+  TetMesh& mesh = bench.mesh;
+  int applied = 0;
+  for (std::uint32_t slot = 0; slot < mesh.tet_slots(); ++slot) {
+    const TetId t(slot);
+    if (!mesh.alive(t)) continue;
+    const VertexId a = mesh.vertex(t, 0), b = mesh.vertex(t, 1);
+    std::set<std::uint32_t> corners;
+    float worst_before = 1;
+    for_each_tet_around_edge(mesh, t, a, b, [&](TetId x) {
+      worst_before = std::min(worst_before, mesh.quality(x));
+      corners.insert(mesh.tet(x).begin(), mesh.tet(x).end());
+    });
+    const float gain = 0.01f;
+    if (bench.kernel.remove_edge(t, 0, 1, {.least_gain = gain}) != Outcome::kApplied) continue;
+    ++applied;
+    float worst_after = 1;
+    for (const VertexId end : {a, b}) {
+      for_each_tet_around(mesh, end, [&](TetId x) {
+        const Cell<4>& v = mesh.tet(x);
+        EXPECT_FALSE(mesh.index_of(x, a) >= 0 && mesh.index_of(x, b) >= 0);
+        if (std::all_of(v.begin(), v.end(), [&](std::uint32_t w) { return corners.contains(w); }))
+          worst_after = std::min(worst_after, mesh.quality(x));
+      });
+    }
+    EXPECT_GE(worst_after, worst_before + 0.99f * gain);
+  }
+  EXPECT_GT(applied, 10);
+}
+
+TEST(SmoothVertex, KeepsSurfacesFlatAndCornersInPlace) {
+  Bench bench(fixtures::unit_cube(4), AnalyticKind::kPolar2, 2);
+  for (int sweep = 0; sweep < 3; ++sweep)
+    for (std::uint32_t v = 0; v < bench.mesh.vertex_count(); ++v) bench.kernel.smooth_vertex(VertexId(v), {});
+  EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
+  for (std::uint32_t v = 0; v < bench.mesh.vertex_count(); ++v) {
+    const Vec3& p = bench.mesh.point(VertexId(v));
+    int on_sides = 0;
+    for (int k = 0; k < 3; ++k) on_sides += p[k] == 0 || p[k] == 1 ? 1 : 0;
+    EXPECT_EQ(on_sides, 3 - static_cast<int>(bench.mesh.dimension(VertexId(v))));
+  }
+  EXPECT_GT(bench.kernel.counts().smoothing.applied, 50u);
+}
+
+TEST(PatchShapes, FindsPlanesAndLeavesTheRestFrozen) {
+  const TetMesh cube = fixtures::unit_cube(2);
+  for (const PatchShape& shape : planes_where_flat(cube)) {
+    EXPECT_EQ(shape.freedom, PatchFreedom::kPlane);
+    EXPECT_EQ(shape.normal.cwiseAbs().sum(), 1);
+  }
+  const TetMesh one_wall = fixtures::cube_grid(2).build();  // All six sides are one patch.
+  ASSERT_EQ(planes_where_flat(one_wall).size(), 1u);
+  EXPECT_EQ(planes_where_flat(one_wall)[0].freedom, PatchFreedom::kFrozen);
+}
+
+}  // namespace
+}  // namespace lumesh::operators
