@@ -14,23 +14,42 @@ class Adapter {
  public:
   Adapter(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
           const AdaptOptions& options, Context& context)
-      : mesh_(mesh), kernel_({mesh, field, shapes}), options_(options), context_(context) {
+      : mesh_(mesh),
+        execution_({mesh, field, shapes}, options.threads),
+        options_(options),
+        context_(context) {
     insertion_.least_length = options.least_length;
+  }
+
+  /// Sweeps that collapse short edges as long as they remove a good part of the vertices.
+  void coarsen() {
+    constexpr double kDry = 0.95;
+    std::uint32_t before = 0;
+    do {
+      before = mesh_.vertex_count();
+      collapse();
+      if (mesh_.vertex_count() < kDry * before) partition();
+    } while (mesh_.vertex_count() < kDry * before);
   }
 
   /// Level by level down to unit length. The bound halves less than exactly, so that it also sinks where the
   /// longest edges are those that cannot be split.
   void bring_to_unit_length() {
     constexpr double kLevel = 0.5, kSink = 0.6, kNearlyThere = 1.1;
-    constexpr int kMostLevels = 200;
+    constexpr int kMostLevels = 200, kMostSweeps = 3;
+    constexpr double kDry = 1.1;  // Of the vertices before a sweep: so little more is left to the next level.
     double bound = longest_edge(mesh_) / kLevel;
     for (int level = 0; level < kMostLevels && bound > kNearlyThere * options_.split_above; ++level) {
       bound = std::min(kSink * bound, kLevel * longest_edge(mesh_));
       bound = std::max(bound, options_.split_above);
-      reorder_if_grown();
       collapse();
-      split(bound);
-      phase("reconnect", [&] { reconnect(mesh_, kernel_, kBadQuality, swaps_); });
+      for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+        const std::uint32_t before = mesh_.vertex_count();
+        reorder_if_grown();
+        split(bound);
+        phase("reconnect", [&] { reconnect(mesh_, execution_, kBadQuality, swaps_); });
+        if (mesh_.vertex_count() < kDry * before) break;
+      }
       close_pass("level " + std::to_string(level));
     }
   }
@@ -38,20 +57,20 @@ class Adapter {
   void improve_quality() {
     for (int round = 0; round < options_.quality_passes; ++round) {
       reorder_if_grown();
-      phase("reconnect", [&] { reconnect(mesh_, kernel_, options_.reconnect_below, swaps_); });
-      phase("smooth", [&] { smooth(mesh_, kernel_, smoothing_); });
+      phase("reconnect", [&] { reconnect(mesh_, execution_, options_.reconnect_below, swaps_); });
+      phase("smooth", [&] { smooth(execution_, smoothing_); });
       collapse();
       split(options_.split_above);
-      phase("reconnect", [&] { reconnect(mesh_, kernel_, options_.reconnect_below, swaps_); });
+      phase("reconnect", [&] { reconnect(mesh_, execution_, options_.reconnect_below, swaps_); });
       for (int i = 0; i < options_.smoothing_passes; ++i)
-        phase("smooth", [&] { smooth(mesh_, kernel_, smoothing_); });
+        phase("smooth", [&] { smooth(execution_, smoothing_); });
       close_pass("quality " + std::to_string(round));
     }
   }
 
   AdaptReport report() {
     phase("reorder", [&] { mesh_.reorder_along_curve(); });
-    report_.counts = kernel_.counts();
+    report_.counts = execution_.counts();
     return std::move(report_);
   }
 
@@ -63,26 +82,34 @@ class Adapter {
     context_.phase(name, step);
   }
 
+  void partition() {
+    phase("partition", [&] { execution_.repartition(); });
+  }
   void split(double bound) {
     for (const SplitRank rank : {SplitRank::kCurves, SplitRank::kSurfaces, SplitRank::kAll})
-      phase("split", [&] { split_long_edges(mesh_, kernel_, bound, rank, insertion_); });
+      phase("split", [&] { split_long_edges(mesh_, execution_, bound, rank, insertion_); });
   }
   void collapse() {
-    phase("collapse", [&] { collapse_short_edges(mesh_, kernel_, options_.collapse_below, collapse_); });
+    phase("collapse", [&] { collapse_short_edges(mesh_, execution_, options_.collapse_below, collapse_); });
   }
-  /// What was made later lies elsewhere in memory; ordering costs little against the misses it spares.
+  /// What was made later lies elsewhere in memory, and buckets have grown. Ordering costs little against
+  /// that.
   void reorder_if_grown() {
     constexpr double kGrown = 1.5;
-    if (mesh_.tet_count() < kGrown * ordered_tets_) return;
-    phase("reorder", [&] { mesh_.reorder_along_curve(); });
+    if (mesh_.tet_count() < kGrown * ordered_tets_) {
+      partition();
+      return;
+    }
+    phase("reorder", [&] { execution_.reorder(); });
     ordered_tets_ = mesh_.tet_count();
   }
   void close_pass(std::string name) {
-    report_.passes.push_back({std::move(name), 0, mesh_.tet_count(), mesh_.vertex_count(), kernel_.counts()});
+    report_.passes.push_back(
+        {std::move(name), 0, mesh_.tet_count(), mesh_.vertex_count(), execution_.counts()});
   }
 
   TetMesh& mesh_;
-  Kernel kernel_;
+  Execution execution_;
   const AdaptOptions& options_;
   Context& context_;
   operators::InsertionRules insertion_;
@@ -115,6 +142,7 @@ AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operato
   if (mesh.tet_count() == 0) throw Error(ErrorKind::kBadInput, "adapt: the mesh has no tetrahedra");
   context.phase("metric", [&] { metric::assign_metric(mesh, field); });
   Adapter run(mesh, field, shapes, options, context);
+  run.coarsen();
   run.bring_to_unit_length();
   run.improve_quality();
   return run.report();

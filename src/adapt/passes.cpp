@@ -27,6 +27,7 @@ class EdgeList {
   void add_shortest_first(RankedEdge edge) {
     insert(edge, [](const RankedEdge& a, const RankedEdge& b) { return a.length < b.length; });
   }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
   [[nodiscard]] const RankedEdge* begin() const { return edges_.data(); }
   [[nodiscard]] const RankedEdge* end() const { return edges_.data() + count_; }
 
@@ -60,69 +61,91 @@ double fraction_of(double length) {
   return std::lround(length) == 3 ? 1.0 / 3 : 0.5;
 }
 
-/// Works on the tetrahedron in slot i as long as `step` changes it, at most three times.
-template <class Step>
-void for_each_slot(TetMesh& mesh, const Step& step) {
-  constexpr int kMostSteps = 3;
-  const std::uint32_t slots = mesh.tet_slots();
-  for (std::uint32_t i = 0; i < slots; ++i)
-    for (int n = 0; n < kMostSteps && mesh.alive(TetId(i)); ++n)
-      if (!step(TetId(i))) break;
+/// The squares of an edge's length in the metrics of its ends; its length lies between the two.
+struct EndLengths {
+  double smaller, larger;
+};
+
+EndLengths squared_lengths_of(const TetMesh& mesh, TetId t, int edge) {
+  const VertexId a = mesh.vertex(t, kTetEdges[edge][0]), b = mesh.vertex(t, kTetEdges[edge][1]);
+  const Vec3 along = mesh.point(b) - mesh.point(a);
+  const double at_a = mesh.metric(a).quadratic(along), at_b = mesh.metric(b).quadratic(along);
+  return {std::min(at_a, at_b), std::max(at_a, at_b)};
+}
+
+double length_of(const EndLengths& squared) {
+  return metric::logarithmic_mean(std::sqrt(squared.smaller), std::sqrt(squared.larger));
+}
+
+EdgeList long_edges(const TetMesh& mesh, TetId t, double longest, SplitRank rank) {
+  EdgeList edges;
+  for (int e = 0; e < 6; ++e) {
+    if (!has_rank(mesh, t, e, rank)) continue;
+    const EndLengths squared = squared_lengths_of(mesh, t, e);
+    if (squared.larger <= longest * longest) continue;
+    const double length = length_of(squared);
+    if (length > longest) edges.add_longest_first({length, e});
+  }
+  return edges;
+}
+
+EdgeList short_edges(const TetMesh& mesh, TetId t, double shortest) {
+  EdgeList edges;
+  for (int e = 0; e < 6; ++e) {
+    const EndLengths squared = squared_lengths_of(mesh, t, e);
+    if (squared.smaller >= shortest * shortest) continue;
+    const double length = length_of(squared);
+    if (length < shortest) edges.add_shortest_first({length, e});
+  }
+  return edges;
 }
 
 }  // namespace
 
-void split_long_edges(TetMesh& mesh, Kernel& kernel, double longest, SplitRank rank,
+void split_long_edges(const TetMesh& mesh, Execution& execution, double longest, SplitRank rank,
                       const operators::InsertionRules& rules) {
-  for_each_slot(mesh, [&](TetId t) {
-    EdgeList edges;
-    for (int e = 0; e < 6; ++e) {
-      if (!has_rank(mesh, t, e, rank)) continue;
-      const double length = kernel.edge_length(t, kTetEdges[e][0], kTetEdges[e][1]);
-      if (length > longest) edges.add_longest_first({length, e});
-    }
-    return std::any_of(edges.begin(), edges.end(), [&](const RankedEdge& one) {
-      const auto [i, j] = kTetEdges[one.edge];
-      return kernel.split_edge(t, i, j, fraction_of(one.length), rules) == Outcome::kApplied;
-    });
-  });
+  execution.over_tets(
+      [&](TetId t) {
+        const EdgeList edges = long_edges(mesh, t, longest, rank);
+        return edges.empty() ? 0 : edges.begin()->length;
+      },
+      [&](Execution::Kernel& kernel, TetId t) {
+        for (const RankedEdge& one : long_edges(mesh, t, longest, rank)) {
+          const auto [i, j] = kTetEdges[one.edge];
+          if (kernel.split_edge(t, i, j, fraction_of(one.length), rules) == Outcome::kApplied) return;
+        }
+      });
 }
 
-void collapse_short_edges(TetMesh& mesh, Kernel& kernel, double shortest,
+void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shortest,
                           const operators::CollapseRules& rules) {
-  for_each_slot(mesh, [&](TetId t) {
-    EdgeList edges;
-    for (int e = 0; e < 6; ++e) {
-      const double length = kernel.edge_length(t, kTetEdges[e][0], kTetEdges[e][1]);
-      if (length < shortest) edges.add_shortest_first({length, e});
-    }
-    return std::any_of(edges.begin(), edges.end(), [&](const RankedEdge& one) {
-      const auto [i, j] = kTetEdges[one.edge];
-      return kernel.collapse_edge(t, i, j, rules) == Outcome::kApplied ||
-             kernel.collapse_edge(t, j, i, rules) == Outcome::kApplied;
-    });
-  });
+  execution.over_tets(
+      [&](TetId t) {
+        const EdgeList edges = short_edges(mesh, t, shortest);
+        return edges.empty() ? 0 : shortest / edges.begin()->length;
+      },
+      [&](Execution::Kernel& kernel, TetId t) {
+        for (const RankedEdge& one : short_edges(mesh, t, shortest)) {
+          const auto [i, j] = kTetEdges[one.edge];
+          if (kernel.collapse_edge(t, i, j, rules) == Outcome::kApplied ||
+              kernel.collapse_edge(t, j, i, rules) == Outcome::kApplied)
+            return;
+        }
+      });
 }
 
-void reconnect(TetMesh& mesh, Kernel& kernel, double below, const operators::SwapRules& rules) {
-  const std::uint32_t slots = mesh.tet_slots();
-  const auto improve = [&](TetId t) {
-    for (const auto& [i, j] : kTetEdges)
-      if (kernel.remove_edge(t, i, j, rules) == Outcome::kApplied) return;
-    for (int f = 0; f < 4; ++f)
-      if (kernel.swap_face(t, f, rules) == Outcome::kApplied) return;
-  };
-  for (std::uint32_t i = 0; i < slots; ++i) {
-    const TetId t(i);
-    if (mesh.alive(t) && mesh.quality(t) < below) improve(t);
-  }
+void reconnect(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& rules) {
+  execution.over_tets([&](TetId t) { return below - mesh.quality(t); },
+                      [&](Execution::Kernel& kernel, TetId t) {
+                        for (const auto& [i, j] : kTetEdges)
+                          if (kernel.remove_edge(t, i, j, rules) == Outcome::kApplied) return;
+                        for (int f = 0; f < 4; ++f)
+                          if (kernel.swap_face(t, f, rules) == Outcome::kApplied) return;
+                      });
 }
 
-void smooth(TetMesh& mesh, Kernel& kernel, const operators::SmoothingRules& rules) {
-  const std::uint32_t slots = mesh.vertex_slots();
-  for (std::uint32_t v = 0; v < slots; ++v)
-    if (mesh.alive(VertexId(v)) && mesh.incident_tet(VertexId(v)).valid())
-      kernel.smooth_vertex(VertexId(v), rules);
+void smooth(Execution& execution, const operators::SmoothingRules& rules) {
+  execution.over_vertices([&](Execution::Kernel& kernel, VertexId v) { kernel.smooth_vertex(v, rules); });
 }
 
 double longest_edge(const TetMesh& mesh) {
@@ -134,11 +157,7 @@ double longest_edge(const TetMesh& mesh) {
         for (std::size_t i = begin; i < end; ++i) {
           const TetId t(static_cast<std::uint32_t>(i));
           if (!mesh.alive(t)) continue;
-          for (const auto& [k, l] : kTetEdges) {
-            const VertexId a = mesh.vertex(t, k), b = mesh.vertex(t, l);
-            longest = std::max(
-                longest, metric::edge_length(mesh.point(a), mesh.metric(a), mesh.point(b), mesh.metric(b)));
-          }
+          for (int e = 0; e < 6; ++e) longest = std::max(longest, length_of(squared_lengths_of(mesh, t, e)));
         }
         return longest;
       },

@@ -2,29 +2,29 @@
 /// @file One sweep of one operator over the mesh.
 
 #include "lumesh/mesh/tet_mesh.hpp"
-#include "lumesh/operators/operators.hpp"
+#include "lumesh/operators/ordered_execution.hpp"
 
 namespace lumesh {
 
-using Kernel = operators::Operators<operators::NoLock>;
+using Execution = operators::OrderedExecution;
 
 /// Whose edges a splitting sweep looks at.
 enum class SplitRank : std::uint8_t { kCurves, kSurfaces, kAll };
 
 /// Splits the edges longer than `longest`, in each tetrahedron the longest one first. Edges longer than 2.5
 /// are cut at a third, so that the parts come near to unit length.
-void split_long_edges(TetMesh& mesh, Kernel& kernel, double longest, SplitRank rank,
+void split_long_edges(const TetMesh& mesh, Execution& execution, double longest, SplitRank rank,
                       const operators::InsertionRules& rules);
 
 /// Collapses the edges shorter than `shortest`, in each tetrahedron the shortest one first.
-void collapse_short_edges(TetMesh& mesh, Kernel& kernel, double shortest,
+void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shortest,
                           const operators::CollapseRules& rules);
 
 /// Tries edge removal and face swap on the tetrahedra whose quality is below `below`.
-void reconnect(TetMesh& mesh, Kernel& kernel, double below, const operators::SwapRules& rules);
+void reconnect(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& rules);
 
 /// Moves every vertex once.
-void smooth(TetMesh& mesh, Kernel& kernel, const operators::SmoothingRules& rules);
+void smooth(Execution& execution, const operators::SmoothingRules& rules);
 
 /// The longest edge in the metric.
 [[nodiscard]] double longest_edge(const TetMesh& mesh);

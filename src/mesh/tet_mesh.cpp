@@ -77,7 +77,7 @@ void TetMesh::set_owners(int owners, std::uint32_t block) {
   tet_pool_ = parallel::SlotPool(tet_slots(), owners, block);
 }
 
-VertexId TetMesh::add_vertex(const Vec3& point, int owner) {
+VertexId TetMesh::add_vertex(const Vec3& point, int owner, std::uint32_t stamp) {
   const std::uint32_t slot = vertex_pool_.take(owner, [this](std::uint32_t begin, std::uint32_t end) {
     commit_vertices(end);
     for (std::uint32_t v = begin; v < end; ++v) dimensions_[v] = VertexDimension::kFreed;
@@ -85,7 +85,7 @@ VertexId TetMesh::add_vertex(const Vec3& point, int owner) {
   points_[slot] = point;
   incident_[slot] = TetId();
   lock_words_[slot] = 0;
-  vertex_stamps_[slot] = 0;
+  set_stamp(VertexId(slot), stamp);
   dimensions_[slot] = VertexDimension::kVolume;
   if (has_metric()) {
     set_metric(VertexId(slot), {}, {});
@@ -94,7 +94,7 @@ VertexId TetMesh::add_vertex(const Vec3& point, int owner) {
   return VertexId(slot);
 }
 
-TetId TetMesh::add_tet(const Cell<4>& vertices, Label label, int owner) {
+TetId TetMesh::add_tet(const Cell<4>& vertices, Label label, int owner, std::uint32_t stamp) {
   const std::uint32_t slot = tet_pool_.take(owner, [this](std::uint32_t begin, std::uint32_t end) {
     commit_tets(end);
     for (std::uint32_t t = begin; t < end; ++t) tets_[t] = kDeadTet;
@@ -102,7 +102,7 @@ TetId TetMesh::add_tet(const Cell<4>& vertices, Label label, int owner) {
   tets_[slot] = vertices;
   links_[slot] = {};
   labels_[slot] = label;
-  tet_stamps_[slot] = 0;
+  set_stamp(TetId(slot), stamp);
   if (has_metric()) qualities_[slot] = 0;
   if (has_interfaces()) interface_patches_[slot] = {};
   return TetId(slot);
@@ -112,12 +112,14 @@ void TetMesh::free_vertex(VertexId v, int owner) {
   LUMESH_DEBUG_ASSERT(alive(v));
   dimensions_[v.value] = VertexDimension::kFreed;
   incident_[v.value] = TetId();
+  set_stamp(v, kDeadStamp);
   vertex_pool_.give(owner, v.value);
 }
 
 void TetMesh::free_tet(TetId t, int owner) {
   LUMESH_DEBUG_ASSERT(alive(t));
   tets_[t.value] = kDeadTet;
+  set_stamp(t, kDeadStamp);
   tet_pool_.give(owner, t.value);
 }
 

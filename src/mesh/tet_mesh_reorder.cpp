@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <numeric>
+#include <utility>
 
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
@@ -17,13 +19,60 @@ void permute(parallel::StableArray<T>& array, const std::vector<std::uint32_t>& 
   parallel::for_each_index(entries.size(), [&](std::size_t i) { entries[new_place[i]] = old[i]; });
 }
 
-/// The place of each tetrahedron when they are sorted by their lowest vertex, equal ones by number.
-std::vector<std::uint32_t> places_by_lowest_vertex(std::span<const Cell<4>> tets, std::size_t vertices) {
-  const auto lowest = [&](std::size_t t) { return *std::min_element(tets[t].begin(), tets[t].end()); };
-  std::vector<std::uint32_t> next(vertices + 1, 0), place(tets.size());
-  for (std::size_t t = 0; t < tets.size(); ++t) ++next[lowest(t) + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  for (std::size_t t = 0; t < tets.size(); ++t) place[t] = next[lowest(t)]++;
+/// Indices of the points along the Hilbert curve, equal keys by coordinates.
+std::vector<std::uint32_t> curve_order(std::span<const Vec3> points) {
+  struct Keyed {
+    std::uint64_t key;
+    std::uint32_t index;
+  };
+  const Box3 box = bounding_box(points);
+  UninitialisedVector<Keyed> keyed(points.size());
+  parallel::for_each_index(points.size(), [&](std::size_t i) {
+    keyed[i] = {hilbert_key(points[i], box), static_cast<std::uint32_t>(i)};
+  });
+  parallel::sort(keyed.begin(), keyed.end(), [&](const Keyed& a, const Keyed& b) {
+    if (a.key != b.key) return a.key < b.key;
+    const Vec3 &p = points[a.index], &q = points[b.index];
+    return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
+  });
+  std::vector<std::uint32_t> order(points.size());
+  parallel::for_each_index(order.size(), [&](std::size_t i) { order[i] = keyed[i].index; });
+  return order;
+}
+
+/// The place of each tetrahedron when they are sorted by their vertices, lowest first.
+std::vector<std::uint32_t> places_by_vertices(std::span<const Cell<4>> tets, std::size_t vertices) {
+  // The three other vertices, ascending.
+  const auto others = [&](std::uint32_t t, std::uint32_t lowest_vertex) {
+    std::array<std::uint32_t, 3> v{};
+    int n = 0;
+    for (const std::uint32_t w : tets[t])
+      if (w != lowest_vertex) v[n++] = w;
+    if (v[1] < v[0]) std::swap(v[0], v[1]);
+    if (v[2] < v[1]) std::swap(v[1], v[2]);
+    if (v[1] < v[0]) std::swap(v[0], v[1]);
+    return v;
+  };
+  std::vector<std::uint32_t> begin(vertices + 1, 0), sorted(tets.size()), place(tets.size());
+  UninitialisedVector<std::uint32_t> lowest(tets.size());
+  parallel::for_each_index(
+      tets.size(), [&](std::size_t t) { lowest[t] = *std::min_element(tets[t].begin(), tets[t].end()); });
+  for (const std::uint32_t v : lowest) ++begin[v + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for (std::uint32_t t = 0; t < tets.size(); ++t) sorted[next[lowest[t]]++] = t;
+  using Keyed = std::pair<std::array<std::uint32_t, 3>, std::uint32_t>;
+  parallel::for_each_block(vertices, 1024, [&](std::size_t, std::size_t first, std::size_t last) {
+    std::vector<Keyed> group;
+    for (std::size_t v = first; v < last; ++v) {
+      group.clear();
+      for (std::uint32_t i = begin[v]; i < begin[v + 1]; ++i)
+        group.push_back({others(sorted[i], static_cast<std::uint32_t>(v)), sorted[i]});
+      std::sort(group.begin(), group.end());
+      for (std::size_t i = 0; i < group.size(); ++i)
+        place[group[i].second] = begin[v] + static_cast<std::uint32_t>(i);
+    }
+  });
   return place;
 }
 
@@ -31,13 +80,12 @@ std::vector<std::uint32_t> places_by_lowest_vertex(std::span<const Cell<4>> tets
 
 void TetMesh::reorder_along_curve() {
   compact();
-  const std::vector<std::uint32_t> order = hilbert_order(points());
+  const std::vector<std::uint32_t> order = curve_order(points());
   std::vector<std::uint32_t> new_vertex(order.size());
   parallel::for_each_index(order.size(),
                            [&](std::size_t i) { new_vertex[order[i]] = static_cast<std::uint32_t>(i); });
   permute(points_, new_vertex);
   permute(incident_, new_vertex);
-  permute(vertex_stamps_, new_vertex);
   permute(dimensions_, new_vertex);
   if (has_metric()) {
     permute(metric_, new_vertex);
@@ -48,7 +96,7 @@ void TetMesh::reorder_along_curve() {
     for (std::uint32_t& v : tets_[t]) v = new_vertex[v];
   });
 
-  const std::vector<std::uint32_t> new_tet = places_by_lowest_vertex(tets(), order.size());
+  const std::vector<std::uint32_t> new_tet = places_by_vertices(tets(), order.size());
   parallel::for_each_index(tet_count(), [&](std::size_t t) {
     for (FaceLink& link : links_[t])
       if (!link.is_boundary()) link = FaceLink::to(TetId(new_tet[link.tet().value]), link.face());
@@ -59,9 +107,10 @@ void TetMesh::reorder_along_curve() {
   permute(tets_, new_tet);
   permute(links_, new_tet);
   permute(labels_, new_tet);
-  permute(tet_stamps_, new_tet);
   if (has_metric()) permute(qualities_, new_tet);
   if (has_interfaces()) permute(interface_patches_, new_tet);
+  parallel::for_each_index(order.size(), [&](std::size_t v) { vertex_stamps_[v] = 0; });
+  parallel::for_each_index(tet_count(), [&](std::size_t t) { tet_stamps_[t] = 0; });
 }
 
 }  // namespace lumesh

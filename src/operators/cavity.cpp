@@ -158,17 +158,18 @@ PatchId Cavity::patch_of_edge(std::uint32_t a, std::uint32_t b) const {
   return {};
 }
 
-VertexId Cavity::fill(TetMesh& mesh, const NewVertex& vertex, int owner) {
+VertexId Cavity::fill(Builder& builder, const NewVertex& vertex) {
+  TetMesh& mesh = builder.mesh;
   note_interfaces(mesh);
-  const VertexId v = mesh.add_vertex(vertex.point, owner);
+  const VertexId v = builder.add_vertex(vertex.point);
   mesh.set_metric(v, vertex.metric.metric, vertex.metric.log);
   mesh.set_metric_hint(v, vertex.hint);
   mesh.set_dimension(v, vertex.dimension);
-  for (const TetId t : tets_) mesh.free_tet(t, owner);
+  for (const TetId t : tets_) builder.free_tet(t);
   for (HullFace& face : hull_) {
     if (face.absorbed) continue;
     const auto [a, b, c] = face.corners;
-    face.filled = mesh.add_tet({a, b, c, v.value}, face.label, owner);
+    face.filled = builder.add_tet({a, b, c, v.value}, face.label);
     mesh.set_quality(face.filled, face.quality);
     mesh.set_link(face.filled, 3, face.behind);
     if (!face.behind.is_boundary()) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "builder.hpp"
 #include "local_map.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
@@ -43,7 +44,7 @@ class Cavity {
   bool accept(const TetMesh& mesh, const NewVertex& vertex, const InsertionRules& rules);
 
   /// Puts the vertex in. Cannot fail but for memory.
-  VertexId fill(TetMesh& mesh, const NewVertex& vertex, int owner);
+  VertexId fill(Builder& builder, const NewVertex& vertex);
 
   /// Inner vertices nearer than rules.least_length to a new vertex of a surface; known after accept().
   [[nodiscard]] std::span<const VertexId> too_near() const { return too_near_; }

@@ -53,7 +53,7 @@ Outcome Operators<Lock>::collapse_edge(TetId t, int from, int to, const Collapse
 template <class Lock>
 Outcome Operators<Lock>::collapse_held_edge(TetId t, VertexId a, VertexId b, const CollapseRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  auto& [ring, ball, cavity, qualities, near] = *scratch_;
+  auto& [builder, ring, ball, cavity, qualities, near] = *scratch_;
   if (mesh.dimension(a) == VertexDimension::kCorner) return Outcome::kRejected;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
   if (!keeps_patches(mesh, a, ring, subject_.shapes) || !can_vanish(mesh, a, b, ring))
@@ -86,16 +86,18 @@ Outcome Operators<Lock>::collapse_held_edge(TetId t, VertexId a, VertexId b, con
     if (qualities[i] < 0) continue;
     Cell<4> v = mesh.tet(x);
     v[mesh.index_of(x, a)] = b.value;
-    mesh.set_tet(x, v);
+    builder.change_tet(x, v);
     mesh.set_quality(x, qualities[i]);
     for (const std::uint32_t w : v) mesh.set_incident_tet(VertexId(w), x);
   }
-  for (const TetId x : ring.tets) mesh.free_tet(x, owner_);
-  mesh.free_vertex(a, owner_);
+  for (const TetId x : ring.tets) builder.free_tet(x);
+  builder.free_vertex(a);
   return Outcome::kApplied;
 }
 
 template Outcome Operators<NoLock>::collapse_edge(TetId, int, int, const CollapseRules&);
 template Outcome Operators<NoLock>::collapse_held_edge(TetId, VertexId, VertexId, const CollapseRules&);
+template Outcome Operators<OrderedLock>::collapse_edge(TetId, int, int, const CollapseRules&);
+template Outcome Operators<OrderedLock>::collapse_held_edge(TetId, VertexId, VertexId, const CollapseRules&);
 
 }  // namespace lumesh::operators

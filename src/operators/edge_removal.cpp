@@ -94,19 +94,19 @@ bool RimTriangulation::is_positive() const {
 /// Puts the tetrahedra of a triangulation in the place of those of the ring.
 class RingReplacement {
  public:
-  RingReplacement(TetMesh& mesh, const EdgeRing& ring, VertexId a, VertexId b, int owner)
-      : mesh_(mesh), ring_(ring), size_(static_cast<int>(ring.rim.size())), owner_(owner) {
+  RingReplacement(Builder& builder, const EdgeRing& ring, VertexId a, VertexId b)
+      : builder_(builder), mesh_(builder.mesh), ring_(ring), size_(static_cast<int>(ring.rim.size())) {
     for (std::size_t k = 0; k < ring.tets.size(); ++k) {
       const TetId t = ring.tets[k];
-      behind_a_[k] = side_of(t, mesh.index_of(t, a));
-      behind_b_[k] = side_of(t, mesh.index_of(t, b));
+      behind_a_[k] = side_of(t, mesh_.index_of(t, a));
+      behind_b_[k] = side_of(t, mesh_.index_of(t, b));
     }
     for (auto& row : open_) row.fill({});
   }
 
   void apply(const RimTriangulation& triangulation) {
     const Label label = mesh_.label(ring_.tets[0]);
-    for (const TetId t : ring_.tets) mesh_.free_tet(t, owner_);
+    for (const TetId t : ring_.tets) builder_.free_tet(t);
     for (const Triangle& x : triangulation.triangles()) {
       const Pair made = {add(triangulation.towards_b(x), label), add(triangulation.towards_a(x), label)};
       link_to(mesh_, made.b, 3, FaceLink::to(made.a, 3));
@@ -133,7 +133,7 @@ class RingReplacement {
   [[nodiscard]] Side side_of(TetId t, int face) const { return {mesh_.link(t, face), mesh_.patch(t, face)}; }
 
   TetId add(const Cell<4>& v, Label label) {
-    const TetId t = mesh_.add_tet(v, label, owner_);
+    const TetId t = builder_.add_tet(v, label);
     mesh_.set_quality(t, static_cast<float>(metric::cube_root(quality_cubed(
                              mesh_, VertexId(v[0]), VertexId(v[1]), VertexId(v[2]), VertexId(v[3])))));
     for (const std::uint32_t w : v) mesh_.set_incident_tet(VertexId(w), t);
@@ -161,10 +161,10 @@ class RingReplacement {
     }
   }
 
+  Builder& builder_;
   TetMesh& mesh_;
   const EdgeRing& ring_;
   int size_;
-  int owner_;
   std::array<Side, kMostRing> behind_a_, behind_b_;
   std::array<std::array<OpenFaces, kMostRing>, kMostRing> open_;
 };
@@ -203,10 +203,11 @@ Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const
   const double least = worst + rules.least_gain;
   RimTriangulation triangulation(mesh, ring, a, b);
   if (!triangulation.find(least * least * least) || !triangulation.is_positive()) return Outcome::kRejected;
-  RingReplacement(mesh, ring, a, b, owner_).apply(triangulation);
+  RingReplacement(scratch_->builder, ring, a, b).apply(triangulation);
   return Outcome::kApplied;
 }
 
 template Outcome Operators<NoLock>::remove_edge(TetId, int, int, const SwapRules&);
+template Outcome Operators<OrderedLock>::remove_edge(TetId, int, int, const SwapRules&);
 
 }  // namespace lumesh::operators

@@ -45,11 +45,12 @@ Outcome Operators<Lock>::swap_held_face(TetId t, int face, const SwapRules& rule
     under[k] = mesh.link(t, in_t), patch_under[k] = mesh.interface_patch(t, in_t);
   }
   const Label label = mesh.label(t);
-  mesh.free_tet(t, owner_);
-  mesh.free_tet(n, owner_);
+  Builder& builder = scratch_->builder;
+  builder.free_tet(t);
+  builder.free_tet(n);
   std::array<TetId, 3> made;
   for (int k = 0; k < 3; ++k) {
-    made[k] = mesh.add_tet({rim[k], rim[(k + 1) % 3], below.value, above.value}, label, owner_);
+    made[k] = builder.add_tet({rim[k], rim[(k + 1) % 3], below.value, above.value}, label);
     mesh.set_quality(made[k], static_cast<float>(metric::cube_root(cubed[k])));
     link_to(mesh, made[k], 2, over[k]);
     link_to(mesh, made[k], 3, under[k]);
@@ -62,5 +63,6 @@ Outcome Operators<Lock>::swap_held_face(TetId t, int face, const SwapRules& rule
 }
 
 template Outcome Operators<NoLock>::swap_face(TetId, int, const SwapRules&);
+template Outcome Operators<OrderedLock>::swap_face(TetId, int, const SwapRules&);
 
 }  // namespace lumesh::operators

@@ -31,7 +31,9 @@ template <class Lock>
 Outcome Operators<Lock>::split_edge(TetId t, int i, int j, double fraction, const InsertionRules& rules) {
   const LockScope scope(lock_);
   VertexId a = subject_.mesh.vertex(t, i), b = subject_.mesh.vertex(t, j);
-  if (a > b) {  // The same point whichever tetrahedron asks.
+  const Vec3 &pa = subject_.mesh.point(a), &pb = subject_.mesh.point(b);
+  if (std::lexicographical_compare(pb.begin(), pb.end(), pa.begin(),
+                                   pa.end())) {  // The same point whoever asks.
     std::swap(a, b);
     fraction = 1 - fraction;
   }
@@ -45,7 +47,7 @@ template <class Lock>
 Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double fraction,
                                          const InsertionRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  auto& [ring, ball, cavity, qualities, near] = *scratch_;
+  auto& [builder, ring, ball, cavity, qualities, near] = *scratch_;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
   if (is_frozen(ring, subject_.shapes)) return Outcome::kRejected;
 
@@ -59,7 +61,8 @@ Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double
   if (!cavity.enlarge(mesh, vertex, rules.most_cavity_tets, lock_) ||
       !cavity.carve(mesh, vertex, subject_.shapes) || !cavity.accept(mesh, vertex, rules))
     return Outcome::kRejected;
-  const VertexId v = cavity.fill(mesh, vertex, owner_);
+  const VertexId v = cavity.fill(builder, vertex);
+  lock_.adopt(v);
   if (!cavity.too_near().empty()) draw_in_near_vertices(v);
   return Outcome::kApplied;
 }
@@ -76,5 +79,6 @@ void Operators<Lock>::draw_in_near_vertices(VertexId into) {
 }
 
 template Outcome Operators<NoLock>::split_edge(TetId, int, int, double, const InsertionRules&);
+template Outcome Operators<OrderedLock>::split_edge(TetId, int, int, double, const InsertionRules&);
 
 }  // namespace lumesh::operators

@@ -1,5 +1,7 @@
 #include "lumesh/operators/operators.hpp"
 
+#include <algorithm>
+
 #include "scratch.hpp"
 
 namespace lumesh::operators {
@@ -19,7 +21,7 @@ std::array<int, 2> other_corners(int i, int j) {
 
 template <class Lock>
 Operators<Lock>::Operators(const Subject& subject, Lock lock, int owner)
-    : subject_(subject), lock_(std::move(lock)), owner_(owner), scratch_(std::make_unique<Scratch>()) {
+    : subject_(subject), lock_(std::move(lock)), scratch_(std::make_unique<Scratch>(subject.mesh, owner)) {
   LUMESH_ASSERT(subject.mesh.has_metric());
   LUMESH_ASSERT(subject.shapes.size() == subject.mesh.info().patches.size());
 }
@@ -35,6 +37,32 @@ double Operators<Lock>::edge_length(TetId t, int i, int j) const {
   return metric_length(subject_.mesh, subject_.mesh.vertex(t, i), subject_.mesh.vertex(t, j));
 }
 
+template <class Lock>
+void Operators<Lock>::begin_run(const Lock& lock, std::uint32_t stamp) {
+  lock_ = lock;
+  scratch_->builder.stamp = stamp;
+  scratch_->builder.tets.clear();
+  scratch_->builder.vertices.clear();
+}
+
+template <class Lock>
+const std::vector<TetId>& Operators<Lock>::made_tets() const {
+  return scratch_->builder.tets;
+}
+
+template <class Lock>
+const std::vector<VertexId>& Operators<Lock>::made_vertices() const {
+  return scratch_->builder.vertices;
+}
+
+template <class Lock>
+bool Operators<Lock>::try_hold(TetId t) {
+  const Cell<4>& v = subject_.mesh.tet(t);
+  return std::all_of(v.begin(), v.end(),
+                     [&](std::uint32_t corner) { return lock_.try_lock(VertexId(corner)); });
+}
+
 template class Operators<NoLock>;
+template class Operators<OrderedLock>;
 
 }  // namespace lumesh::operators

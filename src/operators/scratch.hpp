@@ -1,6 +1,7 @@
 #pragma once
 /// @file The working memory of one thread's operators.
 
+#include "builder.hpp"
 #include "cavity.hpp"
 #include "lumesh/operators/operators.hpp"
 #include "neighbourhoods.hpp"
@@ -22,6 +23,9 @@ class LockScope {
 
 template <class Lock>
 struct Operators<Lock>::Scratch {
+  Scratch(TetMesh& mesh, int owner) : builder{mesh, owner} {}
+
+  Builder builder;
   EdgeRing ring;
   VertexBall ball;
   Cavity cavity;

@@ -179,7 +179,7 @@ template <class Lock>
 bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, double floor,
                                      const SmoothingRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  auto& [ring, ball, cavity, qualities, near] = *scratch_;
+  auto& [builder, ring, ball, cavity, qualities, near] = *scratch_;
   TetId hint = mesh.metric_hint(v);
   const metric::MetricPair pair = subject_.field.at(to, hint);
   double sum = 0;
@@ -214,5 +214,6 @@ bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, d
 }
 
 template Outcome Operators<NoLock>::smooth_vertex(VertexId, const SmoothingRules&);
+template Outcome Operators<OrderedLock>::smooth_vertex(VertexId, const SmoothingRules&);
 
 }  // namespace lumesh::operators

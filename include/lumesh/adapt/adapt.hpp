@@ -23,6 +23,8 @@ struct AdaptOptions {
   int smoothing_passes = 1;                  ///< At the end of each of them, >= 0 (nsmth).
   double reconnect_below = 0.6;              ///< Quality of the tetrahedra to reconnect, 0 to 1.
 
+  int threads = 1;  ///< >= 1; the result is the same for every number.
+
   /// @throws Error{kUsage} that names the field.
   void validate() const;
 };

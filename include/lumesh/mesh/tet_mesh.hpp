@@ -31,6 +31,7 @@
 #include "lumesh/geometry/sym_tensor.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/parallel/relaxed.hpp"
 #include "lumesh/parallel/stable_array.hpp"
 
 namespace lumesh {
@@ -101,6 +102,7 @@ class TetMesh {
   static constexpr std::uint32_t kMaxTets = FaceLink::kFirstBoundary >> 2;
   static constexpr std::uint32_t kMaxVertices = 1u << 30;
   static constexpr std::uint32_t kMaxPatches = FaceLink::kNoPatch;
+  static constexpr std::uint32_t kDeadStamp = ~0u;
 
   TetMesh();
 
@@ -156,8 +158,12 @@ class TetMesh {
   void set_incident_tet(VertexId v, TetId t) { incident_[v.value] = t; }
   [[nodiscard]] VertexDimension dimension(VertexId v) const { return dimensions_[v.value]; }
   void set_dimension(VertexId v, VertexDimension dimension) { dimensions_[v.value] = dimension; }
-  [[nodiscard]] std::uint32_t stamp(VertexId v) const { return vertex_stamps_[v.value]; }
-  void set_stamp(VertexId v, std::uint32_t epoch) { vertex_stamps_[v.value] = epoch; }
+  /// Numbers that an execution gives to what it makes; kDeadStamp for freed slots. Stamps may be read by
+  /// threads that hold nothing: a stamp says by itself whether an element is still the one that was meant.
+  [[nodiscard]] std::uint32_t stamp(VertexId v) const {
+    return parallel::load_relaxed(vertex_stamps_[v.value]);
+  }
+  void set_stamp(VertexId v, std::uint32_t stamp) { parallel::store_relaxed(vertex_stamps_[v.value], stamp); }
   /// The word of the region locks (0: free); used through std::atomic_ref.
   [[nodiscard]] std::uint32_t& lock_word(VertexId v) { return lock_words_[v.value]; }
 
@@ -184,8 +190,8 @@ class TetMesh {
   void set_tet(TetId t, const Cell<4>& vertices) { tets_[t.value] = vertices; }
   [[nodiscard]] Label label(TetId t) const { return labels_[t.value]; }
   void set_label(TetId t, Label label) { labels_[t.value] = label; }
-  [[nodiscard]] std::uint32_t stamp(TetId t) const { return tet_stamps_[t.value]; }
-  void set_stamp(TetId t, std::uint32_t epoch) { tet_stamps_[t.value] = epoch; }
+  [[nodiscard]] std::uint32_t stamp(TetId t) const { return parallel::load_relaxed(tet_stamps_[t.value]); }
+  void set_stamp(TetId t, std::uint32_t stamp) { parallel::store_relaxed(tet_stamps_[t.value], stamp); }
   /// Mean ratio of t in the metric, as whoever changed t last measured it. Only if has_metric().
   [[nodiscard]] float quality(TetId t) const { return qualities_[t.value]; }
   void set_quality(TetId t, float quality) { qualities_[t.value] = quality; }
@@ -228,10 +234,10 @@ class TetMesh {
   /// Prepares for `owners` concurrent owners, whose blocks have `block` slots.
   void set_owners(int owners, std::uint32_t block = 1024);
   /// A new vertex in the volume, without incident tetrahedron. @throws Error{kMemory}.
-  VertexId add_vertex(const Vec3& point, int owner = 0);
+  VertexId add_vertex(const Vec3& point, int owner = 0, std::uint32_t stamp = 0);
   /// A new tetrahedron whose faces are boundary without patch. Links stay the caller's duty. @throws
   /// Error{kMemory}.
-  TetId add_tet(const Cell<4>& vertices, Label label, int owner = 0);
+  TetId add_tet(const Cell<4>& vertices, Label label, int owner = 0, std::uint32_t stamp = 0);
   void free_vertex(VertexId v, int owner = 0);
   void free_tet(TetId t, int owner = 0);
   /// Closes the gaps of dead slots; the order of the live ones stays. Invalidates ids and owners. Cost:

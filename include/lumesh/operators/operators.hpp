@@ -99,6 +99,15 @@ class Operators {
 
   [[nodiscard]] const OperatorCounts& counts() const { return counts_; }
 
+  /// Begins a run: the lock to ask from now on, and the stamp of what is made. Forgets what was made before.
+  void begin_run(const Lock& lock, std::uint32_t stamp);
+  /// What this run made or changed, in this order; what was freed again or remade has another stamp, and an
+  /// element may stand here twice.
+  [[nodiscard]] const std::vector<TetId>& made_tets() const;
+  [[nodiscard]] const std::vector<VertexId>& made_vertices() const;
+  /// True if all vertices of t can be had: t then stays what it is.
+  [[nodiscard]] bool try_hold(TetId t);
+
  private:
   struct Scratch;
 
@@ -112,7 +121,6 @@ class Operators {
 
   Subject subject_;
   Lock lock_;
-  int owner_;
   OperatorCounts counts_;
   std::unique_ptr<Scratch> scratch_;
 };

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "fixtures/metric_cubes.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/validate.hpp"
@@ -61,14 +63,14 @@ TEST(Adapt, MakesAUnitMeshOfTheLinearMetric) {
 }
 
 TEST(Adapt, CoarsensAFineMesh) {
-  TetMesh mesh = fixtures::unit_cube(12);
+  TetMesh mesh = fixtures::unit_cube(16);
   const auto shapes = operators::planes_where_flat(mesh);
   Context context;
-  adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 5), shapes, {}, context);
+  adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 2.5), shapes, {}, context);
   ASSERT_TRUE(validate(mesh).ok()) << validate(mesh).text();
   const Conformity found = conformity_of(mesh);
-  EXPECT_GT(found.share_in_band, 0.8);
-  EXPECT_LT(mesh.vertex_count(), 13u * 13 * 13 / 3);
+  EXPECT_GT(found.share_in_band, 0.93);
+  EXPECT_LT(mesh.vertex_count(), 17u * 17 * 17 / 3);
 }
 
 TEST(Adapt, KeepsLabelsAndTheirInterface) {
@@ -105,6 +107,20 @@ TEST(Adapt, OfAUnitMeshChangesItLittle) {
   adapt(mesh, field, shapes, {}, context);
   EXPECT_NEAR(mesh.vertex_count(), before, 0.03 * before);
   EXPECT_GT(conformity_of(mesh).share_in_band, 0.985);
+}
+
+TEST(Adapt, GivesTheSameBitsForEveryThreadCount) {
+  std::vector<TetMesh> meshes;
+  for (const int threads : {1, 2, 3, 8, 64}) {
+    TetMesh& mesh = meshes.emplace_back(fixtures::unit_cube(3));
+    const auto shapes = operators::planes_where_flat(mesh);
+    Context context;
+    adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 1.5), shapes, {.threads = threads}, context);
+    ASSERT_TRUE(validate(mesh).ok()) << threads << " threads: " << validate(mesh).text();
+    ASSERT_EQ(mesh.tet_count(), meshes[0].tet_count()) << threads << " threads";
+    EXPECT_TRUE(std::equal(mesh.points().begin(), mesh.points().end(), meshes[0].points().begin()));
+    EXPECT_TRUE(std::equal(mesh.tets().begin(), mesh.tets().end(), meshes[0].tets().begin()));
+  }
 }
 
 TEST(AdaptOptions, OutOfRangeAreNamed) {

@@ -1,0 +1,73 @@
+#pragma once
+/// @file Sweeps of operators over a mesh on many threads, with the same result, bit for bit, on any number of
+/// them.
+///
+/// Vertices are partitioned into buckets (partition.hpp); a sweep runs the buckets in a fixed partial order,
+/// so that whoever meets has met in that order on every machine. Numbers of new elements depend on which
+/// thread made them; nothing else does, because no order is ever taken from them: the elements have a
+/// sequence of their own, the old ones first and then what each bucket made, by bucket.
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "lumesh/operators/operators.hpp"
+#include "lumesh/operators/partition.hpp"
+
+namespace lumesh::operators {
+
+class OrderedExecution {
+ public:
+  using Kernel = Operators<OrderedLock>;
+  /// The mesh must have metrics. It is reordered.
+  OrderedExecution(const Subject& subject, int threads);
+
+  /// Orders the mesh along the curve and cuts it into buckets anew. Needed when it has grown much, for
+  /// locality and because buckets grow with it.
+  void reorder();
+  /// Cuts into buckets anew.
+  void repartition();
+
+  /// Calls step(kernel, tet) for every live tetrahedron whose urgency before the sweep is positive and that
+  /// is still as it was when its turn comes. All its vertices are held then. Within a bucket the most urgent
+  /// come first, equal ones in the order of the sequence.
+  void over_tets(const std::function<double(TetId)>& urgency,
+                 const std::function<void(Kernel&, TetId)>& step);
+  /// Calls step(kernel, vertex) for every live vertex. The step must not add or free elements.
+  void over_vertices(const std::function<void(Kernel&, VertexId)>& step);
+
+  /// Sum over all threads.
+  [[nodiscard]] OperatorCounts counts() const;
+
+ private:
+  /// Items of each bucket, in the order of the sequence.
+  template <class Item>
+  struct Lists {
+    std::vector<std::uint32_t> starts;
+    std::vector<Item> items;
+
+    [[nodiscard]] std::span<Item> of(std::uint32_t bucket) {
+      return std::span(items).subspan(starts[bucket], starts[bucket + 1] - starts[bucket]);
+    }
+  };
+  struct Made {
+    std::vector<std::uint32_t> tets, vertices;
+  };
+
+  template <class Item, class BucketOf>
+  [[nodiscard]] Lists<Item> lists_by_bucket(const std::vector<Item>& items, const BucketOf& bucket_of) const;
+  void run_buckets(const std::function<void(Kernel&, std::uint32_t bucket, std::uint32_t run)>& body);
+  void begin_run(Kernel& kernel, std::uint32_t bucket, std::uint32_t run);
+  [[nodiscard]] Made what_was_made(const Kernel& kernel, std::uint32_t run);
+  void append_made(const std::vector<Made>& made);
+
+  Subject subject_;
+  int threads_;
+  std::vector<Kernel> kernels_;  // One per thread.
+  Partition partition_;
+  std::vector<std::uint32_t> runs_;  // Of each bucket: the run whose reach it lies in.
+  std::uint32_t next_run_ = 1;       // Run numbers are even where stamps are meant; see what_was_made().
+  std::vector<std::uint32_t> tets_, vertices_;  // The sequences.
+};
+
+}  // namespace lumesh::operators

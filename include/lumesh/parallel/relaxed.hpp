@@ -1,0 +1,18 @@
+#pragma once
+/// @file Single words that one thread writes while others may read them, where nothing else hangs on the
+/// value.
+
+#include <atomic>
+#include <cstdint>
+
+namespace lumesh::parallel {
+
+/// Relaxed: the value alone matters; the caller says why no other memory is read on its strength.
+[[nodiscard]] inline std::uint32_t load_relaxed(const std::uint32_t& word) {
+  return std::atomic_ref<std::uint32_t>(const_cast<std::uint32_t&>(word)).load(std::memory_order_relaxed);
+}
+inline void store_relaxed(std::uint32_t& word, std::uint32_t value) {
+  std::atomic_ref<std::uint32_t>(word).store(value, std::memory_order_relaxed);
+}
+
+}  // namespace lumesh::parallel

@@ -1,0 +1,164 @@
+#include "lumesh/operators/ordered_execution.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::operators {
+namespace {
+
+constexpr std::uint32_t kSlotBlock = 1024;
+constexpr std::size_t kItemBlock = 4096;
+constexpr std::uint32_t kLastRun = 1u << 30;  // Stamps are twice as large and stay below the dead one.
+
+std::vector<std::uint32_t> numbers_up_to(std::uint32_t count) {
+  std::vector<std::uint32_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  return numbers;
+}
+
+/// Those of the old items that no run of this sweep freed or made anew, in their order.
+template <class Stamp>
+std::vector<std::uint32_t> untouched(const std::vector<std::uint32_t>& items, std::uint32_t first_stamp,
+                                     const Stamp& stamp_of) {
+  return parallel::collect_blocks<std::uint32_t>(
+      items.size(), kItemBlock, [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& out) {
+        for (std::size_t i = begin; i < end; ++i)
+          if (stamp_of(items[i]) < first_stamp) out.push_back(items[i]);
+      });
+}
+
+}  // namespace
+
+OrderedExecution::OrderedExecution(const Subject& subject, int threads)
+    : subject_(subject), threads_(std::max(1, threads)) {
+  for (int thread = 0; thread < threads_; ++thread) kernels_.emplace_back(subject, OrderedLock(), thread);
+  reorder();
+}
+
+void OrderedExecution::reorder() {
+  TetMesh& mesh = subject_.mesh;
+  mesh.reorder_along_curve();
+  mesh.set_owners(threads_, kSlotBlock);
+  next_run_ = 1;
+  tets_ = numbers_up_to(mesh.tet_count());
+  vertices_ = numbers_up_to(mesh.vertex_count());
+  repartition();
+}
+
+void OrderedExecution::repartition() {
+  partition_ = partition_vertices(subject_.mesh, vertices_, tets_,
+                                  bucket_size_for(static_cast<std::uint32_t>(vertices_.size())));
+  runs_.assign(partition_.buckets, 0);
+}
+
+template <class Item, class BucketOf>
+OrderedExecution::Lists<Item> OrderedExecution::lists_by_bucket(const std::vector<Item>& items,
+                                                                const BucketOf& bucket_of) const {
+  Lists<Item> lists{std::vector<std::uint32_t>(partition_.buckets + 1, 0), std::vector<Item>(items.size())};
+  for (const Item& item : items) ++lists.starts[bucket_of(item) + 1];
+  std::partial_sum(lists.starts.begin(), lists.starts.end(), lists.starts.begin());
+  std::vector<std::uint32_t> next(lists.starts.begin(), lists.starts.end() - 1);
+  for (const Item& item : items) lists.items[next[bucket_of(item)]++] = item;
+  return lists;
+}
+
+void OrderedExecution::begin_run(Kernel& kernel, std::uint32_t bucket, std::uint32_t run) {
+  // Relaxed: buckets of this reach belong to no other running one; the order of runs makes them visible.
+  parallel::store_relaxed(runs_[bucket], run);
+  for (const std::uint32_t next : partition_.neighbours.neighbours(bucket))
+    parallel::store_relaxed(runs_[next], run);
+  kernel.begin_run(OrderedLock(subject_.mesh, runs_.data(), run, bucket), 2 * run);
+}
+
+void OrderedExecution::run_buckets(
+    const std::function<void(Kernel&, std::uint32_t bucket, std::uint32_t run)>& body) {
+  const std::uint32_t first = next_run_;
+  next_run_ += partition_.buckets;
+  LUMESH_ASSERT(next_run_ < kLastRun);
+  parallel::run_ordered(partition_.conflicts, threads_, [&](std::uint32_t bucket, int thread) {
+    Kernel& kernel = kernels_[static_cast<std::size_t>(thread)];
+    begin_run(kernel, bucket, first + bucket);
+    body(kernel, bucket, first + bucket);
+  });
+}
+
+void OrderedExecution::over_tets(const std::function<double(TetId)>& urgency,
+                                 const std::function<void(Kernel&, TetId)>& step) {
+  TetMesh& mesh = subject_.mesh;
+  struct Urgent {
+    std::uint32_t tet;
+    float urgency;
+  };
+  const auto picked = parallel::collect_blocks<Urgent>(
+      tets_.size(), kItemBlock, [&](std::size_t begin, std::size_t end, std::vector<Urgent>& out) {
+        for (std::size_t i = begin; i < end; ++i)
+          if (const auto value = static_cast<float>(urgency(TetId(tets_[i]))); value > 0)
+            out.push_back({tets_[i], value});
+      });
+  if (picked.empty()) return;
+  Lists<Urgent> lists = lists_by_bucket(
+      picked, [&](const Urgent& one) { return mesh.lock_word(mesh.vertex(TetId(one.tet), 0)); });
+  parallel::for_each_index(
+      partition_.buckets,
+      [&](std::size_t bucket) {
+        const auto list = lists.of(static_cast<std::uint32_t>(bucket));
+        std::stable_sort(list.begin(), list.end(),
+                         [](const Urgent& a, const Urgent& b) { return a.urgency > b.urgency; });
+      },
+      1);
+  const std::uint32_t first_stamp = 2 * next_run_;
+  std::vector<Made> made(partition_.buckets);
+  run_buckets([&](Kernel& kernel, std::uint32_t bucket, std::uint32_t run) {
+    // An old stamp says that t is what it was, so that its first vertex is one of this bucket.
+    for (const Urgent& one : lists.of(bucket))
+      if (const TetId t(one.tet); mesh.stamp(t) < first_stamp && kernel.try_hold(t)) step(kernel, t);
+    made[bucket] = what_was_made(kernel, run);
+  });
+  tets_ = untouched(tets_, first_stamp, [&](std::uint32_t t) { return mesh.stamp(TetId(t)); });
+  vertices_ = untouched(vertices_, first_stamp, [&](std::uint32_t v) { return mesh.stamp(VertexId(v)); });
+  append_made(made);
+}
+
+void OrderedExecution::over_vertices(const std::function<void(Kernel&, VertexId)>& step) {
+  Lists<std::uint32_t> lists =
+      lists_by_bucket(vertices_, [&](std::uint32_t v) { return subject_.mesh.lock_word(VertexId(v)); });
+  run_buckets([&](Kernel& kernel, std::uint32_t bucket, std::uint32_t /*run*/) {
+    for (const std::uint32_t v : lists.of(bucket)) step(kernel, VertexId(v));
+  });
+}
+
+/// Live ones, each once: the stamp of what is listed becomes odd.
+OrderedExecution::Made OrderedExecution::what_was_made(const Kernel& kernel, std::uint32_t run) {
+  Made made;
+  const auto take = [&](auto id, std::vector<std::uint32_t>& out) {
+    if (subject_.mesh.stamp(id) != 2 * run) return;
+    subject_.mesh.set_stamp(id, 2 * run + 1);
+    out.push_back(id.value);
+  };
+  for (const TetId t : kernel.made_tets()) take(t, made.tets);
+  for (const VertexId v : kernel.made_vertices()) take(v, made.vertices);
+  return made;
+}
+
+/// By bucket; what a later run freed or made anew has another stamp.
+void OrderedExecution::append_made(const std::vector<Made>& made) {
+  const TetMesh& mesh = subject_.mesh;
+  const std::uint32_t first_run = next_run_ - partition_.buckets;
+  for (std::uint32_t bucket = 0; bucket < made.size(); ++bucket) {
+    const std::uint32_t stamp = 2 * (first_run + bucket) + 1;
+    for (const std::uint32_t t : made[bucket].tets)
+      if (mesh.stamp(TetId(t)) == stamp) tets_.push_back(t);
+    for (const std::uint32_t v : made[bucket].vertices)
+      if (mesh.stamp(VertexId(v)) == stamp) vertices_.push_back(v);
+  }
+}
+
+OperatorCounts OrderedExecution::counts() const {
+  OperatorCounts sum;
+  for (const Kernel& kernel : kernels_) sum += kernel.counts();
+  return sum;
+}
+
+}  // namespace lumesh::operators

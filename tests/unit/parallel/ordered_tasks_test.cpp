@@ -1,0 +1,83 @@
+#include "lumesh/parallel/ordered_tasks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <mutex>
+#include <random>
+#include <stdexcept>
+
+namespace lumesh::parallel {
+namespace {
+
+/// `pairs` random conflicts between `size` tasks.
+TaskGraph random_graph(std::uint32_t size, int pairs, unsigned seed) {
+  std::vector<std::vector<std::uint32_t>> lists(size);
+  std::mt19937 random(seed);
+  for (int i = 0; i < pairs; ++i) {
+    const std::uint32_t a = random() % size, b = random() % size;
+    if (a == b || std::find(lists[a].begin(), lists[a].end(), b) != lists[a].end()) continue;
+    lists[a].push_back(b);
+    lists[b].push_back(a);
+  }
+  TaskGraph graph;
+  for (auto& list : lists) {
+    std::sort(list.begin(), list.end());
+    graph.items.insert(graph.items.end(), list.begin(), list.end());
+    graph.starts.push_back(static_cast<std::uint32_t>(graph.items.size()));
+  }
+  return graph;
+}
+
+TEST(OrderedTasks, NeighboursHaveDifferentColours) {
+  const TaskGraph graph = random_graph(500, 3000, 1);
+  const auto colours = colours_of(graph);
+  for (std::uint32_t task = 0; task < graph.size(); ++task)
+    for (const std::uint32_t other : graph.neighbours(task)) EXPECT_NE(colours[task], colours[other]);
+}
+
+class OrderedTasksOnThreads : public testing::TestWithParam<int> {};
+
+TEST_P(OrderedTasksOnThreads, RunEachTaskOnceAndConflictsInTheSameOrder) {
+  const TaskGraph graph = random_graph(800, 4000, 2);
+  // Each task adds its number to plain lists that its conflicts write too: races and other orders would show.
+  std::vector<std::vector<std::uint32_t>> seen(graph.size());
+  std::vector<int> runs(graph.size(), 0);
+  run_ordered(graph, GetParam(), [&](std::uint32_t task, int thread) {
+    EXPECT_LT(thread, GetParam());
+    ++runs[task];
+    seen[task].push_back(task);
+    for (const std::uint32_t other : graph.neighbours(task))
+      if (other > task) seen[other].push_back(task);
+  });
+  EXPECT_EQ(std::count(runs.begin(), runs.end(), 1), static_cast<std::ptrdiff_t>(runs.size()));
+  const auto colours = colours_of(graph);
+  for (std::uint32_t task = 0; task < graph.size(); ++task) {
+    // Only the part of a list that its owner and its conflicts wrote in a fixed order is compared: where the
+    // owner stands among them.
+    for (const std::uint32_t other : graph.neighbours(task)) {
+      if (other > task) continue;
+      const auto mine = std::find(seen[task].begin(), seen[task].end(), task);
+      const auto theirs = std::find(seen[task].begin(), seen[task].end(), other);
+      EXPECT_EQ(theirs < mine, std::pair(colours[other], other) < std::pair(colours[task], task));
+    }
+  }
+}
+
+TEST_P(OrderedTasksOnThreads, HandOnTheFirstException) {
+  const TaskGraph graph = random_graph(100, 300, 3);
+  EXPECT_THROW(run_ordered(graph, GetParam(),
+                           [](std::uint32_t task, int) {
+                             if (task == 50) throw std::runtime_error("task 50");
+                           }),
+               std::runtime_error);
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, OrderedTasksOnThreads, testing::Values(1, 2, 8, 64));
+
+TEST(OrderedTasks, NoTasksAreDoneAtOnce) {
+  run_ordered(TaskGraph{}, 4, [](std::uint32_t, int) { FAIL(); });
+}
+
+}  // namespace
+}  // namespace lumesh::parallel
