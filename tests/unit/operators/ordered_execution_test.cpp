@@ -15,12 +15,12 @@ namespace {
 using metric::AnalyticKind;
 using metric::MetricField;
 
-struct Bench {
+struct SweepBench {
   TetMesh mesh;
   MetricField field = MetricField::analytic(AnalyticKind::kPolar2, 1.5);
   PatchShapes shapes;
 
-  explicit Bench(int cells) : mesh(fixtures::unit_cube(cells)), shapes(planes_where_flat(mesh)) {
+  explicit SweepBench(int cells) : mesh(fixtures::unit_cube(cells)), shapes(planes_where_flat(mesh)) {
     metric::assign_metric(mesh, field);
   }
   [[nodiscard]] Subject subject() { return {mesh, field, shapes}; }
@@ -34,7 +34,7 @@ std::uint32_t random_by_place(const TetMesh& mesh, TetId t, std::uint32_t round)
 }
 
 /// Some sweeps of random operators.
-void shake(Bench& bench, int threads, int sweeps) {
+void shake(SweepBench& bench, int threads, int sweeps) {
   OrderedExecution execution(bench.subject(), threads);
   const InsertionRules dense{.least_length = 0.3};
   const CollapseRules loose{.most_length = 4, .least_quality = 0.01, .least_relative = 0.01};
@@ -74,7 +74,7 @@ void shake(Bench& bench, int threads, int sweeps) {
 class OrderedExecutionOnThreads : public testing::TestWithParam<int> {};
 
 TEST_P(OrderedExecutionOnThreads, GivesTheSameBitsAsOneThread) {
-  Bench one(6), many(6);
+  SweepBench one(6), many(6);
   shake(one, 1, 5);
   shake(many, GetParam(), 5);
   ASSERT_TRUE(validate(many.mesh).ok()) << validate(many.mesh).text();
@@ -88,7 +88,7 @@ TEST_P(OrderedExecutionOnThreads, GivesTheSameBitsAsOneThread) {
 INSTANTIATE_TEST_SUITE_P(Threads, OrderedExecutionOnThreads, testing::Values(1, 2, 3, 8, 64));
 
 TEST(OrderedExecution, IsTheSameEveryTime) {
-  Bench first(5), second(5);
+  SweepBench first(5), second(5);
   shake(first, 3, 4);
   shake(second, 3, 4);
   ASSERT_EQ(first.mesh.tet_count(), second.mesh.tet_count());
@@ -97,7 +97,7 @@ TEST(OrderedExecution, IsTheSameEveryTime) {
 }
 
 TEST(OrderedExecution, VisitsEachTetrahedronThatIsUrgentMostUrgentFirst) {
-  Bench bench(4);
+  SweepBench bench(4);
   OrderedExecution execution(bench.subject(), 1);
   std::vector<std::uint32_t> visited;
   execution.over_tets([](TetId t) { return t.value % 2 == 0 ? 1.0 : 0.0; },
@@ -107,7 +107,7 @@ TEST(OrderedExecution, VisitsEachTetrahedronThatIsUrgentMostUrgentFirst) {
 }
 
 TEST(Partition, BucketsAreOfTheSizeAskedForAndConflictsAreTwoRings) {
-  Bench bench(10);
+  SweepBench bench(10);
   std::vector<std::uint32_t> vertices, tets;
   for (std::uint32_t v = 0; v < bench.mesh.vertex_count(); ++v) vertices.push_back(v);
   for (std::uint32_t t = 0; t < bench.mesh.tet_count(); ++t) tets.push_back(t);
