@@ -211,6 +211,7 @@ MeshView TetMesh::view() const {
   view.tetrahedra = tets();
   view.tetrahedron_labels = labels();
   view.info = &info_;
+  if (has_metric()) view.metric = metric_.first(vertex_slots());
   return view;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/geometry/sym_tensor.hpp"
 
 namespace lumesh {
 
@@ -55,7 +56,8 @@ struct MeshView {
   std::span<const std::int32_t> triangle_patches;
   std::span<const Cell<4>> quadrilaterals;  ///< Boundary and interface quadrilaterals.
   std::span<const std::int32_t> quadrilateral_patches;
-  const MeshInfo* info = nullptr;  ///< Never null in a view made by view().
+  const MeshInfo* info = nullptr;          ///< Never null in a view made by view().
+  std::span<const SymTensor> metric = {};  ///< In 1/mm^2, one per point; empty if there is none.
 
   [[nodiscard]] std::size_t cell_count() const {
     return tetrahedra.size() + pyramids.size() + prisms.size() + hexahedra.size();
@@ -78,6 +80,7 @@ struct MixedMesh {
   std::vector<Cell<4>> quadrilaterals;
   std::vector<std::int32_t> quadrilateral_patches;
   MeshInfo info;
+  std::vector<SymTensor> metric;  ///< In 1/mm^2, one per point; empty if there is none.
 
   [[nodiscard]] MeshView view() const {
     return {points,
@@ -93,7 +96,8 @@ struct MixedMesh {
             triangle_patches,
             quadrilaterals,
             quadrilateral_patches,
-            &info};
+            &info,
+            metric};
   }
 };
 
