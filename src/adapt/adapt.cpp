@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "lumesh/core/error.hpp"
 #include "passes.hpp"
@@ -64,6 +65,7 @@ class Adapter {
       phase("reconnect", [&] { reconnect(mesh_, execution_, options_.reconnect_below, swaps_); });
       for (int i = 0; i < options_.smoothing_passes; ++i)
         phase("smooth", [&] { smooth(execution_, smoothing_); });
+      phase("mend", [&] { mend(); });
       close_pass("quality " + std::to_string(round));
     }
   }
@@ -71,6 +73,7 @@ class Adapter {
   AdaptReport report() {
     phase("reorder", [&] { mesh_.reorder_along_curve(); });
     report_.counts = execution_.counts();
+    report_.complexity = metric::complexity(mesh_);
     return std::move(report_);
   }
 
@@ -82,6 +85,12 @@ class Adapter {
     context_.phase(name, step);
   }
 
+  /// The few worst tetrahedra, as long as something changes.
+  void mend() {
+    constexpr int kMostSweeps = 5;
+    for (int sweep = 0; sweep < kMostSweeps; ++sweep)
+      mend_worst(mesh_, execution_, kBadQuality, swaps_, smoothing_);
+  }
   void partition() {
     phase("partition", [&] { execution_.repartition(); });
   }
@@ -104,8 +113,11 @@ class Adapter {
     ordered_tets_ = mesh_.tet_count();
   }
   void close_pass(std::string name) {
+    const auto now = std::chrono::steady_clock::now();
+    const std::chrono::duration<double> elapsed = now - pass_began_;
+    pass_began_ = now;
     report_.passes.push_back(
-        {std::move(name), 0, mesh_.tet_count(), mesh_.vertex_count(), execution_.counts()});
+        {std::move(name), elapsed.count(), mesh_.tet_count(), mesh_.vertex_count(), execution_.counts()});
   }
 
   TetMesh& mesh_;
@@ -117,6 +129,7 @@ class Adapter {
   operators::SwapRules swaps_;
   operators::SmoothingRules smoothing_;
   double ordered_tets_ = 0;
+  std::chrono::steady_clock::time_point pass_began_ = std::chrono::steady_clock::now();
   AdaptReport report_;
 };
 
@@ -146,6 +159,24 @@ AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operato
   run.bring_to_unit_length();
   run.improve_quality();
   return run.report();
+}
+
+AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
+                                const operators::PatchShapes& shapes, double complexity,
+                                const AdaptOptions& options, Context& context) {
+  constexpr double kTolerance = 0.02;
+  constexpr int kMostRuns = 4;
+  double seen = context.phase("complexity", [&] { return metric::complexity(field, mesh); });
+  AdaptReport report;
+  for (int run = 0; run < kMostRuns && (run == 0 || std::abs(seen / complexity - 1) > kTolerance); ++run) {
+    field.scale_sizes(std::cbrt(seen / complexity));
+    AdaptReport next = adapt(mesh, field, shapes, options, context);
+    seen = next.complexity;
+    report.passes.insert(report.passes.end(), next.passes.begin(), next.passes.end());
+    report.counts += next.counts;
+    report.complexity = next.complexity;
+  }
+  return report;
 }
 
 }  // namespace lumesh

@@ -77,6 +77,14 @@ double length_of(const EndLengths& squared) {
   return metric::logarithmic_mean(std::sqrt(squared.smaller), std::sqrt(squared.larger));
 }
 
+/// An edge much too long is worse than a short one: the point that splits it may come nearer to others.
+operators::InsertionRules rules_for(double length, double longest, operators::InsertionRules rules) {
+  constexpr double kLeast = 0.35;
+  const double factor = std::min(1.0, metric::kLongestUnit * longest / length);
+  rules.least_length = std::max(std::min(kLeast, rules.least_length), factor * rules.least_length);
+  return rules;
+}
+
 EdgeList long_edges(const TetMesh& mesh, TetId t, double longest, SplitRank rank) {
   EdgeList edges;
   for (int e = 0; e < 6; ++e) {
@@ -100,6 +108,15 @@ EdgeList short_edges(const TetMesh& mesh, TetId t, double shortest) {
   return edges;
 }
 
+/// Tries edge removal, then face swap, until one is done.
+bool reconnect_one(Execution::Kernel& kernel, TetId t, const operators::SwapRules& rules) {
+  for (const auto& [i, j] : kTetEdges)
+    if (kernel.remove_edge(t, i, j, rules) == Outcome::kApplied) return true;
+  for (int f = 0; f < 4; ++f)
+    if (kernel.swap_face(t, f, rules) == Outcome::kApplied) return true;
+  return false;
+}
+
 }  // namespace
 
 void split_long_edges(const TetMesh& mesh, Execution& execution, double longest, SplitRank rank,
@@ -112,7 +129,9 @@ void split_long_edges(const TetMesh& mesh, Execution& execution, double longest,
       [&](Execution::Kernel& kernel, TetId t) {
         for (const RankedEdge& one : long_edges(mesh, t, longest, rank)) {
           const auto [i, j] = kTetEdges[one.edge];
-          if (kernel.split_edge(t, i, j, fraction_of(one.length), rules) == Outcome::kApplied) return;
+          if (kernel.split_edge(t, i, j, fraction_of(one.length), rules_for(one.length, longest, rules)) ==
+              Outcome::kApplied)
+            return;
         }
       });
 }
@@ -136,11 +155,15 @@ void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shor
 
 void reconnect(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& rules) {
   execution.over_tets([&](TetId t) { return below - mesh.quality(t); },
+                      [&](Execution::Kernel& kernel, TetId t) { reconnect_one(kernel, t, rules); });
+}
+
+void mend_worst(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& swaps,
+                const operators::SmoothingRules& smoothing) {
+  execution.over_tets([&](TetId t) { return below - mesh.quality(t); },
                       [&](Execution::Kernel& kernel, TetId t) {
-                        for (const auto& [i, j] : kTetEdges)
-                          if (kernel.remove_edge(t, i, j, rules) == Outcome::kApplied) return;
-                        for (int f = 0; f < 4; ++f)
-                          if (kernel.swap_face(t, f, rules) == Outcome::kApplied) return;
+                        if (reconnect_one(kernel, t, swaps)) return;
+                        for (int k = 0; k < 4; ++k) kernel.smooth_vertex(mesh.vertex(t, k), smoothing);
                       });
 }
 

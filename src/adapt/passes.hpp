@@ -23,6 +23,10 @@ void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shor
 /// Tries edge removal and face swap on the tetrahedra whose quality is below `below`.
 void reconnect(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& rules);
 
+/// Reconnects the tetrahedra whose quality is below `below`, or moves the vertices of those that cannot be.
+void mend_worst(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& swaps,
+                const operators::SmoothingRules& smoothing);
+
 /// Moves every vertex once.
 void smooth(Execution& execution, const operators::SmoothingRules& rules);
 

@@ -89,25 +89,6 @@ void MetricField::scale_sizes(double factor) {
   size_factor_ *= factor;
 }
 
-double complexity(const TetMesh& mesh) {
-  return parallel::reduce_blocks<double>(
-      mesh.tet_slots(), kBlock, 0.0,
-      [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-          const TetId t(static_cast<std::uint32_t>(i));
-          if (!mesh.alive(t)) continue;
-          double densities = 0;  // sqrt(det M) = exp(trace(log M) / 2)
-          for (int k = 0; k < 4; ++k) densities += std::exp(mesh.log_metric(mesh.vertex(t, k)).trace() / 2);
-          sum +=
-              densities / 4 *
-              tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
-        }
-        return sum;
-      },
-      [](double a, double b) { return a + b; });
-}
-
 void measure_qualities(TetMesh& mesh) {
   parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
     const TetId t(static_cast<std::uint32_t>(i));

@@ -78,6 +78,10 @@ class ReadyTasks {
 
 }  // namespace
 
+int available_threads() {
+  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
 std::vector<std::uint32_t> colours_of(const TaskGraph& conflicts) {
   constexpr std::uint32_t kNone = ~0u;
   std::vector<std::uint32_t> colours(conflicts.size(), kNone), seen;  // seen[c] == task: a neighbour has it.

@@ -40,6 +40,7 @@ struct AdaptPass {
 struct AdaptReport {
   std::vector<AdaptPass> passes;
   operators::OperatorCounts counts;
+  double complexity = 0;  ///< Of the metric as the adapted mesh sees it.
 };
 
 /// Adapts `mesh` until its edges have about unit length in `field`, then betters its shapes.
@@ -57,5 +58,13 @@ struct AdaptReport {
 /// docs/experiments/adapt.md (what was compared).
 AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
                   const AdaptOptions& options, Context& context);
+
+/// The same, with the sizes of `field` scaled by one factor so that the adapted mesh sees the complexity
+/// asked for, within 2 %. Measured on the mesh itself, because a formula or a coarse background says little
+/// about what a mesh will see: where the first mesh misses, it is adapted again.
+/// @param complexity  > 0; the mesh will have about twice as many vertices.
+AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
+                                const operators::PatchShapes& shapes, double complexity,
+                                const AdaptOptions& options, Context& context);
 
 }  // namespace lumesh

@@ -21,6 +21,9 @@ struct TaskGraph {
   }
 };
 
+/// Threads that this machine runs at the same time, at least 1.
+[[nodiscard]] int available_threads();
+
 /// The lowest colours that no neighbour before (by index) has; greedy.
 [[nodiscard]] std::vector<std::uint32_t> colours_of(const TaskGraph& conflicts);
 

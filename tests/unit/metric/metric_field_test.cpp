@@ -101,6 +101,18 @@ TEST(Complexity, IsTheIntegralOfTheDensity) {
   EXPECT_NEAR(complexity(mesh), 16 * std::log(5.0), 0.005 * 16 * std::log(5.0));
 }
 
+TEST(Complexity, OfAFieldIsFoundOnACoarseMesh) {
+  fixtures::TetSoup soup = fixtures::cube_grid(2);
+  for (Vec3& p : soup.points) p /= 2;
+  const TetMesh mesh = soup.build();
+  // 100 times the integral of dz / (0.001 + 0.198 |z - 0.5|) over [0, 1].
+  const double linear = 100 * 2 / 0.198 * std::log(1 + 0.198 * 0.5 / 0.001);
+  EXPECT_NEAR(complexity(MetricField::analytic(AnalyticKind::kLinear), mesh), linear, 0.03 * linear);
+  EXPECT_NEAR(complexity(MetricField::analytic(AnalyticKind::kLinear, 0.5), mesh), 8 * linear, 0.24 * linear);
+  // Of polar-2 by the midpoint rule on 4000 x 4000 points.
+  EXPECT_NEAR(complexity(MetricField::analytic(AnalyticKind::kPolar2), mesh), 7587, 0.03 * 7587);
+}
+
 TEST(AssignMetric, MeasuresQualities) {
   TetMesh mesh = fixtures::cube_grid(2).build();
   assign_metric(mesh, MetricField::analytic(AnalyticKind::kLinear));
