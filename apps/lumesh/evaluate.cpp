@@ -45,6 +45,12 @@ void bring_to_lps_mm(MixedMesh& mesh) {
   if (!ras && scale == 1) return;
   const Vec3 factors = ras ? Vec3(-scale, -scale, scale) : Vec3(scale, scale, scale);
   for (Vec3& p : mesh.points) p = p.cwiseProduct(factors);
+  // Lengths in the metric stay as they are; it is per square of the coordinates' unit.
+  for (SymTensor& m : mesh.metric) {
+    const Vec3 f = factors.cwiseInverse();
+    m = {m.xx * f[0] * f[0], m.xy * f[0] * f[1], m.xz * f[0] * f[2],
+         m.yy * f[1] * f[1], m.yz * f[1] * f[2], m.zz * f[2] * f[2]};
+  }
   mesh.info.frame = "LPS";
   mesh.info.unit = "mm";
 }
@@ -126,7 +132,7 @@ void run(const EvaluateCommand& command) {
     input.phantom = &*phantom;
   }
   quality::Evaluation evaluation = quality::evaluate(mesh.view(), input, context);
-  evaluation.warnings = std::move(warnings);
+  evaluation.warnings.insert(evaluation.warnings.begin(), warnings.begin(), warnings.end());
   say(command.run, "{}\n{}", command.mesh_path, report::summary_text(evaluation));
   write_outputs(command, mesh.view(), evaluation, context);
   if (command.times > 0) {

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "file_fault.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
+#include "metric_tensors.hpp"
 
 namespace lumesh::io {
 
@@ -144,19 +146,21 @@ class LegacyReader {
       types_ = numbers("int", next_count());
     } else if (word == "CELL_DATA") {
       tuples_ = next_count();
-      in_cells_ = true;
+      part_ = Part::kCells;
     } else if (word == "POINT_DATA") {
       tuples_ = next_count();
-      in_cells_ = false;
+      part_ = Part::kPoints;
     } else if (word == "FIELD") {
       next();
       read_field(next_count());
     } else if (word == "SCALARS") {
       read_scalars();
-    } else if (word == "VECTORS" || word == "NORMALS" || word == "TENSORS") {
-      next();
-      const std::string type = next();
-      numbers(type, tuples_ * (word == "TENSORS" ? 9 : 3));
+    } else if (word == "VECTORS" || word == "NORMALS") {
+      read_attribute(3);
+    } else if (word == "TENSORS") {
+      read_attribute(9);
+    } else if (word == "TENSORS6") {
+      read_attribute(6);
     } else if (word == "METADATA") {
       skip_metadata();
     } else {
@@ -206,8 +210,16 @@ class LegacyReader {
       const std::size_t tuples = next_count();
       const std::string type = next();
       if (components > 0 && tuples > content_.size() / components) fail("is cut off");
-      keep_array(name, numbers(type, components * tuples));
+      keep_array(name, components, numbers(type, components * tuples));
     }
+  }
+
+  /// Vectors and tensors; nothing of cells is wanted.
+  void read_attribute(std::size_t components) {
+    const std::string name = next();
+    const std::string type = next();
+    std::vector<double> values = numbers(type, tuples_ * components);
+    if (part_ == Part::kPoints) keep_array(name, components, std::move(values));
   }
 
   void read_scalars() {
@@ -221,12 +233,16 @@ class LegacyReader {
     }
     if (word != "LOOKUP_TABLE") fail("has scalars without a lookup table");
     next();
-    keep_array(name, numbers(type, tuples_ * components));
+    keep_array(name, components, numbers(type, tuples_ * components));
   }
 
-  void keep_array(const std::string& name, std::vector<double> values) {
-    const bool ours = name.starts_with("lumesh_");
-    if (ours || in_cells_) arrays_.emplace(name, std::move(values));
+  void keep_array(const std::string& name, std::size_t components, std::vector<double> values) {
+    if (part_ == Part::kPoints && name == "metric") {
+      metric_ = std::move(values);
+      metric_components_ = components;
+    } else if (part_ == Part::kCells || name.starts_with("lumesh_")) {
+      arrays_.emplace(name, std::move(values));
+    }
   }
 
   template <std::size_t N>
@@ -246,6 +262,8 @@ class LegacyReader {
       mesh_.points.emplace_back(points_[i], points_[i + 1], points_[i + 2]);
       if (!mesh_.points.back().allFinite()) fail("point " + std::to_string(i / 3) + " is not finite");
     }
+    if (metric_components_)
+      mesh_.metric = metric_from_vtk(path_, metric_, *metric_components_, mesh_.points.size());
     if (offsets_.size() != types_.size() + 1) fail("does not hold as many cell types as cells");
     const std::vector<double>* labels = find_labels();
     for (std::size_t c = 0; c < types_.size(); ++c) {
@@ -310,9 +328,11 @@ class LegacyReader {
   std::string content_;
   std::size_t at_ = 0;
   bool binary_ = false;
-  bool in_cells_ = false;
+  enum class Part : std::uint8_t { kDataset, kCells, kPoints };  ///< What data arrays belong to.
+  Part part_ = Part::kDataset;
   std::size_t tuples_ = 0;
-  std::vector<double> points_, connectivity_, types_;
+  std::vector<double> points_, connectivity_, types_, metric_;
+  std::optional<std::size_t> metric_components_;  ///< None if there is no metric.
   std::vector<std::size_t> offsets_;
   std::map<std::string, std::vector<double>> arrays_;
   MixedMesh mesh_;

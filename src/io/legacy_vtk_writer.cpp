@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "cell_blocks.hpp"
+#include "lumesh/core/assert.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
+#include "metric_tensors.hpp"
 #include "output_file.hpp"
 
 namespace lumesh::io {
@@ -57,6 +59,18 @@ void write_label_array(OutputFile& file, BigEndianWriter& out, const MeshView& m
   file.print("\n");
 }
 
+/// As a field, which every VTK and meshio read; the section TENSORS6 came after file version 3.0.
+void write_metric_field(OutputFile& file, BigEndianWriter& out, const MeshView& mesh) {
+  if (mesh.metric.empty()) return;
+  LUMESH_ASSERT(mesh.metric.size() == mesh.points.size());
+  file.print("POINT_DATA {}\nFIELD FieldData 1\nmetric {} {} double\n", mesh.points.size(),
+             kVtkTensorNames.size(), mesh.metric.size());
+  for (const SymTensor& tensor : mesh.metric) {
+    for (const double number : to_vtk_order(tensor)) out.put(number);
+  }
+  file.print("\n");
+}
+
 }  // namespace
 
 void write_legacy_vtk(const std::filesystem::path& path, const MeshView& mesh,
@@ -90,6 +104,7 @@ void write_legacy_vtk(const std::filesystem::path& path, const MeshView& mesh,
   if (options.compat == LabelAlias::kGmsh) write_label_array(file, out, mesh, "gmsh:physical");
   if (options.compat == LabelAlias::kMedit) write_label_array(file, out, mesh, "medit:ref");
   if (options.compat == LabelAlias::kSimVascular) write_label_array(file, out, mesh, "ModelRegionID");
+  write_metric_field(file, out, mesh);
   file.commit();
 }
 

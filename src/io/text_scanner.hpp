@@ -44,6 +44,11 @@ class TextScanner {
 
   [[nodiscard]] std::string_view text() const { return text_; }
 
+  /// True behind a blank; false at the end of a text that stops in a word, which may be cut off.
+  [[nodiscard]] bool word_is_whole() const {
+    return position_ < text_.size() || text_.empty() || is_blank(text_.back());
+  }
+
   bool at_end() {
     skip_blanks();
     return position_ == text_.size();
@@ -70,8 +75,11 @@ class TextScanner {
 
   std::int64_t integer(std::string_view what) { return number<std::int64_t>(what); }
 
+  /// Also infinite or not a number.
+  double any_real(std::string_view what) { return number<double>(what); }
+
   double real(std::string_view what) {
-    const double value = number<double>(what);
+    const double value = any_real(what);
     if (!std::isfinite(value)) fail(fmt::format("{} is not finite", what));
     return value;
   }

@@ -127,6 +127,8 @@ void VtkXmlWriter::array(const XmlArray& shape, const Fill& fill) {
   print("<DataArray type=\"{}\" Name=\"{}\" ", shape.type, escaped(shape.name));
   // meshio makes a column of a scalar that says it has one component.
   if (shape.components > 1) print("NumberOfComponents=\"{}\" ", shape.components);
+  for (std::size_t i = 0; i < shape.component_names.size(); ++i)
+    print("ComponentName{}=\"{}\" ", i, escaped(shape.component_names[i]));
   print("NumberOfTuples=\"{}\" format=\"binary\">\n", shape.tuples);
   const std::size_t tuple_bytes = xml_type_bytes(shape.type) * shape.components;
   // A multiple of 8 tuples, so that readers may decode blocks one by one into any type.

@@ -22,6 +22,7 @@ struct XmlArray {
   std::string_view type;       ///< VTK's: Int8, UInt8, Int32, Int64, Float64.
   std::size_t components = 1;  ///< Values per tuple.
   std::size_t tuples = 0;
+  std::span<const std::string_view> component_names = {};  ///< One per component, or none.
 };
 
 /// Bytes per value of a VTK type; 0 if unknown.

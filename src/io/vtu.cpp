@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "cell_blocks.hpp"
+#include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
 #include "mesh_formats.hpp"
+#include "metric_tensors.hpp"
 #include "vtk_xml_writer.hpp"
 
 namespace lumesh::io {
@@ -119,6 +121,20 @@ void write_faces(VtkXmlWriter& writer, const MeshView& mesh) {
   }
 }
 
+void write_metric_array(VtkXmlWriter& writer, const MeshView& mesh) {
+  if (mesh.metric.empty()) return;
+  LUMESH_ASSERT(mesh.metric.size() == mesh.points.size());
+  writer.print("<PointData Tensors=\"metric\">\n");
+  writer.array({"metric", "Float64", kVtkTensorNames.size(), mesh.metric.size(), kVtkTensorNames},
+               [&](std::size_t first, std::size_t last, std::byte* out) {
+                 for (std::size_t i = first; i < last; ++i, out += sizeof(TensorNumbers)) {
+                   const TensorNumbers numbers = to_vtk_order(mesh.metric[i]);
+                   std::memcpy(out, numbers.data(), sizeof(numbers));
+                 }
+               });
+  writer.print("</PointData>\n");
+}
+
 std::vector<std::string_view> label_array_names(LabelAlias alias) {
   switch (alias) {
     case LabelAlias::kGmsh:
@@ -143,6 +159,7 @@ void write_vtu(const std::filesystem::path& path, const MeshView& mesh, const Me
   if (face_count(mesh) > 0) write_faces(writer, mesh);
   writer.print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.points.size(),
                cells.cells());
+  write_metric_array(writer, mesh);
   writer.points(mesh.points);
   write_cells(writer, cells);
   writer.print("<CellData Scalars=\"label\">\n");

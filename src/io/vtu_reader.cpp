@@ -5,6 +5,7 @@
 #include "cell_blocks.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
+#include "metric_tensors.hpp"
 #include "vtk_xml_reader.hpp"
 
 namespace lumesh::io {
@@ -122,12 +123,21 @@ void read_info(const VtkXmlReader& file, MixedMesh& mesh) {
   if (array) mesh.info = info_from_json(file.text(array));
 }
 
+std::vector<SymTensor> read_metric_array(const std::filesystem::path& path, const VtkXmlReader& file,
+                                         std::size_t points) {
+  const pugi::xml_node array = VtkXmlReader::find_array(file.piece().child("PointData"), "metric");
+  if (!array) return {};
+  return metric_from_vtk(path, file.doubles(array, "metric"),
+                         array.attribute("NumberOfComponents").as_uint(1), points);
+}
+
 }  // namespace
 
 MixedMesh read_vtu(const std::filesystem::path& path) {
   const VtkXmlReader file(path, "UnstructuredGrid");
   MixedMesh mesh;
   mesh.points = read_points(file);
+  mesh.metric = read_metric_array(path, file, mesh.points.size());
   read_cells(file, mesh);
   read_info(file, mesh);
   read_faces(file, "lumesh_triangles", "lumesh_triangle_patches", mesh.points.size(), mesh.triangles,

@@ -46,6 +46,20 @@ void add_topology(const MeshView& mesh, const MeshSurface& surface, Evaluation& 
   evaluation.patches = summarise_patches(mesh, surface);
 }
 
+void add_metric(const MeshView& mesh, Evaluation& evaluation, Context& context) {
+  if (mesh.metric.empty() || mesh.tetrahedra.empty()) return;
+  evaluation.has_metric = true;
+  context.phase("lengths and shapes in the metric", [&] {
+    try {
+      evaluation.metric = measure_in_metric(mesh);
+    } catch (const Error& bad_metric) {  // What else is said of the mesh holds all the same.
+      evaluation.warnings.push_back(std::string(bad_metric.what()) +
+                                    "; what is measured in the metric is left out");
+      context.warn(evaluation.warnings.back());
+    }
+  });
+}
+
 /// Volumes of the image become those of its kept part.
 void cut_volumes(const EvaluationInput& input, Evaluation& evaluation) {
   const std::vector<double> kept = count_kept_voxels(*input.image, input.cut_planes);
@@ -93,6 +107,7 @@ Evaluation evaluate(const MeshView& mesh, const EvaluationInput& input, Context&
     label.cells = volume.cells;
     label.volume_mm3 = volume.volume_mm3;
   }
+  add_metric(mesh, evaluation, context);
   const MeshSurface surface = context.phase("surface", [&] { return extract_surface(mesh); });
   context.phase("topology", [&] { add_topology(mesh, surface, evaluation); });
   context.phase("validity", [&] { find_problems(mesh, surface, evaluation); });

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "cells.hpp"
+#include "extremes.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -45,13 +46,6 @@ struct Tally {
     s.mean_ratio = {0, 1, std::vector<std::uint64_t>(50, 0)};
   }
 };
-
-void lower(Extreme& extreme, double value, std::uint32_t tetrahedron) {
-  if (value < extreme.value) extreme = {value, tetrahedron, Vec3::Zero()};
-}
-void raise(Extreme& extreme, double value, std::uint32_t tetrahedron) {
-  if (value > extreme.value) extreme = {value, tetrahedron, Vec3::Zero()};
-}
 
 void count_angles(TetrahedronStatistics& s, const std::array<double, 6>& angles, std::uint32_t index) {
   const auto [smallest, largest] = std::minmax_element(angles.begin(), angles.end());
@@ -112,11 +106,6 @@ Tally combine(Tally all, const Tally& more) {
   s.above_165_deg += m.above_165_deg;
   all.not_flat += more.not_flat;
   return all;
-}
-
-void locate(Extreme& extreme, const MeshView& mesh) {
-  const Cell<4>& v = mesh.tetrahedra[extreme.tetrahedron];
-  extreme.centre_mm = (mesh.points[v[0]] + mesh.points[v[1]] + mesh.points[v[2]] + mesh.points[v[3]]) / 4;
 }
 
 TetrahedronStatistics measure_tetrahedra(const MeshView& mesh) {

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "html_parts.hpp"
 #include "lumesh/core/version.hpp"
@@ -68,6 +69,9 @@ std::string tiles(const Evaluation& e) {
     html += tile(fmt::format("{:.1f}°", m.tetrahedra.largest_dihedral_deg.value), "largest dihedral angle");
     html += tile(fmt::format("{:.3f}", m.tetrahedra.mean_mean_ratio), "mean ratio, on average");
   }
+  if (e.metric)
+    html += tile(fmt::format("{:.1f} %", 100 * e.metric->fraction_in_band()),
+                 "edges of about unit metric length");
   if (e.image && e.image->distances) {
     const double voxel = e.image->voxel_size_mm;
     const double farthest =
@@ -131,6 +135,24 @@ std::string histograms(const TetrahedronStatistics& t) {
                       "Aspect ratio {:.2f} on average, {:.2f} at most.</p>",
                       t.smallest_mean_ratio.value, t.mean_mean_ratio, t.mean_aspect, t.largest_aspect.value));
   return pair(angles, ratios);
+}
+
+std::string metric_histograms(const MetricStatistics& m) {
+  const std::string lengths = section(
+      "Edge lengths in the metric",
+      histogram_svg(m.edge_length, {"", 0.5, 1, std::numbers::sqrt2 / 2, std::numbers::sqrt2}) +
+          fmt::format("<p class=\"note\">{} edges: {:.2f} % between 1/√2 and √2, {:.2f} % shorter, {:.2f} % "
+                      "longer; from {:.3f} to {:.3f}, {:.3f} on average.</p>",
+                      grouped(m.edges), 100 * m.fraction_in_band(), 100 * m.fraction_short(),
+                      100 * m.fraction_long(), m.shortest_edge, m.longest_edge, m.mean_edge));
+  const std::string ratios = section(
+      "Mean ratio in the metric",
+      histogram_svg(m.mean_ratio, {"", 0.2, 1, 0.2, 1}) +
+          fmt::format("<p class=\"note\">Smallest {:.3f}, average {:.3f}; 1 is regular in the metric. "
+                      "Complexity {}; per unit {:.2f} vertices and {:.2f} tetrahedra.</p>",
+                      m.smallest_mean_ratio.value, m.mean_mean_ratio, five_digits(m.complexity),
+                      m.vertices_per_complexity(), m.tetrahedra_per_complexity()));
+  return pair(lengths, ratios);
 }
 
 std::string labels_section(const Evaluation& e) {
@@ -287,6 +309,7 @@ std::string report_html(const std::string& title, const Evaluation& e, const Rep
   html += pair(cut_section("Cut, from the front", pictures.front),
                cut_section("Cut, from the side", pictures.side));
   html += histograms(e.statistics.tetrahedra);
+  if (e.metric) html += metric_histograms(*e.metric);
   html += distances_section(e) + reference_section(e) + labels_section(e) + boundary_section(e) +
           provenance_section(e);
   html += fmt::format(

@@ -78,6 +78,38 @@ Json mean_ratio_json(const TetrahedronStatistics& s) {
           {"histogram", to_json(s.mean_ratio)}};
 }
 
+Json metric_edges_json(const MetricStatistics& s) {
+  return {{"edges", s.edges},
+          {"fraction_in_band", s.fraction_in_band()},
+          {"fraction_short", s.fraction_short()},
+          {"fraction_long", s.fraction_long()},
+          {"min", s.shortest_edge},
+          {"max", s.longest_edge},
+          {"mean", s.mean_edge},
+          {"histogram", to_json(s.edge_length)}};
+}
+
+Json metric_ratio_json(const MetricStatistics& s) {
+  return {{"min", s.smallest_mean_ratio.value},
+          {"mean", s.mean_mean_ratio},
+          {"smallest", to_json(s.smallest_mean_ratio)},
+          {"histogram", to_json(s.mean_ratio)}};
+}
+
+/// Nothing without a metric; null throughout if the metric is none.
+void add_metric_json(const Evaluation& e, Json& json) {
+  if (!e.has_metric) return;
+  for (const char* key : {"metric_edge_length", "metric_mean_ratio", "complexity", "vertices_per_complexity",
+                          "tetrahedra_per_complexity"})
+    json[key] = nullptr;
+  if (!e.metric) return;
+  json["metric_edge_length"] = metric_edges_json(*e.metric);
+  json["metric_mean_ratio"] = metric_ratio_json(*e.metric);
+  json["complexity"] = e.metric->complexity;
+  json["vertices_per_complexity"] = e.metric->vertices_per_complexity();
+  json["tetrahedra_per_complexity"] = e.metric->tetrahedra_per_complexity();
+}
+
 Json reference_json(const LabelEvaluation& label, const Evaluation& e) {
   const LabelReference& r = *label.reference;
   const auto summary = [](const std::optional<DistanceSummary>& d) {
@@ -164,6 +196,7 @@ std::string evaluation_json(const Evaluation& e) {
   json["dihedral_deg"] = dihedral_json(t);
   json["mean_ratio"] = mean_ratio_json(t);
   json["aspect"] = {{"max", t.largest_aspect.value}, {"mean", t.mean_aspect}};
+  add_metric_json(e, json);
   if (m.pyramids + m.prisms + m.hexahedra > 0)
     json["scaled_jacobian"] = {{"min", m.smallest_scaled_jacobian}};
   json["components"] = e.components;

@@ -53,6 +53,19 @@ std::string quality_text(const Evaluation& e) {
   return text;
 }
 
+std::string metric_text(const MetricStatistics& m) {
+  return fmt::format(
+             "metric edges   {:.2f} % in [0.71, 1.41], {:.2f} % shorter, {:.2f} % longer; min {:.3f}  mean "
+             "{:.3f}  max {:.3f}\n",
+             100 * m.fraction_in_band(), 100 * m.fraction_short(), 100 * m.fraction_long(), m.shortest_edge,
+             m.mean_edge, m.longest_edge) +
+         fmt::format(
+             "metric ratio   min {:.3f}  mean {:.3f}      complexity {}, per unit {:.2f} vertices, {:.2f} "
+             "tetrahedra\n",
+             m.smallest_mean_ratio.value, m.mean_mean_ratio, five_digits(m.complexity),
+             m.vertices_per_complexity(), m.tetrahedra_per_complexity());
+}
+
 std::string boundary_text(const Evaluation& e) {
   const SurfaceTopology& b = e.boundary;
   std::string text = fmt::format("boundary       {}, {}, {} {}, genus {}, {} triangles",
@@ -173,7 +186,9 @@ std::string five_digits(double value) {
 }
 
 std::string summary_text(const Evaluation& e) {
-  std::string text = counts_text(e) + quality_text(e) + boundary_text(e) + labels_text(e);
+  std::string text = counts_text(e) + quality_text(e);
+  if (e.metric) text += metric_text(*e.metric);
+  text += boundary_text(e) + labels_text(e);
   if (e.image) text += image_text(e);
   if (e.reference_voxel_mm) text += reference_text(e);
   return text;

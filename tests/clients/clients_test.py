@@ -255,6 +255,69 @@ class ForeignFilesTest(unittest.TestCase):
         self.assert_read_alike(files, path)
 
 
+class MetricTest(unittest.TestCase):
+    """A metric tensor per point, all six numbers different: given as full matrices, written in VTK's order."""
+    MATRIX = np.array([[4, 0.5, -0.25], [0.5, 9.25, 1.5], [-0.25, 1.5, 16]])
+    IN_VTK_ORDER = np.array([4, 9.25, 16, 0.5, 1.5, -0.25])
+    SCALES = np.arange(1, 13) / 3
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = ALL["every_shape"].folder
+        numbers = " ".join(map(repr, np.concatenate([scale * cls.MATRIX.ravel() for scale in cls.SCALES]).tolist()))
+        array = f'<DataArray type="Float64" Name="metric" NumberOfComponents="9" format="ascii">{numbers}</DataArray>'
+        by_hand = cls.folder / "metric_by_hand.vtu"
+        by_hand.write_text(EVERY_SHAPE.replace("<Points>", f"<PointData>{array}</PointData><Points>"))
+        for suffix in ("vtu", "vtk"):
+            lumesh("convert", by_hand, cls.folder / f"metric.{suffix}")
+        cls.expected = np.outer(cls.SCALES, cls.IN_VTK_ORDER)
+
+    def vtk_array(self, name):
+        return readers.vtk_data(self.folder / name).GetPointData().GetArray("metric")
+
+    def test_vtk_sees_the_tensors(self):
+        for name in ("metric.vtu", "metric.vtk"):
+            array = self.vtk_array(name)
+            self.assertEqual((array.GetDataTypeAsString(), array.GetNumberOfComponents()), ("double", 6), name)
+            np.testing.assert_array_equal(readers.vtk_to_numpy(array), self.expected, name)
+
+    def test_vtk_sees_the_names_of_the_components(self):
+        array = self.vtk_array("metric.vtu")
+        self.assertEqual([array.GetComponentName(i) for i in range(6)], ["XX", "YY", "ZZ", "XY", "YZ", "XZ"])
+
+    def test_vtk_takes_it_as_the_tensors_of_the_points(self):
+        tensors = readers.vtk_data(self.folder / "metric.vtu").GetPointData().GetTensors()
+        self.assertEqual(tensors.GetName(), "metric")
+
+    def test_meshio_sees_the_tensors(self):
+        for name in ("metric.vtu", "metric.vtk"):
+            np.testing.assert_array_equal(readers.meshio_data(self.folder / name).point_data["metric"], self.expected, name)
+
+    def test_lumesh_reads_what_vtk_writes(self):
+        """VTK writes the tensors of points as the section TENSORS6, other arrays as a field."""
+        for kind in ("binary", "ascii"):
+            for version in (42, 51):
+                for role in ("tensors", "array"):
+                    with self.subTest(kind=kind, version=version, role=role):
+                        data = readers.vtk_data(self.folder / "metric.vtu")
+                        if role == "array":
+                            data.GetPointData().SetActiveTensors(None)
+                        path = self.folder / f"metric_by_vtk_{kind}_{version}_{role}.vtk"
+                        readers.write_legacy_with_vtk(data, path, kind, version)
+                        self.assertEqual(b"TENSORS6 metric" in path.read_bytes(), role == "tensors")
+                        self.assert_read_alike(path)
+
+    def test_lumesh_reads_what_meshio_writes(self):
+        for suffix in (".vtu", ".vtk"):
+            path = self.folder / f"metric_by_meshio{suffix}"
+            readers.meshio_data(self.folder / "metric.vtu").write(path)
+            self.assert_read_alike(path)
+
+    def assert_read_alike(self, path):
+        lumesh("convert", path, self.folder / "metric_again.vtu")
+        np.testing.assert_allclose(readers.vtk_to_numpy(self.vtk_array("metric_again.vtu")), self.expected, rtol=1e-9)
+
+
 class GmshTest(unittest.TestCase):
     # Gmsh 4.8 of Debian 12 does not read .meshb, leaves the pyramids and prisms of .mesh out, and takes VTK's
     # prisms in its own order.

@@ -13,6 +13,7 @@
 
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/metric_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "unit/io/image_bytes.hpp"
 #include "unit/io/io_fixtures.hpp"
@@ -114,6 +115,11 @@ class MemoryLimit {
   rlimit before_ = {};
 };
 
+void expect_consistent(const std::vector<SymTensor>& metric) {
+  for (const SymTensor& t : metric)
+    ASSERT_TRUE(std::isfinite(t.trace() + t.xy + t.xz + t.yz) && t.xx > 0 && t.yy > 0 && t.zz > 0);
+}
+
 /// What a reader promises about a mesh that it accepts.
 void expect_consistent(const MixedMesh& mesh) {
   const auto check = [&](const auto& cells, const auto& tags) {
@@ -131,6 +137,8 @@ void expect_consistent(const MixedMesh& mesh) {
     for (const std::int32_t p : *patches)
       ASSERT_TRUE(p >= 0 && static_cast<std::size_t>(p) < mesh.info.patches.size());
   for (const Vec3& p : mesh.points) ASSERT_TRUE(p.allFinite());
+  ASSERT_TRUE(mesh.metric.empty() || mesh.metric.size() == mesh.points.size());
+  expect_consistent(mesh.metric);
 }
 
 void expect_consistent(const LabelImage& image) {
@@ -191,8 +199,16 @@ class IoFuzz : public testing::Test {
   }
   void fuzz_mesh(const std::string& name, const MeshWriteOptions& options = {}) {
     const auto path = folder_ / ("good_" + name);
-    write_mesh(path, fixtures::every_cell_shape().view(), options);
+    MixedMesh mesh = fixtures::every_cell_shape();
+    mesh.metric = fixtures::different_tensors(mesh.points.size());
+    write_mesh(path, mesh.view(), options);
     fuzz(name, fixtures::read_file(path), [](const auto& file) { return read_mesh(file); });
+  }
+  void fuzz_metric(const std::string& name) {
+    constexpr std::size_t kVertices = 12;
+    const auto path = folder_ / ("good_" + name);
+    write_metric(path, fixtures::different_tensors(kVertices));
+    fuzz(name, fixtures::read_file(path), [](const auto& file) { return read_metric(file, kVertices); });
   }
   void fuzz_image(const std::string& name, const std::string& good) {
     fuzz(name, good, [](const auto& file) {
@@ -239,6 +255,13 @@ TEST_F(IoFuzz, Stl) {
 }
 TEST_F(IoFuzz, Vtp) {
   fuzz_mesh("m.vtp");
+}
+
+TEST_F(IoFuzz, MetricText) {
+  fuzz_metric("m.sol");
+}
+TEST_F(IoFuzz, MetricBinary) {
+  fuzz_metric("m.solb");
 }
 
 TEST_F(IoFuzz, LegacyVtkInPlainText) {

@@ -11,6 +11,7 @@
 #include "lumesh/image/phantom.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/quality/hausdorff.hpp"
+#include "lumesh/quality/metric_statistics.hpp"
 #include "lumesh/quality/reference.hpp"
 #include "lumesh/quality/statistics.hpp"
 #include "lumesh/quality/surface.hpp"
@@ -56,14 +57,16 @@ struct ImageEvaluation {
 
 struct Evaluation {
   MeshInfo info;
-  std::vector<std::string> warnings;  ///< Of the caller: what makes the figures doubtful.
+  std::vector<std::string> warnings;  ///< What makes figures doubtful or leaves some out; a caller may add.
   std::size_t cut_planes = 0;
   std::vector<std::string> problems;  ///< What makes the mesh invalid, the first ones; empty if valid.
   std::uint64_t problem_count = 0;
   MeshStatistics statistics;
-  std::vector<LabelEvaluation> labels;  ///< Labels of the mesh and of the image, ascending.
-  SurfaceTopology boundary;             ///< Of the mesh as a whole, without the interfaces inside.
-  std::uint64_t components = 0;         ///< Of the mesh as a whole.
+  bool has_metric = false;                 ///< The mesh carries a metric and has tetrahedra.
+  std::optional<MetricStatistics> metric;  ///< None without a metric, or with a bad one (see warnings).
+  std::vector<LabelEvaluation> labels;     ///< Labels of the mesh and of the image, ascending.
+  SurfaceTopology boundary;                ///< Of the mesh as a whole, without the interfaces inside.
+  std::uint64_t components = 0;            ///< Of the mesh as a whole.
   std::int64_t euler = 0;
   std::uint64_t interface_triangles = 0;
   std::vector<PatchSummary> patches;
@@ -79,7 +82,8 @@ struct EvaluationInput {
   std::vector<CutPlane> cut_planes;   ///< Those the mesh was made with.
 };
 
-/// @param mesh  In mm (LPS) as the image.
+/// @param mesh  In mm (LPS) as the image. A metric that is not positive definite is warned of, in the
+///              context and in `warnings`; all other figures are there.
 /// @throws Error{kBadInput} if the mesh has no cells.
 /// Threads: parallel inside, the same bits for every thread count. Phases are timed in the context.
 [[nodiscard]] Evaluation evaluate(const MeshView& mesh, const EvaluationInput& input, Context& context);

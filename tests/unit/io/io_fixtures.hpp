@@ -86,6 +86,16 @@ inline MixedMesh every_cell_shape() {
   return mesh;
 }
 
+/// Positive definite, each with six numbers that are all different, so that no two may change places.
+inline std::vector<SymTensor> different_tensors(std::size_t count) {
+  std::vector<SymTensor> tensors;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double scale = 1 + static_cast<double>(i) / 3;
+    tensors.push_back(scale * SymTensor{.xx = 4, .xy = 0.5, .xz = -0.25, .yy = 9.1, .yz = 1.5, .zz = 16});
+  }
+  return tensors;
+}
+
 using TaggedCell = std::pair<std::vector<std::uint32_t>, std::int32_t>;
 
 template <std::size_t N>

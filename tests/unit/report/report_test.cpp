@@ -114,6 +114,51 @@ TEST(Summary, NamesWhatMatters) {
     EXPECT_NE(text.find(words), std::string::npos) << words << " is missing in\n" << text;
 }
 
+/// The same with a metric of the given number on its diagonal: lengths are multiplied by its root.
+quality::Evaluation evaluated_in_metric(double entry) {
+  TwoLabelCase example;
+  example.mesh.metric.assign(example.mesh.points.size(), SymTensor::diagonal(entry, entry, entry));
+  return example.evaluate();
+}
+
+TEST(EvaluationJson, TellsLengthsAndShapesInTheMetric) {
+  const auto json = nlohmann::json::parse(evaluation_json(evaluated_in_metric(0.25)));
+  const auto& lengths = json.at("metric_edge_length");
+  EXPECT_NEAR(lengths.at("min").get<double>(), 0.5, 1e-12);
+  EXPECT_NEAR(lengths.at("max").get<double>(), std::sqrt(3.0) / 2, 1e-12);
+  EXPECT_EQ(lengths.at("edges"), 604);  // V + F - T - 1 = 125 + 864 - 384 - 1
+  // 3 * 4 * 25 edges are parallel to the axes, 3 * 5 * 16 + 64 are diagonals of squares and cubes.
+  EXPECT_NEAR(lengths.at("fraction_short").get<double>(), 300 / 604.0, 1e-12);
+  EXPECT_NEAR(lengths.at("fraction_in_band").get<double>(), 304 / 604.0, 1e-12);
+  EXPECT_EQ(lengths.at("fraction_long"), 0);
+  EXPECT_NEAR(lengths.at("mean").get<double>(), (300 + 240 * std::sqrt(2.0) + 64 * std::sqrt(3.0)) / 2 / 604,
+              1e-12);
+  EXPECT_EQ(lengths.at("histogram").at("counts").size(), 80u);
+  for (const char* figure : {"min", "mean"})  // A multiple of the identity changes no shape.
+    EXPECT_NEAR(json.at("metric_mean_ratio").at(figure).get<double>(),
+                json.at("mean_ratio").at(figure).get<double>(), 1e-9);
+  EXPECT_NEAR(json.at("complexity").get<double>(), 64 / 8.0, 1e-12);
+  EXPECT_NEAR(json.at("vertices_per_complexity").get<double>(), 125 / 8.0, 1e-12);
+  EXPECT_NEAR(json.at("tetrahedra_per_complexity").get<double>(), 384 / 8.0, 1e-12);
+}
+
+TEST(EvaluationJson, HasNullForABadMetricAndNothingWithoutOne) {
+  const auto bad = nlohmann::json::parse(evaluation_json(evaluated_in_metric(-1)));
+  EXPECT_TRUE(bad.at("metric_edge_length").is_null());
+  EXPECT_TRUE(bad.at("complexity").is_null());
+  EXPECT_EQ(bad.at("warnings").size(), 1u);
+  const auto none = nlohmann::json::parse(evaluation_json(TwoLabelCase().evaluate()));
+  for (const char* key : {"metric_edge_length", "metric_mean_ratio", "complexity"})
+    EXPECT_FALSE(none.contains(key));
+}
+
+TEST(Summary, TellsOfTheMetricIfThereIsOne) {
+  const std::string text = summary_text(evaluated_in_metric(0.25));
+  for (const char* words : {"50.33 % in [0.71, 1.41]", "49.67 % shorter", "complexity 8,"})
+    EXPECT_NE(text.find(words), std::string::npos) << words << " is missing in\n" << text;
+  EXPECT_EQ(summary_text(TwoLabelCase().evaluate()).find("metric"), std::string::npos);
+}
+
 TEST(Picture, CubeCoversTheAreaOfItsProjection) {
   const TwoLabelCase example;
   const SurfacePicture drawn =
@@ -181,13 +226,27 @@ TEST(Html, IsSelfContainedAndEscapesWhatItIsGiven) {
   EXPECT_EQ(pictures, 3u);
 }
 
+TEST(Html, HasPlotsOfTheMetricIfThereIsOne) {
+  TwoLabelCase example;
+  const ReportPictures pictures = draw_report_pictures(example.mesh.view());
+  const auto plots = [&](const quality::Evaluation& evaluation) {
+    const std::string html = report_html("case", evaluation, pictures);
+    std::size_t count = 0;
+    for (std::size_t at = html.find("<svg"); at != std::string::npos; at = html.find("<svg", at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(plots(example.evaluate()), 2u);
+  EXPECT_EQ(plots(evaluated_in_metric(0.25)), 4u);
+}
+
 TEST(Html, OpensInAHeadlessBrowserWithEveryPictureDecoded) {
   const std::filesystem::path script =
       std::filesystem::path(__FILE__).parent_path() / "../../../scripts/check_report.sh";
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("lumesh_browser_test_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
-  const TwoLabelCase example;
+  TwoLabelCase example;
+  example.mesh.metric.assign(example.mesh.points.size(), SymTensor::diagonal(1, 1, 0.25));
   write_file(folder / "report.html",
              report_html("case", example.evaluate(), draw_report_pictures(example.mesh.view())));
   const int status = std::system(("'" + script.string() + "' '" + (folder / "report.html").string() + "' '" +

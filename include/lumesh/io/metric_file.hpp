@@ -1,0 +1,33 @@
+#pragma once
+/// @file Metrics from and to Medit's solution files, which stand beside a mesh file.
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "lumesh/geometry/sym_tensor.hpp"
+
+namespace lumesh {
+
+/// Reads a metric from .sol (text) or .solb (binary, versions 1 to 4, both byte orders): the section
+/// SolAtVertices with one field, of symmetric tensors or of sizes.
+///
+/// @param expected_count  Vertices of the mesh that the metric belongs to.
+/// @return One tensor per vertex in 1/mm^2, in the order of the mesh's vertices. A size h (mm) becomes the
+/// tensor h^-2 times the identity.
+/// @throws Error{kBadInput} if the file is missing, broken, two-dimensional or has another number of vertices
+/// or another kind of field, or if a tensor is not finite and positive definite; the message is one line that
+/// names the vertex, from 1 as Medit counts. Memory: the file, and the tensors.
+[[nodiscard]] std::vector<SymTensor> read_metric(const std::filesystem::path& path,
+                                                 std::size_t expected_count);
+
+/// Writes .sol, or .solb of version 2 (3 above 2 GiB), in double precision: read_metric() gives the same
+/// bits. The file is written beside the target and renamed when complete.
+///
+/// @param metric  One tensor per vertex in 1/mm^2, in the order of the mesh's vertices.
+/// @throws Error{kBadInput} if the extension is neither, a tensor is not finite and positive definite, or
+/// writing fails; nothing is left behind then.
+void write_metric(const std::filesystem::path& path, std::span<const SymTensor> metric);
+
+}  // namespace lumesh
