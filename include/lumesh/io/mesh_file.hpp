@@ -28,6 +28,7 @@ struct MeshWriteOptions {
 /// (binary), .vtp.
 ///
 /// Cells carry their label, boundary faces their patch; docs/stages/convert.md says what each format holds.
+/// A metric goes into .vtu and .vtk, as the point array `metric`; for Medit's files see metric_file.hpp.
 /// The file is written beside the target and renamed when complete. Memory: a few MB, for VTU also one
 /// compressed array.
 /// @throws Error{kBadInput} if the extension is unknown, the format cannot hold the mesh, or writing fails
@@ -44,8 +45,9 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 /// .stl.
 ///
 /// Cells keep the order of the file, in VTK's vertex order. Labels come from `label` or another program's
-/// array (docs/stages/convert.md); 1 if there is none. Every cell refers to existing points and all points
-/// are finite.
+/// array (docs/stages/convert.md); 1 if there is none. The metric is the point array `metric` of .vtu and
+/// .vtk, every tensor finite and positive definite; empty if there is none. Every cell refers to existing
+/// points and all points are finite.
 /// @throws Error{kBadInput} if the file is missing, broken, or holds cells lumesh does not know.
 /// Memory: the file, and the mesh.
 [[nodiscard]] MixedMesh read_mesh(const std::filesystem::path& path);
