@@ -55,12 +55,13 @@ std::string quality_text(const Evaluation& e) {
 
 std::string metric_text(const MetricStatistics& m) {
   return fmt::format(
-             "metric edges   {:.2f} % in [0.71, 1.41], {:.2f} % shorter, {:.2f} % longer; min {:.3f}  mean "
-             "{:.3f}  max {:.3f}\n",
+             "metric edges   {:.1f} % in [0.71, 1.41], {:.1f} % below, {:.1f} % above;  min {:.3f}  mean "
+             "{:.3f}  "
+             "max {:.3f}\n",
              100 * m.fraction_in_band(), 100 * m.fraction_short(), 100 * m.fraction_long(), m.shortest_edge,
              m.mean_edge, m.longest_edge) +
          fmt::format(
-             "metric ratio   min {:.3f}  mean {:.3f}      complexity {}, per unit {:.2f} vertices, {:.2f} "
+             "metric ratio   min {:.3f}  mean {:.3f}   complexity {}; per unit {:.2f} vertices, {:.2f} "
              "tetrahedra\n",
              m.smallest_mean_ratio.value, m.mean_mean_ratio, five_digits(m.complexity),
              m.vertices_per_complexity(), m.tetrahedra_per_complexity());

@@ -175,6 +175,38 @@ class EvaluateTest(CommandTest):
         self.assertLess(abs(label["volume_error_percent"]), 12)  # edges are rounded off
         self.assertAlmostEqual(label["volume_mm3"], label["voxel_volume_mm3"] * (1 + label["volume_error_percent"] / 100))
 
+    def write_corner_with_metric(self, rows):
+        """The corner tetrahedron of the unit cube; rows of xx yy zz xy yz xz, one for each vertex."""
+        numbers = " ".join(" ".join(map(str, row)) for row in rows)
+        self.mesh.write_text(f"""<?xml version="1.0"?>
+<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64"><UnstructuredGrid>
+<Piece NumberOfPoints="4" NumberOfCells="1">
+<PointData><DataArray type="Float64" Name="metric" NumberOfComponents="6" format="ascii">{numbers}</DataArray></PointData>
+<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>
+<Cells><DataArray type="Int64" Name="connectivity" format="ascii">0 1 2 3</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">4</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">10</DataArray></Cells>
+</Piece></UnstructuredGrid></VTKFile>""")
+
+    def test_a_mesh_with_a_metric_is_measured_in_it(self):
+        # Size 1/2 along x, 1 along y and 2 along z, at the origin and everywhere.
+        self.write_corner_with_metric([(4, 1, 0.25, 0, 0, 0)] * 4)
+        result = self.evaluate()
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertIn("metric edges", result.stdout)
+        figures = json.loads(self.json.read_text())
+        lengths = [2, 1, 0.5, 5 ** 0.5, 4.25 ** 0.5, 1.25 ** 0.5]
+        self.assertEqual(figures["metric_edge_length"]["edges"], 6)
+        self.assertAlmostEqual(figures["metric_edge_length"]["mean"], sum(lengths) / 6)
+        self.assertAlmostEqual(figures["metric_edge_length"]["fraction_in_band"], 2 / 6)
+        # 12 (3 V)^(2/3) / (sum of squares) with the metric volume 1/6.
+        self.assertAlmostEqual(figures["metric_mean_ratio"]["min"], 12 * 0.5 ** (2 / 3) / sum(l * l for l in lengths))
+        self.assertAlmostEqual(figures["complexity"], 1 / 6)
+
+    def test_a_metric_that_is_not_positive_definite_is_refused_with_its_vertex(self):
+        self.write_corner_with_metric([(1, 1, 1, 0, 0, 0)] * 3 + [(1, -1, 1, 0, 0, 0)])
+        self.assert_refused(self.evaluate(), BAD_INPUT, "ball.vtu", "3", "positive definite")
+
 
 class InfoTest(CommandTest):
     def test_numbers_are_short_and_fields_in_a_sensible_order(self):

@@ -154,7 +154,7 @@ TEST(EvaluationJson, HasNullForABadMetricAndNothingWithoutOne) {
 
 TEST(Summary, TellsOfTheMetricIfThereIsOne) {
   const std::string text = summary_text(evaluated_in_metric(0.25));
-  for (const char* words : {"50.33 % in [0.71, 1.41]", "49.67 % shorter", "complexity 8,"})
+  for (const char* words : {"50.3 % in [0.71, 1.41]", "49.7 % below", "complexity 8;"})
     EXPECT_NE(text.find(words), std::string::npos) << words << " is missing in\n" << text;
   EXPECT_EQ(summary_text(TwoLabelCase().evaluate()).find("metric"), std::string::npos);
 }
