@@ -5,10 +5,12 @@
 
 namespace lumesh::cli {
 
+void add_adapt_command(CLI::App& program);
 void add_convert_command(CLI::App& program);
 void add_evaluate_command(CLI::App& program);
 void add_info_command(CLI::App& program);
 void add_lattice_command(CLI::App& program);
+void add_metric_command(CLI::App& program);
 void add_phantom_command(CLI::App& program);
 
 }  // namespace lumesh::cli

@@ -56,6 +56,8 @@ int main(int argc, char** argv) {
   lumesh::cli::add_phantom_command(program);
   lumesh::cli::add_info_command(program);
   lumesh::cli::add_lattice_command(program);
+  lumesh::cli::add_metric_command(program);
+  lumesh::cli::add_adapt_command(program);
   lumesh::cli::add_evaluate_command(program);
   lumesh::cli::add_convert_command(program);
   try {

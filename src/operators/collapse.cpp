@@ -53,7 +53,7 @@ Outcome Operators<Lock>::collapse_edge(TetId t, int from, int to, const Collapse
 template <class Lock>
 Outcome Operators<Lock>::collapse_held_edge(TetId t, VertexId a, VertexId b, const CollapseRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, cavity, qualities, near] = *scratch_;
+  auto& [builder, ring, ball, cavity, qualities, near, shapes] = *scratch_;
   if (mesh.dimension(a) == VertexDimension::kCorner) return Outcome::kRejected;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
   if (!keeps_patches(mesh, a, ring, subject_.shapes) || !can_vanish(mesh, a, b, ring))

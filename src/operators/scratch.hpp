@@ -5,6 +5,7 @@
 #include "cavity.hpp"
 #include "lumesh/operators/operators.hpp"
 #include "neighbourhoods.hpp"
+#include "star_shapes.hpp"
 
 namespace lumesh::operators {
 
@@ -31,6 +32,7 @@ struct Operators<Lock>::Scratch {
   Cavity cavity;
   std::vector<float> qualities;
   std::vector<VertexId> near;
+  StarShapes shapes;
 };
 
 /// Quality cubed of the tetrahedron (a, b, c, d) of vertices of the mesh.

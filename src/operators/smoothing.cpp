@@ -66,37 +66,8 @@ SymTensor symmetric_product(const Vec3& u, const Vec3& v) {  // u v^T + v u^T
           2 * u[1] * v[1], u[1] * v[2] + u[2] * v[1], 2 * u[2] * v[2]};
 }
 
-/// The three corners of t besides corner i, so that (first, second, third, i) is positively oriented.
-std::array<VertexId, 3> base_of(const TetMesh& mesh, TetId t, int i) {
-  const auto [x, y, z] = kTetFaces[i];
-  return {mesh.vertex(t, x), mesh.vertex(t, z), mesh.vertex(t, y)};
-}
-
-/// The sum that smoothing lessens, with its derivatives by the position of the vertex while metrics stay.
-struct Objective {
-  double value = 0;
-  Vec3 gradient = Vec3::Zero();
-  SymTensor hessian;
-
-  /// 1 / quality = T V^(-2/3) / constant, with T the sum of the squared lengths of the edges.
-  void add_tet(const TetMesh& mesh, TetId t, VertexId v, const Vec3& x) {
-    const auto [a, b, c] = base_of(mesh, t, mesh.index_of(t, v));
-    const Vec3 &pa = mesh.point(a), &pb = mesh.point(b), &pc = mesh.point(c);
-    const SymTensor m = metric::TraceFreeExp(metric::mean_of_logs(mesh.log_metric(a), mesh.log_metric(b),
-                                                                  mesh.log_metric(c), mesh.log_metric(v)))
-                            .tensor();
-    const Vec3 ea = x - pa, eb = x - pb, ec = x - pc;
-    const double edges = contraction(m, metric::sum_of_edge_squares(pb - pa, pc - pa, ea));
-    const Vec3 normal = (pb - pa).cross(pc - pa);
-    const double inverse_quality = 1 / static_cast<double>(mesh.quality(t));
-    const Vec3 by_edges = (2 / edges) * m.times(ea + eb + ec), by_volume = normal / normal.dot(ea);
-    value += inverse_quality;
-    gradient += inverse_quality * (by_edges - (2.0 / 3) * by_volume);
-    hessian =
-        hessian + inverse_quality * ((6 / edges) * m + (-2.0 / 3) * symmetric_product(by_edges, by_volume) +
-                                     (5.0 / 9) * symmetric_product(by_volume, by_volume));
-  }
-
+/// The sum that smoothing lessens.
+struct Objective : ShapeSums {
   void add_edge(const TetMesh& mesh, VertexId v, const Vec3& x, VertexId w, double weight) {
     const Vec3 edge = x - mesh.point(w);
     const double length = metric::edge_length(x, mesh.metric(v), mesh.point(w), mesh.metric(w));
@@ -158,12 +129,11 @@ Outcome Operators<Lock>::smooth_held_vertex(VertexId v, const SmoothingRules& ru
   if (freedom.dimensions == 0) return Outcome::kRejected;
 
   const Vec3 old = mesh.point(v);
-  Objective before;
+  StarShapes& shapes = scratch_->shapes;
+  shapes.gather(mesh, v, ball.tets);
+  Objective before{shapes.sums_at(old, mesh.log_metric(v))};
   float worst = 1;
-  for (const TetId t : ball.tets) {
-    before.add_tet(mesh, t, v, old);
-    worst = std::min(worst, mesh.quality(t));
-  }
+  for (const TetId t : ball.tets) worst = std::min(worst, mesh.quality(t));
   for (const std::uint32_t w : ball.neighbours)
     before.add_edge(mesh, v, old, VertexId(w), rules.length_weight);
 
@@ -179,7 +149,8 @@ template <class Lock>
 bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, double floor,
                                      const SmoothingRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, cavity, qualities, near] = *scratch_;
+  VertexBall& ball = scratch_->ball;
+  std::vector<float>& qualities = scratch_->qualities;
   TetId hint = mesh.metric_hint(v);
   const metric::MetricPair pair = subject_.field.at(to, hint);
   double sum = 0;
@@ -191,11 +162,7 @@ bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, d
   if (!(sum < below)) return false;
   qualities.clear();
   const double floor_cubed = 0.999 * floor * floor * floor;  // Stored qualities are rounded.
-  for (const TetId t : ball.tets) {
-    const auto [a, b, c] = base_of(mesh, t, mesh.index_of(t, v));
-    const double cubed =
-        metric::mean_ratio_cubed(mesh.point(a), mesh.point(b), mesh.point(c), to, mesh.log_metric(a),
-                                 mesh.log_metric(b), mesh.log_metric(c), pair.log);
+  for (const double cubed : scratch_->shapes.ratios_cubed_at(to, pair.log)) {
     if (!(cubed >= floor_cubed) || !(cubed > 0)) return false;
     const double quality = metric::cube_root(cubed);
     qualities.push_back(static_cast<float>(quality));
@@ -203,8 +170,8 @@ bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, d
     if (!(sum < below)) return false;
   }
   for (const TetId t : ball.tets) {
-    const auto [a, b, c] = base_of(mesh, t, mesh.index_of(t, v));
-    if (orient3d(mesh.point(a), mesh.point(b), mesh.point(c), to) <= 0) return false;
+    const auto [x, y, z] = kTetFaces[mesh.index_of(t, v)];
+    if (orient3d(mesh.corner(t, x), mesh.corner(t, z), mesh.corner(t, y), to) <= 0) return false;
   }
   mesh.set_point(v, to);
   mesh.set_metric(v, pair.metric, pair.log);

@@ -46,8 +46,8 @@ class MetricField {
 /// count.
 [[nodiscard]] double complexity(const TetMesh& mesh);
 
-/// The same integral for a field, over the tetrahedra of a mesh that need not resolve it: each is cut where the
-/// density varies, as often as it takes. Within some per cent.
+/// The same integral for a field, over the tetrahedra of a mesh that need not resolve it: each is cut where
+/// the density varies, as often as it takes. Within some per cent.
 [[nodiscard]] double complexity(const MetricField& field, const TetMesh& domain);
 
 /// Sets metric and logarithm of every vertex from the field, and the quality of every tetrahedron. Calls

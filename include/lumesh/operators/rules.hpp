@@ -29,9 +29,9 @@ inline constexpr int kMostRing = 12;
 struct SmoothingRules {
   double length_weight = 1;    ///< Of the edges' lengths against the tetrahedra's shapes, >= 0.
   double most_step = 0.4;      ///< Metric length of one move.
-  double least_step = 1e-3;    ///< Shorter moves are not made.
+  double least_step = 0.02;    ///< Shorter moves are not made.
   double quality_floor = 0.5;  ///< No tetrahedron may fall below this or the worst one before.
-  int halvings = 3;            ///< Of a step that does not improve the sum, >= 1.
+  int halvings = 2;            ///< Of a step that does not improve the sum, >= 1.
 };
 
 }  // namespace lumesh::operators

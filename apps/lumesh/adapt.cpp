@@ -1,0 +1,160 @@
+#include "lumesh/adapt/adapt.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/memory.hpp"
+#include "lumesh/core/version.hpp"
+#include "lumesh/io/image_file.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/ordered_tasks.hpp"
+#include "lumesh/report/picture.hpp"
+#include "metric_input.hpp"
+
+namespace lumesh::cli {
+
+namespace {
+
+struct AdaptCommand {
+  std::string mesh_path, output_path, metric_path, analytic, json_path;
+  std::string surface = "adapt";
+  double complexity = 0;
+  AdaptOptions options;
+  RunOptions run;
+};
+
+metric::MetricField field_of(const AdaptCommand& command, const MixedMesh& input, const TetMesh& mesh) {
+  if (!command.analytic.empty())
+    return metric::MetricField::analytic(*metric::analytic_kind_from(command.analytic));
+  return background_field(mesh, metric_of(input, command.mesh_path, command.metric_path));
+}
+
+/// Says no before hours of work, where the result could not fit.
+void check_request(double complexity) {
+  constexpr double kTetsPerComplexity = 11, kBytesPerTet = 130;
+  const double tets = kTetsPerComplexity * complexity;
+  const double available = static_cast<double>(available_memory_bytes());
+  if (tets < TetMesh::kMaxTets && tets * kBytesPerTet < available) return;
+  throw Error(
+      ErrorKind::kBadInput,
+      fmt::format("the metric asks for about {:.2g} tetrahedra ({:.2g} GB; {:.2g} GB are free); ask for a "
+                  "lower --complexity than {:.3g}",
+                  tets, tets * kBytesPerTet / 1e9, available / 1e9, complexity));
+}
+
+nlohmann::ordered_json count_json(const operators::OperatorCount& count) {
+  return {{"applied", count.applied}, {"rejected", count.rejected}, {"contended", count.contended}};
+}
+
+nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts) {
+  return {{"insertion", count_json(counts.insertion)},
+          {"collapse", count_json(counts.collapse)},
+          {"edge_removal", count_json(counts.edge_removal)},
+          {"face_swap", count_json(counts.face_swap)},
+          {"smoothing", count_json(counts.smoothing)}};
+}
+
+nlohmann::ordered_json report_json(const AdaptReport& report, const Context& context, double seconds) {
+  nlohmann::ordered_json json;
+  json["complexity"] = report.complexity;
+  json["seconds"] = seconds;
+  std::map<std::string, double> phases;
+  for (const PhaseTime& phase : context.phases()) phases[phase.name] += phase.seconds;
+  json["seconds_by_step"] = phases;
+  json["operators"] = counts_json(report.counts);
+  for (const AdaptPass& pass : report.passes)
+    json["passes"].push_back({{"name", pass.name},
+                              {"seconds", pass.seconds},
+                              {"tetrahedra", pass.tets},
+                              {"vertices", pass.vertices},
+                              {"operators", counts_json(pass.counts)}});
+  return json;
+}
+
+void run(AdaptCommand command) {
+  const auto start = std::chrono::steady_clock::now();
+  const parallel::ThreadLimit limit(command.run.threads);
+  Context context = make_context(command.run);
+  check_output_folders({command.output_path, command.json_path});
+  const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
+  TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
+  metric::MetricField field = field_of(command, input, mesh);
+  const double complexity = context.phase("complexity", [&] { return metric::complexity(field, mesh); });
+  check_request(command.complexity > 0 ? command.complexity : complexity);
+
+  command.options.threads = command.run.threads > 0 ? command.run.threads : parallel::available_threads();
+  const auto shapes =
+      command.surface == "frozen" ? operators::all_frozen(mesh) : operators::planes_where_flat(mesh);
+  const AdaptReport report =
+      command.complexity > 0
+          ? adapt_to_complexity(mesh, field, shapes, command.complexity, command.options, context)
+          : adapt(mesh, field, shapes, command.options, context);
+  mesh.info().provenance = {{"program", std::string("lumesh ") + kVersion},
+                            {"command", "adapt"},
+                            {"input", command.mesh_path},
+                            {"input_sha256", file_sha256(command.mesh_path)}};
+  const BoundaryFaces faces = mesh.boundary_faces();
+  context.phase("write", [&] { write_mesh(command.output_path, mesh.view(faces)); });
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  if (!command.json_path.empty())
+    report::write_file(command.json_path, report_json(report, context, elapsed.count()).dump(2) + "\n");
+  say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",
+      command.output_path, mesh.tet_count(), mesh.vertex_count(), faces.triangles.size(), report.complexity,
+      elapsed.count());
+}
+
+}  // namespace
+
+void add_adapt_command(CLI::App& program) {
+  const auto command = std::make_shared<AdaptCommand>();
+  CLI::App* sub = program.add_subcommand("adapt", "Adapt a tetrahedral mesh to a metric");
+  AdaptOptions& o = command->options;
+  sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
+  sub->add_option("-o,--output", command->output_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
+      ->required();
+  CLI::Option* const metric =
+      sub->add_option("-m,--metric", command->metric_path,
+                      "Metric of the mesh's vertices (.sol, .solb); default: the mesh's own");
+  sub->add_option("--analytic", command->analytic,
+                  "Take the metric from a formula of the UGAWG benchmark instead")
+      ->check(CLI::IsMember({"linear", "polar-1", "polar-2"}))
+      ->excludes(metric);
+  sub->add_option("--complexity", command->complexity,
+                  "Scale the sizes until the adapted mesh has this complexity (about half its vertices)")
+      ->check(positive_number());
+  sub->add_option("--surface", command->surface,
+                  "adapt: flat patches are adapted, others kept; frozen: all kept")
+      ->check(CLI::IsMember({"adapt", "frozen"}))
+      ->capture_default_str();
+  sub->add_option("--split-above,--cdff", o.split_above,
+                  "Split edges longer than this, in the metric, 1 to 3")
+      ->capture_default_str();
+  sub->add_option("--collapse-below", o.collapse_below, "Collapse shorter edges, 0.1 to 0.8")
+      ->capture_default_str();
+  sub->add_option("--least-length,--cdfn", o.least_length,
+                  "Least distance of a new point to others, 0.1 to 0.8")
+      ->capture_default_str();
+  sub->add_option("--quality-passes,--nqual", o.quality_passes, "Passes for quality, >= 0")
+      ->capture_default_str();
+  sub->add_option("--smoothing-passes,--nsmth", o.smoothing_passes,
+                  "Smoothings at the end of each of them, >= 0")
+      ->capture_default_str();
+  sub->add_option("--reconnect-below", o.reconnect_below,
+                  "Reconnect tetrahedra below this mean ratio, 0 to 1")
+      ->capture_default_str();
+  sub->add_option("--json", command->json_path, "Write times and counts of operators as JSON");
+  add_threads_option(*sub, command->run);
+  add_verbosity_options(*sub, command->run);
+  sub->footer("Example: lumesh adapt cube_metric.vtu -o adapted.vtu --complexity 100000");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace lumesh::cli

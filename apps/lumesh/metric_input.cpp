@@ -1,0 +1,48 @@
+#include "metric_input.hpp"
+
+#include <fmt/core.h>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/io/metric_file.hpp"
+#include "lumesh/metric/tensor.hpp"
+
+namespace lumesh::cli {
+
+TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
+  if (mesh.tetrahedra.empty())
+    throw Error(ErrorKind::kBadInput, path + ": has no tetrahedra; a surface must be filled first");
+  if (!mesh.hexahedra.empty() || !mesh.pyramids.empty() || !mesh.prisms.empty())
+    throw Error(ErrorKind::kBadInput,
+                path + ": has cells other than tetrahedra, which cannot be adapted; make it without --mixed");
+  try {
+    return TetMesh::build(mesh.view());
+  } catch (const Error& error) {
+    throw Error(error.kind(), path + ": " + error.what());
+  }
+}
+
+std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_path,
+                                 const std::string& metric_path) {
+  std::vector<SymTensor> tensors =
+      metric_path.empty() ? mesh.metric : read_metric(metric_path, mesh.points.size());
+  if (tensors.empty())
+    throw Error(
+        ErrorKind::kBadInput,
+        mesh_path + ": carries no metric; make one with `lumesh metric`, or give --metric or --analytic");
+  for (std::size_t i = 0; i < tensors.size(); ++i)
+    if (!metric::is_metric(tensors[i]))
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{}: the tensor of vertex {} is not positive definite and finite",
+                              metric_path.empty() ? mesh_path : metric_path, i));
+  return tensors;
+}
+
+metric::MetricField background_field(const TetMesh& mesh, const std::vector<SymTensor>& tensors) {
+  TetMesh background = TetMesh::build(mesh.points(), mesh.tets(), mesh.labels());
+  background.enable_metric();
+  for (std::uint32_t v = 0; v < background.vertex_count(); ++v)
+    background.set_metric(VertexId(v), tensors[v], metric::log(tensors[v]));
+  return metric::MetricField::on_background(std::move(background));
+}
+
+}  // namespace lumesh::cli
