@@ -43,7 +43,7 @@ class Adapter {
     for (int level = 0; level < kMostLevels && bound > kNearlyThere * options_.split_above; ++level) {
       bound = std::min(kSink * bound, kLevel * longest_edge(mesh_));
       bound = std::max(bound, options_.split_above);
-      collapse();
+      if (bound <= options_.split_above) collapse();  // Before, hardly any edge is short.
       for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
         const std::uint32_t before = mesh_.vertex_count();
         reorder_if_grown();

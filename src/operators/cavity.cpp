@@ -121,21 +121,30 @@ bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const Insertio
     if (mesh.dimension(v) <= vertex.dimension) return false;
     if (mesh.dimension(v) == VertexDimension::kVolume) too_near_.push_back(v);
   }
-  const MetricFrame frame(metric, vertex.point);
+  if (vertex.dimension == VertexDimension::kVolume && is_near_patch(mesh, vertex, rules.least_height))
+    return false;
+  shapes_.clear();
+  for (const HullFace& face : hull_)
+    if (!face.absorbed)
+      shapes_.add(mesh, VertexId(face.corners[0]), VertexId(face.corners[1]), VertexId(face.corners[2]));
   const double least_cubed = rules.least_quality * rules.least_quality * rules.least_quality;
+  const std::span<const double> cubed = shapes_.ratios_cubed_at(vertex.point, vertex.metric.log);
+  std::size_t next = 0;
   for (HullFace& face : hull_) {
     if (face.absorbed) continue;
-    const VertexId a(face.corners[0]), b(face.corners[1]), c(face.corners[2]);
-    if (vertex.dimension == VertexDimension::kVolume && face.patch.valid() &&
-        height_over(frame(mesh.point(a)), frame(mesh.point(b)), frame(mesh.point(c))) < rules.least_height)
-      return false;
-    const double cubed = metric::mean_ratio_cubed(mesh.point(a), mesh.point(b), mesh.point(c), vertex.point,
-                                                  mesh.log_metric(a), mesh.log_metric(b), mesh.log_metric(c),
-                                                  vertex.metric.log);
-    if (cubed < least_cubed) return false;
-    face.quality = static_cast<float>(metric::cube_root(cubed));
+    if (!(cubed[next] >= least_cubed)) return false;
+    face.quality = static_cast<float>(metric::cube_root(cubed[next++]));
   }
   return true;
+}
+
+bool Cavity::is_near_patch(const TetMesh& mesh, const NewVertex& vertex, double least_height) const {
+  const MetricFrame frame(vertex.metric.metric, vertex.point);
+  const auto at = [&](std::uint32_t v) { return frame(mesh.point(VertexId(v))); };
+  return std::any_of(hull_.begin(), hull_.end(), [&](const HullFace& face) {
+    return face.patch.valid() &&
+           height_over(at(face.corners[0]), at(face.corners[1]), at(face.corners[2])) < least_height;
+  });
 }
 
 void Cavity::note_interfaces(const TetMesh& mesh) {

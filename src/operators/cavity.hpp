@@ -13,6 +13,7 @@
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 #include "lumesh/operators/rules.hpp"
+#include "star_shapes.hpp"
 
 namespace lumesh::operators {
 
@@ -71,6 +72,7 @@ class Cavity {
                            bool& stuck);
   bool take_out_lost_vertices(const TetMesh& mesh, bool& stuck);
   void keep_inside_only();
+  [[nodiscard]] bool is_near_patch(const TetMesh& mesh, const NewVertex& vertex, double least_height) const;
   [[nodiscard]] bool is_inside(TetId t) {
     const Place* place = places_.find(t.value);
     return place != nullptr && *place == Place::kInside;
@@ -89,6 +91,7 @@ class Cavity {
   LocalMap<std::uint64_t, std::uint32_t> open_edges_;
   std::vector<PatchEdge> interface_edges_;  // Edges of faces between labels inside the hole.
   std::vector<VertexId> too_near_;
+  StarShapes shapes_;
 };
 
 /// Carries space into the one where a metric is the identity, the origin to the new vertex.

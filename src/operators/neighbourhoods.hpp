@@ -113,22 +113,26 @@ bool gather_ball(const TetMesh& mesh, VertexId v, Lock& lock, VertexBall& ball) 
   ball.known_tets.clear();
   ball.known_vertices.clear();
   ball.known_tets.insert(ball.tets[0].value, 0);
-  ball.known_vertices.insert(v.value, 0);
+  const auto add_vertex = [&](std::uint32_t w) {
+    if (!ball.known_vertices.insert(w, 0).added) return true;
+    ball.neighbours.push_back(w);
+    return lock.try_lock(VertexId(w));
+  };
+  for (const std::uint32_t w : mesh.tet(ball.tets[0]))
+    if (w != v.value && !add_vertex(w)) return false;
   for (std::size_t next = 0; next < ball.tets.size(); ++next) {
     const TetId t = ball.tets[next];
-    const Cell<4>& corners = mesh.tet(t);
+    const int own = mesh.index_of(t, v);
     for (int i = 0; i < 4; ++i) {
-      if (corners[i] == v.value) continue;
-      if (ball.known_vertices.insert(corners[i], 0).added) {
-        if (!lock.try_lock(VertexId(corners[i]))) return false;
-        ball.neighbours.push_back(corners[i]);
-      }
+      if (i == own) continue;
       const FaceLink link = mesh.link(t, i);
       if (const PatchId patch = mesh.patch(t, i); patch.valid())
         if (std::find(ball.patches.begin(), ball.patches.end(), patch) == ball.patches.end())
           ball.patches.push_back(patch);
-      if (!link.is_boundary() && ball.known_tets.insert(link.tet().value, 0).added)
-        ball.tets.push_back(link.tet());
+      if (link.is_boundary() || !ball.known_tets.insert(link.tet().value, 0).added) continue;
+      ball.tets.push_back(link.tet());
+      if (!add_vertex(mesh.vertex(link.tet(), link.face()).value))
+        return false;  // The others are known from t.
     }
   }
   return true;

@@ -90,32 +90,49 @@ LUMESH_WIDE_LOOPS void differentiate(const double* __restrict columns, std::size
 
 }  // namespace
 
+void StarShapes::add(const TetMesh& mesh, VertexId va, VertexId vb, VertexId vc) {
+  const std::size_t i = count_++;
+  if (blocks() * kColumns * kLanes > columns_.size()) {
+    columns_.resize(2 * blocks() * kColumns * kLanes);
+    results_.resize(2 * blocks() * kResults * kLanes);
+  }
+  const Vec3& a = mesh.point(va);
+  const Vec3 u = mesh.point(vb) - a, v = mesh.point(vc) - a, n = u.cross(v);
+  const SymTensor logs = mesh.log_metric(va) + mesh.log_metric(vb) + mesh.log_metric(vc);
+  const double row[kColumns] = {a[0], a[1], a[2], u[0],    u[1],    u[2],    v[0],    v[1],    v[2],
+                                n[0], n[1], n[2], logs.xx, logs.xy, logs.xz, logs.yy, logs.yz, logs.zz};
+  double* const out = columns_.data() + i / kLanes * kColumns * kLanes + i % kLanes;
+  for (std::size_t k = 0; k < kColumns; ++k) out[k * kLanes] = row[k];
+}
+
 void StarShapes::gather(const TetMesh& mesh, VertexId vertex, std::span<const TetId> tets) {
-  count_ = tets.size();
-  blocks_ = (count_ + kLanes - 1) / kLanes;
-  columns_.resize(std::max(columns_.size(), blocks_ * kColumns * kLanes));
-  results_.resize(std::max(results_.size(), blocks_ * kResults * kLanes));
-  for (std::size_t i = 0; i < blocks_ * kLanes; ++i) {
-    const TetId t = tets[std::min(i, count_ - 1)];  // The last block is filled up with copies.
+  clear();
+  for (const TetId t : tets) {
     const auto [x, y, z] = kTetFaces[mesh.index_of(t, vertex)];
-    const VertexId va = mesh.vertex(t, x), vb = mesh.vertex(t, z), vc = mesh.vertex(t, y);
-    const Vec3& a = mesh.point(va);
-    const Vec3 u = mesh.point(vb) - a, v = mesh.point(vc) - a, n = u.cross(v);
-    const SymTensor logs = mesh.log_metric(va) + mesh.log_metric(vb) + mesh.log_metric(vc);
-    const double row[kColumns] = {a[0], a[1], a[2], u[0],    u[1],    u[2],    v[0],    v[1],    v[2],
-                                  n[0], n[1], n[2], logs.xx, logs.xy, logs.xz, logs.yy, logs.yz, logs.zz};
-    double* const out = columns_.data() + i / kLanes * kColumns * kLanes + i % kLanes;
-    for (std::size_t k = 0; k < kColumns; ++k) out[k * kLanes] = row[k];
+    add(mesh, mesh.vertex(t, x), mesh.vertex(t, z), mesh.vertex(t, y));
   }
 }
 
+std::size_t StarShapes::blocks() const {
+  return (count_ + kLanes - 1) / kLanes;
+}
+
+void StarShapes::complete_last_block() {
+  if (count_ == 0) return;
+  double* const last = columns_.data() + (blocks() - 1) * kColumns * kLanes;
+  for (std::size_t lane = (count_ - 1) % kLanes + 1; lane < kLanes; ++lane)
+    for (std::size_t k = 0; k < kColumns; ++k) last[k * kLanes + lane] = last[k * kLanes];
+}
+
 std::span<const double> StarShapes::ratios_cubed_at(const Vec3& x, const SymTensor& log_metric) {
-  measure(columns_.data(), blocks_, {x[0], x[1], x[2]}, log_metric, results_.data());
+  complete_last_block();
+  measure(columns_.data(), blocks(), {x[0], x[1], x[2]}, log_metric, results_.data());
   return {results_.data(), count_};
 }
 
 ShapeSums StarShapes::sums_at(const Vec3& x, const SymTensor& log_metric) {
-  differentiate(columns_.data(), blocks_, {x[0], x[1], x[2]}, log_metric, results_.data());
+  complete_last_block();
+  differentiate(columns_.data(), blocks(), {x[0], x[1], x[2]}, log_metric, results_.data());
   ShapeSums sums;
   for (std::size_t i = 0; i < count_; ++i) {
     const double* const r = results_.data() + i / kLanes * kResults * kLanes + i % kLanes;

@@ -18,7 +18,12 @@ struct ShapeSums {
 
 class StarShapes {
  public:
-  /// Copies what does not move with the vertex.
+  /// Begins anew, with no tetrahedra.
+  void clear() { count_ = 0; }
+  /// Adds the tetrahedron between three vertices and the one that moves, positively oriented in this order.
+  /// Copies what does not move.
+  void add(const TetMesh& mesh, VertexId a, VertexId b, VertexId c);
+  /// Those around a vertex, in this order.
   void gather(const TetMesh& mesh, VertexId vertex, std::span<const TetId> tets);
 
   /// Cubes of the mean ratios with the vertex at `x`, of metric with logarithm `log_metric`; negative where a
@@ -29,7 +34,11 @@ class StarShapes {
   [[nodiscard]] ShapeSums sums_at(const Vec3& x, const SymTensor& log_metric);
 
  private:
-  std::size_t count_ = 0, blocks_ = 0;
+  [[nodiscard]] std::size_t blocks() const;
+  /// Fills the last block with copies of its first row.
+  void complete_last_block();
+
+  std::size_t count_ = 0;
   // In blocks of a few tetrahedra: a, b - a, c - a, their cross product, sum of the logarithms of their
   // metrics.
   std::vector<double> columns_;
