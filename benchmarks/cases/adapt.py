@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Measures `lumesh adapt` on the unit cube with the UGAWG metrics: conformity by `lumesh evaluate`, seconds of
+adaptation without reading and writing, peak memory. One line each on stderr, JSON on stdout.
+
+Usage: adapt.py [--program PATH] [--threads N] [--options "..."] CASE...
+Cases: linear, polar-1, polar-2 (at their own complexity), METRIC@COMPLEXITY such as polar-2@500000; all from 3 x 3 x 3
+cubes; METRIC@COMPLEXITY/N from N x N x N cubes, such as polar-2@49000/93 (4.8 million tetrahedra) for coarsening.
+"""
+import argparse
+import itertools
+import json
+import pathlib
+import shlex
+import struct
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import run  # noqa: E402  (measure() and ROOT)
+
+
+def write_cube(path, n):
+    """The unit cube in n^3 cubes of six tetrahedra, a patch per side, as binary Medit file."""
+    side = n + 1
+
+    def vertex(i, j, k):
+        return 1 + i + side * (j + side * k)
+
+    points = [(i / n, j / n, k / n) for k in range(side) for j in range(side) for i in range(side)]
+    steps = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    tetrahedra, triangles = [], []
+    for k, j, i in itertools.product(range(n), repeat=3):
+        for order in itertools.permutations(range(3)):
+            at, corners = [i, j, k], [vertex(i, j, k)]
+            for axis in order:
+                at = [a + s for a, s in zip(at, steps[axis])]
+                corners.append(vertex(*at))
+            if order in ((0, 2, 1), (1, 0, 2), (2, 1, 0)):  # odd: turn it round
+                corners[2], corners[3] = corners[3], corners[2]
+            tetrahedra.append((*corners, 1))
+    for axis, end in itertools.product(range(3), range(2)):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for a, b in itertools.product(range(n), repeat=2):
+            def corner(da, db):
+                at = [0, 0, 0]
+                at[axis], at[u], at[v] = end * n, a + da, b + db
+                return vertex(*at)
+            # The diagonal runs from (0, 0) to (1, 1), as in the tetrahedra.
+            for middle in ((1, 0), (0, 1)):
+                triangles.append((corner(0, 0), corner(*middle), corner(1, 1), 1 + 2 * axis + end))
+    with open(path, "wb") as file:
+        def section(keyword, items, layout):
+            size = struct.calcsize("<" + layout) * len(items)
+            file.write(struct.pack("<iii", keyword, file.tell() + 12 + size, len(items)))
+            file.write(b"".join(struct.pack("<" + layout, *item) for item in items))
+        file.write(struct.pack("<ii", 1, 2))
+        file.write(struct.pack("<iii", 3, file.tell() + 12, 3))
+        section(4, [(*p, 0) for p in points], "3di")
+        section(6, triangles, "4i")
+        section(8, tetrahedra, "5i")
+        file.write(struct.pack("<ii", 54, 0))
+
+
+def run_case(program, case, threads, options, folder):
+    name, _, start = case.partition("/")
+    metric, _, complexity = name.partition("@")
+    cube, adapted, report, numbers = (folder / f for f in ("cube.meshb", "adapted.vtu", "adapt.json", "numbers.json"))
+    write_cube(cube, int(start or 3))
+    command = [program, "adapt", cube, "-o", adapted, "--analytic", metric, "--threads", str(threads), "--json", report,
+               *(["--complexity", complexity] if complexity else []), *options]
+    _, _, mib = run.measure(list(map(str, command)))
+    run.measure([program, "evaluate", str(adapted), "--json", str(numbers)])
+    times, found = json.loads(report.read_text()), json.loads(numbers.read_text())
+    steps = times["seconds_by_step"]
+    seconds = sum(value for step, value in steps.items() if step not in ("read", "build", "write"))
+    lengths, ratio = found["metric_edge_length"], found["metric_mean_ratio"]
+    tetrahedra = found["cells"] if isinstance(found.get("cells"), int) else times["passes"][-1]["tetrahedra"]
+    result = {"case": case, "threads": threads, "tetrahedra": tetrahedra, "complexity": times["complexity"],
+              "seconds": seconds, "seconds_by_step": steps, "in_band": lengths["fraction_in_band"],
+              "shortest": lengths["min"], "longest": lengths["max"], "mean_ratio_mean": ratio["mean"],
+              "mean_ratio_min": ratio["min"], "peak_mib": mib, "bytes_per_tetrahedron": mib * 2**20 / tetrahedra}
+    print("{case}, {threads} threads: {tetrahedra} tetrahedra, {seconds:.1f} s, in band {in_band:.4f}, lengths {shortest:.3f} to "
+          "{longest:.2f}, mean ratio {mean_ratio_mean:.3f} (min {mean_ratio_min:.3f}), {peak_mib:.0f} MiB".format(**result),
+          file=sys.stderr, flush=True)
+    return result
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("cases", nargs="+", metavar="CASE")
+    parser.add_argument("--program", default=str(run.ROOT / "build/release/bin/lumesh"))
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--options", default="", help="passed on to `lumesh adapt`")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        results = [run_case(arguments.program, case, arguments.threads, shlex.split(arguments.options), pathlib.Path(folder))
+                   for case in arguments.cases]
+    print(json.dumps(results, indent=2))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+"""`lumesh metric` and `lumesh adapt`: what they make of a cube, and what they refuse.
+
+Usage: adapt_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input.
+"""
+import itertools
+import json
+import math
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+LUMESH = str(pathlib.Path(sys.argv.pop(1)).resolve())
+USAGE, BAD_INPUT = 1, 2
+
+
+def write_cube(path, n):
+    """The unit cube in n^3 cubes of six tetrahedra, sides 1 to 6, as Medit text; returns its points."""
+    side = n + 1
+
+    def vertex(i, j, k):
+        return 1 + i + side * (j + side * k)
+
+    points = [(i / n, j / n, k / n) for k in range(side) for j in range(side) for i in range(side)]
+    tetrahedra, triangles = [], []
+    for k, j, i in itertools.product(range(n), repeat=3):
+        for order in itertools.permutations(range(3)):
+            at, corners = [i, j, k], [vertex(i, j, k)]
+            for axis in order:
+                at[axis] += 1
+                corners.append(vertex(*at))
+            if order in ((0, 2, 1), (1, 0, 2), (2, 1, 0)):  # odd: turn it round
+                corners[2], corners[3] = corners[3], corners[2]
+            tetrahedra.append((*corners, 1))
+    for axis, end in itertools.product(range(3), range(2)):
+        for a, b in itertools.product(range(n), repeat=2):
+            for middle in ((1, 0), (0, 1)):
+                face = []
+                for da, db in ((0, 0), middle, (1, 1)):
+                    at = [0, 0, 0]
+                    at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3] = end * n, a + da, b + db
+                    face.append(vertex(*at))
+                triangles.append((*face, 1 + 2 * axis + end))
+    sections = {"Vertices": [(*p, 0) for p in points], "Triangles": triangles, "Tetrahedra": tetrahedra}
+    with open(path, "w", encoding="ascii") as file:
+        file.write("MeshVersionFormatted 2\nDimension 3\n")
+        for name, items in sections.items():
+            file.write(f"{name}\n{len(items)}\n" + "".join(" ".join(map(str, item)) + "\n" for item in items))
+        file.write("End\n")
+    return points
+
+
+def write_sol(path, tensors):
+    """Tensors in the file's order xx xy yy xz yz zz."""
+    rows = "".join(" ".join(map(str, tensor)) + "\n" for tensor in tensors)
+    pathlib.Path(path).write_text(f"MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n{len(tensors)}\n1 3\n{rows}End\n",
+                                  encoding="ascii")
+
+
+class AdaptTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="lumesh_adapt_"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.cube = self.folder / "cube.mesh"
+        self.points = write_cube(self.cube, 3)
+        self.out = self.folder / "out.vtu"
+
+    def run_lumesh(self, *arguments):
+        return subprocess.run([LUMESH, *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False,
+                              stdin=subprocess.DEVNULL)
+
+    def run_well(self, *arguments):
+        result = self.run_lumesh(*arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result
+
+    def evaluate(self, mesh):
+        numbers = self.folder / "numbers.json"
+        self.run_well("evaluate", mesh, "--json", numbers)
+        return json.loads(numbers.read_text())
+
+    def assert_refused(self, result, code, *words):
+        self.assertEqual(result.returncode, code, result.stderr)
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 1, result.stderr)
+        self.assertTrue(lines[0].startswith("lumesh: error: "), lines[0])
+        for word in words:
+            self.assertIn(word, lines[0])
+        self.assertFalse(self.out.exists())
+
+    def test_a_formula_becomes_a_unit_mesh(self):
+        report = self.folder / "adapt.json"
+        self.run_well("adapt", self.cube, "--analytic", "linear", "-o", self.out, "--json", report)
+        found = self.evaluate(self.out)
+        self.assertGreater(found["metric_edge_length"]["fraction_in_band"], 0.97)
+        self.assertGreater(found["metric_edge_length"]["min"], 0.25)
+        self.assertLess(found["metric_edge_length"]["max"], 2.5)
+        self.assertGreater(found["metric_mean_ratio"]["mean"], 0.86)
+        self.assertGreater(found["metric_mean_ratio"]["min"], 0.35)
+        exact = 100 * 2 / 0.198 * math.log(1 + 0.198 * 0.5 / 0.001)
+        self.assertAlmostEqual(found["complexity"] / exact, 1, delta=0.02)
+        counts = json.loads(report.read_text())["operators"]
+        for name in ("insertion", "collapse", "edge_removal", "face_swap", "smoothing"):
+            self.assertEqual(set(counts[name]), {"applied", "rejected", "contended"})
+        self.assertGreater(counts["insertion"]["applied"], 5000)
+
+    def test_the_complexity_asked_for_is_met(self):
+        self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 1500, "-o", self.out)
+        self.assertAlmostEqual(self.evaluate(self.out)["complexity"] / 1500, 1, delta=0.03)
+
+    def test_every_number_of_threads_gives_the_same_file(self):
+        files = []
+        for threads in (1, 2, 8, 64):
+            path = self.folder / f"{threads}.meshb"
+            self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 800, "-o", path, "--threads", threads)
+            files.append(path.read_bytes())
+        for file in files[1:]:
+            self.assertEqual(file, files[0])
+
+    def test_the_metric_of_a_mesh_and_that_of_a_sol_file_are_the_same(self):
+        sizes = [(0.2, 0.2, 0.05 + 0.2 * z) for _, _, z in self.points]
+        sol = self.folder / "cube.sol"
+        write_sol(sol, [(a ** -2, 0, b ** -2, 0, 0, c ** -2) for a, b, c in sizes])
+        self.run_well("adapt", self.cube, "--metric", sol, "-o", self.out)
+        found = self.evaluate(self.out)
+        self.assertGreater(found["metric_edge_length"]["fraction_in_band"], 0.93)
+        # 25 times the integral of dz / (0.05 + 0.2 z); a mesh of three layers interpolates it a little lower.
+        self.assertAlmostEqual(found["complexity"] / (25 * 5 * math.log(5)), 1, delta=0.08)
+
+    def test_metric_gives_the_mesh_its_tensors(self):
+        self.run_well("metric", self.cube, "--analytic", "linear", "-o", self.out)
+        adapted = self.folder / "adapted.vtu"
+        self.run_well("adapt", self.out, "-o", adapted)
+        self.assertGreater(self.evaluate(adapted)["metric_edge_length"]["fraction_in_band"], 0.9)
+
+    def test_a_frozen_surface_stays(self):
+        result = self.run_well("adapt", self.cube, "--analytic", "linear", "--surface", "frozen", "-o", self.out)
+        self.assertIn("108 boundary triangles", result.stdout)
+
+    def test_what_cannot_be_adapted_is_refused(self):
+        adapt = ("adapt", self.cube, "-o", self.out)
+        self.assert_refused(self.run_lumesh(*adapt), BAD_INPUT, "cube.mesh", "no metric", "lumesh metric")
+        self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--complexity", "1e12"), BAD_INPUT,
+                            "tetrahedra", "GB", "--complexity")
+        self.assert_refused(self.run_lumesh(*adapt, "--analytic", "cubic"), USAGE, "cubic")
+        self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--collapse-below", 7), USAGE, "collapse below")
+        self.assert_refused(self.run_lumesh("adapt", self.folder / "none.mesh", "-o", self.out), BAD_INPUT, "none.mesh")
+
+    def test_bad_tensors_are_refused(self):
+        sol = self.folder / "bad.sol"
+        good = (100, 0, 100, 0, 0, 100)
+        for bad in ((100, 0, 100, 0, 0, 0), (100, 0, -100, 0, 0, 100), (1, 2, 1, 0, 0, 1), ("nan", 0, 1, 0, 0, 1),
+                    ("inf", 0, 1, 0, 0, 1)):
+            with self.subTest(bad):
+                write_sol(sol, [good] * 10 + [bad] + [good] * 53)
+                self.assert_refused(self.run_lumesh("adapt", self.cube, "-m", sol, "-o", self.out), BAD_INPUT, "bad.sol")
+        write_sol(sol, [good] * 12)
+        self.assert_refused(self.run_lumesh("adapt", self.cube, "-m", sol, "-o", self.out), BAD_INPUT, "12", "64")
+
+    def test_broken_meshes_are_refused(self):
+        text = self.cube.read_text(encoding="ascii")
+        lines = text.splitlines()
+        first = lines.index("Tetrahedra") + 2
+        a, b, *rest = lines[first].split()
+        inverted = self.folder / "inverted.mesh"
+        inverted.write_text("\n".join([*lines[:first], " ".join([b, a, *rest]), *lines[first + 1:]]), encoding="ascii")
+        self.assert_refused(self.run_lumesh("adapt", inverted, "--analytic", "linear", "-o", self.out), BAD_INPUT,
+                            "inverted.mesh")
+        surface = self.folder / "surface.mesh"
+        at = text.index("Tetrahedra")
+        surface.write_text(text[:at] + "End\n", encoding="ascii")
+        self.assert_refused(self.run_lumesh("adapt", surface, "--analytic", "linear", "-o", self.out), BAD_INPUT,
+                            "surface.mesh")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
