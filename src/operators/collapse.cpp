@@ -38,6 +38,18 @@ void close_gap(TetMesh& mesh, TetId t, int from, int to) {
   mesh.set_interface_patch(other.tet(), other.face(), patch);
 }
 
+/// True if an edge from b would be longer than allowed; where `from` has longer ones already, than the
+/// longest.
+bool makes_edge_too_long(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
+                         double most) {
+  double longest_new = 0;
+  for (const std::uint32_t w : ball.neighbours)
+    if (w != to.value) longest_new = std::max(longest_new, metric_length(mesh, to, VertexId(w)));
+  return longest_new > most &&
+         std::none_of(ball.neighbours.begin(), ball.neighbours.end(),
+                      [&](std::uint32_t w) { return metric_length(mesh, from, VertexId(w)) >= longest_new; });
+}
+
 }  // namespace
 
 template <class Lock>
@@ -60,8 +72,7 @@ Outcome Operators<Lock>::collapse_held_edge(TetId t, VertexId a, VertexId b, con
     return Outcome::kRejected;
   if (!gather_ball(mesh, a, lock_, ball)) return Outcome::kContended;
 
-  for (const std::uint32_t w : ball.neighbours)
-    if (w != b.value && metric_length(mesh, b, VertexId(w)) > rules.most_length) return Outcome::kRejected;
+  if (makes_edge_too_long(mesh, a, b, ball, rules.most_length)) return Outcome::kRejected;
   float worst = 1;
   for (const TetId x : ball.tets) worst = std::min(worst, mesh.quality(x));
   const double floor =
