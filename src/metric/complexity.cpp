@@ -10,7 +10,7 @@
 namespace lumesh::metric {
 namespace {
 
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kTetBlock = 4096;
 
 /// A point with the logarithm of the density sqrt(det M) there.
 struct Sample {
@@ -101,7 +101,7 @@ class DensityIntegral {
 
 double complexity(const TetMesh& mesh) {
   return parallel::reduce_blocks<double>(
-      mesh.tet_slots(), kBlock, 0.0,
+      mesh.tet_slots(), kTetBlock, 0.0,
       [&](std::size_t begin, std::size_t end) {
         double sum = 0;
         for (std::size_t i = begin; i < end; ++i) {
