@@ -25,7 +25,7 @@ namespace {
 
 struct AdaptCommand {
   std::string mesh_path, output_path, metric_path, analytic, json_path;
-  std::string surface = "adapt";
+  std::string surface = "adapt", reconnection = "optimised";
   double complexity = 0;
   AdaptOptions options;
   RunOptions run;
@@ -91,6 +91,7 @@ void run(AdaptCommand command) {
   check_request(command.complexity > 0 ? command.complexity : complexity);
 
   command.options.threads = command.run.threads > 0 ? command.run.threads : parallel::available_threads();
+  if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
   const auto shapes =
       command.surface == "frozen" ? operators::all_frozen(mesh) : operators::planes_where_flat(mesh);
   const AdaptReport report =
@@ -149,6 +150,10 @@ void add_adapt_command(CLI::App& program) {
       ->capture_default_str();
   sub->add_option("--reconnect-below", o.reconnect_below,
                   "Reconnect tetrahedra below this mean ratio, 0 to 1")
+      ->capture_default_str();
+  sub->add_option("--reconnection", command->reconnection,
+                  "optimised: try again only where something changed; original: always")
+      ->check(CLI::IsMember({"optimised", "original"}))
       ->capture_default_str();
   sub->add_option("--json", command->json_path, "Write times and counts of operators as JSON");
   add_threads_option(*sub, command->run);

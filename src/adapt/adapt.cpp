@@ -48,7 +48,7 @@ class Adapter {
         const std::uint32_t before = mesh_.vertex_count();
         reorder_if_grown();
         split(bound);
-        phase("reconnect", [&] { reconnect(mesh_, execution_, kBadQuality, swaps_); });
+        phase("reconnect", [&] { reconnect(mesh_, execution_, kBadQuality, options_.reconnection, swaps_); });
         if (mesh_.vertex_count() < kDry * before) break;
       }
       close_pass("level " + std::to_string(level));
@@ -58,11 +58,13 @@ class Adapter {
   void improve_quality() {
     for (int round = 0; round < options_.quality_passes; ++round) {
       reorder_if_grown();
-      phase("reconnect", [&] { reconnect(mesh_, execution_, options_.reconnect_below, swaps_); });
+      phase("reconnect",
+            [&] { reconnect(mesh_, execution_, options_.reconnect_below, options_.reconnection, swaps_); });
       phase("smooth", [&] { smooth(execution_, smoothing_); });
       collapse();
       split(options_.split_above);
-      phase("reconnect", [&] { reconnect(mesh_, execution_, options_.reconnect_below, swaps_); });
+      phase("reconnect",
+            [&] { reconnect(mesh_, execution_, options_.reconnect_below, options_.reconnection, swaps_); });
       for (int i = 0; i < options_.smoothing_passes; ++i)
         phase("smooth", [&] { smooth(execution_, smoothing_); });
       phase("mend", [&] { mend(); });

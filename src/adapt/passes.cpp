@@ -108,15 +108,6 @@ EdgeList short_edges(const TetMesh& mesh, TetId t, double shortest) {
   return edges;
 }
 
-/// Tries edge removal, then face swap, until one is done.
-bool reconnect_one(Execution::Kernel& kernel, TetId t, const operators::SwapRules& rules) {
-  for (const auto& [i, j] : kTetEdges)
-    if (kernel.remove_edge(t, i, j, rules) == Outcome::kApplied) return true;
-  for (int f = 0; f < 4; ++f)
-    if (kernel.swap_face(t, f, rules) == Outcome::kApplied) return true;
-  return false;
-}
-
 }  // namespace
 
 void split_long_edges(const TetMesh& mesh, Execution& execution, double longest, SplitRank rank,
@@ -153,16 +144,23 @@ void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shor
       });
 }
 
-void reconnect(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& rules) {
-  execution.over_tets([&](TetId t) { return below - mesh.quality(t); },
-                      [&](Execution::Kernel& kernel, TetId t) { reconnect_one(kernel, t, rules); });
+void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
+               const operators::SwapRules& rules) {
+  execution.over_tets(
+      [&](TetId t) {
+        const double urgency = below - mesh.quality(t);
+        return urgency <= 0 || which == Reconnection::kOriginal || operators::has_changed_since_trial(mesh, t)
+                   ? urgency
+                   : 0;
+      },
+      [&](Execution::Kernel& kernel, TetId t) { kernel.reconnect(t, rules); });
 }
 
 void mend_worst(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& swaps,
                 const operators::SmoothingRules& smoothing) {
   execution.over_tets([&](TetId t) { return below - mesh.quality(t); },
                       [&](Execution::Kernel& kernel, TetId t) {
-                        if (reconnect_one(kernel, t, swaps)) return;
+                        if (kernel.reconnect(t, swaps) == Outcome::kApplied) return;
                         for (int k = 0; k < 4; ++k) kernel.smooth_vertex(mesh.vertex(t, k), smoothing);
                       });
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// @file One sweep of one operator over the mesh.
 
+#include "lumesh/adapt/adapt.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/operators/ordered_execution.hpp"
 
@@ -21,7 +22,8 @@ void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shor
                           const operators::CollapseRules& rules);
 
 /// Tries edge removal and face swap on the tetrahedra whose quality is below `below`.
-void reconnect(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& rules);
+void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
+               const operators::SwapRules& rules);
 
 /// Reconnects the tetrahedra whose quality is below `below`, or moves the vertices of those that cannot be.
 void mend_worst(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& swaps,

@@ -35,6 +35,7 @@ void TetMesh::commit_vertices(std::uint32_t count) {
     metric_.commit(count);
     log_metric_.commit(count);
     metric_hints_.commit(count);
+    change_epochs_.commit(count);
   }
 }
 
@@ -45,7 +46,10 @@ void TetMesh::commit_tets(std::uint32_t count) {
   links_.commit(count);
   labels_.commit(count);
   tet_stamps_.commit(count);
-  if (has_metric()) qualities_.commit(count);
+  if (has_metric()) {
+    qualities_.commit(count);
+    trial_epochs_.commit(count);
+  }
   if (has_interfaces()) interface_patches_.commit(count);
 }
 
@@ -54,11 +58,15 @@ void TetMesh::enable_metric() {
   metric_ = parallel::StableArray<SymTensor>(kMaxVertices);
   log_metric_ = parallel::StableArray<SymTensor>(kMaxVertices);
   metric_hints_ = parallel::StableArray<TetId>(kMaxVertices);
+  change_epochs_ = parallel::StableArray<std::uint32_t>(kMaxVertices);
   qualities_ = parallel::StableArray<float>(kMaxTets);
+  trial_epochs_ = parallel::StableArray<std::uint32_t>(kMaxTets);
   metric_.commit(vertex_slots());
   log_metric_.commit(vertex_slots());
   metric_hints_.commit(vertex_slots());
+  change_epochs_.commit(vertex_slots());
   qualities_.commit(tet_slots());
+  trial_epochs_.commit(tet_slots());
 }
 
 void TetMesh::enable_interfaces() {
@@ -90,6 +98,7 @@ VertexId TetMesh::add_vertex(const Vec3& point, int owner, std::uint32_t stamp) 
   if (has_metric()) {
     set_metric(VertexId(slot), {}, {});
     metric_hints_[slot] = TetId(0);
+    change_epochs_[slot] = 0;
   }
   return VertexId(slot);
 }
@@ -103,7 +112,7 @@ TetId TetMesh::add_tet(const Cell<4>& vertices, Label label, int owner, std::uin
   links_[slot] = {};
   labels_[slot] = label;
   set_stamp(TetId(slot), stamp);
-  if (has_metric()) qualities_[slot] = 0;
+  if (has_metric()) qualities_[slot] = 0, trial_epochs_[slot] = 0;
   if (has_interfaces()) interface_patches_[slot] = {};
   return TetId(slot);
 }
@@ -143,6 +152,7 @@ void TetMesh::compact() {
       if (has_metric()) {
         set_metric(VertexId(to), metric_[v], log_metric_[v]);
         metric_hints_[to] = metric_hints_[v];
+        change_epochs_[to] = change_epochs_[v];
       }
     }
     for (std::uint32_t t = 0; t < tet_slots(); ++t) {
@@ -156,7 +166,10 @@ void TetMesh::compact() {
       }
       labels_[to] = labels_[t];
       tet_stamps_[to] = tet_stamps_[t];
-      if (has_metric()) qualities_[to] = qualities_[t];
+      if (has_metric()) {
+        qualities_[to] = qualities_[t];
+        trial_epochs_[to] = trial_epochs_[t];
+      }
       if (has_interfaces()) interface_patches_[to] = interface_patches_[t];
     }
     vertex_pool_ = parallel::SlotPool(vertices, 1, 1);

@@ -91,6 +91,7 @@ void TetMesh::reorder_along_curve() {
     permute(metric_, new_vertex);
     permute(log_metric_, new_vertex);
     permute(metric_hints_, new_vertex);
+    permute(change_epochs_, new_vertex);
   }
   parallel::for_each_index(tet_count(), [&](std::size_t t) {
     for (std::uint32_t& v : tets_[t]) v = new_vertex[v];
@@ -107,7 +108,10 @@ void TetMesh::reorder_along_curve() {
   permute(tets_, new_tet);
   permute(links_, new_tet);
   permute(labels_, new_tet);
-  if (has_metric()) permute(qualities_, new_tet);
+  if (has_metric()) {
+    permute(qualities_, new_tet);
+    permute(trial_epochs_, new_tet);
+  }
   if (has_interfaces()) permute(interface_patches_, new_tet);
   parallel::for_each_index(order.size(), [&](std::size_t v) { vertex_stamps_[v] = 0; });
   parallel::for_each_index(tet_count(), [&](std::size_t t) { tet_stamps_[t] = 0; });

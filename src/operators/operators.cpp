@@ -38,9 +38,10 @@ double Operators<Lock>::edge_length(TetId t, int i, int j) const {
 }
 
 template <class Lock>
-void Operators<Lock>::begin_run(const Lock& lock, std::uint32_t stamp) {
+void Operators<Lock>::begin_run(const Lock& lock, std::uint32_t stamp, std::uint32_t epoch) {
   lock_ = lock;
   scratch_->builder.stamp = stamp;
+  scratch_->builder.epoch = epoch;
   scratch_->builder.tets.clear();
   scratch_->builder.vertices.clear();
 }
@@ -53,6 +54,30 @@ const std::vector<TetId>& Operators<Lock>::made_tets() const {
 template <class Lock>
 const std::vector<VertexId>& Operators<Lock>::made_vertices() const {
   return scratch_->builder.vertices;
+}
+
+bool has_changed_since_trial(const TetMesh& mesh, TetId t) {
+  const std::uint32_t trial = mesh.trial_epoch(t);
+  const Cell<4>& v = mesh.tet(t);
+  // What changed in the epoch of the trial may have changed after it.
+  return trial == 0 || std::any_of(v.begin(), v.end(),
+                                   [&](std::uint32_t w) { return mesh.change_epoch(VertexId(w)) >= trial; });
+}
+
+template <class Lock>
+Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
+  bool contended = false;
+  const auto is_applied = [&](Outcome outcome) {
+    contended |= outcome == Outcome::kContended;
+    return outcome == Outcome::kApplied;
+  };
+  for (const auto& [i, j] : kTetEdges)
+    if (is_applied(remove_edge(t, i, j, rules))) return Outcome::kApplied;
+  for (int face = 0; face < 4; ++face)
+    if (is_applied(swap_face(t, face, rules))) return Outcome::kApplied;
+  if (contended) return Outcome::kContended;
+  subject_.mesh.set_trial_epoch(t, scratch_->builder.epoch);
+  return Outcome::kRejected;
 }
 
 template <class Lock>

@@ -69,11 +69,12 @@ void OrderedExecution::begin_run(Kernel& kernel, std::uint32_t bucket, std::uint
   parallel::store_relaxed(runs_[bucket], run);
   for (const std::uint32_t next : partition_.neighbours.neighbours(bucket))
     parallel::store_relaxed(runs_[next], run);
-  kernel.begin_run(OrderedLock(subject_.mesh, runs_.data(), run, bucket), 2 * run);
+  kernel.begin_run(OrderedLock(subject_.mesh, runs_.data(), run, bucket), 2 * run, epoch_);
 }
 
 void OrderedExecution::run_buckets(
     const std::function<void(Kernel&, std::uint32_t bucket, std::uint32_t run)>& body) {
+  ++epoch_;
   const std::uint32_t first = next_run_;
   next_run_ += partition_.buckets;
   LUMESH_ASSERT(next_run_ < kLastRun);

@@ -160,6 +160,7 @@ bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, d
            length_deviation(metric::edge_length(to, pair.metric, mesh.point(n), mesh.metric(n)));
   }
   if (!(sum < below)) return false;
+  constexpr double kNoticed = 0.1;  // Shorter moves open no way to reconnect that was closed before.
   qualities.clear();
   const double floor_cubed = 0.999 * floor * floor * floor;  // Stored qualities are rounded.
   for (const double cubed : scratch_->shapes.ratios_cubed_at(to, pair.log)) {
@@ -173,10 +174,14 @@ bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, d
     const auto [x, y, z] = kTetFaces[mesh.index_of(t, v)];
     if (orient3d(mesh.corner(t, x), mesh.corner(t, z), mesh.corner(t, y), to) <= 0) return false;
   }
+  const double moved = std::sqrt(mesh.metric(v).quadratic(to - mesh.point(v)));
   mesh.set_point(v, to);
   mesh.set_metric(v, pair.metric, pair.log);
   mesh.set_metric_hint(v, hint);
   for (std::size_t i = 0; i < ball.tets.size(); ++i) mesh.set_quality(ball.tets[i], qualities[i]);
+  if (moved < kNoticed) return true;
+  scratch_->builder.note_change(ball.neighbours);
+  mesh.set_change_epoch(v, scratch_->builder.epoch);
   return true;
 }
 

@@ -14,6 +14,13 @@
 
 namespace lumesh {
 
+/// Which tetrahedra of low quality are tried anew in each sweep of reconnection.
+enum class Reconnection : std::uint8_t {
+  kOriginal,   ///< All.
+  kOptimised,  ///< Those around which something changed since the last trial (the paper's algorithm 2,
+               ///< refined).
+};
+
 /// Lengths and qualities (mean ratios) are those of the metric. In brackets the paper's names.
 struct AdaptOptions {
   double split_above = std::numbers::sqrt2;  ///< Edges longer than this are split, 1 to 3 (cdff).
@@ -23,6 +30,7 @@ struct AdaptOptions {
   int smoothing_passes = 1;                  ///< At the end of each of them, >= 0 (nsmth).
   double reconnect_below = 0.6;              ///< Quality of the tetrahedra to reconnect, 0 to 1.
 
+  Reconnection reconnection = Reconnection::kOptimised;
   int threads = 1;  ///< >= 1; the result is the same for every number.
 
   /// @throws Error{kUsage} that names the field.

@@ -5,7 +5,8 @@
 /// references and spans stay good while other threads add elements. Bytes per element:
 ///   tetrahedron  40: vertices 16, face links 16, label 4, stamp 4; + 8 where interfaces between labels exist
 ///   vertex       37: position 24, incident tetrahedron 4, lock word 4, stamp 4, dimension 1
-///   with a metric: + 100 per vertex (metric, its logarithm, hint) and 4 per tetrahedron (quality)
+///   with a metric: + 104 per vertex (metric, its logarithm, hint, epoch) and 8 per tetrahedron (quality,
+///   epoch)
 /// so about 46 bytes per tetrahedron of a one-label mesh (5.8 tetrahedra per vertex).
 ///
 /// Faces: face f of a tetrahedron is opposite its vertex f, with the corners kTetFaces[f]
@@ -181,6 +182,12 @@ class TetMesh {
   /// Where in the background mesh of its metric a vertex was last found; the field's business, not checked.
   [[nodiscard]] TetId metric_hint(VertexId v) const { return metric_hints_[v.value]; }
   void set_metric_hint(VertexId v, TetId hint) { metric_hints_[v.value] = hint; }
+  /// When something around v changed last, and when operators last tried t in vain, in epochs that an
+  /// execution counts; 0: never. Only if has_metric().
+  [[nodiscard]] std::uint32_t change_epoch(VertexId v) const { return change_epochs_[v.value]; }
+  void set_change_epoch(VertexId v, std::uint32_t epoch) { change_epochs_[v.value] = epoch; }
+  [[nodiscard]] std::uint32_t trial_epoch(TetId t) const { return trial_epochs_[t.value]; }
+  void set_trial_epoch(TetId t, std::uint32_t epoch) { trial_epochs_[t.value] = epoch; }
 
   // --- Tetrahedra
   // --------------------------------------------------------------------------------------------------
@@ -278,12 +285,14 @@ class TetMesh {
   parallel::StableArray<SymTensor> metric_;      // On demand.
   parallel::StableArray<SymTensor> log_metric_;  // With metric_, as the next one.
   parallel::StableArray<TetId> metric_hints_;
+  parallel::StableArray<std::uint32_t> change_epochs_;
 
   parallel::StableArray<Cell<4>> tets_;
   parallel::StableArray<std::array<FaceLink, 4>> links_;
   parallel::StableArray<Label> labels_;
   parallel::StableArray<std::uint32_t> tet_stamps_;
-  parallel::StableArray<float> qualities_;                                 // With metric_.
+  parallel::StableArray<float> qualities_;  // With metric_, as the next one.
+  parallel::StableArray<std::uint32_t> trial_epochs_;
   parallel::StableArray<std::array<std::uint16_t, 4>> interface_patches_;  // Patch + 1, 0: none. On demand.
 
   parallel::SlotPool vertex_pool_;

@@ -59,6 +59,10 @@ struct OperatorCounts {
   }
 };
 
+/// False if reconnect() failed on t before, and nothing has changed since around any of its vertices. Sees
+/// more than the paper's test of face neighbours (its algorithm 2): rings of edges reach farther.
+[[nodiscard]] bool has_changed_since_trial(const TetMesh& mesh, TetId t);
+
 /// One thread's operators with their working memory: make one per thread and keep it.
 template <class Lock>
 class Operators {
@@ -99,12 +103,17 @@ class Operators {
 
   [[nodiscard]] const OperatorCounts& counts() const { return counts_; }
 
-  /// Begins a run: the lock to ask from now on, and the stamp of what is made. Forgets what was made before.
-  void begin_run(const Lock& lock, std::uint32_t stamp);
+  /// Begins a run: the lock to ask from now on, the stamp of what is made, and the epoch of what changes.
+  /// Forgets what was made before.
+  void begin_run(const Lock& lock, std::uint32_t stamp, std::uint32_t epoch);
   /// What this run made or changed, in this order; what was freed again or remade has another stamp, and an
   /// element may stand here twice.
   [[nodiscard]] const std::vector<TetId>& made_tets() const;
   [[nodiscard]] const std::vector<VertexId>& made_vertices() const;
+  /// Tries edge removal on every edge of t, then a swap of every face, until one is done. Where all were
+  /// rejected, the epoch is noted on t: as long as nothing changes around its vertices, trying again is in
+  /// vain (has_changed_since_trial()).
+  Outcome reconnect(TetId t, const SwapRules& rules);
   /// True if all vertices of t can be had: t then stays what it is.
   [[nodiscard]] bool try_hold(TetId t);
 

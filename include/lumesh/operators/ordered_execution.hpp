@@ -66,6 +66,7 @@ class OrderedExecution {
   std::vector<Kernel> kernels_;  // One per thread.
   Partition partition_;
   std::vector<std::uint32_t> runs_;  // Of each bucket: the run whose reach it lies in.
+  std::uint32_t epoch_ = 0;          // Of the sweep; goes on when the mesh is reordered.
   std::uint32_t next_run_ = 1;       // Run numbers are even where stamps are meant; see what_was_made().
   std::vector<std::uint32_t> tets_, vertices_;  // The sequences.
 };

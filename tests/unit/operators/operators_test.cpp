@@ -222,6 +222,34 @@ TEST(SmoothVertex, KeepsSurfacesFlatAndCornersInPlace) {
   EXPECT_GT(bench.kernel.counts().smoothing.applied, 50u);
 }
 
+TEST(Reconnect, IsNotWorthAnotherTrialUntilSomethingChangesAround) {
+  Bench bench(fixtures::unit_cube(4), AnalyticKind::kPolar2, 1);
+  TetMesh& mesh = bench.mesh;
+  bench.kernel.begin_run({}, 2, 1);
+  std::vector<TetId> in_vain;
+  for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
+    if (mesh.alive(TetId(t)) && bench.kernel.reconnect(TetId(t), {}) == Outcome::kRejected)
+      in_vain.push_back(TetId(t));
+  ASSERT_GT(in_vain.size(), 50u);
+  bench.kernel.begin_run({}, 4, 2);
+  TetId unchanged;
+  for (const TetId t : in_vain)
+    if (mesh.alive(t) && mesh.trial_epoch(t) == 1 && bench.kernel.reconnect(t, {}) == Outcome::kRejected)
+      unchanged = t;
+  ASSERT_TRUE(unchanged.valid());
+  EXPECT_FALSE(has_changed_since_trial(mesh, unchanged));
+  bench.kernel.begin_run({}, 6, 3);
+  // Splits at the far end of its vertices' stars: no neighbour over a face, but a tetrahedron of a ring.
+  bool split = false;
+  for_each_tet_around(mesh, mesh.vertex(unchanged, 0), [&](TetId x) {
+    for (const auto& [i, j] : kTetEdges)
+      if (!split && mesh.alive(x) && mesh.index_of(unchanged, mesh.vertex(x, i)) < 0)
+        split = bench.kernel.split_edge(x, i, j, 0.5, {.least_length = 0.1}) == Outcome::kApplied;
+  });
+  ASSERT_TRUE(split);
+  EXPECT_TRUE(!mesh.alive(unchanged) || has_changed_since_trial(mesh, unchanged));
+}
+
 TEST(PatchShapes, FindsPlanesAndLeavesTheRestFrozen) {
   const TetMesh cube = fixtures::unit_cube(2);
   for (const PatchShape& shape : planes_where_flat(cube)) {
