@@ -21,16 +21,10 @@ std::array<int, 2> other_corners(int i, int j) {
 
 template <class Lock>
 Operators<Lock>::Operators(const Subject& subject, Lock lock, int owner)
-    : subject_(subject), lock_(std::move(lock)), scratch_(std::make_unique<Scratch>(subject.mesh, owner)) {
+    : subject_(subject), lock_(std::move(lock)), scratch_(std::make_shared<Scratch>(subject.mesh, owner)) {
   LUMESH_ASSERT(subject.mesh.has_metric());
   LUMESH_ASSERT(subject.shapes.size() == subject.mesh.info().patches.size());
 }
-
-template <class Lock>
-Operators<Lock>::~Operators() = default;
-
-template <class Lock>
-Operators<Lock>::Operators(Operators&&) noexcept = default;
 
 template <class Lock>
 double Operators<Lock>::edge_length(TetId t, int i, int j) const {
@@ -87,7 +81,21 @@ bool Operators<Lock>::try_hold(TetId t) {
                      [&](std::uint32_t corner) { return lock_.try_lock(VertexId(corner)); });
 }
 
-template class Operators<NoLock>;
-template class Operators<OrderedLock>;
+// Member by member: the other files of this module instantiate theirs.
+template Operators<NoLock>::Operators(const Subject&, NoLock, int);
+template double Operators<NoLock>::edge_length(TetId, int, int) const;
+template void Operators<NoLock>::begin_run(const NoLock&, std::uint32_t, std::uint32_t);
+template const std::vector<TetId>& Operators<NoLock>::made_tets() const;
+template const std::vector<VertexId>& Operators<NoLock>::made_vertices() const;
+template Outcome Operators<NoLock>::reconnect(TetId, const SwapRules&);
+template bool Operators<NoLock>::try_hold(TetId);
+
+template Operators<OrderedLock>::Operators(const Subject&, OrderedLock, int);
+template double Operators<OrderedLock>::edge_length(TetId, int, int) const;
+template void Operators<OrderedLock>::begin_run(const OrderedLock&, std::uint32_t, std::uint32_t);
+template const std::vector<TetId>& Operators<OrderedLock>::made_tets() const;
+template const std::vector<VertexId>& Operators<OrderedLock>::made_vertices() const;
+template Outcome Operators<OrderedLock>::reconnect(TetId, const SwapRules&);
+template bool Operators<OrderedLock>::try_hold(TetId);
 
 }  // namespace lumesh::operators

@@ -69,9 +69,7 @@ class Operators {
  public:
   /// New elements are taken from, and freed ones given to, `owner` of the mesh (TetMesh::set_owners()).
   explicit Operators(const Subject& subject, Lock lock = {}, int owner = 0);
-  ~Operators();
-  Operators(Operators&&) noexcept;
-  Operators& operator=(Operators&&) = delete;
+  Operators(Operators&&) noexcept = default;
 
   /// Puts a vertex on edge (corner i, corner j) of t, `fraction` of its metric length from i, and fills the
   /// hole of all tetrahedra whose circumsphere in the new vertex's metric holds it (insphere test, corrected
@@ -131,7 +129,7 @@ class Operators {
   Subject subject_;
   Lock lock_;
   OperatorCounts counts_;
-  std::unique_ptr<Scratch> scratch_;
+  std::shared_ptr<Scratch> scratch_;  // Never shared; a unique pointer would need the type here.
 };
 
 }  // namespace lumesh::operators
