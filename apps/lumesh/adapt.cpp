@@ -11,8 +11,6 @@
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
-#include "lumesh/core/version.hpp"
-#include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/ordered_tasks.hpp"
@@ -24,8 +22,9 @@ namespace lumesh::cli {
 namespace {
 
 struct AdaptCommand {
+  const CLI::App* self = nullptr;
   std::string mesh_path, output_path, metric_path, analytic, json_path;
-  std::string surface = "adapt", reconnection = "optimised";
+  std::string boundary = "adapt", reconnection = "optimised";
   double complexity = 0;
   AdaptOptions options;
   RunOptions run;
@@ -87,21 +86,19 @@ void run(AdaptCommand command) {
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
   metric::MetricField field = field_of(command, input, mesh);
-  const double complexity = context.phase("complexity", [&] { return metric::complexity(field, mesh); });
-  check_request(command.complexity > 0 ? command.complexity : complexity);
+  check_request(command.complexity > 0 ? command.complexity : context.phase("complexity", [&] {
+    return metric::complexity(field, mesh);
+  }));
 
   command.options.threads = command.run.threads > 0 ? command.run.threads : parallel::available_threads();
   if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
   const auto shapes =
-      command.surface == "frozen" ? operators::all_frozen(mesh) : operators::planes_where_flat(mesh);
+      command.boundary == "frozen" ? operators::all_frozen(mesh) : operators::planes_where_flat(mesh);
   const AdaptReport report =
       command.complexity > 0
           ? adapt_to_complexity(mesh, field, shapes, command.complexity, command.options, context)
           : adapt(mesh, field, shapes, command.options, context);
-  mesh.info().provenance = {{"program", std::string("lumesh ") + kVersion},
-                            {"command", "adapt"},
-                            {"input", command.mesh_path},
-                            {"input_sha256", file_sha256(command.mesh_path)}};
+  mesh.info().provenance = provenance_of(*command.self, command.mesh_path);
   const BoundaryFaces faces = mesh.boundary_faces();
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view(faces)); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
@@ -117,6 +114,7 @@ void run(AdaptCommand command) {
 void add_adapt_command(CLI::App& program) {
   const auto command = std::make_shared<AdaptCommand>();
   CLI::App* sub = program.add_subcommand("adapt", "Adapt a tetrahedral mesh to a metric");
+  command->self = sub;
   AdaptOptions& o = command->options;
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("-o,--output", command->output_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
@@ -124,14 +122,11 @@ void add_adapt_command(CLI::App& program) {
   CLI::Option* const metric =
       sub->add_option("-m,--metric", command->metric_path,
                       "Metric of the mesh's vertices (.sol, .solb); default: the mesh's own");
-  sub->add_option("--analytic", command->analytic,
-                  "Take the metric from a formula of the UGAWG benchmark instead")
-      ->check(CLI::IsMember({"linear", "polar-1", "polar-2"}))
-      ->excludes(metric);
+  add_analytic_option(*sub, command->analytic)->excludes(metric);
   sub->add_option("--complexity", command->complexity,
                   "Scale the sizes until the adapted mesh has this complexity (about half its vertices)")
       ->check(positive_number());
-  sub->add_option("--surface", command->surface,
+  sub->add_option("--boundary,--sref", command->boundary,
                   "adapt: flat patches are adapted, others kept; frozen: all kept")
       ->check(CLI::IsMember({"adapt", "frozen"}))
       ->capture_default_str();

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/version.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/image_file.hpp"
 
@@ -45,6 +46,22 @@ std::size_t edit_distance(const std::string& from, const std::string& to) {
     }
   }
   return row.back();
+}
+
+/// The options of the command line as they were given, but for those that do not change the mesh.
+std::string given_options(const CLI::App& command) {
+  std::string all;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    constexpr std::string_view kElsewhere[] = {"--threads", "--verbose", "--quiet",
+                                               "--output",  "--surface", "--json"};
+    if (std::find(std::begin(kElsewhere), std::end(kElsewhere), name) != std::end(kElsewhere)) continue;
+    if (option->count() == 0 || option->get_positional()) continue;
+    all += (all.empty() ? "" : " ") + name;
+    if (option->get_items_expected_max() == 0) continue;
+    for (const std::string& value : option->results()) all += " " + value;
+  }
+  return all;
 }
 
 }  // namespace
@@ -137,6 +154,14 @@ void check_output_folders(std::initializer_list<std::string> paths) {
     if (!device && ::access(folder.c_str(), W_OK | X_OK) != 0)
       throw Error(ErrorKind::kBadInput, path.string() + ": cannot be written; its folder is read-only");
   }
+}
+
+std::map<std::string, std::string> provenance_of(const CLI::App& command, const std::string& input_path) {
+  return {{"program", std::string("lumesh ") + kVersion},
+          {"command", command.get_name()},
+          {"options", given_options(command)},
+          {"input", input_path},
+          {"input_sha256", file_sha256(input_path)}};
 }
 
 std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known) {

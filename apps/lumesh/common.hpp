@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -67,6 +68,11 @@ void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::st
 /// Refuses outputs that could not be written, before time is spent on them; empty names are not wanted ones.
 /// @throws Error{kBadInput} if a folder does not exist or the name is that of a folder.
 void check_output_folders(std::initializer_list<std::string> paths);
+
+/// What a mesh says of its making: program, command, the options given that change the mesh, input and its
+/// hash.
+[[nodiscard]] std::map<std::string, std::string> provenance_of(const CLI::App& command,
+                                                               const std::string& input_path);
 
 /// The word of `known` most like a wrong one, empty if none is alike.
 [[nodiscard]] std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known);

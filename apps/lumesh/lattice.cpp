@@ -9,8 +9,6 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/core/version.hpp"
-#include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -63,21 +61,6 @@ std::map<Label, double> parse_label_fidelity(const LatticeCommand& command, cons
   return result;
 }
 
-/// The options of the command line as they were given, but for those that do not change the mesh.
-std::string given_options(const CLI::App& command) {
-  std::string all;
-  for (const CLI::Option* option : command.get_options()) {
-    const std::string name = option->get_name();
-    constexpr std::string_view kElsewhere[] = {"--threads", "--verbose", "--quiet", "--output", "--surface"};
-    if (std::find(std::begin(kElsewhere), std::end(kElsewhere), name) != std::end(kElsewhere)) continue;
-    if (option->count() == 0 || option->get_positional()) continue;
-    all += (all.empty() ? "" : " ") + name;
-    if (option->get_items_expected_max() == 0) continue;
-    for (const std::string& value : option->results()) all += " " + value;
-  }
-  return all;
-}
-
 void print_summary(const LatticeCommand& command, const LatticeResult& result, const Context& context,
                    double seconds) {
   const MixedMesh& mesh = result.mesh;
@@ -108,11 +91,7 @@ void run(const LatticeCommand& command) {
   options.label_fidelity = parse_label_fidelity(command, image);
   const ImageDomain domain = context.phase("domain", [&] { return ImageDomain(image, domain_options); });
   LatticeResult result = mesh_lattice(image, domain, options, context);
-  result.mesh.info.provenance = {{"program", std::string("lumesh ") + kVersion},
-                                 {"command", "lattice"},
-                                 {"options", given_options(*command.self)},
-                                 {"input", command.image_path},
-                                 {"input_sha256", file_sha256(command.image_path)}};
+  result.mesh.info.provenance = provenance_of(*command.self, command.image_path);
   context.phase("write", [&] {
     write_mesh(command.mesh_path, result.mesh.view());
     if (!command.surface_path.empty()) write_surface(command.surface_path, result.mesh.view());

@@ -47,9 +47,7 @@ void add_metric_command(CLI::App& program) {
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("-o,--output", command->output_path, "Mesh with the metric to write (.vtu, .vtk)")
       ->required();
-  sub->add_option("--analytic", command->analytic, "Formula of the UGAWG benchmark, in the mesh's unit")
-      ->check(CLI::IsMember({"linear", "polar-1", "polar-2"}))
-      ->required();
+  add_analytic_option(*sub, command->analytic)->required();
   sub->add_option("--complexity", command->complexity,
                   "Scale the sizes so that the mesh sees this complexity")
       ->check(positive_number());

@@ -8,6 +8,13 @@
 
 namespace lumesh::cli {
 
+CLI::Option* add_analytic_option(CLI::App& command, std::string& formula) {
+  return command
+      .add_option("--analytic", formula,
+                  "Take the metric from this formula of the UGAWG benchmark, in the mesh's unit")
+      ->check(CLI::IsMember({"linear", "polar-1", "polar-2"}));
+}
+
 TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
   if (mesh.tetrahedra.empty())
     throw Error(ErrorKind::kBadInput, path + ": has no tetrahedra; a surface must be filled first");

@@ -1,12 +1,16 @@
 #pragma once
 /// @file What the commands that work with metrics read.
 
+#include <CLI/CLI.hpp>
 #include <string>
 
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/metric_field.hpp"
 
 namespace lumesh::cli {
+
+/// --analytic: the name of a formula, checked.
+CLI::Option* add_analytic_option(CLI::App& command, std::string& formula);
 
 /// The mesh with adjacency. @throws Error{kBadInput} that names the file if it has other cells than
 /// tetrahedra, none at all, or is not valid.

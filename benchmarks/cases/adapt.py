@@ -7,7 +7,6 @@ Cases: linear, polar-1, polar-2 (at their own complexity), METRIC@COMPLEXITY suc
 cubes; METRIC@COMPLEXITY/N from N x N x N cubes, such as polar-2@49000/93 (4.8 million tetrahedra) for coarsening.
 """
 import argparse
-import itertools
 import json
 import pathlib
 import shlex
@@ -18,36 +17,13 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import run  # noqa: E402  (measure() and ROOT)
 
+sys.path.insert(0, str(run.ROOT / "tests/cli"))
+from cube import cube  # noqa: E402
+
 
 def write_cube(path, n):
-    """The unit cube in n^3 cubes of six tetrahedra, a patch per side, as binary Medit file."""
-    side = n + 1
-
-    def vertex(i, j, k):
-        return 1 + i + side * (j + side * k)
-
-    points = [(i / n, j / n, k / n) for k in range(side) for j in range(side) for i in range(side)]
-    steps = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
-    tetrahedra, triangles = [], []
-    for k, j, i in itertools.product(range(n), repeat=3):
-        for order in itertools.permutations(range(3)):
-            at, corners = [i, j, k], [vertex(i, j, k)]
-            for axis in order:
-                at = [a + s for a, s in zip(at, steps[axis])]
-                corners.append(vertex(*at))
-            if order in ((0, 2, 1), (1, 0, 2), (2, 1, 0)):  # odd: turn it round
-                corners[2], corners[3] = corners[3], corners[2]
-            tetrahedra.append((*corners, 1))
-    for axis, end in itertools.product(range(3), range(2)):
-        u, v = (axis + 1) % 3, (axis + 2) % 3
-        for a, b in itertools.product(range(n), repeat=2):
-            def corner(da, db):
-                at = [0, 0, 0]
-                at[axis], at[u], at[v] = end * n, a + da, b + db
-                return vertex(*at)
-            # The diagonal runs from (0, 0) to (1, 1), as in the tetrahedra.
-            for middle in ((1, 0), (0, 1)):
-                triangles.append((corner(0, 0), corner(*middle), corner(1, 1), 1 + 2 * axis + end))
+    """As binary Medit file."""
+    points, tetrahedra, triangles = cube(n)
     with open(path, "wb") as file:
         def section(keyword, items, layout):
             size = struct.calcsize("<" + layout) * len(items)
@@ -74,7 +50,7 @@ def run_case(program, case, threads, options, folder):
     steps = times["seconds_by_step"]
     seconds = sum(value for step, value in steps.items() if step not in ("read", "build", "write"))
     lengths, ratio = found["metric_edge_length"], found["metric_mean_ratio"]
-    tetrahedra = found["cells"] if isinstance(found.get("cells"), int) else times["passes"][-1]["tetrahedra"]
+    tetrahedra = times["passes"][-1]["tetrahedra"]
     result = {"case": case, "threads": threads, "tetrahedra": tetrahedra, "complexity": times["complexity"],
               "seconds": seconds, "seconds_by_step": steps, "in_band": lengths["fraction_in_band"],
               "shortest": lengths["min"], "longest": lengths["max"], "mean_ratio_mean": ratio["mean"],

@@ -90,8 +90,11 @@ class Adapter {
   /// The few worst tetrahedra, as long as something changes.
   void mend() {
     constexpr int kMostSweeps = 5;
-    for (int sweep = 0; sweep < kMostSweeps; ++sweep)
+    for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+      const std::uint64_t before = execution_.counts().applied();
       mend_worst(mesh_, execution_, kBadQuality, swaps_, smoothing_);
+      if (execution_.counts().applied() == before) break;
+    }
   }
   void partition() {
     phase("partition", [&] { execution_.repartition(); });
@@ -118,8 +121,11 @@ class Adapter {
     const auto now = std::chrono::steady_clock::now();
     const std::chrono::duration<double> elapsed = now - pass_began_;
     pass_began_ = now;
+    const operators::OperatorCounts so_far = execution_.counts();
     report_.passes.push_back(
-        {std::move(name), elapsed.count(), mesh_.tet_count(), mesh_.vertex_count(), execution_.counts()});
+        {std::move(name), elapsed.count(), mesh_.tet_count(), mesh_.vertex_count(), so_far});
+    report_.passes.back().counts -= counted_;
+    counted_ = so_far;
   }
 
   TetMesh& mesh_;
@@ -131,6 +137,7 @@ class Adapter {
   operators::SwapRules swaps_;
   operators::SmoothingRules smoothing_;
   double ordered_tets_ = 0;
+  operators::OperatorCounts counted_;  // Up to the last pass.
   std::chrono::steady_clock::time_point pass_began_ = std::chrono::steady_clock::now();
   AdaptReport report_;
 };

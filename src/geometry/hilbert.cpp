@@ -73,7 +73,11 @@ std::vector<std::uint32_t> hilbert_order(std::span<const Vec3> points) {
   parallel::for_each_index(points.size(), [&](std::size_t i) {
     keys[i] = {hilbert_key(points[i], box), static_cast<std::uint32_t>(i)};
   });
-  parallel::sort(keys.begin(), keys.end());
+  parallel::sort(keys.begin(), keys.end(), [&](const auto& a, const auto& b) {
+    if (a.first != b.first) return a.first < b.first;
+    const Vec3 &p = points[a.second], &q = points[b.second];
+    return std::tuple(p[0], p[1], p[2], a.second) < std::tuple(q[0], q[1], q[2], b.second);
+  });
   std::vector<std::uint32_t> order(points.size());
   parallel::for_each_index(points.size(), [&](std::size_t i) { order[i] = keys[i].second; });
   return order;

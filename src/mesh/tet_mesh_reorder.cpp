@@ -19,27 +19,6 @@ void permute(parallel::StableArray<T>& array, const std::vector<std::uint32_t>& 
   parallel::for_each_index(entries.size(), [&](std::size_t i) { entries[new_place[i]] = old[i]; });
 }
 
-/// Indices of the points along the Hilbert curve, equal keys by coordinates.
-std::vector<std::uint32_t> curve_order(std::span<const Vec3> points) {
-  struct Keyed {
-    std::uint64_t key;
-    std::uint32_t index;
-  };
-  const Box3 box = bounding_box(points);
-  UninitialisedVector<Keyed> keyed(points.size());
-  parallel::for_each_index(points.size(), [&](std::size_t i) {
-    keyed[i] = {hilbert_key(points[i], box), static_cast<std::uint32_t>(i)};
-  });
-  parallel::sort(keyed.begin(), keyed.end(), [&](const Keyed& a, const Keyed& b) {
-    if (a.key != b.key) return a.key < b.key;
-    const Vec3 &p = points[a.index], &q = points[b.index];
-    return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
-  });
-  std::vector<std::uint32_t> order(points.size());
-  parallel::for_each_index(order.size(), [&](std::size_t i) { order[i] = keyed[i].index; });
-  return order;
-}
-
 /// The place of each tetrahedron when they are sorted by their vertices, lowest first.
 std::vector<std::uint32_t> places_by_vertices(std::span<const Cell<4>> tets, std::size_t vertices) {
   // The three other vertices, ascending.
@@ -80,7 +59,7 @@ std::vector<std::uint32_t> places_by_vertices(std::span<const Cell<4>> tets, std
 
 void TetMesh::reorder_along_curve() {
   compact();
-  const std::vector<std::uint32_t> order = curve_order(points());
+  const std::vector<std::uint32_t> order = hilbert_order(points());
   std::vector<std::uint32_t> new_vertex(order.size());
   parallel::for_each_index(order.size(),
                            [&](std::size_t i) { new_vertex[order[i]] = static_cast<std::uint32_t>(i); });

@@ -9,7 +9,7 @@ namespace {
 bool keeps_patches(const TetMesh& mesh, VertexId from, const EdgeRing& ring, const PatchShapes& shapes) {
   const VertexDimension dimension = mesh.dimension(from);
   if (dimension == VertexDimension::kVolume) return true;
-  if (dimension == VertexDimension::kCorner || ring.dimension() != dimension) return false;
+  if (ring.dimension() != dimension) return false;  // A corner's never is.
   return std::all_of(ring.patches.begin(), ring.patches.end(),
                      [&](PatchId patch) { return shapes[patch.value].freedom == PatchFreedom::kPlane; });
 }
@@ -54,12 +54,8 @@ bool makes_edge_too_long(const TetMesh& mesh, VertexId from, VertexId to, const 
 
 template <class Lock>
 Outcome Operators<Lock>::collapse_edge(TetId t, int from, int to, const CollapseRules& rules) {
-  const LockScope scope(lock_);
   const VertexId a = subject_.mesh.vertex(t, from), b = subject_.mesh.vertex(t, to);
-  Outcome outcome = Outcome::kContended;
-  if (lock_.try_lock(a) && lock_.try_lock(b)) outcome = collapse_held_edge(t, a, b, rules);
-  counts_.collapse.add(outcome);
-  return outcome;
+  return on_held(counts_.collapse, a, b, [&] { return collapse_held_edge(t, a, b, rules); });
 }
 
 template <class Lock>

@@ -184,12 +184,8 @@ bool may_remove(const TetMesh& mesh, const EdgeRing& ring, const PatchShapes& sh
 
 template <class Lock>
 Outcome Operators<Lock>::remove_edge(TetId t, int i, int j, const SwapRules& rules) {
-  const LockScope scope(lock_);
   const VertexId a = subject_.mesh.vertex(t, i), b = subject_.mesh.vertex(t, j);
-  Outcome outcome = Outcome::kContended;
-  if (lock_.try_lock(a) && lock_.try_lock(b)) outcome = remove_held_edge(t, a, b, rules);
-  counts_.edge_removal.add(outcome);
-  return outcome;
+  return on_held(counts_.edge_removal, a, b, [&] { return remove_held_edge(t, a, b, rules); });
 }
 
 template <class Lock>

@@ -7,17 +7,14 @@ namespace lumesh::operators {
 
 template <class Lock>
 Outcome Operators<Lock>::swap_face(TetId t, int face, const SwapRules& rules) {
-  const LockScope scope(lock_);
-  const Outcome outcome = swap_held_face(t, face, rules);
-  counts_.face_swap.add(outcome);
-  return outcome;
+  return on_held(counts_.face_swap, subject_.mesh.vertex(t, 0), subject_.mesh.vertex(t, 1),
+                 [&] { return swap_held_face(t, face, rules); });
 }
 
 template <class Lock>
 Outcome Operators<Lock>::swap_held_face(TetId t, int face, const SwapRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  for (int i = 0; i < 4; ++i)
-    if (!lock_.try_lock(mesh.vertex(t, i))) return Outcome::kContended;
+  if (!try_hold(t)) return Outcome::kContended;
   const FaceLink link = mesh.link(t, face);
   if (link.is_boundary() || mesh.interface_patch(t, face).valid()) return Outcome::kRejected;
   const TetId n = link.tet();

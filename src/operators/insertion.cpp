@@ -29,18 +29,14 @@ bool is_frozen(const EdgeRing& ring, const PatchShapes& shapes) {
 
 template <class Lock>
 Outcome Operators<Lock>::split_edge(TetId t, int i, int j, double fraction, const InsertionRules& rules) {
-  const LockScope scope(lock_);
-  VertexId a = subject_.mesh.vertex(t, i), b = subject_.mesh.vertex(t, j);
-  const Vec3 &pa = subject_.mesh.point(a), &pb = subject_.mesh.point(b);
-  if (std::lexicographical_compare(pb.begin(), pb.end(), pa.begin(),
-                                   pa.end())) {  // The same point whoever asks.
-    std::swap(a, b);
-    fraction = 1 - fraction;
-  }
-  Outcome outcome = Outcome::kContended;
-  if (lock_.try_lock(a) && lock_.try_lock(b)) outcome = split_held_edge(t, a, b, fraction, rules);
-  counts_.insertion.add(outcome);
-  return outcome;
+  const VertexId a = subject_.mesh.vertex(t, i), b = subject_.mesh.vertex(t, j);
+  return on_held(counts_.insertion, a, b, [&] {
+    // The same point whoever asks, and from which end.
+    const Vec3 &p = subject_.mesh.point(a), &q = subject_.mesh.point(b);
+    return std::lexicographical_compare(q.begin(), q.end(), p.begin(), p.end())
+               ? split_held_edge(t, b, a, 1 - fraction, rules)
+               : split_held_edge(t, a, b, fraction, rules);
+  });
 }
 
 template <class Lock>

@@ -14,6 +14,12 @@ namespace lumesh::operators {
 /// The corners of t besides i and j, ordered so that (i, j, first, second) is positively oriented.
 [[nodiscard]] std::array<int, 2> other_corners(int i, int j);
 
+/// For lists of a few.
+template <class Item>
+void add_once(std::vector<Item>& items, const Item& item) {
+  if (std::find(items.begin(), items.end(), item) == items.end()) items.push_back(item);
+}
+
 /// The tetrahedra around edge (a, b) in the order of rotation: tets[k] is (a, b, rim[k], rim[k + 1]),
 /// positively oriented; in a closed ring the rim goes round, in an open one it has one vertex more than there
 /// are tetrahedra. The two ends of an open ring are faces of the outside.
@@ -40,9 +46,7 @@ struct EdgeRing {
   }
   void add_patch(PatchId patch) {
     ++patch_faces;
-    for (const PatchId known : patches)
-      if (known == patch) return;
-    patches.push_back(patch);
+    add_once(patches, patch);
   }
 };
 
@@ -126,9 +130,7 @@ bool gather_ball(const TetMesh& mesh, VertexId v, Lock& lock, VertexBall& ball) 
     for (int i = 0; i < 4; ++i) {
       if (i == own) continue;
       const FaceLink link = mesh.link(t, i);
-      if (const PatchId patch = mesh.patch(t, i); patch.valid())
-        if (std::find(ball.patches.begin(), ball.patches.end(), patch) == ball.patches.end())
-          ball.patches.push_back(patch);
+      if (const PatchId patch = mesh.patch(t, i); patch.valid()) add_once(ball.patches, patch);
       if (link.is_boundary() || !ball.known_tets.insert(link.tet().value, 0).added) continue;
       ball.tets.push_back(link.tet());
       if (!add_vertex(mesh.vertex(link.tet(), link.face()).value))

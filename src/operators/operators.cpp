@@ -27,11 +27,6 @@ Operators<Lock>::Operators(const Subject& subject, Lock lock, int owner)
 }
 
 template <class Lock>
-double Operators<Lock>::edge_length(TetId t, int i, int j) const {
-  return metric_length(subject_.mesh, subject_.mesh.vertex(t, i), subject_.mesh.vertex(t, j));
-}
-
-template <class Lock>
 void Operators<Lock>::begin_run(const Lock& lock, std::uint32_t stamp, std::uint32_t epoch) {
   lock_ = lock;
   scratch_->builder.stamp = stamp;
@@ -83,7 +78,6 @@ bool Operators<Lock>::try_hold(TetId t) {
 
 // Member by member: the other files of this module instantiate theirs.
 template Operators<NoLock>::Operators(const Subject&, NoLock, int);
-template double Operators<NoLock>::edge_length(TetId, int, int) const;
 template void Operators<NoLock>::begin_run(const NoLock&, std::uint32_t, std::uint32_t);
 template const std::vector<TetId>& Operators<NoLock>::made_tets() const;
 template const std::vector<VertexId>& Operators<NoLock>::made_vertices() const;
@@ -91,7 +85,6 @@ template Outcome Operators<NoLock>::reconnect(TetId, const SwapRules&);
 template bool Operators<NoLock>::try_hold(TetId);
 
 template Operators<OrderedLock>::Operators(const Subject&, OrderedLock, int);
-template double Operators<OrderedLock>::edge_length(TetId, int, int) const;
 template void Operators<OrderedLock>::begin_run(const OrderedLock&, std::uint32_t, std::uint32_t);
 template const std::vector<TetId>& Operators<OrderedLock>::made_tets() const;
 template const std::vector<VertexId>& Operators<OrderedLock>::made_vertices() const;

@@ -34,7 +34,19 @@ std::vector<std::uint32_t> untouched(const std::vector<std::uint32_t>& items, st
 OrderedExecution::OrderedExecution(const Subject& subject, int threads)
     : subject_(subject), threads_(std::max(1, threads)) {
   for (int thread = 0; thread < threads_; ++thread) kernels_.emplace_back(subject, OrderedLock(), thread);
+  forget_trials();
   reorder();
+}
+
+/// Epochs begin anew; those of an earlier execution on this mesh would say that nothing has changed.
+void OrderedExecution::forget_trials() {
+  TetMesh& mesh = subject_.mesh;
+  parallel::for_each_index(mesh.vertex_slots(), [&](std::size_t v) {
+    mesh.set_change_epoch(VertexId(static_cast<std::uint32_t>(v)), 0);
+  });
+  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t t) {
+    mesh.set_trial_epoch(TetId(static_cast<std::uint32_t>(t)), 0);
+  });
 }
 
 void OrderedExecution::reorder() {

@@ -35,6 +35,15 @@ struct Operators<Lock>::Scratch {
   StarShapes shapes;
 };
 
+template <class Lock>
+template <class Body>
+Outcome Operators<Lock>::on_held(OperatorCount& count, VertexId a, VertexId b, const Body& body) {
+  const LockScope scope(lock_);
+  const Outcome outcome = lock_.try_lock(a) && lock_.try_lock(b) ? body() : Outcome::kContended;
+  count.add(outcome);
+  return outcome;
+}
+
 /// Quality cubed of the tetrahedron (a, b, c, d) of vertices of the mesh.
 [[nodiscard]] inline double quality_cubed(const TetMesh& mesh, VertexId a, VertexId b, VertexId c,
                                           VertexId d) {

@@ -113,10 +113,7 @@ Vec3 step_of(const Objective& objective, const Freedom& freedom, const SymTensor
 
 template <class Lock>
 Outcome Operators<Lock>::smooth_vertex(VertexId v, const SmoothingRules& rules) {
-  const LockScope scope(lock_);
-  const Outcome outcome = lock_.try_lock(v) ? smooth_held_vertex(v, rules) : Outcome::kContended;
-  counts_.smoothing.add(outcome);
-  return outcome;
+  return on_held(counts_.smoothing, v, v, [&] { return smooth_held_vertex(v, rules); });
 }
 
 template <class Lock>

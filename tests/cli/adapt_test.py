@@ -3,47 +3,20 @@
 
 Usage: adapt_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input.
 """
-import itertools
 import json
 import math
 import pathlib
-import shutil
-import subprocess
 import sys
-import tempfile
 import unittest
 
-LUMESH = str(pathlib.Path(sys.argv.pop(1)).resolve())
-USAGE, BAD_INPUT = 1, 2
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from cube import cube
+from program import BAD_INPUT, USAGE, ProgramTest
 
 
 def write_cube(path, n):
-    """The unit cube in n^3 cubes of six tetrahedra, sides 1 to 6, as Medit text; returns its points."""
-    side = n + 1
-
-    def vertex(i, j, k):
-        return 1 + i + side * (j + side * k)
-
-    points = [(i / n, j / n, k / n) for k in range(side) for j in range(side) for i in range(side)]
-    tetrahedra, triangles = [], []
-    for k, j, i in itertools.product(range(n), repeat=3):
-        for order in itertools.permutations(range(3)):
-            at, corners = [i, j, k], [vertex(i, j, k)]
-            for axis in order:
-                at[axis] += 1
-                corners.append(vertex(*at))
-            if order in ((0, 2, 1), (1, 0, 2), (2, 1, 0)):  # odd: turn it round
-                corners[2], corners[3] = corners[3], corners[2]
-            tetrahedra.append((*corners, 1))
-    for axis, end in itertools.product(range(3), range(2)):
-        for a, b in itertools.product(range(n), repeat=2):
-            for middle in ((1, 0), (0, 1)):
-                face = []
-                for da, db in ((0, 0), middle, (1, 1)):
-                    at = [0, 0, 0]
-                    at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3] = end * n, a + da, b + db
-                    face.append(vertex(*at))
-                triangles.append((*face, 1 + 2 * axis + end))
+    """As Medit text; returns its points."""
+    points, tetrahedra, triangles = cube(n)
     sections = {"Vertices": [(*p, 0) for p in points], "Triangles": triangles, "Tetrahedra": tetrahedra}
     with open(path, "w", encoding="ascii") as file:
         file.write("MeshVersionFormatted 2\nDimension 3\n")
@@ -60,22 +33,12 @@ def write_sol(path, tensors):
                                   encoding="ascii")
 
 
-class AdaptTest(unittest.TestCase):
+class AdaptTest(ProgramTest):
     def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="lumesh_adapt_"))
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        super().setUp()
         self.cube = self.folder / "cube.mesh"
         self.points = write_cube(self.cube, 3)
         self.out = self.folder / "out.vtu"
-
-    def run_lumesh(self, *arguments):
-        return subprocess.run([LUMESH, *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False,
-                              stdin=subprocess.DEVNULL)
-
-    def run_well(self, *arguments):
-        result = self.run_lumesh(*arguments)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        return result
 
     def evaluate(self, mesh):
         numbers = self.folder / "numbers.json"
@@ -83,12 +46,7 @@ class AdaptTest(unittest.TestCase):
         return json.loads(numbers.read_text())
 
     def assert_refused(self, result, code, *words):
-        self.assertEqual(result.returncode, code, result.stderr)
-        lines = result.stderr.splitlines()
-        self.assertEqual(len(lines), 1, result.stderr)
-        self.assertTrue(lines[0].startswith("lumesh: error: "), lines[0])
-        for word in words:
-            self.assertIn(word, lines[0])
+        super().assert_refused(result, code, *words)
         self.assertFalse(self.out.exists())
 
     def test_a_formula_becomes_a_unit_mesh(self):
@@ -137,7 +95,7 @@ class AdaptTest(unittest.TestCase):
         self.assertGreater(self.evaluate(adapted)["metric_edge_length"]["fraction_in_band"], 0.9)
 
     def test_a_frozen_surface_stays(self):
-        result = self.run_well("adapt", self.cube, "--analytic", "linear", "--surface", "frozen", "-o", self.out)
+        result = self.run_well("adapt", self.cube, "--analytic", "linear", "--boundary", "frozen", "-o", self.out)
         self.assertIn("108 boundary triangles", result.stdout)
 
     def test_what_cannot_be_adapted_is_refused(self):

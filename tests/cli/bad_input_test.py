@@ -10,14 +10,12 @@ import resource
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import nrrd
+from program import BAD_INPUT, LUMESH, MEMORY, NOT_REACHED, USAGE, ProgramTest
 
-LUMESH = str(pathlib.Path(sys.argv.pop(1)).resolve())
-USAGE, BAD_INPUT, NOT_REACHED, MEMORY = 1, 2, 3, 5
 SIZE = 24
 NOBODY = 65534
 
@@ -40,18 +38,12 @@ def small_tmpfs(folder):
             subprocess.run(["umount", str(folder)], check=True)
 
 
-class BadInputTest(unittest.TestCase):
+class BadInputTest(ProgramTest):
     def setUp(self):
-        # Others may look in: some tests run as nobody.
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="lumesh_cli_"))
-        self.folder.chmod(0o755)
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        super().setUp()
+        self.folder.chmod(0o755)  # Others may look in: some tests run as nobody.
         self.good = nrrd.write(self.folder / "good.nrrd", [SIZE] * 3, nrrd.ball(SIZE, 8))
         self.mesh = self.folder / "out.vtu"
-
-    def run_lumesh(self, *arguments, **options):
-        return subprocess.run([LUMESH, *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False,
-                              stdin=subprocess.DEVNULL, **options)
 
     def assert_refused(self, result, code, *words):
         self.assertEqual(result.returncode, code, result.stderr)

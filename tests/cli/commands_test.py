@@ -6,51 +6,29 @@ Usage: commands_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input, 
 import json
 import pathlib
 import re
-import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import nrrd
+from program import BAD_INPUT, LUMESH, NOT_REACHED, USAGE, ProgramTest
 
-LUMESH = str(pathlib.Path(sys.argv.pop(1)).resolve())
-USAGE, BAD_INPUT, NOT_REACHED = 1, 2, 3
 SIZE = 24
 
 
-class CommandTest(unittest.TestCase):
+class CommandTest(ProgramTest):
     def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="lumesh_cli_"))
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        super().setUp()
         self.image = nrrd.write(self.folder / "ball.nrrd", [SIZE] * 3, nrrd.ball(SIZE, 8))
         self.mesh = self.folder / "ball.vtu"
         self.json = self.folder / "ball.json"
-
-    def run_lumesh(self, *arguments):
-        return subprocess.run([LUMESH, *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False,
-                              stdin=subprocess.DEVNULL)
-
-    def run_well(self, *arguments):
-        result = self.run_lumesh(*arguments)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        return result
 
     def make_mesh(self, *options):
         return self.run_well("lattice", self.image, "-o", self.mesh, *options)
 
     def evaluate(self, *options):
         return self.run_lumesh("evaluate", self.mesh, "--json", self.json, *options)
-
-    def assert_refused(self, result, code, *words):
-        self.assertEqual(result.returncode, code, result.stderr)
-        lines = result.stderr.splitlines()
-        self.assertEqual(len(lines), 1, result.stderr)
-        self.assertTrue(lines[0].startswith("lumesh: error: "), lines[0])
-        self.assertLess(len(lines[0]), 250)
-        for word in words:
-            self.assertIn(word, lines[0])
 
 
 class OptionsTest(CommandTest):
@@ -101,7 +79,7 @@ class OptionsTest(CommandTest):
             with self.subTest(wrong):
                 self.assert_refused(self.run_lumesh(wrong, "x"), USAGE, f'"{wrong}"', f'did you mean "{right}"?', "phantom")
         result = self.run_lumesh("mesh", "x")
-        self.assert_refused(result, USAGE, '"mesh"', "phantom, info, lattice, evaluate, convert")
+        self.assert_refused(result, USAGE, '"mesh"', "phantom, info, lattice, metric, adapt, evaluate, convert")
         self.assertNotIn("did you mean", result.stderr)
 
     def test_outputs_that_cannot_be_written_are_refused_before_the_work(self):

@@ -22,8 +22,8 @@ using Box3 = Eigen::AlignedBox3d;  ///< Axis-parallel box; empty when default-co
 [[nodiscard]] std::uint64_t hilbert_key(const Vec3& point, const Box3& box);
 
 /// Indices of `points` (fewer than 2^32) in the order of the curve over their bounding box; equal keys by
-/// index. Parallel inside; the same result for every thread count. Cost: O(n log n), about 0.1 s for a
-/// million points.
+/// coordinates, equal points by index. Parallel inside; the same result for every thread count. Cost: O(n log
+/// n), about 0.1 s for a million points.
 [[nodiscard]] std::vector<std::uint32_t> hilbert_order(std::span<const Vec3> points);
 
 }  // namespace lumesh

@@ -165,7 +165,7 @@ class TetMesh {
     return parallel::load_relaxed(vertex_stamps_[v.value]);
   }
   void set_stamp(VertexId v, std::uint32_t stamp) { parallel::store_relaxed(vertex_stamps_[v.value], stamp); }
-  /// The word of the region locks (0: free); used through std::atomic_ref.
+  /// The word of an execution: in the ordered one, the bucket the vertex belongs to.
   [[nodiscard]] std::uint32_t& lock_word(VertexId v) { return lock_words_[v.value]; }
 
   /// Room for the metric of every vertex and its logarithm, and the quality of every tetrahedron: what
@@ -251,8 +251,9 @@ class TetMesh {
   /// O(slots).
   void compact();
   /// compact(), and numbers vertices along the Hilbert curve and tetrahedra by their lowest vertex, so that
-  /// what is near in space is near in memory. Ties by the old number. Owners as after compact(). Parallel
-  /// inside; the same result for every thread count. Cost: about 0.1 s per million tetrahedra.
+  /// what is near in space is near in memory. The numbers before do not matter: ties go by coordinates, and
+  /// by the other vertices. Stamps become 0. Owners as after compact(). Parallel inside; the same result for
+  /// every thread count. Cost: about 0.1 s per million tetrahedra.
   void reorder_along_curve();
 
   // --- The whole mesh

@@ -44,6 +44,12 @@ struct OperatorCount {
     contended += other.contended;
     return *this;
   }
+  OperatorCount& operator-=(const OperatorCount& other) {
+    applied -= other.applied;
+    rejected -= other.rejected;
+    contended -= other.contended;
+    return *this;
+  }
 };
 
 struct OperatorCounts {
@@ -56,6 +62,19 @@ struct OperatorCounts {
     face_swap += other.face_swap;
     smoothing += other.smoothing;
     return *this;
+  }
+  OperatorCounts& operator-=(const OperatorCounts& other) {
+    insertion -= other.insertion;
+    collapse -= other.collapse;
+    edge_removal -= other.edge_removal;
+    face_swap -= other.face_swap;
+    smoothing -= other.smoothing;
+    return *this;
+  }
+  /// Of all operators.
+  [[nodiscard]] std::uint64_t applied() const {
+    return insertion.applied + collapse.applied + edge_removal.applied + face_swap.applied +
+           smoothing.applied;
   }
 };
 
@@ -96,9 +115,6 @@ class Operators {
   /// rules.quality_floor, whichever is less. Vertices of flat patches move within them.
   Outcome smooth_vertex(VertexId v, const SmoothingRules& rules);
 
-  /// Metric length of edge (corner i, corner j) of t.
-  [[nodiscard]] double edge_length(TetId t, int i, int j) const;
-
   [[nodiscard]] const OperatorCounts& counts() const { return counts_; }
 
   /// Begins a run: the lock to ask from now on, the stamp of what is made, and the epoch of what changes.
@@ -117,6 +133,10 @@ class Operators {
 
  private:
   struct Scratch;
+
+  /// Runs an operator with both vertices held, frees all locks and counts the outcome.
+  template <class Body>
+  Outcome on_held(OperatorCount& count, VertexId a, VertexId b, const Body& body);
 
   Outcome split_held_edge(TetId t, VertexId a, VertexId b, double fraction, const InsertionRules& rules);
   Outcome collapse_held_edge(TetId t, VertexId a, VertexId b, const CollapseRules& rules);

@@ -54,6 +54,7 @@ class OrderedExecution {
     std::vector<std::uint32_t> tets, vertices;
   };
 
+  void forget_trials();
   template <class Item, class BucketOf>
   [[nodiscard]] Lists<Item> lists_by_bucket(const std::vector<Item>& items, const BucketOf& bucket_of) const;
   void run_buckets(const std::function<void(Kernel&, std::uint32_t bucket, std::uint32_t run)>& body);
@@ -67,7 +68,7 @@ class OrderedExecution {
   Partition partition_;
   std::vector<std::uint32_t> runs_;  // Of each bucket: the run whose reach it lies in.
   std::uint32_t epoch_ = 0;          // Of the sweep; goes on when the mesh is reordered.
-  std::uint32_t next_run_ = 1;       // Run numbers are even where stamps are meant; see what_was_made().
+  std::uint32_t next_run_ = 1;       // Stamps are twice the run, plus 1 once listed; see what_was_made().
   std::vector<std::uint32_t> tets_, vertices_;  // The sequences.
 };
 

@@ -1,0 +1,33 @@
+"""The unit cube in n^3 cubes of six tetrahedra, for tests and benchmarks."""
+import itertools
+
+
+def cube(n):
+    """Its points, tetrahedra with label 1, and boundary triangles with patches 1 to 6, numbered from 1."""
+    side = n + 1
+
+    def vertex(at):
+        return 1 + at[0] + side * (at[1] + side * at[2])
+
+    points = [(i / n, j / n, k / n) for k in range(side) for j in range(side) for i in range(side)]
+    tetrahedra, triangles = [], []
+    for k, j, i in itertools.product(range(n), repeat=3):
+        for order in itertools.permutations(range(3)):
+            at = [i, j, k]
+            corners = [vertex(at)]
+            for axis in order:
+                at[axis] += 1
+                corners.append(vertex(at))
+            if order in ((0, 2, 1), (1, 0, 2), (2, 1, 0)):  # odd: turn it round
+                corners[2], corners[3] = corners[3], corners[2]
+            tetrahedra.append((*corners, 1))
+    for axis, end in itertools.product(range(3), range(2)):
+        for a, b in itertools.product(range(n), repeat=2):
+            for middle in ((1, 0), (0, 1)):  # The diagonal runs from (0, 0) to (1, 1), as in the tetrahedra.
+                face = []
+                for da, db in ((0, 0), middle, (1, 1)):
+                    at = [0, 0, 0]
+                    at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3] = end * n, a + da, b + db
+                    face.append(vertex(at))
+                triangles.append((*face, 1 + 2 * axis + end))
+    return points, tetrahedra, triangles

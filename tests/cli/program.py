@@ -1,0 +1,35 @@
+"""What the tests of the program share: a folder of their own, running it, and how it must refuse."""
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+USAGE, BAD_INPUT, NOT_REACHED, MEMORY = 1, 2, 3, 5
+LUMESH = str(pathlib.Path(sys.argv.pop(1)).resolve())
+
+
+class ProgramTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="lumesh_cli_"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def run_lumesh(self, *arguments, **options):
+        return subprocess.run([LUMESH, *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False,
+                              stdin=subprocess.DEVNULL, **options)
+
+    def run_well(self, *arguments):
+        result = self.run_lumesh(*arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result
+
+    def assert_refused(self, result, code, *words):
+        """The exit code, and one line that says what is wrong."""
+        self.assertEqual(result.returncode, code, result.stderr)
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 1, f"one line is wanted on stderr, not:\n{result.stderr}")
+        self.assertTrue(lines[0].startswith("lumesh: error: "), lines[0])
+        self.assertLess(len(lines[0]), 250)
+        for word in words:
+            self.assertIn(word, lines[0])
