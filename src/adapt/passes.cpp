@@ -7,6 +7,7 @@
 
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/relaxed.hpp"
 
 namespace lumesh {
 namespace {
@@ -23,9 +24,6 @@ class EdgeList {
  public:
   void add_longest_first(RankedEdge edge) {
     insert(edge, [](const RankedEdge& a, const RankedEdge& b) { return a.length > b.length; });
-  }
-  void add_shortest_first(RankedEdge edge) {
-    insert(edge, [](const RankedEdge& a, const RankedEdge& b) { return a.length < b.length; });
   }
   [[nodiscard]] bool empty() const { return count_ == 0; }
   [[nodiscard]] const RankedEdge* begin() const { return edges_.data(); }
@@ -97,15 +95,20 @@ EdgeList long_edges(const TetMesh& mesh, TetId t, double longest, SplitRank rank
   return edges;
 }
 
-EdgeList short_edges(const TetMesh& mesh, TetId t, double shortest) {
-  EdgeList edges;
-  for (int e = 0; e < 6; ++e) {
-    const EndLengths squared = squared_lengths_of(mesh, t, e);
-    if (squared.smaller >= shortest * shortest) continue;
-    const double length = length_of(squared);
-    if (length < shortest) edges.add_shortest_first({length, e});
-  }
-  return edges;
+/// The length of each vertex's shortest edge where that is shorter than `shortest`, else `shortest`.
+std::vector<float> nearest_below(const TetMesh& mesh, double shortest) {
+  std::vector<float> nearest(mesh.vertex_slots(), static_cast<float>(shortest));
+  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (!mesh.alive(t)) return;
+    for (int e = 0; e < 6; ++e) {
+      const EndLengths squared = squared_lengths_of(mesh, t, e);
+      if (squared.smaller >= shortest * shortest) continue;
+      const auto length = static_cast<float>(length_of(squared));
+      for (const int k : kTetEdges[e]) parallel::lower_to(nearest[mesh.vertex(t, k).value], length);
+    }
+  });
+  return nearest;
 }
 
 }  // namespace
@@ -129,19 +132,10 @@ void split_long_edges(const TetMesh& mesh, Execution& execution, double longest,
 
 void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shortest,
                           const operators::CollapseRules& rules) {
-  execution.over_tets(
-      [&](TetId t) {
-        const EdgeList edges = short_edges(mesh, t, shortest);
-        return edges.empty() ? 0 : shortest / edges.begin()->length;
-      },
-      [&](Execution::Kernel& kernel, TetId t) {
-        for (const RankedEdge& one : short_edges(mesh, t, shortest)) {
-          const auto [i, j] = kTetEdges[one.edge];
-          if (kernel.collapse_edge(t, i, j, rules) == Outcome::kApplied ||
-              kernel.collapse_edge(t, j, i, rules) == Outcome::kApplied)
-            return;
-        }
-      });
+  const std::vector<float> nearest = nearest_below(mesh, shortest);
+  execution.over_vertices(
+      [&](VertexId v) { return shortest - nearest[v.value]; },
+      [&](Execution::Kernel& kernel, VertexId v) { kernel.collapse_vertex(v, shortest, rules); });
 }
 
 void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
@@ -166,7 +160,7 @@ void mend_worst(const TetMesh& mesh, Execution& execution, double below, const o
 }
 
 void smooth(Execution& execution, const operators::SmoothingRules& rules) {
-  execution.over_vertices([&](Execution::Kernel& kernel, VertexId v) { kernel.smooth_vertex(v, rules); });
+  execution.over_all_vertices([&](Execution::Kernel& kernel, VertexId v) { kernel.smooth_vertex(v, rules); });
 }
 
 double longest_edge(const TetMesh& mesh) {

@@ -43,7 +43,7 @@ template <class Lock>
 Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double fraction,
                                          const InsertionRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, cavity, qualities, near, shapes] = *scratch_;
+  auto& [builder, ring, ball, cavity, qualities, near, crowding, shapes] = *scratch_;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
   if (is_frozen(ring, subject_.shapes)) return Outcome::kRejected;
 
@@ -66,11 +66,14 @@ Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double
 template <class Lock>
 void Operators<Lock>::draw_in_near_vertices(VertexId into) {
   const CollapseRules rules{.most_length = 2, .least_quality = 1e-3, .least_relative = 0.3};
-  scratch_->near.assign(scratch_->cavity.too_near().begin(), scratch_->cavity.too_near().end());
-  for (const VertexId v : scratch_->near) {
+  TetMesh& mesh = subject_.mesh;
+  Scratch& scratch = *scratch_;
+  scratch.crowding.assign(scratch.cavity.too_near().begin(), scratch.cavity.too_near().end());
+  for (const VertexId v : scratch.crowding) {
+    if (!gather_ball(mesh, v, lock_, scratch.ball)) continue;
     // The new vertex made a neighbour of every vertex of its hole; a collapse before this one kept that.
-    const TetId t = subject_.mesh.incident_tet(v);
-    if (subject_.mesh.index_of(t, into) >= 0) counts_.collapse.add(collapse_held_edge(t, v, into, rules));
+    scratch.near.assign(1, {into, 0});
+    counts_.collapse.add(collapse_gathered_vertex(v, rules));
   }
 }
 

@@ -22,6 +22,11 @@ class LockScope {
   Lock& lock_;
 };
 
+struct NearVertex {
+  VertexId vertex;
+  double length = 0;
+};
+
 template <class Lock>
 struct Operators<Lock>::Scratch {
   Scratch(TetMesh& mesh, int owner) : builder{mesh, owner} {}
@@ -31,7 +36,8 @@ struct Operators<Lock>::Scratch {
   VertexBall ball;
   Cavity cavity;
   std::vector<float> qualities;
-  std::vector<VertexId> near;
+  std::vector<NearVertex> near;
+  std::vector<VertexId> crowding;
   StarShapes shapes;
 };
 

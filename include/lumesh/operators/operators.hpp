@@ -100,6 +100,8 @@ class Operators {
   /// Draws corner `from` of t into corner `to`: the tetrahedra around the edge vanish. A vertex of a curve
   /// stays on it, one of a surface on its patch, corners stay.
   Outcome collapse_edge(TetId t, int from, int to, const CollapseRules& rules);
+  /// Draws v into the nearest neighbour that will do, of those at less than `least_length`.
+  Outcome collapse_vertex(VertexId v, double least_length, const CollapseRules& rules);
 
   /// Replaces the tetrahedra around edge (corner i, corner j) of t by the best ones without it: of all
   /// triangulations of the ring, the one with the best worst quality (dynamic programming). Covers 3-2, 4-4
@@ -139,7 +141,8 @@ class Operators {
   Outcome on_held(OperatorCount& count, VertexId a, VertexId b, const Body& body);
 
   Outcome split_held_edge(TetId t, VertexId a, VertexId b, double fraction, const InsertionRules& rules);
-  Outcome collapse_held_edge(TetId t, VertexId a, VertexId b, const CollapseRules& rules);
+  Outcome collapse_gathered_vertex(VertexId v, const CollapseRules& rules);
+  void commit_collapse(VertexId from, VertexId to);
   Outcome remove_held_edge(TetId t, VertexId a, VertexId b, const SwapRules& rules);
   Outcome swap_held_face(TetId t, int face, const SwapRules& rules);
   Outcome smooth_held_vertex(VertexId v, const SmoothingRules& rules);

@@ -60,7 +60,7 @@ void shake(SweepBench& bench, int threads, int sweeps) {
               break;
           }
         });
-    execution.over_vertices(
+    execution.over_all_vertices(
         [](OrderedExecution::Kernel& kernel, VertexId v) { kernel.smooth_vertex(v, {}); });
   }
   const OperatorCounts counts = execution.counts();
