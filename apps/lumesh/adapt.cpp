@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/io/mesh_file.hpp"
@@ -25,16 +26,11 @@ struct AdaptCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, metric_path, analytic, json_path;
   std::string boundary = "adapt", reconnection = "optimised";
-  double complexity = 0;
+  double complexity = 0, gradation = 0;
+  double time_limit_s = std::numeric_limits<double>::infinity();
   AdaptOptions options;
   RunOptions run;
 };
-
-metric::MetricField field_of(const AdaptCommand& command, const MixedMesh& input, const TetMesh& mesh) {
-  if (!command.analytic.empty())
-    return metric::MetricField::analytic(*metric::analytic_kind_from(command.analytic));
-  return background_field(mesh, metric_of(input, command.mesh_path, command.metric_path));
-}
 
 /// Says no before hours of work, where the result could not fit.
 void check_request(double complexity) {
@@ -63,6 +59,7 @@ nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts) {
 
 nlohmann::ordered_json report_json(const AdaptReport& report, const Context& context, double seconds) {
   nlohmann::ordered_json json;
+  json["complete"] = report.complete;
   json["complexity"] = report.complexity;
   json["seconds"] = seconds;
   std::map<std::string, double> phases;
@@ -82,10 +79,12 @@ void run(AdaptCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
+  const LongRun long_run(context, command.run, command.time_limit_s);
   check_output_folders({command.output_path, command.json_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
-  metric::MetricField field = field_of(command, input, mesh);
+  metric::MetricField field =
+      field_of({command.mesh_path, command.metric_path, command.analytic}, input, mesh, command.gradation);
   check_request(command.complexity > 0 ? command.complexity : context.phase("complexity", [&] {
     return metric::complexity(field, mesh);
   }));
@@ -107,6 +106,7 @@ void run(AdaptCommand command) {
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",
       command.output_path, mesh.tet_count(), mesh.vertex_count(), faces.triangles.size(), report.complexity,
       elapsed.count());
+  long_run.check_complete(report.complete, command.output_path + " holds the best mesh so far");
 }
 
 }  // namespace
@@ -119,10 +119,8 @@ void add_adapt_command(CLI::App& program) {
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("-o,--output", command->output_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
       ->required();
-  CLI::Option* const metric =
-      sub->add_option("-m,--metric", command->metric_path,
-                      "Metric of the mesh's vertices (.sol, .solb); default: the mesh's own");
-  add_analytic_option(*sub, command->analytic)->excludes(metric);
+  add_metric_options(*sub, command->metric_path, command->analytic);
+  add_gradation_option(*sub, command->gradation)->excludes("--analytic");
   sub->add_option("--complexity", command->complexity,
                   "Scale the sizes until the adapted mesh has this complexity (about half its vertices)")
       ->check(positive_number());
@@ -151,6 +149,7 @@ void add_adapt_command(CLI::App& program) {
       ->check(CLI::IsMember({"optimised", "original"}))
       ->capture_default_str();
   sub->add_option("--json", command->json_path, "Write times and counts of operators as JSON");
+  add_time_limit_option(*sub, command->time_limit_s);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh adapt cube_metric.vtu -o adapted.vtu --complexity 100000");

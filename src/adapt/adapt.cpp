@@ -40,7 +40,8 @@ class Adapter {
     constexpr int kMostLevels = 200, kMostSweeps = 3;
     constexpr double kDry = 1.1;  // Of the vertices before a sweep: so little more is left to the next level.
     double bound = longest_edge(mesh_) / kLevel;
-    for (int level = 0; level < kMostLevels && bound > kNearlyThere * options_.split_above; ++level) {
+    for (int level = 0; level < kMostLevels && bound > kNearlyThere * options_.split_above && !stopped();
+         ++level) {
       bound = std::min(kSink * bound, kLevel * longest_edge(mesh_));
       bound = std::max(bound, options_.split_above);
       if (bound <= options_.split_above) collapse();  // Before, hardly any edge is short.
@@ -52,11 +53,13 @@ class Adapter {
         if (mesh_.vertex_count() < kDry * before) break;
       }
       close_pass("level " + std::to_string(level));
+      // Each level takes about as much longer as its edges are shorter.
+      context_.progress(kShareOfLevels * std::min(1.0, options_.split_above / bound));
     }
   }
 
   void improve_quality() {
-    for (int round = 0; round < options_.quality_passes; ++round) {
+    for (int round = 0; round < options_.quality_passes && !stopped(); ++round) {
       reorder_if_grown();
       phase("reconnect",
             [&] { reconnect(mesh_, execution_, options_.reconnect_below, options_.reconnection, swaps_); });
@@ -69,11 +72,13 @@ class Adapter {
         phase("smooth", [&] { smooth(execution_, smoothing_); });
       phase("mend", [&] { mend(); });
       close_pass("quality " + std::to_string(round));
+      context_.progress(kShareOfLevels + (1 - kShareOfLevels) * (round + 1) / options_.quality_passes);
     }
   }
 
   AdaptReport report() {
-    phase("reorder", [&] { mesh_.reorder_along_curve(); });
+    context_.phase("reorder", [&] { mesh_.reorder_along_curve(); });
+    report_.complete = !stopped();
     report_.counts = execution_.counts();
     report_.complexity = metric::complexity(mesh_);
     return std::move(report_);
@@ -81,10 +86,13 @@ class Adapter {
 
  private:
   static constexpr double kBadQuality = 0.5;
+  static constexpr double kShareOfLevels = 0.5;  // Of the time.
 
+  [[nodiscard]] bool stopped() const { return context_.cancelled(); }
+  /// A step that leaves the mesh valid; none begins once the run has been told to stop.
   template <class Step>
   void phase(const char* name, const Step& step) {
-    context_.phase(name, step);
+    if (!stopped()) context_.phase(name, step);
   }
 
   /// The few worst tetrahedra, as long as something changes.
@@ -167,6 +175,7 @@ AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operato
   run.coarsen();
   run.bring_to_unit_length();
   run.improve_quality();
+  context.progress(1);
   return run.report();
 }
 
@@ -177,13 +186,16 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
   constexpr int kMostRuns = 4;
   double seen = context.phase("complexity", [&] { return metric::complexity(field, mesh); });
   AdaptReport report;
-  for (int run = 0; run < kMostRuns && (run == 0 || std::abs(seen / complexity - 1) > kTolerance); ++run) {
+  for (int run = 0;
+       run < kMostRuns && (run == 0 || std::abs(seen / complexity - 1) > kTolerance) && report.complete;
+       ++run) {
     field.scale_sizes(std::cbrt(seen / complexity));
     AdaptReport next = adapt(mesh, field, shapes, options, context);
     seen = next.complexity;
     report.passes.insert(report.passes.end(), next.passes.begin(), next.passes.end());
     report.counts += next.counts;
     report.complexity = next.complexity;
+    report.complete = next.complete;
   }
   return report;
 }
