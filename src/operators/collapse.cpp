@@ -106,5 +106,8 @@ template Outcome Operators<NoLock>::collapse_edge(TetId, int, int, const Collaps
 template Outcome Operators<NoLock>::collapse_held_edge(TetId, VertexId, VertexId, const CollapseRules&);
 template Outcome Operators<OrderedLock>::collapse_edge(TetId, int, int, const CollapseRules&);
 template Outcome Operators<OrderedLock>::collapse_held_edge(TetId, VertexId, VertexId, const CollapseRules&);
+template Outcome Operators<SpeculativeLock>::collapse_edge(TetId, int, int, const CollapseRules&);
+template Outcome Operators<SpeculativeLock>::collapse_held_edge(TetId, VertexId, VertexId,
+                                                                const CollapseRules&);
 
 }  // namespace lumesh::operators

@@ -76,5 +76,6 @@ void Operators<Lock>::draw_in_near_vertices(VertexId into) {
 
 template Outcome Operators<NoLock>::split_edge(TetId, int, int, double, const InsertionRules&);
 template Outcome Operators<OrderedLock>::split_edge(TetId, int, int, double, const InsertionRules&);
+template Outcome Operators<SpeculativeLock>::split_edge(TetId, int, int, double, const InsertionRules&);
 
 }  // namespace lumesh::operators

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
+#include "execution_parts.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::operators {
 namespace {
 
-constexpr std::uint32_t kSlotBlock = 1024;
-constexpr std::size_t kItemBlock = 4096;
 constexpr std::uint32_t kLastRun = 1u << 30;  // Stamps are twice as large and stay below the dead one.
 
 std::vector<std::uint32_t> numbers_up_to(std::uint32_t count) {
@@ -31,28 +31,16 @@ std::vector<std::uint32_t> untouched(const std::vector<std::uint32_t>& items, st
 
 }  // namespace
 
-OrderedExecution::OrderedExecution(const Subject& subject, int threads)
-    : subject_(subject), threads_(std::max(1, threads)) {
-  for (int thread = 0; thread < threads_; ++thread) kernels_.emplace_back(subject, OrderedLock(), thread);
-  forget_trials();
+OrderedExecution::OrderedExecution(const Subject& subject, const parallel::TeamOptions& team)
+    : subject_(subject), team_(team), kernels_(kernels_for<OrderedLock>(subject, team_)) {
+  forget_trials(subject.mesh);
   reorder();
-}
-
-/// Epochs begin anew; those of an earlier execution on this mesh would say that nothing has changed.
-void OrderedExecution::forget_trials() {
-  TetMesh& mesh = subject_.mesh;
-  parallel::for_each_index(mesh.vertex_slots(), [&](std::size_t v) {
-    mesh.set_change_epoch(VertexId(static_cast<std::uint32_t>(v)), 0);
-  });
-  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t t) {
-    mesh.set_trial_epoch(TetId(static_cast<std::uint32_t>(t)), 0);
-  });
 }
 
 void OrderedExecution::reorder() {
   TetMesh& mesh = subject_.mesh;
   mesh.reorder_along_curve();
-  mesh.set_owners(threads_, kSlotBlock);
+  mesh.set_owners(team_.size(), kSlotBlock);
   next_run_ = 1;
   tets_ = numbers_up_to(mesh.tet_count());
   vertices_ = numbers_up_to(mesh.vertex_count());
@@ -62,17 +50,30 @@ void OrderedExecution::reorder() {
 void OrderedExecution::repartition() {
   partition_ = partition_vertices(subject_.mesh, vertices_, tets_,
                                   bucket_size_for(static_cast<std::uint32_t>(vertices_.size())));
+  order_ = parallel::order_of(partition_.conflicts);
   runs_.assign(partition_.buckets, 0);
 }
 
+/// A counting sort: each block of items counts its own, so that it knows where to put them.
 template <class Item, class BucketOf>
 OrderedExecution::Lists<Item> OrderedExecution::lists_by_bucket(const std::vector<Item>& items,
                                                                 const BucketOf& bucket_of) const {
-  Lists<Item> lists{std::vector<std::uint32_t>(partition_.buckets + 1, 0), std::vector<Item>(items.size())};
-  for (const Item& item : items) ++lists.starts[bucket_of(item) + 1];
-  std::partial_sum(lists.starts.begin(), lists.starts.end(), lists.starts.begin());
-  std::vector<std::uint32_t> next(lists.starts.begin(), lists.starts.end() - 1);
-  for (const Item& item : items) lists.items[next[bucket_of(item)]++] = item;
+  constexpr std::size_t kBlock = 1 << 17;
+  const std::size_t buckets = partition_.buckets;
+  std::vector<std::vector<std::uint32_t>> places((items.size() + kBlock - 1) / kBlock);
+  parallel::for_each_block(items.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    places[block].assign(buckets, 0);
+    for (std::size_t i = begin; i < end; ++i) ++places[block][bucket_of(items[i])];
+  });
+  Lists<Item> lists{std::vector<std::uint32_t>(buckets + 1, 0), std::vector<Item>(items.size())};
+  std::uint32_t next = 0;
+  for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
+    for (std::vector<std::uint32_t>& of_block : places) next += std::exchange(of_block[bucket], next);
+    lists.starts[bucket + 1] = next;
+  }
+  parallel::for_each_block(items.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) lists.items[places[block][bucket_of(items[i])]++] = items[i];
+  });
   return lists;
 }
 
@@ -90,7 +91,7 @@ void OrderedExecution::run_buckets(
   const std::uint32_t first = next_run_;
   next_run_ += partition_.buckets;
   LUMESH_ASSERT(next_run_ < kLastRun);
-  parallel::run_ordered(partition_.conflicts, threads_, [&](std::uint32_t bucket, int thread) {
+  parallel::run_ordered(team_, partition_.conflicts, order_, [&](std::uint32_t bucket, int thread) {
     Kernel& kernel = kernels_[static_cast<std::size_t>(thread)];
     begin_run(kernel, bucket, first + bucket);
     body(kernel, bucket, first + bucket);
@@ -100,32 +101,27 @@ void OrderedExecution::run_buckets(
 void OrderedExecution::over_tets(const std::function<double(TetId)>& urgency,
                                  const std::function<void(Kernel&, TetId)>& step) {
   TetMesh& mesh = subject_.mesh;
-  struct Urgent {
-    std::uint32_t tet;
-    float urgency;
-  };
-  const auto picked = parallel::collect_blocks<Urgent>(
-      tets_.size(), kItemBlock, [&](std::size_t begin, std::size_t end, std::vector<Urgent>& out) {
+  const auto picked = parallel::collect_blocks<UrgentTet>(
+      tets_.size(), kItemBlock, [&](std::size_t begin, std::size_t end, std::vector<UrgentTet>& out) {
         for (std::size_t i = begin; i < end; ++i)
           if (const auto value = static_cast<float>(urgency(TetId(tets_[i]))); value > 0)
             out.push_back({tets_[i], value});
       });
   if (picked.empty()) return;
-  Lists<Urgent> lists = lists_by_bucket(
-      picked, [&](const Urgent& one) { return mesh.lock_word(mesh.vertex(TetId(one.tet), 0)); });
+  Lists<UrgentTet> lists = lists_by_bucket(
+      picked, [&](const UrgentTet& one) { return mesh.lock_word(mesh.vertex(TetId(one.tet), 0)); });
   parallel::for_each_index(
       partition_.buckets,
       [&](std::size_t bucket) {
         const auto list = lists.of(static_cast<std::uint32_t>(bucket));
-        std::stable_sort(list.begin(), list.end(),
-                         [](const Urgent& a, const Urgent& b) { return a.urgency > b.urgency; });
+        std::stable_sort(list.begin(), list.end(), is_more_urgent);
       },
       1);
   const std::uint32_t first_stamp = 2 * next_run_;
   std::vector<Made> made(partition_.buckets);
   run_buckets([&](Kernel& kernel, std::uint32_t bucket, std::uint32_t run) {
     // An old stamp says that t is what it was, so that its first vertex is one of this bucket.
-    for (const Urgent& one : lists.of(bucket))
+    for (const UrgentTet& one : lists.of(bucket))
       if (const TetId t(one.tet); mesh.stamp(t) < first_stamp && kernel.try_hold(t)) step(kernel, t);
     made[bucket] = what_was_made(kernel, run);
   });
@@ -157,21 +153,30 @@ OrderedExecution::Made OrderedExecution::what_was_made(const Kernel& kernel, std
 
 /// By bucket; what a later run freed or made anew has another stamp.
 void OrderedExecution::append_made(const std::vector<Made>& made) {
+  constexpr std::size_t kBucketBlock = 16;
   const TetMesh& mesh = subject_.mesh;
   const std::uint32_t first_run = next_run_ - partition_.buckets;
-  for (std::uint32_t bucket = 0; bucket < made.size(); ++bucket) {
-    const std::uint32_t stamp = 2 * (first_run + bucket) + 1;
-    for (const std::uint32_t t : made[bucket].tets)
-      if (mesh.stamp(TetId(t)) == stamp) tets_.push_back(t);
-    for (const std::uint32_t v : made[bucket].vertices)
-      if (mesh.stamp(VertexId(v)) == stamp) vertices_.push_back(v);
-  }
+  const auto append = [&](std::vector<std::uint32_t>& items, const auto& of, const auto& stamp_of) {
+    const auto more = parallel::collect<std::uint32_t>(
+        made.size(),
+        [&](std::size_t bucket, std::vector<std::uint32_t>& out) {
+          const std::uint32_t stamp = 2 * (first_run + static_cast<std::uint32_t>(bucket)) + 1;
+          for (const std::uint32_t item : of(made[bucket]))
+            if (stamp_of(item) == stamp) out.push_back(item);
+        },
+        kBucketBlock);
+    items.insert(items.end(), more.begin(), more.end());
+  };
+  append(
+      tets_, [](const Made& one) -> const auto& { return one.tets; },
+      [&](std::uint32_t t) { return mesh.stamp(TetId(t)); });
+  append(
+      vertices_, [](const Made& one) -> const auto& { return one.vertices; },
+      [&](std::uint32_t v) { return mesh.stamp(VertexId(v)); });
 }
 
-OperatorCounts OrderedExecution::counts() const {
-  OperatorCounts sum;
-  for (const Kernel& kernel : kernels_) sum += kernel.counts();
-  return sum;
+ExecutionCounts OrderedExecution::counts() const {
+  return counts_of(kernels_, team_);
 }
 
 }  // namespace lumesh::operators

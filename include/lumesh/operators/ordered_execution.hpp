@@ -9,10 +9,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "lumesh/operators/operators.hpp"
 #include "lumesh/operators/partition.hpp"
+#include "lumesh/parallel/team.hpp"
 
 namespace lumesh::operators {
 
@@ -20,7 +22,7 @@ class OrderedExecution {
  public:
   using Kernel = Operators<OrderedLock>;
   /// The mesh must have metrics. It is reordered.
-  OrderedExecution(const Subject& subject, int threads);
+  OrderedExecution(const Subject& subject, const parallel::TeamOptions& team);
 
   /// Orders the mesh along the curve and cuts it into buckets anew. Needed when it has grown much, for
   /// locality and because buckets grow with it.
@@ -36,8 +38,7 @@ class OrderedExecution {
   /// Calls step(kernel, vertex) for every live vertex. The step must not add or free elements.
   void over_vertices(const std::function<void(Kernel&, VertexId)>& step);
 
-  /// Sum over all threads.
-  [[nodiscard]] OperatorCounts counts() const;
+  [[nodiscard]] ExecutionCounts counts() const;
 
  private:
   /// Items of each bucket, in the order of the sequence.
@@ -54,7 +55,6 @@ class OrderedExecution {
     std::vector<std::uint32_t> tets, vertices;
   };
 
-  void forget_trials();
   template <class Item, class BucketOf>
   [[nodiscard]] Lists<Item> lists_by_bucket(const std::vector<Item>& items, const BucketOf& bucket_of) const;
   void run_buckets(const std::function<void(Kernel&, std::uint32_t bucket, std::uint32_t run)>& body);
@@ -63,9 +63,10 @@ class OrderedExecution {
   void append_made(const std::vector<Made>& made);
 
   Subject subject_;
-  int threads_;
+  parallel::Team team_;
   std::vector<Kernel> kernels_;  // One per thread.
   Partition partition_;
+  parallel::TaskOrder order_;        // Of the buckets.
   std::vector<std::uint32_t> runs_;  // Of each bucket: the run whose reach it lies in.
   std::uint32_t epoch_ = 0;          // Of the sweep; goes on when the mesh is reordered.
   std::uint32_t next_run_ = 1;       // Stamps are twice the run, plus 1 once listed; see what_was_made().
