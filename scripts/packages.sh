@@ -12,7 +12,7 @@ build_packages=(
   libinsighttoolkit5-dev             # images: NRRD, GIPL, DICOM
   libcgal-dev libgmp-dev libmpfr-dev # exact predicates
   libeigen3-dev libtbb-dev libfmt-dev nlohmann-json3-dev libpugixml-dev libcli11-dev zlib1g-dev
-  libdeflate-dev libpng-dev
+  libdeflate-dev libpng-dev libhwloc-dev
 )
 # What tests the program and its files: the test framework and the programs that open what lumesh writes.
 test_packages=(python3 libgtest-dev gmsh python3-meshio python3-numpy python3-vtk9 util-linux)

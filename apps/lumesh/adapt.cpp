@@ -9,12 +9,12 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "kernel_options.hpp"
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/parallel/ordered_tasks.hpp"
 #include "lumesh/report/picture.hpp"
 #include "metric_input.hpp"
 
@@ -29,6 +29,7 @@ struct AdaptCommand {
   double complexity = 0, gradation = 0;
   double time_limit_s = std::numeric_limits<double>::infinity();
   AdaptOptions options;
+  KernelOptions kernel;
   RunOptions run;
 };
 
@@ -45,18 +46,6 @@ void check_request(double complexity) {
                   tets, tets * kBytesPerTet / 1e9, available / 1e9, complexity));
 }
 
-nlohmann::ordered_json count_json(const operators::OperatorCount& count) {
-  return {{"applied", count.applied}, {"rejected", count.rejected}, {"contended", count.contended}};
-}
-
-nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts) {
-  return {{"insertion", count_json(counts.insertion)},
-          {"collapse", count_json(counts.collapse)},
-          {"edge_removal", count_json(counts.edge_removal)},
-          {"face_swap", count_json(counts.face_swap)},
-          {"smoothing", count_json(counts.smoothing)}};
-}
-
 nlohmann::ordered_json report_json(const AdaptReport& report, const Context& context, double seconds) {
   nlohmann::ordered_json json;
   json["complete"] = report.complete;
@@ -65,7 +54,7 @@ nlohmann::ordered_json report_json(const AdaptReport& report, const Context& con
   std::map<std::string, double> phases;
   for (const PhaseTime& phase : context.phases()) phases[phase.name] += phase.seconds;
   json["seconds_by_step"] = phases;
-  json["operators"] = counts_json(report.counts);
+  add_counts_json(json, report.by_thread);
   for (const AdaptPass& pass : report.passes)
     json["passes"].push_back({{"name", pass.name},
                               {"seconds", pass.seconds},
@@ -89,7 +78,8 @@ void run(AdaptCommand command) {
     return metric::complexity(field, mesh);
   }));
 
-  command.options.threads = command.run.threads > 0 ? command.run.threads : parallel::available_threads();
+  command.options.execution = command.kernel.execution_kind();
+  command.options.team = command.kernel.team(command.run.threads);
   if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
   const auto shapes =
       command.boundary == "frozen" ? operators::all_frozen(mesh) : operators::planes_where_flat(mesh);
@@ -103,6 +93,7 @@ void run(AdaptCommand command) {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
     report::write_file(command.json_path, report_json(report, context, elapsed.count()).dump(2) + "\n");
+  print_counts(command.run, report.by_thread);
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",
       command.output_path, mesh.tet_count(), mesh.vertex_count(), faces.triangles.size(), report.complexity,
       elapsed.count());
@@ -150,6 +141,7 @@ void add_adapt_command(CLI::App& program) {
       ->capture_default_str();
   sub->add_option("--json", command->json_path, "Write times and counts of operators as JSON");
   add_time_limit_option(*sub, command->time_limit_s);
+  add_kernel_options(*sub, command->kernel);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh adapt cube_metric.vtu -o adapted.vtu --complexity 100000");

@@ -53,8 +53,9 @@ std::string given_options(const CLI::App& command) {
   std::string all;
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
-    constexpr std::string_view kElsewhere[] = {"--threads", "--verbose", "--quiet",
-                                               "--output",  "--surface", "--json"};
+    constexpr std::string_view kElsewhere[] = {"--threads", "--verbose",  "--quiet",
+                                               "--output",  "--surface",  "--json",
+                                               "--balance", "--topology", "--pin"};
     if (std::find(std::begin(kElsewhere), std::end(kElsewhere), name) != std::end(kElsewhere)) continue;
     if (option->count() == 0 || option->get_positional()) continue;
     all += (all.empty() ? "" : " ") + name;
@@ -67,7 +68,7 @@ std::string given_options(const CLI::App& command) {
 }  // namespace
 
 void add_threads_option(CLI::App& command, RunOptions& options) {
-  command.add_option("--threads", options.threads, "Threads; 0 = all cores")
+  command.add_option("--threads,--nthreads", options.threads, "Threads; 0 = all cores")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
 }

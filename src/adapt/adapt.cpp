@@ -11,14 +11,12 @@ namespace lumesh {
 namespace {
 
 /// What one run of adapt() works with.
+template <class Execution>
 class Adapter {
  public:
   Adapter(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
           const AdaptOptions& options, Context& context)
-      : mesh_(mesh),
-        execution_({mesh, field, shapes}, options.threads),
-        options_(options),
-        context_(context) {
+      : mesh_(mesh), execution_({mesh, field, shapes}, options.team), options_(options), context_(context) {
     insertion_.least_length = options.least_length;
   }
 
@@ -79,7 +77,8 @@ class Adapter {
   AdaptReport report() {
     context_.phase("reorder", [&] { mesh_.reorder_along_curve(); });
     report_.complete = !stopped();
-    report_.counts = execution_.counts();
+    report_.by_thread = execution_.counts();
+    report_.counts = report_.by_thread.of_all_threads();
     report_.complexity = metric::complexity(mesh_);
     return std::move(report_);
   }
@@ -88,6 +87,7 @@ class Adapter {
   static constexpr double kBadQuality = 0.5;
   static constexpr double kShareOfLevels = 0.5;  // Of the time.
 
+  [[nodiscard]] operators::OperatorCounts counts() const { return execution_.counts().of_all_threads(); }
   [[nodiscard]] bool stopped() const { return context_.cancelled(); }
   /// A step that leaves the mesh valid; none begins once the run has been told to stop.
   template <class Step>
@@ -99,9 +99,9 @@ class Adapter {
   void mend() {
     constexpr int kMostSweeps = 5;
     for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
-      const std::uint64_t before = execution_.counts().applied();
+      const std::uint64_t before = counts().applied();
       mend_worst(mesh_, execution_, kBadQuality, swaps_, smoothing_);
-      if (execution_.counts().applied() == before) break;
+      if (counts().applied() == before) break;
     }
   }
   void partition() {
@@ -129,7 +129,7 @@ class Adapter {
     const auto now = std::chrono::steady_clock::now();
     const std::chrono::duration<double> elapsed = now - pass_began_;
     pass_began_ = now;
-    const operators::OperatorCounts so_far = execution_.counts();
+    const operators::OperatorCounts so_far = counts();
     report_.passes.push_back(
         {std::move(name), elapsed.count(), mesh_.tet_count(), mesh_.vertex_count(), so_far});
     report_.passes.back().counts -= counted_;
@@ -149,6 +149,17 @@ class Adapter {
   std::chrono::steady_clock::time_point pass_began_ = std::chrono::steady_clock::now();
   AdaptReport report_;
 };
+
+template <class Execution>
+AdaptReport adapt_by(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
+                     const AdaptOptions& options, Context& context) {
+  Adapter<Execution> run(mesh, field, shapes, options, context);
+  run.coarsen();
+  run.bring_to_unit_length();
+  run.improve_quality();
+  context.progress(1);
+  return run.report();
+}
 
 }  // namespace
 
@@ -171,12 +182,9 @@ AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operato
   options.validate();
   if (mesh.tet_count() == 0) throw Error(ErrorKind::kBadInput, "adapt: the mesh has no tetrahedra");
   context.phase("metric", [&] { metric::assign_metric(mesh, field); });
-  Adapter run(mesh, field, shapes, options, context);
-  run.coarsen();
-  run.bring_to_unit_length();
-  run.improve_quality();
-  context.progress(1);
-  return run.report();
+  if (options.execution == ExecutionKind::kSpeculative)
+    return adapt_by<operators::SpeculativeExecution>(mesh, field, shapes, options, context);
+  return adapt_by<operators::OrderedExecution>(mesh, field, shapes, options, context);
 }
 
 AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
@@ -194,6 +202,7 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
     seen = next.complexity;
     report.passes.insert(report.passes.end(), next.passes.begin(), next.passes.end());
     report.counts += next.counts;
+    report.by_thread += next.by_thread;
     report.complexity = next.complexity;
     report.complete = next.complete;
   }

@@ -113,6 +113,7 @@ std::vector<float> nearest_below(const TetMesh& mesh, double shortest) {
 
 }  // namespace
 
+template <class Execution>
 void split_long_edges(const TetMesh& mesh, Execution& execution, double longest, SplitRank rank,
                       const operators::InsertionRules& rules) {
   execution.over_tets(
@@ -120,7 +121,7 @@ void split_long_edges(const TetMesh& mesh, Execution& execution, double longest,
         const EdgeList edges = long_edges(mesh, t, longest, rank);
         return edges.empty() ? 0 : edges.begin()->length;
       },
-      [&](Execution::Kernel& kernel, TetId t) {
+      [&](auto& kernel, TetId t) {
         for (const RankedEdge& one : long_edges(mesh, t, longest, rank)) {
           const auto [i, j] = kTetEdges[one.edge];
           if (kernel.split_edge(t, i, j, fraction_of(one.length), rules_for(one.length, longest, rules)) ==
@@ -130,14 +131,16 @@ void split_long_edges(const TetMesh& mesh, Execution& execution, double longest,
       });
 }
 
+template <class Execution>
 void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shortest,
                           const operators::CollapseRules& rules) {
   const std::vector<float> nearest = nearest_below(mesh, shortest);
-  execution.over_vertices(
+  execution.over_urgent_vertices(
       [&](VertexId v) { return shortest - nearest[v.value]; },
-      [&](Execution::Kernel& kernel, VertexId v) { kernel.collapse_vertex(v, shortest, rules); });
+      [&](auto& kernel, VertexId v) { kernel.collapse_vertex(v, shortest, rules); });
 }
 
+template <class Execution>
 void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
                const operators::SwapRules& rules) {
   execution.over_tets(
@@ -147,21 +150,43 @@ void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnec
                    ? urgency
                    : 0;
       },
-      [&](Execution::Kernel& kernel, TetId t) { kernel.reconnect(t, rules); });
+      [&](auto& kernel, TetId t) { kernel.reconnect(t, rules); });
 }
 
+template <class Execution>
 void mend_worst(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& swaps,
                 const operators::SmoothingRules& smoothing) {
   execution.over_tets([&](TetId t) { return below - mesh.quality(t); },
-                      [&](Execution::Kernel& kernel, TetId t) {
+                      [&](auto& kernel, TetId t) {
                         if (kernel.reconnect(t, swaps) == Outcome::kApplied) return;
                         for (int k = 0; k < 4; ++k) kernel.smooth_vertex(mesh.vertex(t, k), smoothing);
                       });
 }
 
+template <class Execution>
 void smooth(Execution& execution, const operators::SmoothingRules& rules) {
-  execution.over_all_vertices([&](Execution::Kernel& kernel, VertexId v) { kernel.smooth_vertex(v, rules); });
+  execution.over_vertices([&](auto& kernel, VertexId v) { kernel.smooth_vertex(v, rules); });
 }
+
+template void split_long_edges(const TetMesh&, operators::OrderedExecution&, double, SplitRank,
+                               const operators::InsertionRules&);
+template void collapse_short_edges(const TetMesh&, operators::OrderedExecution&, double,
+                                   const operators::CollapseRules&);
+template void reconnect(const TetMesh&, operators::OrderedExecution&, double, Reconnection,
+                        const operators::SwapRules&);
+template void mend_worst(const TetMesh&, operators::OrderedExecution&, double, const operators::SwapRules&,
+                         const operators::SmoothingRules&);
+template void smooth(operators::OrderedExecution&, const operators::SmoothingRules&);
+
+template void split_long_edges(const TetMesh&, operators::SpeculativeExecution&, double, SplitRank,
+                               const operators::InsertionRules&);
+template void collapse_short_edges(const TetMesh&, operators::SpeculativeExecution&, double,
+                                   const operators::CollapseRules&);
+template void reconnect(const TetMesh&, operators::SpeculativeExecution&, double, Reconnection,
+                        const operators::SwapRules&);
+template void mend_worst(const TetMesh&, operators::SpeculativeExecution&, double,
+                         const operators::SwapRules&, const operators::SmoothingRules&);
+template void smooth(operators::SpeculativeExecution&, const operators::SmoothingRules&);
 
 double longest_edge(const TetMesh& mesh) {
   constexpr std::size_t kBlock = 4096;

@@ -1,35 +1,40 @@
 #pragma once
-/// @file One sweep of one operator over the mesh.
+/// @file One sweep of one operator over the mesh, for every execution (OrderedExecution,
+/// SpeculativeExecution).
 
 #include "lumesh/adapt/adapt.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/operators/ordered_execution.hpp"
+#include "lumesh/operators/speculative_execution.hpp"
 
 namespace lumesh {
-
-using Execution = operators::OrderedExecution;
 
 /// Whose edges a splitting sweep looks at.
 enum class SplitRank : std::uint8_t { kCurves, kSurfaces, kAll };
 
 /// Splits the edges longer than `longest`, in each tetrahedron the longest one first. Edges longer than 2.5
 /// are cut at a third, so that the parts come near to unit length.
+template <class Execution>
 void split_long_edges(const TetMesh& mesh, Execution& execution, double longest, SplitRank rank,
                       const operators::InsertionRules& rules);
 
 /// Collapses the edges shorter than `shortest`, in each tetrahedron the shortest one first.
+template <class Execution>
 void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shortest,
                           const operators::CollapseRules& rules);
 
 /// Tries edge removal and face swap on the tetrahedra whose quality is below `below`.
+template <class Execution>
 void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
                const operators::SwapRules& rules);
 
 /// Reconnects the tetrahedra whose quality is below `below`, or moves the vertices of those that cannot be.
+template <class Execution>
 void mend_worst(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& swaps,
                 const operators::SmoothingRules& smoothing);
 
 /// Moves every vertex once.
+template <class Execution>
 void smooth(Execution& execution, const operators::SmoothingRules& rules);
 
 /// The longest edge in the metric.

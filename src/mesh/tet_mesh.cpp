@@ -92,7 +92,7 @@ VertexId TetMesh::add_vertex(const Vec3& point, int owner, std::uint32_t stamp) 
   });
   points_[slot] = point;
   incident_[slot] = TetId();
-  lock_words_[slot] = 0;
+  parallel::store_relaxed(lock_words_[slot], kNoOwner);
   set_stamp(VertexId(slot), stamp);
   dimensions_[slot] = VertexDimension::kVolume;
   if (has_metric()) {
@@ -108,7 +108,7 @@ TetId TetMesh::add_tet(const Cell<4>& vertices, Label label, int owner, std::uin
     commit_tets(end);
     for (std::uint32_t t = begin; t < end; ++t) tets_[t] = kDeadTet;
   });
-  tets_[slot] = vertices;
+  set_tet(TetId(slot), vertices);
   links_[slot] = {};
   labels_[slot] = label;
   set_stamp(TetId(slot), stamp);
@@ -127,7 +127,7 @@ void TetMesh::free_vertex(VertexId v, int owner) {
 
 void TetMesh::free_tet(TetId t, int owner) {
   LUMESH_DEBUG_ASSERT(alive(t));
-  tets_[t.value] = kDeadTet;
+  set_tet(t, kDeadTet);
   set_stamp(t, kDeadStamp);
   tet_pool_.give(owner, t.value);
 }

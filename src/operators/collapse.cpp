@@ -165,5 +165,9 @@ template Outcome Operators<OrderedLock>::collapse_edge(TetId, int, int, const Co
 template Outcome Operators<OrderedLock>::collapse_vertex(VertexId, double, const CollapseRules&);
 template Outcome Operators<OrderedLock>::collapse_gathered_vertex(VertexId, const CollapseRules&);
 template void Operators<OrderedLock>::commit_collapse(VertexId, VertexId);
+template Outcome Operators<SpeculativeLock>::collapse_edge(TetId, int, int, const CollapseRules&);
+template Outcome Operators<SpeculativeLock>::collapse_vertex(VertexId, double, const CollapseRules&);
+template Outcome Operators<SpeculativeLock>::collapse_gathered_vertex(VertexId, const CollapseRules&);
+template void Operators<SpeculativeLock>::commit_collapse(VertexId, VertexId);
 
 }  // namespace lumesh::operators

@@ -205,5 +205,6 @@ Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const
 
 template Outcome Operators<NoLock>::remove_edge(TetId, int, int, const SwapRules&);
 template Outcome Operators<OrderedLock>::remove_edge(TetId, int, int, const SwapRules&);
+template Outcome Operators<SpeculativeLock>::remove_edge(TetId, int, int, const SwapRules&);
 
 }  // namespace lumesh::operators

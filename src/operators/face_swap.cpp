@@ -61,5 +61,6 @@ Outcome Operators<Lock>::swap_held_face(TetId t, int face, const SwapRules& rule
 
 template Outcome Operators<NoLock>::swap_face(TetId, int, const SwapRules&);
 template Outcome Operators<OrderedLock>::swap_face(TetId, int, const SwapRules&);
+template Outcome Operators<SpeculativeLock>::swap_face(TetId, int, const SwapRules&);
 
 }  // namespace lumesh::operators

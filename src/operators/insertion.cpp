@@ -70,14 +70,14 @@ void Operators<Lock>::draw_in_near_vertices(VertexId into) {
   Scratch& scratch = *scratch_;
   scratch.crowding.assign(scratch.cavity.too_near().begin(), scratch.cavity.too_near().end());
   for (const VertexId v : scratch.crowding) {
-    if (!gather_ball(mesh, v, lock_, scratch.ball)) continue;
-    // The new vertex made a neighbour of every vertex of its hole; a collapse before this one kept that.
     scratch.near.assign(1, {into, 0});
-    counts_.collapse.add(collapse_gathered_vertex(v, rules));
+    counts_.collapse.add(gather_ball(mesh, v, lock_, scratch.ball) ? collapse_gathered_vertex(v, rules)
+                                                                   : Outcome::kContended);
   }
 }
 
 template Outcome Operators<NoLock>::split_edge(TetId, int, int, double, const InsertionRules&);
 template Outcome Operators<OrderedLock>::split_edge(TetId, int, int, double, const InsertionRules&);
+template Outcome Operators<SpeculativeLock>::split_edge(TetId, int, int, double, const InsertionRules&);
 
 }  // namespace lumesh::operators

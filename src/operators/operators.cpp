@@ -19,6 +19,22 @@ std::array<int, 2> other_corners(int i, int j) {
   return others;
 }
 
+OperatorCounts ExecutionCounts::of_all_threads() const {
+  OperatorCounts sum;
+  for (const OperatorCounts& counts : by_thread) sum += counts;
+  return sum;
+}
+
+ExecutionCounts& ExecutionCounts::operator+=(const ExecutionCounts& other) {
+  by_thread.resize(other.by_thread.size());
+  hand_overs.resize(other.hand_overs.size());
+  for (std::size_t thread = 0; thread < by_thread.size(); ++thread) {
+    by_thread[thread] += other.by_thread[thread];
+    hand_overs[thread] += other.hand_overs[thread];
+  }
+  return *this;
+}
+
 template <class Lock>
 Operators<Lock>::Operators(const Subject& subject, Lock lock, int owner)
     : subject_(subject), lock_(std::move(lock)), scratch_(std::make_shared<Scratch>(subject.mesh, owner)) {
@@ -71,8 +87,9 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
 
 template <class Lock>
 bool Operators<Lock>::try_hold(TetId t) {
-  const Cell<4>& v = subject_.mesh.tet(t);
-  return std::all_of(v.begin(), v.end(),
+  const Cell<4> v = subject_.mesh.unheld_tet(t);
+  return std::none_of(v.begin(), v.end(), [](std::uint32_t corner) { return corner == VertexId::kNone; }) &&
+         std::all_of(v.begin(), v.end(),
                      [&](std::uint32_t corner) { return lock_.try_lock(VertexId(corner)); });
 }
 
@@ -90,5 +107,12 @@ template const std::vector<TetId>& Operators<OrderedLock>::made_tets() const;
 template const std::vector<VertexId>& Operators<OrderedLock>::made_vertices() const;
 template Outcome Operators<OrderedLock>::reconnect(TetId, const SwapRules&);
 template bool Operators<OrderedLock>::try_hold(TetId);
+
+template Operators<SpeculativeLock>::Operators(const Subject&, SpeculativeLock, int);
+template void Operators<SpeculativeLock>::begin_run(const SpeculativeLock&, std::uint32_t, std::uint32_t);
+template const std::vector<TetId>& Operators<SpeculativeLock>::made_tets() const;
+template const std::vector<VertexId>& Operators<SpeculativeLock>::made_vertices() const;
+template Outcome Operators<SpeculativeLock>::reconnect(TetId, const SwapRules&);
+template bool Operators<SpeculativeLock>::try_hold(TetId);
 
 }  // namespace lumesh::operators

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
+#include "execution_parts.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::operators {
 namespace {
 
-constexpr std::uint32_t kSlotBlock = 1024;
-constexpr std::size_t kItemBlock = 4096;
 constexpr std::uint32_t kLastRun = 1u << 30;  // Stamps are twice as large and stay below the dead one.
 
 std::vector<std::uint32_t> numbers_up_to(std::uint32_t count) {
@@ -31,28 +31,16 @@ std::vector<std::uint32_t> untouched(const std::vector<std::uint32_t>& items, st
 
 }  // namespace
 
-OrderedExecution::OrderedExecution(const Subject& subject, int threads)
-    : subject_(subject), threads_(std::max(1, threads)) {
-  for (int thread = 0; thread < threads_; ++thread) kernels_.emplace_back(subject, OrderedLock(), thread);
-  forget_trials();
+OrderedExecution::OrderedExecution(const Subject& subject, const parallel::TeamOptions& team)
+    : subject_(subject), team_(team), kernels_(kernels_for<OrderedLock>(subject, team_)) {
+  forget_trials(subject.mesh);
   reorder();
-}
-
-/// Epochs begin anew; those of an earlier execution on this mesh would say that nothing has changed.
-void OrderedExecution::forget_trials() {
-  TetMesh& mesh = subject_.mesh;
-  parallel::for_each_index(mesh.vertex_slots(), [&](std::size_t v) {
-    mesh.set_change_epoch(VertexId(static_cast<std::uint32_t>(v)), 0);
-  });
-  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t t) {
-    mesh.set_trial_epoch(TetId(static_cast<std::uint32_t>(t)), 0);
-  });
 }
 
 void OrderedExecution::reorder() {
   TetMesh& mesh = subject_.mesh;
   mesh.reorder_along_curve();
-  mesh.set_owners(threads_, kSlotBlock);
+  mesh.set_owners(team_.size(), kSlotBlock);
   next_run_ = 1;
   tets_ = numbers_up_to(mesh.tet_count());
   vertices_ = numbers_up_to(mesh.vertex_count());
@@ -62,17 +50,30 @@ void OrderedExecution::reorder() {
 void OrderedExecution::repartition() {
   partition_ = partition_vertices(subject_.mesh, vertices_, tets_,
                                   bucket_size_for(static_cast<std::uint32_t>(vertices_.size())));
+  order_ = parallel::order_of(partition_.conflicts);
   runs_.assign(partition_.buckets, 0);
 }
 
+/// A counting sort: each block of items counts its own, so that it knows where to put them.
 template <class Item, class BucketOf>
 OrderedExecution::Lists<Item> OrderedExecution::lists_by_bucket(const std::vector<Item>& items,
                                                                 const BucketOf& bucket_of) const {
-  Lists<Item> lists{std::vector<std::uint32_t>(partition_.buckets + 1, 0), std::vector<Item>(items.size())};
-  for (const Item& item : items) ++lists.starts[bucket_of(item) + 1];
-  std::partial_sum(lists.starts.begin(), lists.starts.end(), lists.starts.begin());
-  std::vector<std::uint32_t> next(lists.starts.begin(), lists.starts.end() - 1);
-  for (const Item& item : items) lists.items[next[bucket_of(item)]++] = item;
+  constexpr std::size_t kBlock = 1 << 17;
+  const std::size_t buckets = partition_.buckets;
+  std::vector<std::vector<std::uint32_t>> places((items.size() + kBlock - 1) / kBlock);
+  parallel::for_each_block(items.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    places[block].assign(buckets, 0);
+    for (std::size_t i = begin; i < end; ++i) ++places[block][bucket_of(items[i])];
+  });
+  Lists<Item> lists{std::vector<std::uint32_t>(buckets + 1, 0), std::vector<Item>(items.size())};
+  std::uint32_t next = 0;
+  for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
+    for (std::vector<std::uint32_t>& of_block : places) next += std::exchange(of_block[bucket], next);
+    lists.starts[bucket + 1] = next;
+  }
+  parallel::for_each_block(items.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) lists.items[places[block][bucket_of(items[i])]++] = items[i];
+  });
   return lists;
 }
 
@@ -90,7 +91,7 @@ void OrderedExecution::run_buckets(
   const std::uint32_t first = next_run_;
   next_run_ += partition_.buckets;
   LUMESH_ASSERT(next_run_ < kLastRun);
-  parallel::run_ordered(partition_.conflicts, threads_, [&](std::uint32_t bucket, int thread) {
+  parallel::run_ordered(team_, partition_.conflicts, order_, [&](std::uint32_t bucket, int thread) {
     Kernel& kernel = kernels_[static_cast<std::size_t>(thread)];
     begin_run(kernel, bucket, first + bucket);
     body(kernel, bucket, first + bucket);
@@ -112,8 +113,7 @@ void OrderedExecution::over_urgent(const std::vector<std::uint32_t>& items, cons
       partition_.buckets,
       [&](std::size_t bucket) {
         const auto list = lists.of(static_cast<std::uint32_t>(bucket));
-        std::stable_sort(list.begin(), list.end(),
-                         [](const UrgentItem& a, const UrgentItem& b) { return a.urgency > b.urgency; });
+        std::stable_sort(list.begin(), list.end(), is_more_urgent);
       },
       1);
   const std::uint32_t first_stamp = 2 * next_run_;
@@ -141,8 +141,8 @@ void OrderedExecution::over_tets(const std::function<double(TetId)>& urgency,
       });
 }
 
-void OrderedExecution::over_vertices(const std::function<double(VertexId)>& urgency,
-                                     const std::function<void(Kernel&, VertexId)>& step) {
+void OrderedExecution::over_urgent_vertices(const std::function<double(VertexId)>& urgency,
+                                            const std::function<void(Kernel&, VertexId)>& step) {
   TetMesh& mesh = subject_.mesh;
   over_urgent(
       vertices_, [&](std::uint32_t v) { return urgency(VertexId(v)); },
@@ -153,7 +153,7 @@ void OrderedExecution::over_vertices(const std::function<double(VertexId)>& urge
       });
 }
 
-void OrderedExecution::over_all_vertices(const std::function<void(Kernel&, VertexId)>& step) {
+void OrderedExecution::over_vertices(const std::function<void(Kernel&, VertexId)>& step) {
   Lists<std::uint32_t> lists =
       lists_by_bucket(vertices_, [&](std::uint32_t v) { return subject_.mesh.lock_word(VertexId(v)); });
   run_buckets([&](Kernel& kernel, std::uint32_t bucket, std::uint32_t /*run*/) {
@@ -176,21 +176,30 @@ OrderedExecution::Made OrderedExecution::what_was_made(const Kernel& kernel, std
 
 /// By bucket; what a later run freed or made anew has another stamp.
 void OrderedExecution::append_made(const std::vector<Made>& made) {
+  constexpr std::size_t kBucketBlock = 16;
   const TetMesh& mesh = subject_.mesh;
   const std::uint32_t first_run = next_run_ - partition_.buckets;
-  for (std::uint32_t bucket = 0; bucket < made.size(); ++bucket) {
-    const std::uint32_t stamp = 2 * (first_run + bucket) + 1;
-    for (const std::uint32_t t : made[bucket].tets)
-      if (mesh.stamp(TetId(t)) == stamp) tets_.push_back(t);
-    for (const std::uint32_t v : made[bucket].vertices)
-      if (mesh.stamp(VertexId(v)) == stamp) vertices_.push_back(v);
-  }
+  const auto append = [&](std::vector<std::uint32_t>& items, const auto& of, const auto& stamp_of) {
+    const auto more = parallel::collect<std::uint32_t>(
+        made.size(),
+        [&](std::size_t bucket, std::vector<std::uint32_t>& out) {
+          const std::uint32_t stamp = 2 * (first_run + static_cast<std::uint32_t>(bucket)) + 1;
+          for (const std::uint32_t item : of(made[bucket]))
+            if (stamp_of(item) == stamp) out.push_back(item);
+        },
+        kBucketBlock);
+    items.insert(items.end(), more.begin(), more.end());
+  };
+  append(
+      tets_, [](const Made& one) -> const auto& { return one.tets; },
+      [&](std::uint32_t t) { return mesh.stamp(TetId(t)); });
+  append(
+      vertices_, [](const Made& one) -> const auto& { return one.vertices; },
+      [&](std::uint32_t v) { return mesh.stamp(VertexId(v)); });
 }
 
-OperatorCounts OrderedExecution::counts() const {
-  OperatorCounts sum;
-  for (const Kernel& kernel : kernels_) sum += kernel.counts();
-  return sum;
+ExecutionCounts OrderedExecution::counts() const {
+  return counts_of(kernels_, team_);
 }
 
 }  // namespace lumesh::operators

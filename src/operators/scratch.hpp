@@ -9,17 +9,18 @@
 
 namespace lumesh::operators {
 
-/// Frees what an operator locked when it is done.
+/// Frees what was locked since it was made.
 template <class Lock>
 class LockScope {
  public:
-  explicit LockScope(Lock& lock) : lock_(lock) {}
-  ~LockScope() { lock_.release_all(); }
+  explicit LockScope(Lock& lock) : lock_(lock), mark_(lock.mark()) {}
+  ~LockScope() { lock_.release_to(mark_); }
   LockScope(const LockScope&) = delete;
   LockScope& operator=(const LockScope&) = delete;
 
  private:
   Lock& lock_;
+  std::size_t mark_;
 };
 
 struct NearVertex {
@@ -45,7 +46,8 @@ template <class Lock>
 template <class Body>
 Outcome Operators<Lock>::on_held(OperatorCount& count, VertexId a, VertexId b, const Body& body) {
   const LockScope scope(lock_);
-  const Outcome outcome = lock_.try_lock(a) && lock_.try_lock(b) ? body() : Outcome::kContended;
+  Outcome outcome = lock_.try_lock(a) && lock_.try_lock(b) ? body() : Outcome::kContended;
+  if (outcome == Outcome::kRejected && lock_.was_refused()) outcome = Outcome::kContended;
   count.add(outcome);
   return outcome;
 }

@@ -184,5 +184,6 @@ bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, d
 
 template Outcome Operators<NoLock>::smooth_vertex(VertexId, const SmoothingRules&);
 template Outcome Operators<OrderedLock>::smooth_vertex(VertexId, const SmoothingRules&);
+template Outcome Operators<SpeculativeLock>::smooth_vertex(VertexId, const SmoothingRules&);
 
 }  // namespace lumesh::operators

@@ -1,88 +1,17 @@
 #include "lumesh/parallel/ordered_tasks.hpp"
 
 #include <algorithm>
-#include <condition_variable>
-#include <exception>
+#include <atomic>
 #include <functional>
-#include <mutex>
-#include <queue>
 #include <thread>
+
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/work_lists.hpp"
 
 namespace lumesh::parallel {
 namespace {
 
-/// The tasks that may run now, and how many predecessors the others still wait for. One mutex guards it all:
-/// a task takes milliseconds.
-class ReadyTasks {
- public:
-  explicit ReadyTasks(const TaskGraph& conflicts)
-      : conflicts_(conflicts),
-        colours_(colours_of(conflicts)),
-        waits_for_(conflicts.size()),
-        left_(conflicts.size()) {
-    for (std::uint32_t task = 0; task < conflicts.size(); ++task) {
-      const auto before = conflicts.neighbours(task);
-      waits_for_[task] = static_cast<std::uint32_t>(std::count_if(
-          before.begin(), before.end(), [&](std::uint32_t other) { return precedes(other, task); }));
-      if (waits_for_[task] == 0) ready_.push({colours_[task], task});
-    }
-  }
-
-  /// Waits for a task. @return false when all are done or one has failed.
-  bool take(std::uint32_t& task) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return !ready_.empty() || left_ == 0 || failure_; });
-    if (left_ == 0 || failure_) return false;
-    task = ready_.top().second;
-    ready_.pop();
-    return true;
-  }
-
-  void done(std::uint32_t task) {
-    const std::lock_guard lock(mutex_);
-    std::size_t woken = 0;
-    for (const std::uint32_t other : conflicts_.neighbours(task)) {
-      if (precedes(other, task) || --waits_for_[other] > 0) continue;
-      ready_.push({colours_[other], other});
-      ++woken;
-    }
-    if (--left_ == 0) {
-      changed_.notify_all();
-    } else {
-      for (; woken > 1; --woken) changed_.notify_one();  // The caller takes one of them itself.
-    }
-  }
-
-  void failed(std::exception_ptr failure) {
-    const std::lock_guard lock(mutex_);
-    if (!failure_) failure_ = std::move(failure);
-    changed_.notify_all();
-  }
-  [[nodiscard]] std::exception_ptr failure() const { return failure_; }
-
- private:
-  [[nodiscard]] bool precedes(std::uint32_t a, std::uint32_t b) const {
-    return std::pair(colours_[a], a) < std::pair(colours_[b], b);
-  }
-
-  using Ranked = std::pair<std::uint32_t, std::uint32_t>;
-  const TaskGraph& conflicts_;
-  std::vector<std::uint32_t> colours_;
-  std::vector<std::uint32_t> waits_for_;
-  std::priority_queue<Ranked, std::vector<Ranked>, std::greater<>> ready_;
-  std::size_t left_;
-  std::exception_ptr failure_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-};
-
-}  // namespace
-
-int available_threads() {
-  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-}
-
-std::vector<std::uint32_t> colours_of(const TaskGraph& conflicts) {
+std::vector<std::uint32_t> greedy_colours(const TaskGraph& conflicts) {
   constexpr std::uint32_t kNone = ~0u;
   std::vector<std::uint32_t> colours(conflicts.size(), kNone), seen;  // seen[c] == task: a neighbour has it.
   for (std::uint32_t task = 0; task < conflicts.size(); ++task) {
@@ -98,22 +27,80 @@ std::vector<std::uint32_t> colours_of(const TaskGraph& conflicts) {
   return colours;
 }
 
-void run_ordered(const TaskGraph& conflicts, int threads,
-                 const std::function<void(std::uint32_t, int)>& body) {
-  ReadyTasks ready(conflicts);
-  const auto work = [&](int thread) {
+/// Runs body(thread) on as many threads as there are tasks for; an exception ends the lists and is thrown
+/// here.
+void run_on_lists(Team& team, int threads, WorkLists& lists, const std::function<void(int)>& body) {
+  team.run(threads, [&](int thread) {
     try {
-      for (std::uint32_t task = 0; ready.take(task); ready.done(task)) body(task, thread);
+      body(thread);
     } catch (...) {
-      ready.failed(std::current_exception());
+      lists.end();
+      throw;
     }
-  };
-  {
-    std::vector<std::jthread> team;
-    for (int thread = 1; thread < threads; ++thread) team.emplace_back(work, thread);
-    work(0);
+  });
+  team.add_hand_overs(lists.hand_overs());
+}
+
+int threads_for(const Team& team, std::uint32_t tasks) {
+  return static_cast<int>(std::min(static_cast<std::uint32_t>(team.size()), tasks));
+}
+
+}  // namespace
+
+int available_threads() {
+  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+TaskOrder order_of(const TaskGraph& conflicts) {
+  TaskOrder order{greedy_colours(conflicts), std::vector<std::uint32_t>(conflicts.size())};
+  for_each_index(conflicts.size(), [&](std::size_t i) {
+    const auto task = static_cast<std::uint32_t>(i);
+    const auto others = conflicts.neighbours(task);
+    order.waits_for[i] = static_cast<std::uint32_t>(std::count_if(
+        others.begin(), others.end(), [&](std::uint32_t other) { return order.precedes(other, task); }));
+  });
+  return order;
+}
+
+void run_ordered(Team& team, const TaskGraph& conflicts, const TaskOrder& order,
+                 const std::function<void(std::uint32_t, int)>& body) {
+  if (conflicts.size() == 0) return;
+  const int threads = threads_for(team, conflicts.size());
+  WorkLists lists(team, threads, conflicts.size());
+  std::vector<std::atomic<std::uint32_t>> waits_for(conflicts.size());
+  for (std::uint32_t task = 0; task < conflicts.size(); ++task) {
+    waits_for[task].store(order.waits_for[task], std::memory_order_relaxed);  // Team::run() makes it visible.
+    if (order.waits_for[task] == 0) lists.put_first({order.colours[task], task});
   }
-  if (ready.failure()) std::rethrow_exception(ready.failure());
+  run_on_lists(team, threads, lists, [&](int thread) {
+    for (std::uint32_t task = 0; lists.take(thread, task); lists.done()) {
+      body(task, thread);
+      for (const std::uint32_t other : conflicts.neighbours(task)) {
+        if (order.precedes(other, task)) continue;
+        // Release what this task wrote; the last one acquires what all the others did.
+        if (waits_for[other].fetch_sub(1, std::memory_order_acq_rel) == 1)
+          lists.put({order.colours[other], other}, thread);
+      }
+    }
+  });
+}
+
+void run_freely(Team& team, std::uint32_t tasks, const std::function<TaskEnd(std::uint32_t, int)>& body) {
+  if (tasks == 0) return;
+  const int threads = threads_for(team, tasks);
+  WorkLists lists(team, threads, tasks);
+  for (std::uint32_t task = 0; task < tasks; ++task) lists.put_first({0, task});
+  run_on_lists(team, threads, lists, [&](int thread) {
+    for (std::uint32_t task = 0; lists.take(thread, task);) {
+      const TaskEnd end = body(task, thread);
+      if (end == TaskEnd::kDone) {
+        lists.done();
+        continue;
+      }
+      lists.put_back(task, thread);
+      if (end == TaskEnd::kNothingDone) lists.step_aside(thread);
+    }
+  });
 }
 
 }  // namespace lumesh::parallel

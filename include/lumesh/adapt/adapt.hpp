@@ -11,6 +11,7 @@
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/operators/operators.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
+#include "lumesh/parallel/team.hpp"
 
 namespace lumesh {
 
@@ -19,6 +20,12 @@ enum class Reconnection : std::uint8_t {
   kOriginal,   ///< All.
   kOptimised,  ///< Those around which something changed since the last trial (the paper's algorithm 2,
                ///< refined).
+};
+
+/// How threads share a mesh that all of them change.
+enum class ExecutionKind : std::uint8_t {
+  kOrdered,      ///< operators::OrderedExecution: the same bits for every number of threads.
+  kSpeculative,  ///< operators::SpeculativeExecution.
 };
 
 /// Lengths and qualities (mean ratios) are those of the metric. In brackets the paper's names.
@@ -31,7 +38,8 @@ struct AdaptOptions {
   double reconnect_below = 0.6;              ///< Quality of the tetrahedra to reconnect, 0 to 1.
 
   Reconnection reconnection = Reconnection::kOptimised;
-  int threads = 1;  ///< >= 1; the result is the same for every number.
+  ExecutionKind execution = ExecutionKind::kOrdered;
+  parallel::TeamOptions team;
 
   /// @throws Error{kUsage} that names the field.
   void validate() const;
@@ -48,8 +56,9 @@ struct AdaptPass {
 struct AdaptReport {
   std::vector<AdaptPass> passes;
   operators::OperatorCounts counts;
-  double complexity = 0;  ///< Of the metric as the adapted mesh sees it.
-  bool complete = true;   ///< False if the context was cancelled before the end.
+  operators::ExecutionCounts by_thread;  ///< Who did what depends on chance in every execution.
+  double complexity = 0;                 ///< Of the metric as the adapted mesh sees it.
+  bool complete = true;                  ///< False if the context was cancelled before the end.
 };
 
 /// Adapts `mesh` until its edges have about unit length in `field`, then betters its shapes.

@@ -165,8 +165,10 @@ class TetMesh {
     return parallel::load_relaxed(vertex_stamps_[v.value]);
   }
   void set_stamp(VertexId v, std::uint32_t stamp) { parallel::store_relaxed(vertex_stamps_[v.value], stamp); }
-  /// The word of an execution: in the ordered one, the bucket the vertex belongs to.
+  /// The word of an execution: in the ordered one, the bucket the vertex belongs to; in the speculative one,
+  /// who holds it. A new vertex has kNoOwner, until its maker gives it another.
   [[nodiscard]] std::uint32_t& lock_word(VertexId v) { return lock_words_[v.value]; }
+  static constexpr std::uint32_t kNoOwner = ~0u;
 
   /// Room for the metric of every vertex and its logarithm, and the quality of every tetrahedron: what
   /// adaptation works with. All zero at first.
@@ -194,7 +196,16 @@ class TetMesh {
   [[nodiscard]] const Cell<4>& tet(TetId t) const { return tets_[t.value]; }
   [[nodiscard]] VertexId vertex(TetId t, int i) const { return VertexId(tets_[t.value][i]); }
   [[nodiscard]] const Vec3& corner(TetId t, int i) const { return points_[tets_[t.value][i]]; }
-  void set_tet(TetId t, const Cell<4>& vertices) { tets_[t.value] = vertices; }
+  void set_tet(TetId t, const Cell<4>& vertices) {
+    for (int i = 0; i < 4; ++i) parallel::store_relaxed(tets_[t.value][i], vertices[i]);
+  }
+  /// The vertices of t for a thread that holds nothing: some may be those of another tetrahedron, or
+  /// VertexId::kNone. Only the stamp tells, once the thread holds all that it read.
+  [[nodiscard]] Cell<4> unheld_tet(TetId t) const {
+    Cell<4> v{};
+    for (int i = 0; i < 4; ++i) v[i] = parallel::load_relaxed(tets_[t.value][i]);
+    return v;
+  }
   [[nodiscard]] Label label(TetId t) const { return labels_[t.value]; }
   void set_label(TetId t, Label label) { labels_[t.value] = label; }
   [[nodiscard]] std::uint32_t stamp(TetId t) const { return parallel::load_relaxed(tet_stamps_[t.value]); }

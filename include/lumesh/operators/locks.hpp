@@ -1,18 +1,26 @@
 #pragma once
 /// @file Who may change what. Operators take a lock type as template argument and ask it for every vertex of
-/// every tetrahedron that they change.
+/// every tetrahedron that they change. A tetrahedron may be changed by who holds all its vertices. Who holds
+/// one of them may read it, and cross those of its faces that have a held vertex.
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/parallel/word_lock.hpp"
 
 namespace lumesh::operators {
 
 /// For a thread that is alone: it holds everything, always.
 struct NoLock {
   [[nodiscard]] static bool try_lock(VertexId /*vertex*/) { return true; }
-  static void release_all() {}
+  /// How much is held, and back to that.
+  [[nodiscard]] static std::size_t mark() { return 0; }
+  static void release_to(std::size_t /*mark*/) {}
+  /// True if something was refused, since the last mark(), that may be had another time.
+  [[nodiscard]] static bool was_refused() { return false; }
   /// Takes over a vertex that its thread has just made.
   static void adopt(VertexId /*vertex*/) {}
 };
@@ -28,13 +36,57 @@ class OrderedLock {
   [[nodiscard]] bool try_lock(VertexId vertex) const {
     return parallel::load_relaxed(runs_[mesh_->lock_word(vertex)]) == run_;
   }
-  static void release_all() {}
-  void adopt(VertexId vertex) const { mesh_->lock_word(vertex) = bucket_; }
+  [[nodiscard]] static std::size_t mark() { return 0; }
+  static void release_to(std::size_t /*mark*/) {}
+  [[nodiscard]] static bool was_refused() { return false; }
+  void adopt(VertexId vertex) const { parallel::store_relaxed(mesh_->lock_word(vertex), bucket_); }
 
  private:
   TetMesh* mesh_ = nullptr;
   const std::uint32_t* runs_ = nullptr;
   std::uint32_t run_ = 0, bucket_ = 0;
+};
+
+/// For one of many threads that take what they touch by compare-and-swap, and give way where another was
+/// first. The words of the vertices hold the owner's number. Those of freed vertices and of new ones whose
+/// maker has not adopted them yet belong to nobody, so that a thread with an old number of theirs never gets
+/// them.
+class SpeculativeLock {
+ public:
+  SpeculativeLock() = default;
+  /// @param owner  Of this thread alone; neither 0 nor TetMesh::kNoOwner.
+  SpeculativeLock(TetMesh& mesh, std::uint32_t owner) : mesh_(&mesh), owner_(owner) {}
+
+  [[nodiscard]] bool try_lock(VertexId vertex) {
+    std::uint32_t& word = mesh_->lock_word(vertex);
+    if (parallel::load_relaxed(word) == owner_) return true;  // Only this thread writes its own number.
+    if (!parallel::try_take(word, owner_)) {
+      refused_ = true;
+      return false;
+    }
+    held_.push_back(vertex);
+    return true;
+  }
+  [[nodiscard]] std::size_t mark() {
+    refused_ = false;
+    return held_.size();
+  }
+  void release_to(std::size_t mark) {
+    for (; held_.size() > mark; held_.pop_back())
+      parallel::give_back(mesh_->lock_word(held_.back()),
+                          mesh_->alive(held_.back()) ? parallel::kFreeWord : TetMesh::kNoOwner);
+  }
+  [[nodiscard]] bool was_refused() const { return refused_; }
+  void adopt(VertexId vertex) {
+    parallel::store_relaxed(mesh_->lock_word(vertex), owner_);
+    held_.push_back(vertex);
+  }
+
+ private:
+  TetMesh* mesh_ = nullptr;
+  std::uint32_t owner_ = 0;
+  bool refused_ = false;
+  std::vector<VertexId> held_;
 };
 
 }  // namespace lumesh::operators

@@ -16,6 +16,7 @@
 #include "lumesh/operators/locks.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 #include "lumesh/operators/rules.hpp"
+#include "lumesh/parallel/team.hpp"
 
 namespace lumesh::operators {
 
@@ -71,18 +72,32 @@ struct OperatorCounts {
     smoothing -= other.smoothing;
     return *this;
   }
-  /// Of all operators.
-  [[nodiscard]] std::uint64_t applied() const {
-    return insertion.applied + collapse.applied + edge_removal.applied + face_swap.applied +
-           smoothing.applied;
+  [[nodiscard]] OperatorCount of_all() const {
+    OperatorCount sum = insertion;
+    sum += collapse;
+    sum += edge_removal;
+    sum += face_swap;
+    sum += smoothing;
+    return sum;
   }
+  [[nodiscard]] std::uint64_t applied() const { return of_all().applied; }
+};
+
+/// What each thread of an execution did, and how many buckets it got from others.
+struct ExecutionCounts {
+  std::vector<OperatorCounts> by_thread;
+  std::vector<parallel::HandOvers> hand_overs;
+
+  [[nodiscard]] OperatorCounts of_all_threads() const;
+  ExecutionCounts& operator+=(const ExecutionCounts& other);  ///< Of the same number of threads, or none yet.
 };
 
 /// False if reconnect() failed on t before, and nothing has changed since around any of its vertices. Sees
 /// more than the paper's test of face neighbours (its algorithm 2): rings of edges reach farther.
 [[nodiscard]] bool has_changed_since_trial(const TetMesh& mesh, TetId t);
 
-/// One thread's operators with their working memory: make one per thread and keep it.
+/// One thread's operators with their working memory: make one per thread and keep it. Where others work on
+/// the mesh, the tetrahedra that it is given must be held (try_hold()).
 template <class Lock>
 class Operators {
  public:
@@ -130,8 +145,12 @@ class Operators {
   /// rejected, the epoch is noted on t: as long as nothing changes around its vertices, trying again is in
   /// vain (has_changed_since_trial()).
   Outcome reconnect(TetId t, const SwapRules& rules);
-  /// True if all vertices of t can be had: t then stays what it is.
+  /// True if all vertices of t can be had: what it is then, it stays. Where it was not held before, its stamp
+  /// tells whether it still is the one that was meant.
   [[nodiscard]] bool try_hold(TetId t);
+  [[nodiscard]] bool try_hold(VertexId v) { return lock_.try_lock(v); }
+  /// Frees all that is held.
+  void release() { lock_.release_to(0); }
 
  private:
   struct Scratch;

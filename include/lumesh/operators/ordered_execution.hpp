@@ -9,10 +9,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "lumesh/operators/operators.hpp"
 #include "lumesh/operators/partition.hpp"
+#include "lumesh/parallel/team.hpp"
 
 namespace lumesh::operators {
 
@@ -20,7 +22,7 @@ class OrderedExecution {
  public:
   using Kernel = Operators<OrderedLock>;
   /// The mesh must have metrics. It is reordered.
-  OrderedExecution(const Subject& subject, int threads);
+  OrderedExecution(const Subject& subject, const parallel::TeamOptions& team);
 
   /// Orders the mesh along the curve and cuts it into buckets anew. Needed when it has grown much, for
   /// locality and because buckets grow with it.
@@ -33,14 +35,13 @@ class OrderedExecution {
   /// come first, equal ones in the order of the sequence.
   void over_tets(const std::function<double(TetId)>& urgency,
                  const std::function<void(Kernel&, TetId)>& step);
-  /// The same over vertices; the step may free them.
-  void over_vertices(const std::function<double(VertexId)>& urgency,
-                     const std::function<void(Kernel&, VertexId)>& step);
+  /// The same over vertices, which are held one by one; the step may free them.
+  void over_urgent_vertices(const std::function<double(VertexId)>& urgency,
+                            const std::function<void(Kernel&, VertexId)>& step);
   /// Calls step(kernel, vertex) for every live vertex. The step must not add or free elements.
-  void over_all_vertices(const std::function<void(Kernel&, VertexId)>& step);
+  void over_vertices(const std::function<void(Kernel&, VertexId)>& step);
 
-  /// Sum over all threads.
-  [[nodiscard]] OperatorCounts counts() const;
+  [[nodiscard]] ExecutionCounts counts() const;
 
  private:
   /// Items of each bucket, in the order of the sequence.
@@ -53,15 +54,10 @@ class OrderedExecution {
       return std::span(items).subspan(starts[bucket], starts[bucket + 1] - starts[bucket]);
     }
   };
-  struct UrgentItem {
-    std::uint32_t item;
-    float urgency;
-  };
   struct Made {
     std::vector<std::uint32_t> tets, vertices;
   };
 
-  void forget_trials();
   template <class Item, class BucketOf>
   [[nodiscard]] Lists<Item> lists_by_bucket(const std::vector<Item>& items, const BucketOf& bucket_of) const;
   template <class Urgency, class BucketOf, class Step>
@@ -73,9 +69,10 @@ class OrderedExecution {
   void append_made(const std::vector<Made>& made);
 
   Subject subject_;
-  int threads_;
+  parallel::Team team_;
   std::vector<Kernel> kernels_;  // One per thread.
   Partition partition_;
+  parallel::TaskOrder order_;        // Of the buckets.
   std::vector<std::uint32_t> runs_;  // Of each bucket: the run whose reach it lies in.
   std::uint32_t epoch_ = 0;          // Of the sweep; goes on when the mesh is reordered.
   std::uint32_t next_run_ = 1;       // Stamps are twice the run, plus 1 once listed; see what_was_made().

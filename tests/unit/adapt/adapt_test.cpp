@@ -130,15 +130,41 @@ TEST(Adapt, OfAUnitMeshChangesItLittle) {
 
 TEST(Adapt, GivesTheSameBitsForEveryThreadCount) {
   std::vector<TetMesh> meshes;
+  AdaptOptions options;
   for (const int threads : {1, 2, 3, 8, 64}) {
+    options.team.threads = threads;
     TetMesh& mesh = meshes.emplace_back(fixtures::unit_cube(3));
     const auto shapes = operators::planes_where_flat(mesh);
     Context context;
-    adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 1.5), shapes, {.threads = threads}, context);
+    adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 1.5), shapes, options, context);
     ASSERT_TRUE(validate(mesh).ok()) << threads << " threads: " << validate(mesh).text();
     ASSERT_EQ(mesh.tet_count(), meshes[0].tet_count()) << threads << " threads";
     EXPECT_TRUE(std::equal(mesh.points().begin(), mesh.points().end(), meshes[0].points().begin()));
     EXPECT_TRUE(std::equal(mesh.tets().begin(), mesh.tets().end(), meshes[0].tets().begin()));
+  }
+}
+
+TEST(Adapt, IsAsGoodBySpeculation) {
+  const MetricField field = MetricField::analytic(AnalyticKind::kPolar2, 1.5);
+  const auto adapted = [&](ExecutionKind execution, int threads) {
+    TetMesh mesh = fixtures::unit_cube(3);
+    const auto shapes = operators::planes_where_flat(mesh);
+    AdaptOptions options;
+    options.execution = execution;
+    options.team.threads = threads;
+    Context context;
+    adapt(mesh, field, shapes, options, context);
+    const ValidationReport report = validate(mesh);
+    EXPECT_TRUE(report.ok()) << threads << " threads: " << report.text();
+    EXPECT_NEAR(report.labels[0].volume, 1, 1e-12);
+    return conformity_of(mesh);
+  };
+  const Conformity ordered = adapted(ExecutionKind::kOrdered, 2);
+  for (const int threads : {1, 8, 64}) {
+    const Conformity speculative = adapted(ExecutionKind::kSpeculative, threads);
+    EXPECT_NEAR(speculative.share_in_band, ordered.share_in_band, 0.01) << threads << " threads";
+    EXPECT_NEAR(speculative.mean_quality, ordered.mean_quality, 0.01) << threads << " threads";
+    EXPECT_GT(speculative.least_quality, 0.25) << threads << " threads";
   }
 }
 

@@ -8,6 +8,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "fixtures/teams.hpp"
+
 namespace lumesh::parallel {
 namespace {
 
@@ -32,12 +34,12 @@ TaskGraph random_graph(std::uint32_t size, int pairs, unsigned seed) {
 
 TEST(OrderedTasks, NeighboursHaveDifferentColours) {
   const TaskGraph graph = random_graph(500, 3000, 1);
-  const auto colours = colours_of(graph);
+  const auto colours = order_of(graph).colours;
   for (std::uint32_t task = 0; task < graph.size(); ++task)
     for (const std::uint32_t other : graph.neighbours(task)) EXPECT_NE(colours[task], colours[other]);
 }
 
-class OrderedTasksOnThreads : public testing::TestWithParam<int> {};
+class OrderedTasksOnThreads : public testing::TestWithParam<TeamOptions> {};
 
 TEST_P(OrderedTasksOnThreads, RunEachTaskOnceAndConflictsInTheSameOrder) {
   const TaskGraph graph = random_graph(800, 4000, 2);
@@ -46,14 +48,15 @@ TEST_P(OrderedTasksOnThreads, RunEachTaskOnceAndConflictsInTheSameOrder) {
   for (std::uint32_t task = 0; task < graph.size(); ++task)
     for (const std::uint32_t other : graph.neighbours(task)) seen[std::minmax(task, other)];
   std::vector<int> runs(graph.size(), 0);
-  run_ordered(graph, GetParam(), [&](std::uint32_t task, int thread) {
-    EXPECT_LT(thread, GetParam());
+  Team team(GetParam());
+  run_ordered(team, graph, order_of(graph), [&](std::uint32_t task, int thread) {
+    EXPECT_LT(thread, team.size());
     ++runs[task];
     for (const std::uint32_t other : graph.neighbours(task))
       seen.at(std::minmax(task, other)).push_back(task);
   });
   EXPECT_EQ(std::count(runs.begin(), runs.end(), 1), static_cast<std::ptrdiff_t>(runs.size()));
-  const auto colours = colours_of(graph);
+  const auto colours = order_of(graph).colours;
   for (const auto& [pair, order] : seen) {
     const auto [a, b] = pair;
     const std::uint32_t first = std::pair(colours[a], a) < std::pair(colours[b], b) ? a : b;
@@ -63,17 +66,22 @@ TEST_P(OrderedTasksOnThreads, RunEachTaskOnceAndConflictsInTheSameOrder) {
 
 TEST_P(OrderedTasksOnThreads, HandOnTheFirstException) {
   const TaskGraph graph = random_graph(100, 300, 3);
-  EXPECT_THROW(run_ordered(graph, GetParam(),
+  Team team(GetParam());
+  EXPECT_THROW(run_ordered(team, graph, order_of(graph),
                            [](std::uint32_t task, int) {
                              if (task == 50) throw std::runtime_error("task 50");
                            }),
                std::runtime_error);
+  run_ordered(team, graph, order_of(graph), [](std::uint32_t, int) {});  // The team is as good as new.
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, OrderedTasksOnThreads, testing::Values(1, 2, 8, 64));
+INSTANTIATE_TEST_SUITE_P(Threads, OrderedTasksOnThreads, testing::ValuesIn(fixtures::teams()),
+                         fixtures::team_name);
 
 TEST(OrderedTasks, NoTasksAreDoneAtOnce) {
-  run_ordered(TaskGraph{}, 4, [](std::uint32_t, int) { FAIL(); });
+  Team team({.threads = 4});
+  run_ordered(team, TaskGraph{}, order_of({}), [](std::uint32_t, int) { FAIL(); });
+  run_freely(team, 0, [](std::uint32_t, int) { return TaskEnd::kDone; });
 }
 
 }  // namespace

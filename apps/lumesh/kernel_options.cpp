@@ -1,0 +1,102 @@
+#include "kernel_options.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+
+#include "lumesh/parallel/ordered_tasks.hpp"
+
+namespace lumesh::cli {
+
+namespace {
+
+struct NamedCount {
+  const char* name;
+  operators::OperatorCount count;
+};
+
+std::vector<NamedCount> named_counts(const operators::OperatorCounts& counts) {
+  return {{"insertion", counts.insertion},
+          {"collapse", counts.collapse},
+          {"edge_removal", counts.edge_removal},
+          {"face_swap", counts.face_swap},
+          {"smoothing", counts.smoothing}};
+}
+
+nlohmann::ordered_json hand_overs_json(const parallel::HandOvers& hand_overs) {
+  return {{"local", hand_overs.local}, {"remote", hand_overs.remote}};
+}
+
+parallel::HandOvers sum_of(const std::vector<parallel::HandOvers>& all) {
+  parallel::HandOvers sum;
+  for (const parallel::HandOvers& one : all) sum += one;
+  return sum;
+}
+
+}  // namespace
+
+ExecutionKind KernelOptions::execution_kind() const {
+  return execution == "speculative" ? ExecutionKind::kSpeculative : ExecutionKind::kOrdered;
+}
+
+parallel::TeamOptions KernelOptions::team(int threads) const {
+  using enum parallel::Balance;
+  return {threads > 0 ? threads : parallel::available_threads(),
+          balance == "none"         ? kNone
+          : balance == "first-idle" ? kFirstIdle
+          : balance == "stealing"   ? kStealing
+                                    : kHierarchical,
+          pin, topology};
+}
+
+void add_kernel_options(CLI::App& command, KernelOptions& options) {
+  command
+      .add_option("--execution", options.execution,
+                  "ordered: the same mesh for every number of threads; speculative: threads try and give way")
+      ->check(CLI::IsMember({"ordered", "speculative"}))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--balance", options.balance,
+          "Who gives work to idle threads: nobody; the busy to the one that idles longest, or to the nearest "
+          "by NUMA distance; or they take it by chance")
+      ->check(CLI::IsMember({"none", "first-idle", "hierarchical", "stealing"}))
+      ->capture_default_str();
+  command.add_flag("--pin", options.pin, "Keep every thread on its processor");
+  // For measurements: not in the help.
+  command.add_option("--topology", options.topology, "Balance as on this machine, as hwloc describes it")
+      ->group("");
+}
+
+nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts) {
+  nlohmann::ordered_json json;
+  for (const auto& [name, count] : named_counts(counts))
+    json[name] = {{"applied", count.applied}, {"rejected", count.rejected}, {"contended", count.contended}};
+  return json;
+}
+
+void add_counts_json(nlohmann::ordered_json& report, const operators::ExecutionCounts& counts) {
+  report["operators"] = counts_json(counts.of_all_threads());
+  report["hand_overs"] = hand_overs_json(sum_of(counts.hand_overs));
+  report["threads"] = nlohmann::ordered_json::array();
+  for (std::size_t thread = 0; thread < counts.by_thread.size(); ++thread)
+    report["threads"].push_back({{"operators", counts_json(counts.by_thread[thread])},
+                                 {"hand_overs", hand_overs_json(counts.hand_overs[thread])}});
+}
+
+void print_counts(const RunOptions& run, const operators::ExecutionCounts& counts) {
+  if (run.verbose == 0) return;
+  for (const auto& [name, count] : named_counts(counts.of_all_threads()))
+    fmt::print(stderr, "lumesh: {}: {} applied, {} rejected, {} contended\n", name, count.applied,
+               count.rejected, count.contended);
+  for (std::size_t thread = 0; thread < counts.by_thread.size(); ++thread) {
+    const operators::OperatorCount count = counts.by_thread[thread].of_all();
+    const parallel::HandOvers& got = counts.hand_overs[thread];
+    fmt::print(
+        stderr,
+        "lumesh: thread {}: {} applied, {} rejected, {} contended; handed over to it: {} local, {} remote\n",
+        thread, count.applied, count.rejected, count.contended, got.local, got.remote);
+  }
+}
+
+}  // namespace lumesh::cli

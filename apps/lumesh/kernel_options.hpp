@@ -1,0 +1,32 @@
+#pragma once
+/// @file What commands share that change a mesh by the operators: who works how on it, and what was done.
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common.hpp"
+#include "lumesh/adapt/adapt.hpp"
+
+namespace lumesh::cli {
+
+struct KernelOptions {
+  std::string execution = "ordered", balance = "hierarchical", topology;
+  bool pin = false;
+
+  [[nodiscard]] ExecutionKind execution_kind() const;
+  /// `threads` as the user gave them: 0 stands for all cores.
+  [[nodiscard]] parallel::TeamOptions team(int threads) const;
+};
+
+/// --execution, --balance and --pin.
+void add_kernel_options(CLI::App& command, KernelOptions& options);
+
+/// Applied, rejected and contended of every operator.
+[[nodiscard]] nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts);
+/// Adds to a report: "operators", the sum; "threads", what each did and was handed; "hand_overs", the sum.
+void add_counts_json(nlohmann::ordered_json& report, const operators::ExecutionCounts& counts);
+/// The same on stderr, with -v.
+void print_counts(const RunOptions& run, const operators::ExecutionCounts& counts);
+
+}  // namespace lumesh::cli

@@ -1,0 +1,91 @@
+#pragma once
+/// @file Threads that stay, pinned if wanted, and how they share their work.
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "lumesh/parallel/topology.hpp"
+
+namespace lumesh::parallel {
+
+/// Who gets work from whom. Every task has a home, the thread that it belongs to at first.
+enum class Balance : std::uint8_t {
+  kNone,          ///< Nobody: every thread runs its own tasks.
+  kFirstIdle,     ///< A busy thread gives half of its tasks, the coldest, to the thread that idles longest.
+  kHierarchical,  ///< The same, to the idle thread at the least NUMA distance (the paper's algorithm 1).
+  kStealing,      ///< An idle thread takes half of the tasks of another, by chance.
+};
+
+struct TeamOptions {
+  int threads = 1;  ///< >= 1
+  Balance balance = Balance::kHierarchical;
+  bool pin = false;
+  std::string synthetic_topology =
+      {};  ///< Topology::synthetic(): balance as if on that machine, pin nothing.
+};
+
+/// Tasks that a thread got from others, of its own NUMA node and of other ones.
+struct HandOvers {
+  std::uint64_t local = 0, remote = 0;
+
+  HandOvers& operator+=(const HandOvers& other) {
+    local += other.local;
+    remote += other.remote;
+    return *this;
+  }
+};
+
+/// Threads 0 to size() - 1, of which 0 is the one that calls run().
+class Team {
+ public:
+  /// @throws Error{kUsage} for a topology that is none, Error{kMemory} if the system has no more threads.
+  explicit Team(const TeamOptions& options);
+  ~Team();
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+
+  [[nodiscard]] int size() const { return static_cast<int>(nodes_.size()); }
+  [[nodiscard]] Balance balance() const { return options_.balance; }
+  [[nodiscard]] const Topology& topology() const { return topology_; }
+  [[nodiscard]] int node_of(int thread) const { return nodes_[static_cast<std::size_t>(thread)]; }
+
+  /// Runs body(thread) on threads 0 to count - 1 and waits for all of them. The first exception is thrown
+  /// here.
+  void run(int count, const std::function<void(int)>& body);
+
+  /// By receiving thread, summed over all that the team has run.
+  [[nodiscard]] const std::vector<HandOvers>& hand_overs() const { return hand_overs_; }
+  void add_hand_overs(const std::vector<HandOvers>& more);
+
+ private:
+  struct Worker {
+    std::condition_variable begin;
+    bool has_work = false;
+    std::thread thread;
+  };
+
+  void work(int thread, Worker& mine);
+  void run_body(int thread);
+  void stop();
+
+  TeamOptions options_;
+  Topology topology_;
+  std::vector<int> nodes_;  // Of each thread.
+  std::vector<HandOvers> hand_overs_;
+  std::deque<Worker> workers_;  // Of threads 1, 2, ...
+  std::mutex mutex_;            // Guards all below, and has_work.
+  std::condition_variable all_done_;
+  const std::function<void(int)>* body_ = nullptr;
+  int running_ = 0;
+  bool stopping_ = false;
+  std::exception_ptr failure_;
+};
+
+}  // namespace lumesh::parallel

@@ -1,0 +1,43 @@
+#pragma once
+/// @file Locks of one word each, for those who only try; and how long to leave alone what others hold.
+
+#include <atomic>
+#include <cstdint>
+#include <thread>
+
+namespace lumesh::parallel {
+
+inline constexpr std::uint32_t kFreeWord = 0;
+
+/// Takes a free word for `owner` (not 0). @return false if another holds it.
+[[nodiscard]] inline bool try_take(std::uint32_t& word, std::uint32_t owner) {
+  std::uint32_t expected = kFreeWord;
+  // Acquire pairs with the release in give_back(): whoever takes a word sees what was written under it
+  // before.
+  return std::atomic_ref(word).compare_exchange_strong(expected, owner, std::memory_order_acquire,
+                                                       std::memory_order_relaxed);
+}
+/// Gives a word back that the caller holds; `left` other than free keeps it from everybody.
+inline void give_back(std::uint32_t& word, std::uint32_t left = kFreeWord) {
+  std::atomic_ref(word).store(left, std::memory_order_release);
+}
+
+/// What to do after each try: whoever loses often in a row spins, a little longer each time, and then lets
+/// others run, who may be those that hold what it wants.
+class Backoff {
+ public:
+  void won() { lost_ = 0; }
+  void lost() {
+    constexpr unsigned kMostSpins = 6;
+    if (++lost_ > kMostSpins) {
+      std::this_thread::yield();
+      return;
+    }
+    for (unsigned i = 0; i < 16u << lost_; ++i) std::atomic_signal_fence(std::memory_order_seq_cst);
+  }
+
+ private:
+  unsigned lost_ = 0;
+};
+
+}  // namespace lumesh::parallel

@@ -1,0 +1,135 @@
+#include "lumesh/operators/speculative_execution.hpp"
+
+#include <algorithm>
+#include <span>
+
+#include "execution_parts.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/ordered_tasks.hpp"
+#include "lumesh/parallel/word_lock.hpp"
+
+namespace lumesh::operators {
+namespace {
+
+/// Enough buckets to share among many threads, each worth its overhead.
+std::size_t speculative_bucket_size(std::size_t items) {
+  constexpr std::size_t kLeast = 32, kMost = 256, kBuckets = 4000;
+  return std::clamp(items / kBuckets, kLeast, kMost);
+}
+
+/// Calls step and tells whether all it did was to contend.
+template <class Kernel, class Step>
+bool only_contends(Kernel& kernel, const Step& step) {
+  const OperatorCount before = kernel.counts().of_all();
+  step();
+  const OperatorCount after = kernel.counts().of_all();
+  return after.contended > before.contended && after.applied == before.applied;
+}
+
+}  // namespace
+
+SpeculativeExecution::SpeculativeExecution(const Subject& subject, const parallel::TeamOptions& team)
+    : subject_(subject), team_(team), kernels_(kernels_for<SpeculativeLock>(subject, team_)) {
+  forget_trials(subject.mesh);
+  reorder();
+}
+
+void SpeculativeExecution::reorder() {
+  TetMesh& mesh = subject_.mesh;
+  mesh.reorder_along_curve();
+  mesh.set_owners(team_.size(), kSlotBlock);
+  parallel::for_each_index(mesh.vertex_slots(), [&](std::size_t v) {
+    mesh.lock_word(VertexId(static_cast<std::uint32_t>(v))) = parallel::kFreeWord;
+  });
+  stamp_ = 0;
+}
+
+template <class Item, class Attempt>
+void SpeculativeExecution::run_buckets(std::vector<Item>& items, const Attempt& attempt) {
+  const std::size_t size = speculative_bucket_size(items.size());
+  std::vector<std::span<Item>> left;  // Of each bucket.
+  for (std::size_t begin = 0; begin < items.size(); begin += size)
+    left.push_back(std::span(items).subspan(begin, std::min(size, items.size() - begin)));
+  parallel::run_freely(team_, static_cast<std::uint32_t>(left.size()), [&](std::uint32_t bucket, int thread) {
+    Kernel& kernel = kernels_[static_cast<std::size_t>(thread)];
+    kernel.begin_run(SpeculativeLock(subject_.mesh, static_cast<std::uint32_t>(thread) + 1), stamp_, epoch_);
+    const std::span<Item> mine = left[bucket];
+    parallel::Backoff backoff;
+    std::size_t contended = 0;
+    for (const Item& item : mine) {
+      if (attempt(kernel, item)) {
+        backoff.won();
+      } else {
+        mine[contended++] = item;
+        backoff.lost();
+      }
+    }
+    left[bucket] = mine.first(contended);
+    if (contended == 0) return parallel::TaskEnd::kDone;
+    return contended < mine.size() ? parallel::TaskEnd::kSomeLeft : parallel::TaskEnd::kNothingDone;
+  });
+}
+
+template <class Id, class Urgency, class Step>
+void SpeculativeExecution::over_urgent(std::size_t slots, const Urgency& urgency, const Step& step) {
+  TetMesh& mesh = subject_.mesh;
+  auto picked = parallel::collect<UrgentItem>(
+      slots,
+      [&](std::size_t slot, std::vector<UrgentItem>& out) {
+        const Id id(static_cast<std::uint32_t>(slot));
+        if (!mesh.alive(id)) return;
+        if (const auto value = static_cast<float>(urgency(id)); value > 0) out.push_back({id.value, value});
+      },
+      kItemBlock);
+  parallel::for_each_block(picked.size(), speculative_bucket_size(picked.size()),
+                           [&](std::size_t /*bucket*/, std::size_t begin, std::size_t end) {
+                             const std::span bucket = std::span(picked).subspan(begin, end - begin);
+                             std::stable_sort(bucket.begin(), bucket.end(), is_more_urgent);
+                           });
+  ++epoch_;
+  ++stamp_;
+  run_buckets(picked, [&](Kernel& kernel, const UrgentItem& one) {
+    const Id id(one.item);
+    if (mesh.stamp(id) >= stamp_) return true;
+    // What it was may change until its vertices are held. Whoever changes an element holds all its vertices,
+    // old or new, while its stamp changes: if one that was read is of another element, the stamp says so by
+    // now.
+    const bool held = kernel.try_hold(id);
+    bool again = !held;
+    if (held && mesh.stamp(id) < stamp_) again = only_contends(kernel, [&] { step(kernel, id); });
+    kernel.release();
+    return !again;
+  });
+}
+
+void SpeculativeExecution::over_tets(const std::function<double(TetId)>& urgency,
+                                     const std::function<void(Kernel&, TetId)>& step) {
+  over_urgent<TetId>(subject_.mesh.tet_slots(), urgency, step);
+}
+
+void SpeculativeExecution::over_urgent_vertices(const std::function<double(VertexId)>& urgency,
+                                                const std::function<void(Kernel&, VertexId)>& step) {
+  over_urgent<VertexId>(subject_.mesh.vertex_slots(), urgency, step);
+}
+
+void SpeculativeExecution::over_vertices(const std::function<void(Kernel&, VertexId)>& step) {
+  TetMesh& mesh = subject_.mesh;
+  auto vertices = parallel::collect<std::uint32_t>(
+      mesh.vertex_slots(),
+      [&](std::size_t slot, std::vector<std::uint32_t>& out) {
+        if (mesh.alive(VertexId(static_cast<std::uint32_t>(slot))))
+          out.push_back(static_cast<std::uint32_t>(slot));
+      },
+      kItemBlock);
+  ++epoch_;
+  ++stamp_;
+  run_buckets(vertices, [&](Kernel& kernel, std::uint32_t v) {
+    return !only_contends(kernel, [&] { step(kernel, VertexId(v)); });
+  });
+}
+
+ExecutionCounts SpeculativeExecution::counts() const {
+  return counts_of(kernels_, team_);
+}
+
+}  // namespace lumesh::operators

@@ -1,0 +1,154 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include "fixtures/teams.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/parallel/idle_threads.hpp"
+#include "lumesh/parallel/ordered_tasks.hpp"
+#include "lumesh/parallel/topology.hpp"
+#include "lumesh/parallel/word_lock.hpp"
+
+namespace lumesh::parallel {
+namespace {
+
+TEST(Topology, ReadsADescription) {
+  const Topology machine = Topology::synthetic(fixtures::kEightNodes);
+  EXPECT_EQ(machine.nodes(), 8);
+  EXPECT_EQ(machine.processors(), 64);
+  // Threads fill the nodes evenly and in order, however many there are.
+  for (const int threads : {8, 64, 256})
+    for (int thread = 0; thread < threads; ++thread)
+      EXPECT_EQ(machine.node_of(thread, threads), thread * 8 / threads);
+  for (int a = 0; a < 8; ++a) {
+    for (int b = 0; b < 8; ++b) {
+      EXPECT_EQ(machine.distance(a, b), machine.distance(b, a));
+      if (a == b) continue;
+      EXPECT_GT(machine.distance(a, b), machine.distance(a, a));
+    }
+  }
+  EXPECT_LT(machine.distance(0, 3), machine.distance(0, 4));  // Of the same package; of the other.
+  EXPECT_THROW((void)Topology::synthetic("eight nodes"), Error);
+}
+
+TEST(Topology, KnowsThisMachine) {
+  const Topology machine = Topology::of_machine();
+  EXPECT_GE(machine.nodes(), 1);
+  EXPECT_GE(machine.processors(), 1);
+  EXPECT_EQ(machine.distance(0, 0), 10);
+  const Topology::Pin pin(machine, 0, 1);
+  EXPECT_GE(machine.node_of(1000, 1001), 0);
+}
+
+TEST(Team, RunsOnEachThreadOnceAndPinsThem) {
+  Team team({.threads = 5, .pin = true});
+  for (const int count : {1, 5, 3, 5}) {
+    std::vector<std::atomic<int>> runs(5);
+    team.run(count, [&](int thread) { ++runs[static_cast<std::size_t>(thread)]; });
+    for (int thread = 0; thread < 5; ++thread)
+      EXPECT_EQ(runs[static_cast<std::size_t>(thread)], thread < count ? 1 : 0);
+  }
+}
+
+TEST(IdleThreads, AreFoundByTimeAndByDistance) {
+  const Team team({64, Balance::kHierarchical, false, fixtures::kEightNodes});  // Eight threads a node.
+  IdleThreads idle(team, 64);
+  EXPECT_EQ(idle.first(), IdleThreads::kNobody);
+  EXPECT_EQ(idle.nearest(3), IdleThreads::kNobody);
+  for (const int thread : {60, 17, 30, 5}) idle.add(thread);  // Of nodes 7, 2, 3, 0.
+  EXPECT_EQ(idle.first(), 60);
+  EXPECT_EQ(idle.nearest(0), 5);
+  EXPECT_EQ(idle.nearest(3), 30);
+  EXPECT_EQ(idle.nearest(5), 60);  // Of the same package.
+  EXPECT_EQ(idle.nearest(1), 5);   // All three are as near; the lowest node comes first.
+  idle.remove(60);
+  idle.remove(5);
+  EXPECT_FALSE(idle.contains(60));
+  EXPECT_EQ(idle.first(), 17);
+  EXPECT_EQ(idle.nearest(1), 17);
+  EXPECT_EQ(idle.nearest(3), 30);
+  EXPECT_EQ(idle.nearest(7), 17);
+}
+
+/// As on as many processors as there are threads: the time of a task does not need one.
+void pretend_to_work(int microseconds) {
+  std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
+}
+
+class FreeTasks : public testing::TestWithParam<TeamOptions> {};
+
+TEST_P(FreeTasks, RunOnceEachWithoutLoss) {
+  Team team(GetParam());
+  for (const std::uint32_t tasks : {1u, 7u, 1000u}) {
+    std::vector<std::atomic<int>> runs(tasks);
+    run_freely(team, tasks, [&](std::uint32_t task, int thread) {
+      EXPECT_LT(thread, team.size());
+      ++runs[task];
+      if (task % 10 == 0) pretend_to_work(100);
+      return TaskEnd::kDone;
+    });
+    EXPECT_TRUE(std::all_of(runs.begin(), runs.end(), [](const auto& n) { return n == 1; }));
+  }
+}
+
+/// Tasks that need two of a few words each, as operators need vertices: most contend.
+TEST_P(FreeTasks, FinishThoughAllContend) {
+  Team team(GetParam());
+  constexpr std::uint32_t kTasks = 300, kWords = 4;
+  std::vector<std::uint32_t> words(kWords, kFreeWord), written(kWords, 0);
+  run_freely(team, kTasks, [&](std::uint32_t task, int thread) {
+    const std::uint32_t me = static_cast<std::uint32_t>(thread) + 1, a = task % kWords, b = (a + 1) % kWords;
+    if (!try_take(words[a], me)) return TaskEnd::kNothingDone;
+    const bool both = try_take(words[b], me);
+    if (both) {
+      ++written[a];  // Plain words: races would show.
+      ++written[b];
+      if (task % 7 == 0) pretend_to_work(50);
+      give_back(words[b]);
+    }
+    give_back(words[a]);
+    return both ? TaskEnd::kDone : TaskEnd::kSomeLeft;
+  });
+  for (const std::uint32_t count : written) EXPECT_EQ(count, 2 * kTasks / kWords);
+}
+
+TEST_P(FreeTasks, HandOnTheFirstException) {
+  Team team(GetParam());
+  const auto fail = [&](std::uint32_t task, int) -> TaskEnd {
+    if (task == 50) throw std::runtime_error("task 50");
+    return task % 3 == 0 ? TaskEnd::kNothingDone : TaskEnd::kDone;
+  };
+  EXPECT_THROW(run_freely(team, 100, fail), std::runtime_error);
+}
+
+INSTANTIATE_TEST_SUITE_P(Teams, FreeTasks, testing::ValuesIn(fixtures::teams()), fixtures::team_name);
+
+HandOvers hand_overs_of_uneven_work(Balance balance) {
+  Team team({64, balance, false, fixtures::kEightNodes});
+  // Some threads' tasks take ten times as long as others', on every node.
+  run_freely(team, 64 * 40, [](std::uint32_t task, int) {
+    pretend_to_work(task / 40 * 7919 % 5 == 0 ? 500 : 50);
+    return TaskEnd::kDone;
+  });
+  HandOvers sum;
+  for (const HandOvers& one : team.hand_overs()) sum += one;
+  return sum;
+}
+
+TEST(Balance, HierarchyHalvesWhatIsHandedOverToOtherNodes) {
+  const HandOvers first_idle = hand_overs_of_uneven_work(Balance::kFirstIdle);
+  const HandOvers hierarchical = hand_overs_of_uneven_work(Balance::kHierarchical);
+  EXPECT_GT(first_idle.remote, 100u);
+  EXPECT_GT(hierarchical.local, hierarchical.remote);
+  EXPECT_LE(2 * hierarchical.remote, first_idle.remote);
+  EXPECT_GT(hand_overs_of_uneven_work(Balance::kStealing).remote, 0u);
+  const HandOvers none = hand_overs_of_uneven_work(Balance::kNone);
+  EXPECT_EQ(none.local + none.remote, 0u);
+}
+
+}  // namespace
+}  // namespace lumesh::parallel
