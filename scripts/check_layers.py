@@ -36,7 +36,7 @@ apps: pipeline
 
 # Libraries that cost seconds per file or leak macros: how many files under src/ may include each.
 HEAVY = {"ITK": (r"itk\w+\.h", 1), "VTK": (r"vtk\w+\.h", 1), "CGAL": (r"CGAL/.*", 1),
-         "nlohmann-json": (r"nlohmann/.*", None), "CLI11": (r"CLI/.*", 0), "pugixml": (r"pugixml\.hpp", None)}
+         "hwloc": (r"hwloc(?:/.*|\.h)", 1), "nlohmann-json": (r"nlohmann/.*", None), "CLI11": (r"CLI/.*", 0), "pugixml": (r"pugixml\.hpp", None)}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]', re.MULTILINE)
 

@@ -40,14 +40,10 @@ void IdleThreads::remove(int thread) {
   --node.idle;
 }
 
-int IdleThreads::nearest(int node) const {
-  for (const int n : nodes_[static_cast<std::size_t>(node)].by_distance) {
-    const Node& one = nodes_[static_cast<std::size_t>(n)];
-    if (one.idle == 0) continue;
-    for (std::size_t word = 0; word < one.masks.size(); ++word)
-      if (one.masks[word] != 0) return static_cast<int>(word) * kBits + std::countr_zero(one.masks[word]);
-  }
-  return kNobody;
+int IdleThreads::lowest_of(int node) const {
+  const std::vector<std::uint64_t>& masks = nodes_[static_cast<std::size_t>(node)].masks;
+  const auto word = std::find_if(masks.begin(), masks.end(), [](std::uint64_t mask) { return mask != 0; });
+  return static_cast<int>(word - masks.begin()) * kBits + std::countr_zero(*word);
 }
 
 }  // namespace lumesh::parallel

@@ -11,6 +11,7 @@ WorkLists::WorkLists(const Team& team, int threads, std::uint32_t tasks)
       members_(static_cast<std::size_t>(threads)),
       hand_overs_(static_cast<std::size_t>(threads)),
       idle_(team, threads),
+      can_share_(static_cast<std::size_t>(team.topology().nodes()), 0),
       active_(threads),
       left_(tasks) {}
 
@@ -19,14 +20,14 @@ int WorkLists::home_of(std::uint32_t task) const {
 }
 
 void WorkLists::put_first(RankedTask one) {
-  member(home_of(one.task)).tasks.insert(one);
+  add_task(home_of(one.task), one);
 }
 
 void WorkLists::put(RankedTask one, int by) {
   const std::lock_guard lock(mutex_);
   const int home = home_of(one.task);
   const int receiver = home == by || idle_.contains(home) ? home : receiver_instead_of(home, by);
-  member(receiver).tasks.insert(one);
+  add_task(receiver, one);
   if (receiver != home) count_hand_over(home, receiver, 1);
   if (idle_.contains(receiver)) {
     wake_idle(receiver);
@@ -50,7 +51,7 @@ int WorkLists::receiver_instead_of(int home, int by) const {
 
 void WorkLists::put_back(std::uint32_t task, int thread) {
   const std::lock_guard lock(mutex_);
-  member(thread).tasks.insert({++rounds_, task});
+  add_task(thread, {++rounds_, task});
 }
 
 bool WorkLists::take(int thread, std::uint32_t& task) {
@@ -68,6 +69,7 @@ bool WorkLists::take(int thread, std::uint32_t& task) {
   share(thread);
   task = mine.begin()->task;
   mine.erase(mine.begin());
+  note_tasks(thread);
   return true;
 }
 
@@ -94,10 +96,27 @@ void WorkLists::end() {
   wake_all();
 }
 
+void WorkLists::add_task(int thread, RankedTask one) {
+  member(thread).tasks.insert(one);
+  note_tasks(thread);
+}
+
+void WorkLists::note_tasks(int thread) {
+  Member& one = member(thread);
+  const bool can_share = one.tasks.size() >= 2;
+  can_share_[static_cast<std::size_t>(team_.node_of(thread))] += int{can_share} - int{one.can_share};
+  one.can_share = can_share;
+}
+
 void WorkLists::share(int thread) {
-  if (idle_.empty() || member(thread).tasks.size() < 2) return;
+  if (idle_.empty() || !member(thread).can_share) return;
   if (balance_ == Balance::kFirstIdle) hand_over_half(thread, idle_.first());
-  if (balance_ == Balance::kHierarchical) hand_over_half(thread, idle_.nearest(team_.node_of(thread)));
+  if (balance_ != Balance::kHierarchical) return;
+  // Idle threads of other nodes are left to the busy ones there as long as these have something to give.
+  const int own = team_.node_of(thread);
+  const int nearest = idle_.nearest(
+      own, [&](int node) { return node == own || can_share_[static_cast<std::size_t>(node)] == 0; });
+  if (nearest != IdleThreads::kNobody) hand_over_half(thread, nearest);
 }
 
 /// From the first thread with tasks, going round from one by chance.
@@ -117,6 +136,8 @@ void WorkLists::hand_over_half(int from, int to) {
   // A thief has no task, so it also takes a single one; who gives keeps one for itself.
   const std::size_t count = balance_ == Balance::kStealing ? (given.size() + 1) / 2 : given.size() / 2;
   for (std::size_t i = 0; i < count; ++i) taken.insert(given.extract(std::prev(given.end())));
+  note_tasks(from);
+  note_tasks(to);
   count_hand_over(from, to, count);
   if (idle_.contains(to)) wake_idle(to);
 }

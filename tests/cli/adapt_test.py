@@ -75,12 +75,30 @@ class AdaptTest(ProgramTest):
 
     def test_every_number_of_threads_gives_the_same_file(self):
         files = []
-        for threads in (1, 2, 8, 64):
-            path = self.folder / f"{threads}.meshb"
-            self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 800, "-o", path, "--threads", threads)
+        for threads, balance in ((1, "none"), (2, "first-idle"), (8, "hierarchical"), (64, "stealing")):
+            path = self.folder / f"{threads}.vtu"
+            self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 800, "-o", path, "--nthreads", threads,
+                          "--balance", balance, "--pin")
             files.append(path.read_bytes())
         for file in files[1:]:
             self.assertEqual(file, files[0])
+
+    def test_speculation_is_as_good_and_tells_what_each_thread_did(self):
+        report = self.folder / "adapt.json"
+        result = self.run_well("adapt", self.cube, "--analytic", "linear", "-o", self.out, "--execution", "speculative",
+                               "--threads", 4, "--topology", "numa:2 core:2 pu:1", "--json", report, "-v")
+        found = self.evaluate(self.out)
+        self.assertGreater(found["metric_edge_length"]["fraction_in_band"], 0.97)
+        self.assertGreater(found["metric_mean_ratio"]["mean"], 0.86)
+        told = json.loads(report.read_text())
+        self.assertEqual(len(told["threads"]), 4)
+        for name, sums in told["operators"].items():
+            for kind, count in sums.items():
+                self.assertEqual(sum(thread["operators"][name][kind] for thread in told["threads"]), count)
+            self.assertIn(f"lumesh: {name}: {sums['applied']} applied", result.stderr)
+        for kind in ("local", "remote"):
+            self.assertEqual(sum(thread["hand_overs"][kind] for thread in told["threads"]), told["hand_overs"][kind])
+        self.assertIn("lumesh: thread 3: ", result.stderr)
 
     def test_the_metric_of_a_mesh_and_that_of_a_sol_file_are_the_same(self):
         sizes = [(0.2, 0.2, 0.05 + 0.2 * z) for _, _, z in self.points]
@@ -157,6 +175,8 @@ class AdaptTest(ProgramTest):
                             "tetrahedra", "GB", "--complexity")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "cubic"), USAGE, "cubic")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--collapse-below", 7), USAGE, "collapse below")
+        for option in ("--execution", "--balance", "--topology"):
+            self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", option, "eager"), USAGE, "eager")
         self.assert_refused(self.run_lumesh("adapt", self.folder / "none.mesh", "-o", self.out), BAD_INPUT, "none.mesh")
 
     def test_bad_tensors_are_refused(self):

@@ -25,8 +25,17 @@ class IdleThreads {
 
   /// The one that idles longest, or kNobody.
   [[nodiscard]] int first() const { return by_time_.empty() ? kNobody : by_time_.begin()->second; }
-  /// One on the nearest node to `node` that has any, that of the lowest number, or kNobody.
-  [[nodiscard]] int nearest(int node) const;
+  /// One on the nearest node to `node` that has any and that takes(node), that of the lowest number, or
+  /// kNobody.
+  template <class Takes>
+  [[nodiscard]] int nearest(int node, const Takes& takes) const {
+    for (const int other : nodes_[static_cast<std::size_t>(node)].by_distance)
+      if (nodes_[static_cast<std::size_t>(other)].idle > 0 && takes(other)) return lowest_of(other);
+    return kNobody;
+  }
+  [[nodiscard]] int nearest(int node) const {
+    return nearest(node, [](int /*node*/) { return true; });
+  }
 
  private:
   static constexpr int kBits = 64;
@@ -36,6 +45,7 @@ class IdleThreads {
     int idle = 0;
   };
 
+  [[nodiscard]] int lowest_of(int node) const;
   [[nodiscard]] Node& node_of(int thread) { return nodes_[static_cast<std::size_t>(team_.node_of(thread))]; }
 
   const Team& team_;

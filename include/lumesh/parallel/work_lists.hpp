@@ -54,11 +54,15 @@ class WorkLists {
     std::set<RankedTask> tasks;
     std::condition_variable woken;
     bool waits = false;
+    bool can_share = false;  // Has two tasks.
   };
 
   [[nodiscard]] int home_of(std::uint32_t task) const;
   [[nodiscard]] Member& member(int thread) { return members_[static_cast<std::size_t>(thread)]; }
   [[nodiscard]] int receiver_instead_of(int home, int by) const;
+  void add_task(int thread, RankedTask one);
+  /// To be called when the tasks of a thread have changed.
+  void note_tasks(int thread);
   void share(int thread);
   void steal(int thread);
   /// Passes the coldest half of the tasks of one thread to another.
@@ -76,6 +80,7 @@ class WorkLists {
   std::deque<Member> members_;
   std::vector<HandOvers> hand_overs_;
   IdleThreads idle_;
+  std::vector<int> can_share_;  // Threads of each node.
   std::deque<int> aside_;
   int active_;                // Neither idle nor aside.
   std::uint32_t left_;        // Tasks that are not done.

@@ -64,7 +64,8 @@ TEST(IdleThreads, AreFoundByTimeAndByDistance) {
   EXPECT_EQ(idle.nearest(0), 5);
   EXPECT_EQ(idle.nearest(3), 30);
   EXPECT_EQ(idle.nearest(5), 60);  // Of the same package.
-  EXPECT_EQ(idle.nearest(1), 5);   // All three are as near; the lowest node comes first.
+  EXPECT_EQ(idle.nearest(1, [](int node) { return node > 2; }), 30);
+  EXPECT_EQ(idle.nearest(1), 5);  // All three are as near; the lowest node comes first.
   idle.remove(60);
   idle.remove(5);
   EXPECT_FALSE(idle.contains(60));
@@ -142,6 +143,8 @@ HandOvers hand_overs_of_uneven_work(Balance balance) {
 TEST(Balance, HierarchyHalvesWhatIsHandedOverToOtherNodes) {
   const HandOvers first_idle = hand_overs_of_uneven_work(Balance::kFirstIdle);
   const HandOvers hierarchical = hand_overs_of_uneven_work(Balance::kHierarchical);
+  RecordProperty("first_idle_remote", static_cast<int>(first_idle.remote));
+  RecordProperty("hierarchical_remote", static_cast<int>(hierarchical.remote));
   EXPECT_GT(first_idle.remote, 100u);
   EXPECT_GT(hierarchical.local, hierarchical.remote);
   EXPECT_LE(2 * hierarchical.remote, first_idle.remote);
