@@ -92,7 +92,7 @@ void run(AdaptCommand command) {
   command.options.threads = command.run.threads > 0 ? command.run.threads : parallel::available_threads();
   if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
   const auto shapes =
-      command.boundary == "frozen" ? operators::all_frozen(mesh) : operators::planes_where_flat(mesh);
+      command.boundary == "frozen" ? operators::all_frozen(mesh) : operators::shapes_of_patches(mesh);
   const AdaptReport report =
       command.complexity > 0
           ? adapt_to_complexity(mesh, field, shapes, command.complexity, command.options, context)

@@ -83,13 +83,18 @@ operators::InsertionRules rules_for(double length, double longest, operators::In
   return rules;
 }
 
-EdgeList long_edges(const TetMesh& mesh, TetId t, double longest, SplitRank rank) {
+EdgeList long_edges(const operators::Subject& subject, TetId t, double longest, double arc_weight,
+                    SplitRank rank) {
+  const TetMesh& mesh = subject.mesh;
   EdgeList edges;
   for (int e = 0; e < 6; ++e) {
     if (!has_rank(mesh, t, e, rank)) continue;
     const EndLengths squared = squared_lengths_of(mesh, t, e);
-    if (squared.larger <= longest * longest) continue;
-    const double length = length_of(squared);
+    double length = squared.larger <= longest * longest ? 0 : length_of(squared);
+    if (arc_weight > 0 && length <= longest && has_rank(mesh, t, e, SplitRank::kSurfaces)) {
+      const auto [i, j] = kTetEdges[e];
+      length = arc_weight * operators::arc_height(mesh, t, i, j, subject.shapes);
+    }
     if (length > longest) edges.add_longest_first({length, e});
   }
   return edges;
@@ -113,15 +118,15 @@ std::vector<float> nearest_below(const TetMesh& mesh, double shortest) {
 
 }  // namespace
 
-void split_long_edges(const TetMesh& mesh, Execution& execution, double longest, SplitRank rank,
-                      const operators::InsertionRules& rules) {
+void split_long_edges(const operators::Subject& subject, Execution& execution, double longest,
+                      double arc_weight, SplitRank rank, const operators::InsertionRules& rules) {
   execution.over_tets(
       [&](TetId t) {
-        const EdgeList edges = long_edges(mesh, t, longest, rank);
+        const EdgeList edges = long_edges(subject, t, longest, arc_weight, rank);
         return edges.empty() ? 0 : edges.begin()->length;
       },
       [&](Execution::Kernel& kernel, TetId t) {
-        for (const RankedEdge& one : long_edges(mesh, t, longest, rank)) {
+        for (const RankedEdge& one : long_edges(subject, t, longest, arc_weight, rank)) {
           const auto [i, j] = kTetEdges[one.edge];
           if (kernel.split_edge(t, i, j, fraction_of(one.length), rules_for(one.length, longest, rules)) ==
               Outcome::kApplied)

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "scratch.hpp"
+#include "surface_rules.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -10,8 +11,28 @@ bool keeps_patches(const TetMesh& mesh, VertexId from, const EdgeRing& ring, con
   const VertexDimension dimension = mesh.dimension(from);
   if (dimension == VertexDimension::kVolume) return true;
   if (ring.dimension() != dimension) return false;  // A corner's never is.
-  return std::all_of(ring.patches.begin(), ring.patches.end(),
-                     [&](PatchId patch) { return shapes[patch.value].freedom == PatchFreedom::kPlane; });
+  return !is_any_frozen(ring.patches, shapes);
+}
+
+/// True if the faces of curved patches keep to their surface when `from` goes where `to` is.
+bool keeps_to_surface(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
+                      const PatchShapes& shapes) {
+  if (!is_any_curved(ball.patches, shapes)) return true;
+  SurfaceDeviation before, after;
+  for (const TetId t : ball.tets) {
+    const int opposite = mesh.index_of(t, from);
+    for (int f = 0; f < 4; ++f) {
+      const PatchId patch = mesh.patch(t, f);
+      if (f == opposite || !patch.valid() || shapes[patch.value].freedom != PatchFreedom::kCurved) continue;
+      const Surface& surface = *shapes[patch.value].surface;
+      Cell<3> corners = mesh.face_corners(t, f);
+      before.add(surface, mesh, corners);
+      if (std::find(corners.begin(), corners.end(), to.value) != corners.end()) continue;  // Vanishes.
+      std::replace(corners.begin(), corners.end(), from.value, to.value);
+      after.add(surface, mesh, corners);
+    }
+  }
+  return after.may_follow(before);
 }
 
 /// True if the tetrahedra around the edge can vanish: not where one lies between two faces of patches, which
@@ -133,6 +154,7 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
     if (!keeps_patches(mesh, v, ring, subject_.shapes) || !can_vanish(mesh, v, to.vertex, ring)) continue;
     if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.most_length)) continue;
     if (!measure_after(mesh, v, to.vertex, ball, shapes, floor, qualities)) continue;
+    if (!keeps_to_surface(mesh, v, to.vertex, ball, subject_.shapes)) continue;
     commit_collapse(v, to.vertex);
     return Outcome::kApplied;
   }
