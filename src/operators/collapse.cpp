@@ -59,6 +59,21 @@ void close_gap(TetMesh& mesh, TetId t, int from, int to) {
   mesh.set_interface_patch(other.tet(), other.face(), patch);
 }
 
+/// True if nothing joins `from` and `to` but the tetrahedra around their edge: else what is one with `from`
+/// and one with `to` would become the same twice. In domains of planes positive tetrahedra say so by
+/// themselves; where the surface moves, they do not. Source: Dey, Edelsbrunner, Guha, Nekhayev 1999, Topology
+/// preserving edge contraction.
+bool meet_only_around_edge(const EdgeRing& ring, const VertexBall& ball_of_from,
+                           const VertexBall& ball_of_to) {
+  const auto is_on_rim = [&](std::uint32_t v) {
+    return std::find(ring.rim.begin(), ring.rim.end(), v) != ring.rim.end();
+  };
+  return std::all_of(ball_of_from.neighbours.begin(), ball_of_from.neighbours.end(), [&](std::uint32_t v) {
+    return is_on_rim(v) || std::find(ball_of_to.neighbours.begin(), ball_of_to.neighbours.end(), v) ==
+                               ball_of_to.neighbours.end();
+  });
+}
+
 /// True if an edge from `to` would be longer than allowed; where `from` has longer ones already, than the
 /// longest.
 bool makes_edge_too_long(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
@@ -139,7 +154,7 @@ Outcome Operators<Lock>::collapse_vertex(VertexId v, double least_length, const 
 template <class Lock>
 Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRules& rules) {
   const TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, cavity, qualities, near, crowding, shapes] = *scratch_;
+  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes] = *scratch_;
   float worst = 1;
   for (const TetId x : ball.tets) worst = std::min(worst, mesh.quality(x));
   const double floor =
@@ -155,6 +170,10 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
     if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.most_length)) continue;
     if (!measure_after(mesh, v, to.vertex, ball, shapes, floor, qualities)) continue;
     if (!keeps_to_surface(mesh, v, to.vertex, ball, subject_.shapes)) continue;
+    if (is_any_curved(ball.patches, subject_.shapes)) {
+      if (!gather_ball(mesh, to.vertex, lock_, other_ball)) return Outcome::kContended;
+      if (!meet_only_around_edge(ring, ball, other_ball)) continue;
+    }
     commit_collapse(v, to.vertex);
     return Outcome::kApplied;
   }
@@ -164,7 +183,7 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
 template <class Lock>
 void Operators<Lock>::commit_collapse(VertexId from, VertexId to) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, cavity, qualities, near, crowding, shapes] = *scratch_;
+  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes] = *scratch_;
   for (const TetId x : ring.tets) close_gap(mesh, x, mesh.index_of(x, from), mesh.index_of(x, to));
   for (std::size_t i = 0; i < ball.tets.size(); ++i) {
     const TetId x = ball.tets[i];

@@ -210,6 +210,13 @@ Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const
   if (!triangulation.find(least * least * least) || !triangulation.is_positive() ||
       !keeps_to_surface_across(mesh, ring, a, b, subject_.shapes))
     return Outcome::kRejected;
+  if (is_any_curved(ring.patches, subject_.shapes)) {
+    // The edge that comes to light may be one already, elsewhere: in planes it cannot.
+    VertexBall& ball = scratch_->ball;
+    if (!gather_ball(mesh, VertexId(ring.rim.front()), lock_, ball)) return Outcome::kContended;
+    if (std::find(ball.neighbours.begin(), ball.neighbours.end(), ring.rim.back()) != ball.neighbours.end())
+      return Outcome::kRejected;
+  }
   RingReplacement(scratch_->builder, ring, a, b).apply(triangulation);
   return Outcome::kApplied;
 }
