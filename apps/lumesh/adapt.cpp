@@ -14,6 +14,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/operators/creases.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
 #include "metric_input.hpp"
@@ -28,6 +29,7 @@ struct AdaptCommand {
   std::string boundary = "adapt", reconnection = "optimised";
   double complexity = 0, gradation = 0;
   double time_limit_s = std::numeric_limits<double>::infinity();
+  double feature_angle_deg = 40;
   AdaptOptions options;
   KernelOptions kernel;
   RunOptions run;
@@ -72,6 +74,10 @@ void run(AdaptCommand command) {
   check_output_folders({command.output_path, command.json_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
+  const bool adapts_boundary = command.boundary == "adapt";
+  const std::vector<PatchId> origins = context.phase("creases", [&] {
+    return operators::cut_patches_at_creases(mesh, adapts_boundary ? command.feature_angle_deg : 180);
+  });
   metric::MetricField field =
       field_of({command.mesh_path, command.metric_path, command.analytic}, input, mesh, command.gradation);
   check_request(command.complexity > 0 ? command.complexity : context.phase("complexity", [&] {
@@ -81,12 +87,14 @@ void run(AdaptCommand command) {
   command.options.execution = command.kernel.execution_kind();
   command.options.team = command.kernel.team(command.run.threads);
   if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
-  const auto shapes =
-      command.boundary == "frozen" ? operators::all_frozen(mesh) : operators::planes_where_flat(mesh);
+  const auto shapes = context.phase("surfaces", [&] {
+    return adapts_boundary ? operators::shapes_of_patches(mesh) : operators::all_frozen(mesh);
+  });
   const AdaptReport report =
       command.complexity > 0
           ? adapt_to_complexity(mesh, field, shapes, command.complexity, command.options, context)
           : adapt(mesh, field, shapes, command.options, context);
+  operators::join_patches(mesh, origins);
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path);
   const BoundaryFaces faces = mesh.boundary_faces();
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view(faces)); });
@@ -116,8 +124,12 @@ void add_adapt_command(CLI::App& program) {
                   "Scale the sizes until the adapted mesh has this complexity (about half its vertices)")
       ->check(positive_number());
   sub->add_option("--boundary,--sref", command->boundary,
-                  "adapt: flat patches are adapted, others kept; frozen: all kept")
+                  "adapt: along planes, cylinders and elsewhere the input's smooth surface; frozen: as it is")
       ->check(CLI::IsMember({"adapt", "frozen"}))
+      ->capture_default_str();
+  sub->add_option("--feature-angle", command->feature_angle_deg,
+                  "Where patches bend by more degrees they keep their creases, 1 to 180")
+      ->check(CLI::Range(1.0, 180.0))
       ->capture_default_str();
   sub->add_option("--split-above,--cdff", o.split_above,
                   "Split edges longer than this, in the metric, 1 to 3")

@@ -16,7 +16,14 @@ class Adapter {
  public:
   Adapter(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
           const AdaptOptions& options, Context& context)
-      : mesh_(mesh), execution_({mesh, field, shapes}, options.team), options_(options), context_(context) {
+      : mesh_(mesh),
+        subject_{mesh, field, shapes},
+        execution_(subject_, options.team),
+        options_(options),
+        context_(context),
+        has_curved_patch_(std::any_of(shapes.begin(), shapes.end(), [](const operators::PatchShape& shape) {
+          return shape.freedom == operators::PatchFreedom::kCurved;
+        })) {
     insertion_.least_length = options.least_length;
   }
 
@@ -84,7 +91,7 @@ class Adapter {
   }
 
  private:
-  static constexpr double kBadQuality = 0.5;
+  static constexpr double kBadQuality = 0.5, kArcWeight = 4;
   static constexpr double kShareOfLevels = 0.5;  // Of the time.
 
   [[nodiscard]] operators::OperatorCounts counts() const { return execution_.counts().of_all_threads(); }
@@ -107,9 +114,12 @@ class Adapter {
   void partition() {
     phase("partition", [&] { execution_.repartition(); });
   }
+  /// While the mesh is coarse, arcs of curved patches matter as much as lengths: what lies between an edge
+  /// and its arc would be outside, or in the way, once the edge is split.
   void split(double bound) {
+    const double arc_weight = has_curved_patch_ && bound > options_.split_above ? kArcWeight : 0;
     for (const SplitRank rank : {SplitRank::kCurves, SplitRank::kSurfaces, SplitRank::kAll})
-      phase("split", [&] { split_long_edges(mesh_, execution_, bound, rank, insertion_); });
+      phase("split", [&] { split_long_edges(subject_, execution_, bound, arc_weight, rank, insertion_); });
   }
   void collapse() {
     phase("collapse", [&] { collapse_short_edges(mesh_, execution_, options_.collapse_below, collapse_); });
@@ -137,6 +147,7 @@ class Adapter {
   }
 
   TetMesh& mesh_;
+  operators::Subject subject_;
   Execution execution_;
   const AdaptOptions& options_;
   Context& context_;
@@ -144,6 +155,7 @@ class Adapter {
   operators::CollapseRules collapse_;
   operators::SwapRules swaps_;
   operators::SmoothingRules smoothing_;
+  bool has_curved_patch_;
   double ordered_tets_ = 0;
   operators::OperatorCounts counted_;  // Up to the last pass.
   std::chrono::steady_clock::time_point pass_began_ = std::chrono::steady_clock::now();

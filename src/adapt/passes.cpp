@@ -83,13 +83,18 @@ operators::InsertionRules rules_for(double length, double longest, operators::In
   return rules;
 }
 
-EdgeList long_edges(const TetMesh& mesh, TetId t, double longest, SplitRank rank) {
+EdgeList long_edges(const operators::Subject& subject, TetId t, double longest, double arc_weight,
+                    SplitRank rank) {
+  const TetMesh& mesh = subject.mesh;
   EdgeList edges;
   for (int e = 0; e < 6; ++e) {
     if (!has_rank(mesh, t, e, rank)) continue;
     const EndLengths squared = squared_lengths_of(mesh, t, e);
-    if (squared.larger <= longest * longest) continue;
-    const double length = length_of(squared);
+    double length = squared.larger <= longest * longest ? 0 : length_of(squared);
+    if (arc_weight > 0 && length <= longest && has_rank(mesh, t, e, SplitRank::kSurfaces)) {
+      const auto [i, j] = kTetEdges[e];
+      length = arc_weight * operators::arc_height(mesh, t, i, j, subject.shapes);
+    }
     if (length > longest) edges.add_longest_first({length, e});
   }
   return edges;
@@ -114,15 +119,15 @@ std::vector<float> nearest_below(const TetMesh& mesh, double shortest) {
 }  // namespace
 
 template <class Execution>
-void split_long_edges(const TetMesh& mesh, Execution& execution, double longest, SplitRank rank,
-                      const operators::InsertionRules& rules) {
+void split_long_edges(const operators::Subject& subject, Execution& execution, double longest,
+                      double arc_weight, SplitRank rank, const operators::InsertionRules& rules) {
   execution.over_tets(
       [&](TetId t) {
-        const EdgeList edges = long_edges(mesh, t, longest, rank);
+        const EdgeList edges = long_edges(subject, t, longest, arc_weight, rank);
         return edges.empty() ? 0 : edges.begin()->length;
       },
       [&](auto& kernel, TetId t) {
-        for (const RankedEdge& one : long_edges(mesh, t, longest, rank)) {
+        for (const RankedEdge& one : long_edges(subject, t, longest, arc_weight, rank)) {
           const auto [i, j] = kTetEdges[one.edge];
           if (kernel.split_edge(t, i, j, fraction_of(one.length), rules_for(one.length, longest, rules)) ==
               Outcome::kApplied)
@@ -168,8 +173,8 @@ void smooth(Execution& execution, const operators::SmoothingRules& rules) {
   execution.over_vertices([&](auto& kernel, VertexId v) { kernel.smooth_vertex(v, rules); });
 }
 
-template void split_long_edges(const TetMesh&, operators::OrderedExecution&, double, SplitRank,
-                               const operators::InsertionRules&);
+template void split_long_edges(const operators::Subject&, operators::OrderedExecution&, double, double,
+                               SplitRank, const operators::InsertionRules&);
 template void collapse_short_edges(const TetMesh&, operators::OrderedExecution&, double,
                                    const operators::CollapseRules&);
 template void reconnect(const TetMesh&, operators::OrderedExecution&, double, Reconnection,
@@ -178,8 +183,8 @@ template void mend_worst(const TetMesh&, operators::OrderedExecution&, double, c
                          const operators::SmoothingRules&);
 template void smooth(operators::OrderedExecution&, const operators::SmoothingRules&);
 
-template void split_long_edges(const TetMesh&, operators::SpeculativeExecution&, double, SplitRank,
-                               const operators::InsertionRules&);
+template void split_long_edges(const operators::Subject&, operators::SpeculativeExecution&, double, double,
+                               SplitRank, const operators::InsertionRules&);
 template void collapse_short_edges(const TetMesh&, operators::SpeculativeExecution&, double,
                                    const operators::CollapseRules&);
 template void reconnect(const TetMesh&, operators::SpeculativeExecution&, double, Reconnection,

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "scratch.hpp"
+#include "surface_rules.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -10,8 +11,28 @@ bool keeps_patches(const TetMesh& mesh, VertexId from, const EdgeRing& ring, con
   const VertexDimension dimension = mesh.dimension(from);
   if (dimension == VertexDimension::kVolume) return true;
   if (ring.dimension() != dimension) return false;  // A corner's never is.
-  return std::all_of(ring.patches.begin(), ring.patches.end(),
-                     [&](PatchId patch) { return shapes[patch.value].freedom == PatchFreedom::kPlane; });
+  return !is_any_frozen(ring.patches, shapes);
+}
+
+/// True if the faces of curved patches keep to their surface when `from` goes where `to` is.
+bool keeps_to_surface(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
+                      const PatchShapes& shapes) {
+  if (!is_any_curved(ball.patches, shapes)) return true;
+  SurfaceDeviation before, after;
+  for (const TetId t : ball.tets) {
+    const int opposite = mesh.index_of(t, from);
+    for (int f = 0; f < 4; ++f) {
+      const PatchId patch = mesh.patch(t, f);
+      if (f == opposite || !patch.valid() || shapes[patch.value].freedom != PatchFreedom::kCurved) continue;
+      const Surface& surface = *shapes[patch.value].surface;
+      Cell<3> corners = mesh.face_corners(t, f);
+      before.add(surface, mesh, corners);
+      if (std::find(corners.begin(), corners.end(), to.value) != corners.end()) continue;  // Vanishes.
+      std::replace(corners.begin(), corners.end(), from.value, to.value);
+      after.add(surface, mesh, corners);
+    }
+  }
+  return after.may_follow(before);
 }
 
 /// True if the tetrahedra around the edge can vanish: not where one lies between two faces of patches, which
@@ -36,6 +57,21 @@ void close_gap(TetMesh& mesh, TetId t, int from, int to) {
   if (other.is_boundary() || !mesh.has_interfaces()) return;
   mesh.set_interface_patch(one.tet(), one.face(), patch);
   mesh.set_interface_patch(other.tet(), other.face(), patch);
+}
+
+/// True if nothing joins `from` and `to` but the tetrahedra around their edge: else what is one with `from`
+/// and one with `to` would become the same twice. In domains of planes positive tetrahedra say so by
+/// themselves; where the surface moves, they do not. Source: Dey, Edelsbrunner, Guha, Nekhayev 1999, Topology
+/// preserving edge contraction.
+bool meet_only_around_edge(const EdgeRing& ring, const VertexBall& ball_of_from,
+                           const VertexBall& ball_of_to) {
+  const auto is_on_rim = [&](std::uint32_t v) {
+    return std::find(ring.rim.begin(), ring.rim.end(), v) != ring.rim.end();
+  };
+  return std::all_of(ball_of_from.neighbours.begin(), ball_of_from.neighbours.end(), [&](std::uint32_t v) {
+    return is_on_rim(v) || std::find(ball_of_to.neighbours.begin(), ball_of_to.neighbours.end(), v) ==
+                               ball_of_to.neighbours.end();
+  });
 }
 
 /// True if an edge from `to` would be longer than allowed; where `from` has longer ones already, than the
@@ -118,7 +154,7 @@ Outcome Operators<Lock>::collapse_vertex(VertexId v, double least_length, const 
 template <class Lock>
 Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRules& rules) {
   const TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, cavity, qualities, near, crowding, shapes] = *scratch_;
+  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes] = *scratch_;
   float worst = 1;
   for (const TetId x : ball.tets) worst = std::min(worst, mesh.quality(x));
   const double floor =
@@ -133,6 +169,11 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
     if (!keeps_patches(mesh, v, ring, subject_.shapes) || !can_vanish(mesh, v, to.vertex, ring)) continue;
     if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.most_length)) continue;
     if (!measure_after(mesh, v, to.vertex, ball, shapes, floor, qualities)) continue;
+    if (!keeps_to_surface(mesh, v, to.vertex, ball, subject_.shapes)) continue;
+    if (is_any_curved(ball.patches, subject_.shapes)) {
+      if (!gather_ball(mesh, to.vertex, lock_, other_ball)) return Outcome::kContended;
+      if (!meet_only_around_edge(ring, ball, other_ball)) continue;
+    }
     commit_collapse(v, to.vertex);
     return Outcome::kApplied;
   }
@@ -142,7 +183,7 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
 template <class Lock>
 void Operators<Lock>::commit_collapse(VertexId from, VertexId to) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, cavity, qualities, near, crowding, shapes] = *scratch_;
+  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes] = *scratch_;
   for (const TetId x : ring.tets) close_gap(mesh, x, mesh.index_of(x, from), mesh.index_of(x, to));
   for (std::size_t i = 0; i < ball.tets.size(); ++i) {
     const TetId x = ball.tets[i];

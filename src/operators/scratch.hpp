@@ -34,7 +34,7 @@ struct Operators<Lock>::Scratch {
 
   Builder builder;
   EdgeRing ring;
-  VertexBall ball;
+  VertexBall ball, other_ball;
   Cavity cavity;
   std::vector<float> qualities;
   std::vector<NearVertex> near;

@@ -120,8 +120,9 @@ class Operators {
 
   /// Replaces the tetrahedra around edge (corner i, corner j) of t by the best ones without it: of all
   /// triangulations of the ring, the one with the best worst quality (dynamic programming). Covers 3-2, 4-4
-  /// and larger rings, and 2-2 where the edge lies on a flat patch. Source: Shewchuk 2002, Two discrete
-  /// optimization algorithms for the topological improvement of tetrahedral meshes.
+  /// and larger rings, and 2-2 where the edge lies on a patch. A tetrahedron with two faces on one curved
+  /// patch is flat: it is taken away. Source: Shewchuk 2002, Two discrete optimization algorithms for the
+  /// topological improvement of tetrahedral meshes.
   Outcome remove_edge(TetId t, int i, int j, const SwapRules& rules);
 
   /// Replaces t and its neighbour behind `face` by three tetrahedra around a new edge (2-3).
@@ -163,6 +164,7 @@ class Operators {
   Outcome collapse_gathered_vertex(VertexId v, const CollapseRules& rules);
   void commit_collapse(VertexId from, VertexId to);
   Outcome remove_held_edge(TetId t, VertexId a, VertexId b, const SwapRules& rules);
+  Outcome peel_held_tet(TetId t, VertexId a, VertexId b);
   Outcome swap_held_face(TetId t, int face, const SwapRules& rules);
   Outcome smooth_held_vertex(VertexId v, const SmoothingRules& rules);
   void draw_in_near_vertices(VertexId into);
