@@ -61,7 +61,7 @@ Outcome Operators<Lock>::collapse_edge(TetId t, int from, int to, const Collapse
 template <class Lock>
 Outcome Operators<Lock>::collapse_held_edge(TetId t, VertexId a, VertexId b, const CollapseRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, cavity, qualities, near, shapes] = *scratch_;
+  auto& [builder, ring, ball, cavity, qualities, near, shapes, angles] = *scratch_;
   if (mesh.dimension(a) == VertexDimension::kCorner) return Outcome::kRejected;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
   if (!keeps_patches(mesh, a, ring, subject_.shapes) || !can_vanish(mesh, a, b, ring))
@@ -80,7 +80,7 @@ Outcome Operators<Lock>::collapse_held_edge(TetId t, VertexId a, VertexId b, con
     Cell<4> v = mesh.tet(x);
     v[mesh.index_of(x, a)] = b.value;
     const VertexId p(v[0]), q(v[1]), r(v[2]), s(v[3]);
-    const double cubed = quality_cubed(mesh, p, q, r, s);
+    const double cubed = quality_cubed(subject_.measure, mesh, p, q, r, s);
     if (cubed < floor * floor * floor ||
         orient3d(mesh.point(p), mesh.point(q), mesh.point(r), mesh.point(s)) <= 0)
       return Outcome::kRejected;

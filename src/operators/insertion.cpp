@@ -43,7 +43,7 @@ template <class Lock>
 Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double fraction,
                                          const InsertionRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, cavity, qualities, near, shapes] = *scratch_;
+  auto& [builder, ring, ball, cavity, qualities, near, shapes, angles] = *scratch_;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
   if (is_frozen(ring, subject_.shapes)) return Outcome::kRejected;
 
