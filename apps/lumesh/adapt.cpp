@@ -16,6 +16,7 @@
 #include "lumesh/parallel/ordered_tasks.hpp"
 #include "lumesh/report/picture.hpp"
 #include "metric_input.hpp"
+#include "operator_counts.hpp"
 
 namespace lumesh::cli {
 
@@ -47,18 +48,6 @@ void check_request(double complexity) {
       fmt::format("the metric asks for about {:.2g} tetrahedra ({:.2g} GB; {:.2g} GB are free); ask for a "
                   "lower --complexity than {:.3g}",
                   tets, tets * kBytesPerTet / 1e9, available / 1e9, complexity));
-}
-
-nlohmann::ordered_json count_json(const operators::OperatorCount& count) {
-  return {{"applied", count.applied}, {"rejected", count.rejected}, {"contended", count.contended}};
-}
-
-nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts) {
-  return {{"insertion", count_json(counts.insertion)},
-          {"collapse", count_json(counts.collapse)},
-          {"edge_removal", count_json(counts.edge_removal)},
-          {"face_swap", count_json(counts.face_swap)},
-          {"smoothing", count_json(counts.smoothing)}};
 }
 
 nlohmann::ordered_json report_json(const AdaptReport& report, const Context& context, double seconds) {
