@@ -8,6 +8,7 @@ namespace lumesh::cli {
 void add_adapt_command(CLI::App& program);
 void add_convert_command(CLI::App& program);
 void add_evaluate_command(CLI::App& program);
+void add_improve_command(CLI::App& program);
 void add_info_command(CLI::App& program);
 void add_lattice_command(CLI::App& program);
 void add_metric_command(CLI::App& program);

@@ -58,6 +58,7 @@ int main(int argc, char** argv) {
   lumesh::cli::add_lattice_command(program);
   lumesh::cli::add_metric_command(program);
   lumesh::cli::add_adapt_command(program);
+  lumesh::cli::add_improve_command(program);
   lumesh::cli::add_evaluate_command(program);
   lumesh::cli::add_convert_command(program);
   try {

@@ -54,6 +54,13 @@ MetricField MetricField::analytic(AnalyticKind kind, double size_factor) {
   return field;
 }
 
+MetricField MetricField::uniform(double size) {
+  LUMESH_ASSERT(size > 0);
+  MetricField field;
+  field.source_ = Uniform{size};
+  return field;
+}
+
 MetricField MetricField::on_background(TetMesh background) {
   LUMESH_ASSERT(background.has_metric() && background.is_compact());
   MetricField field;
@@ -64,6 +71,11 @@ MetricField MetricField::on_background(TetMesh background) {
 MetricPair MetricField::at(const Vec3& point, Hint& hint) const {
   if (const AnalyticKind* kind = std::get_if<AnalyticKind>(&source_))
     return analytic_metric(*kind, point, size_factor_);
+  if (const Uniform* uniform = std::get_if<Uniform>(&source_)) {
+    const double size = size_factor_ * uniform->size;
+    const double inverse = 1 / (size * size), log = -2 * std::log(size);
+    return {SymTensor::diagonal(inverse, inverse, inverse), SymTensor::diagonal(log, log, log)};
+  }
   return interpolated(*std::get<Background>(source_).mesh, point, hint);
 }
 

@@ -159,6 +159,24 @@ bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const PatchSha
   return true;
 }
 
+double Cavity::optimise(const TetMesh& mesh, Vec3& place, AngleStar& angles, const ShapeMeasure& measure,
+                        const AngleRules& rules) {
+  double worst = 1;
+  for (const TetId t : tets_) worst = std::min<double>(worst, mesh.quality(t));
+  const auto at = [&](std::uint32_t v) -> const Vec3& { return mesh.point(VertexId(v)); };
+  angles.begin(measure.obtuse_weight);
+  for (const HullFace& face : hull_)
+    angles.add(at(face.corners[0]), at(face.corners[1]), at(face.corners[2]));
+  const double best = angles.climb(place, rules.most_steps);
+  if (best < worst + rules.least_gain) return -1;
+  for (HullFace& face : hull_) {
+    const auto [a, b, c] = face.corners;
+    if (orient3d(at(a), at(b), at(c), place) <= 0) return -1;
+    face.quality = static_cast<float>(angle_quality(at(a), at(b), at(c), place, measure.obtuse_weight));
+  }
+  return best;
+}
+
 bool Cavity::is_near_patch(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
                            double least_height) const {
   const MetricFrame frame(vertex.metric.metric, vertex.point);

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "angle_star.hpp"
 #include "builder.hpp"
 #include "local_map.hpp"
 #include "lumesh/geometry/predicates.hpp"
@@ -13,6 +14,7 @@
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 #include "lumesh/operators/rules.hpp"
+#include "lumesh/operators/shape_measure.hpp"
 #include "star_shapes.hpp"
 
 namespace lumesh::operators {
@@ -45,6 +47,11 @@ class Cavity {
   /// Measures what would be put in. @return false if a rule speaks against it.
   bool accept(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
               const InsertionRules& rules);
+
+  /// Moves `place`, where the vertex would be, to where the worst angle of what would be put in is best.
+  /// @return the worst quality there, or -1 if that is not better than the worst one inside now.
+  double optimise(const TetMesh& mesh, Vec3& place, AngleStar& angles, const ShapeMeasure& measure,
+                  const AngleRules& rules);
 
   /// Puts the vertex in. Cannot fail but for memory.
   VertexId fill(Builder& builder, const NewVertex& vertex);

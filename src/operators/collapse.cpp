@@ -105,16 +105,25 @@ void neighbours_near(const TetMesh& mesh, VertexId v, const VertexBall& ball, do
   });
 }
 
-/// Of the tetrahedra around `from` after it went to `to`; negative where one vanishes. Empty if one would be
+/// Of the tetrahedra around `from` after it went to `to`; negative where one vanishes. False if one would be
 /// inverted or fall below the floor.
-bool measure_after(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
-                   StarShapes& shapes, double floor, std::vector<float>& qualities) {
-  const std::span<const double> cubes = shapes.ratios_cubed_at(mesh.point(to), mesh.log_metric(to));
+bool measure_after(const TetMesh& mesh, const ShapeMeasure& measure, VertexId from, VertexId to,
+                   const VertexBall& ball, StarShapes& shapes, double floor, std::vector<float>& qualities) {
+  const bool in_metric = measure.kind == ShapeMeasure::Kind::kMeanRatio;
+  std::span<const double> cubes;
+  if (in_metric) cubes = shapes.ratios_cubed_at(mesh.point(to), mesh.log_metric(to));
+  const auto cubed_after = [&](TetId t) {
+    Cell<4> v = mesh.tet(t);
+    v[mesh.index_of(t, from)] = to.value;
+    return quality_cubed(measure, mesh, VertexId(v[0]), VertexId(v[1]), VertexId(v[2]), VertexId(v[3]));
+  };
   qualities.clear();
-  for (std::size_t i = 0; i < cubes.size(); ++i) {
-    const bool vanishes = mesh.index_of(ball.tets[i], to) >= 0;
-    if (!vanishes && cubes[i] < floor * floor * floor) return false;
-    qualities.push_back(vanishes ? -1 : static_cast<float>(metric::cube_root(cubes[i])));
+  for (std::size_t i = 0; i < ball.tets.size(); ++i) {
+    qualities.push_back(-1);
+    if (mesh.index_of(ball.tets[i], to) >= 0) continue;
+    const double cubed = in_metric ? cubes[i] : cubed_after(ball.tets[i]);
+    if (cubed < floor * floor * floor) return false;
+    qualities.back() = static_cast<float>(metric::cube_root(cubed));
   }
   for (std::size_t i = 0; i < ball.tets.size(); ++i) {
     if (qualities[i] < 0) continue;
@@ -154,12 +163,12 @@ Outcome Operators<Lock>::collapse_vertex(VertexId v, double least_length, const 
 template <class Lock>
 Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRules& rules) {
   const TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes] = *scratch_;
+  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes, angles] = *scratch_;
   float worst = 1;
   for (const TetId x : ball.tets) worst = std::min(worst, mesh.quality(x));
   const double floor =
       worst < rules.least_quality ? worst : std::max(rules.least_quality, rules.least_relative * worst);
-  shapes.gather(mesh, v, ball.tets);
+  if (subject_.measure.kind == ShapeMeasure::Kind::kMeanRatio) shapes.gather(mesh, v, ball.tets);
   for (const NearVertex& to : near) {
     const auto shared = std::find_if(ball.tets.begin(), ball.tets.end(),
                                      [&](TetId x) { return mesh.index_of(x, to.vertex) >= 0; });
@@ -168,7 +177,7 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
     if (!gather_ring(mesh, *shared, v, to.vertex, lock_, ring)) return Outcome::kContended;
     if (!keeps_patches(mesh, v, ring, subject_.shapes) || !can_vanish(mesh, v, to.vertex, ring)) continue;
     if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.most_length)) continue;
-    if (!measure_after(mesh, v, to.vertex, ball, shapes, floor, qualities)) continue;
+    if (!measure_after(mesh, subject_.measure, v, to.vertex, ball, shapes, floor, qualities)) continue;
     if (!keeps_to_surface(mesh, v, to.vertex, ball, subject_.shapes)) continue;
     if (is_any_curved(ball.patches, subject_.shapes)) {
       if (!gather_ball(mesh, to.vertex, lock_, other_ball)) return Outcome::kContended;
@@ -183,7 +192,7 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
 template <class Lock>
 void Operators<Lock>::commit_collapse(VertexId from, VertexId to) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes] = *scratch_;
+  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes, angles] = *scratch_;
   for (const TetId x : ring.tets) close_gap(mesh, x, mesh.index_of(x, from), mesh.index_of(x, to));
   for (std::size_t i = 0; i < ball.tets.size(); ++i) {
     const TetId x = ball.tets[i];

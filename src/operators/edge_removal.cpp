@@ -16,8 +16,14 @@ struct Triangle {
 /// have the best worst quality; all of it in cubes of qualities.
 class RimTriangulation {
  public:
-  RimTriangulation(const TetMesh& mesh, const EdgeRing& ring, VertexId a, VertexId b)
-      : mesh_(mesh), rim_(ring.rim), a_(a), b_(b), size_(static_cast<int>(ring.rim.size())) {}
+  RimTriangulation(const TetMesh& mesh, const ShapeMeasure& measure, const EdgeRing& ring, VertexId a,
+                   VertexId b)
+      : mesh_(mesh),
+        measure_(measure),
+        rim_(ring.rim),
+        a_(a),
+        b_(b),
+        size_(static_cast<int>(ring.rim.size())) {}
 
   /// @return false if none is better than `least`.
   bool find(double least);
@@ -35,11 +41,12 @@ class RimTriangulation {
 
  private:
   [[nodiscard]] double cubed(const Cell<4>& v) const {
-    return quality_cubed(mesh_, VertexId(v[0]), VertexId(v[1]), VertexId(v[2]), VertexId(v[3]));
+    return quality_cubed(measure_, mesh_, VertexId(v[0]), VertexId(v[1]), VertexId(v[2]), VertexId(v[3]));
   }
   void collect(int i, int k);
 
   const TetMesh& mesh_;
+  const ShapeMeasure& measure_;
   const std::vector<std::uint32_t>& rim_;
   VertexId a_, b_;
   int size_;
@@ -95,8 +102,12 @@ bool RimTriangulation::is_positive() const {
 /// Puts the tetrahedra of a triangulation in the place of those of the ring.
 class RingReplacement {
  public:
-  RingReplacement(Builder& builder, const EdgeRing& ring, VertexId a, VertexId b)
-      : builder_(builder), mesh_(builder.mesh), ring_(ring), size_(static_cast<int>(ring.rim.size())) {
+  RingReplacement(Builder& builder, const ShapeMeasure& measure, const EdgeRing& ring, VertexId a, VertexId b)
+      : builder_(builder),
+        mesh_(builder.mesh),
+        measure_(measure),
+        ring_(ring),
+        size_(static_cast<int>(ring.rim.size())) {
     for (std::size_t k = 0; k < ring.tets.size(); ++k) {
       const TetId t = ring.tets[k];
       behind_a_[k] = side_of(t, mesh_.index_of(t, a));
@@ -135,8 +146,9 @@ class RingReplacement {
 
   TetId add(const Cell<4>& v, Label label) {
     const TetId t = builder_.add_tet(v, label);
-    mesh_.set_quality(t, static_cast<float>(metric::cube_root(quality_cubed(
-                             mesh_, VertexId(v[0]), VertexId(v[1]), VertexId(v[2]), VertexId(v[3])))));
+    mesh_.set_quality(
+        t, static_cast<float>(metric::cube_root(quality_cubed(measure_, mesh_, VertexId(v[0]), VertexId(v[1]),
+                                                              VertexId(v[2]), VertexId(v[3])))));
     for (const std::uint32_t w : v) mesh_.set_incident_tet(VertexId(w), t);
     return t;
   }
@@ -164,6 +176,7 @@ class RingReplacement {
 
   Builder& builder_;
   TetMesh& mesh_;
+  const ShapeMeasure& measure_;
   const EdgeRing& ring_;
   int size_;
   std::array<Side, kMostRing> behind_a_, behind_b_;
@@ -206,7 +219,7 @@ Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const
   double worst = 1;
   for (const TetId x : ring.tets) worst = std::min<double>(worst, mesh.quality(x));
   const double least = worst + rules.least_gain;
-  RimTriangulation triangulation(mesh, ring, a, b);
+  RimTriangulation triangulation(mesh, subject_.measure, ring, a, b);
   if (!triangulation.find(least * least * least) || !triangulation.is_positive() ||
       !keeps_to_surface_across(mesh, ring, a, b, subject_.shapes))
     return Outcome::kRejected;
@@ -217,7 +230,7 @@ Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const
     if (std::find(ball.neighbours.begin(), ball.neighbours.end(), ring.rim.back()) != ball.neighbours.end())
       return Outcome::kRejected;
   }
-  RingReplacement(scratch_->builder, ring, a, b).apply(triangulation);
+  RingReplacement(scratch_->builder, subject_.measure, ring, a, b).apply(triangulation);
   return Outcome::kApplied;
 }
 

@@ -26,7 +26,7 @@ Outcome Operators<Lock>::swap_held_face(TetId t, int face, const SwapRules& rule
   std::array<double, 3> cubed{};
   for (int k = 0; k < 3; ++k) {
     const VertexId p(rim[k]), q(rim[(k + 1) % 3]);
-    cubed[k] = quality_cubed(mesh, p, q, below, above);
+    cubed[k] = quality_cubed(subject_.measure, mesh, p, q, below, above);
     if (cubed[k] <= least * least * least ||
         orient3d(mesh.point(p), mesh.point(q), mesh.point(below), mesh.point(above)) <= 0)
       return Outcome::kRejected;

@@ -38,7 +38,7 @@ template <class Lock>
 Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double fraction,
                                          const InsertionRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes] = *scratch_;
+  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes, angles] = *scratch_;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
   if (is_any_frozen(ring.patches, subject_.shapes)) return Outcome::kRejected;
   const auto place = place_on_patches(point_on_edge(mesh, a, b, fraction), ring.patches, subject_.shapes);

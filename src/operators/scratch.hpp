@@ -1,6 +1,7 @@
 #pragma once
 /// @file The working memory of one thread's operators.
 
+#include "angle_star.hpp"
 #include "builder.hpp"
 #include "cavity.hpp"
 #include "lumesh/operators/operators.hpp"
@@ -40,6 +41,7 @@ struct Operators<Lock>::Scratch {
   std::vector<NearVertex> near;
   std::vector<VertexId> crowding;
   StarShapes shapes;
+  AngleStar angles;
 };
 
 template <class Lock>
@@ -52,9 +54,14 @@ Outcome Operators<Lock>::on_held(OperatorCount& count, VertexId a, VertexId b, c
   return outcome;
 }
 
-/// Quality cubed of the tetrahedron (a, b, c, d) of vertices of the mesh.
-[[nodiscard]] inline double quality_cubed(const TetMesh& mesh, VertexId a, VertexId b, VertexId c,
-                                          VertexId d) {
+/// Quality cubed of the tetrahedron (a, b, c, d) of vertices of the mesh; -1 if it is flat or inverted.
+[[nodiscard]] inline double quality_cubed(const ShapeMeasure& measure, const TetMesh& mesh, VertexId a,
+                                          VertexId b, VertexId c, VertexId d) {
+  if (measure.kind == ShapeMeasure::Kind::kDihedralAngles) {
+    const double quality =
+        angle_quality(mesh.point(a), mesh.point(b), mesh.point(c), mesh.point(d), measure.obtuse_weight);
+    return quality > 0 ? quality * quality * quality : -1;
+  }
   return metric::mean_ratio_cubed(mesh.point(a), mesh.point(b), mesh.point(c), mesh.point(d),
                                   mesh.log_metric(a), mesh.log_metric(b), mesh.log_metric(c),
                                   mesh.log_metric(d));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lumesh/adapt/execution_kind.hpp"
 #include "lumesh/core/context.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/metric_field.hpp"
@@ -22,12 +23,6 @@ enum class Reconnection : std::uint8_t {
                ///< refined).
 };
 
-/// How threads share a mesh that all of them change.
-enum class ExecutionKind : std::uint8_t {
-  kOrdered,      ///< operators::OrderedExecution: the same bits for every number of threads.
-  kSpeculative,  ///< operators::SpeculativeExecution.
-};
-
 /// Lengths and qualities (mean ratios) are those of the metric. In brackets the paper's names.
 struct AdaptOptions {
   double split_above = std::numbers::sqrt2;  ///< Edges longer than this are split, 1 to 3 (cdff).
@@ -39,7 +34,7 @@ struct AdaptOptions {
 
   Reconnection reconnection = Reconnection::kOptimised;
   ExecutionKind execution = ExecutionKind::kOrdered;
-  parallel::TeamOptions team;
+  parallel::TeamOptions team = {};
 
   /// @throws Error{kUsage} that names the field.
   void validate() const;

@@ -9,14 +9,16 @@
 
 namespace lumesh::metric {
 
-/// Either a formula, or tensors at the vertices of a background mesh, interpolated log-Euclidean.
-/// Threads: const members may run at the same time.
+/// Either a formula, the same size everywhere, or tensors at the vertices of a background mesh, interpolated
+/// log-Euclidean. Threads: const members may run at the same time.
 class MetricField {
  public:
   /// Where a search begins and where it ended: a tetrahedron of the background, unused by formulas.
   using Hint = TetId;
 
   [[nodiscard]] static MetricField analytic(AnalyticKind kind, double size_factor = 1);
+  /// @param size  Of all edges in all directions, > 0.
+  [[nodiscard]] static MetricField uniform(double size);
   /// @param background  With a metric at every vertex (TetMesh::set_metric()).
   [[nodiscard]] static MetricField on_background(TetMesh background);
 
@@ -34,7 +36,10 @@ class MetricField {
   struct Background {
     std::shared_ptr<const TetMesh> mesh;
   };
-  std::variant<AnalyticKind, Background> source_;
+  struct Uniform {
+    double size = 1;
+  };
+  std::variant<AnalyticKind, Uniform, Background> source_;
   double size_factor_ = 1;
 
   [[nodiscard]] MetricPair interpolated(const TetMesh& mesh, const Vec3& point, Hint& hint) const;

@@ -13,9 +13,11 @@
 
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/metric_field.hpp"
+#include "lumesh/operators/input_surface.hpp"
 #include "lumesh/operators/locks.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 #include "lumesh/operators/rules.hpp"
+#include "lumesh/operators/shape_measure.hpp"
 #include "lumesh/parallel/team.hpp"
 
 namespace lumesh::operators {
@@ -28,9 +30,11 @@ enum class Outcome : std::uint8_t {
 
 /// What operators work on. All of it outlives them.
 struct Subject {
-  TetMesh& mesh;                     ///< With metrics.
-  const metric::MetricField& field;  ///< Gives new and moved vertices their metric.
-  const PatchShapes& shapes;         ///< One per patch.
+  TetMesh& mesh;                          ///< With metrics.
+  const metric::MetricField& field;       ///< Gives new and moved vertices their metric.
+  const PatchShapes& shapes;              ///< One per patch.
+  ShapeMeasure measure = {};              ///< What the stored quality of every tetrahedron is.
+  const InputSurface* surface = nullptr;  ///< What slide_vertex() moves along; without it, no vertex slides.
 };
 
 struct OperatorCount {
@@ -133,6 +137,21 @@ class Operators {
   /// rules.quality_floor, whichever is less. Vertices of flat patches move within them.
   Outcome smooth_vertex(VertexId v, const SmoothingRules& rules);
 
+  /// Moves a vertex to where the worst dihedral angle around it is best (non-smooth optimisation). Vertices
+  /// of patches stay. Measure: dihedral angles.
+  Outcome optimise_vertex(VertexId v, const AngleRules& rules);
+
+  /// The same for a vertex inside a patch: it moves along the patch as that is in Subject::surface, and only
+  /// where the faces around it stay near that and near the vertex's old place.
+  Outcome slide_vertex(VertexId v, const AngleRules& rules);
+
+  /// Puts a vertex near t, in the best of several holes, to the place where the worst dihedral angle of what
+  /// fills the hole is best; only if that is better than the worst one before. Holes are what lies around t
+  /// or one of its edges on the same side of all patches, with and without the neighbours whose circumsphere
+  /// holds the middle. Measure: dihedral angles. Source: Klingner and Shewchuk 2007,
+  /// doi:10.1007/978-3-540-75103-8_1.
+  Outcome insert_for_angles(TetId t, const AngleRules& rules);
+
   [[nodiscard]] const OperatorCounts& counts() const { return counts_; }
 
   /// Begins a run: the lock to ask from now on, the stamp of what is made, and the epoch of what changes.
@@ -167,6 +186,12 @@ class Operators {
   Outcome peel_held_tet(TetId t, VertexId a, VertexId b);
   Outcome swap_held_face(TetId t, int face, const SwapRules& rules);
   Outcome smooth_held_vertex(VertexId v, const SmoothingRules& rules);
+  Outcome optimise_held_vertex(VertexId v, const AngleRules& rules);
+  Outcome slide_held_vertex(VertexId v, const AngleRules& rules);
+  double gather_angles(VertexId v);
+  bool move_in_angles(VertexId v, const Vec3& to);
+  Outcome insert_near_held_tet(TetId t, const AngleRules& rules);
+  double prepare_hole(TetId t, int hole, const AngleRules& rules, Vec3& place);
   void draw_in_near_vertices(VertexId into);
   bool move_if_better(VertexId v, const Vec3& to, double below, double floor, const SmoothingRules& rules);
 

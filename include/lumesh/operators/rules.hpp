@@ -34,4 +34,13 @@ struct SmoothingRules {
   int halvings = 2;            ///< Of a step that does not improve the sum, >= 1.
 };
 
+/// What betters dihedral angles: optimise_vertex(), slide_vertex(), insert_for_angles().
+struct AngleRules {
+  double least_gain = 1e-3;      ///< Of the worst quality.
+  int most_steps = 20;           ///< Of the search for one place.
+  int most_cavity_tets = 100;    ///< A cavity that would grow beyond is given up.
+  double most_deviation = 0.15;  ///< Of faces from the input surface where a vertex slides, in edge lengths.
+  double most_retreat = 0.01;    ///< Of these faces from the vertex's old place; in edge lengths, too.
+};
+
 }  // namespace lumesh::operators

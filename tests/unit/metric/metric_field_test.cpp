@@ -31,6 +31,16 @@ TEST(AnalyticMetric, HasTheSizesOfTheBenchmark) {
   EXPECT_NEAR(size_along(far, tangential), 0.05, 1e-12);
 }
 
+TEST(UniformMetric, HasOneSizeInAllDirections) {
+  MetricField field = MetricField::uniform(0.5);
+  MetricField::Hint hint = field.first_hint();
+  field.scale_sizes(3);
+  const MetricPair pair = field.at(Vec3(1, 2, 3), hint);
+  for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(1, 2, -1)})
+    EXPECT_NEAR(size_along(pair.metric, direction), 1.5, 1e-12);
+  EXPECT_LT((log(pair.metric).matrix() - pair.log.matrix()).norm(), 1e-12);
+}
+
 TEST(AnalyticMetric, CarriesItsLogarithm) {
   for (const auto kind : {AnalyticKind::kLinear, AnalyticKind::kPolar1, AnalyticKind::kPolar2}) {
     for (const Vec3& p : {Vec3(0.3, 0.4, 0.2), Vec3(0, 0, 0), Vec3(0.9, 0.1, 0.5)}) {

@@ -1,0 +1,117 @@
+#include "lumesh/adapt/improve.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "kernel_options.hpp"
+#include "long_run.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/report/picture.hpp"
+#include "metric_input.hpp"
+
+namespace lumesh::cli {
+
+namespace {
+
+struct ImproveCommand {
+  const CLI::App* self = nullptr;
+  std::string mesh_path, output_path, json_path;
+  std::string surface = "slide";
+  double time_limit_s = std::numeric_limits<double>::infinity();
+  ImproveOptions options;
+  KernelOptions kernel;
+  RunOptions run;
+};
+
+nlohmann::ordered_json angles_json(const DihedralRange& angles) {
+  return {{"min", angles.min_deg}, {"max", angles.max_deg}, {"tetrahedra_outside", angles.tets_outside}};
+}
+
+nlohmann::ordered_json report_json(const ImproveReport& report, const ImproveOptions& options,
+                                   double seconds) {
+  nlohmann::ordered_json json;
+  json["complete"] = report.complete;
+  json["targets_deg"] = {options.min_dihedral_deg, options.max_dihedral_deg};
+  json["before"] = angles_json(report.before);
+  json["after"] = angles_json(report.after);
+  json["seconds"] = seconds;
+  add_counts_json(json, report.by_thread);
+  json["passes"] = nlohmann::json::array();
+  for (const ImprovePass& pass : report.passes)
+    json["passes"].push_back({{"seconds", pass.seconds},
+                              {"tetrahedra", pass.tets},
+                              {"vertices", pass.vertices},
+                              {"dihedral_deg", angles_json(pass.angles)},
+                              {"operators", counts_json(pass.counts)}});
+  return json;
+}
+
+void run(ImproveCommand command) {
+  const auto start = std::chrono::steady_clock::now();
+  const parallel::ThreadLimit limit(command.run.threads);
+  Context context = make_context(command.run);
+  const LongRun long_run(context, command.run, command.time_limit_s);
+  command.options.validate();
+  check_output_folders({command.output_path, command.json_path});
+  const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
+  TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
+  if (!input.metric.empty()) context.warn("the metric of " + command.mesh_path + " is left out");
+  command.options.execution = command.kernel.execution_kind();
+  command.options.team = command.kernel.team(command.run.threads);
+  command.options.slide = command.surface == "slide";
+
+  const ImproveReport report = improve(mesh, command.options, context);
+  mesh.info().provenance = provenance_of(*command.self, command.mesh_path);
+  const BoundaryFaces faces = mesh.boundary_faces();
+  MeshView view = mesh.view(faces);
+  view.metric = {};  // What improvement works with says nothing.
+  context.phase("write", [&] { write_mesh(command.output_path, view); });
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  if (!command.json_path.empty())
+    report::write_file(command.json_path,
+                       report_json(report, command.options, elapsed.count()).dump(2) + "\n");
+  print_counts(command.run, report.by_thread);
+  say(command.run,
+      "{}: {} tetrahedra, dihedral angles {:.2f} to {:.2f} degrees (before: {:.2f} to {:.2f}), {} tetrahedra "
+      "outside the targets (before: {}); {:.2f} s\n",
+      command.output_path, mesh.tet_count(), report.after.min_deg, report.after.max_deg,
+      report.before.min_deg, report.before.max_deg, report.after.tets_outside, report.before.tets_outside,
+      elapsed.count());
+  long_run.check_complete(report.complete, command.output_path + " holds the best mesh so far");
+}
+
+}  // namespace
+
+void add_improve_command(CLI::App& program) {
+  const auto command = std::make_shared<ImproveCommand>();
+  CLI::App* sub = program.add_subcommand("improve", "Raise the worst dihedral angles of a tetrahedral mesh");
+  command->self = sub;
+  ImproveOptions& o = command->options;
+  sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
+  sub->add_option("-o,--output", command->output_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
+      ->required();
+  sub->add_option("--min-dihedral", o.min_dihedral_deg, "Raise smaller dihedral angles, in degrees, 1 to 60")
+      ->capture_default_str();
+  sub->add_option("--max-dihedral", o.max_dihedral_deg, "Lower larger ones, in degrees, 90 to 179")
+      ->capture_default_str();
+  sub->add_option("--passes", o.passes, "Passes at most, >= 0")->capture_default_str();
+  sub->add_option("--surface", command->surface,
+                  "slide: vertices may move along their patch where nothing else helps; frozen: they stay")
+      ->check(CLI::IsMember({"slide", "frozen"}))
+      ->capture_default_str();
+  sub->add_option("--json", command->json_path, "Write angles and counts of operators per pass as JSON");
+  add_kernel_options(*sub, command->kernel);
+  add_time_limit_option(*sub, command->time_limit_s);
+  add_threads_option(*sub, command->run);
+  add_verbosity_options(*sub, command->run);
+  sub->footer("Example: lumesh improve case1.vtu -o improved.vtu");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace lumesh::cli

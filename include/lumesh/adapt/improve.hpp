@@ -1,0 +1,66 @@
+#pragma once
+/// @file Isotropic improvement: the worst dihedral angles of a tetrahedral mesh become better.
+
+#include <cstdint>
+#include <vector>
+
+#include "lumesh/adapt/execution_kind.hpp"
+#include "lumesh/core/context.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/operators/operators.hpp"
+#include "lumesh/parallel/team.hpp"
+
+namespace lumesh {
+
+struct ImproveOptions {
+  double min_dihedral_deg = 22;   ///< Tetrahedra with a smaller dihedral angle are worked on, 1 to 60.
+  double max_dihedral_deg = 145;  ///< And those with a larger one, 90 to 179.
+  int passes = 50;                ///< At most, >= 0.
+  bool slide = true;              ///< Vertices inside patches may move along them where nothing else helps.
+  ExecutionKind execution = ExecutionKind::kOrdered;
+  parallel::TeamOptions team = {};
+
+  /// @throws Error{kUsage} that names the field.
+  void validate() const;
+};
+
+/// The extreme dihedral angles of a mesh.
+struct DihedralRange {
+  double min_deg = 180, max_deg = 0;
+  std::uint64_t tets_outside = 0;  ///< With an angle outside the targets.
+};
+
+/// What one pass did.
+struct ImprovePass {
+  double seconds = 0;
+  std::uint32_t tets = 0, vertices = 0;  ///< Afterwards.
+  DihedralRange angles;                  ///< Afterwards.
+  operators::OperatorCounts counts;
+};
+
+struct ImproveReport {
+  DihedralRange before, after;
+  std::vector<ImprovePass> passes;
+  operators::ExecutionCounts by_thread;  ///< Who did what depends on chance in every execution.
+  bool complete = true;                  ///< False if the context was cancelled before the end.
+};
+
+/// Betters the tetrahedra with angles outside the targets until there are none, nothing helps, or the passes
+/// are done. Each in turn is swapped away (edge removal, face swap), has its vertices moved to where the
+/// worst angle around them is best, has an edge collapsed, gets a new vertex nearby, or has its surface
+/// vertices slid along their patch: the first that betters the worst angle of what it changes, where both
+/// targets are equally good and count as the sine of the smaller one (operators::angle_quality()). So by this
+/// measure the mesh never becomes worse.
+///
+/// Labels and interfaces stay, and patches with all their faces; unless options.slide, so do their vertices.
+///
+/// @param mesh  Any valid mesh; compact afterwards.
+/// @throws Error{kBadInput} if the mesh is empty.
+/// Cancelled, it ends after the pass with what is reached. Source: Klingner and Shewchuk 2007,
+/// doi:10.1007/978-3-540-75103-8_1; docs/stages/improve.md.
+ImproveReport improve(TetMesh& mesh, const ImproveOptions& options, Context& context);
+
+/// @param options  The targets that tets_outside counts by.
+[[nodiscard]] DihedralRange dihedral_range(const TetMesh& mesh, const ImproveOptions& options);
+
+}  // namespace lumesh

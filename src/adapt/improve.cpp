@@ -1,0 +1,198 @@
+#include "lumesh/adapt/improve.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/metric/metric_field.hpp"
+#include "lumesh/operators/ordered_execution.hpp"
+#include "lumesh/operators/speculative_execution.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+using operators::Outcome;
+
+double sine_of_degrees(double degrees) {
+  return std::sin(degrees * std::numbers::pi / 180);
+}
+
+/// Both targets have the same quality: the sine of the smaller angle.
+operators::ShapeMeasure measure_for(const ImproveOptions& options) {
+  return {
+      operators::ShapeMeasure::Kind::kDihedralAngles,
+      std::min(1.0, sine_of_degrees(options.min_dihedral_deg) / sine_of_degrees(options.max_dihedral_deg))};
+}
+
+void measure_angles(TetMesh& mesh, double obtuse_weight) {
+  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (mesh.alive(t))
+      mesh.set_quality(
+          t, static_cast<float>(operators::angle_quality(
+                 mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3), obtuse_weight)));
+  });
+}
+
+/// What one run of improve() works with.
+template <class Execution>
+class Improver {
+ public:
+  using Kernel = Execution::Kernel;
+  Improver(TetMesh& mesh, const ImproveOptions& options)
+      : mesh_(mesh),
+        field_(metric::MetricField::uniform(1)),
+        shapes_(operators::all_frozen(mesh)),
+        measure_(measure_for(options)),
+        surface_(options.slide ? std::make_optional<operators::InputSurface>(mesh) : std::nullopt),
+        goal_(sine_of_degrees(options.min_dihedral_deg)),
+        execution_({with_qualities(mesh, field_, measure_), field_, shapes_, measure_,
+                    surface_ ? &*surface_ : nullptr},
+                   options.team) {}
+
+  void pass() {
+    execution_.repartition();
+    execution_.over_tets(
+        [&](TetId t) {
+          const double urgency = goal_ - mesh_.quality(t);
+          return urgency > 0 && operators::has_changed_since_trial(mesh_, t) ? urgency : 0;
+        },
+        [&](Kernel& kernel, TetId t) { better(kernel, t); });
+  }
+  [[nodiscard]] operators::OperatorCounts counts() const { return by_thread().of_all_threads(); }
+  [[nodiscard]] operators::ExecutionCounts by_thread() const { return execution_.counts(); }
+
+ private:
+  static TetMesh& with_qualities(TetMesh& mesh, const metric::MetricField& field,
+                                 const operators::ShapeMeasure& measure) {
+    metric::assign_metric(mesh, field);
+    measure_angles(mesh, measure.obtuse_weight);
+    return mesh;
+  }
+
+  /// The cheapest first; what changes the surface last.
+  void better(Kernel& kernel, TetId t) {
+    bool contended = false;
+    const auto is_applied = [&](Outcome outcome) {
+      contended |= outcome == Outcome::kContended;
+      return outcome == Outcome::kApplied;
+    };
+    const auto move = [&](auto operation) {  // All four vertices.
+      bool moved = false;
+      for (int k = 0; k < 4; ++k) moved |= is_applied((kernel.*operation)(mesh_.vertex(t, k), rules_));
+      return moved;
+    };
+    if (is_applied(kernel.reconnect(t, swaps_)) || move(&Kernel::optimise_vertex)) return;
+    for (const auto& [i, j] : kTetEdges)
+      if (is_applied(kernel.collapse_edge(t, i, j, collapse_)) ||
+          is_applied(kernel.collapse_edge(t, j, i, collapse_)))
+        return;
+    if (is_applied(kernel.insert_for_angles(t, rules_)) || move(&Kernel::slide_vertex)) return;
+    if (contended) mesh_.set_trial_epoch(t, 0);  // Another time it may go.
+  }
+
+  TetMesh& mesh_;
+  metric::MetricField field_;
+  operators::PatchShapes shapes_;
+  operators::ShapeMeasure measure_;
+  std::optional<operators::InputSurface> surface_;
+  double goal_;
+  Execution execution_;
+  operators::SwapRules swaps_;
+  // However long edges become, no quality below the worst one before.
+  operators::CollapseRules collapse_{.most_length = std::numeric_limits<double>::infinity(),
+                                     .least_quality = 1};
+  operators::AngleRules rules_;
+};
+
+}  // namespace
+
+void ImproveOptions::validate() const {
+  const auto check = [](const char* name, double value, double least, double most) {
+    if (!(value >= least && value <= most))
+      throw Error(ErrorKind::kUsage, std::string(name) + " must lie between " + std::to_string(least) +
+                                         " and " + std::to_string(most));
+  };
+  check("min dihedral", min_dihedral_deg, 1, 60);
+  check("max dihedral", max_dihedral_deg, 90, 179);
+  check("passes", passes, 0, 1000);
+}
+
+DihedralRange dihedral_range(const TetMesh& mesh, const ImproveOptions& options) {
+  constexpr std::size_t kBlock = 4096;
+  const auto cosine = [](double degrees) { return std::cos(degrees * std::numbers::pi / 180); };
+  const double most_cosine = cosine(options.min_dihedral_deg),
+               least_cosine = cosine(options.max_dihedral_deg);
+  struct Tally {
+    DihedralCosines extreme{-1, 1};
+    std::uint64_t outside = 0;
+  };
+  const Tally tally = parallel::reduce_blocks<Tally>(
+      mesh.tet_slots(), kBlock, {},
+      [&](std::size_t begin, std::size_t end) {
+        Tally part;
+        for (std::size_t i = begin; i < end; ++i) {
+          const TetId t(static_cast<std::uint32_t>(i));
+          if (!mesh.alive(t)) continue;
+          const DihedralCosines c =
+              min_max_dihedral(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
+          part.extreme.largest_cosine = std::max(part.extreme.largest_cosine, c.largest_cosine);
+          part.extreme.smallest_cosine = std::min(part.extreme.smallest_cosine, c.smallest_cosine);
+          part.outside += c.largest_cosine > most_cosine || c.smallest_cosine < least_cosine;
+        }
+        return part;
+      },
+      [](Tally all, const Tally& more) {
+        all.extreme.largest_cosine = std::max(all.extreme.largest_cosine, more.extreme.largest_cosine);
+        all.extreme.smallest_cosine = std::min(all.extreme.smallest_cosine, more.extreme.smallest_cosine);
+        all.outside += more.outside;
+        return all;
+      });
+  const auto degrees = [](double c) { return std::acos(c) * 180 / std::numbers::pi; };
+  return {degrees(tally.extreme.largest_cosine), degrees(tally.extreme.smallest_cosine), tally.outside};
+}
+
+namespace {
+
+template <class Execution>
+void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, ImproveReport& report) {
+  Improver<Execution> run(mesh, options);
+  for (int pass = 0; pass < options.passes && report.after.tets_outside > 0 && !context.cancelled(); ++pass) {
+    const auto start = std::chrono::steady_clock::now();
+    const operators::OperatorCounts counted = run.counts();
+    ImprovePass& row = report.passes.emplace_back();
+    context.phase("pass", [&] { run.pass(); });
+    row.counts = run.counts();
+    row.counts -= counted;
+    row.tets = mesh.tet_count();
+    row.vertices = mesh.vertex_count();
+    report.after = row.angles = dihedral_range(mesh, options);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    row.seconds = elapsed.count();
+    if (row.counts.applied() == 0) break;
+  }
+  report.by_thread = run.by_thread();
+  report.complete = !context.cancelled();
+}
+
+}  // namespace
+
+ImproveReport improve(TetMesh& mesh, const ImproveOptions& options, Context& context) {
+  options.validate();
+  if (mesh.tet_count() == 0) throw Error(ErrorKind::kBadInput, "improve: the mesh has no tetrahedra");
+  ImproveReport report;
+  report.before = report.after = dihedral_range(mesh, options);
+  if (options.execution == ExecutionKind::kSpeculative)
+    improve_by<operators::SpeculativeExecution>(mesh, options, context, report);
+  else
+    improve_by<operators::OrderedExecution>(mesh, options, context, report);
+  mesh.reorder_along_curve();
+  return report;
+}
+
+}  // namespace lumesh

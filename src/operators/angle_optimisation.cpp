@@ -1,0 +1,184 @@
+#include <algorithm>
+
+#include "scratch.hpp"
+#include "surface_fan.hpp"
+
+namespace lumesh::operators {
+namespace {
+
+constexpr int kHoles = 14;  // Around six edges and the tetrahedron itself, each as it is and enlarged.
+
+/// Keeps what is reached from t around the edge without crossing a patch.
+void cut_to_sector(const TetMesh& mesh, TetId t, EdgeRing& ring) {
+  const std::size_t size = ring.tets.size(),
+                    at = std::find(ring.tets.begin(), ring.tets.end(), t) - ring.tets.begin();
+  // The face between tets[k] and the next one is opposite rim[k], that to the one before opposite the next of
+  // the rim.
+  const auto is_patch = [&](std::size_t k, std::size_t opposite) {
+    const TetId x = ring.tets[k % size];
+    return mesh.patch(x, mesh.index_of(x, VertexId(ring.rim[opposite % ring.rim.size()]))).valid();
+  };
+  std::size_t first = at + size, last = at + size;  // Of the sector, counted round and round.
+  while (!is_patch(first, first % size + 1)) --first;
+  while (!is_patch(last, last % size)) ++last;
+  EdgeRing sector;
+  for (std::size_t k = first; k <= last; ++k) sector.tets.push_back(ring.tets[k % size]);
+  for (std::size_t k = 0; k <= last - first + 1; ++k)
+    sector.rim.push_back(ring.rim[(first % size + k) % ring.rim.size()]);
+  ring.tets.swap(sector.tets);
+  ring.rim.swap(sector.rim);
+}
+
+/// A point inside the sector around edge (a, b).
+Vec3 middle_of(const TetMesh& mesh, VertexId a, VertexId b, const EdgeRing& ring) {
+  const Vec3 middle = 0.5 * (mesh.point(a) + mesh.point(b));
+  if (ring.patch_faces == 0) return middle;
+  Vec3 sum = Vec3::Zero();
+  for (const std::uint32_t v : ring.rim) sum += mesh.point(VertexId(v));
+  return 0.5 * (middle + sum / static_cast<double>(ring.rim.size()));
+}
+
+}  // namespace
+
+template <class Lock>
+Outcome Operators<Lock>::optimise_vertex(VertexId v, const AngleRules& rules) {
+  return on_held(counts_.smoothing, v, v, [&] { return optimise_held_vertex(v, rules); });
+}
+
+template <class Lock>
+Outcome Operators<Lock>::optimise_held_vertex(VertexId v, const AngleRules& rules) {
+  const TetMesh& mesh = subject_.mesh;
+  if (mesh.dimension(v) != VertexDimension::kVolume) return Outcome::kRejected;
+  if (!gather_ball(mesh, v, lock_, scratch_->ball)) return Outcome::kContended;
+  const double worst = gather_angles(v);
+  Vec3 to = mesh.point(v);
+  const bool better = scratch_->angles.climb(to, rules.most_steps) >= worst + rules.least_gain;
+  return better && move_in_angles(v, to) ? Outcome::kApplied : Outcome::kRejected;
+}
+
+template <class Lock>
+Outcome Operators<Lock>::slide_vertex(VertexId v, const AngleRules& rules) {
+  return on_held(counts_.smoothing, v, v, [&] { return slide_held_vertex(v, rules); });
+}
+
+template <class Lock>
+Outcome Operators<Lock>::slide_held_vertex(VertexId v, const AngleRules& rules) {
+  const TetMesh& mesh = subject_.mesh;
+  const auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes, angles] =
+      *scratch_;
+  if (subject_.surface == nullptr || mesh.dimension(v) != VertexDimension::kSurface)
+    return Outcome::kRejected;
+  if (!gather_ball(mesh, v, lock_, scratch_->ball)) return Outcome::kContended;
+  const double worst = gather_angles(v);
+  const SurfaceFan fan(mesh, v, ball);
+  scratch_->angles.keep_in_plane(fan.normal());
+  Vec3 to = mesh.point(v);
+  if (scratch_->angles.climb(to, rules.most_steps) < worst + rules.least_gain) return Outcome::kRejected;
+  // Where the surface is curved, less of the way may do.
+  constexpr int kTries = 6;
+  for (int i = 0; i < kTries; ++i, to = 0.5 * (mesh.point(v) + to)) {
+    const auto found = subject_.surface->nearest(ball.patches[0], to, fan.edge_length());
+    if (found.triangle != TriangleTree::kNone && angles.worst_at(found.point) >= worst + rules.least_gain &&
+        fan.fits(found.point, *subject_.surface, rules) && move_in_angles(v, found.point))
+      return Outcome::kApplied;
+  }
+  return Outcome::kRejected;
+}
+
+/// Gathers the angles of the ball. @return the worst quality there.
+template <class Lock>
+double Operators<Lock>::gather_angles(VertexId v) {
+  const TetMesh& mesh = subject_.mesh;
+  scratch_->angles.begin(subject_.measure.obtuse_weight);
+  double worst = 1;
+  for (const TetId t : scratch_->ball.tets) {
+    const auto [x, y, z] = kTetFaces[mesh.index_of(t, v)];
+    scratch_->angles.add(mesh.corner(t, x), mesh.corner(t, z), mesh.corner(t, y));
+    worst = std::min<double>(worst, mesh.quality(t));
+  }
+  return worst;
+}
+
+/// Moves the vertex of the ball, unless a tetrahedron were flat or inverted by the exact predicate.
+template <class Lock>
+bool Operators<Lock>::move_in_angles(VertexId v, const Vec3& to) {
+  TetMesh& mesh = subject_.mesh;
+  Builder& builder = scratch_->builder;
+  const VertexBall& ball = scratch_->ball;
+  for (const TetId t : ball.tets) {
+    const auto [x, y, z] = kTetFaces[mesh.index_of(t, v)];
+    if (orient3d(mesh.corner(t, x), mesh.corner(t, z), mesh.corner(t, y), to) <= 0) return false;
+  }
+  mesh.set_point(v, to);
+  for (const TetId t : ball.tets)
+    mesh.set_quality(t,
+                     static_cast<float>(angle_quality(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2),
+                                                      mesh.corner(t, 3), subject_.measure.obtuse_weight)));
+  builder.note_change(ball.neighbours);
+  mesh.set_change_epoch(v, builder.epoch);
+  return true;
+}
+
+template <class Lock>
+Outcome Operators<Lock>::insert_for_angles(TetId t, const AngleRules& rules) {
+  return on_held(counts_.insertion, subject_.mesh.vertex(t, 0), subject_.mesh.vertex(t, 1),
+                 [&] { return insert_near_held_tet(t, rules); });
+}
+
+template <class Lock>
+Outcome Operators<Lock>::insert_near_held_tet(TetId t, const AngleRules& rules) {
+  if (!try_hold(t)) return Outcome::kContended;
+  int best = -1;
+  double most = 0;
+  NewVertex vertex;
+  for (int hole = 0; hole < kHoles; ++hole) {
+    const double quality = prepare_hole(t, hole, rules, vertex.point);
+    if (quality > most) best = hole, most = quality;
+  }
+  if (best < 0) return Outcome::kRejected;
+  prepare_hole(t, best, rules, vertex.point);  // The same as before: nothing has changed.
+  vertex.hint = subject_.mesh.metric_hint(subject_.mesh.vertex(t, 0));
+  vertex.metric = subject_.field.at(vertex.point, vertex.hint);
+  const VertexId v = scratch_->cavity.fill(scratch_->builder, vertex);
+  lock_.adopt(v);
+  return Outcome::kApplied;
+}
+
+/// The hole with a number below kHoles, and the best place in it: its worst quality, or -1 where that is not
+/// better than what is there.
+template <class Lock>
+double Operators<Lock>::prepare_hole(TetId t, int hole, const AngleRules& rules, Vec3& place) {
+  const TetMesh& mesh = subject_.mesh;
+  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes, angles] = *scratch_;
+  const int edge = hole / 2;
+  const bool enlarged = hole % 2 == 1;
+  NewVertex vertex;
+  if (edge < 6) {
+    const VertexId a = mesh.vertex(t, kTetEdges[edge][0]), b = mesh.vertex(t, kTetEdges[edge][1]);
+    if (!gather_ring(mesh, t, a, b, lock_, ring)) return -1;
+    if (ring.patch_faces > 0) cut_to_sector(mesh, t, ring);
+    vertex.point = middle_of(mesh, a, b, ring);
+    cavity.begin(ring.tets);
+  } else {
+    vertex.point = 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
+    cavity.begin({&t, 1});
+  }
+  vertex.hint = mesh.metric_hint(mesh.vertex(t, 0));
+  vertex.metric = subject_.field.at(vertex.point, vertex.hint);
+  if (enlarged && !cavity.enlarge(mesh, vertex, rules.most_cavity_tets, lock_)) return -1;
+  if (!cavity.carve(mesh, vertex, subject_.shapes)) return -1;
+  place = vertex.point;
+  return cavity.optimise(mesh, place, angles, subject_.measure, rules);
+}
+
+template Outcome Operators<NoLock>::optimise_vertex(VertexId, const AngleRules&);
+template Outcome Operators<NoLock>::slide_vertex(VertexId, const AngleRules&);
+template Outcome Operators<NoLock>::insert_for_angles(TetId, const AngleRules&);
+template Outcome Operators<OrderedLock>::optimise_vertex(VertexId, const AngleRules&);
+template Outcome Operators<OrderedLock>::slide_vertex(VertexId, const AngleRules&);
+template Outcome Operators<OrderedLock>::insert_for_angles(TetId, const AngleRules&);
+template Outcome Operators<SpeculativeLock>::optimise_vertex(VertexId, const AngleRules&);
+template Outcome Operators<SpeculativeLock>::slide_vertex(VertexId, const AngleRules&);
+template Outcome Operators<SpeculativeLock>::insert_for_angles(TetId, const AngleRules&);
+
+}  // namespace lumesh::operators

@@ -1,0 +1,149 @@
+#include "lumesh/adapt/improve.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "fixtures/rough_cube.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/mesh/validate.hpp"
+
+namespace lumesh {
+namespace {
+
+using Place = std::array<double, 3>;
+
+Place place_of(const TetMesh& mesh, std::uint32_t v) {
+  const Vec3& p = mesh.point(VertexId(v));
+  return {p[0], p[1], p[2]};
+}
+
+/// The faces of patches by the places of their corners.
+std::set<std::array<Place, 3>> surface_of(const TetMesh& mesh) {
+  std::set<std::array<Place, 3>> faces;
+  for (const Cell<3>& face : mesh.boundary_faces().triangles) {
+    std::array<Place, 3> places;
+    for (int k = 0; k < 3; ++k) places[k] = place_of(mesh, face[k]);
+    std::sort(places.begin(), places.end());
+    faces.insert(places);
+  }
+  return faces;
+}
+
+/// Extreme angles by the slow, accurate measure.
+DihedralRange angles_of(const TetMesh& mesh) {
+  DihedralRange range;
+  for (std::uint32_t i = 0; i < mesh.tet_count(); ++i) {
+    const TetId t(i);
+    const auto angles =
+        dihedral_angles_deg(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
+    range.min_deg = std::min(range.min_deg, *std::min_element(angles.begin(), angles.end()));
+    range.max_deg = std::max(range.max_deg, *std::max_element(angles.begin(), angles.end()));
+  }
+  return range;
+}
+
+TEST(Improve, BringsARoughCubeToItsTargets) {
+  TetMesh mesh = fixtures::rough_cube(6, 1);
+  const DihedralRange before = angles_of(mesh);
+  EXPECT_LT(before.min_deg, 5);
+  Context context;
+  const ImproveReport report = improve(mesh, {}, context);
+  ASSERT_TRUE(validate(mesh).ok()) << validate(mesh).text();
+  EXPECT_NEAR(validate(mesh).labels[0].volume, 1, 1e-9);
+  const DihedralRange after = angles_of(mesh);
+  EXPECT_GE(after.min_deg, 22);
+  EXPECT_LE(after.max_deg, 145);
+  EXPECT_EQ(report.after.tets_outside, 0u);
+  EXPECT_NEAR(report.before.min_deg, before.min_deg, 1e-4);
+  EXPECT_NEAR(report.after.min_deg, after.min_deg, 1e-6);
+  EXPECT_NEAR(report.after.max_deg, after.max_deg, 1e-6);
+}
+
+TEST(Improve, EveryPassLeavesAValidMeshThatIsNoWorse) {
+  TetMesh mesh = fixtures::rough_cube(5, 2, true);
+  const auto worst = [&] {  // Sine of the worst angle, obtuse ones weighed as the targets say.
+    const DihedralRange range = angles_of(mesh);
+    const auto sine = [](double degrees) { return std::sin(degrees * std::numbers::pi / 180); };
+    return std::min(sine(range.min_deg),
+                    range.max_deg > 90 ? sine(range.max_deg) * sine(30) / sine(140) : 1.0);
+  };
+  Context context;
+  double before = worst();
+  for (int pass = 0; pass < 5; ++pass) {
+    improve(mesh, {.min_dihedral_deg = 30, .max_dihedral_deg = 140, .passes = 1}, context);
+    ASSERT_TRUE(validate(mesh).ok()) << validate(mesh).text();
+    const double now = worst();
+    EXPECT_GE(now, before - 1e-6);
+    before = now;
+  }
+}
+
+TEST(Improve, FrozenSurfacesStayBitForBit) {
+  TetMesh mesh = fixtures::rough_cube(6, 3, true);
+  const auto surface = surface_of(mesh);
+  Context context;
+  improve(mesh, {.min_dihedral_deg = 35, .max_dihedral_deg = 130, .passes = 5, .slide = false}, context);
+  EXPECT_EQ(surface_of(mesh), surface);
+}
+
+TEST(Improve, KeepsLabelsAndTheirInterface) {
+  TetMesh mesh = fixtures::rough_cube(6, 4, true);
+  Context context;
+  improve(mesh, {.min_dihedral_deg = 35, .max_dihedral_deg = 130, .passes = 5}, context);
+  const ValidationReport report = validate(mesh);
+  ASSERT_TRUE(report.ok()) << report.text();
+  ASSERT_EQ(report.labels.size(), 2u);
+  for (const LabelBoundary& label : report.labels) {
+    EXPECT_NEAR(label.volume, 0.5, 1e-3);  // Vertices that slide round off the cube's edges a little.
+    EXPECT_EQ(label.surface_euler, 2);
+  }
+}
+
+TEST(Improve, GivesTheSameBitsForEveryThreadCount) {
+  std::vector<TetMesh> meshes;
+  for (const int threads : {1, 2, 8}) {
+    TetMesh& mesh = meshes.emplace_back(fixtures::rough_cube(7, 5));
+    Context context;
+    improve(mesh,
+            {.min_dihedral_deg = 30, .max_dihedral_deg = 140, .passes = 5, .team = {.threads = threads}},
+            context);
+    ASSERT_EQ(mesh.tet_count(), meshes[0].tet_count()) << threads << " threads";
+    EXPECT_TRUE(std::equal(mesh.points().begin(), mesh.points().end(), meshes[0].points().begin()));
+    EXPECT_TRUE(std::equal(mesh.tets().begin(), mesh.tets().end(), meshes[0].tets().begin()));
+  }
+}
+
+TEST(Improve, LeavesAGoodMeshAlone) {
+  TetMesh mesh = fixtures::cube_grid(3).build();
+  const auto surface = surface_of(mesh);
+  Context context;
+  const ImproveReport report = improve(mesh, {}, context);
+  EXPECT_TRUE(report.passes.empty());
+  EXPECT_NEAR(report.after.min_deg, 45, 1e-9);
+  EXPECT_NEAR(report.after.max_deg, 90, 1e-9);
+  EXPECT_EQ(surface_of(mesh), surface);
+}
+
+TEST(Improve, StopsWhenCancelled) {
+  TetMesh mesh = fixtures::rough_cube(4, 6);
+  std::stop_source stop;
+  stop.request_stop();
+  Context context({}, {}, stop.get_token());
+  EXPECT_TRUE(improve(mesh, {}, context).passes.empty());
+  EXPECT_TRUE(validate(mesh).ok());
+}
+
+TEST(ImproveOptions, OutOfRangeAreNamed) {
+  try {
+    ImproveOptions{.max_dihedral_deg = 20}.validate();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    EXPECT_NE(std::string(error.what()).find("max dihedral"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace lumesh
