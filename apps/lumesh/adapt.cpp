@@ -10,9 +10,11 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "kernel_options.hpp"
+#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/operators/creases.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
 #include "metric_input.hpp"
@@ -25,17 +27,13 @@ struct AdaptCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, metric_path, analytic, json_path;
   std::string boundary = "adapt", reconnection = "optimised";
-  double complexity = 0;
+  double complexity = 0, gradation = 0;
+  double time_limit_s = std::numeric_limits<double>::infinity();
+  double feature_angle_deg = 40;
   AdaptOptions options;
   KernelOptions kernel;
   RunOptions run;
 };
-
-metric::MetricField field_of(const AdaptCommand& command, const MixedMesh& input, const TetMesh& mesh) {
-  if (!command.analytic.empty())
-    return metric::MetricField::analytic(*metric::analytic_kind_from(command.analytic));
-  return background_field(mesh, metric_of(input, command.mesh_path, command.metric_path));
-}
 
 /// Says no before hours of work, where the result could not fit.
 void check_request(double complexity) {
@@ -52,6 +50,7 @@ void check_request(double complexity) {
 
 nlohmann::ordered_json report_json(const AdaptReport& report, const Context& context, double seconds) {
   nlohmann::ordered_json json;
+  json["complete"] = report.complete;
   json["complexity"] = report.complexity;
   json["seconds"] = seconds;
   std::map<std::string, double> phases;
@@ -71,10 +70,16 @@ void run(AdaptCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
+  const LongRun long_run(context, command.run, command.time_limit_s);
   check_output_folders({command.output_path, command.json_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
-  metric::MetricField field = field_of(command, input, mesh);
+  const bool adapts_boundary = command.boundary == "adapt";
+  const std::vector<PatchId> origins = context.phase("creases", [&] {
+    return operators::cut_patches_at_creases(mesh, adapts_boundary ? command.feature_angle_deg : 180);
+  });
+  metric::MetricField field =
+      field_of({command.mesh_path, command.metric_path, command.analytic}, input, mesh, command.gradation);
   check_request(command.complexity > 0 ? command.complexity : context.phase("complexity", [&] {
     return metric::complexity(field, mesh);
   }));
@@ -82,12 +87,14 @@ void run(AdaptCommand command) {
   command.options.execution = command.kernel.execution_kind();
   command.options.team = command.kernel.team(command.run.threads);
   if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
-  const auto shapes =
-      command.boundary == "frozen" ? operators::all_frozen(mesh) : operators::planes_where_flat(mesh);
+  const auto shapes = context.phase("surfaces", [&] {
+    return adapts_boundary ? operators::shapes_of_patches(mesh) : operators::all_frozen(mesh);
+  });
   const AdaptReport report =
       command.complexity > 0
           ? adapt_to_complexity(mesh, field, shapes, command.complexity, command.options, context)
           : adapt(mesh, field, shapes, command.options, context);
+  operators::join_patches(mesh, origins);
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path);
   const BoundaryFaces faces = mesh.boundary_faces();
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view(faces)); });
@@ -98,6 +105,7 @@ void run(AdaptCommand command) {
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",
       command.output_path, mesh.tet_count(), mesh.vertex_count(), faces.triangles.size(), report.complexity,
       elapsed.count());
+  long_run.check_complete(report.complete, command.output_path + " holds the best mesh so far");
 }
 
 }  // namespace
@@ -110,16 +118,18 @@ void add_adapt_command(CLI::App& program) {
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("-o,--output", command->output_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
       ->required();
-  CLI::Option* const metric =
-      sub->add_option("-m,--metric", command->metric_path,
-                      "Metric of the mesh's vertices (.sol, .solb); default: the mesh's own");
-  add_analytic_option(*sub, command->analytic)->excludes(metric);
+  add_metric_options(*sub, command->metric_path, command->analytic);
+  add_gradation_option(*sub, command->gradation)->excludes("--analytic");
   sub->add_option("--complexity", command->complexity,
                   "Scale the sizes until the adapted mesh has this complexity (about half its vertices)")
       ->check(positive_number());
   sub->add_option("--boundary,--sref", command->boundary,
-                  "adapt: flat patches are adapted, others kept; frozen: all kept")
+                  "adapt: along planes, cylinders and elsewhere the input's smooth surface; frozen: as it is")
       ->check(CLI::IsMember({"adapt", "frozen"}))
+      ->capture_default_str();
+  sub->add_option("--feature-angle", command->feature_angle_deg,
+                  "Where patches bend by more degrees they keep their creases, 1 to 180")
+      ->check(CLI::Range(1.0, 180.0))
       ->capture_default_str();
   sub->add_option("--split-above,--cdff", o.split_above,
                   "Split edges longer than this, in the metric, 1 to 3")
@@ -142,6 +152,7 @@ void add_adapt_command(CLI::App& program) {
       ->check(CLI::IsMember({"optimised", "original"}))
       ->capture_default_str();
   sub->add_option("--json", command->json_path, "Write times and counts of operators as JSON");
+  add_time_limit_option(*sub, command->time_limit_s);
   add_kernel_options(*sub, command->kernel);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);

@@ -4,15 +4,24 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/metric_file.hpp"
+#include "lumesh/metric/gradation.hpp"
 #include "lumesh/metric/tensor.hpp"
 
 namespace lumesh::cli {
 
-CLI::Option* add_analytic_option(CLI::App& command, std::string& formula) {
-  return command
+void add_metric_options(CLI::App& command, std::string& metric_path, std::string& formula) {
+  CLI::Option* const metric = command.add_option(
+      "-m,--metric", metric_path, "Metric of the mesh's vertices (.sol, .solb); default: the mesh's own");
+  command
       .add_option("--analytic", formula,
                   "Take the metric from this formula of the UGAWG benchmark, in the mesh's unit")
-      ->check(CLI::IsMember({"linear", "polar-1", "polar-2"}));
+      ->check(CLI::IsMember({"linear", "polar-1", "polar-2"}))
+      ->excludes(metric);
+}
+
+CLI::Option* add_gradation_option(CLI::App& command, double& growth) {
+  return command.add_option("--gradation", growth,
+                            "Sizes grow at most by this factor per edge of unit length, such as 1.5");
 }
 
 TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
@@ -44,11 +53,20 @@ std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_
   return tensors;
 }
 
-metric::MetricField background_field(const TetMesh& mesh, const std::vector<SymTensor>& tensors) {
+metric::MetricField field_of(const MetricSource& source, const MixedMesh& input, const TetMesh& mesh,
+                             double gradation) {
+  if (!source.formula.empty())
+    return metric::MetricField::analytic(*metric::analytic_kind_from(source.formula));
+  return background_field(mesh, metric_of(input, source.mesh_path, source.metric_path), gradation);
+}
+
+metric::MetricField background_field(const TetMesh& mesh, const std::vector<SymTensor>& tensors,
+                                     double gradation) {
   TetMesh background = TetMesh::build(mesh.points(), mesh.tets(), mesh.labels());
   background.enable_metric();
   for (std::uint32_t v = 0; v < background.vertex_count(); ++v)
     background.set_metric(VertexId(v), tensors[v], metric::log(tensors[v]));
+  if (gradation > 0) metric::limit_gradation(background, {.growth = gradation});
   return metric::MetricField::on_background(std::move(background));
 }
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Measures `lumesh adapt` on the unit cube with the UGAWG metrics: conformity by `lumesh evaluate`, seconds of
+"""Measures `lumesh adapt` on the unit cube and the cube-cylinder with the UGAWG metrics: conformity by `lumesh evaluate`, seconds of
 adaptation without reading and writing, peak memory. One line each on stderr, JSON on stdout.
 
 Usage: adapt.py [--program PATH] [--threads N] [--options "..."] CASE...
 Cases: linear, polar-1, polar-2 (at their own complexity), METRIC@COMPLEXITY such as polar-2@500000; all from 3 x 3 x 3
-cubes; METRIC@COMPLEXITY/N from N x N x N cubes, such as polar-2@49000/93 (4.8 million tetrahedra) for coarsening.
+cubes; METRIC@COMPLEXITY/N from N x N x N cubes, such as polar-2@49000/93 (4.8 million tetrahedra) for coarsening;
+cube-cylinder/METRIC: from the benchmark's own coarse mesh, with its cylinder adapted, where --data has it.
 """
 import argparse
 import json
@@ -37,12 +38,24 @@ def write_cube(path, n):
         file.write(struct.pack("<ii", 54, 0))
 
 
-def run_case(program, case, threads, options, folder):
-    name, _, start = case.partition("/")
-    metric, _, complexity = name.partition("@")
-    cube, adapted, report, numbers = (folder / f for f in ("cube.meshb", "adapted.vtu", "adapt.json", "numbers.json"))
-    write_cube(cube, int(start or 3))
-    command = [program, "adapt", cube, "-o", adapted, "--analytic", metric, "--threads", str(threads), "--json", report,
+def start_of(case, data, folder):
+    """The mesh that a case begins with, the name of its metric and its complexity, if it asks for one."""
+    domain, _, name = case.partition("/")
+    if domain == "cube-cylinder":
+        return data / "ugawg/cube-cylinder/cube-cylinder.meshb", name, ""
+    metric, _, complexity = domain.partition("@")
+    cube = folder / "cube.meshb"
+    write_cube(cube, int(name or 3))
+    return cube, metric, complexity
+
+
+def run_case(program, case, data, threads, options, folder):
+    start, metric, complexity = start_of(case, data, folder)
+    if not start.is_file():
+        print(f"{case}: skipped, no {start}", file=sys.stderr)
+        return {"case": case, "skipped": str(start)}
+    adapted, report, numbers = (folder / f for f in ("adapted.vtu", "adapt.json", "numbers.json"))
+    command = [program, "adapt", start, "-o", adapted, "--analytic", metric, "--threads", str(threads), "--json", report,
                *(["--complexity", complexity] if complexity else []), *options]
     _, _, mib = run.measure(list(map(str, command)))
     run.measure([program, "evaluate", str(adapted), "--json", str(numbers)])
@@ -65,12 +78,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="+", metavar="CASE")
     parser.add_argument("--program", default=str(run.ROOT / "build/release/bin/lumesh"))
+    parser.add_argument("--data", type=pathlib.Path, default=run.ROOT.parent / "shared/data", help="folder with ugawg/")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--options", default="", help="passed on to `lumesh adapt`")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        results = [run_case(arguments.program, case, arguments.threads, shlex.split(arguments.options), pathlib.Path(folder))
-                   for case in arguments.cases]
+        results = [run_case(arguments.program, case, arguments.data, arguments.threads, shlex.split(arguments.options),
+                            pathlib.Path(folder)) for case in arguments.cases]
     print(json.dumps(results, indent=2))
 
 

@@ -16,7 +16,14 @@ class Adapter {
  public:
   Adapter(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
           const AdaptOptions& options, Context& context)
-      : mesh_(mesh), execution_({mesh, field, shapes}, options.team), options_(options), context_(context) {
+      : mesh_(mesh),
+        subject_{mesh, field, shapes},
+        execution_(subject_, options.team),
+        options_(options),
+        context_(context),
+        has_curved_patch_(std::any_of(shapes.begin(), shapes.end(), [](const operators::PatchShape& shape) {
+          return shape.freedom == operators::PatchFreedom::kCurved;
+        })) {
     insertion_.least_length = options.least_length;
   }
 
@@ -38,7 +45,8 @@ class Adapter {
     constexpr int kMostLevels = 200, kMostSweeps = 3;
     constexpr double kDry = 1.1;  // Of the vertices before a sweep: so little more is left to the next level.
     double bound = longest_edge(mesh_) / kLevel;
-    for (int level = 0; level < kMostLevels && bound > kNearlyThere * options_.split_above; ++level) {
+    for (int level = 0; level < kMostLevels && bound > kNearlyThere * options_.split_above && !stopped();
+         ++level) {
       bound = std::min(kSink * bound, kLevel * longest_edge(mesh_));
       bound = std::max(bound, options_.split_above);
       if (bound <= options_.split_above) collapse();  // Before, hardly any edge is short.
@@ -50,11 +58,13 @@ class Adapter {
         if (mesh_.vertex_count() < kDry * before) break;
       }
       close_pass("level " + std::to_string(level));
+      // Each level takes about as much longer as its edges are shorter.
+      context_.progress(kShareOfLevels * std::min(1.0, options_.split_above / bound));
     }
   }
 
   void improve_quality() {
-    for (int round = 0; round < options_.quality_passes; ++round) {
+    for (int round = 0; round < options_.quality_passes && !stopped(); ++round) {
       reorder_if_grown();
       phase("reconnect",
             [&] { reconnect(mesh_, execution_, options_.reconnect_below, options_.reconnection, swaps_); });
@@ -67,11 +77,13 @@ class Adapter {
         phase("smooth", [&] { smooth(execution_, smoothing_); });
       phase("mend", [&] { mend(); });
       close_pass("quality " + std::to_string(round));
+      context_.progress(kShareOfLevels + (1 - kShareOfLevels) * (round + 1) / options_.quality_passes);
     }
   }
 
   AdaptReport report() {
-    phase("reorder", [&] { mesh_.reorder_along_curve(); });
+    context_.phase("reorder", [&] { mesh_.reorder_along_curve(); });
+    report_.complete = !stopped();
     report_.by_thread = execution_.counts();
     report_.counts = report_.by_thread.of_all_threads();
     report_.complexity = metric::complexity(mesh_);
@@ -79,12 +91,15 @@ class Adapter {
   }
 
  private:
-  static constexpr double kBadQuality = 0.5;
+  static constexpr double kBadQuality = 0.5, kArcWeight = 4;
+  static constexpr double kShareOfLevels = 0.5;  // Of the time.
 
   [[nodiscard]] operators::OperatorCounts counts() const { return execution_.counts().of_all_threads(); }
+  [[nodiscard]] bool stopped() const { return context_.cancelled(); }
+  /// A step that leaves the mesh valid; none begins once the run has been told to stop.
   template <class Step>
   void phase(const char* name, const Step& step) {
-    context_.phase(name, step);
+    if (!stopped()) context_.phase(name, step);
   }
 
   /// The few worst tetrahedra, as long as something changes.
@@ -99,9 +114,12 @@ class Adapter {
   void partition() {
     phase("partition", [&] { execution_.repartition(); });
   }
+  /// While the mesh is coarse, arcs of curved patches matter as much as lengths: what lies between an edge
+  /// and its arc would be outside, or in the way, once the edge is split.
   void split(double bound) {
+    const double arc_weight = has_curved_patch_ && bound > options_.split_above ? kArcWeight : 0;
     for (const SplitRank rank : {SplitRank::kCurves, SplitRank::kSurfaces, SplitRank::kAll})
-      phase("split", [&] { split_long_edges(mesh_, execution_, bound, rank, insertion_); });
+      phase("split", [&] { split_long_edges(subject_, execution_, bound, arc_weight, rank, insertion_); });
   }
   void collapse() {
     phase("collapse", [&] { collapse_short_edges(mesh_, execution_, options_.collapse_below, collapse_); });
@@ -129,6 +147,7 @@ class Adapter {
   }
 
   TetMesh& mesh_;
+  operators::Subject subject_;
   Execution execution_;
   const AdaptOptions& options_;
   Context& context_;
@@ -136,6 +155,7 @@ class Adapter {
   operators::CollapseRules collapse_;
   operators::SwapRules swaps_;
   operators::SmoothingRules smoothing_;
+  bool has_curved_patch_;
   double ordered_tets_ = 0;
   operators::OperatorCounts counted_;  // Up to the last pass.
   std::chrono::steady_clock::time_point pass_began_ = std::chrono::steady_clock::now();
@@ -149,6 +169,7 @@ AdaptReport adapt_by(TetMesh& mesh, const metric::MetricField& field, const oper
   run.coarsen();
   run.bring_to_unit_length();
   run.improve_quality();
+  context.progress(1);
   return run.report();
 }
 
@@ -185,7 +206,9 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
   constexpr int kMostRuns = 4;
   double seen = context.phase("complexity", [&] { return metric::complexity(field, mesh); });
   AdaptReport report;
-  for (int run = 0; run < kMostRuns && (run == 0 || std::abs(seen / complexity - 1) > kTolerance); ++run) {
+  for (int run = 0;
+       run < kMostRuns && (run == 0 || std::abs(seen / complexity - 1) > kTolerance) && report.complete;
+       ++run) {
     field.scale_sizes(std::cbrt(seen / complexity));
     AdaptReport next = adapt(mesh, field, shapes, options, context);
     seen = next.complexity;
@@ -193,6 +216,7 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
     report.counts += next.counts;
     report.by_thread += next.by_thread;
     report.complexity = next.complexity;
+    report.complete = next.complete;
   }
   return report;
 }

@@ -7,6 +7,7 @@
 
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/relaxed.hpp"
 
 namespace lumesh {
 namespace {
@@ -23,9 +24,6 @@ class EdgeList {
  public:
   void add_longest_first(RankedEdge edge) {
     insert(edge, [](const RankedEdge& a, const RankedEdge& b) { return a.length > b.length; });
-  }
-  void add_shortest_first(RankedEdge edge) {
-    insert(edge, [](const RankedEdge& a, const RankedEdge& b) { return a.length < b.length; });
   }
   [[nodiscard]] bool empty() const { return count_ == 0; }
   [[nodiscard]] const RankedEdge* begin() const { return edges_.data(); }
@@ -85,41 +83,51 @@ operators::InsertionRules rules_for(double length, double longest, operators::In
   return rules;
 }
 
-EdgeList long_edges(const TetMesh& mesh, TetId t, double longest, SplitRank rank) {
+EdgeList long_edges(const operators::Subject& subject, TetId t, double longest, double arc_weight,
+                    SplitRank rank) {
+  const TetMesh& mesh = subject.mesh;
   EdgeList edges;
   for (int e = 0; e < 6; ++e) {
     if (!has_rank(mesh, t, e, rank)) continue;
     const EndLengths squared = squared_lengths_of(mesh, t, e);
-    if (squared.larger <= longest * longest) continue;
-    const double length = length_of(squared);
+    double length = squared.larger <= longest * longest ? 0 : length_of(squared);
+    if (arc_weight > 0 && length <= longest && has_rank(mesh, t, e, SplitRank::kSurfaces)) {
+      const auto [i, j] = kTetEdges[e];
+      length = arc_weight * operators::arc_height(mesh, t, i, j, subject.shapes);
+    }
     if (length > longest) edges.add_longest_first({length, e});
   }
   return edges;
 }
 
-EdgeList short_edges(const TetMesh& mesh, TetId t, double shortest) {
-  EdgeList edges;
-  for (int e = 0; e < 6; ++e) {
-    const EndLengths squared = squared_lengths_of(mesh, t, e);
-    if (squared.smaller >= shortest * shortest) continue;
-    const double length = length_of(squared);
-    if (length < shortest) edges.add_shortest_first({length, e});
-  }
-  return edges;
+/// The length of each vertex's shortest edge where that is shorter than `shortest`, else `shortest`.
+std::vector<float> nearest_below(const TetMesh& mesh, double shortest) {
+  std::vector<float> nearest(mesh.vertex_slots(), static_cast<float>(shortest));
+  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (!mesh.alive(t)) return;
+    for (int e = 0; e < 6; ++e) {
+      const EndLengths squared = squared_lengths_of(mesh, t, e);
+      if (squared.smaller >= shortest * shortest) continue;
+      const auto length = static_cast<float>(length_of(squared));
+      for (const int k : kTetEdges[e]) parallel::lower_to(nearest[mesh.vertex(t, k).value], length);
+    }
+  });
+  return nearest;
 }
 
 }  // namespace
 
 template <class Execution>
-void split_long_edges(const TetMesh& mesh, Execution& execution, double longest, SplitRank rank,
-                      const operators::InsertionRules& rules) {
+void split_long_edges(const operators::Subject& subject, Execution& execution, double longest,
+                      double arc_weight, SplitRank rank, const operators::InsertionRules& rules) {
   execution.over_tets(
       [&](TetId t) {
-        const EdgeList edges = long_edges(mesh, t, longest, rank);
+        const EdgeList edges = long_edges(subject, t, longest, arc_weight, rank);
         return edges.empty() ? 0 : edges.begin()->length;
       },
       [&](auto& kernel, TetId t) {
-        for (const RankedEdge& one : long_edges(mesh, t, longest, rank)) {
+        for (const RankedEdge& one : long_edges(subject, t, longest, arc_weight, rank)) {
           const auto [i, j] = kTetEdges[one.edge];
           if (kernel.split_edge(t, i, j, fraction_of(one.length), rules_for(one.length, longest, rules)) ==
               Outcome::kApplied)
@@ -131,19 +139,10 @@ void split_long_edges(const TetMesh& mesh, Execution& execution, double longest,
 template <class Execution>
 void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shortest,
                           const operators::CollapseRules& rules) {
-  execution.over_tets(
-      [&](TetId t) {
-        const EdgeList edges = short_edges(mesh, t, shortest);
-        return edges.empty() ? 0 : shortest / edges.begin()->length;
-      },
-      [&](auto& kernel, TetId t) {
-        for (const RankedEdge& one : short_edges(mesh, t, shortest)) {
-          const auto [i, j] = kTetEdges[one.edge];
-          if (kernel.collapse_edge(t, i, j, rules) == Outcome::kApplied ||
-              kernel.collapse_edge(t, j, i, rules) == Outcome::kApplied)
-            return;
-        }
-      });
+  const std::vector<float> nearest = nearest_below(mesh, shortest);
+  execution.over_urgent_vertices(
+      [&](VertexId v) { return shortest - nearest[v.value]; },
+      [&](auto& kernel, VertexId v) { kernel.collapse_vertex(v, shortest, rules); });
 }
 
 template <class Execution>
@@ -174,8 +173,8 @@ void smooth(Execution& execution, const operators::SmoothingRules& rules) {
   execution.over_vertices([&](auto& kernel, VertexId v) { kernel.smooth_vertex(v, rules); });
 }
 
-template void split_long_edges(const TetMesh&, operators::OrderedExecution&, double, SplitRank,
-                               const operators::InsertionRules&);
+template void split_long_edges(const operators::Subject&, operators::OrderedExecution&, double, double,
+                               SplitRank, const operators::InsertionRules&);
 template void collapse_short_edges(const TetMesh&, operators::OrderedExecution&, double,
                                    const operators::CollapseRules&);
 template void reconnect(const TetMesh&, operators::OrderedExecution&, double, Reconnection,
@@ -184,8 +183,8 @@ template void mend_worst(const TetMesh&, operators::OrderedExecution&, double, c
                          const operators::SmoothingRules&);
 template void smooth(operators::OrderedExecution&, const operators::SmoothingRules&);
 
-template void split_long_edges(const TetMesh&, operators::SpeculativeExecution&, double, SplitRank,
-                               const operators::InsertionRules&);
+template void split_long_edges(const operators::Subject&, operators::SpeculativeExecution&, double, double,
+                               SplitRank, const operators::InsertionRules&);
 template void collapse_short_edges(const TetMesh&, operators::SpeculativeExecution&, double,
                                    const operators::CollapseRules&);
 template void reconnect(const TetMesh&, operators::SpeculativeExecution&, double, Reconnection,

@@ -14,9 +14,10 @@ enum class SplitRank : std::uint8_t { kCurves, kSurfaces, kAll };
 
 /// Splits the edges longer than `longest`, in each tetrahedron the longest one first. Edges longer than 2.5
 /// are cut at a third, so that the parts come near to unit length.
+/// @param arc_weight  Edges of curved patches whose arcs are higher than longest / arc_weight are split, too.
 template <class Execution>
-void split_long_edges(const TetMesh& mesh, Execution& execution, double longest, SplitRank rank,
-                      const operators::InsertionRules& rules);
+void split_long_edges(const operators::Subject& subject, Execution& execution, double longest,
+                      double arc_weight, SplitRank rank, const operators::InsertionRules& rules);
 
 /// Collapses the edges shorter than `shortest`, in each tetrahedron the shortest one first.
 template <class Execution>

@@ -26,13 +26,13 @@ class DensityIntegral {
   DensityIntegral(const MetricField& field, int least_halvings)
       : field_(field), hint_(field.first_hint()), least_halvings_(least_halvings) {}
 
-  double over(const std::array<Vec3, 4>& corners) {
+  double over(const std::array<Sample, 4>& corners) {
+    if (least_halvings_ == 0 && spread_of(corners) < kFlat) return integral_of(corners);
     double sum = 0;
-    std::vector<Part> waiting = {
-        {{sample(corners[0]), sample(corners[1]), sample(corners[2]), sample(corners[3])}, 0}};
-    while (!waiting.empty()) {
-      const Part part = waiting.back();
-      waiting.pop_back();
+    waiting_.assign(1, {corners, 0});
+    while (!waiting_.empty()) {
+      const Part part = waiting_.back();
+      waiting_.pop_back();
       double middles = 0;
       const Edge edge = most_varying_edge(part, middles);
       if (part.halvings >= kMostHalvings || (edge.variation < kSmooth && part.halvings >= least_halvings_)) {
@@ -43,7 +43,7 @@ class DensityIntegral {
         Part half = part;
         half.corners[kept == edge.i ? edge.j : edge.i] = edge.middle;
         ++half.halvings;
-        waiting.push_back(half);
+        waiting_.push_back(half);
       }
     }
     return sum;
@@ -52,6 +52,7 @@ class DensityIntegral {
  private:
   static constexpr int kMostHalvings = 21;
   static constexpr double kSmooth = 1;  // Of ln density along half an edge.
+  static constexpr double kFlat = 0.3;  // Of ln density over a tetrahedron: its corners will do.
   struct Part {
     std::array<Sample, 4> corners;
     int halvings;
@@ -63,6 +64,12 @@ class DensityIntegral {
   };
 
   Sample sample(const Vec3& point) { return {point, field_.at(point, hint_).log.trace() / 2}; }
+
+  static double spread_of(const std::array<Sample, 4>& corners) {
+    const auto [least, most] = std::minmax(
+        {corners[0].log_density, corners[1].log_density, corners[2].log_density, corners[3].log_density});
+    return most - least;
+  }
 
   /// Also gives the sum of the densities in the middles of the edges.
   Edge most_varying_edge(const Part& part, double& middles) {
@@ -84,18 +91,41 @@ class DensityIntegral {
     return most;
   }
 
-  /// By the rule that is exact for quadratic functions.
+  static double volume_of(const std::array<Sample, 4>& corners) {
+    return tetrahedron_volume(corners[0].point, corners[1].point, corners[2].point, corners[3].point);
+  }
+  static double sum_of_densities(const std::array<Sample, 4>& corners) {
+    double sum = 0;
+    for (const Sample& corner : corners) sum += std::exp(corner.log_density);
+    return sum;
+  }
+  /// By the rule that is exact for linear functions, and the one for quadratic functions.
+  static double integral_of(const std::array<Sample, 4>& corners) {
+    return sum_of_densities(corners) / 4 * volume_of(corners);
+  }
   static double integral_of(const Part& part, double middles) {
-    double corners = 0;
-    for (const Sample& corner : part.corners) corners += std::exp(corner.log_density);
-    return (middles / 5 - corners / 20) * tetrahedron_volume(part.corners[0].point, part.corners[1].point,
-                                                             part.corners[2].point, part.corners[3].point);
+    return (middles / 5 - sum_of_densities(part.corners) / 20) * volume_of(part.corners);
   }
 
   const MetricField& field_;
   MetricField::Hint hint_;
   int least_halvings_;
+  std::vector<Part> waiting_;
 };
+
+/// ln of the density at every vertex.
+std::vector<double> log_densities(const MetricField& field, const TetMesh& mesh) {
+  constexpr std::size_t kVertexBlock = 1024;
+  std::vector<double> densities(mesh.vertex_slots());
+  parallel::for_each_block(densities.size(), kVertexBlock,
+                           [&](std::size_t, std::size_t begin, std::size_t end) {
+                             MetricField::Hint hint = field.first_hint();
+                             for (std::size_t i = begin; i < end; ++i)
+                               if (const VertexId v(static_cast<std::uint32_t>(i)); mesh.alive(v))
+                                 densities[i] = field.at(mesh.point(v), hint).log.trace() / 2;
+                           });
+  return densities;
+}
 
 }  // namespace
 
@@ -120,6 +150,7 @@ double complexity(const TetMesh& mesh) {
 
 double complexity(const MetricField& field, const TetMesh& domain) {
   constexpr std::size_t kTetsAtOnce = 16;
+  const std::vector<double> densities = log_densities(field, domain);
   const int least_halvings = std::clamp(13 - static_cast<int>(std::bit_width(domain.tet_count())), 0, 6);
   return parallel::reduce_blocks<double>(
       domain.tet_slots(), kTetsAtOnce, 0.0,
@@ -128,9 +159,11 @@ double complexity(const MetricField& field, const TetMesh& domain) {
         double sum = 0;
         for (std::size_t i = begin; i < end; ++i) {
           const TetId t(static_cast<std::uint32_t>(i));
-          if (domain.alive(t))
-            sum += integral.over(
-                {domain.corner(t, 0), domain.corner(t, 1), domain.corner(t, 2), domain.corner(t, 3)});
+          if (!domain.alive(t)) continue;
+          std::array<Sample, 4> corners;
+          for (int k = 0; k < 4; ++k)
+            corners[k] = {domain.corner(t, k), densities[domain.vertex(t, k).value]};
+          sum += integral.over(corners);
         }
         return sum;
       },

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lumesh/geometry/triangle.hpp"
+#include "surface_rules.hpp"
+
 namespace lumesh::operators {
 namespace {
 
@@ -14,14 +17,29 @@ std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }
 
-bool lies_on(const NewVertex& vertex, PatchId patch) {
-  return std::find(vertex.patches.begin(), vertex.patches.end(), patch) != vertex.patches.end();
+/// True if a face of a patch is replaced by smaller ones with the new vertex: it lies on the same patch, and
+/// where that is curved not on another side of it.
+bool absorbs(const TetMesh& mesh, const NewVertex& vertex, const Cell<3>& corners, PatchId patch,
+             const PatchShapes& shapes) {
+  if (std::find(vertex.patches.begin(), vertex.patches.end(), patch) == vertex.patches.end()) return false;
+  const PatchShape& shape = shapes[patch.value];
+  if (shape.freedom != PatchFreedom::kCurved) return shape.freedom == PatchFreedom::kPlane;
+  constexpr double kSameSide = 0.3;
+  const auto at = [&](int k) { return mesh.point(VertexId(corners[k])); };
+  return triangle_normal(at(0), at(1), at(2)).dot(patch_normal(shape, vertex.point)) > kSameSide;
 }
 
 /// Distance of the origin from the plane through three points.
 double height_over(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = (b - a).cross(c - a);
   return std::abs(normal.dot(a)) / normal.norm();
+}
+
+/// How deep an inner vertex lies below a surface, in its metric; negative outside.
+double depth_below(const Surface& surface, const NewVertex& vertex) {
+  const SurfacePoint nearest = surface.closest(vertex.point);
+  return nearest.normal.dot(nearest.point - vertex.point) *
+         std::sqrt(vertex.metric.metric.quadratic(nearest.normal));
 }
 
 }  // namespace
@@ -59,8 +77,7 @@ bool Cavity::take_out_blind_tets(const TetMesh& mesh, const NewVertex& vertex, c
       if (!link.is_boundary() && is_inside(link.tet())) continue;
       const auto [x, y, z] = mesh.face_corners(t, f);  // From outside; from inside the other way round.
       const PatchId patch = mesh.patch(t, f);
-      const bool absorbed =
-          link.is_boundary() && lies_on(vertex, patch) && shapes[patch.value].freedom == PatchFreedom::kPlane;
+      const bool absorbed = link.is_boundary() && absorbs(mesh, vertex, {x, y, z}, patch, shapes);
       if (!absorbed && orient3d(mesh.point(VertexId(x)), mesh.point(VertexId(z)), mesh.point(VertexId(y)),
                                 vertex.point) <= 0) {
         if (i < kept_) {
@@ -111,7 +128,8 @@ bool Cavity::carve(const TetMesh& mesh, const NewVertex& vertex, const PatchShap
   return false;
 }
 
-bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const InsertionRules& rules) {
+bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
+                    const InsertionRules& rules) {
   const SymTensor& metric = vertex.metric.metric;
   too_near_.clear();
   for (const std::uint32_t w : hull_vertex_list_) {
@@ -121,7 +139,10 @@ bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const Insertio
     if (mesh.dimension(v) <= vertex.dimension) return false;
     if (mesh.dimension(v) == VertexDimension::kVolume) too_near_.push_back(v);
   }
-  if (vertex.dimension == VertexDimension::kVolume && is_near_patch(mesh, vertex, rules.least_height))
+  if (vertex.dimension == VertexDimension::kVolume && is_near_patch(mesh, vertex, shapes, rules.least_height))
+    return false;
+  if (is_any_curved(vertex.patches, shapes) &&
+      !(absorbs_disc(vertex) && keeps_to_surface(mesh, vertex, shapes)))
     return false;
   shapes_.clear();
   for (const HullFace& face : hull_)
@@ -138,12 +159,16 @@ bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const Insertio
   return true;
 }
 
-bool Cavity::is_near_patch(const TetMesh& mesh, const NewVertex& vertex, double least_height) const {
+bool Cavity::is_near_patch(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
+                           double least_height) const {
   const MetricFrame frame(vertex.metric.metric, vertex.point);
   const auto at = [&](std::uint32_t v) { return frame(mesh.point(VertexId(v))); };
   return std::any_of(hull_.begin(), hull_.end(), [&](const HullFace& face) {
-    return face.patch.valid() &&
-           height_over(at(face.corners[0]), at(face.corners[1]), at(face.corners[2])) < least_height;
+    if (!face.patch.valid()) return false;
+    if (height_over(at(face.corners[0]), at(face.corners[1]), at(face.corners[2])) < least_height)
+      return true;
+    const PatchShape& shape = shapes[face.patch.value];  // The face may yet be split and move inwards.
+    return shape.freedom == PatchFreedom::kCurved && depth_below(*shape.surface, vertex) < least_height;
   });
 }
 

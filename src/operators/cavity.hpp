@@ -24,6 +24,7 @@ struct NewVertex {
   TetId hint;
   VertexDimension dimension = VertexDimension::kVolume;
   std::span<const PatchId> patches;  ///< Those it will lie on.
+  VertexId edge_a, edge_b;           ///< The edge that it splits.
 };
 
 class Cavity {
@@ -42,7 +43,8 @@ class Cavity {
   bool carve(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes);
 
   /// Measures what would be put in. @return false if a rule speaks against it.
-  bool accept(const TetMesh& mesh, const NewVertex& vertex, const InsertionRules& rules);
+  bool accept(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
+              const InsertionRules& rules);
 
   /// Puts the vertex in. Cannot fail but for memory.
   VertexId fill(Builder& builder, const NewVertex& vertex);
@@ -72,7 +74,14 @@ class Cavity {
                            bool& stuck);
   bool take_out_lost_vertices(const TetMesh& mesh, bool& stuck);
   void keep_inside_only();
-  [[nodiscard]] bool is_near_patch(const TetMesh& mesh, const NewVertex& vertex, double least_height) const;
+  [[nodiscard]] bool is_near_patch(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
+                                   double least_height) const;
+  /// For vertices of curved patches (cavity_surface.cpp), where neither holds by itself as in planes. The
+  /// absorbed faces are a disc with all its vertices on its rim, cut by no curve but the split edge:
+  [[nodiscard]] bool absorbs_disc(const NewVertex& vertex);
+  /// and the triangles from the rim to the vertex keep to the surface.
+  [[nodiscard]] bool keeps_to_surface(const TetMesh& mesh, const NewVertex& vertex,
+                                      const PatchShapes& shapes) const;
   [[nodiscard]] bool is_inside(TetId t) {
     const Place* place = places_.find(t.value);
     return place != nullptr && *place == Place::kInside;
@@ -90,6 +99,7 @@ class Cavity {
   std::vector<std::uint32_t> hull_vertex_list_;
   LocalMap<std::uint64_t, std::uint32_t> open_edges_;
   std::vector<PatchEdge> interface_edges_;  // Edges of faces between labels inside the hole.
+  std::vector<PatchEdge> rim_;              // Of the absorbed faces; anticlockwise from outside.
   std::vector<VertexId> too_near_;
   StarShapes shapes_;
 };

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "scratch.hpp"
+#include "surface_rules.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -10,8 +11,28 @@ bool keeps_patches(const TetMesh& mesh, VertexId from, const EdgeRing& ring, con
   const VertexDimension dimension = mesh.dimension(from);
   if (dimension == VertexDimension::kVolume) return true;
   if (ring.dimension() != dimension) return false;  // A corner's never is.
-  return std::all_of(ring.patches.begin(), ring.patches.end(),
-                     [&](PatchId patch) { return shapes[patch.value].freedom == PatchFreedom::kPlane; });
+  return !is_any_frozen(ring.patches, shapes);
+}
+
+/// True if the faces of curved patches keep to their surface when `from` goes where `to` is.
+bool keeps_to_surface(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
+                      const PatchShapes& shapes) {
+  if (!is_any_curved(ball.patches, shapes)) return true;
+  SurfaceDeviation before, after;
+  for (const TetId t : ball.tets) {
+    const int opposite = mesh.index_of(t, from);
+    for (int f = 0; f < 4; ++f) {
+      const PatchId patch = mesh.patch(t, f);
+      if (f == opposite || !patch.valid() || shapes[patch.value].freedom != PatchFreedom::kCurved) continue;
+      const Surface& surface = *shapes[patch.value].surface;
+      Cell<3> corners = mesh.face_corners(t, f);
+      before.add(surface, mesh, corners);
+      if (std::find(corners.begin(), corners.end(), to.value) != corners.end()) continue;  // Vanishes.
+      std::replace(corners.begin(), corners.end(), from.value, to.value);
+      after.add(surface, mesh, corners);
+    }
+  }
+  return after.may_follow(before);
 }
 
 /// True if the tetrahedra around the edge can vanish: not where one lies between two faces of patches, which
@@ -38,16 +59,72 @@ void close_gap(TetMesh& mesh, TetId t, int from, int to) {
   mesh.set_interface_patch(other.tet(), other.face(), patch);
 }
 
-/// True if an edge from b would be longer than allowed; where `from` has longer ones already, than the
+/// True if nothing joins `from` and `to` but the tetrahedra around their edge: else what is one with `from`
+/// and one with `to` would become the same twice. In domains of planes positive tetrahedra say so by
+/// themselves; where the surface moves, they do not. Source: Dey, Edelsbrunner, Guha, Nekhayev 1999, Topology
+/// preserving edge contraction.
+bool meet_only_around_edge(const EdgeRing& ring, const VertexBall& ball_of_from,
+                           const VertexBall& ball_of_to) {
+  const auto is_on_rim = [&](std::uint32_t v) {
+    return std::find(ring.rim.begin(), ring.rim.end(), v) != ring.rim.end();
+  };
+  return std::all_of(ball_of_from.neighbours.begin(), ball_of_from.neighbours.end(), [&](std::uint32_t v) {
+    return is_on_rim(v) || std::find(ball_of_to.neighbours.begin(), ball_of_to.neighbours.end(), v) ==
+                               ball_of_to.neighbours.end();
+  });
+}
+
+/// True if an edge from `to` would be longer than allowed; where `from` has longer ones already, than the
 /// longest.
 bool makes_edge_too_long(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
                          double most) {
-  double longest_new = 0;
-  for (const std::uint32_t w : ball.neighbours)
-    if (w != to.value) longest_new = std::max(longest_new, metric_length(mesh, to, VertexId(w)));
+  double longest_new = most;
+  for (const std::uint32_t w : ball.neighbours) {
+    if (w == to.value) continue;
+    // A length lies between those in the metrics of the two ends.
+    const Vec3 edge = mesh.point(VertexId(w)) - mesh.point(to);
+    if (std::max(mesh.metric(to).quadratic(edge), mesh.metric(VertexId(w)).quadratic(edge)) > most * most)
+      longest_new = std::max(longest_new, metric_length(mesh, to, VertexId(w)));
+  }
   return longest_new > most &&
          std::none_of(ball.neighbours.begin(), ball.neighbours.end(),
                       [&](std::uint32_t w) { return metric_length(mesh, from, VertexId(w)) >= longest_new; });
+}
+
+/// The neighbours at less than `least_length`, the nearest first; equally near ones by coordinates.
+void neighbours_near(const TetMesh& mesh, VertexId v, const VertexBall& ball, double least_length,
+                     std::vector<NearVertex>& near) {
+  near.clear();
+  for (const std::uint32_t w : ball.neighbours)
+    if (const double length = metric_length(mesh, v, VertexId(w)); length < least_length)
+      near.push_back({VertexId(w), length});
+  std::sort(near.begin(), near.end(), [&](const NearVertex& a, const NearVertex& b) {
+    if (a.length != b.length) return a.length < b.length;
+    const Vec3 &p = mesh.point(a.vertex), &q = mesh.point(b.vertex);
+    return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
+  });
+}
+
+/// Of the tetrahedra around `from` after it went to `to`; negative where one vanishes. Empty if one would be
+/// inverted or fall below the floor.
+bool measure_after(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
+                   StarShapes& shapes, double floor, std::vector<float>& qualities) {
+  const std::span<const double> cubes = shapes.ratios_cubed_at(mesh.point(to), mesh.log_metric(to));
+  qualities.clear();
+  for (std::size_t i = 0; i < cubes.size(); ++i) {
+    const bool vanishes = mesh.index_of(ball.tets[i], to) >= 0;
+    if (!vanishes && cubes[i] < floor * floor * floor) return false;
+    qualities.push_back(vanishes ? -1 : static_cast<float>(metric::cube_root(cubes[i])));
+  }
+  for (std::size_t i = 0; i < ball.tets.size(); ++i) {
+    if (qualities[i] < 0) continue;
+    Cell<4> v = mesh.tet(ball.tets[i]);
+    v[mesh.index_of(ball.tets[i], from)] = to.value;
+    if (orient3d(mesh.point(VertexId(v[0])), mesh.point(VertexId(v[1])), mesh.point(VertexId(v[2])),
+                 mesh.point(VertexId(v[3]))) <= 0)
+      return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -55,59 +132,83 @@ bool makes_edge_too_long(const TetMesh& mesh, VertexId from, VertexId to, const 
 template <class Lock>
 Outcome Operators<Lock>::collapse_edge(TetId t, int from, int to, const CollapseRules& rules) {
   const VertexId a = subject_.mesh.vertex(t, from), b = subject_.mesh.vertex(t, to);
-  return on_held(counts_.collapse, a, b, [&] { return collapse_held_edge(t, a, b, rules); });
+  return on_held(counts_.collapse, a, b, [&] {
+    if (!gather_ball(subject_.mesh, a, lock_, scratch_->ball)) return Outcome::kContended;
+    scratch_->near.assign(1, {b, 0});
+    return collapse_gathered_vertex(a, rules);
+  });
 }
 
 template <class Lock>
-Outcome Operators<Lock>::collapse_held_edge(TetId t, VertexId a, VertexId b, const CollapseRules& rules) {
-  TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, cavity, qualities, near, shapes] = *scratch_;
-  if (mesh.dimension(a) == VertexDimension::kCorner) return Outcome::kRejected;
-  if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
-  if (!keeps_patches(mesh, a, ring, subject_.shapes) || !can_vanish(mesh, a, b, ring))
-    return Outcome::kRejected;
-  if (!gather_ball(mesh, a, lock_, ball)) return Outcome::kContended;
+Outcome Operators<Lock>::collapse_vertex(VertexId v, double least_length, const CollapseRules& rules) {
+  return on_held(counts_.collapse, v, v, [&] {
+    TetMesh& mesh = subject_.mesh;
+    if (mesh.dimension(v) == VertexDimension::kCorner) return Outcome::kRejected;
+    if (!gather_ball(mesh, v, lock_, scratch_->ball)) return Outcome::kContended;
+    neighbours_near(mesh, v, scratch_->ball, least_length, scratch_->near);
+    return collapse_gathered_vertex(v, rules);
+  });
+}
 
-  if (makes_edge_too_long(mesh, a, b, ball, rules.most_length)) return Outcome::kRejected;
+/// Into the first vertex of `near` that will do.
+template <class Lock>
+Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRules& rules) {
+  const TetMesh& mesh = subject_.mesh;
+  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes] = *scratch_;
   float worst = 1;
   for (const TetId x : ball.tets) worst = std::min(worst, mesh.quality(x));
   const double floor =
       worst < rules.least_quality ? worst : std::max(rules.least_quality, rules.least_relative * worst);
-  qualities.clear();
-  for (const TetId x : ball.tets) {
-    qualities.push_back(-1);  // Vanishes.
-    if (mesh.index_of(x, b) >= 0) continue;
-    Cell<4> v = mesh.tet(x);
-    v[mesh.index_of(x, a)] = b.value;
-    const VertexId p(v[0]), q(v[1]), r(v[2]), s(v[3]);
-    const double cubed = quality_cubed(mesh, p, q, r, s);
-    if (cubed < floor * floor * floor ||
-        orient3d(mesh.point(p), mesh.point(q), mesh.point(r), mesh.point(s)) <= 0)
-      return Outcome::kRejected;
-    qualities.back() = static_cast<float>(metric::cube_root(cubed));
+  shapes.gather(mesh, v, ball.tets);
+  for (const NearVertex& to : near) {
+    const auto shared = std::find_if(ball.tets.begin(), ball.tets.end(),
+                                     [&](TetId x) { return mesh.index_of(x, to.vertex) >= 0; });
+    if (shared == ball.tets.end()) continue;
+    // Within the ball, which is held.
+    if (!gather_ring(mesh, *shared, v, to.vertex, lock_, ring)) return Outcome::kContended;
+    if (!keeps_patches(mesh, v, ring, subject_.shapes) || !can_vanish(mesh, v, to.vertex, ring)) continue;
+    if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.most_length)) continue;
+    if (!measure_after(mesh, v, to.vertex, ball, shapes, floor, qualities)) continue;
+    if (!keeps_to_surface(mesh, v, to.vertex, ball, subject_.shapes)) continue;
+    if (is_any_curved(ball.patches, subject_.shapes)) {
+      if (!gather_ball(mesh, to.vertex, lock_, other_ball)) return Outcome::kContended;
+      if (!meet_only_around_edge(ring, ball, other_ball)) continue;
+    }
+    commit_collapse(v, to.vertex);
+    return Outcome::kApplied;
   }
+  return Outcome::kRejected;
+}
 
-  for (const TetId x : ring.tets) close_gap(mesh, x, mesh.index_of(x, a), mesh.index_of(x, b));
+template <class Lock>
+void Operators<Lock>::commit_collapse(VertexId from, VertexId to) {
+  TetMesh& mesh = subject_.mesh;
+  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes] = *scratch_;
+  for (const TetId x : ring.tets) close_gap(mesh, x, mesh.index_of(x, from), mesh.index_of(x, to));
   for (std::size_t i = 0; i < ball.tets.size(); ++i) {
     const TetId x = ball.tets[i];
     if (qualities[i] < 0) continue;
     Cell<4> v = mesh.tet(x);
-    v[mesh.index_of(x, a)] = b.value;
+    v[mesh.index_of(x, from)] = to.value;
     builder.change_tet(x, v);
     mesh.set_quality(x, qualities[i]);
     for (const std::uint32_t w : v) mesh.set_incident_tet(VertexId(w), x);
   }
   for (const TetId x : ring.tets) builder.free_tet(x);
-  builder.free_vertex(a);
-  return Outcome::kApplied;
+  builder.free_vertex(from);
 }
 
 template Outcome Operators<NoLock>::collapse_edge(TetId, int, int, const CollapseRules&);
-template Outcome Operators<NoLock>::collapse_held_edge(TetId, VertexId, VertexId, const CollapseRules&);
+template Outcome Operators<NoLock>::collapse_vertex(VertexId, double, const CollapseRules&);
+template Outcome Operators<NoLock>::collapse_gathered_vertex(VertexId, const CollapseRules&);
+template void Operators<NoLock>::commit_collapse(VertexId, VertexId);
 template Outcome Operators<OrderedLock>::collapse_edge(TetId, int, int, const CollapseRules&);
-template Outcome Operators<OrderedLock>::collapse_held_edge(TetId, VertexId, VertexId, const CollapseRules&);
+template Outcome Operators<OrderedLock>::collapse_vertex(VertexId, double, const CollapseRules&);
+template Outcome Operators<OrderedLock>::collapse_gathered_vertex(VertexId, const CollapseRules&);
+template void Operators<OrderedLock>::commit_collapse(VertexId, VertexId);
 template Outcome Operators<SpeculativeLock>::collapse_edge(TetId, int, int, const CollapseRules&);
-template Outcome Operators<SpeculativeLock>::collapse_held_edge(TetId, VertexId, VertexId,
-                                                                const CollapseRules&);
+template Outcome Operators<SpeculativeLock>::collapse_vertex(VertexId, double, const CollapseRules&);
+template Outcome Operators<SpeculativeLock>::collapse_gathered_vertex(VertexId, const CollapseRules&);
+template void Operators<SpeculativeLock>::commit_collapse(VertexId, VertexId);
 
 }  // namespace lumesh::operators

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "scratch.hpp"
+#include "surface_rules.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -169,14 +170,21 @@ class RingReplacement {
   std::array<std::array<OpenFaces, kMostRing>, kMostRing> open_;
 };
 
-/// True if the edge may go: not one of a curve, nor between labels; on the outside only where it is flat.
+/// True if both faces at the edge belong to one tetrahedron and one curved patch. What lies on both sides of
+/// a smooth edge is flat, and may go.
+bool is_flat_tet(const EdgeRing& ring, const PatchShapes& shapes) {
+  return ring.tets.size() == 1 && ring.dimension() == VertexDimension::kSurface &&
+         is_any_curved(ring.patches, shapes);
+}
+
+/// True if the edge may go: not one of a curve, nor between labels, nor of a frozen patch.
 bool may_remove(const TetMesh& mesh, const EdgeRing& ring, const PatchShapes& shapes, int most_tets) {
   const std::size_t most_rim = static_cast<std::size_t>(std::min(most_tets, kMostRing));
   if (ring.rim.size() < 3 || ring.rim.size() > most_rim) return false;
   if (ring.patch_faces == 0) return true;
   if (!ring.open || ring.dimension() != VertexDimension::kSurface) return false;
   const Label label = mesh.label(ring.tets[0]);
-  return shapes[ring.patches[0].value].freedom == PatchFreedom::kPlane &&
+  return !is_any_frozen(ring.patches, shapes) &&
          std::all_of(ring.tets.begin(), ring.tets.end(), [&](TetId t) { return mesh.label(t) == label; });
 }
 
@@ -193,12 +201,22 @@ Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const
   TetMesh& mesh = subject_.mesh;
   EdgeRing& ring = scratch_->ring;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
+  if (is_flat_tet(ring, subject_.shapes)) return peel_held_tet(t, a, b);
   if (!may_remove(mesh, ring, subject_.shapes, rules.most_ring_tets)) return Outcome::kRejected;
   double worst = 1;
   for (const TetId x : ring.tets) worst = std::min<double>(worst, mesh.quality(x));
   const double least = worst + rules.least_gain;
   RimTriangulation triangulation(mesh, ring, a, b);
-  if (!triangulation.find(least * least * least) || !triangulation.is_positive()) return Outcome::kRejected;
+  if (!triangulation.find(least * least * least) || !triangulation.is_positive() ||
+      !keeps_to_surface_across(mesh, ring, a, b, subject_.shapes))
+    return Outcome::kRejected;
+  if (is_any_curved(ring.patches, subject_.shapes)) {
+    // The edge that comes to light may be one already, elsewhere: in planes it cannot.
+    VertexBall& ball = scratch_->ball;
+    if (!gather_ball(mesh, VertexId(ring.rim.front()), lock_, ball)) return Outcome::kContended;
+    if (std::find(ball.neighbours.begin(), ball.neighbours.end(), ring.rim.back()) != ball.neighbours.end())
+      return Outcome::kRejected;
+  }
   RingReplacement(scratch_->builder, ring, a, b).apply(triangulation);
   return Outcome::kApplied;
 }

@@ -12,12 +12,12 @@ namespace lumesh::operators {
 inline constexpr std::uint32_t kSlotBlock = 1024;  // Slots that a thread takes at a time.
 inline constexpr std::size_t kItemBlock = 4096;    // Of parallel loops.
 
-/// A tetrahedron and how soon it should have its turn.
-struct UrgentTet {
-  std::uint32_t tet;
+/// The number of an element and how soon it should have its turn.
+struct UrgentItem {
+  std::uint32_t item;
   float urgency;
 };
-[[nodiscard]] inline bool is_more_urgent(const UrgentTet& a, const UrgentTet& b) {
+[[nodiscard]] inline bool is_more_urgent(const UrgentItem& a, const UrgentItem& b) {
   return a.urgency > b.urgency;
 }
 

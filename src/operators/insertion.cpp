@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "scratch.hpp"
+#include "surface_rules.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -17,12 +18,6 @@ Vec3 point_on_edge(const TetMesh& mesh, VertexId a, VertexId b, double fraction)
   if (std::abs(ratio - 1) > kNearlyOne) t = std::log(1 + fraction * (ratio - 1)) / std::log(ratio);
   t = std::clamp(t, kMargin, 1 - kMargin);
   return mesh.point(a) + t * edge;
-}
-
-/// True if some patch at the edge must stay as it is.
-bool is_frozen(const EdgeRing& ring, const PatchShapes& shapes) {
-  return std::any_of(ring.patches.begin(), ring.patches.end(),
-                     [&](PatchId patch) { return shapes[patch.value].freedom == PatchFreedom::kFrozen; });
 }
 
 }  // namespace
@@ -43,19 +38,22 @@ template <class Lock>
 Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double fraction,
                                          const InsertionRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, cavity, qualities, near, shapes] = *scratch_;
+  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes] = *scratch_;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
-  if (is_frozen(ring, subject_.shapes)) return Outcome::kRejected;
+  if (is_any_frozen(ring.patches, subject_.shapes)) return Outcome::kRejected;
+  const auto place = place_on_patches(point_on_edge(mesh, a, b, fraction), ring.patches, subject_.shapes);
+  if (!place) return Outcome::kRejected;
 
   NewVertex vertex;
-  vertex.point = point_on_edge(mesh, a, b, fraction);
+  vertex.point = *place;
   vertex.hint = mesh.metric_hint(a);
   vertex.metric = subject_.field.at(vertex.point, vertex.hint);
   vertex.dimension = ring.dimension();
   vertex.patches = ring.patches;
+  vertex.edge_a = a, vertex.edge_b = b;
   cavity.begin(ring.tets);
   if (!cavity.enlarge(mesh, vertex, rules.most_cavity_tets, lock_) ||
-      !cavity.carve(mesh, vertex, subject_.shapes) || !cavity.accept(mesh, vertex, rules))
+      !cavity.carve(mesh, vertex, subject_.shapes) || !cavity.accept(mesh, vertex, subject_.shapes, rules))
     return Outcome::kRejected;
   const VertexId v = cavity.fill(builder, vertex);
   lock_.adopt(v);
@@ -66,11 +64,13 @@ Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double
 template <class Lock>
 void Operators<Lock>::draw_in_near_vertices(VertexId into) {
   const CollapseRules rules{.most_length = 2, .least_quality = 1e-3, .least_relative = 0.3};
-  scratch_->near.assign(scratch_->cavity.too_near().begin(), scratch_->cavity.too_near().end());
-  for (const VertexId v : scratch_->near) {
-    // The new vertex made a neighbour of every vertex of its hole; a collapse before this one kept that.
-    const TetId t = subject_.mesh.incident_tet(v);
-    if (subject_.mesh.index_of(t, into) >= 0) counts_.collapse.add(collapse_held_edge(t, v, into, rules));
+  TetMesh& mesh = subject_.mesh;
+  Scratch& scratch = *scratch_;
+  scratch.crowding.assign(scratch.cavity.too_near().begin(), scratch.cavity.too_near().end());
+  for (const VertexId v : scratch.crowding) {
+    scratch.near.assign(1, {into, 0});
+    counts_.collapse.add(gather_ball(mesh, v, lock_, scratch.ball) ? collapse_gathered_vertex(v, rules)
+                                                                   : Outcome::kContended);
   }
 }
 

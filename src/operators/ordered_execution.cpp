@@ -98,18 +98,17 @@ void OrderedExecution::run_buckets(
   });
 }
 
-void OrderedExecution::over_tets(const std::function<double(TetId)>& urgency,
-                                 const std::function<void(Kernel&, TetId)>& step) {
-  TetMesh& mesh = subject_.mesh;
-  const auto picked = parallel::collect_blocks<UrgentTet>(
-      tets_.size(), kItemBlock, [&](std::size_t begin, std::size_t end, std::vector<UrgentTet>& out) {
+template <class Urgency, class BucketOf, class Step>
+void OrderedExecution::over_urgent(const std::vector<std::uint32_t>& items, const Urgency& urgency,
+                                   const BucketOf& bucket_of, const Step& step) {
+  const auto picked = parallel::collect_blocks<UrgentItem>(
+      items.size(), kItemBlock, [&](std::size_t begin, std::size_t end, std::vector<UrgentItem>& out) {
         for (std::size_t i = begin; i < end; ++i)
-          if (const auto value = static_cast<float>(urgency(TetId(tets_[i]))); value > 0)
-            out.push_back({tets_[i], value});
+          if (const auto value = static_cast<float>(urgency(items[i])); value > 0)
+            out.push_back({items[i], value});
       });
   if (picked.empty()) return;
-  Lists<UrgentTet> lists = lists_by_bucket(
-      picked, [&](const UrgentTet& one) { return mesh.lock_word(mesh.vertex(TetId(one.tet), 0)); });
+  auto lists = lists_by_bucket(picked, [&](const UrgentItem& one) { return bucket_of(one.item); });
   parallel::for_each_index(
       partition_.buckets,
       [&](std::size_t bucket) {
@@ -120,14 +119,38 @@ void OrderedExecution::over_tets(const std::function<double(TetId)>& urgency,
   const std::uint32_t first_stamp = 2 * next_run_;
   std::vector<Made> made(partition_.buckets);
   run_buckets([&](Kernel& kernel, std::uint32_t bucket, std::uint32_t run) {
-    // An old stamp says that t is what it was, so that its first vertex is one of this bucket.
-    for (const UrgentTet& one : lists.of(bucket))
-      if (const TetId t(one.tet); mesh.stamp(t) < first_stamp && kernel.try_hold(t)) step(kernel, t);
+    for (const UrgentItem& one : lists.of(bucket)) step(kernel, one.item, first_stamp);
     made[bucket] = what_was_made(kernel, run);
   });
+  const TetMesh& mesh = subject_.mesh;
   tets_ = untouched(tets_, first_stamp, [&](std::uint32_t t) { return mesh.stamp(TetId(t)); });
   vertices_ = untouched(vertices_, first_stamp, [&](std::uint32_t v) { return mesh.stamp(VertexId(v)); });
   append_made(made);
+}
+
+void OrderedExecution::over_tets(const std::function<double(TetId)>& urgency,
+                                 const std::function<void(Kernel&, TetId)>& step) {
+  TetMesh& mesh = subject_.mesh;
+  over_urgent(
+      tets_, [&](std::uint32_t t) { return urgency(TetId(t)); },
+      [&](std::uint32_t t) { return mesh.lock_word(mesh.vertex(TetId(t), 0)); },
+      [&](Kernel& kernel, std::uint32_t item, std::uint32_t first_stamp) {
+        // An old stamp says that t is what it was, so that its first vertex is one of this bucket.
+        const TetId t(item);
+        if (mesh.stamp(t) < first_stamp && kernel.try_hold(t)) step(kernel, t);
+      });
+}
+
+void OrderedExecution::over_urgent_vertices(const std::function<double(VertexId)>& urgency,
+                                            const std::function<void(Kernel&, VertexId)>& step) {
+  TetMesh& mesh = subject_.mesh;
+  over_urgent(
+      vertices_, [&](std::uint32_t v) { return urgency(VertexId(v)); },
+      [&](std::uint32_t v) { return mesh.lock_word(VertexId(v)); },
+      [&](Kernel& kernel, std::uint32_t item, std::uint32_t first_stamp) {
+        const VertexId v(item);
+        if (mesh.stamp(v) < first_stamp) step(kernel, v);  // Else it is gone, and maybe another one.
+      });
 }
 
 void OrderedExecution::over_vertices(const std::function<void(Kernel&, VertexId)>& step) {

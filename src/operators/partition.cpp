@@ -104,9 +104,11 @@ parallel::TaskGraph neighbours_of(TetMesh& mesh, const std::vector<std::uint32_t
       tets.size(), kTetBlock, [&](std::size_t begin, std::size_t end, std::vector<std::uint64_t>& out) {
         LocalMap<std::uint64_t, char> known;
         for (std::size_t i = begin; i < end; ++i) {
+          std::array<std::uint64_t, 4> bucket{};
+          for (int k = 0; k < 4; ++k) bucket[k] = mesh.lock_word(mesh.vertex(TetId(tets[i]), k));
+          if (bucket[0] == bucket[1] && bucket[1] == bucket[2] && bucket[2] == bucket[3]) continue;
           for (const auto& [k, l] : kTetEdges) {
-            const std::uint64_t a = mesh.lock_word(mesh.vertex(TetId(tets[i]), k));
-            const std::uint64_t b = mesh.lock_word(mesh.vertex(TetId(tets[i]), l));
+            const std::uint64_t a = bucket[k], b = bucket[l];
             if (a == b || !known.insert(std::min(a, b) << 32 | std::max(a, b), 0).added) continue;
             out.push_back(a << 32 | b);
             out.push_back(b << 32 | a);

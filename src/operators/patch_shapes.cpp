@@ -44,7 +44,9 @@ PatchShapes planes_where_flat(const TetMesh& mesh, double tolerance) {
     const Vec3 axis = flat_axis(spreads[p].box);
     const bool along_axis = axis.squaredNorm() > 0;
     if (!along_axis && !(spreads[p].normal_sum.norm() > 0)) continue;
-    shapes[p] = {PatchFreedom::kPlane, along_axis ? axis : spreads[p].normal_sum.normalized()};
+    shapes[p].freedom = PatchFreedom::kPlane;
+    shapes[p].normal = along_axis ? axis : spreads[p].normal_sum.normalized();
+    shapes[p].offset = shapes[p].normal.dot(spreads[p].origin);
   }
   const double allowed = tolerance * bounding_box(points).diagonal().norm();
   for (std::size_t i = 0; i < faces.triangles.size(); ++i) {

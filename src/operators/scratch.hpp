@@ -23,16 +23,22 @@ class LockScope {
   std::size_t mark_;
 };
 
+struct NearVertex {
+  VertexId vertex;
+  double length = 0;
+};
+
 template <class Lock>
 struct Operators<Lock>::Scratch {
   Scratch(TetMesh& mesh, int owner) : builder{mesh, owner} {}
 
   Builder builder;
   EdgeRing ring;
-  VertexBall ball;
+  VertexBall ball, other_ball;
   Cavity cavity;
   std::vector<float> qualities;
-  std::vector<VertexId> near;
+  std::vector<NearVertex> near;
+  std::vector<VertexId> crowding;
   StarShapes shapes;
 };
 

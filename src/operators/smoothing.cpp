@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "scratch.hpp"
+#include "surface_rules.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -40,25 +41,54 @@ struct Freedom {
   }
 };
 
-Freedom freedom_of(const std::vector<PatchId>& patches, const PatchShapes& shapes) {
+/// Of a vertex at `point` of these patches: within their tangent planes.
+Freedom freedom_of(const Vec3& point, const std::vector<PatchId>& patches, const PatchShapes& shapes) {
+  if (is_any_frozen(patches, shapes)) return {0, {}};
+  if (patches.size() == 2 && is_any_curved(patches, shapes)) {
+    const Vec3 tangent = curve_tangent(point, patches[0], patches[1], shapes);
+    return {tangent.squaredNorm() > 0 ? 1 : 0, tangent};
+  }
   Freedom freedom;
   for (const PatchId patch : patches) {
-    const PatchShape& shape = shapes[patch.value];
-    if (shape.freedom == PatchFreedom::kFrozen) return {0, {}};
+    const Vec3 normal = patch_normal(shapes[patch.value], point);
     if (freedom.dimensions == 3) {
-      freedom = {2, shape.normal};
+      freedom = {2, normal};
       continue;
     }
     // The second plane leaves a line; a third one would leave a point unless it holds the line.
     constexpr double kParallel = 1e-6;
     if (freedom.dimensions == 2) {
-      const Vec3 line = freedom.direction.cross(shape.normal);
+      const Vec3 line = freedom.direction.cross(normal);
       if (line.norm() > kParallel) freedom = {1, line.normalized()};
-    } else if (std::abs(freedom.direction.dot(shape.normal)) > kParallel) {
+    } else if (std::abs(freedom.direction.dot(normal)) > kParallel) {
       return {0, {}};
     }
   }
   return freedom;
+}
+
+/// True if the faces of curved patches around v keep to their surface when it goes to `to`.
+bool keeps_to_surface_at(const TetMesh& mesh, VertexId v, const Vec3& to, const SymTensor& metric,
+                         const VertexBall& ball, const PatchShapes& shapes) {
+  if (!is_any_curved(ball.patches, shapes)) return true;
+  SurfaceDeviation before, after;
+  for (const TetId t : ball.tets) {
+    for (int f = 0; f < 4; ++f) {
+      const PatchId patch = mesh.patch(t, f);
+      if (!patch.valid() || shapes[patch.value].freedom != PatchFreedom::kCurved) continue;
+      const Cell<3> corners = mesh.face_corners(t, f);
+      if (std::find(corners.begin(), corners.end(), v.value) == corners.end()) continue;
+      const Surface& surface = *shapes[patch.value].surface;
+      before.add(surface, mesh, corners);
+      const auto corner = [&](int k) {
+        const VertexId w(corners[k]);
+        return w == v ? surface_corner(surface, to, metric)
+                      : surface_corner(surface, mesh.point(w), mesh.metric(w));
+      };
+      after.add(corner(0), corner(1), corner(2));
+    }
+  }
+  return after.may_follow(before);
 }
 
 SymTensor symmetric_product(const Vec3& u, const Vec3& v) {  // u v^T + v u^T
@@ -122,10 +152,10 @@ Outcome Operators<Lock>::smooth_held_vertex(VertexId v, const SmoothingRules& ru
   VertexBall& ball = scratch_->ball;
   if (mesh.dimension(v) == VertexDimension::kCorner) return Outcome::kRejected;
   if (!gather_ball(mesh, v, lock_, ball)) return Outcome::kContended;
-  const Freedom freedom = freedom_of(ball.patches, subject_.shapes);
+  const Vec3 old = mesh.point(v);
+  const Freedom freedom = freedom_of(old, ball.patches, subject_.shapes);
   if (freedom.dimensions == 0) return Outcome::kRejected;
 
-  const Vec3 old = mesh.point(v);
   StarShapes& shapes = scratch_->shapes;
   shapes.gather(mesh, v, ball.tets);
   Objective before{shapes.sums_at(old, mesh.log_metric(v))};
@@ -137,8 +167,10 @@ Outcome Operators<Lock>::smooth_held_vertex(VertexId v, const SmoothingRules& ru
   Vec3 step = step_of(before, freedom, mesh.metric(v), rules.most_step);
   if (!(mesh.metric(v).quadratic(step) > rules.least_step * rules.least_step)) return Outcome::kRejected;
   const double floor = std::min<double>(worst, rules.quality_floor);
-  for (int i = 0; i < rules.halvings; ++i, step *= 0.5)
-    if (move_if_better(v, old + step, before.value, floor, rules)) return Outcome::kApplied;
+  for (int i = 0; i < rules.halvings; ++i, step *= 0.5) {
+    const auto place = place_on_patches(old + step, ball.patches, subject_.shapes);
+    if (place && move_if_better(v, *place, before.value, floor, rules)) return Outcome::kApplied;
+  }
   return Outcome::kRejected;
 }
 
@@ -171,6 +203,7 @@ bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, d
     const auto [x, y, z] = kTetFaces[mesh.index_of(t, v)];
     if (orient3d(mesh.corner(t, x), mesh.corner(t, z), mesh.corner(t, y), to) <= 0) return false;
   }
+  if (!keeps_to_surface_at(mesh, v, to, pair.metric, ball, subject_.shapes)) return false;
   const double moved = std::sqrt(mesh.metric(v).quadratic(to - mesh.point(v)));
   mesh.set_point(v, to);
   mesh.set_metric(v, pair.metric, pair.log);

@@ -70,15 +70,15 @@ void SpeculativeExecution::run_buckets(std::vector<Item>& items, const Attempt& 
   });
 }
 
-void SpeculativeExecution::over_tets(const std::function<double(TetId)>& urgency,
-                                     const std::function<void(Kernel&, TetId)>& step) {
+template <class Id, class Urgency, class Step>
+void SpeculativeExecution::over_urgent(std::size_t slots, const Urgency& urgency, const Step& step) {
   TetMesh& mesh = subject_.mesh;
-  auto picked = parallel::collect<UrgentTet>(
-      mesh.tet_slots(),
-      [&](std::size_t slot, std::vector<UrgentTet>& out) {
-        const TetId t(static_cast<std::uint32_t>(slot));
-        if (!mesh.alive(t)) return;
-        if (const auto value = static_cast<float>(urgency(t)); value > 0) out.push_back({t.value, value});
+  auto picked = parallel::collect<UrgentItem>(
+      slots,
+      [&](std::size_t slot, std::vector<UrgentItem>& out) {
+        const Id id(static_cast<std::uint32_t>(slot));
+        if (!mesh.alive(id)) return;
+        if (const auto value = static_cast<float>(urgency(id)); value > 0) out.push_back({id.value, value});
       },
       kItemBlock);
   parallel::for_each_block(picked.size(), speculative_bucket_size(picked.size()),
@@ -88,18 +88,28 @@ void SpeculativeExecution::over_tets(const std::function<double(TetId)>& urgency
                            });
   ++epoch_;
   ++stamp_;
-  run_buckets(picked, [&](Kernel& kernel, const UrgentTet& one) {
-    const TetId t(one.tet);
-    if (mesh.stamp(t) >= stamp_) return true;
-    // What t was may change until its vertices are held. Whoever changes a tetrahedron holds all its
-    // vertices, old or new, while its stamp changes: if one that was read is of another tetrahedron, the
-    // stamp says so by now.
-    const bool held = kernel.try_hold(t);
+  run_buckets(picked, [&](Kernel& kernel, const UrgentItem& one) {
+    const Id id(one.item);
+    if (mesh.stamp(id) >= stamp_) return true;
+    // What it was may change until its vertices are held. Whoever changes an element holds all its vertices,
+    // old or new, while its stamp changes: if one that was read is of another element, the stamp says so by
+    // now.
+    const bool held = kernel.try_hold(id);
     bool again = !held;
-    if (held && mesh.stamp(t) < stamp_) again = only_contends(kernel, [&] { step(kernel, t); });
+    if (held && mesh.stamp(id) < stamp_) again = only_contends(kernel, [&] { step(kernel, id); });
     kernel.release();
     return !again;
   });
+}
+
+void SpeculativeExecution::over_tets(const std::function<double(TetId)>& urgency,
+                                     const std::function<void(Kernel&, TetId)>& step) {
+  over_urgent<TetId>(subject_.mesh.tet_slots(), urgency, step);
+}
+
+void SpeculativeExecution::over_urgent_vertices(const std::function<double(VertexId)>& urgency,
+                                                const std::function<void(Kernel&, VertexId)>& step) {
+  over_urgent<VertexId>(subject_.mesh.vertex_slots(), urgency, step);
 }
 
 void SpeculativeExecution::over_vertices(const std::function<void(Kernel&, VertexId)>& step) {

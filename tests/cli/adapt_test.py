@@ -1,17 +1,21 @@
 #!/usr/bin/env python3
 """`lumesh metric` and `lumesh adapt`: what they make of a cube, and what they refuse.
 
-Usage: adapt_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input.
+Usage: adapt_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input, 4 time limit.
 """
 import json
 import math
 import pathlib
+import re
+import signal
+import subprocess
 import sys
+import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from cube import cube
-from program import BAD_INPUT, USAGE, ProgramTest
+from program import BAD_INPUT, LUMESH, TIME_LIMIT, USAGE, ProgramTest
 
 
 def write_cube(path, n):
@@ -111,6 +115,54 @@ class AdaptTest(ProgramTest):
         adapted = self.folder / "adapted.vtu"
         self.run_well("adapt", self.out, "-o", adapted)
         self.assertGreater(self.evaluate(adapted)["metric_edge_length"]["fraction_in_band"], 0.9)
+
+    def test_bounds_and_gradation_change_what_a_mesh_asks_for(self):
+        own = self.folder / "own.vtu"
+        self.run_well("metric", self.cube, "--analytic", "linear", "-o", own)
+
+        def complexity(*options):
+            result = self.run_well("metric", own, "-o", self.out, *options)
+            return float(re.search(r"complexity (\d+)", result.stdout)[1])
+
+        as_it_is = complexity()
+        self.assertEqual(round(complexity("--min-size", 0.05, "--max-size", 0.05) * 0.05 ** 3), 1)
+        self.assertLess(complexity("--min-size", 0.07), as_it_is)
+        self.assertGreater(complexity("--gradation", 1.05), 1.01 * as_it_is)
+        self.assertAlmostEqual(complexity("--gradation", 1.2, "--complexity", 5000) / 5000, 1, delta=0.002)
+        bounded = self.run_lumesh("metric", own, "-o", self.out, "--complexity", "1e6", "--min-size", 0.1)
+        self.assertEqual(bounded.returncode, 0)
+        self.assertIn("bounds on sizes", bounded.stderr)
+
+    def test_metric_options_that_cannot_be_are_refused(self):
+        metric = ("metric", self.cube, "-o", self.out)
+        self.assert_refused(self.run_lumesh(*metric), BAD_INPUT, "cube.mesh", "no metric")
+        self.assert_refused(self.run_lumesh(*metric, "--analytic", "linear", "--gradation", 1), USAGE, "gradation")
+        self.assert_refused(self.run_lumesh(*metric, "--analytic", "linear", "--min-size", 2, "--max-size", 1), USAGE,
+                            "--min-size")
+        self.assert_refused(self.run_lumesh("adapt", self.cube, "--analytic", "linear", "--gradation", 2, "-o", self.out), USAGE,
+                            "--gradation")
+
+    def assert_ended_early(self, code, errors, *words):
+        self.assertEqual(code, TIME_LIMIT, errors)
+        lines = errors.splitlines()
+        self.assertEqual(len(lines), 1, errors)
+        for word in (*words, "out.vtu", "best mesh so far"):
+            self.assertIn(word, lines[0])
+        # A valid mesh, or evaluate would say so, that is not done.
+        self.assertGreater(self.evaluate(self.out)["metric_edge_length"]["max"], 2.5)
+
+    def test_at_the_time_limit_the_best_mesh_so_far_is_written(self):
+        result = self.run_lumesh("adapt", self.cube, "--analytic", "polar-2", "--complexity", 500000, "--time-limit", 1.5,
+                                 "-o", self.out)
+        self.assert_ended_early(result.returncode, result.stderr, "time limit of 1.5 s")
+
+    def test_an_interrupt_ends_it_in_good_order(self):
+        with subprocess.Popen([LUMESH, "adapt", self.cube, "--analytic", "polar-2", "--complexity", "500000", "-o", self.out],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+            time.sleep(1.5)
+            process.send_signal(signal.SIGINT)
+            errors = process.communicate(timeout=120)[1]
+        self.assert_ended_early(process.returncode, errors, "interrupted")
 
     def test_a_frozen_surface_stays(self):
         result = self.run_well("adapt", self.cube, "--analytic", "linear", "--boundary", "frozen", "-o", self.out)

@@ -6,7 +6,7 @@ import sys
 import tempfile
 import unittest
 
-USAGE, BAD_INPUT, NOT_REACHED, MEMORY = 1, 2, 3, 5
+USAGE, BAD_INPUT, NOT_REACHED, TIME_LIMIT, MEMORY = 1, 2, 3, 4, 5
 LUMESH = str(pathlib.Path(sys.argv.pop(1)).resolve())
 
 

@@ -58,6 +58,7 @@ struct AdaptReport {
   operators::OperatorCounts counts;
   operators::ExecutionCounts by_thread;  ///< Who did what depends on chance in every execution.
   double complexity = 0;                 ///< Of the metric as the adapted mesh sees it.
+  bool complete = true;                  ///< False if the context was cancelled before the end.
 };
 
 /// Adapts `mesh` until its edges have about unit length in `field`, then betters its shapes.
@@ -70,6 +71,8 @@ struct AdaptReport {
 /// @param mesh    Any valid mesh; it becomes the adapted one, compact, with the metric of every vertex.
 ///                Labels and patches stay.
 /// @param shapes  One per patch: patches in a plane are adapted, all others are kept as they are.
+/// Where the context is cancelled, it ends after the sweep that runs and leaves a valid mesh: the best so
+/// far.
 /// @throws Error{kBadInput} if the mesh is empty.
 /// Sources: Loseille, Menier and Alauzet 2015, doi:10.1016/j.proeng.2015.10.122 (cavities);
 /// docs/experiments/adapt.md (what was compared).

@@ -35,6 +35,12 @@ class Context {
   }
   /// Has `sink` called at the end of each phase that does not throw; `sink` must not throw either.
   void report_phases_to(PhaseSink sink) { on_phase_ = std::move(sink); }
+  /// Has `sink` called with the share of the work that is done, estimated, from 0 to 1.
+  void report_progress_to(std::function<void(double)> sink) { on_progress_ = std::move(sink); }
+  void progress(double share) const {
+    if (on_progress_) on_progress_(share);
+  }
+  void stop_by(std::stop_token stop) { stop_ = std::move(stop); }
   [[nodiscard]] bool cancelled() const { return stop_.stop_requested(); }
 
   /// Runs `step`, records its wall time under `name`, reports it, and returns what it returns.
@@ -61,6 +67,7 @@ class Context {
   MessageSink on_info_;
   MessageSink on_warning_;
   PhaseSink on_phase_;
+  std::function<void(double)> on_progress_;
   std::stop_token stop_;
   std::vector<PhaseTime> phases_;
 };

@@ -115,11 +115,14 @@ class Operators {
   /// Draws corner `from` of t into corner `to`: the tetrahedra around the edge vanish. A vertex of a curve
   /// stays on it, one of a surface on its patch, corners stay.
   Outcome collapse_edge(TetId t, int from, int to, const CollapseRules& rules);
+  /// Draws v into the nearest neighbour that will do, of those at less than `least_length`.
+  Outcome collapse_vertex(VertexId v, double least_length, const CollapseRules& rules);
 
   /// Replaces the tetrahedra around edge (corner i, corner j) of t by the best ones without it: of all
   /// triangulations of the ring, the one with the best worst quality (dynamic programming). Covers 3-2, 4-4
-  /// and larger rings, and 2-2 where the edge lies on a flat patch. Source: Shewchuk 2002, Two discrete
-  /// optimization algorithms for the topological improvement of tetrahedral meshes.
+  /// and larger rings, and 2-2 where the edge lies on a patch. A tetrahedron with two faces on one curved
+  /// patch is flat: it is taken away. Source: Shewchuk 2002, Two discrete optimization algorithms for the
+  /// topological improvement of tetrahedral meshes.
   Outcome remove_edge(TetId t, int i, int j, const SwapRules& rules);
 
   /// Replaces t and its neighbour behind `face` by three tetrahedra around a new edge (2-3).
@@ -146,6 +149,7 @@ class Operators {
   /// True if all vertices of t can be had: what it is then, it stays. Where it was not held before, its stamp
   /// tells whether it still is the one that was meant.
   [[nodiscard]] bool try_hold(TetId t);
+  [[nodiscard]] bool try_hold(VertexId v) { return lock_.try_lock(v); }
   /// Frees all that is held.
   void release() { lock_.release_to(0); }
 
@@ -157,8 +161,10 @@ class Operators {
   Outcome on_held(OperatorCount& count, VertexId a, VertexId b, const Body& body);
 
   Outcome split_held_edge(TetId t, VertexId a, VertexId b, double fraction, const InsertionRules& rules);
-  Outcome collapse_held_edge(TetId t, VertexId a, VertexId b, const CollapseRules& rules);
+  Outcome collapse_gathered_vertex(VertexId v, const CollapseRules& rules);
+  void commit_collapse(VertexId from, VertexId to);
   Outcome remove_held_edge(TetId t, VertexId a, VertexId b, const SwapRules& rules);
+  Outcome peel_held_tet(TetId t, VertexId a, VertexId b);
   Outcome swap_held_face(TetId t, int face, const SwapRules& rules);
   Outcome smooth_held_vertex(VertexId v, const SmoothingRules& rules);
   void draw_in_near_vertices(VertexId into);

@@ -35,6 +35,9 @@ class OrderedExecution {
   /// come first, equal ones in the order of the sequence.
   void over_tets(const std::function<double(TetId)>& urgency,
                  const std::function<void(Kernel&, TetId)>& step);
+  /// The same over vertices, which are held one by one; the step may free them.
+  void over_urgent_vertices(const std::function<double(VertexId)>& urgency,
+                            const std::function<void(Kernel&, VertexId)>& step);
   /// Calls step(kernel, vertex) for every live vertex. The step must not add or free elements.
   void over_vertices(const std::function<void(Kernel&, VertexId)>& step);
 
@@ -57,6 +60,9 @@ class OrderedExecution {
 
   template <class Item, class BucketOf>
   [[nodiscard]] Lists<Item> lists_by_bucket(const std::vector<Item>& items, const BucketOf& bucket_of) const;
+  template <class Urgency, class BucketOf, class Step>
+  void over_urgent(const std::vector<std::uint32_t>& items, const Urgency& urgency, const BucketOf& bucket_of,
+                   const Step& step);
   void run_buckets(const std::function<void(Kernel&, std::uint32_t bucket, std::uint32_t run)>& body);
   void begin_run(Kernel& kernel, std::uint32_t bucket, std::uint32_t run);
   [[nodiscard]] Made what_was_made(const Kernel& kernel, std::uint32_t run);

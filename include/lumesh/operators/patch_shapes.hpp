@@ -1,8 +1,11 @@
 #pragma once
 /// @file How the vertices and faces of each patch may change.
 
+#include <memory>
+#include <utility>
 #include <vector>
 
+#include "lumesh/domain/surface.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh::operators {
@@ -10,11 +13,16 @@ namespace lumesh::operators {
 enum class PatchFreedom : std::uint8_t {
   kFrozen,  ///< Its faces, edges and vertices stay as they are.
   kPlane,   ///< A part of a plane: vertices may move, come and go within it.
+  kCurved,  ///< A part of a smooth surface: the same, and every vertex that comes or moves is put on it.
 };
 
 struct PatchShape {
   PatchFreedom freedom = PatchFreedom::kFrozen;
-  Vec3 normal = Vec3::Zero();  ///< Of a plane; unit length.
+  Vec3 normal = Vec3::Zero();                ///< Of a plane; unit length.
+  double offset = 0;                         ///< Of a plane: normal . point for its points.
+  std::shared_ptr<const Surface> surface{};  ///< Of a curved patch.
+  /// Curves where it meets other patches, where their surfaces do not say so by themselves.
+  std::vector<std::pair<PatchId, std::shared_ptr<const MeshCurve>>> curves{};
 };
 
 /// One shape per patch of the mesh.
@@ -23,6 +31,15 @@ using PatchShapes = std::vector<PatchShape>;
 /// A plane for every patch whose faces lie in one to within `tolerance` times the size of the mesh's box; the
 /// others are frozen. Where every face lies along a coordinate plane, the normal is exactly an axis.
 [[nodiscard]] PatchShapes planes_where_flat(const TetMesh& mesh, double tolerance = 1e-10);
+
+/// planes_where_flat(); of the other patches on the outside, a cylinder for every one whose vertices lie on
+/// one to within the tolerance, and for the rest a smooth surface through the vertices as they are now
+/// (MeshSurface). Patches between labels that are not flat are frozen.
+[[nodiscard]] PatchShapes shapes_of_patches(const TetMesh& mesh, double tolerance = 1e-10);
+
+/// Height, in the metric, of the arc of a curved patch over edge (corner i, corner j) of t; estimated from
+/// the normals at its ends. 0 where no face of t with that edge belongs to a curved patch.
+[[nodiscard]] double arc_height(const TetMesh& mesh, TetId t, int i, int j, const PatchShapes& shapes);
 
 /// All patches frozen.
 [[nodiscard]] PatchShapes all_frozen(const TetMesh& mesh);

@@ -34,6 +34,9 @@ class SpeculativeExecution {
   /// vertices are held then. Within a bucket the most urgent come first.
   void over_tets(const std::function<double(TetId)>& urgency,
                  const std::function<void(Kernel&, TetId)>& step);
+  /// The same over vertices, which are held one by one; the step may free them.
+  void over_urgent_vertices(const std::function<double(VertexId)>& urgency,
+                            const std::function<void(Kernel&, VertexId)>& step);
   /// Calls step(kernel, vertex) for every live vertex, again and again as long as it only contends. The step
   /// must not add or free elements.
   void over_vertices(const std::function<void(Kernel&, VertexId)>& step);
@@ -44,6 +47,9 @@ class SpeculativeExecution {
   /// @param attempt  attempt(kernel, item): false if it must be made again.
   template <class Item, class Attempt>
   void run_buckets(std::vector<Item>& items, const Attempt& attempt);
+
+  template <class Id, class Urgency, class Step>
+  void over_urgent(std::size_t slots, const Urgency& urgency, const Step& step);
 
   Subject subject_;
   parallel::Team team_;

@@ -15,4 +15,12 @@ inline void store_relaxed(std::uint32_t& word, std::uint32_t value) {
   std::atomic_ref<std::uint32_t>(word).store(value, std::memory_order_relaxed);
 }
 
+/// The lesser of both stays; the order of calls does not matter.
+inline void lower_to(float& number, float value) {
+  const std::atomic_ref<float> shared(number);
+  float seen = shared.load(std::memory_order_relaxed);
+  while (value < seen && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+}
+
 }  // namespace lumesh::parallel

@@ -43,6 +43,25 @@ Conformity conformity_of(const TetMesh& mesh) {
   return result;
 }
 
+TEST(Adapt, ThatIsCancelledLeavesAValidMesh) {
+  for (const int sweeps : {0, 4, 12}) {
+    TetMesh mesh = fixtures::unit_cube(3);
+    const auto shapes = operators::planes_where_flat(mesh);
+    std::stop_source stop;
+    Context context({}, {}, stop.get_token());
+    int left = sweeps;
+    context.report_phases_to([&](const PhaseTime& /*phase*/) {
+      if (left-- == 0) stop.request_stop();
+    });
+    const AdaptReport report = adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2), shapes, {}, context);
+    EXPECT_FALSE(report.complete);
+    const ValidationReport found = validate(mesh);
+    EXPECT_TRUE(found.ok()) << found.text();
+    EXPECT_GE(mesh.tet_count(), sweeps < 12 ? 50u : 162u);
+    EXPECT_LT(mesh.tet_count(), 50000u);
+  }
+}
+
 TEST(Adapt, MakesAUnitMeshOfTheLinearMetric) {
   TetMesh mesh = fixtures::unit_cube(3);
   const auto shapes = operators::planes_where_flat(mesh);

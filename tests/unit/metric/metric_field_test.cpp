@@ -113,6 +113,16 @@ TEST(Complexity, OfAFieldIsFoundOnACoarseMesh) {
   EXPECT_NEAR(complexity(MetricField::analytic(AnalyticKind::kPolar2), mesh), 7587, 0.03 * 7587);
 }
 
+TEST(Complexity, OfAFieldIsFoundOnAMeshThatIsFineInParts) {
+  constexpr int n = 12;
+  fixtures::TetSoup soup = fixtures::cube_grid(n);
+  for (Vec3& p : soup.points) p /= n;
+  const TetMesh mesh = soup.build();
+  const double linear = 100 * 2 / 0.198 * std::log(1 + 0.198 * 0.5 / 0.001);
+  EXPECT_NEAR(complexity(MetricField::analytic(AnalyticKind::kLinear), mesh), linear, 0.03 * linear);
+  EXPECT_NEAR(complexity(MetricField::analytic(AnalyticKind::kPolar2), mesh), 7587, 0.03 * 7587);
+}
+
 TEST(AssignMetric, MeasuresQualities) {
   TetMesh mesh = fixtures::cube_grid(2).build();
   assign_metric(mesh, MetricField::analytic(AnalyticKind::kLinear));

@@ -1,0 +1,117 @@
+#include "lumesh/metric/gradation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/metric/tensor.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::metric {
+namespace {
+
+/// The vertices that share an edge with each vertex, ascending.
+class VertexNeighbours {
+ public:
+  explicit VertexNeighbours(const TetMesh& mesh) {
+    auto edges = parallel::collect_blocks<std::uint64_t>(
+        mesh.tet_slots(), kBlock, [&](std::size_t begin, std::size_t end, std::vector<std::uint64_t>& out) {
+          for (std::size_t i = begin; i < end; ++i) {
+            const TetId t(static_cast<std::uint32_t>(i));
+            if (!mesh.alive(t)) continue;
+            for (const auto& [k, l] : kTetEdges) {
+              const std::uint64_t a = mesh.vertex(t, k).value, b = mesh.vertex(t, l).value;
+              out.push_back(a << 32 | b);
+              out.push_back(b << 32 | a);
+            }
+          }
+        });
+    parallel::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    starts_.assign(mesh.vertex_slots() + 1, 0);
+    items_.reserve(edges.size());
+    for (const std::uint64_t edge : edges) {
+      ++starts_[(edge >> 32) + 1];
+      items_.push_back(static_cast<std::uint32_t>(edge));
+    }
+    for (std::size_t v = 1; v < starts_.size(); ++v) starts_[v] += starts_[v - 1];
+  }
+
+  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t v) const {
+    return std::span(items_).subspan(starts_[v], starts_[v + 1] - starts_[v]);
+  }
+
+ private:
+  static constexpr std::size_t kBlock = 4096;
+  std::vector<std::size_t> starts_;
+  std::vector<std::uint32_t> items_;
+};
+
+/// True if sizes in `a` are nowhere larger than in `b`: a - b has no negative eigenvalue (Sylvester).
+bool is_finer(const SymTensor& a, const SymTensor& b) {
+  const SymTensor d = a + (-1.0) * b;
+  return d.xx >= 0 && d.xx * d.yy >= d.xy * d.xy && d.determinant() >= 0 && d.yy >= 0 && d.zz >= 0;
+}
+
+/// What the metric `from` demands at the other end of an edge: each axis grown by the edge's length.
+SymTensor grown(const EigenSystem& from, const Vec3& edge, const GradationOptions& options) {
+  const double rate = std::log(options.growth);
+  const Vec3 along = from.axes.transpose() * edge;
+  const double length = std::sqrt(from.values.dot(along.cwiseProduct(along)));
+  const double whole = std::pow(1 + length * rate, 1 - options.physical_share);
+  EigenSystem result = from;
+  for (double& value : result.values) {
+    const double factor = whole * std::pow(1 + std::sqrt(value) * edge.norm() * rate, options.physical_share);
+    value /= factor * factor;
+  }
+  return result.tensor();
+}
+
+void check(const GradationOptions& options) {
+  if (!(options.growth > 1) || !std::isfinite(options.growth))
+    throw Error(ErrorKind::kUsage, "gradation must be greater than 1");
+  if (!(options.physical_share >= 0 && options.physical_share <= 1))
+    throw Error(ErrorKind::kUsage, "physical share of the gradation must lie between 0 and 1");
+}
+
+}  // namespace
+
+int limit_gradation(TetMesh& mesh, const GradationOptions& options) {
+  check(options);
+  const VertexNeighbours neighbours(mesh);
+  const std::size_t count = mesh.vertex_slots();
+  std::vector<EigenSystem> systems(count);
+  const auto id = [](std::size_t v) { return VertexId(static_cast<std::uint32_t>(v)); };
+  parallel::for_each_index(count, [&](std::size_t v) {
+    if (mesh.alive(id(v))) systems[v] = eigen_system(mesh.metric(id(v)));
+  });
+  // From the metrics of the sweep before, so that the order of vertices does not matter.
+  std::vector<std::uint8_t> changed(count, 1), changes(count, 0);
+  for (int sweep = 1; sweep <= options.most_sweeps; ++sweep) {
+    std::vector<SymTensor> next(count);
+    parallel::for_each_index(count, [&](std::size_t v) {
+      changes[v] = 0;
+      if (!mesh.alive(id(v))) return;
+      const SymTensor before = mesh.metric(id(v));
+      next[v] = before;
+      for (const std::uint32_t w : neighbours.of(v)) {
+        if (changed[w] == 0) continue;
+        const SymTensor demand = grown(systems[w], mesh.point(id(v)) - mesh.point(VertexId(w)), options);
+        if (!is_finer(next[v], demand)) next[v] = intersection(next[v], demand);
+      }
+      if (next[v] == before) return;
+      changes[v] = std::log(next[v].determinant() / before.determinant()) / 2 > options.tolerance;
+    });
+    parallel::for_each_index(count, [&](std::size_t v) {
+      if (!mesh.alive(id(v)) || next[v] == mesh.metric(id(v))) return;
+      systems[v] = eigen_system(next[v]);
+      mesh.set_metric(id(v), next[v], log(next[v]));
+    });
+    changed.swap(changes);
+    if (std::none_of(changed.begin(), changed.end(), [](std::uint8_t c) { return c != 0; })) return sweep;
+  }
+  return options.most_sweeps;
+}
+
+}  // namespace lumesh::metric

@@ -1,0 +1,118 @@
+#include "lumesh/operators/creases.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/triangle.hpp"
+
+namespace lumesh::operators {
+namespace {
+
+/// Faces joined to sets, the lowest of each its name.
+class FaceSets {
+ public:
+  explicit FaceSets(std::size_t count) : parents_(count) {
+    std::iota(parents_.begin(), parents_.end(), std::size_t{0});
+  }
+  [[nodiscard]] std::size_t find(std::size_t face) {
+    while (parents_[face] != face) face = parents_[face] = parents_[parents_[face]];
+    return face;
+  }
+  void join(std::size_t a, std::size_t b) {
+    const std::size_t root_a = find(a), root_b = find(b);
+    parents_[std::max(root_a, root_b)] = std::min(root_a, root_b);
+  }
+
+ private:
+  std::vector<std::size_t> parents_;
+};
+
+bool is_between_labels(const BoundaryFaces& faces, std::size_t face) {
+  return faces.tets[face][1].valid();
+}
+
+/// The sets of faces of one patch that reach each other over edges without crease.
+FaceSets smooth_parts(const TetMesh& mesh, const BoundaryFaces& faces, double angle_deg) {
+  struct Side {
+    std::uint32_t a, b;
+    std::size_t face;
+    auto operator<=>(const Side&) const = default;
+  };
+  std::vector<Side> sides;
+  std::vector<Vec3> normals(faces.triangles.size());
+  for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
+    if (is_between_labels(faces, i)) continue;
+    const Cell<3>& v = faces.triangles[i];
+    normals[i] =
+        triangle_normal(mesh.point(VertexId(v[0])), mesh.point(VertexId(v[1])), mesh.point(VertexId(v[2])));
+    for (int k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(v[k], v[(k + 1) % 3]);
+      sides.push_back({a, b, i});
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  FaceSets sets(faces.triangles.size());
+  const double least_cosine = std::cos(angle_deg * std::numbers::pi / 180);
+  for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
+    for (next = i + 1; next < sides.size() && sides[next].a == sides[i].a && sides[next].b == sides[i].b;)
+      ++next;
+    for (std::size_t k = i + 1; k < next; ++k) {
+      const std::size_t one = sides[i].face, other = sides[k].face;
+      if (faces.patches[one] == faces.patches[other] && normals[one].dot(normals[other]) >= least_cosine)
+        sets.join(one, other);
+    }
+  }
+  return sets;
+}
+
+}  // namespace
+
+std::vector<PatchId> cut_patches_at_creases(TetMesh& mesh, double angle_deg) {
+  const BoundaryFaces faces = mesh.boundary_faces();
+  FaceSets sets = smooth_parts(mesh, faces, angle_deg);
+  MeshInfo info = mesh.info();
+  std::vector<PatchId> origins(info.patches.size());
+  for (std::uint32_t p = 0; p < origins.size(); ++p) origins[p] = PatchId(p);
+  // The first part of a patch keeps its number, the others get new ones.
+  std::vector<bool> has_part(origins.size(), false);
+  std::vector<std::int32_t> part_of = faces.patches;
+  for (std::size_t i = 0; i < part_of.size(); ++i) {
+    if (is_between_labels(faces, i)) continue;
+    const auto patch = static_cast<std::size_t>(faces.patches[i]);
+    if (const std::size_t first = sets.find(i); first < i) {
+      part_of[i] = part_of[first];
+    } else if (!has_part[patch]) {
+      has_part[patch] = true;
+    } else {
+      part_of[i] = static_cast<std::int32_t>(origins.size());
+      origins.push_back(PatchId(static_cast<std::uint32_t>(patch)));
+      info.patches.push_back(lumesh::Patch(info.patches[patch]));
+    }
+  }
+  if (origins.size() == mesh.info().patches.size()) return origins;
+  if (origins.size() > TetMesh::kMaxPatches)
+    throw Error(ErrorKind::kBadInput, "the boundary has " + std::to_string(origins.size()) +
+                                          " parts between creases, more than a mesh can hold; raise the "
+                                          "feature angle");
+  mesh = TetMesh::build(mesh.points(), mesh.tets(), mesh.labels(), PatchTable{faces.triangles, part_of},
+                        std::move(info));
+  return origins;
+}
+
+void join_patches(TetMesh& mesh, const std::vector<PatchId>& origins) {
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    const TetId t(i);
+    if (!mesh.alive(t)) continue;
+    for (int f = 0; f < 4; ++f)
+      if (const FaceLink link = mesh.link(t, f); link.is_boundary())
+        mesh.set_link(t, f, FaceLink::boundary(origins[link.patch().value]));
+  }
+  std::size_t whole = 0;  // Parts have numbers above those of all that were there before.
+  while (whole < origins.size() && origins[whole].value == whole) ++whole;
+  mesh.info().patches.resize(whole);
+}
+
+}  // namespace lumesh::operators

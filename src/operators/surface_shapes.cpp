@@ -1,0 +1,276 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+#include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/operators/patch_shapes.hpp"
+
+namespace lumesh::operators {
+namespace {
+
+/// The faces of one patch, as triangles of points of its own.
+struct PatchTriangles {
+  std::vector<Vec3> points;
+  std::vector<Cell<3>> triangles;  // Anticlockwise from outside.
+};
+
+/// Vertices of the mesh to those of a patch.
+using OwnNumbers = std::map<std::uint32_t, std::uint32_t>;
+
+/// The circle that fits points of a plane best: centre and radius. Source: Kasa 1976,
+/// doi:10.1109/TIM.1976.6312298.
+Vec3 circle_through(const std::vector<Vec3>& points, const Vec3& u, const Vec3& v) {
+  Mat3 sums = Mat3::Zero();
+  Vec3 right = Vec3::Zero();
+  for (const Vec3& p : points) {
+    const Vec3 row(2 * p.dot(u), 2 * p.dot(v), 1);
+    sums += row * row.transpose();
+    right += (row[0] * row[0] + row[1] * row[1]) / 4 * row;
+  }
+  const Vec3 found = sums.fullPivLu().solve(right);
+  return {found[0], found[1], std::sqrt(std::max(0.0, found[2] + found.head<2>().squaredNorm()))};
+}
+
+/// A cylinder while it is being fitted.
+struct CylinderFit {
+  Vec3 on_axis, axis;
+  double radius;
+
+  [[nodiscard]] double residual(const Vec3& point) const {
+    return (point - on_axis).cross(axis).norm() - radius;
+  }
+  [[nodiscard]] double worst(const std::vector<Vec3>& points) const {
+    double worst = 0;
+    for (const Vec3& p : points) worst = std::max(worst, std::abs(residual(p)));
+    return worst;
+  }
+};
+
+CylinderFit cylinder_along(const Vec3& axis, const std::vector<Vec3>& points) {
+  const Vec3 u = axis.unitOrthogonal(), v = axis.cross(u);
+  const Vec3 circle = circle_through(points, u, v);
+  return {circle[0] * u + circle[1] * v, axis, circle[2]};
+}
+
+/// One Gauss-Newton step on the squares of the residuals, for the axis' place, direction and the radius.
+CylinderFit better(const CylinderFit& fit, const std::vector<Vec3>& points) {
+  using Vec5 = Eigen::Matrix<double, 5, 1>;
+  const Vec3 u = fit.axis.unitOrthogonal(), v = fit.axis.cross(u);
+  Eigen::Matrix<double, 5, 5> sums = Eigen::Matrix<double, 5, 5>::Zero();
+  Vec5 right = Vec5::Zero();
+  for (const Vec3& p : points) {
+    const Vec3 from_axis = p - fit.on_axis;
+    const double along = from_axis.dot(fit.axis);
+    const Vec3 radial = (from_axis - along * fit.axis).normalized();
+    const double ru = radial.dot(u), rv = radial.dot(v);
+    const Vec5 row = (Vec5() << -ru, -rv, -along * ru, -along * rv, -1).finished();
+    sums += row * row.transpose();
+    right -= fit.residual(p) * row;
+  }
+  const Vec5 step = sums.fullPivLu().solve(right);
+  return {fit.on_axis + step[0] * u + step[1] * v, (fit.axis + step[2] * u + step[3] * v).normalized(),
+          fit.radius + step[4]};
+}
+
+/// The axis of the frame that a direction hardly differs from, or the direction.
+Vec3 nearly_axis(const Vec3& direction) {
+  constexpr double kNearly = 1e-7;
+  for (int k = 0; k < 3; ++k)
+    if ((direction.cwiseAbs() - Vec3::Unit(k)).norm() < kNearly) return Vec3::Unit(k);
+  return direction;
+}
+
+/// The cylinder on which all points lie to within `allowed`.
+std::optional<CylinderFit> fit_cylinder(const PatchTriangles& patch, double allowed) {
+  constexpr std::size_t kFewest = 9;  // A cylinder goes through any five.
+  constexpr int kSteps = 30;
+  if (patch.points.size() < kFewest) return std::nullopt;
+  Mat3 spread = Mat3::Zero();
+  for (const auto& [a, b, c] : patch.triangles) {
+    const Vec3 normal = triangle_area_normal(patch.points[a], patch.points[b], patch.points[c]);
+    spread += normal * normal.transpose() / std::max(normal.norm(), 1e-300);
+  }
+  // All normals are across the axis.
+  CylinderFit fit =
+      cylinder_along(Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(0), patch.points);
+  for (int i = 0; i < kSteps && fit.worst(patch.points) > 1e-3 * allowed; ++i)
+    fit = better(fit, patch.points);
+  for (const Vec3& axis : {nearly_axis(fit.axis), fit.axis}) {
+    CylinderFit final_fit = axis == fit.axis ? fit : cylinder_along(axis, patch.points);
+    if (final_fit.worst(patch.points) <= allowed) return final_fit;
+  }
+  return std::nullopt;
+}
+
+std::shared_ptr<const Surface> cylinder_of(const PatchTriangles& patch, double allowed) {
+  const std::optional<CylinderFit> fit = fit_cylinder(patch, allowed);
+  if (!fit) return nullptr;
+  double outward = 0;
+  for (const auto& [a, b, c] : patch.triangles) {
+    const Vec3& corner = patch.points[a];
+    outward += triangle_area_normal(corner, patch.points[b], patch.points[c])
+                   .dot(corner - fit->on_axis - (corner - fit->on_axis).dot(fit->axis) * fit->axis);
+  }
+  return std::make_shared<CylinderSurface>(fit->on_axis, fit->axis, fit->radius, outward > 0 ? 1 : -1);
+}
+
+/// An edge between two patches, the lower one first.
+struct CurveEdge {
+  std::uint32_t a, b;
+  std::array<std::uint32_t, 2> patches;
+};
+
+/// Edges of curves, ordered by their patches.
+std::vector<CurveEdge> curve_edges(const BoundaryFaces& faces) {
+  struct Side {
+    std::uint32_t a, b, patch;
+    auto operator<=>(const Side&) const = default;
+  };
+  std::vector<Side> sides;
+  for (std::size_t i = 0; i < faces.triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = faces.triangles[i][k], b = faces.triangles[i][(k + 1) % 3];
+      sides.push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(faces.patches[i])});
+    }
+  std::sort(sides.begin(), sides.end());
+  std::vector<CurveEdge> edges;
+  for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
+    for (next = i + 1; next < sides.size() && sides[next].a == sides[i].a && sides[next].b == sides[i].b;)
+      ++next;
+    if (next - i == 2 && sides[i].patch != sides[i + 1].patch)
+      edges.push_back({sides[i].a, sides[i].b, {sides[i].patch, sides[i + 1].patch}});
+  }
+  std::stable_sort(edges.begin(), edges.end(),
+                   [](const CurveEdge& x, const CurveEdge& y) { return x.patches < y.patches; });
+  return edges;
+}
+
+/// The tangent of a curve at a vertex between two others: that of the parabola through them.
+Vec3 tangent_between(const Vec3& before, const Vec3& at, const Vec3& after) {
+  const Vec3 first = at - before, second = after - at;
+  return (second.squaredNorm() * first + first.squaredNorm() * second).normalized();
+}
+
+/// Cubic pieces over the edges of one curve, given with the vertices of the mesh.
+std::vector<CurvePiece> pieces_of(std::span<const CurveEdge> edges, const TetMesh& mesh) {
+  std::map<std::uint32_t, std::vector<std::uint32_t>> neighbours;
+  for (const CurveEdge& edge : edges) {
+    neighbours[edge.a].push_back(edge.b);
+    neighbours[edge.b].push_back(edge.a);
+  }
+  const auto point = [&](std::uint32_t v) { return mesh.point(VertexId(v)); };
+  const auto control_beside = [&](std::uint32_t v, std::uint32_t other) -> Vec3 {
+    const Vec3 edge = point(other) - point(v);
+    const auto& around = neighbours[v];
+    if (around.size() != 2 || mesh.dimension(VertexId(v)) == VertexDimension::kCorner)
+      return point(v) + edge / 3;
+    const Vec3 tangent = tangent_between(point(around[0]), point(v), point(around[1]));
+    return point(v) + edge.dot(tangent) / 3 * tangent;
+  };
+  std::vector<CurvePiece> pieces;
+  for (const auto& [a, b, patches] : edges)
+    pieces.push_back({{point(a), control_beside(a, b), control_beside(b, a), point(b)}});
+  return pieces;
+}
+
+/// True if alternate projection finds where two patches meet: their surfaces are known exactly, and cross.
+bool meet_by_themselves(const PatchShape& one, const PatchShape& other) {
+  const auto is_exact = [](const PatchShape& shape) {
+    return shape.freedom == PatchFreedom::kPlane || (shape.surface && shape.surface->is_analytic());
+  };
+  return is_exact(one) && is_exact(other);
+}
+
+/// The smooth surfaces and curves of one mesh.
+class SurfaceBuilder {
+ public:
+  SurfaceBuilder(const TetMesh& mesh, PatchShapes shapes)
+      : mesh_(mesh),
+        faces_(mesh.boundary_faces()),
+        edges_(curve_edges(faces_)),
+        patches_(shapes.size()),
+        numbers_(shapes.size()),
+        is_between_labels_(shapes.size(), false),
+        shapes_(std::move(shapes)) {
+    for (std::size_t i = 0; i < faces_.triangles.size(); ++i) add_face(i);
+  }
+
+  void find_cylinders(double allowed) {
+    for_each_curved([&](std::size_t p) { shapes_[p].surface = cylinder_of(patches_[p], allowed); });
+  }
+  /// For every patch without a surface so far; curves first, which are their rims.
+  void lay_through_vertices() {
+    std::vector<std::vector<MeshSurface::Rim>> rims(shapes_.size());
+    for (std::size_t i = 0, next = 0; i < edges_.size(); i = next) {
+      for (next = i + 1; next < edges_.size() && edges_[next].patches == edges_[i].patches;) ++next;
+      const auto [p, q] = edges_[i].patches;
+      if (!is_free(p) || !is_free(q) || meet_by_themselves(shapes_[p], shapes_[q])) continue;
+      const auto curve = std::span(edges_).subspan(i, next - i);
+      const std::vector<CurvePiece> pieces = pieces_of(curve, mesh_);
+      const auto shared = std::make_shared<const MeshCurve>(pieces);
+      shapes_[p].curves.emplace_back(PatchId(q), shared);
+      shapes_[q].curves.emplace_back(PatchId(p), shared);
+      for (const std::uint32_t side : {p, q})
+        for (std::size_t k = 0; k < curve.size(); ++k)
+          rims[side].push_back({numbers_[side][curve[k].a], numbers_[side][curve[k].b], pieces[k]});
+    }
+    for_each_curved([&](std::size_t p) {
+      if (!shapes_[p].surface)
+        shapes_[p].surface =
+            std::make_shared<MeshSurface>(patches_[p].points, patches_[p].triangles, rims[p]);
+    });
+  }
+  PatchShapes take() {
+    for_each_curved([&](std::size_t p) { shapes_[p].freedom = PatchFreedom::kCurved; });
+    return std::move(shapes_);
+  }
+
+ private:
+  void add_face(std::size_t i) {
+    const auto p = static_cast<std::size_t>(faces_.patches[i]);
+    if (faces_.tets[i][1].valid()) is_between_labels_[p] = true;
+    Cell<3> own;
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = faces_.triangles[i][k];
+      const auto [place, added] =
+          numbers_[p].try_emplace(v, static_cast<std::uint32_t>(patches_[p].points.size()));
+      if (added) patches_[p].points.push_back(mesh_.point(VertexId(v)));
+      own[k] = place->second;
+    }
+    patches_[p].triangles.push_back(own);
+  }
+  [[nodiscard]] bool is_curved(std::size_t p) const {
+    return shapes_[p].freedom != PatchFreedom::kPlane && !is_between_labels_[p] &&
+           !patches_[p].triangles.empty();
+  }
+  [[nodiscard]] bool is_free(std::size_t p) const {
+    return shapes_[p].freedom == PatchFreedom::kPlane || is_curved(p);
+  }
+  template <class Body>
+  void for_each_curved(const Body& body) {
+    for (std::size_t p = 0; p < shapes_.size(); ++p)
+      if (is_curved(p)) body(p);
+  }
+
+  const TetMesh& mesh_;
+  BoundaryFaces faces_;
+  std::vector<CurveEdge> edges_;
+  std::vector<PatchTriangles> patches_;
+  std::vector<OwnNumbers> numbers_;
+  std::vector<bool> is_between_labels_;
+  PatchShapes shapes_;
+};
+
+}  // namespace
+
+PatchShapes shapes_of_patches(const TetMesh& mesh, double tolerance) {
+  SurfaceBuilder builder(mesh, planes_where_flat(mesh, tolerance));
+  builder.find_cylinders(tolerance * bounding_box(mesh.points()).diagonal().norm());
+  builder.lay_through_vertices();
+  return builder.take();
+}
+
+}  // namespace lumesh::operators
