@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Adapts one case with both executions, all balancing policies and many numbers of threads, each as often as asked for in
-turns: the least seconds of `lumesh adapt` without reading and writing, quality, what contended, what was handed over.
+turns: the least seconds of `lumesh adapt` without reading and writing, the least CPU seconds of the whole call, quality, what
+contended, what was handed over. CPU seconds also tell something where others use the machine.
 
 Usage: threads.py [--program LUMESH] [--case polar-2@20000] [--threads 2,4,16,128,256] [--rounds 3] [--topology DESCRIPTION]
 Prints a table; the last column is the time over that with the first number of threads and the same policy.
@@ -9,6 +10,7 @@ Prints a table; the last column is the time over that with the first number of t
 import argparse
 import json
 import pathlib
+import resource
 import subprocess
 import sys
 import tempfile
@@ -21,14 +23,22 @@ EXECUTIONS = ("ordered", "speculative")
 POLICIES = ("none", "first-idle", "hierarchical", "stealing")
 
 
+def cpu_seconds():
+    """Of all children that ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def adapt(arguments, folder, execution, policy, threads):
     metric, _, complexity = arguments.case.partition("@")
     report = folder / "adapt.json"
+    before = cpu_seconds()
     subprocess.run([arguments.program, "adapt", folder / "cube.meshb", "-o", folder / "adapted.vtu", "-q", "--analytic", metric,
                     *(["--complexity", complexity] if complexity else []), "--execution", execution, "--balance", policy,
                     "--threads", str(threads), "--json", report,
                     *(["--topology", arguments.topology] if arguments.topology else [])], check=True)
     told = json.loads(report.read_text())
+    told["cpu_seconds"] = cpu_seconds() - before
     told["seconds"] = sum(value for step, value in told["seconds_by_step"].items() if step not in ("read", "build", "write"))
     return told
 
@@ -50,7 +60,7 @@ def main():
     arguments = parser.parse_args()
     threads = [int(number) for number in arguments.threads.split(",")]
     cases = [(execution, policy, number) for execution in EXECUTIONS for policy in POLICIES for number in threads]
-    seconds, rows = {}, {}
+    seconds, cpu, rows = {}, {}, {}
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         write_cube(folder / "cube.meshb", 3)
@@ -60,14 +70,15 @@ def main():
                 contended = sum(count["contended"] for count in told["operators"].values())
                 tried = sum(sum(count.values()) for count in told["operators"].values())
                 seconds[case] = min(told["seconds"], seconds.get(case, told["seconds"]))
+                cpu[case] = min(told["cpu_seconds"], cpu.get(case, told["cpu_seconds"]))
                 rows[case] = (*quality(arguments, folder), contended / tried, told["hand_overs"])
-    print("| execution | policy | threads | s | in band | mean ratio | contended | local | remote | s / first |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
+    print("| execution | policy | threads | s | CPU s | in band | mean ratio | contended | local | remote | s / first |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|")
     for case in cases:
         execution, policy, number = case
         in_band, ratio, contended, hand_overs = rows[case]
-        print(f"| {execution} | {policy} | {number} | {seconds[case]:.2f} | {in_band:.4f} | {ratio:.4f} | {contended:.4f} | "
-              f"{hand_overs['local']} | {hand_overs['remote']} | {seconds[case] / seconds[execution, policy, threads[0]]:.2f} |")
+        print(f"| {execution} | {policy} | {number} | {seconds[case]:.2f} | {cpu[case]:.2f} | {in_band:.4f} | {ratio:.4f} | "
+              f"{contended:.4f} | {hand_overs['local']} | {hand_overs['remote']} | {seconds[case] / seconds[execution, policy, threads[0]]:.2f} |")
 
 
 if __name__ == "__main__":
