@@ -18,9 +18,11 @@ from cube import cube
 from program import BAD_INPUT, LUMESH, TIME_LIMIT, USAGE, ProgramTest
 
 
-def write_cube(path, n):
+def write_cube(path, n, one_patch=False):
     """As Medit text; returns its points."""
     points, tetrahedra, triangles = cube(n)
+    if one_patch:
+        triangles = [(*corners, 1) for *corners, _ in triangles]
     sections = {"Vertices": [(*p, 0) for p in points], "Triangles": triangles, "Tetrahedra": tetrahedra}
     with open(path, "w", encoding="ascii") as file:
         file.write("MeshVersionFormatted 2\nDimension 3\n")
@@ -168,12 +170,30 @@ class AdaptTest(ProgramTest):
         result = self.run_well("adapt", self.cube, "--analytic", "linear", "--boundary", "frozen", "-o", self.out)
         self.assertIn("108 boundary triangles", result.stdout)
 
+    def test_a_cube_of_one_patch_keeps_its_edges(self):
+        write_cube(self.cube, 3, one_patch=True)
+        self.run_well("adapt", self.cube, "--analytic", "linear", "-o", self.out)
+        found = self.evaluate(self.out)
+        self.assertGreater(found["metric_edge_length"]["fraction_in_band"], 0.97)
+        adapted = self.folder / "adapted.mesh"
+        self.run_well("convert", self.out, adapted)
+        text = adapted.read_text(encoding="ascii").split()
+        first, count = text.index("Vertices") + 2, int(text[text.index("Vertices") + 1])
+        points = [tuple(map(float, text[i:i + 3])) for i in range(first, first + 4 * count, 4)]
+        first, count = text.index("Triangles") + 2, int(text[text.index("Triangles") + 1])
+        self.assertGreater(count, 1000)
+        for i in range(first, first + 4 * count, 4):
+            corners = [points[int(text[i + k]) - 1] for k in range(3)]
+            self.assertTrue(any(all(p[axis] == end for p in corners) for axis in range(3) for end in (0, 1)), corners)
+        self.assertEqual({text[i + 3] for i in range(first, first + 4 * count, 4)}, {text[first + 3]})
+
     def test_what_cannot_be_adapted_is_refused(self):
         adapt = ("adapt", self.cube, "-o", self.out)
         self.assert_refused(self.run_lumesh(*adapt), BAD_INPUT, "cube.mesh", "no metric", "lumesh metric")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--complexity", "1e12"), BAD_INPUT,
                             "tetrahedra", "GB", "--complexity")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "cubic"), USAGE, "cubic")
+        self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--feature-angle", 0), USAGE, "--feature-angle")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--collapse-below", 7), USAGE, "collapse below")
         for option in ("--execution", "--balance", "--topology"):
             self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", option, "eager"), USAGE, "eager")

@@ -70,7 +70,8 @@ struct AdaptReport {
 ///
 /// @param mesh    Any valid mesh; it becomes the adapted one, compact, with the metric of every vertex.
 ///                Labels and patches stay.
-/// @param shapes  One per patch: patches in a plane are adapted, all others are kept as they are.
+/// @param shapes  One per patch: what its vertices stay on while it is adapted, or that it is kept as it is
+///                (operators::shapes_of_patches()).
 /// Where the context is cancelled, it ends after the sweep that runs and leaves a valid mesh: the best so
 /// far.
 /// @throws Error{kBadInput} if the mesh is empty.

@@ -130,7 +130,7 @@ class Operators {
 
   /// Moves a vertex to lessen the sum of 1 / quality around it plus that of its edges' deviation from unit
   /// length: one Newton step with backtracking. No tetrahedron falls below the worst one before or
-  /// rules.quality_floor, whichever is less. Vertices of flat patches move within them.
+  /// rules.quality_floor, whichever is less. Vertices of patches stay on them.
   Outcome smooth_vertex(VertexId v, const SmoothingRules& rules);
 
   [[nodiscard]] const OperatorCounts& counts() const { return counts_; }
