@@ -62,7 +62,7 @@ TEST(Improve, BringsARoughCubeToItsTargets) {
 }
 
 TEST(Improve, EveryPassLeavesAValidMeshThatIsNoWorse) {
-  TetMesh mesh = fixtures::rough_cube(5, 2, true);
+  TetMesh mesh = fixtures::rough_cube(4, 2, true);
   const auto worst = [&] {  // Sine of the worst angle, obtuse ones weighed as the targets say.
     const DihedralRange range = angles_of(mesh);
     const auto sine = [](double degrees) { return std::sin(degrees * std::numbers::pi / 180); };
@@ -81,7 +81,7 @@ TEST(Improve, EveryPassLeavesAValidMeshThatIsNoWorse) {
 }
 
 TEST(Improve, FrozenSurfacesStayBitForBit) {
-  TetMesh mesh = fixtures::rough_cube(6, 3, true);
+  TetMesh mesh = fixtures::rough_cube(4, 3, true);
   const auto surface = surface_of(mesh);
   Context context;
   improve(mesh, {.min_dihedral_deg = 35, .max_dihedral_deg = 130, .passes = 5, .slide = false}, context);
@@ -89,14 +89,14 @@ TEST(Improve, FrozenSurfacesStayBitForBit) {
 }
 
 TEST(Improve, KeepsLabelsAndTheirInterface) {
-  TetMesh mesh = fixtures::rough_cube(6, 4, true);
+  TetMesh mesh = fixtures::rough_cube(4, 4, true);
   Context context;
-  improve(mesh, {.min_dihedral_deg = 35, .max_dihedral_deg = 130, .passes = 5}, context);
+  improve(mesh, {.min_dihedral_deg = 35, .max_dihedral_deg = 130, .passes = 3}, context);
   const ValidationReport report = validate(mesh);
   ASSERT_TRUE(report.ok()) << report.text();
   ASSERT_EQ(report.labels.size(), 2u);
   for (const LabelBoundary& label : report.labels) {
-    EXPECT_NEAR(label.volume, 0.5, 1e-3);  // Vertices that slide round off the cube's edges a little.
+    EXPECT_NEAR(label.volume, 0.5, 2e-3);  // Vertices that slide round off the cube's edges a little.
     EXPECT_EQ(label.surface_euler, 2);
   }
 }
@@ -104,7 +104,7 @@ TEST(Improve, KeepsLabelsAndTheirInterface) {
 TEST(Improve, GivesTheSameBitsForEveryThreadCount) {
   std::vector<TetMesh> meshes;
   for (const int threads : {1, 2, 8}) {
-    TetMesh& mesh = meshes.emplace_back(fixtures::rough_cube(7, 5));
+    TetMesh& mesh = meshes.emplace_back(fixtures::rough_cube(6, 5));
     Context context;
     improve(mesh, {.min_dihedral_deg = 30, .max_dihedral_deg = 140, .passes = 5, .threads = threads},
             context);

@@ -148,12 +148,12 @@ TEST(InsertForAngles, PutsAVertexIntoTheCentreOfAnOctahedron) {
 }
 
 TEST(AngleOperators, KeepTheMeshValidAndNeverLowerTheWorstQuality) {
-  AngleBench bench(fixtures::rough_cube(5, 7, true));
+  AngleBench bench(fixtures::rough_cube(4, 7, true));
   std::mt19937 random(8);
   OperatorCounts last;
-  for (int round = 0; round < 6; ++round) {
+  for (int round = 0; round < 3; ++round) {
     const double before = bench.worst();
-    for (int step = 0; step < 700; ++step) {
+    for (int step = 0; step < 400; ++step) {
       const TetId t(static_cast<std::uint32_t>(random() % bench.mesh.tet_slots()));
       if (!bench.mesh.alive(t)) continue;
       const VertexId v = bench.mesh.vertex(t, static_cast<int>(random() % 4));
@@ -179,8 +179,8 @@ TEST(AngleOperators, KeepTheMeshValidAndNeverLowerTheWorstQuality) {
     if (!bench.mesh.alive(TetId(t))) continue;
     EXPECT_NEAR(bench.mesh.quality(TetId(t)), angle_quality_of(bench.mesh, TetId(t)), 1e-6);
   }
-  EXPECT_GT(bench.kernel.counts().insertion.applied, 20u);
-  EXPECT_GT(bench.kernel.counts().smoothing.applied, 100u);
+  EXPECT_GT(bench.kernel.counts().insertion.applied, 10u);
+  EXPECT_GT(bench.kernel.counts().smoothing.applied, 40u);
 }
 
 }  // namespace
