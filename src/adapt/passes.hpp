@@ -19,7 +19,8 @@ template <class Execution>
 void split_long_edges(const operators::Subject& subject, Execution& execution, double longest,
                       double arc_weight, SplitRank rank, const operators::InsertionRules& rules);
 
-/// Collapses the edges shorter than `shortest`, in each tetrahedron the shortest one first.
+/// Draws every vertex with an edge shorter than `shortest` into its nearest neighbour that will do, those
+/// with the shortest edges first.
 template <class Execution>
 void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shortest,
                           const operators::CollapseRules& rules);
