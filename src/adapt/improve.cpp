@@ -43,7 +43,7 @@ void measure_angles(TetMesh& mesh, double obtuse_weight) {
 template <class Execution>
 class Improver {
  public:
-  using Kernel = Execution::Kernel;
+  using Kernel = typename Execution::Kernel;  // clang 14 wants the word.
   Improver(TetMesh& mesh, const ImproveOptions& options)
       : mesh_(mesh),
         field_(metric::MetricField::uniform(1)),
