@@ -126,6 +126,7 @@ void add_adapt_command(CLI::App& program) {
   sub->add_option("--boundary,--sref", command->boundary,
                   "adapt: along planes, cylinders and elsewhere the input's smooth surface; frozen: as it is")
       ->check(CLI::IsMember({"adapt", "frozen"}))
+      ->transform(CLI::Transformer(std::map<std::string, std::string>{{"0", "frozen"}, {"1", "adapt"}}))
       ->capture_default_str();
   sub->add_option("--feature-angle", command->feature_angle_deg,
                   "Where patches bend by more degrees they keep their creases, 1 to 180")

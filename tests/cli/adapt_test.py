@@ -167,8 +167,9 @@ class AdaptTest(ProgramTest):
         self.assert_ended_early(process.returncode, errors, "interrupted")
 
     def test_a_frozen_surface_stays(self):
-        result = self.run_well("adapt", self.cube, "--analytic", "linear", "--boundary", "frozen", "-o", self.out)
-        self.assertIn("108 boundary triangles", result.stdout)
+        for option in (("--boundary", "frozen"), ("--sref", "0")):
+            result = self.run_well("adapt", self.cube, "--analytic", "linear", *option, "-o", self.out)
+            self.assertIn("108 boundary triangles", result.stdout)
 
     def test_a_cube_of_one_patch_keeps_its_edges(self):
         write_cube(self.cube, 3, one_patch=True)
