@@ -96,7 +96,7 @@ TEST(Adapt, KeepsLabelsAndTheirInterface) {
   TetMesh mesh = fixtures::unit_cube_of_two_labels(4);
   const auto shapes = operators::planes_where_flat(mesh);
   Context context;
-  adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 1.5), shapes, {}, context);
+  adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 2.5), shapes, {}, context);
   const ValidationReport report = validate(mesh);
   ASSERT_TRUE(report.ok()) << report.text();
   ASSERT_EQ(report.labels.size(), 2u);
@@ -119,7 +119,7 @@ TEST(Adapt, KeepsFrozenSurfacesAsTheyAre) {
 TEST(Adapt, OfAUnitMeshChangesItLittle) {
   TetMesh mesh = fixtures::unit_cube(3);
   const auto shapes = operators::planes_where_flat(mesh);
-  const MetricField field = MetricField::analytic(AnalyticKind::kLinear);
+  const MetricField field = MetricField::analytic(AnalyticKind::kLinear, 1.6);
   Context context;
   adapt(mesh, field, shapes, {}, context);
   const std::uint32_t before = mesh.vertex_count();
@@ -136,7 +136,7 @@ TEST(Adapt, GivesTheSameBitsForEveryThreadCount) {
     TetMesh& mesh = meshes.emplace_back(fixtures::unit_cube(3));
     const auto shapes = operators::planes_where_flat(mesh);
     Context context;
-    adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 1.5), shapes, options, context);
+    adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 2.2), shapes, options, context);
     ASSERT_TRUE(validate(mesh).ok()) << threads << " threads: " << validate(mesh).text();
     ASSERT_EQ(mesh.tet_count(), meshes[0].tet_count()) << threads << " threads";
     EXPECT_TRUE(std::equal(mesh.points().begin(), mesh.points().end(), meshes[0].points().begin()));
