@@ -95,7 +95,7 @@ void run(AdaptCommand command) {
           ? adapt_to_complexity(mesh, field, shapes, command.complexity, command.options, context)
           : adapt(mesh, field, shapes, command.options, context);
   operators::join_patches(mesh, origins);
-  mesh.info().provenance = provenance_of(*command.self, command.mesh_path);
+  mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view(faces)); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;

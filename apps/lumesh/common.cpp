@@ -165,6 +165,14 @@ std::map<std::string, std::string> provenance_of(const CLI::App& command, const 
           {"input_sha256", file_sha256(input_path)}};
 }
 
+std::map<std::string, std::string> provenance_of(const CLI::App& command, const std::string& input_path,
+                                                 const std::map<std::string, std::string>& before) {
+  std::map<std::string, std::string> provenance = provenance_of(command, input_path);
+  for (const char* key : {"input", "input_sha256"})
+    if (const auto known = before.find(key); known != before.end()) provenance[key] = known->second;
+  return provenance;
+}
+
 std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known) {
   std::string nearest;
   std::size_t least = std::max<std::size_t>(2, wrong.size() / 2);  // More is another word.

@@ -74,6 +74,11 @@ void check_output_folders(std::initializer_list<std::string> paths);
 [[nodiscard]] std::map<std::string, std::string> provenance_of(const CLI::App& command,
                                                                const std::string& input_path);
 
+/// The same for a mesh made from another mesh: where that says what it was made from, this stays the input,
+/// so that the result can be compared with its image.
+[[nodiscard]] std::map<std::string, std::string> provenance_of(
+    const CLI::App& command, const std::string& input_path, const std::map<std::string, std::string>& before);
+
 /// The word of `known` most like a wrong one, empty if none is alike.
 [[nodiscard]] std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known);
 

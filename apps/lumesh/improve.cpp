@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <chrono>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -53,15 +52,6 @@ nlohmann::ordered_json report_json(const ImproveReport& report, const ImproveOpt
   return json;
 }
 
-/// Names what the mesh was made from before, if it says so: with that image it can be compared.
-std::map<std::string, std::string> provenance_after(const ImproveCommand& command, const MeshInfo& input) {
-  std::map<std::string, std::string> provenance = provenance_of(*command.self, command.mesh_path);
-  for (const char* key : {"input", "input_sha256"})
-    if (const auto known = input.provenance.find(key); known != input.provenance.end())
-      provenance[key] = known->second;
-  return provenance;
-}
-
 void run(ImproveCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
@@ -77,7 +67,7 @@ void run(ImproveCommand command) {
   command.options.slide = command.surface == "slide";
 
   const ImproveReport report = improve(mesh, command.options, context);
-  mesh.info().provenance = provenance_after(command, input.info);
+  mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   MeshView view = mesh.view(faces);
   view.metric = {};  // What improvement works with says nothing.

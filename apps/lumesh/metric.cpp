@@ -64,7 +64,7 @@ void run(const MetricCommand& command) {
     assign_bounded(mesh, field, command);
     if (command.complexity > 0) scale_to_complexity(mesh, field, command);
   });
-  mesh.info().provenance = provenance_of(*command.self, command.mesh_path);
+  mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view(faces)); });
   const double complexity = metric::complexity(mesh);
