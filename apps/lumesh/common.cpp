@@ -157,20 +157,15 @@ void check_output_folders(std::initializer_list<std::string> paths) {
   }
 }
 
-std::map<std::string, std::string> provenance_of(const CLI::App& command, const std::string& input_path) {
+std::map<std::string, std::string> provenance_of(const CLI::App& command, const std::string& input_path,
+                                                 const std::map<std::string, std::string>& before) {
+  const auto input = before.find("input"), hash = before.find("input_sha256");
+  const bool known = input != before.end() && hash != before.end();
   return {{"program", std::string("lumesh ") + kVersion},
           {"command", command.get_name()},
           {"options", given_options(command)},
-          {"input", input_path},
-          {"input_sha256", file_sha256(input_path)}};
-}
-
-std::map<std::string, std::string> provenance_of(const CLI::App& command, const std::string& input_path,
-                                                 const std::map<std::string, std::string>& before) {
-  std::map<std::string, std::string> provenance = provenance_of(command, input_path);
-  for (const char* key : {"input", "input_sha256"})
-    if (const auto known = before.find(key); known != before.end()) provenance[key] = known->second;
-  return provenance;
+          {"input", known ? input->second : input_path},
+          {"input_sha256", known ? hash->second : file_sha256(input_path)}};
 }
 
 std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known) {

@@ -71,13 +71,12 @@ void check_output_folders(std::initializer_list<std::string> paths);
 
 /// What a mesh says of its making: program, command, the options given that change the mesh, input and its
 /// hash.
-[[nodiscard]] std::map<std::string, std::string> provenance_of(const CLI::App& command,
-                                                               const std::string& input_path);
-
-/// The same for a mesh made from another mesh: where that says what it was made from, this stays the input,
-/// so that the result can be compared with its image.
+/// @param before  What the input says, where that is a mesh: what it was made from stays the input, so that
+/// the
+///                result can be compared with its image.
 [[nodiscard]] std::map<std::string, std::string> provenance_of(
-    const CLI::App& command, const std::string& input_path, const std::map<std::string, std::string>& before);
+    const CLI::App& command, const std::string& input_path,
+    const std::map<std::string, std::string>& before = {});
 
 /// The word of `known` most like a wrong one, empty if none is alike.
 [[nodiscard]] std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known);

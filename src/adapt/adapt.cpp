@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
+#include "option_range.hpp"
 #include "passes.hpp"
 
 namespace lumesh {
@@ -85,7 +86,6 @@ class Adapter {
     context_.phase("reorder", [&] { mesh_.reorder_along_curve(); });
     report_.complete = !stopped();
     report_.by_thread = execution_.counts();
-    report_.counts = report_.by_thread.of_all_threads();
     report_.complexity = metric::complexity(mesh_);
     return std::move(report_);
   }
@@ -176,17 +176,12 @@ AdaptReport adapt_by(TetMesh& mesh, const metric::MetricField& field, const oper
 }  // namespace
 
 void AdaptOptions::validate() const {
-  const auto check = [](const char* name, double value, double least, double most) {
-    if (!(value >= least && value <= most))
-      throw Error(ErrorKind::kUsage, std::string(name) + " must lie between " + std::to_string(least) +
-                                         " and " + std::to_string(most));
-  };
-  check("split above", split_above, 1, 3);
-  check("collapse below", collapse_below, 0.1, 0.8);
-  check("least length", least_length, 0.1, 0.8);
-  check("reconnect below", reconnect_below, 0, 1);
-  check("quality passes", quality_passes, 0, 1000);
-  check("smoothing passes", smoothing_passes, 0, 1000);
+  check_range("split above", split_above, 1, 3);
+  check_range("collapse below", collapse_below, 0.1, 0.8);
+  check_range("least length", least_length, 0.1, 0.8);
+  check_range("reconnect below", reconnect_below, 0, 1);
+  check_range("quality passes", quality_passes, 0, 1000);
+  check_range("smoothing passes", smoothing_passes, 0, 1000);
 }
 
 AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
@@ -213,7 +208,6 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
     AdaptReport next = adapt(mesh, field, shapes, options, context);
     seen = next.complexity;
     report.passes.insert(report.passes.end(), next.passes.begin(), next.passes.end());
-    report.counts += next.counts;
     report.by_thread += next.by_thread;
     report.complexity = next.complexity;
     report.complete = next.complete;

@@ -12,6 +12,7 @@
 #include "lumesh/operators/ordered_execution.hpp"
 #include "lumesh/operators/speculative_execution.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "option_range.hpp"
 
 namespace lumesh {
 namespace {
@@ -113,14 +114,9 @@ class Improver {
 }  // namespace
 
 void ImproveOptions::validate() const {
-  const auto check = [](const char* name, double value, double least, double most) {
-    if (!(value >= least && value <= most))
-      throw Error(ErrorKind::kUsage, std::string(name) + " must lie between " + std::to_string(least) +
-                                         " and " + std::to_string(most));
-  };
-  check("min dihedral", min_dihedral_deg, 1, 60);
-  check("max dihedral", max_dihedral_deg, 90, 179);
-  check("passes", passes, 0, 1000);
+  check_range("min dihedral", min_dihedral_deg, 1, 60);
+  check_range("max dihedral", max_dihedral_deg, 90, 179);
+  check_range("passes", passes, 0, 1000);
 }
 
 DihedralRange dihedral_range(const TetMesh& mesh, const ImproveOptions& options) {

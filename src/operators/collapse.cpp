@@ -173,11 +173,11 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
     const auto shared = std::find_if(ball.tets.begin(), ball.tets.end(),
                                      [&](TetId x) { return mesh.index_of(x, to.vertex) >= 0; });
     if (shared == ball.tets.end()) continue;
+    if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.most_length)) continue;
+    if (!measure_after(mesh, subject_.measure, v, to.vertex, ball, shapes, floor, qualities)) continue;
     // Within the ball, which is held.
     if (!gather_ring(mesh, *shared, v, to.vertex, lock_, ring)) return Outcome::kContended;
     if (!keeps_patches(mesh, v, ring, subject_.shapes) || !can_vanish(mesh, v, to.vertex, ring)) continue;
-    if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.most_length)) continue;
-    if (!measure_after(mesh, subject_.measure, v, to.vertex, ball, shapes, floor, qualities)) continue;
     if (!keeps_to_surface(mesh, v, to.vertex, ball, subject_.shapes)) continue;
     if (is_any_curved(ball.patches, subject_.shapes)) {
       if (!gather_ball(mesh, to.vertex, lock_, other_ball)) return Outcome::kContended;

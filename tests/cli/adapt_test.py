@@ -14,8 +14,8 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from cube import cube
-from program import BAD_INPUT, LUMESH, TIME_LIMIT, USAGE, ProgramTest
+from cube import cube, write_medit
+from program import BAD_INPUT, LUMESH, TIME_LIMIT, USAGE, MeshTest
 
 
 def write_cube(path, n, one_patch=False):
@@ -23,12 +23,7 @@ def write_cube(path, n, one_patch=False):
     points, tetrahedra, triangles = cube(n)
     if one_patch:
         triangles = [(*corners, 1) for *corners, _ in triangles]
-    sections = {"Vertices": [(*p, 0) for p in points], "Triangles": triangles, "Tetrahedra": tetrahedra}
-    with open(path, "w", encoding="ascii") as file:
-        file.write("MeshVersionFormatted 2\nDimension 3\n")
-        for name, items in sections.items():
-            file.write(f"{name}\n{len(items)}\n" + "".join(" ".join(map(str, item)) + "\n" for item in items))
-        file.write("End\n")
+    write_medit(path, points, tetrahedra, triangles)
     return points
 
 
@@ -39,21 +34,11 @@ def write_sol(path, tensors):
                                   encoding="ascii")
 
 
-class AdaptTest(ProgramTest):
+class AdaptTest(MeshTest):
     def setUp(self):
         super().setUp()
         self.cube = self.folder / "cube.mesh"
         self.points = write_cube(self.cube, 3)
-        self.out = self.folder / "out.vtu"
-
-    def evaluate(self, mesh):
-        numbers = self.folder / "numbers.json"
-        self.run_well("evaluate", mesh, "--json", numbers)
-        return json.loads(numbers.read_text())
-
-    def assert_refused(self, result, code, *words):
-        super().assert_refused(result, code, *words)
-        self.assertFalse(self.out.exists())
 
     def test_a_formula_becomes_a_unit_mesh(self):
         report = self.folder / "adapt.json"

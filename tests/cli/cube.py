@@ -1,4 +1,4 @@
-"""The unit cube in n^3 cubes of six tetrahedra, for tests and benchmarks."""
+"""The unit cube in n^3 cubes of six tetrahedra, for tests and benchmarks, and meshes as Medit text."""
 import itertools
 
 
@@ -31,3 +31,14 @@ def cube(n):
                     face.append(vertex(at))
                 triangles.append((*face, 1 + 2 * axis + end))
     return points, tetrahedra, triangles
+
+
+def write_medit(path, points, tetrahedra, triangles):
+    """Tetrahedra and triangles as cube() gives them; what is empty is left out."""
+    sections = {"Vertices": [(*p, 0) for p in points], "Triangles": triangles, "Tetrahedra": tetrahedra}
+    with open(path, "w", encoding="ascii") as file:
+        file.write("MeshVersionFormatted 2\nDimension 3\n")
+        for name, items in sections.items():
+            if items:
+                file.write(f"{name}\n{len(items)}\n" + "".join(" ".join(map(str, item)) + "\n" for item in items))
+        file.write("End\n")

@@ -10,19 +10,8 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from cube import cube
-from program import BAD_INPUT, USAGE, ProgramTest
-
-
-def write_mesh(path, points, tetrahedra, triangles):
-    """As Medit text."""
-    sections = {"Vertices": [(*p, 0) for p in points], "Triangles": triangles, "Tetrahedra": tetrahedra}
-    with open(path, "w", encoding="ascii") as file:
-        file.write("MeshVersionFormatted 2\nDimension 3\n")
-        for name, items in sections.items():
-            if items:
-                file.write(f"{name}\n{len(items)}\n" + "".join(" ".join(map(str, item)) + "\n" for item in items))
-        file.write("End\n")
+from cube import cube, write_medit
+from program import BAD_INPUT, USAGE, MeshTest
 
 
 def surface_of(path):
@@ -58,21 +47,11 @@ def rough_cube(n):
     return points, tetrahedra, triangles
 
 
-class ImproveTest(ProgramTest):
+class ImproveTest(MeshTest):
     def setUp(self):
         super().setUp()
         self.rough = self.folder / "rough.mesh"
-        write_mesh(self.rough, *rough_cube(5))
-        self.out = self.folder / "out.vtu"
-
-    def evaluate(self, mesh):
-        numbers = self.folder / "numbers.json"
-        self.run_well("evaluate", mesh, "--json", numbers)
-        return json.loads(numbers.read_text())
-
-    def assert_refused(self, result, code, *words):
-        super().assert_refused(result, code, *words)
-        self.assertFalse(self.out.exists())
+        write_medit(self.rough, *rough_cube(5))
 
     def test_bad_angles_become_good_ones(self):
         before = self.evaluate(self.rough)
@@ -120,11 +99,11 @@ class ImproveTest(ProgramTest):
         self.assert_refused(self.run_lumesh("improve", self.folder / "none.mesh", "-o", self.out), BAD_INPUT, "none.mesh")
         points, tetrahedra, triangles = cube(2)
         surface = self.folder / "surface.mesh"
-        write_mesh(surface, points, [], triangles)
+        write_medit(surface, points, [], triangles)
         self.assert_refused(self.run_lumesh("improve", surface, "-o", self.out), BAD_INPUT, "surface.mesh")
         a, b, *rest = tetrahedra[3]
         inverted = self.folder / "inverted.mesh"
-        write_mesh(inverted, points, [*tetrahedra[:3], (b, a, *rest), *tetrahedra[4:]], triangles)
+        write_medit(inverted, points, [*tetrahedra[:3], (b, a, *rest), *tetrahedra[4:]], triangles)
         self.assert_refused(self.run_lumesh("improve", inverted, "-o", self.out), BAD_INPUT, "inverted.mesh")
 
 

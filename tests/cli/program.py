@@ -1,4 +1,5 @@
 """What the tests of the program share: a folder of their own, running it, and how it must refuse."""
+import json
 import pathlib
 import shutil
 import subprocess
@@ -33,3 +34,20 @@ class ProgramTest(unittest.TestCase):
         self.assertLess(len(lines[0]), 250)
         for word in words:
             self.assertIn(word, lines[0])
+
+
+class MeshTest(ProgramTest):
+    """Of commands that make a mesh of a mesh."""
+
+    def setUp(self):
+        super().setUp()
+        self.out = self.folder / "out.vtu"
+
+    def evaluate(self, mesh):
+        numbers = self.folder / "numbers.json"
+        self.run_well("evaluate", mesh, "--json", numbers)
+        return json.loads(numbers.read_text())
+
+    def assert_refused(self, result, code, *words):
+        super().assert_refused(result, code, *words)
+        self.assertFalse(self.out.exists())

@@ -9,6 +9,7 @@
 
 #include "fixtures/curved_meshes.hpp"
 #include "fixtures/metric_cubes.hpp"
+#include "fixtures/random_operator.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/operators/creases.hpp"
 #include "lumesh/operators/ordered_execution.hpp"
@@ -37,22 +38,8 @@ void random_steps(CurvedBench& bench, int count, std::mt19937& random, Operators
     const TetId t(static_cast<std::uint32_t>(random() % bench.mesh.tet_slots()));
     if (!bench.mesh.alive(t)) continue;
     const int i = static_cast<int>(random() % 4), j = (i + 1 + static_cast<int>(random() % 3)) % 4;
-    switch (random() % 5) {
-      case 0:
-        kernel.split_edge(t, i, j, 0.5, dense);
-        break;
-      case 1:
-        kernel.collapse_edge(t, i, j, loose);
-        break;
-      case 2:
-        kernel.remove_edge(t, i, j, {});
-        break;
-      case 3:
-        kernel.swap_face(t, i, {});
-        break;
-      default:
-        kernel.smooth_vertex(bench.mesh.vertex(t, i), {});
-    }
+    const auto which = random() % 5;
+    fixtures::try_operator(kernel, bench.mesh, t, i, j, which, dense, loose);
   }
 }
 

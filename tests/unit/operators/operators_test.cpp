@@ -7,6 +7,7 @@
 #include <set>
 
 #include "fixtures/metric_cubes.hpp"
+#include "fixtures/random_operator.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/metric/measures.hpp"
@@ -58,18 +59,8 @@ struct Bench {
     const TetId t(static_cast<std::uint32_t>(random() % mesh.tet_slots()));
     if (!mesh.alive(t)) return Outcome::kRejected;
     const int i = static_cast<int>(random() % 4), j = (i + 1 + static_cast<int>(random() % 3)) % 4;
-    switch (random() % 5) {
-      case 0:
-        return kernel.split_edge(t, i, j, 0.5, insertion);
-      case 1:
-        return kernel.collapse_edge(t, i, j, collapse);
-      case 2:
-        return kernel.remove_edge(t, i, j, {});
-      case 3:
-        return kernel.swap_face(t, i, {});
-      default:
-        return kernel.smooth_vertex(mesh.vertex(t, i), {});
-    }
+    const auto which = random() % 5;
+    return fixtures::try_operator(kernel, mesh, t, i, j, which, insertion, collapse);
   }
 };
 
