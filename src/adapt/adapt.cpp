@@ -28,6 +28,26 @@ class Adapter {
     insertion_.least_length = options.least_length;
   }
 
+  /// Where most vertices are to go, it is faster to begin anew with few of them, and better: points put in
+  /// one by one make better tetrahedra than what is left of a fine mesh. Needs no qualities.
+  void thin_out() {
+    constexpr double kFar = 3, kDry = 0.95, kVerticesPerComplexity = 2, kGone = 0.3;
+    if (mesh_.vertex_count() < kFar * kVerticesPerComplexity * metric::complexity(mesh_)) return;
+    std::uint32_t before = 0, partitioned = mesh_.vertex_count();
+    do {
+      before = mesh_.vertex_count();
+      phase("thin out", [&] { lumesh::thin_out(mesh_, execution_, thinning_); });
+      if (mesh_.vertex_count() > kGone * partitioned) continue;
+      partition();
+      partitioned = mesh_.vertex_count();
+    } while (mesh_.vertex_count() < kDry * before);
+    context_.phase("reorder", [&] { execution_.reorder(); });
+  }
+
+  void measure() {
+    context_.phase("metric", [&] { metric::measure_qualities(mesh_); });
+  }
+
   /// Sweeps that collapse short edges as long as they remove a good part of the vertices.
   void coarsen() {
     constexpr double kDry = 0.95;
@@ -152,6 +172,7 @@ class Adapter {
   const AdaptOptions& options_;
   Context& context_;
   operators::InsertionRules insertion_;
+  operators::ThinningRules thinning_;
   operators::CollapseRules collapse_;
   operators::SwapRules swaps_;
   operators::SmoothingRules smoothing_;
@@ -165,7 +186,11 @@ class Adapter {
 template <class Execution>
 AdaptReport adapt_by(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
                      const AdaptOptions& options, Context& context) {
-  Adapter<Execution> run(mesh, field, shapes, options, context);
+  // Built within the phase: the execution renumbers the mesh.
+  auto run =
+      context.phase("reorder", [&] { return Adapter<Execution>(mesh, field, shapes, options, context); });
+  run.thin_out();
+  run.measure();
   run.coarsen();
   run.bring_to_unit_length();
   run.improve_quality();
@@ -188,7 +213,7 @@ AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operato
                   const AdaptOptions& options, Context& context) {
   options.validate();
   if (mesh.tet_count() == 0) throw Error(ErrorKind::kBadInput, "adapt: the mesh has no tetrahedra");
-  context.phase("metric", [&] { metric::assign_metric(mesh, field); });
+  context.phase("metric", [&] { metric::assign_vertex_metrics(mesh, field); });
   if (options.execution == ExecutionKind::kSpeculative)
     return adapt_by<operators::SpeculativeExecution>(mesh, field, shapes, options, context);
   return adapt_by<operators::OrderedExecution>(mesh, field, shapes, options, context);

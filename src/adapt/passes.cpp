@@ -146,6 +146,13 @@ void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shor
 }
 
 template <class Execution>
+void thin_out(const TetMesh& mesh, Execution& execution, const operators::ThinningRules& rules) {
+  std::vector<std::uint8_t> kept(mesh.vertex_slots(), 0);
+  execution.over_urgent_vertices([](VertexId /*v*/) { return 1.0; },
+                                 [&](auto& kernel, VertexId v) { kernel.thin_out(v, kept, rules); });
+}
+
+template <class Execution>
 void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
                const operators::SwapRules& rules) {
   execution.over_tets(
@@ -177,6 +184,7 @@ template void split_long_edges(const operators::Subject&, operators::OrderedExec
                                SplitRank, const operators::InsertionRules&);
 template void collapse_short_edges(const TetMesh&, operators::OrderedExecution&, double,
                                    const operators::CollapseRules&);
+template void thin_out(const TetMesh&, operators::OrderedExecution&, const operators::ThinningRules&);
 template void reconnect(const TetMesh&, operators::OrderedExecution&, double, Reconnection,
                         const operators::SwapRules&);
 template void mend_worst(const TetMesh&, operators::OrderedExecution&, double, const operators::SwapRules&,
@@ -187,6 +195,7 @@ template void split_long_edges(const operators::Subject&, operators::Speculative
                                SplitRank, const operators::InsertionRules&);
 template void collapse_short_edges(const TetMesh&, operators::SpeculativeExecution&, double,
                                    const operators::CollapseRules&);
+template void thin_out(const TetMesh&, operators::SpeculativeExecution&, const operators::ThinningRules&);
 template void reconnect(const TetMesh&, operators::SpeculativeExecution&, double, Reconnection,
                         const operators::SwapRules&);
 template void mend_worst(const TetMesh&, operators::SpeculativeExecution&, double,

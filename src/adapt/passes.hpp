@@ -25,6 +25,11 @@ template <class Execution>
 void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shortest,
                           const operators::CollapseRules& rules);
 
+/// Draws most vertices into others where those are too many by far (Operators::thin_out()): a sweep leaves
+/// about a third. The qualities of the mesh are to be measured afterwards.
+template <class Execution>
+void thin_out(const TetMesh& mesh, Execution& execution, const operators::ThinningRules& rules);
+
 /// Tries edge removal and face swap on the tetrahedra whose quality is below `below`.
 template <class Execution>
 void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,

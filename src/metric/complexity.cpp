@@ -12,10 +12,19 @@ namespace {
 
 constexpr std::size_t kTetBlock = 4096;
 
-/// A point with the logarithm of the density sqrt(det M) there.
+/// The density sqrt(det M) = exp(trace(log M) / 2) and its logarithm.
+struct Density {
+  double log = 0, value = 1;
+};
+
+Density density_of(const SymTensor& log_metric) {
+  const double log = log_metric.trace() / 2;
+  return {log, std::exp(log)};
+}
+
 struct Sample {
   Vec3 point;
-  double log_density;
+  Density density;
 };
 
 /// Integrates a field's density over tetrahedra: halves them at the edge along which the density varies most,
@@ -63,11 +72,11 @@ class DensityIntegral {
     Sample middle{};
   };
 
-  Sample sample(const Vec3& point) { return {point, field_.at(point, hint_).log.trace() / 2}; }
+  Sample sample(const Vec3& point) { return {point, density_of(field_.at(point, hint_).log)}; }
 
   static double spread_of(const std::array<Sample, 4>& corners) {
     const auto [least, most] = std::minmax(
-        {corners[0].log_density, corners[1].log_density, corners[2].log_density, corners[3].log_density});
+        {corners[0].density.log, corners[1].density.log, corners[2].density.log, corners[3].density.log});
     return most - least;
   }
 
@@ -78,9 +87,9 @@ class DensityIntegral {
     for (const auto& [i, j] : kTetEdges) {
       const Sample &a = part.corners[i], &b = part.corners[j];
       const Sample middle = sample(0.5 * (a.point + b.point));
-      const double variation = std::max(std::abs(a.log_density - middle.log_density),
-                                        std::abs(b.log_density - middle.log_density));
-      middles += std::exp(middle.log_density);
+      const double variation = std::max(std::abs(a.density.log - middle.density.log),
+                                        std::abs(b.density.log - middle.density.log));
+      middles += middle.density.value;
       // The first halvings go by length alone, so that what lies inside is found.
       const double length = (a.point - b.point).norm();
       const bool more = part.halvings < least_halvings_ ? length > longest : variation > most.variation;
@@ -96,7 +105,7 @@ class DensityIntegral {
   }
   static double sum_of_densities(const std::array<Sample, 4>& corners) {
     double sum = 0;
-    for (const Sample& corner : corners) sum += std::exp(corner.log_density);
+    for (const Sample& corner : corners) sum += corner.density.value;
     return sum;
   }
   /// By the rule that is exact for linear functions, and the one for quadratic functions.
@@ -113,16 +122,18 @@ class DensityIntegral {
   std::vector<Part> waiting_;
 };
 
-/// ln of the density at every vertex.
-std::vector<double> log_densities(const MetricField& field, const TetMesh& mesh) {
+/// At every vertex: density(vertex, hint), vertices of a block after each other with one hint.
+template <class Make>
+std::vector<Density> densities_at_vertices(const TetMesh& mesh, MetricField::Hint first_hint,
+                                           const Make& make) {
   constexpr std::size_t kVertexBlock = 1024;
-  std::vector<double> densities(mesh.vertex_slots());
+  std::vector<Density> densities(mesh.vertex_slots());
   parallel::for_each_block(densities.size(), kVertexBlock,
                            [&](std::size_t, std::size_t begin, std::size_t end) {
-                             MetricField::Hint hint = field.first_hint();
+                             MetricField::Hint hint = first_hint;
                              for (std::size_t i = begin; i < end; ++i)
                                if (const VertexId v(static_cast<std::uint32_t>(i)); mesh.alive(v))
-                                 densities[i] = field.at(mesh.point(v), hint).log.trace() / 2;
+                                 densities[i] = make(v, hint);
                            });
   return densities;
 }
@@ -130,6 +141,8 @@ std::vector<double> log_densities(const MetricField& field, const TetMesh& mesh)
 }  // namespace
 
 double complexity(const TetMesh& mesh) {
+  const std::vector<Density> densities = densities_at_vertices(
+      mesh, {}, [&](VertexId v, MetricField::Hint& /*hint*/) { return density_of(mesh.log_metric(v)); });
   return parallel::reduce_blocks<double>(
       mesh.tet_slots(), kTetBlock, 0.0,
       [&](std::size_t begin, std::size_t end) {
@@ -137,10 +150,10 @@ double complexity(const TetMesh& mesh) {
         for (std::size_t i = begin; i < end; ++i) {
           const TetId t(static_cast<std::uint32_t>(i));
           if (!mesh.alive(t)) continue;
-          double densities = 0;  // sqrt(det M) = exp(trace(log M) / 2)
-          for (int k = 0; k < 4; ++k) densities += std::exp(mesh.log_metric(mesh.vertex(t, k)).trace() / 2);
+          double of_corners = 0;
+          for (const std::uint32_t v : mesh.tet(t)) of_corners += densities[v].value;
           sum +=
-              densities / 4 *
+              of_corners / 4 *
               tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
         }
         return sum;
@@ -150,7 +163,9 @@ double complexity(const TetMesh& mesh) {
 
 double complexity(const MetricField& field, const TetMesh& domain) {
   constexpr std::size_t kTetsAtOnce = 16;
-  const std::vector<double> densities = log_densities(field, domain);
+  const std::vector<Density> densities = densities_at_vertices(
+      domain, field.first_hint(),
+      [&](VertexId v, MetricField::Hint& hint) { return density_of(field.at(domain.point(v), hint).log); });
   const int least_halvings = std::clamp(13 - static_cast<int>(std::bit_width(domain.tet_count())), 0, 6);
   return parallel::reduce_blocks<double>(
       domain.tet_slots(), kTetsAtOnce, 0.0,

@@ -111,7 +111,7 @@ void measure_qualities(TetMesh& mesh) {
   });
 }
 
-void assign_metric(TetMesh& mesh, const MetricField& field) {
+void assign_vertex_metrics(TetMesh& mesh, const MetricField& field) {
   mesh.enable_metric();
   parallel::for_each_block(mesh.vertex_slots(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
     MetricField::Hint hint = field.first_hint();
@@ -123,6 +123,10 @@ void assign_metric(TetMesh& mesh, const MetricField& field) {
       mesh.set_metric_hint(v, hint);
     }
   });
+}
+
+void assign_metric(TetMesh& mesh, const MetricField& field) {
+  assign_vertex_metrics(mesh, field);
   measure_qualities(mesh);
 }
 

@@ -64,8 +64,7 @@ Outcome Operators<Lock>::slide_vertex(VertexId v, const AngleRules& rules) {
 template <class Lock>
 Outcome Operators<Lock>::slide_held_vertex(VertexId v, const AngleRules& rules) {
   const TetMesh& mesh = subject_.mesh;
-  const auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes, angles] =
-      *scratch_;
+  const VertexBall& ball = scratch_->ball;
   if (subject_.surface == nullptr || mesh.dimension(v) != VertexDimension::kSurface)
     return Outcome::kRejected;
   if (!gather_ball(mesh, v, lock_, scratch_->ball)) return Outcome::kContended;
@@ -78,7 +77,8 @@ Outcome Operators<Lock>::slide_held_vertex(VertexId v, const AngleRules& rules) 
   constexpr int kTries = 6;
   for (int i = 0; i < kTries; ++i, to = 0.5 * (mesh.point(v) + to)) {
     const auto found = subject_.surface->nearest(ball.patches[0], to, fan.edge_length());
-    if (found.triangle != TriangleTree::kNone && angles.worst_at(found.point) >= worst + rules.least_gain &&
+    if (found.triangle != TriangleTree::kNone &&
+        scratch_->angles.worst_at(found.point) >= worst + rules.least_gain &&
         fan.fits(found.point, *subject_.surface, rules) && move_in_angles(v, found.point))
       return Outcome::kApplied;
   }
@@ -149,7 +149,8 @@ Outcome Operators<Lock>::insert_near_held_tet(TetId t, const AngleRules& rules) 
 template <class Lock>
 double Operators<Lock>::prepare_hole(TetId t, int hole, const AngleRules& rules, Vec3& place) {
   const TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes, angles] = *scratch_;
+  EdgeRing& ring = scratch_->ring;
+  Cavity& cavity = scratch_->cavity;
   const int edge = hole / 2;
   const bool enlarged = hole % 2 == 1;
   NewVertex vertex;
@@ -168,7 +169,7 @@ double Operators<Lock>::prepare_hole(TetId t, int hole, const AngleRules& rules,
   if (enlarged && !cavity.enlarge(mesh, vertex, rules.most_cavity_tets, lock_)) return -1;
   if (!cavity.carve(mesh, vertex, subject_.shapes)) return -1;
   place = vertex.point;
-  return cavity.optimise(mesh, place, angles, subject_.measure, rules);
+  return cavity.optimise(mesh, place, scratch_->angles, subject_.measure, rules);
 }
 
 template Outcome Operators<NoLock>::optimise_vertex(VertexId, const AngleRules&);

@@ -13,10 +13,6 @@ constexpr std::uint32_t kAbsorbedEdge =
     0x80000000u;  // With the patch; others hold tetrahedron << 2 | corner.
 constexpr int kMostRounds = 50;
 
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
-
 /// True if a face of a patch is replaced by smaller ones with the new vertex: it lies on the same patch, and
 /// where that is curved not on another side of it.
 bool absorbs(const TetMesh& mesh, const NewVertex& vertex, const Cell<3>& corners, PatchId patch,

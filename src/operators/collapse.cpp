@@ -105,6 +105,24 @@ void neighbours_near(const TetMesh& mesh, VertexId v, const VertexBall& ball, do
   });
 }
 
+double cube(double x) {
+  return x * x * x;
+}
+
+/// True if the tetrahedra around `from` that do not vanish are positively oriented once it is where `to` is.
+bool are_positive_after(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
+                        const std::vector<float>& qualities) {
+  for (std::size_t i = 0; i < ball.tets.size(); ++i) {
+    if (qualities[i] < 0) continue;
+    Cell<4> v = mesh.tet(ball.tets[i]);
+    v[mesh.index_of(ball.tets[i], from)] = to.value;
+    if (orient3d(mesh.point(VertexId(v[0])), mesh.point(VertexId(v[1])), mesh.point(VertexId(v[2])),
+                 mesh.point(VertexId(v[3]))) <= 0)
+      return false;
+  }
+  return true;
+}
+
 /// Of the tetrahedra around `from` after it went to `to`; negative where one vanishes. False if one would be
 /// inverted or fall below the floor.
 bool measure_after(const TetMesh& mesh, const ShapeMeasure& measure, VertexId from, VertexId to,
@@ -122,18 +140,10 @@ bool measure_after(const TetMesh& mesh, const ShapeMeasure& measure, VertexId fr
     qualities.push_back(-1);
     if (mesh.index_of(ball.tets[i], to) >= 0) continue;
     const double cubed = in_metric ? cubes[i] : cubed_after(ball.tets[i]);
-    if (cubed < floor * floor * floor) return false;
+    if (cubed < cube(floor)) return false;
     qualities.back() = static_cast<float>(metric::cube_root(cubed));
   }
-  for (std::size_t i = 0; i < ball.tets.size(); ++i) {
-    if (qualities[i] < 0) continue;
-    Cell<4> v = mesh.tet(ball.tets[i]);
-    v[mesh.index_of(ball.tets[i], from)] = to.value;
-    if (orient3d(mesh.point(VertexId(v[0])), mesh.point(VertexId(v[1])), mesh.point(VertexId(v[2])),
-                 mesh.point(VertexId(v[3]))) <= 0)
-      return false;
-  }
-  return true;
+  return are_positive_after(mesh, from, to, ball, qualities);
 }
 
 }  // namespace
@@ -163,25 +173,28 @@ Outcome Operators<Lock>::collapse_vertex(VertexId v, double least_length, const 
 template <class Lock>
 Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRules& rules) {
   const TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes, angles] = *scratch_;
+  const VertexBall& ball = scratch_->ball;
+  EdgeRing& ring = scratch_->ring;
+  StarShapes& shapes = scratch_->shapes;
   float worst = 1;
   for (const TetId x : ball.tets) worst = std::min(worst, mesh.quality(x));
   const double floor =
       worst < rules.least_quality ? worst : std::max(rules.least_quality, rules.least_relative * worst);
   if (subject_.measure.kind == ShapeMeasure::Kind::kMeanRatio) shapes.gather(mesh, v, ball.tets);
-  for (const NearVertex& to : near) {
+  for (const NearVertex& to : scratch_->near) {
     const auto shared = std::find_if(ball.tets.begin(), ball.tets.end(),
                                      [&](TetId x) { return mesh.index_of(x, to.vertex) >= 0; });
     if (shared == ball.tets.end()) continue;
     if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.most_length)) continue;
-    if (!measure_after(mesh, subject_.measure, v, to.vertex, ball, shapes, floor, qualities)) continue;
+    if (!measure_after(mesh, subject_.measure, v, to.vertex, ball, shapes, floor, scratch_->qualities))
+      continue;
     // Within the ball, which is held.
     if (!gather_ring(mesh, *shared, v, to.vertex, lock_, ring)) return Outcome::kContended;
     if (!keeps_patches(mesh, v, ring, subject_.shapes) || !can_vanish(mesh, v, to.vertex, ring)) continue;
     if (!keeps_to_surface(mesh, v, to.vertex, ball, subject_.shapes)) continue;
     if (is_any_curved(ball.patches, subject_.shapes)) {
-      if (!gather_ball(mesh, to.vertex, lock_, other_ball)) return Outcome::kContended;
-      if (!meet_only_around_edge(ring, ball, other_ball)) continue;
+      if (!gather_ball(mesh, to.vertex, lock_, scratch_->other_ball)) return Outcome::kContended;
+      if (!meet_only_around_edge(ring, ball, scratch_->other_ball)) continue;
     }
     commit_collapse(v, to.vertex);
     return Outcome::kApplied;
@@ -192,8 +205,10 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
 template <class Lock>
 void Operators<Lock>::commit_collapse(VertexId from, VertexId to) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes, angles] = *scratch_;
-  for (const TetId x : ring.tets) close_gap(mesh, x, mesh.index_of(x, from), mesh.index_of(x, to));
+  Builder& builder = scratch_->builder;
+  const VertexBall& ball = scratch_->ball;
+  const std::vector<float>& qualities = scratch_->qualities;
+  for (const TetId x : scratch_->ring.tets) close_gap(mesh, x, mesh.index_of(x, from), mesh.index_of(x, to));
   for (std::size_t i = 0; i < ball.tets.size(); ++i) {
     const TetId x = ball.tets[i];
     if (qualities[i] < 0) continue;
@@ -203,21 +218,53 @@ void Operators<Lock>::commit_collapse(VertexId from, VertexId to) {
     mesh.set_quality(x, qualities[i]);
     for (const std::uint32_t w : v) mesh.set_incident_tet(VertexId(w), x);
   }
-  for (const TetId x : ring.tets) builder.free_tet(x);
+  for (const TetId x : scratch_->ring.tets) builder.free_tet(x);
   builder.free_vertex(from);
+}
+
+template <class Lock>
+Outcome Operators<Lock>::thin_out(VertexId v, std::span<std::uint8_t> kept, const ThinningRules& rules) {
+  return on_held(counts_.collapse, v, v, [&] {
+    TetMesh& mesh = subject_.mesh;
+    VertexBall& ball = scratch_->ball;
+    if (kept[v.value] != 0 || mesh.dimension(v) == VertexDimension::kCorner) return Outcome::kRejected;
+    if (!gather_ball(mesh, v, lock_, ball)) return Outcome::kContended;
+    if (is_any_curved(ball.patches, subject_.shapes)) return Outcome::kRejected;
+    UniformStar& star = scratch_->uniform;
+    star.gather(mesh, v, ball);
+    const double floor_cubed = std::min(star.worst_cubed(), cube(rules.least_quality));
+    for (std::uint32_t place = 0; star.next_nearest(rules.least_length, place);) {
+      const VertexId to(ball.neighbours[place]);
+      if (!star.fits_at(place, floor_cubed, scratch_->qualities)) continue;
+      if (!are_positive_after(mesh, v, to, ball, scratch_->qualities)) continue;
+      const auto shared = std::find_if(ball.tets.begin(), ball.tets.end(),
+                                       [&](TetId x) { return mesh.index_of(x, to) >= 0; });
+      if (!gather_ring(mesh, *shared, v, to, lock_, scratch_->ring)) return Outcome::kContended;
+      if (!keeps_patches(mesh, v, scratch_->ring, subject_.shapes)) continue;
+      if (!can_vanish(mesh, v, to, scratch_->ring)) continue;
+      commit_collapse(v, to);
+      kept[to.value] = 1;
+      return Outcome::kApplied;
+    }
+    return Outcome::kRejected;
+  });
 }
 
 template Outcome Operators<NoLock>::collapse_edge(TetId, int, int, const CollapseRules&);
 template Outcome Operators<NoLock>::collapse_vertex(VertexId, double, const CollapseRules&);
 template Outcome Operators<NoLock>::collapse_gathered_vertex(VertexId, const CollapseRules&);
 template void Operators<NoLock>::commit_collapse(VertexId, VertexId);
+template Outcome Operators<NoLock>::thin_out(VertexId, std::span<std::uint8_t>, const ThinningRules&);
 template Outcome Operators<OrderedLock>::collapse_edge(TetId, int, int, const CollapseRules&);
 template Outcome Operators<OrderedLock>::collapse_vertex(VertexId, double, const CollapseRules&);
 template Outcome Operators<OrderedLock>::collapse_gathered_vertex(VertexId, const CollapseRules&);
 template void Operators<OrderedLock>::commit_collapse(VertexId, VertexId);
+template Outcome Operators<OrderedLock>::thin_out(VertexId, std::span<std::uint8_t>, const ThinningRules&);
 template Outcome Operators<SpeculativeLock>::collapse_edge(TetId, int, int, const CollapseRules&);
 template Outcome Operators<SpeculativeLock>::collapse_vertex(VertexId, double, const CollapseRules&);
 template Outcome Operators<SpeculativeLock>::collapse_gathered_vertex(VertexId, const CollapseRules&);
 template void Operators<SpeculativeLock>::commit_collapse(VertexId, VertexId);
+template Outcome Operators<SpeculativeLock>::thin_out(VertexId, std::span<std::uint8_t>,
+                                                      const ThinningRules&);
 
 }  // namespace lumesh::operators

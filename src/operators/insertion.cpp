@@ -20,25 +20,42 @@ Vec3 point_on_edge(const TetMesh& mesh, VertexId a, VertexId b, double fraction)
   return mesh.point(a) + t * edge;
 }
 
+/// True if a vertex that stays is too near to the new one.
+bool is_crowded(const TetMesh& mesh, const NewVertex& vertex, std::span<const std::uint32_t> around,
+                double least_length) {
+  return std::any_of(around.begin(), around.end(), [&](std::uint32_t w) {
+    const VertexId v(w);
+    return mesh.dimension(v) <= vertex.dimension &&
+           metric::edge_length(vertex.point, vertex.metric.metric, mesh.point(v), mesh.metric(v)) <
+               least_length;
+  });
+}
+
 }  // namespace
 
 template <class Lock>
 Outcome Operators<Lock>::split_edge(TetId t, int i, int j, double fraction, const InsertionRules& rules) {
   const VertexId a = subject_.mesh.vertex(t, i), b = subject_.mesh.vertex(t, j);
-  return on_held(counts_.insertion, a, b, [&] {
+  // Each tetrahedron around the edge asks for it again.
+  const std::uint64_t edge = edge_key(a.value, b.value);
+  if (scratch_->whole_edges.contains(edge)) return Outcome::kRejected;
+  const Outcome outcome = on_held(counts_.insertion, a, b, [&] {
     // The same point whoever asks, and from which end.
     const Vec3 &p = subject_.mesh.point(a), &q = subject_.mesh.point(b);
     return std::lexicographical_compare(q.begin(), q.end(), p.begin(), p.end())
                ? split_held_edge(t, b, a, 1 - fraction, rules)
                : split_held_edge(t, a, b, fraction, rules);
   });
+  if (outcome == Outcome::kRejected) scratch_->whole_edges.insert(edge, 0);
+  return outcome;
 }
 
 template <class Lock>
 Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double fraction,
                                          const InsertionRules& rules) {
   TetMesh& mesh = subject_.mesh;
-  auto& [builder, ring, ball, other_ball, cavity, qualities, near, crowding, shapes, angles] = *scratch_;
+  EdgeRing& ring = scratch_->ring;
+  Cavity& cavity = scratch_->cavity;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
   if (is_any_frozen(ring.patches, subject_.shapes)) return Outcome::kRejected;
   const auto place = place_on_patches(point_on_edge(mesh, a, b, fraction), ring.patches, subject_.shapes);
@@ -51,11 +68,12 @@ Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double
   vertex.dimension = ring.dimension();
   vertex.patches = ring.patches;
   vertex.edge_a = a, vertex.edge_b = b;
+  if (is_crowded(mesh, vertex, ring.rim, rules.least_length)) return Outcome::kRejected;
   cavity.begin(ring.tets);
   if (!cavity.enlarge(mesh, vertex, rules.most_cavity_tets, lock_) ||
       !cavity.carve(mesh, vertex, subject_.shapes) || !cavity.accept(mesh, vertex, subject_.shapes, rules))
     return Outcome::kRejected;
-  const VertexId v = cavity.fill(builder, vertex);
+  const VertexId v = cavity.fill(scratch_->builder, vertex);
   lock_.adopt(v);
   if (!cavity.too_near().empty()) draw_in_near_vertices(v);
   return Outcome::kApplied;

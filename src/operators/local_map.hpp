@@ -1,11 +1,17 @@
 #pragma once
 /// @file Small hash tables that are filled and cleared millions of times.
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <vector>
 
 namespace lumesh::operators {
+
+/// Of the edge between two vertices, whichever comes first.
+[[nodiscard]] inline std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
+  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+}
 
 /// Keys with a value each, for a few dozen at a time; clearing costs nothing. Grows when half full.
 template <class Key, class Value>

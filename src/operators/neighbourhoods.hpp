@@ -105,7 +105,8 @@ struct VertexBall {
   std::vector<std::uint32_t> neighbours;
   std::vector<PatchId> patches;  ///< Of faces at the vertex, without repetition.
 
-  LocalMap<std::uint32_t, char> known_tets, known_vertices;
+  LocalMap<std::uint32_t, char> known_tets;
+  LocalMap<std::uint32_t, std::uint32_t> places;  ///< In `neighbours`.
 };
 
 /// @return false if a vertex was not to be locked. The caller holds v.
@@ -115,10 +116,10 @@ bool gather_ball(const TetMesh& mesh, VertexId v, Lock& lock, VertexBall& ball) 
   ball.neighbours.clear();
   ball.patches.clear();
   ball.known_tets.clear();
-  ball.known_vertices.clear();
+  ball.places.clear();
   ball.known_tets.insert(ball.tets[0].value, 0);
   const auto add_vertex = [&](std::uint32_t w) {
-    if (!ball.known_vertices.insert(w, 0).added) return true;
+    if (!ball.places.insert(w, static_cast<std::uint32_t>(ball.neighbours.size())).added) return true;
     ball.neighbours.push_back(w);
     return lock.try_lock(VertexId(w));
   };

@@ -47,6 +47,7 @@ void Operators<Lock>::begin_run(const Lock& lock, std::uint32_t stamp, std::uint
   lock_ = lock;
   scratch_->builder.stamp = stamp;
   scratch_->builder.epoch = epoch;
+  scratch_->whole_edges.clear();
   scratch_->builder.tets.clear();
   scratch_->builder.vertices.clear();
 }

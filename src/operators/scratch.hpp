@@ -4,9 +4,11 @@
 #include "angle_star.hpp"
 #include "builder.hpp"
 #include "cavity.hpp"
+#include "local_map.hpp"
 #include "lumesh/operators/operators.hpp"
 #include "neighbourhoods.hpp"
 #include "star_shapes.hpp"
+#include "uniform_star.hpp"
 
 namespace lumesh::operators {
 
@@ -41,7 +43,9 @@ struct Operators<Lock>::Scratch {
   std::vector<NearVertex> near;
   std::vector<VertexId> crowding;
   StarShapes shapes;
+  UniformStar uniform;
   AngleStar angles;
+  LocalMap<std::uint64_t, char> whole_edges;  // Those that this run could not split.
 };
 
 template <class Lock>

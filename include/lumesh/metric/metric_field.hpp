@@ -55,8 +55,10 @@ class MetricField {
 /// the density varies, as often as it takes. Within some per cent.
 [[nodiscard]] double complexity(const MetricField& field, const TetMesh& domain);
 
-/// Sets metric and logarithm of every vertex from the field, and the quality of every tetrahedron. Calls
-/// enable_metric(). Parallel inside.
+/// Sets metric and logarithm of every vertex from the field. Calls enable_metric(). Parallel inside.
+void assign_vertex_metrics(TetMesh& mesh, const MetricField& field);
+
+/// The same, and the quality of every tetrahedron.
 void assign_metric(TetMesh& mesh, const MetricField& field);
 
 /// Measures every tetrahedron in the metric of its vertices.

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "lumesh/mesh/tet_mesh.hpp"
@@ -121,6 +122,13 @@ class Operators {
   Outcome collapse_edge(TetId t, int from, int to, const CollapseRules& rules);
   /// Draws v into the nearest neighbour that will do, of those at less than `least_length`.
   Outcome collapse_vertex(VertexId v, double least_length, const CollapseRules& rules);
+
+  /// Draws v into the nearest neighbour that will do, in haste: where most vertices are to go, all is
+  /// measured in the metric of v alone, and what stays is kept, so that what is left lies evenly. The stored
+  /// qualities are those of that metric: measure_qualities() afterwards. Vertices of curved patches stay.
+  /// @param kept  One per vertex, 0 at the start of a sweep. Those that others were drawn into become 1 and
+  /// stay.
+  Outcome thin_out(VertexId v, std::span<std::uint8_t> kept, const ThinningRules& rules);
 
   /// Replaces the tetrahedra around edge (corner i, corner j) of t by the best ones without it: of all
   /// triangulations of the ring, the one with the best worst quality (dynamic programming). Covers 3-2, 4-4

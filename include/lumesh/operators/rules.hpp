@@ -18,6 +18,12 @@ struct CollapseRules {
   double least_relative = 0.3;  ///< New worst over old worst quality.
 };
 
+/// Vertices that are too many by far.
+struct ThinningRules {
+  double least_length = 8;      ///< Vertices go into others nearer than this, in their own metric.
+  double least_quality = 0.05;  ///< As in CollapseRules, in the vertex's own metric.
+};
+
 /// Edges and faces that are replaced.
 struct SwapRules {
   int most_ring_tets = 8;    ///< Edges with more tetrahedra around them stay; at most kMostRing.

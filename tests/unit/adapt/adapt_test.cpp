@@ -8,6 +8,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/metric/measures.hpp"
+#include "lumesh/operators/creases.hpp"
 
 namespace lumesh {
 namespace {
@@ -90,6 +91,31 @@ TEST(Adapt, CoarsensAFineMesh) {
   const Conformity found = conformity_of(mesh);
   EXPECT_GT(found.share_in_band, 0.92);
   EXPECT_LT(mesh.vertex_count(), 17u * 17 * 17 / 3);
+}
+
+TEST(Adapt, BeginsAnewWithFewVerticesWhereMostAreTooMany) {
+  for (const ExecutionKind execution : {ExecutionKind::kOrdered, ExecutionKind::kSpeculative}) {
+    TetMesh mesh = fixtures::unit_cube_of_two_labels(20);
+    ASSERT_EQ(operators::cut_patches_at_creases(mesh, 40).size(),
+              11u);  // Five sides each, and the interface.
+    const auto shapes = operators::planes_where_flat(mesh);
+    Context context;
+    adapt(mesh, MetricField::uniform(0.2), shapes, {.execution = execution, .team = {.threads = 4}}, context);
+    const ValidationReport report = validate(mesh);
+    ASSERT_TRUE(report.ok()) << report.text();
+    ASSERT_EQ(report.labels.size(), 2u);
+    for (const LabelBoundary& label : report.labels) EXPECT_NEAR(label.volume, 0.5, 1e-12);
+    const Conformity found = conformity_of(mesh);
+    EXPECT_GT(found.share_in_band, 0.95);
+    EXPECT_GT(found.mean_quality, 0.85);
+    EXPECT_GT(found.least_quality, 0.35);
+    // Between 5^3 and 6^3 cells: vertices of a lattice of edges 0.2, and of shorter ones as surfaces ask.
+    EXPECT_GT(mesh.vertex_count(), 150u);
+    EXPECT_LT(mesh.vertex_count(), 450u);
+    const auto& phases = context.phases();
+    EXPECT_TRUE(std::any_of(phases.begin(), phases.end(),
+                            [](const PhaseTime& one) { return one.name == "thin out"; }));
+  }
 }
 
 TEST(Adapt, KeepsLabelsAndTheirInterface) {
