@@ -154,7 +154,8 @@ void thin_out(const TetMesh& mesh, Execution& execution, const operators::Thinni
 
 template <class Execution>
 void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
-               const operators::SwapRules& rules) {
+               operators::SwapRules rules) {
+  rules.repeat = which == Reconnection::kOriginal;
   execution.over_tets(
       [&](TetId t) {
         const double urgency = below - mesh.quality(t);
@@ -186,7 +187,7 @@ template void collapse_short_edges(const TetMesh&, operators::OrderedExecution&,
                                    const operators::CollapseRules&);
 template void thin_out(const TetMesh&, operators::OrderedExecution&, const operators::ThinningRules&);
 template void reconnect(const TetMesh&, operators::OrderedExecution&, double, Reconnection,
-                        const operators::SwapRules&);
+                        operators::SwapRules);
 template void mend_worst(const TetMesh&, operators::OrderedExecution&, double, const operators::SwapRules&,
                          const operators::SmoothingRules&);
 template void smooth(operators::OrderedExecution&, const operators::SmoothingRules&);
@@ -197,7 +198,7 @@ template void collapse_short_edges(const TetMesh&, operators::SpeculativeExecuti
                                    const operators::CollapseRules&);
 template void thin_out(const TetMesh&, operators::SpeculativeExecution&, const operators::ThinningRules&);
 template void reconnect(const TetMesh&, operators::SpeculativeExecution&, double, Reconnection,
-                        const operators::SwapRules&);
+                        operators::SwapRules);
 template void mend_worst(const TetMesh&, operators::SpeculativeExecution&, double,
                          const operators::SwapRules&, const operators::SmoothingRules&);
 template void smooth(operators::SpeculativeExecution&, const operators::SmoothingRules&);

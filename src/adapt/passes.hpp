@@ -33,7 +33,7 @@ void thin_out(const TetMesh& mesh, Execution& execution, const operators::Thinni
 /// Tries edge removal and face swap on the tetrahedra whose quality is below `below`.
 template <class Execution>
 void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
-               const operators::SwapRules& rules);
+               operators::SwapRules rules);
 
 /// Reconnects the tetrahedra whose quality is below `below`, or moves the vertices of those that cannot be.
 template <class Execution>

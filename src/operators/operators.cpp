@@ -48,6 +48,7 @@ void Operators<Lock>::begin_run(const Lock& lock, std::uint32_t stamp, std::uint
   scratch_->builder.stamp = stamp;
   scratch_->builder.epoch = epoch;
   scratch_->whole_edges.clear();
+  scratch_->tried_edges.clear();
   scratch_->builder.tets.clear();
   scratch_->builder.vertices.clear();
 }
@@ -65,9 +66,12 @@ const std::vector<VertexId>& Operators<Lock>::made_vertices() const {
 bool has_changed_since_trial(const TetMesh& mesh, TetId t) {
   const std::uint32_t trial = mesh.trial_epoch(t);
   const Cell<4>& v = mesh.tet(t);
-  // What changed in the epoch of the trial may have changed after it.
-  return trial == 0 || std::any_of(v.begin(), v.end(),
-                                   [&](std::uint32_t w) { return mesh.change_epoch(VertexId(w)) >= trial; });
+  // What was tried are the edges of t with the tetrahedra around them, and its faces: a tetrahedron that
+  // shares an edge with t shares two vertices, and all vertices of one that changes are noted. What changed
+  // in the epoch of the trial may have changed after it.
+  return trial == 0 || std::count_if(v.begin(), v.end(), [&](std::uint32_t w) {
+                         return mesh.change_epoch(VertexId(w)) >= trial;
+                       }) >= 2;
 }
 
 template <class Lock>
@@ -77,12 +81,23 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
     contended |= outcome == Outcome::kContended;
     return outcome == Outcome::kApplied;
   };
-  for (const auto& [i, j] : kTetEdges)
-    if (is_applied(remove_edge(t, i, j, rules))) return Outcome::kApplied;
-  for (int face = 0; face < 4; ++face)
+  const TetMesh& mesh = subject_.mesh;
+  const std::uint32_t epoch = scratch_->builder.epoch;
+  for (const auto& [i, j] : kTetEdges) {
+    const std::uint64_t edge = edge_key(mesh.vertex(t, i).value, mesh.vertex(t, j).value);
+    if (!rules.repeat && scratch_->tried_edges.contains(edge)) continue;
+    const Outcome outcome = remove_edge(t, i, j, rules);
+    if (is_applied(outcome)) return Outcome::kApplied;
+    if (outcome == Outcome::kRejected) scratch_->tried_edges.insert(edge, 0);
+  }
+  for (int face = 0; face < 4; ++face) {
+    // The neighbour tried the same face: whatever becomes of it or of t takes the note away.
+    const FaceLink link = mesh.link(t, face);
+    if (!rules.repeat && !link.is_boundary() && mesh.trial_epoch(link.tet()) == epoch) continue;
     if (is_applied(swap_face(t, face, rules))) return Outcome::kApplied;
+  }
   if (contended) return Outcome::kContended;
-  subject_.mesh.set_trial_epoch(t, scratch_->builder.epoch);
+  subject_.mesh.set_trial_epoch(t, epoch);
   return Outcome::kRejected;
 }
 

@@ -45,7 +45,8 @@ struct Operators<Lock>::Scratch {
   StarShapes shapes;
   UniformStar uniform;
   AngleStar angles;
-  LocalMap<std::uint64_t, char> whole_edges;  // Those that this run could not split.
+  LocalMap<std::uint64_t, char> whole_edges;  // Those that this run could not split,
+  LocalMap<std::uint64_t, char> tried_edges;  // and that reconnect() could not remove.
 };
 
 template <class Lock>

@@ -97,8 +97,8 @@ struct ExecutionCounts {
   ExecutionCounts& operator+=(const ExecutionCounts& other);  ///< Of the same number of threads, or none yet.
 };
 
-/// False if reconnect() failed on t before, and nothing has changed since around any of its vertices. Sees
-/// more than the paper's test of face neighbours (its algorithm 2): rings of edges reach farther.
+/// False if reconnect() failed on t before, and nothing has changed since around any of its edges. Sees more
+/// than the paper's test of face neighbours (its algorithm 2), which rings of edges reach beyond.
 [[nodiscard]] bool has_changed_since_trial(const TetMesh& mesh, TetId t);
 
 /// One thread's operators with their working memory: make one per thread and keep it. Where others work on

@@ -28,6 +28,7 @@ struct ThinningRules {
 struct SwapRules {
   int most_ring_tets = 8;    ///< Edges with more tetrahedra around them stay; at most kMostRing.
   double least_gain = 1e-3;  ///< Of the worst quality.
+  bool repeat = false;       ///< reconnect() tries edges and faces again that failed in the same run.
 };
 inline constexpr int kMostRing = 12;
 
