@@ -104,7 +104,7 @@ class Improver {
   std::optional<operators::InputSurface> surface_;
   double goal_;
   Execution execution_;
-  operators::SwapRules swaps_;
+  operators::SwapRules swaps_{.repeat = true};  // Vertices move in between.
   // However long edges become, no quality below the worst one before.
   operators::CollapseRules collapse_{.most_length = std::numeric_limits<double>::infinity(),
                                      .least_quality = 1};

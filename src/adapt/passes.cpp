@@ -141,7 +141,9 @@ void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shor
                           const operators::CollapseRules& rules) {
   const std::vector<float> nearest = nearest_below(mesh, shortest);
   execution.over_urgent_vertices(
-      [&](VertexId v) { return shortest - nearest[v.value]; },
+      [&](VertexId v) {
+        return static_cast<float>(shortest) - nearest[v.value];
+      },  // 0 where none is shorter.
       [&](auto& kernel, VertexId v) { kernel.collapse_vertex(v, shortest, rules); });
 }
 
@@ -159,7 +161,8 @@ void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnec
   execution.over_tets(
       [&](TetId t) {
         const double urgency = below - mesh.quality(t);
-        return urgency <= 0 || which == Reconnection::kOriginal || operators::has_changed_since_trial(mesh, t)
+        return urgency <= 0 || which == Reconnection::kOriginal ||
+                       operators::has_changed_since_trial(mesh, t, operators::kVerticesOfAnEdge)
                    ? urgency
                    : 0;
       },

@@ -63,15 +63,13 @@ const std::vector<VertexId>& Operators<Lock>::made_vertices() const {
   return scratch_->builder.vertices;
 }
 
-bool has_changed_since_trial(const TetMesh& mesh, TetId t) {
+bool has_changed_since_trial(const TetMesh& mesh, TetId t, int least_vertices) {
   const std::uint32_t trial = mesh.trial_epoch(t);
   const Cell<4>& v = mesh.tet(t);
-  // What was tried are the edges of t with the tetrahedra around them, and its faces: a tetrahedron that
-  // shares an edge with t shares two vertices, and all vertices of one that changes are noted. What changed
-  // in the epoch of the trial may have changed after it.
+  // What changed in the epoch of the trial may have changed after it.
   return trial == 0 || std::count_if(v.begin(), v.end(), [&](std::uint32_t w) {
                          return mesh.change_epoch(VertexId(w)) >= trial;
-                       }) >= 2;
+                       }) >= least_vertices;
 }
 
 template <class Lock>

@@ -97,9 +97,13 @@ struct ExecutionCounts {
   ExecutionCounts& operator+=(const ExecutionCounts& other);  ///< Of the same number of threads, or none yet.
 };
 
-/// False if reconnect() failed on t before, and nothing has changed since around any of its edges. Sees more
-/// than the paper's test of face neighbours (its algorithm 2), which rings of edges reach beyond.
-[[nodiscard]] bool has_changed_since_trial(const TetMesh& mesh, TetId t);
+/// False if operators failed on t before, and nothing has changed since around its vertices: around at least
+/// `least_vertices` of them. One is what operators ask who look at all around a vertex. Two will do for
+/// reconnect(): it looks at tetrahedra that share an edge with t, and whatever changes is noted at all its
+/// vertices. Sees more than the paper's test of face neighbours (its algorithm 2), which rings of edges reach
+/// beyond.
+[[nodiscard]] bool has_changed_since_trial(const TetMesh& mesh, TetId t, int least_vertices = 1);
+inline constexpr int kVerticesOfAnEdge = 2;
 
 /// One thread's operators with their working memory: make one per thread and keep it. Where others work on
 /// the mesh, the tetrahedra that it is given must be held (try_hold()).

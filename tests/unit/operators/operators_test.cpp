@@ -217,15 +217,16 @@ TEST(Reconnect, IsNotWorthAnotherTrialUntilSomethingChangesAround) {
   Bench bench(fixtures::unit_cube(4), AnalyticKind::kPolar2, 1);
   TetMesh& mesh = bench.mesh;
   bench.kernel.begin_run({}, 2, 1);
+  const SwapRules again{.repeat = true};
   std::vector<TetId> in_vain;
   for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
-    if (mesh.alive(TetId(t)) && bench.kernel.reconnect(TetId(t), {}) == Outcome::kRejected)
+    if (mesh.alive(TetId(t)) && bench.kernel.reconnect(TetId(t), again) == Outcome::kRejected)
       in_vain.push_back(TetId(t));
   ASSERT_GT(in_vain.size(), 50u);
   bench.kernel.begin_run({}, 4, 2);
   TetId unchanged;
   for (const TetId t : in_vain)
-    if (mesh.alive(t) && mesh.trial_epoch(t) == 1 && bench.kernel.reconnect(t, {}) == Outcome::kRejected)
+    if (mesh.alive(t) && mesh.trial_epoch(t) == 1 && bench.kernel.reconnect(t, again) == Outcome::kRejected)
       unchanged = t;
   ASSERT_TRUE(unchanged.valid());
   EXPECT_FALSE(has_changed_since_trial(mesh, unchanged));
@@ -239,6 +240,31 @@ TEST(Reconnect, IsNotWorthAnotherTrialUntilSomethingChangesAround) {
   });
   ASSERT_TRUE(split);
   EXPECT_TRUE(!mesh.alive(unchanged) || has_changed_since_trial(mesh, unchanged));
+}
+
+TEST(Reconnect, FailsAgainWhereNoTetrahedronAtAnEdgeChanged) {
+  Bench bench(fixtures::unit_cube(5), AnalyticKind::kPolar2, 1.5);
+  TetMesh& mesh = bench.mesh;
+  std::mt19937 random(5);
+  std::size_t spared = 0, seen_by_one_vertex = 0;
+  for (std::uint32_t round = 1; round <= 20; ++round) {
+    bench.kernel.begin_run({}, 4 * round, 2 * round - 1);
+    for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
+      if (mesh.alive(TetId(t))) bench.kernel.reconnect(TetId(t), {});
+    bench.kernel.begin_run({}, 4 * round + 2, 2 * round);
+    for (int i = 0; i < 3; ++i)
+      if (const TetId t(static_cast<std::uint32_t>(random() % mesh.tet_slots())); mesh.alive(t))
+        fixtures::try_operator(bench.kernel, mesh, t, 0, 1, random() % 4, {.least_length = 0.3}, {});
+    for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+      const TetId t(i);
+      if (!mesh.alive(t) || has_changed_since_trial(mesh, t, kVerticesOfAnEdge)) continue;
+      ++spared;
+      seen_by_one_vertex += has_changed_since_trial(mesh, t) ? 1 : 0;
+      ASSERT_EQ(bench.kernel.reconnect(t, {.repeat = true}), Outcome::kRejected);
+    }
+  }
+  EXPECT_GT(spared, 1000u);
+  EXPECT_GT(seen_by_one_vertex, 100u);
 }
 
 TEST(PatchShapes, FindsPlanesAndLeavesTheRestFrozen) {
