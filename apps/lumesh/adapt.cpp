@@ -26,10 +26,11 @@ namespace {
 struct AdaptCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, metric_path, analytic, json_path;
-  std::string boundary = "adapt", reconnection = "optimised";
+  std::string boundary = "adapt", reconnection = "optimised", placement = "edge";
   double complexity = 0, gradation = 0;
   double time_limit_s = std::numeric_limits<double>::infinity();
   double feature_angle_deg = 40;
+  int met = 1;
   AdaptOptions options;
   KernelOptions kernel;
   RunOptions run;
@@ -87,6 +88,7 @@ void run(AdaptCommand command) {
   command.options.execution = command.kernel.execution_kind();
   command.options.team = command.kernel.team(command.run.threads);
   if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
+  if (command.placement == "centroid") command.options.placement = PointPlacement::kCentroid;
   const auto shapes = context.phase("surfaces", [&] {
     return adapts_boundary ? operators::shapes_of_patches(mesh) : operators::all_frozen(mesh);
   });
@@ -147,6 +149,14 @@ void add_adapt_command(CLI::App& program) {
       ->capture_default_str();
   sub->add_option("--reconnect-below", o.reconnect_below,
                   "Reconnect tetrahedra below this mean ratio, 0 to 1")
+      ->capture_default_str();
+  sub->add_option("--placement,--mpp", command->placement,
+                  "New points of the volume: on long edges, or on centroids of tetrahedra that have them (5)")
+      ->check(CLI::IsMember({"edge", "centroid"}))
+      ->transform(CLI::Transformer(std::map<std::string, std::string>{{"5", "centroid"}}))
+      ->capture_default_str();
+  sub->add_option("--met", command->met, "1: use the metric, as always; accepted for CDT3D's parameter files")
+      ->check(CLI::IsMember({1}))
       ->capture_default_str();
   sub->add_option("--reconnection", command->reconnection,
                   "optimised: try again only where something changed; original: always")

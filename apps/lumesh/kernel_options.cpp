@@ -19,7 +19,7 @@ std::vector<NamedCount> named_counts(const operators::OperatorCounts& counts) {
   return {{"insertion", counts.insertion},
           {"collapse", counts.collapse},
           {"edge_removal", counts.edge_removal},
-          {"face_swap", counts.face_swap},
+          {"face_removal", counts.face_removal},
           {"smoothing", counts.smoothing}};
 }
 

@@ -139,7 +139,9 @@ class Adapter {
   void split(double bound) {
     const double arc_weight = has_curved_patch_ && bound > options_.split_above ? kArcWeight : 0;
     for (const SplitRank rank : {SplitRank::kCurves, SplitRank::kSurfaces, SplitRank::kAll})
-      phase("split", [&] { split_long_edges(subject_, execution_, bound, arc_weight, rank, insertion_); });
+      phase("split", [&] {
+        split_long_edges(subject_, execution_, bound, arc_weight, rank, options_.placement, insertion_);
+      });
   }
   void collapse() {
     phase("collapse", [&] { collapse_short_edges(mesh_, execution_, options_.collapse_below, collapse_); });

@@ -120,14 +120,20 @@ std::vector<float> nearest_below(const TetMesh& mesh, double shortest) {
 
 template <class Execution>
 void split_long_edges(const operators::Subject& subject, Execution& execution, double longest,
-                      double arc_weight, SplitRank rank, const operators::InsertionRules& rules) {
+                      double arc_weight, SplitRank rank, PointPlacement placement,
+                      const operators::InsertionRules& rules) {
+  const bool at_centroids = placement == PointPlacement::kCentroid && rank == SplitRank::kAll;
   execution.over_tets(
       [&](TetId t) {
         const EdgeList edges = long_edges(subject, t, longest, arc_weight, rank);
         return edges.empty() ? 0 : edges.begin()->length;
       },
       [&](auto& kernel, TetId t) {
-        for (const RankedEdge& one : long_edges(subject, t, longest, arc_weight, rank)) {
+        const EdgeList edges = long_edges(subject, t, longest, arc_weight, rank);
+        if (at_centroids && !edges.empty() &&
+            kernel.insert_centroid(t, rules_for(edges.begin()->length, longest, rules)) == Outcome::kApplied)
+          return;
+        for (const RankedEdge& one : edges) {
           const auto [i, j] = kTetEdges[one.edge];
           if (kernel.split_edge(t, i, j, fraction_of(one.length), rules_for(one.length, longest, rules)) ==
               Outcome::kApplied)
@@ -185,7 +191,7 @@ void smooth(Execution& execution, const operators::SmoothingRules& rules) {
 }
 
 template void split_long_edges(const operators::Subject&, operators::OrderedExecution&, double, double,
-                               SplitRank, const operators::InsertionRules&);
+                               SplitRank, PointPlacement, const operators::InsertionRules&);
 template void collapse_short_edges(const TetMesh&, operators::OrderedExecution&, double,
                                    const operators::CollapseRules&);
 template void thin_out(const TetMesh&, operators::OrderedExecution&, const operators::ThinningRules&);
@@ -196,7 +202,7 @@ template void mend_worst(const TetMesh&, operators::OrderedExecution&, double, c
 template void smooth(operators::OrderedExecution&, const operators::SmoothingRules&);
 
 template void split_long_edges(const operators::Subject&, operators::SpeculativeExecution&, double, double,
-                               SplitRank, const operators::InsertionRules&);
+                               SplitRank, PointPlacement, const operators::InsertionRules&);
 template void collapse_short_edges(const TetMesh&, operators::SpeculativeExecution&, double,
                                    const operators::CollapseRules&);
 template void thin_out(const TetMesh&, operators::SpeculativeExecution&, const operators::ThinningRules&);

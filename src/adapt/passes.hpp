@@ -14,10 +14,12 @@ enum class SplitRank : std::uint8_t { kCurves, kSurfaces, kAll };
 
 /// Splits the edges longer than `longest`, in each tetrahedron the longest one first. Edges longer than 2.5
 /// are cut at a third, so that the parts come near to unit length.
+/// @param placement   kCentroid: in sweeps of all edges, the centroid of the tetrahedron is tried first.
 /// @param arc_weight  Edges of curved patches whose arcs are higher than longest / arc_weight are split, too.
 template <class Execution>
 void split_long_edges(const operators::Subject& subject, Execution& execution, double longest,
-                      double arc_weight, SplitRank rank, const operators::InsertionRules& rules);
+                      double arc_weight, SplitRank rank, PointPlacement placement,
+                      const operators::InsertionRules& rules);
 
 /// Draws every vertex with an edge shorter than `shortest` into its nearest neighbour that will do, those
 /// with the shortest edges first.
@@ -30,7 +32,7 @@ void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shor
 template <class Execution>
 void thin_out(const TetMesh& mesh, Execution& execution, const operators::ThinningRules& rules);
 
-/// Tries edge removal and face swap on the tetrahedra whose quality is below `below`.
+/// Tries edge and face removal on the tetrahedra whose quality is below `below`.
 template <class Execution>
 void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
                operators::SwapRules rules);

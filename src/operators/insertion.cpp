@@ -55,7 +55,6 @@ Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double
                                          const InsertionRules& rules) {
   TetMesh& mesh = subject_.mesh;
   EdgeRing& ring = scratch_->ring;
-  Cavity& cavity = scratch_->cavity;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
   if (is_any_frozen(ring.patches, subject_.shapes)) return Outcome::kRejected;
   const auto place = place_on_patches(point_on_edge(mesh, a, b, fraction), ring.patches, subject_.shapes);
@@ -69,7 +68,30 @@ Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double
   vertex.patches = ring.patches;
   vertex.edge_a = a, vertex.edge_b = b;
   if (is_crowded(mesh, vertex, ring.rim, rules.least_length)) return Outcome::kRejected;
-  cavity.begin(ring.tets);
+  return insert_in_hole(vertex, ring.tets, rules);
+}
+
+template <class Lock>
+Outcome Operators<Lock>::insert_centroid(TetId t, const InsertionRules& rules) {
+  const TetMesh& mesh = subject_.mesh;
+  return on_held(counts_.insertion, mesh.vertex(t, 0), mesh.vertex(t, 1), [&] {
+    if (!try_hold(t)) return Outcome::kContended;
+    NewVertex vertex;
+    vertex.point = 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
+    vertex.hint = mesh.metric_hint(mesh.vertex(t, 0));
+    vertex.metric = subject_.field.at(vertex.point, vertex.hint);
+    if (is_crowded(mesh, vertex, mesh.tet(t), rules.least_length)) return Outcome::kRejected;
+    return insert_in_hole(vertex, {&t, 1}, rules);
+  });
+}
+
+/// @param around  What holds the new vertex.
+template <class Lock>
+Outcome Operators<Lock>::insert_in_hole(const NewVertex& vertex, std::span<const TetId> around,
+                                        const InsertionRules& rules) {
+  const TetMesh& mesh = subject_.mesh;
+  Cavity& cavity = scratch_->cavity;
+  cavity.begin(around);
   if (!cavity.enlarge(mesh, vertex, rules.most_cavity_tets, lock_) ||
       !cavity.carve(mesh, vertex, subject_.shapes) || !cavity.accept(mesh, vertex, subject_.shapes, rules))
     return Outcome::kRejected;
@@ -93,7 +115,10 @@ void Operators<Lock>::draw_in_near_vertices(VertexId into) {
 }
 
 template Outcome Operators<NoLock>::split_edge(TetId, int, int, double, const InsertionRules&);
+template Outcome Operators<NoLock>::insert_centroid(TetId, const InsertionRules&);
 template Outcome Operators<OrderedLock>::split_edge(TetId, int, int, double, const InsertionRules&);
+template Outcome Operators<OrderedLock>::insert_centroid(TetId, const InsertionRules&);
 template Outcome Operators<SpeculativeLock>::split_edge(TetId, int, int, double, const InsertionRules&);
+template Outcome Operators<SpeculativeLock>::insert_centroid(TetId, const InsertionRules&);
 
 }  // namespace lumesh::operators

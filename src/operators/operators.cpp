@@ -92,7 +92,7 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
     // The neighbour tried the same face: whatever becomes of it or of t takes the note away.
     const FaceLink link = mesh.link(t, face);
     if (!rules.repeat && !link.is_boundary() && mesh.trial_epoch(link.tet()) == epoch) continue;
-    if (is_applied(swap_face(t, face, rules))) return Outcome::kApplied;
+    if (is_applied(remove_face(t, face, rules))) return Outcome::kApplied;
   }
   if (contended) return Outcome::kContended;
   subject_.mesh.set_trial_epoch(t, epoch);

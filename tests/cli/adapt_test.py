@@ -52,7 +52,7 @@ class AdaptTest(MeshTest):
         exact = 100 * 2 / 0.198 * math.log(1 + 0.198 * 0.5 / 0.001)
         self.assertAlmostEqual(found["complexity"] / exact, 1, delta=0.02)
         counts = json.loads(report.read_text())["operators"]
-        for name in ("insertion", "collapse", "edge_removal", "face_swap", "smoothing"):
+        for name in ("insertion", "collapse", "edge_removal", "face_removal", "smoothing"):
             self.assertEqual(set(counts[name]), {"applied", "rejected", "contended"})
         self.assertGreater(counts["insertion"]["applied"], 5000)
 

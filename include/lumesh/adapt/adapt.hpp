@@ -23,6 +23,12 @@ enum class Reconnection : std::uint8_t {
                ///< refined).
 };
 
+/// Where new points of the volume are put; those of curves and surfaces split edges.
+enum class PointPlacement : std::uint8_t {
+  kEdge,      ///< On the longest edges.
+  kCentroid,  ///< On the centroids of tetrahedra with long edges, else on these (mpp 5).
+};
+
 /// Lengths and qualities (mean ratios) are those of the metric. In brackets the paper's names.
 struct AdaptOptions {
   double split_above = std::numbers::sqrt2;  ///< Edges longer than this are split, 1 to 3 (cdff).
@@ -32,6 +38,7 @@ struct AdaptOptions {
   int smoothing_passes = 1;                  ///< At the end of each of them, >= 0 (nsmth).
   double reconnect_below = 0.6;              ///< Quality of the tetrahedra to reconnect, 0 to 1.
 
+  PointPlacement placement = PointPlacement::kEdge;  ///< (mpp).
   Reconnection reconnection = Reconnection::kOptimised;
   ExecutionKind execution = ExecutionKind::kOrdered;
   parallel::TeamOptions team = {};

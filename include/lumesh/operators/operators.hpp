@@ -59,13 +59,13 @@ struct OperatorCount {
 };
 
 struct OperatorCounts {
-  OperatorCount insertion, collapse, edge_removal, face_swap, smoothing;
+  OperatorCount insertion, collapse, edge_removal, face_removal, smoothing;
 
   OperatorCounts& operator+=(const OperatorCounts& other) {
     insertion += other.insertion;
     collapse += other.collapse;
     edge_removal += other.edge_removal;
-    face_swap += other.face_swap;
+    face_removal += other.face_removal;
     smoothing += other.smoothing;
     return *this;
   }
@@ -73,7 +73,7 @@ struct OperatorCounts {
     insertion -= other.insertion;
     collapse -= other.collapse;
     edge_removal -= other.edge_removal;
-    face_swap -= other.face_swap;
+    face_removal -= other.face_removal;
     smoothing -= other.smoothing;
     return *this;
   }
@@ -81,7 +81,7 @@ struct OperatorCounts {
     OperatorCount sum = insertion;
     sum += collapse;
     sum += edge_removal;
-    sum += face_swap;
+    sum += face_removal;
     sum += smoothing;
     return sum;
   }
@@ -105,6 +105,8 @@ struct ExecutionCounts {
 [[nodiscard]] bool has_changed_since_trial(const TetMesh& mesh, TetId t, int least_vertices = 1);
 inline constexpr int kVerticesOfAnEdge = 2;
 
+struct NewVertex;
+
 /// One thread's operators with their working memory: make one per thread and keep it. Where others work on
 /// the mesh, the tetrahedra that it is given must be held (try_hold()).
 template <class Lock>
@@ -120,6 +122,9 @@ class Operators {
   /// drawn into it afterwards. Sources: Loseille and Alauzet 2009, doi:10.1007/978-3-642-04319-2_33;
   /// Borouchaki, George et al. 1997, doi:10.1016/S0168-874X(96)00057-1.
   Outcome split_edge(TetId t, int i, int j, double fraction, const InsertionRules& rules);
+
+  /// Puts a vertex on the centroid of t, with the same kind of hole.
+  Outcome insert_centroid(TetId t, const InsertionRules& rules);
 
   /// Draws corner `from` of t into corner `to`: the tetrahedra around the edge vanish. A vertex of a curve
   /// stays on it, one of a surface on its patch, corners stay.
@@ -141,8 +146,11 @@ class Operators {
   /// topological improvement of tetrahedral meshes.
   Outcome remove_edge(TetId t, int i, int j, const SwapRules& rules);
 
-  /// Replaces t and its neighbour behind `face` by three tetrahedra around a new edge (2-3).
-  Outcome swap_face(TetId t, int face, const SwapRules& rules);
+  /// Replaces t and its neighbour behind `face` by three tetrahedra around a new edge (2-3); where these
+  /// would not do, with the tetrahedra at faces next to it that lie between the same two vertices (multi-face
+  /// removal: 4-4, 6-5 and on, the inverse of edge removal). Every new one is better than the worse of t and
+  /// its neighbour. Source: Shewchuk 2002, as for remove_edge().
+  Outcome remove_face(TetId t, int face, const SwapRules& rules);
 
   /// Moves a vertex to lessen the sum of 1 / quality around it plus that of its edges' deviation from unit
   /// length: one Newton step with backtracking. No tetrahedron falls below the worst one before or
@@ -173,7 +181,7 @@ class Operators {
   /// element may stand here twice.
   [[nodiscard]] const std::vector<TetId>& made_tets() const;
   [[nodiscard]] const std::vector<VertexId>& made_vertices() const;
-  /// Tries edge removal on every edge of t, then a swap of every face, until one is done. Where all were
+  /// Tries edge removal on every edge of t, then removal of every face, until one is done. Where all were
   /// rejected, the epoch is noted on t: as long as nothing changes around its vertices, trying again is in
   /// vain (has_changed_since_trial()).
   Outcome reconnect(TetId t, const SwapRules& rules);
@@ -192,11 +200,12 @@ class Operators {
   Outcome on_held(OperatorCount& count, VertexId a, VertexId b, const Body& body);
 
   Outcome split_held_edge(TetId t, VertexId a, VertexId b, double fraction, const InsertionRules& rules);
+  Outcome insert_in_hole(const NewVertex& vertex, std::span<const TetId> around, const InsertionRules& rules);
   Outcome collapse_gathered_vertex(VertexId v, const CollapseRules& rules);
   void commit_collapse(VertexId from, VertexId to);
   Outcome remove_held_edge(TetId t, VertexId a, VertexId b, const SwapRules& rules);
   Outcome peel_held_tet(TetId t, VertexId a, VertexId b);
-  Outcome swap_held_face(TetId t, int face, const SwapRules& rules);
+  Outcome remove_held_face(TetId t, int face, const SwapRules& rules);
   Outcome smooth_held_vertex(VertexId v, const SmoothingRules& rules);
   Outcome optimise_held_vertex(VertexId v, const AngleRules& rules);
   Outcome slide_held_vertex(VertexId v, const AngleRules& rules);

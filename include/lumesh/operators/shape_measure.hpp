@@ -9,7 +9,7 @@
 
 namespace lumesh::operators {
 
-/// Edge removal, face swap and collapse work with either, split_edge() and smooth_vertex() with the mean
+/// Edge removal, face removal and collapse work with either, split_edge() and smooth_vertex() with the mean
 /// ratio, optimise_vertex(), slide_vertex() and insert_for_angles() with the angles.
 struct ShapeMeasure {
   enum class Kind : std::uint8_t {

@@ -82,6 +82,23 @@ TEST(Adapt, MakesAUnitMeshOfTheLinearMetric) {
   EXPECT_NEAR(mesh.tet_count() / 4652.0, 11, 1.2);
 }
 
+TEST(Adapt, PutsPointsOnCentroidsToo) {
+  const auto adapted = [](PointPlacement placement) {
+    TetMesh mesh = fixtures::unit_cube(3);
+    const auto shapes = operators::planes_where_flat(mesh);
+    Context context;
+    adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 1.5), shapes, {.placement = placement}, context);
+    return mesh;
+  };
+  const TetMesh mesh = adapted(PointPlacement::kCentroid);
+  ASSERT_TRUE(validate(mesh).ok()) << validate(mesh).text();
+  const Conformity found = conformity_of(mesh);
+  EXPECT_GT(found.share_in_band, 0.96);
+  EXPECT_GT(found.mean_quality, 0.85);
+  EXPECT_GT(found.least_quality, 0.2);
+  EXPECT_NE(mesh.vertex_count(), adapted(PointPlacement::kEdge).vertex_count());
+}
+
 TEST(Adapt, CoarsensAFineMesh) {
   TetMesh mesh = fixtures::unit_cube(16);
   const auto shapes = operators::planes_where_flat(mesh);

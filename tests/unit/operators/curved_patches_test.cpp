@@ -38,7 +38,7 @@ void random_steps(CurvedBench& bench, int count, std::mt19937& random, Operators
     const TetId t(static_cast<std::uint32_t>(random() % bench.mesh.tet_slots()));
     if (!bench.mesh.alive(t)) continue;
     const int i = static_cast<int>(random() % 4), j = (i + 1 + static_cast<int>(random() % 3)) % 4;
-    const auto which = random() % 5;
+    const auto which = random() % 6;
     fixtures::try_operator(kernel, bench.mesh, t, i, j, which, dense, loose);
   }
 }
