@@ -13,6 +13,7 @@
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
+#include "lumesh/domain/image_domain.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/operators/creases.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -25,7 +26,8 @@ namespace {
 
 struct AdaptCommand {
   const CLI::App* self = nullptr;
-  std::string mesh_path, output_path, metric_path, analytic, json_path;
+  std::string mesh_path, output_path, metric_path, analytic, image_path, json_path;
+  ImageSelection selection;
   std::string boundary = "adapt", reconnection = "optimised", placement = "edge";
   double complexity = 0, gradation = 0;
   double time_limit_s = std::numeric_limits<double>::infinity();
@@ -67,6 +69,15 @@ nlohmann::ordered_json report_json(const AdaptReport& report, const Context& con
   return json;
 }
 
+void follow_image(const AdaptCommand& command, const TetMesh& mesh, operators::PatchShapes& shapes,
+                  Context& context) {
+  const LabelImage image = context.phase(
+      "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
+  context.phase("surfaces", [&] {
+    operators::follow_image(mesh, std::make_shared<const ImageDomain>(image, ImageDomainOptions{}), shapes);
+  });
+}
+
 void run(AdaptCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
@@ -89,9 +100,10 @@ void run(AdaptCommand command) {
   command.options.team = command.kernel.team(command.run.threads);
   if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
   if (command.placement == "centroid") command.options.placement = PointPlacement::kCentroid;
-  const auto shapes = context.phase("surfaces", [&] {
+  auto shapes = context.phase("surfaces", [&] {
     return adapts_boundary ? operators::shapes_of_patches(mesh) : operators::all_frozen(mesh);
   });
+  if (!command.image_path.empty()) follow_image(command, mesh, shapes, context);
   const AdaptReport report =
       command.complexity > 0
           ? adapt_to_complexity(mesh, field, shapes, command.complexity, command.options, context)
@@ -130,6 +142,10 @@ void add_adapt_command(CLI::App& program) {
       ->check(CLI::IsMember({"adapt", "frozen"}))
       ->transform(CLI::Transformer(std::map<std::string, std::string>{{"0", "frozen"}, {"1", "adapt"}}))
       ->capture_default_str();
+  sub->add_option("--image", command->image_path,
+                  std::string("Image that the mesh was made of ") + kImageFormats +
+                      ": the surface follows its boundary instead of the mesh's own surface");
+  add_selection_options(*sub, command->selection, "Take");
   sub->add_option("--feature-angle", command->feature_angle_deg,
                   "Where patches bend by more degrees they keep their creases, 1 to 180")
       ->check(CLI::Range(1.0, 180.0))

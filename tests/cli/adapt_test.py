@@ -173,6 +173,24 @@ class AdaptTest(MeshTest):
             self.assertTrue(any(all(p[axis] == end for p in corners) for axis in range(3) for end in (0, 1)), corners)
         self.assertEqual({text[i + 3] for i in range(first, first + 4 * count, 4)}, {text[first + 3]})
 
+    def test_the_surface_follows_the_image(self):
+        image, mesh, sizes = self.folder / "ball.nrrd", self.folder / "ball.vtu", self.folder / "sizes.sol"
+        self.run_well("phantom", "sphere", "--size", 32, 32, 32, "--radius", 11, "-o", image)
+        self.run_well("lattice", image, "-o", mesh)
+        count = self.evaluate(mesh)["vertices"]
+        write_sol(sizes, [[0.25, 0, 0.25, 0, 0, 0.25]] * count)  # 2 mm.
+        self.run_well("adapt", mesh, "-m", sizes, "--image", image, "-o", self.out)
+        numbers = self.folder / "numbers.json"
+        self.run_well("evaluate", self.out, "--image", image, "--json", numbers)
+        ball = json.loads(numbers.read_text())["labels"][0]
+        self.assertLess(abs(ball["volume_error_percent"]), 2)
+        self.assertLess(ball["hausdorff_mm"]["mesh_to_image"]["max"], 1)
+        self.out.unlink()
+        other = self.folder / "other.nrrd"
+        self.run_well("phantom", "sphere", "--size", 32, 32, 32, "--radius", 7, "-o", other)
+        refused = self.run_lumesh("adapt", mesh, "-m", sizes, "--image", other, "-o", self.out)
+        self.assert_refused(refused, BAD_INPUT, "off the image's boundary")
+
     def test_what_cannot_be_adapted_is_refused(self):
         adapt = ("adapt", self.cube, "-o", self.out)
         self.assert_refused(self.run_lumesh(*adapt), BAD_INPUT, "cube.mesh", "no metric", "lumesh metric")

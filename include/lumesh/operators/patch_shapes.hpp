@@ -8,6 +8,10 @@
 #include "lumesh/domain/surface.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
+namespace lumesh {
+class ImageDomain;
+}
+
 namespace lumesh::operators {
 
 enum class PatchFreedom : std::uint8_t {
@@ -36,6 +40,12 @@ using PatchShapes = std::vector<PatchShape>;
 /// one to within the tolerance, and for the rest a smooth surface through the vertices as they are now
 /// (MeshSurface). Patches between labels that are not flat are frozen.
 [[nodiscard]] PatchShapes shapes_of_patches(const TetMesh& mesh, double tolerance = 1e-10);
+
+/// Has the patches of the outside that follow the smooth surface of the mesh follow the boundary of its image
+/// instead, where that is within 1.5 voxels, moved outwards by as much as the mesh's vertices lie outside it
+/// on average. Curves where patches meet stay as they are.
+/// @throws Error{kBadInput} if the image lacks a label, or the mesh lies off its boundary for the most part.
+void follow_image(const TetMesh& mesh, const std::shared_ptr<const ImageDomain>& domain, PatchShapes& shapes);
 
 /// Height, in the metric, of the arc of a curved patch over edge (corner i, corner j) of t; estimated from
 /// the normals at its ends. 0 where no face of t with that edge belongs to a curved patch.
