@@ -122,13 +122,42 @@ void run(AdaptCommand command) {
   long_run.check_complete(report.complete, command.output_path + " holds the best mesh so far");
 }
 
+void add_pass_options(CLI::App& sub, AdaptCommand& command) {
+  AdaptOptions& o = command.options;
+  sub.add_option("--split-above,--cdff", o.split_above, "Split edges longer than this, in the metric, 1 to 3")
+      ->capture_default_str();
+  sub.add_option("--collapse-below", o.collapse_below, "Collapse shorter edges, 0.1 to 0.8")
+      ->capture_default_str();
+  sub.add_option("--least-length,--cdfn", o.least_length,
+                 "Least distance of a new point to others, 0.1 to 0.8")
+      ->capture_default_str();
+  sub.add_option("--quality-passes,--nqual", o.quality_passes, "Passes for quality, >= 0")
+      ->capture_default_str();
+  sub.add_option("--smoothing-passes,--nsmth", o.smoothing_passes,
+                 "Smoothings at the end of each of them, >= 0")
+      ->capture_default_str();
+  sub.add_option("--reconnect-below", o.reconnect_below, "Reconnect tetrahedra below this mean ratio, 0 to 1")
+      ->capture_default_str();
+  sub.add_option("--placement,--mpp", command.placement,
+                 "New points of the volume: on long edges, or on centroids of tetrahedra that have them (5)")
+      ->check(CLI::IsMember({"edge", "centroid"}))
+      ->transform(CLI::Transformer(std::map<std::string, std::string>{{"5", "centroid"}}))
+      ->capture_default_str();
+  sub.add_option("--met", command.met, "1: use the metric, as always; accepted for CDT3D's parameter files")
+      ->check(CLI::IsMember({1}))
+      ->capture_default_str();
+  sub.add_option("--reconnection", command.reconnection,
+                 "optimised: try again only where something changed; original: always")
+      ->check(CLI::IsMember({"optimised", "original"}))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void add_adapt_command(CLI::App& program) {
   const auto command = std::make_shared<AdaptCommand>();
   CLI::App* sub = program.add_subcommand("adapt", "Adapt a tetrahedral mesh to a metric");
   command->self = sub;
-  AdaptOptions& o = command->options;
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("-o,--output", command->output_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
       ->required();
@@ -150,34 +179,7 @@ void add_adapt_command(CLI::App& program) {
                   "Where patches bend by more degrees they keep their creases, 1 to 180")
       ->check(CLI::Range(1.0, 180.0))
       ->capture_default_str();
-  sub->add_option("--split-above,--cdff", o.split_above,
-                  "Split edges longer than this, in the metric, 1 to 3")
-      ->capture_default_str();
-  sub->add_option("--collapse-below", o.collapse_below, "Collapse shorter edges, 0.1 to 0.8")
-      ->capture_default_str();
-  sub->add_option("--least-length,--cdfn", o.least_length,
-                  "Least distance of a new point to others, 0.1 to 0.8")
-      ->capture_default_str();
-  sub->add_option("--quality-passes,--nqual", o.quality_passes, "Passes for quality, >= 0")
-      ->capture_default_str();
-  sub->add_option("--smoothing-passes,--nsmth", o.smoothing_passes,
-                  "Smoothings at the end of each of them, >= 0")
-      ->capture_default_str();
-  sub->add_option("--reconnect-below", o.reconnect_below,
-                  "Reconnect tetrahedra below this mean ratio, 0 to 1")
-      ->capture_default_str();
-  sub->add_option("--placement,--mpp", command->placement,
-                  "New points of the volume: on long edges, or on centroids of tetrahedra that have them (5)")
-      ->check(CLI::IsMember({"edge", "centroid"}))
-      ->transform(CLI::Transformer(std::map<std::string, std::string>{{"5", "centroid"}}))
-      ->capture_default_str();
-  sub->add_option("--met", command->met, "1: use the metric, as always; accepted for CDT3D's parameter files")
-      ->check(CLI::IsMember({1}))
-      ->capture_default_str();
-  sub->add_option("--reconnection", command->reconnection,
-                  "optimised: try again only where something changed; original: always")
-      ->check(CLI::IsMember({"optimised", "original"}))
-      ->capture_default_str();
+  add_pass_options(*sub, *command);
   sub->add_option("--json", command->json_path, "Write times and counts of operators as JSON");
   add_time_limit_option(*sub, command->time_limit_s);
   add_kernel_options(*sub, command->kernel);
