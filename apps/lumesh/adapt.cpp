@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -41,6 +42,10 @@ struct AdaptCommand {
 /// Says no before hours of work, where the result could not fit.
 void check_request(double complexity) {
   constexpr double kTetsPerComplexity = 11, kBytesPerTet = 130;
+  if (!std::isfinite(complexity))
+    throw Error(ErrorKind::kBadInput,
+                "the metric's complexity is not a finite number; its sizes are too small or vary "
+                "too wildly");
   const double tets = kTetsPerComplexity * complexity;
   const double available = static_cast<double>(available_memory_bytes());
   if (tets < TetMesh::kMaxTets && tets * kBytesPerTet < available) return;
@@ -73,9 +78,30 @@ void follow_image(const AdaptCommand& command, const TetMesh& mesh, operators::P
                   Context& context) {
   const LabelImage image = context.phase(
       "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
-  context.phase("surfaces", [&] {
-    operators::follow_image(mesh, std::make_shared<const ImageDomain>(image, ImageDomainOptions{}), shapes);
-  });
+  for (const std::string& doubt : doubts_about_image(command.image_path, command.mesh_path, mesh.info()))
+    context.warn(doubt);
+  try {
+    const std::size_t following = context.phase("surfaces", [&] {
+      return operators::follow_image(mesh, std::make_shared<const ImageDomain>(image, ImageDomainOptions{}),
+                                     shapes);
+    });
+    if (following == 0)
+      context.warn(command.image_path + ": no patch follows it; all are planes, cylinders or mixed");
+  } catch (const Error& error) {
+    throw Error(error.kind(), command.image_path + ": " + error.what());
+  }
+}
+
+/// What can be said before anything is read.
+void check_options(const AdaptCommand& command) {
+  command.options.validate();
+  const ImageSelection& selection = command.selection;
+  if (command.image_path.empty() &&
+      (!selection.labels.empty() || selection.threshold || selection.largest_component > 0))
+    throw Error(ErrorKind::kUsage,
+                "--labels, --threshold and --largest-component say what of --image to take; give it");
+  if (!command.image_path.empty() && command.boundary == "frozen")
+    throw Error(ErrorKind::kUsage, "--image is what an adapted surface follows; leave out --boundary frozen");
 }
 
 void run(AdaptCommand command) {
@@ -83,6 +109,7 @@ void run(AdaptCommand command) {
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
   const LongRun long_run(context, command.run, command.time_limit_s);
+  check_options(command);
   check_output_folders({command.output_path, command.json_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });

@@ -133,6 +133,15 @@ CLI::Validator positive_number() {
           "POSITIVE"};
 }
 
+CLI::Validator number_above(double least) {
+  return {[least](const std::string& text) {
+            const std::optional<double> number = number_from(text);
+            const bool good = number && std::isfinite(*number) && *number > least;
+            return good ? std::string() : fmt::format("\"{}\" is not a number greater than {}", text, least);
+          },
+          fmt::format("> {}", least)};
+}
+
 std::optional<double> number_from(std::string_view text) {
   return parsed<double>(text);
 }
@@ -166,6 +175,20 @@ std::map<std::string, std::string> provenance_of(const CLI::App& command, const 
           {"options", given_options(command)},
           {"input", known ? input->second : input_path},
           {"input_sha256", known ? hash->second : file_sha256(input_path)}};
+}
+
+std::vector<std::string> doubts_about_image(const std::string& image_path, const std::string& mesh_path,
+                                            const MeshInfo& info) {
+  const auto made_from = info.provenance.find("input_sha256");
+  if (made_from == info.provenance.end() || made_from->second.empty()) return {};
+  const std::string found = file_sha256(image_path);
+  if (found.empty() || found == made_from->second) return {};
+  const auto input = info.provenance.find("input");
+  return {
+      fmt::format("{}: is not the file that {} was made from{} (SHA-256 {:.8}, not {:.8}); distances and "
+                  "volumes may mean nothing",
+                  image_path, mesh_path, input == info.provenance.end() ? "" : ", " + input->second, found,
+                  made_from->second)};
 }
 
 std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known) {

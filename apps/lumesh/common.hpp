@@ -14,6 +14,7 @@
 #include "lumesh/core/context.hpp"
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/image/label_image.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh::cli {
 
@@ -60,6 +61,8 @@ void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::st
 
 /// Accepts what is a finite number above 0, and says so otherwise.
 [[nodiscard]] CLI::Validator positive_number();
+/// A finite number greater than `least`.
+[[nodiscard]] CLI::Validator number_above(double least);
 
 /// The whole text as a number; none if it is anything else.
 [[nodiscard]] std::optional<double> number_from(std::string_view text);
@@ -77,6 +80,10 @@ void check_output_folders(std::initializer_list<std::string> paths);
 [[nodiscard]] std::map<std::string, std::string> provenance_of(
     const CLI::App& command, const std::string& input_path,
     const std::map<std::string, std::string>& before = {});
+
+/// What makes it doubtful that a mesh was made of an image: nothing, or one line.
+[[nodiscard]] std::vector<std::string> doubts_about_image(const std::string& image_path,
+                                                          const std::string& mesh_path, const MeshInfo& info);
 
 /// The word of `known` most like a wrong one, empty if none is alike.
 [[nodiscard]] std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known);

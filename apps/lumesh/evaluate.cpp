@@ -55,20 +55,6 @@ void bring_to_lps_mm(MixedMesh& mesh) {
   mesh.info.unit = "mm";
 }
 
-/// What makes the comparison with the image doubtful.
-std::vector<std::string> doubts(const EvaluateCommand& command, const MeshInfo& info) {
-  const auto made_from = info.provenance.find("input_sha256");
-  if (made_from == info.provenance.end() || made_from->second.empty()) return {};
-  const std::string found = file_sha256(command.image_path);
-  if (found.empty() || found == made_from->second) return {};
-  const auto input = info.provenance.find("input");
-  return {
-      fmt::format("{}: is not the file that {} was made from{} (SHA-256 {:.8}, not {:.8}); distances and "
-                  "volumes may mean nothing",
-                  command.image_path, command.mesh_path,
-                  input == info.provenance.end() ? "" : ", " + input->second, found, made_from->second)};
-}
-
 void require_valid(const EvaluateCommand& command, const quality::Evaluation& evaluation) {
   if (evaluation.valid()) return;
   throw Error(
@@ -123,7 +109,8 @@ void run(const EvaluateCommand& command) {
     image = context.phase(
         "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
     input.image = &image;
-    warnings = context.phase("provenance", [&] { return doubts(command, mesh.info); });
+    warnings = context.phase(
+        "provenance", [&] { return doubts_about_image(command.image_path, command.mesh_path, mesh.info); });
   }
   for (const std::string& warning : warnings) context.warn(warning);
   std::optional<Phantom> phantom;

@@ -54,6 +54,8 @@ void run(const MetricCommand& command) {
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
   check_output_folders({command.output_path});
+  if (!command.output_path.ends_with(".vtu") && !command.output_path.ends_with(".vtk"))
+    throw Error(ErrorKind::kUsage, command.output_path + ": only .vtu and .vtk files carry a metric");
   if (command.smallest_mm > command.largest_mm)
     throw Error(ErrorKind::kUsage, "--min-size must not be greater than --max-size");
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
@@ -69,9 +71,9 @@ void run(const MetricCommand& command) {
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view(faces)); });
   const double complexity = metric::complexity(mesh);
   if (command.complexity > 0 && std::abs(complexity / command.complexity - 1) > 0.01)
-    context.warn(fmt::format("the bounds on sizes leave a complexity of {:.0f}, not {:.0f}", complexity,
+    context.warn(fmt::format("the bounds on sizes leave a complexity of {:.4g}, not {:.4g}", complexity,
                              command.complexity));
-  say(command.run, "{}: metric of {} vertices, complexity {:.0f} on this mesh\n", command.output_path,
+  say(command.run, "{}: metric of {} vertices, complexity {:.4g} on this mesh\n", command.output_path,
       mesh.vertex_count(), complexity);
 }
 

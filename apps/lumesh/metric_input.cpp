@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/metric/gradation.hpp"
@@ -20,13 +21,15 @@ void add_metric_options(CLI::App& command, std::string& metric_path, std::string
 }
 
 CLI::Option* add_gradation_option(CLI::App& command, double& growth) {
-  return command.add_option("--gradation", growth,
-                            "Sizes grow at most by this factor per edge of unit length, such as 1.5");
+  return command
+      .add_option("--gradation", growth,
+                  "Sizes grow at most by this factor per edge of unit length, such as 1.5")
+      ->check(number_above(1));
 }
 
 TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
   if (mesh.tetrahedra.empty())
-    throw Error(ErrorKind::kBadInput, path + ": has no tetrahedra; a surface must be filled first");
+    throw Error(ErrorKind::kBadInput, path + ": has no tetrahedra; give a mesh of the volume");
   if (!mesh.hexahedra.empty() || !mesh.pyramids.empty() || !mesh.prisms.empty())
     throw Error(ErrorKind::kBadInput,
                 path + ": has cells other than tetrahedra, which cannot be adapted; make it without --mixed");

@@ -176,8 +176,9 @@ void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnec
 }
 
 template <class Execution>
-void mend_worst(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& swaps,
+void mend_worst(const TetMesh& mesh, Execution& execution, double below, operators::SwapRules swaps,
                 const operators::SmoothingRules& smoothing) {
+  swaps.repeat = true;  // Vertices move in between.
   execution.over_tets([&](TetId t) { return below - mesh.quality(t); },
                       [&](auto& kernel, TetId t) {
                         if (kernel.reconnect(t, swaps) == Outcome::kApplied) return;
@@ -197,7 +198,7 @@ template void collapse_short_edges(const TetMesh&, operators::OrderedExecution&,
 template void thin_out(const TetMesh&, operators::OrderedExecution&, const operators::ThinningRules&);
 template void reconnect(const TetMesh&, operators::OrderedExecution&, double, Reconnection,
                         operators::SwapRules);
-template void mend_worst(const TetMesh&, operators::OrderedExecution&, double, const operators::SwapRules&,
+template void mend_worst(const TetMesh&, operators::OrderedExecution&, double, operators::SwapRules,
                          const operators::SmoothingRules&);
 template void smooth(operators::OrderedExecution&, const operators::SmoothingRules&);
 
@@ -208,8 +209,8 @@ template void collapse_short_edges(const TetMesh&, operators::SpeculativeExecuti
 template void thin_out(const TetMesh&, operators::SpeculativeExecution&, const operators::ThinningRules&);
 template void reconnect(const TetMesh&, operators::SpeculativeExecution&, double, Reconnection,
                         operators::SwapRules);
-template void mend_worst(const TetMesh&, operators::SpeculativeExecution&, double,
-                         const operators::SwapRules&, const operators::SmoothingRules&);
+template void mend_worst(const TetMesh&, operators::SpeculativeExecution&, double, operators::SwapRules,
+                         const operators::SmoothingRules&);
 template void smooth(operators::SpeculativeExecution&, const operators::SmoothingRules&);
 
 double longest_edge(const TetMesh& mesh) {

@@ -39,7 +39,7 @@ void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnec
 
 /// Reconnects the tetrahedra whose quality is below `below`, or moves the vertices of those that cannot be.
 template <class Execution>
-void mend_worst(const TetMesh& mesh, Execution& execution, double below, const operators::SwapRules& swaps,
+void mend_worst(const TetMesh& mesh, Execution& execution, double below, operators::SwapRules swaps,
                 const operators::SmoothingRules& smoothing);
 
 /// Moves every vertex once.

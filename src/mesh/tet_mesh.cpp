@@ -132,54 +132,6 @@ void TetMesh::free_tet(TetId t, int owner) {
   tet_pool_.give(owner, t.value);
 }
 
-void TetMesh::compact() {
-  if (!is_compact()) {
-    std::vector<std::uint32_t> new_vertex(vertex_slots()), new_tet(tet_slots());
-    std::uint32_t vertices = 0, tets = 0;
-    for (std::uint32_t v = 0; v < vertex_slots(); ++v)
-      if (alive(VertexId(v))) new_vertex[v] = vertices++;
-    for (std::uint32_t t = 0; t < tet_slots(); ++t)
-      if (alive(TetId(t))) new_tet[t] = tets++;
-    // A new place is never behind the old one, so one sweep forward overwrites only what has moved already.
-    for (std::uint32_t v = 0; v < vertex_slots(); ++v) {
-      if (!alive(VertexId(v))) continue;
-      const std::uint32_t to = new_vertex[v];
-      points_[to] = points_[v];
-      incident_[to] = incident_[v].valid() ? TetId(new_tet[incident_[v].value]) : TetId();
-      vertex_stamps_[to] = vertex_stamps_[v];
-      dimensions_[to] = dimensions_[v];
-      lock_words_[to] = 0;
-      if (has_metric()) {
-        set_metric(VertexId(to), metric_[v], log_metric_[v]);
-        metric_hints_[to] = metric_hints_[v];
-        change_epochs_[to] = change_epochs_[v];
-      }
-    }
-    for (std::uint32_t t = 0; t < tet_slots(); ++t) {
-      if (!alive(TetId(t))) continue;
-      const std::uint32_t to = new_tet[t];
-      for (int i = 0; i < 4; ++i) {
-        const FaceLink link = links_[t][i];
-        tets_[to][i] = new_vertex[tets_[t][i]];
-        links_[to][i] =
-            link.is_boundary() ? link : FaceLink::to(TetId(new_tet[link.tet().value]), link.face());
-      }
-      labels_[to] = labels_[t];
-      tet_stamps_[to] = tet_stamps_[t];
-      if (has_metric()) {
-        qualities_[to] = qualities_[t];
-        trial_epochs_[to] = trial_epochs_[t];
-      }
-      if (has_interfaces()) interface_patches_[to] = interface_patches_[t];
-    }
-    vertex_pool_ = parallel::SlotPool(vertices, 1, 1);
-    tet_pool_ = parallel::SlotPool(tets, 1, 1);
-    points_.shrink(vertices);
-    tets_.shrink(tets);
-    links_.shrink(tets);
-  }
-}
-
 BoundaryFaces TetMesh::boundary_faces() const {
   struct PatchFace {
     Cell<3> corners;

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <utility>
 
+#include "lumesh/core/uninitialised.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -10,90 +10,146 @@
 namespace lumesh {
 namespace {
 
-/// array[new_place[i]] = old array[i] for all i < new_place.size().
+/// array[i] = old array[from[i]].
 template <class T>
-void permute(parallel::StableArray<T>& array, const std::vector<std::uint32_t>& new_place) {
-  const std::span<T> entries = array.first(new_place.size());
-  UninitialisedVector<T> old(entries.size());
-  parallel::for_each_index(entries.size(), [&](std::size_t i) { old[i] = entries[i]; });
-  parallel::for_each_index(entries.size(), [&](std::size_t i) { entries[new_place[i]] = old[i]; });
+void gather(parallel::StableArray<T>& array, std::size_t slots, const std::vector<std::uint32_t>& from) {
+  const std::span<T> entries = array.first(slots);
+  UninitialisedVector<T> old(slots);
+  parallel::for_each_index(slots, [&](std::size_t i) { old[i] = entries[i]; });
+  parallel::for_each_index(from.size(), [&](std::size_t i) { entries[i] = old[from[i]]; });
 }
 
-/// The place of each tetrahedron when they are sorted by their vertices, lowest first.
-std::vector<std::uint32_t> places_by_vertices(std::span<const Cell<4>> tets, std::size_t vertices) {
-  // The three other vertices, ascending.
-  const auto others = [&](std::uint32_t t, std::uint32_t lowest_vertex) {
-    std::array<std::uint32_t, 3> v{};
-    int n = 0;
-    for (const std::uint32_t w : tets[t])
-      if (w != lowest_vertex) v[n++] = w;
-    if (v[1] < v[0]) std::swap(v[0], v[1]);
-    if (v[2] < v[1]) std::swap(v[1], v[2]);
-    if (v[1] < v[0]) std::swap(v[0], v[1]);
-    return v;
+/// place[order[i]] = i, for orders of some of `slots` numbers.
+UninitialisedVector<std::uint32_t> places_of(const std::vector<std::uint32_t>& order, std::size_t slots) {
+  UninitialisedVector<std::uint32_t> places(slots);
+  parallel::for_each_index(order.size(),
+                           [&](std::size_t i) { places[order[i]] = static_cast<std::uint32_t>(i); });
+  return places;
+}
+
+/// The slots that `is_alive`, ascending.
+template <class IsAlive>
+std::vector<std::uint32_t> live_slots(std::uint32_t slots, const IsAlive& is_alive) {
+  return parallel::collect<std::uint32_t>(slots, [&](std::size_t i, std::vector<std::uint32_t>& out) {
+    if (const auto slot = static_cast<std::uint32_t>(i); is_alive(slot)) out.push_back(slot);
+  });
+}
+
+/// A tetrahedron by its vertices, ascending, so that it is sorted by the lowest, then the next ones.
+struct KeyedTet {
+  Cell<4> vertices;
+  std::uint32_t slot;
+  bool operator<(const KeyedTet& other) const { return vertices < other.vertices; }
+};
+
+/// `slots` sorted by the new numbers of their vertices, lowest first. Counts and sorts ranges of lowest
+/// vertices one by one, so that threads share nothing and each range stays in a cache.
+std::vector<std::uint32_t> sorted_by_vertices(const TetMesh& mesh, const std::vector<std::uint32_t>& slots,
+                                              std::span<const std::uint32_t> new_vertex,
+                                              std::size_t vertices) {
+  constexpr std::size_t kBlock = 1 << 16, kRange = 1 << 12;
+  const std::size_t ranges = (vertices + kRange - 1) / kRange;
+  const auto keyed = [&](std::uint32_t slot) {
+    KeyedTet key{mesh.tet(TetId(slot)), slot};
+    for (std::uint32_t& v : key.vertices) v = new_vertex[v];
+    std::sort(key.vertices.begin(), key.vertices.end());
+    return key;
   };
-  std::vector<std::uint32_t> begin(vertices + 1, 0), sorted(tets.size()), place(tets.size());
-  UninitialisedVector<std::uint32_t> lowest(tets.size());
-  parallel::for_each_index(
-      tets.size(), [&](std::size_t t) { lowest[t] = *std::min_element(tets[t].begin(), tets[t].end()); });
-  for (const std::uint32_t v : lowest) ++begin[v + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-  for (std::uint32_t t = 0; t < tets.size(); ++t) sorted[next[lowest[t]]++] = t;
-  using Keyed = std::pair<std::array<std::uint32_t, 3>, std::uint32_t>;
-  parallel::for_each_block(vertices, 1024, [&](std::size_t, std::size_t first, std::size_t last) {
-    std::vector<Keyed> group;
-    for (std::size_t v = first; v < last; ++v) {
-      group.clear();
-      for (std::uint32_t i = begin[v]; i < begin[v + 1]; ++i)
-        group.push_back({others(sorted[i], static_cast<std::uint32_t>(v)), sorted[i]});
-      std::sort(group.begin(), group.end());
-      for (std::size_t i = 0; i < group.size(); ++i)
-        place[group[i].second] = begin[v] + static_cast<std::uint32_t>(i);
+  // Of each block of tetrahedra, those of each range.
+  std::vector<std::vector<std::uint32_t>> starts((slots.size() + kBlock - 1) / kBlock);
+  UninitialisedVector<std::uint32_t> range_of(slots.size());
+  parallel::for_each_block(slots.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    starts[block].assign(ranges, 0);
+    for (std::size_t i = begin; i < end; ++i) {
+      std::uint32_t lowest = VertexId::kNone;
+      for (const std::uint32_t v : mesh.tet(TetId(slots[i]))) lowest = std::min(lowest, new_vertex[v]);
+      range_of[i] = lowest / kRange;
+      ++starts[block][range_of[i]];
     }
   });
-  return place;
+  std::vector<std::uint32_t> begins(ranges + 1, 0);
+  std::uint32_t next = 0;
+  for (std::size_t range = 0; range < ranges; ++range) {
+    for (std::vector<std::uint32_t>& of_block : starts) next += std::exchange(of_block[range], next);
+    begins[range + 1] = next;
+  }
+  std::vector<std::uint32_t> sorted(slots.size());
+  parallel::for_each_block(slots.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) sorted[starts[block][range_of[i]]++] = slots[i];
+  });
+  parallel::for_each_index(
+      ranges,
+      [&](std::size_t range) {
+        std::vector<KeyedTet> keys;
+        for (std::uint32_t i = begins[range]; i < begins[range + 1]; ++i) keys.push_back(keyed(sorted[i]));
+        std::sort(keys.begin(), keys.end());
+        for (std::size_t i = 0; i < keys.size(); ++i) sorted[begins[range] + i] = keys[i].slot;
+      },
+      1);
+  return sorted;
 }
 
 }  // namespace
 
-void TetMesh::reorder_along_curve() {
-  compact();
-  const std::vector<std::uint32_t> order = hilbert_order(points());
-  std::vector<std::uint32_t> new_vertex(order.size());
-  parallel::for_each_index(order.size(),
-                           [&](std::size_t i) { new_vertex[order[i]] = static_cast<std::uint32_t>(i); });
-  permute(points_, new_vertex);
-  permute(incident_, new_vertex);
-  permute(dimensions_, new_vertex);
-  if (has_metric()) {
-    permute(metric_, new_vertex);
-    permute(log_metric_, new_vertex);
-    permute(metric_hints_, new_vertex);
-    permute(change_epochs_, new_vertex);
-  }
-  parallel::for_each_index(tet_count(), [&](std::size_t t) {
-    for (std::uint32_t& v : tets_[t]) v = new_vertex[v];
-  });
+void TetMesh::compact() {
+  if (is_compact()) return;
+  const auto vertices = live_slots(vertex_slots(), [&](std::uint32_t v) { return alive(VertexId(v)); });
+  const auto tets = live_slots(tet_slots(), [&](std::uint32_t t) { return alive(TetId(t)); });
+  renumber(vertices, places_of(vertices, vertex_slots()), tets);
+}
 
-  const std::vector<std::uint32_t> new_tet = places_by_vertices(tets(), order.size());
-  parallel::for_each_index(tet_count(), [&](std::size_t t) {
+void TetMesh::reorder_along_curve() {
+  std::vector<std::uint32_t> vertices =
+      live_slots(vertex_slots(), [&](std::uint32_t v) { return alive(VertexId(v)); });
+  UninitialisedVector<Vec3> live_points(vertices.size());
+  parallel::for_each_index(vertices.size(), [&](std::size_t i) { live_points[i] = points_[vertices[i]]; });
+  std::vector<std::uint32_t> order = hilbert_order(live_points);
+  parallel::for_each_index(order.size(), [&](std::size_t i) { order[i] = vertices[order[i]]; });
+  const auto new_vertex = places_of(order, vertex_slots());
+  const auto tets = live_slots(tet_slots(), [&](std::uint32_t t) { return alive(TetId(t)); });
+  renumber(order, new_vertex, sorted_by_vertices(*this, tets, new_vertex, order.size()));
+  parallel::for_each_index(order.size(), [&](std::size_t v) { vertex_stamps_[v] = 0; });
+  parallel::for_each_index(tets.size(), [&](std::size_t t) { tet_stamps_[t] = 0; });
+}
+
+/// Puts the live slots in this order. @param new_vertex  Of each old one.
+void TetMesh::renumber(const std::vector<std::uint32_t>& vertices, std::span<const std::uint32_t> new_vertex,
+                       const std::vector<std::uint32_t>& tets) {
+  const auto new_tet = places_of(tets, tet_slots());
+  const std::size_t vertex_count = vertices.size(), tet_count = tets.size();
+  gather(points_, vertex_slots(), vertices);
+  gather(incident_, vertex_slots(), vertices);
+  gather(dimensions_, vertex_slots(), vertices);
+  gather(vertex_stamps_, vertex_slots(), vertices);
+  if (has_metric()) {
+    gather(metric_, vertex_slots(), vertices);
+    gather(log_metric_, vertex_slots(), vertices);
+    gather(metric_hints_, vertex_slots(), vertices);
+    gather(change_epochs_, vertex_slots(), vertices);
+  }
+  gather(tets_, tet_slots(), tets);
+  gather(links_, tet_slots(), tets);
+  gather(labels_, tet_slots(), tets);
+  gather(tet_stamps_, tet_slots(), tets);
+  if (has_metric()) {
+    gather(qualities_, tet_slots(), tets);
+    gather(trial_epochs_, tet_slots(), tets);
+  }
+  if (has_interfaces()) gather(interface_patches_, tet_slots(), tets);
+  parallel::for_each_index(vertex_count, [&](std::size_t v) {
+    lock_words_[v] = 0;
+    if (incident_[v].valid()) incident_[v] = TetId(new_tet[incident_[v].value]);
+  });
+  parallel::for_each_index(tet_count, [&](std::size_t t) {
+    for (std::uint32_t& v : tets_[t]) v = new_vertex[v];
     for (FaceLink& link : links_[t])
       if (!link.is_boundary()) link = FaceLink::to(TetId(new_tet[link.tet().value]), link.face());
   });
-  parallel::for_each_index(order.size(), [&](std::size_t v) {
-    if (incident_[v].valid()) incident_[v] = TetId(new_tet[incident_[v].value]);
-  });
-  permute(tets_, new_tet);
-  permute(links_, new_tet);
-  permute(labels_, new_tet);
-  if (has_metric()) {
-    permute(qualities_, new_tet);
-    permute(trial_epochs_, new_tet);
-  }
-  if (has_interfaces()) permute(interface_patches_, new_tet);
-  parallel::for_each_index(order.size(), [&](std::size_t v) { vertex_stamps_[v] = 0; });
-  parallel::for_each_index(tet_count(), [&](std::size_t t) { tet_stamps_[t] = 0; });
+  vertex_pool_ = parallel::SlotPool(static_cast<std::uint32_t>(vertex_count), 1, 1);
+  tet_pool_ = parallel::SlotPool(static_cast<std::uint32_t>(tet_count), 1, 1);
+  points_.shrink(vertex_count);
+  tets_.shrink(tet_count);
+  links_.shrink(tet_count);
 }
 
 }  // namespace lumesh

@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t kBlock = 4096;
 constexpr int kLongestWalk = 100000;
 
-/// Barycentric coordinates of a point, by signed volumes; they sum to 1.
+/// Barycentric coordinates of a point, by signed volumes; they sum to 1, but in a tetrahedron that is flat
+/// within rounding: there only their signs mean something.
 std::array<double, 4> barycentric(const TetMesh& mesh, TetId t, const Vec3& point) {
   std::array<double, 4> weights{};
   double sum = 0;
@@ -24,7 +25,8 @@ std::array<double, 4> barycentric(const TetMesh& mesh, TetId t, const Vec3& poin
     weights[f] = -triple_product(mesh.corner(t, j) - a, mesh.corner(t, k) - a, point - a);
     sum += weights[f];
   }
-  for (double& weight : weights) weight /= sum;
+  if (sum > 0)
+    for (double& weight : weights) weight /= sum;
   return weights;
 }
 
@@ -86,6 +88,10 @@ MetricPair MetricField::interpolated(const TetMesh& mesh, const Vec3& point, Hin
   for (double& weight : weights) {
     weight = std::max(weight, 0.0);  // Outside: near the nearest point of the last tetrahedron.
     sum += weight;
+  }
+  if (!(sum > 0)) {  // A flat one: its vertices lie together.
+    weights.fill(1);
+    sum = 4;
   }
   SymTensor log;
   for (int i = 0; i < 4; ++i) log = log + (weights[i] / sum) * mesh.log_metric(mesh.vertex(hint, i));

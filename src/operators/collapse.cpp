@@ -140,7 +140,8 @@ bool measure_after(const TetMesh& mesh, const ShapeMeasure& measure, VertexId fr
     qualities.push_back(-1);
     if (mesh.index_of(ball.tets[i], to) >= 0) continue;
     const double cubed = in_metric ? cubes[i] : cubed_after(ball.tets[i]);
-    if (cubed < cube(floor)) return false;
+    if (!(cubed > 0) || cubed < cube(floor))
+      return false;  // The worst one before may be flat within rounding.
     qualities.back() = static_cast<float>(metric::cube_root(cubed));
   }
   return are_positive_after(mesh, from, to, ball, qualities);

@@ -7,7 +7,7 @@
 namespace lumesh::operators {
 namespace {
 
-constexpr std::size_t kMostFaces = 6, kMostRim = kMostFaces + 2;
+constexpr std::size_t kMostRim = kMostFaces + 2;
 
 /// Faces that lie between two vertices, `below` and `above`, joined by edges. What is on both sides of them
 /// can be replaced by tetrahedra around a new edge from one vertex to the other, one for each edge of the

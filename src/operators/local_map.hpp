@@ -13,7 +13,8 @@ namespace lumesh::operators {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }
 
-/// Keys with a value each, for a few dozen at a time; clearing costs nothing. Grows when half full.
+/// Keys with a value each, for a few dozen or hundred at a time; clearing costs nothing. Grows when half
+/// full.
 template <class Key, class Value>
 class LocalMap {
  public:

@@ -89,7 +89,8 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
     if (outcome == Outcome::kRejected) scratch_->tried_edges.insert(edge, 0);
   }
   for (int face = 0; face < 4; ++face) {
-    // The neighbour tried the same face: whatever becomes of it or of t takes the note away.
+    // The neighbour tried the same face, and neither has changed since: what is made anew carries no note,
+    // and a sweep that moves vertices asks for repeat.
     const FaceLink link = mesh.link(t, face);
     if (!rules.repeat && !link.is_boundary() && mesh.trial_epoch(link.tet()) == epoch) continue;
     if (is_applied(remove_face(t, face, rules))) return Outcome::kApplied;

@@ -59,13 +59,14 @@ bool UniformStar::fits_at(std::uint32_t place, double floor_cubed, std::vector<f
   const Vec3& p = neighbours_[place].at;
   qualities.clear();
   for (const Face& face : faces_) {
-    const bool vanishes = std::find(face.corners.begin(), face.corners.end(), place) != face.corners.end();
-    const double cubed = vanishes ? -1 : ratio_cubed(face, p);
-    if (!vanishes && cubed < floor_cubed) return false;
-    qualities.push_back(static_cast<float>(cubed));
+    if (std::find(face.corners.begin(), face.corners.end(), place) != face.corners.end()) {
+      qualities.push_back(-1);
+      continue;
+    }
+    const double cubed = ratio_cubed(face, p);
+    if (!(cubed > 0) || cubed < floor_cubed) return false;
+    qualities.push_back(static_cast<float>(metric::cube_root(cubed)));
   }
-  for (float& quality : qualities)
-    if (quality > 0) quality = static_cast<float>(metric::cube_root(quality));
   return true;
 }
 

@@ -84,7 +84,8 @@ void WorkLists::done() {
 
 void WorkLists::step_aside(int thread) {
   std::unique_lock lock(mutex_);
-  if (active_ == 1 || is_over()) return;
+  if (is_over() || (active_ == 1 && aside_.empty())) return;
+  if (active_ == 1) wake_one_aside();  // Somebody goes on: now it is the other's turn.
   aside_.push_back(thread);
   --active_;
   sleep(thread, lock);

@@ -123,7 +123,8 @@ class AdaptTest(MeshTest):
     def test_metric_options_that_cannot_be_are_refused(self):
         metric = ("metric", self.cube, "-o", self.out)
         self.assert_refused(self.run_lumesh(*metric), BAD_INPUT, "cube.mesh", "no metric")
-        self.assert_refused(self.run_lumesh(*metric, "--analytic", "linear", "--gradation", 1), USAGE, "gradation")
+        for growth in (1, 0, -3, "nan"):
+            self.assert_refused(self.run_lumesh(*metric, "--analytic", "linear", "--gradation", growth), USAGE, "gradation")
         self.assert_refused(self.run_lumesh(*metric, "--analytic", "linear", "--min-size", 2, "--max-size", 1), USAGE,
                             "--min-size")
         self.assert_refused(self.run_lumesh("adapt", self.cube, "--analytic", "linear", "--gradation", 2, "-o", self.out), USAGE,
@@ -173,6 +174,18 @@ class AdaptTest(MeshTest):
             self.assertTrue(any(all(p[axis] == end for p in corners) for axis in range(3) for end in (0, 1)), corners)
         self.assertEqual({text[i + 3] for i in range(first, first + 4 * count, 4)}, {text[first + 3]})
 
+    def test_names_of_cdt3d_are_understood(self):
+        self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 2000, "--met", 1, "--mpp", 5, "--sref", 1,
+                      "--nqual", 3, "--nsmth", 2, "--cdff", 1.4, "--cdfn", 0.6, "--nthreads", 1, "-o", self.out)
+        at_centroids = self.out.read_bytes()
+        self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 2000, "--placement", "centroid",
+                      "--quality-passes", 3, "--smoothing-passes", 2, "--split-above", 1.4, "--threads", 2, "-o", self.out)
+        other = self.folder / "by_cdt3d.vtu"
+        other.write_bytes(at_centroids)
+        self.assertEqual(self.evaluate(self.out)["vertices"], self.evaluate(other)["vertices"])
+        self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 2000, "-o", self.out)
+        self.assertNotEqual(self.evaluate(self.out)["vertices"], self.evaluate(other)["vertices"])
+
     def test_the_surface_follows_the_image(self):
         image, mesh, sizes = self.folder / "ball.nrrd", self.folder / "ball.vtu", self.folder / "sizes.sol"
         self.run_well("phantom", "sphere", "--size", 32, 32, 32, "--radius", 11, "-o", image)
@@ -189,7 +202,10 @@ class AdaptTest(MeshTest):
         other = self.folder / "other.nrrd"
         self.run_well("phantom", "sphere", "--size", 32, 32, 32, "--radius", 7, "-o", other)
         refused = self.run_lumesh("adapt", mesh, "-m", sizes, "--image", other, "-o", self.out)
-        self.assert_refused(refused, BAD_INPUT, "off the image's boundary")
+        self.assert_refused(refused, BAD_INPUT, "other.nrrd", "off its boundary")
+        self.assert_refused(self.run_lumesh("adapt", mesh, "-m", sizes, "--labels", 1, "-o", self.out), USAGE, "--image")
+        self.assert_refused(self.run_lumesh("adapt", mesh, "-m", sizes, "--image", image, "--sref", 0, "-o", self.out), USAGE,
+                            "--image")
 
     def test_what_cannot_be_adapted_is_refused(self):
         adapt = ("adapt", self.cube, "-o", self.out)

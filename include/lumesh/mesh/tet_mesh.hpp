@@ -258,8 +258,8 @@ class TetMesh {
   TetId add_tet(const Cell<4>& vertices, Label label, int owner = 0, std::uint32_t stamp = 0);
   void free_vertex(VertexId v, int owner = 0);
   void free_tet(TetId t, int owner = 0);
-  /// Closes the gaps of dead slots; the order of the live ones stays. Invalidates ids and owners. Cost:
-  /// O(slots).
+  /// Closes the gaps of dead slots; the order of the live ones stays. Invalidates ids and owners. Parallel
+  /// inside. Cost: O(slots).
   void compact();
   /// compact(), and numbers vertices along the Hilbert curve and tetrahedra by their lowest vertex, so that
   /// what is near in space is near in memory. The numbers before do not matter: ties go by coordinates, and
@@ -286,6 +286,8 @@ class TetMesh {
  private:
   struct Assembly;  // Steps of build().
 
+  void renumber(const std::vector<std::uint32_t>& vertices, std::span<const std::uint32_t> new_vertex,
+                const std::vector<std::uint32_t>& tets);
   void commit_vertices(std::uint32_t count);
   void commit_tets(std::uint32_t count);
 

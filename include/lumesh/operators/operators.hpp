@@ -98,10 +98,10 @@ struct ExecutionCounts {
 };
 
 /// False if operators failed on t before, and nothing has changed since around its vertices: around at least
-/// `least_vertices` of them. One is what operators ask who look at all around a vertex. Two will do for
-/// reconnect(): it looks at tetrahedra that share an edge with t, and whatever changes is noted at all its
-/// vertices. Sees more than the paper's test of face neighbours (its algorithm 2), which rings of edges reach
-/// beyond.
+/// `least_vertices` of them. One is what operators ask who look at all around a vertex. Two are asked for
+/// reconnect(), which for the most part looks at tetrahedra that share an edge with t, and whatever changes
+/// is noted at all its vertices: this sees more than the paper's test of face neighbours (its algorithm 2).
+/// What it does not see are faces farther off that multi-face removal would add.
 [[nodiscard]] bool has_changed_since_trial(const TetMesh& mesh, TetId t, int least_vertices = 1);
 inline constexpr int kVerticesOfAnEdge = 2;
 
@@ -119,8 +119,9 @@ class Operators {
   /// Puts a vertex on edge (corner i, corner j) of t, `fraction` of its metric length from i, and fills the
   /// hole of all tetrahedra whose circumsphere in the new vertex's metric holds it (insphere test, corrected
   /// until every face of the hole sees the vertex). Inner vertices too near to a new vertex of a surface are
-  /// drawn into it afterwards. Sources: Loseille and Alauzet 2009, doi:10.1007/978-3-642-04319-2_33;
-  /// Borouchaki, George et al. 1997, doi:10.1016/S0168-874X(96)00057-1.
+  /// drawn into it afterwards. An edge that failed since begin_run() is not tried again, nor counted.
+  /// Sources: Loseille and Alauzet 2009, doi:10.1007/978-3-642-04319-2_33; Borouchaki, George et al. 1997,
+  /// doi:10.1016/S0168-874X(96)00057-1.
   Outcome split_edge(TetId t, int i, int j, double fraction, const InsertionRules& rules);
 
   /// Puts a vertex on the centroid of t, with the same kind of hole.
@@ -175,15 +176,16 @@ class Operators {
   [[nodiscard]] const OperatorCounts& counts() const { return counts_; }
 
   /// Begins a run: the lock to ask from now on, the stamp of what is made, and the epoch of what changes.
-  /// Forgets what was made before.
+  /// Forgets what was made before, and which edges failed.
   void begin_run(const Lock& lock, std::uint32_t stamp, std::uint32_t epoch);
   /// What this run made or changed, in this order; what was freed again or remade has another stamp, and an
   /// element may stand here twice.
   [[nodiscard]] const std::vector<TetId>& made_tets() const;
   [[nodiscard]] const std::vector<VertexId>& made_vertices() const;
-  /// Tries edge removal on every edge of t, then removal of every face, until one is done. Where all were
-  /// rejected, the epoch is noted on t: as long as nothing changes around its vertices, trying again is in
-  /// vain (has_changed_since_trial()).
+  /// Tries edge removal on every edge of t, then removal of every face, until one is done; unless
+  /// rules.repeat, not those that failed since begin_run(). Where all were rejected, the epoch is noted on t:
+  /// as long as nothing changes around its edges, trying again is hardly worth it
+  /// (has_changed_since_trial()).
   Outcome reconnect(TetId t, const SwapRules& rules);
   /// True if all vertices of t can be had: what it is then, it stays. Where it was not held before, its stamp
   /// tells whether it still is the one that was meant.

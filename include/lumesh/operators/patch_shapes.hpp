@@ -44,8 +44,12 @@ using PatchShapes = std::vector<PatchShape>;
 /// Has the patches of the outside that follow the smooth surface of the mesh follow the boundary of its image
 /// instead, where that is within 1.5 voxels, moved outwards by as much as the mesh's vertices lie outside it
 /// on average. Curves where patches meet stay as they are.
-/// @throws Error{kBadInput} if the image lacks a label, or the mesh lies off its boundary for the most part.
-void follow_image(const TetMesh& mesh, const std::shared_ptr<const ImageDomain>& domain, PatchShapes& shapes);
+/// Patches of several labels keep the surface of the mesh.
+/// @return the number of patches that follow the image.
+/// @throws Error{kBadInput} if the image lacks a label, or the mesh lies off its boundary for the most part;
+/// the text speaks of the image, whose name is to be put before it.
+std::size_t follow_image(const TetMesh& mesh, const std::shared_ptr<const ImageDomain>& domain,
+                         PatchShapes& shapes);
 
 /// Height, in the metric, of the arc of a curved patch over edge (corner i, corner j) of t; estimated from
 /// the normals at its ends. 0 where no face of t with that edge belongs to a curved patch.

@@ -1,6 +1,8 @@
 #pragma once
 /// @file What an operator may do; lengths and qualities (mean ratios) are those of the metric.
 
+#include <cstddef>
+
 namespace lumesh::operators {
 
 /// New points.
@@ -31,6 +33,7 @@ struct SwapRules {
   bool repeat = false;       ///< reconnect() tries edges and faces again that failed in the same run.
 };
 inline constexpr int kMostRing = 12;
+inline constexpr std::size_t kMostFaces = 6;  ///< That go together in multi-face removal.
 
 /// Vertices that move.
 struct SmoothingRules {

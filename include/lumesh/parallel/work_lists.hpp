@@ -40,8 +40,9 @@ class WorkLists {
   [[nodiscard]] bool take(int thread, std::uint32_t& task);
   /// A task is done, and what follows from it has been put in.
   void done();
-  /// Waits until another thread has finished a task, or become idle. Returns at once if no other is active:
-  /// the last one never waits.
+  /// Waits until another thread has finished a task, become idle, or stepped aside as the last active one:
+  /// that wakes one and takes its place. Returns at once if no other is active or aside: somebody always goes
+  /// on.
   void step_aside(int thread);
   /// No more tasks are handed out.
   void end();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "fixtures/flat_tets.hpp"
 #include "fixtures/metric_cubes.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/validate.hpp"
@@ -133,6 +134,27 @@ TEST(Adapt, BeginsAnewWithFewVerticesWhereMostAreTooMany) {
     EXPECT_TRUE(std::any_of(phases.begin(), phases.end(),
                             [](const PhaseTime& one) { return one.name == "thin out"; }));
   }
+}
+
+TEST(Adapt, CopesWithTetrahedraThatAreFlatWithinRounding) {
+  const fixtures::TurnedCube cube(5);
+  ASSERT_GT(cube.flat_tets(), 50);
+  for (const ExecutionKind execution : {ExecutionKind::kOrdered, ExecutionKind::kSpeculative})
+    for (const double size : {0.5, 0.2, 0.05}) {  // Thinned out, coarsened, refined.
+      TetMesh mesh = cube.build();
+      ASSERT_EQ(operators::cut_patches_at_creases(mesh, 40).size(), 6u);
+      TetMesh background = cube.build();
+      metric::assign_metric(background, MetricField::uniform(size));
+      const MetricField field = MetricField::on_background(std::move(background));
+      const auto shapes = operators::shapes_of_patches(mesh);
+      Context context;
+      adapt(mesh, field, shapes, {.execution = execution, .team = {.threads = 2}}, context);
+      const ValidationReport report = validate(mesh);
+      ASSERT_TRUE(report.ok()) << "size " << size << ": " << report.text();
+      EXPECT_NEAR(report.labels[0].volume, 1, 1e-9);
+      EXPECT_TRUE(std::isfinite(metric::complexity(mesh)));
+      for (std::uint32_t t = 0; t < mesh.tet_count(); ++t) ASSERT_GE(mesh.quality(TetId(t)), 0);
+    }
 }
 
 TEST(Adapt, KeepsLabelsAndTheirInterface) {
