@@ -78,13 +78,14 @@ void follow_image(const AdaptCommand& command, const TetMesh& mesh, operators::P
                   Context& context) {
   const LabelImage image = context.phase(
       "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
-  for (const std::string& doubt : doubts_about_image(command.image_path, command.mesh_path, mesh.info()))
-    context.warn(doubt);
   try {
     const std::size_t following = context.phase("surfaces", [&] {
       return operators::follow_image(mesh, std::make_shared<const ImageDomain>(image, ImageDomainOptions{}),
                                      shapes);
     });
+    for (const std::string& doubt : doubts_about_image(command.image_path, command.mesh_path, mesh.info(),
+                                                       "the surface may become another one"))
+      context.warn(doubt);
     if (following == 0)
       context.warn(command.image_path + ": no patch follows it; all are planes, cylinders or mixed");
   } catch (const Error& error) {

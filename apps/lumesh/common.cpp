@@ -178,17 +178,15 @@ std::map<std::string, std::string> provenance_of(const CLI::App& command, const 
 }
 
 std::vector<std::string> doubts_about_image(const std::string& image_path, const std::string& mesh_path,
-                                            const MeshInfo& info) {
+                                            const MeshInfo& info, std::string_view consequence) {
   const auto made_from = info.provenance.find("input_sha256");
   if (made_from == info.provenance.end() || made_from->second.empty()) return {};
   const std::string found = file_sha256(image_path);
   if (found.empty() || found == made_from->second) return {};
   const auto input = info.provenance.find("input");
-  return {
-      fmt::format("{}: is not the file that {} was made from{} (SHA-256 {:.8}, not {:.8}); distances and "
-                  "volumes may mean nothing",
-                  image_path, mesh_path, input == info.provenance.end() ? "" : ", " + input->second, found,
-                  made_from->second)};
+  return {fmt::format("{}: is not the file that {} was made from{} (SHA-256 {:.8}, not {:.8}); {}",
+                      image_path, mesh_path, input == info.provenance.end() ? "" : ", " + input->second,
+                      found, made_from->second, consequence)};
 }
 
 std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known) {

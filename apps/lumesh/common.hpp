@@ -81,9 +81,11 @@ void check_output_folders(std::initializer_list<std::string> paths);
     const CLI::App& command, const std::string& input_path,
     const std::map<std::string, std::string>& before = {});
 
-/// What makes it doubtful that a mesh was made of an image: nothing, or one line.
+/// What makes it doubtful that a mesh was made of an image: nothing, or one line that ends with the
+/// consequence.
 [[nodiscard]] std::vector<std::string> doubts_about_image(const std::string& image_path,
-                                                          const std::string& mesh_path, const MeshInfo& info);
+                                                          const std::string& mesh_path, const MeshInfo& info,
+                                                          std::string_view consequence);
 
 /// The word of `known` most like a wrong one, empty if none is alike.
 [[nodiscard]] std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known);

@@ -109,8 +109,10 @@ void run(const EvaluateCommand& command) {
     image = context.phase(
         "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
     input.image = &image;
-    warnings = context.phase(
-        "provenance", [&] { return doubts_about_image(command.image_path, command.mesh_path, mesh.info); });
+    warnings = context.phase("provenance", [&] {
+      return doubts_about_image(command.image_path, command.mesh_path, mesh.info,
+                                "distances and volumes may mean nothing");
+    });
   }
   for (const std::string& warning : warnings) context.warn(warning);
   std::optional<Phantom> phantom;

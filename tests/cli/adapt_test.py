@@ -199,6 +199,11 @@ class AdaptTest(MeshTest):
         self.assertLess(abs(ball["volume_error_percent"]), 2)
         self.assertLess(ball["hausdorff_mm"]["mesh_to_image"]["max"], 1)
         self.out.unlink()
+        alike = self.folder / "alike.nrrd"
+        self.run_well("phantom", "sphere", "--size", 32, 32, 32, "--radius", 11, "--noise", 0.5, "-o", alike)
+        warned = self.run_well("adapt", mesh, "-m", sizes, "--image", alike, "-o", self.out)
+        self.assertIn("alike.nrrd: is not the file that", warned.stderr)
+        self.out.unlink()
         other = self.folder / "other.nrrd"
         self.run_well("phantom", "sphere", "--size", 32, 32, 32, "--radius", 7, "-o", other)
         refused = self.run_lumesh("adapt", mesh, "-m", sizes, "--image", other, "-o", self.out)
