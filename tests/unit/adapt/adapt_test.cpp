@@ -88,7 +88,7 @@ TEST(Adapt, PutsPointsOnCentroidsToo) {
     TetMesh mesh = fixtures::unit_cube(3);
     const auto shapes = operators::planes_where_flat(mesh);
     Context context;
-    adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 2), shapes, {.placement = placement}, context);
+    adapt(mesh, MetricField::analytic(AnalyticKind::kPolar2, 1.5), shapes, {.placement = placement}, context);
     return mesh;
   };
   const TetMesh mesh = adapted(PointPlacement::kCentroid);
