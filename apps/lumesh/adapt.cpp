@@ -171,7 +171,7 @@ void add_pass_options(CLI::App& sub, AdaptCommand& command) {
       ->check(CLI::IsMember({"edge", "centroid"}))
       ->transform(CLI::Transformer(std::map<std::string, std::string>{{"5", "centroid"}}))
       ->capture_default_str();
-  sub.add_option("--met", command.met, "1: use the metric, as always; accepted for CDT3D's parameter files")
+  sub.add_option("--met", command.met, "1: use the metric, as always; accepted because the paper lists it")
       ->check(CLI::IsMember({1}))
       ->capture_default_str();
   sub.add_option("--reconnection", command.reconnection,

@@ -125,21 +125,16 @@ void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::st
 }
 
 CLI::Validator positive_number() {
-  return {[](const std::string& text) {
-            const std::optional<double> number = number_from(text);
-            const bool good = number && std::isfinite(*number) && *number > 0;
-            return good ? std::string() : fmt::format("\"{}\" is not a positive number", text);
-          },
-          "POSITIVE"};
+  return number_above(0, "a positive number", "POSITIVE");
 }
 
-CLI::Validator number_above(double least) {
-  return {[least](const std::string& text) {
+CLI::Validator number_above(double least, const std::string& wanted, const std::string& name) {
+  return {[least, wanted](const std::string& text) {
             const std::optional<double> number = number_from(text);
             const bool good = number && std::isfinite(*number) && *number > least;
-            return good ? std::string() : fmt::format("\"{}\" is not a number greater than {}", text, least);
+            return good ? std::string() : fmt::format("\"{}\" is not {}", text, wanted);
           },
-          fmt::format("> {}", least)};
+          name};
 }
 
 std::optional<double> number_from(std::string_view text) {

@@ -61,8 +61,8 @@ void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::st
 
 /// Accepts what is a finite number above 0, and says so otherwise.
 [[nodiscard]] CLI::Validator positive_number();
-/// A finite number greater than `least`.
-[[nodiscard]] CLI::Validator number_above(double least);
+/// The same above another bound; `wanted` is what it says is not there, `name` stands in the help.
+[[nodiscard]] CLI::Validator number_above(double least, const std::string& wanted, const std::string& name);
 
 /// The whole text as a number; none if it is anything else.
 [[nodiscard]] std::optional<double> number_from(std::string_view text);

@@ -24,7 +24,7 @@ CLI::Option* add_gradation_option(CLI::App& command, double& growth) {
   return command
       .add_option("--gradation", growth,
                   "Sizes grow at most by this factor per edge of unit length, such as 1.5")
-      ->check(number_above(1));
+      ->check(number_above(1, "a number greater than 1", "> 1"));
 }
 
 TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {

@@ -28,7 +28,7 @@ void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shor
                           const operators::CollapseRules& rules);
 
 /// Draws most vertices into others where those are too many by far (Operators::thin_out()): a sweep leaves
-/// about a third. The qualities of the mesh are to be measured afterwards.
+/// less than half. The qualities of the mesh are to be measured afterwards.
 template <class Execution>
 void thin_out(const TetMesh& mesh, Execution& execution, const operators::ThinningRules& rules);
 

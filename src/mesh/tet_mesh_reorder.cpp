@@ -117,25 +117,15 @@ void TetMesh::renumber(const std::vector<std::uint32_t>& vertices, std::span<con
                        const std::vector<std::uint32_t>& tets) {
   const auto new_tet = places_of(tets, tet_slots());
   const std::size_t vertex_count = vertices.size(), tet_count = tets.size();
-  gather(points_, vertex_slots(), vertices);
-  gather(incident_, vertex_slots(), vertices);
-  gather(dimensions_, vertex_slots(), vertices);
-  gather(vertex_stamps_, vertex_slots(), vertices);
+  const auto gather_vertices = [&](auto&... arrays) { (gather(arrays, vertex_slots(), vertices), ...); };
+  const auto gather_tets = [&](auto&... arrays) { (gather(arrays, tet_slots(), tets), ...); };
+  gather_vertices(points_, incident_, dimensions_, vertex_stamps_);
+  gather_tets(tets_, links_, labels_, tet_stamps_);
   if (has_metric()) {
-    gather(metric_, vertex_slots(), vertices);
-    gather(log_metric_, vertex_slots(), vertices);
-    gather(metric_hints_, vertex_slots(), vertices);
-    gather(change_epochs_, vertex_slots(), vertices);
+    gather_vertices(metric_, log_metric_, metric_hints_, change_epochs_);
+    gather_tets(qualities_, trial_epochs_);
   }
-  gather(tets_, tet_slots(), tets);
-  gather(links_, tet_slots(), tets);
-  gather(labels_, tet_slots(), tets);
-  gather(tet_stamps_, tet_slots(), tets);
-  if (has_metric()) {
-    gather(qualities_, tet_slots(), tets);
-    gather(trial_epochs_, tet_slots(), tets);
-  }
-  if (has_interfaces()) gather(interface_patches_, tet_slots(), tets);
+  if (has_interfaces()) gather_tets(interface_patches_);
   parallel::for_each_index(vertex_count, [&](std::size_t v) {
     lock_words_[v] = 0;
     if (incident_[v].valid()) incident_[v] = TetId(new_tet[incident_[v].value]);

@@ -110,8 +110,8 @@ class RingReplacement {
         size_(static_cast<int>(ring.rim.size())) {
     for (std::size_t k = 0; k < ring.tets.size(); ++k) {
       const TetId t = ring.tets[k];
-      behind_a_[k] = side_of(t, mesh_.index_of(t, a));
-      behind_b_[k] = side_of(t, mesh_.index_of(t, b));
+      behind_a_[k] = side_of(mesh_, t, mesh_.index_of(t, a));
+      behind_b_[k] = side_of(mesh_, t, mesh_.index_of(t, b));
     }
     for (auto& row : open_) row.fill({});
   }
@@ -130,10 +130,6 @@ class RingReplacement {
   }
 
  private:
-  struct Side {
-    FaceLink link;
-    PatchId patch;
-  };
   struct Pair {
     TetId b, a;
   };
@@ -141,8 +137,6 @@ class RingReplacement {
     FaceLink b, a;
     bool waiting = false;
   };
-
-  [[nodiscard]] Side side_of(TetId t, int face) const { return {mesh_.link(t, face), mesh_.patch(t, face)}; }
 
   TetId add(const Cell<4>& v, Label label) {
     const TetId t = builder_.add_tet(v, label);
@@ -152,17 +146,13 @@ class RingReplacement {
     for (const std::uint32_t w : v) mesh_.set_incident_tet(VertexId(w), t);
     return t;
   }
-  void put_behind(TetId t, int face, const Side& side) {
-    link_to(mesh_, t, face, side.link);
-    if (side.patch.valid() && !side.link.is_boundary()) mesh_.set_interface_patch(t, face, side.patch);
-  }
   /// Links the faces of a pair of tetrahedra over the rim's edge (u, v), u < v.
   void connect(int u, int v, const Pair& made, int face_b, int face_a) {
     const bool last = u == 0 && v == size_ - 1;
     if (v == u + 1 || (last && !ring_.open)) {
       const auto k = static_cast<std::size_t>(last && v != u + 1 ? v : u);
-      put_behind(made.b, face_b, behind_a_[k]);  // The old face opposite a has b at its top.
-      put_behind(made.a, face_a, behind_b_[k]);
+      put_behind(mesh_, made.b, face_b, behind_a_[k]);  // The old face opposite a has b at its top.
+      put_behind(mesh_, made.a, face_a, behind_b_[k]);
     } else if (last) {  // The new faces of the outside.
       mesh_.set_link(made.b, face_b, FaceLink::boundary(ring_.patches[0]));
       mesh_.set_link(made.a, face_a, FaceLink::boundary(ring_.patches[0]));

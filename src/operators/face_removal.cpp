@@ -106,30 +106,21 @@ class SandwichedFaces {
 template <class Lock>
 void replace(Builder& builder, const SandwichedFaces<Lock>& faces) {
   TetMesh& mesh = builder.mesh;
-  struct Side {
-    FaceLink link;
-    PatchId patch;
-  };
   std::array<Side, kMostRim> over, under;
   std::array<TetId, kMostRim> made;
   const auto rim = faces.rim();
-  const auto side_of = [&](TetId t, VertexId opposite) {
-    const int face = mesh.index_of(t, opposite);
-    return Side{mesh.link(t, face), mesh.interface_patch(t, face)};
-  };
   for (std::size_t k = 0; k < rim.size(); ++k) {
-    over[k] = side_of(rim[k].upper, rim[k].opposite);
-    under[k] = side_of(rim[k].lower, rim[k].opposite);
+    const auto& [from, to, opposite, lower, upper] = rim[k];
+    over[k] = side_of(mesh, upper, mesh.index_of(upper, opposite));
+    under[k] = side_of(mesh, lower, mesh.index_of(lower, opposite));
   }
   const Label label = mesh.label(faces.tets()[0]);
   for (const TetId t : faces.tets()) builder.free_tet(t);
   for (std::size_t k = 0; k < rim.size(); ++k) {
     made[k] = builder.add_tet({rim[k].from, rim[k].to, faces.below().value, faces.above().value}, label);
     mesh.set_quality(made[k], static_cast<float>(metric::cube_root(faces.cubed()[k])));
-    link_to(mesh, made[k], 2, over[k].link);
-    link_to(mesh, made[k], 3, under[k].link);
-    if (over[k].patch.valid()) mesh.set_interface_patch(made[k], 2, over[k].patch);
-    if (under[k].patch.valid()) mesh.set_interface_patch(made[k], 3, under[k].patch);
+    put_behind(mesh, made[k], 2, over[k]);
+    put_behind(mesh, made[k], 3, under[k]);
     for (const std::uint32_t v : mesh.tet(made[k])) mesh.set_incident_tet(VertexId(v), made[k]);
   }
   for (std::size_t k = 0; k < rim.size(); ++k)
