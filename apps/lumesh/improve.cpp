@@ -10,6 +10,7 @@
 #include "common.hpp"
 #include "kernel_options.hpp"
 #include "long_run.hpp"
+#include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
@@ -21,7 +22,7 @@ namespace {
 
 struct ImproveCommand {
   const CLI::App* self = nullptr;
-  std::string mesh_path, output_path, json_path;
+  std::string mesh_path, output_path, metric_path, json_path;
   std::string surface = "slide";
   double time_limit_s = std::numeric_limits<double>::infinity();
   ImproveOptions options;
@@ -52,6 +53,21 @@ nlohmann::ordered_json report_json(const ImproveReport& report, const ImproveOpt
   return json;
 }
 
+/// The sizes of --metric or, where they are the same in all directions, of the mesh itself.
+std::optional<metric::MetricField> sizes_of(const ImproveCommand& command, const MixedMesh& input,
+                                            const TetMesh& mesh, const Context& context) {
+  if (command.metric_path.empty() && input.metric.empty()) return std::nullopt;
+  const std::vector<SymTensor> tensors = metric_of(input, command.mesh_path, command.metric_path);
+  if (are_isotropic(tensors)) return background_field(mesh, tensors, 0);
+  if (!command.metric_path.empty())
+    throw Error(ErrorKind::kBadInput,
+                command.metric_path +
+                    ": sizes differ by direction; improve betters angles for sizes that "
+                    "do not, use adapt for others");
+  context.warn("the metric of " + command.mesh_path + " is left out: its sizes differ by direction");
+  return std::nullopt;
+}
+
 void run(ImproveCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
@@ -61,7 +77,7 @@ void run(ImproveCommand command) {
   check_output_folders({command.output_path, command.json_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
-  if (!input.metric.empty()) context.warn("the metric of " + command.mesh_path + " is left out");
+  command.options.sizes = sizes_of(command, input, mesh, context);
   command.options.execution = command.kernel.execution_kind();
   command.options.team = command.kernel.team(command.run.threads);
   command.options.slide = command.surface == "slide";
@@ -70,7 +86,7 @@ void run(ImproveCommand command) {
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   MeshView view = mesh.view(faces);
-  view.metric = {};  // What improvement works with says nothing.
+  if (!command.options.sizes) view.metric = {};  // What improvement works with says nothing.
   context.phase("write", [&] { write_mesh(command.output_path, view); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
@@ -96,6 +112,9 @@ void add_improve_command(CLI::App& program) {
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("-o,--output", command->output_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
       ->required();
+  sub->add_option(
+      "-m,--metric", command->metric_path,
+      "Sizes that edges are to keep to (.sol, .solb), the same in all directions; default: the mesh's own");
   sub->add_option("--min-dihedral", o.min_dihedral_deg, "Raise smaller dihedral angles, in degrees, 1 to 60")
       ->capture_default_str();
   sub->add_option("--max-dihedral", o.max_dihedral_deg, "Lower larger ones, in degrees, 90 to 179")

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/metric_file.hpp"
@@ -54,6 +56,14 @@ std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_
                   fmt::format("{}: the tensor of vertex {} is not positive definite and finite",
                               metric_path.empty() ? mesh_path : metric_path, i));
   return tensors;
+}
+
+bool are_isotropic(const std::vector<SymTensor>& tensors) {
+  constexpr double kSame = 1.02;  // Of eigenvalues, which are inverse squares of sizes.
+  return std::all_of(tensors.begin(), tensors.end(), [](const SymTensor& tensor) {
+    const Vec3 values = metric::eigen_system(tensor).values;
+    return values.maxCoeff() <= kSame * values.minCoeff();
+  });
 }
 
 metric::MetricField field_of(const MetricSource& source, const MixedMesh& input, const TetMesh& mesh,

@@ -24,6 +24,9 @@ CLI::Option* add_gradation_option(CLI::App& command, double& growth);
 [[nodiscard]] std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_path,
                                                const std::string& metric_path);
 
+/// True if the sizes of every tensor are the same in all directions, within a hundredth.
+[[nodiscard]] bool are_isotropic(const std::vector<SymTensor>& tensors);
+
 /// A background of `mesh` with these tensors, and with bounded growth where `gradation` > 0.
 [[nodiscard]] metric::MetricField background_field(const TetMesh& mesh, const std::vector<SymTensor>& tensors,
                                                    double gradation);

@@ -47,14 +47,16 @@ class Improver {
   using Kernel = typename Execution::Kernel;  // clang 14 wants the word.
   Improver(TetMesh& mesh, const ImproveOptions& options)
       : mesh_(mesh),
-        field_(metric::MetricField::uniform(1)),
+        field_(options.sizes ? *options.sizes : metric::MetricField::uniform(1)),
         shapes_(operators::all_frozen(mesh)),
         measure_(measure_for(options)),
         surface_(options.slide ? std::make_optional<operators::InputSurface>(mesh) : std::nullopt),
         goal_(sine_of_degrees(options.min_dihedral_deg)),
         execution_({with_qualities(mesh, field_, measure_), field_, shapes_, measure_,
                     surface_ ? &*surface_ : nullptr},
-                   options.team) {}
+                   options.team) {
+    if (options.sizes) keep_sizes();
+  }
 
   void pass() {
     execution_.repartition();
@@ -69,6 +71,11 @@ class Improver {
   [[nodiscard]] operators::ExecutionCounts by_thread() const { return execution_.counts(); }
 
  private:
+  void keep_sizes() {
+    constexpr double kLeast = 0.6;
+    rules_.least_length = kLeast;
+    rules_.most_length = swaps_.most_length = collapse_.most_length = 1 / kLeast;
+  }
   static TetMesh& with_qualities(TetMesh& mesh, const metric::MetricField& field,
                                  const operators::ShapeMeasure& measure) {
     metric::assign_metric(mesh, field);

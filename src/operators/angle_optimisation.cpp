@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "scratch.hpp"
 #include "surface_fan.hpp"
@@ -38,6 +39,28 @@ Vec3 middle_of(const TetMesh& mesh, VertexId a, VertexId b, const EdgeRing& ring
   return 0.5 * (middle + sum / static_cast<double>(ring.rim.size()));
 }
 
+/// Of edges from one point, in the metric.
+struct LengthRange {
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+};
+
+LengthRange lengths_from(const TetMesh& mesh, const Vec3& point, const SymTensor& metric,
+                         std::span<const std::uint32_t> vertices) {
+  LengthRange range;
+  for (const std::uint32_t w : vertices) {
+    const VertexId v(w);
+    const double length = metric::edge_length(point, metric, mesh.point(v), mesh.metric(v));
+    range.shortest = std::min(range.shortest, length);
+    range.longest = std::max(range.longest, length);
+  }
+  return range;
+}
+
+bool may_follow(const LengthRange& after, const LengthRange& before, const AngleRules& rules) {
+  return after.shortest >= std::min(rules.least_length, before.shortest) &&
+         after.longest <= std::max(rules.most_length, before.longest);
+}
+
 }  // namespace
 
 template <class Lock>
@@ -53,7 +76,7 @@ Outcome Operators<Lock>::optimise_held_vertex(VertexId v, const AngleRules& rule
   const double worst = gather_angles(v);
   Vec3 to = mesh.point(v);
   const bool better = scratch_->angles.climb(to, rules.most_steps) >= worst + rules.least_gain;
-  return better && move_in_angles(v, to) ? Outcome::kApplied : Outcome::kRejected;
+  return better && move_in_angles(v, to, rules) ? Outcome::kApplied : Outcome::kRejected;
 }
 
 template <class Lock>
@@ -79,7 +102,7 @@ Outcome Operators<Lock>::slide_held_vertex(VertexId v, const AngleRules& rules) 
     const auto found = subject_.surface->nearest(ball.patches[0], to, fan.edge_length());
     if (found.triangle != TriangleTree::kNone &&
         scratch_->angles.worst_at(found.point) >= worst + rules.least_gain &&
-        fan.fits(found.point, *subject_.surface, rules) && move_in_angles(v, found.point))
+        fan.fits(found.point, *subject_.surface, rules) && move_in_angles(v, found.point, rules))
       return Outcome::kApplied;
   }
   return Outcome::kRejected;
@@ -99,9 +122,10 @@ double Operators<Lock>::gather_angles(VertexId v) {
   return worst;
 }
 
-/// Moves the vertex of the ball, unless a tetrahedron were flat or inverted by the exact predicate.
+/// Moves the vertex of the ball, unless a tetrahedron were flat or inverted by the exact predicate, or an
+/// edge too short or too long.
 template <class Lock>
-bool Operators<Lock>::move_in_angles(VertexId v, const Vec3& to) {
+bool Operators<Lock>::move_in_angles(VertexId v, const Vec3& to, const AngleRules& rules) {
   TetMesh& mesh = subject_.mesh;
   Builder& builder = scratch_->builder;
   const VertexBall& ball = scratch_->ball;
@@ -109,7 +133,13 @@ bool Operators<Lock>::move_in_angles(VertexId v, const Vec3& to) {
     const auto [x, y, z] = kTetFaces[mesh.index_of(t, v)];
     if (orient3d(mesh.corner(t, x), mesh.corner(t, z), mesh.corner(t, y), to) <= 0) return false;
   }
+  TetId hint = mesh.metric_hint(v);
+  const metric::MetricPair pair = subject_.field.at(to, hint);
+  const LengthRange before = lengths_from(mesh, mesh.point(v), mesh.metric(v), ball.neighbours);
+  if (!may_follow(lengths_from(mesh, to, pair.metric, ball.neighbours), before, rules)) return false;
   mesh.set_point(v, to);
+  mesh.set_metric(v, pair.metric, pair.log);
+  mesh.set_metric_hint(v, hint);
   for (const TetId t : ball.tets)
     mesh.set_quality(t,
                      static_cast<float>(angle_quality(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2),
@@ -169,7 +199,12 @@ double Operators<Lock>::prepare_hole(TetId t, int hole, const AngleRules& rules,
   if (enlarged && !cavity.enlarge(mesh, vertex, rules.most_cavity_tets, lock_)) return -1;
   if (!cavity.carve(mesh, vertex, subject_.shapes)) return -1;
   place = vertex.point;
-  return cavity.optimise(mesh, place, scratch_->angles, subject_.measure, rules);
+  const double quality = cavity.optimise(mesh, place, scratch_->angles, subject_.measure, rules);
+  if (quality < 0) return -1;
+  const metric::MetricPair there = subject_.field.at(place, vertex.hint);
+  const LengthRange none{rules.least_length, rules.most_length};  // No edge there that could be an excuse.
+  return may_follow(lengths_from(mesh, place, there.metric, cavity.hull_vertices()), none, rules) ? quality
+                                                                                                  : -1;
 }
 
 template Outcome Operators<NoLock>::optimise_vertex(VertexId, const AngleRules&);

@@ -144,7 +144,7 @@ bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const PatchSha
   for (const HullFace& face : hull_)
     if (!face.absorbed)
       shapes_.add(mesh, VertexId(face.corners[0]), VertexId(face.corners[1]), VertexId(face.corners[2]));
-  const double least_cubed = rules.least_quality * rules.least_quality * rules.least_quality;
+  const double least_cubed = metric::cube(rules.least_quality);
   const std::span<const double> cubed = shapes_.ratios_cubed_at(vertex.point, vertex.metric.log);
   std::size_t next = 0;
   for (HullFace& face : hull_) {

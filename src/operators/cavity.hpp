@@ -58,6 +58,8 @@ class Cavity {
 
   /// Inner vertices nearer than rules.least_length to a new vertex of a surface; known after accept().
   [[nodiscard]] std::span<const VertexId> too_near() const { return too_near_; }
+  /// Those that a new vertex is joined to; known after carve().
+  [[nodiscard]] std::span<const std::uint32_t> hull_vertices() const { return hull_vertex_list_; }
 
  private:
   struct HullFace {

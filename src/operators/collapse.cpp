@@ -105,10 +105,6 @@ void neighbours_near(const TetMesh& mesh, VertexId v, const VertexBall& ball, do
   });
 }
 
-double cube(double x) {
-  return x * x * x;
-}
-
 /// True if the tetrahedra around `from` that do not vanish are positively oriented once it is where `to` is.
 bool are_positive_after(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
                         const std::vector<float>& qualities) {
@@ -140,7 +136,7 @@ bool measure_after(const TetMesh& mesh, const ShapeMeasure& measure, VertexId fr
     qualities.push_back(-1);
     if (mesh.index_of(ball.tets[i], to) >= 0) continue;
     const double cubed = in_metric ? cubes[i] : cubed_after(ball.tets[i]);
-    if (!(cubed > 0) || cubed < cube(floor))
+    if (!(cubed > 0) || cubed < metric::cube(floor))
       return false;  // The worst one before may be flat within rounding.
     qualities.back() = static_cast<float>(metric::cube_root(cubed));
   }
@@ -233,7 +229,7 @@ Outcome Operators<Lock>::thin_out(VertexId v, std::span<std::uint8_t> kept, cons
     if (is_any_curved(ball.patches, subject_.shapes)) return Outcome::kRejected;
     UniformStar& star = scratch_->uniform;
     star.gather(mesh, v, ball);
-    const double floor_cubed = std::min(star.worst_cubed(), cube(rules.least_quality));
+    const double floor_cubed = std::min(star.worst_cubed(), metric::cube(rules.least_quality));
     for (std::uint32_t place = 0; star.next_nearest(rules.least_length, place);) {
       const VertexId to(ball.neighbours[place]);
       if (!star.fits_at(place, floor_cubed, scratch_->qualities)) continue;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "scratch.hpp"
@@ -23,10 +24,12 @@ class RimTriangulation {
         rim_(ring.rim),
         a_(a),
         b_(b),
-        size_(static_cast<int>(ring.rim.size())) {}
+        size_(static_cast<int>(ring.rim.size())),
+        is_open_(ring.open) {}
 
+  /// @param most_length  Of each new edge between vertices of the rim.
   /// @return false if none is better than `least`.
-  bool find(double least);
+  bool find(double least, double most_length);
   [[nodiscard]] std::span<const Triangle> triangles() const { return {triangles_.data(), count_}; }
   /// Positive by the exact predicate?
   [[nodiscard]] bool is_positive() const;
@@ -50,6 +53,7 @@ class RimTriangulation {
   const std::vector<std::uint32_t>& rim_;
   VertexId a_, b_;
   int size_;
+  bool is_open_;
   // Of the polygon i, i + 1, ..., k closed by an edge: the best worst quality, and the corner of the triangle
   // on that edge.
   std::array<std::array<double, kMostRing>, kMostRing> best_;
@@ -58,11 +62,17 @@ class RimTriangulation {
   std::size_t count_ = 0;
 };
 
-bool RimTriangulation::find(double least) {
+bool RimTriangulation::find(double least, double most_length) {
+  const auto is_too_long = [&](int i, int k) {
+    const bool is_new = is_open_ || k - i < size_ - 1;
+    return is_new && std::isfinite(most_length) &&
+           metric_length(mesh_, VertexId(rim_[i]), VertexId(rim_[k])) > most_length;
+  };
   for (int i = 0; i + 1 < size_; ++i) best_[i][i + 1] = std::numeric_limits<double>::infinity();
   for (int length = 2; length < size_; ++length) {
     for (int i = 0, k = length; k < size_; ++i, ++k) {
       best_[i][k] = -1;
+      if (is_too_long(i, k)) continue;
       for (int j = i + 1; j < k; ++j) {
         double worst = std::min(best_[i][j], best_[j][k]);
         const double needed = std::max(best_[i][k], least);
@@ -210,7 +220,7 @@ Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const
   for (const TetId x : ring.tets) worst = std::min<double>(worst, mesh.quality(x));
   const double least = worst + rules.least_gain;
   RimTriangulation triangulation(mesh, subject_.measure, ring, a, b);
-  if (!triangulation.find(least * least * least) || !triangulation.is_positive() ||
+  if (!triangulation.find(metric::cube(least), rules.most_length) || !triangulation.is_positive() ||
       !keeps_to_surface_across(mesh, ring, a, b, subject_.shapes))
     return Outcome::kRejected;
   if (is_any_curved(ring.patches, subject_.shapes)) {

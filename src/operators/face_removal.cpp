@@ -143,9 +143,12 @@ Outcome Operators<Lock>::remove_held_face(TetId t, int face, const SwapRules& ru
   if (link.is_boundary() || mesh.interface_patch(t, face).valid()) return Outcome::kRejected;
   if (!lock_.try_lock(mesh.vertex(link.tet(), link.face()))) return Outcome::kContended;
   const double least = std::min(mesh.quality(t), mesh.quality(link.tet())) + rules.least_gain;
-  SandwichedFaces faces(mesh, subject_.measure, lock_, least * least * least);
+  SandwichedFaces faces(mesh, subject_.measure, lock_, metric::cube(least));
   if (!faces.find(t, face, link.tet(), link.face()))
     return faces.was_refused() ? Outcome::kContended : Outcome::kRejected;
+  if (std::isfinite(rules.most_length) &&
+      metric_length(mesh, faces.below(), faces.above()) > rules.most_length)
+    return Outcome::kRejected;
   replace(scratch_->builder, faces);
   return Outcome::kApplied;
 }

@@ -65,7 +65,7 @@ Outcome Operators<Lock>::on_held(OperatorCount& count, VertexId a, VertexId b, c
   if (measure.kind == ShapeMeasure::Kind::kDihedralAngles) {
     const double quality =
         angle_quality(mesh.point(a), mesh.point(b), mesh.point(c), mesh.point(d), measure.obtuse_weight);
-    return quality > 0 ? quality * quality * quality : -1;
+    return quality > 0 ? metric::cube(quality) : -1;
   }
   return metric::mean_ratio_cubed(mesh.point(a), mesh.point(b), mesh.point(c), mesh.point(d),
                                   mesh.log_metric(a), mesh.log_metric(b), mesh.log_metric(c),

@@ -191,7 +191,7 @@ bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, d
   if (!(sum < below)) return false;
   constexpr double kNoticed = 0.1;  // Shorter moves open no way to reconnect that was closed before.
   qualities.clear();
-  const double floor_cubed = 0.999 * floor * floor * floor;  // Stored qualities are rounded.
+  const double floor_cubed = 0.999 * metric::cube(floor);  // Stored qualities are rounded.
   for (const double cubed : scratch_->shapes.ratios_cubed_at(to, pair.log)) {
     if (!(cubed >= floor_cubed) || !(cubed > 0)) return false;
     const double quality = metric::cube_root(cubed);

@@ -14,7 +14,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from cube import cube, write_medit
+from cube import cube, write_medit, write_sol
 from program import BAD_INPUT, LUMESH, TIME_LIMIT, USAGE, MeshTest
 
 
@@ -25,13 +25,6 @@ def write_cube(path, n, one_patch=False):
         triangles = [(*corners, 1) for *corners, _ in triangles]
     write_medit(path, points, tetrahedra, triangles)
     return points
-
-
-def write_sol(path, tensors):
-    """Tensors in the file's order xx xy yy xz yz zz."""
-    rows = "".join(" ".join(map(str, tensor)) + "\n" for tensor in tensors)
-    pathlib.Path(path).write_text(f"MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n{len(tensors)}\n1 3\n{rows}End\n",
-                                  encoding="ascii")
 
 
 class AdaptTest(MeshTest):

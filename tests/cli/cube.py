@@ -1,5 +1,6 @@
 """The unit cube in n^3 cubes of six tetrahedra, for tests and benchmarks, and meshes as Medit text."""
 import itertools
+import pathlib
 
 
 def cube(n):
@@ -42,3 +43,10 @@ def write_medit(path, points, tetrahedra, triangles):
             if items:
                 file.write(f"{name}\n{len(items)}\n" + "".join(" ".join(map(str, item)) + "\n" for item in items))
         file.write("End\n")
+
+
+def write_sol(path, tensors):
+    """Tensors in the file's order xx xy yy xz yz zz."""
+    rows = "".join(" ".join(map(str, tensor)) + "\n" for tensor in tensors)
+    pathlib.Path(path).write_text(f"MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n{len(tensors)}\n1 3\n{rows}End\n",
+                                  encoding="ascii")

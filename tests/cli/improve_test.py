@@ -10,7 +10,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from cube import cube, write_medit
+from cube import cube, write_medit, write_sol
 from program import BAD_INPUT, USAGE, MeshTest
 
 
@@ -90,6 +90,27 @@ class ImproveTest(MeshTest):
         path = self.folder / "frozen.mesh"
         self.run_well("improve", self.rough, "-o", path, "--surface", "frozen", "--min-dihedral", 40)
         self.assertEqual(surface_of(path), surface_of(self.rough))
+
+    def test_sizes_are_kept_and_written(self):
+        count, size = 6 ** 3, 0.25
+        sizes, stretched = self.folder / "sizes.sol", self.folder / "stretched.sol"
+        write_sol(sizes, [[size ** -2, 0, size ** -2, 0, 0, size ** -2]] * count)
+        write_sol(stretched, [[1, 0, 1, 0, 0, 9]] * count)
+        self.assert_refused(self.run_lumesh("improve", self.rough, "-m", stretched, "-o", self.out), BAD_INPUT, "stretched.sol")
+        with_sizes = self.folder / "with_sizes.vtu"
+        self.run_well("improve", self.rough, "-m", sizes, "-o", with_sizes)
+        numbers = self.evaluate(with_sizes)
+        self.assertGreaterEqual(numbers["dihedral_deg"]["min"], 22)
+        self.assertAlmostEqual(numbers["complexity"], size ** -3, places=6)
+        # The mesh's own sizes do as well, but not stretched ones.
+        self.run_well("improve", with_sizes, "-o", self.out, "--passes", 0)
+        for name in ("min", "max", "mean"):
+            self.assertAlmostEqual(self.evaluate(self.out)["metric_edge_length"][name], numbers["metric_edge_length"][name])
+        stretched_mesh = self.folder / "stretched.vtu"
+        self.run_well("metric", self.rough, "-m", stretched, "-o", stretched_mesh)
+        result = self.run_well("improve", stretched_mesh, "-o", self.out)
+        self.assertIn("stretched.vtu is left out", result.stderr)
+        self.assertNotIn("metric_edge_length", self.evaluate(self.out))
 
     def test_what_cannot_be_improved_is_refused(self):
         improve = ("improve", self.rough, "-o", self.out)

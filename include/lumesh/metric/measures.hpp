@@ -148,6 +148,10 @@ class TraceFreeExp {
   return 432 * six_volumes * six_volumes / (edges * edges * edges);
 }
 
+[[nodiscard]] inline double cube(double x) {
+  return x * x * x;
+}
+
 /// Cube root of a positive number; relative error below 1e-14. A quarter of std::cbrt's time.
 [[nodiscard]] inline double cube_root(double x) {
   // A third of the exponent, then Halley's iteration, which triples the digits.

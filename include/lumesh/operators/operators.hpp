@@ -212,7 +212,7 @@ class Operators {
   Outcome optimise_held_vertex(VertexId v, const AngleRules& rules);
   Outcome slide_held_vertex(VertexId v, const AngleRules& rules);
   double gather_angles(VertexId v);
-  bool move_in_angles(VertexId v, const Vec3& to);
+  bool move_in_angles(VertexId v, const Vec3& to, const AngleRules& rules);
   Outcome insert_near_held_tet(TetId t, const AngleRules& rules);
   double prepare_hole(TetId t, int hole, const AngleRules& rules, Vec3& place);
   void draw_in_near_vertices(VertexId into);

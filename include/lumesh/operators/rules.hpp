@@ -2,6 +2,7 @@
 /// @file What an operator may do; lengths and qualities (mean ratios) are those of the metric.
 
 #include <cstddef>
+#include <limits>
 
 namespace lumesh::operators {
 
@@ -30,7 +31,8 @@ struct ThinningRules {
 struct SwapRules {
   int most_ring_tets = 8;    ///< Edges with more tetrahedra around them stay; at most kMostRing.
   double least_gain = 1e-3;  ///< Of the worst quality.
-  bool repeat = false;       ///< reconnect() tries edges and faces again that failed in the same run.
+  double most_length = std::numeric_limits<double>::infinity();  ///< Of each new edge.
+  bool repeat = false;  ///< reconnect() tries edges and faces again that failed in the same run.
 };
 inline constexpr int kMostRing = 12;
 inline constexpr std::size_t kMostFaces = 6;  ///< That go together in multi-face removal.
@@ -46,9 +48,12 @@ struct SmoothingRules {
 
 /// What betters dihedral angles: optimise_vertex(), slide_vertex(), insert_for_angles().
 struct AngleRules {
-  double least_gain = 1e-3;      ///< Of the worst quality.
-  int most_steps = 20;           ///< Of the search for one place.
-  int most_cavity_tets = 100;    ///< A cavity that would grow beyond is given up.
+  double least_gain = 1e-3;    ///< Of the worst quality.
+  int most_steps = 20;         ///< Of the search for one place.
+  int most_cavity_tets = 100;  ///< A cavity that would grow beyond is given up.
+  /// Of the edges at a vertex that is moved or put in, in the metric; where they are shorter or longer
+  /// already, they may not become more so.
+  double least_length = 0, most_length = std::numeric_limits<double>::infinity();
   double most_deviation = 0.15;  ///< Of faces from the input surface where a vertex slides, in edge lengths.
   double most_retreat = 0.01;    ///< Of these faces from the vertex's old place; in edge lengths, too.
 };

@@ -101,6 +101,35 @@ TEST(Improve, KeepsLabelsAndTheirInterface) {
   }
 }
 
+/// Edges of tetrahedra, counted once for each, that are shorter or longer than this.
+int edges_outside(const TetMesh& mesh, double least, double most) {
+  int outside = 0;
+  for (std::uint32_t t = 0; t < mesh.tet_count(); ++t)
+    for (const auto& [i, j] : kTetEdges) {
+      const double length = (mesh.corner(TetId(t), i) - mesh.corner(TetId(t), j)).norm();
+      outside += length < least || length > most ? 1 : 0;
+    }
+  return outside;
+}
+
+TEST(Improve, KeepsEdgesToTheirSizes) {
+  constexpr double kSize = 0.23;  // Edges of a grid of such cubes have 1/6 to 0.29.
+  const auto outside = [](const TetMesh& mesh) { return edges_outside(mesh, 0.6 * kSize, kSize / 0.6); };
+  const ImproveOptions free{.min_dihedral_deg = 35, .max_dihedral_deg = 130, .passes = 5};
+  ImproveOptions bound = free;
+  bound.sizes = metric::MetricField::uniform(kSize);
+  TetMesh mesh = fixtures::rough_cube(6, 6), other = fixtures::rough_cube(6, 6);
+  const int before = outside(mesh);
+  Context context;
+  const ImproveReport report = improve(mesh, bound, context);
+  improve(other, free, context);
+  ASSERT_TRUE(validate(mesh).ok()) << validate(mesh).text();
+  EXPECT_LT(report.after.tets_outside, report.before.tets_outside / 10);
+  EXPECT_LT(outside(mesh), before);
+  EXPECT_LT(2 * outside(mesh), outside(other));
+  EXPECT_NEAR(mesh.metric(VertexId(0)).xx, 1 / (kSize * kSize), 1e-9);
+}
+
 TEST(Improve, GivesTheSameBitsForEveryThreadCount) {
   std::vector<TetMesh> meshes;
   for (const int threads : {1, 2, 8}) {
