@@ -27,7 +27,7 @@ namespace {
 
 struct AdaptCommand {
   const CLI::App* self = nullptr;
-  std::string mesh_path, output_path, metric_path, analytic, image_path, json_path;
+  std::string mesh_path, output_path, metric_path, metric_output_path, analytic, image_path, json_path;
   ImageSelection selection;
   std::string boundary = "adapt", reconnection = "optimised", placement = "edge";
   double complexity = 0, gradation = 0;
@@ -101,8 +101,22 @@ void check_options(const AdaptCommand& command) {
       (!selection.labels.empty() || selection.threshold || selection.largest_component > 0))
     throw Error(ErrorKind::kUsage,
                 "--labels, --threshold and --largest-component say what of --image to take; give it");
+  if (!command.metric_output_path.empty() && !is_metric_file(command.metric_output_path))
+    throw Error(ErrorKind::kUsage,
+                "--metric-output " + command.metric_output_path + ": must be .sol or .solb");
   if (!command.image_path.empty() && command.boundary == "frozen")
     throw Error(ErrorKind::kUsage, "--image is what an adapted surface follows; leave out --boundary frozen");
+}
+
+void warn_of_missed_complexity(const AdaptCommand& command, const AdaptReport& report,
+                               const Context& context) {
+  constexpr double kMissed = 0.1;
+  if (command.complexity > 0 && report.complete &&
+      std::abs(report.complexity / command.complexity - 1) > kMissed)
+    context.warn(
+        fmt::format("the mesh has a complexity of {:.3g}, not {:.3g} as asked for: its surface wants "
+                    "more, or its boundary stays",
+                    report.complexity, command.complexity));
 }
 
 void run(AdaptCommand command) {
@@ -111,7 +125,7 @@ void run(AdaptCommand command) {
   Context context = make_context(command.run);
   const LongRun long_run(context, command.run, command.time_limit_s);
   check_options(command);
-  check_output_folders({command.output_path, command.json_path});
+  check_output_folders({command.output_path, command.metric_output_path, command.json_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
   const bool adapts_boundary = command.boundary == "adapt";
@@ -139,10 +153,14 @@ void run(AdaptCommand command) {
   operators::join_patches(mesh, origins);
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
-  context.phase("write", [&] { write_mesh(command.output_path, mesh.view(faces)); });
+  context.phase("write", [&] {
+    write_mesh(command.output_path, mesh.view(faces));
+    if (!command.metric_output_path.empty()) write_metric_of(command.metric_output_path, mesh);
+  });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
     report::write_file(command.json_path, report_json(report, context, elapsed.count()).dump(2) + "\n");
+  warn_of_missed_complexity(command, report, context);
   print_counts(command.run, report.by_thread);
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",
       command.output_path, mesh.tet_count(), mesh.vertex_count(), faces.triangles.size(), report.complexity,
@@ -191,6 +209,8 @@ void add_adapt_command(CLI::App& program) {
       ->required();
   add_metric_options(*sub, command->metric_path, command->analytic);
   add_gradation_option(*sub, command->gradation)->excludes("--analytic");
+  sub->add_option("--metric-output", command->metric_output_path,
+                  "Write the metric of the adapted mesh (.sol, .solb) beside meshes that carry none");
   sub->add_option("--complexity", command->complexity,
                   "Scale the sizes until the adapted mesh has this complexity (about half its vertices)")
       ->check(positive_number());

@@ -54,8 +54,10 @@ void run(const MetricCommand& command) {
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
   check_output_folders({command.output_path});
-  if (!command.output_path.ends_with(".vtu") && !command.output_path.ends_with(".vtk"))
-    throw Error(ErrorKind::kUsage, command.output_path + ": only .vtu and .vtk files carry a metric");
+  const bool alone = is_metric_file(command.output_path);
+  if (!alone && !command.output_path.ends_with(".vtu") && !command.output_path.ends_with(".vtk"))
+    throw Error(ErrorKind::kUsage,
+                command.output_path + ": only .vtu, .vtk, .sol and .solb files carry a metric");
   if (command.smallest_mm > command.largest_mm)
     throw Error(ErrorKind::kUsage, "--min-size must not be greater than --max-size");
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
@@ -68,7 +70,12 @@ void run(const MetricCommand& command) {
   });
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
-  context.phase("write", [&] { write_mesh(command.output_path, mesh.view(faces)); });
+  context.phase("write", [&] {
+    if (alone)
+      write_metric_of(command.output_path, mesh);
+    else
+      write_mesh(command.output_path, mesh.view(faces));
+  });
   const double complexity = metric::complexity(mesh);
   if (command.complexity > 0 && std::abs(complexity / command.complexity - 1) > 0.01)
     context.warn(fmt::format("the bounds on sizes leave a complexity of {:.4g}, not {:.4g}", complexity,
@@ -84,7 +91,8 @@ void add_metric_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("metric", "Give every vertex of a mesh a metric tensor");
   command->self = sub;
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
-  sub->add_option("-o,--output", command->output_path, "Mesh with the metric to write (.vtu, .vtk)")
+  sub->add_option("-o,--output", command->output_path,
+                  "Mesh with the metric to write (.vtu, .vtk), or the metric alone (.sol, .solb)")
       ->required();
   add_metric_options(*sub, command->metric_path, command->analytic);
   sub->add_option("--min-size", command->smallest_mm, "No size below this, in mm")->check(positive_number());

@@ -58,6 +58,17 @@ std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_
   return tensors;
 }
 
+bool is_metric_file(const std::string& path) {
+  return path.ends_with(".sol") || path.ends_with(".solb");
+}
+
+void write_metric_of(const std::string& path, const TetMesh& mesh) {
+  std::vector<SymTensor> tensors;
+  tensors.reserve(mesh.vertex_count());
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) tensors.push_back(mesh.metric(VertexId(v)));
+  write_metric(path, tensors);
+}
+
 bool are_isotropic(const std::vector<SymTensor>& tensors) {
   constexpr double kSame = 1.02;  // Of eigenvalues, which are inverse squares of sizes.
   return std::all_of(tensors.begin(), tensors.end(), [](const SymTensor& tensor) {

@@ -37,8 +37,8 @@ template <class Lock>
 Outcome Operators<Lock>::split_edge(TetId t, int i, int j, double fraction, const InsertionRules& rules) {
   const VertexId a = subject_.mesh.vertex(t, i), b = subject_.mesh.vertex(t, j);
   // Each tetrahedron around the edge asks for it again.
-  const std::uint64_t edge = edge_key(a.value, b.value);
-  if (scratch_->whole_edges.contains(edge)) return Outcome::kRejected;
+  TriedEdges& tried = scratch_->tried_splits;
+  if (tried.would_fail(a, b)) return Outcome::kRejected;
   const Outcome outcome = on_held(counts_.insertion, a, b, [&] {
     // The same point whoever asks, and from which end.
     const Vec3 &p = subject_.mesh.point(a), &q = subject_.mesh.point(b);
@@ -46,7 +46,8 @@ Outcome Operators<Lock>::split_edge(TetId t, int i, int j, double fraction, cons
                ? split_held_edge(t, b, a, 1 - fraction, rules)
                : split_held_edge(t, a, b, fraction, rules);
   });
-  if (outcome == Outcome::kRejected) scratch_->whole_edges.insert(edge, 0);
+  if (outcome == Outcome::kRejected) tried.note_failure(a, b);
+  if (outcome == Outcome::kApplied) tried.note_change(scratch_->cavity.hull_vertices());
   return outcome;
 }
 

@@ -47,8 +47,8 @@ void Operators<Lock>::begin_run(const Lock& lock, std::uint32_t stamp, std::uint
   lock_ = lock;
   scratch_->builder.stamp = stamp;
   scratch_->builder.epoch = epoch;
-  scratch_->whole_edges.clear();
-  scratch_->tried_edges.clear();
+  scratch_->tried_splits.clear();
+  scratch_->tried_removals.clear();
   scratch_->builder.tets.clear();
   scratch_->builder.vertices.clear();
 }
@@ -81,19 +81,28 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
   };
   const TetMesh& mesh = subject_.mesh;
   const std::uint32_t epoch = scratch_->builder.epoch;
+  TriedEdges& tried = scratch_->tried_removals;
+  const Cell<4> corners = mesh.tet(t);
+  const std::size_t made_before = scratch_->builder.tets.size();
+  const auto note_what_changed = [&] {
+    tried.note_change(corners);
+    for (std::size_t i = made_before; i < scratch_->builder.tets.size(); ++i)
+      tried.note_change(mesh.tet(scratch_->builder.tets[i]));
+    return Outcome::kApplied;
+  };
   for (const auto& [i, j] : kTetEdges) {
-    const std::uint64_t edge = edge_key(mesh.vertex(t, i).value, mesh.vertex(t, j).value);
-    if (!rules.repeat && scratch_->tried_edges.contains(edge)) continue;
+    const VertexId a = mesh.vertex(t, i), b = mesh.vertex(t, j);
+    if (!rules.repeat && tried.would_fail(a, b)) continue;
     const Outcome outcome = remove_edge(t, i, j, rules);
-    if (is_applied(outcome)) return Outcome::kApplied;
-    if (outcome == Outcome::kRejected) scratch_->tried_edges.insert(edge, 0);
+    if (is_applied(outcome)) return note_what_changed();
+    if (outcome == Outcome::kRejected) tried.note_failure(a, b);
   }
   for (int face = 0; face < 4; ++face) {
     // The neighbour tried the same face, and neither has changed since: what is made anew carries no note,
     // and a sweep that moves vertices asks for repeat.
     const FaceLink link = mesh.link(t, face);
     if (!rules.repeat && !link.is_boundary() && mesh.trial_epoch(link.tet()) == epoch) continue;
-    if (is_applied(remove_face(t, face, rules))) return Outcome::kApplied;
+    if (is_applied(remove_face(t, face, rules))) return note_what_changed();
   }
   if (contended) return Outcome::kContended;
   subject_.mesh.set_trial_epoch(t, epoch);

@@ -8,6 +8,7 @@
 #include "lumesh/operators/operators.hpp"
 #include "neighbourhoods.hpp"
 #include "star_shapes.hpp"
+#include "tried_edges.hpp"
 #include "uniform_star.hpp"
 
 namespace lumesh::operators {
@@ -45,8 +46,7 @@ struct Operators<Lock>::Scratch {
   StarShapes shapes;
   UniformStar uniform;
   AngleStar angles;
-  LocalMap<std::uint64_t, char> whole_edges;  // Those that this run could not split,
-  LocalMap<std::uint64_t, char> tried_edges;  // and that reconnect() could not remove.
+  TriedEdges tried_splits, tried_removals;  // Of this run, by split_edge() and reconnect().
 };
 
 template <class Lock>

@@ -53,6 +53,36 @@ class AdaptTest(MeshTest):
         self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 1500, "-o", self.out)
         self.assertAlmostEqual(self.evaluate(self.out)["complexity"] / 1500, 1, delta=0.03)
 
+    def test_the_metric_of_the_adapted_mesh_is_written_beside_it(self):
+        mesh, sol, both = self.folder / "adapted.meshb", self.folder / "adapted.solb", self.folder / "both.vtu"
+        self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 800, "-o", mesh, "--metric-output", sol)
+        self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 800, "-o", self.out)
+        self.assertNotIn("metric_edge_length", self.evaluate(mesh))
+        self.run_well("metric", mesh, "-m", sol, "-o", both)
+        self.assertAlmostEqual(self.evaluate(both)["metric_edge_length"]["mean"],
+                               self.evaluate(self.out)["metric_edge_length"]["mean"])
+        text = self.folder / "again.sol"
+        self.run_well("metric", both, "-o", text)
+        tensors = [[float(x) for x in line.split()] for line in text.read_text().splitlines() if len(line.split()) == 6]
+        self.assertEqual(len(tensors), self.evaluate(both)["vertices"])
+
+    def test_a_complexity_that_cannot_be_met_is_told(self):
+        result = self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 1, "-o", self.out)
+        self.assertIn("not 1 as asked for", result.stderr)
+
+    def test_the_benchmarks_cube_with_a_cylinder_becomes_a_unit_mesh(self):
+        mesh = pathlib.Path(__file__).parents[3] / "shared/data/ugawg/cube-cylinder/cube-cylinder.meshb"
+        if not mesh.is_file():
+            self.skipTest(f"no {mesh}")
+        for formula in ("linear", "polar-2"):
+            self.run_well("adapt", mesh, "--analytic", formula, "-o", self.out)
+            found = self.evaluate(self.out)
+            self.assertGreater(found["metric_edge_length"]["fraction_in_band"], 0.97)
+            self.assertGreater(found["metric_edge_length"]["min"], 0.4)
+            self.assertLess(found["metric_edge_length"]["max"], 2.2)
+            self.assertGreater(found["metric_mean_ratio"]["mean"], 0.86)
+            self.assertGreater(found["metric_mean_ratio"]["min"], 0.35)
+
     def test_every_number_of_threads_gives_the_same_file(self):
         files = []
         for threads, balance in ((1, "none"), (2, "first-idle"), (8, "hierarchical"), (64, "stealing")):
@@ -112,6 +142,10 @@ class AdaptTest(MeshTest):
         bounded = self.run_lumesh("metric", own, "-o", self.out, "--complexity", "1e6", "--min-size", 0.1)
         self.assertEqual(bounded.returncode, 0)
         self.assertIn("bounds on sizes", bounded.stderr)
+
+    def test_a_metric_output_of_another_kind_is_refused(self):
+        self.assert_refused(self.run_lumesh("adapt", self.cube, "--analytic", "linear", "-o", self.out,
+                                            "--metric-output", self.folder / "x.vtk"), USAGE, "x.vtk", ".sol")
 
     def test_metric_options_that_cannot_be_are_refused(self):
         metric = ("metric", self.cube, "-o", self.out)

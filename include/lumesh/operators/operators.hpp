@@ -119,9 +119,9 @@ class Operators {
   /// Puts a vertex on edge (corner i, corner j) of t, `fraction` of its metric length from i, and fills the
   /// hole of all tetrahedra whose circumsphere in the new vertex's metric holds it (insphere test, corrected
   /// until every face of the hole sees the vertex). Inner vertices too near to a new vertex of a surface are
-  /// drawn into it afterwards. An edge that failed since begin_run() is not tried again, nor counted.
-  /// Sources: Loseille and Alauzet 2009, doi:10.1007/978-3-642-04319-2_33; Borouchaki, George et al. 1997,
-  /// doi:10.1016/S0168-874X(96)00057-1.
+  /// drawn into it afterwards. Where it failed since begin_run() it is not tried again, nor counted, before
+  /// both ends saw a change. Sources: Loseille and Alauzet 2009, doi:10.1007/978-3-642-04319-2_33;
+  /// Borouchaki, George et al. 1997, doi:10.1016/S0168-874X(96)00057-1.
   Outcome split_edge(TetId t, int i, int j, double fraction, const InsertionRules& rules);
 
   /// Puts a vertex on the centroid of t, with the same kind of hole.
@@ -183,8 +183,8 @@ class Operators {
   [[nodiscard]] const std::vector<TetId>& made_tets() const;
   [[nodiscard]] const std::vector<VertexId>& made_vertices() const;
   /// Tries edge removal on every edge of t, then removal of every face, until one is done; unless
-  /// rules.repeat, not those that failed since begin_run(). Where all were rejected, the epoch is noted on t:
-  /// as long as nothing changes around its edges, trying again is hardly worth it
+  /// rules.repeat, not those that failed since begin_run() and saw no change. Where all were rejected, the
+  /// epoch is noted on t: as long as nothing changes around its edges, trying again is hardly worth it
   /// (has_changed_since_trial()).
   Outcome reconnect(TetId t, const SwapRules& rules);
   /// True if all vertices of t can be had: what it is then, it stays. Where it was not held before, its stamp
