@@ -36,7 +36,13 @@ TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
     throw Error(ErrorKind::kBadInput,
                 path + ": has cells other than tetrahedra, which cannot be adapted; make it without --mixed");
   try {
-    return TetMesh::build(mesh.view());
+    TetMesh built = TetMesh::build(mesh.view());
+    for (std::uint32_t v = 0; v < built.vertex_count(); ++v)
+      if (!built.incident_tet(VertexId(v)).valid())
+        throw Error(ErrorKind::kBadInput, fmt::format("point {}, counted from 0, belongs to no tetrahedron; "
+                                                      "remove such points",
+                                                      v));
+    return built;
   } catch (const Error& error) {
     throw Error(error.kind(), path + ": " + error.what());
   }

@@ -1,8 +1,8 @@
 #include "lumesh/metric/metric_field.hpp"
 
-#include <algorithm>
 #include <cmath>
 
+#include "background.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -11,41 +11,6 @@ namespace lumesh::metric {
 namespace {
 
 constexpr std::size_t kBlock = 4096;
-constexpr int kLongestWalk = 100000;
-
-/// Barycentric coordinates of a point, by signed volumes; they sum to 1, but in a tetrahedron that is flat
-/// within rounding: there only their signs mean something.
-std::array<double, 4> barycentric(const TetMesh& mesh, TetId t, const Vec3& point) {
-  std::array<double, 4> weights{};
-  double sum = 0;
-  for (int f = 0; f < 4; ++f) {
-    const auto [i, j, k] = kTetFaces[f];
-    const Vec3& a = mesh.corner(t, i);
-    // The face's normal points away from vertex f.
-    weights[f] = -triple_product(mesh.corner(t, j) - a, mesh.corner(t, k) - a, point - a);
-    sum += weights[f];
-  }
-  if (sum > 0)
-    for (double& weight : weights) weight /= sum;
-  return weights;
-}
-
-/// Walks through the face the point lies farthest behind, until there is none or the boundary is met.
-TetId walk_to(const TetMesh& mesh, TetId t, const Vec3& point, std::array<double, 4>& weights) {
-  for (int step = 0;; ++step) {
-    weights = barycentric(mesh, t, point);
-    TetId next;
-    double most = 0;
-    for (int f = 0; f < 4; ++f) {
-      const FaceLink link = mesh.link(t, f);
-      if (weights[f] >= most || link.is_boundary()) continue;
-      most = weights[f];
-      next = link.tet();
-    }
-    if (!next.valid() || step == kLongestWalk) return t;
-    t = next;
-  }
-}
 
 }  // namespace
 
@@ -66,7 +31,7 @@ MetricField MetricField::uniform(double size) {
 MetricField MetricField::on_background(TetMesh background) {
   LUMESH_ASSERT(background.has_metric() && background.is_compact());
   MetricField field;
-  field.source_ = Background{std::make_shared<const TetMesh>(std::move(background))};
+  field.source_ = std::make_shared<const Background>(std::move(background));
   return field;
 }
 
@@ -78,23 +43,15 @@ MetricPair MetricField::at(const Vec3& point, Hint& hint) const {
     const double inverse = 1 / (size * size), log = -2 * std::log(size);
     return {SymTensor::diagonal(inverse, inverse, inverse), SymTensor::diagonal(log, log, log)};
   }
-  return interpolated(*std::get<Background>(source_).mesh, point, hint);
+  return interpolated(*std::get<std::shared_ptr<const Background>>(source_), point, hint);
 }
 
-MetricPair MetricField::interpolated(const TetMesh& mesh, const Vec3& point, Hint& hint) const {
-  std::array<double, 4> weights{};
-  hint = walk_to(mesh, hint, point, weights);
-  double sum = 0;
-  for (double& weight : weights) {
-    weight = std::max(weight, 0.0);  // Outside: near the nearest point of the last tetrahedron.
-    sum += weight;
-  }
-  if (!(sum > 0)) {  // A flat one: its vertices lie together.
-    weights.fill(1);
-    sum = 4;
-  }
+MetricPair MetricField::interpolated(const Background& background, const Vec3& point, Hint& hint) const {
+  const Background::Place place = background.locate(point, hint);
+  hint = place.tet;
   SymTensor log;
-  for (int i = 0; i < 4; ++i) log = log + (weights[i] / sum) * mesh.log_metric(mesh.vertex(hint, i));
+  for (int i = 0; i < 4; ++i)
+    log = log + place.weights[i] * background.mesh().log_metric(background.mesh().vertex(hint, i));
   const double shift = -2 * std::log(size_factor_);
   log.xx += shift;
   log.yy += shift;

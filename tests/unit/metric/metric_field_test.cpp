@@ -55,6 +55,54 @@ TEST(AnalyticMetric, IsKnownByName) {
   EXPECT_EQ(analytic_kind_from("polar-3"), std::nullopt);
 }
 
+/// Two arms of 5 x 5 x 2 cubes that a bridge at y < 1 joins, between x = 0 and 5; logarithms vary linearly.
+TetMesh arms_with_linear_log() {
+  const fixtures::TetSoup grid = fixtures::cube_grid(5);
+  fixtures::TetSoup soup;
+  std::vector<std::uint32_t> number(grid.points.size(), ~0u);
+  for (const Cell<4>& tet : grid.tets) {
+    const Vec3 middle =
+        0.25 * (grid.points[tet[0]] + grid.points[tet[1]] + grid.points[tet[2]] + grid.points[tet[3]]);
+    if (middle[0] > 2 && middle[0] < 3 && middle[1] > 1) continue;
+    Cell<4> corners = tet;
+    for (std::uint32_t& v : corners) {
+      if (number[v] == ~0u) {
+        number[v] = static_cast<std::uint32_t>(soup.points.size());
+        soup.points.push_back(grid.points[v]);
+      }
+      v = number[v];
+    }
+    soup.tets.push_back(corners);
+    soup.labels.push_back(1);
+  }
+  TetMesh mesh = soup.build();
+  mesh.enable_metric();
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const double log_size = mesh.point(VertexId(v))[0];
+    const SymTensor log = SymTensor::diagonal(-2 * log_size, -2 * log_size, -2 * log_size);
+    mesh.set_metric(VertexId(v), exp(log), log);
+  }
+  return mesh;
+}
+
+TEST(BackgroundMetric, IsThatOfTheRightBranchWhereverTheSearchBegins) {
+  const TetMesh mesh = arms_with_linear_log();
+  const MetricField field = MetricField::on_background(arms_with_linear_log());
+  for (const std::uint32_t start : {0u, mesh.tet_count() / 2, mesh.tet_count() - 1})
+    for (const Vec3& p : {Vec3(0.3, 4.2, 2.1), Vec3(1.9, 4.9, 0.2), Vec3(3.1, 4.7, 4.6), Vec3(4.6, 3.3, 2.5),
+                          Vec3(2.5, 0.6, 3.3), Vec3(2, 5, 5), Vec3(3, 5, 0)}) {
+      MetricField::Hint hint(start);
+      EXPECT_NEAR(std::log(size_along(field.at(p, hint).metric, Vec3(1, 0, 0))), p[0], 1e-9) << p.transpose();
+    }
+  MetricField::Hint hint = field.first_hint();  // In the gap, nearer to the right arm: that of its wall.
+  EXPECT_NEAR(std::log(size_along(field.at(Vec3(2.8, 4, 2.5), hint).metric, Vec3(1, 0, 0))), 3, 1e-9);
+
+  TetMesh same = arms_with_linear_log();
+  assign_vertex_metrics(same, field);
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    EXPECT_NEAR(same.log_metric(VertexId(v)).xx, mesh.log_metric(VertexId(v)).xx, 1e-9);
+}
+
 /// The cube [0, n]^3 with linearly varying logarithms of the metric.
 TetMesh mesh_with_linear_log(int n) {
   TetMesh mesh = fixtures::cube_grid(n).build();
