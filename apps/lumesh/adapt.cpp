@@ -40,20 +40,22 @@ struct AdaptCommand {
 };
 
 /// Says no before hours of work, where the result could not fit.
-void check_request(double complexity) {
+void check_request(const std::string& mesh_path, double complexity) {
   constexpr double kTetsPerComplexity = 11, kBytesPerTet = 130;
   if (!std::isfinite(complexity))
     throw Error(ErrorKind::kBadInput,
-                "the metric's complexity is not a finite number; its sizes are too small or vary "
-                "too wildly");
+                mesh_path +
+                    ": the metric's complexity is not a finite number; its sizes are too small or vary "
+                    "too wildly");
   const double tets = kTetsPerComplexity * complexity;
   const double available = static_cast<double>(available_memory_bytes());
   if (tets < TetMesh::kMaxTets && tets * kBytesPerTet < available) return;
   throw Error(
       ErrorKind::kBadInput,
-      fmt::format("the metric asks for about {:.2g} tetrahedra ({:.2g} GB; {:.2g} GB are free); ask for a "
-                  "lower --complexity than {:.3g}",
-                  tets, tets * kBytesPerTet / 1e9, available / 1e9, complexity));
+      fmt::format("{}: the metric asks for about {:.2g} tetrahedra ({:.2g} GB; {:.2g} GB are free); a "
+                  "--complexity of {:.1g} would fit",
+                  mesh_path, tets, tets * kBytesPerTet / 1e9, available / 1e9,
+                  0.5 * std::min<double>(available / kBytesPerTet, TetMesh::kMaxTets) / kTetsPerComplexity));
 }
 
 nlohmann::ordered_json report_json(const AdaptReport& report, const Context& context, double seconds) {
@@ -96,6 +98,7 @@ void follow_image(const AdaptCommand& command, const TetMesh& mesh, operators::P
 /// What can be said before anything is read.
 void check_options(const AdaptCommand& command) {
   command.options.validate();
+  check_volume_output(command.output_path);
   const ImageSelection& selection = command.selection;
   if (command.image_path.empty() &&
       (!selection.labels.empty() || selection.threshold || selection.largest_component > 0))
@@ -108,15 +111,14 @@ void check_options(const AdaptCommand& command) {
     throw Error(ErrorKind::kUsage, "--image is what an adapted surface follows; leave out --boundary frozen");
 }
 
-void warn_of_missed_complexity(const AdaptCommand& command, const AdaptReport& report,
-                               const Context& context) {
-  constexpr double kMissed = 0.1;
-  if (command.complexity > 0 && report.complete &&
-      std::abs(report.complexity / command.complexity - 1) > kMissed)
-    context.warn(
-        fmt::format("the mesh has a complexity of {:.3g}, not {:.3g} as asked for: its surface wants "
-                    "more, or its boundary stays",
-                    report.complexity, command.complexity));
+/// Small complexities do not suffice for what the surface needs.
+void warn_of_many_vertices(const TetMesh& mesh, const AdaptReport& report, const Context& context) {
+  constexpr double kMany = 6;  // Per unit of complexity.
+  if (!report.complete || mesh.vertex_count() < kMany * report.complexity) return;
+  context.warn(fmt::format(
+      "{} vertices for a complexity of {:.3g}, of which about 2 each are usual: the surface needs more "
+      "than the sizes ask for",
+      mesh.vertex_count(), report.complexity));
 }
 
 void run(AdaptCommand command) {
@@ -134,9 +136,10 @@ void run(AdaptCommand command) {
   });
   metric::MetricField field =
       field_of({command.mesh_path, command.metric_path, command.analytic}, input, mesh, command.gradation);
-  check_request(command.complexity > 0 ? command.complexity : context.phase("complexity", [&] {
-    return metric::complexity(field, mesh);
-  }));
+  check_request(command.mesh_path,
+                command.complexity > 0 ? command.complexity : context.phase("complexity", [&] {
+                  return metric::complexity(field, mesh);
+                }));
 
   command.options.execution = command.kernel.execution_kind();
   command.options.team = command.kernel.team(command.run.threads);
@@ -160,7 +163,7 @@ void run(AdaptCommand command) {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
     report::write_file(command.json_path, report_json(report, context, elapsed.count()).dump(2) + "\n");
-  warn_of_missed_complexity(command, report, context);
+  warn_of_many_vertices(mesh, report, context);
   print_counts(command.run, report.by_thread);
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",
       command.output_path, mesh.tet_count(), mesh.vertex_count(), faces.triangles.size(), report.complexity,

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
+#include <set>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
@@ -53,9 +54,9 @@ std::string given_options(const CLI::App& command) {
   std::string all;
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
-    constexpr std::string_view kElsewhere[] = {"--threads", "--verbose",  "--quiet",
-                                               "--output",  "--surface",  "--json",
-                                               "--balance", "--topology", "--pin"};
+    constexpr std::string_view kElsewhere[] = {"--threads",  "--verbose", "--quiet",         "--output",
+                                               "--surface",  "--json",    "--metric-output", "--balance",
+                                               "--topology", "--pin"};
     if (std::find(std::begin(kElsewhere), std::end(kElsewhere), name) != std::end(kElsewhere)) continue;
     if (option->count() == 0 || option->get_positional()) continue;
     all += (all.empty() ? "" : " ") + name;
@@ -145,7 +146,20 @@ std::optional<int> integer_from(std::string_view text) {
   return parsed<int>(text);
 }
 
+void check_volume_output(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* const known : {".vtu", ".vtk", ".mesh", ".meshb", ".msh"})
+    if (extension == known) return;
+  throw Error(ErrorKind::kUsage, path + ": unknown mesh format; use .vtu, .vtk, .mesh, .meshb or .msh");
+}
+
 void check_output_folders(std::initializer_list<std::string> paths) {
+  std::set<std::filesystem::path> named;
+  for (const std::string& path : paths)
+    if (!path.empty() && !named.insert(std::filesystem::absolute(path).lexically_normal()).second)
+      throw Error(ErrorKind::kUsage, path + ": is named for two outputs; give each its own file");
   for (const std::filesystem::path path : paths) {
     if (path.empty()) continue;
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";

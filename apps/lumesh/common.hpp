@@ -68,6 +68,9 @@ void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::st
 [[nodiscard]] std::optional<double> number_from(std::string_view text);
 [[nodiscard]] std::optional<int> integer_from(std::string_view text);
 
+/// @throws Error{kUsage} unless the name ends as those of files that hold tetrahedra.
+void check_volume_output(const std::string& path);
+
 /// Refuses outputs that could not be written, before time is spent on them; empty names are not wanted ones.
 /// @throws Error{kBadInput} if a folder does not exist or the name is that of a folder.
 void check_output_folders(std::initializer_list<std::string> paths);

@@ -23,7 +23,8 @@ namespace {
 struct ImproveCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, metric_path, json_path;
-  std::string surface = "slide";
+  std::string boundary = "slide";
+  bool ignores_sizes = false;
   double time_limit_s = std::numeric_limits<double>::infinity();
   ImproveOptions options;
   KernelOptions kernel;
@@ -56,7 +57,7 @@ nlohmann::ordered_json report_json(const ImproveReport& report, const ImproveOpt
 /// The sizes of --metric or, where they are the same in all directions, of the mesh itself.
 std::optional<metric::MetricField> sizes_of(const ImproveCommand& command, const MixedMesh& input,
                                             const TetMesh& mesh, const Context& context) {
-  if (command.metric_path.empty() && input.metric.empty()) return std::nullopt;
+  if (command.ignores_sizes || (command.metric_path.empty() && input.metric.empty())) return std::nullopt;
   const std::vector<SymTensor> tensors = metric_of(input, command.mesh_path, command.metric_path);
   if (are_isotropic(tensors)) return background_field(mesh, tensors, 0);
   if (!command.metric_path.empty())
@@ -74,13 +75,14 @@ void run(ImproveCommand command) {
   Context context = make_context(command.run);
   const LongRun long_run(context, command.run, command.time_limit_s);
   command.options.validate();
+  check_volume_output(command.output_path);
   check_output_folders({command.output_path, command.json_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
   command.options.sizes = sizes_of(command, input, mesh, context);
   command.options.execution = command.kernel.execution_kind();
   command.options.team = command.kernel.team(command.run.threads);
-  command.options.slide = command.surface == "slide";
+  command.options.slide = command.boundary == "slide";
 
   const ImproveReport report = improve(mesh, command.options, context);
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
@@ -115,12 +117,14 @@ void add_improve_command(CLI::App& program) {
   sub->add_option(
       "-m,--metric", command->metric_path,
       "Sizes that edges are to keep to (.sol, .solb), the same in all directions; default: the mesh's own");
+  sub->add_flag("--ignore-sizes", command->ignores_sizes, "Leave out the metric that the mesh carries")
+      ->excludes("--metric");
   sub->add_option("--min-dihedral", o.min_dihedral_deg, "Raise smaller dihedral angles, in degrees, 1 to 60")
       ->capture_default_str();
   sub->add_option("--max-dihedral", o.max_dihedral_deg, "Lower larger ones, in degrees, 90 to 179")
       ->capture_default_str();
   sub->add_option("--passes", o.passes, "Passes at most, >= 0")->capture_default_str();
-  sub->add_option("--surface", command->surface,
+  sub->add_option("--boundary", command->boundary,
                   "slide: vertices may move along their patch where nothing else helps; frozen: they stay")
       ->check(CLI::IsMember({"slide", "frozen"}))
       ->capture_default_str();

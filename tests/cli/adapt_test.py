@@ -66,9 +66,9 @@ class AdaptTest(MeshTest):
         tensors = [[float(x) for x in line.split()] for line in text.read_text().splitlines() if len(line.split()) == 6]
         self.assertEqual(len(tensors), self.evaluate(both)["vertices"])
 
-    def test_a_complexity_that_cannot_be_met_is_told(self):
-        result = self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 1, "-o", self.out)
-        self.assertIn("not 1 as asked for", result.stderr)
+    def test_more_vertices_than_the_complexity_asks_for_are_told(self):
+        result = self.run_well("adapt", self.cube, "--analytic", "linear", "--complexity", 1, "--boundary", "frozen", "-o", self.out)
+        self.assertIn("the surface needs more", result.stderr)
 
     def test_the_benchmarks_cube_with_a_cylinder_becomes_a_unit_mesh(self):
         mesh = pathlib.Path(__file__).parents[3] / "shared/data/ugawg/cube-cylinder/cube-cylinder.meshb"
@@ -142,6 +142,28 @@ class AdaptTest(MeshTest):
         bounded = self.run_lumesh("metric", own, "-o", self.out, "--complexity", "1e6", "--min-size", 0.1)
         self.assertEqual(bounded.returncode, 0)
         self.assertIn("bounds on sizes", bounded.stderr)
+
+    def test_outputs_that_cannot_be_are_refused_before_any_work(self):
+        adapt = ("adapt", self.cube, "--analytic", "linear")
+        for name in ("x.txt", "x.sol", "x.vtp"):
+            self.assert_refused(self.run_lumesh(*adapt, "-o", self.folder / name), USAGE, name, ".meshb")
+        self.assert_refused(self.run_lumesh(*adapt, "-o", self.out, "--json", self.out), USAGE, self.out.name, "two outputs")
+
+    def test_a_point_without_tetrahedra_is_refused(self):
+        points, tetrahedra, triangles = cube(2)
+        mesh = self.folder / "lonely.mesh"
+        write_medit(mesh, [*points, (2, 2, 2)], tetrahedra, triangles)
+        self.assert_refused(self.run_lumesh("adapt", mesh, "--analytic", "linear", "-o", self.out), BAD_INPUT, "lonely.mesh", "point 27")
+
+    def test_two_parts_keep_their_own_sizes(self):
+        points, tetrahedra, triangles = cube(2)
+        n, mesh, sizes = len(points), self.folder / "two.mesh", self.folder / "two.sol"
+        write_medit(mesh, points + [(x + 3, y, z) for x, y, z in points],
+                    tetrahedra + [(*(v + n for v in t[:4]), 1) for t in tetrahedra],
+                    triangles + [(*(v + n for v in t[:3]), t[3]) for t in triangles])
+        write_sol(sizes, [[h ** -2, 0, h ** -2, 0, 0, h ** -2] for h in (0.25, 0.5) for _ in range(n)])
+        self.run_well("metric", mesh, "-m", sizes, "-o", self.out)
+        self.assertAlmostEqual(self.evaluate(self.out)["complexity"], 4 ** 3 + 2 ** 3)
 
     def test_a_metric_output_of_another_kind_is_refused(self):
         self.assert_refused(self.run_lumesh("adapt", self.cube, "--analytic", "linear", "-o", self.out,

@@ -88,10 +88,10 @@ class ImproveTest(MeshTest):
 
     def test_a_frozen_surface_stays(self):
         path = self.folder / "frozen.mesh"
-        self.run_well("improve", self.rough, "-o", path, "--surface", "frozen", "--min-dihedral", 40)
+        self.run_well("improve", self.rough, "-o", path, "--boundary", "frozen", "--min-dihedral", 40)
         self.assertEqual(surface_of(path), surface_of(self.rough))
 
-    def test_sizes_are_kept_and_written(self):
+    def test_sizes_are_carried_along(self):
         count, size = 6 ** 3, 0.25
         sizes, stretched = self.folder / "sizes.sol", self.folder / "stretched.sol"
         write_sol(sizes, [[size ** -2, 0, size ** -2, 0, 0, size ** -2]] * count)
@@ -106,6 +106,8 @@ class ImproveTest(MeshTest):
         self.run_well("improve", with_sizes, "-o", self.out, "--passes", 0)
         for name in ("min", "max", "mean"):
             self.assertAlmostEqual(self.evaluate(self.out)["metric_edge_length"][name], numbers["metric_edge_length"][name])
+        self.run_well("improve", with_sizes, "-o", self.out, "--ignore-sizes")
+        self.assertNotIn("metric_edge_length", self.evaluate(self.out))
         stretched_mesh = self.folder / "stretched.vtu"
         self.run_well("metric", self.rough, "-m", stretched, "-o", stretched_mesh)
         result = self.run_well("improve", stretched_mesh, "-o", self.out)
@@ -115,7 +117,7 @@ class ImproveTest(MeshTest):
     def test_what_cannot_be_improved_is_refused(self):
         improve = ("improve", self.rough, "-o", self.out)
         self.assert_refused(self.run_lumesh(*improve, "--min-dihedral", 80), USAGE, "min dihedral")
-        self.assert_refused(self.run_lumesh(*improve, "--surface", "liquid"), USAGE, "liquid")
+        self.assert_refused(self.run_lumesh(*improve, "--boundary", "liquid"), USAGE, "liquid")
         self.assert_refused(self.run_lumesh(*improve, "--passes", -1), USAGE, "passes")
         self.assert_refused(self.run_lumesh("improve", self.folder / "none.mesh", "-o", self.out), BAD_INPUT, "none.mesh")
         points, tetrahedra, triangles = cube(2)
