@@ -24,8 +24,9 @@ class SandwichedFaces {
   };
 
   /// @param least_cubed  Of the quality of each new tetrahedron: it must be above.
-  SandwichedFaces(const TetMesh& mesh, const ShapeMeasure& measure, Lock& lock, double least_cubed)
-      : mesh_(mesh), measure_(measure), lock_(lock), least_cubed_(least_cubed) {}
+  SandwichedFaces(const TetMesh& mesh, const ShapeMeasure& measure, Lock& lock, double least_cubed,
+                  std::size_t most_faces)
+      : mesh_(mesh), measure_(measure), lock_(lock), least_cubed_(least_cubed), most_faces_(most_faces) {}
 
   /// Begins with a face of `lower`, whose vertices are held as those of `upper` are, and adds faces next to
   /// it where the rim's tetrahedra would not do.
@@ -70,7 +71,7 @@ class SandwichedFaces {
       return mesh_.patch(t, face).valid() ? FaceLink() : mesh_.link(t, face);
     };
     const FaceLink lower = behind(edge.lower), upper = behind(edge.upper);
-    if (faces_ == kMostFaces || lower.is_boundary() || upper.is_boundary()) return false;
+    if (faces_ == most_faces_ || lower.is_boundary() || upper.is_boundary()) return false;
     const VertexId far = mesh_.vertex(lower.tet(), lower.face());
     if (mesh_.vertex(upper.tet(), upper.face()) != far || !is_face_between(lower.tet(), upper.tet()))
       return false;
@@ -94,6 +95,7 @@ class SandwichedFaces {
   const ShapeMeasure& measure_;
   Lock& lock_;
   double least_cubed_;
+  std::size_t most_faces_;
   VertexId below_, above_;
   std::array<TetId, 2 * kMostFaces> tets_;
   std::size_t faces_ = 0;
@@ -144,7 +146,7 @@ Outcome Operators<Lock>::remove_held_face(TetId t, int face, const SwapRules& ru
   if (link.is_boundary() || mesh.interface_patch(t, face).valid()) return Outcome::kRejected;
   if (!lock_.try_lock(mesh.vertex(link.tet(), link.face()))) return Outcome::kContended;
   const double least = std::min(mesh.quality(t), mesh.quality(link.tet())) + rules.least_gain;
-  SandwichedFaces faces(mesh, subject_.measure, lock_, metric::cube(least));
+  SandwichedFaces faces(mesh, subject_.measure, lock_, metric::cube(least), rules.most_faces);
   if (!faces.find(t, face, link.tet(), link.face()))
     return faces.was_refused() ? Outcome::kContended : Outcome::kRejected;
   if (std::isfinite(rules.most_length) &&

@@ -27,15 +27,17 @@ struct ThinningRules {
   double least_quality = 0.05;  ///< As in CollapseRules, in the vertex's own metric.
 };
 
+inline constexpr int kMostRing = 12;
+inline constexpr std::size_t kMostFaces = 6;
+
 /// Edges and faces that are replaced.
 struct SwapRules {
-  int most_ring_tets = 8;    ///< Edges with more tetrahedra around them stay; at most kMostRing.
-  double least_gain = 1e-3;  ///< Of the worst quality.
+  int most_ring_tets = 8;               ///< Edges with more tetrahedra around them stay; at most kMostRing.
+  std::size_t most_faces = kMostFaces;  ///< That go together in multi-face removal; 1 is the 2-3 swap alone.
+  double least_gain = 1e-3;             ///< Of the worst quality.
   double most_length = std::numeric_limits<double>::infinity();  ///< Of each new edge.
   bool repeat = false;  ///< reconnect() tries edges and faces again that failed in the same run.
 };
-inline constexpr int kMostRing = 12;
-inline constexpr std::size_t kMostFaces = 6;  ///< That go together in multi-face removal.
 
 /// Vertices that move.
 struct SmoothingRules {
