@@ -34,6 +34,7 @@ struct AdaptCommand {
   double time_limit_s = std::numeric_limits<double>::infinity();
   double feature_angle_deg = 40;
   int met = 1;
+  bool allows_pieces = false;
   AdaptOptions options;
   KernelOptions kernel;
   RunOptions run;
@@ -130,6 +131,7 @@ void run(AdaptCommand command) {
   check_output_folders({command.output_path, command.metric_output_path, command.json_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
+  if (!command.allows_pieces) context.phase("build", [&] { refuse_pieces(mesh, command.mesh_path); });
   const bool adapts_boundary = command.boundary == "adapt";
   const std::vector<PatchId> origins = context.phase("creases", [&] {
     return operators::cut_patches_at_creases(mesh, adapts_boundary ? command.feature_angle_deg : 180);
@@ -222,6 +224,7 @@ void add_adapt_command(CLI::App& program) {
       ->check(CLI::IsMember({"adapt", "frozen"}))
       ->transform(CLI::Transformer(std::map<std::string, std::string>{{"0", "frozen"}, {"1", "adapt"}}))
       ->capture_default_str();
+  sub->add_flag("--allow-pieces", command->allows_pieces, "Take meshes of several pieces, too");
   sub->add_option("--image", command->image_path,
                   std::string("Image that the mesh was made of ") + kImageFormats +
                       ": the surface follows its boundary instead of the mesh's own surface");

@@ -164,6 +164,13 @@ class AdaptTest(MeshTest):
         write_sol(sizes, [[h ** -2, 0, h ** -2, 0, 0, h ** -2] for h in (0.25, 0.5) for _ in range(n)])
         self.run_well("metric", mesh, "-m", sizes, "-o", self.out)
         self.assertAlmostEqual(self.evaluate(self.out)["complexity"], 4 ** 3 + 2 ** 3)
+        adapted = self.folder / "adapted.vtu"
+        result = self.run_lumesh("adapt", self.out, "-o", adapted)
+        self.assertEqual(result.returncode, BAD_INPUT)
+        self.assertIn("has 2 pieces", result.stderr)
+        self.assertFalse(adapted.exists())
+        self.run_well("adapt", self.out, "-o", adapted, "--allow-pieces")
+        self.assertEqual(self.evaluate(adapted)["components"], 2)
 
     def test_a_metric_output_of_another_kind_is_refused(self):
         self.assert_refused(self.run_lumesh("adapt", self.cube, "--analytic", "linear", "-o", self.out,
