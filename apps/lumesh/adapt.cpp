@@ -16,6 +16,7 @@
 #include "lumesh/core/memory.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/metric_file.hpp"
 #include "lumesh/operators/creases.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
@@ -81,7 +82,7 @@ void follow_image(const AdaptCommand& command, const TetMesh& mesh, operators::P
                   Context& context) {
   const LabelImage image = context.phase(
       "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
-  try {
+  naming(command.image_path, [&] {
     const std::size_t following = context.phase("surfaces", [&] {
       return operators::follow_image(mesh, std::make_shared<const ImageDomain>(image, ImageDomainOptions{}),
                                      shapes);
@@ -91,9 +92,7 @@ void follow_image(const AdaptCommand& command, const TetMesh& mesh, operators::P
       context.warn(doubt);
     if (following == 0)
       context.warn(command.image_path + ": no patch follows it; all are planes, cylinders or mixed");
-  } catch (const Error& error) {
-    throw Error(error.kind(), command.image_path + ": " + error.what());
-  }
+  });
 }
 
 /// What can be said before anything is read.
@@ -159,8 +158,9 @@ void run(AdaptCommand command) {
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   context.phase("write", [&] {
-    write_mesh(command.output_path, mesh.view(faces));
-    if (!command.metric_output_path.empty()) write_metric_of(command.metric_output_path, mesh);
+    const MeshView view = mesh.view(faces);
+    write_mesh(command.output_path, view);
+    if (!command.metric_output_path.empty()) write_metric(command.metric_output_path, view.metric);
   });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())

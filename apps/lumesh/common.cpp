@@ -14,6 +14,7 @@
 #include "lumesh/core/version.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/image_file.hpp"
+#include "lumesh/io/mesh_file.hpp"
 
 namespace lumesh::cli {
 
@@ -147,11 +148,7 @@ std::optional<int> integer_from(std::string_view text) {
 }
 
 void check_volume_output(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const char* const known : {".vtu", ".vtk", ".mesh", ".meshb", ".msh"})
-    if (extension == known) return;
+  if (is_volume_file(path)) return;
   throw Error(ErrorKind::kUsage, path + ": unknown mesh format; use .vtu, .vtk, .mesh, .meshb or .msh");
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lumesh/core/context.hpp"
+#include "lumesh/core/error.hpp"
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
@@ -67,6 +68,16 @@ void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::st
 /// The whole text as a number; none if it is anything else.
 [[nodiscard]] std::optional<double> number_from(std::string_view text);
 [[nodiscard]] std::optional<int> integer_from(std::string_view text);
+
+/// What body() returns; its errors name the file.
+template <class Body>
+auto naming(const std::string& path, const Body& body) {
+  try {
+    return body();
+  } catch (const Error& error) {
+    throw Error(error.kind(), path + ": " + error.what());
+  }
+}
 
 /// @throws Error{kUsage} unless the name ends as those of files that hold tetrahedra.
 void check_volume_output(const std::string& path);

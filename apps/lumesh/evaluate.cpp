@@ -120,10 +120,8 @@ void run(const EvaluateCommand& command) {
     phantom.emplace(phantom_spec_from_json(read_text(command.reference_path)));
     input.phantom = &*phantom;
   }
-  if (mesh.view().cell_count() == 0)
-    throw Error(ErrorKind::kBadInput,
-                command.mesh_path + ": has no volume cells; evaluate takes tetrahedra and mixed meshes");
-  quality::Evaluation evaluation = quality::evaluate(mesh.view(), input, context);
+  quality::Evaluation evaluation =
+      naming(command.mesh_path, [&] { return quality::evaluate(mesh.view(), input, context); });
   evaluation.warnings.insert(evaluation.warnings.begin(), warnings.begin(), warnings.end());
   say(command.run, "{}\n{}", command.mesh_path, report::summary_text(evaluation));
   write_outputs(command, mesh.view(), evaluation, context);

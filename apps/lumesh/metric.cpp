@@ -7,6 +7,7 @@
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/metric_file.hpp"
 #include "lumesh/metric/gradation.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -72,7 +73,7 @@ void run(const MetricCommand& command) {
   const BoundaryFaces faces = mesh.boundary_faces();
   context.phase("write", [&] {
     if (alone)
-      write_metric_of(command.output_path, mesh);
+      write_metric(command.output_path, mesh.view(faces).metric);
     else
       write_mesh(command.output_path, mesh.view(faces));
   });

@@ -36,7 +36,7 @@ TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
   if (!mesh.hexahedra.empty() || !mesh.pyramids.empty() || !mesh.prisms.empty())
     throw Error(ErrorKind::kBadInput,
                 path + ": has cells other than tetrahedra, which cannot be adapted; make it without --mixed");
-  try {
+  return naming(path, [&] {
     TetMesh built = TetMesh::build(mesh.view());
     for (std::uint32_t v = 0; v < built.vertex_count(); ++v)
       if (!built.incident_tet(VertexId(v)).valid())
@@ -44,9 +44,7 @@ TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
                                                       "remove such points",
                                                       v));
     return built;
-  } catch (const Error& error) {
-    throw Error(error.kind(), path + ": " + error.what());
-  }
+  });
 }
 
 void refuse_pieces(const TetMesh& mesh, const std::string& path) {
@@ -86,17 +84,6 @@ std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_
                   fmt::format("{}: the tensor of vertex {} is not positive definite and finite",
                               metric_path.empty() ? mesh_path : metric_path, i));
   return tensors;
-}
-
-bool is_metric_file(const std::string& path) {
-  return path.ends_with(".sol") || path.ends_with(".solb");
-}
-
-void write_metric_of(const std::string& path, const TetMesh& mesh) {
-  std::vector<SymTensor> tensors;
-  tensors.reserve(mesh.vertex_count());
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) tensors.push_back(mesh.metric(VertexId(v)));
-  write_metric(path, tensors);
 }
 
 bool are_isotropic(const std::vector<SymTensor>& tensors) {

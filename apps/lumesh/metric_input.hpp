@@ -30,11 +30,6 @@ void refuse_pieces(const TetMesh& mesh, const std::string& path);
 /// True if the sizes of every tensor are the same in all directions, within a hundredth.
 [[nodiscard]] bool are_isotropic(const std::vector<SymTensor>& tensors);
 
-/// True if the name ends as those of files that hold a metric alone: .sol, .solb.
-[[nodiscard]] bool is_metric_file(const std::string& path);
-/// Of all vertices, in their order, as write_metric().
-void write_metric_of(const std::string& path, const TetMesh& mesh);
-
 /// A background of `mesh` with these tensors, and with bounded growth where `gradation` > 0.
 [[nodiscard]] metric::MetricField background_field(const TetMesh& mesh, const std::vector<SymTensor>& tensors,
                                                    double gradation);

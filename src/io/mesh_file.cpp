@@ -62,4 +62,9 @@ bool is_mesh_file(const std::filesystem::path& path) {
   return std::find(kKnown.begin(), kKnown.end(), lower_extension(path)) != kKnown.end();
 }
 
+bool is_volume_file(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 5> kKnown = {".vtu", ".vtk", ".mesh", ".meshb", ".msh"};
+  return std::find(kKnown.begin(), kKnown.end(), lower_extension(path)) != kKnown.end();
+}
+
 }  // namespace lumesh

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "file_fault.hpp"
@@ -26,12 +27,17 @@ constexpr std::string_view kOrder = "xx xy yy xz yz zz";
 
 enum class Encoding : std::uint8_t { kText, kBinary };
 
-Encoding encoding_of(const std::filesystem::path& path) {
+std::optional<Encoding> known_encoding_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension == ".sol") return Encoding::kText;
   if (extension == ".solb") return Encoding::kBinary;
+  return std::nullopt;
+}
+
+Encoding encoding_of(const std::filesystem::path& path) {
+  if (const auto encoding = known_encoding_of(path)) return *encoding;
   io::fail(path, "unknown metric format; use .sol or .solb");
 }
 
@@ -185,6 +191,10 @@ std::vector<SymTensor> read_metric(const std::filesystem::path& path, std::size_
   if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
   if (encoding == Encoding::kText) return FieldReader<TextSource>(path, expected_count).read();
   return FieldReader<ByteSource>(path, expected_count).read();
+}
+
+bool is_metric_file(const std::filesystem::path& path) {
+  return known_encoding_of(path).has_value();
 }
 
 void write_metric(const std::filesystem::path& path, std::span<const SymTensor> metric) {

@@ -135,8 +135,10 @@ bool Operators<Lock>::move_in_angles(VertexId v, const Vec3& to, const AngleRule
   }
   TetId hint = mesh.metric_hint(v);
   const metric::MetricPair pair = subject_.field.at(to, hint);
-  const LengthRange before = lengths_from(mesh, mesh.point(v), mesh.metric(v), ball.neighbours);
-  if (!may_follow(lengths_from(mesh, to, pair.metric, ball.neighbours), before, rules)) return false;
+  if (rules.bounds_lengths() &&
+      !may_follow(lengths_from(mesh, to, pair.metric, ball.neighbours),
+                  lengths_from(mesh, mesh.point(v), mesh.metric(v), ball.neighbours), rules))
+    return false;
   mesh.set_point(v, to);
   mesh.set_metric(v, pair.metric, pair.log);
   mesh.set_metric_hint(v, hint);
@@ -200,7 +202,7 @@ double Operators<Lock>::prepare_hole(TetId t, int hole, const AngleRules& rules,
   if (!cavity.carve(mesh, vertex, subject_.shapes)) return -1;
   place = vertex.point;
   const double quality = cavity.optimise(mesh, place, scratch_->angles, subject_.measure, rules);
-  if (quality < 0) return -1;
+  if (quality < 0 || !rules.bounds_lengths()) return quality;
   const metric::MetricPair there = subject_.field.at(place, vertex.hint);
   const LengthRange none{rules.least_length, rules.most_length};  // No edge there that could be an excuse.
   return may_follow(lengths_from(mesh, place, there.metric, cavity.hull_vertices()), none, rules) ? quality

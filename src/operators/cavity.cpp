@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "links.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "surface_rules.hpp"
 
@@ -219,11 +220,7 @@ VertexId Cavity::fill(Builder& builder, const NewVertex& vertex) {
     const auto [a, b, c] = face.corners;
     face.filled = builder.add_tet({a, b, c, v.value}, face.label);
     mesh.set_quality(face.filled, face.quality);
-    mesh.set_link(face.filled, 3, face.behind);
-    if (!face.behind.is_boundary()) {
-      mesh.set_link(face.behind.tet(), face.behind.face(), FaceLink::to(face.filled, 3));
-      if (face.patch.valid()) mesh.set_interface_patch(face.filled, 3, face.patch);
-    }
+    put_behind(mesh, face.filled, 3, {face.behind, face.patch});
     for (const std::uint32_t corner : face.corners) mesh.set_incident_tet(VertexId(corner), face.filled);
     mesh.set_incident_tet(v, face.filled);
   }
@@ -255,8 +252,7 @@ void Cavity::link_across(TetMesh& mesh, std::size_t i, int corner, std::uint32_t
     mesh.set_link(theirs.filled, static_cast<int>(other & 3), FaceLink::boundary(hull_[i].patch));
   } else {
     const int their_corner = static_cast<int>(other & 3);
-    mesh.set_link(hull_[i].filled, corner, FaceLink::to(theirs.filled, their_corner));
-    mesh.set_link(theirs.filled, their_corner, FaceLink::to(hull_[i].filled, corner));
+    link_to(mesh, hull_[i].filled, corner, FaceLink::to(theirs.filled, their_corner));
     if (hull_[i].label == theirs.label) return;
     const auto& v = hull_[i].corners;
     const PatchId patch = patch_of_edge(v[(corner + 1) % 3], v[(corner + 2) % 3]);

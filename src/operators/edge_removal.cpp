@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
 #include "scratch.hpp"
@@ -65,8 +64,7 @@ class RimTriangulation {
 bool RimTriangulation::find(double least, double most_length) {
   const auto is_too_long = [&](int i, int k) {
     const bool is_new = is_open_ || k - i < size_ - 1;
-    return is_new && std::isfinite(most_length) &&
-           metric_length(mesh_, VertexId(rim_[i]), VertexId(rim_[k])) > most_length;
+    return is_new && is_longer_than(most_length, mesh_, VertexId(rim_[i]), VertexId(rim_[k]));
   };
   for (int i = 0; i + 1 < size_; ++i) best_[i][i + 1] = std::numeric_limits<double>::infinity();
   for (int length = 2; length < size_; ++length) {

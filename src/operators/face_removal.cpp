@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <span>
 
 #include "scratch.hpp"
@@ -149,9 +148,7 @@ Outcome Operators<Lock>::remove_held_face(TetId t, int face, const SwapRules& ru
   SandwichedFaces faces(mesh, subject_.measure, lock_, metric::cube(least), rules.most_faces);
   if (!faces.find(t, face, link.tet(), link.face()))
     return faces.was_refused() ? Outcome::kContended : Outcome::kRejected;
-  if (std::isfinite(rules.most_length) &&
-      metric_length(mesh, faces.below(), faces.above()) > rules.most_length)
-    return Outcome::kRejected;
+  if (is_longer_than(rules.most_length, mesh, faces.below(), faces.above())) return Outcome::kRejected;
   replace(scratch_->builder, faces);
   return Outcome::kApplied;
 }

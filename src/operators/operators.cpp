@@ -85,6 +85,7 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
   const Cell<4> corners = mesh.tet(t);
   const std::size_t made_before = scratch_->builder.tets.size();
   const auto note_what_changed = [&] {
+    if (rules.repeat) return Outcome::kApplied;  // Nobody asks.
     tried.note_change(corners);
     for (std::size_t i = made_before; i < scratch_->builder.tets.size(); ++i)
       tried.note_change(mesh.tet(scratch_->builder.tets[i]));
@@ -95,7 +96,7 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
     if (!rules.repeat && tried.would_fail(a, b)) continue;
     const Outcome outcome = remove_edge(t, i, j, rules);
     if (is_applied(outcome)) return note_what_changed();
-    if (outcome == Outcome::kRejected) tried.note_failure(a, b);
+    if (!rules.repeat && outcome == Outcome::kRejected) tried.note_failure(a, b);
   }
   for (int face = 0; face < 4; ++face) {
     // The neighbour tried the same face, and neither has changed since: what is made anew carries no note,

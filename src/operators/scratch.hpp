@@ -1,9 +1,12 @@
 #pragma once
 /// @file The working memory of one thread's operators.
 
+#include <cmath>
+
 #include "angle_star.hpp"
 #include "builder.hpp"
 #include "cavity.hpp"
+#include "links.hpp"
 #include "local_map.hpp"
 #include "lumesh/operators/operators.hpp"
 #include "neighbourhoods.hpp"
@@ -76,23 +79,9 @@ Outcome Operators<Lock>::on_held(OperatorCount& count, VertexId a, VertexId b, c
   return metric::edge_length(mesh.point(a), mesh.metric(a), mesh.point(b), mesh.metric(b));
 }
 
-/// Makes t and what lies behind a face neighbours, or the face one of the outside.
-inline void link_to(TetMesh& mesh, TetId t, int face, FaceLink behind) {
-  mesh.set_link(t, face, behind);
-  if (!behind.is_boundary()) mesh.set_link(behind.tet(), behind.face(), FaceLink::to(t, face));
-}
-
-/// What lies behind a face of a tetrahedron that goes, for the one that comes in its place.
-struct Side {
-  FaceLink link;
-  PatchId patch;
-};
-[[nodiscard]] inline Side side_of(const TetMesh& mesh, TetId t, int face) {
-  return {mesh.link(t, face), mesh.patch(t, face)};
-}
-inline void put_behind(TetMesh& mesh, TetId t, int face, const Side& side) {
-  link_to(mesh, t, face, side.link);
-  if (side.patch.valid() && !side.link.is_boundary()) mesh.set_interface_patch(t, face, side.patch);
+/// Measures nothing where there is no bound.
+[[nodiscard]] inline bool is_longer_than(double most, const TetMesh& mesh, VertexId a, VertexId b) {
+  return std::isfinite(most) && metric_length(mesh, a, b) > most;
 }
 
 }  // namespace lumesh::operators

@@ -54,6 +54,8 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 
 /// True for a file name that read_mesh() takes.
 [[nodiscard]] bool is_mesh_file(const std::filesystem::path& path);
+/// True for a file name under which write_mesh() writes the volume, not the boundary alone.
+[[nodiscard]] bool is_volume_file(const std::filesystem::path& path);
 
 /// Cells whose volume is not positive in VTK's vertex order (hexahedra, prisms and pyramids by corner
 /// tetrahedra).

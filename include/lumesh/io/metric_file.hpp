@@ -22,6 +22,9 @@ namespace lumesh {
 [[nodiscard]] std::vector<SymTensor> read_metric(const std::filesystem::path& path,
                                                  std::size_t expected_count);
 
+/// True if the name ends as those of files that write_metric() writes.
+[[nodiscard]] bool is_metric_file(const std::filesystem::path& path);
+
 /// Writes .sol, or .solb of version 2 (3 above 2 GiB), in double precision: read_metric() gives the same
 /// bits. The file is written beside the target and renamed when complete.
 ///

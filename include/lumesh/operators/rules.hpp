@@ -1,6 +1,7 @@
 #pragma once
 /// @file What an operator may do; lengths and qualities (mean ratios) are those of the metric.
 
+#include <cmath>
 #include <cstddef>
 #include <limits>
 
@@ -56,6 +57,7 @@ struct AngleRules {
   /// Of the edges at a vertex that is moved or put in, in the metric; where they are shorter or longer
   /// already, they may not become more so.
   double least_length = 0, most_length = std::numeric_limits<double>::infinity();
+  [[nodiscard]] bool bounds_lengths() const { return least_length > 0 || std::isfinite(most_length); }
   double most_deviation = 0.15;  ///< Of faces from the input surface where a vertex slides, in edge lengths.
   double most_retreat = 0.01;    ///< Of these faces from the vertex's old place; in edge lengths, too.
 };

@@ -176,14 +176,14 @@ TEST(Lattice, SmallerSpacingGivesMoreTetrahedraAndBothLieOnTheSurface) {
 }
 
 TEST(Lattice, TheMixedMeshFillsWhatTheTetrahedraFill) {
-  const LabelImage image = nested_balls(13);
+  const LabelImage image = nested_balls(15);
   LatticeOptions options;
   options.spacing_mm = 2;
   options.coarsening = 1;
   const MixedMesh tets = meshed(image, options);
   options.cells = LatticeCells::kMixed;
   const MixedMesh mixed = meshed(image, options);
-  EXPECT_GT(mixed.hexahedra.size(), 30U);
+  EXPECT_GT(mixed.hexahedra.size(), 100U);
   EXPECT_LT(mixed.tetrahedra.size(), tets.tetrahedra.size());
   test::expect_conforming(mixed);
   EXPECT_GT(test::smallest_cell_volume(mixed), 0);
