@@ -81,11 +81,7 @@ void ImageDomain::add_border_cuts(const LabelImage& image) {
   }
 }
 
-Material ImageDomain::material_at(const Vec3& point_mm) const {
-  return surroundings(point_mm).material;
-}
-
-ImageDomain::Surroundings ImageDomain::surroundings(const Vec3& point_mm) const {
+Domain::Surroundings ImageDomain::surroundings(const Vec3& point_mm) const {
   double furthest = -1e300;
   std::size_t cut = 0;
   for (std::size_t c = 0; c < cuts_.size(); ++c) {
@@ -98,6 +94,50 @@ ImageDomain::Surroundings ImageDomain::surroundings(const Vec3& point_mm) const 
   if (!cuts_.empty() && furthest > 0) return {static_cast<Material>(labels_.size() + cut), furthest};
   const LabelField::Winner winner = field_.winner(frame().to_index(point_mm));
   return {winner.label, std::min(-furthest, winner.depth * frame().spacing_mm.minCoeff())};
+}
+
+double ImageDomain::clearance_limit_mm() const {
+  return LabelField::kFieldLimit * frame().spacing_mm.minCoeff();
+}
+
+MaterialSet ImageDomain::materials_near(const Vec3& point_mm, double reach_mm) const {
+  const Vec3 index = frame().to_index(point_mm);
+  const LabelField::Winner winner = field_.winner(index);
+  MaterialSet near;
+  const auto labels = field_.labels_near(index);
+  if (labels.size() == 1) {
+    near.insert(winner.label);
+  } else {
+    const double best = field_.value(index, winner.label);
+    for (const Material m : labels)
+      if (0.5 * (best - field_.value(index, static_cast<LabelField::LabelIndex>(m))) * voxel_size_mm_ <=
+          reach_mm)
+        near.insert(m);
+  }
+  for (std::size_t c = 0; c < cuts_.size(); ++c)
+    if (cuts_[c].normal.dot(point_mm - cuts_[c].point_mm) >= -reach_mm)
+      near.insert(static_cast<Material>(labels_.size() + c));
+  return near;
+}
+
+bool ImageDomain::may_hold_object(const Vec3& low_mm, const Vec3& high_mm) const {
+  Box3 box;
+  for (int corner = 0; corner < 8; ++corner)
+    box.extend(frame().to_index(Vec3((corner & 1) != 0 ? high_mm.x() : low_mm.x(),
+                                     (corner & 2) != 0 ? high_mm.y() : low_mm.y(),
+                                     (corner & 4) != 0 ? high_mm.z() : low_mm.z())));
+  return field_.may_hold_object(box.min(), box.max());
+}
+
+Box3 ImageDomain::bounds_mm() const {
+  Box3 box;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 index;
+    for (int axis = 0; axis < 3; ++axis)
+      index[axis] = (corner >> axis & 1) != 0 ? object_box_[1][axis] + 1.5 : object_box_[0][axis] - 1.5;
+    box.extend(frame().to_physical(index));
+  }
+  return box;
 }
 
 Label ImageDomain::label_at(const Vec3& point_mm) const {

@@ -3,18 +3,10 @@
 
 #include <vector>
 
+#include "lumesh/domain/patch_names.hpp"
 #include "work_mesh.hpp"
 
 namespace lumesh {
-
-/// One face between two materials; points out of `inside`.
-struct BoundaryTriangle {
-  std::array<std::uint32_t, 3> vertices;
-  Material inside;   ///< A meshed material.
-  Material outside;  ///< Another; the larger of the two where both are meshed.
-
-  friend bool operator==(const BoundaryTriangle& a, const BoundaryTriangle& b) = default;
-};
 
 /// What the fit needs to know of the boundary.
 struct BoundaryModel {

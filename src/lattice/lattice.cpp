@@ -10,8 +10,8 @@
 #include "fit.hpp"
 #include "hexahedra.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/domain/patch_names.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "patches.hpp"
 #include "refinement.hpp"
 #include "size_grid.hpp"
 #include "work_mesh.hpp"
@@ -30,7 +30,7 @@ MixedMesh to_mixed_mesh(WorkMesh& mesh, const BoundaryModel& boundary, const Ima
   parallel::for_each_index(out.tetrahedra.size(), [&](std::size_t t) {
     out.tetrahedron_labels[t] = domain.label_of(mesh.materials[t]);
   });
-  PatchAssignment patches = name_patches(boundary, out.points, domain);
+  PatchAssignment patches = name_patches(boundary.triangles, out.points, domain);
   out.info.patches = std::move(patches.patches);
   out.triangle_patches = std::move(patches.of_triangle);
   out.triangles.resize(boundary.triangles.size());

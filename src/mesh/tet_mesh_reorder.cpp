@@ -112,6 +112,43 @@ void TetMesh::reorder_along_curve() {
   parallel::for_each_index(tets.size(), [&](std::size_t t) { tet_stamps_[t] = 0; });
 }
 
+void TetMesh::normalise() {
+  LUMESH_ASSERT(is_compact());
+  // places[t][i]: which corner of before becomes the i-th.
+  UninitialisedVector<std::array<std::uint8_t, 4>> places(tet_slots());
+  parallel::for_each_index(tet_slots(), [&](std::size_t t) {
+    std::array<std::uint8_t, 4> order = {0, 1, 2, 3};
+    int swaps = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 3; j > i; --j)
+        if (tets_[t][order[j]] < tets_[t][order[j - 1]]) std::swap(order[j], order[j - 1]), ++swaps;
+    if (swaps % 2 == 1) std::swap(order[2], order[3]);
+    places[t] = order;
+  });
+  const auto new_face = [&](FaceLink link) {
+    if (link.is_boundary()) return link;
+    const auto& order = places[link.tet().value];
+    return FaceLink::to(link.tet(),
+                        static_cast<int>(std::find(order.begin(), order.end(), link.face()) - order.begin()));
+  };
+  parallel::for_each_index(tet_slots(), [&](std::size_t t) {
+    const Cell<4> corners = tets_[t];
+    const std::array<FaceLink, 4> links = links_[t];
+    for (std::size_t i = 0; i < 4; ++i) {
+      tets_[t][i] = corners[places[t][i]];
+      links_[t][i] = new_face(links[places[t][i]]);
+    }
+    if (!has_interfaces()) return;
+    const std::array<std::uint16_t, 4> patches = interface_patches_[t];
+    for (std::size_t i = 0; i < 4; ++i) interface_patches_[t][i] = patches[places[t][i]];
+  });
+  parallel::for_each_index(vertex_slots(), [&](std::size_t v) { incident_[v] = TetId(); });
+  parallel::for_each_index(tet_slots(), [&](std::size_t t) {
+    for (const std::uint32_t v : tets_[t])
+      parallel::lower_to(incident_[v].value, static_cast<std::uint32_t>(t));
+  });
+}
+
 /// Puts the live slots in this order. @param new_vertex  Of each old one.
 void TetMesh::renumber(const std::vector<std::uint32_t>& vertices, std::span<const std::uint32_t> new_vertex,
                        const std::vector<std::uint32_t>& tets) {

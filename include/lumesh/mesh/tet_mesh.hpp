@@ -266,6 +266,10 @@ class TetMesh {
   /// by the other vertices. Stamps become 0. Owners as after compact(). Parallel inside; the same result for
   /// every thread count. Cost: about 0.1 s per million tetrahedra.
   void reorder_along_curve();
+  /// Lists the corners of every tetrahedron in a fixed order (the lowest first, but for one swap where
+  /// orientation wants it), and gives every vertex the lowest tetrahedron around it: what is left does not
+  /// depend on how the mesh came about, but on numbers alone. Needs is_compact(). Parallel inside.
+  void normalise();
 
   // --- The whole mesh
   // ----------------------------------------------------------------------------------------------

@@ -16,9 +16,10 @@ inline void store_relaxed(std::uint32_t& word, std::uint32_t value) {
 }
 
 /// The lesser of both stays; the order of calls does not matter.
-inline void lower_to(float& number, float value) {
-  const std::atomic_ref<float> shared(number);
-  float seen = shared.load(std::memory_order_relaxed);
+template <class Number>
+void lower_to(Number& number, Number value) {
+  const std::atomic_ref<Number> shared(number);
+  Number seen = shared.load(std::memory_order_relaxed);
   while (value < seen && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
   }
 }

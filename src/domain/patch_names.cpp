@@ -1,4 +1,4 @@
-#include "patches.hpp"
+#include "lumesh/domain/patch_names.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -19,10 +19,10 @@ class OpeningGroups {
     double area_mm2 = 0;
   };
 
-  OpeningGroups(const BoundaryModel& boundary, const std::vector<Vec3>& positions,
-                const ImageDomain& domain) {
-    for (std::uint32_t i = 0; i < boundary.triangles.size(); ++i) {
-      if (domain.is_cut(boundary.triangles[i].outside)) members_.push_back(i);
+  OpeningGroups(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions,
+                const Domain& domain) {
+    for (std::uint32_t i = 0; i < boundary.size(); ++i) {
+      if (domain.is_cut(boundary[i].outside)) members_.push_back(i);
     }
     parent_.resize(members_.size());
     for (std::uint32_t i = 0; i < parent_.size(); ++i) parent_[i] = i;
@@ -38,7 +38,7 @@ class OpeningGroups {
     return i;
   }
 
-  void join(const BoundaryModel& boundary) {
+  void join(std::span<const BoundaryTriangle> boundary) {
     struct EdgeOf {
       std::uint64_t edge;
       Material inside, outside;
@@ -46,7 +46,7 @@ class OpeningGroups {
     };
     std::map<EdgeOf, std::uint32_t> first;
     for (std::uint32_t i = 0; i < members_.size(); ++i) {
-      const BoundaryTriangle& t = boundary.triangles[members_[i]];
+      const BoundaryTriangle& t = boundary[members_[i]];
       for (std::size_t e = 0; e < 3; ++e) {
         const auto [low, high] = std::minmax(t.vertices[e], t.vertices[(e + 1) % 3]);
         const auto [at, added] = first.try_emplace({std::uint64_t{low} << 32 | high, t.inside, t.outside}, i);
@@ -55,13 +55,13 @@ class OpeningGroups {
     }
   }
 
-  void group(const BoundaryModel& boundary, const std::vector<Vec3>& positions) {
+  void group(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions) {
     std::map<std::uint32_t, std::size_t> number;
     for (std::uint32_t i = 0; i < members_.size(); ++i) {
       const auto [at, added] = number.try_emplace(root(i), openings_.size());
       if (added) openings_.emplace_back();
       Opening& opening = openings_[at->second];
-      const BoundaryTriangle& t = boundary.triangles[members_[i]];
+      const BoundaryTriangle& t = boundary[members_[i]];
       const Vec3& a = positions[t.vertices[0]];
       opening.triangles.push_back(members_[i]);
       opening.label = t.inside;
@@ -78,13 +78,13 @@ class OpeningGroups {
 
 }  // namespace
 
-PatchAssignment name_patches(const BoundaryModel& boundary, const std::vector<Vec3>& positions,
-                             const ImageDomain& domain) {
+PatchAssignment name_patches(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions,
+                             const Domain& domain) {
   PatchAssignment result;
-  result.of_triangle.resize(boundary.triangles.size());
+  result.of_triangle.resize(boundary.size());
   std::set<std::pair<Material, Material>> pairs;
   std::set<Material> labels;
-  for (const BoundaryTriangle& t : boundary.triangles) {
+  for (const BoundaryTriangle& t : boundary) {
     labels.insert(t.inside);
     if (!domain.is_cut(t.outside))
       pairs.insert({t.outside == 0 ? 0 : t.inside, t.outside == 0 ? t.inside : t.outside});
@@ -104,8 +104,8 @@ PatchAssignment name_patches(const BoundaryModel& boundary, const std::vector<Ve
                                 {first, second}});
     }
   }
-  for (std::size_t i = 0; i < boundary.triangles.size(); ++i) {
-    const BoundaryTriangle& t = boundary.triangles[i];
+  for (std::size_t i = 0; i < boundary.size(); ++i) {
+    const BoundaryTriangle& t = boundary[i];
     if (!domain.is_cut(t.outside))
       result.of_triangle[i] =
           number.at({t.outside == 0 ? 0 : t.inside, t.outside == 0 ? t.inside : t.outside});

@@ -1,0 +1,60 @@
+#pragma once
+/// @file Image-to-mesh conversion by parallel Delaunay refinement, the role of PODM in the paper
+/// (section 3.4).
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/delaunay/sizing.hpp"
+#include "lumesh/domain/domain.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/parallel/team.hpp"
+
+namespace lumesh {
+
+struct DelaunayOptions {
+  double delta_mm = 0;     ///< > 0: points of a surface are at least this far apart, and no place of it is
+                           ///< farther from one.
+  double size_mm = 0;      ///< Largest wanted edge length inside; 0: that of the surface, 1.3 delta.
+  double radius_edge = 2;  ///< Largest circumradius of a tetrahedron in units of its shortest edge, >= 1.5.
+  double facet_angle_deg = 30;     ///< Smallest angle of boundary triangles, 0 to 30.
+  const Sizing* sizing = nullptr;  ///< Further wishes for edge lengths; outlives the call.
+  int max_rounds = 60;             ///< Of refinement, >= 0.
+  parallel::TeamOptions team = {};
+
+  /// @throws Error{kUsage} that names the field.
+  void validate() const;
+};
+
+/// What one round of refinement found and did.
+struct DelaunayRound {
+  double seconds = 0;
+  std::uint64_t tets_looked_at = 0;
+  std::uint64_t surface_wishes = 0, volume_wishes = 0;  ///< Points that rules asked for.
+  std::uint64_t inserted = 0, removed = 0;
+};
+
+struct DelaunayReport {
+  std::uint64_t inner_seeds = 0, outer_seeds = 0, boundary_seeds = 0;
+  std::vector<DelaunayRound> rounds;
+  bool complete = true;  ///< False if rules were still broken after the last round.
+  std::vector<std::string> notes;
+};
+
+struct DelaunayResult {
+  TetMesh mesh;
+  DelaunayReport report;
+};
+
+/// Meshes every label of a domain.
+///
+/// @return A compact mesh along the Hilbert curve; patches "wall", "inlet_1", "outlet_1", …, "interface_A_B".
+/// @throws Error{kBadInput} if nothing can be meshed, Error{kMemory}.
+/// The same bits for every thread count. Source: Foteinos and Chrisochoides 2014, High quality real-time
+/// image-to-mesh conversion for finite element simulations, doi:10.1016/j.jpdc.2013.11.002.
+[[nodiscard]] DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options,
+                                           Context& context);
+
+}  // namespace lumesh

@@ -1,0 +1,115 @@
+#pragma once
+/// @file The domain oracle: where each material is, and where their boundaries run.
+
+#include <algorithm>
+#include <array>
+#include <initializer_list>
+#include <optional>
+
+#include "lumesh/core/types.hpp"
+#include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/image/label_field.hpp"
+
+namespace lumesh {
+
+/// Index of a material: 0 is the background, then the labels that are meshed, then other parts of the
+/// outside, whose boundaries with the labels are patches of their own (openings, such as cut planes).
+using Material = std::uint32_t;
+
+/// A small set of different materials, ascending.
+class MaterialSet {
+ public:
+  static constexpr std::size_t kCapacity = 6;
+
+  MaterialSet() = default;
+  MaterialSet(std::initializer_list<Material> materials) {
+    for (const Material m : materials) insert(m);
+  }
+
+  /// Adds a material; ignored once the set is full (such a place is a corner anyway).
+  void insert(Material m) {
+    std::size_t at = 0;
+    while (at < size_ && items_[at] < m) ++at;
+    if ((at < size_ && items_[at] == m) || size_ == kCapacity) return;
+    for (std::size_t i = size_; i > at; --i) items_[i] = items_[i - 1];
+    items_[at] = m;
+    ++size_;
+  }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] Material operator[](std::size_t i) const { return items_[i]; }
+  [[nodiscard]] const Material* begin() const { return items_.data(); }
+  [[nodiscard]] const Material* end() const { return items_.data() + size_; }
+  [[nodiscard]] bool contains(Material m) const {
+    for (const Material item : *this) {
+      if (item == m) return true;
+    }
+    return false;
+  }
+  [[nodiscard]] bool contains_all(const MaterialSet& other) const {
+    for (const Material item : other) {
+      if (!contains(item)) return false;
+    }
+    return true;
+  }
+  friend bool operator==(const MaterialSet& a, const MaterialSet& b) {
+    return a.size_ == b.size_ && std::equal(a.begin(), a.end(), b.begin());
+  }
+
+ private:
+  std::array<Material, kCapacity> items_ = {};
+  std::size_t size_ = 0;
+};
+
+/// A place on a boundary.
+struct BoundaryPoint {
+  Vec3 position_mm = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();                  ///< Unit; points from `inside` to `outside`.
+  std::array<Material, 2> materials = {0, 0};  ///< inside, outside; two materials name the patch.
+};
+
+/// Space divided into materials, in mm. Const calls from any thread; most cost well under a microsecond.
+class Domain {
+ public:
+  Domain() = default;
+  Domain(const Domain&) = default;
+  Domain(Domain&&) = default;
+  Domain& operator=(const Domain&) = default;
+  Domain& operator=(Domain&&) = default;
+  virtual ~Domain() = default;
+
+  /// The material at a point and a distance within which it does not change (a cautious estimate).
+  struct Surroundings {
+    Material material = 0;
+    double clearance_mm = 0;
+  };
+  [[nodiscard]] virtual Surroundings surroundings(const Vec3& point_mm) const = 0;
+  /// The largest clearance that surroundings() can tell; infinite if any.
+  [[nodiscard]] virtual double clearance_limit_mm() const = 0;
+  /// Material at the point, and those with a boundary to it that is about `reach_mm` near.
+  [[nodiscard]] virtual MaterialSet materials_near(const Vec3& point_mm, double reach_mm) const = 0;
+  /// The place near `start_mm` where all materials of the set meet: a surface for two, a curve for three, a
+  /// point for four. None if the descent does not arrive within `reach_mm`.
+  [[nodiscard]] virtual std::optional<Vec3> project(const Vec3& start_mm, const MaterialSet& set,
+                                                    double reach_mm) const = 0;
+  /// Signed function of the boundary between two materials, about the distance in mm near it, > 0 on the side
+  /// of `first`, and its gradient (per mm).
+  [[nodiscard]] virtual FieldSample separation(const Vec3& point_mm, Material first,
+                                               Material second) const = 0;
+  /// False only if nothing in the box between two corners is meshed.
+  [[nodiscard]] virtual bool may_hold_object(const Vec3& low_mm, const Vec3& high_mm) const = 0;
+  /// A box around all that is meshed.
+  [[nodiscard]] virtual Box3 bounds_mm() const = 0;
+  /// Size of what the boundary is known by: the voxel of an image.
+  [[nodiscard]] virtual double resolution_mm() const = 0;
+
+  [[nodiscard]] Material material_at(const Vec3& point_mm) const { return surroundings(point_mm).material; }
+  [[nodiscard]] virtual Label label_of(Material m) const = 0;
+  /// Number of the labels with the background; materials from there on are openings.
+  [[nodiscard]] virtual Material label_count() const = 0;
+  [[nodiscard]] virtual Material material_count() const = 0;
+  /// True for materials that the mesh is made of.
+  [[nodiscard]] bool is_meshed(Material m) const { return m > 0 && m < label_count(); }
+  [[nodiscard]] bool is_cut(Material m) const { return m >= label_count(); }
+};
+
+}  // namespace lumesh

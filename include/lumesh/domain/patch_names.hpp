@@ -1,0 +1,33 @@
+#pragma once
+/// @file Names for the parts of the boundary of a mesh.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lumesh/domain/domain.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+
+namespace lumesh {
+
+/// One face between two materials; points out of `inside`.
+struct BoundaryTriangle {
+  std::array<std::uint32_t, 3> vertices;
+  Material inside;   ///< A meshed material.
+  Material outside;  ///< Another; the larger of the two where both are meshed.
+
+  friend bool operator==(const BoundaryTriangle& a, const BoundaryTriangle& b) = default;
+};
+
+struct PatchAssignment {
+  std::vector<Patch> patches;
+  std::vector<std::int32_t> of_triangle;
+};
+
+/// "wall" (or "wall_L" where there are several labels), "interface_A_B", and one patch for each connected
+/// opening: the largest is "inlet_1", the others "outlet_1", "outlet_2", … by falling area.
+[[nodiscard]] PatchAssignment name_patches(std::span<const BoundaryTriangle> boundary,
+                                           std::span<const Vec3> positions, const Domain& domain);
+
+}  // namespace lumesh

@@ -1,0 +1,51 @@
+#include "lumesh/delaunay/delaunay.hpp"
+
+#include <cmath>
+
+#include "carving.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/operators/delaunay_kernel.hpp"
+#include "refinement.hpp"
+#include "seeds.hpp"
+#include "thinning.hpp"
+
+namespace lumesh {
+
+void DelaunayOptions::validate() const {
+  const auto check = [](bool good, const char* message) {
+    if (!good) throw Error(ErrorKind::kUsage, message);
+  };
+  check(std::isfinite(delta_mm) && delta_mm > 0, "delta must be a positive number of mm");
+  check(std::isfinite(size_mm) && size_mm >= 0, "the size must be a positive number of mm");
+  check(radius_edge >= 1.5, "the radius-edge bound must be at least 1.5");
+  check(facet_angle_deg >= 0 && facet_angle_deg <= 30, "the facet angle must lie in [0, 30] degrees");
+  check(max_rounds >= 0, "the number of rounds must not be negative");
+}
+
+DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options, Context& context) {
+  options.validate();
+  const double size_mm = options.size_mm > 0 ? options.size_mm : delaunay::kEdgePerSpacing * options.delta_mm;
+  const delaunay::Spacing spacing(domain, options.delta_mm, size_mm, options.sizing);
+  const Box3 box = domain.bounds_mm();
+  DelaunayResult result{operators::triangulation_around(box.center(), 0.5 * box.diagonal().norm()), {}};
+  const auto seeds = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
+  const auto boundary = context.phase("surface", [&] { return delaunay::thinned(seeds.boundary); });
+  result.report.inner_seeds = seeds.inner.size();
+  result.report.outer_seeds = seeds.outer.size();
+  result.report.boundary_seeds = boundary.size();
+  delaunay::Refinement refinement(result.mesh, spacing, options);
+  context.phase("insertion", [&] { refinement.insert_seeds(seeds, boundary); });
+  context.phase("refinement", [&] {
+    for (int round = 0; round < options.max_rounds; ++round) {
+      result.report.rounds.push_back(refinement.run_round());
+      const DelaunayRound& last = result.report.rounds.back();
+      if (last.inserted == 0 && last.removed == 0) break;
+    }
+  });
+  context.phase("carving", [&] { delaunay::carve(result.mesh, domain); });
+  if (result.mesh.tet_count() == 0)
+    throw Error(ErrorKind::kBadInput, "nothing of the object is left; choose a smaller --delta");
+  return result;
+}
+
+}  // namespace lumesh

@@ -1,0 +1,45 @@
+#pragma once
+/// @file Refinement in rounds: look at what is new, let the rules wish, grant what does not collide, insert,
+/// remove.
+
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/delaunay/delaunay.hpp"
+#include "lumesh/operators/delaunay_execution.hpp"
+#include "rules.hpp"
+#include "seeds.hpp"
+
+namespace lumesh::delaunay {
+
+/// Inserts seeds and refines. Labels of tetrahedra become materials.
+class Refinement {
+ public:
+  Refinement(TetMesh& mesh, const Spacing& spacing, const DelaunayOptions& options)
+      : mesh_(mesh),
+        spacing_(spacing),
+        rules_(mesh, spacing, {options.radius_edge, options.facet_angle_deg}),
+        execution_(mesh, options.team) {}
+
+  void insert_seeds(const Seeds& seeds, std::span<const std::uint32_t> boundary);
+  /// @return what it did; nothing left to do if it found no wishes that can be granted.
+  [[nodiscard]] DelaunayRound run_round();
+
+ private:
+  [[nodiscard]] std::vector<TetId> fresh_tets() const;
+  void find_materials(std::span<const TetId> fresh);
+  [[nodiscard]] std::vector<Wish> wishes_of(std::span<const TetId> fresh) const;
+  /// Those of which none replaces a tetrahedron that a more urgent one replaces, too; the others keep theirs
+  /// fresh.
+  [[nodiscard]] std::vector<Wish> granted(std::vector<Wish> wishes);
+  [[nodiscard]] std::vector<VertexId> crowding(std::span<const VertexId> made) const;
+
+  TetMesh& mesh_;
+  const Spacing& spacing_;
+  Rules rules_;
+  operators::DelaunayExecution execution_;
+  std::uint32_t stamp_ = 1;            // Of what is fresh.
+  std::vector<std::uint64_t> claims_;  // By tetrahedron; 0: none.
+};
+
+}  // namespace lumesh::delaunay

@@ -1,0 +1,189 @@
+#include "seeds.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::delaunay {
+namespace {
+
+/// Lattice constant in units of the wanted edge length: of the 14 edges at a point of the lattice six have
+/// that length and eight are sqrt(3) / 2 of it.
+constexpr double kConstantPerSize = 1.087;
+
+/// How far inner points stay from boundaries, in lattice constants.
+constexpr double kMargin = 0.5;
+
+/// Spread over [-1, 1]; the same for the same number.
+double scattered(std::uint64_t x) {
+  x = (x ^ x >> 31) * 0xBF58476D1CE4E5B9ull;
+  x = (x ^ x >> 29) * 0x94D049BB133111EBull;
+  return static_cast<double>(x >> 11) * 0x1p-52 - 1;
+}
+
+class LatticeDescent {
+ public:
+  explicit LatticeDescent(const Spacing& spacing)
+      : spacing_(spacing), domain_(spacing.domain()), reach_mm_(domain_.clearance_limit_mm()) {
+    const Box3 box = domain_.bounds_mm();
+    root_mm_ = kConstantPerSize * spacing.size_mm();
+    while (root_mm_ < 8 * domain_.resolution_mm()) root_mm_ *= 2;
+    // Off the grid of voxels, on which boundaries like to lie.
+    origin_ = box.min() - root_mm_ * Vec3(0.8143, 0.7571, 0.7877);
+    for (int axis = 0; axis < 3; ++axis)
+      cells_[axis] = static_cast<int>(std::ceil((box.max()[axis] - origin_[axis]) / root_mm_)) + 1;
+  }
+
+  [[nodiscard]] Seeds run() const {
+    const auto cells = static_cast<std::size_t>(cells_.x()) * static_cast<std::size_t>(cells_.y()) *
+                       static_cast<std::size_t>(cells_.z());
+    const auto roots = parallel::collect<Index3>(cells, [&](std::size_t i, std::vector<Index3>& out) {
+      const auto x = static_cast<int>(i % static_cast<std::size_t>(cells_.x()));
+      const auto yz = static_cast<int>(i / static_cast<std::size_t>(cells_.x()));
+      const Index3 cell(x, yz % cells_.y(), yz / cells_.y());
+      if (holds_object(low_of(cell), root_mm_)) out.push_back(cell);
+    });
+    const auto parts = parallel::collect_parts<Seeds>(
+        roots.size(), kRootsPerPart, [&](std::size_t begin, std::size_t end, std::vector<Seeds>& out) {
+          out.emplace_back();
+          for (std::size_t i = begin; i < end; ++i) descend(low_of(roots[i]), root_mm_, out.back());
+        });
+    Seeds all;
+    for (const auto& part : parts) {
+      all.inner.insert(all.inner.end(), part[0].inner.begin(), part[0].inner.end());
+      all.outer.insert(all.outer.end(), part[0].outer.begin(), part[0].outer.end());
+      all.boundary.insert(all.boundary.end(), part[0].boundary.begin(), part[0].boundary.end());
+    }
+    return all;
+  }
+
+ private:
+  static constexpr std::size_t kRootsPerPart = 16;
+
+  [[nodiscard]] Vec3 low_of(const Index3& cell) const { return origin_ + root_mm_ * cell.cast<double>(); }
+  [[nodiscard]] bool holds_object(const Vec3& low, double size) const {
+    return domain_.may_hold_object(low - Vec3::Constant(0.5 * size), low + Vec3::Constant(1.5 * size));
+  }
+  [[nodiscard]] double wanted_constant(const Vec3& low, double size) const {
+    const Vec3 middle = low + Vec3::Constant(0.5 * size);
+    const Material m = domain_.material_at(middle);
+    return kConstantPerSize * spacing_.size_at(middle, domain_.is_meshed(m) ? m : 1);
+  }
+
+  /// @return false if nothing of the object, nor of what is near its boundary, is in the cell.
+  bool descend(const Vec3& low, double size, Seeds& out) const {
+    if (!holds_object(low, size)) return false;
+    if (size <= std::sqrt(2.0) * wanted_constant(low, size)) return add_leaf(low, size, out);
+    std::array<bool, 8> holds{};
+    for (int child = 0; child < 8; ++child)
+      holds[static_cast<std::size_t>(child)] = descend(low_of_child(low, size, child), 0.5 * size, out);
+    if (std::none_of(holds.begin(), holds.end(), [](bool h) { return h; })) return false;
+    // One point for all empty leaves, one for each larger empty cell.
+    const bool are_leaves = 0.5 * size <= std::sqrt(2.0) * wanted_constant(low, size);
+    for (int child = 0; child < 8; ++child) {
+      if (holds[static_cast<std::size_t>(child)]) continue;
+      out.outer.push_back(shaken(low_of_child(low, size, child) + Vec3::Constant(0.25 * size), 0.5 * size));
+      if (are_leaves) break;
+    }
+    return true;
+  }
+  [[nodiscard]] static Vec3 low_of_child(const Vec3& low, double size, int child) {
+    return low + 0.5 * size * Vec3(child & 1, child >> 1 & 1, child >> 2);
+  }
+
+  bool add_leaf(const Vec3& low, double size, Seeds& out) const {
+    const bool has_low = add_lattice_point(low, size, out);
+    const Vec3 middle = low + Vec3::Constant(0.5 * size);
+    const Domain::Surroundings here = domain_.surroundings(middle);
+    add_lattice_point(middle, here, size, out);
+    const bool is_near =
+        here.clearance_mm <= 0.95 * size || (here.clearance_mm >= reach_mm_ && 0.95 * size > reach_mm_);
+    if (!is_near) return has_low || domain_.is_meshed(here.material);
+    for (int child = 0; child < 8; ++child)
+      add_candidates(low_of_child(low, size, child) + Vec3::Constant(0.25 * size), 0.26 * size, out);
+    return true;
+  }
+
+  bool add_lattice_point(const Vec3& place, double size, Seeds& out) const {
+    return add_lattice_point(place, domain_.surroundings(place), size, out);
+  }
+  bool add_lattice_point(const Vec3& place, const Domain::Surroundings& here, double size, Seeds& out) const {
+    if (!domain_.is_meshed(here.material) || here.clearance_mm < std::min(kMargin * size, 0.99 * reach_mm_))
+      return false;
+    out.inner.push_back(shaken(place, size));
+    return true;
+  }
+
+  /// A little off the place, so that few of the points are on one plane or sphere.
+  static Vec3 shaken(const Vec3& place, double size) {
+    constexpr double kShake = 1e-3;
+    std::uint64_t seed = 0x9E3779B97F4A7C15ull;
+    for (int axis = 0; axis < 3; ++axis)
+      seed = seed * 0xD1342543DE82EF95ull + static_cast<std::uint64_t>(std::llround(place[axis] / size * 64));
+    return place + kShake * size * Vec3(scattered(seed), scattered(seed + 1), scattered(seed + 2));
+  }
+
+  /// What lies on boundaries nearest to a place within a distance.
+  void add_candidates(const Vec3& place, double distance, Seeds& out) const {
+    const Domain::Surroundings here = domain_.surroundings(place);
+    if (here.clearance_mm > distance) return;
+    const MaterialSet near = domain_.materials_near(place, 2 * distance);
+    for (const Material other : near)
+      if (other != here.material) add_candidate(place, {here.material, other}, 2 * distance, out);
+  }
+
+  void add_candidate(const Vec3& place, const MaterialSet& pair, double distance, Seeds& out) const {
+    if (!domain_.is_meshed(pair[0]) && !domain_.is_meshed(pair[1])) return;
+    const auto x = domain_.project(place, pair, distance);
+    if (!x) return;
+    const double spacing = spacing_.surface_spacing_at(*x, pair[0], pair[1]);
+    const MaterialSet there = domain_.materials_near(*x, 1e-3 * domain_.resolution_mm());
+    if (there.contains_all(pair)) out.boundary.push_back({*x, pair, spacing});
+    add_curve_candidates(*x, pair, spacing, out);
+  }
+
+  /// Where the boundary between two materials meets a third near by, and where such curves meet.
+  void add_curve_candidates(const Vec3& x, const MaterialSet& pair, double spacing, Seeds& out) const {
+    const MaterialSet near = domain_.materials_near(x, spacing);
+    for (const Material third : near) {
+      if (pair.contains(third)) continue;
+      MaterialSet triple = pair;
+      triple.insert(third);
+      if (!is_seam(triple)) continue;
+      const auto y = domain_.project(x, triple, 1.5 * spacing);
+      if (!y || !domain_.materials_near(*y, 1e-2 * domain_.resolution_mm()).contains_all(triple)) continue;
+      out.boundary.push_back({*y, triple, spacing});
+      for (const Material fourth : near) {
+        if (triple.contains(fourth) || fourth < third) continue;
+        MaterialSet all = triple;
+        all.insert(fourth);
+        const auto z = domain_.project(*y, all, 1.5 * spacing);
+        if (z && domain_.materials_near(*z, 2e-2 * domain_.resolution_mm()).contains_all(all))
+          out.boundary.push_back({*z, all, spacing});
+      }
+    }
+  }
+
+  /// True if at least two different boundaries of the mesh meet where these materials do.
+  [[nodiscard]] bool is_seam(const MaterialSet& set) const {
+    for (const Material m : set)
+      if (domain_.is_meshed(m)) return true;
+    return false;
+  }
+
+  const Spacing& spacing_;
+  const Domain& domain_;
+  double reach_mm_, root_mm_ = 0;
+  Vec3 origin_ = Vec3::Zero();
+  Index3 cells_ = Index3::Zero();
+};
+
+}  // namespace
+
+Seeds lattice_seeds(const Spacing& spacing) {
+  return LatticeDescent(spacing).run();
+}
+
+}  // namespace lumesh::delaunay

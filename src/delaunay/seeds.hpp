@@ -1,0 +1,27 @@
+#pragma once
+/// @file Points to begin with: of a graded body-centred cubic lattice inside, and on boundaries near it.
+
+#include <cstdint>
+#include <vector>
+
+#include "spacing.hpp"
+
+namespace lumesh::delaunay {
+
+/// A point that may become one of a boundary.
+struct BoundaryCandidate {
+  Vec3 point;
+  MaterialSet materials;  ///< That meet there: two on a surface, three on a curve, more in a corner.
+  double spacing;         ///< To its like.
+};
+
+struct Seeds {
+  std::vector<Vec3> inner;
+  std::vector<Vec3> outer;  ///< Coarser, so that no tetrahedron outside reaches past many of the boundary.
+  std::vector<BoundaryCandidate> boundary;  ///< Several for each that is needed.
+};
+
+/// Parallel inside, the same for every thread count.
+[[nodiscard]] Seeds lattice_seeds(const Spacing& spacing);
+
+}  // namespace lumesh::delaunay

@@ -1,0 +1,155 @@
+#include "thinning.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::delaunay {
+namespace {
+
+/// Those of one level have spacings in [2^level, 2^(level+1)); a level's space is cut into cubes twice as
+/// large.
+int level_of(double spacing) {
+  return std::ilogb(spacing);
+}
+
+struct Placed {
+  Index3 cube;
+  std::uint32_t candidate;
+};
+
+bool comes_before(const Index3& a, const Index3& b) {
+  return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]);
+}
+
+/// The candidates of one level by cubes, and which of them were taken.
+struct Level {
+  int exponent = 0;
+  double cube_mm = 0;
+  std::vector<Index3> cubes;          // That hold any, in order.
+  std::vector<std::uint32_t> starts;  // Of each in `items`.
+  std::vector<std::uint32_t> items;
+  std::vector<std::vector<std::uint32_t>> taken;  // Of each cube.
+
+  [[nodiscard]] Index3 cube_of(const Vec3& x) const {
+    return (x / cube_mm).array().floor().cast<int>().matrix();
+  }
+  [[nodiscard]] const std::vector<std::uint32_t>* taken_in(const Index3& cube) const {
+    const auto at = std::lower_bound(cubes.begin(), cubes.end(), cube, comes_before);
+    if (at == cubes.end() || *at != cube) return nullptr;
+    return &taken[static_cast<std::size_t>(at - cubes.begin())];
+  }
+};
+
+class Thinning {
+ public:
+  explicit Thinning(std::span<const BoundaryCandidate> candidates) : candidates_(candidates) {
+    sort_into_levels();
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> run() {
+    for (const std::size_t most_materials :
+         {std::size_t{MaterialSet::kCapacity}, std::size_t{3}, std::size_t{2}})
+      for (Level& level : levels_) take_of(level, most_materials);
+    std::vector<std::uint32_t> all;
+    for (const Level& level : levels_)
+      for (const auto& taken : level.taken) all.insert(all.end(), taken.begin(), taken.end());
+    return all;
+  }
+
+ private:
+  void sort_into_levels() {
+    std::vector<int> exponents;
+    for (const BoundaryCandidate& c : candidates_) {
+      const int e = level_of(c.spacing);
+      if (std::find(exponents.begin(), exponents.end(), e) == exponents.end()) exponents.push_back(e);
+    }
+    std::sort(exponents.begin(), exponents.end());
+    for (const int e : exponents) levels_.push_back(level_with(e));
+  }
+
+  [[nodiscard]] Level level_with(int exponent) const {
+    Level level;
+    level.exponent = exponent;
+    level.cube_mm = std::exp2(exponent + 2);
+    auto placed = parallel::collect<Placed>(candidates_.size(), [&](std::size_t i, std::vector<Placed>& out) {
+      if (level_of(candidates_[i].spacing) == exponent)
+        out.push_back({level.cube_of(candidates_[i].point), static_cast<std::uint32_t>(i)});
+    });
+    parallel::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
+      if (a.cube != b.cube) return comes_before(a.cube, b.cube);
+      return a.candidate < b.candidate;
+    });
+    for (const Placed& one : placed) {
+      if (level.cubes.empty() || level.cubes.back() != one.cube) {
+        level.cubes.push_back(one.cube);
+        level.starts.push_back(static_cast<std::uint32_t>(level.items.size()));
+      }
+      level.items.push_back(one.candidate);
+    }
+    level.starts.push_back(static_cast<std::uint32_t>(level.items.size()));
+    level.taken.resize(level.cubes.size());
+    return level;
+  }
+
+  /// Cubes of one colour are farther apart than anything in them reaches.
+  void take_of(Level& level, std::size_t most_materials) {
+    for (int colour = 0; colour < 8; ++colour) {
+      parallel::for_each_index(
+          level.cubes.size(),
+          [&](std::size_t c) {
+            const Index3& cube = level.cubes[c];
+            if (((cube.x() & 1) | (cube.y() & 1) << 1 | (cube.z() & 1) << 2) != colour) return;
+            for (std::uint32_t i = level.starts[c]; i < level.starts[c + 1]; ++i) {
+              const std::size_t materials = candidates_[level.items[i]].materials.size();
+              const bool has_turn = most_materials > 3 ? materials > 3 : materials == most_materials;
+              if (has_turn && !is_crowded(level.items[i])) level.taken[c].push_back(level.items[i]);
+            }
+          },
+          16);
+    }
+  }
+
+  [[nodiscard]] bool is_crowded(std::uint32_t item) const {
+    const BoundaryCandidate& mine = candidates_[item];
+    for (const Level& level : levels_) {
+      const double reach = std::min(mine.spacing, 0.5 * level.cube_mm);
+      const Index3 low = level.cube_of(mine.point - Vec3::Constant(reach));
+      const Index3 high = level.cube_of(mine.point + Vec3::Constant(reach));
+      for (int k = low.z(); k <= high.z(); ++k)
+        for (int j = low.y(); j <= high.y(); ++j)
+          for (int i = low.x(); i <= high.x(); ++i)
+            if (const auto* taken = level.taken_in({i, j, k}); taken != nullptr && is_near_any(mine, *taken))
+              return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool is_near_any(const BoundaryCandidate& mine,
+                                 const std::vector<std::uint32_t>& taken) const {
+    return std::any_of(taken.begin(), taken.end(), [&](std::uint32_t other) {
+      const BoundaryCandidate& its = candidates_[other];
+      return (its.point - mine.point).squaredNorm() < std::pow(clearance(mine, its), 2);
+    });
+  }
+
+  /// Points of curves stand a little closer, so that spheres around their edges stay free of others.
+  [[nodiscard]] static double clearance(const BoundaryCandidate& a, const BoundaryCandidate& b) {
+    constexpr double kOfCurves = 0.8;
+    const double spacing = std::min(a.spacing, b.spacing);
+    return a.materials.size() > 2 && b.materials.size() > 2 ? kOfCurves * spacing : spacing;
+  }
+
+  std::span<const BoundaryCandidate> candidates_;
+  std::vector<Level> levels_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> thinned(std::span<const BoundaryCandidate> candidates) {
+  return Thinning(candidates).run();
+}
+
+}  // namespace lumesh::delaunay

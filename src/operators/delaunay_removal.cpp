@@ -1,0 +1,151 @@
+#include <algorithm>
+
+#include "delaunay_scratch.hpp"
+#include "links.hpp"
+#include "lumesh/geometry/perturbed_insphere.hpp"
+#include "lumesh/operators/delaunay_kernel.hpp"
+
+namespace lumesh::operators {
+namespace {
+
+/// Of a face by its corners in any order; places below 2^21.
+std::uint64_t face_key(Cell<3> corners) {
+  std::sort(corners.begin(), corners.end());
+  return std::uint64_t{corners[0]} << 42 | std::uint64_t{corners[1]} << 21 | corners[2];
+}
+
+}  // namespace
+
+/// The tetrahedra around v into conflicts, the faces opposite v into hull, its neighbours into around; all
+/// held.
+template <class Lock>
+bool DelaunayKernel<Lock>::gather_star(VertexId v) {
+  auto& [conflicts, hull, edges, around, open, wrapped, open_by_corners, made, places] = *scratch_;
+  const TetMesh& mesh = *mesh_;
+  conflicts.clear();
+  hull.clear();
+  around.clear();
+  places.clear();
+  open_by_corners.clear();
+  const auto take_in = [&](TetId t) {
+    if (open_by_corners.insert(t.value, 0).added) conflicts.push_back({t, 0});
+  };
+  take_in(mesh.incident_tet(v));
+  for (std::size_t next = 0; next < conflicts.size(); ++next) {
+    const TetId t = conflicts[next].tet;
+    if (!hold_tet(t)) return false;
+    const int own = mesh.index_of(t, v);
+    for (int f = 0; f < 4; ++f)
+      if (f != own) take_in(mesh.link(t, f).tet());
+    const Cell<3> corners = mesh.face_corners(t, own);
+    hull.push_back({{corners[0], corners[2], corners[1]}, mesh.link(t, own), {}, {}});
+    for (std::size_t i = 0; i < 3; ++i) {
+      hull.back().places[i] =
+          places.insert(hull.back().corners[i], static_cast<std::uint32_t>(around.size())).value;
+      if (hull.back().places[i] == around.size()) around.push_back(VertexId(hull.back().corners[i]));
+    }
+  }
+  return true;
+}
+
+/// Fills the hole from its faces inwards: on each open face stands the one tetrahedron whose circumsphere
+/// holds none of the vertices around.
+template <class Lock>
+void DelaunayKernel<Lock>::wrap_hole() {
+  auto& [conflicts, hull, edges, around, open, wrapped, open_by_corners, made, places] = *scratch_;
+  const auto point = [&](std::uint32_t place) -> const Vec3& {
+    return mesh_->point(scratch_->around[place]);
+  };
+  open.clear();
+  wrapped.clear();
+  open_by_corners.clear();
+  constexpr std::uint32_t kClosed = ~0u;
+  const auto add_open = [&](const DelaunayScratch::OpenFace& face) {
+    const auto [at, added] =
+        open_by_corners.insert(face_key(face.corners), static_cast<std::uint32_t>(open.size()));
+    LUMESH_ASSERT(added || at == kClosed);
+    at = static_cast<std::uint32_t>(open.size());
+    open.push_back(face);
+  };
+  for (std::uint32_t i = 0; i < hull.size(); ++i) add_open({hull[i].places, DelaunayScratch::kHull | i, 0});
+  for (std::size_t next = 0; next < open.size(); ++next) {
+    const DelaunayScratch::OpenFace face = open[next];
+    std::uint32_t& state = *open_by_corners.find(face_key(face.corners));
+    if (state != next) continue;  // Closed from the other side.
+    state = kClosed;
+    const auto [a, b, c] = face.corners;
+    std::uint32_t apex = kClosed;
+    for (std::uint32_t w = 0; w < around.size(); ++w) {
+      if (w == a || w == b || w == c || orient3d(point(a), point(b), point(c), point(w)) <= 0) continue;
+      if (apex == kClosed || insphere_perturbed(point(a), point(b), point(c), point(apex), point(w)))
+        apex = w;
+    }
+    LUMESH_ASSERT(apex != kClosed);
+    const auto tet = static_cast<std::uint32_t>(wrapped.size());
+    wrapped.push_back({{a, b, c, apex}, {0, 0, 0, face.tet}, {0, 0, 0, face.face}});
+    if ((face.tet & DelaunayScratch::kHull) == 0) {
+      wrapped[face.tet].behind[static_cast<std::size_t>(face.face)] = tet;
+      wrapped[face.tet].behind_face[static_cast<std::size_t>(face.face)] = 3;
+    }
+    for (std::size_t f = 0; f < 3; ++f) {
+      const auto& [i, j, k] = kTetFaces[f];
+      const Cell<4>& v = wrapped[tet].corners;
+      const Cell<3> outwards = {v[static_cast<std::size_t>(i)], v[static_cast<std::size_t>(j)],
+                                v[static_cast<std::size_t>(k)]};
+      std::uint32_t* const other = open_by_corners.find(face_key(outwards));
+      if (other == nullptr || *other == kClosed) {
+        add_open({outwards, tet, static_cast<int>(f)});
+        continue;
+      }
+      const DelaunayScratch::OpenFace met = open[*other];
+      *other = kClosed;
+      wrapped[tet].behind[f] = met.tet;
+      wrapped[tet].behind_face[f] = met.face;
+      if ((met.tet & DelaunayScratch::kHull) == 0) {
+        wrapped[met.tet].behind[static_cast<std::size_t>(met.face)] = tet;
+        wrapped[met.tet].behind_face[static_cast<std::size_t>(met.face)] = static_cast<int>(f);
+      }
+    }
+  }
+}
+
+template <class Lock>
+void DelaunayKernel<Lock>::replace_star(VertexId v) {
+  auto& [conflicts, hull, edges, around, open, wrapped, open_by_corners, made, places] = *scratch_;
+  TetMesh& mesh = *mesh_;
+  made.clear();
+  for (const auto& tet : wrapped) {
+    const auto [a, b, c, d] = tet.corners;
+    made.push_back(
+        make_tet({around[a].value, around[b].value, around[c].value, around[d].value}, made.size()));
+    for (const std::uint32_t corner : tet.corners) mesh.set_incident_tet(around[corner], made.back());
+  }
+  for (std::size_t i = made.size(); i < conflicts.size(); ++i) mesh.free_tet(conflicts[i].tet, owner_);
+  mesh.free_vertex(v, owner_);
+  for (std::size_t i = 0; i < wrapped.size(); ++i) {
+    for (std::size_t f = 0; f < 4; ++f) {
+      const std::uint32_t behind = wrapped[i].behind[f];
+      if ((behind & DelaunayScratch::kHull) != 0)
+        link_to(mesh, made[i], static_cast<int>(f), hull[behind & ~DelaunayScratch::kHull].behind);
+      else
+        mesh.set_link(made[i], static_cast<int>(f), FaceLink::to(made[behind], wrapped[i].behind_face[f]));
+    }
+  }
+}
+
+template <class Lock>
+Outcome DelaunayKernel<Lock>::remove(VertexId v) {
+  Outcome outcome = Outcome::kContended;
+  if (lock_.try_lock(v) && gather_star(v)) {
+    wrap_hole();
+    replace_star(v);
+    outcome = Outcome::kApplied;
+  }
+  lock_.release_to(0);
+  return outcome;
+}
+
+template class DelaunayKernel<NoLock>;
+template class DelaunayKernel<SpeculativeLock>;
+
+}  // namespace lumesh::operators
