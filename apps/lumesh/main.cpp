@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
   lumesh::cli::add_phantom_command(program);
   lumesh::cli::add_info_command(program);
   lumesh::cli::add_lattice_command(program);
+  lumesh::cli::add_delaunay_command(program);
   lumesh::cli::add_metric_command(program);
   lumesh::cli::add_adapt_command(program);
   lumesh::cli::add_improve_command(program);

@@ -1,5 +1,6 @@
 #include "carving.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "lumesh/domain/patch_names.hpp"
@@ -8,72 +9,108 @@
 namespace lumesh::delaunay {
 namespace {
 
+Material material_of(const TetMesh& mesh, TetId t) {
+  return static_cast<Material>(mesh.label(t));
+}
+
+/// Drops what is not meshed. Where it was, links say which material.
+void drop_outside(TetMesh& mesh, const Domain& domain) {
+  std::vector<std::uint8_t> kept(mesh.tet_slots(), 0);
+  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (!mesh.alive(t) || !domain.is_meshed(material_of(mesh, t))) return;
+    kept[i] = 1;
+    for (int f = 0; f < 4; ++f) {
+      const Material behind = material_of(mesh, mesh.link(t, f).tet());
+      if (!domain.is_meshed(behind)) mesh.set_link(t, f, FaceLink::boundary(PatchId(behind)));
+    }
+  });
+  mesh.keep_only(kept);
+}
+
 struct BoundaryFace {
   TetId tet;  ///< Of the material that the face points out of.
   int face;
+  Material outside;
 };
 
-/// Each face between materials of which one is meshed, once.
-std::vector<BoundaryFace> boundary_faces(const TetMesh& mesh, const Domain& domain) {
-  return parallel::collect<BoundaryFace>(
-      mesh.tet_slots(), [&](std::size_t i, std::vector<BoundaryFace>& out) {
-        const TetId t(static_cast<std::uint32_t>(i));
-        if (!mesh.alive(t)) return;
-        const auto mine = static_cast<Material>(mesh.label(t));
-        if (!domain.is_meshed(mine)) return;
-        for (int f = 0; f < 4; ++f) {
-          const auto other = static_cast<Material>(mesh.label(mesh.link(t, f).tet()));
-          if (other != mine && (!domain.is_meshed(other) || mine < other)) out.push_back({t, f});
-        }
-      });
+/// Each face between materials, once.
+std::vector<BoundaryFace> boundary_faces(const TetMesh& mesh) {
+  return parallel::collect<BoundaryFace>(mesh.tet_slots(),
+                                         [&](std::size_t i, std::vector<BoundaryFace>& out) {
+                                           const TetId t(static_cast<std::uint32_t>(i));
+                                           for (int f = 0; f < 4; ++f) {
+                                             const FaceLink behind = mesh.link(t, f);
+                                             if (behind.is_boundary())
+                                               out.push_back({t, f, behind.patch().value});
+                                             else if (material_of(mesh, t) < material_of(mesh, behind.tet()))
+                                               out.push_back({t, f, material_of(mesh, behind.tet())});
+                                           }
+                                         });
+}
+
+/// The part of the outside that a face of the boundary looks at is the one all its corners touch: near the
+/// rim of an opening the tetrahedron behind may lie in the other. @param reach_mm  How far vertices may stand
+/// off.
+Material outside_of(const TetMesh& mesh, const Domain& domain, const Cell<3>& corners, Material behind,
+                    double reach_mm) {
+  MaterialSet common;
+  for (Material m = 0; m < domain.material_count(); m = m == 0 ? domain.label_count() : m + 1) {
+    const bool touches_all = std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
+      return domain.materials_near(mesh.point(VertexId(v)), m == 0 ? reach_mm : 1e-2 * domain.resolution_mm())
+          .contains(m);
+    });
+    if (touches_all) common.insert(m);
+  }
+  // Openings end the wall: what touches one with all corners is part of it.
+  if (common.size() == 0) return behind;
+  return common.contains(behind) && domain.is_cut(behind) ? behind : common[common.size() - 1];
+}
+
+void set_patches(TetMesh& mesh, const Domain& domain, double reach_mm) {
+  const std::vector<BoundaryFace> faces = boundary_faces(mesh);
+  std::vector<BoundaryTriangle> triangles(faces.size());
+  std::vector<Cell<3>> corners(faces.size());
+  bool has_interfaces = false;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const auto& [t, f, outside] = faces[i];
+    corners[i] = mesh.face_corners(t, f);
+    triangles[i] = {corners[i], material_of(mesh, t), outside};
+    has_interfaces = has_interfaces || domain.is_meshed(outside);
+  }
+  if (domain.material_count() > domain.label_count())
+    parallel::for_each_index(triangles.size(), [&](std::size_t i) {
+      Material& outside = triangles[i].outside;
+      if (!domain.is_meshed(outside)) outside = outside_of(mesh, domain, corners[i], outside, reach_mm);
+    });
+  PatchAssignment named = name_patches(triangles, mesh.points(), domain);
+  mesh.info().patches = std::move(named.patches);
+  if (has_interfaces) mesh.enable_interfaces();
+  parallel::for_each_index(faces.size(), [&](std::size_t i) {
+    const auto& [t, f, outside] = faces[i];
+    const PatchId patch(static_cast<std::uint32_t>(named.of_triangle[i]));
+    const FaceLink behind = mesh.link(t, f);
+    if (behind.is_boundary()) {
+      mesh.set_link(t, f, FaceLink::boundary(patch));
+    } else {
+      mesh.set_interface_patch(t, f, patch);
+      mesh.set_interface_patch(behind.tet(), behind.face(), patch);
+    }
+  });
+  mesh.classify_vertices({corners, named.of_triangle});
 }
 
 }  // namespace
 
-void carve(TetMesh& mesh, const Domain& domain) {
+void carve(TetMesh& mesh, const Domain& domain, double reach_mm) {
+  drop_outside(mesh, domain);
   mesh.reorder_along_curve();
   mesh.normalise();
-  const std::vector<BoundaryFace> faces = boundary_faces(mesh, domain);
-  std::vector<BoundaryTriangle> triangles(faces.size());
-  parallel::for_each_index(faces.size(), [&](std::size_t i) {
-    const auto [t, f] = faces[i];
-    triangles[i] = {mesh.face_corners(t, f), static_cast<Material>(mesh.label(t)),
-                    static_cast<Material>(mesh.label(mesh.link(t, f).tet()))};
+  set_patches(mesh, domain, reach_mm);
+  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    mesh.set_label(t, domain.label_of(material_of(mesh, t)));
   });
-  PatchAssignment named = name_patches(triangles, mesh.points(), domain);
-  mesh.info().patches = std::move(named.patches);
-  for (const BoundaryTriangle& one : triangles)
-    if (domain.is_meshed(one.outside)) {
-      mesh.enable_interfaces();
-      break;
-    }
-  parallel::for_each_index(faces.size(), [&](std::size_t i) {
-    const auto [t, f] = faces[i];
-    const PatchId patch(static_cast<std::uint32_t>(named.of_triangle[i]));
-    const FaceLink behind = mesh.link(t, f);
-    if (domain.is_meshed(triangles[i].outside)) {
-      mesh.set_interface_patch(t, f, patch);
-      mesh.set_interface_patch(behind.tet(), behind.face(), patch);
-    } else {
-      mesh.set_link(t, f, FaceLink::boundary(patch));
-    }
-  });
-  std::vector<std::uint8_t> used(mesh.vertex_slots(), 0);
-  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
-    const TetId t(i);
-    if (!domain.is_meshed(static_cast<Material>(mesh.label(t)))) {
-      mesh.free_tet(t);
-      continue;
-    }
-    mesh.set_label(t, domain.label_of(static_cast<Material>(mesh.label(t))));
-    for (const std::uint32_t v : mesh.tet(t)) {
-      used[v] = 1;
-      mesh.set_incident_tet(VertexId(v), t);
-    }
-  }
-  for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v)
-    if (used[v] == 0) mesh.free_vertex(VertexId(v));
-  mesh.compact();
 }
 
 }  // namespace lumesh::delaunay

@@ -8,6 +8,7 @@ namespace lumesh::delaunay {
 
 /// Frees all but the tetrahedra of meshed materials, gives the faces between materials their patches and
 /// tetrahedra their labels. The mesh is in the order of the curve afterwards.
-void carve(TetMesh& mesh, const Domain& domain);
+/// @param reach_mm  How far vertices of a surface may stand off it.
+void carve(TetMesh& mesh, const Domain& domain, double reach_mm);
 
 }  // namespace lumesh::delaunay

@@ -1,5 +1,6 @@
 #include "lumesh/delaunay/delaunay.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "carving.hpp"
@@ -22,13 +23,28 @@ void DelaunayOptions::validate() const {
   check(max_rounds >= 0, "the number of rounds must not be negative");
 }
 
+namespace {
+
+/// What is less than the seeds of the whole lattice.
+void thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
+  if (seeding == Seeding::kLattice) return;
+  seeds.inner.clear();
+  if (seeding == Seeding::kSurface) return;
+  constexpr double kFewAcross = 20;
+  for (delaunay::BoundaryCandidate& one : seeds.boundary)
+    one.spacing = std::max(one.spacing, box.sizes().maxCoeff() / kFewAcross);
+}
+
+}  // namespace
+
 DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options, Context& context) {
   options.validate();
   const double size_mm = options.size_mm > 0 ? options.size_mm : delaunay::kEdgePerSpacing * options.delta_mm;
   const delaunay::Spacing spacing(domain, options.delta_mm, size_mm, options.sizing);
   const Box3 box = domain.bounds_mm();
   DelaunayResult result{operators::triangulation_around(box.center(), 0.5 * box.diagonal().norm()), {}};
-  const auto seeds = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
+  auto seeds = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
+  thin_out(seeds, options.seeding, box);
   const auto boundary = context.phase("surface", [&] { return delaunay::thinned(seeds.boundary); });
   result.report.inner_seeds = seeds.inner.size();
   result.report.outer_seeds = seeds.outer.size();
@@ -42,7 +58,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
       if (last.inserted == 0 && last.removed == 0) break;
     }
   });
-  context.phase("carving", [&] { delaunay::carve(result.mesh, domain); });
+  context.phase("carving", [&] { delaunay::carve(result.mesh, domain, 0.2 * options.delta_mm); });
   if (result.mesh.tet_count() == 0)
     throw Error(ErrorKind::kBadInput, "nothing of the object is left; choose a smaller --delta");
   return result;

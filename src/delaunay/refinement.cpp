@@ -65,14 +65,15 @@ std::vector<Wish> Refinement::wishes_of(std::span<const TetId> fresh) const {
       fresh.size(),
       [&](std::size_t i, std::vector<Wish>& out) {
         const TetId t = fresh[i];
+        const Circumsphere sphere = circumsphere(mesh_, t);
         for (int f = 0; f < 4; ++f) {
           if (!rules_.is_boundary(t, f)) continue;
           const TetId other = mesh_.link(t, f).tet();
           // Once for each face, from the same side whatever the numbers are.
           if (mesh_.stamp(other) == stamp_ && mesh_.label(other) < mesh_.label(t)) continue;
-          if (const auto wish = rules_.wish_of_face(t, f)) out.push_back(*wish);
+          if (const auto wish = rules_.wish_of_face(t, f, sphere)) out.push_back(*wish);
         }
-        if (const auto wish = rules_.wish_of_tet(t)) out.push_back(*wish);
+        if (const auto wish = rules_.wish_of_tet(t, sphere)) out.push_back(*wish);
       },
       kBlock);
 }

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "lift.hpp"
+#include "lumesh/geometry/perturbed_insphere.hpp"
+
 namespace lumesh::delaunay {
 namespace {
 
@@ -21,12 +24,26 @@ double cosine_of_smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
 }  // namespace
 
 Circumsphere circumsphere(const TetMesh& mesh, TetId t) {
-  const Vec3& a = mesh.corner(t, 0);
-  const Vec3 u = mesh.corner(t, 1) - a, v = mesh.corner(t, 2) - a, w = mesh.corner(t, 3) - a;
+  // Corners stand in an order that depends on who made the tetrahedron; rounding must not.
+  std::array<const Vec3*, 4> p = {&mesh.corner(t, 0), &mesh.corner(t, 1), &mesh.corner(t, 2),
+                                  &mesh.corner(t, 3)};
+  const auto order = [&](std::size_t i, std::size_t j) {
+    if (precedes(*p[j], *p[i])) std::swap(p[i], p[j]);
+  };
+  order(0, 1), order(2, 3), order(0, 2), order(1, 3), order(1, 2);
+  const Vec3& a = *p[0];
+  const Vec3 u = *p[1] - a, v = *p[2] - a, w = *p[3] - a;
   const Vec3 vw = v.cross(w), wu = w.cross(u), uv = u.cross(v);
   const Vec3 offset = (u.squaredNorm() * vw + v.squaredNorm() * wu + w.squaredNorm() * uv) / (2 * u.dot(vw));
   return {a + offset, offset.norm()};
 }
+
+Rules::Rules(const TetMesh& mesh, const Spacing& spacing, const RuleLimits& limits)
+    : mesh_(mesh),
+      spacing_(spacing),
+      domain_(spacing.domain()),
+      radius_edge_(limits.radius_edge),
+      cosine_of_facet_angle_(std::cos(limits.facet_angle_deg * std::numbers::pi / 180)) {}
 
 Material Rules::material_of(TetId t) const {
   const Circumsphere sphere = circumsphere(mesh_, t);
@@ -41,19 +58,18 @@ bool Rules::is_boundary(TetId t, int face) const {
   return mine != other && (domain_.is_meshed(mine) || domain_.is_meshed(other));
 }
 
-/// Where the edge between the centres of both circumspheres crosses the boundary.
-Vec3 Rules::surface_centre(TetId t, int face, Material mine, Material other) const {
-  Vec3 low = circumsphere(mesh_, t).centre, high = circumsphere(mesh_, mesh_.link(t, face).tet()).centre;
-  double at_low = domain_.separation(low, mine, other).value,
-         at_high = domain_.separation(high, mine, other).value;
+/// Where the edge crosses the boundary, within `close`.
+Vec3 Rules::surface_centre(const DualEdge& dual, double close) const {
+  Vec3 low = dual.from, high = dual.to;
+  double at_low = domain_.separation_value(low, dual.mine, dual.other);
+  double at_high = domain_.separation_value(high, dual.mine, dual.other);
   constexpr int kSteps = 40;
-  const double close = 1e-4 * domain_.resolution_mm();
-  for (int step = 0; step < kSteps && (high - low).norm() > close; ++step) {
+  for (int step = 0; step < kSteps && (high - low).squaredNorm() > close * close; ++step) {
     // Regula falsi with halved end values (Illinois), kept off the ends.
-    double fraction = at_low > 0 && at_high < 0 ? at_low / (at_low - at_high) : 0.5;
-    fraction = std::clamp(fraction, 0.02, 0.98);
+    const double fraction =
+        at_low > 0 && at_high < 0 ? std::clamp(at_low / (at_low - at_high), 0.02, 0.98) : 0.5;
     const Vec3 middle = low + fraction * (high - low);
-    const double value = domain_.separation(middle, mine, other).value;
+    const double value = domain_.separation_value(middle, dual.mine, dual.other);
     if (std::abs(value) < close) return middle;
     if (value > 0) {
       low = middle;
@@ -68,32 +84,40 @@ Vec3 Rules::surface_centre(TetId t, int face, Material mine, Material other) con
   return 0.5 * (low + high);
 }
 
-std::optional<Wish> Rules::wish_of_face(TetId t, int face) const {
-  const auto mine = static_cast<Material>(mesh_.label(t));
-  const auto other = static_cast<Material>(mesh_.label(mesh_.link(t, face).tet()));
-  const Cell<3> corners = mesh_.face_corners(t, face);
+std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& sphere) const {
+  const TetId behind = mesh_.link(t, face).tet();
+  const Circumsphere theirs = circumsphere(mesh_, behind);
+  if (!sphere.centre.allFinite() || !theirs.centre.allFinite()) return std::nullopt;
+  const DualEdge dual{sphere.centre, theirs.centre, static_cast<Material>(mesh_.label(t)),
+                      static_cast<Material>(mesh_.label(behind))};
+  Cell<3> corners = mesh_.face_corners(t, face);
+  std::sort(corners.begin(), corners.end(), [&](std::uint32_t v, std::uint32_t w) {
+    return precedes(mesh_.point(VertexId(v)), mesh_.point(VertexId(w)));
+  });
   const Vec3 &a = mesh_.point(VertexId(corners[0])), &b = mesh_.point(VertexId(corners[1])),
              &c = mesh_.point(VertexId(corners[2]));
-  const Vec3 centre = surface_centre(t, face, mine, other);
-  if (!centre.allFinite()) return std::nullopt;
-  const double radius = (centre - a).norm();
-  const double spacing = spacing_.surface_spacing_at(centre, mine, other);
   const bool is_off = std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
     return v < 4 || mesh_.dimension(VertexId(v)) == VertexDimension::kVolume;
   });
-  const double limit = std::cos(limits_.facet_angle_deg * std::numbers::pi / 180);
-  if (radius <= spacing && !is_off && cosine_of_smallest_angle(a, b, c) <= limit) return std::nullopt;
-  return at_surface(centre, t, mine, other, radius, spacing);
+  const bool is_bad = is_off || cosine_of_smallest_angle(a, b, c) > cosine_of_facet_angle_;
+  const double spacing = spacing_.surface_spacing_at(a, dual.mine, dual.other);
+  // All of the edge is as near to the corners as its ends.
+  if (!is_bad && std::max(sphere.radius, theirs.radius) <= spacing) return std::nullopt;
+  constexpr double kClose = 0.02;
+  const Vec3 centre = surface_centre(dual, kClose * spacing);
+  const double radius = (centre - a).norm();
+  if (!is_bad && radius <= spacing) return std::nullopt;
+  return at_surface(centre, t, dual, radius, spacing);
 }
 
 /// A point on the surface, or on the curve where it ends if that is near.
-std::optional<Wish> Rules::at_surface(const Vec3& place, TetId t, Material mine, Material other,
-                                      double radius, double spacing) const {
+std::optional<Wish> Rules::at_surface(const Vec3& place, TetId t, const DualEdge& dual, double radius,
+                                      double spacing) const {
   constexpr double kLeast = 0.25;  // Of the spacing, from what is there.
-  MaterialSet set{mine, other};
+  const MaterialSet set{dual.mine, dual.other};
   const auto on_surface = domain_.project(place, set, spacing);
-  Wish wish{on_surface.value_or(place), t, kSurfaceFirst + static_cast<float>(radius / spacing),
-            VertexDimension::kSurface};
+  Wish wish{lifted(domain_, on_surface.value_or(place), dual.mine, dual.other, spacing), t,
+            kSurfaceFirst + static_cast<float>(radius / spacing), VertexDimension::kSurface};
   const MaterialSet near = domain_.materials_near(wish.point, 0.5 * std::min(radius, spacing));
   for (const Material third : near) {
     if (set.contains(third)) continue;
@@ -110,15 +134,14 @@ std::optional<Wish> Rules::at_surface(const Vec3& place, TetId t, Material mine,
   return wish;
 }
 
-std::optional<Wish> Rules::wish_of_tet(TetId t) const {
+std::optional<Wish> Rules::wish_of_tet(TetId t, const Circumsphere& sphere) const {
   const auto mine = static_cast<Material>(mesh_.label(t));
   if (!domain_.is_meshed(mine)) return std::nullopt;
-  const Circumsphere sphere = circumsphere(mesh_, t);
   double shortest2 = std::numeric_limits<double>::infinity();
   for (const auto& [i, j] : kTetEdges)
     shortest2 = std::min(shortest2, (mesh_.corner(t, i) - mesh_.corner(t, j)).squaredNorm());
   const double largest = kRadiusPerSize * spacing_.size_at(sphere.centre, mine);
-  const bool is_long = sphere.radius > limits_.radius_edge * std::sqrt(shortest2);
+  const bool is_long = sphere.radius > radius_edge_ * std::sqrt(shortest2);
   if (sphere.radius <= largest && !is_long) return std::nullopt;
   // What would stand near the surface is left to it.
   constexpr double kMargin = 0.4;

@@ -31,28 +31,33 @@ struct Circumsphere {
 /// Labels of tetrahedra are materials here: that of the domain at the centre of the circumsphere.
 class Rules {
  public:
-  Rules(const TetMesh& mesh, const Spacing& spacing, const RuleLimits& limits)
-      : mesh_(mesh), spacing_(spacing), domain_(spacing.domain()), limits_(limits) {}
+  Rules(const TetMesh& mesh, const Spacing& spacing, const RuleLimits& limits);
 
   [[nodiscard]] Material material_of(TetId t) const;
-  /// What the face asks for that lies between two materials, seen from t. R1: its place on the surface is
-  /// farther than the spacing from its corners. R3: an angle is too small, or a corner is not of the surface.
-  [[nodiscard]] std::optional<Wish> wish_of_face(TetId t, int face) const;
+  /// True for a face between materials of which one is meshed: the mesh will have it on its boundary.
+  [[nodiscard]] bool is_boundary(TetId t, int face) const;
+  /// What such a face asks for. R1: its place on the surface is farther than the spacing from its corners.
+  /// R3: an angle is too small, or a corner is not of the surface.
+  /// @param sphere  Of t.
+  [[nodiscard]] std::optional<Wish> wish_of_face(TetId t, int face, const Circumsphere& sphere) const;
   /// R4: the circumradius is too large for the shortest edge. R5: for the wanted size; R2 is part of that,
   /// since sizes near surfaces are theirs.
-  [[nodiscard]] std::optional<Wish> wish_of_tet(TetId t) const;
-  /// True for a face that the mesh will have as one of its boundary.
-  [[nodiscard]] bool is_boundary(TetId t, int face) const;
+  [[nodiscard]] std::optional<Wish> wish_of_tet(TetId t, const Circumsphere& sphere) const;
 
  private:
-  [[nodiscard]] Vec3 surface_centre(TetId t, int face, Material mine, Material other) const;
-  [[nodiscard]] std::optional<Wish> at_surface(const Vec3& place, TetId t, Material mine, Material other,
+  /// An edge between the centres of two circumspheres and the materials there.
+  struct DualEdge {
+    Vec3 from, to;
+    Material mine, other;
+  };
+  [[nodiscard]] Vec3 surface_centre(const DualEdge& dual, double close) const;
+  [[nodiscard]] std::optional<Wish> at_surface(const Vec3& place, TetId t, const DualEdge& dual,
                                                double radius, double spacing) const;
 
   const TetMesh& mesh_;
   const Spacing& spacing_;
   const Domain& domain_;
-  RuleLimits limits_;
+  double radius_edge_, cosine_of_facet_angle_;
 };
 
 }  // namespace lumesh::delaunay

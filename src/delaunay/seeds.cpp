@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "lift.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::delaunay {
@@ -13,8 +14,13 @@ namespace {
 /// that length and eight are sqrt(3) / 2 of it.
 constexpr double kConstantPerSize = 1.087;
 
+/// Distance of points of a surface in units of what rule R1 asks for, so that few gaps are left for it:
+/// candidates stand about so densely.
+constexpr double kSeedSpacing = 0.9;
+
 /// How far inner points stay from boundaries, in lattice constants.
 constexpr double kMargin = 0.5;
+constexpr double kHalfDiagonal = 0.867;  // Of a cube with edges of length 1.
 
 /// Spread over [-1, 1]; the same for the same number.
 double scattered(std::uint64_t x) {
@@ -67,6 +73,7 @@ class LatticeDescent {
     return domain_.may_hold_object(low - Vec3::Constant(0.5 * size), low + Vec3::Constant(1.5 * size));
   }
   [[nodiscard]] double wanted_constant(const Vec3& low, double size) const {
+    if (spacing_.is_constant()) return kConstantPerSize * spacing_.size_mm();
     const Vec3 middle = low + Vec3::Constant(0.5 * size);
     const Material m = domain_.material_at(middle);
     return kConstantPerSize * spacing_.size_at(middle, domain_.is_meshed(m) ? m : 1);
@@ -75,40 +82,64 @@ class LatticeDescent {
   /// @return false if nothing of the object, nor of what is near its boundary, is in the cell.
   bool descend(const Vec3& low, double size, Seeds& out) const {
     if (!holds_object(low, size)) return false;
-    if (size <= std::sqrt(2.0) * wanted_constant(low, size)) return add_leaf(low, size, out);
+    if (is_leaf(low, size)) return add_leaf(low, size, out);
+    const Domain::Surroundings here = domain_.surroundings(low + Vec3::Constant(0.5 * size));
+    const bool is_of_one = here.clearance_mm >= kHalfDiagonal * size + kMargin * size;
+    if (is_of_one && !domain_.is_meshed(here.material)) return false;
+    const auto descend_to = [&](int child) {
+      const Vec3 low_of_it = low_of_child(low, size, child);
+      return is_of_one ? fill(low_of_it, 0.5 * size, out) : descend(low_of_it, 0.5 * size, out);
+    };
     std::array<bool, 8> holds{};
-    for (int child = 0; child < 8; ++child)
-      holds[static_cast<std::size_t>(child)] = descend(low_of_child(low, size, child), 0.5 * size, out);
+    for (int child = 0; child < 8; ++child) holds[static_cast<std::size_t>(child)] = descend_to(child);
     if (std::none_of(holds.begin(), holds.end(), [](bool h) { return h; })) return false;
-    // One point for all empty leaves, one for each larger empty cell.
-    const bool are_leaves = 0.5 * size <= std::sqrt(2.0) * wanted_constant(low, size);
-    for (int child = 0; child < 8; ++child) {
-      if (holds[static_cast<std::size_t>(child)]) continue;
-      out.outer.push_back(shaken(low_of_child(low, size, child) + Vec3::Constant(0.25 * size), 0.5 * size));
-      if (are_leaves) break;
+    add_outer(low, size, holds, out);
+    return true;
+  }
+
+  /// The lattice in a cell that is inside as a whole, far from boundaries.
+  bool fill(const Vec3& low, double size, Seeds& out) const {
+    if (is_leaf(low, size)) {
+      out.inner.push_back(shaken(low, size));
+      out.inner.push_back(shaken(low + Vec3::Constant(0.5 * size), size));
+    } else {
+      for (int child = 0; child < 8; ++child) fill(low_of_child(low, size, child), 0.5 * size, out);
     }
     return true;
+  }
+
+  /// One point for all empty leaves of a cell, one for each larger empty part.
+  void add_outer(const Vec3& low, double size, const std::array<bool, 8>& holds, Seeds& out) const {
+    for (int child = 0; child < 8; ++child) {
+      if (holds[static_cast<std::size_t>(child)]) continue;
+      const Vec3 low_of_it = low_of_child(low, size, child);
+      out.outer.push_back(shaken(low_of_it + Vec3::Constant(0.25 * size), 0.5 * size));
+      if (is_leaf(low_of_it, 0.5 * size)) return;
+    }
+  }
+
+  [[nodiscard]] bool is_leaf(const Vec3& low, double size) const {
+    return size <= std::sqrt(2.0) * wanted_constant(low, size);
   }
   [[nodiscard]] static Vec3 low_of_child(const Vec3& low, double size, int child) {
     return low + 0.5 * size * Vec3(child & 1, child >> 1 & 1, child >> 2);
   }
 
   bool add_leaf(const Vec3& low, double size, Seeds& out) const {
-    const bool has_low = add_lattice_point(low, size, out);
     const Vec3 middle = low + Vec3::Constant(0.5 * size);
     const Domain::Surroundings here = domain_.surroundings(middle);
+    const bool is_meshed = domain_.is_meshed(here.material);
+    // Where the clearance reaches over the whole cell, its corner is like its middle.
+    if (!is_meshed && here.clearance_mm > kHalfDiagonal * size) return false;
     add_lattice_point(middle, here, size, out);
-    const bool is_near =
-        here.clearance_mm <= 0.95 * size || (here.clearance_mm >= reach_mm_ && 0.95 * size > reach_mm_);
-    if (!is_near) return has_low || domain_.is_meshed(here.material);
+    const bool has_low = add_lattice_point(low, domain_.surroundings(low), size, out);
+    const bool may_be_near = here.clearance_mm <= 0.95 * size || here.clearance_mm >= 0.99 * reach_mm_;
+    if (!may_be_near) return is_meshed || has_low;
     for (int child = 0; child < 8; ++child)
       add_candidates(low_of_child(low, size, child) + Vec3::Constant(0.25 * size), 0.26 * size, out);
     return true;
   }
 
-  bool add_lattice_point(const Vec3& place, double size, Seeds& out) const {
-    return add_lattice_point(place, domain_.surroundings(place), size, out);
-  }
   bool add_lattice_point(const Vec3& place, const Domain::Surroundings& here, double size, Seeds& out) const {
     if (!domain_.is_meshed(here.material) || here.clearance_mm < std::min(kMargin * size, 0.99 * reach_mm_))
       return false;
@@ -138,9 +169,10 @@ class LatticeDescent {
     if (!domain_.is_meshed(pair[0]) && !domain_.is_meshed(pair[1])) return;
     const auto x = domain_.project(place, pair, distance);
     if (!x) return;
-    const double spacing = spacing_.surface_spacing_at(*x, pair[0], pair[1]);
+    const double spacing = kSeedSpacing * spacing_.surface_spacing_at(*x, pair[0], pair[1]);
     const MaterialSet there = domain_.materials_near(*x, 1e-3 * domain_.resolution_mm());
-    if (there.contains_all(pair)) out.boundary.push_back({*x, pair, spacing});
+    if (there.contains_all(pair))
+      out.boundary.push_back({lifted(domain_, *x, pair[0], pair[1], spacing), pair, spacing});
     add_curve_candidates(*x, pair, spacing, out);
   }
 

@@ -33,6 +33,7 @@ class Spacing {
       if (domain_->is_meshed(m)) size = std::min(size, sizing_->size_at(x, domain_->label_of(m)));
     return std::min(delta_mm_, size / kEdgePerSpacing);
   }
+  [[nodiscard]] bool is_constant() const { return sizing_ == nullptr; }
   [[nodiscard]] const Domain& domain() const { return *domain_; }
   [[nodiscard]] double delta_mm() const { return delta_mm_; }
   [[nodiscard]] double size_mm() const { return size_mm_; }

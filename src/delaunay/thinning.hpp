@@ -9,9 +9,8 @@
 namespace lumesh::delaunay {
 
 /// Indices of candidates of which none is nearer to another than the lesser spacing of both, and to which
-/// none of the rest can be added: corners first, then points of curves, then of surfaces. What lies at less
-/// than `curve_clearance` spacings from a curve is left out, too, so that the edges of the curve stay.
-/// Parallel inside, the same for every thread count.
+/// none of the rest can be added: corners first, then points of curves, then of surfaces. Parallel inside,
+/// the same for every thread count.
 [[nodiscard]] std::vector<std::uint32_t> thinned(std::span<const BoundaryCandidate> candidates);
 
 }  // namespace lumesh::delaunay

@@ -168,6 +168,14 @@ FieldSample ImageDomain::separation(const Vec3& point_mm, Material first, Materi
   return {in_voxels.value * voxel_size_mm_, index_from_mm_.transpose() * in_voxels.gradient * voxel_size_mm_};
 }
 
+double ImageDomain::separation_value(const Vec3& point_mm, Material first, Material second) const {
+  if (is_cut(first) || is_cut(second)) return separation(point_mm, first, second).value;
+  const Vec3 index = frame().to_index(point_mm);
+  return 0.5 * voxel_size_mm_ *
+         (field_.value(index, static_cast<LabelField::LabelIndex>(first)) -
+          field_.value(index, static_cast<LabelField::LabelIndex>(second)));
+}
+
 std::optional<Vec3> ImageDomain::project(const Vec3& start_mm, const MaterialSet& set,
                                          double reach_mm) const {
   Vec3 x = start_mm;

@@ -265,36 +265,48 @@ struct TetMesh::Assembly {
     };
   }
 
-  /// Derives the vertex dimensions: patches meet in curves, curves end or meet in corners.
   void classify_vertices() {
-    struct Edge {
-      std::uint32_t a, b;
-      std::int32_t patch;
-      auto operator<=>(const Edge&) const = default;
-    };
-    std::vector<Edge> edges(open_faces.size() * 3);
+    std::vector<Cell<3>> triangles(open_faces.size());
+    std::vector<std::int32_t> patches(open_faces.size());
     parallel::for_each_index(open_faces.size(), [&](std::size_t i) {
-      const Cell<3> v = sorted_corners(mesh.face_corners(open_faces[i].tet, open_faces[i].face));
-      const std::int32_t patch = open_faces[i].patch;
-      edges[3 * i] = {v[0], v[1], patch};
-      edges[3 * i + 1] = {v[0], v[2], patch};
-      edges[3 * i + 2] = {v[1], v[2], patch};
+      triangles[i] = mesh.face_corners(open_faces[i].tet, open_faces[i].face);
+      patches[i] = open_faces[i].patch;
     });
-    parallel::sort(edges.begin(), edges.end());
-    std::vector<std::uint32_t> ends;  // Both ends of every feature edge.
-    for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
-      const auto& [a, b, patch] = edges[i];
-      for (next = i + 1; next < edges.size() && edges[next].a == a && edges[next].b == b;) ++next;
-      for (const std::uint32_t v : {a, b}) mesh.dimensions_[v] = VertexDimension::kSurface;
-      if (next - i != 2 || edges[i + 1].patch != patch) ends.insert(ends.end(), {a, b});
-    }
-    parallel::sort(ends.begin(), ends.end());
-    for (std::size_t i = 0, next = 0; i < ends.size(); i = next) {
-      for (next = i + 1; next < ends.size() && ends[next] == ends[i];) ++next;
-      mesh.dimensions_[ends[i]] = next - i == 2 ? VertexDimension::kCurve : VertexDimension::kCorner;
-    }
+    mesh.classify_vertices({triangles, patches});
   }
 };
+
+void TetMesh::classify_vertices(const PatchTable& faces) {
+  struct Edge {
+    std::uint32_t a, b;
+    std::int32_t patch;
+    auto operator<=>(const Edge&) const = default;
+  };
+  std::vector<Edge> edges(faces.triangles.size() * 3);
+  parallel::for_each_index(faces.triangles.size(), [&](std::size_t i) {
+    const Cell<3> v = sorted_corners(faces.triangles[i]);
+    const std::int32_t patch = faces.patches[i];
+    edges[3 * i] = {v[0], v[1], patch};
+    edges[3 * i + 1] = {v[0], v[2], patch};
+    edges[3 * i + 2] = {v[1], v[2], patch};
+  });
+  parallel::sort(edges.begin(), edges.end());
+  parallel::for_each_index(vertex_slots(), [&](std::size_t v) {
+    if (dimensions_[v] != VertexDimension::kFreed) dimensions_[v] = VertexDimension::kVolume;
+  });
+  std::vector<std::uint32_t> ends;  // Both ends of every feature edge.
+  for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
+    const auto& [a, b, patch] = edges[i];
+    for (next = i + 1; next < edges.size() && edges[next].a == a && edges[next].b == b;) ++next;
+    for (const std::uint32_t v : {a, b}) dimensions_[v] = VertexDimension::kSurface;
+    if (next - i != 2 || edges[i + 1].patch != patch) ends.insert(ends.end(), {a, b});
+  }
+  parallel::sort(ends.begin(), ends.end());
+  for (std::size_t i = 0, next = 0; i < ends.size(); i = next) {
+    for (next = i + 1; next < ends.size() && ends[next] == ends[i];) ++next;
+    dimensions_[ends[i]] = next - i == 2 ? VertexDimension::kCurve : VertexDimension::kCorner;
+  }
+}
 
 TetMesh TetMesh::build(std::span<const Vec3> points, std::span<const Cell<4>> tets,
                        std::span<const Label> labels, const PatchTable& patches, MeshInfo info) {

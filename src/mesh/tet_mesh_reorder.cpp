@@ -98,6 +98,28 @@ void TetMesh::compact() {
   renumber(vertices, places_of(vertices, vertex_slots()), tets);
 }
 
+void TetMesh::keep_only(std::span<const std::uint8_t> kept) {
+  std::vector<std::uint8_t> used(vertex_slots(), 0);
+  parallel::for_each_index(tet_slots(), [&](std::size_t t) {
+    if (!alive(TetId(static_cast<std::uint32_t>(t)))) return;
+    if (kept[t] == 0) {
+      tets_[t].fill(VertexId::kNone);
+      tet_stamps_[t] = kDeadStamp;
+      return;
+    }
+    for (const std::uint32_t v : tets_[t]) {
+      parallel::raise(used[v]);
+      parallel::store_relaxed(incident_[v].value, static_cast<std::uint32_t>(t));
+    }
+  });
+  parallel::for_each_index(vertex_slots(), [&](std::size_t v) {
+    if (used[v] == 0) dimensions_[v] = VertexDimension::kFreed;
+  });
+  const auto vertices = live_slots(vertex_slots(), [&](std::uint32_t v) { return alive(VertexId(v)); });
+  const auto tets = live_slots(tet_slots(), [&](std::uint32_t t) { return alive(TetId(t)); });
+  renumber(vertices, places_of(vertices, vertex_slots()), tets);
+}
+
 void TetMesh::reorder_along_curve() {
   std::vector<std::uint32_t> vertices =
       live_slots(vertex_slots(), [&](std::uint32_t v) { return alive(VertexId(v)); });

@@ -14,12 +14,20 @@
 
 namespace lumesh {
 
+/// What refinement begins with.
+enum class Seeding : std::uint8_t {
+  kLattice,  ///< Points of a lattice inside and of all surfaces: what is left to mend is little.
+  kSurface,  ///< Points of surfaces.
+  kFew,      ///< A few points of surfaces: all the rest is left to the rules.
+};
+
 struct DelaunayOptions {
   double delta_mm = 0;     ///< > 0: points of a surface are at least this far apart, and no place of it is
                            ///< farther from one.
   double size_mm = 0;      ///< Largest wanted edge length inside; 0: that of the surface, 1.3 delta.
   double radius_edge = 2;  ///< Largest circumradius of a tetrahedron in units of its shortest edge, >= 1.5.
-  double facet_angle_deg = 30;     ///< Smallest angle of boundary triangles, 0 to 30.
+  double facet_angle_deg = 30;  ///< Smallest angle of boundary triangles, 0 to 30.
+  Seeding seeding = Seeding::kLattice;
   const Sizing* sizing = nullptr;  ///< Further wishes for edge lengths; outlives the call.
   int max_rounds = 60;             ///< Of refinement, >= 0.
   parallel::TeamOptions team = {};

@@ -95,6 +95,10 @@ class Domain {
   /// of `first`, and its gradient (per mm).
   [[nodiscard]] virtual FieldSample separation(const Vec3& point_mm, Material first,
                                                Material second) const = 0;
+  /// Its value alone.
+  [[nodiscard]] virtual double separation_value(const Vec3& point_mm, Material first, Material second) const {
+    return separation(point_mm, first, second).value;
+  }
   /// False only if nothing in the box between two corners is meshed.
   [[nodiscard]] virtual bool may_hold_object(const Vec3& low_mm, const Vec3& high_mm) const = 0;
   /// A box around all that is meshed.

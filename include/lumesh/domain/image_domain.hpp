@@ -44,6 +44,7 @@ class ImageDomain final : public Domain {
   [[nodiscard]] std::optional<BoundaryPoint> nearest_boundary(const Vec3& point_mm) const;
 
   [[nodiscard]] FieldSample separation(const Vec3& point_mm, Material first, Material second) const override;
+  [[nodiscard]] double separation_value(const Vec3& point_mm, Material first, Material second) const override;
   [[nodiscard]] std::optional<Vec3> project(const Vec3& start_mm, const MaterialSet& set,
                                             double reach_mm) const override;
 

@@ -159,6 +159,9 @@ class TetMesh {
   void set_incident_tet(VertexId v, TetId t) { incident_[v.value] = t; }
   [[nodiscard]] VertexDimension dimension(VertexId v) const { return dimensions_[v.value]; }
   void set_dimension(VertexId v, VertexDimension dimension) { dimensions_[v.value] = dimension; }
+  /// Derives the dimensions of all vertices from the faces that carry patches, each once: patches meet in
+  /// curves, curves end or meet in corners. build() has done so.
+  void classify_vertices(const PatchTable& faces);
   /// Numbers that an execution gives to what it makes; kDeadStamp for freed slots. Stamps may be read by
   /// threads that hold nothing: a stamp says by itself whether an element is still the one that was meant.
   [[nodiscard]] std::uint32_t stamp(VertexId v) const {
@@ -258,6 +261,10 @@ class TetMesh {
   TetId add_tet(const Cell<4>& vertices, Label label, int owner = 0, std::uint32_t stamp = 0);
   void free_vertex(VertexId v, int owner = 0);
   void free_tet(TetId t, int owner = 0);
+  /// Frees all tetrahedra but those named by 1 in `kept` (one byte per slot), and vertices that are left
+  /// without; the caller has seen to the links of what stays. What else it leaves is compact(). Parallel
+  /// inside.
+  void keep_only(std::span<const std::uint8_t> kept);
   /// Closes the gaps of dead slots; the order of the live ones stays. Invalidates ids and owners. Parallel
   /// inside. Cost: O(slots).
   void compact();

@@ -1,0 +1,177 @@
+#include "lumesh/delaunay/delaunay.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "kernel_options.hpp"
+#include "long_run.hpp"
+#include "lumesh/adapt/improve.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/report/picture.hpp"
+
+namespace lumesh::cli {
+
+namespace {
+
+struct DelaunayCommand {
+  const CLI::App* self = nullptr;
+  std::string input_path, mesh_path, surface_path, json_path;
+  ImageSelection selection;
+  PlaneNumbers cut_planes;
+  ImageDomainOptions domain;
+  DelaunayOptions options;
+  ImproveOptions improvement;
+  bool skips_improvement = false;
+  double time_limit_s = std::numeric_limits<double>::infinity();
+  KernelOptions kernel;
+  RunOptions run;
+};
+
+nlohmann::ordered_json angles_json(const DihedralRange& angles) {
+  return {{"min", angles.min_deg}, {"max", angles.max_deg}, {"tetrahedra_outside", angles.tets_outside}};
+}
+
+nlohmann::ordered_json report_json(const DelaunayReport& report, const std::optional<ImproveReport>& improved,
+                                   const TetMesh& mesh, const Context& context) {
+  nlohmann::ordered_json json;
+  json["complete"] = report.complete && (!improved || improved->complete);
+  json["tetrahedra"] = mesh.tet_count();
+  json["vertices"] = mesh.vertex_count();
+  json["seeds"] = {
+      {"inside", report.inner_seeds}, {"outside", report.outer_seeds}, {"boundary", report.boundary_seeds}};
+  json["rounds"] = nlohmann::json::array();
+  for (const DelaunayRound& round : report.rounds)
+    json["rounds"].push_back({{"seconds", round.seconds},
+                              {"tetrahedra_looked_at", round.tets_looked_at},
+                              {"surface_wishes", round.surface_wishes},
+                              {"volume_wishes", round.volume_wishes},
+                              {"inserted", round.inserted},
+                              {"removed", round.removed}});
+  if (improved)
+    json["improvement"] = {{"dihedral_deg_before", angles_json(improved->before)},
+                           {"dihedral_deg", angles_json(improved->after)},
+                           {"passes", improved->passes.size()}};
+  json["seconds"] = nlohmann::json::object();
+  for (const PhaseTime& phase : context.phases())
+    json["seconds"][phase.name] = json["seconds"].value(phase.name, 0.0) + phase.seconds;
+  return json;
+}
+
+/// What can be said before anything is read.
+void check_options(const DelaunayCommand& command) {
+  command.options.validate();
+  command.improvement.validate();
+  check_volume_output(command.mesh_path);
+  check_output_folders({command.mesh_path, command.surface_path, command.json_path});
+}
+
+void print_summary(const DelaunayCommand& command, const TetMesh& mesh, const BoundaryFaces& faces,
+                   const std::optional<ImproveReport>& improved, const Context& context, double seconds) {
+  say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles\n", command.mesh_path,
+      mesh.tet_count(), mesh.vertex_count(), faces.triangles.size());
+  for (std::size_t p = 0; p < mesh.info().patches.size(); ++p)
+    say(command.run, "  patch {:<20} {:>8} triangles\n", mesh.info().patches[p].name,
+        std::count(faces.patches.begin(), faces.patches.end(), static_cast<int>(p)));
+  if (improved)
+    say(command.run, "  dihedral angles {:.2f} to {:.2f} degrees (before improvement: {:.2f} to {:.2f})\n",
+        improved->after.min_deg, improved->after.max_deg, improved->before.min_deg, improved->before.max_deg);
+  std::string times = "  time";
+  for (const PhaseTime& phase : context.phases())
+    if (phase.name != "pass") times += fmt::format("  {} {:.2f}", phase.name, phase.seconds);
+  say(command.run, "{}  total {:.2f} s\n", times, seconds);
+}
+
+void run(DelaunayCommand command) {
+  const auto start = std::chrono::steady_clock::now();
+  const parallel::ThreadLimit limit(command.run.threads);
+  Context context = make_context(command.run);
+  const LongRun long_run(context, command.run, command.time_limit_s);
+  check_options(command);
+  command.domain.cut_planes = planes_from(command.cut_planes);
+  const LabelImage image = context.phase(
+      "read", [&] { return read_selected_image(command.input_path, command.selection, context); });
+  const ImageDomain domain = context.phase("domain", [&] { return ImageDomain(image, command.domain); });
+  command.options.team = command.kernel.team(command.run.threads);
+  DelaunayResult result =
+      naming(command.input_path, [&] { return mesh_delaunay(domain, command.options, context); });
+  TetMesh& mesh = result.mesh;
+  std::optional<ImproveReport> improved;
+  if (!command.skips_improvement) {
+    command.improvement.execution = command.kernel.execution_kind();
+    command.improvement.team = command.options.team;
+    context.phase("improvement", [&] { improved = improve(mesh, command.improvement, context); });
+  }
+  mesh.info().provenance = provenance_of(*command.self, command.input_path);
+  const BoundaryFaces faces = mesh.boundary_faces();
+  context.phase("write", [&] {
+    MeshView view = mesh.view(faces);
+    view.metric = {};  // What improvement works with says nothing.
+    write_mesh(command.mesh_path, view);
+    if (!command.surface_path.empty()) write_surface(command.surface_path, view);
+  });
+  for (const std::string& note : result.report.notes) context.warn(note);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  if (!command.json_path.empty())
+    report::write_file(command.json_path, report_json(result.report, improved, mesh, context).dump(2) + "\n");
+  print_summary(command, mesh, faces, improved, context, elapsed.count());
+  long_run.check_complete(result.report.complete && (!improved || improved->complete),
+                          command.mesh_path + " holds the best mesh so far");
+}
+
+void add_rule_options(CLI::App& sub, DelaunayCommand& command) {
+  DelaunayOptions& o = command.options;
+  sub.add_option("--delta", o.delta_mm,
+                 "Spacing of points on surfaces in mm: no place of a surface is farther from one (R1)")
+      ->required()
+      ->check(positive_number());
+  sub.add_option("--size", o.size_mm,
+                 "Largest edge length inside in mm (R5); default 1.3 delta, as on surfaces")
+      ->check(positive_number());
+  sub.add_option("--radius-edge", o.radius_edge,
+                 "Largest circumradius of tetrahedra in units of their shortest edge (R4), at least 1.5")
+      ->capture_default_str();
+  sub.add_option("--facet-angle", o.facet_angle_deg,
+                 "Smallest angle of boundary triangles in degrees, before improvement (R3), 0 to 30")
+      ->capture_default_str();
+  sub.add_flag("--no-improve", command.skips_improvement,
+               "Leave slivers in: no swaps and moves after refinement");
+  sub.add_option("--min-dihedral", command.improvement.min_dihedral_deg,
+                 "Improvement raises smaller dihedral angles, in degrees, 1 to 60")
+      ->capture_default_str();
+  sub.add_option("--max-dihedral", command.improvement.max_dihedral_deg, "And lowers larger ones, 90 to 179")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_delaunay_command(CLI::App& program) {
+  const auto command = std::make_shared<DelaunayCommand>();
+  CLI::App* sub = program.add_subcommand("delaunay", "Mesh a segmented image by Delaunay refinement");
+  command->self = sub;
+  sub->add_option("image", command->input_path, std::string("Label image ") + kImageFormats)->required();
+  sub->add_option("-o,--output", command->mesh_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
+      ->required();
+  add_rule_options(*sub, *command);
+  sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
+  sub->add_option("--json", command->json_path, "Write times, rounds and angles as JSON");
+  add_selection_options(*sub, command->selection, "Mesh");
+  add_cut_plane_option(*sub, command->cut_planes, "cut off what lies on the normal's side");
+  sub->add_option("--smoothing", command->domain.field.sigma, "Low-pass width in voxels, 0.5 to 3")
+      ->capture_default_str();
+  add_kernel_options(*sub, command->kernel);
+  add_time_limit_option(*sub, command->time_limit_s);
+  add_threads_option(*sub, command->run);
+  add_verbosity_options(*sub, command->run);
+  sub->footer("Example: lumesh delaunay case1.nrrd -o case1.vtu --delta 1.2");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace lumesh::cli

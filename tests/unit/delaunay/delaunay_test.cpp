@@ -1,0 +1,189 @@
+// Meshes of images of shapes with known measures.
+#include "lumesh/delaunay/delaunay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "fixtures/images.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/mesh/validate.hpp"
+
+namespace lumesh {
+namespace {
+
+using fixtures::frame_of;
+using fixtures::voxels_of;
+
+const Vec3 kCentre(15.3, 15.6, 15.8);
+
+LabelImage ball(double radius_mm) {
+  return voxels_of(frame_of({32, 32, 32}), {0, 1},
+                   [=](const Vec3& p) { return (p - kCentre).norm() < radius_mm ? 1 : 0; });
+}
+
+/// Along x through the whole image.
+LabelImage tube(double radius_mm) {
+  return voxels_of(frame_of({32, 32, 32}), {0, 1}, [=](const Vec3& p) {
+    return std::hypot(p.y() - kCentre.y(), p.z() - kCentre.z()) < radius_mm ? 1 : 0;
+  });
+}
+
+/// Ball (3) around two half balls (1, 2) of 0.6 times its radius that touch each other.
+LabelImage nested_balls(double radius_mm) {
+  return voxels_of(frame_of({32, 32, 32}), {0, 1, 2, 3}, [=](const Vec3& p) {
+    const double r = (p - kCentre).norm();
+    if (r < 0.6 * radius_mm) return p.x() < kCentre.x() ? 1 : 2;
+    return r < radius_mm ? 3 : 0;
+  });
+}
+
+DelaunayResult meshed(const LabelImage& image, DelaunayOptions options = {.delta_mm = 1.5}) {
+  Context context;
+  return mesh_delaunay(ImageDomain(image, {}), options, context);
+}
+
+std::map<Label, double> volumes_of(const TetMesh& mesh) {
+  std::map<Label, double> volumes;
+  for (std::uint32_t i = 0; i < mesh.tet_count(); ++i) {
+    const TetId t(i);
+    volumes[mesh.label(t)] +=
+        tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
+  }
+  return volumes;
+}
+
+/// Of the domain, by counting points of a grid of a quarter of a voxel.
+std::map<Label, double> sampled_volumes(const LabelImage& image) {
+  const ImageDomain domain(image, {});
+  std::map<Label, double> volumes;
+  for (int k = 0; k < 128; ++k)
+    for (int j = 0; j < 128; ++j)
+      for (int i = 0; i < 128; ++i)
+        if (const Label label = domain.label_at(0.25 * Vec3(i, j, k)); label != 0) volumes[label] += 1.0 / 64;
+  return volumes;
+}
+
+ValidationReport expect_valid(const TetMesh& mesh) {
+  ValidationReport report = validate(mesh);
+  EXPECT_TRUE(report.ok()) << report.text();
+  return report;
+}
+
+std::set<std::string> patch_names(const TetMesh& mesh) {
+  std::set<std::string> names;
+  for (const Patch& patch : mesh.info().patches) names.insert(patch.name);
+  return names;
+}
+
+TEST(DelaunayMesh, OfABallHasItsVolumeAndSurface) {
+  const DelaunayResult result = meshed(ball(11));
+  const ValidationReport report = expect_valid(result.mesh);
+  ASSERT_EQ(report.labels.size(), 1U);
+  EXPECT_EQ(report.labels[0].surface_components, 1U);
+  EXPECT_EQ(report.labels[0].surface_euler, 2);
+  EXPECT_NEAR(volumes_of(result.mesh).at(1) / (4.0 / 3 * std::numbers::pi * 11 * 11 * 11), 1, 0.02);
+  EXPECT_TRUE(result.report.complete);
+  EXPECT_EQ(patch_names(result.mesh), std::set<std::string>{"wall"});
+  for (std::uint32_t v = 0; v < result.mesh.vertex_count(); ++v) {
+    if (result.mesh.dimension(VertexId(v)) == VertexDimension::kVolume) continue;
+    EXPECT_NEAR((result.mesh.point(VertexId(v)) - kCentre).norm(), 11, 0.75);
+  }
+}
+
+/// R1: points of the surface lie at most delta from one another's places; R3 and R4 bound angles and shapes.
+TEST(DelaunayMesh, KeepsItsRules) {
+  const DelaunayResult result = meshed(ball(11));
+  const TetMesh& mesh = result.mesh;
+  const BoundaryFaces faces = mesh.boundary_faces();
+  for (const Cell<3>& f : faces.triangles) {
+    const Vec3 &a = mesh.point(VertexId(f[0])), &b = mesh.point(VertexId(f[1])),
+               &c = mesh.point(VertexId(f[2]));
+    const double ab = (b - a).norm(), bc = (c - b).norm(), ca = (a - c).norm();
+    const double area = 0.5 * (b - a).cross(c - a).norm();
+    EXPECT_LE(ab * bc * ca / (4 * area), 1.5 * 1.05);  // Its circumradius.
+    EXPECT_GT(std::min({ab, bc, ca}), 0.25 * 1.5);
+  }
+}
+
+TEST(DelaunayMesh, SmallerDeltaGivesMoreAndNearerToTheSurface) {
+  const DelaunayResult coarse = meshed(ball(11), {.delta_mm = 3}), fine = meshed(ball(11), {.delta_mm = 1.2});
+  EXPECT_GT(fine.mesh.tet_count(), 8 * coarse.mesh.tet_count());
+  const double truth = 4.0 / 3 * std::numbers::pi * 11 * 11 * 11;
+  EXPECT_LT(std::abs(volumes_of(fine.mesh).at(1) / truth - 1),
+            std::abs(volumes_of(coarse.mesh).at(1) / truth - 1));
+}
+
+TEST(DelaunayMesh, EndsInFlatCapsWhereTheVesselLeavesTheImage) {
+  const DelaunayResult result = meshed(tube(7));
+  const TetMesh& mesh = result.mesh;
+  expect_valid(mesh);
+  EXPECT_EQ(patch_names(mesh), (std::set<std::string>{"wall", "inlet_1", "outlet_1"}));
+  EXPECT_NEAR(volumes_of(mesh).at(1) / (std::numbers::pi * 49 * 32), 1, 0.02);
+  const BoundaryFaces faces = mesh.boundary_faces();
+  double cap_area = 0;
+  for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
+    if (mesh.info().patches[static_cast<std::size_t>(faces.patches[i])].kind != PatchKind::kOpening) continue;
+    const auto& [a, b, c] = faces.triangles[i];
+    for (const std::uint32_t v : {a, b, c}) {
+      const double x = mesh.point(VertexId(v)).x();
+      EXPECT_LT(std::min(std::abs(x + 0.5), std::abs(x - 31.5)), 1e-2);
+    }
+    cap_area += 0.5 * (mesh.point(VertexId(b)) - mesh.point(VertexId(a)))
+                          .cross(mesh.point(VertexId(c)) - mesh.point(VertexId(a)))
+                          .norm();
+  }
+  EXPECT_NEAR(cap_area / (2 * std::numbers::pi * 49), 1, 0.03);
+}
+
+TEST(DelaunayMesh, OfSeveralLabelsConformsWhereTheyMeet) {
+  const LabelImage image = nested_balls(13);
+  const DelaunayResult result = meshed(image, {.delta_mm = 1.2});
+  expect_valid(result.mesh);
+  EXPECT_EQ(patch_names(result.mesh),
+            (std::set<std::string>{"wall_3", "interface_1_2", "interface_1_3", "interface_2_3"}));
+  const auto volumes = volumes_of(result.mesh);
+  for (const auto& [label, volume] : sampled_volumes(image))
+    EXPECT_NEAR(volumes.at(label) / volume, 1, 0.015) << label;
+}
+
+TEST(DelaunayMesh, EveryThreadCountGivesTheSameBits) {
+  const LabelImage image = nested_balls(10);
+  const DelaunayResult alone = meshed(image, {.delta_mm = 1.5});
+  for (const int threads : {2, 8, 64}) {
+    const DelaunayResult other = meshed(image, {.delta_mm = 1.5, .team = {.threads = threads}});
+    ASSERT_EQ(other.mesh.tet_count(), alone.mesh.tet_count()) << threads;
+    EXPECT_TRUE(std::equal(other.mesh.tets().begin(), other.mesh.tets().end(), alone.mesh.tets().begin()));
+    EXPECT_TRUE(
+        std::equal(other.mesh.points().begin(), other.mesh.points().end(), alone.mesh.points().begin()));
+    EXPECT_TRUE(
+        std::equal(other.mesh.labels().begin(), other.mesh.labels().end(), alone.mesh.labels().begin()));
+  }
+}
+
+TEST(DelaunayMesh, EverySeedingEndsInTheSameShape) {
+  for (const Seeding seeding : {Seeding::kLattice, Seeding::kSurface, Seeding::kFew}) {
+    const DelaunayResult result = meshed(ball(9), {.delta_mm = 2, .seeding = seeding});
+    const ValidationReport report = expect_valid(result.mesh);
+    ASSERT_EQ(report.labels.size(), 1U);
+    EXPECT_EQ(report.labels[0].surface_euler, 2);
+    EXPECT_NEAR(volumes_of(result.mesh).at(1) / (4.0 / 3 * std::numbers::pi * 729), 1, 0.05);
+  }
+}
+
+TEST(DelaunayMesh, RefusesOptionsOutOfRange) {
+  const LabelImage image = ball(5);
+  EXPECT_THROW((void)meshed(image, {.delta_mm = 0}), Error);
+  EXPECT_THROW((void)meshed(image, {.delta_mm = NAN}), Error);
+  EXPECT_THROW((void)meshed(image, {.delta_mm = 1, .size_mm = -1}), Error);
+  EXPECT_THROW((void)meshed(image, {.delta_mm = 1, .radius_edge = 1}), Error);
+  EXPECT_THROW((void)meshed(image, {.delta_mm = 1, .facet_angle_deg = 40}), Error);
+  EXPECT_THROW((void)meshed(image, {.delta_mm = 100}), Error);
+}
+
+}  // namespace
+}  // namespace lumesh
