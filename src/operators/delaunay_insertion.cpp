@@ -71,13 +71,10 @@ TetId DelaunayKernel<Lock>::locate(const Vec3& point, VertexId near) {
     const int face = face_towards(t, point, first);
     if (face < 0) return t;
     LUMESH_DEBUG_ASSERT(!mesh_->link(t, face).is_boundary());
+    // Others want to pass, too. This tetrahedron stays held: from one vertex of it the walk could begin again
+    // at the other end of what it has crossed, and would then never come by a vertex of many tetrahedra.
+    if (lock_.mark() >= kMostHeld) lock_.keep_only(mesh_->tet(t));
     t = mesh_->link(t, face).tet();
-    if (lock_.mark() < kMostHeld) continue;
-    // Others want to pass, too: all is given back but a vertex from which to go on.
-    const VertexId keep = mesh_->vertex(t, 0);
-    lock_.release_to(0);
-    if (!lock_.try_lock(keep) || !mesh_->alive(keep)) return {};
-    t = mesh_->incident_tet(keep);
   }
 }
 

@@ -3,6 +3,7 @@
 /// every tetrahedron that they change. A tetrahedron may be changed by who holds all its vertices. Who holds
 /// one of them may read it, and cross those of its faces that have a held vertex.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -19,6 +20,8 @@ struct NoLock {
   /// How much is held, and back to that.
   [[nodiscard]] static std::size_t mark() { return 0; }
   static void release_to(std::size_t /*mark*/) {}
+  /// Gives back all but these, which are held.
+  static void keep_only(const Cell<4>& /*vertices*/) {}
   /// True if something was refused, since the last mark(), that may be had another time.
   [[nodiscard]] static bool was_refused() { return false; }
   /// Takes over a vertex that its thread has just made.
@@ -75,6 +78,14 @@ class SpeculativeLock {
     for (; held_.size() > mark; held_.pop_back())
       parallel::give_back(mesh_->lock_word(held_.back()),
                           mesh_->alive(held_.back()) ? parallel::kFreeWord : TetMesh::kNoOwner);
+  }
+  void keep_only(const Cell<4>& vertices) {
+    std::erase_if(held_, [&](VertexId held) {
+      if (std::find(vertices.begin(), vertices.end(), held.value) != vertices.end()) return false;
+      parallel::give_back(mesh_->lock_word(held),
+                          mesh_->alive(held) ? parallel::kFreeWord : TetMesh::kNoOwner);
+      return true;
+    });
   }
   [[nodiscard]] bool was_refused() const { return refused_; }
   void adopt(VertexId vertex) {

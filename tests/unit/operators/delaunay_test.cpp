@@ -193,5 +193,19 @@ TEST(DelaunayExecution, ManyMoreThreadsThanCoresFinish) {
   expect_delaunay(mesh);
 }
 
+/// A flat crowd gives the corners of the hull thousands of tetrahedra each: a search that gives way to others
+/// and goes on from one vertex would cross the same ones for ever.
+TEST(DelaunayExecution, SearchesPassVerticesOfManyTetrahedra) {
+  std::vector<Vec3> flat;
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int i = 0; i < 3000; ++i) flat.emplace_back(unit(random), unit(random), 1e-6 * unit(random));
+  for (const int threads : {2, 8}) {
+    TetMesh mesh = made_with(threads, flat);
+    EXPECT_EQ(mesh.vertex_count(), 3000U - 600U + 4U);
+    expect_delaunay(mesh);
+  }
+}
+
 }  // namespace
 }  // namespace lumesh::operators
