@@ -14,7 +14,8 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lumesh)
 install(TARGETS lumesh RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS lumesh_all lumesh_flags ${modules} EXPORT lumeshTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(DIRECTORY include/lumesh DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY include/lumesh DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp"
+  PATTERN "*.h")
 install(EXPORT lumeshTargets NAMESPACE lumesh:: DESTINATION ${package_folder})
 configure_package_config_file(cmake/lumeshConfig.cmake.in lumeshConfig.cmake INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(lumeshConfigVersion.cmake COMPATIBILITY SameMinorVersion)

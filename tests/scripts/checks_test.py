@@ -63,6 +63,13 @@ class ChecksTest(unittest.TestCase):
         self.write("src/helpers/bad.cpp", "int one();\n")
         self.assert_finds("check_layers.py", "module helpers is not in the dependency table")
 
+    def test_layers_accepts_the_header_for_plain_c_and_finds_what_it_includes(self):
+        self.write("include/lumesh/sizing.h", "#pragma once\n")
+        self.write("src/mesh/good.cpp", '#include "lumesh/sizing.h"\n')
+        self.assertEqual(self.run_check("check_layers.py")[0], 0)
+        self.write("include/lumesh/sizing.h", '#pragma once\n#include "lumesh/core/types.hpp"\n')
+        self.assert_finds("check_layers.py", "a header for plain C includes nothing of lumesh")
+
     def test_layers_finds_a_heavy_library_in_a_public_header(self):
         self.write("include/lumesh/image/bad.hpp", "#pragma once\n#include <itkImage.h>\n")
         self.assert_finds("check_layers.py", "a public header includes ITK")

@@ -1,13 +1,16 @@
 #pragma once
 /// @file How long the edges of a mesh should be.
 
+#include <array>
 #include <map>
+#include <string>
+#include <vector>
 
 #include "lumesh/core/types.hpp"
 
 namespace lumesh {
 
-/// Wanted edge lengths in mm. Const calls from any thread.
+/// Wanted edge lengths in mm. Const calls from any thread; the same answer to the same question.
 class Sizing {
  public:
   Sizing() = default;
@@ -17,6 +20,10 @@ class Sizing {
 
   /// Wanted edge length at a point inside a label, > 0, or infinite where there is no wish.
   [[nodiscard]] virtual double size_at(const Vec3& point_mm, Label label) const = 0;
+  /// True if the tetrahedron with these corners is too large for a reason that sizes do not express.
+  [[nodiscard]] virtual bool wants_finer(const std::array<Vec3, 4>& /*corners_mm*/) const { return false; }
+  /// What the user should know about the answers so far, one line each. Not while other threads ask.
+  [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 }  // namespace lumesh

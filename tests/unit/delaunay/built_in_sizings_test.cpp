@@ -1,0 +1,222 @@
+// The built-in sizes, against formulas.
+#include "lumesh/delaunay/built_in_sizings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "fixtures/images.hpp"
+#include "fixtures/meshes.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr Label kAny = 1;
+
+std::vector<Vec3> random_points(std::size_t count, double half, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-half, half);
+  std::vector<Vec3> points(count);
+  for (Vec3& p : points) p = {place(random), place(random), place(random)};
+  return points;
+}
+
+/// The points of a helix of 5 turns, radius 10, that rises 4 a turn.
+std::vector<Vec3> helix(int count) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 10 * M_PI * i / count;
+    points.emplace_back(10 * std::cos(angle), 10 * std::sin(angle), 2 / M_PI * angle);
+  }
+  return points;
+}
+
+double distance_by_trying_all(const std::vector<Vec3>& points, const Vec3& x) {
+  double least = kNoSizeWish;
+  for (const Vec3& p : points) least = std::min(least, (p - x).norm());
+  return least;
+}
+
+TEST(BuiltInSizing, LabelsHaveTheirOwn) {
+  const auto sizing = size_per_label({{2, 0.4}, {7, 1.5}});
+  EXPECT_EQ(sizing->size_at({1, 2, 3}, 2), 0.4);
+  EXPECT_EQ(sizing->size_at({1, 2, 3}, 7), 1.5);
+  EXPECT_EQ(sizing->size_at({1, 2, 3}, 1), kNoSizeWish);
+  EXPECT_EQ(size_per_label({{2, 0.4}}, 3)->size_at({1, 2, 3}, 1), 3);
+}
+
+TEST(BuiltInSizing, GrowsWithTheDistanceToPoints) {
+  const std::vector<std::vector<Vec3>> sets = {
+      helix(3000), random_points(500, 10, 1), {Vec3(1, 2, 3)}, {Vec3(1, 2, 3), Vec3(1, 2, 3), Vec3(5, 2, 3)}};
+  for (const std::vector<Vec3>& points : sets) {
+    const auto sizing = size_from_points(points, {.factor = 0.3, .floor_mm = 0.2, .ceiling_mm = 2.5});
+    double sum = 0;
+    const auto places = random_points(4000, 30, 2);
+    for (const Vec3& x : places) {
+      const double expected = std::clamp(0.3 * distance_by_trying_all(points, x), 0.2, 2.5);
+      const double size = sizing->size_at(x, kAny);
+      ASSERT_GE(size, expected * (1 - 1e-12)) << x.transpose() << " of " << points.size();
+      ASSERT_LE(size, expected * 1.01) << x.transpose() << " of " << points.size();
+      sum += size / expected - 1;
+    }
+    EXPECT_LT(sum / static_cast<double>(places.size()), 2e-3);
+    for (const Vec3& p : points) ASSERT_EQ(sizing->size_at(p, kAny), 0.2);
+    EXPECT_EQ(sizing->size_at({1e5, 0, 0}, kAny), 2.5) << "far outside";
+  }
+}
+
+TEST(BuiltInSizing, IsRightNextToPoints) {
+  const std::vector<Vec3> points = helix(3000);
+  const auto sizing = size_from_points(points, {.factor = 0.3, .floor_mm = 1e-6});
+  for (const double away : {0.01, 0.5}) {
+    const auto offsets = random_points(points.size(), away, 10);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3 x = points[i] + offsets[i];
+      const double size = sizing->size_at(x, kAny), expected = 0.3 * distance_by_trying_all(points, x);
+      ASSERT_GE(size, expected * (1 - 1e-12)) << x.transpose();
+      ASSERT_LE(size, expected * 1.01) << x.transpose();
+    }
+  }
+}
+
+TEST(BuiltInSizing, StandsManyPointsThatAreAsNear) {
+  std::vector<Vec3> points = random_points(3000, 1, 3);
+  for (Vec3& p : points) p = 5 * p.normalized();
+  const Box3 region(Vec3(-9, -9, -9), Vec3(9, 9, 9));
+  const auto sizing = size_from_points(points, {.factor = 1, .floor_mm = 1e-3, .region_mm = region});
+  auto places = random_points(3000, 9, 4);
+  for (const Vec3& x : random_points(300, 0.01, 5)) places.push_back(x);
+  for (const Vec3& x : places) {
+    const double size = sizing->size_at(x, kAny), expected = distance_by_trying_all(points, x);
+    ASSERT_GE(size, expected * (1 - 1e-12));
+    ASSERT_LE(size, expected * 1.01);
+  }
+}
+
+TEST(BuiltInSizing, DistanceToTheBoundaryOfABallIsItsRadiusLessTheDistanceToItsCentre) {
+  ImageFrame frame = fixtures::frame_of({60, 60, 40});
+  frame.spacing_mm = {0.5, 0.5, 0.75};
+  const Vec3 centre(14.8, 14.9, 14.7);
+  constexpr double kRadius = 12;
+  const ImageDomain domain(
+      fixtures::voxels_of(frame, {0, 1},
+                          [&](const Vec3& p) { return (p - centre).norm() < kRadius ? 1 : 0; }),
+      {});
+  const auto sizing = size_from_boundary(domain, {.at_boundary_mm = 0.3, .growth = 0.5, .ceiling_mm = 5});
+  double sum = 0;
+  int count = 0;
+  for (const Vec3& offset : random_points(5000, 12, 6)) {
+    if (offset.norm() > kRadius) continue;
+    const double expected = std::min(0.3 + 0.5 * (kRadius - offset.norm()), 5.0);
+    const double off = sizing->size_at(centre + offset, kAny) - expected;
+    // Half of half a voxel's diagonal, and 5 % of the distance.
+    EXPECT_NEAR(off, 0, 0.27 + 0.05 * expected) << offset.transpose();
+    sum += off;
+    ++count;
+  }
+  EXPECT_NEAR(sum / count, 0, 0.1) << "clearances are cautious where voxels are longer than wide";
+  EXPECT_EQ(sizing->size_at(centre, kAny), 5);
+}
+
+TEST(BuiltInSizing, AnImageOfALinearFunctionGivesThatFunction) {
+  SizeImage image;
+  image.frame.size = {5, 4, 3};
+  image.frame.spacing_mm = {0.5, 1, 2};
+  image.frame.origin_mm = {10, 20, 30};
+  image.frame.direction = Vec3(-1, 1, -1).asDiagonal();
+  const auto linear = [](const Vec3& p) { return 100 + 2 * p.x() - 3 * p.y() + 0.5 * p.z(); };
+  for (int k = 0; k < 3; ++k) {
+    for (int j = 0; j < 4; ++j) {
+      for (int i = 0; i < 5; ++i)
+        image.sizes_mm.push_back(static_cast<float>(linear(image.frame.to_physical(Vec3(i, j, k)))));
+    }
+  }
+  const auto sizing = size_from_image(image);
+  for (const Vec3& index : random_points(200, 1, 7)) {
+    const Vec3 inside = (index.array() + 1).matrix().cwiseProduct(Vec3(2, 1.5, 1));
+    const Vec3 p = image.frame.to_physical(inside);
+    ASSERT_NEAR(sizing->size_at(p, kAny), linear(p), 1e-4);
+  }
+  const Vec3 beyond = image.frame.to_physical(Vec3(9, 1, 1)), border = image.frame.to_physical(Vec3(4, 1, 1));
+  EXPECT_NEAR(sizing->size_at(beyond, kAny), linear(border), 1e-4);
+}
+
+TEST(BuiltInSizing, VoxelsWithoutAWishDoNotCount) {
+  const SizeImage image{.frame = fixtures::frame_of({3, 1, 1}),
+                        .sizes_mm = {2, 0, std::numeric_limits<float>::infinity()}};
+  const auto sizing = size_from_image(image);
+  EXPECT_EQ(sizing->size_at({0, 0, 0}, kAny), 2);
+  EXPECT_EQ(sizing->size_at({0.75, 0, 0}, kAny), 2);
+  EXPECT_EQ(sizing->size_at({1.5, 0, 0}, kAny), kNoSizeWish);
+}
+
+TEST(BuiltInSizing, AMeshInterpolatesLogarithmsOfSizes) {
+  const fixtures::TetSoup grid = fixtures::cube_grid(4);
+  const auto size_at = [](const Vec3& p) { return std::exp(0.3 * p.x() - 0.2 * p.y() + 0.1 * p.z()); };
+  std::vector<double> sizes;
+  for (const Vec3& p : grid.points) sizes.push_back(size_at(p));
+  const auto sizing = size_from_mesh(TetMesh::build(grid.points, grid.tets, grid.labels), sizes);
+  const Box3 box = bounding_box(grid.points);
+  for (const Vec3& unit : random_points(500, 0.5, 8)) {
+    const Vec3 p = box.center() + unit.cwiseProduct(box.sizes());
+    ASSERT_NEAR(sizing->size_at(p, kAny), size_at(p), 1e-9 * size_at(p));
+  }
+  const Vec3 side(box.max().x(), box.center().y(), box.center().z());
+  EXPECT_NEAR(sizing->size_at(side + Vec3(3, 0, 0), kAny), size_at(side), 1e-9)
+      << "outside: the nearest place";
+}
+
+TEST(BuiltInSizing, TheSmallestOfSeveralCounts) {
+  std::vector<std::unique_ptr<Sizing>> parts;
+  parts.push_back(constant_size(2));
+  parts.push_back(size_per_label({{3, 0.5}}));
+  const auto sizing = combined_size(std::move(parts));
+  EXPECT_EQ(sizing->size_at({0, 0, 0}, 3), 0.5);
+  EXPECT_EQ(sizing->size_at({0, 0, 0}, 1), 2);
+  EXPECT_EQ(combined_size({})->size_at({0, 0, 0}, 1), kNoSizeWish);
+}
+
+TEST(BuiltInSizing, AnswersTheSameOnManyThreads) {
+  const std::vector<Vec3> points = helix(2000);
+  const fixtures::TetSoup grid = fixtures::cube_grid(6);
+  const std::vector<double> sizes(grid.points.size(), 0.7);
+  const auto places = random_points(20000, 20, 9);
+  const auto all_of = [&](int threads) {
+    const parallel::ThreadLimit limit(threads);
+    std::vector<std::unique_ptr<Sizing>> parts;
+    parts.push_back(size_from_points(points, {.factor = 0.1, .floor_mm = 0.1}));
+    parts.push_back(size_from_mesh(TetMesh::build(grid.points, grid.tets, grid.labels), sizes));
+    const auto sizing = combined_size(std::move(parts));
+    std::vector<double> answers(places.size());
+    parallel::for_each_index(
+        places.size(), [&](std::size_t i) { answers[i] = sizing->size_at(places[i], kAny); }, 16);
+    return answers;
+  };
+  EXPECT_EQ(all_of(1), all_of(8));
+}
+
+TEST(BuiltInSizing, ParametersThatMakeNoSenseAreRefused) {
+  const double nan = std::nan("");
+  const std::vector<Vec3> one = {Vec3::Zero()};
+  EXPECT_THROW(static_cast<void>(constant_size(0)), Error);
+  EXPECT_THROW(static_cast<void>(constant_size(nan)), Error);
+  EXPECT_THROW(static_cast<void>(size_per_label({{1, -1.0}})), Error);
+  EXPECT_THROW(static_cast<void>(size_from_points(one, {})), Error) << "without a floor sizes would be 0";
+  EXPECT_THROW(static_cast<void>(size_from_points(one, {.floor_mm = 2, .ceiling_mm = 1})), Error);
+  EXPECT_THROW(static_cast<void>(size_from_points(one, {.factor = 0, .floor_mm = 2})), Error);
+  EXPECT_THROW(static_cast<void>(size_from_points({}, {.floor_mm = 1})), Error);
+  EXPECT_THROW(static_cast<void>(size_from_points(std::vector<Vec3>{{nan, 0, 0}}, {.floor_mm = 1})), Error);
+  EXPECT_THROW(static_cast<void>(size_from_image({fixtures::frame_of({2, 1, 1}), {1}})), Error);
+  EXPECT_THROW(static_cast<void>(size_from_image({fixtures::frame_of({2, 1, 1}), {1, -1}})), Error);
+  const fixtures::TetSoup soup = fixtures::single_tet();
+  const auto mesh = [&] { return TetMesh::build(soup.points, soup.tets, soup.labels); };
+  EXPECT_THROW(static_cast<void>(size_from_mesh(mesh(), std::vector<double>{1, 1, 1})), Error);
+  EXPECT_THROW(static_cast<void>(size_from_mesh(mesh(), std::vector<double>{1, 1, 0, 1})), Error);
+}
+
+}  // namespace
+}  // namespace lumesh
