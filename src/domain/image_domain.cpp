@@ -1,16 +1,14 @@
 #include "lumesh/domain/image_domain.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
 
+#include "descent.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
 
 namespace {
-
-constexpr int kMaxNewtonSteps = 12;
 
 /// The whole row is read, which is quicker than to stop early.
 bool is_background(const LabelImage::Index* row, std::size_t width) {
@@ -178,47 +176,7 @@ double ImageDomain::separation_value(const Vec3& point_mm, Material first, Mater
 
 std::optional<Vec3> ImageDomain::project(const Vec3& start_mm, const MaterialSet& set,
                                          double reach_mm) const {
-  Vec3 x = start_mm;
-  // The last step is taken; convergence is quadratic, so it leaves less than a thousandth of its length.
-  const double close_mm = 2e-3 * voxel_size_mm_;
-  for (int step = 0; step < kMaxNewtonSteps; ++step) {
-    const Vec3 move = newton_step(x, set);
-    if (!move.allFinite()) return std::nullopt;
-    const double length = move.norm();
-    x += length > voxel_size_mm_ ? Vec3(move * (voxel_size_mm_ / length)) : move;
-    if ((x - start_mm).norm() > reach_mm) return std::nullopt;
-    if (length < close_mm) return x;
-  }
-  return std::nullopt;
-}
-
-Vec3 ImageDomain::newton_step(const Vec3& x, const MaterialSet& set) const {
-  constexpr double kFlat = 1e-3;  // squared slope below which a separation says nothing about its zero
-  if (set.size() == 2) {
-    const FieldSample s = separation(x, set[0], set[1]);
-    const double slope2 = s.gradient.squaredNorm();
-    if (slope2 < kFlat) return Vec3::Constant(NAN);
-    return s.gradient * (-s.value / slope2);
-  }
-  // Gauss-Newton with the least step: all separations from the first material vanish together.
-  const auto rows = static_cast<Eigen::Index>(std::min<std::size_t>(set.size() - 1, 3));
-  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> slope(rows, 3);
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> residual(rows);
-  // Materials come ascending, cut planes last: count from the last, so that a plane meets each label by
-  // itself.
-  const Material pivot = is_cut(set[set.size() - 1]) ? set[0] : set[set.size() - 1];
-  Eigen::Index row = 0;
-  for (const Material m : set) {
-    if (m == pivot || row == rows) continue;
-    const FieldSample s = separation(x, m, pivot);
-    if (s.gradient.squaredNorm() < kFlat) return Vec3::Constant(NAN);
-    slope.row(row) = s.gradient.transpose();
-    residual[row] = s.value;
-    ++row;
-  }
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> normal = slope * slope.transpose();
-  normal.diagonal().array() += 1e-6 * normal.trace();
-  return -slope.transpose() * normal.ldlt().solve(residual);
+  return descend(*this, start_mm, set, {reach_mm, voxel_size_mm_, 2e-3 * voxel_size_mm_});
 }
 
 std::optional<BoundaryPoint> ImageDomain::nearest_boundary(const Vec3& point_mm) const {

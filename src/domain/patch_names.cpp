@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
+#include <string>
 #include <unordered_map>
 
 namespace lumesh {
@@ -19,11 +21,10 @@ class OpeningGroups {
     double area_mm2 = 0;
   };
 
+  /// @param members  The triangles of openings.
   OpeningGroups(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions,
-                const Domain& domain) {
-    for (std::uint32_t i = 0; i < boundary.size(); ++i) {
-      if (domain.is_cut(boundary[i].outside)) members_.push_back(i);
-    }
+                std::vector<std::uint32_t> members)
+      : members_(std::move(members)) {
     parent_.resize(members_.size());
     for (std::uint32_t i = 0; i < parent_.size(); ++i) parent_[i] = i;
     join(boundary);
@@ -76,24 +77,43 @@ class OpeningGroups {
   std::vector<Opening> openings_;
 };
 
-}  // namespace
+constexpr std::int32_t kUnnamed = -1;
 
-PatchAssignment name_patches(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions,
-                             const Domain& domain) {
-  PatchAssignment result;
-  result.of_triangle.resize(boundary.size());
-  std::set<std::pair<Material, Material>> pairs;
-  std::set<Material> labels;
-  for (const BoundaryTriangle& t : boundary) {
-    labels.insert(t.inside);
-    if (!domain.is_cut(t.outside))
-      pairs.insert({t.outside == 0 ? 0 : t.inside, t.outside == 0 ? t.inside : t.outside});
-  }
+/// The patches that the domain has names for.
+void name_by_domain(std::span<const BoundaryTriangle> boundary, const Domain& domain,
+                    PatchAssignment& result) {
   std::map<std::pair<Material, Material>, std::int32_t> number;
-  for (const auto& pair : pairs) {
+  for (const BoundaryTriangle& t : boundary) number[{t.inside, t.outside}] = kUnnamed;
+  std::map<std::string, std::int32_t> by_name;
+  for (auto& [pair, patch] : number) {
+    const std::optional<Patch> known = domain.patch_between(pair.first, pair.second);
+    if (!known) continue;
+    const auto [at, added] =
+        by_name.try_emplace(known->name, static_cast<std::int32_t>(result.patches.size()));
+    if (added) result.patches.push_back(*known);
+    patch = at->second;
+  }
+  for (std::size_t i = 0; i < boundary.size(); ++i)
+    result.of_triangle[i] = number.at({boundary[i].inside, boundary[i].outside});
+}
+
+/// Walls and interfaces.
+void name_by_materials(std::span<const BoundaryTriangle> boundary, const Domain& domain,
+                       PatchAssignment& result) {
+  std::set<Material> labels;
+  std::map<std::pair<Material, Material>, std::int32_t> number;
+  const auto pair_of = [](const BoundaryTriangle& t) {
+    return t.outside == 0 ? std::pair{t.outside, t.inside} : std::pair{t.inside, t.outside};
+  };
+  for (std::size_t i = 0; i < boundary.size(); ++i) {
+    labels.insert(boundary[i].inside);
+    if (result.of_triangle[i] == kUnnamed && !domain.is_cut(boundary[i].outside))
+      number[pair_of(boundary[i])] = kUnnamed;
+  }
+  for (auto& [pair, patch] : number) {
     const Label first = domain.label_of(pair.first);
     const Label second = domain.label_of(pair.second);
-    number[pair] = static_cast<std::int32_t>(result.patches.size());
+    patch = static_cast<std::int32_t>(result.patches.size());
     if (pair.first == 0) {
       result.patches.push_back({labels.size() == 1 ? "wall" : "wall_" + std::to_string(second),
                                 PatchKind::kWall,
@@ -104,13 +124,17 @@ PatchAssignment name_patches(std::span<const BoundaryTriangle> boundary, std::sp
                                 {first, second}});
     }
   }
-  for (std::size_t i = 0; i < boundary.size(); ++i) {
-    const BoundaryTriangle& t = boundary[i];
-    if (!domain.is_cut(t.outside))
-      result.of_triangle[i] =
-          number.at({t.outside == 0 ? 0 : t.inside, t.outside == 0 ? t.inside : t.outside});
-  }
-  const OpeningGroups groups(boundary, positions, domain);
+  for (std::size_t i = 0; i < boundary.size(); ++i)
+    if (result.of_triangle[i] == kUnnamed && !domain.is_cut(boundary[i].outside))
+      result.of_triangle[i] = number.at(pair_of(boundary[i]));
+}
+
+void name_openings(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions,
+                   const Domain& domain, PatchAssignment& result) {
+  std::vector<std::uint32_t> members;
+  for (std::uint32_t i = 0; i < boundary.size(); ++i)
+    if (result.of_triangle[i] == kUnnamed) members.push_back(i);
+  const OpeningGroups groups(boundary, positions, std::move(members));
   for (std::size_t i = 0; i < groups.openings().size(); ++i) {
     const OpeningGroups::Opening& opening = groups.openings()[i];
     for (const std::uint32_t t : opening.triangles)
@@ -119,6 +143,17 @@ PatchAssignment name_patches(std::span<const BoundaryTriangle> boundary, std::sp
                               PatchKind::kOpening,
                               {domain.label_of(opening.label), kBackground}});
   }
+}
+
+}  // namespace
+
+PatchAssignment name_patches(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions,
+                             const Domain& domain) {
+  PatchAssignment result;
+  result.of_triangle.assign(boundary.size(), kUnnamed);
+  name_by_domain(boundary, domain, result);
+  name_by_materials(boundary, domain, result);
+  name_openings(boundary, positions, domain, result);
   return result;
 }
 

@@ -95,14 +95,17 @@ TriangleTree::TriangleTree(std::span<const Vec3> points,
   Builder{*this, items, points, triangles}.build(0, 0);
 }
 
-TriangleTree::Nearest TriangleTree::nearest(const Vec3& query, double upper_bound) const {
+TriangleTree::Nearest TriangleTree::nearest(const Vec3& query, double upper_bound,
+                                            double relative_slack) const {
   struct Entry {
     double squared_distance;
     std::size_t heap;
   };
   Nearest best;
   if (ids_.empty()) return best;
-  double bound = upper_bound * upper_bound;
+  // What is not nearer than the bound, a part of the best so far, does not matter.
+  const double share = (1 - relative_slack) * (1 - relative_slack);
+  double bound = upper_bound * upper_bound, least = 0;
   std::array<Entry, kStackSize> stack;
   int top = 0;
   stack[top++] = {boxes_[0].squared_distance(query), 0};
@@ -124,13 +127,14 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& query, double upper_boun
       const Vec3 point = closest_point_on_triangle(query, corners_[i][0], corners_[i][1], corners_[i][2]);
       const double squared = (point - query).squaredNorm();
       if (squared < bound || (squared == bound && ids_[i] < best.triangle)) {
-        bound = squared;
+        bound = share * squared;
+        least = squared;
         best.point = point;
         best.triangle = ids_[i];
       }
     }
   }
-  if (best.triangle != kNone) best.distance = std::sqrt(bound);
+  if (best.triangle != kNone) best.distance = std::sqrt(least);
   return best;
 }
 

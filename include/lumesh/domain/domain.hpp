@@ -9,6 +9,7 @@
 #include "lumesh/core/types.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/image/label_field.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
 
@@ -106,11 +107,19 @@ class Domain {
   /// Size of what the boundary is known by: the voxel of an image.
   [[nodiscard]] virtual double resolution_mm() const = 0;
 
-  [[nodiscard]] Material material_at(const Vec3& point_mm) const { return surroundings(point_mm).material; }
+  /// The material alone, which may be quicker.
+  [[nodiscard]] virtual Material material_at(const Vec3& point_mm) const {
+    return surroundings(point_mm).material;
+  }
   [[nodiscard]] virtual Label label_of(Material m) const = 0;
   /// Number of the labels with the background; materials from there on are openings.
   [[nodiscard]] virtual Material label_count() const = 0;
   [[nodiscard]] virtual Material material_count() const = 0;
+  /// The patch that the boundary between two materials is, if the domain knows; several boundaries may have
+  /// patches of one name. None: see name_patches().
+  [[nodiscard]] virtual std::optional<Patch> patch_between(Material /*inside*/, Material /*outside*/) const {
+    return std::nullopt;
+  }
   /// True for materials that the mesh is made of.
   [[nodiscard]] bool is_meshed(Material m) const { return m > 0 && m < label_count(); }
   [[nodiscard]] bool is_cut(Material m) const { return m >= label_count(); }

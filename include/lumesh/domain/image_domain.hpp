@@ -71,7 +71,6 @@ class ImageDomain final : public Domain {
   [[nodiscard]] std::array<Index3, 2> object_box() const { return object_box_; }
 
  private:
-  [[nodiscard]] Vec3 newton_step(const Vec3& x, const MaterialSet& set) const;
   void find_object_box(const LabelImage& image);
   void add_border_cuts(const LabelImage& image);
 

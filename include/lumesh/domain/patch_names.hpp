@@ -25,8 +25,9 @@ struct PatchAssignment {
   std::vector<std::int32_t> of_triangle;
 };
 
-/// "wall" (or "wall_L" where there are several labels), "interface_A_B", and one patch for each connected
-/// opening: the largest is "inlet_1", the others "outlet_1", "outlet_2", … by falling area.
+/// What the domain calls them (Domain::patch_between()); else "wall" (or "wall_L" where there are several
+/// labels), "interface_A_B", and one patch for each connected opening: the largest is "inlet_1", the others
+/// "outlet_1", "outlet_2", … by falling area.
 [[nodiscard]] PatchAssignment name_patches(std::span<const BoundaryTriangle> boundary,
                                            std::span<const Vec3> positions, const Domain& domain);
 

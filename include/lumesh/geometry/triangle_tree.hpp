@@ -32,9 +32,11 @@ class TriangleTree {
 
   /// Nearest point of any triangle to `query` (finite) no farther than `upper_bound`; `triangle` is kNone if
   /// there is none. A good bound, such as the distance of a neighbour's answer, saves time. Cost: about 1 us
-  /// near the surface.
+  /// near the surface; far from it a slack helps: the answer may then be one that is 1 / (1 - slack) times as
+  /// far as the nearest, slack in [0, 1).
   [[nodiscard]] Nearest nearest(const Vec3& query,
-                                double upper_bound = std::numeric_limits<double>::infinity()) const;
+                                double upper_bound = std::numeric_limits<double>::infinity(),
+                                double relative_slack = 0) const;
 
   /// The triangles whose own boxes along the axes meet the box [low, high], as indices in the input,
   /// ascending.

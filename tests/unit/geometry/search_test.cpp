@@ -82,6 +82,21 @@ TEST(TriangleTree, DistanceToASphereIsTheDistanceToItsRadius) {
   }
 }
 
+TEST(TriangleTree, ASlackGivesPlacesThatAreHardlyFarther) {
+  const Surface surface = sphere(60);
+  const TriangleTree tree(surface.points, surface.triangles);
+  std::mt19937_64 random(13);
+  std::normal_distribution<double> gauss;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 query = Vec3(gauss(random), gauss(random), gauss(random)) * 0.9;
+    const double exact = tree.nearest(query).distance;
+    const auto near = tree.nearest(query, 10, 0.1);
+    EXPECT_GE(near.distance, exact);
+    EXPECT_LE(0.9 * near.distance, exact);
+    EXPECT_NEAR((near.point - query).norm(), near.distance, 1e-14);
+  }
+}
+
 TEST(TriangleTree, TiesGoToTheLowestTriangle) {
   const Surface surface = plane_grid(8);
   const TriangleTree tree(surface.points, surface.triangles);

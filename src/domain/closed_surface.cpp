@@ -1,0 +1,257 @@
+#include "closed_surface.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <tuple>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::surfaces {
+namespace {
+
+constexpr std::uint32_t kNoTriangle = ~0u;
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorKind::kBadInput, message);
+}
+
+std::string place(const Vec3& p) {
+  std::ostringstream text;
+  text << '(' << p.x() << ' ' << p.y() << ' ' << p.z() << ')';
+  return text.str();
+}
+
+void check_arrays(const SurfaceView& surface) {
+  if (surface.triangles.empty()) refuse("the surface has no triangles");
+  if (!surface.patches.empty() && surface.patches.size() != surface.triangles.size())
+    refuse("the surface has " + std::to_string(surface.triangles.size()) + " triangles but " +
+           std::to_string(surface.patches.size()) + " patch numbers");
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (const std::uint32_t v : surface.triangles[t])
+      if (v >= surface.points.size() || !surface.points[v].allFinite())
+        refuse("triangle " + std::to_string(t) + " of the surface: point " + std::to_string(v) +
+               (v >= surface.points.size() ? " does not exist" : " is not finite"));
+}
+
+/// For each point the first of those equal to it.
+std::vector<std::uint32_t> first_equal(std::span<const Vec3> points) {
+  std::vector<std::uint32_t> order(points.size()), first(points.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  const auto key = [&](std::uint32_t i) { return std::tie(points[i].x(), points[i].y(), points[i].z()); };
+  // Points that no triangle uses may be anything, which would break the order.
+  std::erase_if(order, [&](std::uint32_t i) { return !points[i].allFinite(); });
+  parallel::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return key(a) != key(b) ? key(a) < key(b) : a < b;
+  });
+  for (std::size_t i = 0; i < order.size(); ++i)
+    first[order[i]] = i > 0 && key(order[i - 1]) == key(order[i]) ? first[order[i - 1]] : order[i];
+  return first;
+}
+
+/// Makes equal points one, and leaves out unused ones and triangles whose corners are not three.
+ClosedSurface welded(const SurfaceView& view) {
+  const std::vector<std::uint32_t> first = first_equal(view.points);
+  std::vector<std::uint32_t> number(view.points.size(), VertexId::kNone);
+  ClosedSurface surface;
+  for (std::size_t t = 0; t < view.triangles.size(); ++t) {
+    Cell<3> corners{};
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = first[view.triangles[t][i]];
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+    for (std::uint32_t& v : corners) {
+      if (number[v] == VertexId::kNone) {
+        number[v] = static_cast<std::uint32_t>(surface.points.size());
+        surface.points.push_back(view.points[v]);
+      }
+      v = number[v];
+    }
+    surface.triangles.push_back(corners);
+    surface.patches.push_back(view.patches.empty() ? 0 : view.patches[t]);
+  }
+  if (surface.triangles.empty()) refuse("the surface has no triangle with three different corners");
+  return surface;
+}
+
+struct SideOfEdge {
+  std::uint32_t low, high, triangle, side;
+  [[nodiscard]] auto edge() const { return std::pair(low, high); }
+  auto operator<=>(const SideOfEdge&) const = default;
+};
+
+[[noreturn]] void refuse_edge(const ClosedSurface& surface, const SideOfEdge& one, std::size_t triangles,
+                              std::size_t open_edges) {
+  const std::string ends = place(surface.points[one.low]) + " to " + place(surface.points[one.high]) + " mm";
+  if (triangles == 1)
+    refuse("the surface is not closed: " + std::to_string(open_edges) +
+           (open_edges == 1 ? " edge has" : " edges have") + " one triangle only, such as that from " + ends +
+           "; close the holes first");
+  refuse("the surface is not a manifold: the edge from " + ends + " has " + std::to_string(triangles) +
+         " triangles");
+}
+
+void find_neighbours(ClosedSurface& surface) {
+  std::vector<SideOfEdge> sides(3 * surface.triangles.size());
+  parallel::for_each_index(surface.triangles.size(), [&](std::size_t t) {
+    const Cell<3>& corners = surface.triangles[t];
+    for (std::uint32_t s = 0; s < 3; ++s) {
+      const auto [low, high] = std::minmax(corners[s], corners[(s + 1) % 3]);
+      sides[3 * t + s] = {low, high, static_cast<std::uint32_t>(t), s};
+    }
+  });
+  parallel::sort(sides.begin(), sides.end());
+  surface.neighbours.resize(surface.triangles.size());
+  const SideOfEdge* open = nullptr;
+  std::size_t open_edges = 0;
+  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+    while (end < sides.size() && sides[end].edge() == sides[begin].edge()) ++end;
+    const SideOfEdge &a = sides[begin], &b = sides[end - 1];
+    if (end - begin > 2) refuse_edge(surface, a, end - begin, 0);
+    if (end - begin == 1 && open_edges++ == 0) open = &a;
+    surface.neighbours[a.triangle][a.side] = b.triangle;
+    surface.neighbours[b.triangle][b.side] = a.triangle;
+  }
+  if (open != nullptr) refuse_edge(surface, *open, 1, open_edges);
+}
+
+void turn(ClosedSurface& surface, std::uint32_t t) {
+  std::swap(surface.triangles[t][1], surface.triangles[t][2]);
+  std::swap(surface.neighbours[t][0], surface.neighbours[t][2]);
+}
+
+/// Whether a triangle goes along the edge from one point to another.
+bool runs_along(const Cell<3>& corners, std::uint32_t from, std::uint32_t to) {
+  for (std::size_t s = 0; s < 3; ++s)
+    if (corners[s] == from && corners[(s + 1) % 3] == to) return true;
+  return false;
+}
+
+/// Turns all triangles that hang together the same way. @return the shell of each.
+std::vector<std::uint32_t> turn_alike(ClosedSurface& surface, std::uint32_t& shell_count) {
+  std::vector<std::uint32_t> shell(surface.triangles.size(), kNoTriangle), stack;
+  shell_count = 0;
+  for (std::uint32_t seed = 0; seed < shell.size(); ++seed) {
+    if (shell[seed] != kNoTriangle) continue;
+    shell[seed] = shell_count;
+    stack.push_back(seed);
+    while (!stack.empty()) {
+      const std::uint32_t t = stack.back();
+      stack.pop_back();
+      for (std::size_t s = 0; s < 3; ++s) {
+        const std::uint32_t from = surface.triangles[t][s], to = surface.triangles[t][(s + 1) % 3];
+        const std::uint32_t other = surface.neighbours[t][s];
+        const bool is_like_me = runs_along(surface.triangles[other], from, to);
+        if (shell[other] == kNoTriangle) {
+          if (is_like_me) turn(surface, other);
+          shell[other] = shell_count;
+          stack.push_back(other);
+        } else if (is_like_me) {
+          refuse("the surface has one side only, as a Moebius strip: triangles cannot be turned alike at " +
+                 place(surface.points[from]) + " mm");
+        }
+      }
+    }
+    ++shell_count;
+  }
+  return shell;
+}
+
+/// Solid angle of a triangle, signed, as a share of the sphere.
+/// Source: van Oosterom and Strackee 1983, doi:10.1109/TBME.1983.325207, eq. (8).
+double share_of_view(const ClosedSurface& surface, std::uint32_t t, const Vec3& eye) {
+  const Vec3 a = surface.corner(t, 0) - eye, b = surface.corner(t, 1) - eye, c = surface.corner(t, 2) - eye;
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  const double under = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+  return std::atan2(a.dot(b.cross(c)), under) / (2 * std::numbers::pi);
+}
+
+/// Turns shells outwards; those within an odd number of others are cavities and are turned into them.
+void turn_outwards(ClosedSurface& surface) {
+  std::uint32_t shell_count = 0;
+  const std::vector<std::uint32_t> shell = turn_alike(surface, shell_count);
+  std::vector<double> volume(shell_count, 0), depth(shell_count, 0);
+  std::vector<Vec3> point(shell_count);
+  const auto count = static_cast<std::uint32_t>(surface.triangles.size());
+  for (std::uint32_t t = 0; t < count; ++t) point[shell[t]] = surface.corner(t, 0);
+  for (std::uint32_t t = 0; t < count; ++t) volume[shell[t]] += six_volumes(surface, t, point[shell[t]]) / 6;
+  for (std::uint32_t s = 0; s < shell_count; ++s)
+    if (volume[s] == 0) refuse("the surface encloses nothing at " + place(point[s]) + " mm");
+  for (std::uint32_t s = 0; shell_count > 1 && s < shell_count; ++s) {
+    depth[s] = parallel::reduce_blocks(
+        count, 4096, 0.0,
+        [&](std::size_t begin, std::size_t end) {
+          double sum = 0;
+          for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t)
+            if (shell[t] != s) sum += share_of_view(surface, t, point[s]) * (volume[shell[t]] > 0 ? 1 : -1);
+          return sum;
+        },
+        [](double a, double b) { return a + b; });
+  }
+  for (std::uint32_t t = 0; t < count; ++t) {
+    const bool is_cavity = std::lround(depth[shell[t]]) % 2 != 0;
+    if ((volume[shell[t]] < 0) != is_cavity) turn(surface, t);
+  }
+}
+
+/// All triangles at a point must form one fan.
+void check_fans(const ClosedSurface& surface) {
+  std::vector<std::uint32_t> around(surface.points.size(), 0);
+  std::vector<std::pair<std::uint32_t, std::size_t>> start(surface.points.size());
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i) {
+      ++around[surface.triangles[t][i]];
+      start[surface.triangles[t][i]] = {t, i};
+    }
+  for (std::uint32_t v = 0; v < surface.points.size(); ++v) {
+    auto [t, i] = start[v];
+    std::uint32_t seen = 0;
+    do {
+      t = surface.neighbours[t][i];
+      for (i = 0; surface.triangles[t][i] != v;) ++i;
+      ++seen;
+    } while (t != start[v].first && seen <= around[v]);
+    if (seen != around[v])
+      refuse("the surface is not a manifold: it touches itself in the point " + place(surface.points[v]) +
+             " mm");
+  }
+}
+
+/// One with hardly any area, whose normal would be rounding, takes that of the neighbour at its longest edge.
+Vec3 normal_of(const ClosedSurface& surface, std::uint32_t t) {
+  constexpr int kMostHops = 8;
+  constexpr double kThin = 1e-12;  // Height over length.
+  Vec3 normal = Vec3::Zero();
+  for (int hop = 0; hop < kMostHops; ++hop) {
+    const auto length2 = [&](std::size_t s) {
+      return (surface.corner(t, s) - surface.corner(t, (s + 1) % 3)).squaredNorm();
+    };
+    std::size_t longest = 0;
+    for (const std::size_t s : {1u, 2u})
+      if (length2(s) > length2(longest)) longest = s;
+    normal = triangle_area_normal(surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2));
+    if (normal.norm() > kThin * length2(longest)) break;
+    t = surface.neighbours[t][longest];
+  }
+  return normal.stableNormalized();
+}
+
+}  // namespace
+
+ClosedSurface closed_surface(const SurfaceView& view) {
+  check_arrays(view);
+  ClosedSurface surface = welded(view);
+  find_neighbours(surface);
+  turn_outwards(surface);
+  check_fans(surface);
+  surface.normals.resize(surface.triangles.size());
+  parallel::for_each_index(surface.triangles.size(), [&](std::size_t t) {
+    surface.normals[t] = normal_of(surface, static_cast<std::uint32_t>(t));
+  });
+  return surface;
+}
+
+}  // namespace lumesh::surfaces

@@ -1,0 +1,34 @@
+#pragma once
+/// @file Triangles that have been found to be a closed surface, all turned outwards.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lumesh/domain/surface_domain.hpp"
+
+namespace lumesh::surfaces {
+
+struct ClosedSurface {
+  std::vector<Vec3> points;
+  std::vector<Cell<3>> triangles;     ///< Anticlockwise from outside.
+  std::vector<std::int32_t> patches;  ///< One per triangle.
+  std::vector<std::array<std::uint32_t, 3>>
+      neighbours;             ///< Triangle behind the edge from corner i to the next.
+  std::vector<Vec3> normals;  ///< Of triangles, unit length; one without area has that of its neighbour.
+
+  [[nodiscard]] const Vec3& corner(std::uint32_t triangle, std::size_t i) const {
+    return points[triangles[triangle][i]];
+  }
+};
+
+/// @throws Error{kBadInput} as SurfaceDomain. Cost: O(n log n); O(n) more for each shell.
+[[nodiscard]] ClosedSurface closed_surface(const SurfaceView& surface);
+
+/// Of six times the tetrahedron between a triangle and the origin.
+[[nodiscard]] inline double six_volumes(const ClosedSurface& surface, std::uint32_t t, const Vec3& origin) {
+  return (surface.corner(t, 0) - origin)
+      .dot((surface.corner(t, 1) - origin).cross(surface.corner(t, 2) - origin));
+}
+
+}  // namespace lumesh::surfaces

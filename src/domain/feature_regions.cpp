@@ -1,0 +1,193 @@
+#include "feature_regions.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "lumesh/geometry/triangle.hpp"
+
+namespace lumesh::surfaces {
+namespace {
+
+constexpr std::uint32_t kNoRegion = ~0u;
+
+/// Numbers the regions by falling area; equal ones stay in the order of their first triangles.
+FeatureRegions sorted_by_area(FeatureRegions found) {
+  std::vector<std::uint32_t> order(found.count()), number(found.count());
+  for (std::uint32_t r = 0; r < order.size(); ++r) order[r] = r;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return found.areas_mm2[a] > found.areas_mm2[b]; });
+  FeatureRegions sorted;
+  for (std::uint32_t r = 0; r < order.size(); ++r) {
+    number[order[r]] = r;
+    sorted.patches.push_back(found.patches[order[r]]);
+    sorted.areas_mm2.push_back(found.areas_mm2[order[r]]);
+  }
+  sorted.of_triangle = std::move(found.of_triangle);
+  for (std::uint32_t& r : sorted.of_triangle) r = number[r];
+  return sorted;
+}
+
+/// The neighbour of a region, of the same patch, with which it has the longest border; itself if none.
+std::uint32_t best_neighbour(const ClosedSurface& surface, const FeatureRegions& found, std::uint32_t region,
+                             std::span<const std::uint32_t> triangles) {
+  std::map<std::uint32_t, double> border_mm;
+  for (const std::uint32_t t : triangles)
+    for (std::size_t s = 0; s < 3; ++s) {
+      const std::uint32_t other = found.of_triangle[surface.neighbours[t][s]];
+      if (other != region && found.patches[other] == found.patches[region])
+        border_mm[other] += (surface.corner(t, (s + 1) % 3) - surface.corner(t, s)).norm();
+    }
+  std::uint32_t best = region;
+  double longest = 0;
+  for (const auto& [other, length] : border_mm)
+    if (length > longest) {
+      longest = length;
+      best = other;
+    }
+  return best;
+}
+
+/// Scanned surfaces are rough here and there; what is a region by one bent triangle joins its neighbour.
+void join_specks(const ClosedSurface& surface, FeatureRegions& found) {
+  constexpr std::size_t kMostTriangles = 4;
+  constexpr double kMostShare = 2e-3;  // Of the area.
+  const double all = std::accumulate(found.areas_mm2.begin(), found.areas_mm2.end(), 0.0);
+  std::vector<std::vector<std::uint32_t>> members(found.count());
+  for (std::uint32_t t = 0; t < found.of_triangle.size(); ++t) {
+    std::vector<std::uint32_t>& mine = members[found.of_triangle[t]];
+    if (mine.size() <= kMostTriangles) mine.push_back(t);
+  }
+  for (std::uint32_t r = 0; r < found.count(); ++r) {
+    if (members[r].size() > kMostTriangles || found.areas_mm2[r] > kMostShare * all) continue;
+    const std::uint32_t other = best_neighbour(surface, found, r, members[r]);
+    if (other == r) continue;
+    for (const std::uint32_t t : members[r]) {
+      found.of_triangle[t] = other;
+      if (members[other].size() <= kMostTriangles) members[other].push_back(t);
+    }
+    found.areas_mm2[other] += std::exchange(found.areas_mm2[r], 0);
+    members[r].clear();
+  }
+}
+
+/// Without those that have joined others.
+FeatureRegions without_empty(FeatureRegions found) {
+  std::vector<std::uint32_t> number(found.count());
+  FeatureRegions kept;
+  std::vector<std::uint8_t> is_used(found.count(), 0);
+  for (const std::uint32_t r : found.of_triangle) is_used[r] = 1;
+  for (std::uint32_t r = 0; r < number.size(); ++r) {
+    if (is_used[r] == 0) continue;
+    number[r] = kept.count();
+    kept.patches.push_back(found.patches[r]);
+    kept.areas_mm2.push_back(found.areas_mm2[r]);
+  }
+  kept.of_triangle = std::move(found.of_triangle);
+  for (std::uint32_t& r : kept.of_triangle) r = number[r];
+  return kept;
+}
+
+}  // namespace
+
+FeatureRegions find_regions(const ClosedSurface& surface, double feature_angle_deg) {
+  const double least_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
+  const auto count = static_cast<std::uint32_t>(surface.triangles.size());
+  FeatureRegions found;
+  found.of_triangle.assign(count, kNoRegion);
+  std::vector<std::uint32_t> stack;
+  for (std::uint32_t seed = 0; seed < count; ++seed) {
+    if (found.of_triangle[seed] != kNoRegion) continue;
+    const std::uint32_t region = found.count();
+    found.patches.push_back(surface.patches[seed]);
+    found.areas_mm2.push_back(0);
+    found.of_triangle[seed] = region;
+    stack.push_back(seed);
+    while (!stack.empty()) {
+      const std::uint32_t t = stack.back();
+      stack.pop_back();
+      found.areas_mm2[region] +=
+          triangle_area(surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2));
+      for (const std::uint32_t other : surface.neighbours[t]) {
+        if (found.of_triangle[other] != kNoRegion || surface.patches[other] != surface.patches[t] ||
+            surface.normals[t].dot(surface.normals[other]) < least_cosine)
+          continue;
+        found.of_triangle[other] = region;
+        stack.push_back(other);
+      }
+    }
+  }
+  join_specks(surface, found);
+  return sorted_by_area(without_empty(std::move(found)));
+}
+
+RegionBorders::RegionBorders(const ClosedSurface& surface, const FeatureRegions& regions)
+    : corners_of_(regions.count()) {
+  find_curves(surface, regions);
+  find_corners(surface, regions);
+}
+
+void RegionBorders::find_curves(const ClosedSurface& surface, const FeatureRegions& regions) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Cell<3>>> edges;
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+    for (std::size_t s = 0; s < 3; ++s) {
+      const std::uint32_t mine = regions.of_triangle[t];
+      const std::uint32_t other = regions.of_triangle[surface.neighbours[t][s]];
+      const std::uint32_t from = surface.triangles[t][s], to = surface.triangles[t][(s + 1) % 3];
+      if (mine < other) edges[{mine, other}].push_back({from, to, to});
+    }
+  }
+  for (const auto& [pair, list] : edges) curves_.emplace(pair, TriangleTree(surface.points, list));
+}
+
+void RegionBorders::find_corners(const ClosedSurface& surface, const FeatureRegions& regions) {
+  std::vector<std::array<std::uint32_t, 2>> meeting;  // Point and region.
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+    const std::uint32_t mine = regions.of_triangle[t];
+    for (std::size_t s = 0; s < 3; ++s) {
+      if (regions.of_triangle[surface.neighbours[t][s]] == mine) continue;
+      // Both ends of an edge that divides regions; each region at a corner has such edges there.
+      meeting.push_back({surface.triangles[t][s], mine});
+      meeting.push_back({surface.triangles[t][(s + 1) % 3], mine});
+    }
+  }
+  std::sort(meeting.begin(), meeting.end());
+  meeting.erase(std::unique(meeting.begin(), meeting.end()), meeting.end());
+  for (std::size_t begin = 0, end = 0; begin < meeting.size(); begin = end) {
+    while (end < meeting.size() && meeting[end][0] == meeting[begin][0]) ++end;
+    if (end - begin < 3) continue;
+    Corner corner{surface.points[meeting[begin][0]], {}};
+    for (std::size_t i = begin; i < end; ++i) {
+      corner.regions.push_back(meeting[i][1]);
+      corners_of_[meeting[i][1]].push_back(static_cast<std::uint32_t>(corners_.size()));
+    }
+    corners_.push_back(std::move(corner));
+  }
+}
+
+std::optional<Vec3> RegionBorders::nearest(const Vec3& x, std::span<const std::uint32_t> regions,
+                                           double reach) const {
+  if (regions.size() == 2) {
+    const auto curve = curves_.find({regions[0], regions[1]});
+    if (curve == curves_.end()) return std::nullopt;
+    const TriangleTree::Nearest found = curve->second.nearest(x, reach);
+    return found.triangle == TriangleTree::kNone ? std::nullopt : std::optional(found.point);
+  }
+  std::optional<Vec3> best;
+  double least2 = reach * reach;
+  for (const std::uint32_t c : corners_of_[regions[0]]) {
+    const Corner& corner = corners_[c];
+    const double distance2 = (corner.point - x).squaredNorm();
+    if (distance2 > least2 ||
+        !std::includes(corner.regions.begin(), corner.regions.end(), regions.begin(), regions.end()))
+      continue;
+    least2 = distance2;
+    best = corner.point;
+  }
+  return best;
+}
+
+}  // namespace lumesh::surfaces

@@ -1,0 +1,232 @@
+#include "lumesh/domain/surface_domain.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "closed_surface.hpp"
+#include "distance_octree.hpp"
+#include "feature_regions.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "surface_feet.hpp"
+
+namespace lumesh {
+
+using surfaces::ClosedSurface;
+using surfaces::DistanceCell;
+using surfaces::DistanceOctree;
+using surfaces::FeatureRegions;
+using surfaces::Foot;
+using surfaces::RegionBorders;
+using surfaces::SurfaceFeet;
+
+namespace {
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+/// Regions outside: the background is that of the first, the label lies between it and the others.
+std::uint32_t region_of(Material m) {
+  return m == 0 ? 0 : m - 1;
+}
+Material material_over(std::uint32_t region) {
+  return region == 0 ? 0 : region + 1;
+}
+
+double mean_edge(const ClosedSurface& surface) {
+  double sum = 0;
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i) sum += (surface.corner(t, (i + 1) % 3) - surface.corner(t, i)).norm();
+  return sum / static_cast<double>(3 * surface.triangles.size());
+}
+
+/// Cubes as large as a few triangles, within what memory allows.
+double least_cube(const ClosedSurface& surface, const Box3& box) {
+  constexpr double kMost = 128, kFewest = 16;  // Cubes along the box.
+  const double length = box.sizes().maxCoeff();
+  return std::clamp(2 * mean_edge(surface), length / kMost, length / kFewest);
+}
+
+}  // namespace
+
+void SurfaceDomainOptions::validate() const {
+  if (!(feature_angle_deg > 0 && feature_angle_deg <= 180))
+    throw Error(ErrorKind::kUsage, "the feature angle must lie in (0, 180] degrees");
+}
+
+struct SurfaceDomain::Parts {
+  Parts(const SurfaceView& view, const SurfaceDomainOptions& options)
+      : surface(surfaces::closed_surface(view)),
+        regions(surfaces::find_regions(surface, options.feature_angle_deg)),
+        borders(surface, regions),
+        feet(surface, regions),
+        box(bounding_box(surface.points)),
+        octree(feet, regions.count(), box, least_cube(surface, box)),
+        resolution_mm(std::min(0.5 * mean_edge(surface), box.diagonal().norm() / 128)) {
+    patches.assign(view.patch_info.begin(), view.patch_info.end());
+    const std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
+    has_named_patches = used.size() > 1;
+  }
+
+  /// The foot of x, quicker with what a cube of the octree knows.
+  [[nodiscard]] Foot foot(const Vec3& x, const DistanceOctree::Found& found) const {
+    return found.cell != nullptr ? feet.nearest(x, found.cell->triangle) : feet.nearest(x);
+  }
+  [[nodiscard]] Material material(const Vec3& x, const Foot& foot) const {
+    return feet.is_inside(x, foot) ? kInside : material_over(feet.region_over(x, foot));
+  }
+  /// Without looking at triangles, if x is far enough from the surface and from other regions.
+  [[nodiscard]] std::optional<Material> known_material(const DistanceOctree::Found& found) const {
+    if (found.cell == nullptr) return regions.count() == 1 ? std::optional<Material>(0) : std::nullopt;
+    if (found.least_distance() <= 0) return std::nullopt;
+    if (found.cell->distance > 0) return kInside;
+    if (regions.count() == 1) return 0;
+    if (found.cell->region == DistanceCell::kMixed) return std::nullopt;
+    return material_over(found.cell->region);
+  }
+
+  ClosedSurface surface;
+  FeatureRegions regions;
+  RegionBorders borders;
+  SurfaceFeet feet;
+  Box3 box;
+  DistanceOctree octree;
+  double resolution_mm;
+  std::vector<Patch> patches;
+  bool has_named_patches = false;
+};
+
+SurfaceDomain::SurfaceDomain(const SurfaceView& surface, const SurfaceDomainOptions& options) {
+  options.validate();
+  parts_ = std::make_shared<const Parts>(surface, options);
+}
+
+Domain::Surroundings SurfaceDomain::surroundings(const Vec3& point_mm) const {
+  constexpr double kLeast = 0.9;  // Of the distance.
+  const DistanceOctree::Found found = parts_->octree.find(point_mm);
+  const std::optional<Material> known = parts_->known_material(found);
+  if (known && found.cell != nullptr) {
+    const std::uint32_t guess = found.cell->triangle;
+    const double least = found.least_distance();
+    if (least >= kLeast * parts_->feet.distance_to_triangle(point_mm, guess)) return {*known, least};
+    return {*known, kLeast * parts_->feet.nearly_nearest(point_mm, guess, 1 - kLeast).distance};
+  }
+  const Foot foot = parts_->foot(point_mm, found);
+  return {known ? *known : parts_->material(point_mm, foot), foot.distance};
+}
+
+Material SurfaceDomain::material_at(const Vec3& point_mm) const {
+  const DistanceOctree::Found found = parts_->octree.find(point_mm);
+  if (const auto known = parts_->known_material(found)) return *known;
+  return parts_->material(point_mm, parts_->foot(point_mm, found));
+}
+
+double SurfaceDomain::clearance_limit_mm() const {
+  return kUnbounded;
+}
+
+MaterialSet SurfaceDomain::materials_near(const Vec3& point_mm, double reach_mm) const {
+  const DistanceOctree::Found found = parts_->octree.find(point_mm);
+  const std::optional<Material> known = parts_->known_material(found);
+  if (known && found.cell != nullptr && found.least_distance() > reach_mm) return {*known};
+  const Foot foot = parts_->foot(point_mm, found);
+  MaterialSet near{known ? *known : parts_->material(point_mm, foot)};
+  if (foot.distance > reach_mm) return near;
+  // The nearest first, in case there are more than the set can hold.
+  const std::uint32_t nearest = parts_->regions.of_triangle[foot.triangle];
+  near.insert(kInside);
+  near.insert(material_over(nearest));
+  for (std::uint32_t r = 0; r < parts_->regions.count() && near.size() < MaterialSet::kCapacity; ++r)
+    if (r != nearest && parts_->feet.nearest_of_region(point_mm, r, reach_mm).triangle != TriangleTree::kNone)
+      near.insert(material_over(r));
+  return near;
+}
+
+std::optional<Vec3> SurfaceDomain::project(const Vec3& start_mm, const MaterialSet& set,
+                                           double reach_mm) const {
+  std::array<std::uint32_t, MaterialSet::kCapacity> regions{};
+  std::size_t count = 0;
+  for (const Material m : set)
+    if (m != kInside) regions[count++] = region_of(m);
+  if (count == 0) return std::nullopt;
+  if (count > 1) return parts_->borders.nearest(start_mm, std::span(regions.data(), count), reach_mm);
+  const Foot foot = parts_->feet.nearest_of_region(start_mm, regions[0], reach_mm);
+  if (foot.triangle == TriangleTree::kNone) return std::nullopt;
+  return foot.point;
+}
+
+FieldSample SurfaceDomain::separation(const Vec3& point_mm, Material first, Material second) const {
+  const SurfaceFeet& feet = parts_->feet;
+  // So near to the surface, the way to the foot is rounding.
+  const double on_surface_mm = 1e-9 * parts_->resolution_mm;
+  if (first == kInside || second == kInside) {
+    const Foot foot = feet.nearest_of_region(point_mm, region_of(first == kInside ? second : first));
+    const bool is_inside = material_at(point_mm) == kInside;
+    const double side = is_inside ? -1 : 1;
+    const Vec3 outwards = foot.distance > on_surface_mm ? Vec3(side * (point_mm - foot.point) / foot.distance)
+                                                        : parts_->surface.normals[foot.triangle];
+    const double sign = first == kInside ? -1 : 1;
+    return {sign * side * foot.distance, sign * outwards};
+  }
+  const Foot one = feet.nearest_of_region(point_mm, region_of(first));
+  const Foot other = feet.nearest_of_region(point_mm, region_of(second));
+  const Vec3 normals = parts_->surface.normals[one.triangle] - parts_->surface.normals[other.triangle];
+  if ((one.point - other.point).norm() <= on_surface_mm) return {normals.dot(point_mm - one.point), normals};
+  const auto away = [&](const Foot& foot) {
+    return foot.distance > on_surface_mm ? Vec3((point_mm - foot.point) / foot.distance)
+                                         : parts_->surface.normals[foot.triangle];
+  };
+  return {other.distance - one.distance, away(other) - away(one)};
+}
+
+bool SurfaceDomain::may_hold_object(const Vec3& low_mm, const Vec3& high_mm) const {
+  if (!Box3(low_mm, high_mm).intersects(parts_->box)) return false;
+  const Surroundings middle = surroundings(0.5 * (low_mm + high_mm));
+  return middle.material == kInside || middle.clearance_mm <= 0.5 * (high_mm - low_mm).norm();
+}
+
+Box3 SurfaceDomain::bounds_mm() const {
+  return parts_->box;
+}
+
+double SurfaceDomain::resolution_mm() const {
+  return parts_->resolution_mm;
+}
+
+std::optional<Patch> SurfaceDomain::patch_between(Material inside, Material outside) const {
+  if (inside == outside || (inside != kInside && outside != kInside)) return std::nullopt;
+  const std::uint32_t region = region_of(inside == kInside ? outside : inside);
+  if (!parts_->has_named_patches) {
+    if (parts_->regions.count() == 1) return std::nullopt;
+    return Patch{"patch_" + std::to_string(region + 1), PatchKind::kWall, {1, kBackground}};
+  }
+  const std::int32_t number = parts_->regions.patches[region];
+  if (number < 0 || static_cast<std::size_t>(number) >= parts_->patches.size() ||
+      parts_->patches[static_cast<std::size_t>(number)].name.empty())
+    return Patch{"patch_" + std::to_string(number), PatchKind::kWall, {1, kBackground}};
+  const Patch& given = parts_->patches[static_cast<std::size_t>(number)];
+  return Patch{
+      given.name, given.kind == PatchKind::kOpening ? given.kind : PatchKind::kWall, {1, kBackground}};
+}
+
+std::uint32_t SurfaceDomain::region_count() const {
+  return parts_->regions.count();
+}
+
+double SurfaceDomain::area_mm2() const {
+  double sum = 0;
+  for (const double area : parts_->regions.areas_mm2) sum += area;
+  return sum;
+}
+
+double SurfaceDomain::volume_mm3() const {
+  double sum = 0;
+  const auto count = static_cast<std::uint32_t>(parts_->surface.triangles.size());
+  for (std::uint32_t t = 0; t < count; ++t)
+    sum += surfaces::six_volumes(parts_->surface, t, parts_->box.center());
+  return sum / 6;
+}
+
+}  // namespace lumesh
