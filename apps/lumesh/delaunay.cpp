@@ -130,8 +130,7 @@ void add_rule_options(CLI::App& sub, DelaunayCommand& command) {
   DelaunayOptions& o = command.options;
   sub.add_option("--delta", o.delta_mm,
                  "Spacing of points on surfaces in mm: no place of a surface is farther from one (R1)")
-      ->required()
-      ->check(positive_number());
+      ->required();
   sub.add_option("--size", o.size_mm,
                  "Largest edge length inside in mm (R5); default 1.3 delta, as on surfaces")
       ->check(positive_number());

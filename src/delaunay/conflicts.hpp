@@ -1,6 +1,7 @@
 #pragma once
 /// @file Which tetrahedra a point would replace, for as long as nobody changes the mesh.
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,7 +17,11 @@ class ConflictFinder {
   std::span<const TetId> find(const TetMesh& mesh, const Vec3& point, TetId near);
 
  private:
+  void take_in(TetId t);
+  [[nodiscard]] std::size_t slot_of(TetId t) const;
+
   std::vector<TetId> tets_;
+  std::vector<std::uint32_t> table_;  // What is in tets_, by open addressing; its size is a power of two.
 };
 
 }  // namespace lumesh::delaunay

@@ -1,5 +1,7 @@
 #include "lumesh/delaunay/delaunay.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +11,7 @@
 #include "refinement.hpp"
 #include "seeds.hpp"
 #include "thinning.hpp"
+#include "topology.hpp"
 
 namespace lumesh {
 
@@ -16,7 +19,8 @@ void DelaunayOptions::validate() const {
   const auto check = [](bool good, const char* message) {
     if (!good) throw Error(ErrorKind::kUsage, message);
   };
-  check(std::isfinite(delta_mm) && delta_mm > 0, "delta must be a positive number of mm");
+  if (!(std::isfinite(delta_mm) && delta_mm > 0))
+    throw Error(ErrorKind::kBadInput, fmt::format("delta must be a positive number of mm, but is {}", delta_mm));
   check(std::isfinite(size_mm) && size_mm >= 0, "the size must be a positive number of mm");
   check(radius_edge >= 1.5, "the radius-edge bound must be at least 1.5");
   check(facet_angle_deg >= 0 && facet_angle_deg <= 30, "the facet angle must lie in [0, 30] degrees");
@@ -24,6 +28,17 @@ void DelaunayOptions::validate() const {
 }
 
 namespace {
+
+/// @throws Error{kBadInput} for a delta of which the object is too small.
+void check_fits(const DelaunayOptions& options, const Box3& box) {
+  const double largest = box.sizes().maxCoeff();
+  if (!(largest > 0)) throw Error(ErrorKind::kBadInput, "there is nothing to mesh");
+  if (options.delta_mm > largest)
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("delta ({:g} mm) is larger than the object, which is {:.4g} mm long; choose one a "
+                            "good deal smaller",
+                            options.delta_mm, largest));
+}
 
 /// What is less than the seeds of the whole lattice.
 void thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
@@ -35,6 +50,12 @@ void thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
     one.spacing = std::max(one.spacing, box.sizes().maxCoeff() / kFewAcross);
 }
 
+/// A triangulation that holds the object and all seeds.
+TetMesh hull_around(Box3 box, std::span<const Vec3> outer) {
+  for (const Vec3& p : outer) box.extend(p);
+  return operators::triangulation_around(box.center(), 0.5 * box.diagonal().norm());
+}
+
 }  // namespace
 
 DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options, Context& context) {
@@ -42,10 +63,11 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   const double size_mm = options.size_mm > 0 ? options.size_mm : delaunay::kEdgePerSpacing * options.delta_mm;
   const delaunay::Spacing spacing(domain, options.delta_mm, size_mm, options.sizing);
   const Box3 box = domain.bounds_mm();
-  DelaunayResult result{operators::triangulation_around(box.center(), 0.5 * box.diagonal().norm()), {}};
+  check_fits(options, box);
   auto seeds = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
   thin_out(seeds, options.seeding, box);
   const auto boundary = context.phase("surface", [&] { return delaunay::thinned(seeds.boundary); });
+  DelaunayResult result{hull_around(box, seeds.outer), {}};
   result.report.inner_seeds = seeds.inner.size();
   result.report.outer_seeds = seeds.outer.size();
   result.report.boundary_seeds = boundary.size();
@@ -58,6 +80,8 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
       if (last.inserted == 0 && last.removed == 0) break;
     }
   });
+  result.report.pinched_vertices =
+      context.phase("topology", [&] { return delaunay::relabel_pinched(result.mesh, domain); });
   context.phase("carving", [&] { delaunay::carve(result.mesh, domain, 0.2 * options.delta_mm); });
   if (result.mesh.tet_count() == 0)
     throw Error(ErrorKind::kBadInput, "nothing of the object is left; choose a smaller --delta");

@@ -15,6 +15,8 @@ Vec3 lifted(const Domain& domain, const Vec3& x, Material first, Material second
   const Vec3 normal = gradient / slope;
   const Vec3 along = normal.unitOrthogonal(), across = normal.cross(along);
   const double radius = kCircumradius * spacing;
+  // Beyond the end of this boundary its function says nothing.
+  if (domain.material_count() > 2 && domain.materials_near(x, radius).size() > 2) return x;
   double sum = 0;  // How much the surface falls off on the way to a circumference, to the side of `first`.
   for (const Vec3& direction : {along, across}) {
     sum += domain.separation_value(x + radius * direction, first, second);

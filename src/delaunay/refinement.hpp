@@ -29,10 +29,13 @@ class Refinement {
   [[nodiscard]] std::vector<TetId> fresh_tets() const;
   void find_materials(std::span<const TetId> fresh);
   [[nodiscard]] std::vector<Wish> wishes_of(std::span<const TetId> fresh) const;
-  /// Those of which none replaces a tetrahedron that a more urgent one replaces, too; the others keep theirs
-  /// fresh.
+  /// For each pinched vertex, what its face with the largest place on the surface asks for.
+  [[nodiscard]] std::vector<Wish> wishes_of_topology() const;
+  /// Those that no more urgent one is too near to; the others keep their tetrahedra fresh.
   [[nodiscard]] std::vector<Wish> granted(std::vector<Wish> wishes);
-  [[nodiscard]] std::vector<VertexId> crowding(std::span<const VertexId> made) const;
+  [[nodiscard]] bool spare_curves(Wish& wish, std::span<const TetId> conflicts) const;
+  [[nodiscard]] std::vector<VertexId> crowding(std::span<const VertexId> made,
+                                               std::span<const Wish> wishes) const;
 
   TetMesh& mesh_;
   const Spacing& spacing_;

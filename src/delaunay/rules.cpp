@@ -84,12 +84,30 @@ Vec3 Rules::surface_centre(const DualEdge& dual, double close) const {
   return 0.5 * (low + high);
 }
 
-std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& sphere) const {
+std::optional<Rules::DualEdge> Rules::dual_of(TetId t, int face, const Circumsphere& sphere) const {
   const TetId behind = mesh_.link(t, face).tet();
   const Circumsphere theirs = circumsphere(mesh_, behind);
   if (!sphere.centre.allFinite() || !theirs.centre.allFinite()) return std::nullopt;
-  const DualEdge dual{sphere.centre, theirs.centre, static_cast<Material>(mesh_.label(t)),
-                      static_cast<Material>(mesh_.label(behind))};
+  return DualEdge{sphere.centre, theirs.centre, static_cast<Material>(mesh_.label(t)),
+                  static_cast<Material>(mesh_.label(behind)), std::max(sphere.radius, theirs.radius)};
+}
+
+std::optional<Wish> Rules::centre_of_face(TetId t, int face, const Circumsphere& sphere) const {
+  const auto dual = dual_of(t, face, sphere);
+  if (!dual) return std::nullopt;
+  const Cell<3> corners = mesh_.face_corners(t, face);
+  Vec3 a = mesh_.point(VertexId(corners[0]));
+  for (const std::uint32_t v : corners)
+    if (precedes(mesh_.point(VertexId(v)), a)) a = mesh_.point(VertexId(v));
+  const double spacing = spacing_.surface_spacing_at(a, dual->mine, dual->other);
+  const Vec3 centre = surface_centre(*dual, 0.02 * spacing);
+  return at_surface(centre, t, *dual, (centre - a).norm(), spacing);
+}
+
+std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& sphere) const {
+  const auto found = dual_of(t, face, sphere);
+  if (!found) return std::nullopt;
+  const DualEdge& dual = *found;
   Cell<3> corners = mesh_.face_corners(t, face);
   std::sort(corners.begin(), corners.end(), [&](std::uint32_t v, std::uint32_t w) {
     return precedes(mesh_.point(VertexId(v)), mesh_.point(VertexId(w)));
@@ -102,7 +120,7 @@ std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& s
   const bool is_bad = is_off || cosine_of_smallest_angle(a, b, c) > cosine_of_facet_angle_;
   const double spacing = spacing_.surface_spacing_at(a, dual.mine, dual.other);
   // All of the edge is as near to the corners as its ends.
-  if (!is_bad && std::max(sphere.radius, theirs.radius) <= spacing) return std::nullopt;
+  if (!is_bad && dual.reach <= spacing) return std::nullopt;
   constexpr double kClose = 0.02;
   const Vec3 centre = surface_centre(dual, kClose * spacing);
   const double radius = (centre - a).norm();
@@ -113,11 +131,10 @@ std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& s
 /// A point on the surface, or on the curve where it ends if that is near.
 std::optional<Wish> Rules::at_surface(const Vec3& place, TetId t, const DualEdge& dual, double radius,
                                       double spacing) const {
-  constexpr double kLeast = 0.25;  // Of the spacing, from what is there.
   const MaterialSet set{dual.mine, dual.other};
   const auto on_surface = domain_.project(place, set, spacing);
   Wish wish{lifted(domain_, on_surface.value_or(place), dual.mine, dual.other, spacing), t,
-            kSurfaceFirst + static_cast<float>(radius / spacing), VertexDimension::kSurface};
+            kSurfaceFirst + static_cast<float>(radius / spacing), VertexDimension::kSurface, spacing};
   const MaterialSet near = domain_.materials_near(wish.point, 0.5 * std::min(radius, spacing));
   for (const Material third : near) {
     if (set.contains(third)) continue;
@@ -129,8 +146,6 @@ std::optional<Wish> Rules::at_surface(const Vec3& place, TetId t, const DualEdge
       break;
     }
   }
-  for (const std::uint32_t v : mesh_.tet(t))
-    if ((mesh_.point(VertexId(v)) - wish.point).norm() < kLeast * spacing) return std::nullopt;
   return wish;
 }
 
@@ -144,11 +159,11 @@ std::optional<Wish> Rules::wish_of_tet(TetId t, const Circumsphere& sphere) cons
   const bool is_long = sphere.radius > radius_edge_ * std::sqrt(shortest2);
   if (sphere.radius <= largest && !is_long) return std::nullopt;
   // What would stand near the surface is left to it.
-  constexpr double kMargin = 0.4;
+  constexpr double kMargin = 0.5;
   const double clearance = domain_.surroundings(sphere.centre).clearance_mm;
   if (clearance < std::min(kMargin * std::min(sphere.radius, largest), domain_.clearance_limit_mm()))
     return std::nullopt;
-  return Wish{sphere.centre, t, static_cast<float>(sphere.radius / largest), VertexDimension::kVolume};
+  return Wish{sphere.centre, t, static_cast<float>(sphere.radius / largest), VertexDimension::kVolume, 0};
 }
 
 }  // namespace lumesh::delaunay

@@ -20,6 +20,7 @@ struct Wish {
   TetId tet;      ///< Whose it is.
   float urgency;  ///< Larger first: all of surfaces before those of volumes.
   VertexDimension dimension;
+  double spacing;  ///< Of points of the surface there; 0 inside.
 };
 
 struct Circumsphere {
@@ -40,6 +41,8 @@ class Rules {
   /// R3: an angle is too small, or a corner is not of the surface.
   /// @param sphere  Of t.
   [[nodiscard]] std::optional<Wish> wish_of_face(TetId t, int face, const Circumsphere& sphere) const;
+  /// Its place on the surface, if that is not too near to its corners.
+  [[nodiscard]] std::optional<Wish> centre_of_face(TetId t, int face, const Circumsphere& sphere) const;
   /// R4: the circumradius is too large for the shortest edge. R5: for the wanted size; R2 is part of that,
   /// since sizes near surfaces are theirs.
   [[nodiscard]] std::optional<Wish> wish_of_tet(TetId t, const Circumsphere& sphere) const;
@@ -49,7 +52,9 @@ class Rules {
   struct DualEdge {
     Vec3 from, to;
     Material mine, other;
+    double reach;  ///< No place of it is farther from the corners.
   };
+  [[nodiscard]] std::optional<DualEdge> dual_of(TetId t, int face, const Circumsphere& sphere) const;
   [[nodiscard]] Vec3 surface_centre(const DualEdge& dual, double close) const;
   [[nodiscard]] std::optional<Wish> at_surface(const Vec3& place, TetId t, const DualEdge& dual,
                                                double radius, double spacing) const;

@@ -18,6 +18,9 @@ constexpr double kConstantPerSize = 1.087;
 /// candidates stand about so densely.
 constexpr double kSeedSpacing = 0.9;
 
+/// Spacings below this share of the domain's resolution are not looked for.
+constexpr double kLeastSpacing = 0.4;
+
 /// How far inner points stay from boundaries, in lattice constants.
 constexpr double kMargin = 0.5;
 constexpr double kHalfDiagonal = 0.867;  // Of a cube with edges of length 1.
@@ -37,19 +40,24 @@ class LatticeDescent {
     root_mm_ = kConstantPerSize * spacing.size_mm();
     while (root_mm_ < 8 * domain_.resolution_mm()) root_mm_ *= 2;
     // Off the grid of voxels, on which boundaries like to lie.
-    origin_ = box.min() - root_mm_ * Vec3(0.8143, 0.7571, 0.7877);
+    origin_ = box.min() - root_mm_ * Vec3(1.8143, 1.7571, 1.7877);
     for (int axis = 0; axis < 3; ++axis)
-      cells_[axis] = static_cast<int>(std::ceil((box.max()[axis] - origin_[axis]) / root_mm_)) + 1;
+      cells_[axis] = static_cast<int>(std::ceil((box.max()[axis] - origin_[axis]) / root_mm_)) + 2;
   }
 
   [[nodiscard]] Seeds run() const {
     const auto cells = static_cast<std::size_t>(cells_.x()) * static_cast<std::size_t>(cells_.y()) *
                        static_cast<std::size_t>(cells_.z());
     const auto roots = parallel::collect<Index3>(cells, [&](std::size_t i, std::vector<Index3>& out) {
-      const auto x = static_cast<int>(i % static_cast<std::size_t>(cells_.x()));
-      const auto yz = static_cast<int>(i / static_cast<std::size_t>(cells_.x()));
-      const Index3 cell(x, yz % cells_.y(), yz / cells_.y());
+      const Index3 cell = cell_of(i);
       if (holds_object(low_of(cell), root_mm_)) out.push_back(cell);
+    });
+    const auto around = parallel::collect<Vec3>(cells, [&](std::size_t i, std::vector<Vec3>& out) {
+      const Index3 cell = cell_of(i);
+      if (!holds_object(low_of(cell), root_mm_) &&
+          domain_.may_hold_object(low_of(cell) - Vec3::Constant(root_mm_),
+                                  low_of(cell) + Vec3::Constant(2 * root_mm_)))
+        out.push_back(shaken(low_of(cell) + Vec3::Constant(0.5 * root_mm_), root_mm_));
     });
     const auto parts = parallel::collect_parts<Seeds>(
         roots.size(), kRootsPerPart, [&](std::size_t begin, std::size_t end, std::vector<Seeds>& out) {
@@ -57,6 +65,7 @@ class LatticeDescent {
           for (std::size_t i = begin; i < end; ++i) descend(low_of(roots[i]), root_mm_, out.back());
         });
     Seeds all;
+    all.outer = around;
     for (const auto& part : parts) {
       all.inner.insert(all.inner.end(), part[0].inner.begin(), part[0].inner.end());
       all.outer.insert(all.outer.end(), part[0].outer.begin(), part[0].outer.end());
@@ -68,6 +77,11 @@ class LatticeDescent {
  private:
   static constexpr std::size_t kRootsPerPart = 16;
 
+  [[nodiscard]] Index3 cell_of(std::size_t i) const {
+    const auto x = static_cast<int>(i % static_cast<std::size_t>(cells_.x()));
+    const auto yz = static_cast<int>(i / static_cast<std::size_t>(cells_.x()));
+    return {x, yz % cells_.y(), yz / cells_.y()};
+  }
   [[nodiscard]] Vec3 low_of(const Index3& cell) const { return origin_ + root_mm_ * cell.cast<double>(); }
   [[nodiscard]] bool holds_object(const Vec3& low, double size) const {
     return domain_.may_hold_object(low - Vec3::Constant(0.5 * size), low + Vec3::Constant(1.5 * size));
@@ -119,7 +133,22 @@ class LatticeDescent {
   }
 
   [[nodiscard]] bool is_leaf(const Vec3& low, double size) const {
-    return size <= std::sqrt(2.0) * wanted_constant(low, size);
+    return size <= std::sqrt(2.0) * wanted_constant(low, size) && !is_coarse_for_boundary(low, size);
+  }
+
+  /// True if points of a boundary in the cell stand much closer than a lattice of its size would have them.
+  [[nodiscard]] bool is_coarse_for_boundary(const Vec3& low, double size) const {
+    constexpr double kMostSpacings = 1.7;
+    if (size <= kMostSpacings * kLeastSpacing * domain_.resolution_mm()) return false;
+    const Vec3 middle = low + Vec3::Constant(0.5 * size);
+    const Domain::Surroundings here = domain_.surroundings(middle);
+    if (here.clearance_mm > kHalfDiagonal * size) return false;
+    for (const Material other : domain_.materials_near(middle, kHalfDiagonal * size)) {
+      if (other == here.material || !(domain_.is_meshed(other) || domain_.is_meshed(here.material))) continue;
+      const auto x = domain_.project(middle, {here.material, other}, size);
+      if (x && size > kMostSpacings * spacing_.surface_spacing_at(*x, here.material, other)) return true;
+    }
+    return false;
   }
   [[nodiscard]] static Vec3 low_of_child(const Vec3& low, double size, int child) {
     return low + 0.5 * size * Vec3(child & 1, child >> 1 & 1, child >> 2);

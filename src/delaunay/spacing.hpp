@@ -1,9 +1,6 @@
 #pragma once
 /// @file The two lengths that guide refinement, at every place.
 
-#include <algorithm>
-#include <limits>
-
 #include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/domain/domain.hpp"
 
@@ -22,23 +19,20 @@ class Spacing {
       : domain_(&domain), delta_mm_(delta_mm), size_mm_(size_mm), sizing_(sizing) {}
 
   /// Wanted edge length inside a material.
-  [[nodiscard]] double size_at(const Vec3& x, Material m) const {
-    return sizing_ == nullptr ? size_mm_ : std::min(size_mm_, sizing_->size_at(x, domain_->label_of(m)));
-  }
-  /// Wanted spacing of points on the boundary between two materials.
-  [[nodiscard]] double surface_spacing_at(const Vec3& x, Material first, Material second) const {
-    if (sizing_ == nullptr) return delta_mm_;
-    double size = std::numeric_limits<double>::infinity();
-    for (const Material m : {first, second})
-      if (domain_->is_meshed(m)) size = std::min(size, sizing_->size_at(x, domain_->label_of(m)));
-    return std::min(delta_mm_, size / kEdgePerSpacing);
-  }
+  [[nodiscard]] double size_at(const Vec3& x, Material m) const;
+  /// Wanted spacing of points at a place of the boundary between two materials: less where what is meshed, or
+  /// a gap, is so thin that points of its two sides would stand for each other.
+  [[nodiscard]] double surface_spacing_at(const Vec3& x, Material first, Material second) const;
+  /// True if size_at() is the same everywhere.
   [[nodiscard]] bool is_constant() const { return sizing_ == nullptr; }
   [[nodiscard]] const Domain& domain() const { return *domain_; }
   [[nodiscard]] double delta_mm() const { return delta_mm_; }
   [[nodiscard]] double size_mm() const { return size_mm_; }
 
  private:
+  [[nodiscard]] double spacing_of_thin_parts(const Vec3& x, Material first, Material second) const;
+  [[nodiscard]] double thickness(const Vec3& x, const Vec3& direction, Material of, double most) const;
+
   const Domain* domain_;
   double delta_mm_, size_mm_;
   const Sizing* sizing_;

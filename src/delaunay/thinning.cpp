@@ -137,7 +137,7 @@ class Thinning {
 
   /// Points of curves stand a little closer, so that spheres around their edges stay free of others.
   [[nodiscard]] static double clearance(const BoundaryCandidate& a, const BoundaryCandidate& b) {
-    constexpr double kOfCurves = 0.8;
+    constexpr double kOfCurves = 0.65;
     const double spacing = std::min(a.spacing, b.spacing);
     return a.materials.size() > 2 && b.materials.size() > 2 ? kOfCurves * spacing : spacing;
   }

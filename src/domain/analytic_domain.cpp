@@ -189,8 +189,17 @@ AnalyticDomain analytic_cylinder(const Vec3& from_mm, const Vec3& to_mm, double 
 
 AnalyticDomain analytic_nested_balls(const Vec3& centre_mm, double inner_radius_mm, double outer_radius_mm) {
   const double thinnest = std::min(inner_radius_mm, outer_radius_mm - inner_radius_mm);
-  const ShapeFunction inner = ball_shape(centre_mm, inner_radius_mm);
-  return {{{1, without(ball_shape(centre_mm, outer_radius_mm), inner)}, {2, inner}},
+  // Both are `level` where they meet, far from the background's 0.
+  const double level = 0.5 * (outer_radius_mm - inner_radius_mm);
+  const auto capped = [level, ball = ball_shape(centre_mm, outer_radius_mm)](const Vec3& x) {
+    const FieldSample depth = ball(x);
+    return depth.value < level ? depth : FieldSample{level, Vec3::Zero()};
+  };
+  const auto raised = [level, ball = ball_shape(centre_mm, inner_radius_mm)](const Vec3& x) {
+    const FieldSample depth = ball(x);
+    return FieldSample{depth.value + level, depth.gradient};
+  };
+  return {{{1, capped}, {2, raised}},
           {box_around(centre_mm, outer_radius_mm), kResolutionPerRadius * thinnest, {}}};
 }
 

@@ -40,13 +40,15 @@ struct DelaunayOptions {
 struct DelaunayRound {
   double seconds = 0;
   std::uint64_t tets_looked_at = 0;
-  std::uint64_t surface_wishes = 0, volume_wishes = 0;  ///< Points that rules asked for.
+  std::uint64_t surface_wishes = 0, volume_wishes = 0, topology_wishes = 0;  ///< Points that rules asked for.
   std::uint64_t inserted = 0, removed = 0;
 };
 
 struct DelaunayReport {
   std::uint64_t inner_seeds = 0, outer_seeds = 0, boundary_seeds = 0;
   std::vector<DelaunayRound> rounds;
+  std::uint64_t pinched_vertices =
+      0;                 ///< That no point could mend: tetrahedra around them changed their material.
   bool complete = true;  ///< False if rules were still broken after the last round.
   std::vector<std::string> notes;
 };

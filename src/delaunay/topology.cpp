@@ -1,0 +1,214 @@
+#include "topology.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "lumesh/geometry/perturbed_insphere.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::delaunay {
+namespace {
+
+/// The tetrahedra around a vertex in parts: of one material, or of all but it, connected through faces.
+class StarParts {
+ public:
+  explicit StarParts(const TetMesh& mesh, const Domain& domain) : mesh_(mesh), domain_(domain) {}
+
+  /// False if all is of one material.
+  bool gather(VertexId v) {
+    const auto found = star_.gather(mesh_, v);
+    tets_.assign(found.begin(), found.end());
+    materials_.clear();
+    for (const TetId t : tets_) {
+      const Material m = material_of(t);
+      if (std::find(materials_.begin(), materials_.end(), m) == materials_.end()) materials_.push_back(m);
+    }
+    std::sort(materials_.begin(), materials_.end());
+    return materials_.size() > 1;
+  }
+  [[nodiscard]] const std::vector<Material>& materials() const { return materials_; }
+
+  enum class Side : std::uint8_t { kOf, kOther };
+  /// Parts on one side of the boundary of a material, the largest first.
+  [[nodiscard]] std::vector<std::vector<TetId>> parts(Material m, Side side) {
+    std::vector<std::vector<TetId>> parts;
+    std::vector<TetId> left;
+    for (const TetId t : tets_)
+      if (is_on(t, m, side)) left.push_back(t);
+    while (!left.empty()) {
+      std::vector<TetId> part = {left.back()};
+      left.pop_back();
+      for (std::size_t next = 0; next < part.size(); ++next) {
+        for (int f = 0; f < 4; ++f) {
+          const FaceLink behind = mesh_.link(part[next], f);
+          if (behind.is_boundary()) continue;
+          const auto at = std::find(left.begin(), left.end(), behind.tet());
+          if (at == left.end()) continue;
+          part.push_back(*at);
+          *at = left.back();
+          left.pop_back();
+        }
+      }
+      parts.push_back(std::move(part));
+    }
+    std::sort(parts.begin(), parts.end(), [&](const auto& a, const auto& b) {
+      return a.size() != b.size() ? a.size() > b.size() : precedes(middle_of(a), middle_of(b));
+    });
+    return parts;
+  }
+
+  [[nodiscard]] bool is_pinched(VertexId v) {
+    if (!gather(v)) return false;
+    return std::any_of(materials_.begin(), materials_.end(), [&](Material m) {
+      return !is_connected(m, Side::kOf) || !is_connected(m, Side::kOther);
+    });
+  }
+
+  /// What most faces of a part look at that is not of material m.
+  [[nodiscard]] Material neighbour_of(const std::vector<TetId>& part, Material m) const {
+    std::map<Material, int> faces;
+    for (const TetId t : part)
+      for (int f = 0; f < 4; ++f)
+        if (const FaceLink behind = mesh_.link(t, f); !behind.is_boundary() && material_of(behind.tet()) != m)
+          ++faces[material_of(behind.tet())];
+    const auto most = std::max_element(faces.begin(), faces.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    return most == faces.end() ? 0 : most->first;
+  }
+
+ private:
+  [[nodiscard]] Material material_of(TetId t) const {
+    const auto m = static_cast<Material>(mesh_.label(t));
+    return domain_.is_meshed(m) ? m : 0;
+  }
+  [[nodiscard]] bool is_on(TetId t, Material m, Side side) const {
+    return (material_of(t) == m) == (side == Side::kOf);
+  }
+  [[nodiscard]] Vec3 middle_of(const std::vector<TetId>& part) const {
+    // The least of the middles: sums would depend on the order.
+    Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity());
+    for (const TetId t : part)
+      for (int i = 0; i < 4; ++i)
+        if (precedes(mesh_.corner(t, i), least)) least = mesh_.corner(t, i);
+    return least;
+  }
+
+  /// True if there is one part; allocates nothing.
+  [[nodiscard]] bool is_connected(Material m, Side side) {
+    left_.clear();
+    for (const TetId t : tets_)
+      if (is_on(t, m, side)) left_.push_back(t);
+    std::size_t reached = 1;  // The first ones of left_.
+    for (std::size_t next = 0; next < reached; ++next)
+      for (int f = 0; f < 4; ++f) {
+        const FaceLink behind = mesh_.link(left_[next], f);
+        if (behind.is_boundary()) continue;
+        const auto rest = left_.begin() + static_cast<std::ptrdiff_t>(reached);
+        const auto at = std::find(rest, left_.end(), behind.tet());
+        if (at == left_.end()) continue;
+        std::iter_swap(rest, at);
+        ++reached;
+      }
+    return reached >= left_.size();
+  }
+
+  const TetMesh& mesh_;
+  const Domain& domain_;
+  std::vector<TetId> left_;
+  VertexStar star_;
+  std::vector<TetId> tets_;
+  std::vector<Material> materials_;
+};
+
+/// Gives tetrahedra around pinched vertices other materials, and knows whose surroundings that changed.
+class Mending {
+ public:
+  Mending(TetMesh& mesh, const Domain& domain) : mesh_(mesh), star_(mesh, domain) {}
+
+  [[nodiscard]] bool is_pinched(VertexId v) { return star_.is_pinched(v); }
+
+  /// Small parts go to their neighbours or, where that has been tried often, all of a label goes.
+  void mend(VertexId v, bool is_drastic) {
+    if (!star_.gather(v)) return;
+    for (const Material m : std::vector<Material>(star_.materials())) {
+      const auto own = star_.parts(m, StarParts::Side::kOf);
+      const auto others = star_.parts(m, StarParts::Side::kOther);
+      if (is_drastic && m != 0 && (own.size() > 1 || others.size() > 1)) {
+        for (const auto& part : own) relabel(part, 0);
+        continue;
+      }
+      for (std::size_t i = 1; i < own.size(); ++i) relabel(own[i], star_.neighbour_of(own[i], m));
+      for (std::size_t i = 1; i < others.size(); ++i) relabel(others[i], m);
+    }
+  }
+
+  /// Vertices around which something has changed since the last call, in the order of their places.
+  [[nodiscard]] std::vector<VertexId> changed() {
+    const auto comes_before = [&](VertexId a, VertexId b) {
+      return precedes(mesh_.point(a), mesh_.point(b));
+    };
+    std::sort(changed_.begin(), changed_.end(), comes_before);
+    changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+    return std::exchange(changed_, {});
+  }
+
+ private:
+  void relabel(const std::vector<TetId>& part, Material m) {
+    for (const TetId t : part) {
+      mesh_.set_label(t, static_cast<Label>(m));
+      for (const std::uint32_t v : mesh_.tet(t)) changed_.emplace_back(v);
+    }
+  }
+
+  TetMesh& mesh_;
+  StarParts star_;
+  std::vector<VertexId> changed_;
+};
+
+/// 1 for each vertex around which there are different materials, one of them meshed.
+std::vector<std::uint8_t> boundary_vertices(const TetMesh& mesh, const Domain& domain) {
+  std::vector<std::uint8_t> flags(mesh.vertex_slots(), 0);
+  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (!mesh.alive(t) || !domain.is_meshed(static_cast<Material>(mesh.label(t)))) return;
+    for (int f = 0; f < 4; ++f)
+      if (const FaceLink behind = mesh.link(t, f);
+          !behind.is_boundary() && mesh.label(behind.tet()) != mesh.label(t))
+        for (const std::uint32_t v : mesh.face_corners(t, f)) parallel::raise(flags[v]);
+  });
+  return flags;
+}
+
+}  // namespace
+
+std::vector<VertexId> pinched_vertices(const TetMesh& mesh, const Domain& domain) {
+  const std::vector<std::uint8_t> is_on_boundary = boundary_vertices(mesh, domain);
+  auto found = parallel::collect_blocks<VertexId>(
+      mesh.vertex_slots(), 512, [&](std::size_t begin, std::size_t end, std::vector<VertexId>& out) {
+        StarParts star(mesh, domain);
+        for (std::size_t i = std::max<std::size_t>(begin, 4); i < end; ++i) {
+          const VertexId v(static_cast<std::uint32_t>(i));
+          if (is_on_boundary[i] != 0 && star.is_pinched(v)) out.push_back(v);
+        }
+      });
+  parallel::sort(found.begin(), found.end(),
+                 [&](VertexId a, VertexId b) { return precedes(mesh.point(a), mesh.point(b)); });
+  return found;
+}
+
+std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain) {
+  constexpr int kGentleSweeps = 8, kSweeps = 100;
+  Mending mending(mesh, domain);
+  std::vector<VertexId> suspects = pinched_vertices(mesh, domain);
+  const std::size_t pinched = suspects.size();
+  for (int sweep = 0; sweep < kSweeps && !suspects.empty(); ++sweep) {
+    for (const VertexId v : suspects)
+      if (v.value >= 4 && mending.is_pinched(v)) mending.mend(v, sweep >= kGentleSweeps);
+    suspects = mending.changed();
+  }
+  return pinched;
+}
+
+}  // namespace lumesh::delaunay
