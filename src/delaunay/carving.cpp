@@ -1,6 +1,8 @@
 #include "carving.hpp"
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "lumesh/domain/patch_names.hpp"
@@ -54,17 +56,22 @@ std::vector<BoundaryFace> boundary_faces(const TetMesh& mesh) {
 /// off.
 Material outside_of(const TetMesh& mesh, const Domain& domain, const Cell<3>& corners, Material behind,
                     double reach_mm) {
-  MaterialSet common;
-  for (Material m = 0; m < domain.material_count(); m = m == 0 ? domain.label_count() : m + 1) {
-    const bool touches_all = std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
-      return domain.materials_near(mesh.point(VertexId(v)), m == 0 ? reach_mm : 1e-2 * domain.resolution_mm())
-          .contains(m);
-    });
-    if (touches_all) common.insert(m);
-  }
+  const auto touched_by = [&](std::uint32_t v, double reach) {
+    return domain.materials_near(mesh.point(VertexId(v)), reach);
+  };
   // Openings end the wall: what touches one with all corners is part of it.
-  if (common.size() == 0) return behind;
-  return common.contains(behind) && domain.is_cut(behind) ? behind : common[common.size() - 1];
+  const double touch_mm = 1e-2 * domain.resolution_mm();
+  std::optional<Material> opening;
+  const std::array<MaterialSet, 3> at = {touched_by(corners[0], touch_mm), touched_by(corners[1], touch_mm),
+                                         touched_by(corners[2], touch_mm)};
+  for (const Material m : at[0])
+    if (domain.is_cut(m) && at[1].contains(m) && at[2].contains(m) && (!opening || m == behind)) opening = m;
+  if (opening) return *opening;
+  if (!domain.is_cut(behind)) return behind;
+  const bool touches_wall = std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
+    return touched_by(v, reach_mm).contains(0);
+  });
+  return touches_wall ? 0 : behind;
 }
 
 void set_patches(TetMesh& mesh, const Domain& domain, double reach_mm) {

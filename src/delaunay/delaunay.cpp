@@ -81,7 +81,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
     }
   });
   result.report.pinched_vertices =
-      context.phase("topology", [&] { return delaunay::relabel_pinched(result.mesh, domain); });
+      context.phase("topology", [&] { return delaunay::relabel_pinched(result.mesh, domain, refinement.pinched()); });
   context.phase("carving", [&] { delaunay::carve(result.mesh, domain, 0.2 * options.delta_mm); });
   if (result.mesh.tet_count() == 0)
     throw Error(ErrorKind::kBadInput, "nothing of the object is left; choose a smaller --delta");

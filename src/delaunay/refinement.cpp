@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "conflicts.hpp"
+#include "lift.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -112,6 +113,8 @@ void Refinement::insert_seeds(const Seeds& seeds, std::span<const std::uint32_t>
     if (i < boundary.size()) {
       const BoundaryCandidate& one = seeds.boundary[boundary[i]];
       points[i] = {one.point, dimension_of(one.materials), {}};
+      if (one.materials.size() == 2)
+        points[i].point = lifted(spacing_.domain(), one.point, one.materials[0], one.materials[1], one.spacing);
     } else {
       const std::size_t rest = i - boundary.size();
       points[i] = {rest < seeds.inner.size() ? seeds.inner[rest] : seeds.outer[rest - seeds.inner.size()],
@@ -131,19 +134,25 @@ std::vector<TetId> Refinement::fresh_tets() const {
       16384);
 }
 
-void Refinement::find_materials(std::span<const TetId> fresh) {
+std::vector<Circumsphere> Refinement::find_materials(std::span<const TetId> fresh) {
+  std::vector<Circumsphere> spheres(fresh.size());
   parallel::for_each_index(
       fresh.size(),
-      [&](std::size_t i) { mesh_.set_label(fresh[i], static_cast<Label>(rules_.material_of(fresh[i]))); },
+      [&](std::size_t i) {
+        spheres[i] = circumsphere(mesh_, fresh[i]);
+        mesh_.set_label(fresh[i], static_cast<Label>(rules_.material_at(spheres[i])));
+      },
       256);
+  return spheres;
 }
 
-std::vector<Wish> Refinement::wishes_of(std::span<const TetId> fresh) const {
+std::vector<Wish> Refinement::wishes_of(std::span<const TetId> fresh,
+                                        std::span<const Circumsphere> spheres) const {
   return parallel::collect<Wish>(
       fresh.size(),
       [&](std::size_t i, std::vector<Wish>& out) {
         const TetId t = fresh[i];
-        const Circumsphere sphere = circumsphere(mesh_, t);
+        const Circumsphere& sphere = spheres[i];
         for (int f = 0; f < 4; ++f) {
           if (!rules_.is_boundary(t, f)) continue;
           const TetId other = mesh_.link(t, f).tet();
@@ -156,8 +165,29 @@ std::vector<Wish> Refinement::wishes_of(std::span<const TetId> fresh) const {
       kBlock);
 }
 
+std::vector<VertexId> Refinement::pinched() const {
+  return pinched_ && !has_changed_ ? *pinched_ : pinched_vertices(mesh_, spacing_.domain());
+}
+
+/// All are looked for once; from then on it is enough to look where something is new.
+void Refinement::find_pinched(std::span<const TetId> fresh) {
+  if (!pinched_) {
+    pinched_ = pinched_vertices(mesh_, spacing_.domain());
+    return;
+  }
+  std::vector<VertexId> suspects;
+  for (const VertexId v : *pinched_)
+    if (mesh_.alive(v)) suspects.push_back(v);
+  for (const TetId t : fresh)
+    for (const std::uint32_t v : mesh_.tet(t))
+      if (v >= 4) suspects.emplace_back(v);
+  std::sort(suspects.begin(), suspects.end());
+  suspects.erase(std::unique(suspects.begin(), suspects.end()), suspects.end());
+  pinched_ = pinched_among(mesh_, spacing_.domain(), suspects);
+}
+
 std::vector<Wish> Refinement::wishes_of_topology() const {
-  const std::vector<VertexId> pinched = pinched_vertices(mesh_, spacing_.domain());
+  const std::vector<VertexId>& pinched = *pinched_;
   return parallel::collect_blocks<Wish>(
       pinched.size(), 16, [&](std::size_t begin, std::size_t end, std::vector<Wish>& out) {
         VertexStar star;
@@ -238,12 +268,13 @@ DelaunayRound Refinement::run_round() {
   const auto start = std::chrono::steady_clock::now();
   DelaunayRound round;
   const std::vector<TetId> fresh = fresh_tets();
-  find_materials(fresh);
-  std::vector<Wish> wishes = wishes_of(fresh);
+  const std::vector<Circumsphere> spheres = find_materials(fresh);
+  std::vector<Wish> wishes = wishes_of(fresh, spheres);
   round.tets_looked_at = fresh.size();
   // Shapes first: they mend most of it.
-  if (std::none_of(wishes.begin(), wishes.end(),
-                   [](const Wish& w) { return w.dimension != VertexDimension::kVolume; })) {
+  if (pinched_ || std::none_of(wishes.begin(), wishes.end(),
+                               [](const Wish& w) { return w.dimension != VertexDimension::kVolume; })) {
+    find_pinched(fresh);
     const std::vector<Wish> more = wishes_of_topology();
     wishes.insert(wishes.end(), more.begin(), more.end());
     round.topology_wishes = more.size();
@@ -263,6 +294,7 @@ DelaunayRound Refinement::run_round() {
   const std::vector<VertexId> crowded = crowding(made, winners);
   execution_.remove(crowded, stamp_);
   round.removed = crowded.size();
+  has_changed_ = round.inserted + round.removed > 0;
   round.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return round;
 }

@@ -2,6 +2,7 @@
 /// @file Refinement in rounds: look at what is new, let the rules wish, grant what does not collide, insert,
 /// remove.
 
+#include <optional>
 #include <vector>
 
 #include "lumesh/core/context.hpp"
@@ -24,11 +25,16 @@ class Refinement {
   void insert_seeds(const Seeds& seeds, std::span<const std::uint32_t> boundary);
   /// @return what it did; nothing left to do if it found no wishes that can be granted.
   [[nodiscard]] DelaunayRound run_round();
+  /// Pinched vertices of the mesh as the last round has left it.
+  [[nodiscard]] std::vector<VertexId> pinched() const;
 
  private:
   [[nodiscard]] std::vector<TetId> fresh_tets() const;
-  void find_materials(std::span<const TetId> fresh);
-  [[nodiscard]] std::vector<Wish> wishes_of(std::span<const TetId> fresh) const;
+  /// @return their circumspheres.
+  std::vector<Circumsphere> find_materials(std::span<const TetId> fresh);
+  [[nodiscard]] std::vector<Wish> wishes_of(std::span<const TetId> fresh,
+                                            std::span<const Circumsphere> spheres) const;
+  void find_pinched(std::span<const TetId> fresh);
   /// For each pinched vertex, what its face with the largest place on the surface asks for.
   [[nodiscard]] std::vector<Wish> wishes_of_topology() const;
   /// Those that no more urgent one is too near to; the others keep their tetrahedra fresh.
@@ -43,6 +49,8 @@ class Refinement {
   operators::DelaunayExecution execution_;
   std::uint32_t stamp_ = 1;            // Of what is fresh.
   std::vector<std::uint64_t> claims_;  // By tetrahedron; 0: none.
+  std::optional<std::vector<VertexId>> pinched_;  // Before the last round; unknown at first.
+  bool has_changed_ = true;                        // In the last round.
 };
 
 }  // namespace lumesh::delaunay

@@ -21,6 +21,13 @@ double cosine_of_smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return (ab + bc + ca - 2 * least) / (2 * std::sqrt(ab * bc * ca / least));
 }
 
+/// In an order that does not depend on who made the tetrahedron.
+std::array<Vec3, 4> corners_of(const TetMesh& mesh, TetId t) {
+  std::array<Vec3, 4> corners = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)};
+  std::sort(corners.begin(), corners.end(), precedes);
+  return corners;
+}
+
 }  // namespace
 
 Circumsphere circumsphere(const TetMesh& mesh, TetId t) {
@@ -45,8 +52,7 @@ Rules::Rules(const TetMesh& mesh, const Spacing& spacing, const RuleLimits& limi
       radius_edge_(limits.radius_edge),
       cosine_of_facet_angle_(std::cos(limits.facet_angle_deg * std::numbers::pi / 180)) {}
 
-Material Rules::material_of(TetId t) const {
-  const Circumsphere sphere = circumsphere(mesh_, t);
+Material Rules::material_at(const Circumsphere& sphere) const {
   return sphere.centre.allFinite() ? domain_.material_at(sphere.centre) : 0;
 }
 
@@ -157,7 +163,7 @@ std::optional<Wish> Rules::wish_of_tet(TetId t, const Circumsphere& sphere) cons
     shortest2 = std::min(shortest2, (mesh_.corner(t, i) - mesh_.corner(t, j)).squaredNorm());
   const double largest = kRadiusPerSize * spacing_.size_at(sphere.centre, mine);
   const bool is_long = sphere.radius > radius_edge_ * std::sqrt(shortest2);
-  if (sphere.radius <= largest && !is_long) return std::nullopt;
+  if (sphere.radius <= largest && !is_long && !spacing_.wants_finer(corners_of(mesh_, t))) return std::nullopt;
   // What would stand near the surface is left to it.
   constexpr double kMargin = 0.5;
   const double clearance = domain_.surroundings(sphere.centre).clearance_mm;

@@ -34,7 +34,8 @@ class Rules {
  public:
   Rules(const TetMesh& mesh, const Spacing& spacing, const RuleLimits& limits);
 
-  [[nodiscard]] Material material_of(TetId t) const;
+  /// The material of a tetrahedron with that circumsphere.
+  [[nodiscard]] Material material_at(const Circumsphere& sphere) const;
   /// True for a face between materials of which one is meshed: the mesh will have it on its boundary.
   [[nodiscard]] bool is_boundary(TetId t, int face) const;
   /// What such a face asks for. R1: its place on the surface is farther than the spacing from its corners.
@@ -44,7 +45,7 @@ class Rules {
   /// Its place on the surface, if that is not too near to its corners.
   [[nodiscard]] std::optional<Wish> centre_of_face(TetId t, int face, const Circumsphere& sphere) const;
   /// R4: the circumradius is too large for the shortest edge. R5: for the wanted size; R2 is part of that,
-  /// since sizes near surfaces are theirs.
+  /// since sizes near surfaces are theirs. Or the sizing wants it finer.
   [[nodiscard]] std::optional<Wish> wish_of_tet(TetId t, const Circumsphere& sphere) const;
 
  private:

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "lift.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::delaunay {
@@ -96,8 +95,9 @@ class LatticeDescent {
   /// @return false if nothing of the object, nor of what is near its boundary, is in the cell.
   bool descend(const Vec3& low, double size, Seeds& out) const {
     if (!holds_object(low, size)) return false;
-    if (is_leaf(low, size)) return add_leaf(low, size, out);
     const Domain::Surroundings here = domain_.surroundings(low + Vec3::Constant(0.5 * size));
+    if (is_small_enough(low, size) && !is_coarse_for_boundary(low, size, here))
+      return add_leaf(low, size, here, out);
     const bool is_of_one = here.clearance_mm >= kHalfDiagonal * size + kMargin * size;
     if (is_of_one && !domain_.is_meshed(here.material)) return false;
     const auto descend_to = [&](int child) {
@@ -113,7 +113,7 @@ class LatticeDescent {
 
   /// The lattice in a cell that is inside as a whole, far from boundaries.
   bool fill(const Vec3& low, double size, Seeds& out) const {
-    if (is_leaf(low, size)) {
+    if (is_small_enough(low, size)) {
       out.inner.push_back(shaken(low, size));
       out.inner.push_back(shaken(low + Vec3::Constant(0.5 * size), size));
     } else {
@@ -128,21 +128,22 @@ class LatticeDescent {
       if (holds[static_cast<std::size_t>(child)]) continue;
       const Vec3 low_of_it = low_of_child(low, size, child);
       out.outer.push_back(shaken(low_of_it + Vec3::Constant(0.25 * size), 0.5 * size));
-      if (is_leaf(low_of_it, 0.5 * size)) return;
+      if (is_small_enough(low_of_it, 0.5 * size)) return;
     }
   }
 
-  [[nodiscard]] bool is_leaf(const Vec3& low, double size) const {
-    return size <= std::sqrt(2.0) * wanted_constant(low, size) && !is_coarse_for_boundary(low, size);
+  [[nodiscard]] bool is_small_enough(const Vec3& low, double size) const {
+    return size <= std::sqrt(2.0) * wanted_constant(low, size);
   }
 
   /// True if points of a boundary in the cell stand much closer than a lattice of its size would have them.
-  [[nodiscard]] bool is_coarse_for_boundary(const Vec3& low, double size) const {
+  /// @param here  Around its middle.
+  [[nodiscard]] bool is_coarse_for_boundary(const Vec3& low, double size,
+                                            const Domain::Surroundings& here) const {
     constexpr double kMostSpacings = 1.7;
     if (size <= kMostSpacings * kLeastSpacing * domain_.resolution_mm()) return false;
-    const Vec3 middle = low + Vec3::Constant(0.5 * size);
-    const Domain::Surroundings here = domain_.surroundings(middle);
     if (here.clearance_mm > kHalfDiagonal * size) return false;
+    const Vec3 middle = low + Vec3::Constant(0.5 * size);
     for (const Material other : domain_.materials_near(middle, kHalfDiagonal * size)) {
       if (other == here.material || !(domain_.is_meshed(other) || domain_.is_meshed(here.material))) continue;
       const auto x = domain_.project(middle, {here.material, other}, size);
@@ -154,9 +155,8 @@ class LatticeDescent {
     return low + 0.5 * size * Vec3(child & 1, child >> 1 & 1, child >> 2);
   }
 
-  bool add_leaf(const Vec3& low, double size, Seeds& out) const {
+  bool add_leaf(const Vec3& low, double size, const Domain::Surroundings& here, Seeds& out) const {
     const Vec3 middle = low + Vec3::Constant(0.5 * size);
-    const Domain::Surroundings here = domain_.surroundings(middle);
     const bool is_meshed = domain_.is_meshed(here.material);
     // Where the clearance reaches over the whole cell, its corner is like its middle.
     if (!is_meshed && here.clearance_mm > kHalfDiagonal * size) return false;
@@ -201,7 +201,7 @@ class LatticeDescent {
     const double spacing = kSeedSpacing * spacing_.surface_spacing_at(*x, pair[0], pair[1]);
     const MaterialSet there = domain_.materials_near(*x, 1e-3 * domain_.resolution_mm());
     if (there.contains_all(pair))
-      out.boundary.push_back({lifted(domain_, *x, pair[0], pair[1], spacing), pair, spacing});
+      out.boundary.push_back({*x, pair, spacing});
     add_curve_candidates(*x, pair, spacing, out);
   }
 

@@ -1,6 +1,7 @@
 #include "spacing.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace lumesh::delaunay {
@@ -28,15 +29,43 @@ double Spacing::thickness(const Vec3& x, const Vec3& direction, Material of, dou
   return most;
 }
 
+std::size_t Spacing::HashOfPlace::operator()(const Place& place) const {
+  std::uint64_t h = static_cast<std::uint64_t>(place.pair[0]) << 32 | place.pair[1];
+  for (const std::int32_t c : place.cube)
+    h = (h ^ static_cast<std::uint32_t>(c)) * 0x9E3779B97F4A7C15ull, h ^= h >> 29;
+  return h;
+}
+
 double Spacing::spacing_of_thin_parts(const Vec3& x, Material first, Material second) const {
   if (domain_->is_cut(first) || domain_->is_cut(second)) return delta_mm_;
+  const auto cube_of = [&](int axis) {
+    return static_cast<std::int32_t>(std::floor(x[axis] / cube_mm_));
+  };
+  const Place place{{cube_of(0), cube_of(1), cube_of(2)},
+                    {std::min(first, second), std::max(first, second)}};
+  if (const auto known = measured_.find(place); known != measured_.end()) return known->second;
+  const double spacing = measured_spacing(place);
+  measured_.emplace(place, static_cast<float>(spacing));
+  return static_cast<float>(spacing);
+}
+
+/// Looks from the middle of a cube, moved to the boundary, to both sides.
+double Spacing::measured_spacing(const Place& place) const {
   constexpr double kPerThickness = 0.45;  // About seven points around a vessel.
   constexpr double kPerGap = 0.7;
   constexpr double kLeastOfDelta = 0.2, kLeastOfResolution = 0.5;
-  const Vec3 gradient = domain_->separation(x, first, second).gradient;
-  const double slope = gradient.norm();
-  if (!(slope > 1e-3)) return delta_mm_;
-  const Vec3 towards_first = gradient / slope;
+  const auto [first, second] = place.pair;
+  Vec3 x = cube_mm_ * (Vec3(place.cube[0], place.cube[1], place.cube[2]) + Vec3::Constant(0.5));
+  FieldSample here{};
+  double slope = 0;
+  constexpr int kSteps = 3;
+  for (int step = 0; step < kSteps; ++step) {
+    here = domain_->separation(x, first, second);
+    slope = here.gradient.norm();
+    if (!(slope > 1e-3)) return delta_mm_;
+    if (step + 1 < kSteps) x -= std::clamp(here.value / slope, -cube_mm_, cube_mm_) * here.gradient / slope;
+  }
+  const Vec3 towards_first = here.gradient / slope;
   double spacing = delta_mm_;
   for (const Material m : {first, second}) {
     const double share = domain_->is_meshed(m) ? kPerThickness : kPerGap;

@@ -1,6 +1,11 @@
 #pragma once
 /// @file The two lengths that guide refinement, at every place.
 
+#include <tbb/concurrent_unordered_map.h>
+
+#include <algorithm>
+#include <array>
+
 #include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/domain/domain.hpp"
 
@@ -16,10 +21,18 @@ class Spacing {
  public:
   /// @param delta_mm  Spacing of the points of surfaces. @param sizing  May be null.
   Spacing(const Domain& domain, double delta_mm, double size_mm, const Sizing* sizing)
-      : domain_(&domain), delta_mm_(delta_mm), size_mm_(size_mm), sizing_(sizing) {}
+      : domain_(&domain),
+        delta_mm_(delta_mm),
+        size_mm_(size_mm),
+        cube_mm_(std::max(domain.resolution_mm(), 0.5 * delta_mm)),
+        sizing_(sizing) {}
 
   /// Wanted edge length inside a material.
   [[nodiscard]] double size_at(const Vec3& x, Material m) const;
+  /// See Sizing::wants_finer().
+  [[nodiscard]] bool wants_finer(const std::array<Vec3, 4>& corners) const {
+    return sizing_ != nullptr && sizing_->wants_finer(corners);
+  }
   /// Wanted spacing of points at a place of the boundary between two materials: less where what is meshed, or
   /// a gap, is so thin that points of its two sides would stand for each other.
   [[nodiscard]] double surface_spacing_at(const Vec3& x, Material first, Material second) const;
@@ -30,12 +43,25 @@ class Spacing {
   [[nodiscard]] double size_mm() const { return size_mm_; }
 
  private:
+  /// A cube of space, about half as large as delta, and two materials.
+  struct Place {
+    std::array<std::int32_t, 3> cube;
+    std::array<Material, 2> pair;
+    friend bool operator==(const Place&, const Place&) = default;
+  };
+  struct HashOfPlace {
+    std::size_t operator()(const Place& place) const;
+  };
+
   [[nodiscard]] double spacing_of_thin_parts(const Vec3& x, Material first, Material second) const;
+  [[nodiscard]] double measured_spacing(const Place& place) const;
   [[nodiscard]] double thickness(const Vec3& x, const Vec3& direction, Material of, double most) const;
 
   const Domain* domain_;
-  double delta_mm_, size_mm_;
+  double delta_mm_, size_mm_, cube_mm_;
   const Sizing* sizing_;
+  /// What has been measured; the same whoever asks first.
+  mutable tbb::concurrent_unordered_map<Place, float, HashOfPlace> measured_;
 };
 
 }  // namespace lumesh::delaunay

@@ -1,6 +1,8 @@
 #include "topology.hpp"
 
 #include <algorithm>
+#include <array>
+#include <span>
 #include <map>
 #include <utility>
 
@@ -167,41 +169,99 @@ class Mending {
   std::vector<VertexId> changed_;
 };
 
-/// 1 for each vertex around which there are different materials, one of them meshed.
-std::vector<std::uint8_t> boundary_vertices(const TetMesh& mesh, const Domain& domain) {
-  std::vector<std::uint8_t> flags(mesh.vertex_slots(), 0);
-  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
-    const TetId t(static_cast<std::uint32_t>(i));
-    if (!mesh.alive(t) || !domain.is_meshed(static_cast<Material>(mesh.label(t)))) return;
-    for (int f = 0; f < 4; ++f)
-      if (const FaceLink behind = mesh.link(t, f);
-          !behind.is_boundary() && mesh.label(behind.tet()) != mesh.label(t))
-        for (const std::uint32_t v : mesh.face_corners(t, f)) parallel::raise(flags[v]);
+/// A face of the boundary of a material seen from one of its corners.
+struct FanFace {
+  std::uint32_t vertex;
+  Material material;
+  std::array<std::uint32_t, 2> others;
+};
+
+Material part_of(const Domain& domain, const TetMesh& mesh, TetId t) {
+  const auto m = static_cast<Material>(mesh.label(t));
+  return domain.is_meshed(m) ? m : 0;
+}
+
+/// The faces around each vertex on the boundary of each material, one after another; of one label and the
+/// outside one is enough.
+std::vector<FanFace> boundary_fans(const TetMesh& mesh, const Domain& domain) {
+  const bool has_labels = domain.label_count() > 2;
+  auto fans = parallel::collect<FanFace>(
+      mesh.tet_slots(),
+      [&](std::size_t i, std::vector<FanFace>& out) {
+        const TetId t(static_cast<std::uint32_t>(i));
+        if (!mesh.alive(t)) return;
+        const Material mine = part_of(domain, mesh, t);
+        if (mine == 0) return;
+        for (int f = 0; f < 4; ++f) {
+          const FaceLink behind = mesh.link(t, f);
+          if (behind.is_boundary() || part_of(domain, mesh, behind.tet()) == mine) continue;
+          const Cell<3> v = mesh.face_corners(t, f);
+          const bool ends_object = has_labels && part_of(domain, mesh, behind.tet()) == 0;
+          for (std::size_t c = 0; c < 3; ++c) {
+            const std::uint32_t next = v[(c + 1) % 3], last = v[(c + 2) % 3];
+            out.push_back({v[c], mine, {next, last}});
+            if (ends_object) out.push_back({v[c], 0, {last, next}});
+          }
+        }
+      },
+      8192);
+  parallel::sort(fans.begin(), fans.end(), [](const FanFace& a, const FanFace& b) {
+    return a.vertex != b.vertex ? a.vertex < b.vertex : a.material < b.material;
   });
-  return flags;
+  return fans;
+}
+
+/// True if the faces follow one another around their vertex and come back to the first: where they do, the
+/// material and all the rest are each connected around the vertex.
+bool is_one_fan(std::span<const FanFace> faces) {
+  // Each edge from the vertex is entered by one face and left by one.
+  const std::uint32_t first = faces.front().others[0];
+  std::uint32_t at = first;
+  for (std::size_t passed = 1;; ++passed) {
+    const auto leaves = [&](const FanFace& f) { return f.others[0] == at; };
+    const auto next = std::find_if(faces.begin(), faces.end(), leaves);
+    if (next == faces.end() || std::any_of(next + 1, faces.end(), leaves)) return false;
+    at = next->others[1];
+    if (at == first || passed == faces.size()) return at == first && passed == faces.size();
+  }
 }
 
 }  // namespace
 
 std::vector<VertexId> pinched_vertices(const TetMesh& mesh, const Domain& domain) {
-  const std::vector<std::uint8_t> is_on_boundary = boundary_vertices(mesh, domain);
+  std::vector<FanFace> fans = boundary_fans(mesh, domain);
+  const auto is_new = [&](std::size_t i) {
+    return i == 0 || fans[i].vertex != fans[i - 1].vertex || fans[i].material != fans[i - 1].material;
+  };
+  const auto starts = parallel::collect<std::size_t>(fans.size(), [&](std::size_t i, std::vector<std::size_t>& out) {
+    if (is_new(i)) out.push_back(i);
+  });
+  auto found = parallel::collect<VertexId>(starts.size(), [&](std::size_t i, std::vector<VertexId>& out) {
+    const std::size_t begin = starts[i], end = i + 1 < starts.size() ? starts[i + 1] : fans.size();
+    if (!is_one_fan(std::span<const FanFace>(fans).subspan(begin, end - begin))) out.emplace_back(fans[begin].vertex);
+  });
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  parallel::sort(found.begin(), found.end(),
+                 [&](VertexId a, VertexId b) { return precedes(mesh.point(a), mesh.point(b)); });
+  return found;
+}
+
+std::vector<VertexId> pinched_among(const TetMesh& mesh, const Domain& domain,
+                                    std::span<const VertexId> suspects) {
   auto found = parallel::collect_blocks<VertexId>(
-      mesh.vertex_slots(), 512, [&](std::size_t begin, std::size_t end, std::vector<VertexId>& out) {
+      suspects.size(), 128, [&](std::size_t begin, std::size_t end, std::vector<VertexId>& out) {
         StarParts star(mesh, domain);
-        for (std::size_t i = std::max<std::size_t>(begin, 4); i < end; ++i) {
-          const VertexId v(static_cast<std::uint32_t>(i));
-          if (is_on_boundary[i] != 0 && star.is_pinched(v)) out.push_back(v);
-        }
+        for (std::size_t i = begin; i < end; ++i)
+          if (star.is_pinched(suspects[i])) out.push_back(suspects[i]);
       });
   parallel::sort(found.begin(), found.end(),
                  [&](VertexId a, VertexId b) { return precedes(mesh.point(a), mesh.point(b)); });
   return found;
 }
 
-std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain) {
+std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain, std::vector<VertexId> suspects) {
   constexpr int kGentleSweeps = 8, kSweeps = 100;
   Mending mending(mesh, domain);
-  std::vector<VertexId> suspects = pinched_vertices(mesh, domain);
   const std::size_t pinched = suspects.size();
   for (int sweep = 0; sweep < kSweeps && !suspects.empty(); ++sweep) {
     for (const VertexId v : suspects)

@@ -1,6 +1,7 @@
 #pragma once
 /// @file Vertices where the boundary of a label is not a manifold.
 
+#include <span>
 #include <vector>
 
 #include "lumesh/domain/domain.hpp"
@@ -13,8 +14,12 @@ namespace lumesh::delaunay {
 /// whatever their numbers are.
 [[nodiscard]] std::vector<VertexId> pinched_vertices(const TetMesh& mesh, const Domain& domain);
 
+/// Those of some vertices, each named once, in the order of their places.
+[[nodiscard]] std::vector<VertexId> pinched_among(const TetMesh& mesh, const Domain& domain,
+                                                  std::span<const VertexId> suspects);
+
 /// Gives few tetrahedra around pinched vertices other materials until there are no such vertices.
-/// @return how many.
-std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain);
+/// @param suspects  All pinched vertices. @return how many there were.
+std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain, std::vector<VertexId> suspects);
 
 }  // namespace lumesh::delaunay

@@ -19,24 +19,25 @@ Vec3 newton_step(const Domain& domain, const Vec3& x, const MaterialSet& set) {
     return s.gradient * (-s.value / slope2);
   }
   // Gauss-Newton with the least step: all separations from the first material vanish together.
-  const auto rows = static_cast<Eigen::Index>(std::min<std::size_t>(set.size() - 1, 3));
-  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> slope(rows, 3);
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> residual(rows);
+  constexpr int kRows = 3;
+  Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
+  Vec3 residual = Vec3::Zero();
   // Materials come ascending, cut planes last: count from the last, so that a plane meets each label by
   // itself.
   const Material pivot = domain.is_cut(set[set.size() - 1]) ? set[0] : set[set.size() - 1];
-  Eigen::Index row = 0;
+  int row = 0;
   for (const Material m : set) {
-    if (m == pivot || row == rows) continue;
+    if (m == pivot || row == kRows) continue;
     const FieldSample s = domain.separation(x, m, pivot);
     if (s.gradient.squaredNorm() < kFlat) return Vec3::Constant(NAN);
     slope.row(row) = s.gradient.transpose();
     residual[row] = s.value;
     ++row;
   }
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> normal = slope * slope.transpose();
+  Eigen::Matrix3d normal = slope * slope.transpose();
   normal.diagonal().array() += 1e-6 * normal.trace();
-  return -slope.transpose() * normal.ldlt().solve(residual);
+  for (; row < kRows; ++row) normal(row, row) = 1;  // Rows that are not there.
+  return -slope.transpose() * (normal.inverse() * residual);
 }
 
 }  // namespace

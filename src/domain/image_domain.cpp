@@ -101,15 +101,14 @@ double ImageDomain::clearance_limit_mm() const {
 MaterialSet ImageDomain::materials_near(const Vec3& point_mm, double reach_mm) const {
   const Vec3 index = frame().to_index(point_mm);
   const LabelField::Winner winner = field_.winner(index);
-  MaterialSet near;
-  const auto labels = field_.labels_near(index);
-  if (labels.size() == 1) {
-    near.insert(winner.label);
-  } else {
-    const double best = field_.value(index, winner.label);
+  MaterialSet near{winner.label};
+  if (winner.depth * voxel_size_mm_ <= reach_mm) {
+    const auto labels = field_.labels_near(index);
+    const double best = labels.size() > 2 ? field_.value(index, winner.label) : 0;
     for (const Material m : labels)
-      if (0.5 * (best - field_.value(index, static_cast<LabelField::LabelIndex>(m))) * voxel_size_mm_ <=
-          reach_mm)
+      if (labels.size() <= 2 ||
+          0.5 * (best - field_.value(index, static_cast<LabelField::LabelIndex>(m))) * voxel_size_mm_ <=
+              reach_mm)
         near.insert(m);
   }
   for (std::size_t c = 0; c < cuts_.size(); ++c)
@@ -119,12 +118,9 @@ MaterialSet ImageDomain::materials_near(const Vec3& point_mm, double reach_mm) c
 }
 
 bool ImageDomain::may_hold_object(const Vec3& low_mm, const Vec3& high_mm) const {
-  Box3 box;
-  for (int corner = 0; corner < 8; ++corner)
-    box.extend(frame().to_index(Vec3((corner & 1) != 0 ? high_mm.x() : low_mm.x(),
-                                     (corner & 2) != 0 ? high_mm.y() : low_mm.y(),
-                                     (corner & 4) != 0 ? high_mm.z() : low_mm.z())));
-  return field_.may_hold_object(box.min(), box.max());
+  const Vec3 middle = frame().to_index(0.5 * (low_mm + high_mm));
+  const Vec3 reach = index_from_mm_.cwiseAbs() * (0.5 * (high_mm - low_mm));
+  return field_.may_hold_object(middle - reach, middle + reach);
 }
 
 Box3 ImageDomain::bounds_mm() const {
