@@ -68,9 +68,8 @@ Material outside_of(const TetMesh& mesh, const Domain& domain, const Cell<3>& co
     if (domain.is_cut(m) && at[1].contains(m) && at[2].contains(m) && (!opening || m == behind)) opening = m;
   if (opening) return *opening;
   if (!domain.is_cut(behind)) return behind;
-  const bool touches_wall = std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
-    return touched_by(v, reach_mm).contains(0);
-  });
+  const bool touches_wall = std::all_of(corners.begin(), corners.end(),
+                                        [&](std::uint32_t v) { return touched_by(v, reach_mm).contains(0); });
   return touches_wall ? 0 : behind;
 }
 

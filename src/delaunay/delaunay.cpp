@@ -20,7 +20,8 @@ void DelaunayOptions::validate() const {
     if (!good) throw Error(ErrorKind::kUsage, message);
   };
   if (!(std::isfinite(delta_mm) && delta_mm > 0))
-    throw Error(ErrorKind::kBadInput, fmt::format("delta must be a positive number of mm, but is {}", delta_mm));
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("delta must be a positive number of mm, but is {}", delta_mm));
   check(std::isfinite(size_mm) && size_mm >= 0, "the size must be a positive number of mm");
   check(radius_edge >= 1.5, "the radius-edge bound must be at least 1.5");
   check(facet_angle_deg >= 0 && facet_angle_deg <= 30, "the facet angle must lie in [0, 30] degrees");
@@ -34,10 +35,11 @@ void check_fits(const DelaunayOptions& options, const Box3& box) {
   const double largest = box.sizes().maxCoeff();
   if (!(largest > 0)) throw Error(ErrorKind::kBadInput, "there is nothing to mesh");
   if (options.delta_mm > largest)
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("delta ({:g} mm) is larger than the object, which is {:.4g} mm long; choose one a "
-                            "good deal smaller",
-                            options.delta_mm, largest));
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("delta ({:g} mm) is larger than the object, which is {:.4g} mm long; choose one a "
+                    "good deal smaller",
+                    options.delta_mm, largest));
 }
 
 /// What is less than the seeds of the whole lattice.
@@ -80,8 +82,8 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
       if (last.inserted == 0 && last.removed == 0) break;
     }
   });
-  result.report.pinched_vertices =
-      context.phase("topology", [&] { return delaunay::relabel_pinched(result.mesh, domain, refinement.pinched()); });
+  result.report.pinched_vertices = context.phase(
+      "topology", [&] { return delaunay::relabel_pinched(result.mesh, domain, refinement.pinched()); });
   context.phase("carving", [&] { delaunay::carve(result.mesh, domain, 0.2 * options.delta_mm); });
   if (result.mesh.tet_count() == 0)
     throw Error(ErrorKind::kBadInput, "nothing of the object is left; choose a smaller --delta");

@@ -96,8 +96,7 @@ bool Refinement::spare_curves(Wish& wish, std::span<const TetId> conflicts) cons
   const auto piece = encroached_piece(mesh_, spacing_.domain(), wish.point, conflicts);
   if (!piece) return false;
   const double length = (piece->to - piece->from).norm();
-  const auto x =
-      spacing_.domain().project(0.5 * (piece->from + piece->to), piece->materials, 0.5 * length);
+  const auto x = spacing_.domain().project(0.5 * (piece->from + piece->to), piece->materials, 0.5 * length);
   constexpr double kLeast = 0.35;  // Of the piece's length.
   if (!x || std::min((*x - piece->from).norm(), (*x - piece->to).norm()) < kLeast * length) return false;
   wish.point = *x;
@@ -114,7 +113,8 @@ void Refinement::insert_seeds(const Seeds& seeds, std::span<const std::uint32_t>
       const BoundaryCandidate& one = seeds.boundary[boundary[i]];
       points[i] = {one.point, dimension_of(one.materials), {}};
       if (one.materials.size() == 2)
-        points[i].point = lifted(spacing_.domain(), one.point, one.materials[0], one.materials[1], one.spacing);
+        points[i].point =
+            lifted(spacing_.domain(), one.point, one.materials[0], one.materials[1], one.spacing);
     } else {
       const std::size_t rest = i - boundary.size();
       points[i] = {rest < seeds.inner.size() ? seeds.inner[rest] : seeds.outer[rest - seeds.inner.size()],
@@ -170,24 +170,23 @@ std::vector<VertexId> Refinement::pinched() const {
 }
 
 /// All are looked for once; from then on it is enough to look where something is new.
-void Refinement::find_pinched(std::span<const TetId> fresh) {
-  if (!pinched_) {
-    pinched_ = pinched_vertices(mesh_, spacing_.domain());
-    return;
-  }
+std::vector<VertexId> Refinement::newly_pinched(std::span<const TetId> fresh) {
+  if (!pinched_) return *(pinched_ = pinched_vertices(mesh_, spacing_.domain()));
   std::vector<VertexId> suspects;
-  for (const VertexId v : *pinched_)
-    if (mesh_.alive(v)) suspects.push_back(v);
   for (const TetId t : fresh)
     for (const std::uint32_t v : mesh_.tet(t))
       if (v >= 4) suspects.emplace_back(v);
   std::sort(suspects.begin(), suspects.end());
   suspects.erase(std::unique(suspects.begin(), suspects.end()), suspects.end());
-  pinched_ = pinched_among(mesh_, spacing_.domain(), suspects);
+  std::erase_if(*pinched_, [&](VertexId v) {
+    return !mesh_.alive(v) || std::binary_search(suspects.begin(), suspects.end(), v);
+  });
+  std::vector<VertexId> found = pinched_among(mesh_, spacing_.domain(), suspects);
+  pinched_->insert(pinched_->end(), found.begin(), found.end());
+  return found;
 }
 
-std::vector<Wish> Refinement::wishes_of_topology() const {
-  const std::vector<VertexId>& pinched = *pinched_;
+std::vector<Wish> Refinement::wishes_of_topology(std::span<const VertexId> pinched) const {
   return parallel::collect_blocks<Wish>(
       pinched.size(), 16, [&](std::size_t begin, std::size_t end, std::vector<Wish>& out) {
         VertexStar star;
@@ -274,8 +273,7 @@ DelaunayRound Refinement::run_round() {
   // Shapes first: they mend most of it.
   if (pinched_ || std::none_of(wishes.begin(), wishes.end(),
                                [](const Wish& w) { return w.dimension != VertexDimension::kVolume; })) {
-    find_pinched(fresh);
-    const std::vector<Wish> more = wishes_of_topology();
+    const std::vector<Wish> more = wishes_of_topology(newly_pinched(fresh));
     wishes.insert(wishes.end(), more.begin(), more.end());
     round.topology_wishes = more.size();
   }
@@ -291,7 +289,10 @@ DelaunayRound Refinement::run_round() {
   std::vector<VertexId> made(points.size());
   execution_.insert(points, stamp_, made);
   round.inserted = mesh_.vertex_count() - before;
-  const std::vector<VertexId> crowded = crowding(made, winners);
+  // Later on, what is taken out could be asked for again, and again.
+  constexpr int kRoundsWithRemoval = 12;
+  const std::vector<VertexId> crowded =
+      rounds_++ < kRoundsWithRemoval ? crowding(made, winners) : std::vector<VertexId>();
   execution_.remove(crowded, stamp_);
   round.removed = crowded.size();
   has_changed_ = round.inserted + round.removed > 0;

@@ -34,9 +34,10 @@ class Refinement {
   std::vector<Circumsphere> find_materials(std::span<const TetId> fresh);
   [[nodiscard]] std::vector<Wish> wishes_of(std::span<const TetId> fresh,
                                             std::span<const Circumsphere> spheres) const;
-  void find_pinched(std::span<const TetId> fresh);
-  /// For each pinched vertex, what its face with the largest place on the surface asks for.
-  [[nodiscard]] std::vector<Wish> wishes_of_topology() const;
+  /// Vertices that are pinched and have not been looked at as they are now.
+  [[nodiscard]] std::vector<VertexId> newly_pinched(std::span<const TetId> fresh);
+  /// For each of them, what its face with the largest place on the surface asks for.
+  [[nodiscard]] std::vector<Wish> wishes_of_topology(std::span<const VertexId> pinched) const;
   /// Those that no more urgent one is too near to; the others keep their tetrahedra fresh.
   [[nodiscard]] std::vector<Wish> granted(std::vector<Wish> wishes);
   [[nodiscard]] bool spare_curves(Wish& wish, std::span<const TetId> conflicts) const;
@@ -47,10 +48,11 @@ class Refinement {
   const Spacing& spacing_;
   Rules rules_;
   operators::DelaunayExecution execution_;
-  std::uint32_t stamp_ = 1;            // Of what is fresh.
-  std::vector<std::uint64_t> claims_;  // By tetrahedron; 0: none.
+  std::uint32_t stamp_ = 1;                       // Of what is fresh.
+  std::vector<std::uint64_t> claims_;             // By tetrahedron; 0: none.
   std::optional<std::vector<VertexId>> pinched_;  // Before the last round; unknown at first.
-  bool has_changed_ = true;                        // In the last round.
+  int rounds_ = 0;
+  bool has_changed_ = true;  // In the last round.
 };
 
 }  // namespace lumesh::delaunay

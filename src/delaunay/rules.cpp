@@ -125,6 +125,8 @@ std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& s
   });
   const bool is_bad = is_off || cosine_of_smallest_angle(a, b, c) > cosine_of_facet_angle_;
   const double spacing = spacing_.surface_spacing_at(a, dual.mine, dual.other);
+  if (!is_off)
+    if (const auto wish = wish_of_crossed_curve(t, dual, {a, b, c}, spacing)) return wish;
   // All of the edge is as near to the corners as its ends.
   if (!is_bad && dual.reach <= spacing) return std::nullopt;
   constexpr double kClose = 0.02;
@@ -132,6 +134,30 @@ std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& s
   const double radius = (centre - a).norm();
   if (!is_bad && radius <= spacing) return std::nullopt;
   return at_surface(centre, t, dual, radius, spacing);
+}
+
+/// A face with corners on different boundaries cuts off what lies between: there is a curve that it should
+/// not cross.
+std::optional<Wish> Rules::wish_of_crossed_curve(TetId t, const DualEdge& dual,
+                                                 const std::array<Vec3, 3>& corners, double spacing) const {
+  constexpr double kFar = 2, kOn = 0.16;  // In spacings; corners may be lifted.
+  if (domain_.material_count() <= 2 || domain_.materials_near(corners[0], kFar * spacing).size() <= 2)
+    return std::nullopt;
+  const MaterialSet pair{dual.mine, dual.other};
+  const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3;
+  for (const Vec3& corner : corners) {
+    const MaterialSet there = domain_.materials_near(corner, kOn * spacing);
+    if (there.contains_all(pair)) continue;
+    for (const Material third : there) {
+      if (pair.contains(third)) continue;
+      MaterialSet triple = pair;
+      triple.insert(third);
+      if (const auto x = domain_.project(middle, triple, kFar * spacing))
+        return Wish{*x, t, kSurfaceFirst + static_cast<float>((*x - middle).norm() / spacing),
+                    VertexDimension::kCurve, spacing};
+    }
+  }
+  return std::nullopt;
 }
 
 /// A point on the surface, or on the curve where it ends if that is near.
@@ -163,7 +189,8 @@ std::optional<Wish> Rules::wish_of_tet(TetId t, const Circumsphere& sphere) cons
     shortest2 = std::min(shortest2, (mesh_.corner(t, i) - mesh_.corner(t, j)).squaredNorm());
   const double largest = kRadiusPerSize * spacing_.size_at(sphere.centre, mine);
   const bool is_long = sphere.radius > radius_edge_ * std::sqrt(shortest2);
-  if (sphere.radius <= largest && !is_long && !spacing_.wants_finer(corners_of(mesh_, t))) return std::nullopt;
+  if (sphere.radius <= largest && !is_long && !spacing_.wants_finer(corners_of(mesh_, t)))
+    return std::nullopt;
   // What would stand near the surface is left to it.
   constexpr double kMargin = 0.5;
   const double clearance = domain_.surroundings(sphere.centre).clearance_mm;

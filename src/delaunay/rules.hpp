@@ -1,6 +1,7 @@
 #pragma once
 /// @file The rules R1 to R5 of refinement, and the points that they ask for.
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -39,7 +40,8 @@ class Rules {
   /// True for a face between materials of which one is meshed: the mesh will have it on its boundary.
   [[nodiscard]] bool is_boundary(TetId t, int face) const;
   /// What such a face asks for. R1: its place on the surface is farther than the spacing from its corners.
-  /// R3: an angle is too small, or a corner is not of the surface.
+  /// R3: an angle is too small, a corner is not of the surface, or the face crosses a curve where boundaries
+  /// meet.
   /// @param sphere  Of t.
   [[nodiscard]] std::optional<Wish> wish_of_face(TetId t, int face, const Circumsphere& sphere) const;
   /// Its place on the surface, if that is not too near to its corners.
@@ -56,6 +58,9 @@ class Rules {
     double reach;  ///< No place of it is farther from the corners.
   };
   [[nodiscard]] std::optional<DualEdge> dual_of(TetId t, int face, const Circumsphere& sphere) const;
+  [[nodiscard]] std::optional<Wish> wish_of_crossed_curve(TetId t, const DualEdge& dual,
+                                                          const std::array<Vec3, 3>& corners,
+                                                          double spacing) const;
   [[nodiscard]] Vec3 surface_centre(const DualEdge& dual, double close) const;
   [[nodiscard]] std::optional<Wish> at_surface(const Vec3& place, TetId t, const DualEdge& dual,
                                                double radius, double spacing) const;

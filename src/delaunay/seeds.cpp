@@ -20,6 +20,9 @@ constexpr double kSeedSpacing = 0.9;
 /// Spacings below this share of the domain's resolution are not looked for.
 constexpr double kLeastSpacing = 0.4;
 
+/// From where curves and corners are looked for, in spacings.
+constexpr double kCurveReach = 0.5;
+
 /// How far inner points stay from boundaries, in lattice constants.
 constexpr double kMargin = 0.5;
 constexpr double kHalfDiagonal = 0.867;  // Of a cube with edges of length 1.
@@ -141,7 +144,9 @@ class LatticeDescent {
   [[nodiscard]] bool is_coarse_for_boundary(const Vec3& low, double size,
                                             const Domain::Surroundings& here) const {
     constexpr double kMostSpacings = 1.7;
-    if (size <= kMostSpacings * kLeastSpacing * domain_.resolution_mm()) return false;
+    const double least = kLeastSpacing * domain_.resolution_mm();
+    if (size <= kMostSpacings * (spacing_.is_constant() ? spacing_.least_for_thin_parts() : least))
+      return false;
     if (here.clearance_mm > kHalfDiagonal * size) return false;
     const Vec3 middle = low + Vec3::Constant(0.5 * size);
     for (const Material other : domain_.materials_near(middle, kHalfDiagonal * size)) {
@@ -200,30 +205,32 @@ class LatticeDescent {
     if (!x) return;
     const double spacing = kSeedSpacing * spacing_.surface_spacing_at(*x, pair[0], pair[1]);
     const MaterialSet there = domain_.materials_near(*x, 1e-3 * domain_.resolution_mm());
-    if (there.contains_all(pair))
-      out.boundary.push_back({*x, pair, spacing});
+    if (there.contains_all(pair)) out.boundary.push_back({*x, pair, spacing});
     add_curve_candidates(*x, pair, spacing, out);
   }
 
-  /// Where the boundary between two materials meets a third near by, and where such curves meet.
+  /// Where the boundary between two materials meets a third near by, and where such curves meet. Candidates
+  /// stand close: those farther from curves need not look.
   void add_curve_candidates(const Vec3& x, const MaterialSet& pair, double spacing, Seeds& out) const {
-    const MaterialSet near = domain_.materials_near(x, spacing);
-    for (const Material third : near) {
+    for (const Material third : domain_.materials_near(x, kCurveReach * spacing)) {
       if (pair.contains(third)) continue;
       MaterialSet triple = pair;
       triple.insert(third);
-      if (!is_seam(triple)) continue;
-      const auto y = domain_.project(x, triple, 1.5 * spacing);
-      if (!y || !domain_.materials_near(*y, 1e-2 * domain_.resolution_mm()).contains_all(triple)) continue;
-      out.boundary.push_back({*y, triple, spacing});
-      for (const Material fourth : near) {
-        if (triple.contains(fourth) || fourth < third) continue;
-        MaterialSet all = triple;
-        all.insert(fourth);
-        const auto z = domain_.project(*y, all, 1.5 * spacing);
-        if (z && domain_.materials_near(*z, 2e-2 * domain_.resolution_mm()).contains_all(all))
-          out.boundary.push_back({*z, all, spacing});
-      }
+      if (is_seam(triple)) add_curve_candidate(x, triple, spacing, out);
+    }
+  }
+
+  void add_curve_candidate(const Vec3& x, const MaterialSet& triple, double spacing, Seeds& out) const {
+    const auto y = domain_.project(x, triple, 2 * kCurveReach * spacing);
+    if (!y || !domain_.materials_near(*y, 1e-2 * domain_.resolution_mm()).contains_all(triple)) return;
+    out.boundary.push_back({*y, triple, spacing});
+    for (const Material fourth : domain_.materials_near(*y, kCurveReach * spacing)) {
+      if (triple.contains(fourth)) continue;
+      MaterialSet all = triple;
+      all.insert(fourth);
+      const auto z = domain_.project(*y, all, 2 * kCurveReach * spacing);
+      if (z && domain_.materials_near(*z, 2e-2 * domain_.resolution_mm()).contains_all(all))
+        out.boundary.push_back({*z, all, spacing});
     }
   }
 

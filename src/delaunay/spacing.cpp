@@ -38,22 +38,24 @@ std::size_t Spacing::HashOfPlace::operator()(const Place& place) const {
 
 double Spacing::spacing_of_thin_parts(const Vec3& x, Material first, Material second) const {
   if (domain_->is_cut(first) || domain_->is_cut(second)) return delta_mm_;
-  const auto cube_of = [&](int axis) {
-    return static_cast<std::int32_t>(std::floor(x[axis] / cube_mm_));
-  };
-  const Place place{{cube_of(0), cube_of(1), cube_of(2)},
-                    {std::min(first, second), std::max(first, second)}};
+  const auto cube_of = [&](int axis) { return static_cast<std::int32_t>(std::floor(x[axis] / cube_mm_)); };
+  const Place place{{cube_of(0), cube_of(1), cube_of(2)}, {std::min(first, second), std::max(first, second)}};
   if (const auto known = measured_.find(place); known != measured_.end()) return known->second;
   const double spacing = measured_spacing(place);
   measured_.emplace(place, static_cast<float>(spacing));
   return static_cast<float>(spacing);
 }
 
+double Spacing::least_for_thin_parts() const {
+  constexpr double kLeastOfDelta = 0.33, kLeastOfResolution = 0.5;
+  return std::max(kLeastOfDelta * delta_mm_,
+                  std::min(delta_mm_, kLeastOfResolution * domain_->resolution_mm()));
+}
+
 /// Looks from the middle of a cube, moved to the boundary, to both sides.
 double Spacing::measured_spacing(const Place& place) const {
   constexpr double kPerThickness = 0.45;  // About seven points around a vessel.
   constexpr double kPerGap = 0.7;
-  constexpr double kLeastOfDelta = 0.2, kLeastOfResolution = 0.5;
   const auto [first, second] = place.pair;
   Vec3 x = cube_mm_ * (Vec3(place.cube[0], place.cube[1], place.cube[2]) + Vec3::Constant(0.5));
   FieldSample here{};
@@ -72,8 +74,7 @@ double Spacing::measured_spacing(const Place& place) const {
     const Vec3 direction = m == first ? towards_first : Vec3(-towards_first);
     spacing = std::min(spacing, share * thickness(x, direction, m, spacing / share));
   }
-  return std::max({spacing, kLeastOfDelta * delta_mm_,
-                   std::min(delta_mm_, kLeastOfResolution * domain_->resolution_mm())});
+  return std::max(spacing, least_for_thin_parts());
 }
 
 }  // namespace lumesh::delaunay

@@ -36,6 +36,8 @@ class Spacing {
   /// Wanted spacing of points at a place of the boundary between two materials: less where what is meshed, or
   /// a gap, is so thin that points of its two sides would stand for each other.
   [[nodiscard]] double surface_spacing_at(const Vec3& x, Material first, Material second) const;
+  /// What surface_spacing_at() does not go below for the sake of thin parts.
+  [[nodiscard]] double least_for_thin_parts() const;
   /// True if size_at() is the same everywhere.
   [[nodiscard]] bool is_constant() const { return sizing_ == nullptr; }
   [[nodiscard]] const Domain& domain() const { return *domain_; }

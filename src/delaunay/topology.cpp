@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "lumesh/geometry/perturbed_insphere.hpp"
@@ -31,6 +31,16 @@ class StarParts {
     return materials_.size() > 1;
   }
   [[nodiscard]] const std::vector<Material>& materials() const { return materials_; }
+
+  [[nodiscard]] const std::vector<TetId>& tets() const { return tets_; }
+  /// The material of most tetrahedra, of several the first.
+  [[nodiscard]] Material most_frequent() const {
+    const auto count = [&](Material m) {
+      return std::count_if(tets_.begin(), tets_.end(), [&](TetId t) { return material_of(t) == m; });
+    };
+    return *std::max_element(materials_.begin(), materials_.end(),
+                             [&](Material a, Material b) { return count(a) < count(b); });
+  }
 
   enum class Side : std::uint8_t { kOf, kOther };
   /// Parts on one side of the boundary of a material, the largest first.
@@ -131,19 +141,19 @@ class Mending {
 
   [[nodiscard]] bool is_pinched(VertexId v) { return star_.is_pinched(v); }
 
-  /// Small parts go to their neighbours or, where that has been tried often, all of a label goes.
-  void mend(VertexId v, bool is_drastic) {
+  /// Small parts go to their neighbours.
+  void mend(VertexId v) {
     if (!star_.gather(v)) return;
     for (const Material m : std::vector<Material>(star_.materials())) {
       const auto own = star_.parts(m, StarParts::Side::kOf);
       const auto others = star_.parts(m, StarParts::Side::kOther);
-      if (is_drastic && m != 0 && (own.size() > 1 || others.size() > 1)) {
-        for (const auto& part : own) relabel(part, 0);
-        continue;
-      }
       for (std::size_t i = 1; i < own.size(); ++i) relabel(own[i], star_.neighbour_of(own[i], m));
       for (std::size_t i = 1; i < others.size(); ++i) relabel(others[i], m);
     }
+  }
+  /// All around it gets one material: what most of it is, or that of the outside.
+  void level(VertexId v, bool takes_outside) {
+    if (star_.gather(v)) relabel(star_.tets(), takes_outside ? 0 : star_.most_frequent());
   }
 
   /// Vertices around which something has changed since the last call, in the order of their places.
@@ -233,12 +243,14 @@ std::vector<VertexId> pinched_vertices(const TetMesh& mesh, const Domain& domain
   const auto is_new = [&](std::size_t i) {
     return i == 0 || fans[i].vertex != fans[i - 1].vertex || fans[i].material != fans[i - 1].material;
   };
-  const auto starts = parallel::collect<std::size_t>(fans.size(), [&](std::size_t i, std::vector<std::size_t>& out) {
-    if (is_new(i)) out.push_back(i);
-  });
+  const auto starts =
+      parallel::collect<std::size_t>(fans.size(), [&](std::size_t i, std::vector<std::size_t>& out) {
+        if (is_new(i)) out.push_back(i);
+      });
   auto found = parallel::collect<VertexId>(starts.size(), [&](std::size_t i, std::vector<VertexId>& out) {
     const std::size_t begin = starts[i], end = i + 1 < starts.size() ? starts[i + 1] : fans.size();
-    if (!is_one_fan(std::span<const FanFace>(fans).subspan(begin, end - begin))) out.emplace_back(fans[begin].vertex);
+    if (!is_one_fan(std::span<const FanFace>(fans).subspan(begin, end - begin)))
+      out.emplace_back(fans[begin].vertex);
   });
   found.erase(std::unique(found.begin(), found.end()), found.end());
   parallel::sort(found.begin(), found.end(),
@@ -260,12 +272,18 @@ std::vector<VertexId> pinched_among(const TetMesh& mesh, const Domain& domain,
 }
 
 std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain, std::vector<VertexId> suspects) {
-  constexpr int kGentleSweeps = 8, kSweeps = 100;
+  // Mending one vertex may pinch another one; giving things to the outside comes to an end.
+  constexpr int kMendingSweeps = 8, kLevellingSweeps = 16;
   Mending mending(mesh, domain);
   const std::size_t pinched = suspects.size();
-  for (int sweep = 0; sweep < kSweeps && !suspects.empty(); ++sweep) {
-    for (const VertexId v : suspects)
-      if (v.value >= 4 && mending.is_pinched(v)) mending.mend(v, sweep >= kGentleSweeps);
+  for (int sweep = 0; !suspects.empty(); ++sweep) {
+    for (const VertexId v : suspects) {
+      if (v.value < 4 || !mending.is_pinched(v)) continue;
+      if (sweep < kMendingSweeps)
+        mending.mend(v);
+      else
+        mending.level(v, sweep >= kLevellingSweeps);
+    }
     suspects = mending.changed();
   }
   return pinched;

@@ -56,6 +56,17 @@ template <class Lock, class Attempt>
 void DelaunayExecution::run_buckets(std::vector<DelaunayKernel<Lock>>& kernels,
                                     std::vector<std::uint32_t>& items, std::uint32_t stamp,
                                     const Attempt& attempt) {
+  constexpr std::size_t kWorthATeam = 128;
+  if (team_.size() == 1 || items.size() < kWorthATeam) {
+    kernels[0].begin_run(stamp);
+    VertexId last;
+    for (const std::uint32_t item : items) {
+      const bool is_done = attempt(kernels[0], item, last);
+      LUMESH_DEBUG_ASSERT(is_done);  // Nobody else is there.
+      (void)is_done;
+    }
+    return;
+  }
   const std::size_t size = bucket_size(items.size());
   std::vector<std::span<std::uint32_t>> left;  // Of each bucket.
   for (std::size_t begin = 0; begin < items.size(); begin += size)
