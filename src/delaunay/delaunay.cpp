@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "carving.hpp"
+#include "estimate.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/operators/delaunay_kernel.hpp"
 #include "refinement.hpp"
@@ -25,7 +26,7 @@ void DelaunayOptions::validate() const {
   check(std::isfinite(size_mm) && size_mm >= 0, "the size must be a positive number of mm");
   check(radius_edge >= 1.5, "the radius-edge bound must be at least 1.5");
   check(facet_angle_deg >= 0 && facet_angle_deg <= 30, "the facet angle must lie in [0, 30] degrees");
-  check(max_rounds >= 0, "the number of rounds must not be negative");
+  check(max_rounds >= 1, "there must be at least one round");
 }
 
 namespace {
@@ -52,6 +53,21 @@ void thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
     one.spacing = std::max(one.spacing, box.sizes().maxCoeff() / kFewAcross);
 }
 
+/// At least one round: it finds out what is inside.
+/// @return false if it was stopped before the rules had nothing to ask for.
+bool refined(delaunay::Refinement& refinement, const DelaunayOptions& options, DelaunayReport& report,
+             Context& context) {
+  do {
+    report.rounds.push_back(refinement.run_round());
+    if (report.rounds.back().inserted == 0 && report.rounds.back().removed == 0) return true;
+  } while (static_cast<int>(report.rounds.size()) < options.max_rounds && !context.cancelled());
+  refinement.name_materials();
+  if (!context.cancelled())
+    report.notes.push_back(fmt::format("the rules still ask for points after {} rounds, {} in the last one",
+                                       report.rounds.size(), report.rounds.back().inserted));
+  return !context.cancelled();
+}
+
 /// A triangulation that holds the object and all seeds.
 TetMesh hull_around(Box3 box, std::span<const Vec3> outer) {
   for (const Vec3& p : outer) box.extend(p);
@@ -66,6 +82,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   const delaunay::Spacing spacing(domain, options.delta_mm, size_mm, options.sizing);
   const Box3 box = domain.bounds_mm();
   check_fits(options, box);
+  delaunay::check_memory(spacing);
   auto seeds = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
   thin_out(seeds, options.seeding, box);
   const auto boundary = context.phase("surface", [&] { return delaunay::thinned(seeds.boundary); });
@@ -75,16 +92,15 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   result.report.boundary_seeds = boundary.size();
   delaunay::Refinement refinement(result.mesh, spacing, options);
   context.phase("insertion", [&] { refinement.insert_seeds(seeds, boundary); });
-  context.phase("refinement", [&] {
-    for (int round = 0; round < options.max_rounds; ++round) {
-      result.report.rounds.push_back(refinement.run_round());
-      const DelaunayRound& last = result.report.rounds.back();
-      if (last.inserted == 0 && last.removed == 0) break;
-    }
-  });
+  context.phase("refinement", [&] { result.report.complete = refined(refinement, options, result.report, context); });
   result.report.pinched_vertices = context.phase(
       "topology", [&] { return delaunay::relabel_pinched(result.mesh, domain, refinement.pinched()); });
   context.phase("carving", [&] { delaunay::carve(result.mesh, domain, 0.2 * options.delta_mm); });
+  if (result.report.pinched_vertices > 0)
+    result.report.notes.push_back(
+        fmt::format("at {} vertices parts would have touched in a point or an edge only: tetrahedra there changed "
+                    "their label; a smaller --delta leaves fewer",
+                    result.report.pinched_vertices));
   if (result.mesh.tet_count() == 0)
     throw Error(ErrorKind::kBadInput, "nothing of the object is left; choose a smaller --delta");
   return result;

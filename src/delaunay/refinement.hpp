@@ -25,6 +25,8 @@ class Refinement {
   void insert_seeds(const Seeds& seeds, std::span<const std::uint32_t> boundary);
   /// @return what it did; nothing left to do if it found no wishes that can be granted.
   [[nodiscard]] DelaunayRound run_round();
+  /// Gives what the last round has made its materials.
+  void name_materials() { find_materials(fresh_tets()); }
   /// Pinched vertices of the mesh as the last round has left it.
   [[nodiscard]] std::vector<VertexId> pinched() const;
 

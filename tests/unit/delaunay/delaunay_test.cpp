@@ -175,6 +175,31 @@ TEST(DelaunayMesh, EverySeedingEndsInTheSameShape) {
   }
 }
 
+TEST(DelaunayMesh, StoppedEarlyItIsValidAndSaysSo) {
+  std::stop_source source;
+  source.request_stop();
+  Context context({}, {}, source.get_token());
+  const DelaunayResult result = mesh_delaunay(ImageDomain(ball(11), {}), {.delta_mm = 1.5}, context);
+  expect_valid(result.mesh);
+  EXPECT_FALSE(result.report.complete);
+}
+
+ErrorKind kind_of_failure(const LabelImage& image, const DelaunayOptions& options) {
+  try {
+    (void)meshed(image, options);
+  } catch (const Error& error) {
+    return error.kind();
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return {};
+}
+
+TEST(DelaunayMesh, SaysWhatItLacksBeforeItBegins) {
+  EXPECT_EQ(kind_of_failure(ball(11), {.delta_mm = 1e-4}), ErrorKind::kMemory);
+  EXPECT_EQ(kind_of_failure(ball(5), {.delta_mm = 100}), ErrorKind::kBadInput);
+  EXPECT_EQ(kind_of_failure(ball(5), {.delta_mm = -1}), ErrorKind::kBadInput);
+}
+
 TEST(DelaunayMesh, RefusesOptionsOutOfRange) {
   const LabelImage image = ball(5);
   EXPECT_THROW((void)meshed(image, {.delta_mm = 0}), Error);

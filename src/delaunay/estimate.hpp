@@ -1,0 +1,14 @@
+#pragma once
+/// @file How large a mesh will be, before it is made.
+
+#include "spacing.hpp"
+
+namespace lumesh::delaunay {
+
+/// Number of tetrahedra, from a coarse grid of samples: within a factor of two where parts are not thin.
+[[nodiscard]] double estimated_tets(const Spacing& spacing);
+
+/// @throws Error{kMemory} if they would not fit, with what to do.
+void check_memory(const Spacing& spacing);
+
+}  // namespace lumesh::delaunay
