@@ -24,7 +24,7 @@ class Spacing {
       : domain_(&domain),
         delta_mm_(delta_mm),
         size_mm_(size_mm),
-        cube_mm_(std::max(domain.resolution_mm(), 0.5 * delta_mm)),
+        cube_mm_(std::max(domain.resolution_mm(), delta_mm)),
         sizing_(sizing) {}
 
   /// Wanted edge length inside a material.
@@ -45,7 +45,7 @@ class Spacing {
   [[nodiscard]] double size_mm() const { return size_mm_; }
 
  private:
-  /// A cube of space, about half as large as delta, and two materials.
+  /// A cube of space, about as large as delta, and two materials.
   struct Place {
     std::array<std::int32_t, 3> cube;
     std::array<Material, 2> pair;
