@@ -44,11 +44,13 @@ double nearest_vertex2(const TetMesh& mesh, const Vec3& point, std::span<const T
   return least2;
 }
 
-/// True if a point of a surface would crowd one that is there.
+/// True if a point of a surface would crowd one that is there, or one of a curve another one of that kind: those
+/// of surfaces give way to it.
 bool is_near_a_vertex(const TetMesh& mesh, const Wish& wish, std::span<const TetId> conflicts) {
-  constexpr double kLeast = 0.3;  // Of the spacing.
-  const double least = kLeast * wish.spacing;
-  return nearest_vertex2(mesh, wish.point, conflicts, VertexDimension::kSurface) < least * least;
+  constexpr double kLeast = 0.3, kLeastOnCurve = 0.15;  // Of the spacing.
+  const double least = (wish.dimension <= VertexDimension::kCurve ? kLeastOnCurve : kLeast) * wish.spacing;
+  return nearest_vertex2(mesh, wish.point, conflicts,
+                         std::max(wish.dimension, VertexDimension::kCurve)) < least * least;
 }
 
 /// A piece of a curve, and the materials that meet there.
@@ -240,7 +242,7 @@ std::vector<Wish> Refinement::granted(std::vector<Wish> wishes) {
   return won;
 }
 
-/// Inner vertices too near to new ones of a surface (R6).
+/// Inner vertices too near to new ones of a surface (R6), and those of surfaces to new ones of curves.
 std::vector<VertexId> Refinement::crowding(std::span<const VertexId> made,
                                            std::span<const Wish> wishes) const {
   auto found = parallel::collect_blocks<VertexId>(
@@ -249,13 +251,17 @@ std::vector<VertexId> Refinement::crowding(std::span<const VertexId> made,
         for (std::size_t i = begin; i < end; ++i) {
           const VertexId v = made[i];
           if (!v.valid() || mesh_.dimension(v) == VertexDimension::kVolume) continue;
-          constexpr double kNear = 0.5;
-          const double least = kNear * wishes[i].spacing;
+          constexpr double kNear = 0.5, kNearCurve = 0.3;
+          const auto gives_way = [&](VertexId w) {
+            const VertexDimension dimension = mesh_.dimension(w);
+            if (dimension <= VertexDimension::kCurve || dimension <= mesh_.dimension(v)) return false;
+            const double least =
+                (dimension == VertexDimension::kVolume ? kNear : kNearCurve) * wishes[i].spacing;
+            return (mesh_.point(w) - mesh_.point(v)).squaredNorm() < least * least;
+          };
           for (const TetId t : star.gather(mesh_, v))
             for (const std::uint32_t w : mesh_.tet(t))
-              if (w >= 4 && mesh_.dimension(VertexId(w)) == VertexDimension::kVolume &&
-                  (mesh_.point(VertexId(w)) - mesh_.point(v)).squaredNorm() < least * least)
-                out.push_back(VertexId(w));
+              if (w >= 4 && gives_way(VertexId(w))) out.emplace_back(w);
         }
       });
   parallel::sort(found.begin(), found.end());

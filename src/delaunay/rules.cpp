@@ -140,11 +140,10 @@ std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& s
 /// not cross.
 std::optional<Wish> Rules::wish_of_crossed_curve(TetId t, const DualEdge& dual,
                                                  const std::array<Vec3, 3>& corners, double spacing) const {
-  constexpr double kFar = 2, kOn = 0.16;  // In spacings; corners may be lifted.
+  constexpr double kFar = 2, kOn = 0.03;  // In spacings. Near curves nothing is lifted.
   if (domain_.material_count() <= 2 || domain_.materials_near(corners[0], kFar * spacing).size() <= 2)
     return std::nullopt;
   const MaterialSet pair{dual.mine, dual.other};
-  const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3;
   for (const Vec3& corner : corners) {
     const MaterialSet there = domain_.materials_near(corner, kOn * spacing);
     if (there.contains_all(pair)) continue;
@@ -152,8 +151,8 @@ std::optional<Wish> Rules::wish_of_crossed_curve(TetId t, const DualEdge& dual,
       if (pair.contains(third)) continue;
       MaterialSet triple = pair;
       triple.insert(third);
-      if (const auto x = domain_.project(middle, triple, kFar * spacing))
-        return Wish{*x, t, kSurfaceFirst + static_cast<float>((*x - middle).norm() / spacing),
+      if (const auto x = domain_.project(corner, triple, kFar * spacing))
+        return Wish{*x, t, kSurfaceFirst + static_cast<float>((*x - corner).norm() / spacing),
                     VertexDimension::kCurve, spacing};
     }
   }
