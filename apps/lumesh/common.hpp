@@ -101,6 +101,10 @@ void check_output_folders(std::initializer_list<std::string> paths);
                                                           const std::string& mesh_path, const MeshInfo& info,
                                                           std::string_view consequence);
 
+/// Meshes may stand in another frame or unit than images do. Wanted edge lengths and those in the metric
+/// stay.
+void bring_to_lps_mm(MixedMesh& mesh);
+
 /// The word of `known` most like a wrong one, empty if none is alike.
 [[nodiscard]] std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known);
 

@@ -8,14 +8,15 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "domain_input.hpp"
 #include "kernel_options.hpp"
 #include "long_run.hpp"
 #include "lumesh/adapt/improve.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/domain/image_domain.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
+#include "sizing_options.hpp"
 
 namespace lumesh::cli {
 
@@ -23,11 +24,11 @@ namespace {
 
 struct DelaunayCommand {
   const CLI::App* self = nullptr;
-  std::string input_path, mesh_path, surface_path, json_path;
-  ImageSelection selection;
-  PlaneNumbers cut_planes;
-  ImageDomainOptions domain;
+  std::string mesh_path, surface_path, json_path;
+  DomainInput input;
   DelaunayOptions options;
+  std::string seeding = "lattice";
+  SizingOptions sizing;
   ImproveOptions improvement;
   bool skips_improvement = false;
   double time_limit_s = std::numeric_limits<double>::infinity();
@@ -53,6 +54,7 @@ nlohmann::ordered_json report_json(const DelaunayReport& report, const std::opti
                               {"tetrahedra_looked_at", round.tets_looked_at},
                               {"surface_wishes", round.surface_wishes},
                               {"volume_wishes", round.volume_wishes},
+                              {"topology_wishes", round.topology_wishes},
                               {"inserted", round.inserted},
                               {"removed", round.removed}});
   if (improved)
@@ -69,8 +71,13 @@ nlohmann::ordered_json report_json(const DelaunayReport& report, const std::opti
 void check_options(const DelaunayCommand& command) {
   command.options.validate();
   command.improvement.validate();
+  check_domain_options(*command.self, command.input);
   check_volume_output(command.mesh_path);
   check_output_folders({command.mesh_path, command.surface_path, command.json_path});
+}
+
+Seeding seeding_of(const std::string& name) {
+  return name == "few" ? Seeding::kFew : name == "surface" ? Seeding::kSurface : Seeding::kLattice;
 }
 
 void print_summary(const DelaunayCommand& command, const TetMesh& mesh, const BoundaryFaces& faces,
@@ -95,13 +102,16 @@ void run(DelaunayCommand command) {
   Context context = make_context(command.run);
   const LongRun long_run(context, command.run, command.time_limit_s);
   check_options(command);
-  command.domain.cut_planes = planes_from(command.cut_planes);
-  const LabelImage image = context.phase(
-      "read", [&] { return read_selected_image(command.input_path, command.selection, context); });
-  const ImageDomain domain = context.phase("domain", [&] { return ImageDomain(image, command.domain); });
+  const std::string& input_path = command.input.path;
+  SizingInput sizes = context.phase("read", [&] { return SizingInput(command.sizing, context); });
+  const auto [domain, shape] = read_domain(command.input, context);
+  const std::unique_ptr<Sizing> sizing =
+      context.phase("sizes", [&] { return std::move(sizes).on(*domain, input_path); });
+  command.options.seeding = seeding_of(command.seeding);
+  command.options.sizing = sizing.get();
   command.options.team = command.kernel.team(command.run.threads);
   DelaunayResult result =
-      naming(command.input_path, [&] { return mesh_delaunay(domain, command.options, context); });
+      naming(input_path, [&] { return mesh_delaunay(*domain, command.options, context); });
   TetMesh& mesh = result.mesh;
   std::optional<ImproveReport> improved;
   if (!command.skips_improvement) {
@@ -109,7 +119,7 @@ void run(DelaunayCommand command) {
     command.improvement.team = command.options.team;
     context.phase("improvement", [&] { improved = improve(mesh, command.improvement, context); });
   }
-  mesh.info().provenance = provenance_of(*command.self, command.input_path);
+  mesh.info().provenance = provenance_of(*command.self, input_path);
   const BoundaryFaces faces = mesh.boundary_faces();
   context.phase("write", [&] {
     MeshView view = mesh.view(faces);
@@ -118,6 +128,10 @@ void run(DelaunayCommand command) {
     if (!command.surface_path.empty()) write_surface(command.surface_path, view);
   });
   for (const std::string& note : result.report.notes) context.warn(note);
+  if (shape && command.input.cut_planes.empty())
+    for (const std::string& line : differences(*shape, mesh.view(faces))) context.warn(line);
+  if (sizing)
+    for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
     report::write_file(command.json_path, report_json(result.report, improved, mesh, context).dump(2) + "\n");
@@ -134,6 +148,11 @@ void add_rule_options(CLI::App& sub, DelaunayCommand& command) {
   sub.add_option("--size", o.size_mm,
                  "Largest edge length inside in mm (R5); default 1.3 delta, as on surfaces")
       ->check(positive_number());
+  sub.add_option("--seeding", command.seeding,
+                 "What refinement begins with: points of a lattice inside and of all surfaces; of surfaces "
+                 "only; or few of them, so that the rules do all the rest")
+      ->check(CLI::IsMember({"lattice", "surface", "few"}))
+      ->capture_default_str();
   sub.add_option("--radius-edge", o.radius_edge,
                  "Largest circumradius of tetrahedra in units of their shortest edge (R4), at least 1.5")
       ->capture_default_str();
@@ -153,18 +172,16 @@ void add_rule_options(CLI::App& sub, DelaunayCommand& command) {
 
 void add_delaunay_command(CLI::App& program) {
   const auto command = std::make_shared<DelaunayCommand>();
-  CLI::App* sub = program.add_subcommand("delaunay", "Mesh a segmented image by Delaunay refinement");
+  CLI::App* sub = program.add_subcommand(
+      "delaunay", "Mesh a segmented image, or the inside of a closed surface, by Delaunay refinement");
   command->self = sub;
-  sub->add_option("image", command->input_path, std::string("Label image ") + kImageFormats)->required();
   sub->add_option("-o,--output", command->mesh_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
       ->required();
   add_rule_options(*sub, *command);
+  add_sizing_options(*sub, command->sizing);
   sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
   sub->add_option("--json", command->json_path, "Write times, rounds and angles as JSON");
-  add_selection_options(*sub, command->selection, "Mesh");
-  add_cut_plane_option(*sub, command->cut_planes, "cut off what lies on the normal's side");
-  sub->add_option("--smoothing", command->domain.field.sigma, "Low-pass width in voxels, 0.5 to 3")
-      ->capture_default_str();
+  add_domain_options(*sub, command->input);
   add_kernel_options(*sub, command->kernel);
   add_time_limit_option(*sub, command->time_limit_s);
   add_threads_option(*sub, command->run);

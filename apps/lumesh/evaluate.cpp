@@ -38,23 +38,6 @@ std::string read_text(const std::string& path) {
   return text.str();
 }
 
-/// Meshes may stand in another frame or unit than images do.
-void bring_to_lps_mm(MixedMesh& mesh) {
-  const bool ras = mesh.info.frame == "RAS";
-  const double scale = mesh.info.unit == "m" ? 1000 : mesh.info.unit == "cm" ? 10 : 1;
-  if (!ras && scale == 1) return;
-  const Vec3 factors = ras ? Vec3(-scale, -scale, scale) : Vec3(scale, scale, scale);
-  for (Vec3& p : mesh.points) p = p.cwiseProduct(factors);
-  // Lengths in the metric stay as they are; it is per square of the coordinates' unit.
-  for (SymTensor& m : mesh.metric) {
-    const Vec3 f = factors.cwiseInverse();
-    m = {m.xx * f[0] * f[0], m.xy * f[0] * f[1], m.xz * f[0] * f[2],
-         m.yy * f[1] * f[1], m.yz * f[1] * f[2], m.zz * f[2] * f[2]};
-  }
-  mesh.info.frame = "LPS";
-  mesh.info.unit = "mm";
-}
-
 void require_valid(const EvaluateCommand& command, const quality::Evaluation& evaluation) {
   if (evaluation.valid()) return;
   throw Error(

@@ -48,7 +48,7 @@ void thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
   if (seeding == Seeding::kLattice) return;
   seeds.inner.clear();
   if (seeding == Seeding::kSurface) return;
-  constexpr double kFewAcross = 20;
+  constexpr double kFewAcross = 6;
   for (delaunay::BoundaryCandidate& one : seeds.boundary)
     one.spacing = std::max(one.spacing, box.sizes().maxCoeff() / kFewAcross);
 }
@@ -92,15 +92,16 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   result.report.boundary_seeds = boundary.size();
   delaunay::Refinement refinement(result.mesh, spacing, options);
   context.phase("insertion", [&] { refinement.insert_seeds(seeds, boundary); });
-  context.phase("refinement", [&] { result.report.complete = refined(refinement, options, result.report, context); });
+  context.phase("refinement",
+                [&] { result.report.complete = refined(refinement, options, result.report, context); });
   result.report.pinched_vertices = context.phase(
       "topology", [&] { return delaunay::relabel_pinched(result.mesh, domain, refinement.pinched()); });
   context.phase("carving", [&] { delaunay::carve(result.mesh, domain, 0.2 * options.delta_mm); });
   if (result.report.pinched_vertices > 0)
-    result.report.notes.push_back(
-        fmt::format("at {} vertices parts would have touched in a point or an edge only: tetrahedra there changed "
-                    "their label; a smaller --delta leaves fewer",
-                    result.report.pinched_vertices));
+    result.report.notes.push_back(fmt::format(
+        "at {} vertices parts would have touched in a point or an edge only: tetrahedra there changed "
+        "their label; a smaller --delta leaves fewer",
+        result.report.pinched_vertices));
   if (result.mesh.tet_count() == 0)
     throw Error(ErrorKind::kBadInput, "nothing of the object is left; choose a smaller --delta");
   return result;

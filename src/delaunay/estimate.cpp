@@ -35,7 +35,8 @@ double estimated_tets(const Spacing& spacing) {
     return tets;
   };
   std::vector<double> slices(kSamples);
-  parallel::for_each_index(slices.size(), [&](std::size_t k) { slices[k] = slice_of(k); }, 1);
+  parallel::for_each_index(
+      slices.size(), [&](std::size_t k) { slices[k] = slice_of(k); }, 1);
   double sum = 0;
   for (const double slice : slices) sum += slice;
   return sum;
@@ -45,10 +46,11 @@ void check_memory(const Spacing& spacing) {
   constexpr double kBytesEach = 250;  // Measured at the peak, with what lies outside: docs/measurements.md.
   const double tets = estimated_tets(spacing), free_bytes = static_cast<double>(available_memory_bytes());
   if (tets * kBytesEach <= free_bytes) return;
-  throw Error(ErrorKind::kMemory,
-              fmt::format("about {:.3g} million tetrahedra would need {:.3g} GB of memory and {:.3g} GB are free; "
-                          "choose a larger --delta or --size",
-                          tets / 1e6, tets * kBytesEach / 1e9, free_bytes / 1e9));
+  throw Error(
+      ErrorKind::kMemory,
+      fmt::format("about {:.3g} million tetrahedra would need {:.3g} GB of memory and {:.3g} GB are free; "
+                  "choose a larger --delta or --size",
+                  tets / 1e6, tets * kBytesEach / 1e9, free_bytes / 1e9));
 }
 
 }  // namespace lumesh::delaunay

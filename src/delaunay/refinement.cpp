@@ -44,13 +44,13 @@ double nearest_vertex2(const TetMesh& mesh, const Vec3& point, std::span<const T
   return least2;
 }
 
-/// True if a point of a surface would crowd one that is there, or one of a curve another one of that kind: those
-/// of surfaces give way to it.
+/// True if a point of a surface would crowd one that is there, or one of a curve another one of that kind:
+/// those of surfaces give way to it.
 bool is_near_a_vertex(const TetMesh& mesh, const Wish& wish, std::span<const TetId> conflicts) {
   constexpr double kLeast = 0.3, kLeastOnCurve = 0.15;  // Of the spacing.
   const double least = (wish.dimension <= VertexDimension::kCurve ? kLeastOnCurve : kLeast) * wish.spacing;
-  return nearest_vertex2(mesh, wish.point, conflicts,
-                         std::max(wish.dimension, VertexDimension::kCurve)) < least * least;
+  return nearest_vertex2(mesh, wish.point, conflicts, std::max(wish.dimension, VertexDimension::kCurve)) <
+         least * least;
 }
 
 /// A piece of a curve, and the materials that meet there.

@@ -7,6 +7,7 @@
 
 #include "file_fault.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
 #include "raw_image.hpp"
 
 namespace lumesh {
@@ -43,6 +44,17 @@ LabelImage read_image(const fs::path& path, const ImageReadOptions& options, Con
     throw Error(ErrorKind::kUsage, "the threshold must be a finite number");
   check_readable(path);
   return io::number_labels(read_raw(path, context), path, options);
+}
+
+NumberImage read_number_image(const fs::path& path, Context& context) {
+  check_readable(path);
+  const io::RawImage raw = read_raw(path, context);
+  NumberImage image{raw.frame, std::vector<float>(raw.frame.voxel_count())};
+  io::visit_voxels(raw, [&](auto voxels) {
+    parallel::for_each_index(voxels.size(),
+                             [&](std::size_t i) { image.values[i] = static_cast<float>(voxels[i]); });
+  });
+  return image;
 }
 
 }  // namespace lumesh

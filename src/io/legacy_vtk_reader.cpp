@@ -39,8 +39,26 @@ class LegacyReader {
 
   MixedMesh run() {
     read_header();
-    for (std::string word = next(); !word.empty(); word = next()) read_section(word);
+    if (dataset_ != "UNSTRUCTURED_GRID") fail("holds no unstructured grid");
+    read_sections();
     assemble();
+    return std::move(mesh_);
+  }
+
+  /// Of an unstructured grid or of PolyData, which begin with them.
+  MixedMesh run_for_points() {
+    read_header();
+    if (dataset_ == "UNSTRUCTURED_GRID") {
+      read_sections();
+    } else if (dataset_ == "POLYDATA") {
+      std::string word = next();
+      for (; !word.empty() && word != "POINTS"; word = next()) read_section(word);
+      if (!word.empty()) read_section(word);
+    } else {
+      fail("holds neither an unstructured grid nor PolyData");
+    }
+    assemble_points();
+    restore_info();
     return std::move(mesh_);
   }
 
@@ -82,7 +100,12 @@ class LegacyReader {
     const std::string kind = next();
     if (kind != "ASCII" && kind != "BINARY") fail("neither ASCII nor BINARY");
     binary_ = kind == "BINARY";
-    if (next() != "DATASET" || next() != "UNSTRUCTURED_GRID") fail("holds no unstructured grid");
+    if (next() != "DATASET") fail("holds no data set");
+    dataset_ = next();
+  }
+
+  void read_sections() {
+    for (std::string word = next(); !word.empty(); word = next()) read_section(word);
   }
 
   static std::size_t bytes_of(const std::string& type) {
@@ -240,6 +263,8 @@ class LegacyReader {
     if (part_ == Part::kPoints && name == "metric") {
       metric_ = std::move(values);
       metric_components_ = components;
+    } else if (part_ == Part::kPoints && name == "size" && components == 1) {
+      mesh_.sizes_mm = std::move(values);
     } else if (part_ == Part::kCells || name.starts_with("lumesh_")) {
       arrays_.emplace(name, std::move(values));
     }
@@ -257,13 +282,19 @@ class LegacyReader {
     return cell;
   }
 
-  void assemble() {
+  void assemble_points() {
     for (std::size_t i = 0; i + 2 < points_.size(); i += 3) {
       mesh_.points.emplace_back(points_[i], points_[i + 1], points_[i + 2]);
       if (!mesh_.points.back().allFinite()) fail("point " + std::to_string(i / 3) + " is not finite");
     }
+  }
+
+  void assemble() {
+    assemble_points();
     if (metric_components_)
       mesh_.metric = metric_from_vtk(path_, metric_, *metric_components_, mesh_.points.size());
+    if (!mesh_.sizes_mm.empty() && mesh_.sizes_mm.size() != mesh_.points.size())
+      fail("does not hold as many sizes as points");
     if (offsets_.size() != types_.size() + 1) fail("does not hold as many cell types as cells");
     const std::vector<double>* labels = find_labels();
     for (std::size_t c = 0; c < types_.size(); ++c) {
@@ -313,12 +344,18 @@ class LegacyReader {
     }
   }
 
-  void restore_faces() {
+  /// @return False if the file has none.
+  bool restore_info() {
     const auto info = arrays_.find("lumesh_info");
-    if (info == arrays_.end()) return;
+    if (info == arrays_.end()) return false;
     std::string text;
     for (const double c : info->second) text.push_back(static_cast<char>(whole(c)));
     mesh_.info = info_from_json(text);
+    return true;
+  }
+
+  void restore_faces() {
+    if (!restore_info()) return;
     restore("lumesh_triangles", "lumesh_triangle_patches", mesh_.triangles, mesh_.triangle_patches);
     restore("lumesh_quadrilaterals", "lumesh_quadrilateral_patches", mesh_.quadrilaterals,
             mesh_.quadrilateral_patches);
@@ -328,6 +365,7 @@ class LegacyReader {
   std::string content_;
   std::size_t at_ = 0;
   bool binary_ = false;
+  std::string dataset_;
   enum class Part : std::uint8_t { kDataset, kCells, kPoints };  ///< What data arrays belong to.
   Part part_ = Part::kDataset;
   std::size_t tuples_ = 0;
@@ -342,6 +380,10 @@ class LegacyReader {
 
 MixedMesh read_legacy_vtk(const std::filesystem::path& path) {
   return LegacyReader(path).run();
+}
+
+MixedMesh read_legacy_vtk_points(const std::filesystem::path& path) {
+  return LegacyReader(path).run_for_points();
 }
 
 }  // namespace lumesh::io

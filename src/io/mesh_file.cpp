@@ -9,15 +9,17 @@
 
 namespace lumesh {
 
-namespace {
-
-std::string lower_extension(const std::filesystem::path& path) {
+std::string io::lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   if (extension == ".gz") extension = path.stem().extension().string() + extension;
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   return extension;
 }
+
+namespace {
+
+using io::lower_extension;
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const char* known) {
   io::fail(path, fmt::format("unknown mesh format; use {}", known));

@@ -2,11 +2,16 @@
 /// @file The formats behind write_mesh() and read_mesh(). All throw Error{kBadInput}.
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh::io {
+
+/// In small letters; with what stands before it, if it is .gz.
+[[nodiscard]] std::string lower_extension(const std::filesystem::path& path);
 
 void write_vtu(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options);
 void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh,
@@ -21,6 +26,9 @@ void write_stl(const std::filesystem::path& path, const MeshView& mesh);
 [[nodiscard]] MixedMesh read_vtu(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_vtp_surface(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_legacy_vtk(const std::filesystem::path& path);
+/// Points and info alone.
+[[nodiscard]] MixedMesh read_vtk_xml_points(const std::filesystem::path& path, std::string_view dataset_type);
+[[nodiscard]] MixedMesh read_legacy_vtk_points(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_medit_ascii(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_medit_binary(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_gmsh(const std::filesystem::path& path);

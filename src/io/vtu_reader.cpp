@@ -131,13 +131,30 @@ std::vector<SymTensor> read_metric_array(const std::filesystem::path& path, cons
                          array.attribute("NumberOfComponents").as_uint(1), points);
 }
 
+std::vector<double> read_sizes(const VtkXmlReader& file, std::size_t points) {
+  const pugi::xml_node array = VtkXmlReader::find_array(file.piece().child("PointData"), "size");
+  if (!array || array.attribute("NumberOfComponents").as_uint(1) != 1) return {};
+  std::vector<double> sizes = file.doubles(array, "size");
+  if (sizes.size() != points) file.fail("does not hold as many sizes as points");
+  return sizes;
+}
+
 }  // namespace
+
+MixedMesh read_vtk_xml_points(const std::filesystem::path& path, std::string_view dataset_type) {
+  const VtkXmlReader file(path, dataset_type);
+  MixedMesh mesh;
+  mesh.points = read_points(file);
+  read_info(file, mesh);
+  return mesh;
+}
 
 MixedMesh read_vtu(const std::filesystem::path& path) {
   const VtkXmlReader file(path, "UnstructuredGrid");
   MixedMesh mesh;
   mesh.points = read_points(file);
   mesh.metric = read_metric_array(path, file, mesh.points.size());
+  mesh.sizes_mm = read_sizes(file, mesh.points.size());
   read_cells(file, mesh);
   read_info(file, mesh);
   read_faces(file, "lumesh_triangles", "lumesh_triangle_patches", mesh.points.size(), mesh.triangles,

@@ -50,3 +50,16 @@ def write_sol(path, tensors):
     rows = "".join(" ".join(map(str, tensor)) + "\n" for tensor in tensors)
     pathlib.Path(path).write_text(f"MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n{len(tensors)}\n1 3\n{rows}End\n",
                                   encoding="ascii")
+
+
+def read_medit(path):
+    """Points, tetrahedra and triangles of a Medit text file, numbered from 1, with labels and patches last."""
+    words = pathlib.Path(path).read_text(encoding="ascii").split()
+
+    def rows(keyword, width, kind):
+        if keyword not in words:
+            return []
+        start = words.index(keyword) + 2
+        return [tuple(map(kind, words[i:i + width])) for i in range(start, start + width * int(words[start - 1]), width)]
+
+    return [p[:3] for p in rows("Vertices", 4, float)], rows("Tetrahedra", 5, int), rows("Triangles", 4, int)

@@ -34,6 +34,17 @@ struct ImageReadOptions {
 [[nodiscard]] LabelImage read_image(const std::filesystem::path& path, const ImageReadOptions& options,
                                     Context& context);
 
+/// One number per voxel, such as a wanted size in mm.
+struct NumberImage {
+  ImageFrame frame;
+  std::vector<float> values;  ///< frame.voxel_count(), i runs fastest.
+};
+
+/// Reads an image of numbers from the formats of read_image(), in the same frame; rescaled as the file says.
+/// @throws Error as read_image() for faults of the file; what the numbers are is not looked at. Memory: the
+/// file's voxels in their own type plus 4 bytes a voxel.
+[[nodiscard]] NumberImage read_number_image(const std::filesystem::path& path, Context& context);
+
 /// Writes .nrrd (gzip), .nii or .nii.gz, in the smallest integer type that holds the labels. Written beside
 /// the target and renamed when complete.
 /// @throws Error{kBadInput} if the extension is unknown or the file cannot be written; nothing is left behind

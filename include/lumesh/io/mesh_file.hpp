@@ -46,8 +46,8 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 ///
 /// Cells keep the order of the file, in VTK's vertex order. Labels come from `label` or another program's
 /// array (docs/stages/convert.md); 1 if there is none. The metric is the point array `metric` of .vtu and
-/// .vtk, every tensor finite and positive definite; empty if there is none. Every cell refers to existing
-/// points and all points are finite.
+/// .vtk, every tensor finite and positive definite; empty if there is none. Sizes are their scalar point
+/// array `size`. Every cell refers to existing points and all points are finite.
 /// @throws Error{kBadInput} if the file is missing, broken, or holds cells lumesh does not know.
 /// Memory: the file, and the mesh.
 [[nodiscard]] MixedMesh read_mesh(const std::filesystem::path& path);

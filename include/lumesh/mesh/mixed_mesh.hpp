@@ -81,6 +81,7 @@ struct MixedMesh {
   std::vector<std::int32_t> quadrilateral_patches;
   MeshInfo info;
   std::vector<SymTensor> metric;  ///< In 1/mm^2, one per point; empty if there is none.
+  std::vector<double> sizes_mm;   ///< Wanted edge lengths, one per point, unchecked; empty if there are none.
 
   [[nodiscard]] MeshView view() const {
     return {points,

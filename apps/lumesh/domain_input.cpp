@@ -1,0 +1,84 @@
+#include "domain_input.hpp"
+
+#include <fmt/core.h>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
+
+namespace lumesh::cli {
+
+namespace {
+
+/// Two triangles for each quadrilateral.
+void split_quadrilaterals(MixedMesh& mesh) {
+  for (std::size_t q = 0; q < mesh.quadrilaterals.size(); ++q) {
+    const Cell<4>& c = mesh.quadrilaterals[q];
+    mesh.triangles.push_back({c[0], c[1], c[2]});
+    mesh.triangles.push_back({c[0], c[2], c[3]});
+    mesh.triangle_patches.insert(mesh.triangle_patches.end(), 2, mesh.quadrilateral_patches[q]);
+  }
+  mesh.quadrilaterals.clear();
+  mesh.quadrilateral_patches.clear();
+}
+
+std::unique_ptr<Domain> read_surface_domain(const DomainInput& input, Context& context) {
+  MixedMesh mesh = context.phase("read", [&] { return read_mesh(input.path); });
+  if (mesh.view().cell_count() > 0)
+    throw Error(
+        ErrorKind::kBadInput,
+        input.path + ": is a mesh of a volume; give its closed surface alone, such as a .stl or .vtp");
+  bring_to_lps_mm(mesh);
+  split_quadrilaterals(mesh);
+  return context.phase("domain", [&] {
+    return naming(input.path, [&] {
+      return std::make_unique<SurfaceDomain>(
+          SurfaceView{mesh.points, mesh.triangles, mesh.triangle_patches, mesh.info.patches}, input.surface);
+    });
+  });
+}
+
+}  // namespace
+
+void add_domain_options(CLI::App& command, DomainInput& input) {
+  command
+      .add_option(
+          "image", input.path,
+          std::string("Label image ") + kImageFormats + ", or closed surface (.stl, .vtp, .mesh, .msh)")
+      ->required();
+  add_selection_options(command, input.selection, "Mesh");
+  add_cut_plane_option(command, input.cut_planes, "cut off what lies on the normal's side");
+  command.add_option("--smoothing", input.image.field.sigma, "Low-pass width in voxels, 0.5 to 3")
+      ->capture_default_str();
+  command
+      .add_option("--feature-angle", input.surface.feature_angle_deg,
+                  "Of a surface: edges are kept where it turns by more than this, in degrees, up to 180")
+      ->capture_default_str();
+}
+
+void check_domain_options(const CLI::App& command, const DomainInput& input) {
+  static_cast<void>(planes_from(input.cut_planes));
+  input.surface.validate();
+  const bool is_surface = is_mesh_file(input.path);
+  const auto refuse = [&](const char* option) {
+    if (command.get_option(option)->count() > 0)
+      throw Error(ErrorKind::kUsage, fmt::format("{} is for {}, and {} is {}; leave it out", option,
+                                                 is_surface ? "images" : "surfaces", input.path,
+                                                 is_surface ? "a surface" : "an image"));
+  };
+  if (!is_surface) return refuse("--feature-angle");
+  for (const char* option : {"--labels", "--threshold", "--largest-component", "--cut-plane", "--smoothing"})
+    refuse(option);
+}
+
+DomainRead read_domain(const DomainInput& input, Context& context) {
+  if (is_mesh_file(input.path)) return {read_surface_domain(input, context), std::nullopt};
+  const LabelImage image =
+      context.phase("read", [&] { return read_selected_image(input.path, input.selection, context); });
+  ImageDomainOptions options = input.image;
+  options.cut_planes = planes_from(input.cut_planes);
+  ImageShape shape = context.phase("shape", [&] { return shape_of(image); });
+  return {context.phase("domain", [&] { return std::make_unique<ImageDomain>(image, options); }),
+          std::move(shape)};
+}
+
+}  // namespace lumesh::cli

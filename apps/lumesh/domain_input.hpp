@@ -1,0 +1,38 @@
+#pragma once
+/// @file What is meshed: the labels of an image, or the inside of a closed surface.
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common.hpp"
+#include "lost_parts.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/domain/surface_domain.hpp"
+
+namespace lumesh::cli {
+
+struct DomainInput {
+  std::string path;
+  ImageSelection selection;
+  PlaneNumbers cut_planes;
+  ImageDomainOptions image;
+  SurfaceDomainOptions surface;
+};
+
+/// The positional argument, and the options of images and of surfaces.
+void add_domain_options(CLI::App& command, DomainInput& input);
+
+/// @throws Error{kUsage} for options that do not suit the input, before it is read.
+void check_domain_options(const CLI::App& command, const DomainInput& input);
+
+struct DomainRead {
+  std::unique_ptr<Domain> domain;
+  std::optional<ImageShape> shape;  ///< Of an image.
+};
+
+/// @throws Error{kBadInput} that names the file.
+[[nodiscard]] DomainRead read_domain(const DomainInput& input, Context& context);
+
+}  // namespace lumesh::cli

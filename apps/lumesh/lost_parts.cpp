@@ -1,0 +1,92 @@
+#include "lost_parts.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+
+#include "lumesh/quality/surface.hpp"
+
+namespace lumesh::cli {
+namespace {
+
+constexpr std::size_t kLeastVoxels = 27, kMostListed = 3;
+
+/// Whether any cell of the piece's label has its middle in the piece's box.
+std::vector<bool> found_pieces(const ImageShape& image, const MeshView& mesh) {
+  std::map<Label, std::vector<std::size_t>> of_label;
+  for (std::size_t p = 0; p < image.pieces.size(); ++p) of_label[image.pieces[p].label].push_back(p);
+  std::vector<bool> is_found(image.pieces.size(), false);
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
+    const auto pieces = of_label.find(mesh.tetrahedron_labels[i]);
+    if (pieces == of_label.end()) continue;
+    Vec3 sum = Vec3::Zero();
+    for (const std::uint32_t v : mesh.tetrahedra[i]) sum += mesh.points[v];
+    const Vec3 index = image.frame.to_index(0.25 * sum);
+    std::erase_if(pieces->second, [&](std::size_t p) {
+      const VoxelBox& box = image.pieces[p].box;
+      const bool is_inside = ((index - box.low.cast<double>()).array() >= -1).all() &&
+                             ((box.high.cast<double>() - index).array() >= 0).all();
+      if (is_inside) is_found[p] = true;
+      return is_inside;
+    });
+  }
+  return is_found;
+}
+
+std::string lost_pieces(const ImageShape& image, const MeshView& mesh) {
+  const std::vector<bool> is_found = found_pieces(image, mesh);
+  std::string list;
+  std::size_t lost = 0;
+  for (std::size_t p = 0; p < image.pieces.size(); ++p) {
+    if (is_found[p] || ++lost > kMostListed) continue;
+    const VoxelComponent& piece = image.pieces[p];
+    const Vec3 middle =
+        image.frame.to_physical(0.5 * (piece.box.low + piece.box.high).cast<double>() - Vec3::Constant(0.5));
+    list += fmt::format("{}label {} at ({:.4g}, {:.4g}, {:.4g}) mm of {} voxels", lost == 1 ? "" : "; ",
+                        piece.label, middle.x(), middle.y(), middle.z(), piece.voxel_count);
+  }
+  if (lost == 0) return {};
+  return fmt::format(
+      "{} piece{} of labels not in the mesh: {}{}; a smaller --delta or --smoothing keeps more", lost,
+      lost == 1 ? "" : "s", list, lost > kMostListed ? "; ..." : "");
+}
+
+std::string other_shapes(const ImageShape& image, const MeshView& mesh) {
+  const std::vector<quality::SolidTopology> solids = quality::analyse_solids(mesh);
+  std::string list;
+  std::size_t others = 0;
+  for (const LabelTopology& label : image.labels) {
+    const auto solid =
+        std::find_if(solids.begin(), solids.end(), [&](const auto& s) { return s.label == label.label; });
+    const std::uint64_t pieces = solid == solids.end() ? 0 : solid->components;
+    const std::int64_t euler = solid == solids.end() ? 0 : solid->euler;
+    if (pieces == label.component_count && euler == label.euler_number) continue;
+    if (++others <= kMostListed)
+      list +=
+          fmt::format("{}label {} with {} pieces and Euler number {}, of {} and {}", others == 1 ? "" : "; ",
+                      label.label, pieces, euler, label.component_count, label.euler_number);
+  }
+  if (others == 0) return {};
+  return fmt::format(
+      "{} label{} in the mesh differ{} from the image's voxels: {}{}; details below a voxel are "
+      "smoothed away, others want a smaller --delta",
+      others, others == 1 ? "" : "s", others == 1 ? "s" : "", list, others > kMostListed ? "; ..." : "");
+}
+
+}  // namespace
+
+ImageShape shape_of(const LabelImage& image) {
+  ImageShape shape{image.frame(), label_topology(image), voxel_components(image, ComponentScope::kEachLabel)};
+  std::erase_if(shape.pieces, [](const VoxelComponent& c) { return c.voxel_count < kLeastVoxels; });
+  return shape;
+}
+
+std::vector<std::string> differences(const ImageShape& image, const MeshView& mesh) {
+  std::vector<std::string> lines;
+  for (std::string line : {lost_pieces(image, mesh), other_shapes(image, mesh)})
+    if (!line.empty()) lines.push_back(std::move(line));
+  return lines;
+}
+
+}  // namespace lumesh::cli

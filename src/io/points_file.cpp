@@ -1,0 +1,132 @@
+#include "lumesh/io/points_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "file_fault.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "mesh_formats.hpp"
+#include "text_scanner.hpp"
+
+namespace lumesh {
+
+namespace {
+
+using Columns = std::array<std::size_t, 3>;  ///< Where x, y and z stand.
+
+std::vector<std::string_view> fields_of(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r\"";
+  constexpr std::string_view kSeparators = ",;";
+  std::vector<std::string_view> fields;
+  for (std::size_t at = 0; at < line.size();) {
+    const bool is_blank = kBlanks.find(line[at]) != std::string_view::npos;
+    if (is_blank || kSeparators.find(line[at]) != std::string_view::npos) {
+      ++at;
+      continue;
+    }
+    const std::size_t end = std::min(line.find_first_of(" \t\r\",;", at), line.size());
+    fields.push_back(line.substr(at, end - at));
+    at = end;
+  }
+  return fields;
+}
+
+std::optional<double> real_from(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0;
+  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (fault != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+/// The columns that a first line without numbers names; the first three if it does not.
+Columns columns_of(const std::vector<std::string_view>& header) {
+  Columns columns = {0, 1, 2};
+  constexpr std::array<std::array<std::string_view, 3>, 3> kNames = {
+      {{"x", "y", "z"}, {"points:0", "points:1", "points:2"}, {"points_0", "points_1", "points_2"}}};
+  for (const auto& names : kNames) {
+    Columns found = {};
+    bool all = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto at = std::find_if(header.begin(), header.end(), [&](std::string_view word) {
+        return std::equal(word.begin(), word.end(), names[axis].begin(), names[axis].end(),
+                          [](unsigned char a, char b) { return std::tolower(a) == b; });
+      });
+      all = all && at != header.end();
+      found[axis] = static_cast<std::size_t>(at - header.begin());
+    }
+    if (all) return found;
+  }
+  return columns;
+}
+
+std::vector<Vec3> read_text(const std::filesystem::path& path) {
+  const std::string content = io::read_whole_file(path);
+  std::vector<Vec3> points;
+  Columns columns = {0, 1, 2};
+  bool is_first = true;
+  std::size_t number = 0;
+  for (std::size_t begin = 0; begin < content.size();) {
+    const std::size_t end = std::min(content.find('\n', begin), content.size());
+    const std::string_view line = std::string_view(content).substr(begin, end - begin);
+    begin = end + 1;
+    ++number;
+    const std::vector<std::string_view> fields = fields_of(line);
+    if (fields.empty() || fields[0].starts_with('#')) continue;
+    const bool names = is_first && std::none_of(fields.begin(), fields.end(),
+                                                [](std::string_view f) { return real_from(f).has_value(); });
+    is_first = false;
+    if (names) {
+      columns = columns_of(fields);
+      continue;
+    }
+    Vec3 p = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (columns[axis] < fields.size())
+        p[static_cast<int>(axis)] =
+            real_from(fields[columns[axis]]).value_or(std::numeric_limits<double>::quiet_NaN());
+    if (!p.allFinite())
+      io::fail(path, fmt::format("line {}: three finite numbers x y z are wanted, in mm", number));
+    points.push_back(p);
+  }
+  return points;
+}
+
+MixedMesh read_any(const std::filesystem::path& path) {
+  const std::string extension = io::lower_extension(path);
+  if (extension == ".vtp") return io::read_vtk_xml_points(path, "PolyData");
+  if (extension == ".vtu") return io::read_vtk_xml_points(path, "UnstructuredGrid");
+  if (extension == ".vtk" || extension == ".vtk.gz") return io::read_legacy_vtk_points(path);
+  MixedMesh cloud;
+  if (is_mesh_file(path)) {
+    MixedMesh mesh = read_mesh(path);
+    cloud.points = std::move(mesh.points);
+    cloud.info = std::move(mesh.info);
+    return cloud;
+  }
+  constexpr std::array<std::string_view, 5> kText = {".csv", ".txt", ".xyz", ".pts", ".dat"};
+  if (std::find(kText.begin(), kText.end(), extension) == kText.end())
+    io::fail(path, "unknown format of points; use .vtp, .vtu, .vtk, .csv, .txt or .xyz");
+  cloud.points = read_text(path);
+  return cloud;
+}
+
+}  // namespace
+
+MixedMesh read_points(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
+  MixedMesh cloud = read_any(path);
+  if (cloud.points.empty()) io::fail(path, "holds no points");
+  return cloud;
+}
+
+}  // namespace lumesh

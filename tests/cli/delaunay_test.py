@@ -1,0 +1,316 @@
+#!/usr/bin/env python3
+"""`lumesh delaunay`: what its options do to the mesh of a small ball, surfaces as input, and what it refuses.
+
+Usage: delaunay_test.py LUMESH PLUGINS      PLUGINS: the folder of the plugins that the build of the tests makes.
+Exit codes of lumesh: 1 usage, 2 bad input.
+"""
+import math
+import pathlib
+import statistics
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import nrrd
+from cube import cube, read_medit, write_medit, write_sol
+from program import BAD_INPUT, USAGE, MeshTest
+
+PLUGINS = pathlib.Path(sys.argv.pop(1)).resolve()
+SIZE, RADIUS = 24, 8  # Voxels of 1 mm.
+MIDDLE = (SIZE - 1) / 2
+DELTA = 2.5
+
+
+def mean_edge(mesh, holds):
+    """Of the tetrahedra whose centre and label fit."""
+    points, tetrahedra, _ = mesh
+    lengths = []
+    for *corners, label in tetrahedra:
+        at = [points[v - 1] for v in corners]
+        if holds([sum(p[k] for p in at) / 4 for k in range(3)], label):
+            lengths += [math.dist(at[i], at[j]) for i in range(4) for j in range(i)]
+    return statistics.fmean(lengths)
+
+
+def lower(centre, _):
+    return centre[0] < MIDDLE - 3
+
+
+def upper(centre, _):
+    return centre[0] > MIDDLE + 3
+
+
+def polyhedron_volume(triangles):
+    return sum(a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+               for a, b, c in triangles) / 6
+
+
+def sphere(radius, rings=24):
+    """Triangles of a ball by latitudes and longitudes, turned outwards."""
+    def at(i, j):
+        if i in (0, rings):
+            return (0.0, 0.0, radius if i == 0 else -radius)
+        polar, turn = math.pi * i / rings, math.pi * (j % (2 * rings)) / rings
+        return (radius * math.sin(polar) * math.cos(turn), radius * math.sin(polar) * math.sin(turn), radius * math.cos(polar))
+
+    triangles = []
+    for i in range(rings):
+        for j in range(2 * rings):
+            a, b, c, d = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
+            triangles += [(a, b, c)] if i < rings - 1 else []
+            triangles += [(a, c, d)] if i > 0 else []
+    return triangles
+
+
+def write_stl(path, triangles):
+    facets = "".join("facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x!r} {y!r} {z!r}\n" for x, y, z in t) +
+                     "endloop\nendfacet\n" for t in triangles)
+    path.write_text(f"solid s\n{facets}endsolid s\n", encoding="ascii")
+    return path
+
+
+class DelaunayTest(MeshTest):
+    def setUp(self):
+        super().setUp()
+        self.out = self.folder / "out.mesh"
+        self.ball = nrrd.write(self.folder / "ball.nrrd", [SIZE] * 3, nrrd.ball(SIZE, RADIUS))
+
+    def mesh(self, *options, source=None, delta=DELTA):
+        """With what is written on stderr as `said`."""
+        self.said = self.run_well("delaunay", source or self.ball, "-o", self.out, "--delta", delta, *options).stderr
+        return read_medit(self.out)
+
+    def refused(self, code, *words, options=(), source=None, delta=DELTA):
+        self.out.unlink(missing_ok=True)
+        result = self.run_lumesh("delaunay", source or self.ball, "-o", self.out, "--delta", delta, *options)
+        self.assert_refused(result, code, *words)
+
+    def assert_finer_below(self, mesh, factor):
+        self.assertLess(mean_edge(mesh, lower), factor * mean_edge(mesh, upper))
+
+
+class MeshesTest(DelaunayTest):
+    def test_every_seeding_fills_the_ball(self):
+        counts = []
+        for seeding in ("lattice", "surface", "few"):
+            with self.subTest(seeding):
+                counts.append(len(self.mesh("--seeding", seeding)[1]))
+                numbers = self.evaluate(self.out)
+                self.assertTrue(numbers["valid"])
+                self.assertAlmostEqual(numbers["labels"][0]["volume_mm3"] / (4 / 3 * math.pi * RADIUS ** 3), 1, delta=0.05)
+        self.assertEqual(len(set(counts)), 3, "the option changes nothing")
+
+    def test_refinement_is_the_same_for_every_execution_and_number_of_threads(self):
+        points = self.folder / "points.xyz"
+        points.write_text(f"{MIDDLE - RADIUS} {MIDDLE} {MIDDLE}\n", encoding="ascii")
+        options = ("--size-points", points, "--size-floor", 0.8, "--size-factor", 0.5, "--no-improve")
+        first = self.mesh(*options, "--threads", 1)
+        for execution in ("ordered", "speculative"):
+            for threads in (1, 2, 8):
+                with self.subTest(execution=execution, threads=threads):
+                    self.assertEqual(self.mesh(*options, "--threads", threads, "--execution", execution), first)
+
+    def test_ordered_improvement_is_the_same_for_every_number_of_threads(self):
+        files = []
+        for threads in (1, 2, 8):
+            path = self.folder / f"{threads}.meshb"
+            self.run_well("delaunay", self.ball, "-o", path, "--delta", DELTA, "--label-size", "1=1.8", "--threads", threads)
+            files.append(path.read_bytes())
+        self.assertEqual(files[1:], files[:1] * 2)
+
+    def test_many_threads_that_try_and_give_way_come_to_an_end(self):
+        self.mesh("--execution", "speculative", "--threads", 256)
+        self.assertTrue(self.evaluate(self.out)["valid"])
+
+
+class SizesTest(DelaunayTest):
+    def test_labels_have_sizes_of_their_own(self):
+        halves = [(1 if n % SIZE < SIZE / 2 else 2) * v for n, v in enumerate(nrrd.ball(SIZE, RADIUS))]
+        image = nrrd.write(self.folder / "halves.nrrd", [SIZE] * 3, halves)
+        mesh = self.mesh("--label-size", "1=0.8", "--label-size", "2=2.2", source=image)
+        one, two = (mean_edge(mesh, lambda _, label, wanted=wanted: label == wanted) for wanted in (1, 2))
+        self.assertLess(one, 0.7 * two)
+        self.refused(BAD_INPUT, "halves.nrrd", "label 7", "1, 2", source=image, options=("--label-size", "7=1"))
+        self.refused(BAD_INPUT, "label 0", source=image, options=("--label-size", "0=1"))
+        self.refused(BAD_INPUT, "label 2", source=image, options=("--labels", 1, "--label-size", "2=1"))
+        for text in ("1", "1=", "=1", "1=x", "x=1", "1=0", "1=-1", "1=nan", "1=inf", "1=1=1"):
+            self.refused(USAGE, "--label-size", f'"{text}"', options=("--label-size", text))
+        self.refused(USAGE, "two sizes", options=("--label-size", "1=1", "--label-size", "1=2"))
+
+    def test_points_of_every_kind_of_file_make_the_mesh_finer_around_them(self):
+        x, y, z = MIDDLE - RADIUS, MIDDLE, MIDDLE
+        files = {
+            "plain.xyz": f"# landmarks\n\n{x} {y} {z} 0.5\n",
+            "named.csv": f'"radius","Points:2","Points:0","Points:1"\n0.5,{z},{x},{y}\n',
+            "poly.vtk": f"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n{x} {y} {z}\n"
+                        "VERTICES 1 2\n1 0\n",
+            "lines.vtp": '<VTKFile type="PolyData"><PolyData><Piece NumberOfPoints="1" NumberOfLines="0"><Points><DataArray '
+                         f'type="Float64" NumberOfComponents="3" format="ascii">{x} {y} {z}</DataArray></Points></Piece>'
+                         "</PolyData></VTKFile>",
+        }
+        options = ("--size-factor", 0.4, "--size-floor", 0.8, "--size-ceiling", 3, "--no-improve")
+        meshes = []
+        for name, text in files.items():
+            (self.folder / name).write_text(text, encoding="ascii")
+            meshes.append(self.mesh("--size-points", self.folder / name, *options))
+        self.assert_finer_below(meshes[0], 0.7)
+        self.assertEqual(meshes[1:], meshes[:1] * 3)
+
+    def test_points_that_are_none_are_refused(self):
+        for name, text, words in (("none.csv", "x,y,z\n", ["holds no points"]), ("two.xyz", "1 2 3\n1 2\n", ["line 2"]),
+                                  ("words.txt", "1 2 3\na b c\n", ["line 2"]), ("nan.xyz", "1 nan 3\n", ["line 1"]),
+                                  ("points.pdf", "1 2 3\n", ["unknown format"]), ("cut.vtp", "<VTKFile", [])):
+            with self.subTest(name):
+                (self.folder / name).write_text(text, encoding="ascii")
+                self.refused(BAD_INPUT, name, *words, options=("--size-points", self.folder / name, "--size-floor", 1))
+        missing = self.folder / "missing.vtp"
+        self.refused(BAD_INPUT, "missing.vtp", "no such file", options=("--size-points", missing, "--size-floor", 1))
+        self.refused(USAGE, "--size-floor", options=("--size-points", missing))
+        self.refused(USAGE, "--size-points", options=("--size-factor", 2))
+        self.refused(USAGE, "--size-ceiling",
+                     options=("--size-points", missing, "--size-floor", 2, "--size-ceiling", 1))
+
+    def test_sizes_grow_from_the_boundary(self):
+        mesh = self.mesh("--size-boundary", 1, "--size-growth", 0.5, "--size", 5, "--no-improve")
+        depth = lambda at: RADIUS - math.dist(at, [MIDDLE] * 3)
+        near = mean_edge(mesh, lambda at, _: depth(at) < 2)
+        far = mean_edge(mesh, lambda at, _: depth(at) > 4)
+        self.assertLess(near, 0.7 * far)
+        self.refused(USAGE, "--size-boundary", options=("--size-boundary", 0))
+        self.refused(USAGE, "--size-growth", options=("--size-boundary", 1, "--size-growth", -1))
+        self.refused(USAGE, "--size-boundary", options=("--size-growth", 1))
+
+    def test_an_image_of_sizes(self):
+        values = [1.0 if n % SIZE < SIZE / 2 else 0.0 for n in range(SIZE ** 3)]
+        sizes = nrrd.write(self.folder / "sizes.nrrd", [SIZE] * 3, values, kind="float")
+        self.assert_finer_below(self.mesh("--size-image", sizes, "--no-improve"), 0.6)
+        bad = nrrd.write(self.folder / "bad.nrrd", [SIZE] * 3, [-1.0] + values[1:], kind="float")
+        self.refused(BAD_INPUT, "bad.nrrd", "(0, 0, 0)", options=("--size-image", bad))
+        self.refused(BAD_INPUT, "none.nrrd", options=("--size-image", self.folder / "none.nrrd"))
+
+    def test_a_mesh_of_sizes(self):
+        points, tetrahedra, triangles = cube(3)
+        points = [tuple(SIZE * c for c in p) for p in points]
+        sizes = [1.0 if p[0] < MIDDLE else 2.5 for p in points]
+        medit = self.folder / "sizes.mesh"
+        write_medit(medit, points, tetrahedra, triangles)
+        self.refused(BAD_INPUT, "sizes.mesh", "no sizes", options=("--size-mesh", medit))
+        write_sol(self.folder / "sizes.sol", [[s ** -2, 0, s ** -2, 0, 0, s ** -2] for s in sizes])
+        first = self.mesh("--size-mesh", medit, "--no-improve")
+        self.assert_finer_below(first, 0.8)
+
+        def grid(values):
+            cells = "".join("4 " + " ".join(str(v - 1) for v in t[:4]) + "\n" for t in tetrahedra)
+            count = len(tetrahedra)
+            return (f"# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {len(points)} double\n" +
+                    "".join(f"{x} {y} {z}\n" for x, y, z in points) + f"CELLS {count} {5 * count}\n{cells}CELL_TYPES {count}\n" +
+                    "10\n" * count + f"POINT_DATA {len(points)}\nSCALARS size double 1\nLOOKUP_TABLE default\n" +
+                    "\n".join(map(str, values)) + "\n")
+
+        legacy = self.folder / "sizes.vtk"
+        legacy.write_text(grid(sizes), encoding="ascii")
+        self.assert_finer_below(self.mesh("--size-mesh", legacy, "--no-improve"), 0.8)
+        legacy.write_text(grid([0.0] + sizes[1:]), encoding="ascii")
+        self.refused(BAD_INPUT, "sizes.vtk", "vertex 0", options=("--size-mesh", legacy))
+        write_sol(self.folder / "sizes.sol", [[1, 0, 1, 0, 0, 9]] * len(points))
+        self.refused(BAD_INPUT, "sizes.sol", "stretched", options=("--size-mesh", medit))
+
+    def test_the_smallest_of_several_counts(self):
+        both = self.mesh("--label-size", "1=1.2", "--size-boundary", 2.5)
+        self.assertEqual(len(both[1]), len(self.mesh("--label-size", "1=1.2")[1]))
+
+
+class PluginsTest(DelaunayTest):
+    def test_the_example_refines_around_landmarks(self):
+        landmarks = self.folder / "landmarks.txt"
+        landmarks.write_text(f"{MIDDLE - RADIUS} {MIDDLE} {MIDDLE}\n", encoding="ascii")
+        plugin = f"{PLUGINS / 'landmark_sizing.so'}:{landmarks},adapt_const=0.5,floor=0.8"
+        mesh = self.mesh("--sizing", plugin, "--no-improve")
+        self.assertEqual(self.said, "")
+        self.assert_finer_below(mesh, 0.7)
+        self.assertEqual(self.mesh("--sizing", plugin, "--no-improve", "--threads", 8), mesh)
+
+    def test_answers_that_make_no_sense_are_told_afterwards(self):
+        self.mesh("--sizing", PLUGINS / "not_a_number.so", source=write_stl(self.folder / "ball.stl", sphere(2)), delta=0.8)
+        self.assertRegex(self.said, "lumesh: warning: .*not_a_number.so")
+
+    def test_bad_plugins_are_refused(self):
+        not_a_library = self.folder / "text.so"
+        not_a_library.write_text("hello", encoding="ascii")
+        for plugin, *words in ((self.folder / "none.so", "none.so", "no such file"), (not_a_library, "text.so"),
+                               (PLUGINS / "no_version.so", "lumesh_sizing_abi_version"),
+                               (PLUGINS / "other_version.so", "version 2"), (PLUGINS / "no_functions.so", "lumesh_size_at"),
+                               (f"{PLUGINS / 'good.so'}:-1", "refused its options")):
+            with self.subTest(str(plugin)):
+                self.out.unlink(missing_ok=True)
+                result = self.run_lumesh("delaunay", self.ball, "-o", self.out, "--delta", DELTA, "--sizing", plugin)
+                self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+                self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+                for word in words:
+                    self.assertIn(word, result.stderr)
+                self.assertFalse(self.out.exists())
+
+
+class SurfacesTest(DelaunayTest):
+    def test_a_ball_of_triangles_keeps_its_volume(self):
+        triangles = sphere(RADIUS)
+        stl = write_stl(self.folder / "ball.stl", triangles)
+        self.mesh(source=stl, delta=1.5)
+        numbers = self.evaluate(self.out)
+        self.assertTrue(numbers["valid"])
+        self.assertAlmostEqual(numbers["labels"][0]["volume_mm3"] / polyhedron_volume(triangles), 1, delta=0.02)
+
+    def test_sharp_edges_are_kept_from_the_feature_angle_on(self):
+        points, _, faces = cube(4)
+        triangles = [[points[v - 1] for v in face[:3]] for face in faces]
+        stl = write_stl(self.folder / "cube.stl", triangles)
+        self.mesh(source=stl, delta=0.2)
+        sharp = self.evaluate(self.out)["labels"][0]["volume_mm3"]
+        self.assertAlmostEqual(sharp, 1, delta=1e-6)
+        self.mesh("--feature-angle", 100, source=stl, delta=0.2)
+        self.assertLess(self.evaluate(self.out)["labels"][0]["volume_mm3"], sharp - 1e-4)
+
+    def test_surfaces_that_are_broken_are_refused(self):
+        triangles = sphere(RADIUS, 6)
+        self.refused(BAD_INPUT, "open.stl", "not closed", source=write_stl(self.folder / "open.stl", triangles[1:]))
+        self.refused(BAD_INPUT, "three.stl", "manifold",
+                     source=write_stl(self.folder / "three.stl", triangles + [(triangles[0][0], triangles[0][1], (9, 9, 9))]))
+        cut = self.folder / "cut.stl"
+        cut.write_text("solid s\nfacet normal 0 0 0\nouter loop\nvertex 1 2", encoding="ascii")
+        self.refused(BAD_INPUT, "cut.stl", source=cut)
+        volume = self.folder / "volume.mesh"
+        write_medit(volume, *cube(2))
+        self.refused(BAD_INPUT, "volume.mesh", "volume", source=volume)
+        self.refused(BAD_INPUT, "none.stl", "no such file", source=self.folder / "none.stl")
+
+    def test_options_of_images_do_not_suit_surfaces_and_the_other_way_round(self):
+        stl = write_stl(self.folder / "ball.stl", sphere(RADIUS, 6))
+        for options in (("--labels", 1), ("--threshold", 1), ("--largest-component",), ("--smoothing", 1),
+                        ("--cut-plane", 0, 0, 0, 0, 0, 1)):
+            self.refused(USAGE, options[0], "ball.stl", source=stl, options=options)
+        self.refused(USAGE, "--feature-angle", "ball.nrrd", options=("--feature-angle", 30))
+        self.refused(USAGE, "feature angle", source=stl, options=("--feature-angle", 0))
+
+
+class RefusalsTest(DelaunayTest):
+    def test_a_delta_that_makes_no_sense_is_refused(self):
+        stl = write_stl(self.folder / "ball.stl", sphere(RADIUS, 6))
+        for delta in (0, -1, "nan", "inf"):
+            with self.subTest(delta):
+                self.refused(BAD_INPUT, "delta", delta=delta)
+        self.refused(BAD_INPUT, "ball.nrrd", "larger than the object", delta=100)
+        self.refused(BAD_INPUT, "ball.stl", "larger than the object", delta=100, source=stl)
+        self.refused(USAGE, "--seeding", options=("--seeding", "none"))
+
+    def test_a_mesh_that_is_there_stays_when_the_input_is_bad(self):
+        self.mesh()
+        before = self.out.read_bytes()
+        for options in (("--delta", -1), ("--delta", 100), ("--delta", DELTA, "--sizing", self.folder / "none.so"),
+                        ("--delta", DELTA, "--label-size", "7=1")):
+            result = self.run_lumesh("delaunay", self.ball, "-o", self.out, *options)
+            self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+            self.assertEqual(self.out.read_bytes(), before)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
