@@ -53,6 +53,8 @@ std::string lost_pieces(const ImageShape& image, const MeshView& mesh) {
 }
 
 std::string other_shapes(const ImageShape& image, const MeshView& mesh) {
+  constexpr std::size_t kMostCells = 8'000'000;  // Counting takes about a second per million.
+  if (mesh.tetrahedra.size() > kMostCells) return {};
   const std::vector<quality::SolidTopology> solids = quality::analyse_solids(mesh);
   std::string list;
   std::size_t others = 0;

@@ -19,7 +19,8 @@ struct ImageShape {
 [[nodiscard]] ImageShape shape_of(const LabelImage& image);
 
 /// One line for pieces of labels that have no tetrahedron, with their places, and one for labels whose number
-/// of pieces or Euler number differs; none if all is there.
+/// of pieces or Euler number differs (not looked at in meshes of more than eight million tetrahedra); none if
+/// all is there.
 [[nodiscard]] std::vector<std::string> differences(const ImageShape& image, const MeshView& mesh);
 
 }  // namespace lumesh::cli

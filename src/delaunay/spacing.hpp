@@ -1,13 +1,12 @@
 #pragma once
 /// @file The two lengths that guide refinement, at every place.
 
-#include <tbb/concurrent_unordered_map.h>
-
 #include <algorithm>
 #include <array>
 
 #include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/domain/domain.hpp"
+#include "lumesh/parallel/concurrent_map.hpp"
 
 namespace lumesh::delaunay {
 
@@ -63,7 +62,7 @@ class Spacing {
   double delta_mm_, size_mm_, cube_mm_;
   const Sizing* sizing_;
   /// What has been measured; the same whoever asks first.
-  mutable tbb::concurrent_unordered_map<Place, float, HashOfPlace> measured_;
+  mutable parallel::ConcurrentMap<Place, float, HashOfPlace> measured_;
 };
 
 }  // namespace lumesh::delaunay
