@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "angles_json.hpp"
 #include "commands.hpp"
 #include "common.hpp"
 #include "domain_input.hpp"
@@ -35,10 +36,6 @@ struct DelaunayCommand {
   KernelOptions kernel;
   RunOptions run;
 };
-
-nlohmann::ordered_json angles_json(const DihedralRange& angles) {
-  return {{"min", angles.min_deg}, {"max", angles.max_deg}, {"tetrahedra_outside", angles.tets_outside}};
-}
 
 nlohmann::ordered_json report_json(const DelaunayReport& report, const std::optional<ImproveReport>& improved,
                                    const TetMesh& mesh, const Context& context) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "angles_json.hpp"
 #include "commands.hpp"
 #include "common.hpp"
 #include "kernel_options.hpp"
@@ -30,10 +31,6 @@ struct ImproveCommand {
   KernelOptions kernel;
   RunOptions run;
 };
-
-nlohmann::ordered_json angles_json(const DihedralRange& angles) {
-  return {{"min", angles.min_deg}, {"max", angles.max_deg}, {"tetrahedra_outside", angles.tets_outside}};
-}
 
 nlohmann::ordered_json report_json(const ImproveReport& report, const ImproveOptions& options,
                                    double seconds) {
