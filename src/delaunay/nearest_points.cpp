@@ -17,24 +17,6 @@ constexpr std::size_t kManyPoints = 1000;
 
 using CellPlace = std::array<std::uint32_t, 3>;
 
-/// A box of cells: at level n, place p holds 2^(levels - n) cells along each axis.
-struct CellBlock {
-  Vec3 centre;
-  Vec3 half;
-  std::uint32_t level;
-  CellPlace place;
-
-  [[nodiscard]] CellBlock child(unsigned octant) const {
-    CellBlock inner{centre, half / 2, level + 1, {}};
-    for (unsigned a = 0; a < 3; ++a) {
-      const unsigned above = octant >> a & 1U;
-      inner.centre[a] += above != 0 ? inner.half[a] : -inner.half[a];
-      inner.place[a] = 2 * place[a] + above;
-    }
-    return inner;
-  }
-};
-
 bool precedes(const Vec3& a, const Vec3& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
@@ -43,15 +25,33 @@ bool precedes(const Vec3& a, const Vec3& b) {
 
 /// The cells of one block, with a list of candidates of their own.
 struct NearestPoints::Builder {
+  /// A box of cells: at level n, place p holds 2^(levels - n) cells along each axis.
+  struct Block {
+    Vec3 centre;
+    Vec3 half;
+    std::uint32_t level;
+    CellPlace place;
+
+    [[nodiscard]] Block child(unsigned octant) const {
+      Block inner{centre, half / 2, level + 1, {}};
+      for (unsigned a = 0; a < 3; ++a) {
+        const unsigned above = octant >> a & 1U;
+        inner.centre[a] += above != 0 ? inner.half[a] : -inner.half[a];
+        inner.place[a] = 2 * place[a] + above;
+      }
+      return inner;
+    }
+  };
+
   const std::vector<Vec3>& points;
   DistanceRange range;
   std::uint32_t levels;
-  std::vector<std::pair<CellBlock, List>> blocks = {};
+  std::vector<std::pair<Block, List>> blocks = {};
   std::vector<Vec3> candidates = {};
 
   /// True if q is nearer than (1 + error) times p all over the block. The difference of squared distances is
   /// linear there, or concave: its tangent at the centre bounds it.
-  [[nodiscard]] bool beats(std::uint32_t q, std::uint32_t p, const CellBlock& block, double error) const {
+  [[nodiscard]] bool beats(std::uint32_t q, std::uint32_t p, const Block& block, double error) const {
     const Vec3 to_q = block.centre - points[q], to_p = block.centre - points[p];
     const double scale = (1 + error) * (1 + error), p2 = scale * to_p.squaredNorm();
     const double most = to_q.squaredNorm() - p2 + 2 * block.half.dot((to_q - scale * to_p).cwiseAbs());
@@ -67,7 +67,7 @@ struct NearestPoints::Builder {
 
   /// Those of `from` that may be the nearest of a place in the block, and some more.
   [[nodiscard]] std::vector<std::uint32_t> remaining(std::span<const std::uint32_t> from, std::uint32_t best,
-                                                     const CellBlock& block) const {
+                                                     const Block& block) const {
     std::vector<std::uint32_t> kept;
     for (const std::uint32_t p : from)
       if (p == best || !beats(best, p, block, 0)) kept.push_back(p);
@@ -76,7 +76,7 @@ struct NearestPoints::Builder {
 
   /// Those of `kept` that stand for all of them within kMostError, or none if it takes more than `most`.
   [[nodiscard]] std::vector<std::uint32_t> reduced(std::span<const std::uint32_t> kept, std::uint32_t best,
-                                                   const CellBlock& block, std::size_t most) const {
+                                                   const Block& block, std::size_t most) const {
     std::vector<std::uint32_t> few = {best};
     for (const std::uint32_t p : kept) {
       if (p == best || std::any_of(few.begin(), few.end(),
@@ -88,7 +88,7 @@ struct NearestPoints::Builder {
     return few;
   }
 
-  void build(std::span<const std::uint32_t> from, const CellBlock& block) {
+  void build(std::span<const std::uint32_t> from, const Block& block) {
     const std::uint32_t best = nearest(from, block.centre);
     const double at_centre = (points[best] - block.centre).norm(), reach = block.half.norm();
     if (at_centre + reach <= range.least || at_centre - reach >= range.largest) {
@@ -140,7 +140,7 @@ NearestPoints::NearestPoints(std::span<const Vec3> points, const Box3& region, D
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint32_t>(i);
   // Blocks of the second level are built at the same time.
   constexpr std::size_t kParts = 64;
-  const CellBlock root{box.center(), 0.5 * box.sizes(), 0, {0, 0, 0}};
+  const Builder::Block root{box.center(), 0.5 * box.sizes(), 0, {0, 0, 0}};
   std::vector<Builder> parts(kParts, Builder{points_, range_, levels_});
   parallel::for_each_index(
       kParts,
