@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Checks that every public header compiles alone, says in its first lines what it is, and has an include guard.
 
-Takes the compiler flags of one source file of the release build (build/release/compile_commands.json). A header is
-compiled again only when it, or a header that it includes, has changed.
+Takes the compiler flags of the C++ files of the release build (build/release/compile_commands.json). A header that ends
+in .h is for C as well, and is compiled as that, too. A header is compiled again only when it, or a header that it
+includes, has changed.
 
 Usage: check_headers.py [BUILD_FOLDER]
 """
@@ -22,6 +23,8 @@ def compiler_flags(build):
     """Flags that make the public headers and the libraries in them visible."""
     flags = []
     for entry in json.loads((build / "compile_commands.json").read_text()):
+        if not entry["file"].endswith(".cpp"):
+            continue
         words = shlex.split(entry["command"])
         for index, word in enumerate(words):
             pair = [word, words[index + 1]] if word in ("-I", "-isystem") else [word]
@@ -37,9 +40,13 @@ def fault_of(path, flags):
     if not text.startswith("#pragma once\n/// @file "):
         return f"{path}: start with '#pragma once' and '/// @file' and what it is for"
     # A guard macro such as __INCLUDE_LEVEL__ complains about '#pragma once in main file': compile a file that includes it.
-    result = subprocess.run(["g++", *flags, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-x", "c++", "-"],
-                            input=f'#include "{path}"\n', capture_output=True, text=True, check=False)
-    return f"{path} does not compile alone:\n{result.stderr[:2000]}" if result.returncode else None
+    languages = [["g++", *flags, "-x", "c++"]] + ([["gcc", "-std=c99", "-x", "c"]] if path.suffix == ".h" else [])
+    for compiler in languages:
+        result = subprocess.run([*compiler, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-"],
+                                input=f'#include "{path}"\n', capture_output=True, text=True, check=False)
+        if result.returncode:
+            return f"{path} does not compile alone:\n{result.stderr[:2000]}"
+    return None
 
 
 def main():

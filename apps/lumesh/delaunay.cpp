@@ -101,14 +101,14 @@ void run(DelaunayCommand command) {
   check_options(command);
   const std::string& input_path = command.input.path;
   SizingInput sizes = context.phase("read", [&] { return SizingInput(command.sizing, context); });
-  const auto [domain, shape] = read_domain(command.input, context);
+  const DomainRead given = read_domain(command.input, context);
+  const Domain& domain = *given.domain;
   const std::unique_ptr<Sizing> sizing =
-      context.phase("sizes", [&] { return std::move(sizes).on(*domain, input_path); });
+      context.phase("sizes", [&] { return std::move(sizes).on(domain, input_path); });
   command.options.seeding = seeding_of(command.seeding);
   command.options.sizing = sizing.get();
   command.options.team = command.kernel.team(command.run.threads);
-  DelaunayResult result =
-      naming(input_path, [&] { return mesh_delaunay(*domain, command.options, context); });
+  DelaunayResult result = naming(input_path, [&] { return mesh_delaunay(domain, command.options, context); });
   TetMesh& mesh = result.mesh;
   std::optional<ImproveReport> improved;
   if (!command.skips_improvement) {
@@ -125,8 +125,8 @@ void run(DelaunayCommand command) {
     if (!command.surface_path.empty()) write_surface(command.surface_path, view);
   });
   for (const std::string& note : result.report.notes) context.warn(note);
-  if (shape && command.input.cut_planes.empty())
-    for (const std::string& line : differences(*shape, mesh.view(faces))) context.warn(line);
+  if (given.shape && command.input.cut_planes.empty())
+    for (const std::string& line : differences(*given.shape, mesh.view(faces))) context.warn(line);
   if (sizing)
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
@@ -144,6 +144,10 @@ void add_rule_options(CLI::App& sub, DelaunayCommand& command) {
       ->required();
   sub.add_option("--size", o.size_mm,
                  "Largest edge length inside in mm (R5); default 1.3 delta, as on surfaces")
+      ->check(positive_number());
+  sub.add_option("--surface-distance", o.surface_distance_mm,
+                 "How far flat boundary triangles may stand off a bent surface, about, in mm: where it bends "
+                 "more, points stand closer, down to a third of delta")
       ->check(positive_number());
   sub.add_option("--seeding", command.seeding,
                  "What refinement begins with: points of a lattice inside and of all surfaces; of surfaces "

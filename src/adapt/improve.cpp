@@ -78,7 +78,7 @@ class Improver {
   }
   static TetMesh& with_qualities(TetMesh& mesh, const metric::MetricField& field,
                                  const operators::ShapeMeasure& measure) {
-    metric::assign_metric(mesh, field);
+    metric::assign_vertex_metrics(mesh, field);
     measure_angles(mesh, measure.obtuse_weight);
     return mesh;
   }

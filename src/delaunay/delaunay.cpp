@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "carving.hpp"
 #include "estimate.hpp"
@@ -24,6 +25,8 @@ void DelaunayOptions::validate() const {
     throw Error(ErrorKind::kBadInput,
                 fmt::format("delta must be a positive number of mm, but is {}", delta_mm));
   check(std::isfinite(size_mm) && size_mm >= 0, "the size must be a positive number of mm");
+  check(std::isfinite(surface_distance_mm) && surface_distance_mm >= 0,
+        "the surface distance must be a positive number of mm");
   check(radius_edge >= 1.5, "the radius-edge bound must be at least 1.5");
   check(facet_angle_deg >= 0 && facet_angle_deg <= 30, "the facet angle must lie in [0, 30] degrees");
   check(max_rounds >= 1, "there must be at least one round");
@@ -79,7 +82,9 @@ TetMesh hull_around(Box3 box, std::span<const Vec3> outer) {
 DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options, Context& context) {
   options.validate();
   const double size_mm = options.size_mm > 0 ? options.size_mm : delaunay::kEdgePerSpacing * options.delta_mm;
-  const delaunay::Spacing spacing(domain, options.delta_mm, size_mm, options.sizing);
+  const double surface_distance_mm =
+      options.surface_distance_mm > 0 ? options.surface_distance_mm : std::numeric_limits<double>::infinity();
+  const delaunay::Spacing spacing(domain, options.delta_mm, size_mm, surface_distance_mm, options.sizing);
   const Box3 box = domain.bounds_mm();
   check_fits(options, box);
   delaunay::check_memory(spacing);

@@ -99,8 +99,11 @@ class LatticeDescent {
   bool descend(const Vec3& low, double size, Seeds& out) const {
     if (!holds_object(low, size)) return false;
     const Domain::Surroundings here = domain_.surroundings(low + Vec3::Constant(0.5 * size));
-    if (is_small_enough(low, size) && !is_coarse_for_boundary(low, size, here))
-      return add_leaf(low, size, here, out);
+    if (is_small_enough(low, size)) {
+      constexpr double kMostSpacings = 1.7;
+      const double spacing = boundary_spacing(low, size, here);
+      if (size <= kMostSpacings * spacing) return add_leaf(low, size, here, spacing, out);
+    }
     const bool is_of_one = here.clearance_mm >= kHalfDiagonal * size + kMargin * size;
     if (is_of_one && !domain_.is_meshed(here.material)) return false;
     const auto descend_to = [&](int child) {
@@ -139,43 +142,52 @@ class LatticeDescent {
     return size <= std::sqrt(2.0) * wanted_constant(low, size);
   }
 
-  /// True if points of a boundary in the cell stand much closer than a lattice of its size would have them.
-  /// @param here  Around its middle.
-  [[nodiscard]] bool is_coarse_for_boundary(const Vec3& low, double size,
-                                            const Domain::Surroundings& here) const {
-    constexpr double kMostSpacings = 1.7;
-    const double least = kLeastSpacing * domain_.resolution_mm();
-    if (size <= kMostSpacings * (spacing_.is_constant() ? spacing_.least_for_thin_parts() : least))
-      return false;
-    if (here.clearance_mm > kHalfDiagonal * size) return false;
+  /// How close points of a boundary in the cell stand; infinite if there is none, or none that is finer than
+  /// the lattice would have it. @param here  Around its middle.
+  [[nodiscard]] double boundary_spacing(const Vec3& low, double size,
+                                        const Domain::Surroundings& here) const {
+    double spacing = std::numeric_limits<double>::infinity();
+    if (here.clearance_mm > kHalfDiagonal * size) return spacing;
     const Vec3 middle = low + Vec3::Constant(0.5 * size);
     for (const Material other : domain_.materials_near(middle, kHalfDiagonal * size)) {
       if (other == here.material || !(domain_.is_meshed(other) || domain_.is_meshed(here.material))) continue;
-      const auto x = domain_.project(middle, {here.material, other}, size);
-      if (x && size > kMostSpacings * spacing_.surface_spacing_at(*x, here.material, other)) return true;
+      if (const auto x = domain_.project(middle, {here.material, other}, size))
+        spacing = std::min(spacing, spacing_.surface_spacing_at(*x, here.material, other));
     }
-    return false;
+    return std::max(spacing, kLeastSpacing * domain_.resolution_mm());
   }
   [[nodiscard]] static Vec3 low_of_child(const Vec3& low, double size, int child) {
     return low + 0.5 * size * Vec3(child & 1, child >> 1 & 1, child >> 2);
   }
 
-  bool add_leaf(const Vec3& low, double size, const Domain::Surroundings& here, Seeds& out) const {
+  /// @param spacing  Of points of a boundary in the cell.
+  bool add_leaf(const Vec3& low, double size, const Domain::Surroundings& here, double spacing,
+                Seeds& out) const {
     const Vec3 middle = low + Vec3::Constant(0.5 * size);
     const bool is_meshed = domain_.is_meshed(here.material);
     // Where the clearance reaches over the whole cell, its corner is like its middle.
     if (!is_meshed && here.clearance_mm > kHalfDiagonal * size) return false;
-    add_lattice_point(middle, here, size, out);
-    const bool has_low = add_lattice_point(low, domain_.surroundings(low), size, out);
+    // Inner points nearer to a boundary than this would be corners of its faces.
+    constexpr double kMarginSpacings = 0.7;
+    const double margin = std::max(kMargin * size, std::isfinite(spacing) ? kMarginSpacings * spacing : 0.0);
+    add_lattice_point(middle, here, size, margin, out);
+    const bool has_low = add_lattice_point(low, domain_.surroundings(low), size, margin, out);
     const bool may_be_near = here.clearance_mm <= 0.95 * size || here.clearance_mm >= 0.99 * reach_mm_;
     if (!may_be_near) return is_meshed || has_low;
-    for (int child = 0; child < 8; ++child)
-      add_candidates(low_of_child(low, size, child) + Vec3::Constant(0.25 * size), 0.26 * size, out);
+    // So many that few gaps stay between them.
+    constexpr double kCandidateSpacing = 0.72;
+    const int along = size > 2 * kCandidateSpacing * spacing ? 3 : 2;
+    const double part = size / along;
+    for (int k = 0; k < along; ++k)
+      for (int j = 0; j < along; ++j)
+        for (int i = 0; i < along; ++i)
+          add_candidates(low + part * Vec3(i + 0.5, j + 0.5, k + 0.5), 0.52 * part, out);
     return true;
   }
 
-  bool add_lattice_point(const Vec3& place, const Domain::Surroundings& here, double size, Seeds& out) const {
-    if (!domain_.is_meshed(here.material) || here.clearance_mm < std::min(kMargin * size, 0.99 * reach_mm_))
+  bool add_lattice_point(const Vec3& place, const Domain::Surroundings& here, double size, double margin,
+                         Seeds& out) const {
+    if (!domain_.is_meshed(here.material) || here.clearance_mm < std::min(margin, 0.99 * reach_mm_))
       return false;
     out.inner.push_back(shaken(place, size));
     return true;

@@ -1,10 +1,33 @@
 #include "spacing.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace lumesh::delaunay {
+namespace {
+
+/// How far a boundary falls off from its tangent plane within a radius, where it bends most.
+/// @param gradient  Of the boundary's function at x.
+double largest_fall(const Domain& domain, const Vec3& x, const Vec3& gradient, double radius,
+                    const std::array<Material, 2>& pair) {
+  const double slope = gradient.norm();
+  const Vec3 normal = gradient / slope;
+  const Vec3 along = normal.unitOrthogonal(), across = normal.cross(along);
+  // Both ways, so that a slope does not count.
+  const auto fall = [&](const Vec3& direction) {
+    return 0.5 * (domain.separation_value(x + radius * direction, pair[0], pair[1]) +
+                  domain.separation_value(x - radius * direction, pair[0], pair[1])) -
+           domain.separation_value(x, pair[0], pair[1]);
+  };
+  // A quadratic form, from its values in three directions.
+  const double a = fall(along), c = fall(across), mean = 0.5 * (a + c);
+  const double b = fall((along + across).normalized()) - mean;
+  return (std::abs(mean) + std::hypot(0.5 * (a - c), b)) / slope;
+}
+
+}  // namespace
 
 double Spacing::size_at(const Vec3& x, Material m) const {
   return sizing_ == nullptr ? size_mm_ : std::min(size_mm_, sizing_->size_at(x, domain_->label_of(m)));
@@ -15,7 +38,7 @@ double Spacing::surface_spacing_at(const Vec3& x, Material first, Material secon
   if (sizing_ != nullptr)
     for (const Material m : {first, second})
       if (domain_->is_meshed(m)) size = std::min(size, sizing_->size_at(x, domain_->label_of(m)));
-  return std::min({delta_mm_, size / kEdgePerSpacing, spacing_of_thin_parts(x, first, second)});
+  return std::min({delta_mm_, size / kEdgePerSpacing, spacing_of_shape(x, first, second)});
 }
 
 /// How far from x a material, or the outside as a whole, reaches along a direction, if less than `most`.
@@ -36,7 +59,7 @@ std::size_t Spacing::HashOfPlace::operator()(const Place& place) const {
   return h;
 }
 
-double Spacing::spacing_of_thin_parts(const Vec3& x, Material first, Material second) const {
+double Spacing::spacing_of_shape(const Vec3& x, Material first, Material second) const {
   if (domain_->is_cut(first) || domain_->is_cut(second)) return delta_mm_;
   const auto cube_of = [&](int axis) { return static_cast<std::int32_t>(std::floor(x[axis] / cube_mm_)); };
   const Place place{{cube_of(0), cube_of(1), cube_of(2)}, {std::min(first, second), std::max(first, second)}};
@@ -46,16 +69,14 @@ double Spacing::spacing_of_thin_parts(const Vec3& x, Material first, Material se
   return static_cast<float>(spacing);
 }
 
-double Spacing::least_for_thin_parts() const {
+double Spacing::least_for_shapes() const {
   constexpr double kLeastOfDelta = 0.33, kLeastOfResolution = 0.5;
   return std::max(kLeastOfDelta * delta_mm_,
                   std::min(delta_mm_, kLeastOfResolution * domain_->resolution_mm()));
 }
 
-/// Looks from the middle of a cube, moved to the boundary, to both sides.
+/// Looks around from the middle of a cube, moved to the boundary.
 double Spacing::measured_spacing(const Place& place) const {
-  constexpr double kPerThickness = 0.45;  // About seven points around a vessel.
-  constexpr double kPerGap = 0.7;
   const auto [first, second] = place.pair;
   Vec3 x = cube_mm_ * (Vec3(place.cube[0], place.cube[1], place.cube[2]) + Vec3::Constant(0.5));
   FieldSample here{};
@@ -67,14 +88,40 @@ double Spacing::measured_spacing(const Place& place) const {
     if (!(slope > 1e-3)) return delta_mm_;
     if (step + 1 < kSteps) x -= std::clamp(here.value / slope, -cube_mm_, cube_mm_) * here.gradient / slope;
   }
-  const Vec3 towards_first = here.gradient / slope;
+  const double spacing = std::min(spacing_of_thin_parts(x, here.gradient / slope, place),
+                                  spacing_of_bends(x, here.gradient, place));
+  return std::max(spacing, least_for_shapes());
+}
+
+double Spacing::spacing_of_thin_parts(const Vec3& x, const Vec3& towards_first, const Place& place) const {
+  constexpr double kPerThickness = 0.45;  // About seven points around a vessel.
+  constexpr double kPerGap = 0.7;
   double spacing = delta_mm_;
-  for (const Material m : {first, second}) {
+  for (const Material m : place.pair) {
     const double share = domain_->is_meshed(m) ? kPerThickness : kPerGap;
-    const Vec3 direction = m == first ? towards_first : Vec3(-towards_first);
+    const Vec3 direction = m == place.pair[0] ? towards_first : Vec3(-towards_first);
     spacing = std::min(spacing, share * thickness(x, direction, m, spacing / share));
   }
-  return std::max(spacing, least_for_thin_parts());
+  return spacing;
+}
+
+/// Triangles of circumradius R stand off a surface of curvature k by k R^2 / 2 in their middle; lifted()
+/// gives most of that to the corners.
+double Spacing::spacing_of_bends(const Vec3& x, const Vec3& gradient, const Place& place) const {
+  constexpr double kCircumradius = 0.75;  // Of triangles with edges of mean length, in spacings.
+  if (!std::isfinite(surface_distance_mm_)) return delta_mm_;
+  const double least_radius = 3.5 * domain_->resolution_mm();
+  double spacing = delta_mm_;
+  // A second look, from nearer, where the surface falls off fast.
+  for (int look = 0; look < 2; ++look) {
+    const double radius = std::max(kCircumradius * spacing, least_radius);
+    if (domain_->material_count() > 2 && domain_->materials_near(x, radius).size() > 2) return spacing;
+    const double fall = largest_fall(*domain_, x, gradient, radius, place.pair);
+    if (fall > 0)
+      spacing = std::min(spacing, radius / kCircumradius * std::sqrt(surface_distance_mm_ / fall));
+    if (radius <= least_radius) break;
+  }
+  return spacing;
 }
 
 }  // namespace lumesh::delaunay

@@ -18,11 +18,14 @@ inline constexpr double kRadiusPerSize = 0.866;
 
 class Spacing {
  public:
-  /// @param delta_mm  Spacing of the points of surfaces. @param sizing  May be null.
-  Spacing(const Domain& domain, double delta_mm, double size_mm, const Sizing* sizing)
+  /// @param delta_mm  Spacing of the points of surfaces. @param surface_distance_mm  How far flat triangles
+  /// may stand off where surfaces bend; infinite: as it comes. @param sizing  May be null.
+  Spacing(const Domain& domain, double delta_mm, double size_mm, double surface_distance_mm,
+          const Sizing* sizing)
       : domain_(&domain),
         delta_mm_(delta_mm),
         size_mm_(size_mm),
+        surface_distance_mm_(surface_distance_mm),
         cube_mm_(std::max(domain.resolution_mm(), delta_mm)),
         sizing_(sizing) {}
 
@@ -33,10 +36,10 @@ class Spacing {
     return sizing_ != nullptr && sizing_->wants_finer(corners);
   }
   /// Wanted spacing of points at a place of the boundary between two materials: less where what is meshed, or
-  /// a gap, is so thin that points of its two sides would stand for each other.
+  /// a gap, is so thin that points of its two sides would stand for each other, or where the surface bends.
   [[nodiscard]] double surface_spacing_at(const Vec3& x, Material first, Material second) const;
-  /// What surface_spacing_at() does not go below for the sake of thin parts.
-  [[nodiscard]] double least_for_thin_parts() const;
+  /// What surface_spacing_at() does not go below for the sake of shapes.
+  [[nodiscard]] double least_for_shapes() const;
   /// True if size_at() is the same everywhere.
   [[nodiscard]] bool is_constant() const { return sizing_ == nullptr; }
   [[nodiscard]] const Domain& domain() const { return *domain_; }
@@ -54,12 +57,16 @@ class Spacing {
     std::size_t operator()(const Place& place) const;
   };
 
-  [[nodiscard]] double spacing_of_thin_parts(const Vec3& x, Material first, Material second) const;
+  /// That of thin parts and of bends: of the shape, not of sizes that are asked for.
+  [[nodiscard]] double spacing_of_shape(const Vec3& x, Material first, Material second) const;
   [[nodiscard]] double measured_spacing(const Place& place) const;
+  [[nodiscard]] double spacing_of_thin_parts(const Vec3& x, const Vec3& towards_first,
+                                             const Place& place) const;
+  [[nodiscard]] double spacing_of_bends(const Vec3& x, const Vec3& gradient, const Place& place) const;
   [[nodiscard]] double thickness(const Vec3& x, const Vec3& direction, Material of, double most) const;
 
   const Domain* domain_;
-  double delta_mm_, size_mm_, cube_mm_;
+  double delta_mm_, size_mm_, surface_distance_mm_, cube_mm_;
   const Sizing* sizing_;
   /// What has been measured; the same whoever asks first.
   mutable parallel::ConcurrentMap<Place, float, HashOfPlace> measured_;

@@ -42,6 +42,49 @@ struct KeyedTet {
   bool operator<(const KeyedTet& other) const { return vertices < other.vertices; }
 };
 
+Cell<4> sorted_vertices(Cell<4> vertices) {
+  std::sort(vertices.begin(), vertices.end());
+  return vertices;
+}
+
+/// True if reordering would leave every number as it is, as where nothing has changed since the last time.
+bool is_ordered(const TetMesh& mesh, std::span<const std::uint32_t> order) {
+  constexpr std::size_t kBlock = 1 << 14;
+  if (!mesh.is_compact()) return false;
+  for (std::size_t v = 0; v < order.size(); ++v)
+    if (order[v] != v) return false;
+  const std::span<const Cell<4>> tets = mesh.tets();
+  const int all = parallel::reduce_blocks<int>(
+      tets.size(), kBlock, 1,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = std::max<std::size_t>(begin, 1); t < end; ++t)
+          if (!(sorted_vertices(tets[t - 1]) < sorted_vertices(tets[t]))) return 0;
+        return 1;
+      },
+      [](int a, int b) { return a * b; });
+  return all != 0;
+}
+
+/// Sorts slots whose lowest vertices are `first` and the next few: counts by the lowest, then sorts the five
+/// or six of each.
+template <class Keyed>
+void sort_range(std::span<std::uint32_t> slots, std::uint32_t first, std::size_t vertices,
+                const Keyed& keyed) {
+  UninitialisedVector<KeyedTet> unsorted(slots.size()), keys(slots.size());
+  std::vector<std::uint32_t> ends(vertices + 1, 0);
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    unsorted[i] = keyed(slots[i]);
+    ++ends[unsorted[i].vertices[0] - first + 1];
+  }
+  for (std::size_t v = 0; v < vertices; ++v) ends[v + 1] += ends[v];
+  for (const KeyedTet& key : unsorted) keys[ends[key.vertices[0] - first]++] = key;
+  std::size_t begin = 0;
+  for (std::size_t v = 0; v < vertices; begin = ends[v++])
+    std::sort(keys.begin() + static_cast<std::ptrdiff_t>(begin),
+              keys.begin() + static_cast<std::ptrdiff_t>(ends[v]));
+  for (std::size_t i = 0; i < keys.size(); ++i) slots[i] = keys[i].slot;
+}
+
 /// `slots` sorted by the new numbers of their vertices, lowest first. Counts and sorts ranges of lowest
 /// vertices one by one, so that threads share nothing and each range stays in a cache.
 std::vector<std::uint32_t> sorted_by_vertices(const TetMesh& mesh, const std::vector<std::uint32_t>& slots,
@@ -52,7 +95,7 @@ std::vector<std::uint32_t> sorted_by_vertices(const TetMesh& mesh, const std::ve
   const auto keyed = [&](std::uint32_t slot) {
     KeyedTet key{mesh.tet(TetId(slot)), slot};
     for (std::uint32_t& v : key.vertices) v = new_vertex[v];
-    std::sort(key.vertices.begin(), key.vertices.end());
+    key.vertices = sorted_vertices(key.vertices);
     return key;
   };
   // Of each block of tetrahedra, those of each range.
@@ -80,10 +123,9 @@ std::vector<std::uint32_t> sorted_by_vertices(const TetMesh& mesh, const std::ve
   parallel::for_each_index(
       ranges,
       [&](std::size_t range) {
-        std::vector<KeyedTet> keys;
-        for (std::uint32_t i = begins[range]; i < begins[range + 1]; ++i) keys.push_back(keyed(sorted[i]));
-        std::sort(keys.begin(), keys.end());
-        for (std::size_t i = 0; i < keys.size(); ++i) sorted[begins[range] + i] = keys[i].slot;
+        const std::span<std::uint32_t> part =
+            std::span(sorted).subspan(begins[range], begins[range + 1] - begins[range]);
+        sort_range(part, static_cast<std::uint32_t>(range * kRange), kRange, keyed);
       },
       1);
   return sorted;
@@ -127,11 +169,15 @@ void TetMesh::reorder_along_curve() {
   parallel::for_each_index(vertices.size(), [&](std::size_t i) { live_points[i] = points_[vertices[i]]; });
   std::vector<std::uint32_t> order = hilbert_order(live_points);
   parallel::for_each_index(order.size(), [&](std::size_t i) { order[i] = vertices[order[i]]; });
-  const auto new_vertex = places_of(order, vertex_slots());
-  const auto tets = live_slots(tet_slots(), [&](std::uint32_t t) { return alive(TetId(t)); });
-  renumber(order, new_vertex, sorted_by_vertices(*this, tets, new_vertex, order.size()));
-  parallel::for_each_index(order.size(), [&](std::size_t v) { vertex_stamps_[v] = 0; });
-  parallel::for_each_index(tets.size(), [&](std::size_t t) { tet_stamps_[t] = 0; });
+  if (is_ordered(*this, order)) {
+    free_owners();
+  } else {
+    const auto new_vertex = places_of(order, vertex_slots());
+    const auto tets = live_slots(tet_slots(), [&](std::uint32_t t) { return alive(TetId(t)); });
+    renumber(order, new_vertex, sorted_by_vertices(*this, tets, new_vertex, order.size()));
+  }
+  parallel::for_each_index(vertex_slots(), [&](std::size_t v) { vertex_stamps_[v] = 0; });
+  parallel::for_each_index(tet_slots(), [&](std::size_t t) { tet_stamps_[t] = 0; });
 }
 
 void TetMesh::normalise() {
@@ -186,7 +232,6 @@ void TetMesh::renumber(const std::vector<std::uint32_t>& vertices, std::span<con
   }
   if (has_interfaces()) gather_tets(interface_patches_);
   parallel::for_each_index(vertex_count, [&](std::size_t v) {
-    lock_words_[v] = 0;
     if (incident_[v].valid()) incident_[v] = TetId(new_tet[incident_[v].value]);
   });
   parallel::for_each_index(tet_count, [&](std::size_t t) {
@@ -196,9 +241,17 @@ void TetMesh::renumber(const std::vector<std::uint32_t>& vertices, std::span<con
   });
   vertex_pool_ = parallel::SlotPool(static_cast<std::uint32_t>(vertex_count), 1, 1);
   tet_pool_ = parallel::SlotPool(static_cast<std::uint32_t>(tet_count), 1, 1);
+  free_owners();
   points_.shrink(vertex_count);
   tets_.shrink(tet_count);
   links_.shrink(tet_count);
+}
+
+/// A compact mesh with one owner, and nobody who holds a vertex.
+void TetMesh::free_owners() {
+  vertex_pool_ = parallel::SlotPool(vertex_pool_.live(), 1, 1);
+  tet_pool_ = parallel::SlotPool(tet_pool_.live(), 1, 1);
+  parallel::for_each_index(vertex_slots(), [&](std::size_t v) { lock_words_[v] = 0; });
 }
 
 }  // namespace lumesh

@@ -122,6 +122,10 @@ class MetricFrame {
     const Vec3 e = point - origin_;
     return {xx_ * e[0] + xy_ * e[1] + xz_ * e[2], yy_ * e[1] + yz_ * e[2], zz_ * e[2]};
   }
+  /// The vector v with v . (p - origin) = a . frame(p).
+  [[nodiscard]] Vec3 covector(const Vec3& a) const {
+    return {xx_ * a[0], xy_ * a[0] + yy_ * a[1], xz_ * a[0] + yz_ * a[1] + zz_ * a[2]};
+  }
 
  private:
   Vec3 origin_;

@@ -81,7 +81,8 @@ TetId DelaunayKernel<Lock>::locate(const Vec3& point, VertexId near) {
 /// All tetrahedra whose circumsphere holds the point, which are connected, and the faces around them.
 template <class Lock>
 bool DelaunayKernel<Lock>::gather_conflicts(TetId first, const Vec3& point) {
-  auto& [conflicts, hull, edges, around, open, wrapped, open_by_corners, made, places_of] = *scratch_;
+  auto& conflicts = scratch_->conflicts;
+  auto& hull = scratch_->hull;
   TetMesh& mesh = *mesh_;
   conflicts.clear();
   hull.clear();
@@ -129,7 +130,9 @@ TetId DelaunayKernel<Lock>::make_tet(const Cell<4>& corners, std::size_t i) {
 
 template <class Lock>
 VertexId DelaunayKernel<Lock>::fill_hole(const Vec3& point, VertexDimension dimension) {
-  auto& [conflicts, hull, edges, around, open, wrapped, open_by_corners, made, places_of] = *scratch_;
+  auto& conflicts = scratch_->conflicts;
+  auto& hull = scratch_->hull;
+  auto& edges = scratch_->edges;
   TetMesh& mesh = *mesh_;
   // Each vertex of the hull gets a place; they are all held, and their stamps serve for nothing else.
   constexpr std::uint32_t kNoPlace = TetMesh::kDeadStamp - 1;

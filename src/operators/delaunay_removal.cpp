@@ -20,15 +20,19 @@ std::uint64_t face_key(Cell<3> corners) {
 /// held.
 template <class Lock>
 bool DelaunayKernel<Lock>::gather_star(VertexId v) {
-  auto& [conflicts, hull, edges, around, open, wrapped, open_by_corners, made, places] = *scratch_;
+  auto& conflicts = scratch_->conflicts;
+  auto& hull = scratch_->hull;
+  auto& around = scratch_->around;
+  auto& places = scratch_->places;
+  auto& known = scratch_->open_by_corners;
   const TetMesh& mesh = *mesh_;
   conflicts.clear();
   hull.clear();
   around.clear();
   places.clear();
-  open_by_corners.clear();
+  known.clear();
   const auto take_in = [&](TetId t) {
-    if (open_by_corners.insert(t.value, 0).added) conflicts.push_back({t, 0});
+    if (known.insert(t.value, 0).added) conflicts.push_back({t, 0});
   };
   take_in(mesh.incident_tet(v));
   for (std::size_t next = 0; next < conflicts.size(); ++next) {
@@ -52,10 +56,12 @@ bool DelaunayKernel<Lock>::gather_star(VertexId v) {
 /// holds none of the vertices around.
 template <class Lock>
 void DelaunayKernel<Lock>::wrap_hole() {
-  auto& [conflicts, hull, edges, around, open, wrapped, open_by_corners, made, places] = *scratch_;
-  const auto point = [&](std::uint32_t place) -> const Vec3& {
-    return mesh_->point(scratch_->around[place]);
-  };
+  auto& hull = scratch_->hull;
+  auto& around = scratch_->around;
+  auto& open = scratch_->open;
+  auto& wrapped = scratch_->wrapped;
+  auto& open_by_corners = scratch_->open_by_corners;
+  const auto point = [&](std::uint32_t place) -> const Vec3& { return mesh_->point(around[place]); };
   open.clear();
   wrapped.clear();
   open_by_corners.clear();
@@ -111,7 +117,11 @@ void DelaunayKernel<Lock>::wrap_hole() {
 
 template <class Lock>
 void DelaunayKernel<Lock>::replace_star(VertexId v) {
-  auto& [conflicts, hull, edges, around, open, wrapped, open_by_corners, made, places] = *scratch_;
+  auto& conflicts = scratch_->conflicts;
+  auto& hull = scratch_->hull;
+  auto& around = scratch_->around;
+  auto& wrapped = scratch_->wrapped;
+  auto& made = scratch_->made;
   TetMesh& mesh = *mesh_;
   made.clear();
   for (const auto& tet : wrapped) {

@@ -44,10 +44,13 @@ void OrderedExecution::reorder() {
   next_run_ = 1;
   tets_ = numbers_up_to(mesh.tet_count());
   vertices_ = numbers_up_to(mesh.vertex_count());
+  is_cut_ = false;
   repartition();
 }
 
 void OrderedExecution::repartition() {
+  if (is_cut_) return;
+  is_cut_ = true;
   partition_ = partition_vertices(subject_.mesh, vertices_, tets_,
                                   bucket_size_for(static_cast<std::uint32_t>(vertices_.size())));
   order_ = parallel::order_of(partition_.conflicts);
@@ -88,6 +91,7 @@ void OrderedExecution::begin_run(Kernel& kernel, std::uint32_t bucket, std::uint
 void OrderedExecution::run_buckets(
     const std::function<void(Kernel&, std::uint32_t bucket, std::uint32_t run)>& body) {
   ++epoch_;
+  is_cut_ = false;
   const std::uint32_t first = next_run_;
   next_run_ += partition_.buckets;
   LUMESH_ASSERT(next_run_ < kLastRun);

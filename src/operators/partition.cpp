@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cavity.hpp"
 #include "local_map.hpp"
@@ -64,7 +65,8 @@ class Bisection {
       covariance += p * p.transpose();
     }
     const Vec3 axis = Eigen::SelfAdjointEigenSolver<Mat3>(covariance).eigenvectors().col(2);
-    const auto height = [&](std::uint32_t v) { return axis.dot(frame(mesh_.point(VertexId(v)))); };
+    const Vec3 across = frame.covector(axis);
+    const auto height = [&](std::uint32_t v) { return across.dot(mesh_.point(VertexId(v))); };
     std::vector<double> heights;
     for (std::size_t i = 0; i < part.size(); i += stride) heights.push_back(height(part[i]));
     const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
@@ -83,10 +85,8 @@ class Bisection {
   std::vector<std::uint8_t> begins_part_;
 };
 
-/// Both directions of every pair as a graph.
-parallel::TaskGraph graph_of(std::vector<std::uint64_t> pairs, std::uint32_t size) {
-  parallel::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+/// The graph of sorted, different pairs, each there in both directions.
+parallel::TaskGraph graph_of(const std::vector<std::uint64_t>& pairs, std::uint32_t size) {
   parallel::TaskGraph graph;
   graph.starts.assign(size + 1, 0);
   graph.items.resize(pairs.size());
@@ -98,35 +98,51 @@ parallel::TaskGraph graph_of(std::vector<std::uint64_t> pairs, std::uint32_t siz
   return graph;
 }
 
+/// Says of most numbers whether they have come up before: most come up again soon.
+class RecentPairs {
+ public:
+  [[nodiscard]] bool holds(std::uint64_t pair) {
+    std::uint64_t& entry = entries_[pair * 0x9E3779B97F4A7C15ull >> (64 - kBits)];
+    return std::exchange(entry, pair) == pair;
+  }
+
+ private:
+  static constexpr int kBits = 10;
+  std::array<std::uint64_t, std::size_t{1} << kBits> entries_ = {};  // 0 is not a pair.
+};
+
 parallel::TaskGraph neighbours_of(TetMesh& mesh, const std::vector<std::uint32_t>& tets,
                                   std::uint32_t buckets) {
   auto pairs = parallel::collect_blocks<std::uint64_t>(
       tets.size(), kTetBlock, [&](std::size_t begin, std::size_t end, std::vector<std::uint64_t>& out) {
-        LocalMap<std::uint64_t, char> known;
+        RecentPairs known;
         for (std::size_t i = begin; i < end; ++i) {
           std::array<std::uint64_t, 4> bucket{};
           for (int k = 0; k < 4; ++k) bucket[k] = mesh.lock_word(mesh.vertex(TetId(tets[i]), k));
           if (bucket[0] == bucket[1] && bucket[1] == bucket[2] && bucket[2] == bucket[3]) continue;
           for (const auto& [k, l] : kTetEdges) {
             const std::uint64_t a = bucket[k], b = bucket[l];
-            if (a == b || !known.insert(std::min(a, b) << 32 | std::max(a, b), 0).added) continue;
+            if (a == b || known.holds(std::min(a, b) << 32 | std::max(a, b))) continue;
             out.push_back(a << 32 | b);
             out.push_back(b << 32 | a);
           }
         }
       });
-  return graph_of(std::move(pairs), buckets);
+  parallel::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return graph_of(pairs, buckets);
 }
 
 parallel::TaskGraph conflicts_of(const parallel::TaskGraph& neighbours) {
   constexpr std::size_t kBucketBlock = 64;
-  auto pairs = parallel::collect_blocks<std::uint64_t>(
+  const auto pairs = parallel::collect_blocks<std::uint64_t>(
       neighbours.size(), kBucketBlock,
       [&](std::size_t begin, std::size_t end, std::vector<std::uint64_t>& out) {
         LocalMap<std::uint32_t, char> known;
         for (std::size_t b = begin; b < end; ++b) {
           known.clear();
           known.insert(static_cast<std::uint32_t>(b), 0);
+          const auto first = static_cast<std::ptrdiff_t>(out.size());
           const auto add = [&](std::uint32_t other) {
             if (known.insert(other, 0).added) out.push_back(std::uint64_t{b} << 32 | other);
           };
@@ -134,9 +150,10 @@ parallel::TaskGraph conflicts_of(const parallel::TaskGraph& neighbours) {
             add(next);
             for (const std::uint32_t second : neighbours.neighbours(next)) add(second);
           }
+          std::sort(out.begin() + first, out.end());
         }
       });
-  return graph_of(std::move(pairs), neighbours.size());
+  return graph_of(pairs, neighbours.size());
 }
 
 }  // namespace

@@ -22,9 +22,12 @@ enum class Seeding : std::uint8_t {
 };
 
 struct DelaunayOptions {
-  double delta_mm = 0;     ///< > 0: points of a surface are at least this far apart, and no place of it is
-                           ///< farther from one.
-  double size_mm = 0;      ///< Largest wanted edge length inside; 0: that of the surface, 1.3 delta.
+  double delta_mm = 0;  ///< > 0: points of a surface are at least this far apart, and no place of it is
+                        ///< farther from one.
+  double size_mm = 0;   ///< Largest wanted edge length inside; 0: that of the surface, 1.3 delta.
+  /// > 0: where surfaces bend, points stand so close that flat triangles are no farther off than about this.
+  /// 0: delta alone says how close.
+  double surface_distance_mm = 0;
   double radius_edge = 2;  ///< Largest circumradius of a tetrahedron in units of its shortest edge, >= 1.5.
   double facet_angle_deg = 30;  ///< Smallest angle of boundary triangles, 0 to 30.
   Seeding seeding = Seeding::kLattice;

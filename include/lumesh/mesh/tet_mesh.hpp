@@ -299,6 +299,7 @@ class TetMesh {
 
   void renumber(const std::vector<std::uint32_t>& vertices, std::span<const std::uint32_t> new_vertex,
                 const std::vector<std::uint32_t>& tets);
+  void free_owners();
   void commit_vertices(std::uint32_t count);
   void commit_tets(std::uint32_t count);
 

@@ -27,7 +27,7 @@ class OrderedExecution {
   /// Orders the mesh along the curve and cuts it into buckets anew. Needed when it has grown much, for
   /// locality and because buckets grow with it.
   void reorder();
-  /// Cuts into buckets anew.
+  /// Cuts into buckets anew, if anything was run since.
   void repartition();
 
   /// Calls step(kernel, tet) for every live tetrahedron whose urgency before the sweep is positive and that
@@ -72,6 +72,7 @@ class OrderedExecution {
   parallel::Team team_;
   std::vector<Kernel> kernels_;  // One per thread.
   Partition partition_;
+  bool is_cut_ = false;              // Nothing was run since.
   parallel::TaskOrder order_;        // Of the buckets.
   std::vector<std::uint32_t> runs_;  // Of each bucket: the run whose reach it lies in.
   std::uint32_t epoch_ = 0;          // Of the sweep; goes on when the mesh is reordered.
