@@ -9,6 +9,7 @@
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/relaxed.hpp"
 #include "topology.hpp"
 
 namespace lumesh::delaunay {
@@ -221,11 +222,12 @@ std::vector<Wish> Refinement::granted(std::vector<Wish> wishes) {
       if (is_near_a_vertex(mesh_, wishes[i], found)) continue;
       replaced[i] = {{found.begin(), found.end()},
                      nearest_vertex2(mesh_, wishes[i].point, found, VertexDimension::kVolume)};
-      for (const TetId t : found) parallel::raise_to(claims_[t.value], wishes.size() - i);
+      for (const TetId t : found)
+        parallel::raise_to(claims_[t.value], static_cast<std::uint32_t>(wishes.size() - i));
     }
   });
   // Of what is claimed twice, the more urgent one knows.
-  const auto rival_of = [&](TetId t) { return wishes.size() - claims_[t.value]; };
+  const auto rival_of = [&](TetId t) { return wishes.size() - parallel::load_relaxed(claims_[t.value]); };
   auto won = parallel::collect<Wish>(wishes.size(), [&](std::size_t i, std::vector<Wish>& out) {
     const bool is_free = std::all_of(replaced[i].tets.begin(), replaced[i].tets.end(), [&](TetId t) {
       const std::size_t j = rival_of(t);
@@ -235,7 +237,7 @@ std::vector<Wish> Refinement::granted(std::vector<Wish> wishes) {
   });
   parallel::for_each_index(wishes.size(), [&](std::size_t i) {
     for (const TetId t : replaced[i].tets)
-      if (rival_of(t) == i) claims_[t.value] = 0;
+      if (rival_of(t) == i) parallel::store_relaxed(claims_[t.value], 0);
     // Looked at again in the next round; if it is gone by then, so is the stamp.
     if (!replaced[i].tets.empty()) mesh_.set_stamp(wishes[i].tet, stamp_ + 1);
   });

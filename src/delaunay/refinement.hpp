@@ -51,7 +51,7 @@ class Refinement {
   Rules rules_;
   operators::DelaunayExecution execution_;
   std::uint32_t stamp_ = 1;                       // Of what is fresh.
-  std::vector<std::uint64_t> claims_;             // By tetrahedron; 0: none.
+  std::vector<std::uint32_t> claims_;             // By tetrahedron; 0: none.
   std::optional<std::vector<VertexId>> pinched_;  // Before the last round; unknown at first.
   int rounds_ = 0;
   bool has_changed_ = true;  // In the last round.
