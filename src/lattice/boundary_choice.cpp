@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/relaxed.hpp"
 
 namespace lumesh {
 

@@ -85,15 +85,6 @@ inline void raise(std::uint8_t& flag) {
   std::atomic_ref(flag).store(1, std::memory_order_relaxed);
 }
 
-/// Lifts a number that several threads may lift in the same loop to at least `value`; nobody may read it
-/// before the loop ends.
-inline void raise_to(std::uint64_t& number, std::uint64_t value) {
-  std::atomic_ref shared(number);
-  std::uint64_t seen = shared.load(std::memory_order_relaxed);
-  while (seen < value && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
-  }
-}
-
 /// What append(begin, end, out) appends for each fixed block of [0, count).
 template <class Item, class Append>
 [[nodiscard]] std::vector<std::vector<Item>> collect_parts(std::size_t count, std::size_t block,

@@ -24,4 +24,13 @@ void lower_to(Number& number, Number value) {
   }
 }
 
+/// The greater of both stays.
+template <class Number>
+void raise_to(Number& number, Number value) {
+  const std::atomic_ref<Number> shared(number);
+  Number seen = shared.load(std::memory_order_relaxed);
+  while (seen < value && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+}
+
 }  // namespace lumesh::parallel
