@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/relaxed.hpp"
 
 namespace lumesh::parallel {
 namespace {
