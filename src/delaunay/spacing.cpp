@@ -63,10 +63,7 @@ double Spacing::spacing_of_shape(const Vec3& x, Material first, Material second)
   if (domain_->is_cut(first) || domain_->is_cut(second)) return delta_mm_;
   const auto cube_of = [&](int axis) { return static_cast<std::int32_t>(std::floor(x[axis] / cube_mm_)); };
   const Place place{{cube_of(0), cube_of(1), cube_of(2)}, {std::min(first, second), std::max(first, second)}};
-  if (const auto known = measured_.find(place); known != measured_.end()) return known->second;
-  const double spacing = measured_spacing(place);
-  measured_.emplace(place, static_cast<float>(spacing));
-  return static_cast<float>(spacing);
+  return measured_.get(place, [&] { return static_cast<float>(measured_spacing(place)); });
 }
 
 double Spacing::least_for_shapes() const {
