@@ -85,6 +85,8 @@ double Spacing::measured_spacing(const Place& place) const {
     if (!(slope > 1e-3)) return delta_mm_;
     if (step + 1 < kSteps) x -= std::clamp(here.value / slope, -cube_mm_, cube_mm_) * here.gradient / slope;
   }
+  // Beyond the end of a boundary its function goes on.
+  if (const Material there = domain_->material_at(x); there != first && there != second) return delta_mm_;
   const double spacing = std::min(spacing_of_thin_parts(x, here.gradient / slope, place),
                                   spacing_of_bends(x, here.gradient, place));
   return std::max(spacing, least_for_shapes());
