@@ -7,6 +7,7 @@
 
 #include "lift.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
+#include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh::delaunay {
 namespace {
@@ -14,13 +15,6 @@ namespace {
 constexpr float kSurfaceFirst = 1e6F;
 
 /// Cosine of the smallest angle of a triangle.
-double cosine_of_smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
-  // It is opposite the shortest side.
-  const double least = std::min({ab, bc, ca});
-  return (ab + bc + ca - 2 * least) / (2 * std::sqrt(ab * bc * ca / least));
-}
-
 /// In an order that does not depend on who made the tetrahedron.
 std::array<Vec3, 4> corners_of(const TetMesh& mesh, TetId t) {
   std::array<Vec3, 4> corners = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)};

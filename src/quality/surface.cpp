@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "cell_faces.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -99,6 +100,7 @@ struct PlaneFit {
   double area = 0;
   Vec3 centre = Vec3::Zero();  // Area-weighted sum first.
   Vec3 normal = Vec3::Zero();  // Sum of area normals.
+  double largest_cosine = -1;  // Of the smallest angles.
   std::uint64_t faces = 0;
 };
 
@@ -137,6 +139,8 @@ std::vector<PatchSummary> summarise_patches(const MeshView& mesh, const MeshSurf
     fit.area += normal.norm();
     fit.centre += normal.norm() / 3 * (mesh.points[a] + mesh.points[b] + mesh.points[c]);
     fit.normal += normal;
+    const double cosine = cosine_of_smallest_angle(mesh.points[a], mesh.points[b], mesh.points[c]);
+    fit.largest_cosine = cosine <= 1 ? std::max(fit.largest_cosine, cosine) : 1;
     ++fit.faces;
   }
   std::vector<PatchSummary> result;
@@ -147,6 +151,7 @@ std::vector<PatchSummary> summarise_patches(const MeshView& mesh, const MeshSurf
     summary.kind = p < named ? mesh.info->patches[p].kind : PatchKind::kWall;
     summary.faces = fits[p].faces;
     summary.area_mm2 = fits[p].area;
+    summary.smallest_angle_deg = std::acos(fits[p].largest_cosine) * 180 / std::numbers::pi;
     if (fits[p].area > 0) summary.centre_mm = fits[p].centre / fits[p].area;
     if (fits[p].normal.norm() > 1e-6 * fits[p].area) summary.normal = fits[p].normal.normalized();
     if (p < named && summary.kind == PatchKind::kOpening)

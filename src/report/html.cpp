@@ -245,12 +245,13 @@ std::string reference_section(const Evaluation& e) {
 
 std::string boundary_section(const Evaluation& e) {
   const SurfaceTopology& b = e.boundary;
-  Table table = {{"patch", "triangles", "area mm²", "centre mm", "normal", "flat within"}};
+  Table table = {{"patch", "triangles", "area mm²", "smallest angle", "centre mm", "normal", "flat within"}};
   for (const PatchSummary& p : e.patches) {
     if (table.size() > kMostRows) break;
     const bool opening = p.kind == PatchKind::kOpening;
     table.push_back(
         {escaped(p.name), grouped(p.faces), five_digits(p.area_mm2),
+         fmt::format("{:.1f}°", p.smallest_angle_deg),
          opening ? fmt::format("{:.1f}, {:.1f}, {:.1f}", p.centre_mm.x(), p.centre_mm.y(), p.centre_mm.z())
                  : "",
          opening ? fmt::format("{:.2f}, {:.2f}, {:.2f}", p.normal.x(), p.normal.y(), p.normal.z()) : "",

@@ -154,8 +154,13 @@ const char* kind_name(PatchKind kind) {
 Json patches_json(const std::vector<PatchSummary>& patches) {
   Json json = Json::array();
   for (const PatchSummary& p : patches) {
-    Json patch = {{"name", p.name},         {"kind", kind_name(p.kind)},       {"faces", p.faces},
-                  {"area_mm2", p.area_mm2}, {"centre_mm", point(p.centre_mm)}, {"normal", point(p.normal)}};
+    Json patch = {{"name", p.name},
+                  {"kind", kind_name(p.kind)},
+                  {"faces", p.faces},
+                  {"area_mm2", p.area_mm2},
+                  {"smallest_angle_deg", p.smallest_angle_deg},
+                  {"centre_mm", point(p.centre_mm)},
+                  {"normal", point(p.normal)}};
     if (p.kind == PatchKind::kOpening) patch["flatness_mm"] = p.flatness_mm;
     json.push_back(patch);
   }

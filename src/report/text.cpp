@@ -80,7 +80,8 @@ std::string boundary_text(const Evaluation& e) {
                         b.open_edges, b.non_manifold_edges, b.non_manifold_vertices);
   for (std::size_t i = 0; i < std::min(kMostLabels, e.patches.size()); ++i) {
     const PatchSummary& p = e.patches[i];
-    text += fmt::format("  {:<12} {:>8} faces {:>10} mm²", p.name, grouped(p.faces), five_digits(p.area_mm2));
+    text += fmt::format("  {:<12} {:>8} faces {:>10} mm²   angles from {:.1f}°", p.name, grouped(p.faces),
+                        five_digits(p.area_mm2), p.smallest_angle_deg);
     if (p.kind == PatchKind::kOpening)
       text += fmt::format("   flat within {:.2g} mm", std::max(p.flatness_mm, 1e-3));
     text += "\n";

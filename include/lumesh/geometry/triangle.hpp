@@ -2,6 +2,8 @@
 /// @file Measures of one triangle and its nearest point. Pure inline functions.
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 #include "lumesh/core/types.hpp"
 
@@ -22,6 +24,13 @@ namespace lumesh {
   const Vec3 normal = triangle_area_normal(a, b, c);
   const double length = normal.norm();
   return length > 0 ? Vec3(normal / length) : Vec3(Vec3::Zero());
+}
+
+/// Of the angle opposite the shortest side. Not a number if two corners are in one place.
+[[nodiscard]] inline double cosine_of_smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
+  const double least = std::min({ab, bc, ca});
+  return (ab + bc + ca - 2 * least) / (2 * std::sqrt(ab * bc * ca / least));
 }
 
 /// Nearest point of segment (a, b) to `p`; a segment of length zero is its point.

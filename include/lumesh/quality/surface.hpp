@@ -80,8 +80,9 @@ struct PatchSummary {
   std::uint64_t faces = 0;
   double area_mm2 = 0;
   Vec3 centre_mm = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  ///< Area-weighted mean, unit length; zero if the patch closes on itself.
-  double flatness_mm = 0;      ///< Largest distance of a vertex to the best plane (meaningful for openings).
+  Vec3 normal = Vec3::Zero();       ///< Area-weighted mean, unit length; zero if the patch closes on itself.
+  double smallest_angle_deg = 180;  ///< Of its triangles; 0 if one has two corners in one place.
+  double flatness_mm = 0;  ///< Largest distance of a vertex to the best plane (meaningful for openings).
 };
 
 /// One entry per patch of the mesh that has faces among `surface`; faces without patch come last as "(none)".

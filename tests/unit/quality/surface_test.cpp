@@ -192,6 +192,7 @@ TEST(Surface, PatchesKnowAreaNormalAndFlatness) {
   EXPECT_EQ(patches[1].name, "inlet_1");
   EXPECT_EQ(patches[1].faces, 8u);
   EXPECT_NEAR(patches[0].area_mm2, 20, 1e-12);
+  EXPECT_NEAR(patches[0].smallest_angle_deg, 45, 1e-9);
   EXPECT_TRUE(patches[1].normal.isApprox(Vec3(0, 0, 1)));
   EXPECT_NEAR(patches[1].flatness_mm, 0.08, 1e-9);  // 9 vertices: their mean lies 0.01 up
 }
