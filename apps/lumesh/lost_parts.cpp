@@ -71,8 +71,8 @@ std::string other_shapes(const ImageShape& image, const MeshView& mesh) {
   }
   if (others == 0) return {};
   return fmt::format(
-      "{} label{} in the mesh differ{} from the image's voxels: {}{}; details below a voxel are "
-      "smoothed away, others want a smaller --delta",
+      "{} label{} in the mesh differ{} from the image's voxels: {}{}; --smoothing 0.7 keeps more details of "
+      "about a voxel, a smaller --delta larger ones",
       others, others == 1 ? "" : "s", others == 1 ? "s" : "", list, others > kMostListed ? "; ..." : "");
 }
 

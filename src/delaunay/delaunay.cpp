@@ -8,6 +8,7 @@
 
 #include "carving.hpp"
 #include "estimate.hpp"
+#include "flat_tets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/operators/delaunay_kernel.hpp"
 #include "refinement.hpp"
@@ -60,9 +61,14 @@ void thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
 /// @return false if it was stopped before the rules had nothing to ask for.
 bool refined(delaunay::Refinement& refinement, const DelaunayOptions& options, DelaunayReport& report,
              Context& context) {
+  constexpr int kMostClearings = 8;  // Some faces come back, whatever is taken out.
+  int clearings = 0;
   do {
     report.rounds.push_back(refinement.run_round());
-    if (report.rounds.back().inserted == 0 && report.rounds.back().removed == 0) return true;
+    DelaunayRound& last = report.rounds.back();
+    if (last.inserted + last.removed > 0) continue;
+    if (clearings++ < kMostClearings) last.removed = refinement.clear_bad_faces();
+    if (last.removed == 0) return true;
   } while (static_cast<int>(report.rounds.size()) < options.max_rounds && !context.cancelled());
   refinement.name_materials();
   if (!context.cancelled())
@@ -99,8 +105,11 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   context.phase("insertion", [&] { refinement.insert_seeds(seeds, boundary); });
   context.phase("refinement",
                 [&] { result.report.complete = refined(refinement, options, result.report, context); });
-  result.report.pinched_vertices = context.phase(
-      "topology", [&] { return delaunay::relabel_pinched(result.mesh, domain, refinement.pinched()); });
+  result.report.pinched_vertices = context.phase("topology", [&] {
+    const std::size_t pinched = delaunay::relabel_pinched(result.mesh, domain, refinement.pinched());
+    delaunay::relabel_flat(result.mesh, domain);
+    return pinched;
+  });
   context.phase("carving", [&] { delaunay::carve(result.mesh, domain, 0.2 * options.delta_mm); });
   if (result.report.pinched_vertices > 0)
     result.report.notes.push_back(fmt::format(

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "granting.hpp"
 #include "lumesh/core/context.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/operators/delaunay_execution.hpp"
@@ -20,11 +21,15 @@ class Refinement {
       : mesh_(mesh),
         spacing_(spacing),
         rules_(mesh, spacing, {options.radius_edge, options.facet_angle_deg}),
+        granting_(spacing),
         execution_(mesh, options.team) {}
 
   void insert_seeds(const Seeds& seeds, std::span<const std::uint32_t> boundary);
   /// @return what it did; nothing left to do if it found no wishes that can be granted.
   [[nodiscard]] DelaunayRound run_round();
+  /// Takes out vertices between which boundary faces have angles that no point can mend.
+  /// @return how many.
+  std::size_t clear_bad_faces();
   /// Gives what the last round has made its materials.
   void name_materials() { find_materials(fresh_tets()); }
   /// Pinched vertices of the mesh as the last round has left it.
@@ -40,20 +45,17 @@ class Refinement {
   [[nodiscard]] std::vector<VertexId> newly_pinched(std::span<const TetId> fresh);
   /// For each of them, what its face with the largest place on the surface asks for.
   [[nodiscard]] std::vector<Wish> wishes_of_topology(std::span<const VertexId> pinched) const;
-  /// Those that no more urgent one is too near to; the others keep their tetrahedra fresh.
-  [[nodiscard]] std::vector<Wish> granted(std::vector<Wish> wishes);
-  [[nodiscard]] bool spare_curves(Wish& wish, std::span<const TetId> conflicts) const;
   [[nodiscard]] std::vector<VertexId> crowding(std::span<const VertexId> made,
                                                std::span<const Wish> wishes) const;
 
   TetMesh& mesh_;
   const Spacing& spacing_;
   Rules rules_;
+  Granting granting_;
   operators::DelaunayExecution execution_;
   std::uint32_t stamp_ = 1;                       // Of what is fresh.
-  std::vector<std::uint32_t> claims_;             // By tetrahedron; 0: none.
   std::optional<std::vector<VertexId>> pinched_;  // Before the last round; unknown at first.
-  int rounds_ = 0;
+  int rounds_ = 0, clearings_ = 0;
   bool has_changed_ = true;  // In the last round.
 };
 

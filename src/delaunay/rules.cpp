@@ -14,7 +14,6 @@ namespace {
 
 constexpr float kSurfaceFirst = 1e6F;
 
-/// Cosine of the smallest angle of a triangle.
 /// In an order that does not depend on who made the tetrahedron.
 std::array<Vec3, 4> corners_of(const TetMesh& mesh, TetId t) {
   std::array<Vec3, 4> corners = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)};
@@ -23,6 +22,17 @@ std::array<Vec3, 4> corners_of(const TetMesh& mesh, TetId t) {
 }
 
 }  // namespace
+
+bool is_more_urgent(const Wish& a, const Wish& b) {
+  if (a.urgency != b.urgency) return a.urgency > b.urgency;
+  return precedes(a.point, b.point);
+}
+
+VertexDimension dimension_of(const MaterialSet& materials) {
+  return materials.size() == 2   ? VertexDimension::kSurface
+         : materials.size() == 3 ? VertexDimension::kCurve
+                                 : VertexDimension::kCorner;
+}
 
 Circumsphere circumsphere(const TetMesh& mesh, TetId t) {
   // Corners stand in an order that depends on who made the tetrahedron; rounding must not.

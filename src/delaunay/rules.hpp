@@ -24,6 +24,11 @@ struct Wish {
   double spacing;  ///< Of points of the surface there; 0 inside.
 };
 
+[[nodiscard]] bool is_more_urgent(const Wish& a, const Wish& b);
+
+/// Of a point where so many materials meet.
+[[nodiscard]] VertexDimension dimension_of(const MaterialSet& materials);
+
 struct Circumsphere {
   Vec3 centre;  ///< Not finite if the tetrahedron is flat.
   double radius;

@@ -32,7 +32,7 @@ struct DelaunayOptions {
   double facet_angle_deg = 30;  ///< Smallest angle of boundary triangles, 0 to 30.
   Seeding seeding = Seeding::kLattice;
   const Sizing* sizing = nullptr;  ///< Further wishes for edge lengths; outlives the call.
-  int max_rounds = 60;             ///< Of refinement, >= 1.
+  int max_rounds = 120;            ///< Of refinement, >= 1.
   parallel::TeamOptions team = {};
 
   /// @throws Error{kUsage} that names the field.

@@ -11,6 +11,7 @@
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/validate.hpp"
 
 namespace lumesh {
@@ -39,6 +40,14 @@ LabelImage nested_balls(double radius_mm) {
     const double r = (p - kCentre).norm();
     if (r < 0.6 * radius_mm) return p.x() < kCentre.x() ? 1 : 2;
     return r < radius_mm ? 3 : 0;
+  });
+}
+
+/// The lower half of a ball (1) in a thin wall (2) that ends where it is cut.
+LabelImage bowl(double radius_mm) {
+  return voxels_of(frame_of({32, 32, 32}), {0, 1, 2}, [=](const Vec3& p) {
+    const double r = (p - kCentre).norm();
+    return p.z() > kCentre.z() || r > radius_mm ? 0 : r > radius_mm - 2 ? 2 : 1;
   });
 }
 
@@ -107,6 +116,29 @@ TEST(DelaunayMesh, KeepsItsRules) {
     const double area = 0.5 * (b - a).cross(c - a).norm();
     EXPECT_LE(ab * bc * ca / (4 * area), 1.5 * 1.05);  // Its circumradius.
     EXPECT_GT(std::min({ab, bc, ca}), 0.25 * 1.5);
+  }
+}
+
+/// Triangles of boundaries and interfaces with an angle below so many degrees.
+int count_of_faces_below(const TetMesh& mesh, double degrees) {
+  int count = 0;
+  for (std::uint32_t i = 0; i < mesh.tet_count(); ++i)
+    for (int f = 0; f < 4; ++f) {
+      const FaceLink behind = mesh.link(TetId(i), f);
+      if (!behind.is_boundary() && mesh.label(behind.tet()) <= mesh.label(TetId(i))) continue;
+      const Cell<3> corners = mesh.face_corners(TetId(i), f);
+      const auto corner = [&](std::size_t k) { return mesh.point(VertexId(corners[k])); };
+      const double cosine = cosine_of_smallest_angle(corner(0), corner(1), corner(2));
+      count += cosine > std::cos(degrees * std::numbers::pi / 180);
+    }
+  return count;
+}
+
+TEST(DelaunayMesh, LeavesFewSmallFacetAnglesWhereThreeMaterialsMeet) {
+  for (const double delta : {1.5, 1.0, 0.7}) {
+    const DelaunayResult result = meshed(bowl(13), {.delta_mm = delta});
+    expect_valid(result.mesh);
+    EXPECT_LE(count_of_faces_below(result.mesh, 25), 2) << delta;
   }
 }
 

@@ -1,0 +1,92 @@
+#include "bad_faces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "lumesh/geometry/perturbed_insphere.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::delaunay {
+namespace {
+
+struct Candidate {
+  double badness;  // Cosine of the smallest angle.
+  VertexId vertex;
+};
+
+/// Which of two vertices may rather go: one of a surface before one of a curve; among equals, their places
+/// decide.
+bool may_rather_go(const TetMesh& mesh, VertexId v, VertexId w, bool first) {
+  if (mesh.dimension(v) != mesh.dimension(w)) return mesh.dimension(v) > mesh.dimension(w);
+  return precedes(mesh.point(v), mesh.point(w)) == first;
+}
+
+/// The vertex of a face that is to go; invalid if none may.
+VertexId superfluous_vertex(const TetMesh& mesh, const Cell<3>& face, bool first) {
+  constexpr double kCosineOfFlat = -0.64;  // 130 degrees.
+  std::array<VertexId, 3> v;
+  for (std::size_t k = 0; k < 3; ++k) v[k] = VertexId(face[k]);
+  for (const VertexId w : v)
+    if (mesh.dimension(w) == VertexDimension::kVolume) return w;
+  const auto edge2 = [&](int k) {  // Opposite of corner k.
+    return (mesh.point(v[(k + 1) % 3]) - mesh.point(v[(k + 2) % 3])).squaredNorm();
+  };
+  int longest = 0, shortest = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (edge2(k) > edge2(longest)) longest = k;
+    if (edge2(k) < edge2(shortest)) shortest = k;
+  }
+  const auto stays = [&](VertexId w) { return mesh.dimension(w) < VertexDimension::kCurve; };
+  const Vec3 &a = mesh.point(v[longest]), to_b = mesh.point(v[(longest + 1) % 3]) - a,
+             to_c = mesh.point(v[(longest + 2) % 3]) - a;
+  const VertexId middle = v[longest];
+  if (to_b.dot(to_c) < kCosineOfFlat * to_b.norm() * to_c.norm() && !stays(middle)) return middle;
+  const VertexId one = v[(shortest + 1) % 3], other = v[(shortest + 2) % 3];
+  const VertexId gone = may_rather_go(mesh, one, other, first) ? one : other;
+  return stays(gone) ? VertexId() : gone;
+}
+
+}  // namespace
+
+std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& rules, double least_angle_deg,
+                                            bool first) {
+  const double most_cosine = std::cos(least_angle_deg * std::numbers::pi / 180);
+  auto found = parallel::collect<Candidate>(
+      mesh.tet_slots(),
+      [&](std::size_t i, std::vector<Candidate>& out) {
+        const TetId t(static_cast<std::uint32_t>(i));
+        if (!mesh.alive(t)) return;
+        for (int f = 0; f < 4; ++f) {
+          if (!rules.is_boundary(t, f) || mesh.link(t, f).tet() < t) continue;
+          const Cell<3> face = mesh.face_corners(t, f);
+          if (std::any_of(face.begin(), face.end(), [](std::uint32_t v) { return v < 4; })) continue;
+          const bool is_off = std::any_of(face.begin(), face.end(), [&](std::uint32_t v) {
+            return mesh.dimension(VertexId(v)) == VertexDimension::kVolume;
+          });
+          const double cosine = cosine_of_smallest_angle(
+              mesh.point(VertexId(face[0])), mesh.point(VertexId(face[1])), mesh.point(VertexId(face[2])));
+          if (!is_off && !(cosine > most_cosine)) continue;
+          if (const VertexId v = superfluous_vertex(mesh, face, first); v.valid()) out.push_back({cosine, v});
+        }
+      },
+      4096);
+  std::sort(found.begin(), found.end(), [&](const Candidate& a, const Candidate& b) {
+    return a.badness != b.badness ? a.badness > b.badness
+                                  : precedes(mesh.point(a.vertex), mesh.point(b.vertex));
+  });
+  std::vector<VertexId> chosen, blocked;
+  VertexStar star;
+  for (const Candidate& one : found) {
+    if (std::find(blocked.begin(), blocked.end(), one.vertex) != blocked.end()) continue;
+    chosen.push_back(one.vertex);
+    for (const TetId t : star.gather(mesh, one.vertex))
+      for (const std::uint32_t w : mesh.tet(t)) blocked.emplace_back(w);
+  }
+  return chosen;
+}
+
+}  // namespace lumesh::delaunay

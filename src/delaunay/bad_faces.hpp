@@ -1,0 +1,17 @@
+#pragma once
+/// @file Vertices that stand so close to others that boundary faces between them cannot have good angles.
+
+#include <vector>
+
+#include "rules.hpp"
+
+namespace lumesh::delaunay {
+
+/// One vertex of each boundary face with an angle below `least_angle_deg`: an end of its shortest edge, or
+/// the one in the middle of three along a line. No two of the same tetrahedron; those of worse faces first.
+/// @param first  Which end of an edge goes where both might: what did not help once may from the other side.
+/// The same vertices, in the same order, whatever their numbers are.
+[[nodiscard]] std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& rules,
+                                                          double least_angle_deg, bool first);
+
+}  // namespace lumesh::delaunay

@@ -1,0 +1,123 @@
+#include "flat_tets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "lumesh/geometry/perturbed_insphere.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "topology.hpp"
+
+namespace lumesh::delaunay {
+namespace {
+
+constexpr double kCosineOfFlat = -0.8192;      // 145 degrees between two faces: what improvement aims at.
+constexpr double kCosineOfGoodAngle = 0.9063;  // 25 degrees in a face.
+
+struct FlatTet {
+  TetId tet;
+  std::array<Vec3, 4> corners;  // In an order that does not depend on numbers.
+};
+
+/// The faces of one tetrahedron.
+class Faces {
+ public:
+  Faces(const TetMesh& mesh, TetId t) : mesh_(mesh), tet_(t) {}
+
+  [[nodiscard]] Vec3 normal(std::size_t f) const {
+    const auto& [a, b, c] = kTetFaces[f];
+    return triangle_normal(mesh_.corner(tet_, a), mesh_.corner(tet_, b), mesh_.corner(tet_, c));
+  }
+  [[nodiscard]] double cosine_of_smallest(std::size_t f) const {
+    const auto& [a, b, c] = kTetFaces[f];
+    return cosine_of_smallest_angle(mesh_.corner(tet_, a), mesh_.corner(tet_, b), mesh_.corner(tet_, c));
+  }
+  [[nodiscard]] bool are_flat(std::size_t f, std::size_t g) const {
+    return -normal(f).dot(normal(g)) < kCosineOfFlat;
+  }
+  /// True if the two other faces would be good boundary faces, or no worse ones than these two.
+  [[nodiscard]] bool may_be_left(std::size_t f, std::size_t g) const {
+    const double limit = std::max({kCosineOfGoodAngle, cosine_of_smallest(f), cosine_of_smallest(g)});
+    for (std::size_t h = 0; h < 4; ++h)
+      if (h != f && h != g && !(cosine_of_smallest(h) <= limit)) return false;
+    return true;
+  }
+
+ private:
+  const TetMesh& mesh_;
+  TetId tet_;
+};
+
+/// One material is all that is not meshed, but for cut planes.
+Material side_of(const Domain& domain, TetId t, const TetMesh& mesh) {
+  const auto m = static_cast<Material>(mesh.label(t));
+  return domain.is_meshed(m) || domain.is_cut(m) ? m : 0;
+}
+
+/// The material that two faces of a tetrahedron look at, if they are flat and the tetrahedron is to have it.
+std::optional<Material> taker_of(const TetMesh& mesh, const Domain& domain, TetId t) {
+  int on_curves = 0;
+  for (int k = 0; k < 4; ++k)
+    on_curves += static_cast<int>(mesh.dimension(mesh.vertex(t, k)) <= VertexDimension::kCurve);
+  if (on_curves == 0) return std::nullopt;
+  const Material mine = side_of(domain, t, mesh);
+  std::array<Material, 4> behind;
+  for (int f = 0; f < 4; ++f) {
+    const FaceLink link = mesh.link(t, f);
+    if (link.is_boundary()) return std::nullopt;
+    behind[static_cast<std::size_t>(f)] = side_of(domain, link.tet(), mesh);
+  }
+  const Faces faces(mesh, t);
+  for (std::size_t f = 0; f < 4; ++f)
+    for (std::size_t g = f + 1; g < 4; ++g)
+      if (behind[f] == behind[g] && behind[f] != mine && !domain.is_cut(behind[f]) && faces.are_flat(f, g) &&
+          faces.may_be_left(f, g))
+        return behind[f];
+  return std::nullopt;
+}
+
+bool comes_before(const FlatTet& a, const FlatTet& b) {
+  return std::lexicographical_compare(a.corners.begin(), a.corners.end(), b.corners.begin(), b.corners.end(),
+                                      precedes);
+}
+
+std::vector<FlatTet> flat_tets(const TetMesh& mesh, const Domain& domain) {
+  auto found = parallel::collect<FlatTet>(
+      mesh.tet_slots(),
+      [&](std::size_t i, std::vector<FlatTet>& out) {
+        const TetId t(static_cast<std::uint32_t>(i));
+        if (!mesh.alive(t) || !domain.is_meshed(static_cast<Material>(mesh.label(t)))) return;
+        if (!taker_of(mesh, domain, t)) return;
+        FlatTet flat{t, {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)}};
+        std::sort(flat.corners.begin(), flat.corners.end(), precedes);
+        out.push_back(flat);
+      },
+      8192);
+  parallel::sort(found.begin(), found.end(), comes_before);
+  return found;
+}
+
+}  // namespace
+
+std::size_t relabel_flat(TetMesh& mesh, const Domain& domain) {
+  if (domain.label_count() <= 2) return 0;
+  std::size_t count = 0;
+  for (const FlatTet& flat : flat_tets(mesh, domain)) {
+    const auto taker = taker_of(mesh, domain, flat.tet);
+    if (!taker) continue;  // What was done before has changed its surroundings.
+    const Label before = mesh.label(flat.tet);
+    std::array<VertexId, 4> around;
+    for (int k = 0; k < 4; ++k) around[static_cast<std::size_t>(k)] = mesh.vertex(flat.tet, k);
+    mesh.set_label(flat.tet, static_cast<Label>(*taker));
+    if (pinched_among(mesh, domain, around).empty())
+      ++count;
+    else
+      mesh.set_label(flat.tet, before);
+  }
+  return count;
+}
+
+}  // namespace lumesh::delaunay
