@@ -1,0 +1,107 @@
+#include "../src/delaunay/granting.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+#include <map>
+#include <random>
+#include <set>
+
+#include "lumesh/domain/analytic_domain.hpp"
+#include "lumesh/operators/delaunay_execution.hpp"
+
+namespace lumesh::delaunay {
+namespace {
+
+std::vector<Vec3> random_points(std::size_t count, std::mt19937& random) {
+  std::uniform_real_distribution<double> place(0, 10);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < count; ++i) points.emplace_back(place(random), place(random), place(random));
+  return points;
+}
+
+TetMesh triangulation_of(const std::vector<Vec3>& points) {
+  TetMesh mesh = operators::triangulation_around(Vec3::Constant(5), 10);
+  std::vector<operators::DelaunayExecution::NewVertex> vertices;
+  for (const Vec3& p : points) vertices.push_back({p, VertexDimension::kVolume, {}});
+  operators::DelaunayExecution(mesh, {}).insert(vertices, 1);
+  return mesh;
+}
+
+TetId any_of(const TetMesh& mesh) {
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    if (mesh.alive(TetId(i))) return TetId(i);
+  return {};
+}
+
+double distance_to_nearest(const std::vector<Vec3>& points, const Vec3& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec3& p : points) least = std::min(least, (p - x).norm());
+  return least;
+}
+
+/// Which of the points are joined by an edge.
+std::set<std::array<std::size_t, 2>> neighbours_once_inserted(TetMesh& mesh,
+                                                              const std::vector<Wish>& granted) {
+  std::vector<operators::DelaunayExecution::NewVertex> vertices;
+  for (const Wish& wish : granted) vertices.push_back({wish.point, VertexDimension::kVolume, {}});
+  std::vector<VertexId> made(granted.size());
+  operators::DelaunayExecution(mesh, {}).insert(vertices, 3, made);
+  std::map<std::uint32_t, std::size_t> which;
+  for (std::size_t i = 0; i < made.size(); ++i) which[made[i].value] = i;
+  std::set<std::array<std::size_t, 2>> pairs;
+  for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
+    for (const auto& [i, j] : kTetEdges) {
+      if (!mesh.alive(TetId(t))) continue;
+      const auto a = which.find(mesh.vertex(TetId(t), i).value),
+                 b = which.find(mesh.vertex(TetId(t), j).value);
+      if (a != which.end() && b != which.end())
+        pairs.insert({std::min(a->second, b->second), std::max(a->second, b->second)});
+    }
+  return pairs;
+}
+
+/// Many more wishes than vertices, so that most tetrahedra are claimed many times. Points that replace
+/// nothing in common may come a little nearer.
+TEST(Granting, MakesNoEdgesMuchShorterThanEachPointAloneWould) {
+  const AnalyticDomain domain = analytic_ball(Vec3::Constant(5), 4);
+  const Spacing spacing(domain, 1, 1.3, std::numeric_limits<double>::infinity(), nullptr);
+  std::size_t all = 0;
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    const std::vector<Vec3> points = random_points(60, random);
+    TetMesh mesh = triangulation_of(points);
+    std::vector<Wish> wishes;
+    for (const Vec3& p : random_points(300, random))
+      wishes.push_back({p, any_of(mesh), std::uniform_real_distribution<float>(0, 1)(random),
+                        VertexDimension::kVolume, 0});
+    Granting granting(spacing);
+    const std::vector<Wish> granted = granting.granted(mesh, wishes, 2);
+    EXPECT_FALSE(granted.empty());
+    all += granted.size();
+    for (const auto& [one, other] : neighbours_once_inserted(mesh, granted)) {
+      const Wish& second = is_more_urgent(granted[one], granted[other]) ? granted[other] : granted[one];
+      EXPECT_GE((granted[one].point - granted[other].point).norm(),
+                0.5 * distance_to_nearest(points, second.point));
+    }
+  }
+  EXPECT_GT(all, 20U * 20);
+}
+
+TEST(Granting, GivesTheMostUrgentOfACrowd) {
+  const AnalyticDomain domain = analytic_ball(Vec3::Constant(5), 4);
+  const Spacing spacing(domain, 1, 1.3, std::numeric_limits<double>::infinity(), nullptr);
+  TetMesh mesh = triangulation_of({{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}, {10, 10, 10}});
+  std::vector<Wish> wishes;
+  for (int i = 0; i < 5; ++i)
+    wishes.push_back(
+        {Vec3(5 + 0.01 * i, 5, 5), any_of(mesh), static_cast<float>(i), VertexDimension::kVolume, 0});
+  Granting granting(spacing);
+  const std::vector<Wish> granted = granting.granted(mesh, wishes, 2);
+  ASSERT_EQ(granted.size(), 1U);
+  EXPECT_EQ(granted[0].urgency, 4);
+}
+
+}  // namespace
+}  // namespace lumesh::delaunay
