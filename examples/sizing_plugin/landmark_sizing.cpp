@@ -11,9 +11,12 @@
 // the options; what stands below them is the same for all plugins.
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <fstream>
 #include <limits>
@@ -81,15 +84,49 @@ class Landmarks {
   std::vector<Point> points_;
 };
 
+/// Distances of the places that a thread has asked for last. A vertex is a corner of some twenty tetrahedra,
+/// and those near by are asked about one after another: most questions have been answered before.
+class Memory {
+ public:
+  template <class Measure>
+  double get(std::uint64_t of, const Point& x, const Measure& measure) {
+    Entry& entry = entries_[slot_of(x)];
+    if (entry.of != of || entry.x != x) entry = {of, x, measure()};
+    return entry.distance;
+  }
+
+ private:
+  struct Entry {
+    std::uint64_t of = 0;
+    Point x{};
+    double distance = 0;
+  };
+  static std::size_t slot_of(const Point& x) {
+    std::uint64_t hash = 0;
+    for (const double c : x) {
+      std::uint64_t bits = 0;
+      std::memcpy(&bits, &c, sizeof bits);
+      hash = (hash ^ bits) * 0x9E3779B97F4A7C15u;
+      hash ^= hash >> 32;
+    }
+    return hash % kEntries;
+  }
+
+  static constexpr std::size_t kEntries = 8192;
+  std::array<Entry, kEntries> entries_{};
+};
+
 /// What the plugin knows: made once, then only read.
 struct Sizes {
   Landmarks landmarks;
   double adapt_const = 1;
   double floor_mm = 0;
+  std::uint64_t number = 0;  // Unlike an address, of these sizes alone.
 
   /// Distance to the closest landmark; near one, that which gives the floor.
   [[nodiscard]] double distance(const Point& x) const {
-    return std::max(landmarks.distance(x), floor_mm / adapt_const);
+    thread_local Memory memory;
+    return memory.get(number, x, [&] { return std::max(landmarks.distance(x), floor_mm / adapt_const); });
   }
 
   /// The edge length that just passes should_be_adapted().
@@ -165,7 +202,8 @@ std::unique_ptr<Sizes> read_sizes(const std::string& options) {
   }
   if (floor_mm == 0)
     throw std::runtime_error("floor is missing: give the shortest wanted edge, such as floor=0.5 (mm)");
-  return std::make_unique<Sizes>(Sizes{Landmarks(read_landmarks(file)), adapt_const, floor_mm});
+  static std::atomic<std::uint64_t> count = 0;
+  return std::make_unique<Sizes>(Sizes{Landmarks(read_landmarks(file)), adapt_const, floor_mm, ++count});
 }
 
 }  // namespace

@@ -121,10 +121,37 @@ std::vector<Granting::Replacement> Granting::replacements(const TetMesh& mesh,
   return replaced;
 }
 
+/// Of neighbours that all wish for points inside, most would not get theirs: finding out what each would
+/// replace costs more than anything else.
+std::vector<Wish> Granting::without_those_beside_more_urgent_ones(TetMesh& mesh, std::vector<Wish> wishes,
+                                                                  std::uint32_t stamp) {
+  const auto rank_of = [&](std::size_t i) { return static_cast<std::uint32_t>(wishes.size() - i); };
+  const auto is_inside = [&](std::size_t i) { return wishes[i].dimension == VertexDimension::kVolume; };
+  parallel::for_each_index(wishes.size(), [&](std::size_t i) {
+    if (is_inside(i)) claims_[wishes[i].tet.value] = rank_of(i);
+  });
+  auto kept = parallel::collect<Wish>(wishes.size(), [&](std::size_t i, std::vector<Wish>& out) {
+    bool is_first = true;
+    for (int f = 0; f < 4 && is_inside(i); ++f) {
+      const FaceLink behind = mesh.link(wishes[i].tet, f);
+      is_first &= behind.is_boundary() || claims_[behind.tet().value] <= rank_of(i);
+    }
+    if (is_first)
+      out.push_back(wishes[i]);
+    else
+      mesh.set_stamp(wishes[i].tet, stamp);
+  });
+  parallel::for_each_index(wishes.size(), [&](std::size_t i) {
+    if (is_inside(i)) claims_[wishes[i].tet.value] = 0;
+  });
+  return kept;
+}
+
 std::vector<Wish> Granting::granted(TetMesh& mesh, std::vector<Wish> wishes, std::uint32_t stamp) {
-  parallel::sort(wishes.begin(), wishes.end(), is_more_urgent);
-  const std::vector<Replacement> replaced = replacements(mesh, wishes);
   claims_.resize(mesh.tet_slots(), 0);
+  parallel::sort(wishes.begin(), wishes.end(), is_more_urgent);
+  wishes = without_those_beside_more_urgent_ones(mesh, std::move(wishes), stamp);
+  const std::vector<Replacement> replaced = replacements(mesh, wishes);
   const auto of_wishes = [&](const auto& work) { parallel::for_each_index(wishes.size(), work); };
   of_wishes([&](std::size_t i) {
     for (const TetId t : replaced[i].tets)

@@ -27,6 +27,9 @@ class Granting {
     double reach2 = 0;  ///< Square of the distance to the nearest vertex.
   };
 
+  [[nodiscard]] std::vector<Wish> without_those_beside_more_urgent_ones(TetMesh& mesh,
+                                                                        std::vector<Wish> wishes,
+                                                                        std::uint32_t stamp);
   [[nodiscard]] std::vector<Replacement> replacements(const TetMesh& mesh, std::vector<Wish>& wishes) const;
   [[nodiscard]] bool spare_curves(const TetMesh& mesh, Wish& wish, std::span<const TetId> conflicts) const;
 

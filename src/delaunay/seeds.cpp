@@ -139,7 +139,16 @@ class LatticeDescent {
   }
 
   [[nodiscard]] bool is_small_enough(const Vec3& low, double size) const {
-    return size <= std::sqrt(2.0) * wanted_constant(low, size);
+    constexpr double kMostFiner = 4;  // What wants still more is left to the rules: it may have no end.
+    constexpr double kShare = 0.8;    // What is a little too large costs less points if the rules mend it.
+    const double most = std::sqrt(2.0) * wanted_constant(low, size);
+    return size <= most &&
+           (size * kMostFiner <= most || !spacing_.wants_finer(lattice_tet(low, kShare * size)));
+  }
+  /// One of the tetrahedra of the lattice in a cell; they are all alike.
+  static std::array<Vec3, 4> lattice_tet(const Vec3& low, double size) {
+    return {low, low + size * Vec3(1, 0, 0), low + 0.5 * size * Vec3(1, 1, 1),
+            low + 0.5 * size * Vec3(1, -1, 1)};
   }
 
   /// How close points of a boundary in the cell stand; infinite if there is none, or none that is finer than
