@@ -126,7 +126,8 @@ void run(DelaunayCommand command) {
   });
   for (const std::string& note : result.report.notes) context.warn(note);
   if (given.shape && command.input.cut_planes.empty())
-    for (const std::string& line : differences(*given.shape, mesh.view(faces))) context.warn(line);
+    for (const std::string& line : context.phase("check", [&] { return differences(*given.shape, mesh); }))
+      context.warn(line);
   if (sizing)
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;

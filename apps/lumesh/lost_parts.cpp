@@ -5,23 +5,24 @@
 #include <algorithm>
 #include <map>
 
-#include "lumesh/quality/surface.hpp"
+#include "lumesh/mesh/label_shapes.hpp"
 
 namespace lumesh::cli {
 namespace {
 
 constexpr std::size_t kLeastVoxels = 27, kMostListed = 3;
 
-/// Whether any cell of the piece's label has its middle in the piece's box.
-std::vector<bool> found_pieces(const ImageShape& image, const MeshView& mesh) {
-  std::map<Label, std::vector<std::size_t>> of_label;
-  for (std::size_t p = 0; p < image.pieces.size(); ++p) of_label[image.pieces[p].label].push_back(p);
+/// Whether any tetrahedron of the piece's label has its middle in the piece's box.
+std::vector<bool> found_pieces(const ImageShape& image, const TetMesh& mesh) {
+  std::map<Label, std::vector<std::size_t>> missing;
+  for (std::size_t p = 0; p < image.pieces.size(); ++p) missing[image.pieces[p].label].push_back(p);
   std::vector<bool> is_found(image.pieces.size(), false);
-  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
-    const auto pieces = of_label.find(mesh.tetrahedron_labels[i]);
-    if (pieces == of_label.end()) continue;
+  for (std::uint32_t i = 0; i < mesh.tet_count() && !missing.empty(); ++i) {
+    const TetId t(i);
+    const auto pieces = missing.find(mesh.label(t));
+    if (pieces == missing.end()) continue;
     Vec3 sum = Vec3::Zero();
-    for (const std::uint32_t v : mesh.tetrahedra[i]) sum += mesh.points[v];
+    for (int k = 0; k < 4; ++k) sum += mesh.corner(t, k);
     const Vec3 index = image.frame.to_index(0.25 * sum);
     std::erase_if(pieces->second, [&](std::size_t p) {
       const VoxelBox& box = image.pieces[p].box;
@@ -30,11 +31,12 @@ std::vector<bool> found_pieces(const ImageShape& image, const MeshView& mesh) {
       if (is_inside) is_found[p] = true;
       return is_inside;
     });
+    if (pieces->second.empty()) missing.erase(pieces);
   }
   return is_found;
 }
 
-std::string lost_pieces(const ImageShape& image, const MeshView& mesh) {
+std::string lost_pieces(const ImageShape& image, const TetMesh& mesh) {
   const std::vector<bool> is_found = found_pieces(image, mesh);
   std::string list;
   std::size_t lost = 0;
@@ -52,10 +54,8 @@ std::string lost_pieces(const ImageShape& image, const MeshView& mesh) {
       lost == 1 ? "" : "s", list, lost > kMostListed ? "; ..." : "");
 }
 
-std::string other_shapes(const ImageShape& image, const MeshView& mesh) {
-  constexpr std::size_t kMostCells = 8'000'000;  // Counting takes about a second per million.
-  if (mesh.tetrahedra.size() > kMostCells) return {};
-  const std::vector<quality::SolidTopology> solids = quality::analyse_solids(mesh);
+std::string other_shapes(const ImageShape& image, const TetMesh& mesh) {
+  const std::vector<LabelShape> solids = label_shapes(mesh);
   std::string list;
   std::size_t others = 0;
   for (const LabelTopology& label : image.labels) {
@@ -84,7 +84,7 @@ ImageShape shape_of(const LabelImage& image) {
   return shape;
 }
 
-std::vector<std::string> differences(const ImageShape& image, const MeshView& mesh) {
+std::vector<std::string> differences(const ImageShape& image, const TetMesh& mesh) {
   std::vector<std::string> lines;
   for (std::string line : {lost_pieces(image, mesh), other_shapes(image, mesh)})
     if (!line.empty()) lines.push_back(std::move(line));

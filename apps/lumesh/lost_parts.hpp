@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lumesh/image/topology.hpp"
-#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh::cli {
 
@@ -19,8 +19,7 @@ struct ImageShape {
 [[nodiscard]] ImageShape shape_of(const LabelImage& image);
 
 /// One line for pieces of labels that have no tetrahedron, with their places, and one for labels whose number
-/// of pieces or Euler number differs (not looked at in meshes of more than eight million tetrahedra); none if
-/// all is there.
-[[nodiscard]] std::vector<std::string> differences(const ImageShape& image, const MeshView& mesh);
+/// of pieces or Euler number differs; none if all is there. @param mesh  Compact.
+[[nodiscard]] std::vector<std::string> differences(const ImageShape& image, const TetMesh& mesh);
 
 }  // namespace lumesh::cli

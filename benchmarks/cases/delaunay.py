@@ -26,7 +26,7 @@ DATA = ["crtc-cbc3d/nidus.nii.gz@1", "crtc-cbc3d/ventricles.nii.gz@1.5", "crtc-c
         "aneurism/aneurism_label_t37.nrrd@0.6 --smoothing 0.7", "aneurism/aneurism_x2_smooth_label_t37.nrrd@1",
         "aneurism/aneurism_x2_crop_sac_label.nrrd@1", "multi-label/MRIcrop-seg.gipl.gz@1.2",
         "multi-label/MRIcrop-seg.gipl.gz@0.7"]
-NO_MESHING = ("read", "shape", "domain", "sizes", "write", "pass")  # A pass is part of improvement.
+NO_MESHING = ("read", "shape", "domain", "sizes", "write", "check", "pass")  # A pass is part of improvement.
 IMPROVEMENT = ("improvement",)
 
 

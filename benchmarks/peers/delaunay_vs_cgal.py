@@ -24,16 +24,17 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cases"))
 import run  # noqa: E402  (measure() and ROOT)
 
 FIT, HOLDS = 0.01, 0.02  # Shares of the target: what a search ends with, and what is still taken as equal.
-OUTSIDE_MESHING = ("read", "write", "pass")  # Phases of lumesh; a pass is part of another phase.
+OUTSIDE_MESHING = ("read", "write", "check", "pass")  # Phases of lumesh; a pass is part of another phase.
 
 
 @dataclasses.dataclass(frozen=True)
 class Variant:
-    program: str  # "lumesh", "cgal-par" or "cgal-seq"
+    program: str  # "lumesh", "improved", "cgal-par" or "cgal-seq"
     threads: int
 
     def name(self):
-        return {"lumesh": "lumesh delaunay", "cgal-par": "CGAL, parallel", "cgal-seq": "CGAL, sequential"}[self.program]
+        return {"lumesh": "lumesh, not improved", "improved": "lumesh, with improvement", "cgal-par": "CGAL, parallel",
+                "cgal-seq": "CGAL, sequential"}[self.program]
 
 
 @dataclasses.dataclass
@@ -71,19 +72,19 @@ def lumesh_told(report):
 
 def run_lumesh(arguments, variant, size, mesh):
     report = mesh.with_suffix(".report.json")
-    command = [arguments.program, "delaunay", arguments.image, "-o", mesh, "--delta", size, "--no-improve", "-q",
-               "--threads", variant.threads, "--json", report, *shlex.split(arguments.lumesh_options)]
+    command = [arguments.program, "delaunay", arguments.image, "-o", mesh, "--delta", size, "-q", "--threads", variant.threads,
+               "--json", report, *(["--no-improve"] if variant.program == "lumesh" else []), *shlex.split(arguments.lumesh_options)]
     _, _, mib = run.measure([str(word) for word in command])
     return Result(*lumesh_told(report), mib)
 
 
 def mesh_of(arguments, variant):
-    suffix = ".meshb" if variant.program == "lumesh" else ".mesh"
+    suffix = ".mesh" if variant.program.startswith("cgal") else ".meshb"
     return arguments.results / f"{arguments.image.stem}-{variant.program}-{variant.threads}{suffix}"
 
 
 def run_variant(arguments, variant, size):
-    runner = run_lumesh if variant.program == "lumesh" else run_cgal
+    runner = run_cgal if variant.program.startswith("cgal") else run_lumesh
     return runner(arguments, variant, f"{size:.6g}", mesh_of(arguments, variant))
 
 
@@ -98,7 +99,7 @@ class Sizes:
 
     def key(self, program, target):
         a = self.arguments
-        options = a.lumesh_options if program == "lumesh" else f"{a.facet_distance} {a.radius_edge} {a.cgal_options}"
+        options = f"{a.facet_distance} {a.radius_edge} {a.cgal_options}" if program.startswith("cgal") else a.lumesh_options
         return f"{a.image.name} {self.digest} | {program} {options.strip()} | {target}"
 
     def get(self, program, target):
@@ -135,12 +136,17 @@ class Sizes:
 
 def evaluate(arguments, variant):
     numbers = mesh_of(arguments, variant).with_suffix(".numbers.json")
-    command = [arguments.program, "evaluate", mesh_of(arguments, variant), "--image", arguments.image, "--json", numbers, "-q"]
+    command = [arguments.program, "evaluate", mesh_of(arguments, variant), "--image", arguments.image, "--json", numbers, "-q",
+               *(["--reference", arguments.reference] if arguments.reference else [])]
     run.measure([str(word) for word in command], allowed=(0, 3))  # 3: the mesh is not valid; the table says so.
     found = json.loads(numbers.read_text())
     distances, labels = found["hausdorff_mm"], found["labels"]
     image_volume = sum(label["voxel_volume_mm3"] for label in labels)
-    return {"valid": found["valid"], "dihedral": [found["dihedral_deg"]["min"], found["dihedral_deg"]["max"]],
+    truths = [label["reference"]["surface_distance_mm"] for label in labels if "reference" in label]
+    patches = found["boundary"].get("patches", [])
+    return {"truth": [max(t[k] for t in truths) for k in ("mean", "max")] if truths else None,
+            "facet": min((p["smallest_angle_deg"] for p in patches), default=None),
+            "valid": found["valid"], "dihedral": [found["dihedral_deg"]["min"], found["dihedral_deg"]["max"]],
             "below_5": found["dihedral_deg"]["below"]["5"],
             "mesh_to_image": [distances["mesh_to_image"][k] for k in ("mean", "max")],
             "image_to_mesh": [distances["image_to_mesh"][k] for k in ("mean", "max")],
@@ -184,7 +190,8 @@ def ratio_of(measured, variant):
 
 def table(measured):
     lines = ["| program | threads | tetrahedra | seconds | tetrahedra/s | / CGAL parallel | dihedral, degrees | below 5° | "
-             "mesh to image, mean / max mm | image to mesh, mean / max mm | volume | peak MiB | boundary |", "|" + "---|" * 13]
+             "least facet angle | mesh to truth, mean / max mm | mesh to image, mean / max mm | image to mesh, mean / max mm | "
+             "volume | peak MiB | boundary |", "|" + "---|" * 15]
     for variant, (runs, quality) in measured.items():
         boundary = ", ".join(word for word, good in (("closed", quality["closed"]), ("manifold", quality["manifold"]),
                                                      ("valid", quality["valid"])) if good) or "faulty"
@@ -192,6 +199,8 @@ def table(measured):
             variant.name(), str(variant.threads), f"{statistics.median(r.tetrahedra for r in runs):,.0f}",
             f"{statistics.median(r.seconds for r in runs):.2f}", f"{statistics.median(map(rate, runs)):,.0f}",
             ratio_of(measured, variant), "{:.2f}–{:.2f}".format(*quality["dihedral"]), f"{quality['below_5']:,}",
+            "–" if quality["facet"] is None else f"{quality['facet']:.1f}",
+            "–" if quality["truth"] is None else "{:.3f} / {:.2f}".format(*quality["truth"]),
             "{:.3f} / {:.2f}".format(*quality["mesh_to_image"]), "{:.3f} / {:.2f}".format(*quality["image_to_mesh"]),
             f"{quality['volume_error_percent']:+.2f} %", f"{max(r.peak_mib for r in runs):.0f}", boundary]) + " |")
     return "\n".join(lines)
@@ -202,7 +211,9 @@ def parsed():
     parser.add_argument("image", type=pathlib.Path, metavar="IMAGE.nrrd")
     parser.add_argument("--targets", default="500000,2000000", help="numbers of tetrahedra")
     parser.add_argument("--threads", default="1,2")
-    parser.add_argument("--programs", default="cgal-seq,cgal-par,lumesh", help="which to run")
+    parser.add_argument("--programs", default="cgal-seq,cgal-par,lumesh,improved",
+                        help="which to run; improved: lumesh with improvement")
+    parser.add_argument("--reference", type=pathlib.Path, help="a phantom's .phantom.json: distances to its true surface")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--results", type=pathlib.Path, default=run.ROOT / "out/peers", help="folder to write to")
     parser.add_argument("--program", default=str(run.ROOT / "build/release/bin/lumesh"), help="lumesh")

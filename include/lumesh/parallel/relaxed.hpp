@@ -15,6 +15,12 @@ inline void store_relaxed(std::uint32_t& word, std::uint32_t value) {
   std::atomic_ref<std::uint32_t>(word).store(value, std::memory_order_relaxed);
 }
 
+/// @return true if the word was `expected` and is `value` now.
+inline bool replace_relaxed(std::uint32_t& word, std::uint32_t expected, std::uint32_t value) {
+  return std::atomic_ref<std::uint32_t>(word).compare_exchange_strong(expected, value,
+                                                                      std::memory_order_relaxed);
+}
+
 /// The lesser of both stays; the order of calls does not matter.
 template <class Number>
 void lower_to(Number& number, Number value) {

@@ -12,6 +12,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/mesh/validate.hpp"
 
 namespace lumesh {
@@ -181,6 +182,19 @@ TEST(DelaunayMesh, OfSeveralLabelsConformsWhereTheyMeet) {
   const auto volumes = volumes_of(result.mesh);
   for (const auto& [label, volume] : sampled_volumes(image))
     EXPECT_NEAR(volumes.at(label) / volume, 1, 0.015) << label;
+}
+
+/// Balls, half balls, a shell, a ring, two pieces of one label: by label_shapes(), whose truths these are.
+TEST(DelaunayMesh, HasThePiecesAndTheEulerNumbersOfTheShapes) {
+  using Shapes = std::vector<LabelShape>;
+  EXPECT_EQ(label_shapes(meshed(ball(11)).mesh), (Shapes{{1, 1, 1}}));
+  EXPECT_EQ(label_shapes(meshed(nested_balls(13)).mesh), (Shapes{{1, 1, 1}, {2, 1, 1}, {3, 1, 2}}));
+  const LabelImage ring_and_balls = voxels_of(frame_of({32, 32, 32}), {0, 1, 2}, [](const Vec3& p) {
+    const Vec3 q = p - kCentre;
+    if (std::hypot(std::hypot(q.x(), q.y()) - 9, q.z()) < 3.5) return 1;
+    return (q - Vec3(0, 0, 10)).norm() < 3 || (q + Vec3(0, 0, 10)).norm() < 3 ? 2 : 0;
+  });
+  EXPECT_EQ(label_shapes(meshed(ring_and_balls).mesh), (Shapes{{1, 1, 0}, {2, 2, 2}}));
 }
 
 TEST(DelaunayMesh, EveryThreadCountGivesTheSameBits) {

@@ -1,0 +1,22 @@
+#pragma once
+/// @file How many pieces each label of a mesh has, and of which Euler number.
+
+#include <cstdint>
+#include <vector>
+
+#include "lumesh/mesh/tet_mesh.hpp"
+
+namespace lumesh {
+
+struct LabelShape {
+  Label label = 0;
+  std::uint64_t components = 0;  ///< Parts connected through faces.
+  std::int64_t euler = 0;        ///< V - E + F - T of all of them: 1 for a ball, 0 for a ring.
+  friend bool operator==(const LabelShape&, const LabelShape&) = default;
+};
+
+/// In the order of the labels. The boundary of each label must be a manifold, as validate() asks: half of its
+/// Euler number is that of the label. @param mesh  Compact.
+[[nodiscard]] std::vector<LabelShape> label_shapes(const TetMesh& mesh);
+
+}  // namespace lumesh

@@ -1,0 +1,111 @@
+#include "lumesh/mesh/label_shapes.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/relaxed.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr std::size_t kBlock = 8192;
+
+/// Sets of numbers that many threads unite: each points to a smaller one of its set, the smallest to itself.
+class SharedSets {
+ public:
+  explicit SharedSets(std::size_t count) : parents_(count) {
+    parallel::for_each_index(count, [&](std::size_t i) { parents_[i] = static_cast<std::uint32_t>(i); });
+  }
+  [[nodiscard]] std::uint32_t smallest_of(std::uint32_t i) {
+    for (std::uint32_t parent = of(i); parent != i; parent = of(i)) {
+      // Halves the way for those who come later; a smaller parent may be there by now.
+      parallel::lower_to(parents_[i], of(parent));
+      i = parent;
+    }
+    return i;
+  }
+  void unite(std::uint32_t i, std::uint32_t j) {
+    for (;;) {
+      i = smallest_of(i);
+      j = smallest_of(j);
+      if (i == j) return;
+      if (i < j) std::swap(i, j);
+      // Only the smallest of a set is given another set: nothing is torn apart.
+      if (parallel::replace_relaxed(parents_[i], i, j)) return;
+    }
+  }
+
+ private:
+  [[nodiscard]] std::uint32_t of(std::uint32_t i) const { return parallel::load_relaxed(parents_[i]); }
+  std::vector<std::uint32_t> parents_;
+};
+
+/// A corner of a face of a label's boundary.
+struct Corner {
+  Label label;
+  std::uint32_t vertex;
+  friend auto operator<=>(const Corner&, const Corner&) = default;
+};
+
+std::vector<Corner> boundary_corners(const TetMesh& mesh) {
+  auto corners = parallel::collect<Corner>(
+      mesh.tet_count(),
+      [&](std::size_t i, std::vector<Corner>& out) {
+        const TetId t(static_cast<std::uint32_t>(i));
+        for (int f = 0; f < 4; ++f) {
+          const FaceLink behind = mesh.link(t, f);
+          if (!behind.is_boundary() && mesh.label(behind.tet()) == mesh.label(t)) continue;
+          for (const std::uint32_t v : mesh.face_corners(t, f)) out.push_back({mesh.label(t), v});
+        }
+      },
+      kBlock);
+  parallel::sort(corners.begin(), corners.end());
+  return corners;
+}
+
+/// One tetrahedron of each piece.
+std::vector<TetId> pieces(const TetMesh& mesh) {
+  SharedSets sets(mesh.tet_count());
+  parallel::for_each_index(mesh.tet_count(), [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    for (int f = 0; f < 4; ++f) {
+      const FaceLink behind = mesh.link(t, f);
+      if (!behind.is_boundary() && behind.tet() < t && mesh.label(behind.tet()) == mesh.label(t))
+        sets.unite(t.value, behind.tet().value);
+    }
+  });
+  return parallel::collect<TetId>(
+      mesh.tet_count(),
+      [&](std::size_t i, std::vector<TetId>& out) {
+        const auto number = static_cast<std::uint32_t>(i);
+        if (sets.smallest_of(number) == number) out.emplace_back(number);
+      },
+      kBlock);
+}
+
+}  // namespace
+
+std::vector<LabelShape> label_shapes(const TetMesh& mesh) {
+  std::vector<LabelShape> shapes;
+  const auto shape_of = [&](Label label) -> LabelShape& {
+    const auto at = std::lower_bound(shapes.begin(), shapes.end(), label,
+                                     [](const LabelShape& s, Label l) { return s.label < l; });
+    return at != shapes.end() && at->label == label ? *at : *shapes.insert(at, {label, 0, 0});
+  };
+  for (const TetId t : pieces(mesh)) ++shape_of(mesh.label(t)).components;
+  const std::vector<Corner> corners = boundary_corners(mesh);
+  for (LabelShape& shape : shapes) {
+    const auto begin = std::lower_bound(corners.begin(), corners.end(), Corner{shape.label, 0});
+    const auto end =
+        std::partition_point(begin, corners.end(), [&](const Corner& c) { return c.label == shape.label; });
+    std::int64_t vertices = 0;
+    for (auto at = begin; at != end; ++at) vertices += at == begin || *at != at[-1];
+    const std::int64_t faces = (end - begin) / 3;
+    shape.euler = (vertices - faces / 2) / 2;  // Each edge is one of two faces.
+  }
+  return shapes;
+}
+
+}  // namespace lumesh
