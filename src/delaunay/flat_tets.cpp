@@ -79,7 +79,7 @@ std::optional<Material> taker_of(const TetMesh& mesh, const Domain& domain, TetI
   return std::nullopt;
 }
 
-bool comes_before(const FlatTet& a, const FlatTet& b) {
+bool is_first_by_place(const FlatTet& a, const FlatTet& b) {
   return std::lexicographical_compare(a.corners.begin(), a.corners.end(), b.corners.begin(), b.corners.end(),
                                       precedes);
 }
@@ -96,7 +96,7 @@ std::vector<FlatTet> flat_tets(const TetMesh& mesh, const Domain& domain) {
         out.push_back(flat);
       },
       8192);
-  parallel::sort(found.begin(), found.end(), comes_before);
+  parallel::sort(found.begin(), found.end(), is_first_by_place);
   return found;
 }
 

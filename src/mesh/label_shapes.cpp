@@ -10,7 +10,7 @@
 namespace lumesh {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
+constexpr std::size_t kTetsPerBlock = 8192;
 
 /// Sets of numbers that many threads unite: each points to a smaller one of its set, the smallest to itself.
 class SharedSets {
@@ -60,7 +60,7 @@ std::vector<Corner> boundary_corners(const TetMesh& mesh) {
           for (const std::uint32_t v : mesh.face_corners(t, f)) out.push_back({mesh.label(t), v});
         }
       },
-      kBlock);
+      kTetsPerBlock);
   parallel::sort(corners.begin(), corners.end());
   return corners;
 }
@@ -82,7 +82,7 @@ std::vector<TetId> pieces(const TetMesh& mesh) {
         const auto number = static_cast<std::uint32_t>(i);
         if (sets.smallest_of(number) == number) out.emplace_back(number);
       },
-      kBlock);
+      kTetsPerBlock);
 }
 
 }  // namespace
