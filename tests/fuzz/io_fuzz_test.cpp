@@ -14,6 +14,7 @@
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
+#include "lumesh/io/points_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "unit/io/image_bytes.hpp"
 #include "unit/io/io_fixtures.hpp"
@@ -148,6 +149,11 @@ void expect_consistent(const LabelImage& image) {
   ASSERT_TRUE((image.frame().spacing_mm.array() > 0).all());
   ASSERT_TRUE(
       (image.frame().direction.transpose() * image.frame().direction).isApprox(Mat3::Identity(), 1e-9));
+}
+
+void expect_consistent(const NumberImage& image) {
+  ASSERT_EQ(image.values.size(), image.frame.voxel_count());
+  ASSERT_TRUE((image.frame.spacing_mm.array() > 0).all());
 }
 
 void expect_consistent(const Polylines& lines) {
@@ -319,6 +325,31 @@ TEST_F(IoFuzz, Polylines) {
   write_polylines(folder_ / "good.vtp", lines);
   fuzz("l.vtp", fixtures::read_file(folder_ / "good.vtp"),
        [](const auto& file) { return read_polylines(file); });
+}
+
+TEST_F(IoFuzz, PointsInText) {
+  fuzz("p.csv", "# landmarks\nname,x,y,z\na,0.5,1,-2\nb,3e1,4,5\nc,7,8,9.25\nd,1,1,1\n",
+       [](const auto& file) { return read_points(file); });
+}
+TEST_F(IoFuzz, PointsOfLinesAndMeshes) {
+  Polylines lines;
+  lines.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 1}};
+  lines.lines = {{0, 1, 2}};
+  write_polylines(folder_ / "good.vtp", lines);
+  fuzz("p.vtp", fixtures::read_file(folder_ / "good.vtp"),
+       [](const auto& file) { return read_points(file); });
+  write_mesh(folder_ / "good.vtk", fixtures::every_cell_shape().view());
+  fuzz("p.vtk", fixtures::read_file(folder_ / "good.vtk"),
+       [](const auto& file) { return read_points(file); });
+}
+
+TEST_F(IoFuzz, Numbers) {
+  fixtures::NrrdText header;
+  header.type = "float";
+  fuzz("s.nrrd", header.with(fixtures::bytes_of(std::vector<float>(60, 0.5F))), [](const auto& file) {
+    Context context;
+    return read_number_image(file, context);
+  });
 }
 
 TEST_F(IoFuzz, Nrrd) {

@@ -436,5 +436,40 @@ TEST_F(RealImage, WithDetachedGreyValuesIsReadByThreshold) {
   EXPECT_GT(std::count(image.voxels().begin(), image.voxels().end(), 1), 90000);
 }
 
+TEST_F(ImageFile, NumbersComeAsTheyAre) {
+  std::vector<float> sizes(60);
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = 0.25F * static_cast<float>(i) - 1;
+  NrrdText header;
+  header.type = "float";
+  header.frame =
+      "space: left-posterior-superior\nspace directions: (0.5,0,0) (0,0.5,0) (0,0,2)\nspace origin: "
+      "(1,2,3)\n";
+  const NumberImage image =
+      read_number_image(write_file(folder_ / "s.nrrd", header.with(bytes_of(sizes))), context_);
+  EXPECT_EQ(image.values, sizes);
+  EXPECT_EQ(image.frame.size, Index3(3, 4, 5));
+  EXPECT_EQ(image.frame.spacing_mm, Vec3(0.5, 0.5, 2));
+  EXPECT_EQ(image.frame.to_physical(Vec3::Zero()), Vec3(1, 2, 3));
+}
+
+TEST_F(ImageFile, NumbersAreRescaledAsTheHeaderSays) {
+  NiftiBytes nifti;
+  nifti.data_type = 4;
+  nifti.slope = 0.01F;
+  nifti.intercept = 0.5F;
+  std::vector<std::int16_t> stored(60, 100);
+  stored[7] = -50;
+  const NumberImage image =
+      read_number_image(write_file(folder_ / "s.nii", nifti.with(bytes_of(stored))), context_);
+  EXPECT_FLOAT_EQ(image.values[0], 1.5F);
+  EXPECT_NEAR(image.values[7], 0, 1e-6);
+}
+
+TEST_F(ImageFile, NumbersOfTruncatedAndMissingFilesAreRefused) {
+  EXPECT_THROW((void)read_number_image(write_file(folder_ / "s.nrrd", NrrdText{}.with("short")), context_),
+               Error);
+  EXPECT_THROW((void)read_number_image(folder_ / "missing.nrrd", context_), Error);
+}
+
 }  // namespace
 }  // namespace lumesh
