@@ -70,7 +70,8 @@ def evaluated(program, mesh, image, truth, folder):
     if truth:
         of_truth = [label["reference"] for label in labels]
         result["volume_error_percent"] = max((t["volume_error_percent"] for t in of_truth), key=abs)
-        result["truth_distance_voxels"] = [max(t["surface_distance_mm"][k] for t in of_truth) / voxel for k in ("mean", "max")]
+        result["truth_distances_voxels"] = [[max(t[way][k] for t in of_truth) / voxel for k in ("mean", "max")]
+                                            for way in ("surface_distance_mm", "truth_to_mesh_mm")]
     else:
         volume, voxels = sum(label["volume_mm3"] for label in labels), sum(label["voxel_volume_mm3"] for label in labels)
         result["volume_error_percent"] = 100 * (volume / voxels - 1)
@@ -95,18 +96,19 @@ def run_case(case, arguments, folder):
 
 
 HEADER = ("| case | threads | tetrahedra | refinement, s | with improvement, s | tets/s | all, s | dihedral, degrees | "
-          "least facet angle | mesh to truth or image, mean / max voxels | volume | labels, topology | peak MiB |")
+          "least facet angle | mesh to truth or image and back, mean / max voxels | volume | labels, topology | peak MiB |")
 
 
 def row(result):
     runs = result["runs"]
     seconds = [statistics.median(r[key] for r in runs) for key in ("refinement_seconds", "meshing_seconds", "all_seconds")]
-    distance = result.get("truth_distance_voxels") or result["image_distances_voxels"][0]
-    against = "truth" if "truth_distance_voxels" in result else "image"
+    against = "truth" if "truth_distances_voxels" in result else "image"
+    there, back = result[f"{against}_distances_voxels"]
     topology = "equal" if result["topology_equal"] else f"{result['components']} pieces, Euler {result['euler']}"
     return (f"| {result['case']} | {result['threads']} | {runs[-1]['tetrahedra']:,} | {seconds[0]:.2f} | {seconds[1]:.2f} | "
             f"{runs[-1]['tetrahedra'] / seconds[1]:,.0f} | {seconds[2]:.2f} | {result['dihedral'][0]:.2f}–{result['dihedral'][1]:.2f} | "
-            f"{result['facet']:.1f} | {against} {distance[0]:.3f} / {distance[1]:.2f} | {result['volume_error_percent']:+.2f} % | "
+            f"{result['facet']:.1f} | {against} {there[0]:.3f} / {there[1]:.2f}, {back[0]:.3f} / {back[1]:.2f} | "
+            f"{result['volume_error_percent']:+.2f} % | "
             f"{result['labels']}, {topology}{'' if result['valid'] else ', NOT VALID'} | {max(r['peak_mib'] for r in runs):.0f} |")
 
 

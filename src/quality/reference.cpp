@@ -4,8 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "lumesh/geometry/triangle_tree.hpp"
 #include "on_planes.hpp"
 #include "samples.hpp"
+#include "voxel_faces.hpp"
 
 namespace lumesh::quality {
 
@@ -49,6 +51,19 @@ class LabelComparison {
     return summarise(values);
   }
 
+  /// @param faces  Of the label, in the phantom's image.
+  [[nodiscard]] std::optional<DistanceSummary> distances_of_truth(std::span<const VoxelFace> faces) const {
+    const TriangleTree tree(points_, triangles_);
+    std::vector<WeightedValue> values = parallel::collect<WeightedValue>(
+        faces.size(),
+        [&](std::size_t i, std::vector<WeightedValue>& out) {
+          if (const auto x = place_on_surface(faces[i])) out.push_back({tree.nearest(*x).distance, 1, *x});
+        },
+        256);
+    if (values.empty()) return std::nullopt;
+    return summarise(values);
+  }
+
   [[nodiscard]] DistanceSummary normal_angles() const {
     std::vector<WeightedValue> values = parallel::collect<WeightedValue>(
         triangles_.size(), [&](std::size_t t, std::vector<WeightedValue>& out) { add_angle(t, out); }, 64);
@@ -57,6 +72,24 @@ class LabelComparison {
 
  private:
   [[nodiscard]] const Vec3& corner(std::size_t t, std::size_t i) const { return points_[triangles_[t][i]]; }
+
+  /// Where the exact surface is next to a square between voxels; nothing for those on cuts, and where the way
+  /// there does not end.
+  [[nodiscard]] std::optional<Vec3> place_on_surface(const VoxelFace& face) const {
+    constexpr int kSteps = 6;
+    const ImageFrame& frame = phantom_.frame();
+    const Vec3 index = Vec3(face.twice_centre[0], face.twice_centre[1], face.twice_centre[2]) / 2;
+    const auto is_inside = [&](const Vec3& at) {
+      return (at.array() > -0.5).all() && (at.array() < frame.size.cast<double>().array() - 0.5).all();
+    };
+    if (!is_inside(index)) return std::nullopt;
+    Vec3 x = frame.to_physical(index);
+    for (int step = 0; step < kSteps; ++step)
+      x -= phantom_.signed_distance_mm(x, label_) * outward_normal(phantom_, x, label_, 0.02 * voxel_mm_);
+    const bool has_arrived = std::abs(phantom_.signed_distance_mm(x, label_)) < 1e-3 * voxel_mm_;
+    if (!has_arrived || !is_inside(frame.to_index(x)) || planes_.beyond(x)) return std::nullopt;
+    return x;
+  }
 
   void add_angle(std::size_t t, std::vector<WeightedValue>& out) const {
     const Vec3 &a = corner(t, 0), &b = corner(t, 1), &c = corner(t, 2);
@@ -86,6 +119,7 @@ class LabelComparison {
 std::vector<LabelReference> compare_with_phantom(const MeshView& mesh, const MeshSurface& surface,
                                                  const Phantom& phantom, std::span<const CutPlane> planes) {
   std::vector<LabelReference> result;
+  const std::vector<LabelFaces> faces = collect_voxel_faces(phantom.rasterise());
   for (const Label label : phantom.labels()) {
     LabelReference reference;
     reference.label = label;
@@ -96,6 +130,9 @@ std::vector<LabelReference> compare_with_phantom(const MeshView& mesh, const Mes
     const LabelComparison comparison(mesh, surface, phantom, planes, label);
     if (!comparison.empty()) {
       reference.surface_distance_mm = comparison.distances();
+      for (const LabelFaces& of_label : faces)
+        if (of_label.label == label)
+          reference.truth_to_mesh_mm = comparison.distances_of_truth(of_label.faces);
       reference.normal_angle_deg = comparison.normal_angles();
     }
     result.push_back(reference);

@@ -229,7 +229,8 @@ std::string reference_section(const Evaluation& e) {
       table.push_back({name, what, fmt::format("{:.3f}", s.mean / unit), fmt::format("{:.3f}", s.p95 / unit),
                        fmt::format("{:.3f}", s.max / unit)});
     };
-    if (r.surface_distance_mm) row("surface distance, voxels", *r.surface_distance_mm, *e.reference_voxel_mm);
+    if (r.surface_distance_mm) row("mesh to truth, voxels", *r.surface_distance_mm, *e.reference_voxel_mm);
+    if (r.truth_to_mesh_mm) row("truth to mesh, voxels", *r.truth_to_mesh_mm, *e.reference_voxel_mm);
     if (r.normal_angle_deg) row("angle between normals, degrees", *r.normal_angle_deg, 1);
     if (e.cut_planes == 0)
       table.push_back(

@@ -123,6 +123,7 @@ Json reference_json(const LabelEvaluation& label, const Evaluation& e) {
           {"topology_equal",
            label.components == static_cast<std::uint64_t>(r.components) && label.euler == r.euler},
           {"surface_distance_mm", summary(r.surface_distance_mm)},
+          {"truth_to_mesh_mm", summary(r.truth_to_mesh_mm)},
           {"normal_angle_deg", summary(r.normal_angle_deg)}};
 }
 

@@ -164,7 +164,9 @@ std::string reference_text(const Evaluation& e) {
     text += fmt::format("  label {}: {}, components {} (truth {}), Euler {} (truth {})\n", l.label, volume,
                         l.components, r.components, l.euler, r.euler);
     if (r.surface_distance_mm)
-      text += distance_row("  surface distance, voxels", *r.surface_distance_mm, *e.reference_voxel_mm);
+      text += distance_row("  mesh to truth, voxels", *r.surface_distance_mm, *e.reference_voxel_mm);
+    if (r.truth_to_mesh_mm)
+      text += distance_row("  truth to mesh, voxels", *r.truth_to_mesh_mm, *e.reference_voxel_mm);
     if (r.normal_angle_deg) text += distance_row("  angle of normals, degrees", *r.normal_angle_deg, 1);
   }
   return text;

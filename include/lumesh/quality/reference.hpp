@@ -22,6 +22,9 @@ struct LabelReference {
   /// Distances of points on the mesh surface to the exact one (corners and centres of equal parts of each
   /// triangle, no part's edge above one voxel). None if the mesh does not have the label.
   std::optional<DistanceSummary> surface_distance_mm;
+  /// The other way: from places of the exact surface, one for each square between voxels of the phantom's
+  /// image, to the mesh. What the mesh lacks shows here.
+  std::optional<DistanceSummary> truth_to_mesh_mm;
   /// Angles between each triangle's normal and that of the exact surface at the point nearest to its centre;
   /// flat cuts are left out.
   std::optional<DistanceSummary> normal_angle_deg;
@@ -29,7 +32,7 @@ struct LabelReference {
 
 /// @param planes  Cuts made when the mesh was built: caps on them are left out, and volumes are then not
 /// comparable. Threads: parallel inside, the same bits for every thread count. Cost: about 15 phantom
-/// distances per triangle.
+/// distances per triangle, and the phantom's image.
 [[nodiscard]] std::vector<LabelReference> compare_with_phantom(const MeshView& mesh,
                                                                const MeshSurface& surface,
                                                                const Phantom& phantom,
