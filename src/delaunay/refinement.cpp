@@ -145,13 +145,16 @@ std::vector<VertexId> Refinement::crowding(std::span<const VertexId> made,
   return found;
 }
 
-std::size_t Refinement::clear_bad_faces() {
+std::size_t Refinement::clear() {
   constexpr double kLeastAngleDeg = 25;
-  const std::vector<VertexId> superfluous =
-      vertices_of_bad_faces(mesh_, rules_, kLeastAngleDeg, clearings_++ % 2 == 0);
-  execution_.remove(superfluous, stamp_);
-  has_changed_ |= !superfluous.empty();
-  return superfluous.size();
+  std::vector<VertexId> gone = vertices_of_bad_faces(mesh_, rules_, kLeastAngleDeg, clearings_++ % 2 == 0);
+  for (const VertexId v : pinched())
+    if (v.value >= 4 && mesh_.dimension(v) == VertexDimension::kSurface) gone.push_back(v);
+  std::sort(gone.begin(), gone.end());
+  gone.erase(std::unique(gone.begin(), gone.end()), gone.end());
+  execution_.remove(gone, stamp_);
+  has_changed_ |= !gone.empty();
+  return gone.size();
 }
 
 DelaunayRound Refinement::run_round() {

@@ -27,9 +27,9 @@ class Refinement {
   void insert_seeds(const Seeds& seeds, std::span<const std::uint32_t> boundary);
   /// @return what it did; nothing left to do if it found no wishes that can be granted.
   [[nodiscard]] DelaunayRound run_round();
-  /// Takes out vertices between which boundary faces have angles that no point can mend.
-  /// @return how many.
-  std::size_t clear_bad_faces();
+  /// Takes out vertices where no point helps any more: between them boundary faces have small angles, or they
+  /// are pinched. To be called after a round that did nothing. @return how many.
+  std::size_t clear();
   /// Gives what the last round has made its materials.
   void name_materials() { find_materials(fresh_tets()); }
   /// Pinched vertices of the mesh as the last round has left it.
