@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <unordered_set>
 
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -25,11 +26,18 @@ bool may_rather_go(const TetMesh& mesh, VertexId v, VertexId w, bool first) {
   return precedes(mesh.point(v), mesh.point(w)) == first;
 }
 
+/// The corners of a face in an order that does not depend on their numbers.
+std::array<VertexId, 3> corners_by_place(const TetMesh& mesh, TetId t, int f) {
+  const Cell<3> face = mesh.face_corners(t, f);
+  std::array<VertexId, 3> corners = {VertexId(face[0]), VertexId(face[1]), VertexId(face[2])};
+  std::sort(corners.begin(), corners.end(),
+            [&](VertexId v, VertexId w) { return precedes(mesh.point(v), mesh.point(w)); });
+  return corners;
+}
+
 /// The vertex of a face that is to go; invalid if none may.
-VertexId superfluous_vertex(const TetMesh& mesh, const Cell<3>& face, bool first) {
+VertexId superfluous_vertex(const TetMesh& mesh, const std::array<VertexId, 3>& v, bool first) {
   constexpr double kCosineOfFlat = -0.64;  // 130 degrees.
-  std::array<VertexId, 3> v;
-  for (std::size_t k = 0; k < 3; ++k) v[k] = VertexId(face[k]);
   for (const VertexId w : v)
     if (mesh.dimension(w) == VertexDimension::kVolume) return w;
   const auto edge2 = [&](int k) {  // Opposite of corner k.
@@ -62,15 +70,15 @@ std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& ru
         if (!mesh.alive(t)) return;
         for (int f = 0; f < 4; ++f) {
           if (!rules.is_boundary(t, f) || mesh.link(t, f).tet() < t) continue;
-          const Cell<3> face = mesh.face_corners(t, f);
-          if (std::any_of(face.begin(), face.end(), [](std::uint32_t v) { return v < 4; })) continue;
-          const bool is_off = std::any_of(face.begin(), face.end(), [&](std::uint32_t v) {
-            return mesh.dimension(VertexId(v)) == VertexDimension::kVolume;
-          });
-          const double cosine = cosine_of_smallest_angle(
-              mesh.point(VertexId(face[0])), mesh.point(VertexId(face[1])), mesh.point(VertexId(face[2])));
+          const std::array<VertexId, 3> v = corners_by_place(mesh, t, f);
+          if (std::any_of(v.begin(), v.end(), [](VertexId w) { return w.value < 4; })) continue;
+          const bool is_off = std::any_of(
+              v.begin(), v.end(), [&](VertexId w) { return mesh.dimension(w) == VertexDimension::kVolume; });
+          const double cosine =
+              cosine_of_smallest_angle(mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]));
           if (!is_off && !(cosine > most_cosine)) continue;
-          if (const VertexId v = superfluous_vertex(mesh, face, first); v.valid()) out.push_back({cosine, v});
+          if (const VertexId gone = superfluous_vertex(mesh, v, first); gone.valid())
+            out.push_back({cosine, gone});
         }
       },
       4096);
@@ -78,13 +86,14 @@ std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& ru
     return a.badness != b.badness ? a.badness > b.badness
                                   : precedes(mesh.point(a.vertex), mesh.point(b.vertex));
   });
-  std::vector<VertexId> chosen, blocked;
+  std::vector<VertexId> chosen;
+  std::unordered_set<std::uint32_t> blocked;
   VertexStar star;
   for (const Candidate& one : found) {
-    if (std::find(blocked.begin(), blocked.end(), one.vertex) != blocked.end()) continue;
+    if (blocked.contains(one.vertex.value)) continue;
     chosen.push_back(one.vertex);
     for (const TetId t : star.gather(mesh, one.vertex))
-      for (const std::uint32_t w : mesh.tet(t)) blocked.emplace_back(w);
+      blocked.insert(mesh.tet(t).begin(), mesh.tet(t).end());
   }
   return chosen;
 }

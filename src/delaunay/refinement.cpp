@@ -109,6 +109,8 @@ std::vector<Wish> Refinement::wishes_of_topology(std::span<const VertexId> pinch
             const Circumsphere sphere = circumsphere(mesh_, t);
             for (int f = 0; f < 4; ++f) {
               if (mesh_.vertex(t, f) == pinched[i] || !rules_.is_boundary(t, f)) continue;
+              // From the same side whatever the numbers are: the other tetrahedron is around the vertex, too.
+              if (mesh_.label(mesh_.link(t, f).tet()) < mesh_.label(t)) continue;
               const auto wish = rules_.centre_of_face(t, f, sphere);
               if (wish && (!best || is_more_urgent(*wish, *best))) best = wish;
             }

@@ -25,7 +25,11 @@ std::array<Vec3, 4> corners_of(const TetMesh& mesh, TetId t) {
 
 bool is_more_urgent(const Wish& a, const Wish& b) {
   if (a.urgency != b.urgency) return a.urgency > b.urgency;
-  return precedes(a.point, b.point);
+  if (a.point != b.point) return precedes(a.point, b.point);
+  // Of several faces that ask for the same point: what they ask for is told apart by nothing else that
+  // counts.
+  if (a.spacing != b.spacing) return a.spacing < b.spacing;
+  return a.dimension < b.dimension;
 }
 
 VertexDimension dimension_of(const MaterialSet& materials) {

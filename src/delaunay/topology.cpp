@@ -66,7 +66,7 @@ class StarParts {
       parts.push_back(std::move(part));
     }
     std::sort(parts.begin(), parts.end(), [&](const auto& a, const auto& b) {
-      return a.size() != b.size() ? a.size() > b.size() : precedes(middle_of(a), middle_of(b));
+      return a.size() != b.size() ? a.size() > b.size() : is_earlier(first_of(a), first_of(b));
     });
     return parts;
   }
@@ -98,13 +98,22 @@ class StarParts {
   [[nodiscard]] bool is_on(TetId t, Material m, Side side) const {
     return (material_of(t) == m) == (side == Side::kOf);
   }
-  [[nodiscard]] Vec3 middle_of(const std::vector<TetId>& part) const {
-    // The least of the middles: sums would depend on the order.
-    Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity());
+  /// By their places, whatever their numbers are.
+  using Corners = std::array<Vec3, 4>;
+  static bool is_earlier(const Corners& a, const Corners& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), precedes);
+  }
+  /// The tetrahedron of a part that comes first: parts may share vertices, but no tetrahedra.
+  [[nodiscard]] Corners first_of(const std::vector<TetId>& part) const {
+    const auto corners_of = [&](TetId t) {
+      Corners corners = {mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2), mesh_.corner(t, 3)};
+      std::sort(corners.begin(), corners.end(), precedes);
+      return corners;
+    };
+    Corners first = corners_of(part.front());
     for (const TetId t : part)
-      for (int i = 0; i < 4; ++i)
-        if (precedes(mesh_.corner(t, i), least)) least = mesh_.corner(t, i);
-    return least;
+      if (const Corners here = corners_of(t); is_earlier(here, first)) first = here;
+    return first;
   }
 
   /// True if there is one part; allocates nothing.

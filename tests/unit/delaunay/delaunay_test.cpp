@@ -197,18 +197,18 @@ TEST(DelaunayMesh, HasThePiecesAndTheEulerNumbersOfTheShapes) {
   EXPECT_EQ(label_shapes(meshed(ring_and_balls).mesh), (Shapes{{1, 1, 0}, {2, 2, 2}}));
 }
 
+void expect_same_bits(const TetMesh& mesh, const TetMesh& other) {
+  ASSERT_EQ(other.tet_count(), mesh.tet_count());
+  EXPECT_TRUE(std::equal(other.tets().begin(), other.tets().end(), mesh.tets().begin()));
+  EXPECT_TRUE(std::equal(other.points().begin(), other.points().end(), mesh.points().begin()));
+  EXPECT_TRUE(std::equal(other.labels().begin(), other.labels().end(), mesh.labels().begin()));
+}
+
 TEST(DelaunayMesh, EveryThreadCountGivesTheSameBits) {
   const LabelImage image = nested_balls(10);
   const DelaunayResult alone = meshed(image, {.delta_mm = 1.5});
-  for (const int threads : {2, 8, 64}) {
-    const DelaunayResult other = meshed(image, {.delta_mm = 1.5, .team = {.threads = threads}});
-    ASSERT_EQ(other.mesh.tet_count(), alone.mesh.tet_count()) << threads;
-    EXPECT_TRUE(std::equal(other.mesh.tets().begin(), other.mesh.tets().end(), alone.mesh.tets().begin()));
-    EXPECT_TRUE(
-        std::equal(other.mesh.points().begin(), other.mesh.points().end(), alone.mesh.points().begin()));
-    EXPECT_TRUE(
-        std::equal(other.mesh.labels().begin(), other.mesh.labels().end(), alone.mesh.labels().begin()));
-  }
+  for (const int threads : {2, 8, 64})
+    expect_same_bits(alone.mesh, meshed(image, {.delta_mm = 1.5, .team = {.threads = threads}}).mesh);
 }
 
 TEST(DelaunayMesh, EverySeedingEndsInTheSameShape) {
