@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "lumesh/operators/shape_measure.hpp"
 
@@ -67,10 +68,14 @@ void AngleStar::differentiate(const Vec3& x) {
 
 Vec3 AngleStar::ascent_direction(double worst) {
   constexpr double kAsBad = 1.01;
+  // Of flat tetrahedra rounding may leave all terms above the worst quality; then the least of them count.
+  double least = std::numeric_limits<double>::infinity();
+  for (const Term& term : terms_) least = std::min(least, term.value);
+  const double limit = kAsBad * std::max(worst, least);
   active_.clear();
   for (const Term& term : terms_)
-    if (term.value <= kAsBad * worst) active_.push_back(term.gradient);
-  return shortest_combination(active_);
+    if (term.value <= limit) active_.push_back(term.gradient);
+  return active_.empty() ? Vec3(Vec3::Zero()) : shortest_combination(active_);
 }
 
 /// As far as the terms that are the worst now will stay so, were all of them linear.
