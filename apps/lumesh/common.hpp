@@ -82,9 +82,15 @@ auto naming(const std::string& path, const Body& body) {
 /// @throws Error{kUsage} unless the name ends as those of files that hold tetrahedra.
 void check_volume_output(const std::string& path);
 
+/// The same for files that hold surfaces; an empty name is not a wanted one.
+void check_surface_output(const std::string& path);
+
 /// Refuses outputs that could not be written, before time is spent on them; empty names are not wanted ones.
-/// @throws Error{kBadInput} if a folder does not exist or the name is that of a folder.
-void check_output_folders(std::initializer_list<std::string> paths);
+/// @param inputs  None of which an output may replace.
+/// @throws Error{kBadInput} if a folder does not exist or the name is that of a folder, Error{kUsage} if two
+/// outputs are the same file, or one is an input.
+void check_output_folders(std::initializer_list<std::string> outputs,
+                          std::initializer_list<std::string> inputs = {});
 
 /// What a mesh says of its making: program, command, the options given that change the mesh, input and its
 /// hash.

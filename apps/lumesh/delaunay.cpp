@@ -41,6 +41,7 @@ nlohmann::ordered_json report_json(const DelaunayReport& report, const std::opti
                                    const TetMesh& mesh, const Context& context) {
   nlohmann::ordered_json json;
   json["complete"] = report.complete && (!improved || improved->complete);
+  json["rules_hold"] = report.rules_hold;
   json["tetrahedra"] = mesh.tet_count();
   json["vertices"] = mesh.vertex_count();
   json["seeds"] = {
@@ -70,7 +71,11 @@ void check_options(const DelaunayCommand& command) {
   command.improvement.validate();
   check_domain_options(*command.self, command.input);
   check_volume_output(command.mesh_path);
-  check_output_folders({command.mesh_path, command.surface_path, command.json_path});
+  check_surface_output(command.surface_path);
+  const SizingOptions& sizes = command.sizing;
+  check_output_folders(
+      {command.mesh_path, command.surface_path, command.json_path},
+      {command.input.path, sizes.points_path, sizes.image_path, sizes.mesh_path, sizes.plugin});
 }
 
 Seeding seeding_of(const std::string& name) {

@@ -82,7 +82,8 @@ void run(const LatticeCommand& command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
-  check_output_folders({command.mesh_path, command.surface_path});
+  check_surface_output(command.surface_path);
+  check_output_folders({command.mesh_path, command.surface_path}, {command.image_path});
   const LabelImage image = context.phase(
       "read", [&] { return read_selected_image(command.image_path, command.selection, context); });
   ImageDomainOptions domain_options = command.domain;

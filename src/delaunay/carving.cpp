@@ -51,29 +51,20 @@ std::vector<BoundaryFace> boundary_faces(const TetMesh& mesh) {
                                          });
 }
 
-/// The part of the outside that a face of the boundary looks at is the one all its corners touch: near the
-/// rim of an opening the tetrahedron behind may lie in the other. @param reach_mm  How far vertices may stand
-/// off.
-Material outside_of(const TetMesh& mesh, const Domain& domain, const Cell<3>& corners, Material behind,
-                    double reach_mm) {
-  const auto touched_by = [&](std::uint32_t v, double reach) {
-    return domain.materials_near(mesh.point(VertexId(v)), reach);
-  };
-  // Openings end the wall: what touches one with all corners is part of it.
+/// The part of the outside that a face of the boundary looks at: an opening if all its corners touch one,
+/// which so stays flat, else what is not cut off. The tetrahedron behind may lie in another near the rim.
+Material outside_of(const TetMesh& mesh, const Domain& domain, const Cell<3>& corners, Material behind) {
   const double touch_mm = 1e-2 * domain.resolution_mm();
+  std::array<MaterialSet, 3> at;
+  for (std::size_t k = 0; k < 3; ++k)
+    at[k] = domain.materials_near(mesh.point(VertexId(corners[k])), touch_mm);
   std::optional<Material> opening;
-  const std::array<MaterialSet, 3> at = {touched_by(corners[0], touch_mm), touched_by(corners[1], touch_mm),
-                                         touched_by(corners[2], touch_mm)};
   for (const Material m : at[0])
     if (domain.is_cut(m) && at[1].contains(m) && at[2].contains(m) && (!opening || m == behind)) opening = m;
-  if (opening) return *opening;
-  if (!domain.is_cut(behind)) return behind;
-  const bool touches_wall = std::all_of(corners.begin(), corners.end(),
-                                        [&](std::uint32_t v) { return touched_by(v, reach_mm).contains(0); });
-  return touches_wall ? 0 : behind;
+  return opening.value_or(domain.is_cut(behind) ? 0 : behind);
 }
 
-void set_patches(TetMesh& mesh, const Domain& domain, double reach_mm) {
+void set_patches(TetMesh& mesh, const Domain& domain) {
   const std::vector<BoundaryFace> faces = boundary_faces(mesh);
   std::vector<BoundaryTriangle> triangles(faces.size());
   std::vector<Cell<3>> corners(faces.size());
@@ -87,7 +78,7 @@ void set_patches(TetMesh& mesh, const Domain& domain, double reach_mm) {
   if (domain.material_count() > domain.label_count())
     parallel::for_each_index(triangles.size(), [&](std::size_t i) {
       Material& outside = triangles[i].outside;
-      if (!domain.is_meshed(outside)) outside = outside_of(mesh, domain, corners[i], outside, reach_mm);
+      if (!domain.is_meshed(outside)) outside = outside_of(mesh, domain, corners[i], outside);
     });
   PatchAssignment named = name_patches(triangles, mesh.points(), domain);
   mesh.info().patches = std::move(named.patches);
@@ -108,11 +99,11 @@ void set_patches(TetMesh& mesh, const Domain& domain, double reach_mm) {
 
 }  // namespace
 
-void carve(TetMesh& mesh, const Domain& domain, double reach_mm) {
+void carve(TetMesh& mesh, const Domain& domain) {
   drop_outside(mesh, domain);
   mesh.reorder_along_curve();
   mesh.normalise();
-  set_patches(mesh, domain, reach_mm);
+  set_patches(mesh, domain);
   parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
     const TetId t(static_cast<std::uint32_t>(i));
     mesh.set_label(t, domain.label_of(material_of(mesh, t)));

@@ -8,7 +8,6 @@ namespace lumesh::delaunay {
 
 /// Frees all but the tetrahedra of meshed materials, gives the faces between materials their patches and
 /// tetrahedra their labels. The mesh is in the order of the curve afterwards.
-/// @param reach_mm  How far vertices of a surface may stand off it.
-void carve(TetMesh& mesh, const Domain& domain, double reach_mm);
+void carve(TetMesh& mesh, const Domain& domain);
 
 }  // namespace lumesh::delaunay

@@ -58,7 +58,7 @@ void thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
 }
 
 /// At least one round: it finds out what is inside.
-/// @return false if it was stopped before the rules had nothing to ask for.
+/// @return false if it was stopped.
 bool refined(delaunay::Refinement& refinement, const DelaunayOptions& options, DelaunayReport& report,
              Context& context) {
   constexpr int kMostClearings = 8;  // Some come back, whatever is taken out.
@@ -71,9 +71,13 @@ bool refined(delaunay::Refinement& refinement, const DelaunayOptions& options, D
     if (last.removed == 0) return true;
   } while (static_cast<int>(report.rounds.size()) < options.max_rounds && !context.cancelled());
   refinement.name_materials();
+  report.rules_hold = false;
   if (!context.cancelled())
-    report.notes.push_back(fmt::format("the rules still ask for points after {} rounds, {} in the last one",
-                                       report.rounds.size(), report.rounds.back().inserted));
+    report.notes.push_back(
+        fmt::format("the rules still ask for points after {} rounds: where parts are thin, bounds on shapes "
+                    "and sizes may "
+                    "not hold",
+                    report.rounds.size()));
   return !context.cancelled();
 }
 
@@ -110,14 +114,15 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
     delaunay::relabel_flat(result.mesh, domain);
     return pinched;
   });
-  context.phase("carving", [&] { delaunay::carve(result.mesh, domain, 0.2 * options.delta_mm); });
+  context.phase("carving", [&] { delaunay::carve(result.mesh, domain); });
   if (result.report.pinched_vertices > 0)
     result.report.notes.push_back(fmt::format(
         "at {} vertices parts would have touched in a point or an edge only: tetrahedra there changed "
         "their label; a smaller --delta leaves fewer",
         result.report.pinched_vertices));
   if (result.mesh.tet_count() == 0)
-    throw Error(ErrorKind::kBadInput, "nothing of the object is left; choose a smaller --delta");
+    throw Error(ErrorKind::kBadInput,
+                "nothing of the object is left; choose a smaller --delta, or other cut planes");
   return result;
 }
 

@@ -314,6 +314,19 @@ class RefusalsTest(DelaunayTest):
         self.refused(BAD_INPUT, "ball.stl", "larger than the object", delta=100, source=stl)
         self.refused(USAGE, "--seeding", options=("--seeding", "none"))
 
+    def test_an_input_is_never_replaced_by_an_output(self):
+        points = self.folder / "points.csv"
+        points.write_text("0,0,0\n", encoding="ascii")
+        kept = [self.ball.read_bytes(), points.read_bytes()]
+        for options in (("--json", self.ball), ("--json", f"{self.folder}/./{self.ball.name}"),
+                        ("--size-points", points, "--size-floor", 1, "--json", points)):
+            with self.subTest(options=options):
+                self.refused(USAGE, "replaced", options=options)
+                self.assertEqual(kept, [self.ball.read_bytes(), points.read_bytes()])
+
+    def test_the_name_of_the_surface_is_looked_at_before_meshing(self):
+        self.refused(USAGE, "surface.obj", ".vtp", options=("--surface", self.folder / "surface.obj"))
+
     def test_a_mesh_that_is_there_stays_when_the_input_is_bad(self):
         self.mesh()
         before = self.out.read_bytes()

@@ -22,8 +22,8 @@ enum class Seeding : std::uint8_t {
 };
 
 struct DelaunayOptions {
-  double delta_mm = 0;  ///< > 0: points of a surface are at least this far apart, and no place of it is
-                        ///< farther from one.
+  double delta_mm = 0;  ///< > 0: no place of a surface is farther from a point of the mesh on it. Points
+                        ///< stand about this far apart, closer where parts are thin or sizes ask for it.
   double size_mm = 0;   ///< Largest wanted edge length inside; 0: that of the surface, 1.3 delta.
   /// > 0: where surfaces bend, points stand so close that flat triangles are no farther off than about this.
   /// 0: delta alone says how close.
@@ -51,8 +51,9 @@ struct DelaunayReport {
   std::uint64_t inner_seeds = 0, outer_seeds = 0, boundary_seeds = 0;
   std::vector<DelaunayRound> rounds;
   std::uint64_t pinched_vertices =
-      0;                 ///< That no point could mend: tetrahedra around them changed their material.
-  bool complete = true;  ///< False if rules were still broken after the last round.
+      0;                   ///< That no point could mend: tetrahedra around them changed their material.
+  bool rules_hold = true;  ///< False if rules still asked for points that could be put in, after max_rounds.
+  bool complete = true;    ///< False if it was cancelled before the end.
   std::vector<std::string> notes;
 };
 
