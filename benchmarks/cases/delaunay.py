@@ -4,7 +4,7 @@ sees it: dihedral and facet angles, distances, volume, topology. A markdown tabl
 
 Usage: delaunay.py [--program PATH] [--threads N] [--rounds N] [--json FILE] [CASE...]
 Cases: PHANTOM@DELTA such as carotid@1.56, or IMAGE@DELTA; options of `lumesh delaunay` may follow in the same word:
-"carotid@1.56 --size points:line.vtp,factor=0.2". Without cases: all phantoms and the images of --data, which are skipped
+"carotid@1.56 --size-points line.vtp --size-floor 1". Without cases: all phantoms and the images of --data, which are skipped
 where absent. Rates are medians, without reading, making the domain, and writing. A phantom is held against its true
 surface, an image against its voxels.
 """

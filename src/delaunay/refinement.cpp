@@ -167,8 +167,10 @@ DelaunayRound Refinement::run_round() {
   std::vector<Wish> wishes = wishes_of(fresh, spheres);
   round.tets_looked_at = fresh.size();
   // Shapes first: they mend most of it.
-  if (pinched_ || std::none_of(wishes.begin(), wishes.end(),
-                               [](const Wish& w) { return w.dimension != VertexDimension::kVolume; })) {
+  constexpr std::uint32_t kFew = 1000;  // One of so many vertices.
+  const auto of_surfaces = std::count_if(
+      wishes.begin(), wishes.end(), [](const Wish& w) { return w.dimension != VertexDimension::kVolume; });
+  if (pinched_ || of_surfaces <= static_cast<std::ptrdiff_t>(mesh_.vertex_count() / kFew)) {
     const std::vector<Wish> more = wishes_of_topology(newly_pinched(fresh));
     wishes.insert(wishes.end(), more.begin(), more.end());
     round.topology_wishes = more.size();
