@@ -1,8 +1,10 @@
 #include "lumesh/parallel/stable_array.hpp"
 
 #include <sys/mman.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "lumesh/core/error.hpp"
@@ -23,9 +25,19 @@ std::size_t round_to_page(std::size_t bytes) {
                                       " MiB; choose a coarser mesh or a machine with more memory");
 }
 
+/// Where the address space is limited (ulimit -v, batch systems), what one of some twenty arrays may take:
+/// stacks of threads and all else need addresses, too.
+std::size_t fair_share() {
+  constexpr std::size_t kShares = 32;
+  rlimit limit{};
+  const bool is_limited = getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+  return is_limited ? limit.rlim_cur / kShares : std::numeric_limits<std::size_t>::max();
+}
+
 }  // namespace
 
 ReservedMemory::ReservedMemory(std::size_t wanted, std::size_t least) {
+  wanted = std::min(wanted, fair_share());
   for (std::size_t bytes = round_to_page(std::max({wanted, least, kPage}));;
        bytes = round_to_page(bytes / 2)) {
     // No access and no reserve: the range costs address space only, whatever the overcommit policy.

@@ -20,8 +20,8 @@ namespace lumesh::parallel {
 class ReservedMemory {
  public:
   ReservedMemory() = default;
-  /// Reserves up to `wanted` bytes: where the address space is limited, half, a quarter and so on, >=
-  /// `least`.
+  /// Reserves up to `wanted` bytes: where the address space is limited, a 32nd of it, and where that is not
+  /// to be had half, a quarter and so on, >= `least`.
   /// @throws Error{kMemory} if not even `least` bytes can be reserved.
   ReservedMemory(std::size_t wanted, std::size_t least);
   ReservedMemory(ReservedMemory&& other) noexcept { swap(other); }

@@ -10,13 +10,13 @@
 namespace lumesh::operators {
 namespace {
 
-constexpr double kObtuseWeight = 0.65;
+constexpr double kWeightOfObtuse = 0.65;
 
 /// Tetrahedra from the origin to triangles just below it: flat within rounding, some of them.
 void fill(AngleStar& star, std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1, 1), depth(0, 1);
   const double below = std::pow(10, -6.5 - 2 * depth(random));
-  star.begin(kObtuseWeight);
+  star.begin(kWeightOfObtuse);
   for (int i = 0; i < 6; ++i) {
     std::array<Vec3, 3> p;
     for (Vec3& q : p) q = Vec3(unit(random), unit(random), -below * depth(random));

@@ -1,10 +1,12 @@
 #include "lumesh/parallel/stable_array.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <set>
+#include <vector>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -67,6 +69,12 @@ TEST(StableArray, WorksUnderALimitOnTheAddressSpace) {
     array.commit(1000);
     array[999] = 1;
     EXPECT_EQ(array[999], 1u);
+    // Twenty of them leave a quarter at least for stacks and all else.
+    std::vector<StableArray<std::uint64_t>> many;
+    for (int i = 0; i < 20; ++i) many.emplace_back(std::size_t{1} << 32, 1000);
+    void* const rest = mmap(nullptr, std::size_t{2} << 30, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    EXPECT_NE(rest, MAP_FAILED);
+    if (rest != MAP_FAILED) munmap(rest, std::size_t{2} << 30);
     EXPECT_THROW(StableArray<std::uint64_t>(std::size_t{1} << 32, std::size_t{1} << 32), Error);
   }
   setrlimit(RLIMIT_AS, &old);
