@@ -47,8 +47,10 @@ void add_domain_options(CLI::App& command, DomainInput& input) {
       ->required();
   add_selection_options(command, input.selection, "Mesh");
   add_cut_plane_option(command, input.cut_planes, "cut off what lies on the normal's side");
-  command.add_option("--smoothing", input.image.field.sigma, "Low-pass width in voxels, 0.5 to 3")
-      ->capture_default_str();
+  input.smoothing =
+      command.add_option("--smoothing", input.image.field.sigma,
+                         "Low-pass width in voxels, 0.5 to 3; default 1.25, or as much less, down to 0.7, as "
+                         "thin parts need to keep the volume");
   command
       .add_option("--feature-angle", input.surface.feature_angle_deg,
                   "Of a surface: edges are kept where it turns by more than this, in degrees, up to 180")
@@ -71,14 +73,18 @@ void check_domain_options(const CLI::App& command, const DomainInput& input) {
 }
 
 DomainRead read_domain(const DomainInput& input, Context& context) {
-  if (is_mesh_file(input.path)) return {read_surface_domain(input, context), std::nullopt};
+  if (is_mesh_file(input.path)) return {read_surface_domain(input, context), std::nullopt, 0};
   const LabelImage image =
       context.phase("read", [&] { return read_selected_image(input.path, input.selection, context); });
   ImageDomainOptions options = input.image;
   options.cut_planes = planes_from(input.cut_planes);
   ImageShape shape = context.phase("shape", [&] { return shape_of(image); });
-  return {context.phase("domain", [&] { return std::make_unique<ImageDomain>(image, options); }),
-          std::move(shape)};
+  DomainRead read{nullptr, std::move(shape), options.field.sigma};
+  read.domain = context.phase("domain", [&]() -> std::unique_ptr<Domain> {
+    if (input.smoothing->count() > 0) return std::make_unique<ImageDomain>(image, options);
+    return volume_keeping_domain(image, options, read.smoothing_voxels);
+  });
+  return read;
 }
 
 }  // namespace lumesh::cli

@@ -19,6 +19,7 @@ struct DomainInput {
   PlaneNumbers cut_planes;
   ImageDomainOptions image;
   SurfaceDomainOptions surface;
+  CLI::Option* smoothing = nullptr;  ///< Where not given, thin parts decide.
 };
 
 /// The positional argument, and the options of images and of surfaces.
@@ -30,6 +31,7 @@ void check_domain_options(const CLI::App& command, const DomainInput& input);
 struct DomainRead {
   std::unique_ptr<Domain> domain;
   std::optional<ImageShape> shape;  ///< Of an image.
+  double smoothing_voxels = 0;      ///< Of an image: the width of its low-pass.
 };
 
 /// @throws Error{kBadInput} that names the file.

@@ -213,4 +213,21 @@ std::optional<Vec3> ImageDomain::first_crossing(const Vec3& from_mm, const Vec3&
   return std::nullopt;
 }
 
+std::unique_ptr<ImageDomain> volume_keeping_domain(const LabelImage& image, ImageDomainOptions options,
+                                                   double& sigma) {
+  constexpr double kMostChange = 0.007;
+  constexpr std::array<double, 2> kNarrower = {0.9, 0.7};
+  auto domain = std::make_unique<ImageDomain>(image, options);
+  const bool has_one_label = image.values().size() == 2;
+  for (const double width : kNarrower) {
+    if (!has_one_label || width >= options.field.sigma ||
+        std::abs(volume_change(domain->field(), image)) <= kMostChange)
+      break;
+    options.field.sigma = width;
+    domain = std::make_unique<ImageDomain>(image, options);
+  }
+  sigma = options.field.sigma;
+  return domain;
+}
+
 }  // namespace lumesh

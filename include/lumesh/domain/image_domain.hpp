@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -81,5 +82,12 @@ class ImageDomain final : public Domain {
   double voxel_size_mm_ = 1;
   std::array<Index3, 2> object_box_ = {Index3::Zero(), Index3::Zero()};
 };
+
+/// A domain that is smoothed as widely as the volume allows: the width of the options, or where that changes
+/// the volume of the one label by more than 0.7 %, as it does to vessels and folds one or two voxels thick,
+/// 0.9 voxels or else 0.7. Where several labels meet, interfaces want the wide one: it stays.
+/// @param sigma  The width that was taken, in voxels.
+[[nodiscard]] std::unique_ptr<ImageDomain> volume_keeping_domain(const LabelImage& image,
+                                                                 ImageDomainOptions options, double& sigma);
 
 }  // namespace lumesh
