@@ -21,9 +21,9 @@ import run  # noqa: E402  (measure() and ROOT)
 
 PHANTOMS = ("carotid", "bifurcation", "layered", "sphere", "torus")
 DEFAULT = ["carotid@1.56", "bifurcation@0.3", "layered@1.5", "sphere@2", "torus@1.5"]
-DATA = ["crtc-cbc3d/nidus.nii.gz@1", "crtc-cbc3d/ventricles.nii.gz@1.5", "crtc-cbc3d/ventricles.nii.gz@1 --smoothing 0.7",
+DATA = ["crtc-cbc3d/nidus.nii.gz@1", "crtc-cbc3d/ventricles.nii.gz@1.5", "crtc-cbc3d/ventricles.nii.gz@1",
         "crtc-cbc3d/brain.nii.gz@2", "aneurism/aneurism_label_t37.nrrd@1.2",
-        "aneurism/aneurism_label_t37.nrrd@0.6 --smoothing 0.7", "aneurism/aneurism_x2_smooth_label_t37.nrrd@1",
+        "aneurism/aneurism_label_t37.nrrd@0.6", "aneurism/aneurism_x2_smooth_label_t37.nrrd@1",
         "aneurism/aneurism_x2_crop_sac_label.nrrd@1", "multi-label/MRIcrop-seg.gipl.gz@1.2",
         "multi-label/MRIcrop-seg.gipl.gz@0.7"]
 NO_MESHING = ("read", "shape", "domain", "sizes", "write", "check", "pass")  # A pass is part of improvement.
