@@ -128,8 +128,8 @@ void run(AdaptCommand command) {
   const LongRun long_run(context, command.run, command.time_limit_s);
   check_options(command);
   check_output_folders({command.output_path, command.metric_output_path, command.json_path});
-  check_output_folders({command.metric_output_path, command.json_path},
-                       {command.mesh_path, command.metric_path, command.image_path});
+  check_inputs_stay({command.metric_output_path, command.json_path},
+                    {command.mesh_path, command.metric_path, command.image_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
   if (!command.allows_pieces) context.phase("build", [&] { refuse_pieces(mesh, command.mesh_path); });

@@ -153,26 +153,27 @@ void check_volume_output(const std::string& path) {
 }
 
 void check_surface_output(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
-  if (path.empty() || extension == ".vtp" || extension == ".stl") return;
+  if (path.empty() || is_surface_file(path)) return;
   throw Error(ErrorKind::kUsage, path + ": unknown surface format; use .vtp or .stl");
 }
 
-void check_output_folders(std::initializer_list<std::string> outputs,
-                          std::initializer_list<std::string> inputs) {
-  std::set<std::filesystem::path> named;
-  for (const std::string& path : outputs) {
-    if (path.empty()) continue;
-    if (!named.insert(std::filesystem::absolute(path).lexically_normal()).second)
-      throw Error(ErrorKind::kUsage, path + ": is named for two outputs; give each its own file");
-    std::error_code ignored;  // Of files that do not exist, which is told when they are read.
+void check_inputs_stay(std::initializer_list<std::string> outputs,
+                       std::initializer_list<std::string> inputs) {
+  std::error_code ignored;  // Of files that do not exist, which is told when they are read.
+  for (const std::string& output : outputs)
     for (const std::string& input : inputs)
-      if (!input.empty() && std::filesystem::is_regular_file(input, ignored) &&
-          std::filesystem::equivalent(path, input, ignored))
+      if (!output.empty() && std::filesystem::is_regular_file(input, ignored) &&
+          std::filesystem::equivalent(output, input, ignored))
         throw Error(ErrorKind::kUsage,
-                    path + ": is read as input and would be replaced; name another output");
-  }
-  for (const std::filesystem::path path : outputs) {
+                    output + ": is read as input and would be replaced; name another output");
+}
+
+void check_output_folders(std::initializer_list<std::string> paths) {
+  std::set<std::filesystem::path> named;
+  for (const std::string& path : paths)
+    if (!path.empty() && !named.insert(std::filesystem::absolute(path).lexically_normal()).second)
+      throw Error(ErrorKind::kUsage, path + ": is named for two outputs; give each its own file");
+  for (const std::filesystem::path path : paths) {
     if (path.empty()) continue;
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
     std::error_code ignored;

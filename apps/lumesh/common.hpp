@@ -86,11 +86,12 @@ void check_volume_output(const std::string& path);
 void check_surface_output(const std::string& path);
 
 /// Refuses outputs that could not be written, before time is spent on them; empty names are not wanted ones.
-/// @param inputs  None of which an output may replace.
 /// @throws Error{kBadInput} if a folder does not exist or the name is that of a folder, Error{kUsage} if two
-/// outputs are the same file, or one is an input.
-void check_output_folders(std::initializer_list<std::string> outputs,
-                          std::initializer_list<std::string> inputs = {});
+/// outputs are the same file.
+void check_output_folders(std::initializer_list<std::string> paths);
+
+/// @throws Error{kUsage} if an output would replace an input; empty names are not wanted ones.
+void check_inputs_stay(std::initializer_list<std::string> outputs, std::initializer_list<std::string> inputs);
 
 /// What a mesh says of its making: program, command, the options given that change the mesh, input and its
 /// hash.

@@ -31,7 +31,7 @@ void run(const ConvertCommand& command) {
                 "no name for the mesh to write; give it as in: lumesh convert case1.vtu case1.msh");
   check_surface_output(command.surface);
   check_output_folders({command.to, command.surface});
-  check_output_folders({command.surface}, {command.from});
+  check_inputs_stay({command.surface}, {command.from});
   Context context = make_context(command.run);
   MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.from); });
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);

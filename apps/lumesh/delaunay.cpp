@@ -74,9 +74,9 @@ void check_options(const DelaunayCommand& command) {
   check_volume_output(command.mesh_path);
   check_surface_output(command.surface_path);
   const SizingOptions& sizes = command.sizing;
-  check_output_folders(
-      {command.mesh_path, command.surface_path, command.json_path},
-      {command.input.path, sizes.points_path, sizes.image_path, sizes.mesh_path, sizes.plugin});
+  check_output_folders({command.mesh_path, command.surface_path, command.json_path});
+  check_inputs_stay({command.mesh_path, command.surface_path, command.json_path},
+                    {command.input.path, sizes.points_path, sizes.image_path, sizes.mesh_path, sizes.plugin});
 }
 
 Seeding seeding_of(const std::string& name) {
@@ -91,10 +91,9 @@ void print_summary(const DelaunayCommand& command, const TetMesh& mesh, const Bo
   for (std::size_t p = 0; p < mesh.info().patches.size(); ++p)
     say(command.run, "  patch {:<20} {:>8} triangles\n", mesh.info().patches[p].name,
         std::count(faces.patches.begin(), faces.patches.end(), static_cast<int>(p)));
-  if (smoothing_voxels > 0 && smoothing_voxels < ImageDomainOptions().field.sigma &&
-      command.input.smoothing->count() == 0)
+  if (smoothing_voxels > 0 && smoothing_voxels < command.input.image.field.sigma)
     say(command.run, "  smoothed by {:g} voxels instead of {:g}, to keep the volume of thin parts\n",
-        smoothing_voxels, ImageDomainOptions().field.sigma);
+        smoothing_voxels, command.input.image.field.sigma);
   if (improved)
     say(command.run, "  dihedral angles {:.2f} to {:.2f} degrees (before improvement: {:.2f} to {:.2f})\n",
         improved->after.min_deg, improved->after.max_deg, improved->before.min_deg, improved->before.max_deg);

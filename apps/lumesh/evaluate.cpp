@@ -80,8 +80,9 @@ void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
 
 void run(const EvaluateCommand& command) {
   const parallel::ThreadLimit limit(command.run.threads);
-  check_output_folders({command.json_path, command.report_path, command.picture_path},
-                       {command.mesh_path, command.image_path, command.reference_path});
+  check_output_folders({command.json_path, command.report_path, command.picture_path});
+  check_inputs_stay({command.json_path, command.report_path, command.picture_path},
+                    {command.mesh_path, command.image_path, command.reference_path});
   Context context = make_context(command.run);
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);

@@ -74,7 +74,7 @@ void run(ImproveCommand command) {
   command.options.validate();
   check_volume_output(command.output_path);
   check_output_folders({command.output_path, command.json_path});
-  check_output_folders({command.json_path}, {command.mesh_path, command.metric_path});
+  check_inputs_stay({command.json_path}, {command.mesh_path, command.metric_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
   command.options.sizes = sizes_of(command, input, mesh, context);

@@ -83,7 +83,8 @@ void run(const LatticeCommand& command) {
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
   check_surface_output(command.surface_path);
-  check_output_folders({command.mesh_path, command.surface_path}, {command.image_path});
+  check_output_folders({command.mesh_path, command.surface_path});
+  check_inputs_stay({command.mesh_path, command.surface_path}, {command.image_path});
   const LabelImage image = context.phase(
       "read", [&] { return read_selected_image(command.image_path, command.selection, context); });
   ImageDomainOptions domain_options = command.domain;

@@ -61,13 +61,11 @@ void thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
 /// @return false if it was stopped.
 bool refined(delaunay::Refinement& refinement, const DelaunayOptions& options, DelaunayReport& report,
              Context& context) {
-  constexpr int kMostClearings = 8;  // Some come back, whatever is taken out.
-  int clearings = 0;
   do {
     report.rounds.push_back(refinement.run_round());
     DelaunayRound& last = report.rounds.back();
     if (last.inserted + last.removed > 0) continue;
-    if (clearings++ < kMostClearings) last.removed = refinement.clear();
+    last.removed = refinement.clear();
     if (last.removed == 0) return true;
   } while (static_cast<int>(report.rounds.size()) < options.max_rounds && !context.cancelled());
   refinement.name_materials();

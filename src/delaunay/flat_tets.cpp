@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "places.hpp"
 #include "topology.hpp"
 
 namespace lumesh::delaunay {
@@ -19,7 +19,7 @@ constexpr double kCosineOfGoodAngle = 0.9063;  // 25 degrees in a face.
 
 struct FlatTet {
   TetId tet;
-  std::array<Vec3, 4> corners;  // In an order that does not depend on numbers.
+  CornerPlaces corners;
 };
 
 /// The faces of one tetrahedron.
@@ -59,10 +59,10 @@ Material side_of(const Domain& domain, TetId t, const TetMesh& mesh) {
 
 /// The material that two faces of a tetrahedron look at, if they are flat and the tetrahedron is to have it.
 std::optional<Material> taker_of(const TetMesh& mesh, const Domain& domain, TetId t) {
-  int on_curves = 0;
-  for (int k = 0; k < 4; ++k)
-    on_curves += static_cast<int>(mesh.dimension(mesh.vertex(t, k)) <= VertexDimension::kCurve);
-  if (on_curves == 0) return std::nullopt;
+  const Cell<4>& corners = mesh.tet(t);
+  if (std::none_of(corners.begin(), corners.end(),
+                   [&](std::uint32_t v) { return mesh.dimension(VertexId(v)) <= VertexDimension::kCurve; }))
+    return std::nullopt;
   const Material mine = side_of(domain, t, mesh);
   std::array<Material, 4> behind;
   for (int f = 0; f < 4; ++f) {
@@ -79,24 +79,17 @@ std::optional<Material> taker_of(const TetMesh& mesh, const Domain& domain, TetI
   return std::nullopt;
 }
 
-bool is_first_by_place(const FlatTet& a, const FlatTet& b) {
-  return std::lexicographical_compare(a.corners.begin(), a.corners.end(), b.corners.begin(), b.corners.end(),
-                                      precedes);
-}
-
 std::vector<FlatTet> flat_tets(const TetMesh& mesh, const Domain& domain) {
   auto found = parallel::collect<FlatTet>(
       mesh.tet_slots(),
       [&](std::size_t i, std::vector<FlatTet>& out) {
         const TetId t(static_cast<std::uint32_t>(i));
         if (!mesh.alive(t) || !domain.is_meshed(static_cast<Material>(mesh.label(t)))) return;
-        if (!taker_of(mesh, domain, t)) return;
-        FlatTet flat{t, {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)}};
-        std::sort(flat.corners.begin(), flat.corners.end(), precedes);
-        out.push_back(flat);
+        if (taker_of(mesh, domain, t)) out.push_back({t, corner_places(mesh, t)});
       },
       8192);
-  parallel::sort(found.begin(), found.end(), is_first_by_place);
+  parallel::sort(found.begin(), found.end(),
+                 [](const FlatTet& a, const FlatTet& b) { return is_earlier(a.corners, b.corners); });
   return found;
 }
 

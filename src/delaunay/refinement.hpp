@@ -28,7 +28,7 @@ class Refinement {
   /// @return what it did; nothing left to do if it found no wishes that can be granted.
   [[nodiscard]] DelaunayRound run_round();
   /// Takes out vertices where no point helps any more: between them boundary faces have small angles, or they
-  /// are pinched. To be called after a round that did nothing. @return how many.
+  /// are pinched. To be called after a round that did nothing. @return how many; none after some calls.
   std::size_t clear();
   /// Gives what the last round has made its materials.
   void name_materials() { find_materials(fresh_tets()); }

@@ -8,18 +8,12 @@
 #include "lift.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "places.hpp"
 
 namespace lumesh::delaunay {
 namespace {
 
 constexpr float kSurfaceFirst = 1e6F;
-
-/// In an order that does not depend on who made the tetrahedron.
-std::array<Vec3, 4> corners_of(const TetMesh& mesh, TetId t) {
-  std::array<Vec3, 4> corners = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)};
-  std::sort(corners.begin(), corners.end(), precedes);
-  return corners;
-}
 
 }  // namespace
 
@@ -196,7 +190,7 @@ std::optional<Wish> Rules::wish_of_tet(TetId t, const Circumsphere& sphere) cons
     shortest2 = std::min(shortest2, (mesh_.corner(t, i) - mesh_.corner(t, j)).squaredNorm());
   const double largest = kRadiusPerSize * spacing_.size_at(sphere.centre, mine);
   const bool is_long = sphere.radius > radius_edge_ * std::sqrt(shortest2);
-  if (sphere.radius <= largest && !is_long && !spacing_.wants_finer(corners_of(mesh_, t)))
+  if (sphere.radius <= largest && !is_long && !spacing_.wants_finer(corner_places(mesh_, t)))
     return std::nullopt;
   // What would stand near the surface is left to it.
   constexpr double kMargin = 0.5;

@@ -9,6 +9,7 @@
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "places.hpp"
 
 namespace lumesh::delaunay {
 namespace {
@@ -98,21 +99,11 @@ class StarParts {
   [[nodiscard]] bool is_on(TetId t, Material m, Side side) const {
     return (material_of(t) == m) == (side == Side::kOf);
   }
-  /// By their places, whatever their numbers are.
-  using Corners = std::array<Vec3, 4>;
-  static bool is_earlier(const Corners& a, const Corners& b) {
-    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), precedes);
-  }
   /// The tetrahedron of a part that comes first: parts may share vertices, but no tetrahedra.
-  [[nodiscard]] Corners first_of(const std::vector<TetId>& part) const {
-    const auto corners_of = [&](TetId t) {
-      Corners corners = {mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2), mesh_.corner(t, 3)};
-      std::sort(corners.begin(), corners.end(), precedes);
-      return corners;
-    };
-    Corners first = corners_of(part.front());
+  [[nodiscard]] CornerPlaces first_of(const std::vector<TetId>& part) const {
+    CornerPlaces first = corner_places(mesh_, part.front());
     for (const TetId t : part)
-      if (const Corners here = corners_of(t); is_earlier(here, first)) first = here;
+      if (const CornerPlaces here = corner_places(mesh_, t); is_earlier(here, first)) first = here;
     return first;
   }
 

@@ -34,7 +34,7 @@ void write_mesh(const std::filesystem::path& path, const MeshView& mesh, const M
   if (extension == ".mesh") return io::write_medit_ascii(path, mesh);
   if (extension == ".meshb") return io::write_medit_binary(path, mesh);
   if (extension == ".msh") return io::write_gmsh(path, mesh, options.msh_version);
-  if (extension == ".stl" || extension == ".vtp") return write_surface(path, mesh, options);
+  if (is_surface_file(path)) return write_surface(path, mesh, options);
   refuse(path, ".vtu, .vtk, .mesh, .meshb, .msh, or .vtp and .stl for the boundary");
 }
 
@@ -67,6 +67,11 @@ bool is_mesh_file(const std::filesystem::path& path) {
 bool is_volume_file(const std::filesystem::path& path) {
   constexpr std::array<std::string_view, 5> kKnown = {".vtu", ".vtk", ".mesh", ".meshb", ".msh"};
   return std::find(kKnown.begin(), kKnown.end(), lower_extension(path)) != kKnown.end();
+}
+
+bool is_surface_file(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".vtp" || extension == ".stl";
 }
 
 }  // namespace lumesh

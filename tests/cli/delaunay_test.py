@@ -326,6 +326,7 @@ class RefusalsTest(DelaunayTest):
 
     def test_the_name_of_the_surface_is_looked_at_before_meshing(self):
         self.refused(USAGE, "surface.obj", ".vtp", options=("--surface", self.folder / "surface.obj"))
+        self.mesh("--surface", self.folder / "SURFACE.STL")
 
     def test_a_mesh_that_is_there_stays_when_the_input_is_bad(self):
         self.mesh()

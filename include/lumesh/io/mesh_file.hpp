@@ -56,6 +56,8 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 [[nodiscard]] bool is_mesh_file(const std::filesystem::path& path);
 /// True for a file name under which write_mesh() writes the volume, not the boundary alone.
 [[nodiscard]] bool is_volume_file(const std::filesystem::path& path);
+/// Whether write_surface() knows the extension.
+[[nodiscard]] bool is_surface_file(const std::filesystem::path& path);
 
 /// Cells whose volume is not positive in VTK's vertex order (hexahedra, prisms and pyramids by corner
 /// tetrahedra).
