@@ -21,7 +21,7 @@ image: core parallel
 mesh: geometry parallel
 io: image mesh
 domain: image mesh
-metric: mesh
+metric: mesh domain
 operators: mesh domain metric
 centerline: image mesh
 lattice: operators
