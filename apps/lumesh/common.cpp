@@ -7,12 +7,10 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <numeric>
 #include <set>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
-#include "lumesh/image/topology.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 
@@ -32,22 +30,6 @@ std::optional<Number> parsed(std::string_view text) {
   const auto [stop, fault] = std::from_chars(text.data(), end, number);
   if (fault != std::errc() || stop != end) return std::nullopt;
   return number;
-}
-
-/// Insertions, deletions and exchanges that lead from one word to the other (Levenshtein 1966).
-std::size_t edit_distance(const std::string& from, const std::string& to) {
-  std::vector<std::size_t> row(to.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < to.size(); ++j) {
-      const std::size_t exchanged = diagonal + (from[i] == to[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({exchanged, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
 }
 
 /// The options of the command line as they were given, but for those that do not change the mesh.
@@ -100,12 +82,6 @@ void add_selection_options(CLI::App& command, ImageSelection& selection, const s
                      "Voxels at or above become label 1, the rest background");
   command.add_flag("--largest-component", selection.largest_component,
                    verb + " the largest connected piece of the image only");
-}
-
-LabelImage read_selected_image(const std::string& path, const ImageSelection& selection, Context& context) {
-  LabelImage image = read_image(path, {selection.labels, selection.threshold}, context);
-  if (selection.largest_component > 0) keep_largest_component(image, ComponentScope::kUnion);
-  return image;
 }
 
 std::vector<CutPlane> planes_from(const PlaneNumbers& numbers) {
@@ -209,35 +185,6 @@ std::vector<std::string> doubts_about_image(const std::string& image_path, const
   return {fmt::format("{}: is not the file that {} was made from{} (SHA-256 {:.8}, not {:.8}); {}",
                       image_path, mesh_path, input == info.provenance.end() ? "" : ", " + input->second,
                       found, made_from->second, consequence)};
-}
-
-void bring_to_lps_mm(MixedMesh& mesh) {
-  const bool ras = mesh.info.frame == "RAS";
-  const double scale = mesh.info.unit == "m" ? 1000 : mesh.info.unit == "cm" ? 10 : 1;
-  if (!ras && scale == 1) return;
-  const Vec3 factors = ras ? Vec3(-scale, -scale, scale) : Vec3(scale, scale, scale);
-  for (Vec3& p : mesh.points) p = p.cwiseProduct(factors);
-  // Lengths in the metric stay as they are; it is per square of the coordinates' unit.
-  for (SymTensor& m : mesh.metric) {
-    const Vec3 f = factors.cwiseInverse();
-    m = {m.xx * f[0] * f[0], m.xy * f[0] * f[1], m.xz * f[0] * f[2],
-         m.yy * f[1] * f[1], m.yz * f[1] * f[2], m.zz * f[2] * f[2]};
-  }
-  mesh.info.frame = "LPS";
-  mesh.info.unit = "mm";
-}
-
-std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known) {
-  std::string nearest;
-  std::size_t least = std::max<std::size_t>(2, wrong.size() / 2);  // More is another word.
-  for (const std::string& word : known) {
-    const bool begins = wrong.size() > 1 && word.starts_with(wrong);
-    const std::size_t distance = begins ? 0 : edit_distance(wrong, word);
-    if (distance > least || (distance == least && !nearest.empty())) continue;
-    nearest = word;
-    least = distance;
-  }
-  return nearest;
 }
 
 }  // namespace lumesh::cli

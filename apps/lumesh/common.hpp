@@ -16,6 +16,7 @@
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/pipeline/input.hpp"
 
 namespace lumesh::cli {
 
@@ -43,16 +44,8 @@ void say(const RunOptions& options, fmt::format_string<Args...> format, Args&&..
 /// One warning line on stderr.
 void print_warning(std::string_view text);
 
-/// Which voxels of an image count.
-struct ImageSelection {
-  std::vector<Label> labels;
-  std::optional<double> threshold;
-  std::size_t largest_component = 0;
-};
 /// --labels, --threshold and --largest-component. `verb` begins their help, such as "Mesh".
 void add_selection_options(CLI::App& command, ImageSelection& selection, const std::string& verb);
-[[nodiscard]] LabelImage read_selected_image(const std::string& path, const ImageSelection& selection,
-                                             Context& context);
 
 /// Planes as they come from the command line: x y z nx ny nz each.
 using PlaneNumbers = std::vector<std::vector<double>>;
@@ -68,16 +61,6 @@ void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::st
 /// The whole text as a number; none if it is anything else.
 [[nodiscard]] std::optional<double> number_from(std::string_view text);
 [[nodiscard]] std::optional<int> integer_from(std::string_view text);
-
-/// What body() returns; its errors name the file.
-template <class Body>
-auto naming(const std::string& path, const Body& body) {
-  try {
-    return body();
-  } catch (const Error& error) {
-    throw Error(error.kind(), path + ": " + error.what());
-  }
-}
 
 /// @throws Error{kUsage} unless the name ends as those of files that hold tetrahedra.
 void check_volume_output(const std::string& path);
@@ -107,12 +90,5 @@ void check_inputs_stay(std::initializer_list<std::string> outputs, std::initiali
 [[nodiscard]] std::vector<std::string> doubts_about_image(const std::string& image_path,
                                                           const std::string& mesh_path, const MeshInfo& info,
                                                           std::string_view consequence);
-
-/// Meshes may stand in another frame or unit than images do. Wanted edge lengths and those in the metric
-/// stay.
-void bring_to_lps_mm(MixedMesh& mesh);
-
-/// The word of `known` most like a wrong one, empty if none is alike.
-[[nodiscard]] std::string nearest_word(const std::string& wrong, const std::vector<std::string>& known);
 
 }  // namespace lumesh::cli

@@ -7,38 +7,6 @@
 
 namespace lumesh::cli {
 
-namespace {
-
-/// Two triangles for each quadrilateral.
-void split_quadrilaterals(MixedMesh& mesh) {
-  for (std::size_t q = 0; q < mesh.quadrilaterals.size(); ++q) {
-    const Cell<4>& c = mesh.quadrilaterals[q];
-    mesh.triangles.push_back({c[0], c[1], c[2]});
-    mesh.triangles.push_back({c[0], c[2], c[3]});
-    mesh.triangle_patches.insert(mesh.triangle_patches.end(), 2, mesh.quadrilateral_patches[q]);
-  }
-  mesh.quadrilaterals.clear();
-  mesh.quadrilateral_patches.clear();
-}
-
-std::unique_ptr<Domain> read_surface_domain(const DomainInput& input, Context& context) {
-  MixedMesh mesh = context.phase("read", [&] { return read_mesh(input.path); });
-  if (mesh.view().cell_count() > 0)
-    throw Error(
-        ErrorKind::kBadInput,
-        input.path + ": is a mesh of a volume; give its closed surface alone, such as a .stl or .vtp");
-  bring_to_lps_mm(mesh);
-  split_quadrilaterals(mesh);
-  return context.phase("domain", [&] {
-    return naming(input.path, [&] {
-      return std::make_unique<SurfaceDomain>(
-          SurfaceView{mesh.points, mesh.triangles, mesh.triangle_patches, mesh.info.patches}, input.surface);
-    });
-  });
-}
-
-}  // namespace
-
 void add_domain_options(CLI::App& command, DomainInput& input) {
   command
       .add_option(
@@ -73,7 +41,8 @@ void check_domain_options(const CLI::App& command, const DomainInput& input) {
 }
 
 DomainRead read_domain(const DomainInput& input, Context& context) {
-  if (is_mesh_file(input.path)) return {read_surface_domain(input, context), std::nullopt, 0};
+  if (is_mesh_file(input.path))
+    return {read_surface_domain(input.path, input.surface, context), std::nullopt, 0};
   const LabelImage image =
       context.phase("read", [&] { return read_selected_image(input.path, input.selection, context); });
   ImageDomainOptions options = input.image;

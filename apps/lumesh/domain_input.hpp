@@ -7,9 +7,9 @@
 #include <string>
 
 #include "common.hpp"
-#include "lost_parts.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/surface_domain.hpp"
+#include "lumesh/pipeline/image_shape.hpp"
 
 namespace lumesh::cli {
 

@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/nearest_word.hpp"
 #include "lumesh/core/version.hpp"
 
 namespace {
@@ -37,7 +38,7 @@ void check_command(const CLI::App& program, const std::string& word) {
   for (const CLI::App* command : program.get_subcommands({})) known.push_back(command->get_name());
   if (word.starts_with('-') || std::find(known.begin(), known.end(), word) != known.end()) return;
   std::string message = "unknown command \"" + word + "\"";
-  const std::string nearest = lumesh::cli::nearest_word(word, known);
+  const std::string nearest = lumesh::nearest_word(word, known);
   if (!nearest.empty()) message += "; did you mean \"" + nearest + "\"?";
   for (const std::string& name : known) message += (name == known.front() ? " (commands: " : ", ") + name;
   throw lumesh::Error(lumesh::ErrorKind::kUsage, message + ")");

@@ -4,18 +4,11 @@
 #include <filesystem>
 
 #include "lumesh/image/phantom.hpp"
-#include "lumesh/mesh/polylines.hpp"
 
 namespace lumesh::cli {
 
 /// Writes the spec as JSON, beside the target and renamed when complete.
 /// @throws Error{kBadInput} if it cannot be written; nothing is left behind then.
 void write_parameters(const std::filesystem::path& path, const PhantomSpec& spec);
-
-/// Centerline with point arrays "radius" (mm) and "branch".
-[[nodiscard]] Polylines centerline_of(const Phantom& phantom);
-
-/// Streamlines with point array "velocity" (m/s).
-[[nodiscard]] Polylines velocity_of(const Phantom& phantom);
 
 }  // namespace lumesh::cli

@@ -25,4 +25,14 @@ class Error : public std::runtime_error {
   ErrorKind kind_;
 };
 
+/// What body() returns; its errors name what it is about.
+template <class Body>
+auto naming(const std::string& name, const Body& body) {
+  try {
+    return body();
+  } catch (const Error& error) {
+    throw Error(error.kind(), name + ": " + error.what());
+  }
+}
+
 }  // namespace lumesh

@@ -1,4 +1,4 @@
-#include "lost_parts.hpp"
+#include "lumesh/pipeline/image_shape.hpp"
 
 #include <fmt/core.h>
 
@@ -7,7 +7,7 @@
 
 #include "lumesh/mesh/label_shapes.hpp"
 
-namespace lumesh::cli {
+namespace lumesh {
 namespace {
 
 constexpr std::size_t kLeastVoxels = 27, kMostListed = 3;
@@ -91,4 +91,4 @@ std::vector<std::string> differences(const ImageShape& image, const TetMesh& mes
   return lines;
 }
 
-}  // namespace lumesh::cli
+}  // namespace lumesh

@@ -7,7 +7,7 @@
 #include "lumesh/image/topology.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
-namespace lumesh::cli {
+namespace lumesh {
 
 /// What is to be found again in the mesh.
 struct ImageShape {
@@ -22,4 +22,4 @@ struct ImageShape {
 /// of pieces or Euler number differs; none if all is there. @param mesh  Compact.
 [[nodiscard]] std::vector<std::string> differences(const ImageShape& image, const TetMesh& mesh);
 
-}  // namespace lumesh::cli
+}  // namespace lumesh
