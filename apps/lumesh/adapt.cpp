@@ -12,12 +12,12 @@
 #include "common.hpp"
 #include "kernel_options.hpp"
 #include "long_run.hpp"
+#include "lumesh/adapt/boundary.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
-#include "lumesh/operators/creases.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
 #include "metric_input.hpp"
@@ -78,20 +78,22 @@ nlohmann::ordered_json report_json(const AdaptReport& report, const Context& con
   return json;
 }
 
-void follow_image(const AdaptCommand& command, const TetMesh& mesh, operators::PatchShapes& shapes,
-                  Context& context) {
+AdaptedBoundary boundary_of(const AdaptCommand& command, TetMesh& mesh, Context& context) {
+  BoundaryOptions options{.is_frozen = command.boundary == "frozen",
+                          .feature_angle_deg = command.feature_angle_deg};
+  if (command.image_path.empty()) return {mesh, options, context};
+  for (const std::string& doubt : doubts_about_image(command.image_path, command.mesh_path, mesh.info(),
+                                                     "the surface may become another one"))
+    context.warn(doubt);
   const LabelImage image = context.phase(
       "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
-  naming(command.image_path, [&] {
-    const std::size_t following = context.phase("surfaces", [&] {
-      return operators::follow_image(mesh, std::make_shared<const ImageDomain>(image, ImageDomainOptions{}),
-                                     shapes);
-    });
-    for (const std::string& doubt : doubts_about_image(command.image_path, command.mesh_path, mesh.info(),
-                                                       "the surface may become another one"))
-      context.warn(doubt);
-    if (following == 0)
+  return naming(command.image_path, [&] {
+    options.image = context.phase(
+        "surfaces", [&] { return std::make_shared<const ImageDomain>(image, ImageDomainOptions{}); });
+    AdaptedBoundary boundary(mesh, options, context);
+    if (boundary.patches_on_image() == 0)
       context.warn(command.image_path + ": no patch follows it; all are planes, cylinders or mixed");
+    return boundary;
   });
 }
 
@@ -133,10 +135,6 @@ void run(AdaptCommand command) {
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
   if (!command.allows_pieces) context.phase("build", [&] { refuse_pieces(mesh, command.mesh_path); });
-  const bool adapts_boundary = command.boundary == "adapt";
-  const std::vector<PatchId> origins = context.phase("creases", [&] {
-    return operators::cut_patches_at_creases(mesh, adapts_boundary ? command.feature_angle_deg : 180);
-  });
   metric::MetricField field =
       field_of({command.mesh_path, command.metric_path, command.analytic}, input, mesh, command.gradation);
   check_request(command.mesh_path,
@@ -148,15 +146,12 @@ void run(AdaptCommand command) {
   command.options.team = command.kernel.team(command.run.threads);
   if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
   if (command.placement == "centroid") command.options.placement = PointPlacement::kCentroid;
-  auto shapes = context.phase("surfaces", [&] {
-    return adapts_boundary ? operators::shapes_of_patches(mesh) : operators::all_frozen(mesh);
-  });
-  if (!command.image_path.empty()) follow_image(command, mesh, shapes, context);
+  const AdaptedBoundary boundary = boundary_of(command, mesh, context);
   const AdaptReport report =
       command.complexity > 0
-          ? adapt_to_complexity(mesh, field, shapes, command.complexity, command.options, context)
-          : adapt(mesh, field, shapes, command.options, context);
-  operators::join_patches(mesh, origins);
+          ? adapt_to_complexity(mesh, field, boundary.shapes(), command.complexity, command.options, context)
+          : adapt(mesh, field, boundary.shapes(), command.options, context);
+  boundary.restore_patches(mesh);
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   context.phase("write", [&] {
