@@ -11,8 +11,8 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
-#include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/sha256.hpp"
 
 namespace lumesh::cli {
 

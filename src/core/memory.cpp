@@ -22,4 +22,10 @@ std::uint64_t available_memory_bytes() {
   return bytes;
 }
 
+std::uint64_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
 }  // namespace lumesh

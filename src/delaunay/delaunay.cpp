@@ -85,14 +85,18 @@ TetMesh hull_around(Box3 box, std::span<const Vec3> outer) {
   return operators::triangulation_around(box.center(), 0.5 * box.diagonal().norm());
 }
 
+delaunay::Spacing spacing_of(const Domain& domain, const DelaunayOptions& options) {
+  const double size_mm = options.size_mm > 0 ? options.size_mm : delaunay::kEdgePerSpacing * options.delta_mm;
+  const double surface_distance_mm =
+      options.surface_distance_mm > 0 ? options.surface_distance_mm : std::numeric_limits<double>::infinity();
+  return {domain, options.delta_mm, size_mm, surface_distance_mm, options.sizing};
+}
+
 }  // namespace
 
 DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options, Context& context) {
   options.validate();
-  const double size_mm = options.size_mm > 0 ? options.size_mm : delaunay::kEdgePerSpacing * options.delta_mm;
-  const double surface_distance_mm =
-      options.surface_distance_mm > 0 ? options.surface_distance_mm : std::numeric_limits<double>::infinity();
-  const delaunay::Spacing spacing(domain, options.delta_mm, size_mm, surface_distance_mm, options.sizing);
+  const delaunay::Spacing spacing = spacing_of(domain, options);
   const Box3 box = domain.bounds_mm();
   check_fits(options, box);
   delaunay::check_memory(spacing);
@@ -122,6 +126,11 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
     throw Error(ErrorKind::kBadInput,
                 "nothing of the object is left; choose a smaller --delta, or other cut planes");
   return result;
+}
+
+double estimated_tetrahedra(const Domain& domain, const DelaunayOptions& options) {
+  options.validate();
+  return delaunay::estimated_tets(spacing_of(domain, options));
 }
 
 }  // namespace lumesh

@@ -15,6 +15,7 @@
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 #include "metric_tensors.hpp"
+#include "point_arrays.hpp"
 
 namespace lumesh::io {
 
@@ -60,6 +61,23 @@ class LegacyReader {
     assemble_points();
     restore_info();
     return std::move(mesh_);
+  }
+
+  /// The same with the arrays on the points.
+  PointData run_for_point_data() {
+    read_header();
+    if (dataset_ != "UNSTRUCTURED_GRID" && dataset_ != "POLYDATA")
+      fail("holds neither an unstructured grid nor PolyData");
+    keeps_point_arrays_ = true;
+    read_sections();
+    assemble_points();
+    restore_info();
+    PointData data;
+    data.points = std::move(mesh_.points);
+    data.info = std::move(mesh_.info);
+    for (const PointArray& array : point_arrays_)
+      keep_point_array(path_, array.name, array.values, array.components, data);
+    return data;
   }
 
  private:
@@ -163,7 +181,7 @@ class LegacyReader {
     if (word == "POINTS") {
       const std::size_t count = next_count();
       points_ = numbers(next(), 3 * count);
-    } else if (word == "CELLS") {
+    } else if (word == "CELLS" || is_poly_cells(word)) {
       read_cells();
     } else if (word == "CELL_TYPES") {
       types_ = numbers("int", next_count());
@@ -189,6 +207,11 @@ class LegacyReader {
     } else {
       fail(fmt::format("holds the unknown section '{}'", word.substr(0, 20)));
     }
+  }
+
+  [[nodiscard]] bool is_poly_cells(const std::string& word) const {
+    return dataset_ == "POLYDATA" &&
+           (word == "LINES" || word == "VERTICES" || word == "POLYGONS" || word == "TRIANGLE_STRIPS");
   }
 
   void read_cells() {
@@ -260,7 +283,9 @@ class LegacyReader {
   }
 
   void keep_array(const std::string& name, std::size_t components, std::vector<double> values) {
-    if (part_ == Part::kPoints && name == "metric") {
+    if (keeps_point_arrays_ && part_ == Part::kPoints) {
+      if (components == 1 || components == 3) point_arrays_.push_back({name, components, std::move(values)});
+    } else if (part_ == Part::kPoints && name == "metric") {
       metric_ = std::move(values);
       metric_components_ = components;
     } else if (part_ == Part::kPoints && name == "size" && components == 1) {
@@ -373,6 +398,13 @@ class LegacyReader {
   std::optional<std::size_t> metric_components_;  ///< None if there is no metric.
   std::vector<std::size_t> offsets_;
   std::map<std::string, std::vector<double>> arrays_;
+  struct PointArray {
+    std::string name;
+    std::size_t components;
+    std::vector<double> values;
+  };
+  bool keeps_point_arrays_ = false;  ///< Instead of those that are known.
+  std::vector<PointArray> point_arrays_;
   MixedMesh mesh_;
 };
 
@@ -384,6 +416,10 @@ MixedMesh read_legacy_vtk(const std::filesystem::path& path) {
 
 MixedMesh read_legacy_vtk_points(const std::filesystem::path& path) {
   return LegacyReader(path).run_for_points();
+}
+
+PointData read_legacy_vtk_point_data(const std::filesystem::path& path) {
+  return LegacyReader(path).run_for_point_data();
 }
 
 }  // namespace lumesh::io

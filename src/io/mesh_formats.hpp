@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/point_data_file.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh::io {
@@ -29,6 +30,10 @@ void write_stl(const std::filesystem::path& path, const MeshView& mesh);
 /// Points and info alone.
 [[nodiscard]] MixedMesh read_vtk_xml_points(const std::filesystem::path& path, std::string_view dataset_type);
 [[nodiscard]] MixedMesh read_legacy_vtk_points(const std::filesystem::path& path);
+/// Arrays of one or three components.
+[[nodiscard]] PointData read_vtk_xml_point_data(const std::filesystem::path& path,
+                                                std::string_view dataset_type);
+[[nodiscard]] PointData read_legacy_vtk_point_data(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_medit_ascii(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_medit_binary(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_gmsh(const std::filesystem::path& path);

@@ -110,22 +110,45 @@ class FieldReader {
       : source_(path), expected_count_(expected_count) {}
 
   std::vector<SymTensor> read() {
-    if (!source_.find_section()) source_.fail(fmt::format("has no section {}", kSection));
-    const std::int64_t count = source_.count();
-    const bool tensors = read_kind() == kTensorField;
-    if (count < 0 || static_cast<std::uint64_t>(count) != expected_count_)
-      source_.fail(fmt::format("has {} {}, the mesh has {} vertices", count, tensors ? "tensors" : "sizes",
-                               expected_count_));
+    const bool tensors = enter(Wanted::kMetric) == kTensorField;
     // Not reserved: the text may hold less than it says, and the mesh be large.
     std::vector<SymTensor> metric;
     for (std::size_t vertex = 1; vertex <= expected_count_; ++vertex)
       metric.push_back(tensors ? read_tensor(vertex) : read_size(vertex));
-    source_.leave_section();
-    if (source_.find_section()) source_.fail(fmt::format("has several sections {}", kSection));
+    leave();
     return metric;
   }
 
+  std::vector<double> read_numbers() {
+    enter(Wanted::kNumbers);
+    std::vector<double> numbers;  // Not reserved, as above.
+    for (std::size_t vertex = 1; vertex <= expected_count_; ++vertex) numbers.push_back(source_.real());
+    leave();
+    return numbers;
+  }
+
  private:
+  enum class Wanted : std::uint8_t { kMetric, kNumbers };
+
+  /// Goes to the field's first number. @return its kind.
+  std::int64_t enter(Wanted wanted) {
+    if (!source_.find_section()) source_.fail(fmt::format("has no section {}", kSection));
+    const std::int64_t count = source_.count(), kind = read_kind();
+    if (wanted == Wanted::kNumbers && kind != kSizeField)
+      source_.fail("has a field of tensors where one number per vertex is wanted");
+    const std::string_view things = wanted == Wanted::kNumbers ? "values"
+                                    : kind == kTensorField     ? "tensors"
+                                                               : "sizes";
+    if (count < 0 || static_cast<std::uint64_t>(count) != expected_count_)
+      source_.fail(fmt::format("has {} {}, the mesh has {} vertices", count, things, expected_count_));
+    return kind;
+  }
+
+  void leave() {
+    source_.leave_section();
+    if (source_.find_section()) source_.fail(fmt::format("has several sections {}", kSection));
+  }
+
   std::int64_t read_kind() {
     const std::int64_t fields = source_.kind();
     if (fields != 1)
@@ -191,6 +214,13 @@ std::vector<SymTensor> read_metric(const std::filesystem::path& path, std::size_
   if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
   if (encoding == Encoding::kText) return FieldReader<TextSource>(path, expected_count).read();
   return FieldReader<ByteSource>(path, expected_count).read();
+}
+
+std::vector<double> read_solution(const std::filesystem::path& path, std::size_t expected_count) {
+  const Encoding encoding = encoding_of(path);
+  if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
+  if (encoding == Encoding::kText) return FieldReader<TextSource>(path, expected_count).read_numbers();
+  return FieldReader<ByteSource>(path, expected_count).read_numbers();
 }
 
 bool is_metric_file(const std::filesystem::path& path) {

@@ -4,10 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
 #include <limits>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,12 +13,11 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "mesh_formats.hpp"
 #include "text_scanner.hpp"
+#include "text_table.hpp"
 
 namespace lumesh {
 
 namespace {
-
-using Columns = std::array<std::size_t, 3>;  ///< Where x, y and z stand.
 
 std::vector<std::string_view> fields_of(std::string_view line) {
   constexpr std::string_view kBlanks = " \t\r\"";
@@ -40,39 +36,10 @@ std::vector<std::string_view> fields_of(std::string_view line) {
   return fields;
 }
 
-std::optional<double> real_from(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0;
-  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (fault != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
-
-/// The columns that a first line without numbers names; the first three if it does not.
-Columns columns_of(const std::vector<std::string_view>& header) {
-  Columns columns = {0, 1, 2};
-  constexpr std::array<std::array<std::string_view, 3>, 3> kNames = {
-      {{"x", "y", "z"}, {"points:0", "points:1", "points:2"}, {"points_0", "points_1", "points_2"}}};
-  for (const auto& names : kNames) {
-    Columns found = {};
-    bool all = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto at = std::find_if(header.begin(), header.end(), [&](std::string_view word) {
-        return std::equal(word.begin(), word.end(), names[axis].begin(), names[axis].end(),
-                          [](unsigned char a, char b) { return std::tolower(a) == b; });
-      });
-      all = all && at != header.end();
-      found[axis] = static_cast<std::size_t>(at - header.begin());
-    }
-    if (all) return found;
-  }
-  return columns;
-}
-
 std::vector<Vec3> read_text(const std::filesystem::path& path) {
   const std::string content = io::read_whole_file(path);
   std::vector<Vec3> points;
-  Columns columns = {0, 1, 2};
+  io::PlaceColumns columns = {0, 1, 2};
   bool is_first = true;
   std::size_t number = 0;
   for (std::size_t begin = 0; begin < content.size();) {
@@ -82,18 +49,19 @@ std::vector<Vec3> read_text(const std::filesystem::path& path) {
     ++number;
     const std::vector<std::string_view> fields = fields_of(line);
     if (fields.empty() || fields[0].starts_with('#')) continue;
-    const bool names = is_first && std::none_of(fields.begin(), fields.end(),
-                                                [](std::string_view f) { return real_from(f).has_value(); });
+    const bool names = is_first && std::none_of(fields.begin(), fields.end(), [](std::string_view f) {
+                         return io::real_from(f).has_value();
+                       });
     is_first = false;
     if (names) {
-      columns = columns_of(fields);
+      columns = io::place_columns(fields);
       continue;
     }
     Vec3 p = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (columns[axis] < fields.size())
         p[static_cast<int>(axis)] =
-            real_from(fields[columns[axis]]).value_or(std::numeric_limits<double>::quiet_NaN());
+            io::real_from(fields[columns[axis]]).value_or(std::numeric_limits<double>::quiet_NaN());
     if (!p.allFinite())
       io::fail(path, fmt::format("line {}: three finite numbers x y z are wanted, in mm", number));
     points.push_back(p);

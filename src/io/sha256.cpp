@@ -1,13 +1,15 @@
-// SHA-256 (FIPS 180-4), for naming the input in a mesh's provenance.
+#include "lumesh/io/sha256.hpp"
+
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <fstream>
+#include <sstream>
 
 #include "file_fault.hpp"
-#include "lumesh/io/image_file.hpp"
 
 namespace lumesh {
 
@@ -54,12 +56,7 @@ void mix_block(State& state, const unsigned char* block) {
   for (std::size_t i = 0; i < 8; ++i) state[i] += add[i];
 }
 
-}  // namespace
-
-std::string file_sha256(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) return "";  // a DICOM series has no single hash
-  std::ifstream in(path, std::ios::binary);
-  if (!in) io::fail(path, "cannot be opened for reading; check the path");
+std::string sha256_of(std::istream& in) {
   State state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                  0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
   std::uint64_t total = 0;
@@ -81,6 +78,20 @@ std::string file_sha256(const std::filesystem::path& path) {
   std::string hex;
   for (const std::uint32_t word : state) hex += fmt::format("{:08x}", word);
   return hex;
+}
+
+}  // namespace
+
+std::string file_sha256(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) return "";  // a DICOM series has no single hash
+  std::ifstream in(path, std::ios::binary);
+  if (!in) io::fail(path, "cannot be opened for reading; check the path");
+  return sha256_of(in);
+}
+
+std::string text_sha256(const std::string& text) {
+  std::istringstream in(text);
+  return sha256_of(in);
 }
 
 }  // namespace lumesh

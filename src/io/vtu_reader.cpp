@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "cell_blocks.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 #include "metric_tensors.hpp"
+#include "point_arrays.hpp"
 #include "vtk_xml_reader.hpp"
 
 namespace lumesh::io {
@@ -147,6 +149,23 @@ MixedMesh read_vtk_xml_points(const std::filesystem::path& path, std::string_vie
   mesh.points = read_points(file);
   read_info(file, mesh);
   return mesh;
+}
+
+PointData read_vtk_xml_point_data(const std::filesystem::path& path, std::string_view dataset_type) {
+  const VtkXmlReader file(path, dataset_type);
+  MixedMesh mesh;
+  mesh.points = read_points(file);
+  read_info(file, mesh);
+  PointData data;
+  data.points = std::move(mesh.points);
+  data.info = std::move(mesh.info);
+  for (const pugi::xml_node& array : file.piece().child("PointData").children("DataArray")) {
+    const std::string name = array.attribute("Name").value();
+    const unsigned components = array.attribute("NumberOfComponents").as_uint(1);
+    if (components == 1 || components == 3)
+      keep_point_array(path, name, file.doubles(array, name.c_str()), components, data);
+  }
+  return data;
 }
 
 MixedMesh read_vtu(const std::filesystem::path& path) {

@@ -108,4 +108,23 @@ std::vector<LabelShape> label_shapes(const TetMesh& mesh) {
   return shapes;
 }
 
+std::uint32_t count_pieces(const TetMesh& mesh) {
+  std::vector<std::uint8_t> seen(mesh.tet_count(), 0);
+  std::vector<TetId> open;
+  std::uint32_t pieces = 0;
+  const auto reach = [&](TetId t) {
+    if (std::exchange(seen[t.value], std::uint8_t{1}) == 0) open.push_back(t);
+  };
+  for (std::uint32_t first = 0; first < mesh.tet_count(); ++first) {
+    if (seen[first] == 0) ++pieces;
+    for (reach(TetId(first)); !open.empty();) {
+      const TetId t = open.back();
+      open.pop_back();
+      for (int f = 0; f < 4; ++f)
+        if (const FaceLink link = mesh.link(t, f); !link.is_boundary()) reach(link.tet());
+    }
+  }
+  return pieces;
+}
+
 }  // namespace lumesh

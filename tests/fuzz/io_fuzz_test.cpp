@@ -14,6 +14,7 @@
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
+#include "lumesh/io/point_data_file.hpp"
 #include "lumesh/io/points_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "unit/io/image_bytes.hpp"
@@ -154,6 +155,17 @@ void expect_consistent(const LabelImage& image) {
 void expect_consistent(const NumberImage& image) {
   ASSERT_EQ(image.values.size(), image.frame.voxel_count());
   ASSERT_TRUE((image.frame.spacing_mm.array() > 0).all());
+}
+
+void expect_consistent(const std::vector<double>& solution) {
+  EXPECT_EQ(solution.size(), 4u);
+}
+
+void expect_consistent(const PointData& data) {
+  EXPECT_FALSE(data.points.empty());
+  for (const Vec3& p : data.points) EXPECT_TRUE(p.allFinite());
+  for (const auto& array : data.scalars) EXPECT_EQ(array.second.size(), data.points.size());
+  for (const auto& array : data.vectors) EXPECT_EQ(array.second.size(), data.points.size());
 }
 
 void expect_consistent(const Polylines& lines) {
@@ -330,6 +342,30 @@ TEST_F(IoFuzz, Polylines) {
 TEST_F(IoFuzz, PointsInText) {
   fuzz("p.csv", "# landmarks\nname,x,y,z\na,0.5,1,-2\nb,3e1,4,5\nc,7,8,9.25\nd,1,1,1\n",
        [](const auto& file) { return read_points(file); });
+}
+TEST_F(IoFuzz, SolutionInText) {
+  fuzz("s.sol", "MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n4\n1 1\n0.5\n-2\n1e3\n7\nEnd\n",
+       [](const auto& file) { return read_solution(file, 4); });
+}
+TEST_F(IoFuzz, PointDataInText) {
+  fuzz("d.csv", "x,y,z,u,v,w,p\n0,1,2,3,4,5,6\n7,8,9,1e1,11,12,13\n0.5,4,2,nan,1,1,inlet\n",
+       [](const auto& file) { return read_point_data(file); });
+}
+TEST_F(IoFuzz, PointDataOfLinesAndMeshes) {
+  Polylines lines;
+  lines.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 1}};
+  lines.lines = {{0, 1, 2}};
+  lines.scalars["radius"] = {1, 2, 3};
+  lines.vectors["velocity"] = {{1, 0, 0}, {1, 0, 0}, {1, 0, 1}};
+  write_polylines(folder_ / "good.vtp", lines);
+  fuzz("d.vtp", fixtures::read_file(folder_ / "good.vtp"),
+       [](const auto& file) { return read_point_data(file); });
+  fuzz("d.vtk",
+       "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 2 double\n1 2 3 4 5 6\nLINES 1 3\n2 0 "
+       "1\n"
+       "POINT_DATA 2\nVECTORS velocity double\n0.5 0 -1 7 8 9\nSCALARS p double 1\nLOOKUP_TABLE default\n3 "
+       "nan\n",
+       [](const auto& file) { return read_point_data(file); });
 }
 TEST_F(IoFuzz, PointsOfLinesAndMeshes) {
   Polylines lines;

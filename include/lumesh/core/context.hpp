@@ -33,6 +33,7 @@ class Context {
   void warn(std::string_view message) const {
     if (on_warning_) on_warning_(message);
   }
+  void report_info_to(MessageSink sink) { on_info_ = std::move(sink); }
   /// Has `sink` called at the end of each phase that does not throw; `sink` must not throw either.
   void report_phases_to(PhaseSink sink) { on_phase_ = std::move(sink); }
   /// Has `sink` called with the share of the work that is done, estimated, from 0 to 1.

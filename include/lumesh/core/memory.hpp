@@ -9,4 +9,7 @@ namespace lumesh {
 /// limit of the process if that is less. If the system does not tell, the largest number there is.
 [[nodiscard]] std::uint64_t available_memory_bytes();
 
+/// The most memory that the process has had in use so far, in bytes.
+[[nodiscard]] std::uint64_t peak_memory_bytes();
+
 }  // namespace lumesh

@@ -71,4 +71,8 @@ struct DelaunayResult {
 [[nodiscard]] DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options,
                                            Context& context);
 
+/// How many tetrahedra that mesh will have, from a coarse grid of samples: within a factor of two where parts
+/// are not thin.
+[[nodiscard]] double estimated_tetrahedra(const Domain& domain, const DelaunayOptions& options);
+
 }  // namespace lumesh

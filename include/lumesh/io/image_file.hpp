@@ -51,8 +51,4 @@ struct NumberImage {
 /// then.
 void write_image(const std::filesystem::path& path, const LabelImage& image);
 
-/// SHA-256 of a file's bytes in hexadecimal; empty for a folder, since a series of files has no single one.
-/// @throws Error{kBadInput} if it cannot be read.
-[[nodiscard]] std::string file_sha256(const std::filesystem::path& path);
-
 }  // namespace lumesh

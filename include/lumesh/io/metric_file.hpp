@@ -1,5 +1,5 @@
 #pragma once
-/// @file Metrics from and to Medit's solution files, which stand beside a mesh file.
+/// @file Metrics and solutions from and to Medit's solution files, which stand beside a mesh file.
 
 #include <cstddef>
 #include <filesystem>
@@ -21,6 +21,12 @@ namespace lumesh {
 /// names the vertex, from 1 as Medit counts. Memory: the file, and the tensors.
 [[nodiscard]] std::vector<SymTensor> read_metric(const std::filesystem::path& path,
                                                  std::size_t expected_count);
+
+/// Reads a solution of one number per vertex from the same kinds of files.
+/// @return The numbers in the order of the mesh's vertices; they may be infinite or not a number.
+/// @throws Error{kBadInput} as read_metric(), for a field of another kind too.
+[[nodiscard]] std::vector<double> read_solution(const std::filesystem::path& path,
+                                                std::size_t expected_count);
 
 /// True if the name ends as those of files that write_metric() writes.
 [[nodiscard]] bool is_metric_file(const std::filesystem::path& path);

@@ -19,4 +19,7 @@ struct LabelShape {
 /// Euler number is that of the label. @param mesh  Compact.
 [[nodiscard]] std::vector<LabelShape> label_shapes(const TetMesh& mesh);
 
+/// Pieces of all tetrahedra together, whatever their labels, that faces join. One sweep over a compact mesh.
+[[nodiscard]] std::uint32_t count_pieces(const TetMesh& mesh);
+
 }  // namespace lumesh

@@ -12,6 +12,7 @@
 #include "../src/io/raw_image.hpp"
 #include "image_bytes.hpp"
 #include "io_fixtures.hpp"
+#include "lumesh/io/sha256.hpp"
 
 namespace lumesh {
 namespace {

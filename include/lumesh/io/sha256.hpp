@@ -1,0 +1,16 @@
+#pragma once
+/// @file Names for contents: SHA-256 (FIPS 180-4) in hexadecimal.
+
+#include <filesystem>
+#include <string>
+
+namespace lumesh {
+
+/// Of a file's bytes; empty for a folder, since a series of files has no single one.
+/// @throws Error{kBadInput} if it cannot be read.
+[[nodiscard]] std::string file_sha256(const std::filesystem::path& path);
+
+/// Of a text.
+[[nodiscard]] std::string text_sha256(const std::string& text);
+
+}  // namespace lumesh
