@@ -138,11 +138,8 @@ std::vector<Density> densities_at_vertices(const TetMesh& mesh, MetricField::Hin
   return densities;
 }
 
-}  // namespace
-
-double complexity(const TetMesh& mesh) {
-  const std::vector<Density> densities = densities_at_vertices(
-      mesh, {}, [&](VertexId v, MetricField::Hint& /*hint*/) { return density_of(mesh.log_metric(v)); });
+/// Of the values at vertices, weighted by a quarter of their tetrahedra's volume.
+double vertex_integral(const TetMesh& mesh, const std::vector<Density>& densities) {
   return parallel::reduce_blocks<double>(
       mesh.tet_slots(), kTetBlock, 0.0,
       [&](std::size_t begin, std::size_t end) {
@@ -159,6 +156,22 @@ double complexity(const TetMesh& mesh) {
         return sum;
       },
       [](double a, double b) { return a + b; });
+}
+
+}  // namespace
+
+double complexity(const TetMesh& mesh) {
+  return vertex_integral(mesh, densities_at_vertices(mesh, {}, [&](VertexId v, MetricField::Hint& /*hint*/) {
+                           return density_of(mesh.log_metric(v));
+                         }));
+}
+
+double complexity(const TetMesh& mesh, std::span<const SymTensor> metric) {
+  LUMESH_ASSERT(metric.size() == mesh.vertex_slots());
+  return vertex_integral(mesh, densities_at_vertices(mesh, {}, [&](VertexId v, MetricField::Hint& /*hint*/) {
+                           const double squared = metric[v.value].determinant();
+                           return Density{.log = std::log(squared) / 2, .value = std::sqrt(squared)};
+                         }));
 }
 
 double complexity(const MetricField& field, const TetMesh& domain) {

@@ -7,46 +7,10 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "vertex_neighbours.hpp"
 
 namespace lumesh::metric {
 namespace {
-
-/// The vertices that share an edge with each vertex, ascending.
-class VertexNeighbours {
- public:
-  explicit VertexNeighbours(const TetMesh& mesh) {
-    auto edges = parallel::collect_blocks<std::uint64_t>(
-        mesh.tet_slots(), kBlock, [&](std::size_t begin, std::size_t end, std::vector<std::uint64_t>& out) {
-          for (std::size_t i = begin; i < end; ++i) {
-            const TetId t(static_cast<std::uint32_t>(i));
-            if (!mesh.alive(t)) continue;
-            for (const auto& [k, l] : kTetEdges) {
-              const std::uint64_t a = mesh.vertex(t, k).value, b = mesh.vertex(t, l).value;
-              out.push_back(a << 32 | b);
-              out.push_back(b << 32 | a);
-            }
-          }
-        });
-    parallel::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    starts_.assign(mesh.vertex_slots() + 1, 0);
-    items_.reserve(edges.size());
-    for (const std::uint64_t edge : edges) {
-      ++starts_[(edge >> 32) + 1];
-      items_.push_back(static_cast<std::uint32_t>(edge));
-    }
-    for (std::size_t v = 1; v < starts_.size(); ++v) starts_[v] += starts_[v - 1];
-  }
-
-  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t v) const {
-    return std::span(items_).subspan(starts_[v], starts_[v + 1] - starts_[v]);
-  }
-
- private:
-  static constexpr std::size_t kBlock = 4096;
-  std::vector<std::size_t> starts_;
-  std::vector<std::uint32_t> items_;
-};
 
 /// True if sizes in `a` are nowhere larger than in `b`: a - b has no negative eigenvalue (Sylvester).
 bool is_finer(const SymTensor& a, const SymTensor& b) {

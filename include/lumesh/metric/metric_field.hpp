@@ -2,6 +2,7 @@
 /// @file The metric of every point of space.
 
 #include <memory>
+#include <span>
 #include <variant>
 
 #include "lumesh/mesh/tet_mesh.hpp"
@@ -49,6 +50,9 @@ class MetricField {
 /// Source: Loseille and Alauzet 2011, doi:10.1137/090754078. Parallel inside, same bits for every thread
 /// count.
 [[nodiscard]] double complexity(const TetMesh& mesh);
+
+/// The same for tensors that are not stored on the mesh, one per vertex slot.
+[[nodiscard]] double complexity(const TetMesh& mesh, std::span<const SymTensor> metric);
 
 /// The same integral for a field, over the tetrahedra of a mesh that need not resolve it: each is cut where
 /// the density varies, as often as it takes. Within some per cent.

@@ -1,0 +1,55 @@
+#pragma once
+/// @file From the tensors that data ask for to the metric of a mesh: limits of size, stretch, growth and
+/// complexity.
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "lumesh/mesh/tet_mesh.hpp"
+
+namespace lumesh::metric {
+
+struct MetricLimits {
+  double smallest_mm = 0;                                       ///< No size below, >= 0.
+  double largest_mm = std::numeric_limits<double>::infinity();  ///< No size above, > 0.
+  double most_aspect =
+      std::numeric_limits<double>::infinity();  ///< Largest to smallest size of a tensor, >= 1.
+  double growth = 0;                            ///< GradationOptions::growth; 0: sizes grow as they do.
+  bool keeps_boundary = false;  ///< Near the boundary, sizes along it go over to those of its own triangles,
+                                ///< as a boundary that is not adapted wants it; before all bounds.
+  double complexity = 0;        ///< Scale all sizes until the mesh sees it; 0: sizes stay as they are.
+
+  /// Throws Error{kUsage} that names a field out of its range, and Error{kBadInput} for bounds that
+  /// contradict one another.
+  void validate() const;
+};
+
+/// Gives every vertex its wanted tensor, scaled, with sizes within the bounds, no more stretched than wanted
+/// (the larger sizes become smaller) and with limited growth. The scale is sought again with all limits in
+/// force, until the complexity is met within 0.1 % or does not change any more, because bounds do not let it.
+/// Bounds and stretch hold exactly at the end, growth but for what they take back. Qualities of tetrahedra
+/// are not measured.
+///
+/// @param mesh    Compact; enable_metric() is called.
+/// @param wanted  One positive definite tensor per vertex in 1/mm^2.
+/// @return The complexity that the mesh sees.
+/// @throws what MetricLimits::validate() and limit_gradation() throw, and Error{kBadInput} if sizes leave the
+/// range of numbers. Parallel inside, the same bits for every thread count. Cost: a search for the scale
+/// takes about four times what one passage takes, of which most is gradation.
+double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const MetricLimits& limits = {});
+
+/// The intersection() of several metrics of a mesh, vertex by vertex: no size is larger than in any of them.
+/// Metrics from different sources have no common scale: where a complexity is wanted, each is scaled to it
+/// first.
+/// @param metrics  At least one; one tensor per vertex of the compact mesh each. @param complexity  0: none.
+/// Parallel inside.
+[[nodiscard]] std::vector<SymTensor> intersected(const TetMesh& mesh,
+                                                 std::vector<std::vector<SymTensor>> metrics,
+                                                 double complexity);
+
+/// Scales all sizes by one factor so that the mesh sees the complexity: for sources whose sizes have no scale
+/// of their own. @param metric  One tensor per vertex of a compact mesh.
+void scale_to_complexity(const TetMesh& mesh, std::vector<SymTensor>& metric, double complexity);
+
+}  // namespace lumesh::metric

@@ -1,0 +1,227 @@
+#include "lumesh/metric/curvature_metric.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/metric/tensor.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "vertex_neighbours.hpp"
+
+namespace lumesh::metric {
+
+namespace {
+
+/// Twice the area, along the normal.
+Vec3 area_vector(std::span<const Vec3> points, const Cell<3>& t) {
+  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
+}
+
+std::vector<Vec3> vertex_normals(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
+  std::vector<Vec3> normals(points.size(), Vec3::Zero());
+  for (const Cell<3>& t : triangles)
+    for (const std::uint32_t v : t) normals[v] += area_vector(points, t);
+  for (Vec3& normal : normals) normal = normal.norm() > 0 ? normal.normalized() : Vec3::UnitZ();
+  return normals;
+}
+
+/// Of the height h(x, y) with first derivatives d, e and second ones a, b, c: what bends in which direction.
+SurfaceCurvature curvature_of(const Mat3& frame, double d, double e, double a, double b, double c) {
+  // First and second fundamental form; principal curvatures k solve II x = k I x.
+  const double root = std::sqrt(1 + d * d + e * e);
+  Eigen::Matrix2d first, second;
+  first << 1 + d * d, d * e, d * e, 1 + e * e;
+  second << a / root, b / root, b / root, c / root;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> solver(second, first);
+  const auto lifted = [&](int i) -> Vec3 {
+    const Eigen::Vector2d x = solver.eigenvectors().col(i);
+    return (frame * Vec3(x[0], x[1], d * x[0] + e * x[1])).normalized();
+  };
+  SurfaceCurvature found;
+  found.axes.col(0) = lifted(0);
+  found.axes.col(2) = (frame * Vec3(-d, -e, 1)).normalized();
+  found.axes.col(1) = found.axes.col(2).cross(found.axes.col(0));
+  found.curvatures = {solver.eigenvalues()[0], solver.eigenvalues()[1]};
+  return found;
+}
+
+SurfaceCurvature fitted_curvature(std::span<const Vec3> points, std::span<const Vec3> normals, std::size_t v,
+                                  std::span<const std::uint32_t> neighbours) {
+  constexpr double kTikhonov = 1e-10;
+  Mat3 frame;
+  frame.col(2) = normals[v];
+  frame.col(0) = normals[v].unitOrthogonal();
+  frame.col(1) = normals[v].cross(frame.col(0));
+  double reach = 0;
+  for (const std::uint32_t w : neighbours) reach = std::max(reach, (points[w] - points[v]).norm());
+  using Terms = Eigen::Matrix<double, 5, 1>;
+  Eigen::Matrix<double, 5, 5> squares = Eigen::Matrix<double, 5, 5>::Zero();
+  Terms products = Terms::Zero();
+  for (const std::uint32_t w : neighbours) {
+    if (normals[w].dot(normals[v]) <= 0) continue;  // Round the bend, or on the other side of a thin part.
+    const Vec3 p = frame.transpose() * (points[w] - points[v]) / reach;
+    const double across = p.head<2>().squaredNorm();
+    if (p[2] * p[2] > across) continue;
+    const double lift = p.squaredNorm() / across;
+    Terms terms;
+    terms << p[0], p[1], lift * p[0] * p[0] / 2, lift * p[0] * p[1], lift * p[1] * p[1] / 2;
+    const double weight = 1 / p.squaredNorm();
+    squares += weight * terms * terms.transpose();
+    products += weight * p[2] * terms;
+  }
+  squares.diagonal().array() += kTikhonov * squares.trace();
+  const Terms found = squares.trace() > 0 ? Terms(squares.ldlt().solve(products)) : Terms(Terms::Zero());
+  return curvature_of(frame, found[0], found[1], found[2] / reach, found[3] / reach, found[4] / reach);
+}
+
+/// Sides of triangles, each with the triangle it belongs to, so that the two sides of an edge stand together.
+struct Side {
+  std::uint32_t low, high, triangle;
+  auto operator<=>(const Side&) const = default;
+};
+
+std::vector<Side> sorted_sides(std::span<const Cell<3>> triangles) {
+  std::vector<Side> sides;
+  sides.reserve(3 * triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const auto [low, high] = std::minmax(triangles[t][i], triangles[t][(i + 1) % 3]);
+      sides.push_back({low, high, t});
+    }
+  parallel::sort(sides.begin(), sides.end());
+  return sides;
+}
+
+/// For each triangle the number of the smooth piece it belongs to: the lowest triangle of the piece.
+std::vector<std::uint32_t> smooth_pieces(std::span<const Vec3> points, const BoundaryFaces& faces,
+                                         double feature_angle_deg) {
+  std::vector<std::uint32_t> piece(faces.triangles.size());
+  std::iota(piece.begin(), piece.end(), 0u);
+  const auto root_of = [&](std::uint32_t t) {
+    while (piece[t] != t) t = piece[t] = piece[piece[t]];
+    return t;
+  };
+  const double least_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
+  const std::vector<Side> sides = sorted_sides(faces.triangles);
+  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+    for (end = begin;
+         end < sides.size() && sides[end].low == sides[begin].low && sides[end].high == sides[begin].high;)
+      ++end;
+    if (end - begin != 2) continue;
+    const std::uint32_t s = sides[begin].triangle, t = sides[begin + 1].triangle;
+    const Vec3 n = area_vector(points, faces.triangles[s]), m = area_vector(points, faces.triangles[t]);
+    if (faces.patches[s] != faces.patches[t] || n.dot(m) < least_cosine * n.norm() * m.norm()) continue;
+    const auto [low, high] = std::minmax({root_of(s), root_of(t)});
+    piece[high] = low;
+  }
+  for (std::uint32_t t = 0; t < piece.size(); ++t) piece[t] = root_of(t);
+  return piece;
+}
+
+/// The boundary taken apart: every piece has vertices of its own.
+struct SmoothSurface {
+  std::vector<Vec3> points;
+  std::vector<Cell<3>> triangles;
+  std::vector<std::uint32_t> vertices;  ///< Of the mesh, ascending, with every point.
+};
+
+SmoothSurface take_apart(const TetMesh& mesh, double feature_angle_deg) {
+  const BoundaryFaces faces = mesh.boundary_faces();
+  const std::vector<std::uint32_t> piece = smooth_pieces(mesh.points(), faces, feature_angle_deg);
+  std::vector<std::array<std::uint32_t, 2>> corners;  // Vertex and piece.
+  for (std::size_t t = 0; t < piece.size(); ++t)
+    for (const std::uint32_t v : faces.triangles[t]) corners.push_back({v, piece[t]});
+  parallel::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  SmoothSurface surface;
+  for (const auto& corner : corners) {
+    surface.points.push_back(mesh.points()[corner[0]]);
+    surface.vertices.push_back(corner[0]);
+  }
+  surface.triangles = faces.triangles;
+  parallel::for_each_index(piece.size(), [&](std::size_t t) {
+    for (std::uint32_t& v : surface.triangles[t]) {
+      const std::array<std::uint32_t, 2> key = {v, piece[t]};
+      v = static_cast<std::uint32_t>(std::lower_bound(corners.begin(), corners.end(), key) - corners.begin());
+    }
+  });
+  return surface;
+}
+
+}  // namespace
+
+void CurvatureOptions::validate() const {
+  const auto refuse = [](const char* what) { throw Error(ErrorKind::kUsage, what); };
+  if (!(chord_mm >= 0) || !std::isfinite(chord_mm)) refuse("chord_mm must be 0 or more");
+  if (!(edges_per_radius > 0) || !std::isfinite(edges_per_radius)) refuse("edges_per_radius must be above 0");
+  if (!(largest_mm > 0)) refuse("largest_mm must be above 0");
+  if (!(feature_angle_deg > 0 && feature_angle_deg <= 180))
+    refuse("feature_angle_deg must be above 0 and at most 180");
+}
+
+double CurvatureOptions::size_of(double curvature, double largest) const {
+  // By curvatures, not radii: these may be infinite.
+  if (chord_mm == 0)
+    return curvature * largest * edges_per_radius > 1 ? 1 / (curvature * edges_per_radius) : largest;
+  if (curvature * chord_mm >= 1) return std::min(2 / curvature, largest);
+  const double size = 2 * std::sqrt(chord_mm * (2 - chord_mm * curvature) / curvature);
+  return std::min(size, largest);
+}
+
+SymTensor metric_of_curvature(const SurfaceCurvature& curvature, const CurvatureOptions& options,
+                              double largest) {
+  const double first = options.size_of(std::abs(curvature.curvatures[0]), largest);
+  const double second = options.size_of(std::abs(curvature.curvatures[1]), largest);
+  return from_sizes(curvature.axes, Vec3(first, second, std::min(first, second)));
+}
+
+std::vector<SurfaceCurvature> fit_curvatures(std::span<const Vec3> points,
+                                             std::span<const Cell<3>> triangles) {
+  constexpr int kRings = 2;
+  constexpr std::size_t kLeastNeighbours = 12;
+  std::vector<std::uint64_t> edges;
+  edges.reserve(6 * triangles.size());
+  for (const Cell<3>& t : triangles)
+    for (int i = 0; i < 3; ++i) {
+      const std::uint64_t a = t[i], b = t[(i + 1) % 3];
+      edges.push_back(a << 32 | b);
+      edges.push_back(b << 32 | a);
+    }
+  const VertexNeighbours neighbours(points.size(), std::move(edges));
+  const std::vector<Vec3> normals = vertex_normals(points, triangles);
+  std::vector<SurfaceCurvature> curvatures(points.size());
+  parallel::for_each_index(
+      points.size(),
+      [&](std::size_t v) {
+        const std::vector<std::uint32_t> about = neighbours.about(v, kRings, kLeastNeighbours);
+        if (!about.empty()) curvatures[v] = fitted_curvature(points, normals, v, about);
+      },
+      64);
+  return curvatures;
+}
+
+std::vector<SymTensor> metric_from_curvature(const TetMesh& mesh, const CurvatureOptions& options) {
+  options.validate();
+  LUMESH_ASSERT(mesh.is_compact());
+  const double largest =
+      std::isfinite(options.largest_mm) ? options.largest_mm : bounding_box(mesh.points()).sizes().norm();
+  const double flat = 1 / (largest * largest);
+  std::vector<SymTensor> metric(mesh.vertex_count(), SymTensor::diagonal(flat, flat, flat));
+  const SmoothSurface surface = take_apart(mesh, options.feature_angle_deg);
+  const std::vector<SurfaceCurvature> curvatures = fit_curvatures(surface.points, surface.triangles);
+  for (std::size_t i = 0; i < curvatures.size(); ++i) {
+    SymTensor& tensor = metric[surface.vertices[i]];
+    const SymTensor wanted = metric_of_curvature(curvatures[i], options, largest);
+    const bool is_first = i == 0 || surface.vertices[i] != surface.vertices[i - 1];
+    tensor = is_first ? wanted : intersection(tensor, wanted);
+  }
+  return metric;
+}
+
+}  // namespace lumesh::metric

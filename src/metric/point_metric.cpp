@@ -1,0 +1,90 @@
+#include "lumesh/metric/point_metric.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ellipsoid_search.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "point_tree.hpp"
+
+namespace lumesh::metric {
+
+namespace {
+
+/// The metric of places near one another, which often have the same nearest points.
+class NeighbourhoodMetrics {
+ public:
+  NeighbourhoodMetrics(std::span<const Vec3> points, const PointTree& tree, std::size_t k,
+                       const EllipsoidOptions& options)
+      : points_(points), tree_(tree), search_(options), nearest_(k), gathered_(k) {}
+
+  SymTensor at(const Vec3& place) {
+    tree_.nearest(place, nearest_);
+    std::sort(nearest_.begin(), nearest_.end());
+    std::uint64_t hash = 0;
+    for (const std::uint32_t i : nearest_) hash = (hash ^ i) * 0x9E3779B97F4A7C15ull;
+    Known& known = known_[hash >> 58];
+    if (known.set == nearest_) return known.metric;
+    for (std::size_t i = 0; i < nearest_.size(); ++i) gathered_[i] = points_[nearest_[i]];
+    known = {nearest_, search_.around(gathered_).metric()};
+    return known.metric;
+  }
+
+ private:
+  struct Known {
+    std::vector<std::uint32_t> set;
+    SymTensor metric;
+  };
+
+  std::span<const Vec3> points_;
+  const PointTree& tree_;
+  EllipsoidSearch search_;
+  std::vector<std::uint32_t> nearest_;
+  std::vector<Vec3> gathered_;
+  std::array<Known, 64> known_;
+};
+
+}  // namespace
+
+void PointMetricOptions::validate() const {
+  if (k < 1) throw Error(ErrorKind::kUsage, "k must be at least 1");
+  if (!(tolerance > 0 && tolerance <= 1))
+    throw Error(ErrorKind::kUsage, "tolerance must be above 0 and at most 1");
+  if (!(floor_mm >= 0) || !std::isfinite(floor_mm))
+    throw Error(ErrorKind::kUsage, "floor_mm must be 0 or more");
+}
+
+std::vector<SymTensor> metric_from_points(std::span<const Vec3> places, std::span<const Vec3> points,
+                                          const PointMetricOptions& options) {
+  options.validate();
+  const std::vector<Vec3> set = distinct_by_place(points);
+  if (set.size() < 2)
+    throw Error(ErrorKind::kBadInput,
+                set.empty() ? "holds no points" : "all its points are one place; at least two are needed");
+  const auto k = static_cast<std::size_t>(options.k);
+  if (k > set.size())
+    throw Error(ErrorKind::kBadInput, fmt::format("has {} different points, fewer than the {} of k; lower k",
+                                                  set.size(), options.k));
+  if (places.empty()) return {};
+  refuse_far_points(places, set);
+  const PointTree tree(set);
+  const double floor_mm = options.floor_mm > 0 ? options.floor_mm : median_spacing(set, tree);
+  const EllipsoidOptions ellipsoids{options.tolerance, floor_mm};
+  const std::vector<std::uint32_t> order = hilbert_order(places);
+  std::vector<SymTensor> metric(places.size());
+  constexpr std::size_t kPlacesAtOnce = 1024;
+  parallel::for_each_block(places.size(), kPlacesAtOnce,
+                           [&](std::size_t /*block*/, std::size_t begin, std::size_t end) {
+                             NeighbourhoodMetrics metrics(set, tree, k, ellipsoids);
+                             for (std::size_t i = begin; i < end; ++i)
+                               metric[order[i]] = metrics.at(places[order[i]]);
+                           });
+  return metric;
+}
+
+}  // namespace lumesh::metric

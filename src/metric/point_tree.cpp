@@ -1,0 +1,131 @@
+#include "point_tree.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nanoflann.hpp>
+#include <tuple>
+
+#include "lumesh/core/assert.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::metric {
+
+namespace {
+
+/// The nearest points so far, by distance and index, where nanoflann's own keeps the one it meets first.
+class NearestFirst {
+ public:
+  using DistanceType = double;
+
+  explicit NearestFirst(std::span<std::uint32_t> indices)
+      : indices_(indices), squares_(indices.size(), std::numeric_limits<double>::infinity()) {}
+
+  [[nodiscard]] bool full() const { return count_ == indices_.size(); }
+  /// The search passes on what is less: the next number lets points in that are as near as the last.
+  [[nodiscard]] double worstDist() const {
+    return std::nextafter(squares_.back(), std::numeric_limits<double>::infinity());
+  }
+  bool addPoint(double square, std::uint32_t index) {
+    const auto is_before = [&](std::size_t i) {
+      return std::tie(square, index) < std::tie(squares_[i], indices_[i]);
+    };
+    if (full() && !is_before(count_ - 1)) return true;
+    std::size_t at = full() ? count_ - 1 : count_++;
+    for (; at > 0 && is_before(at - 1); --at) {
+      squares_[at] = squares_[at - 1];
+      indices_[at] = indices_[at - 1];
+    }
+    squares_[at] = square;
+    indices_[at] = index;
+    return true;
+  }
+
+ private:
+  std::span<std::uint32_t> indices_;
+  std::vector<double> squares_;
+  std::size_t count_ = 0;
+};
+
+std::string text_of(const Box3& box) {
+  return fmt::format("({:.4g} {:.4g} {:.4g}) to ({:.4g} {:.4g} {:.4g})", box.min()[0], box.min()[1],
+                     box.min()[2], box.max()[0], box.max()[1], box.max()[2]);
+}
+
+}  // namespace
+
+struct PointTree::Index {
+  /// The points as nanoflann asks for them.
+  struct Table {
+    std::span<const Vec3> points;
+
+    [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
+    [[nodiscard]] double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+      return points[i][static_cast<Eigen::Index>(axis)];
+    }
+    template <class Bounds>
+    bool kdtree_get_bbox(Bounds& /*bounds*/) const {
+      return false;
+    }
+  };
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Table>, Table, 3,
+                                                   std::uint32_t>;
+
+  explicit Index(std::span<const Vec3> points) : table{points}, tree(3, table, {10}) { tree.buildIndex(); }
+
+  Table table;
+  Tree tree;
+};
+
+PointTree::PointTree(std::span<const Vec3> points) : index_(std::make_unique<const Index>(points)) {}
+
+PointTree::~PointTree() = default;
+
+void PointTree::nearest(const Vec3& place, std::span<std::uint32_t> out) const {
+  LUMESH_ASSERT(!out.empty() && out.size() <= index_->table.points.size());
+  NearestFirst found(out);
+  index_->tree.findNeighbors(found, place.data(), nanoflann::SearchParams());
+}
+
+std::vector<Vec3> distinct_by_place(std::span<const Vec3> points) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].allFinite())
+      throw Error(ErrorKind::kBadInput, fmt::format("point {}, counted from 0, is not finite", i));
+  std::vector<Vec3> sorted(points.begin(), points.end());
+  for (Vec3& p : sorted) p += Vec3::Zero();  // -0 becomes 0: equal points have the same bits.
+  parallel::sort(sorted.begin(), sorted.end(), [](const Vec3& a, const Vec3& b) {
+    return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]);
+  });
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  return sorted;
+}
+
+double median_spacing(std::span<const Vec3> points, const PointTree& tree) {
+  std::vector<double> spacings(points.size());
+  parallel::for_each_index(points.size(), [&](std::size_t i) {
+    std::array<std::uint32_t, 2> pair{};  // The point itself and its nearest.
+    tree.nearest(points[i], pair);
+    spacings[i] = (points[pair[1]] - points[pair[0]]).norm();
+  });
+  const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
+  std::nth_element(spacings.begin(), middle, spacings.end());
+  return *middle;
+}
+
+void refuse_far_points(std::span<const Vec3> places, std::span<const Vec3> points) {
+  const Box3 box = bounding_box(places);
+  const double reach = box.sizes().norm();
+  const bool is_near = std::any_of(points.begin(), points.end(), [&](const Vec3& p) {
+    return box.squaredExteriorDistance(p) <= reach * reach;
+  });
+  if (is_near) return;
+  throw Error(ErrorKind::kBadInput,
+              fmt::format("all points lie far from the mesh, {} against {}; check unit and frame of both",
+                          text_of(bounding_box(points)), text_of(box)));
+}
+
+}  // namespace lumesh::metric

@@ -1,0 +1,42 @@
+#pragma once
+/// @file The nearest of many points.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "lumesh/core/types.hpp"
+
+namespace lumesh::metric {
+
+/// The points in order of x, y, z, each once: what is made of them does not depend on the order they came in.
+/// @throws Error{kBadInput} that names a point which is not finite.
+[[nodiscard]] std::vector<Vec3> distinct_by_place(std::span<const Vec3> points);
+
+/// A k-d tree. Threads: const members may run at the same time.
+class PointTree {
+ public:
+  /// @param points  Must stay as they are while the tree lives.
+  explicit PointTree(std::span<const Vec3> points);
+  PointTree(const PointTree&) = delete;
+  PointTree& operator=(const PointTree&) = delete;
+  ~PointTree();
+
+  /// Indices of the `out.size()` points nearest to `place`, nearest first; of points as near as one another
+  /// those of the lower indices. There must be as many points.
+  void nearest(const Vec3& place, std::span<std::uint32_t> out) const;
+
+ private:
+  struct Index;
+  std::unique_ptr<const Index> index_;
+};
+
+/// The median distance from a point to its nearest one; at least two points, all different.
+[[nodiscard]] double median_spacing(std::span<const Vec3> points, const PointTree& tree);
+
+/// @throws Error{kBadInput} that says both boxes, unless a point lies about the places: within one diagonal
+/// of their box. Else unit or frame are probably wrong.
+void refuse_far_points(std::span<const Vec3> places, std::span<const Vec3> points);
+
+}  // namespace lumesh::metric

@@ -1,0 +1,158 @@
+#include "lumesh/metric/shaping.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "boundary_sizes.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/metric/gradation.hpp"
+#include "lumesh/metric/metric_field.hpp"
+#include "lumesh/metric/tensor.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::metric {
+
+namespace {
+
+bool bounds_anything(const MetricLimits& limits) {
+  return limits.smallest_mm > 0 || std::isfinite(limits.largest_mm) || std::isfinite(limits.most_aspect);
+}
+
+/// Within the bounds, and then no more stretched than wanted.
+EigenSystem bounded(EigenSystem system, const MetricLimits& limits) {
+  const double most = 1 / (limits.smallest_mm * limits.smallest_mm);  // Infinite where there is no bound.
+  const double least = 1 / (limits.largest_mm * limits.largest_mm);
+  for (double& value : system.values) value = std::clamp(value, least, most);
+  const double floor = system.values.maxCoeff() / (limits.most_aspect * limits.most_aspect);
+  system.values = system.values.cwiseMax(floor);
+  return system;
+}
+
+void set_bounded(TetMesh& mesh, VertexId v, const SymTensor& tensor, const MetricLimits& limits) {
+  EigenSystem system = eigen_system(tensor);
+  const bool bounds = bounds_anything(limits);
+  if (bounds) system = bounded(system, limits);
+  // What nothing bounds keeps its bits.
+  const SymTensor metric = bounds ? system.tensor() : tensor;
+  for (double& value : system.values) value = std::log(value);
+  mesh.set_metric(v, metric, system.tensor());
+}
+
+/// All limits but the complexity's. @return the complexity.
+/// @param boundary  What it imposes; null where it may be adapted.
+double assign_limited(TetMesh& mesh, std::span<const SymTensor> wanted, double size_factor,
+                      const MetricLimits& limits, const BoundarySizes* boundary) {
+  const double scale = 1 / (size_factor * size_factor);
+  const auto id = [](std::size_t i) { return VertexId(static_cast<std::uint32_t>(i)); };
+  parallel::for_each_index(wanted.size(),
+                           [&](std::size_t i) { set_bounded(mesh, id(i), scale * wanted[i], limits); });
+  if (limits.growth > 0) {
+    limit_gradation(mesh, {.growth = limits.growth});
+    // Where stretched tensors cross, what fits into both may be smaller than the bound.
+    if (bounds_anything(limits))
+      parallel::for_each_index(wanted.size(),
+                               [&](std::size_t i) { set_bounded(mesh, id(i), mesh.metric(id(i)), limits); });
+  }
+  if (boundary != nullptr)
+    parallel::for_each_index(wanted.size(), [&](std::size_t i) {
+      const SymTensor met = boundary->met_at(id(i), mesh.metric(id(i)));
+      mesh.set_metric(id(i), met, log(met));
+    });
+  return complexity(mesh);
+}
+
+/// The logarithm of the factor of sizes, by secants.
+class ScaleSearch {
+ public:
+  explicit ScaleSearch(double guess) : guess_(guess) {}
+
+  [[nodiscard]] double guess() const { return guess_; }
+  /// @param miss  Logarithm of the complexity seen through that wanted, with the guess.
+  void improve(double miss) {
+    // Without bounds the complexity goes as the factor to the power -3; bounds make it change less.
+    constexpr double kSteepest = -4, kFlattest = -0.3;
+    double slope = -3;
+    if (tries_++ > 0 && guess_ != last_guess_)
+      slope = std::clamp((miss - last_miss_) / (guess_ - last_guess_), kSteepest, kFlattest);
+    last_guess_ = std::exchange(guess_, guess_ - miss / slope);
+    last_miss_ = miss;
+  }
+
+ private:
+  int tries_ = 0;
+  double guess_, last_guess_ = 0, last_miss_ = 0;
+};
+
+/// The scale for the complexity is sought until it is met or does not change any more.
+double shape_to_limits(TetMesh& mesh, std::span<const SymTensor> wanted, const MetricLimits& limits) {
+  constexpr double kUsualGrowth = 1.5;
+  std::optional<BoundarySizes> sizes;
+  if (limits.keeps_boundary) sizes.emplace(mesh, limits.growth > 0 ? limits.growth : kUsualGrowth);
+  const BoundarySizes* const boundary = sizes ? &*sizes : nullptr;
+  if (limits.complexity == 0) return assign_limited(mesh, wanted, 1, limits, boundary);
+  // From the scale that would be right without limits, what they change can only be made up for in one
+  // direction: a complexity that does not change any more is the nearest there is.
+  ScaleSearch search(std::log(complexity(mesh, wanted) / limits.complexity) / 3);
+  double seen = assign_limited(mesh, wanted, std::exp(search.guess()), limits, boundary);
+  constexpr int kMostTries = 20;
+  constexpr double kTolerance = 1e-3, kNoChange = 1e-6;
+  for (int i = 0; i < kMostTries; ++i) {
+    const double before = seen;
+    if (std::abs(before / limits.complexity - 1) < kTolerance) break;
+    search.improve(std::log(before / limits.complexity));
+    seen = assign_limited(mesh, wanted, std::exp(search.guess()), limits, boundary);
+    if (std::abs(seen / before - 1) < kNoChange) break;
+  }
+  return seen;
+}
+
+}  // namespace
+
+void MetricLimits::validate() const {
+  const auto refuse = [](const char* what) { throw Error(ErrorKind::kUsage, what); };
+  if (!(smallest_mm >= 0) || !std::isfinite(smallest_mm)) refuse("the smallest size must be 0 or more");
+  if (!(largest_mm > 0)) refuse("the largest size must be above 0");
+  if (!(most_aspect >= 1)) refuse("the largest aspect must be 1 or more");
+  if (!(growth == 0 || (growth > 1 && std::isfinite(growth)))) refuse("gradation must be greater than 1");
+  if (!(complexity >= 0) || !std::isfinite(complexity)) refuse("the complexity must be 0 or more");
+  if (smallest_mm > largest_mm)
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("the smallest size, {} mm, is greater than the largest, {} mm", smallest_mm, largest_mm));
+}
+
+double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const MetricLimits& limits) {
+  limits.validate();
+  LUMESH_ASSERT(mesh.is_compact() && wanted.size() == mesh.vertex_count());
+  mesh.enable_metric();
+  const double seen = shape_to_limits(mesh, wanted, limits);
+  if (!std::isfinite(seen))
+    throw Error(
+        ErrorKind::kBadInput,
+        "the metric's sizes are beyond what numbers hold; ask for a smaller complexity or larger sizes");
+  return seen;
+}
+
+std::vector<SymTensor> intersected(const TetMesh& mesh, std::vector<std::vector<SymTensor>> metrics,
+                                   double complexity) {
+  LUMESH_ASSERT(!metrics.empty());
+  if (metrics.size() > 1 && complexity > 0)
+    for (std::vector<SymTensor>& metric : metrics) scale_to_complexity(mesh, metric, complexity);
+  std::vector<SymTensor>& all = metrics.front();
+  for (std::size_t m = 1; m < metrics.size(); ++m)
+    parallel::for_each_index(all.size(),
+                             [&](std::size_t i) { all[i] = intersection(all[i], metrics[m][i]); });
+  return std::move(all);
+}
+
+void scale_to_complexity(const TetMesh& mesh, std::vector<SymTensor>& metric, double complexity) {
+  LUMESH_ASSERT(mesh.is_compact() && metric.size() == mesh.vertex_count() && complexity > 0);
+  const double scale = std::pow(complexity / metric::complexity(mesh, metric), 2.0 / 3);
+  for (SymTensor& tensor : metric) tensor = scale * tensor;
+}
+
+}  // namespace lumesh::metric

@@ -1,0 +1,174 @@
+#include "lumesh/metric/velocity_metric.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "lumesh/core/assert.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/metric/tensor.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "point_tree.hpp"
+
+namespace lumesh::metric {
+
+namespace {
+
+struct DistinctSamples {
+  std::vector<Vec3> points, velocities;
+};
+
+/// In an order that does not depend on that of the samples; those at one place as their mean.
+DistinctSamples distinct_samples(const VelocitySamples& samples) {
+  const std::span<const Vec3> points = samples.points, velocities = samples.velocities;
+  LUMESH_ASSERT(points.size() == velocities.size());
+  constexpr double kLargest = 1e100;  // Squares of speeds are summed.
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].allFinite() || !velocities[i].allFinite() ||
+        velocities[i].cwiseAbs().maxCoeff() > kLargest)
+      throw Error(ErrorKind::kBadInput, fmt::format("the {} of point {}, counted from 0, is not finite",
+                                                    points[i].allFinite() ? "velocity" : "place", i));
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  parallel::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+    const auto key = [&](std::uint32_t s) {
+      return std::make_tuple(points[s][0], points[s][1], points[s][2], velocities[s][0], velocities[s][1],
+                             velocities[s][2], s);
+    };
+    return key(i) < key(j);
+  });
+  DistinctSamples distinct;
+  for (std::size_t begin = 0; begin < order.size();) {
+    std::size_t end = begin;
+    Vec3 sum = Vec3::Zero();
+    for (; end < order.size() && points[order[end]] == points[order[begin]]; ++end)
+      sum += velocities[order[end]];
+    distinct.points.emplace_back(points[order[begin]] + Vec3::Zero());  // -0 becomes 0.
+    distinct.velocities.emplace_back(sum / static_cast<double>(end - begin));
+    begin = end;
+  }
+  return distinct;
+}
+
+VelocityFit fit_at(const Vec3& place, const DistinctSamples& samples,
+                   std::span<const std::uint32_t> nearest) {
+  constexpr double kTikhonov = 1e-6;
+  const double reach = (samples.points[nearest.back()] - place).squaredNorm();
+  double sum = 0;
+  Vec3 middle = Vec3::Zero(), velocity = Vec3::Zero();
+  const auto weight = [&](std::uint32_t i) {
+    return std::exp(-2 * (samples.points[i] - place).squaredNorm() / reach);
+  };
+  for (const std::uint32_t i : nearest) {
+    const double w = weight(i);
+    sum += w;
+    middle += w * (samples.points[i] - place);
+    velocity += w * samples.velocities[i];
+  }
+  middle /= sum;
+  velocity /= sum;
+  Mat3 squares = Mat3::Zero(), products = Mat3::Zero();
+  for (const std::uint32_t i : nearest) {
+    const Vec3 offset = samples.points[i] - place - middle;
+    const Vec3 weighted = weight(i) * offset;
+    squares += weighted * offset.transpose();
+    products += (samples.velocities[i] - velocity) * weighted.transpose();
+  }
+  squares.diagonal().array() += kTikhonov * squares.trace();
+  return {velocity, squares.ldlt().solve(products.transpose()).transpose()};
+}
+
+std::vector<VelocityFit> fit(std::span<const Vec3> places, const DistinctSamples& samples, int k) {
+  if (samples.points.size() < static_cast<std::size_t>(k))
+    throw Error(ErrorKind::kBadInput, fmt::format("has {} different points, fewer than the {} of k; lower k",
+                                                  samples.points.size(), k));
+  if (places.empty()) return {};
+  refuse_far_points(places, samples.points);
+  const PointTree tree(samples.points);
+  const std::vector<std::uint32_t> order = hilbert_order(places);
+  std::vector<VelocityFit> fits(places.size());
+  constexpr std::size_t kPlacesAtOnce = 1024;
+  parallel::for_each_block(places.size(), kPlacesAtOnce,
+                           [&](std::size_t /*block*/, std::size_t begin, std::size_t end) {
+                             std::vector<std::uint32_t> nearest(static_cast<std::size_t>(k));
+                             for (std::size_t i = begin; i < end; ++i) {
+                               tree.nearest(places[order[i]], nearest);
+                               fits[order[i]] = fit_at(places[order[i]], samples, nearest);
+                             }
+                           });
+  return fits;
+}
+
+double percentile_95(const std::vector<VelocityFit>& fits) {
+  std::vector<double> norms(fits.size());
+  std::transform(fits.begin(), fits.end(), norms.begin(),
+                 [](const VelocityFit& f) { return f.gradient.norm(); });
+  const auto at = norms.begin() + static_cast<std::ptrdiff_t>(norms.size() * 95 / 100);
+  std::nth_element(norms.begin(), at, norms.end());
+  return *at;
+}
+
+/// What the sizes of all places are measured by.
+struct FlowScale {
+  double gradient = 0;  // G_0; 0 where nothing flows.
+  double size = 0;      // h_0.
+};
+
+FlowScale scale_of(const std::vector<VelocityFit>& fits, const DistinctSamples& samples, double diagonal,
+                   double edge_share) {
+  constexpr double kConstant = 1e-3;
+  double squares = 0;
+  for (const Vec3& u : samples.velocities) squares += u.squaredNorm();
+  const double speed = std::sqrt(squares / static_cast<double>(samples.velocities.size()));
+  if (!(speed > 0)) return {0, diagonal};
+  const double gradient = std::max(percentile_95(fits), kConstant * speed / diagonal);
+  return {gradient, std::min(edge_share * speed / gradient, diagonal)};
+}
+
+SymTensor tensor_of(const VelocityFit& fit, const FlowScale& scale, const VelocityMetricOptions& options) {
+  const double share = scale.gradient > 0 ? std::min(fit.gradient.norm() / scale.gradient, 1.0) : 0.0;
+  const double across = scale.size * std::min(1 / std::sqrt(share), options.coarsest);
+  const double inverse = 1 / (across * across);
+  const SymTensor round = SymTensor::diagonal(inverse, inverse, inverse);
+  const double speed = fit.velocity.norm();
+  if (!(speed > 0)) return round;
+  const double stretch = 1 + (options.most_stretch - 1) * share;
+  const Vec3 t = fit.velocity / speed;
+  const double less = inverse * (1 / (stretch * stretch) - 1);
+  return round + less * SymTensor::from(t * t.transpose());
+}
+
+}  // namespace
+
+void VelocityMetricOptions::validate() const {
+  const auto refuse = [](const char* what) { throw Error(ErrorKind::kUsage, what); };
+  if (k < 3) refuse("k must be at least 3 to fit the gradient of a velocity");
+  if (!(most_stretch >= 1) || !std::isfinite(most_stretch)) refuse("most_stretch must be 1 or more");
+  if (!(edge_share > 0) || !std::isfinite(edge_share)) refuse("edge_share must be above 0");
+  if (!(coarsest >= 1) || !std::isfinite(coarsest)) refuse("coarsest must be 1 or more");
+}
+
+std::vector<VelocityFit> fit_velocities(std::span<const Vec3> places, const VelocitySamples& samples, int k) {
+  VelocityMetricOptions{.k = k}.validate();
+  return fit(places, distinct_samples(samples), k);
+}
+
+std::vector<SymTensor> metric_from_velocity(std::span<const Vec3> places, const VelocitySamples& samples,
+                                            const VelocityMetricOptions& options) {
+  options.validate();
+  const DistinctSamples distinct = distinct_samples(samples);
+  const std::vector<VelocityFit> fits = fit(places, distinct, options.k);
+  if (fits.empty()) return {};
+  const FlowScale scale = scale_of(fits, distinct, bounding_box(places).sizes().norm(), options.edge_share);
+  std::vector<SymTensor> metric(places.size());
+  parallel::for_each_index(metric.size(),
+                           [&](std::size_t i) { metric[i] = tensor_of(fits[i], scale, options); });
+  return metric;
+}
+
+}  // namespace lumesh::metric
