@@ -31,8 +31,11 @@ LabelEvaluation& entry(Evaluation& evaluation, Label label) {
   return *at;
 }
 
-void add_topology(const MeshView& mesh, const MeshSurface& surface, Evaluation& evaluation) {
-  const std::vector<SolidTopology> solids = analyse_solids(mesh);
+void add_topology(const MeshView& mesh, const TetMesh* kernel, const MeshSurface& surface,
+                  Evaluation& evaluation) {
+  evaluation.boundary = analyse_surface(mesh.points, surface.outer());
+  const std::vector<SolidTopology> solids =
+      kernel != nullptr ? analyse_solids(*kernel, evaluation.boundary) : analyse_solids(mesh);
   evaluation.components = solids.back().components;
   evaluation.euler = solids.back().euler;
   for (std::size_t i = 0; i + 1 < solids.size(); ++i) {
@@ -41,7 +44,6 @@ void add_topology(const MeshView& mesh, const MeshSurface& surface, Evaluation& 
     label.euler = solids[i].euler;
     label.surface = analyse_surface(mesh.points, surface.around(label.label));
   }
-  evaluation.boundary = analyse_surface(mesh.points, surface.outer());
   evaluation.interface_triangles = surface.triangles.size() - evaluation.boundary.triangles;
   evaluation.patches = summarise_patches(mesh, surface);
 }
@@ -108,9 +110,11 @@ Evaluation evaluate(const MeshView& mesh, const EvaluationInput& input, Context&
     label.volume_mm3 = volume.volume_mm3;
   }
   add_metric(mesh, evaluation, context);
-  const MeshSurface surface = context.phase("surface", [&] { return extract_surface(mesh); });
-  context.phase("topology", [&] { add_topology(mesh, surface, evaluation); });
-  context.phase("validity", [&] { find_problems(mesh, surface, evaluation); });
+  const MeshSurface surface = context.phase("surface", [&] {
+    return input.kernel != nullptr ? extract_surface(*input.kernel) : extract_surface(mesh);
+  });
+  context.phase("topology", [&] { add_topology(mesh, input.kernel, surface, evaluation); });
+  context.phase("validity", [&] { find_problems(mesh, input.kernel, surface, evaluation); });
   if (input.image) add_image(mesh, surface, input, evaluation, context);
   if (input.phantom) {
     evaluation.reference_voxel_mm = std::cbrt(input.phantom->frame().voxel_volume_mm3());

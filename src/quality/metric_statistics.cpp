@@ -84,16 +84,25 @@ MetricStatistics empty_tally() {
   return tally;
 }
 
-MetricStatistics joined(MetricStatistics all, const MetricStatistics& more) {
+void join(EdgeBand& all, const EdgeBand& more) {
   all.edges += more.edges;
   all.short_edges += more.short_edges;
   all.long_edges += more.long_edges;
+}
+
+MetricStatistics joined(MetricStatistics all, const MetricStatistics& more) {
+  join(all, more);
+  if (all.free_edges && more.free_edges)
+    join(*all.free_edges, *more.free_edges);
+  else if (more.free_edges)
+    all.free_edges = more.free_edges;
   all.shortest_edge = std::min(all.shortest_edge, more.shortest_edge);
   all.longest_edge = std::max(all.longest_edge, more.longest_edge);
   all.mean_edge += more.mean_edge;
   all.edge_length.merge(more.edge_length);
   lower(all.smallest_mean_ratio, more.smallest_mean_ratio.value, more.smallest_mean_ratio.tetrahedron);
   all.mean_mean_ratio += more.mean_mean_ratio;
+  all.poor_tetrahedra += more.poor_tetrahedra;
   all.mean_ratio.merge(more.mean_ratio);
   all.complexity += more.complexity;
   all.vertices += more.vertices;
@@ -101,22 +110,39 @@ MetricStatistics joined(MetricStatistics all, const MetricStatistics& more) {
   return all;
 }
 
+void count_in_band(EdgeBand& band, double length) {
+  ++band.edges;
+  band.short_edges += length < metric::kShortestUnit;
+  band.long_edges += length > metric::kLongestUnit;
+}
+
 void count_edge(MetricStatistics& tally, double length) {
-  ++tally.edges;
-  tally.short_edges += length < metric::kShortestUnit;
-  tally.long_edges += length > metric::kLongestUnit;
+  count_in_band(tally, length);
   tally.shortest_edge = std::min(tally.shortest_edge, length);
   tally.longest_edge = std::max(tally.longest_edge, length);
   tally.mean_edge += length;
   tally.edge_length.add(length);
 }
 
+/// Which points are on boundary faces; empty if the view has none.
+std::vector<std::uint8_t> boundary_points(const MeshView& mesh) {
+  if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) return {};
+  std::vector<std::uint8_t> on_boundary(mesh.points.size(), 0);
+  for (const Cell<3>& face : mesh.triangles)
+    for (const std::uint32_t v : face) on_boundary[v] = 1;
+  for (const Cell<4>& face : mesh.quadrilaterals)
+    for (const std::uint32_t v : face) on_boundary[v] = 1;
+  return on_boundary;
+}
+
 /// Counts each edge at its lower vertex, so that no list of all edges is needed.
 MetricStatistics measure_edges(const MeshView& mesh, const CornersByVertex& corners) {
+  const std::vector<std::uint8_t> on_boundary = boundary_points(mesh);
   return parallel::reduce_blocks(
       mesh.points.size(), kVertexBlock, empty_tally(),
       [&](std::size_t begin, std::size_t end) {
         MetricStatistics part = empty_tally();
+        EdgeBand free_edges;
         std::vector<std::uint32_t> above;  // The vertex's neighbours of higher index.
         for (std::size_t v = begin; v < end; ++v) {
           above.clear();
@@ -125,11 +151,16 @@ MetricStatistics measure_edges(const MeshView& mesh, const CornersByVertex& corn
               if (other > v) above.push_back(other);
           std::sort(above.begin(), above.end());
           above.erase(std::unique(above.begin(), above.end()), above.end());
-          for (const std::uint32_t w : above)
-            count_edge(part,
-                       metric::edge_length(mesh.points[v], mesh.metric[v], mesh.points[w], mesh.metric[w]));
+          for (const std::uint32_t w : above) {
+            const double length =
+                metric::edge_length(mesh.points[v], mesh.metric[v], mesh.points[w], mesh.metric[w]);
+            count_edge(part, length);
+            if (!on_boundary.empty() && !(on_boundary[v] && on_boundary[w]))
+              count_in_band(free_edges, length);
+          }
           part.vertices += !corners.of(v).empty();
         }
+        if (!on_boundary.empty()) part.free_edges = free_edges;
         return part;
       },
       joined);
@@ -147,6 +178,7 @@ MetricStatistics measure_shapes(const MeshView& mesh, const VertexMetrics& metri
               metric::mean_ratio(a, b, c, d, metrics.log[p], metrics.log[q], metrics.log[r], metrics.log[s]);
           lower(part.smallest_mean_ratio, ratio, static_cast<std::uint32_t>(i));
           part.mean_mean_ratio += ratio;
+          part.poor_tetrahedra += ratio < kPoorMeanRatio;
           part.mean_ratio.add(ratio);
           part.complexity +=
               tetrahedron_volume(a, b, c, d) / 4 *

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "cell_faces.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -91,6 +92,17 @@ MeshSurface extract_surface(const MeshView& mesh) {
     surface.overfull_faces += face.overfull;
   }
   surface.patches = look_up_patches(mesh, surface.triangles);
+  return surface;
+}
+
+MeshSurface extract_surface(const TetMesh& mesh) {
+  BoundaryFaces faces = mesh.boundary_faces();
+  MeshSurface surface;
+  surface.labels.reserve(faces.triangles.size());
+  for (const auto& [inside, behind] : faces.tets)
+    surface.labels.push_back({mesh.label(inside), behind.valid() ? mesh.label(behind) : kOutside});
+  surface.triangles = std::move(faces.triangles);
+  surface.patches = std::move(faces.patches);
   return surface;
 }
 

@@ -3,6 +3,7 @@
 
 #include "cell_faces.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/quality/surface.hpp"
 
 namespace lumesh::quality {
@@ -282,6 +283,17 @@ std::vector<SolidTopology> analyse_solids(const MeshView& mesh) {
   all.euler += vertices.back() - edges.back();
   labels.push_back(all);
   return labels;
+}
+
+std::vector<SolidTopology> analyse_solids(const TetMesh& mesh, const SurfaceTopology& outer) {
+  std::vector<SolidTopology> solids;
+  for (const LabelShape& shape : label_shapes(mesh))
+    solids.push_back({shape.label, shape.components, shape.euler});
+  std::int64_t euler = 0;
+  for (const SurfaceComponent& component : outer.components) euler += component.euler;
+  // A solid has half the Euler number of its boundary.
+  solids.push_back({kOutside, count_pieces(mesh), euler / 2});
+  return solids;
 }
 
 }  // namespace lumesh::quality

@@ -14,9 +14,10 @@ void add_problem(Evaluation& evaluation, std::uint64_t count, const std::string&
 
 }  // namespace
 
-void find_problems(const MeshView& mesh, const MeshSurface& surface, Evaluation& evaluation) {
+void find_problems(const MeshView& mesh, const TetMesh* kernel, const MeshSurface& surface,
+                   Evaluation& evaluation) {
   if (mesh.cell_count() == mesh.tetrahedra.size()) {
-    const ValidationReport report = validate(mesh);
+    const ValidationReport report = kernel != nullptr ? validate(*kernel) : validate(mesh);
     evaluation.problems = report.problems;
     evaluation.problem_count = report.problem_count;
     return;

@@ -6,7 +6,8 @@
 namespace lumesh::quality {
 
 /// Fills in the problems of the mesh: by validate() for tetrahedra, by volumes and faces for mixed cells.
-void find_problems(const MeshView& mesh, const MeshSurface& surface, Evaluation& evaluation);
+void find_problems(const MeshView& mesh, const TetMesh* kernel, const MeshSurface& surface,
+                   Evaluation& evaluation);
 
 /// Per label, ascending.
 [[nodiscard]] std::vector<VoxelTopology> voxel_topology(const LabelImage& image);

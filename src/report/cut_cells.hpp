@@ -20,15 +20,6 @@ inline constexpr std::array<std::array<int, 2>, 9> kPrismEdges = {
 inline constexpr std::array<std::array<int, 2>, 12> kHexahedronEdges = {
     {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 
-/// Calls visit(vertices, edges) for every cell of the mesh.
-template <class Visit>
-void for_each_cell(const MeshView& mesh, const Visit& visit) {
-  for (const Cell<4>& cell : mesh.tetrahedra) visit(cell, kTetEdges);
-  for (const Cell<5>& cell : mesh.pyramids) visit(cell, kPyramidEdges);
-  for (const Cell<6>& cell : mesh.prisms) visit(cell, kPrismEdges);
-  for (const Cell<8>& cell : mesh.hexahedra) visit(cell, kHexahedronEdges);
-}
-
 /// Mean ratio of a tetrahedron, scaled Jacobian of another cell.
 [[nodiscard]] inline double cell_quality(std::span<const Vec3> points, const Cell<4>& v) {
   return mean_ratio(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);

@@ -2,10 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-
-#include "numbers.hpp"
+#include "lumesh/core/version.hpp"
+#include "page_style.hpp"
 
 namespace lumesh::report {
 
@@ -41,43 +39,74 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-std::string histogram_svg(const quality::Histogram& histogram, const HistogramPlot& plot) {
-  constexpr double kWidth = 500, kHeight = 210, kBase = 180, kTop = 18;
-  const std::uint64_t highest =
-      std::max<std::uint64_t>(1, *std::max_element(histogram.counts.begin(), histogram.counts.end()));
-  const double step = kWidth / static_cast<double>(histogram.counts.size());
-  std::string svg = fmt::format("<svg viewBox=\"-16 0 {:.0f} {:.0f}\" role=\"img\">", kWidth + 32, kHeight);
-  for (const double share : {0.5, 1.0}) {
-    const double y = kBase - share * (kBase - kTop);
-    svg += fmt::format(
-        "<line class=\"axis\" x1=\"0\" x2=\"{0:.0f}\" y1=\"{1:.1f}\" y2=\"{1:.1f}\" stroke-dasharray=\"2 "
-        "4\"/>",
-        kWidth, y);
-    svg +=
-        fmt::format("<text x=\"0\" y=\"{:.1f}\">{}</text>", y - 5,
-                    grouped(static_cast<std::uint64_t>(std::llround(share * static_cast<double>(highest)))));
-  }
-  for (std::size_t i = 0; i < histogram.counts.size(); ++i) {
-    const std::uint64_t count = histogram.counts[i];
-    if (count == 0) continue;
-    const double low = histogram.low + static_cast<double>(i) * histogram.bin_width(),
-                 high = low + histogram.bin_width();
-    const bool good = low >= plot.good_low - 1e-9 && high <= plot.good_high + 1e-9;
-    const double height =
-        std::max(1.5, static_cast<double>(count) / static_cast<double>(highest) * (kBase - kTop));
-    svg += fmt::format(
-        "<rect class=\"bar{}\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"><title>{:.{}f} "
-        "to {:.{}f}{}: {}</title></rect>",
-        good ? "" : " far", static_cast<double>(i) * step, kBase - height, std::max(0.6, step * 0.9), height,
-        low, plot.tick_decimals, high, plot.tick_decimals, plot.unit, grouped(count));
-  }
-  svg += fmt::format("<line class=\"axis\" x1=\"0\" x2=\"{0:.0f}\" y1=\"{1:.1f}\" y2=\"{1:.1f}\"/>", kWidth,
-                     kBase);
-  for (double tick = histogram.low; tick <= histogram.high + 1e-9; tick += plot.tick_step)
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.0f}\" text-anchor=\"middle\">{:.{}f}{}</text>",
-                       (tick - histogram.low) / (histogram.high - histogram.low) * kWidth, kBase + 19, tick,
-                       plot.tick_decimals, plot.unit);
-  return svg + "</svg>";
+std::string section(const std::string& title, const std::string& content) {
+  return "<section><h2>" + title + "</h2>\n" + content + "</section>\n";
+}
+
+std::string pair(const std::string& left, const std::string& right) {
+  return "<div class=\"pair\">\n" + left + right + "</div>\n";
+}
+
+std::string tile(const std::string& value, const std::string& name) {
+  return "<div class=\"tile\"><b>" + value + "</b><span>" + name + "</span></div>\n";
+}
+
+std::string plot_html(const std::string& caption, const std::string& svg) {
+  return "<figure class=\"plot\"><figcaption>" + caption + "</figcaption>" + svg + "</figure>\n";
+}
+
+std::string image_tag(const Picture& picture, const std::string& description) {
+  return fmt::format("<img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,", picture.width,
+                     picture.height, escaped(description)) +
+         base64(encode_png(picture)) + "\">";
+}
+
+std::string legend_html(const std::vector<LegendItem>& legend) {
+  if (legend.empty()) return "";
+  std::string html = "<ul class=\"legend\">";
+  for (const LegendItem& item : legend)
+    html += fmt::format("<li><i style=\"background:{}\"></i>{}</li>", item.colour.css(), escaped(item.name));
+  return html + "</ul>";
+}
+
+std::string scale_html(const ColourScale& scale) {
+  std::string stops;
+  for (const Colour& colour : scale.stops) stops += (stops.empty() ? "" : ",") + colour.css();
+  return fmt::format(
+      "<div class=\"scale\"><span>{}</span><span class=\"ramp\" "
+      "style=\"background:linear-gradient(90deg,{})\">"
+      "</span><span>{}</span></div>",
+      escaped(scale.low), stops, escaped(scale.high));
+}
+
+std::string page_begin(const std::string& title, const std::string& kind) {
+  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><link rel=\"icon\" "
+         "href=\"data:,\"><title>" +
+         escaped(title) + " – " + kind + "</title>\n<style>" + kPageStyle + "</style></head>\n<body><main>\n";
+}
+
+std::string page_end() {
+  return fmt::format(
+      "<footer>Made by lumesh {}. Distances and volumes in millimetres, coordinates as in the image "
+      "(LPS).</footer>\n</main></body></html>\n",
+      kVersion);
+}
+
+std::string warnings_html(const std::vector<std::string>& warnings) {
+  if (warnings.empty()) return "";
+  std::string html = "<section class=\"warnings\"><h2>Warnings</h2>\n";
+  for (const std::string& warning : warnings) html += "<p>" + escaped(warning) + "</p>";
+  return html + "</section>\n";
+}
+
+std::string provenance_html(const std::map<std::string, std::string>& provenance) {
+  if (provenance.empty()) return "";
+  std::string html = "<table>";
+  for (const auto& [key, value] : provenance)
+    html +=
+        "<tr><td class=\"key\">" + escaped(key) + "</td><td class=\"text\">" + escaped(value) + "</td></tr>";
+  return section("Provenance", html + "</table>");
 }
 
 std::string table_html(const Table& table) {

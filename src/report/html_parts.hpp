@@ -1,11 +1,12 @@
 #pragma once
-/// @file Pieces of the page.
+/// @file Pieces of the pages. Texts are HTML unless said otherwise.
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "lumesh/quality/statistics.hpp"
+#include "lumesh/report/picture.hpp"
 
 namespace lumesh::report {
 
@@ -13,15 +14,26 @@ namespace lumesh::report {
 [[nodiscard]] std::string escaped(std::string_view text);
 [[nodiscard]] std::string base64(std::string_view bytes);
 
-/// Bars with axis and ticks. Bins that hold something but would be too low to see get a visible stub.
-struct HistogramPlot {
-  std::string unit;       ///< Appended to the tick labels, such as "°".
-  double tick_step = 30;  ///< In the histogram's unit.
-  int tick_decimals = 0;
-  double good_low = 0;  ///< Bars outside [good_low, good_high] are drawn in the colour of outliers.
-  double good_high = 0;
-};
-[[nodiscard]] std::string histogram_svg(const quality::Histogram& histogram, const HistogramPlot& plot);
+/// From the first line of the file to the begin of what is to be read; both arguments are plain text.
+[[nodiscard]] std::string page_begin(const std::string& title, const std::string& kind);
+[[nodiscard]] std::string page_end();
+
+/// A card with a heading.
+[[nodiscard]] std::string section(const std::string& title, const std::string& content);
+/// Side by side where there is room.
+[[nodiscard]] std::string pair(const std::string& left, const std::string& right);
+/// A number in large letters, and what it is.
+[[nodiscard]] std::string tile(const std::string& value, const std::string& name);
+[[nodiscard]] std::string plot_html(const std::string& caption, const std::string& svg);
+
+/// @param description  Plain text, for those who cannot see it.
+[[nodiscard]] std::string image_tag(const Picture& picture, const std::string& description);
+[[nodiscard]] std::string legend_html(const std::vector<LegendItem>& legend);
+[[nodiscard]] std::string scale_html(const ColourScale& scale);
+
+/// Cards with plain texts; nothing where there are none.
+[[nodiscard]] std::string warnings_html(const std::vector<std::string>& warnings);
+[[nodiscard]] std::string provenance_html(const std::map<std::string, std::string>& provenance);
 
 /// Rows of cells; the first row is the head. Cells hold HTML; a cell that begins with '!' is marked as worse.
 using Table = std::vector<std::vector<std::string>>;

@@ -78,20 +78,27 @@ Json mean_ratio_json(const TetrahedronStatistics& s) {
           {"histogram", to_json(s.mean_ratio)}};
 }
 
+Json band_json(const EdgeBand& band) {
+  return {{"edges", band.edges},
+          {"fraction_in_band", band.fraction_in_band()},
+          {"fraction_short", band.fraction_short()},
+          {"fraction_long", band.fraction_long()}};
+}
+
 Json metric_edges_json(const MetricStatistics& s) {
-  return {{"edges", s.edges},
-          {"fraction_in_band", s.fraction_in_band()},
-          {"fraction_short", s.fraction_short()},
-          {"fraction_long", s.fraction_long()},
-          {"min", s.shortest_edge},
-          {"max", s.longest_edge},
-          {"mean", s.mean_edge},
-          {"histogram", to_json(s.edge_length)}};
+  Json json = band_json(s);
+  json.update({{"min", s.shortest_edge},
+               {"max", s.longest_edge},
+               {"mean", s.mean_edge},
+               {"histogram", to_json(s.edge_length)}});
+  if (s.free_edges) json["free"] = band_json(*s.free_edges);
+  return json;
 }
 
 Json metric_ratio_json(const MetricStatistics& s) {
   return {{"min", s.smallest_mean_ratio.value},
           {"mean", s.mean_mean_ratio},
+          {"below", {{"0.1", s.poor_tetrahedra}}},
           {"smallest", to_json(s.smallest_mean_ratio)},
           {"histogram", to_json(s.mean_ratio)}};
 }

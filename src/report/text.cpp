@@ -53,18 +53,22 @@ std::string quality_text(const Evaluation& e) {
   return text;
 }
 
+std::string band_text(const EdgeBand& band) {
+  return fmt::format("{:.1f} % in [0.71, 1.41], {:.1f} % below, {:.1f} % above",
+                     100 * band.fraction_in_band(), 100 * band.fraction_short(), 100 * band.fraction_long());
+}
+
 std::string metric_text(const MetricStatistics& m) {
-  return fmt::format(
-             "metric edges   {:.1f} % in [0.71, 1.41], {:.1f} % below, {:.1f} % above;  min {:.3f}  mean "
-             "{:.3f}  "
-             "max {:.3f}\n",
-             100 * m.fraction_in_band(), 100 * m.fraction_short(), 100 * m.fraction_long(), m.shortest_edge,
-             m.mean_edge, m.longest_edge) +
-         fmt::format(
-             "metric ratio   min {:.3f}  mean {:.3f}   complexity {}; per unit {:.2f} vertices, {:.2f} "
-             "tetrahedra\n",
-             m.smallest_mean_ratio.value, m.mean_mean_ratio, five_digits(m.complexity),
-             m.vertices_per_complexity(), m.tetrahedra_per_complexity());
+  std::string text = fmt::format("metric edges   {};  min {:.3f}  mean {:.3f}  max {:.3f}\n", band_text(m),
+                                 m.shortest_edge, m.mean_edge, m.longest_edge);
+  if (m.free_edges && m.free_edges->edges > 0)
+    text += fmt::format("  free          {};  {} edges with an end inside\n", band_text(*m.free_edges),
+                        grouped(m.free_edges->edges));
+  text += fmt::format("metric ratio   min {:.3f}  mean {:.3f};  {} tetrahedra below 0.1\n",
+                      m.smallest_mean_ratio.value, m.mean_mean_ratio, grouped(m.poor_tetrahedra));
+  return text + fmt::format("complexity     {};  per unit {:.2f} vertices, {:.2f} tetrahedra\n",
+                            five_digits(m.complexity), m.vertices_per_complexity(),
+                            m.tetrahedra_per_complexity());
 }
 
 std::string boundary_text(const Evaluation& e) {

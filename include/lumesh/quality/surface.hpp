@@ -9,6 +9,7 @@
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh::quality {
 
@@ -31,6 +32,9 @@ struct MeshSurface {
 /// Threads: parallel inside; the same triangles in the same order for every thread count. Cost: about 0.2 us
 /// per face and core.
 [[nodiscard]] MeshSurface extract_surface(const MeshView& mesh);
+
+/// The same from the adjacency of a mesh, in the order of boundary_faces(). @param mesh  Compact.
+[[nodiscard]] MeshSurface extract_surface(const TetMesh& mesh);
 
 /// One connected piece of a surface (connected through edges).
 struct SurfaceComponent {
@@ -72,6 +76,9 @@ struct SolidTopology {
 /// Threads: parallel inside, same result for every thread count. Memory: about 100 bytes per cell while it
 /// runs.
 [[nodiscard]] std::vector<SolidTopology> analyse_solids(const MeshView& mesh);
+
+/// The same from the adjacency of a valid mesh. @param outer  The topology of its outside.
+[[nodiscard]] std::vector<SolidTopology> analyse_solids(const TetMesh& mesh, const SurfaceTopology& outer);
 
 /// What a named patch looks like.
 struct PatchSummary {

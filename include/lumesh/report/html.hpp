@@ -9,15 +9,18 @@
 
 namespace lumesh::report {
 
-/// Pictures of a report; leave one out if it could not be drawn.
+/// Pictures of a report; one without pixels is left out.
 struct ReportPictures {
   SurfacePicture surface;
   CutPicture front;
   CutPicture side;
+  CutPicture enlarged;  ///< The fullest part of the front cut.
 };
 
-/// Draws the three pictures. Cost: about 1 s for 300k tetrahedra on two cores.
-[[nodiscard]] ReportPictures draw_report_pictures(const MeshView& mesh);
+/// Draws them; cuts in the colours of the metric if the mesh has one; the surface is drawn 1.4 times as wide.
+/// Cost: about 1.5 s for 300k tetrahedra on two cores.
+[[nodiscard]] ReportPictures draw_report_pictures(const MeshView& mesh,
+                                                  const PictureOptions& options = {.width = 1000});
 
 /// The page: head figures, pictures, histograms, tables and provenance. Self-contained: style, plots (SVG)
 /// and pictures (PNG) are inside; no script, no network. Follows the reader's light or dark setting and

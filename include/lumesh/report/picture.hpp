@@ -3,12 +3,15 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/mesh/polylines.hpp"
 #include "lumesh/quality/surface.hpp"
 
 namespace lumesh::report {
@@ -34,15 +37,24 @@ struct LegendItem {
   std::string name;
   Colour colour;
 };
+/// Colours at equal steps between two ends, and what the ends stand for.
+struct ColourScale {
+  std::string low;   ///< Such as "mean ratio ≤ 0.2".
+  std::string high;  ///< Such as "1 (regular)".
+  std::vector<Colour> stops;
+};
 struct SurfacePicture {
   Picture picture;
   std::vector<LegendItem> legend;
+  std::optional<ColourScale> scale = {};
 };
 struct CutPicture {
   Picture picture;
-  Vec3 point_mm = Vec3::Zero();  ///< On the plane.
+  Vec3 point_mm = Vec3::Zero();  ///< On the plane, in the middle of the picture.
   Vec3 normal = Vec3::UnitZ();   ///< Points to the viewer.
-  std::uint64_t cells = 0;       ///< Cells cut.
+  double width_mm = 0;           ///< What the picture shows from left to right.
+  std::uint64_t cells = 0;       ///< Cells cut, in the picture or beside it.
+  ColourScale scale;
 };
 
 struct PictureOptions {
@@ -56,17 +68,75 @@ struct PictureOptions {
 [[nodiscard]] SurfacePicture draw_surface(const MeshView& mesh, const quality::MeshSurface& surface,
                                           const PictureOptions& options = {});
 
-/// Which way a cut view looks.
-enum class CutDirection : std::uint8_t {
-  kFront,  ///< From where draw_surface() looks.
-  kSide,   ///< A quarter turn to the right.
+/// How lines are drawn.
+struct LinesOptions {
+  int width = 1400;
+  int supersampling = 3;
+  double thickness_pixels = 9;  ///< Of the lines.
+  std::string scalar =
+      {};  ///< Name in Polylines::scalars, such as "radius"; empty, or not there: a colour per line.
+  std::string scalar_name = {};  ///< What the scale says: "radius, mm".
 };
 
-/// The mesh without the part in front of a plane: the cells on the plane as exact polygons, coloured by mean
-/// ratio (other shapes than tetrahedra: by scaled Jacobian) as quality_colour() says, and the surface behind.
-/// The plane faces the viewer at the place of the largest section.
+/// The surface as through frosted glass with lines inside it, such as centerlines: each line has a colour of
+/// its own, or the points of all are coloured by one of their scalars. What is nearer to the viewer hides
+/// what is farther among the lines; the surface hides nothing. View, background, threads and cost as above.
+[[nodiscard]] SurfacePicture draw_surface_with_lines(const MeshView& mesh,
+                                                     const quality::MeshSurface& surface,
+                                                     const Polylines& lines,
+                                                     const LinesOptions& options = {});
+
+/// The surface coloured by a value of its points, such as the size that is wanted there, on a logarithmic
+/// scale from the 1st to the 99th percentile of its vertices' values.
+/// @param values      One per point of the mesh, above 0 at vertices of the surface.
+/// @param value_name  What the scale says: "edge length, mm".
+[[nodiscard]] SurfacePicture draw_surface_values(const MeshView& mesh, const quality::MeshSurface& surface,
+                                                 std::span<const double> values,
+                                                 const std::string& value_name,
+                                                 const PictureOptions& options = {});
+
+/// The outside of a mesh for pictures: from the boundary triangles that the mesh has where they enclose its
+/// cells, which saves most of the time and memory of quality::extract_surface(); from that elsewhere.
+[[nodiscard]] quality::MeshSurface surface_for_pictures(const MeshView& mesh);
+
+/// Which way a cut view looks.
+enum class CutDirection : std::uint8_t {
+  kFront,  ///< From about where draw_surface() looks.
+  kSide,   ///< About a quarter turn to the right, at least 45 degrees from the front.
+};
+
+/// What the colours of a cut tell.
+enum class CutColours : std::uint8_t {
+  kMeanRatio,        ///< Of the tetrahedra; other shapes: scaled Jacobian.
+  kMetricMeanRatio,  ///< In the metric that the mesh carries; other shapes: scaled Jacobian.
+};
+
+/// A part of a plane.
+struct CutWindow {
+  Vec3 centre_mm = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();  ///< Points to the viewer.
+  double width_mm = 1;
+};
+
+/// What of a cut is shown, and how.
+struct CutOptions {
+  int width = 1400;
+  int supersampling = 3;
+  CutColours colours = CutColours::kMeanRatio;
+  /// Enlarges that part of the section that is fullest until no more than so many cells are in it; 0: all of
+  /// it is shown.
+  std::uint64_t enlarge_to_cells = 0;
+  /// Shows this part, whatever the direction: of two meshes the same place.
+  std::optional<CutWindow> window = std::nullopt;
+};
+
+/// The mesh without the part in front of a plane: the cells on the plane as exact polygons with outlines,
+/// coloured as quality_colour() says, and the surface behind. The plane is the one
+/// with about the largest section of those that face the viewer within 40 degrees. Enlarged parts are seen
+/// straight on, others a little from the side. Memory: 300 bytes per cell and triangle in the picture.
+/// Threads: parallel inside, same pixels for every thread count.
 [[nodiscard]] CutPicture draw_cut(const MeshView& mesh, const quality::MeshSurface& surface,
-                                  CutDirection direction, const PictureOptions& options = {});
+                                  CutDirection direction, const CutOptions& options = {});
 
 /// Colour of a quality: from dark violet at 0.2 and below to yellow at 1 (the map "viridis", readable without
 /// red-green vision and in print).

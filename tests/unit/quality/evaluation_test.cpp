@@ -76,5 +76,35 @@ TEST(Evaluation, ALabelThatWasCutOffIsNotLost) {
   EXPECT_TRUE(kept.lost());
 }
 
+TEST(Evaluation, TheAdjacencyOfAKernelMeshGivesWhatItsFacesDo) {
+  const TetMesh mesh = fixtures::two_label_block(4).build();
+  const BoundaryFaces faces = mesh.boundary_faces();
+  Context context;
+  const Evaluation from_faces = evaluate(mesh.view(faces), {}, context);
+  EvaluationInput input;
+  input.kernel = &mesh;
+  const Evaluation from_kernel = evaluate(mesh.view(faces), input, context);
+  for (const Evaluation* e : {&from_faces, &from_kernel}) {
+    EXPECT_TRUE(e->valid());
+    EXPECT_EQ(e->components, 1U);
+    EXPECT_EQ(e->euler, 1);
+    EXPECT_EQ(e->boundary.triangles, 6U * 16 * 2);
+    EXPECT_EQ(e->boundary.genus(), 0);
+    EXPECT_EQ(e->interface_triangles, 16U * 2);
+    ASSERT_EQ(e->labels.size(), 2U);
+    for (const LabelEvaluation& label : e->labels) {
+      EXPECT_EQ(label.components, 1U);
+      EXPECT_EQ(label.euler, 1);
+      EXPECT_TRUE(label.surface.manifold());
+      EXPECT_EQ(label.surface.triangles, (2U * 16 + 4 * 8) * 2);
+    }
+    ASSERT_EQ(e->patches.size(), from_faces.patches.size());
+    for (std::size_t p = 0; p < e->patches.size(); ++p) {
+      EXPECT_EQ(e->patches[p].name, from_faces.patches[p].name);
+      EXPECT_EQ(e->patches[p].faces, from_faces.patches[p].faces);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lumesh::quality

@@ -112,6 +112,58 @@ TEST(MetricStatistics, EachEdgeOfACubeGridCountsOnceAndInItsClass) {
   EXPECT_EQ(measure_in_metric(mesh.view()).short_edges, 3u * n * (n + 1) * (n + 1));  // parallel to the axes
 }
 
+/// The triangles of tetrahedra that no other tetrahedron has, as the boundary of the mesh.
+void name_boundary(MixedMesh& mesh) {
+  mesh.triangles = extract_surface(mesh.view()).outer();
+  mesh.triangle_patches.assign(mesh.triangles.size(), 0);
+  mesh.info.patches = {{"wall", PatchKind::kWall, {1, kBackground}}};
+}
+
+TEST(MetricStatistics, AnEdgeIsFreeIfAnEndIsInside) {
+  // Of 3^3 vertices one is inside: six edges to it are parallel to the axes, six are diagonals of squares,
+  // two of cubes.
+  MixedMesh mesh = with_metric(fixtures::cube_grid(2), SymTensor::diagonal(1, 1, 1));
+  EXPECT_FALSE(measure_in_metric(mesh.view()).free_edges);  // nothing says what the boundary is
+  name_boundary(mesh);
+  const auto free_edges = [&](double size_mm) {
+    mesh.metric.assign(27, metric::from_sizes(oblique_axes(), Vec3::Constant(size_mm)));
+    return measure_in_metric(mesh.view()).free_edges.value();
+  };
+  const EdgeBand fine = free_edges(1.01), coarse = free_edges(1.45);
+  EXPECT_EQ(fine.edges, 14u);
+  EXPECT_EQ(fine.short_edges, 0u);
+  EXPECT_EQ(fine.long_edges, 2u);
+  EXPECT_EQ(fine.fraction_in_band(), 12 / 14.0);
+  EXPECT_EQ(coarse.short_edges, 6u);
+  EXPECT_EQ(coarse.long_edges, 0u);
+}
+
+TEST(MetricStatistics, FreeEdgesAreThoseOfAllThreads) {
+  // Of n^3 cubes all edges but those of the surface, which has 12 n^2 triangles and so 18 n^2 edges, and
+  // those inside whose ends both are on the surface; counted here edge by edge.
+  const int n = 17;
+  MixedMesh mesh = with_metric(fixtures::cube_grid(n), SymTensor::diagonal(1, 1, 1));
+  name_boundary(mesh);
+  const auto inside = [&](const Vec3& p) { return p.minCoeff() > 0 && p.maxCoeff() < n; };
+  std::uint64_t edges = 0;
+  for (const Vec3& p : mesh.points)
+    for (int step = 1; step < 8; ++step) {  // Kuhn's edges: to the far corners of the cube above.
+      const Vec3 q = p + Vec3(step & 1, step >> 1 & 1, step >> 2 & 1);
+      edges += q.maxCoeff() <= n && (inside(p) || inside(q));
+    }
+  EXPECT_EQ(measure_in_metric(mesh.view()).free_edges->edges, edges);
+}
+
+TEST(MetricStatistics, CountsTetrahedraOfPoorShape) {
+  MixedMesh mesh = with_metric(fixtures::single_tet(), SymTensor::diagonal(1, 1, 1));
+  EXPECT_EQ(measure_in_metric(mesh.view()).poor_tetrahedra, 0u);
+  // Flattened to a hundredth: 12 (3V)^(2/3) / sum of squares = 12 (0.005)^(2/3) / 6.0003 = 0.058.
+  mesh.metric.assign(4, SymTensor::diagonal(1, 1, 1e-4));
+  EXPECT_NEAR(measure_in_metric(mesh.view()).smallest_mean_ratio.value,
+              12 * std::pow(0.005, 2 / 3.0) / 6.0003, 1e-6);
+  EXPECT_EQ(measure_in_metric(mesh.view()).poor_tetrahedra, 1u);
+}
+
 TEST(MetricStatistics, BordersOfTheBandAreBordersOfBins) {
   const MetricStatistics s = measure_in_metric(unit_cube(1, SymTensor::diagonal(1, 1, 1)).view());
   EXPECT_EQ(s.edge_length.counts.size(), 80u);

@@ -1,0 +1,89 @@
+#pragma once
+/// @file A report on a whole run, from the image to the last mesh: one HTML page for people, one JSON file
+/// for programs.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/quality/evaluation.hpp"
+#include "lumesh/report/picture.hpp"
+
+namespace lumesh::report {
+
+/// One number of a stage, or one word: {"Tetrahedra", mesh.tetrahedra.size()}, {"Longest edge", 1.25, "mm"},
+/// {"Method", "lattice"}. Pages group thousands and show five significant digits; JSON has the number itself.
+struct Figure {
+  std::string name;
+  std::variant<std::uint64_t, double, std::string> value;
+  std::string unit = {};  ///< Such as "mm", "°" or "%"; empty for counts and words.
+  std::string note = {};  ///< A few words beside it, such as "asked for: 1.5".
+};
+
+/// A picture, what is to be seen on it, and what its colours mean.
+struct NamedPicture {
+  std::string caption;  ///< One sentence.
+  Picture picture;
+  std::vector<LegendItem> legend;
+  std::optional<ColourScale> scale = {};
+  std::optional<CutWindow> window = {};  ///< Of a cut: which part of which plane it shows.
+};
+
+/// What draw_surface(), draw_surface_with_lines(), draw_surface_values() or draw_cut() drew, with a caption.
+[[nodiscard]] NamedPicture captioned(SurfacePicture drawn, std::string caption);
+[[nodiscard]] NamedPicture captioned(CutPicture drawn, std::string caption);
+
+/// One step of the run, in the order of the run.
+struct StageReport {
+  std::string name;       ///< "Background mesh (lattice)".
+  std::string what;       ///< One sentence for a newcomer: what the stage did, and why.
+  std::string mesh_name;  ///< Short name of the mesh that it left, for comparisons: "background".
+  double seconds = 0;     ///< Wall time.
+  std::vector<Figure> figures;
+  std::vector<std::string> warnings;
+  std::vector<NamedPicture> pictures;
+  /// Of the mesh that the stage left: gives the plots of its elements, and of its metric where it has one.
+  std::optional<quality::Evaluation> evaluation;
+  std::vector<PhaseTime> steps;  ///< Within the stage.
+};
+
+/// A file that the run wrote.
+struct OutputFile {
+  std::string path;  ///< As a reader of the report finds it, best relative to the report.
+  std::string what;  ///< "The adapted mesh with its metric".
+};
+
+struct CaseReport {
+  std::string title;
+  std::vector<StageReport> stages;
+  std::string configuration;                      ///< The settings that were in force, as TOML.
+  std::map<std::string, std::string> provenance;  ///< version, input, input_sha256, threads, date, …
+  std::vector<OutputFile> files;
+  std::vector<NamedPicture> pictures;  ///< Shown at the top: best one or two of the last mesh.
+  double seconds = 0;                  ///< Wall time of the run.
+  std::uint64_t peak_memory_bytes = 0;
+  bool complete = true;  ///< False if the run stopped before its last stage; the page says so at the top.
+};
+
+/// The page: key figures of the last mesh, its picture, times and a comparison of the meshes first, then a
+/// section for each stage. Self-contained as report_html() is, and looks like it. Cost: that of packing the
+/// pictures, about 0.1 s each.
+[[nodiscard]] std::string case_report_html(const CaseReport& report);
+
+/// The same without pictures as JSON; docs/stages/evaluate.md describes the fields. Numbers that are infinite
+/// become null.
+[[nodiscard]] std::string case_report_json(const CaseReport& report);
+
+/// Pictures of the mesh that a stage left, with captions: its surface, a cut, and the fullest part of the cut
+/// enlarged until single elements can be seen. Colours of the cuts are mean ratios, in the metric where the
+/// mesh carries one. Cost: about 1.5 s for 300k tetrahedra on two cores.
+/// @param window  Which part to enlarge instead, such as that of another mesh's last picture.
+[[nodiscard]] std::vector<NamedPicture> draw_stage_pictures(
+    const MeshView& mesh, const std::optional<CutWindow>& window = std::nullopt,
+    const PictureOptions& options = {.width = 1000});
+
+}  // namespace lumesh::report

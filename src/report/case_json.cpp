@@ -1,0 +1,57 @@
+#include <nlohmann/json.hpp>
+
+#include "lumesh/report/case_report.hpp"
+#include "lumesh/report/summary.hpp"
+
+namespace lumesh::report {
+
+namespace {
+
+using CaseJson = nlohmann::ordered_json;
+
+CaseJson figures_json(const std::vector<Figure>& figures) {
+  CaseJson json = CaseJson::array();
+  for (const Figure& figure : figures) {
+    CaseJson one = {{"name", figure.name}};
+    std::visit([&](const auto& value) { one["value"] = value; }, figure.value);
+    one["unit"] = figure.unit;
+    if (!figure.note.empty()) one["note"] = figure.note;
+    json.push_back(std::move(one));
+  }
+  return json;
+}
+
+CaseJson stage_json(const StageReport& stage) {
+  CaseJson steps = CaseJson::array(), captions = CaseJson::array();
+  for (const PhaseTime& step : stage.steps) steps.push_back({{"name", step.name}, {"seconds", step.seconds}});
+  for (const NamedPicture& picture : stage.pictures) captions.push_back(picture.caption);
+  return {{"name", stage.name},
+          {"what", stage.what},
+          {"mesh_name", stage.mesh_name},
+          {"seconds", stage.seconds},
+          {"figures", figures_json(stage.figures)},
+          {"warnings", stage.warnings},
+          {"steps", steps},
+          {"pictures", captions},
+          {"evaluation",
+           stage.evaluation ? CaseJson::parse(evaluation_json(*stage.evaluation)) : CaseJson(nullptr)}};
+}
+
+}  // namespace
+
+std::string case_report_json(const CaseReport& report) {
+  CaseJson files = CaseJson::array(), stages = CaseJson::array();
+  for (const OutputFile& file : report.files) files.push_back({{"path", file.path}, {"what", file.what}});
+  for (const StageReport& stage : report.stages) stages.push_back(stage_json(stage));
+  const CaseJson json = {{"title", report.title},
+                         {"complete", report.complete},
+                         {"seconds", report.seconds},
+                         {"peak_memory_bytes", report.peak_memory_bytes},
+                         {"stages", stages},
+                         {"files", files},
+                         {"configuration", report.configuration},
+                         {"provenance", report.provenance}};
+  return json.dump(1, ' ', false, CaseJson::error_handler_t::replace) + "\n";
+}
+
+}  // namespace lumesh::report

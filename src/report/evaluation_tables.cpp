@@ -1,0 +1,153 @@
+#include "evaluation_tables.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "html_parts.hpp"
+#include "numbers.hpp"
+
+namespace lumesh::report {
+
+namespace {
+
+using namespace lumesh::quality;
+
+constexpr std::size_t kMostRows = 400;
+
+std::string marked(bool good, const std::string& text) {
+  return fmt::format("{}{}", good ? "" : "!", text);
+}
+
+std::string direction_text(const Vec3& direction) {
+  const Vec3 n = (direction.array().abs() < 0.005).select(Vec3::Zero(), direction);  // No "-0.00".
+  return fmt::format("{:.2f}, {:.2f}, {:.2f}", n.x(), n.y(), n.z());
+}
+
+std::string flatness_text(double flatness_mm) {
+  return flatness_mm < 1e-3 ? "0.001 mm" : fmt::format("{:.2g} mm", flatness_mm);
+}
+
+void add_distances(Table& table, const std::string& name, const SurfaceDistances& d, double voxel) {
+  const auto row = [&](const std::string& what, const DistanceSummary& s) {
+    table.push_back({what, fmt::format("{:.3f}", s.mean / voxel), fmt::format("{:.3f}", s.p95 / voxel),
+                     fmt::format("{:.3f}", s.max / voxel), fmt::format("{:.3g}", s.max)});
+  };
+  row(name + ": mesh to image", d.mesh_to_image_mm);
+  row(name + ": image to mesh", d.image_to_mesh_mm);
+  table.push_back({name + ": vertices and voxel centres, two-sided", "", "",
+                   fmt::format("{:.3f}", d.vertex_to_voxel_two_sided_mm / voxel),
+                   fmt::format("{:.3g}", d.vertex_to_voxel_two_sided_mm)});
+}
+
+}  // namespace
+
+std::string labels_section(const Evaluation& e) {
+  Table table = {{"label", "cells", "volume mm³"}};
+  if (e.image) table[0].insert(table[0].end(), {"voxels mm³", "error"});
+  table[0].insert(table[0].end(), {"components", "Euler number", "surface", "genus"});
+  for (const LabelEvaluation& l : e.labels) {
+    if (table.size() > kMostRows) break;
+    std::vector<std::string> row = {
+        escaped(l.name.empty() ? std::to_string(l.label) : fmt::format("{} {}", l.label, l.name)),
+        grouped(l.cells), five_digits(l.volume_mm3)};
+    if (e.image) {
+      row.push_back(l.image ? five_digits(l.image->volume_mm3) : "–");
+      row.push_back(l.image ? fmt::format("{:+.2f} %", l.image_volume_error_percent()) : "–");
+    }
+    const bool components_equal = !l.image || l.components == l.image->components,
+               euler_equal = !l.image || l.euler == l.image->euler;
+    row.push_back(components_equal ? grouped(l.components)
+                                   : fmt::format("{} (image {})", l.components, l.image->components));
+    row.push_back(euler_equal ? std::to_string(l.euler)
+                              : fmt::format("{} (image {})", l.euler, l.image->euler));
+    row.push_back(l.lost()       ? "!lost"
+                  : l.cells == 0 ? "cut off"
+                                 : marked(l.surface.manifold(),
+                                          l.surface.manifold() ? "closed manifold" : "not manifold"));
+    row.push_back(l.surface.genus() < 0 ? "–" : std::to_string(l.surface.genus()));
+    table.push_back(row);
+  }
+  std::string html = table_html(table);
+  if (e.image && e.cut_planes > 0)
+    html += "<p class=\"note\">Volumes of voxels are those of what the cuts keep.</p>";
+  return section("Labels", html);
+}
+
+std::string distances_section(const Evaluation& e) {
+  if (!e.image) return "";
+  Table table = {{"distance", "mean, voxels", "95 %, voxels", "largest, voxels", "largest, mm"}};
+  if (e.image->distances)
+    add_distances(table, e.labels.size() > 1 ? "outside" : "surface", *e.image->distances,
+                  e.image->voxel_size_mm);
+  const auto measured =
+      std::count_if(e.labels.begin(), e.labels.end(), [](const auto& l) { return l.distances.has_value(); });
+  if (measured > 1)
+    for (const LabelEvaluation& l : e.labels)
+      if (l.distances && table.size() < kMostRows)
+        add_distances(table, "label " + std::to_string(l.label), *l.distances, e.image->voxel_size_mm);
+  return section("Distance to the image",
+                 table_html(table) +
+                     "<p class=\"note\">Between the triangles of the mesh and the faces between voxels of "
+                     "different labels. The last row of each group is the Hausdorff distance between the "
+                     "surface vertices and the centres of the boundary voxels.</p>");
+}
+
+std::string reference_section(const Evaluation& e) {
+  if (!e.reference_voxel_mm) return "";
+  Table table = {{"label", "", "mean", "95 %", "largest"}};
+  for (const LabelEvaluation& l : e.labels) {
+    if (!l.reference) continue;
+    const LabelReference& r = *l.reference;
+    const std::string name = std::to_string(l.label);
+    const auto row = [&](const std::string& what, const DistanceSummary& s, double unit) {
+      table.push_back({name, what, fmt::format("{:.3f}", s.mean / unit), fmt::format("{:.3f}", s.p95 / unit),
+                       fmt::format("{:.3f}", s.max / unit)});
+    };
+    if (r.surface_distance_mm) row("mesh to truth, voxels", *r.surface_distance_mm, *e.reference_voxel_mm);
+    if (r.truth_to_mesh_mm) row("truth to mesh, voxels", *r.truth_to_mesh_mm, *e.reference_voxel_mm);
+    if (r.normal_angle_deg) row("angle between normals, degrees", *r.normal_angle_deg, 1);
+    if (e.cut_planes == 0)
+      table.push_back(
+          {name, "volume error", fmt::format("{:+.3f} %", l.reference_volume_error_percent()), "", ""});
+    const bool same = l.components == static_cast<std::uint64_t>(r.components) && l.euler == r.euler;
+    table.push_back(
+        {name, "components, Euler number",
+         marked(same, fmt::format("{}, {} (truth {}, {})", l.components, l.euler, r.components, r.euler)), "",
+         ""});
+  }
+  return section("Against the exact phantom", table_html(table));
+}
+
+std::string boundary_section(const Evaluation& e) {
+  const SurfaceTopology& b = e.boundary;
+  Table table = {{"patch", "triangles", "area mm²", "smallest angle", "centre mm", "normal", "flat within"}};
+  for (const PatchSummary& p : e.patches) {
+    if (table.size() > kMostRows) break;
+    const bool opening = p.kind == PatchKind::kOpening;
+    table.push_back(
+        {escaped(p.name), grouped(p.faces), five_digits(p.area_mm2),
+         fmt::format("{:.1f}°", p.smallest_angle_deg),
+         opening ? fmt::format("{:.1f}, {:.1f}, {:.1f}", p.centre_mm.x(), p.centre_mm.y(), p.centre_mm.z())
+                 : "",
+         opening ? direction_text(p.normal) : "", opening ? flatness_text(p.flatness_mm) : ""});
+  }
+  std::string note = fmt::format("{}, {}; {} {} of genus {}, {} triangles.", b.closed() ? "Closed" : "Open",
+                                 b.manifold() ? "manifold" : "not manifold", b.components.size(),
+                                 b.components.size() == 1 ? "piece" : "pieces",
+                                 b.genus() < 0 ? "–" : std::to_string(b.genus()), grouped(b.triangles));
+  if (!b.manifold())
+    note += fmt::format(" {} open edges, {} non-manifold edges, {} non-manifold vertices.", b.open_edges,
+                        b.non_manifold_edges, b.non_manifold_vertices);
+  return section("Boundary", table_html(table) + "<p class=\"note\">" + note + "</p>");
+}
+
+std::string problems_section(const Evaluation& e) {
+  if (e.valid()) return "";
+  std::string html = "<table>";
+  for (const std::string& problem : e.problems)
+    html += "<tr><td class=\"text\">" + escaped(problem) + "</td></tr>";
+  return section(fmt::format("Problems ({})", grouped(e.problem_count)), html + "</table>");
+}
+
+}  // namespace lumesh::report

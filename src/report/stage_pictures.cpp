@@ -1,0 +1,55 @@
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "lumesh/report/case_report.hpp"
+#include "numbers.hpp"
+#include "scene.hpp"
+
+namespace lumesh::report {
+
+namespace {
+
+/// Where the plane of a cut is, in words.
+std::string plane_words(const CutPicture& cut) {
+  const Vec3& p = cut.point_mm;
+  return fmt::format("through ({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z());
+}
+
+}  // namespace
+
+NamedPicture captioned(SurfacePicture drawn, std::string caption) {
+  return {std::move(caption), std::move(drawn.picture), std::move(drawn.legend), std::move(drawn.scale), {}};
+}
+
+NamedPicture captioned(CutPicture drawn, std::string caption) {
+  const CutWindow window = {drawn.point_mm, drawn.normal, drawn.width_mm};
+  return {std::move(caption), std::move(drawn.picture), {}, std::move(drawn.scale), window};
+}
+
+std::vector<NamedPicture> draw_stage_pictures(const MeshView& mesh, const std::optional<CutWindow>& window,
+                                              const PictureOptions& options) {
+  const quality::MeshSurface surface = surface_for_pictures(mesh);
+  const CutOptions of_cut = {
+      .width = options.width, .supersampling = options.supersampling, .colours = cut_colours(mesh)};
+  CutOptions of_part = {
+      .width = options.width,
+      .supersampling = options.supersampling,
+      .colours = cut_colours(mesh)};  // Not a copy: g++ 12 takes the empty window for one not set.
+  of_part.enlarge_to_cells = kCellsOfEnlargedCut;
+  of_part.window = window;
+  CutPicture cut = draw_cut(mesh, surface, CutDirection::kFront, of_cut);
+  CutPicture part = draw_cut(mesh, surface, CutDirection::kFront, of_part);
+  const std::string cut_caption =
+      fmt::format("The mesh cut open {}: {} elements on the plane, coloured by quality.", plane_words(cut),
+                  grouped(cut.cells));
+  const std::string part_caption = fmt::format("Part of such a cut, {:.3g} mm wide, with {} elements, {}.",
+                                               part.width_mm, grouped(part.cells), plane_words(part));
+  std::vector<NamedPicture> pictures;
+  pictures.push_back(captioned(draw_surface(mesh, surface, options), "The surface of the mesh."));
+  pictures.push_back(captioned(std::move(cut), cut_caption));
+  pictures.push_back(captioned(std::move(part), part_caption));
+  return pictures;
+}
+
+}  // namespace lumesh::report
