@@ -1,0 +1,230 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "inputs.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/triangle_tree.hpp"
+#include "mesh_boundary.hpp"
+
+namespace lumesh::centerline {
+
+namespace {
+
+constexpr double kMostVoxels = 4e6;
+constexpr int kMargin = 4;  ///< Voxels around the mesh.
+
+/// Where the mesh's voxels are, and how far beyond its caps vessels go on.
+struct Grid {
+  ImageFrame frame;
+  std::vector<Cap> caps;
+
+  [[nodiscard]] double voxel_mm() const { return frame.spacing_mm.x(); }
+  [[nodiscard]] double beyond_mm(const Cap& cap) const { return std::max(cap.radius, 4 * voxel_mm()); }
+};
+
+Grid grid_around(const Boundary& boundary, const CenterlineOptions& options) {
+  double volume = 0, area = 0;
+  Vec3 low = boundary.corner(0, 0), high = low;
+  const Vec3 base = low;
+  for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+    const Vec3 normal = boundary.area_vector(t);
+    volume += normal.dot(boundary.corner(t, 0) - base) / 3;
+    if (boundary.is_opening[t] == 0) area += normal.norm();
+    for (std::size_t n = 0; n < 3; ++n) {
+      low = low.cwiseMin(boundary.corner(t, n));
+      high = high.cwiseMax(boundary.corner(t, n));
+    }
+  }
+  const double extent = (high - low).maxCoeff();
+  if (!(std::abs(volume) > 1e-9 * extent * extent * extent) || !(area > 0))
+    throw Error(ErrorKind::kBadInput, "the boundary of the mesh encloses nothing; is its surface closed?");
+  Grid grid;
+  grid.caps = caps_of(boundary, volume > 0 ? 1 : -1);
+  volume = std::abs(volume);
+  // A tube's volume is half its radius times its area.
+  double voxel = std::max(2 * volume / area / 8, std::cbrt(volume / kMostVoxels));
+  if (options.voxel_mm > 0) voxel = options.voxel_mm;
+  if (volume / (voxel * voxel * voxel) > 1e9 || extent / voxel > 30000)
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("voxels of {:g} mm are too small for a mesh of {:g} mm; give larger ones", voxel,
+                            extent));
+  grid.frame.spacing_mm.setConstant(voxel);
+  double margin = kMargin * voxel;
+  for (const Cap& cap : grid.caps) margin = std::max(margin, kMargin * voxel + grid.beyond_mm(cap));
+  // The shift keeps rows of voxels off corners and edges at round coordinates.
+  grid.frame.origin_mm = low - Vec3::Constant(margin) + voxel * Vec3(0.3141, 0.2718, 0.1414);
+  grid.frame.size =
+      ((high + Vec3::Constant(margin) - grid.frame.origin_mm) / voxel).array().ceil().cast<int>() + 1;
+  return grid;
+}
+
+/// Rows of voxels along x through the boundary: which voxels lie between an entry and the next exit.
+class RowFiller {
+ public:
+  RowFiller(const Boundary& boundary, const ImageFrame& frame) : boundary_(boundary), frame_(frame) {}
+
+  [[nodiscard]] std::vector<Index3> voxels() const {
+    std::vector<Crossing> crossings = parallel::collect<Crossing>(
+        boundary_.triangles.size(), [&](std::size_t t, std::vector<Crossing>& out) { cross(t, out); });
+    parallel::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
+      return a.row != b.row ? a.row < b.row : a.x < b.x;
+    });
+    std::vector<Index3> voxels;
+    for (std::size_t c = 0; c + 1 < crossings.size();) {
+      if (crossings[c].row != crossings[c + 1].row) {
+        ++c;  // An entry without an exit: the boundary is not closed there.
+        continue;
+      }
+      const auto j = static_cast<int>(crossings[c].row % static_cast<std::size_t>(frame_.size.y()));
+      const auto k = static_cast<int>(crossings[c].row / static_cast<std::size_t>(frame_.size.y()));
+      const auto last = static_cast<int>(std::floor(crossings[c + 1].x));
+      for (int i = static_cast<int>(std::ceil(crossings[c].x)); i <= last; ++i) voxels.emplace_back(i, j, k);
+      c += 2;
+    }
+    return voxels;
+  }
+
+ private:
+  struct Crossing {
+    std::size_t row;
+    double x;  ///< In voxels.
+  };
+
+  /// Side of a row at (y, z) of the projected edge: the same number for both triangles at the edge.
+  [[nodiscard]] static bool is_left(const Vec3& a, const Vec3& b, double y, double z) {
+    const bool swap = std::lexicographical_compare(b.data(), b.data() + 3, a.data(), a.data() + 3);
+    const Vec3& p = swap ? b : a;
+    const Vec3& q = swap ? a : b;
+    return ((q.y() - p.y()) * (z - p.z()) - (q.z() - p.z()) * (y - p.y()) > 0) != swap;
+  }
+
+  void cross(std::size_t t, std::vector<Crossing>& out) const {
+    std::array<Vec3, 3> at;
+    for (std::size_t n = 0; n < 3; ++n) at[n] = frame_.to_index(boundary_.corner(t, n));
+    const Vec3 low = at[0].cwiseMin(at[1]).cwiseMin(at[2]), high = at[0].cwiseMax(at[1]).cwiseMax(at[2]);
+    const Vec3 normal = (at[1] - at[0]).cross(at[2] - at[0]);
+    if (normal.x() == 0) return;
+    for (int k = static_cast<int>(std::ceil(low.z())); k <= high.z(); ++k) {
+      for (int j = static_cast<int>(std::ceil(low.y())); j <= high.y(); ++j) {
+        const bool side = is_left(at[0], at[1], j, k);
+        if (is_left(at[1], at[2], j, k) != side || is_left(at[2], at[0], j, k) != side) continue;
+        const double x =
+            at[0].x() - (normal.y() * (j - at[0].y()) + normal.z() * (k - at[0].z())) / normal.x();
+        out.push_back({static_cast<std::size_t>(j) +
+                           static_cast<std::size_t>(frame_.size.y()) * static_cast<std::size_t>(k),
+                       std::clamp(x, low.x(), high.x())});
+      }
+    }
+  }
+
+  const Boundary& boundary_;
+  const ImageFrame& frame_;
+};
+
+/// Voxels of the prisms that stand on the triangles of a cap, outside.
+void go_on_beyond(const Cap& cap, const Boundary& boundary, const Grid& grid, std::vector<Index3>& voxels) {
+  const Vec3 up = grid.beyond_mm(cap) * cap.normal;
+  for (const std::size_t t : cap.triangles) {
+    std::array<Vec3, 3> corner;
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (std::size_t n = 0; n < 3; ++n) {
+      corner[n] = boundary.corner(t, n);
+      low = low.cwiseMin(corner[n]).cwiseMin(corner[n] + up);
+      high = high.cwiseMax(corner[n]).cwiseMax(corner[n] + up);
+    }
+    const Index3 first = grid.frame.to_index(low).array().floor().cast<int>();
+    const Index3 last = grid.frame.to_index(high).array().ceil().cast<int>();
+    const auto holds = [&](const Vec3& p) {
+      const double height = cap.height(p);
+      if (height < -grid.voxel_mm() || height > grid.beyond_mm(cap)) return false;
+      std::array<double, 3> side;
+      for (std::size_t n = 0; n < 3; ++n)
+        side[n] = (corner[(n + 1) % 3] - corner[n]).cross(p - corner[n]).dot(cap.normal);
+      return (side[0] >= 0 && side[1] >= 0 && side[2] >= 0) || (side[0] <= 0 && side[1] <= 0 && side[2] <= 0);
+    };
+    for (int k = first.z(); k <= last.z(); ++k)
+      for (int j = first.y(); j <= last.y(); ++j)
+        for (int i = first.x(); i <= last.x(); ++i)
+          if (holds(grid.frame.to_physical(Vec3(i, j, k)))) voxels.emplace_back(i, j, k);
+  }
+}
+
+/// Ascending in memory order, each once, inside the frame.
+void tidy(std::vector<Index3>& voxels, const ImageFrame& frame) {
+  std::erase_if(voxels, [&](const Index3& v) { return !frame.contains(v); });
+  const auto before = [&](const Index3& a, const Index3& b) { return frame.offset(a) < frame.offset(b); };
+  if (!std::is_sorted(voxels.begin(), voxels.end(), before))
+    parallel::sort(voxels.begin(), voxels.end(), before);
+  voxels.erase(std::unique(voxels.begin(), voxels.end()), voxels.end());
+}
+
+/// Places the wall between voxels by its distance from them. Beyond a cap it goes on as at the cap.
+void place_wall(const Boundary& boundary, const Grid& grid, Lumen& lumen) {
+  std::vector<Cell<3>> wall;
+  for (std::size_t t = 0; t < boundary.triangles.size(); ++t)
+    if (boundary.is_opening[t] == 0) wall.push_back(boundary.triangles[t]);
+  const TriangleTree tree(boundary.points, wall);
+  const double voxel = grid.voxel_mm();
+  lumen.refine_shares([&](const Vec3& position, bool inside) {
+    Vec3 p = grid.frame.origin_mm + position;
+    for (const Cap& cap : grid.caps) {
+      const double height = cap.height(p);
+      const Vec3 foot = p - height * cap.normal;
+      if (height <= 0 || height > grid.beyond_mm(cap) || (foot - cap.middle).norm() > 2 * cap.radius)
+        continue;
+      p = foot;
+      break;
+    }
+    const double distance = std::min(tree.nearest(p, 2 * voxel).distance, 2 * voxel);
+    return 0.5 + (inside ? 0.5 : -0.5) * distance / voxel;
+  });
+}
+
+void add_openings(const Grid& grid, Lumen& lumen) {
+  for (const Cap& cap : grid.caps) {
+    Opening opening;
+    opening.normal = cap.normal;
+    const Index3 middle = grid.frame.to_index(cap.middle).array().round().cast<int>();
+    const auto reach = static_cast<int>(std::ceil(1.5 * cap.radius / grid.voxel_mm())) + 1;
+    for (int k = -reach; k <= reach; ++k) {
+      for (int j = -reach; j <= reach; ++j) {
+        for (int i = -reach; i <= reach; ++i) {
+          const std::uint32_t id = lumen.find(middle + Index3(i, j, k));
+          if (id == kNoVoxel) continue;
+          const double height = cap.height(grid.frame.origin_mm + lumen.position(id));
+          if (std::abs(height) > 0.9 * grid.voxel_mm()) continue;
+          if (opening.voxel == kNoVoxel || lumen.wall_mm(id) > lumen.wall_mm(opening.voxel))
+            opening.voxel = id;
+        }
+      }
+    }
+    if (opening.voxel == kNoVoxel) continue;  // Smaller than a voxel, or of a piece that is left out.
+    const Vec3 at = lumen.position(opening.voxel);
+    opening.point = at - cap.height(grid.frame.origin_mm + at) * cap.normal;
+    lumen.openings.push_back(opening);
+  }
+}
+
+}  // namespace
+
+Lumen lumen_of_mesh(const MeshView& mesh, const CenterlineOptions& options, Context& context) {
+  const Boundary boundary = boundary_of(mesh, context);
+  const Grid grid = grid_around(boundary, options);
+  std::vector<Index3> voxels = RowFiller(boundary, grid.frame).voxels();
+  for (const Cap& cap : grid.caps) go_on_beyond(cap, boundary, grid, voxels);
+  tidy(voxels, grid.frame);
+  if (voxels.empty())
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("no voxel of {:g} mm lies inside the mesh", grid.voxel_mm()));
+  Lumen lumen(grid.frame, std::move(voxels));
+  if (lumen.left_out() > 0)
+    context.warn(fmt::format("what lies outside the largest connected piece, {:.3g} mm3, is left out",
+                             static_cast<double>(lumen.left_out()) * grid.frame.voxel_volume_mm3()));
+  place_wall(boundary, grid, lumen);
+  add_openings(grid, lumen);
+  return lumen;
+}
+
+}  // namespace lumesh::centerline
