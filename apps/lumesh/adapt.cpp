@@ -13,8 +13,8 @@
 #include "kernel_options.hpp"
 #include "long_run.hpp"
 #include "lumesh/adapt/boundary.hpp"
+#include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/core/memory.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
@@ -41,25 +41,6 @@ struct AdaptCommand {
   RunOptions run;
 };
 
-/// Says no before hours of work, where the result could not fit.
-void check_request(const std::string& mesh_path, double complexity) {
-  constexpr double kTetsPerComplexity = 11, kBytesPerTet = 130;
-  if (!std::isfinite(complexity))
-    throw Error(ErrorKind::kBadInput,
-                mesh_path +
-                    ": the metric's complexity is not a finite number; its sizes are too small or vary "
-                    "too wildly");
-  const double tets = kTetsPerComplexity * complexity;
-  const double available = static_cast<double>(available_memory_bytes());
-  if (tets < TetMesh::kMaxTets && tets * kBytesPerTet < available) return;
-  throw Error(
-      ErrorKind::kBadInput,
-      fmt::format("{}: the metric asks for about {:.2g} tetrahedra ({:.2g} GB; {:.2g} GB are free); a "
-                  "--complexity of {:.1g} would fit",
-                  mesh_path, tets, tets * kBytesPerTet / 1e9, available / 1e9,
-                  0.5 * std::min<double>(available / kBytesPerTet, TetMesh::kMaxTets) / kTetsPerComplexity));
-}
-
 nlohmann::ordered_json report_json(const AdaptReport& report, const Context& context, double seconds) {
   nlohmann::ordered_json json;
   json["complete"] = report.complete;
@@ -82,15 +63,15 @@ AdaptedBoundary boundary_of(const AdaptCommand& command, TetMesh& mesh, Context&
   BoundaryOptions options{.is_frozen = command.boundary == "frozen",
                           .feature_angle_deg = command.feature_angle_deg};
   if (command.image_path.empty()) return {mesh, options, context};
-  for (const std::string& doubt : doubts_about_image(command.image_path, command.mesh_path, mesh.info(),
-                                                     "the surface may become another one"))
-    context.warn(doubt);
   const LabelImage image = context.phase(
       "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
   return naming(command.image_path, [&] {
     options.image = context.phase(
         "surfaces", [&] { return std::make_shared<const ImageDomain>(image, ImageDomainOptions{}); });
     AdaptedBoundary boundary(mesh, options, context);
+    for (const std::string& doubt : doubts_about_image(command.image_path, command.mesh_path, mesh.info(),
+                                                       "the surface may become another one"))
+      context.warn(doubt);
     if (boundary.patches_on_image() == 0)
       context.warn(command.image_path + ": no patch follows it; all are planes, cylinders or mixed");
     return boundary;
@@ -103,7 +84,7 @@ void check_options(const AdaptCommand& command) {
   check_volume_output(command.output_path);
   const ImageSelection& selection = command.selection;
   if (command.image_path.empty() &&
-      (!selection.labels.empty() || selection.threshold || selection.largest_component > 0))
+      (!selection.labels.empty() || selection.threshold || selection.largest_component))
     throw Error(ErrorKind::kUsage,
                 "--labels, --threshold and --largest-component say what of --image to take; give it");
   if (!command.metric_output_path.empty() && !is_metric_file(command.metric_output_path))
@@ -134,13 +115,14 @@ void run(AdaptCommand command) {
                     {command.mesh_path, command.metric_path, command.image_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
-  if (!command.allows_pieces) context.phase("build", [&] { refuse_pieces(mesh, command.mesh_path); });
+  if (!command.allows_pieces)
+    naming(command.mesh_path, [&] { refuse_pieces(mesh, "lattice --largest-component", "--allow-pieces"); });
   metric::MetricField field =
       field_of({command.mesh_path, command.metric_path, command.analytic}, input, mesh, command.gradation);
-  check_request(command.mesh_path,
-                command.complexity > 0 ? command.complexity : context.phase("complexity", [&] {
-                  return metric::complexity(field, mesh);
-                }));
+  const double complexity =
+      command.complexity > 0 ? command.complexity
+                             : context.phase("complexity", [&] { return metric::complexity(field, mesh); });
+  naming(command.mesh_path, [&] { check_fits_memory(complexity); });
 
   command.options.execution = command.kernel.execution_kind();
   command.options.team = command.kernel.team(command.run.threads);

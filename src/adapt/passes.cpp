@@ -179,11 +179,15 @@ template <class Execution>
 void mend_worst(const TetMesh& mesh, Execution& execution, double below, operators::SwapRules swaps,
                 const operators::SmoothingRules& smoothing) {
   swaps.repeat = true;  // Vertices move in between.
-  execution.over_tets([&](TetId t) { return below - mesh.quality(t); },
-                      [&](auto& kernel, TetId t) {
-                        if (kernel.reconnect(t, swaps) == Outcome::kApplied) return;
-                        for (int k = 0; k < 4; ++k) kernel.smooth_vertex(mesh.vertex(t, k), smoothing);
-                      });
+  execution.over_tets(
+      [&](TetId t) {
+        const double urgency = below - mesh.quality(t);
+        return urgency <= 0 || operators::has_changed_since_trial(mesh, t) ? urgency : 0;
+      },
+      [&](auto& kernel, TetId t) {
+        if (kernel.reconnect(t, swaps) == Outcome::kApplied) return;
+        for (int k = 0; k < 4; ++k) kernel.smooth_vertex(mesh.vertex(t, k), smoothing);
+      });
 }
 
 template <class Execution>

@@ -125,6 +125,19 @@ bool Cavity::carve(const TetMesh& mesh, const NewVertex& vertex, const PatchShap
   return false;
 }
 
+bool Cavity::has_sphere_as_hull() {
+  // By Euler's formula: each edge has two faces, in opposite directions, and so E = 3 F / 2. A hull that
+  // touches itself in a vertex has one vertex less, one with a handle two.
+  if (2 * hull_vertex_list_.size() != hull_.size() + 4) return false;
+  open_edges_.clear();
+  for (const HullFace& face : hull_)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint64_t from = face.corners[k], to = face.corners[(k + 1) % 3];
+      if (!open_edges_.insert(from << 32 | to, 0).added) return false;
+    }
+  return true;
+}
+
 bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
                     const InsertionRules& rules) {
   const SymTensor& metric = vertex.metric.metric;
@@ -153,7 +166,7 @@ bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const PatchSha
     if (!(cubed[next] >= least_cubed)) return false;
     face.quality = static_cast<float>(metric::cube_root(cubed[next++]));
   }
-  return true;
+  return has_sphere_as_hull();
 }
 
 double Cavity::optimise(const TetMesh& mesh, Vec3& place, AngleStar& angles, const ShapeMeasure& measure,

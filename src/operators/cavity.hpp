@@ -85,6 +85,9 @@ class Cavity {
   void keep_inside_only();
   [[nodiscard]] bool is_near_patch(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
                                    double least_height) const;
+  /// True unless the hull touches itself. Where the mesh is embedded that follows from what the new vertex
+  /// sees; where a surface that moves has come to overlap itself, it does not.
+  [[nodiscard]] bool has_sphere_as_hull();
   /// For vertices of curved patches (cavity_surface.cpp), where neither holds by itself as in planes. The
   /// absorbed faces are a disc with all its vertices on its rim, cut by no curve but the split edge:
   [[nodiscard]] bool absorbs_disc(const NewVertex& vertex);

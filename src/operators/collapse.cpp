@@ -59,19 +59,38 @@ void close_gap(TetMesh& mesh, TetId t, int from, int to) {
   mesh.set_interface_patch(other.tet(), other.face(), patch);
 }
 
-/// True if nothing joins `from` and `to` but the tetrahedra around their edge: else what is one with `from`
-/// and one with `to` would become the same twice. In domains of planes positive tetrahedra say so by
-/// themselves; where the surface moves, they do not. Source: Dey, Edelsbrunner, Guha, Nekhayev 1999, Topology
-/// preserving edge contraction.
-bool meet_only_around_edge(const EdgeRing& ring, const VertexBall& ball_of_from,
-                           const VertexBall& ball_of_to) {
-  const auto is_on_rim = [&](std::uint32_t v) {
-    return std::find(ring.rim.begin(), ring.rim.end(), v) != ring.rim.end();
-  };
-  return std::all_of(ball_of_from.neighbours.begin(), ball_of_from.neighbours.end(), [&](std::uint32_t v) {
-    return is_on_rim(v) || std::find(ball_of_to.neighbours.begin(), ball_of_to.neighbours.end(), v) ==
-                               ball_of_to.neighbours.end();
-  });
+bool contains(std::span<const std::uint32_t> all, std::uint32_t v) {
+  return std::find(all.begin(), all.end(), v) != all.end();
+}
+
+/// The edges opposite `centre` in the faces of its tetrahedra, with both ends among `ends`; lower end first.
+void edges_of_link(const TetMesh& mesh, VertexId centre, std::span<const TetId> tets,
+                   std::span<const std::uint32_t> ends, std::vector<std::uint64_t>& edges) {
+  edges.clear();
+  for (const TetId t : tets) {
+    const Cell<3> far = mesh.face_corners(t, mesh.index_of(t, centre));
+    for (int k = 0; k < 3; ++k)
+      if (contains(ends, far[k]) && contains(ends, far[(k + 1) % 3]))
+        edges.push_back(edge_key(far[k], far[(k + 1) % 3]));
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+}
+
+/// The link condition: nothing joins `from` and `to`, vertex or edge, but what lies around their edge. Else
+/// what is one with `from` and one with `to` would become the same twice. Where meshes are embedded positive
+/// tetrahedra say so by themselves; where the surface moves, they do not. Source: Dey, Edelsbrunner, Guha,
+/// Nekhayev 1999, Topology preserving edge contraction.
+bool meet_only_around_edge(const TetMesh& mesh, VertexId from, VertexId to, const EdgeRing& ring,
+                           const VertexBall& ball_of_from, const VertexBall& ball_of_to, LinkEdges& edges) {
+  for (const std::uint32_t v : ball_of_from.neighbours)
+    if (v != to.value && !contains(ring.rim, v) && contains(ball_of_to.neighbours, v)) return false;
+  edges_of_link(mesh, from, ball_of_from.tets, ring.rim, edges.of_from);
+  edges_of_link(mesh, to, ball_of_to.tets, ring.rim, edges.of_to);
+  std::size_t common = 0;
+  for (const std::uint64_t edge : edges.of_from)
+    if (std::binary_search(edges.of_to.begin(), edges.of_to.end(), edge)) ++common;
+  return common == ring.tets.size();  // Each tetrahedron of the ring has one edge of its rim.
 }
 
 /// True if an edge from `to` would be longer than allowed; where `from` has longer ones already, than the
@@ -189,9 +208,10 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
     if (!gather_ring(mesh, *shared, v, to.vertex, lock_, ring)) return Outcome::kContended;
     if (!keeps_patches(mesh, v, ring, subject_.shapes) || !can_vanish(mesh, v, to.vertex, ring)) continue;
     if (!keeps_to_surface(mesh, v, to.vertex, ball, subject_.shapes)) continue;
-    if (is_any_curved(ball.patches, subject_.shapes)) {
+    if (mesh.dimension(to.vertex) != VertexDimension::kVolume) {
       if (!gather_ball(mesh, to.vertex, lock_, scratch_->other_ball)) return Outcome::kContended;
-      if (!meet_only_around_edge(ring, ball, scratch_->other_ball)) continue;
+      if (!meet_only_around_edge(mesh, v, to.vertex, ring, ball, scratch_->other_ball, scratch_->link_edges))
+        continue;
     }
     commit_collapse(v, to.vertex);
     return Outcome::kApplied;

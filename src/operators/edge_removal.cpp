@@ -181,6 +181,21 @@ class RingReplacement {
   std::array<std::array<OpenFaces, kMostRing>, kMostRing> open_;
 };
 
+/// Whether one of the edges that come to light is one already, elsewhere.
+template <class Lock, class Triangles>
+Joined makes_edge_twice(const TetMesh& mesh, const EdgeRing& ring, const Triangles& triangles, Lock& lock,
+                        VertexBall& ball) {
+  const int last = static_cast<int>(ring.rim.size()) - 1;
+  const auto look = [&](int i, int k) {
+    const bool is_old = k == i + 1 || (i == 0 && k == last && !ring.open);
+    return is_old ? Joined::kNo : are_joined(mesh, VertexId(ring.rim[i]), VertexId(ring.rim[k]), lock, ball);
+  };
+  for (const Triangle& x : triangles)
+    for (const auto& [i, k] : {std::pair{x.i, x.j}, {x.j, x.k}, {x.i, x.k}})
+      if (const Joined joined = look(i, k); joined != Joined::kNo) return joined;
+  return Joined::kNo;
+}
+
 /// True if both faces at the edge belong to one tetrahedron and one curved patch. What lies on both sides of
 /// a smooth edge is flat, and may go.
 bool is_flat_tet(const EdgeRing& ring, const PatchShapes& shapes) {
@@ -221,12 +236,13 @@ Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const
   if (!triangulation.find(metric::cube(least), rules.most_length) || !triangulation.is_positive() ||
       !keeps_to_surface_across(mesh, ring, a, b, subject_.shapes))
     return Outcome::kRejected;
-  if (is_any_curved(ring.patches, subject_.shapes)) {
-    // The edge that comes to light may be one already, elsewhere: in planes it cannot.
-    VertexBall& ball = scratch_->ball;
-    if (!gather_ball(mesh, VertexId(ring.rim.front()), lock_, ball)) return Outcome::kContended;
-    if (std::find(ball.neighbours.begin(), ball.neighbours.end(), ring.rim.back()) != ball.neighbours.end())
+  switch (makes_edge_twice(mesh, ring, triangulation.triangles(), lock_, scratch_->ball)) {
+    case Joined::kNotLocked:
+      return Outcome::kContended;
+    case Joined::kYes:
       return Outcome::kRejected;
+    case Joined::kNo:
+      break;
   }
   RingReplacement(scratch_->builder, subject_.measure, ring, a, b).apply(triangulation);
   return Outcome::kApplied;

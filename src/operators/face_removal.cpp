@@ -149,6 +149,14 @@ Outcome Operators<Lock>::remove_held_face(TetId t, int face, const SwapRules& ru
   if (!faces.find(t, face, link.tet(), link.face()))
     return faces.was_refused() ? Outcome::kContended : Outcome::kRejected;
   if (is_longer_than(rules.most_length, mesh, faces.below(), faces.above())) return Outcome::kRejected;
+  switch (are_joined(mesh, faces.below(), faces.above(), lock_, scratch_->ball)) {
+    case Joined::kNotLocked:
+      return Outcome::kContended;
+    case Joined::kYes:
+      return Outcome::kRejected;
+    case Joined::kNo:
+      break;
+  }
   replace(scratch_->builder, faces);
   return Outcome::kApplied;
 }

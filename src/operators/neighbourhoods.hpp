@@ -141,4 +141,19 @@ bool gather_ball(const TetMesh& mesh, VertexId v, Lock& lock, VertexBall& ball) 
   return true;
 }
 
+enum class Joined : std::uint8_t { kNo, kYes, kNotLocked };
+
+/// Whether an edge joins a and b already, which would be there twice if an operator made it. Only vertices of
+/// boundaries are looked at: where the mesh is embedded no other ones can be, and not even those unless a
+/// surface that moves has come to touch itself.
+template <class Lock>
+Joined are_joined(const TetMesh& mesh, VertexId a, VertexId b, Lock& lock, VertexBall& ball) {
+  if (mesh.dimension(a) == VertexDimension::kVolume || mesh.dimension(b) == VertexDimension::kVolume)
+    return Joined::kNo;
+  if (!gather_ball(mesh, a, lock, ball)) return Joined::kNotLocked;
+  const bool found =
+      std::find(ball.neighbours.begin(), ball.neighbours.end(), b.value) != ball.neighbours.end();
+  return found ? Joined::kYes : Joined::kNo;
+}
+
 }  // namespace lumesh::operators

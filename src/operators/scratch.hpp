@@ -35,6 +35,11 @@ struct NearVertex {
   double length = 0;
 };
 
+/// Edges in the links of two vertices.
+struct LinkEdges {
+  std::vector<std::uint64_t> of_from, of_to;
+};
+
 template <class Lock>
 struct Operators<Lock>::Scratch {
   Scratch(TetMesh& mesh, int owner) : builder{mesh, owner} {}
@@ -42,6 +47,7 @@ struct Operators<Lock>::Scratch {
   Builder builder;
   EdgeRing ring;
   VertexBall ball, other_ball;
+  LinkEdges link_edges;
   Cavity cavity;
   std::vector<float> qualities;
   std::vector<NearVertex> near;

@@ -181,8 +181,8 @@ class AdaptTest(MeshTest):
         self.assert_refused(self.run_lumesh(*metric), BAD_INPUT, "cube.mesh", "no metric")
         for growth in (1, 0, -3, "nan"):
             self.assert_refused(self.run_lumesh(*metric, "--analytic", "linear", "--gradation", growth), USAGE, "gradation")
-        self.assert_refused(self.run_lumesh(*metric, "--analytic", "linear", "--min-size", 2, "--max-size", 1), USAGE,
-                            "--min-size")
+        self.assert_refused(self.run_lumesh(*metric, "--analytic", "linear", "--min-size", 2, "--max-size", 1), BAD_INPUT,
+                            "smallest size")
         self.assert_refused(self.run_lumesh("adapt", self.cube, "--analytic", "linear", "--gradation", 2, "-o", self.out), USAGE,
                             "--gradation")
 
@@ -272,7 +272,7 @@ class AdaptTest(MeshTest):
         adapt = ("adapt", self.cube, "-o", self.out)
         self.assert_refused(self.run_lumesh(*adapt), BAD_INPUT, "cube.mesh", "no metric", "lumesh metric")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--complexity", "1e12"), BAD_INPUT,
-                            "tetrahedra", "GB", "--complexity")
+                            "tetrahedra", "GB", "complexity of")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "cubic"), USAGE, "cubic")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--feature-angle", 0), USAGE, "--feature-angle")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--collapse-below", 7), USAGE, "collapse below")
