@@ -6,6 +6,7 @@
 namespace lumesh::cli {
 
 void add_adapt_command(CLI::App& program);
+void add_centerline_command(CLI::App& program);
 void add_convert_command(CLI::App& program);
 void add_delaunay_command(CLI::App& program);
 void add_evaluate_command(CLI::App& program);
@@ -14,5 +15,6 @@ void add_info_command(CLI::App& program);
 void add_lattice_command(CLI::App& program);
 void add_metric_command(CLI::App& program);
 void add_phantom_command(CLI::App& program);
+void add_run_command(CLI::App& program);
 
 }  // namespace lumesh::cli

@@ -41,8 +41,12 @@ void check_domain_options(const CLI::App& command, const DomainInput& input) {
 }
 
 DomainRead read_domain(const DomainInput& input, Context& context) {
-  if (is_mesh_file(input.path))
-    return {read_surface_domain(input.path, input.surface, context), std::nullopt, 0};
+  if (is_mesh_file(input.path)) {
+    const MixedMesh surface = context.phase("read", [&] { return read_surface(input.path); });
+    return naming(input.path, [&] {
+      return DomainRead{context.phase("domain", [&] { return domain_of(surface, input.surface); }), {}, 0};
+    });
+  }
   const LabelImage image =
       context.phase("read", [&] { return read_selected_image(input.path, input.selection, context); });
   ImageDomainOptions options = input.image;

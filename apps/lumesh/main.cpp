@@ -62,7 +62,9 @@ int main(int argc, char** argv) {
   lumesh::cli::add_adapt_command(program);
   lumesh::cli::add_improve_command(program);
   lumesh::cli::add_evaluate_command(program);
+  lumesh::cli::add_centerline_command(program);
   lumesh::cli::add_convert_command(program);
+  lumesh::cli::add_run_command(program);
   try {
     if (argc > 1) check_command(program, argv[1]);
     program.parse(argc, argv);

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
@@ -45,29 +44,6 @@ TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
                                                       v));
     return built;
   });
-}
-
-void refuse_pieces(const TetMesh& mesh, const std::string& path) {
-  std::vector<std::uint8_t> seen(mesh.tet_count(), 0);
-  std::vector<TetId> open;
-  std::uint32_t pieces = 0;
-  const auto reach = [&](TetId t) {
-    if (std::exchange(seen[t.value], 1) == 0) open.push_back(t);
-  };
-  for (std::uint32_t first = 0; first < mesh.tet_count(); ++first) {
-    if (seen[first] == 0) ++pieces;
-    for (reach(TetId(first)); !open.empty();) {
-      const TetId t = open.back();
-      open.pop_back();
-      for (int f = 0; f < 4; ++f)
-        if (const FaceLink link = mesh.link(t, f); !link.is_boundary()) reach(link.tet());
-    }
-  }
-  if (pieces > 1)
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("{}: has {} pieces that no face joins; make it of the largest one (lattice "
-                            "--largest-component), or give --allow-pieces",
-                            path, pieces));
 }
 
 std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_path,

@@ -18,9 +18,6 @@ CLI::Option* add_gradation_option(CLI::App& command, double& growth);
 /// tetrahedra, none at all, or is not valid.
 [[nodiscard]] TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path);
 
-/// @throws Error{kBadInput} that names the file if faces do not join all tetrahedra.
-void refuse_pieces(const TetMesh& mesh, const std::string& path);
-
 /// The tensors that the mesh carries, or those of a .sol or .solb file. Checked: one positive definite tensor
 /// per vertex.
 /// @throws Error{kBadInput} that names file and vertex.

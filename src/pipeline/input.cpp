@@ -1,9 +1,14 @@
 #include "lumesh/pipeline/input.hpp"
 
+#include <fmt/core.h>
+
 #include "lumesh/core/error.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/point_data_file.hpp"
+#include "lumesh/io/points_file.hpp"
+#include "lumesh/mesh/label_shapes.hpp"
 
 namespace lumesh {
 namespace {
@@ -33,15 +38,21 @@ void append_line(Polylines& lines, const std::vector<Vec3>& points) {
 LabelImage read_selected_image(const std::filesystem::path& path, const ImageSelection& selection,
                                Context& context) {
   LabelImage image = read_image(path, {selection.labels, selection.threshold}, context);
-  if (selection.largest_component > 0) keep_largest_component(image, ComponentScope::kUnion);
+  if (selection.largest_component) keep_largest_component(image, ComponentScope::kUnion);
   return image;
 }
 
+Vec3 frame_factors(const MeshInfo& from, const MeshInfo& to) {
+  const auto to_lps_mm = [](const MeshInfo& info) {
+    const double scale = info.unit == "m" ? 1000 : info.unit == "cm" ? 10 : 1;
+    return info.frame == "RAS" ? Vec3(-scale, -scale, scale) : Vec3(scale, scale, scale);
+  };
+  return to_lps_mm(from).cwiseQuotient(to_lps_mm(to));
+}
+
 void bring_to_lps_mm(MixedMesh& mesh) {
-  const bool ras = mesh.info.frame == "RAS";
-  const double scale = mesh.info.unit == "m" ? 1000 : mesh.info.unit == "cm" ? 10 : 1;
-  if (!ras && scale == 1) return;
-  const Vec3 factors = ras ? Vec3(-scale, -scale, scale) : Vec3(scale, scale, scale);
+  const Vec3 factors = frame_factors(mesh.info, MeshInfo());
+  if (factors == Vec3::Ones()) return;
   for (Vec3& p : mesh.points) p = p.cwiseProduct(factors);
   // Lengths in the metric stay as they are; it is per square of the coordinates' unit.
   for (SymTensor& m : mesh.metric) {
@@ -52,21 +63,48 @@ void bring_to_lps_mm(MixedMesh& mesh) {
   mesh.info.frame = "LPS";
   mesh.info.unit = "mm";
 }
-std::unique_ptr<SurfaceDomain> read_surface_domain(const std::filesystem::path& path,
-                                                   const SurfaceDomainOptions& options, Context& context) {
-  MixedMesh mesh = context.phase("read", [&] { return read_mesh(path); });
+
+std::vector<Vec3> read_points_in(const MeshInfo& frame, const std::filesystem::path& path) {
+  MixedMesh cloud = read_points(path);
+  const Vec3 factors = frame_factors(cloud.info, frame);
+  for (Vec3& p : cloud.points) p = p.cwiseProduct(factors);
+  return std::move(cloud.points);
+}
+
+Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path, const std::string& array) {
+  PointData data = read_point_data(path);
+  Flow flow;
+  flow.velocities = naming(path.string(), [&] { return vectors_named(data, array, "velocity"); });
+  flow.points = std::move(data.points);
+  const Vec3 factors = frame_factors(data.info, frame);
+  for (Vec3& p : flow.points) p = p.cwiseProduct(factors);
+  for (Vec3& u : flow.velocities) u = u.cwiseProduct(factors.cwiseSign());  // Directions turn with the frame.
+  return flow;
+}
+
+MixedMesh read_surface(const std::filesystem::path& path) {
+  MixedMesh mesh = read_mesh(path);
   if (mesh.view().cell_count() > 0)
     throw Error(
         ErrorKind::kBadInput,
         path.string() + ": is a mesh of a volume; give its closed surface alone, such as a .stl or .vtp");
   bring_to_lps_mm(mesh);
   split_quadrilaterals(mesh);
-  return context.phase("domain", [&] {
-    return naming(path.string(), [&] {
-      return std::make_unique<SurfaceDomain>(
-          SurfaceView{mesh.points, mesh.triangles, mesh.triangle_patches, mesh.info.patches}, options);
-    });
-  });
+  return mesh;
+}
+
+std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface, const SurfaceDomainOptions& options) {
+  return std::make_unique<SurfaceDomain>(
+      SurfaceView{surface.points, surface.triangles, surface.triangle_patches, surface.info.patches},
+      options);
+}
+
+void refuse_pieces(const TetMesh& mesh, const std::string& mender, const std::string& consent) {
+  const std::uint32_t pieces = count_pieces(mesh);
+  if (pieces > 1)
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("has {} pieces that no face joins; make it of the largest one ({}), or give {}",
+                            pieces, mender, consent));
 }
 
 Polylines centerline_of(const Phantom& phantom) {
@@ -88,6 +126,11 @@ Polylines velocity_of(const Phantom& phantom) {
     velocity.insert(velocity.end(), streamline.velocity_m_s.begin(), streamline.velocity_m_s.end());
   }
   return lines;
+}
+
+Flow flow_of(const Phantom& phantom) {
+  Polylines lines = velocity_of(phantom);
+  return {std::move(lines.points), std::move(lines.vectors["velocity"])};
 }
 
 }  // namespace lumesh

@@ -13,14 +13,15 @@
 #include "lumesh/image/phantom.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/polylines.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh {
 
 /// Which voxels of an image count.
 struct ImageSelection {
-  std::vector<Label> labels;          ///< These only; all if empty.
-  std::optional<double> threshold;    ///< Voxels at or above become label 1, the rest background.
-  std::size_t largest_component = 0;  ///< Not 0: only the largest connected piece.
+  std::vector<Label> labels;        ///< These only; all if empty.
+  std::optional<double> threshold;  ///< Voxels at or above become label 1, the rest background.
+  bool largest_component = false;   ///< Only the largest connected piece of all labels together.
 };
 
 /// @throws Error{kBadInput} that names the file.
@@ -31,15 +32,41 @@ struct ImageSelection {
 /// stay.
 void bring_to_lps_mm(MixedMesh& mesh);
 
-/// The inside of the closed surface of a file, in mm (LPS).
+/// What the coordinates of one mesh are multiplied by to stand in the frame and unit of another.
+[[nodiscard]] Vec3 frame_factors(const MeshInfo& from, const MeshInfo& to);
+
+/// The points of a file in the frame and unit of a mesh.
 /// @throws Error{kBadInput} that names the file.
-[[nodiscard]] std::unique_ptr<SurfaceDomain> read_surface_domain(const std::filesystem::path& path,
-                                                                 const SurfaceDomainOptions& options,
-                                                                 Context& context);
+[[nodiscard]] std::vector<Vec3> read_points_in(const MeshInfo& frame, const std::filesystem::path& path);
+
+/// Samples of a flow.
+struct Flow {
+  std::vector<Vec3> points, velocities;  ///< Of the same length; the velocities' unit is their own.
+};
+
+/// The same for points with a velocity each.
+/// @param array  Name of the array; empty: "velocity", or the only one.
+[[nodiscard]] Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path,
+                                const std::string& array);
+
+/// A surface of triangles, in mm (LPS).
+/// @throws Error{kBadInput} that names the file if it cannot be read or holds a volume.
+[[nodiscard]] MixedMesh read_surface(const std::filesystem::path& path);
+
+/// Its inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.
+[[nodiscard]] std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface,
+                                                       const SurfaceDomainOptions& options);
+
+/// Pieces that no face joins are often forgotten specks of a segmentation.
+/// @param mender  What makes it of one piece. @param consent  What would take it as it is.
+/// @throws Error{kBadInput} if the mesh has several, without a name.
+void refuse_pieces(const TetMesh& mesh, const std::string& mender, const std::string& consent);
 
 /// Axes of a phantom's vessels, with the arrays `radius` (mm) and `branch`.
 [[nodiscard]] Polylines centerline_of(const Phantom& phantom);
 /// Streamlines of a phantom's flow, with the array `velocity` (m/s).
 [[nodiscard]] Polylines velocity_of(const Phantom& phantom);
+/// The points of these streamlines as samples.
+[[nodiscard]] Flow flow_of(const Phantom& phantom);
 
 }  // namespace lumesh

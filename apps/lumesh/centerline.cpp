@@ -1,0 +1,115 @@
+#include "lumesh/centerline/centerline.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/polylines_file.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::cli {
+
+namespace {
+
+struct CenterlineCommand {
+  const CLI::App* self = nullptr;
+  std::string input_path, output_path;
+  ImageSelection selection;
+  CenterlineOptions options;
+  RunOptions run;
+};
+
+/// Refuses before work what could not be done.
+void check(const CenterlineCommand& command) {
+  if (!command.output_path.ends_with(".vtp"))
+    throw Error(ErrorKind::kUsage, command.output_path + ": unknown format of lines; use .vtp");
+  const bool is_mesh = is_mesh_file(command.input_path);
+  const auto refuse = [&](const char* option) {
+    if (command.self->get_option(option)->count() > 0)
+      throw Error(ErrorKind::kUsage, fmt::format("{} is for {}, and {} is {}; leave it out", option,
+                                                 is_mesh ? "images" : "meshes", command.input_path,
+                                                 is_mesh ? "a mesh" : "an image"));
+  };
+  if (!is_mesh) refuse("--voxel");
+  if (is_mesh)
+    for (const char* option : {"--labels", "--threshold", "--largest-component"}) refuse(option);
+  command.options.validate();
+  check_output_folders({command.output_path});
+  check_inputs_stay({command.output_path}, {command.input_path});
+}
+
+Polylines lines_of_image(const CenterlineCommand& command, Context& context) {
+  const LabelImage image = context.phase(
+      "read", [&] { return read_selected_image(command.input_path, command.selection, context); });
+  return naming(command.input_path, [&] { return extract_centerline(image, command.options, context); });
+}
+
+Polylines lines_of_mesh(const CenterlineCommand& command, MeshInfo& info, Context& context) {
+  MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.input_path); });
+  bring_to_lps_mm(mesh);
+  if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
+  info.provenance = mesh.info.provenance;
+  return naming(command.input_path,
+                [&] { return extract_centerline(mesh.view(), command.options, context); });
+}
+
+void print_summary(const CenterlineCommand& command, const Polylines& lines, double seconds) {
+  double length_mm = 0;
+  for (const std::vector<std::uint32_t>& line : lines.lines)
+    for (std::size_t i = 1; i < line.size(); ++i)
+      length_mm += (lines.points[line[i]] - lines.points[line[i - 1]]).norm();
+  const auto [least, most] = std::ranges::minmax(lines.scalars.at("radius"));
+  fmt::print("{}: {} lines, {} points, length {:.5g} mm, radius {:.3g} to {:.3g} mm, {:.2f} s\n",
+             command.output_path, lines.lines.size(), lines.points.size(), length_mm, least, most, seconds);
+}
+
+void run(const CenterlineCommand& command) {
+  const auto start = std::chrono::steady_clock::now();
+  const parallel::ThreadLimit limit(command.run.threads);
+  Context context = make_context(command.run);
+  check(command);
+  MeshInfo info;
+  const Polylines lines = is_mesh_file(command.input_path) ? lines_of_mesh(command, info, context)
+                                                           : lines_of_image(command, context);
+  info.provenance = provenance_of(*command.self, command.input_path, info.provenance);
+  context.phase("write", [&] { write_polylines(command.output_path, lines, info); });
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  if (command.run.quiet == 0) print_summary(command, lines, elapsed.count());
+}
+
+}  // namespace
+
+void add_centerline_command(CLI::App& program) {
+  const auto command = std::make_shared<CenterlineCommand>();
+  CLI::App* sub = program.add_subcommand("centerline", "Find the axes of vessels and their radii");
+  command->self = sub;
+  CenterlineOptions& o = command->options;
+  sub->add_option(
+         "input", command->input_path,
+         std::string("Label image ") + kImageFormats +
+             ", or mesh of the volume or its closed surface (.vtu, .vtk, .mesh, .meshb, .msh, .stl, .vtp)")
+      ->required();
+  sub->add_option("-o,--output", command->output_path, "Lines to write, with radius and branch (.vtp)")
+      ->required();
+  sub->add_option("--spacing", o.spacing_mm, "Of the points in mm; default a quarter of the radius there")
+      ->check(positive_number());
+  sub->add_option("--shortest-tip", o.shortest_tip,
+                  "Vessels that end inside are left out if shorter than this many radii, 0.5 to 100")
+      ->capture_default_str();
+  sub->add_option("--voxel", o.voxel_mm,
+                  "Meshes: voxels they are searched in, in mm; default an eighth of the mean radius")
+      ->check(positive_number());
+  add_selection_options(*sub, command->selection, "Use");
+  add_threads_option(*sub, command->run);
+  add_verbosity_options(*sub, command->run);
+  sub->footer("Example: lumesh centerline case1.nrrd -o case1_lines.vtp");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace lumesh::cli

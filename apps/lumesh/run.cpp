@@ -1,0 +1,91 @@
+#include <fmt/core.h>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "long_run.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/pipeline/pipeline.hpp"
+
+namespace lumesh::cli {
+
+namespace {
+
+struct RunCommand {
+  const CLI::App* self = nullptr;
+  std::string case_path, folder;
+  std::vector<std::string> settings;
+  bool only_predicts = false, resumes = false, keeps_checkpoints = false;
+  double time_limit_s = std::numeric_limits<double>::infinity();
+  RunOptions run;
+};
+
+/// The case, with what the command line says about how it is run.
+Case case_of(const RunCommand& command) {
+  Case c = read_case(command.case_path, command.settings);
+  if (!command.folder.empty())
+    c.output.folder = std::filesystem::absolute(command.folder).lexically_normal().string();
+  if (command.self->get_option("--threads")->count() > 0) c.run.threads = command.run.threads;
+  if (std::isfinite(command.time_limit_s)) c.run.time_limit_s = command.time_limit_s;
+  c.run.checkpoints = c.run.checkpoints || command.keeps_checkpoints || command.resumes;
+  return c;
+}
+
+void print_prediction(const RunOptions& run, const CasePrediction& prediction) {
+  for (const CasePrediction::Step& step : prediction.steps) {
+    const std::string time = step.seconds > 0 ? fmt::format("about {:>7.1f} s", step.seconds) : "";
+    const std::string size =
+        step.tetrahedra > 0 ? fmt::format(", about {:.3g} tetrahedra", step.tetrahedra) : "";
+    say(run, "{:<16} {}{}\n", time, step.what, size);
+  }
+  say(run, "about {:.3g} s in all, {:.2g} GB of memory of {:.3g} GB that are free; nothing was made\n",
+      prediction.seconds(), prediction.peak_memory_bytes / 1e9,
+      static_cast<double>(prediction.free_memory_bytes) / 1e9);
+}
+
+void run(const RunCommand& command) {
+  const Case c = case_of(command);
+  const parallel::ThreadLimit limit(c.run.threads);
+  Context context = make_context(command.run);
+  context.report_info_to([&](std::string_view line) {
+    say(command.run, "{}\n", line);
+    std::fflush(stdout);  // Pipes see each stage when it is done, too.
+  });
+  if (command.only_predicts) return print_prediction(command.run, predict_case(c, context));
+  const LongRun long_run(
+      context, command.run,
+      c.run.time_limit_s > 0 ? c.run.time_limit_s : std::numeric_limits<double>::infinity());
+  const CaseResult result = run_case(c, command.resumes, context);
+  say(command.run, "{}: {} in {:.1f} s, {:.2g} GB at the peak\n", result.folder, c.name,
+      result.report.seconds, static_cast<double>(result.report.peak_memory_bytes) / 1e9);
+  long_run.check_complete(result.complete, result.folder + " holds the best mesh so far");
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& program) {
+  const auto command = std::make_shared<RunCommand>();
+  CLI::App* sub =
+      program.add_subcommand("run", "Run a whole case: from the image to the adapted mesh and its report");
+  command->self = sub;
+  sub->add_option("case", command->case_path, "Case file (.toml)")->required();
+  sub->add_option("-o,--output", command->folder, "Folder for all files; default: the case's name");
+  sub->add_option("--set", command->settings, "SECTION.KEY=VALUE, such as metric.k=30; may be repeated")
+      ->allow_extra_args(false);
+  sub->add_flag("--dry-run", command->only_predicts,
+                "Say what would be done, and about how many elements, how long and how much memory it takes");
+  sub->add_flag("--checkpoints", command->keeps_checkpoints, "Keep what every stage leaves, for --resume");
+  sub->add_flag("--resume", command->resumes,
+                "Take stages from checkpoints whose input and settings are the same; keeps checkpoints, too");
+  add_time_limit_option(*sub, command->time_limit_s);
+  add_threads_option(*sub, command->run);
+  add_verbosity_options(*sub, command->run);
+  sub->footer("Example: lumesh run examples/case1_carotid.toml -o case1");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace lumesh::cli

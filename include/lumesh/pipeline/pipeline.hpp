@@ -1,0 +1,50 @@
+#pragma once
+/// @file The whole way from an image to the adapted mesh, in memory (the paper's figure 1).
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/pipeline/case.hpp"
+#include "lumesh/report/case_report.hpp"
+
+namespace lumesh {
+
+struct CaseResult {
+  report::CaseReport report;
+  std::string folder;    ///< Where the files are.
+  bool complete = true;  ///< False if the context was cancelled: files hold the best mesh so far.
+};
+
+/// Runs the stages that the case asks for, one after the other: input, centerline, first mesh, metric,
+/// adapted mesh, its measures; then writes the files: meshes, report, numbers, and the case with every
+/// setting that was in force. Each stage says one line to context.info() when it is done.
+///
+/// With checkpoints, what each stage leaves is kept in the folder `checkpoints`, with a key made of all that
+/// it depends on: contents of files, settings, the version.
+/// @param resumes  Stages whose checkpoint has their key are read instead of made; the result has the same
+/// bits.
+/// @throws Error as the stages do; files are written beside their targets and renamed when complete.
+[[nodiscard]] CaseResult run_case(const Case& c, bool resumes, Context& context);
+
+/// What a case will do and about what it will take.
+struct CasePrediction {
+  struct Step {
+    std::string what;       ///< One line.
+    double seconds = 0;     ///< Wall time, 0 where next to none.
+    double tetrahedra = 0;  ///< Of the mesh it leaves; 0: none, or not known.
+  };
+  std::vector<Step> steps;
+  double peak_memory_bytes = 0;
+  std::uint64_t free_memory_bytes = 0;
+
+  [[nodiscard]] double seconds() const;
+};
+
+/// Reads the input and samples the metric's sources at voxels; makes no mesh and writes nothing. Numbers of
+/// tetrahedra are within some 20 %, times as measured on one machine (docs/stages/run.md).
+/// @throws Error as run_case() does for its input.
+[[nodiscard]] CasePrediction predict_case(const Case& c, Context& context);
+
+}  // namespace lumesh

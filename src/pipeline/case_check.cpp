@@ -1,0 +1,95 @@
+#include <fmt/core.h>
+
+#include "case_keys.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
+
+namespace lumesh::pipeline {
+namespace {
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw Error(ErrorKind::kBadInput, what);
+}
+
+void check_input(const Case& c) {
+  const InputKeys& input = c.input;
+  const int given =
+      (input.image.empty() ? 0 : 1) + (input.surface.empty() ? 0 : 1) + (input.phantom.empty() ? 0 : 1);
+  if (given != 1)
+    refuse("[input] needs one of image, surface and phantom, not " + std::to_string(given) + " of them");
+  if (!input.surface.empty() && c.mesher == Mesher::kLattice)
+    refuse("the lattice mesher takes images; for [input] surface set mesher = \"delaunay\"");
+  if (!input.surface.empty() && (!input.cut_planes.empty() || !input.selection.labels.empty() ||
+                                 input.selection.threshold || input.selection.largest_component))
+    refuse(
+        "[input] labels, threshold, largest_component and cut_planes are for images; leave them out with "
+        "surface");
+  if (input.smoothing_voxels > 0 && input.smoothing_voxels < 0.5)
+    refuse(fmt::format("[input] smoothing must lie between 0.5 and 3, or be 0; {:g} does not",
+                       input.smoothing_voxels));
+  if (input.phantom.empty()) return;
+  if (input.selection.threshold) refuse("[input] threshold is for images; leave it out with phantom");
+  try {
+    static_cast<void>(phantom_kind_from_name(input.phantom));
+  } catch (const Error& unknown) {
+    refuse(std::string("[input] ") + unknown.what());
+  }
+}
+
+void check_metric(const Case& c) {
+  const MetricKeys& m = c.metric;
+  if (m.largest_mm > 0 && m.smallest_mm > m.largest_mm)
+    refuse(fmt::format("[metric] min_size {:g} is larger than max_size {:g}", m.smallest_mm, m.largest_mm));
+  if (m.gradation != 0 && m.gradation <= 1)
+    refuse(
+        fmt::format("[metric] gradation must be greater than 1, such as 1.5, or 0; not {:g}", m.gradation));
+  if (m.largest_aspect != 0 && m.largest_aspect < 1)
+    refuse(fmt::format("[metric] max_aspect must be at least 1, or 0; not {:g}", m.largest_aspect));
+  if (m.velocity == "phantom" && c.input.phantom.empty())
+    refuse("[metric] velocity = \"phantom\" needs [input] phantom");
+  if (m.complexity > 0 && !m.is_wanted())
+    refuse("[metric] complexity has nothing to scale; give points, velocity or curvature");
+}
+
+void check_output(const Case& c) {
+  if (c.output.meshes.empty()) refuse("[output] meshes names no file; such as [\"mesh.vtu\"]");
+  for (const std::string& name : c.output.meshes)
+    if (!is_volume_file(name))
+      refuse(fmt::format("[output] meshes: {} has an unknown format; use .vtu, .vtk, .mesh, .meshb or .msh",
+                         name));
+  if (!c.output.surface.empty() && !is_surface_file(c.output.surface))
+    refuse(fmt::format("[output] surface: {} has an unknown format; use .vtp or .stl", c.output.surface));
+  std::vector<std::string> names = c.output.meshes;
+  for (const std::string& name : {c.output.surface, c.output.report, c.output.json})
+    if (!name.empty()) names.push_back(name);
+  if (!c.output.report.empty() && !c.output.report.ends_with(".html"))
+    refuse(fmt::format("[output] report: {} must end in .html", c.output.report));
+  if (!c.output.json.empty() && !c.output.json.ends_with(".json"))
+    refuse(fmt::format("[output] json: {} must end in .json", c.output.json));
+  if (c.output.stages) names.insert(names.end(), {"centerline.vtp", "first.vtu"});
+  for (const std::string& name : names) {
+    const std::filesystem::path path = name;
+    if (path.has_parent_path())
+      refuse(fmt::format("[output] {} must be a name without folders; all go to [output] folder", name));
+    if (std::count(names.begin(), names.end(), name) > 1)
+      refuse(fmt::format("[output] {} is named for two files; give each its own name", name));
+  }
+}
+
+}  // namespace
+
+void check_case(const Case& c) {
+  check_input(c);
+  if (c.mesher == Mesher::kDelaunay && !(c.delaunay.delta_mm > 0))
+    refuse("[delaunay] delta is missing: the spacing of points on surfaces in mm");
+  if (c.mesher == Mesher::kLattice && (!c.sizes.points.empty() || !c.sizes.plugin.empty()))
+    refuse("[delaunay] size_points and sizing are for mesher = \"delaunay\"");
+  if (!c.sizes.points.empty() && !(c.sizes.floor_mm > 0))
+    refuse("[delaunay] size_points needs size_floor, the least size in mm");
+  if (c.sizes.ceiling_mm > 0 && c.sizes.ceiling_mm < c.sizes.floor_mm)
+    refuse("[delaunay] size_ceiling is less than size_floor");
+  check_metric(c);
+  check_output(c);
+}
+
+}  // namespace lumesh::pipeline

@@ -1,0 +1,42 @@
+#include "case_state.hpp"
+
+#include "lumesh/core/version.hpp"
+#include "lumesh/parallel/ordered_tasks.hpp"
+
+namespace lumesh::pipeline {
+
+int CaseState::threads() const {
+  return c.run.threads > 0 ? c.run.threads : parallel::available_threads();
+}
+
+const std::shared_ptr<const ImageDomain>& CaseState::domain_of_image() {
+  if (image_domain) return image_domain;
+  ImageDomainOptions options;
+  options.cut_planes = c.input.cut_planes;
+  const bool keeps_volume = c.mesher == Mesher::kDelaunay && c.input.smoothing_voxels == 0;
+  if (c.input.smoothing_voxels > 0) options.field.sigma = c.input.smoothing_voxels;
+  image_domain = context.phase("domain", [&]() -> std::shared_ptr<const ImageDomain> {
+    double sigma = 0;
+    if (keeps_volume) return volume_keeping_domain(*image, options, sigma);
+    return std::make_shared<const ImageDomain>(*image, options);
+  });
+  return image_domain;
+}
+
+MeshView CaseState::view(const BoundaryFaces& faces) const {
+  MeshView view = mesh.view(faces);
+  if (!has_metric) view.metric = {};
+  return view;
+}
+
+MeshInfo CaseState::info() const {
+  MeshInfo info;
+  info.provenance = {{"program", std::string("lumesh ") + kVersion},
+                     {"command", "run"},
+                     {"options", c.name},
+                     {"input", input_name},
+                     {"input_sha256", input_sha256}};
+  return info;
+}
+
+}  // namespace lumesh::pipeline

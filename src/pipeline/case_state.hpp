@@ -1,0 +1,43 @@
+#pragma once
+/// @file What the stages of a run work on and hand on to each other.
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/metric/metric_field.hpp"
+#include "lumesh/pipeline/case.hpp"
+#include "lumesh/quality/evaluation.hpp"
+
+namespace lumesh::pipeline {
+
+struct CaseState {
+  CaseState(const Case& of, Context& in) : c(of), context(in) {}
+
+  const Case& c;
+  Context& context;
+
+  std::string input_name, input_sha256;
+  std::string input_content;  ///< Tells other contents from these, also of several files.
+  std::optional<LabelImage> image;
+  std::optional<Phantom> phantom;
+  std::optional<MixedMesh> surface;                           ///< Where there is no image.
+  std::shared_ptr<const ImageDomain> image_domain = nullptr;  ///< Once a stage has needed it.
+  Polylines centerline;
+  TetMesh mesh;             ///< The first mesh, then the same with its metric, then the adapted one.
+  bool has_metric = false;  ///< Whether the metric of the mesh means anything.
+  bool is_complete = true;  ///< False once a stage ended early.
+
+  [[nodiscard]] int threads() const;
+  /// The domain of the image, made when it is first asked for.
+  [[nodiscard]] const std::shared_ptr<const ImageDomain>& domain_of_image();
+  /// The mesh with these faces of its own, and with its metric if that means anything.
+  [[nodiscard]] MeshView view(const BoundaryFaces& faces) const;
+  /// What every file says of its making.
+  [[nodiscard]] MeshInfo info() const;
+};
+
+}  // namespace lumesh::pipeline

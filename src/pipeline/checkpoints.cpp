@@ -1,0 +1,108 @@
+#include "checkpoints.hpp"
+
+#include <fstream>
+
+#include "case_keys.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/version.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/polylines_file.hpp"
+#include "lumesh/io/sha256.hpp"
+#include "lumesh/metric/shaping.hpp"
+#include "lumesh/report/picture.hpp"
+
+namespace lumesh::pipeline {
+namespace {
+
+/// Hash of a file that a key of the case names; empty for words and for none.
+std::string hash_of(const std::string& path) {
+  if (path.empty() || path == "centerline" || path == "phantom") return path;
+  return file_sha256(path);
+}
+
+/// A key beside a file. The file itself counts, too: one that is cut short is not taken.
+std::string key_line(const std::string& key, const std::filesystem::path& file) {
+  return key + " " + file_sha256(file) + "\n";
+}
+
+}  // namespace
+
+std::filesystem::path Checkpoints::file_of(const std::string& stage) const {
+  return folder_ / (stage + (stage == "centerline" ? ".vtp" : ".vtu"));
+}
+
+bool Checkpoints::has(const std::string& stage, const std::string& key) const {
+  const std::filesystem::path file = file_of(stage);
+  if (!resumes_ || !std::filesystem::is_regular_file(file)) return false;
+  std::ifstream in(std::filesystem::path(file) += ".key");
+  std::string line;
+  return std::getline(in, line) && line + "\n" == key_line(key, file);
+}
+
+void Checkpoints::write_key(const std::string& stage, const std::string& key) const {
+  const std::filesystem::path file = file_of(stage);
+  report::write_file(std::filesystem::path(file) += ".key", key_line(key, file));
+}
+
+void Checkpoints::keep_centerline(const CaseState& state, const std::string& key) const {
+  if (folder_.empty()) return;
+  write_polylines(file_of("centerline"), state.centerline, state.info());
+  write_key("centerline", key);
+}
+
+void Checkpoints::keep_mesh(const std::string& stage, const CaseState& state, const std::string& key) const {
+  if (folder_.empty()) return;
+  const BoundaryFaces faces = state.mesh.boundary_faces();
+  write_mesh(file_of(stage), state.view(faces));
+  write_key(stage, key);
+}
+
+void Checkpoints::load_centerline(CaseState& state) const {
+  state.centerline = read_polylines(file_of("centerline"));
+}
+
+void Checkpoints::load_mesh(const std::string& stage, CaseState& state) const {
+  const MixedMesh mesh = read_mesh(file_of(stage));
+  state.mesh = TetMesh::build(mesh.view());
+  state.has_metric = !mesh.metric.empty();
+  if (state.has_metric) metric::shape_metric(state.mesh, mesh.metric);
+}
+
+void Checkpoints::keep_warnings(const std::string& stage, const std::vector<std::string>& warnings) const {
+  if (folder_.empty()) return;
+  std::string text;
+  for (const std::string& warning : warnings) text += warning + "\n";
+  report::write_file(file_of(stage) += ".warnings", text);
+}
+
+std::vector<std::string> Checkpoints::load_warnings(const std::string& stage) const {
+  std::ifstream in(file_of(stage) += ".warnings");
+  std::vector<std::string> warnings;
+  for (std::string line; std::getline(in, line);) warnings.push_back(line);
+  return warnings;
+}
+
+std::map<std::string, std::string> stage_keys(const CaseState& state) {
+  const Case& c = state.c;
+  const auto key = [](const std::string& text) { return text_sha256(text); };
+  std::map<std::string, std::string> keys;
+  const std::string input =
+      key(kVersion + state.input_sha256 + state.input_content + section_text(c, "input"));
+  keys["centerline"] = key(input + section_text(c, "centerline"));
+  const bool lattice = c.mesher == Mesher::kLattice;
+  const bool sized_by_line = c.sizes.points == "centerline", metric_by_line = c.metric.points == "centerline";
+  const std::string plugin = c.sizes.plugin.substr(0, c.sizes.plugin.find(':'));
+  // Speculative improvement of angles depends on chance.
+  const bool by_chance = !lattice && c.adapt.execution == ExecutionKind::kSpeculative;
+  keys["mesh"] = key(input + section_text(c, "") + section_text(c, lattice ? "lattice" : "delaunay") +
+                     (sized_by_line ? keys["centerline"] : hash_of(c.sizes.points)) +
+                     (plugin.empty() ? "" : hash_of(plugin)) + (by_chance ? "speculative" : ""));
+  const bool frozen = c.boundary.boundary == BoundaryMode::kFrozen;  // It imposes sizes.
+  keys["metric"] = key(keys["mesh"] + section_text(c, "metric") +
+                       (metric_by_line ? keys["centerline"] : hash_of(c.metric.points)) +
+                       hash_of(c.metric.velocity) + (frozen ? "frozen" : ""));
+  keys["adapted"] = key(keys["metric"] + section_text(c, "adapt"));
+  return keys;
+}
+
+}  // namespace lumesh::pipeline

@@ -1,0 +1,143 @@
+#include "outputs.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <utility>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/version.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/polylines_file.hpp"
+
+namespace lumesh::pipeline {
+namespace {
+
+constexpr const char* kEffectiveCase = "effective.toml";
+
+/// For another run: where it writes, and how long it may take, is its own matter.
+std::string text_of_case(const CaseState& state) {
+  Case again = state.c;
+  again.output.folder.clear();
+  again.run = {};
+  return fmt::format(
+      "# lumesh {}: the case {} with every setting that was in force\n# input {}\n# SHA-256 {}\n\n{}",
+      kVersion, state.c.name, state.input_name, state.input_sha256, case_text(again));
+}
+
+/// All names of files that a case writes.
+std::vector<std::string> names_of_files(const Case& c) {
+  std::vector<std::string> names = c.output.meshes;
+  for (const std::string& name :
+       {c.output.surface, c.output.report, c.output.json, std::string(kEffectiveCase)})
+    if (!name.empty()) names.push_back(name);
+  if (c.output.stages) names.insert(names.end(), {"centerline.vtp", "first.vtu"});
+  return names;
+}
+
+}  // namespace
+
+void describe_mesh(const CaseState& state, report::StageReport& stage) {
+  const BoundaryFaces faces = state.mesh.boundary_faces();
+  const MeshView view = state.view(faces);
+  quality::EvaluationInput input;
+  input.image = state.image ? &*state.image : nullptr;
+  input.phantom = state.phantom ? &*state.phantom : nullptr;
+  input.cut_planes = state.c.input.cut_planes;
+  input.kernel = &state.mesh;
+  stage.evaluation =
+      state.context.phase("measures", [&] { return quality::evaluate(view, input, state.context); });
+  if (!state.c.output.report.empty())
+    stage.pictures = state.context.phase("pictures", [&] { return report::draw_stage_pictures(view); });
+}
+
+report::NamedPicture picture_of_centerline(const CaseState& state) {
+  const BoundaryFaces faces = state.mesh.boundary_faces();
+  const MeshView view = state.view(faces);
+  report::SurfacePicture drawn = state.context.phase("pictures", [&] {
+    return report::draw_surface_with_lines(view, report::surface_for_pictures(view), state.centerline,
+                                           {.scalar = "radius", .scalar_name = "radius, mm"});
+  });
+  return {"The centerline within the surface of the first mesh, coloured by the radius of the vessel.",
+          std::move(drawn.picture), std::move(drawn.legend), std::move(drawn.scale)};
+}
+
+std::filesystem::path folder_of(const Case& c) {
+  return c.output.folder.empty() ? std::filesystem::current_path() / c.name
+                                 : std::filesystem::path(c.output.folder);
+}
+
+void check_inputs(const Case& c) {
+  for (const auto& [key, path] : {std::pair{"[metric] points", c.metric.points},
+                                  {"[metric] velocity", c.metric.velocity},
+                                  {"[delaunay] size_points", c.sizes.points}})
+    if (!path.empty() && path != "centerline" && path != "phantom" && !std::filesystem::exists(path))
+      throw Error(ErrorKind::kBadInput, fmt::format("{}: no such file; check {}", path, key));
+}
+
+void prepare_folder(const Case& c) {
+  check_inputs(c);
+  const std::filesystem::path folder = folder_of(c);
+  std::error_code failed;
+  std::filesystem::create_directories(c.run.checkpoints ? folder / "checkpoints" : folder, failed);
+  if (failed || !std::filesystem::is_directory(folder) || ::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw Error(ErrorKind::kBadInput,
+                folder.string() + ": cannot be made or written to; set another [output] folder");
+  for (const std::string& name : names_of_files(c)) {
+    if (std::filesystem::is_directory(folder / name))
+      throw Error(ErrorKind::kBadInput,
+                  (folder / name).string() + ": is a folder; set another name in [output]");
+    for (const std::string& input :
+         {c.file, c.input.image, c.input.surface, c.metric.points, c.metric.velocity, c.sizes.points}) {
+      std::error_code ignored;  // Of files that do not exist, which is told when they are read.
+      const bool is_run_again = input == c.file && name == kEffectiveCase;
+      if (!is_run_again && std::filesystem::is_regular_file(input, ignored) &&
+          std::filesystem::equivalent(folder / name, input, ignored))
+        throw Error(ErrorKind::kBadInput,
+                    (folder / name).string() +
+                        ": is read as input and would be replaced; set another [output] folder");
+    }
+  }
+}
+
+std::vector<report::OutputFile> write_meshes(const CaseState& state) {
+  const OutputKeys& output = state.c.output;
+  const std::filesystem::path folder = folder_of(state.c);
+  const BoundaryFaces faces = state.mesh.boundary_faces();
+  const MeshView view = state.view(faces);
+  std::vector<report::OutputFile> files;
+  for (const std::string& name : output.meshes) {
+    state.context.phase("write", [&] { write_mesh(folder / name, view); });
+    files.push_back({name, "the mesh, with labels and patches"});
+  }
+  if (!output.surface.empty()) {
+    state.context.phase("write", [&] { write_surface(folder / output.surface, view); });
+    files.push_back({output.surface, "its boundary"});
+  }
+  report::write_file(folder / kEffectiveCase, text_of_case(state));
+  files.push_back({kEffectiveCase, "the case with every setting that was in force; `lumesh run` takes it"});
+  return files;
+}
+
+void write_stage_files(const CaseState& state, const std::string& stage,
+                       std::vector<report::OutputFile>& files) {
+  if (!state.c.output.stages) return;
+  const std::filesystem::path folder = folder_of(state.c);
+  if (stage == "centerline") {
+    write_polylines(folder / "centerline.vtp", state.centerline, state.info());
+    files.push_back({"centerline.vtp", "the centerline with its radius"});
+  } else {
+    const BoundaryFaces faces = state.mesh.boundary_faces();
+    write_mesh(folder / "first.vtu", state.view(faces));
+    files.push_back({"first.vtu", state.has_metric ? "the first mesh with its metric" : "the first mesh"});
+  }
+}
+
+void write_report(const Case& c, const report::CaseReport& report) {
+  const std::filesystem::path folder = folder_of(c);
+  if (!c.output.json.empty()) report::write_file(folder / c.output.json, report::case_report_json(report));
+  if (!c.output.report.empty())
+    report::write_file(folder / c.output.report, report::case_report_html(report));
+}
+
+}  // namespace lumesh::pipeline

@@ -1,0 +1,35 @@
+#pragma once
+/// @file Measures, pictures and files of a run.
+
+#include "case_state.hpp"
+#include "lumesh/report/case_report.hpp"
+
+namespace lumesh::pipeline {
+
+/// Puts measures of the mesh into the report of the stage that left it, and pictures if a page is wanted.
+void describe_mesh(const CaseState& state, report::StageReport& stage);
+
+/// The centerline in the surface of the mesh.
+[[nodiscard]] report::NamedPicture picture_of_centerline(const CaseState& state);
+
+/// Where the files of a case go.
+[[nodiscard]] std::filesystem::path folder_of(const Case& c);
+
+/// Refuses points and velocities that are not there. @throws Error{kBadInput}.
+void check_inputs(const Case& c);
+
+/// The same, and refuses a folder that cannot be written to, and names that would replace an
+/// input; makes the folder.
+/// @throws Error{kBadInput}.
+void prepare_folder(const Case& c);
+
+/// The mesh in all formats that are wanted, its surface, and the case as it was run; each with what it is.
+[[nodiscard]] std::vector<report::OutputFile> write_meshes(const CaseState& state);
+/// The first mesh or the centerline, if files of the stages are wanted.
+void write_stage_files(const CaseState& state, const std::string& stage,
+                       std::vector<report::OutputFile>& files);
+
+/// The page and the numbers. Not of themselves: times of what is written here are not in them.
+void write_report(const Case& c, const report::CaseReport& report);
+
+}  // namespace lumesh::pipeline

@@ -1,0 +1,202 @@
+#include "lumesh/pipeline/pipeline.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <ctime>
+
+#include "checkpoints.hpp"
+#include "lumesh/core/memory.hpp"
+#include "outputs.hpp"
+#include "stages.hpp"
+
+namespace lumesh {
+namespace pipeline {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// One run: its state, its report, and what is kept on disk.
+class CaseRun {
+ public:
+  CaseRun(const Case& c, bool resumes, Context& context)
+      : state_(c, context),
+        checkpoints_(c.run.checkpoints ? folder_of(c) / "checkpoints" : std::filesystem::path(), resumes) {
+    result_.folder = folder_of(c).string();
+  }
+
+  void read_input() {
+    stage("input", "Input", [&](report::StageReport& report) { pipeline::read_input(state_, report); });
+    keys_ = stage_keys(state_);
+  }
+
+  void make_centerline() {
+    stage("centerline", "Centerline", [&](report::StageReport& report) {
+      if (checkpoints_.has("centerline", keys_["centerline"])) {
+        checkpoints_.load_centerline(state_);
+        return mark_resumed(report);
+      }
+      pipeline::make_centerline(state_, report);
+      checkpoints_.keep_centerline(state_, keys_["centerline"]);
+    });
+    centerline_stage_ = result_.report.stages.size() - 1;
+    write_stage_files(state_, "centerline", result_.report.files);
+  }
+
+  /// What a stage leaves in the mesh, or its checkpoint.
+  template <class Make>
+  void change_mesh(const std::string& name, const std::string& title, const Make& make) {
+    const bool has_mesh = name != "mesh";
+    if (has_mesh && state_.context.cancelled()) state_.is_complete = false;
+    if (!state_.is_complete) return;
+    stage(name, title, [&](report::StageReport& report) {
+      if (checkpoints_.has(name, keys_[name])) {
+        checkpoints_.load_mesh(name, state_);
+        report.warnings = checkpoints_.load_warnings(name);
+        mark_resumed(report);
+      } else {
+        make(state_, report);
+        if (state_.is_complete) {
+          checkpoints_.keep_warnings(name, report.warnings);
+          checkpoints_.keep_mesh(name, state_, keys_[name]);
+        }
+      }
+      state_.mesh.info().provenance = state_.info().provenance;
+      if (name != "metric") add_counts(report);
+    });
+  }
+
+  /// Measures and pictures of the mesh as it is, for the stage that was last.
+  void describe(const std::string& mesh_name) {
+    const auto start = std::chrono::steady_clock::now();
+    report::StageReport& last = result_.report.stages.back();
+    last.mesh_name = mesh_name;
+    if (last.evaluation) return;  // No stage has changed the mesh since.
+    describe_mesh(state_, last);
+    describing_s_ += seconds_since(start);
+  }
+  void draw_centerline() {
+    if (centerline_stage_ == kNone || state_.c.output.report.empty()) return;
+    const auto start = std::chrono::steady_clock::now();
+    result_.report.stages[centerline_stage_].pictures.push_back(picture_of_centerline(state_));
+    describing_s_ += seconds_since(start);
+  }
+  void keep_first_mesh() { write_stage_files(state_, "first", result_.report.files); }
+
+  CaseResult finish() {
+    const auto start = std::chrono::steady_clock::now();
+    for (report::OutputFile& file : write_meshes(state_)) result_.report.files.push_back(std::move(file));
+    say("write", seconds_since(start), result_.folder);
+    report::CaseReport& report = result_.report;
+    report.title = state_.c.name;
+    report.configuration = case_text(state_.c);
+    report.provenance = state_.info().provenance;
+    report.provenance["threads"] = std::to_string(state_.threads());
+    report.provenance["date"] = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+    report.seconds = seconds_since(start_);
+    report.peak_memory_bytes = peak_memory_bytes();
+    report.complete = result_.complete = state_.is_complete;
+    if (!report.stages.back().pictures.empty())
+      report.pictures.push_back(report.stages.back().pictures.front());
+    const auto writing = std::chrono::steady_clock::now();
+    write_report(state_.c, report);
+    say("report", describing_s_ + seconds_since(writing),
+        state_.c.output.report.empty() ? "measures" : "measures, pictures, " + state_.c.output.report);
+    return std::move(result_);
+  }
+
+ private:
+  static constexpr std::size_t kNone = ~std::size_t{0};
+
+  template <class Make>
+  void stage(const std::string& name, const std::string& title, const Make& make) {
+    const auto start = std::chrono::steady_clock::now();
+    const std::size_t phases = state_.context.phases().size();
+    report::StageReport& report = result_.report.stages.emplace_back();
+    report.name = title;
+    make(report);
+    report.seconds = seconds_since(start);
+    add_steps(report, phases);
+    for (const std::string& warning : report.warnings) state_.context.warn(warning);
+    say(name, report.seconds, counts_line(report));
+  }
+  /// Times of the phases since then, those of one name together.
+  void add_steps(report::StageReport& report, std::size_t first) const {
+    const std::vector<PhaseTime>& phases = state_.context.phases();
+    for (std::size_t i = first; i < phases.size(); ++i) {
+      const auto same = std::find_if(report.steps.begin(), report.steps.end(),
+                                     [&](const PhaseTime& step) { return step.name == phases[i].name; });
+      if (same == report.steps.end())
+        report.steps.push_back(phases[i]);
+      else
+        same->seconds += phases[i].seconds;
+    }
+  }
+  void add_counts(report::StageReport& report) const {
+    report.figures.insert(report.figures.begin(), {{"Tetrahedra", std::uint64_t{state_.mesh.tet_count()}},
+                                                   {"Vertices", std::uint64_t{state_.mesh.vertex_count()}}});
+  }
+  static void mark_resumed(report::StageReport& report) {
+    report.what = "Taken from the checkpoint of an earlier run with the same input and settings.";
+  }
+  void say(const std::string& name, double seconds, const std::string& what) const {
+    state_.context.info(fmt::format("{:<12}{:>9.2f} s   {}", name, seconds, what));
+  }
+
+  CaseState state_;
+  Checkpoints checkpoints_;
+  std::map<std::string, std::string> keys_;
+  CaseResult result_;
+  std::size_t centerline_stage_ = kNone;
+  double describing_s_ = 0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+std::string counts_line(const report::StageReport& stage) {
+  constexpr std::size_t kMost = 3;
+  std::string line;
+  for (std::size_t i = 0; i < std::min(kMost, stage.figures.size()); ++i) {
+    const report::Figure& figure = stage.figures[i];
+    const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;
+    const std::string value = std::visit(
+        [](const auto& v) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(v)>, double>)
+            return fmt::format("{:.6g}", v);
+          else
+            return fmt::format("{}", v);
+        },
+        figure.value);
+    std::string name = figure.name;
+    if (!name.empty()) name[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(name[0])));
+    line += fmt::format("{}{} {}{}", line.empty() ? "" : ", ", name, value, unit);
+  }
+  return line;
+}
+
+}  // namespace pipeline
+
+CaseResult run_case(const Case& c, bool resumes, Context& context) {
+  pipeline::prepare_folder(c);
+  pipeline::CaseRun run(c, resumes, context);
+  run.read_input();
+  if (c.needs_centerline()) run.make_centerline();
+  run.change_mesh("mesh", "First mesh", pipeline::make_mesh);
+  run.draw_centerline();
+  if (c.metric.is_wanted()) {
+    run.change_mesh("metric", "Metric", pipeline::make_metric);
+    run.keep_first_mesh();
+    run.describe("first");
+    run.change_mesh("adapted", "Adapted mesh", pipeline::adapt_mesh);
+  }
+  run.describe("last");
+  return run.finish();
+}
+
+}  // namespace lumesh

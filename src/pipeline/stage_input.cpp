@@ -1,0 +1,116 @@
+#include <fmt/core.h>
+
+#include <bit>
+
+#include "lumesh/centerline/centerline.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/image/selection.hpp"
+#include "lumesh/image/topology.hpp"
+#include "lumesh/io/sha256.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "stages.hpp"
+
+namespace lumesh::pipeline {
+namespace {
+
+void make_phantom(CaseState& state) {
+  PhantomSpec spec = state.c.input.phantom_spec;
+  spec.kind = phantom_kind_from_name(state.c.input.phantom);
+  try {
+    state.phantom.emplace(spec);
+  } catch (const Error& error) {
+    throw Error(ErrorKind::kBadInput, std::string("[input] ") + error.what());
+  }
+  state.input_name = "phantom " + state.c.input.phantom;
+  state.input_sha256 = text_sha256(to_json_text(state.phantom->spec()));
+  state.image = state.context.phase("voxels", [&] { return state.phantom->rasterise(); });
+  const ImageSelection& selection = state.c.input.selection;
+  if (!selection.labels.empty()) select_labels(*state.image, selection.labels);
+  if (selection.largest_component) keep_largest_component(*state.image, ComponentScope::kUnion);
+}
+
+void read_file(CaseState& state) {
+  const InputKeys& input = state.c.input;
+  state.input_name = input.image.empty() ? input.surface : input.image;
+  if (input.image.empty())
+    state.surface = state.context.phase("read", [&] { return read_surface(input.surface); });
+  else
+    state.image = state.context.phase(
+        "read", [&] { return read_selected_image(input.image, input.selection, state.context); });
+  state.input_sha256 = state.context.phase("hash", [&] { return file_sha256(state.input_name); });
+}
+
+/// A number for the voxels and their frame: FNV-1a of each slice, and of those.
+std::string content_of(const LabelImage& image) {
+  const auto mix = [](std::uint64_t hash, std::uint64_t value) { return (hash ^ value) * 0x100000001B3ull; };
+  constexpr std::uint64_t kStart = 0xCBF29CE484222325ull;
+  const ImageFrame& frame = image.frame();
+  const auto slice = static_cast<std::size_t>(frame.size.x()) * static_cast<std::size_t>(frame.size.y());
+  std::vector<std::uint64_t> of_slices(static_cast<std::size_t>(frame.size.z()), kStart);
+  parallel::for_each_block(image.voxels().size(), slice,
+                           [&](std::size_t k, std::size_t begin, std::size_t end) {
+                             for (std::size_t v = begin; v < end; ++v)
+                               of_slices[k] = mix(of_slices[k], image.voxels()[v]);
+                           });
+  std::uint64_t hash = kStart;
+  for (const std::uint64_t of_slice : of_slices) hash = mix(hash, of_slice);
+  for (const Label label : image.values()) hash = mix(hash, static_cast<std::uint64_t>(label));
+  for (const double x : frame.direction.reshaped()) hash = mix(hash, std::bit_cast<std::uint64_t>(x));
+  for (int axis = 0; axis < 3; ++axis) {
+    hash = mix(hash, static_cast<std::uint64_t>(frame.size[axis]));
+    hash = mix(hash, std::bit_cast<std::uint64_t>(frame.spacing_mm[axis]));
+    hash = mix(hash, std::bit_cast<std::uint64_t>(frame.origin_mm[axis]));
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+void describe_image(const LabelImage& image, report::StageReport& stage) {
+  const ImageFrame& frame = image.frame();
+  const Vec3& spacing = frame.spacing_mm;
+  stage.figures.push_back(
+      {"Voxels", fmt::format("{} x {} x {}", frame.size.x(), frame.size.y(), frame.size.z())});
+  stage.figures.push_back(
+      {"Voxel size", fmt::format("{:g} x {:g} x {:g}", spacing.x(), spacing.y(), spacing.z()), "mm"});
+  for (const LabelTopology& label : label_topology(image))
+    stage.figures.push_back({fmt::format("Label {}", label.label), label.volume_mm3, "mm3",
+                             fmt::format("{} voxels, {} pieces, Euler number {}", label.voxel_count,
+                                         label.component_count, label.euler_number)});
+  if (stage.figures.size() == 2)
+    throw Error(ErrorKind::kBadInput, "has no voxel that is not background; check labels and threshold");
+}
+
+}  // namespace
+
+void read_input(CaseState& state, report::StageReport& stage) {
+  stage.what = "What is meshed: the voxels that belong to the vessel, or its closed surface.";
+  if (state.c.input.phantom.empty())
+    read_file(state);
+  else
+    make_phantom(state);
+  stage.figures.push_back({"Input", state.input_name});
+  naming(state.input_name, [&] {
+    if (!state.image) return;
+    describe_image(*state.image, stage);
+    state.input_content = content_of(*state.image);
+  });
+  if (state.surface) stage.figures.push_back({"Triangles", std::uint64_t{state.surface->triangles.size()}});
+}
+
+void make_centerline(CaseState& state, report::StageReport& stage) {
+  stage.what = "The axes of the vessels, from opening to opening, with the radius of the vessel along them.";
+  CenterlineOptions options;
+  options.spacing_mm = state.c.centerline.spacing_mm;
+  state.centerline = naming(state.input_name, [&] {
+    return state.image ? extract_centerline(*state.image, options, state.context)
+                       : extract_centerline(state.surface->view(), options, state.context);
+  });
+  double length_mm = 0;
+  for (const auto& line : state.centerline.lines)
+    for (std::size_t i = 1; i < line.size(); ++i)
+      length_mm += (state.centerline.points[line[i]] - state.centerline.points[line[i - 1]]).norm();
+  stage.figures.push_back({"Lines", std::uint64_t{state.centerline.lines.size()}});
+  stage.figures.push_back({"Points", std::uint64_t{state.centerline.points.size()}});
+  stage.figures.push_back({"Length", length_mm, "mm"});
+}
+
+}  // namespace lumesh::pipeline

@@ -1,0 +1,90 @@
+#include <fmt/core.h>
+
+#include "lumesh/adapt/improve.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/delaunay/built_in_sizings.hpp"
+#include "lumesh/delaunay/delaunay.hpp"
+#include "lumesh/delaunay/sizing_plugin.hpp"
+#include "lumesh/lattice/lattice.hpp"
+#include "lumesh/pipeline/image_shape.hpp"
+#include "stages.hpp"
+
+namespace lumesh::pipeline {
+namespace {
+
+void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
+  stage.what =
+      "A first mesh of good shapes on a lattice that is fitted to the image: what the metric is given on.";
+  LatticeResult result = mesh_lattice(*state.image, *state.domain_of_image(), state.c.lattice, state.context);
+  for (const std::string& note : result.report.notes) stage.warnings.push_back(note);
+  state.mesh = state.context.phase("build", [&] { return TetMesh::build(result.mesh.view()); });
+}
+
+void improve_angles(CaseState& state, report::StageReport& stage) {
+  ImproveOptions options = state.c.improvement;
+  options.execution = state.c.adapt.execution;
+  options.team = state.c.adapt.team;
+  options.team.threads = state.threads();
+  const ImproveReport improved =
+      state.context.phase("improvement", [&] { return improve(state.mesh, options, state.context); });
+  state.is_complete = state.is_complete && improved.complete;
+  stage.figures.push_back({"Smallest dihedral angle", improved.after.min_deg, "°",
+                           fmt::format("before improvement: {:.2f}", improved.before.min_deg)});
+  stage.figures.push_back({"Largest dihedral angle", improved.after.max_deg, "°",
+                           fmt::format("before improvement: {:.2f}", improved.before.max_deg)});
+}
+
+void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
+  stage.what = "A graded mesh by Delaunay refinement of the image, its surface and volume at once.";
+  std::unique_ptr<Domain> of_surface;
+  if (state.surface)
+    of_surface = naming(state.input_name, [&] {
+      return state.context.phase("domain", [&] {
+        return domain_of(*state.surface, {.feature_angle_deg = state.c.input.feature_angle_deg});
+      });
+    });
+  const Domain& domain = of_surface ? *of_surface : static_cast<const Domain&>(*state.domain_of_image());
+  const std::unique_ptr<Sizing> sizing =
+      state.context.phase("sizes", [&] { return sizing_of(state, domain); });
+  DelaunayOptions options = state.c.delaunay;
+  options.sizing = sizing.get();
+  options.team.threads = state.threads();
+  DelaunayResult result =
+      naming(state.input_name, [&] { return mesh_delaunay(domain, options, state.context); });
+  state.mesh = std::move(result.mesh);
+  state.is_complete = state.is_complete && result.report.complete;
+  for (const std::string& note : result.report.notes) stage.warnings.push_back(note);
+  if (sizing)
+    for (const std::string& warning : sizing->warnings()) stage.warnings.push_back(warning);
+  if (state.c.improves && state.is_complete) improve_angles(state, stage);
+  if (state.image && state.c.input.cut_planes.empty())
+    for (const std::string& line :
+         state.context.phase("check", [&] { return differences(shape_of(*state.image), state.mesh); }))
+      stage.warnings.push_back(line);
+}
+
+}  // namespace
+
+std::unique_ptr<Sizing> sizing_of(const CaseState& state, const Domain& domain) {
+  const SizeKeys& sizes = state.c.sizes;
+  std::vector<std::unique_ptr<Sizing>> parts;
+  if (!sizes.plugin.empty()) parts.push_back(std::make_unique<PluginSizing>(sizes.plugin));
+  if (!sizes.points.empty()) {
+    PointSizeOptions options{.factor = sizes.factor, .floor_mm = sizes.floor_mm};
+    if (sizes.ceiling_mm > 0) options.ceiling_mm = sizes.ceiling_mm;
+    options.region_mm = domain.bounds_mm();
+    const std::vector<Vec3> points =
+        sizes.points == "centerline" ? state.centerline.points : read_points_in(MeshInfo(), sizes.points);
+    parts.push_back(naming(sizes.points, [&] { return size_from_points(points, options); }));
+  }
+  return parts.empty() ? nullptr : combined_size(std::move(parts));
+}
+
+void make_mesh(CaseState& state, report::StageReport& stage) {
+  if (state.c.mesher == Mesher::kLattice)
+    mesh_by_lattice(state, stage);
+  else
+    mesh_by_delaunay(state, stage);
+}
+
+}  // namespace lumesh::pipeline

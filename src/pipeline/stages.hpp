@@ -1,0 +1,28 @@
+#pragma once
+/// @file The stages of a run, each one function: it changes the state and says in its report what it did.
+
+#include "case_state.hpp"
+#include "lumesh/report/case_report.hpp"
+
+namespace lumesh::pipeline {
+
+/// Reads the image or surface, or makes the phantom.
+void read_input(CaseState& state, report::StageReport& stage);
+/// Lines through the vessels of the image or surface.
+void make_centerline(CaseState& state, report::StageReport& stage);
+/// The first mesh, by the lattice or by Delaunay refinement.
+void make_mesh(CaseState& state, report::StageReport& stage);
+/// What the case says of sizes for the Delaunay mesher; null if nothing.
+[[nodiscard]] std::unique_ptr<Sizing> sizing_of(const CaseState& state, const Domain& domain);
+/// A tensor for every vertex of the mesh, from all sources that are wanted.
+void make_metric(CaseState& state, report::StageReport& stage);
+/// Adapts the mesh to the metric that it carries.
+void adapt_mesh(CaseState& state, report::StageReport& stage);
+
+/// What points and velocities, as far as they are wanted, ask for at any places; a list for each.
+[[nodiscard]] std::vector<std::vector<SymTensor>> wanted_at(CaseState& state, std::span<const Vec3> places);
+
+/// What of a stage's figures stands on its progress line: "316,142 tetrahedra, 63,412 vertices".
+[[nodiscard]] std::string counts_line(const report::StageReport& stage);
+
+}  // namespace lumesh::pipeline

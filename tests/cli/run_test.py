@@ -1,0 +1,191 @@
+#!/usr/bin/env python3
+"""`lumesh run`: a whole case, its files, checkpoints, prediction, and what it refuses.
+
+Usage: run_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input, 4 time limit.
+"""
+import hashlib
+import json
+import pathlib
+import sys
+import unittest
+from html.parser import HTMLParser
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from program import BAD_INPUT, TIME_LIMIT, USAGE, ProgramTest
+
+CASE = """
+[input]
+phantom = "carotid"
+phantom_size = [128, 128, 127]
+phantom_spacing = 4
+
+[metric]
+points = "centerline"
+k = 20
+max_aspect = 8
+complexity = 3000
+
+[adapt]
+boundary = "frozen"
+
+[output]
+meshes = ["a.vtu", "a.msh"]
+surface = "a.stl"
+"""
+
+
+class Links(HTMLParser):
+    """What a page would fetch."""
+
+    def __init__(self):
+        super().__init__()
+        self.fetched = []
+
+    def handle_starttag(self, tag, attrs):
+        for name, value in attrs:
+            if name in ("src", "href", "xlink:href") and not value.startswith(("data:", "#")):
+                self.fetched.append((tag, value))
+
+
+class RunTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.case = self.folder / "case.toml"
+        self.case.write_text(CASE)
+        self.out = self.folder / "out"
+
+    def run_case(self, *more):
+        return self.run_well("run", self.case, "-o", self.out, *more)
+
+    def numbers(self):
+        return json.loads((self.out / "report.json").read_text())
+
+    def hash_of_mesh(self):
+        """Of the points and cells, from a text format that says nothing of the run."""
+        text = self.folder / "hashed.mesh"
+        self.run_well("convert", self.out / "a.vtu", text)
+        lines = [line for line in text.read_text().splitlines() if not line.startswith("#")]
+        return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+    def test_writes_what_it_says_and_nothing_between_the_stages(self):
+        result = self.run_case()
+        names = {path.name for path in self.out.iterdir()}
+        self.assertEqual(names, {"a.vtu", "a.msh", "a.stl", "report.html", "report.json", "effective.toml"})
+        stages = [line.split()[0] for line in result.stdout.splitlines()]
+        self.assertEqual(stages[:7], ["input", "centerline", "mesh", "metric", "adapted", "write", "report"])
+        report = self.numbers()
+        self.assertEqual([stage["name"] for stage in report["stages"]],
+                         ["Input", "Centerline", "First mesh", "Metric", "Adapted mesh"])
+        last = report["stages"][-1]["evaluation"]
+        self.assertTrue(last["valid"])
+        self.assertAlmostEqual(last["complexity"] / 3000, 1, delta=0.03)
+        self.assertEqual(last["metric_mean_ratio"]["below"]["0.1"], 0)
+        evaluated = self.folder / "a.json"
+        self.run_well("evaluate", self.out / "a.vtu", "--json", evaluated)
+        self.assertEqual(json.loads(evaluated.read_text())["metric_edge_length"], last["metric_edge_length"])
+
+    def test_the_page_fetches_nothing(self):
+        self.run_case()
+        links = Links()
+        links.feed((self.out / "report.html").read_text(encoding="utf-8"))
+        self.assertEqual(links.fetched, [])
+
+    def test_the_effective_case_gives_the_same_mesh_on_any_number_of_threads(self):
+        self.run_case("--threads", "1")
+        first = self.hash_of_mesh()
+        effective = self.folder / "again.toml"
+        effective.write_text((self.out / "effective.toml").read_text())
+        self.run_well("run", effective, "-o", self.out, "--threads", "4")
+        self.assertEqual(self.hash_of_mesh(), first)
+
+    def test_resumes_after_what_has_not_changed_with_the_same_result(self):
+        self.run_case("--checkpoints")
+        first = self.hash_of_mesh()
+        self.assertEqual({path.name for path in (self.out / "checkpoints").glob("*.vt?")},
+                         {"centerline.vtp", "mesh.vtu", "metric.vtu", "adapted.vtu"})
+        self.run_case("--resume")
+        self.assertEqual(self.hash_of_mesh(), first)
+        taken = [stage["name"] for stage in self.numbers()["stages"] if "checkpoint" in stage["what"]]
+        self.assertEqual(taken, ["Centerline", "First mesh", "Metric", "Adapted mesh"])
+        # The last stage anew, from the metric of the checkpoint.
+        (self.out / "checkpoints" / "adapted.vtu").unlink()
+        self.run_case("--resume")
+        self.assertEqual(self.hash_of_mesh(), first)
+        # Other settings of a stage: it and those after it are made anew.
+        self.run_case("--resume", "--set", "metric.k=25")
+        taken = [stage["name"] for stage in self.numbers()["stages"] if "checkpoint" in stage["what"]]
+        self.assertEqual(taken, ["Centerline", "First mesh"])
+        self.assertNotEqual(self.hash_of_mesh(), first)
+        # A boundary that is adapted imposes no sizes on the metric.
+        self.run_case("--resume", "--set", "metric.k=25", "--set", "adapt.boundary=adapt")
+        taken = [stage["name"] for stage in self.numbers()["stages"] if "checkpoint" in stage["what"]]
+        self.assertEqual(taken, ["Centerline", "First mesh"])
+
+    def test_a_broken_checkpoint_is_made_anew(self):
+        self.run_case("--checkpoints")
+        first = self.hash_of_mesh()
+        mesh = self.out / "checkpoints" / "mesh.vtu"
+        mesh.write_bytes(mesh.read_bytes()[:-1000])
+        self.run_case("--resume")
+        self.assertEqual(self.hash_of_mesh(), first)
+
+    def test_a_dry_run_predicts_and_makes_nothing(self):
+        result = self.run_case("--dry-run")
+        self.assertFalse(self.out.exists())
+        self.assertIn("nothing was made", result.stdout)
+        line = next(line for line in result.stdout.splitlines() if "adapted mesh" in line)
+        predicted = float(line.split("about ")[-1].split()[0])
+        self.run_case()
+        made = self.numbers()["stages"][-1]["evaluation"]["tetrahedra"]
+        self.assertAlmostEqual(predicted / made, 1, delta=0.35)
+
+    def test_the_docs_have_every_key(self):
+        self.run_case()
+        page = (pathlib.Path(__file__).parents[2] / "docs" / "stages" / "run.md").read_text(encoding="utf-8")
+        lines = (self.out / "effective.toml").read_text().splitlines()
+        keys = [line.removeprefix("# ").split(" =")[0] for line in lines if " =" in line and not line.startswith("[")]
+        self.assertGreater(len(keys), 60)
+        self.assertEqual([key for key in keys if f"`{key}`" not in page], [])
+
+    def test_delaunay_alone_needs_no_metric(self):
+        self.case.write_text('mesher = "delaunay"\n[input]\nphantom = "sphere"\nphantom_size = [24, 24, 24]\n'
+                             "[delaunay]\ndelta = 5\n")
+        self.run_case()
+        self.assertEqual([stage["name"] for stage in self.numbers()["stages"]], ["Input", "First mesh"])
+        self.assertTrue((self.out / "mesh.vtu").exists())
+
+    def test_a_time_limit_leaves_a_mesh_and_says_so(self):
+        result = self.run_lumesh("run", self.case, "-o", self.out, "--set", "metric.complexity=300000", "--time-limit", "1.5")
+        self.assertEqual(result.returncode, TIME_LIMIT, result.stderr)
+        self.assertIn("time limit", result.stderr)
+        self.assertFalse(self.numbers()["complete"])
+        self.run_well("evaluate", self.out / "a.vtu")
+
+    def test_refuses_bad_cases_in_one_line(self):
+        refused = [
+            ("[input]\nphantom = \"carotid\"\n[metric]\ncomplexty = 5\n", "case.toml:4: unknown key \"complexty\""),
+            ("[input\n", "case.toml:1"),
+            ("[input]\nimage = \"no.nrrd\"\n", "no.nrrd"),
+            ("[input]\nphantom = \"carotis\"\n", "carotis"),
+            ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"no.vtp\"\n", "no.vtp"),
+            ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"one.csv\"\n", "one.csv"),
+            ("[input]\nphantom = \"sphere\"\n[metric]\nvelocity = \"one.csv\"\n", "one.csv"),
+        ]
+        (self.folder / "one.csv").write_text("1 2 3\n")
+        for text, words in refused:
+            with self.subTest(text):
+                self.case.write_text(text)
+                self.assert_refused(self.run_lumesh("run", self.case, "-o", self.out), BAD_INPUT, words)
+        self.assert_refused(self.run_lumesh("run", self.folder / "no.toml"), BAD_INPUT, "no.toml")
+
+    def test_refuses_to_replace_its_input(self):
+        self.case.write_text('mesher = "delaunay"\n[input]\nsurface = "mesh.vtu"\n[delaunay]\ndelta = 1\n')
+        (self.folder / "mesh.vtu").write_text("a surface")
+        self.assert_refused(self.run_lumesh("run", self.case, "-o", self.folder), BAD_INPUT, "would be replaced")
+
+    def test_a_setting_needs_a_value(self):
+        self.assert_refused(self.run_lumesh("run", self.case, "--set", "k"), USAGE, "SECTION.KEY=VALUE")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,171 @@
+// Case files: what is read, what is refused, and with which words.
+#include "lumesh/pipeline/case.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "lumesh/core/error.hpp"
+
+namespace lumesh {
+namespace {
+
+class CaseFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(::testing::TempDir()) /
+              ("case_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] std::filesystem::path write(const std::string& text) const {
+    const std::filesystem::path path = folder_ / "a.toml";
+    std::ofstream(path) << text;
+    return path;
+  }
+  [[nodiscard]] Case read(const std::string& text, std::vector<std::string> settings = {}) const {
+    return read_case(write(text), settings);
+  }
+  /// What is said of a bad case, without the folder.
+  [[nodiscard]] std::string refusal(const std::string& text, std::vector<std::string> settings = {}) const {
+    try {
+      static_cast<void>(read(text, std::move(settings)));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      std::string message = error.what();
+      const std::string name = (folder_ / "a.toml").string();
+      if (message.starts_with(name)) message = "a.toml" + message.substr(name.size());
+      EXPECT_EQ(message.find('\n'), std::string::npos);
+      return message;
+    }
+    return "accepted";
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(CaseFile, ReadsKeysOfEverySectionAndKeepsDefaults) {
+  const Case c = read(R"(mesher = "delaunay"
+[input]
+image = "images/a.nrrd"
+labels = [1, 3]
+cut_planes = [[0, 0, 10, 0, 0, -1]]
+[delaunay]
+delta = 0.5
+[metric]
+points = "centerline"
+k = 30
+[adapt]
+boundary = "frozen"
+nqual = 7
+[output]
+meshes = ["a.vtu", "a.msh"]
+)");
+  EXPECT_EQ(c.name, "a");
+  EXPECT_EQ(c.mesher, Mesher::kDelaunay);
+  EXPECT_EQ(c.input.image, (folder_ / "images/a.nrrd").string()) << "relative to the case file";
+  EXPECT_EQ(c.input.selection.labels, (std::vector<Label>{1, 3}));
+  ASSERT_EQ(c.input.cut_planes.size(), 1U);
+  EXPECT_EQ(c.input.cut_planes[0].normal, Vec3(0, 0, -1));
+  EXPECT_EQ(c.delaunay.delta_mm, 0.5);
+  EXPECT_EQ(c.metric.neighbours, 30);
+  EXPECT_TRUE(c.needs_centerline());
+  EXPECT_EQ(c.boundary.boundary, BoundaryMode::kFrozen);
+  EXPECT_EQ(c.adapt.quality_passes, 7) << "the paper's name of the key";
+  EXPECT_EQ(c.adapt.smoothing_passes, AdaptOptions{}.smoothing_passes);
+  EXPECT_EQ(c.output.meshes, (std::vector<std::string>{"a.vtu", "a.msh"}));
+}
+
+TEST_F(CaseFile, SettingsOfTheCommandLineGoFirst) {
+  const Case c =
+      read("[input]\nphantom = \"torus\"\n[metric]\nk = 30\n",
+           {"metric.k=12", "metric.points=centerline", "output.meshes=[\"b.msh\"]", "run.checkpoints=true"});
+  EXPECT_EQ(c.metric.neighbours, 12);
+  EXPECT_EQ(c.metric.points, "centerline");
+  EXPECT_EQ(c.output.meshes, std::vector<std::string>{"b.msh"});
+  EXPECT_TRUE(c.run.checkpoints);
+}
+
+TEST_F(CaseFile, NamesLineAndNearestWordOfAnUnknownKey) {
+  EXPECT_EQ(refusal("[input]\nphantom = \"torus\"\n[metric]\ncomplexty = 5\n"),
+            "a.toml:4: unknown key \"complexty\" in [metric]; did you mean \"complexity\"?");
+  EXPECT_EQ(refusal("[inptu]\nphantom = \"torus\"\n"),
+            "a.toml:1: unknown section \"inptu\"; did you mean \"input\"?");
+  EXPECT_EQ(refusal("messer = \"lattice\"\n"), "a.toml:1: unknown key \"messer\"; did you mean \"mesher\"?");
+}
+
+TEST_F(CaseFile, RefusesWrongTypesAndRangesWithTheLine) {
+  const std::string head = "[input]\nphantom = \"torus\"\n";
+  EXPECT_EQ(refusal(head + "[metric]\nk = \"40\"\n"), "a.toml:4: [metric] k must be a whole number");
+  EXPECT_EQ(refusal(head + "[metric]\nk = 40.5\n"), "a.toml:4: [metric] k must be a whole number");
+  EXPECT_EQ(refusal(head + "[metric]\nk = 1\n"),
+            "a.toml:4: [metric] k must lie between 2 and 10000; 1 does not");
+  EXPECT_EQ(refusal(head + "[metric]\ncomplexity = nan\n"), "a.toml:4: [metric] complexity must be finite");
+  EXPECT_EQ(refusal(head + "[metric]\ncomplexity = -1\n"),
+            "a.toml:4: [metric] complexity must be at least 0, not -1");
+  EXPECT_EQ(refusal(head + "[metric]\ncurvature = 1\n"),
+            "a.toml:4: [metric] curvature must be true or false");
+  EXPECT_EQ(refusal(head + "[adapt]\nboundary = \"froze\"\n"),
+            "a.toml:4: [adapt] boundary must be one of \"frozen\", \"adapt\", not \"froze\"");
+  EXPECT_EQ(refusal(head + "[lattice]\nfidelity = 2\n"),
+            "a.toml:4: [lattice] fidelity must lie between 0.1 and 0.98; 2 does not");
+  EXPECT_EQ(refusal("input = 3\n"), "a.toml:1: input is a section; write [input] in a line of its own");
+  EXPECT_EQ(refusal("[input]\nphantom = [\n"),
+            "a.toml:2: Error while parsing array: encountered end-of-file");
+}
+
+TEST_F(CaseFile, RefusesWhatContradictsItself) {
+  EXPECT_EQ(refusal(""), "a.toml: [input] needs one of image, surface and phantom, not 0 of them");
+  EXPECT_EQ(refusal("[input]\nphantom = \"torus\"\nimage = \"a.nrrd\"\n"),
+            "a.toml: [input] needs one of image, surface and phantom, not 2 of them");
+  const std::string head = "[input]\nphantom = \"torus\"\n";
+  EXPECT_EQ(refusal(head + "[metric]\npoints = \"centerline\"\nmin_size = 2\nmax_size = 1\n"),
+            "a.toml: [metric] min_size 2 is larger than max_size 1");
+  EXPECT_EQ(refusal(head + "[adapt]\nnqual = 3\nquality_passes = 4\n"),
+            "a.toml:4: nqual is another name of [adapt] quality_passes, which is given, too; leave one out");
+  EXPECT_EQ(refusal(head + "[output]\nmeshes = [\"a.vtu\", \"a.vtu\"]\n"),
+            "a.toml: [output] a.vtu is named for two files; give each its own name");
+  EXPECT_EQ(refusal("[input]\nimage = \"a.nrrd\"\n[metric]\nvelocity = \"phantom\"\n"),
+            "a.toml: [metric] velocity = \"phantom\" needs [input] phantom");
+  EXPECT_EQ(refusal("mesher = \"delaunay\"\n" + head),
+            "a.toml: [delaunay] delta is missing: the spacing of points on surfaces in mm");
+}
+
+TEST_F(CaseFile, ASettingThatIsNoneSaysHowToWriteIt) {
+  const std::filesystem::path path = write("[input]\nphantom = \"torus\"\n");
+  const std::vector<std::string> settings = {"k"};
+  try {
+    static_cast<void>(read_case(path, settings));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    EXPECT_STREQ(error.what(), "--set k: write SECTION.KEY=VALUE, such as metric.k=40");
+  }
+  EXPECT_EQ(refusal("[input]\nphantom = \"torus\"\n", {"metric.k=many"}),
+            "--set metric.k=many: [metric] k must be a whole number");
+}
+
+TEST_F(CaseFile, TheTextOfACaseReadsAsTheSameCase) {
+  const Case c = read(R"([input]
+image = 'an image.nrrd'
+threshold = 0.1
+phantom_spacing = [1, 2, 3]
+cut_planes = [[0, 0, 10.125, 0.3333333333333333, 0, -1], [1, 2, 3, 4, 5, 6]]
+[metric]
+points = "centerline"
+gradation = 1.3
+[adapt]
+execution = "speculative"
+)");
+  const std::string text = case_text(c);
+  const Case again = read(text);
+  EXPECT_EQ(case_text(again), text);
+  EXPECT_EQ(again.input.cut_planes[0].normal.x(), 0.3333333333333333);
+  EXPECT_EQ(again.input.selection.threshold, 0.1);
+  EXPECT_EQ(again.adapt.execution, ExecutionKind::kSpeculative);
+}
+
+}  // namespace
+}  // namespace lumesh

@@ -1,0 +1,142 @@
+// Whole cases in memory, against what is known of the phantoms and against the stages run one by one.
+#include "lumesh/pipeline/pipeline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/mesh/validate.hpp"
+
+namespace lumesh {
+namespace {
+
+class WholeCase : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(::testing::TempDir()) /
+              ("run_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    case_.name = "test";
+    case_.input.phantom = "torus";
+    case_.input.phantom_spec.size = Index3(48, 48, 24);
+    case_.input.phantom_spec.spacing_mm = Vec3::Constant(2);
+    case_.output.folder = folder_.string();
+    case_.output.report = "";  // Pictures take longer than all the rest.
+    case_.run.threads = 2;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  CaseResult run() {
+    Context context;
+    return run_case(case_, false, context);
+  }
+  [[nodiscard]] TetMesh mesh() const { return TetMesh::build(read_mesh(folder_ / "mesh.vtu").view()); }
+
+  std::filesystem::path folder_;
+  Case case_;
+};
+
+TEST_F(WholeCase, WithoutASourceOfSizesTheFirstMeshIsTheLast) {
+  const CaseResult result = run();
+  ASSERT_EQ(result.report.stages.size(), 2U);
+  const quality::Evaluation& e = *result.report.stages.back().evaluation;
+  EXPECT_TRUE(e.valid());
+  EXPECT_FALSE(e.has_metric);
+  EXPECT_EQ(e.euler, 0) << "a ring";
+  // 2 pi^2 R r^2 of the torus with R = 28 mm, r = 11 mm.
+  EXPECT_NEAR(e.labels.at(0).volume_mm3 / (2 * M_PI * M_PI * 28 * 121), 1, 0.05)
+      << "six edges around the tube";
+  EXPECT_TRUE(validate(mesh()).ok());
+}
+
+TEST_F(WholeCase, AlongTheCenterlineElementsAreStretchedAlongTheRing) {
+  case_.metric.points = "centerline";
+  case_.metric.neighbours = 20;
+  case_.metric.largest_aspect = 4;
+  case_.metric.complexity = 1500;
+  const CaseResult result = run();
+  const quality::Evaluation& e = *result.report.stages.back().evaluation;
+  EXPECT_TRUE(e.valid());
+  EXPECT_EQ(e.euler, 0);
+  ASSERT_TRUE(e.metric);
+  EXPECT_NEAR(e.metric->complexity / 1500, 1, 0.03);
+  EXPECT_GT(e.metric->fraction_in_band(), 0.9);
+  // Inside the tube the largest size of the metric lies along the ring.
+  const MixedMesh adapted = read_mesh(folder_ / "mesh.vtu");
+  const Vec3 centre = Vec3(47, 47, 23);
+  std::size_t along = 0, seen = 0;
+  for (std::size_t v = 0; v < adapted.points.size(); ++v) {
+    const Vec3 from_centre = adapted.points[v] - centre;
+    const Vec3 radial = Vec3(from_centre.x(), from_centre.y(), 0).normalized();
+    const Vec3 ring(-radial.y(), radial.x(), 0);
+    ++seen;
+    if (adapted.metric[v].quadratic(ring) < 0.5 * adapted.metric[v].quadratic(radial)) ++along;
+  }
+  EXPECT_GT(static_cast<double>(along), 0.9 * static_cast<double>(seen));
+}
+
+TEST_F(WholeCase, AFrozenBoundaryStaysAsItIs) {
+  case_.metric.points = "centerline";
+  case_.metric.complexity = 1500;
+  case_.boundary.boundary = BoundaryMode::kFrozen;
+  case_.output.stages = true;
+  run();
+  const TetMesh first = TetMesh::build(read_mesh(folder_ / "first.vtu").view()), last = mesh();
+  const auto triangles = [](const TetMesh& of) {
+    std::vector<std::array<double, 3>> middles;
+    for (const Cell<3>& t : of.boundary_faces().triangles) {
+      const Vec3 m = of.points()[t[0]] + of.points()[t[1]] + of.points()[t[2]];
+      middles.push_back({m.x(), m.y(), m.z()});
+    }
+    return middles.size();
+  };
+  EXPECT_EQ(triangles(first), triangles(last));
+}
+
+TEST_F(WholeCase, RoughVesselsOfTwoVoxelsAreAdaptedWithoutEverOverlapping) {
+  // Its surface comes to touch itself while it follows the image: swaps, collapses and new points there would
+  // join what only lies at the same place.
+  case_.input.phantom = "bifurcation";
+  case_.input.phantom_spec.size = Index3(24, 18, 22);
+  case_.input.phantom_spec.spacing_mm.setZero();
+  case_.boundary.allows_pieces = true;
+  case_.metric.velocity = "phantom";
+  case_.metric.complexity = 3000;
+  const CaseResult result = run();
+  const quality::Evaluation& e = *result.report.stages.back().evaluation;
+  EXPECT_TRUE(e.valid()) << (e.problems.empty() ? "" : e.problems.front());
+}
+
+TEST_F(WholeCase, PredictsTheNumberOfTetrahedra) {
+  case_.metric.points = "centerline";
+  case_.metric.complexity = 1500;
+  Context context;
+  const CasePrediction prediction = predict_case(case_, context);
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+  const CaseResult result = run();
+  double first = 0, last = 0;
+  for (const CasePrediction::Step& step : prediction.steps)
+    if (step.tetrahedra > 0) (first == 0 ? first : last) = step.tetrahedra;
+  const auto made = [&](std::size_t stage) {
+    return static_cast<double>(result.report.stages.at(stage).evaluation->statistics.tetrahedra.count);
+  };
+  EXPECT_NEAR(first / made(3), 1, 0.4) << "the mesh that carries the metric";
+  EXPECT_NEAR(last / made(4), 1, 0.3);
+  EXPECT_GT(prediction.peak_memory_bytes, 0);
+}
+
+TEST_F(WholeCase, AFolderThatCannotBeMadeIsRefusedBeforeAnyWork) {
+  case_.output.folder = "/proc/nowhere";
+  try {
+    run();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+    EXPECT_NE(std::string(error.what()).find("/proc/nowhere"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace lumesh
