@@ -75,9 +75,9 @@ ObjectSize size_of(const LabelImage& image) {
   for (std::size_t v = 0; v < image.voxels().size(); ++v)
     if (image.voxels()[v] != 0 && seen++ % stride == 0) {
       const auto nx = static_cast<std::size_t>(size.x()), ny = static_cast<std::size_t>(size.y());
-      object.inside.push_back(
-          frame.to_physical(Vec3(static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
-                                 static_cast<double>(v / (nx * ny)))));
+      const Index3 voxel(static_cast<int>(v % nx), static_cast<int>(v / nx % ny),
+                         static_cast<int>(v / (nx * ny)));
+      object.inside.push_back(frame.to_physical(voxel.cast<double>()));
     }
   return object;
 }
