@@ -3,6 +3,7 @@
 #include "case_keys.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "outputs.hpp"
 
 namespace lumesh::pipeline {
 namespace {
@@ -59,14 +60,11 @@ void check_output(const Case& c) {
                          name));
   if (!c.output.surface.empty() && !is_surface_file(c.output.surface))
     refuse(fmt::format("[output] surface: {} has an unknown format; use .vtp or .stl", c.output.surface));
-  std::vector<std::string> names = c.output.meshes;
-  for (const std::string& name : {c.output.surface, c.output.report, c.output.json})
-    if (!name.empty()) names.push_back(name);
   if (!c.output.report.empty() && !c.output.report.ends_with(".html"))
     refuse(fmt::format("[output] report: {} must end in .html", c.output.report));
   if (!c.output.json.empty() && !c.output.json.ends_with(".json"))
     refuse(fmt::format("[output] json: {} must end in .json", c.output.json));
-  if (c.output.stages) names.insert(names.end(), {"centerline.vtp", "first.vtu"});
+  const std::vector<std::string> names = names_of_files(c);
   for (const std::string& name : names) {
     const std::filesystem::path path = name;
     if (path.has_parent_path())

@@ -1,5 +1,6 @@
 #include "case_state.hpp"
 
+#include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/parallel/ordered_tasks.hpp"
 
@@ -7,6 +8,16 @@ namespace lumesh::pipeline {
 
 int CaseState::threads() const {
   return c.run.threads > 0 ? c.run.threads : parallel::available_threads();
+}
+
+const Domain& CaseState::domain() {
+  if (!surface) return *domain_of_image();
+  if (!surface_domain)
+    surface_domain = naming(input_name, [&] {
+      return context.phase(
+          "domain", [&] { return domain_of(*surface, {.feature_angle_deg = c.input.feature_angle_deg}); });
+    });
+  return *surface_domain;
 }
 
 const std::shared_ptr<const ImageDomain>& CaseState::domain_of_image() {

@@ -21,10 +21,11 @@ struct CaseState {
   Context& context;
 
   std::string input_name, input_sha256;
-  std::string input_content;  ///< Tells other contents from these, also of several files.
   std::optional<LabelImage> image;
   std::optional<Phantom> phantom;
-  std::optional<MixedMesh> surface;                           ///< Where there is no image.
+  std::optional<MixedMesh> surface;  ///< Where there is no image.
+  std::shared_ptr<const SurfaceDomain> surface_domain =
+      nullptr;                                                ///< Once a stage has needed it, as the next.
   std::shared_ptr<const ImageDomain> image_domain = nullptr;  ///< Once a stage has needed it.
   Polylines centerline;
   TetMesh mesh;             ///< The first mesh, then the same with its metric, then the adapted one.
@@ -32,7 +33,9 @@ struct CaseState {
   bool is_complete = true;  ///< False once a stage ended early.
 
   [[nodiscard]] int threads() const;
-  /// The domain of the image, made when it is first asked for.
+  /// What is meshed: the image's domain, or that of the surface; made when it is first asked for.
+  [[nodiscard]] const Domain& domain();
+  /// The domain of the image.
   [[nodiscard]] const std::shared_ptr<const ImageDomain>& domain_of_image();
   /// The mesh with these faces of its own, and with its metric if that means anything.
   [[nodiscard]] MeshView view(const BoundaryFaces& faces) const;

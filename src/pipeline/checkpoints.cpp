@@ -1,5 +1,8 @@
 #include "checkpoints.hpp"
 
+#include <fmt/core.h>
+
+#include <bit>
 #include <fstream>
 
 #include "case_keys.hpp"
@@ -9,6 +12,7 @@
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/io/sha256.hpp"
 #include "lumesh/metric/shaping.hpp"
+#include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
 
 namespace lumesh::pipeline {
@@ -23,6 +27,31 @@ std::string hash_of(const std::string& path) {
 /// A key beside a file. The file itself counts, too: one that is cut short is not taken.
 std::string key_line(const std::string& key, const std::filesystem::path& file) {
   return key + " " + file_sha256(file) + "\n";
+}
+
+/// A number for the voxels and their frame, which tells other contents of images of several files: FNV-1a of
+/// each slice, and of those.
+std::string content_of(const LabelImage& image) {
+  const auto mix = [](std::uint64_t hash, std::uint64_t value) { return (hash ^ value) * 0x100000001B3ull; };
+  constexpr std::uint64_t kStart = 0xCBF29CE484222325ull;
+  const ImageFrame& frame = image.frame();
+  const auto slice = static_cast<std::size_t>(frame.size.x()) * static_cast<std::size_t>(frame.size.y());
+  std::vector<std::uint64_t> of_slices(static_cast<std::size_t>(frame.size.z()), kStart);
+  parallel::for_each_block(image.voxels().size(), slice,
+                           [&](std::size_t k, std::size_t begin, std::size_t end) {
+                             for (std::size_t v = begin; v < end; ++v)
+                               of_slices[k] = mix(of_slices[k], image.voxels()[v]);
+                           });
+  std::uint64_t hash = kStart;
+  for (const std::uint64_t of_slice : of_slices) hash = mix(hash, of_slice);
+  for (const Label label : image.values()) hash = mix(hash, static_cast<std::uint64_t>(label));
+  for (const double x : frame.direction.reshaped()) hash = mix(hash, std::bit_cast<std::uint64_t>(x));
+  for (int axis = 0; axis < 3; ++axis) {
+    hash = mix(hash, static_cast<std::uint64_t>(frame.size[axis]));
+    hash = mix(hash, std::bit_cast<std::uint64_t>(frame.spacing_mm[axis]));
+    hash = mix(hash, std::bit_cast<std::uint64_t>(frame.origin_mm[axis]));
+  }
+  return fmt::format("{:016x}", hash);
 }
 
 }  // namespace
@@ -86,8 +115,8 @@ std::map<std::string, std::string> stage_keys(const CaseState& state) {
   const Case& c = state.c;
   const auto key = [](const std::string& text) { return text_sha256(text); };
   std::map<std::string, std::string> keys;
-  const std::string input =
-      key(kVersion + state.input_sha256 + state.input_content + section_text(c, "input"));
+  const std::string input = key(kVersion + state.input_sha256 +
+                                (state.image ? content_of(*state.image) : "") + section_text(c, "input"));
   keys["centerline"] = key(input + section_text(c, "centerline"));
   const bool lattice = c.mesher == Mesher::kLattice;
   const bool sized_by_line = c.sizes.points == "centerline", metric_by_line = c.metric.points == "centerline";

@@ -25,7 +25,8 @@ std::string text_of_case(const CaseState& state) {
       kVersion, state.c.name, state.input_name, state.input_sha256, case_text(again));
 }
 
-/// All names of files that a case writes.
+}  // namespace
+
 std::vector<std::string> names_of_files(const Case& c) {
   std::vector<std::string> names = c.output.meshes;
   for (const std::string& name :
@@ -34,8 +35,6 @@ std::vector<std::string> names_of_files(const Case& c) {
   if (c.output.stages) names.insert(names.end(), {"centerline.vtp", "first.vtu"});
   return names;
 }
-
-}  // namespace
 
 void describe_mesh(const CaseState& state, report::StageReport& stage) {
   const BoundaryFaces faces = state.mesh.boundary_faces();

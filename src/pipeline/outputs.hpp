@@ -15,6 +15,9 @@ void describe_mesh(const CaseState& state, report::StageReport& stage);
 /// Where the files of a case go.
 [[nodiscard]] std::filesystem::path folder_of(const Case& c);
 
+/// All names of files that a case writes.
+[[nodiscard]] std::vector<std::string> names_of_files(const Case& c);
+
 /// Refuses points and velocities that are not there. @throws Error{kBadInput}.
 void check_inputs(const Case& c);
 

@@ -32,7 +32,7 @@ class CaseRun {
 
   void read_input() {
     stage("input", "Input", [&](report::StageReport& report) { pipeline::read_input(state_, report); });
-    keys_ = stage_keys(state_);
+    if (state_.c.run.checkpoints) keys_ = stage_keys(state_);
   }
 
   void make_centerline() {

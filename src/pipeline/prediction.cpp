@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "lumesh/adapt/estimate.hpp"
-#include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -170,10 +169,7 @@ class Prediction {
   }
   [[nodiscard]] double per_core(double core_seconds) const { return core_seconds / state_.threads(); }
   double tets_of_delaunay() {
-    std::unique_ptr<Domain> of_surface;
-    if (state_.surface)
-      of_surface = naming(state_.input_name, [&] { return domain_of(*state_.surface, {}); });
-    const Domain& domain = of_surface ? *of_surface : static_cast<const Domain&>(*state_.domain_of_image());
+    const Domain& domain = state_.domain();
     const std::unique_ptr<Sizing> sizing = sizing_of(state_, domain);
     DelaunayOptions options = state_.c.delaunay;
     options.sizing = sizing.get();

@@ -1,13 +1,10 @@
 #include <fmt/core.h>
 
-#include <bit>
-
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/image/selection.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/sha256.hpp"
-#include "lumesh/parallel/loops.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
@@ -40,30 +37,6 @@ void read_file(CaseState& state) {
   state.input_sha256 = state.context.phase("hash", [&] { return file_sha256(state.input_name); });
 }
 
-/// A number for the voxels and their frame: FNV-1a of each slice, and of those.
-std::string content_of(const LabelImage& image) {
-  const auto mix = [](std::uint64_t hash, std::uint64_t value) { return (hash ^ value) * 0x100000001B3ull; };
-  constexpr std::uint64_t kStart = 0xCBF29CE484222325ull;
-  const ImageFrame& frame = image.frame();
-  const auto slice = static_cast<std::size_t>(frame.size.x()) * static_cast<std::size_t>(frame.size.y());
-  std::vector<std::uint64_t> of_slices(static_cast<std::size_t>(frame.size.z()), kStart);
-  parallel::for_each_block(image.voxels().size(), slice,
-                           [&](std::size_t k, std::size_t begin, std::size_t end) {
-                             for (std::size_t v = begin; v < end; ++v)
-                               of_slices[k] = mix(of_slices[k], image.voxels()[v]);
-                           });
-  std::uint64_t hash = kStart;
-  for (const std::uint64_t of_slice : of_slices) hash = mix(hash, of_slice);
-  for (const Label label : image.values()) hash = mix(hash, static_cast<std::uint64_t>(label));
-  for (const double x : frame.direction.reshaped()) hash = mix(hash, std::bit_cast<std::uint64_t>(x));
-  for (int axis = 0; axis < 3; ++axis) {
-    hash = mix(hash, static_cast<std::uint64_t>(frame.size[axis]));
-    hash = mix(hash, std::bit_cast<std::uint64_t>(frame.spacing_mm[axis]));
-    hash = mix(hash, std::bit_cast<std::uint64_t>(frame.origin_mm[axis]));
-  }
-  return fmt::format("{:016x}", hash);
-}
-
 void describe_image(const LabelImage& image, report::StageReport& stage) {
   const ImageFrame& frame = image.frame();
   const Vec3& spacing = frame.spacing_mm;
@@ -89,9 +62,7 @@ void read_input(CaseState& state, report::StageReport& stage) {
     make_phantom(state);
   stage.figures.push_back({"Input", state.input_name});
   naming(state.input_name, [&] {
-    if (!state.image) return;
-    describe_image(*state.image, stage);
-    state.input_content = content_of(*state.image);
+    if (state.image) describe_image(*state.image, stage);
   });
   if (state.surface) stage.figures.push_back({"Triangles", std::uint64_t{state.surface->triangles.size()}});
 }

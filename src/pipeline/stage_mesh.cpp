@@ -36,14 +36,7 @@ void improve_angles(CaseState& state, report::StageReport& stage) {
 
 void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
   stage.what = "A graded mesh by Delaunay refinement of the image, its surface and volume at once.";
-  std::unique_ptr<Domain> of_surface;
-  if (state.surface)
-    of_surface = naming(state.input_name, [&] {
-      return state.context.phase("domain", [&] {
-        return domain_of(*state.surface, {.feature_angle_deg = state.c.input.feature_angle_deg});
-      });
-    });
-  const Domain& domain = of_surface ? *of_surface : static_cast<const Domain&>(*state.domain_of_image());
+  const Domain& domain = state.domain();
   const std::unique_ptr<Sizing> sizing =
       state.context.phase("sizes", [&] { return sizing_of(state, domain); });
   DelaunayOptions options = state.c.delaunay;

@@ -77,13 +77,8 @@ std::string cut_section(const std::string& title, const CutPicture& cut) {
 
 ReportPictures draw_report_pictures(const MeshView& mesh, const PictureOptions& options) {
   const MeshSurface surface = surface_for_pictures(mesh);
-  const CutOptions of_cut = {
-      .width = options.width, .supersampling = options.supersampling, .colours = cut_colours(mesh)};
-  CutOptions of_part = {
-      .width = options.width,
-      .supersampling = options.supersampling,
-      .colours = cut_colours(mesh)};  // Not a copy: g++ 12 takes the empty window for one not set.
-  of_part.enlarge_to_cells = kCellsOfEnlargedCut;
+  const CutOptions of_cut = cut_options(mesh, options);
+  const CutOptions of_part = cut_options(mesh, options, kCellsOfEnlargedCut);
   return {
       draw_surface(mesh, surface, {.width = options.width * 7 / 5, .supersampling = options.supersampling}),
       draw_cut(mesh, surface, CutDirection::kFront, of_cut),

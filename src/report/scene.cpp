@@ -119,6 +119,13 @@ CutColours cut_colours(const MeshView& mesh) {
                                                                           : CutColours::kMeanRatio;
 }
 
+CutOptions cut_options(const MeshView& mesh, const PictureOptions& options, std::uint64_t enlarge_to_cells) {
+  return {.width = options.width,
+          .supersampling = options.supersampling,
+          .colours = cut_colours(mesh),
+          .enlarge_to_cells = enlarge_to_cells};
+}
+
 Camera best_camera(std::span<const Vec3> points, int width) {
   const ViewAngles angles = best_view(points);
   Camera camera = look_from(angles.azimuth_deg, angles.elevation_deg);

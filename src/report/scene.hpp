@@ -37,6 +37,10 @@ class Palette {
 
 /// In the metric where the mesh has one.
 [[nodiscard]] CutColours cut_colours(const MeshView& mesh);
+
+/// A cut of a report in these colours. @param enlarge_to_cells  CutOptions::enlarge_to_cells.
+[[nodiscard]] CutOptions cut_options(const MeshView& mesh, const PictureOptions& options,
+                                     std::uint64_t enlarge_to_cells = 0);
 inline constexpr std::uint64_t kCellsOfEnlargedCut = 1200;  ///< So that each can be seen.
 
 /// Points of the triangles against the outside, each once, ascending.

@@ -30,13 +30,8 @@ NamedPicture captioned(CutPicture drawn, std::string caption) {
 std::vector<NamedPicture> draw_stage_pictures(const MeshView& mesh, const std::optional<CutWindow>& window,
                                               const PictureOptions& options) {
   const quality::MeshSurface surface = surface_for_pictures(mesh);
-  const CutOptions of_cut = {
-      .width = options.width, .supersampling = options.supersampling, .colours = cut_colours(mesh)};
-  CutOptions of_part = {
-      .width = options.width,
-      .supersampling = options.supersampling,
-      .colours = cut_colours(mesh)};  // Not a copy: g++ 12 takes the empty window for one not set.
-  of_part.enlarge_to_cells = kCellsOfEnlargedCut;
+  const CutOptions of_cut = cut_options(mesh, options);
+  CutOptions of_part = cut_options(mesh, options, kCellsOfEnlargedCut);
   of_part.window = window;
   CutPicture cut = draw_cut(mesh, surface, CutDirection::kFront, of_cut);
   CutPicture part = draw_cut(mesh, surface, CutDirection::kFront, of_part);

@@ -328,15 +328,19 @@ TEST_F(IoFuzz, StlInPlainText) {
        [](const auto& file) { return read_mesh(file); });
 }
 
-TEST_F(IoFuzz, Polylines) {
+/// A good file of one line with arrays.
+std::string file_of_a_line(const std::filesystem::path& path) {
   Polylines lines;
   lines.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 1}};
   lines.lines = {{0, 1, 2}};
   lines.scalars["radius"] = {1, 2, 3};
   lines.vectors["velocity"] = {{1, 0, 0}, {1, 0, 0}, {1, 0, 1}};
-  write_polylines(folder_ / "good.vtp", lines);
-  fuzz("l.vtp", fixtures::read_file(folder_ / "good.vtp"),
-       [](const auto& file) { return read_polylines(file); });
+  write_polylines(path, lines);
+  return fixtures::read_file(path);
+}
+
+TEST_F(IoFuzz, Polylines) {
+  fuzz("l.vtp", file_of_a_line(folder_ / "good.vtp"), [](const auto& file) { return read_polylines(file); });
 }
 
 TEST_F(IoFuzz, PointsInText) {
@@ -352,14 +356,7 @@ TEST_F(IoFuzz, PointDataInText) {
        [](const auto& file) { return read_point_data(file); });
 }
 TEST_F(IoFuzz, PointDataOfLinesAndMeshes) {
-  Polylines lines;
-  lines.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 1}};
-  lines.lines = {{0, 1, 2}};
-  lines.scalars["radius"] = {1, 2, 3};
-  lines.vectors["velocity"] = {{1, 0, 0}, {1, 0, 0}, {1, 0, 1}};
-  write_polylines(folder_ / "good.vtp", lines);
-  fuzz("d.vtp", fixtures::read_file(folder_ / "good.vtp"),
-       [](const auto& file) { return read_point_data(file); });
+  fuzz("d.vtp", file_of_a_line(folder_ / "good.vtp"), [](const auto& file) { return read_point_data(file); });
   fuzz("d.vtk",
        "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 2 double\n1 2 3 4 5 6\nLINES 1 3\n2 0 "
        "1\n"
@@ -372,8 +369,7 @@ TEST_F(IoFuzz, PointsOfLinesAndMeshes) {
   lines.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 1}};
   lines.lines = {{0, 1, 2}};
   write_polylines(folder_ / "good.vtp", lines);
-  fuzz("p.vtp", fixtures::read_file(folder_ / "good.vtp"),
-       [](const auto& file) { return read_points(file); });
+  fuzz("p.vtp", file_of_a_line(folder_ / "good.vtp"), [](const auto& file) { return read_points(file); });
   write_mesh(folder_ / "good.vtk", fixtures::every_cell_shape().view());
   fuzz("p.vtk", fixtures::read_file(folder_ / "good.vtk"),
        [](const auto& file) { return read_points(file); });
