@@ -122,12 +122,14 @@ class Adapter {
     if (!stopped()) context_.phase(name, step);
   }
 
-  /// The few worst tetrahedra, as long as something changes.
+  /// The few worst tetrahedra, as long as something changes. In an ordered execution some of them lie across
+  /// buckets that did not meet when these were cut, and nobody could hold them.
   void mend() {
     constexpr int kMostSweeps = 5;
+    execution_.repartition();
     for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
       const std::uint64_t before = counts().applied();
-      mend_worst(mesh_, execution_, kBadQuality, swaps_, smoothing_);
+      mend_worst(mesh_, execution_, kBadQuality, sweep == 0, swaps_, smoothing_);
       if (counts().applied() == before) break;
     }
   }
