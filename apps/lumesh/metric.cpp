@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <cmath>
 #include <memory>
 
 #include "commands.hpp"
@@ -48,10 +47,9 @@ void run(const MetricCommand& command) {
     else
       write_mesh(command.output_path, mesh.view(faces));
   });
-  const double asked = command.limits.complexity;
-  if (asked > 0 && std::abs(complexity / asked - 1) > 0.01)
-    context.warn(
-        fmt::format("the bounds on sizes leave a complexity of {:.4g}, not {:.4g}", complexity, asked));
+  if (const std::string unmet = metric::unmet_complexity(complexity, command.limits.complexity);
+      !unmet.empty())
+    context.warn(unmet);
   say(command.run, "{}: metric of {} vertices, complexity {:.4g} on this mesh\n", command.output_path,
       mesh.vertex_count(), complexity);
 }

@@ -79,7 +79,7 @@ std::vector<SymTensor> metric_of_boundary(const MetricSources& sources, const Te
     throw Error(ErrorKind::kBadInput,
                 sources.mesh_path + ": does not stand in LPS and mm, as images do; bring it there first");
   const LabelImage image =
-      context.phase("read image", [&] { return read_selected_image(path, ImageSelection(), context); });
+      context.phase("read image", [&] { return read_selected_image(path, sources.selection, context); });
   return naming(path, [&] {
     double smoothing_voxels = 0;
     const auto domain =
@@ -116,6 +116,9 @@ void add_source_options(CLI::App& command, MetricSources& sources) {
       .add_option("--image", sources.image_path,
                   "Label image the mesh was made of, whose boundary's curvature is taken instead")
       ->needs(curvature);
+  add_selection_options(command, sources.selection, "With --image: take");
+  for (const char* option : {"--labels", "--threshold", "--largest-component"})
+    command.get_option(option)->needs("--image");
   CLI::Option* const edges = command
                                  .add_option("--edges-per-radius", sources.edges_per_radius,
                                              "Edges along an arc as long as its radius of curvature")
@@ -146,6 +149,10 @@ std::vector<SymTensor> wanted_metric(const MetricSources& sources, const MixedMe
   if (!sources.velocity_path.empty()) found.push_back(metric_of_velocity(sources, mesh, context));
   if (!sources.hessian_field.empty()) found.push_back(metric_of_solution(sources, mesh, context));
   if (sources.curvature > 0) found.push_back(metric_of_boundary(sources, mesh, limits, context));
+  if (found.empty() && input.metric.empty())
+    throw Error(ErrorKind::kUsage, "nothing says what the metric is to be, and " + sources.mesh_path +
+                                       " carries none; give --points, --velocity, --hessian, --curvature, "
+                                       "--metric or --analytic");
   if (found.empty()) return metric_of(input, sources.mesh_path, "");
   return metric::intersected(mesh, std::move(found), limits.complexity);
 }

@@ -21,6 +21,7 @@ struct MetricSources {
   double norm = 2;
   std::size_t curvature = 0;  ///< How often the flag was given.
   std::string image_path;     ///< Whose boundary bends; none: the mesh's own.
+  ImageSelection selection;   ///< Of that image.
   double chord_mm = 0, edges_per_radius = 2;
   std::optional<int> k;  ///< None: as the source's options say.
 };

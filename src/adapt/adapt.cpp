@@ -1,5 +1,7 @@
 #include "lumesh/adapt/adapt.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -129,7 +131,7 @@ class Adapter {
     execution_.repartition();
     for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
       const std::uint64_t before = counts().applied();
-      mend_worst(mesh_, execution_, kBadQuality, sweep == 0, swaps_, smoothing_);
+      mend_worst(mesh_, execution_, kBadQuality, swaps_, smoothing_);
       if (counts().applied() == before) break;
     }
   }
@@ -208,6 +210,12 @@ void AdaptOptions::validate() const {
   check_range("split above", split_above, 1, 3);
   check_range("collapse below", collapse_below, 0.1, 0.8);
   check_range("least length", least_length, 0.1, 0.8);
+  constexpr double kMostOfSplit = 0.6;  // Half an edge that was split should not be collapsed again.
+  if (collapse_below > kMostOfSplit * split_above)
+    throw Error(ErrorKind::kUsage,
+                fmt::format("collapse below {:g} would undo what split above {:g} does; it may "
+                            "be {:g} at most",
+                            collapse_below, split_above, kMostOfSplit * split_above));
   check_range("reconnect below", reconnect_below, 0, 1);
   check_range("quality passes", quality_passes, 0, 1000);
   check_range("smoothing passes", smoothing_passes, 0, 1000);

@@ -176,26 +176,17 @@ void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnec
 }
 
 template <class Execution>
-void mend_worst(const TetMesh& mesh, Execution& execution, double below, bool all, operators::SwapRules swaps,
+void mend_worst(const TetMesh& mesh, Execution& execution, double below, operators::SwapRules swaps,
                 const operators::SmoothingRules& smoothing) {
-  constexpr double kHopeless = 0.45;
-  constexpr operators::CollapseRules collapse = {
-      .most_length = 1.8, .least_quality = kHopeless, .least_relative = 0, .worst_is_kept = false};
   swaps.repeat = true;  // Vertices move in between.
   execution.over_tets(
       [&](TetId t) {
         const double urgency = below - mesh.quality(t);
-        return urgency <= 0 || all || operators::has_changed_since_trial(mesh, t) ? urgency : 0;
+        return urgency <= 0 || operators::has_changed_since_trial(mesh, t) ? urgency : 0;
       },
       [&](auto& kernel, TetId t) {
         if (kernel.reconnect(t, swaps) == Outcome::kApplied) return;
         for (int k = 0; k < 4; ++k) kernel.smooth_vertex(mesh.vertex(t, k), smoothing);
-        for (int k = 0; k < 4 && mesh.quality(t) < below; ++k)
-          kernel.lift_vertex(mesh.vertex(t, k), smoothing);
-        if (mesh.quality(t) >= kHopeless) return;
-        for (int i = 0; i < 4; ++i)
-          for (int j = 0; j < 4; ++j)
-            if (i != j && kernel.collapse_edge(t, i, j, collapse) == Outcome::kApplied) return;
       });
 }
 
@@ -211,7 +202,7 @@ template void collapse_short_edges(const TetMesh&, operators::OrderedExecution&,
 template void thin_out(const TetMesh&, operators::OrderedExecution&, const operators::ThinningRules&);
 template void reconnect(const TetMesh&, operators::OrderedExecution&, double, Reconnection,
                         operators::SwapRules);
-template void mend_worst(const TetMesh&, operators::OrderedExecution&, double, bool, operators::SwapRules,
+template void mend_worst(const TetMesh&, operators::OrderedExecution&, double, operators::SwapRules,
                          const operators::SmoothingRules&);
 template void smooth(operators::OrderedExecution&, const operators::SmoothingRules&);
 
@@ -222,7 +213,7 @@ template void collapse_short_edges(const TetMesh&, operators::SpeculativeExecuti
 template void thin_out(const TetMesh&, operators::SpeculativeExecution&, const operators::ThinningRules&);
 template void reconnect(const TetMesh&, operators::SpeculativeExecution&, double, Reconnection,
                         operators::SwapRules);
-template void mend_worst(const TetMesh&, operators::SpeculativeExecution&, double, bool, operators::SwapRules,
+template void mend_worst(const TetMesh&, operators::SpeculativeExecution&, double, operators::SwapRules,
                          const operators::SmoothingRules&);
 template void smooth(operators::SpeculativeExecution&, const operators::SmoothingRules&);
 

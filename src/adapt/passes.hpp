@@ -37,11 +37,9 @@ template <class Execution>
 void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
                operators::SwapRules rules);
 
-/// Reconnects the tetrahedra whose quality is below `below`, or moves the vertices of those that cannot be,
-/// or draws one of their edges together.
-/// @param all  Also those that nothing changed around since they were last tried, by whatever sweep.
+/// Reconnects the tetrahedra whose quality is below `below`, or moves the vertices of those that cannot be.
 template <class Execution>
-void mend_worst(const TetMesh& mesh, Execution& execution, double below, bool all, operators::SwapRules swaps,
+void mend_worst(const TetMesh& mesh, Execution& execution, double below, operators::SwapRules swaps,
                 const operators::SmoothingRules& smoothing);
 
 /// Moves every vertex once.

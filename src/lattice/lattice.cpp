@@ -20,8 +20,6 @@ namespace lumesh {
 
 namespace {
 
-constexpr double kDefaultSpacingVoxels = 2.5;
-
 MixedMesh to_mixed_mesh(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain) {
   MixedMesh out;
   out.points = std::move(mesh.positions);
@@ -49,9 +47,7 @@ struct BuiltLattice {
 /// From sizes to a labelled mesh with a manifold boundary, not yet fitted.
 BuiltLattice build_lattice(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
                            std::size_t object_voxels, Context& context, LatticeReport& report) {
-  const double spacing_mm =
-      options.spacing_mm > 0 ? options.spacing_mm : kDefaultSpacingVoxels * domain.voxel_size_mm();
-  const double coarsest_mm = spacing_mm * std::exp2(options.coarsening);
+  const double coarsest_mm = boundary_spacing_mm(options, domain) * std::exp2(options.coarsening);
   const LatticeFrame frame =
       make_lattice_frame(domain, coarsest_mm, options.coarsening + options.max_refinement);
   const SizeGrid sizes =

@@ -137,8 +137,7 @@ class Refiner {
   bool wants_children(const Corners& t, int level) const {
     Vec3 centre = Vec3::Zero();
     for (const Key key : t) centre += 0.25 * frame_.position_mm(key);
-    constexpr double kCircumradius = 0.40;  // of a lattice tetrahedron with spacing 1: sqrt(5) / 4
-    return sizes_.level_wanted(centre, kCircumradius * frame_.spacing_mm(level)) > level;
+    return sizes_.level_wanted(centre, kRefinementReach * frame_.spacing_mm(level)) > level;
   }
 
   /// Leaves that were split stay in their list, without a first corner.

@@ -9,6 +9,9 @@
 
 namespace lumesh {
 
+/// How far from its centre a lattice tetrahedron looks for boundaries, in its spacings.
+inline constexpr double kRefinementReach = 0.40;
+
 /// Where the whole-number lattice lies in space.
 struct LatticeFrame {
   Vec3 origin_mm = Vec3::Zero();

@@ -193,4 +193,9 @@ bool SizeGrid::boundary_within(const Vec3& point_mm, double radius_mm) const {
   return false;
 }
 
+double boundary_spacing_mm(const LatticeOptions& options, const ImageDomain& domain) {
+  constexpr double kDefaultVoxels = 2.5;
+  return options.spacing_mm > 0 ? options.spacing_mm : kDefaultVoxels * domain.voxel_size_mm();
+}
+
 }  // namespace lumesh

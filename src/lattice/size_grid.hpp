@@ -66,4 +66,7 @@ class SizeGrid {
   std::vector<std::uint8_t> wanted_;  // 1 + level and kFirm; 0 = no boundary
 };
 
+/// Spacing of the lattice at the boundary where the object is thick.
+[[nodiscard]] double boundary_spacing_mm(const LatticeOptions& options, const ImageDomain& domain);
+
 }  // namespace lumesh

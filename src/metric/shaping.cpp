@@ -137,6 +137,16 @@ double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const Metr
   return seen;
 }
 
+SymTensor within_limits(const SymTensor& tensor, const MetricLimits& limits) {
+  return bounded(eigen_system(tensor), limits).tensor();
+}
+
+std::string unmet_complexity(double complexity, double asked) {
+  constexpr double kMet = 0.01;
+  if (asked <= 0 || std::abs(complexity / asked - 1) <= kMet) return "";
+  return fmt::format("the bounds on sizes leave a complexity of {:.4g}, not {:.4g}", complexity, asked);
+}
+
 std::vector<SymTensor> intersected(const TetMesh& mesh, std::vector<std::vector<SymTensor>> metrics,
                                    double complexity) {
   LUMESH_ASSERT(!metrics.empty());

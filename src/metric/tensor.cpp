@@ -62,9 +62,4 @@ SymTensor intersection(const SymTensor& a, const SymTensor& b) {
   return SymTensor::from(half * relative.tensor().matrix() * half);
 }
 
-SymTensor with_sizes_within(const SymTensor& metric, double smallest_mm, double largest_mm) {
-  const double most = 1 / (smallest_mm * smallest_mm), least = 1 / (largest_mm * largest_mm);
-  return on_eigenvalues(metric, [&](double value) { return std::clamp(value, least, most); });
-}
-
 }  // namespace lumesh::metric

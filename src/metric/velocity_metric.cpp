@@ -31,8 +31,11 @@ DistinctSamples distinct_samples(const VelocitySamples& samples) {
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite() || !velocities[i].allFinite() ||
         velocities[i].cwiseAbs().maxCoeff() > kLargest)
-      throw Error(ErrorKind::kBadInput, fmt::format("the {} of point {}, counted from 0, is not finite",
-                                                    points[i].allFinite() ? "velocity" : "place", i));
+      throw Error(
+          ErrorKind::kBadInput,
+          fmt::format(
+              "the {} of point {}, counted from 0, is {}", points[i].allFinite() ? "velocity" : "place", i,
+              points[i].allFinite() && velocities[i].allFinite() ? "larger than 1e100" : "not finite"));
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0u);
   parallel::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {

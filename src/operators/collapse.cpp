@@ -194,9 +194,8 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
   StarShapes& shapes = scratch_->shapes;
   float worst = 1;
   for (const TetId x : ball.tets) worst = std::min(worst, mesh.quality(x));
-  const double floor = worst < rules.least_quality && rules.worst_is_kept
-                           ? worst
-                           : std::max(rules.least_quality, rules.least_relative * worst);
+  const double floor =
+      worst < rules.least_quality ? worst : std::max(rules.least_quality, rules.least_relative * worst);
   if (subject_.measure.kind == ShapeMeasure::Kind::kMeanRatio) shapes.gather(mesh, v, ball.tets);
   for (const NearVertex& to : scratch_->near) {
     const auto shared = std::find_if(ball.tets.begin(), ball.tets.end(),

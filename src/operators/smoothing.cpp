@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "scratch.hpp"
@@ -176,36 +175,6 @@ Outcome Operators<Lock>::smooth_held_vertex(VertexId v, const SmoothingRules& ru
 }
 
 template <class Lock>
-Outcome Operators<Lock>::lift_vertex(VertexId v, const SmoothingRules& rules) {
-  return on_held(counts_.smoothing, v, v, [&] { return lift_held_vertex(v, rules); });
-}
-
-template <class Lock>
-Outcome Operators<Lock>::lift_held_vertex(VertexId v, const SmoothingRules& rules) {
-  constexpr double kAnySum = std::numeric_limits<double>::infinity();
-  constexpr double kLeastGain = 0.01;
-  constexpr int kHalvings = 4;
-  TetMesh& mesh = subject_.mesh;
-  VertexBall& ball = scratch_->ball;
-  if (mesh.dimension(v) != VertexDimension::kVolume) return Outcome::kRejected;
-  if (!gather_ball(mesh, v, lock_, ball)) return Outcome::kContended;
-  const TetId worst = *std::min_element(ball.tets.begin(), ball.tets.end(),
-                                        [&](TetId a, TetId b) { return mesh.quality(a) < mesh.quality(b); });
-  const auto [x, y, z] = kTetFaces[mesh.index_of(worst, v)];
-  const Vec3 a = mesh.corner(worst, x);
-  const Vec3 outwards = (mesh.corner(worst, y) - a).cross(mesh.corner(worst, z) - a);
-  const std::optional<Vec3> away = solve_positive(mesh.metric(v), -outwards);
-  if (!away) return Outcome::kRejected;
-  scratch_->shapes.gather(mesh, v, ball.tets);
-  const Vec3 old = mesh.point(v);
-  Vec3 step = rules.most_step / std::sqrt(mesh.metric(v).quadratic(*away)) * *away;
-  const double floor = mesh.quality(worst) + kLeastGain;
-  for (int i = 0; i < kHalvings; ++i, step *= 0.5)
-    if (move_if_better(v, old + step, kAnySum, floor, rules)) return Outcome::kApplied;
-  return Outcome::kRejected;
-}
-
-template <class Lock>
 bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, double floor,
                                      const SmoothingRules& rules) {
   TetMesh& mesh = subject_.mesh;
@@ -246,9 +215,6 @@ bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, d
   return true;
 }
 
-template Outcome Operators<NoLock>::lift_vertex(VertexId, const SmoothingRules&);
-template Outcome Operators<OrderedLock>::lift_vertex(VertexId, const SmoothingRules&);
-template Outcome Operators<SpeculativeLock>::lift_vertex(VertexId, const SmoothingRules&);
 template Outcome Operators<NoLock>::smooth_vertex(VertexId, const SmoothingRules&);
 template Outcome Operators<OrderedLock>::smooth_vertex(VertexId, const SmoothingRules&);
 template Outcome Operators<SpeculativeLock>::smooth_vertex(VertexId, const SmoothingRules&);

@@ -87,6 +87,11 @@ void check_case(const Case& c) {
   if (c.sizes.ceiling_mm > 0 && c.sizes.ceiling_mm < c.sizes.floor_mm)
     refuse("[delaunay] size_ceiling is less than size_floor");
   check_metric(c);
+  try {
+    c.adapt.validate();
+  } catch (const Error& contradiction) {
+    refuse(std::string("[adapt] ") + contradiction.what());
+  }
   check_output(c);
 }
 

@@ -226,19 +226,38 @@ std::string text_of_file(const std::filesystem::path& path) {
   return text.str();
 }
 
-/// "metric.k=40" as a line of TOML; what is no value of TOML is a text.
+bool is_text(const KeyTarget& target) {
+  return std::holds_alternative<std::string*>(target) || std::holds_alternative<FilePath>(target);
+}
+
+/// As a TOML string.
+std::string quoted(const std::string& text) {
+  std::ostringstream out;
+  out << toml::value<std::string>(text);
+  return out.str();
+}
+
+/// "metric.k=40" as a line of TOML. Quotes are not asked for: what a key of a text gets, and what is no value
+/// of TOML, is a text.
 void read_setting(const std::string& setting, const std::vector<Key>& keys) {
+  const std::string how = "--set " + setting + ": write SECTION.KEY=VALUE, such as metric.k=40";
   const std::size_t equals = setting.find('=');
-  if (equals == std::string::npos || equals == 0)
-    throw Error(ErrorKind::kUsage, "--set " + setting + ": write SECTION.KEY=VALUE, such as metric.k=40");
-  const std::string key = setting.substr(0, equals), value = setting.substr(equals + 1);
-  CaseReader reader("--set " + setting, false, std::filesystem::current_path());
+  if (equals == std::string::npos || equals == 0) throw Error(ErrorKind::kUsage, how);
+  const std::string name = setting.substr(0, equals), value = setting.substr(equals + 1);
+  if (std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.section == name; }))
+    throw Error(ErrorKind::kUsage, how);
+  const auto key = std::find_if(keys.begin(), keys.end(), [&](const Key& one) {
+    return name == (one.section.empty() ? one.name : one.section + "." + one.name);
+  });
+  bool takes_text = key != keys.end() && is_text(key->target);
   try {
-    static_cast<void>(toml::parse(key + " = " + value));
+    const toml::table table = toml::parse("value = " + value);
+    takes_text = takes_text && !table["value"].is_string();
   } catch (const toml::parse_error&) {
-    return reader.read(key + " = '" + value + "'", keys);
+    takes_text = true;
   }
-  reader.read(key + " = " + value, keys);
+  CaseReader("--set " + setting, false, std::filesystem::current_path())
+      .read(name + " = " + (takes_text ? quoted(value) : value), keys);
 }
 
 }  // namespace

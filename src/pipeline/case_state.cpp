@@ -34,6 +34,14 @@ const std::shared_ptr<const ImageDomain>& CaseState::domain_of_image() {
   return image_domain;
 }
 
+const std::vector<Vec3>& CaseState::metric_points() const {
+  return c.metric.points == "centerline" ? centerline.points : read_metric_points;
+}
+
+const std::vector<Vec3>& CaseState::size_points() const {
+  return c.sizes.points == "centerline" ? centerline.points : read_size_points;
+}
+
 MeshView CaseState::view(const BoundaryFaces& faces) const {
   MeshView view = mesh.view(faces);
   if (!has_metric) view.metric = {};

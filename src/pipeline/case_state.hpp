@@ -10,6 +10,7 @@
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/pipeline/case.hpp"
+#include "lumesh/pipeline/input.hpp"
 #include "lumesh/quality/evaluation.hpp"
 
 namespace lumesh::pipeline {
@@ -28,6 +29,8 @@ struct CaseState {
       nullptr;                                                ///< Once a stage has needed it, as the next.
   std::shared_ptr<const ImageDomain> image_domain = nullptr;  ///< Once a stage has needed it.
   Polylines centerline;
+  std::vector<Vec3> read_metric_points, read_size_points;  ///< Of files; empty where there is none.
+  Flow flow;                                               ///< Where velocities are asked for.
   TetMesh mesh;             ///< The first mesh, then the same with its metric, then the adapted one.
   bool has_metric = false;  ///< Whether the metric of the mesh means anything.
   bool is_complete = true;  ///< False once a stage ended early.
@@ -37,6 +40,9 @@ struct CaseState {
   [[nodiscard]] const Domain& domain();
   /// The domain of the image.
   [[nodiscard]] const std::shared_ptr<const ImageDomain>& domain_of_image();
+  /// Around which the metric, and the sizes of the Delaunay mesher, are made: of a file or the centerline.
+  [[nodiscard]] const std::vector<Vec3>& metric_points() const;
+  [[nodiscard]] const std::vector<Vec3>& size_points() const;
   /// The mesh with these faces of its own, and with its metric if that means anything.
   [[nodiscard]] MeshView view(const BoundaryFaces& faces) const;
   /// What every file says of its making.

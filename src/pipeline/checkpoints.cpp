@@ -18,15 +18,21 @@
 namespace lumesh::pipeline {
 namespace {
 
+constexpr const char* kCenterline = "centerline";
+
 /// Hash of a file that a key of the case names; empty for words and for none.
 std::string hash_of(const std::string& path) {
   if (path.empty() || path == "centerline" || path == "phantom") return path;
   return file_sha256(path);
 }
 
-/// A key beside a file. The file itself counts, too: one that is cut short is not taken.
+std::filesystem::path notes_of(std::filesystem::path file) {
+  return file += ".json";
+}
+
+/// A key beside a file and its notes. They themselves count, too: what is cut short is not taken.
 std::string key_line(const std::string& key, const std::filesystem::path& file) {
-  return key + " " + file_sha256(file) + "\n";
+  return key + " " + file_sha256(file) + " " + file_sha256(notes_of(file)) + "\n";
 }
 
 /// A number for the voxels and their frame, which tells other contents of images of several files: FNV-1a of
@@ -57,65 +63,54 @@ std::string content_of(const LabelImage& image) {
 }  // namespace
 
 std::filesystem::path Checkpoints::file_of(const std::string& stage) const {
-  return folder_ / (stage + (stage == "centerline" ? ".vtp" : ".vtu"));
+  return folder_ / (stage + (stage == kCenterline ? ".vtp" : ".vtu"));
 }
 
 bool Checkpoints::has(const std::string& stage, const std::string& key) const {
   const std::filesystem::path file = file_of(stage);
-  if (!resumes_ || !std::filesystem::is_regular_file(file)) return false;
+  if (!resumes_ || !std::filesystem::is_regular_file(file) ||
+      !std::filesystem::is_regular_file(notes_of(file)))
+    return false;
   std::ifstream in(std::filesystem::path(file) += ".key");
   std::string line;
   return std::getline(in, line) && line + "\n" == key_line(key, file);
 }
 
-void Checkpoints::write_key(const std::string& stage, const std::string& key) const {
+void Checkpoints::keep(const std::string& stage, const CaseState& state, const report::StageReport& report,
+                       const std::string& key) const {
+  if (folder_.empty()) return;
   const std::filesystem::path file = file_of(stage);
+  if (stage == kCenterline) {
+    write_polylines(file, state.centerline, state.info());
+  } else {
+    const BoundaryFaces faces = state.mesh.boundary_faces();
+    write_mesh(file, state.view(faces));
+  }
+  report::write_file(notes_of(file), report::stage_notes_json(report));
   report::write_file(std::filesystem::path(file) += ".key", key_line(key, file));
 }
 
-void Checkpoints::keep_centerline(const CaseState& state, const std::string& key) const {
-  if (folder_.empty()) return;
-  write_polylines(file_of("centerline"), state.centerline, state.info());
-  write_key("centerline", key);
+void Checkpoints::load(const std::string& stage, CaseState& state, report::StageReport& report) const {
+  const std::filesystem::path file = file_of(stage), notes = notes_of(file);
+  if (stage == kCenterline) {
+    state.centerline = read_polylines(file);
+  } else {
+    const MixedMesh mesh = read_mesh(file);
+    state.mesh = TetMesh::build(mesh.view());
+    state.has_metric = !mesh.metric.empty();
+    if (state.has_metric) metric::shape_metric(state.mesh, mesh.metric);
+  }
+  std::ifstream in(notes, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  naming(notes.string(), [&] { report::take_stage_notes(text, report); });
 }
 
-void Checkpoints::keep_mesh(const std::string& stage, const CaseState& state, const std::string& key) const {
-  if (folder_.empty()) return;
-  const BoundaryFaces faces = state.mesh.boundary_faces();
-  write_mesh(file_of(stage), state.view(faces));
-  write_key(stage, key);
-}
-
-void Checkpoints::load_centerline(CaseState& state) const {
-  state.centerline = read_polylines(file_of("centerline"));
-}
-
-void Checkpoints::load_mesh(const std::string& stage, CaseState& state) const {
-  const MixedMesh mesh = read_mesh(file_of(stage));
-  state.mesh = TetMesh::build(mesh.view());
-  state.has_metric = !mesh.metric.empty();
-  if (state.has_metric) metric::shape_metric(state.mesh, mesh.metric);
-}
-
-void Checkpoints::keep_warnings(const std::string& stage, const std::vector<std::string>& warnings) const {
-  if (folder_.empty()) return;
-  std::string text;
-  for (const std::string& warning : warnings) text += warning + "\n";
-  report::write_file(file_of(stage) += ".warnings", text);
-}
-
-std::vector<std::string> Checkpoints::load_warnings(const std::string& stage) const {
-  std::ifstream in(file_of(stage) += ".warnings");
-  std::vector<std::string> warnings;
-  for (std::string line; std::getline(in, line);) warnings.push_back(line);
-  return warnings;
-}
-
+/// The program itself counts as its version: two builds of one version may differ.
 std::map<std::string, std::string> stage_keys(const CaseState& state) {
   const Case& c = state.c;
   const auto key = [](const std::string& text) { return text_sha256(text); };
   std::map<std::string, std::string> keys;
-  const std::string input = key(kVersion + state.input_sha256 +
+  const std::string input = key(kVersion + file_sha256("/proc/self/exe") + state.input_sha256 +
                                 (state.image ? content_of(*state.image) : "") + section_text(c, "input"));
   keys["centerline"] = key(input + section_text(c, "centerline"));
   const bool lattice = c.mesher == Mesher::kLattice;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "case_state.hpp"
+#include "lumesh/report/case_report.hpp"
 
 namespace lumesh::pipeline {
 
@@ -16,18 +17,14 @@ class Checkpoints {
   /// Whether what `stage` left is there under this key, as far as it is to be used.
   [[nodiscard]] bool has(const std::string& stage, const std::string& key) const;
 
-  void keep_centerline(const CaseState& state, const std::string& key) const;
-  void keep_mesh(const std::string& stage, const CaseState& state, const std::string& key) const;
-  /// @throws Error{kBadInput} if the file is broken.
-  void load_centerline(CaseState& state) const;
-  void load_mesh(const std::string& stage, CaseState& state) const;
-  /// What the user was warned of, which holds for whoever takes the checkpoint.
-  void keep_warnings(const std::string& stage, const std::vector<std::string>& warnings) const;
-  [[nodiscard]] std::vector<std::string> load_warnings(const std::string& stage) const;
+  /// The centerline or the mesh, and what the stage said of itself.
+  void keep(const std::string& stage, const CaseState& state, const report::StageReport& report,
+            const std::string& key) const;
+  /// @throws Error{kBadInput} if a file is broken.
+  void load(const std::string& stage, CaseState& state, report::StageReport& report) const;
 
  private:
   [[nodiscard]] std::filesystem::path file_of(const std::string& stage) const;
-  void write_key(const std::string& stage, const std::string& key) const;
 
   std::filesystem::path folder_;
   bool resumes_;

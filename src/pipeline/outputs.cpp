@@ -67,7 +67,9 @@ std::filesystem::path folder_of(const Case& c) {
 }
 
 void check_inputs(const Case& c) {
-  for (const auto& [key, path] : {std::pair{"[metric] points", c.metric.points},
+  for (const auto& [key, path] : {std::pair{"[input] image", c.input.image},
+                                  {"[input] surface", c.input.surface},
+                                  {"[metric] points", c.metric.points},
                                   {"[metric] velocity", c.metric.velocity},
                                   {"[delaunay] size_points", c.sizes.points}})
     if (!path.empty() && path != "centerline" && path != "phantom" && !std::filesystem::exists(path))
@@ -87,7 +89,8 @@ void prepare_folder(const Case& c) {
       throw Error(ErrorKind::kBadInput,
                   (folder / name).string() + ": is a folder; set another name in [output]");
     for (const std::string& input :
-         {c.file, c.input.image, c.input.surface, c.metric.points, c.metric.velocity, c.sizes.points}) {
+         {c.file, c.input.image, c.input.surface, c.metric.points, c.metric.velocity, c.sizes.points,
+          c.sizes.plugin.substr(0, c.sizes.plugin.find(':'))}) {
       std::error_code ignored;  // Of files that do not exist, which is told when they are read.
       const bool is_run_again = input == c.file && name == kEffectiveCase;
       if (!is_run_again && std::filesystem::is_regular_file(input, ignored) &&

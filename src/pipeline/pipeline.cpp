@@ -8,7 +8,9 @@
 #include <chrono>
 #include <ctime>
 
+#include "case_words.hpp"
 #include "checkpoints.hpp"
+#include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "outputs.hpp"
 #include "stages.hpp"
@@ -19,6 +21,12 @@ namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Those that a stage goes by.
+std::vector<std::string> sections_of(const std::string& stage, Mesher mesher) {
+  if (stage == "mesh") return {mesher == Mesher::kLattice ? "lattice" : "delaunay", "input"};
+  return {stage == "adapted" ? "adapt" : stage, "input"};
 }
 
 /// One run: its state, its report, and what is kept on disk.
@@ -37,12 +45,7 @@ class CaseRun {
 
   void make_centerline() {
     stage("centerline", "Centerline", [&](report::StageReport& report) {
-      if (checkpoints_.has("centerline", keys_["centerline"])) {
-        checkpoints_.load_centerline(state_);
-        return mark_resumed(report);
-      }
-      pipeline::make_centerline(state_, report);
-      checkpoints_.keep_centerline(state_, keys_["centerline"]);
+      take_or_make("centerline", report, pipeline::make_centerline);
     });
     centerline_stage_ = result_.report.stages.size() - 1;
     write_stage_files(state_, "centerline", result_.report.files);
@@ -55,19 +58,11 @@ class CaseRun {
     if (has_mesh && state_.context.cancelled()) state_.is_complete = false;
     if (!state_.is_complete) return;
     stage(name, title, [&](report::StageReport& report) {
-      if (checkpoints_.has(name, keys_[name])) {
-        checkpoints_.load_mesh(name, state_);
-        report.warnings = checkpoints_.load_warnings(name);
-        mark_resumed(report);
-      } else {
-        make(state_, report);
-        if (state_.is_complete) {
-          checkpoints_.keep_warnings(name, report.warnings);
-          checkpoints_.keep_mesh(name, state_, keys_[name]);
-        }
-      }
+      take_or_make(name, report, [&](CaseState& state, report::StageReport& of_stage) {
+        make(state, of_stage);
+        if (name != "metric") add_counts(of_stage);
+      });
       state_.mesh.info().provenance = state_.info().provenance;
-      if (name != "metric") add_counts(report);
     });
   }
 
@@ -113,16 +108,36 @@ class CaseRun {
  private:
   static constexpr std::size_t kNone = ~std::size_t{0};
 
+  /// From the checkpoint, if there is one for this very input and these settings.
+  template <class Make>
+  void take_or_make(const std::string& name, report::StageReport& report, const Make& make) {
+    if (checkpoints_.has(name, keys_[name])) {
+      checkpoints_.load(name, state_, report);
+      report.what += " Taken from the checkpoint of an earlier run with the same input and settings.";
+      return;
+    }
+    make(state_, report);
+    if (state_.is_complete) checkpoints_.keep(name, state_, report, keys_[name]);
+  }
+
   template <class Make>
   void stage(const std::string& name, const std::string& title, const Make& make) {
     const auto start = std::chrono::steady_clock::now();
     const std::size_t phases = state_.context.phases().size();
     report::StageReport& report = result_.report.stages.emplace_back();
     report.name = title;
-    make(report);
+    const std::vector<std::string> sections = sections_of(name, state_.c.mesher);
+    try {
+      make(report);
+    } catch (const Error& error) {
+      throw Error(error.kind(), in_case_words(error.what(), sections));
+    }
     report.seconds = seconds_since(start);
     add_steps(report, phases);
-    for (const std::string& warning : report.warnings) state_.context.warn(warning);
+    for (std::string& warning : report.warnings) {
+      warning = in_case_words(warning, sections);
+      state_.context.warn(warning);
+    }
     say(name, report.seconds, counts_line(report));
   }
   /// Times of the phases since then, those of one name together.
@@ -140,9 +155,6 @@ class CaseRun {
   void add_counts(report::StageReport& report) const {
     report.figures.insert(report.figures.begin(), {{"Tetrahedra", std::uint64_t{state_.mesh.tet_count()}},
                                                    {"Vertices", std::uint64_t{state_.mesh.vertex_count()}}});
-  }
-  static void mark_resumed(report::StageReport& report) {
-    report.what = "Taken from the checkpoint of an earlier run with the same input and settings.";
   }
   void say(const std::string& name, double seconds, const std::string& what) const {
     state_.context.info(fmt::format("{:<12}{:>9.2f} s   {}", name, seconds, what));

@@ -1,11 +1,13 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
+#include "lumesh/lattice/lattice.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/pipeline/pipeline.hpp"
@@ -23,84 +25,37 @@ constexpr double kLatticePerTet = 4.4e-6, kDelaunayPerTet = 1.6e-6, kImprovement
                  kDomainPerVoxel = 10e-9, kPictures = 6;
 constexpr double kVerticesPerTet = 0.21;
 
-/// What the first mesh is estimated from.
+/// Where the metric's sources are asked.
 struct ObjectSize {
-  double volume_mm3 = 0, area_mm2 = 0;
+  double volume_mm3 = 0;
   std::vector<Vec3> inside;  ///< Some places, evenly spread.
 };
 
-/// Of an image: faces of voxels overstate the area of smooth surfaces in all directions by 3/2 on average.
 ObjectSize size_of(const LabelImage& image) {
-  constexpr double kSmoothPerVoxelFace = 2.0 / 3;
   constexpr std::size_t kPlaces = 10000;
   const ImageFrame& frame = image.frame();
-  const Index3& size = frame.size;
-  struct Counts {
-    std::uint64_t voxels = 0;
-    std::array<std::uint64_t, 3> faces = {};
-  };
-  const Counts counts = parallel::reduce_blocks<Counts>(
-      static_cast<std::size_t>(size.z()), 1, {},
-      [&](std::size_t begin, std::size_t end) {
-        Counts c;
-        for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
-          for (int j = 0; j < size.y(); ++j)
-            for (int i = 0; i < size.x(); ++i) {
-              const Index3 voxel(i, j, k);
-              const bool inside = image.at(voxel) != 0;
-              c.voxels += inside ? 1 : 0;
-              for (int axis = 0; axis < 3; ++axis) {
-                if (voxel[axis] == 0) continue;
-                Index3 before = voxel;
-                --before[axis];
-                if ((image.at(before) != 0) != inside) ++c.faces[static_cast<std::size_t>(axis)];
-              }
-            }
-        return c;
-      },
-      [](Counts a, const Counts& b) {
-        a.voxels += b.voxels;
-        for (std::size_t axis = 0; axis < 3; ++axis) a.faces[axis] += b.faces[axis];
-        return a;
-      });
+  const auto voxels = static_cast<std::size_t>(std::count_if(
+      image.voxels().begin(), image.voxels().end(), [](LabelImage::Index label) { return label != 0; }));
   ObjectSize object;
-  object.volume_mm3 = static_cast<double>(counts.voxels) * frame.voxel_volume_mm3();
-  for (int axis = 0; axis < 3; ++axis)
-    object.area_mm2 += kSmoothPerVoxelFace *
-                       static_cast<double>(counts.faces[static_cast<std::size_t>(axis)]) *
-                       frame.voxel_volume_mm3() / frame.spacing_mm[axis];
-  const std::size_t stride = std::max<std::size_t>(1, counts.voxels / kPlaces);
+  object.volume_mm3 = static_cast<double>(voxels) * frame.voxel_volume_mm3();
+  const std::size_t stride = std::max<std::size_t>(1, voxels / kPlaces);
   std::size_t seen = 0;
-  for (std::size_t v = 0; v < image.voxels().size(); ++v)
-    if (image.voxels()[v] != 0 && seen++ % stride == 0) {
-      const auto nx = static_cast<std::size_t>(size.x()), ny = static_cast<std::size_t>(size.y());
-      const Index3 voxel(static_cast<int>(v % nx), static_cast<int>(v / nx % ny),
-                         static_cast<int>(v / (nx * ny)));
-      object.inside.push_back(frame.to_physical(voxel.cast<double>()));
-    }
+  for (int k = 0; k < frame.size.z(); ++k)
+    for (int j = 0; j < frame.size.y(); ++j)
+      for (int i = 0; i < frame.size.x(); ++i)
+        if (const Index3 voxel(i, j, k); image.at(voxel) != 0 && seen++ % stride == 0)
+          object.inside.push_back(frame.to_physical(voxel.cast<double>()));
   return object;
-}
-
-/// A body-centred cubic lattice has 12 tetrahedra per cube of the spacing. It is fine near the boundary, as
-/// deep as was measured on carotids at spacings from 0.9 to 5 mm, and coarser inside.
-double tets_of_lattice(const LatticeOptions& options, const ObjectSize& object, const LabelImage& image) {
-  constexpr double kTetsPerCube = 12, kDepth = 3.7, kDefaultVoxels = 2.5;
-  const double voxel = std::cbrt(image.frame().voxel_volume_mm3());
-  const double h = options.spacing_mm > 0 ? options.spacing_mm : kDefaultVoxels * voxel;
-  const double fine = 1 - std::exp(-kDepth * h * object.area_mm2 / object.volume_mm3);
-  const double coarse_share = std::pow(8.0, -std::min(options.coarsening, 1));
-  return kTetsPerCube * object.volume_mm3 / (h * h * h) * (fine + (1 - fine) * coarse_share);
 }
 
 /// Of the metric that the sources ask for, within the bounds of sizes, as places inside see it.
 double complexity_at(CaseState& state, const ObjectSize& object) {
-  const MetricKeys& keys = state.c.metric;
+  const metric::MetricLimits limits = limits_of(state.c);
   const std::vector<std::vector<SymTensor>> sources = wanted_at(state, object.inside);
   const auto density = [&](std::size_t place) {
     SymTensor tensor = sources[0][place];
     for (std::size_t s = 1; s < sources.size(); ++s) tensor = metric::intersection(tensor, sources[s][place]);
-    const double largest_mm = keys.largest_mm > 0 ? keys.largest_mm : std::numeric_limits<double>::max();
-    return std::sqrt(metric::with_sizes_within(tensor, keys.smallest_mm, largest_mm).determinant());
+    return std::sqrt(metric::within_limits(tensor, limits).determinant());
   };
   double sum = 0;
   for (std::size_t i = 0; i < object.inside.size() && !sources.empty(); ++i) sum += density(i);
@@ -132,7 +87,7 @@ class Prediction {
     const Case& c = state_.c;
     if (c.mesher == Mesher::kLattice) {
       const double voxels = static_cast<double>(state_.image->voxels().size());
-      first_tets_ = tets_of_lattice(c.lattice, object_, *state_.image);
+      first_tets_ = estimated_tetrahedra(*state_.image, *state_.domain_of_image(), c.lattice);
       step("first mesh, by the lattice", kDomainPerVoxel * voxels + per_core(kLatticePerTet * first_tets_),
            first_tets_);
     } else {
@@ -156,8 +111,8 @@ class Prediction {
   CasePrediction finish() {
     const OutputKeys& output = state_.c.output;
     std::string files;
-    for (const std::string& name : output.meshes) files += name + " ";
-    step("measures and files: " + files + output.report + " in " + folder_of(state_.c).string(),
+    for (const std::string& name : names_of_files(state_.c)) files += name + " ";
+    step("measures and files: " + files + "in " + folder_of(state_.c).string(),
          per_core(kMeasuresPerTet * (first_tets_ + last_tets_) + (output.report.empty() ? 0 : kPictures)), 0);
     made_.peak_memory_bytes = base_bytes_ + kBytesPerAdaptedTet * (first_tets_ + last_tets_);
     return std::move(made_);

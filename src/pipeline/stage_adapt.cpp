@@ -1,7 +1,5 @@
 #include <fmt/core.h>
 
-#include <cmath>
-
 #include "lumesh/adapt/adapt.hpp"
 #include "lumesh/adapt/boundary.hpp"
 #include "lumesh/adapt/estimate.hpp"
@@ -44,8 +42,7 @@ void adapt_mesh(CaseState& state, report::StageReport& stage) {
       "metric.";
   const double asked = state.c.metric.complexity, given = metric::complexity(state.mesh);
   // Where bounds on sizes keep the metric from the complexity asked for, scaling it would break them.
-  constexpr double kMet = 0.01;
-  const double wanted = std::abs(given - asked) <= kMet * asked ? asked : 0;
+  const double wanted = metric::unmet_complexity(given, asked).empty() ? asked : 0;
   check_fits_memory(given);
   if (!state.c.boundary.allows_pieces)
     naming(state.input_name, [&] {

@@ -64,6 +64,7 @@ void read_input(CaseState& state, report::StageReport& stage) {
   naming(state.input_name, [&] {
     if (state.image) describe_image(*state.image, stage);
   });
+  read_sources(state);
   if (state.surface) stage.figures.push_back({"Triangles", std::uint64_t{state.surface->triangles.size()}});
 }
 
@@ -75,6 +76,7 @@ void make_centerline(CaseState& state, report::StageReport& stage) {
     return state.image ? extract_centerline(*state.image, options, state.context)
                        : extract_centerline(state.surface->view(), options, state.context);
   });
+  check_centerline_points(state);
   double length_mm = 0;
   for (const auto& line : state.centerline.lines)
     for (std::size_t i = 1; i < line.size(); ++i)

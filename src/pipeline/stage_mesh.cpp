@@ -66,9 +66,7 @@ std::unique_ptr<Sizing> sizing_of(const CaseState& state, const Domain& domain) 
     PointSizeOptions options{.factor = sizes.factor, .floor_mm = sizes.floor_mm};
     if (sizes.ceiling_mm > 0) options.ceiling_mm = sizes.ceiling_mm;
     options.region_mm = domain.bounds_mm();
-    const std::vector<Vec3> points =
-        sizes.points == "centerline" ? state.centerline.points : read_points_in(MeshInfo(), sizes.points);
-    parts.push_back(naming(sizes.points, [&] { return size_from_points(points, options); }));
+    parts.push_back(naming(sizes.points, [&] { return size_from_points(state.size_points(), options); }));
   }
   return parts.empty() ? nullptr : combined_size(std::move(parts));
 }

@@ -2,6 +2,7 @@
 /// @file The stages of a run, each one function: it changes the state and says in its report what it did.
 
 #include "case_state.hpp"
+#include "lumesh/metric/shaping.hpp"
 #include "lumesh/report/case_report.hpp"
 
 namespace lumesh::pipeline {
@@ -18,6 +19,13 @@ void make_mesh(CaseState& state, report::StageReport& stage);
 void make_metric(CaseState& state, report::StageReport& stage);
 /// Adapts the mesh to the metric that it carries.
 void adapt_mesh(CaseState& state, report::StageReport& stage);
+
+/// Reads the points and velocities that the case names, and sees whether they will do, so far as can be said
+/// before the centerline is there.
+void read_sources(CaseState& state);
+/// Sees whether the centerline has enough points for what is to be made of it.
+void check_centerline_points(const CaseState& state);
+[[nodiscard]] metric::MetricLimits limits_of(const Case& c);
 
 /// What points and velocities, as far as they are wanted, ask for at any places; a list for each.
 [[nodiscard]] std::vector<std::vector<SymTensor>> wanted_at(CaseState& state, std::span<const Vec3> places);

@@ -54,7 +54,8 @@ std::string case_header(const CaseReport& report) {
   std::string html = "<header><h1>" + escaped(report.title) + "</h1>";
   const StageReport* last = last_evaluated(report);
   if (!report.complete)
-    html += "<span class=\"badge bad\">stopped before the end</span>";
+    html += "<span class=\"badge bad\">stopped early: the mesh is what was there after " +
+            escaped(report.stages.empty() ? "" : report.stages.back().name) + "</span>";
   else if (last != nullptr && !last->evaluation->valid())
     html += "<span class=\"badge bad\">the last mesh is invalid</span>";
   else
@@ -75,20 +76,23 @@ std::string case_tiles(const CaseReport& report) {
     const TetrahedronStatistics& t = e.statistics.tetrahedra;
     html += tile(grouped(t.count), "tetrahedra") + tile(grouped(e.statistics.vertices), "vertices");
     if (e.metric) {
-      html +=
-          tile(fmt::format("{:.1f} %", 100 * e.metric->fraction_in_band()), "edges of the length asked for");
+      html += tile(fmt::format("{:.1f} %", 100 * e.metric->fraction_in_band()),
+                   "edges of the length asked for; good from 90 %");
       html += tile(fmt::format("{:.2f}", e.metric->mean_mean_ratio),
-                   fmt::format("quality on average (worst {:.2f})", e.metric->smallest_mean_ratio.value));
+                   fmt::format("quality on average, 1 is best (worst {:.2f}; good from 0.1)",
+                               e.metric->smallest_mean_ratio.value));
     } else {
       html += tile(fmt::format("{:.2f}", t.mean_mean_ratio),
-                   fmt::format("quality on average (worst {:.2f})", t.smallest_mean_ratio.value));
+                   fmt::format("quality on average, 1 is best (worst {:.2f}; good from 0.1)",
+                               t.smallest_mean_ratio.value));
       html +=
           tile(fmt::format("{:.1f}° – {:.1f}°", t.smallest_dihedral_deg.value, t.largest_dihedral_deg.value),
-               "dihedral angles");
+               "dihedral angles; good between 10° and 165°");
     }
     if (e.image && e.image->distances)
       html += tile(fmt::format("{:.2f}", e.image->distances->mesh_to_image_mm.mean / e.image->voxel_size_mm),
-                   "voxels from the image, on average");
+                   fmt::format("voxels ({:.2g} mm) from the image on average; good below 0.5",
+                               e.image->distances->mesh_to_image_mm.mean));
   }
   html += tile(duration(report.seconds), "in all");
   if (report.peak_memory_bytes > 0) html += tile(memory(report.peak_memory_bytes), "memory at most");
@@ -292,7 +296,7 @@ std::string words_html(const CaseReport& report) {
   add("Voxel",
       "The smallest box of the image. Distances in voxels tell how far the mesh is from what the image "
       "can resolve.");
-  return section("Words", html + "</dl>");
+  return section("<a id=\"words\"></a>Words", html + "</dl>");
 }
 
 }  // namespace
@@ -300,6 +304,7 @@ std::string words_html(const CaseReport& report) {
 std::string case_report_html(const CaseReport& report) {
   std::string html = page_begin(report.title, "report");
   html += case_header(report) + case_tiles(report);
+  html += "<p class=\"note\"><a href=\"#words\">What the words of this page mean</a></p>\n";
   html += pictures_html(report.pictures);
   html += stage_times(report) + comparison_html(report);
   const StageReport* last = last_evaluated(report);

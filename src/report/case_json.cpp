@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "lumesh/core/error.hpp"
 #include "lumesh/report/case_report.hpp"
 #include "lumesh/report/summary.hpp"
 
@@ -37,7 +38,40 @@ CaseJson stage_json(const StageReport& stage) {
            stage.evaluation ? CaseJson::parse(evaluation_json(*stage.evaluation)) : CaseJson(nullptr)}};
 }
 
+Figure figure_of(const CaseJson& json) {
+  Figure figure{json.at("name"), std::uint64_t{0}, json.at("unit"), json.value("note", "")};
+  const CaseJson& value = json.at("value");
+  if (value.is_string())
+    figure.value = value.get<std::string>();
+  else if (value.is_number_unsigned())
+    figure.value = value.get<std::uint64_t>();
+  else
+    figure.value = value.get<double>();
+  return figure;
+}
+
 }  // namespace
+
+std::string stage_notes_json(const StageReport& stage) {
+  const CaseJson json = {
+      {"what", stage.what}, {"figures", figures_json(stage.figures)}, {"warnings", stage.warnings}};
+  return json.dump(1, ' ', false, CaseJson::error_handler_t::replace) + "\n";
+}
+
+void take_stage_notes(const std::string& json, StageReport& stage) {
+  try {
+    const CaseJson notes = CaseJson::parse(json);
+    StageReport read;
+    read.what = notes.at("what");
+    read.warnings = notes.at("warnings").get<std::vector<std::string>>();
+    for (const CaseJson& figure : notes.at("figures")) read.figures.push_back(figure_of(figure));
+    stage.what = std::move(read.what);
+    stage.warnings = std::move(read.warnings);
+    stage.figures = std::move(read.figures);
+  } catch (const CaseJson::exception& error) {
+    throw Error(ErrorKind::kBadInput, std::string("is no note on a stage: ") + error.what());
+  }
+}
 
 std::string case_report_json(const CaseReport& report) {
   CaseJson files = CaseJson::array(), stages = CaseJson::array();

@@ -33,7 +33,7 @@ class UprightAxis {
   }
   /// Where dashed lines with labels are.
   [[nodiscard]] std::vector<double> ticks() const {
-    if (kind_ == CountAxis::kLinear) return {highest_ / 2, highest_};
+    if (kind_ == CountAxis::kLinear) return round_steps();
     std::vector<double> decades;
     const int first = static_cast<int>(std::ceil(foot_)),
               last = static_cast<int>(std::log10(highest_) + 1e-9);
@@ -43,6 +43,18 @@ class UprightAxis {
   }
 
  private:
+  /// Two to five steps of 1, 2 or 5 times a power of ten.
+  [[nodiscard]] std::vector<double> round_steps() const {
+    constexpr double kFewest = 2;
+    const double decade = std::pow(10, std::floor(std::log10(highest_ / kFewest)));
+    double step = decade;
+    for (const double factor : {2.0, 5.0})
+      if (kFewest * factor * decade <= highest_) step = factor * decade;
+    std::vector<double> steps;
+    for (double value = step; value <= highest_ * (1 + 1e-9); value += step) steps.push_back(value);
+    return steps;
+  }
+
   CountAxis kind_;
   double highest_, foot_;
 };

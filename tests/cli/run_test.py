@@ -170,12 +170,17 @@ class RunTest(ProgramTest):
             ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"no.vtp\"\n", "no.vtp"),
             ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"one.csv\"\n", "one.csv"),
             ("[input]\nphantom = \"sphere\"\n[metric]\nvelocity = \"one.csv\"\n", "one.csv"),
+            ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"two.csv\"\nk = 5\n", "two.csv: has 2 different points"),
+            ("[input]\nphantom = \"sphere\"\n[adapt]\nsplit_above = 1\ncollapse_below = 0.8\n", "[adapt] collapse below"),
         ]
+        (self.folder / "two.csv").write_text("1 2 3\n4 5 6\n")
         (self.folder / "one.csv").write_text("1 2 3\n")
         for text, words in refused:
             with self.subTest(text):
                 self.case.write_text(text)
-                self.assert_refused(self.run_lumesh("run", self.case, "-o", self.out), BAD_INPUT, words)
+                result = self.run_lumesh("run", self.case, "-o", self.out)
+                self.assert_refused(result, BAD_INPUT, words)
+                self.assertNotIn("mesh ", result.stdout)  # Told before the time for a mesh is spent.
         self.assert_refused(self.run_lumesh("run", self.folder / "no.toml"), BAD_INPUT, "no.toml")
 
     def test_refuses_to_replace_its_input(self):
@@ -184,7 +189,32 @@ class RunTest(ProgramTest):
         self.assert_refused(self.run_lumesh("run", self.case, "-o", self.folder), BAD_INPUT, "would be replaced")
 
     def test_a_setting_needs_a_value(self):
-        self.assert_refused(self.run_lumesh("run", self.case, "--set", "k"), USAGE, "SECTION.KEY=VALUE")
+        for setting in ("k", "metric=3"):
+            self.assert_refused(self.run_lumesh("run", self.case, "--set", setting), USAGE, "SECTION.KEY=VALUE")
+
+    def test_a_setting_needs_no_quotes(self):
+        for value in ("3.vtu", "it's.vtu", '"a.vtu"', "1e5.vtp"):
+            name = value.strip('"')
+            key, good = ("surface", True) if name.endswith(".vtp") else ("report", False)
+            result = self.run_lumesh("run", self.case, "-o", self.out, "--dry-run", "--set", f"output.{key}={value}")
+            if good:
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertIn(name, result.stdout)
+            else:
+                self.assert_refused(result, BAD_INPUT, f"{name} must end in .html")
+        self.assert_refused(self.run_lumesh("run", self.case, "--set", "metric.k=many"), BAD_INPUT, "whole number")
+
+    def test_stages_speak_of_keys_and_resumed_ones_say_the_same(self):
+        settings = ("--set", "lattice.max_tetrahedra=500")
+        first = self.run_case("--checkpoints", *settings)
+        self.assertIn("[lattice] max_tetrahedra", first.stderr)
+        self.assertNotIn("--max-tetrahedra", first.stderr)
+        stages = self.numbers()["stages"]
+        again = self.run_case("--resume", *settings)
+        self.assertEqual(again.stderr, first.stderr)
+        for was, now in zip(stages, self.numbers()["stages"], strict=True):
+            self.assertEqual(now["figures"], was["figures"])
+            self.assertEqual(now["warnings"], was["warnings"])
 
 
 if __name__ == "__main__":

@@ -70,4 +70,9 @@ struct LatticeResult {
 [[nodiscard]] LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain,
                                          const LatticeOptions& options, Context& context);
 
+/// How many tetrahedra that mesh will have, from the sizes wanted at some places of the object.
+/// @throws as mesh_lattice() does for its options and the memory.
+[[nodiscard]] double estimated_tetrahedra(const LabelImage& image, const ImageDomain& domain,
+                                          const LatticeOptions& options);
+
 }  // namespace lumesh

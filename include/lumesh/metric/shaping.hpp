@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "lumesh/mesh/tet_mesh.hpp"
@@ -38,6 +39,13 @@ struct MetricLimits {
 /// range of numbers. Parallel inside, the same bits for every thread count. Cost: a search for the scale
 /// takes about four times what one passage takes, of which most is gradation.
 double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const MetricLimits& limits = {});
+
+/// One tensor with sizes within the bounds, and no more stretched than wanted.
+[[nodiscard]] SymTensor within_limits(const SymTensor& tensor, const MetricLimits& limits);
+
+/// What to tell where bounds kept a metric from the complexity asked for by 1 % or more; else empty.
+/// @param asked  0: none.
+[[nodiscard]] std::string unmet_complexity(double complexity, double asked);
 
 /// The intersection() of several metrics of a mesh, vertex by vertex: no size is larger than in any of them.
 /// Metrics from different sources have no common scale: where a complexity is wanted, each is scaled to it

@@ -42,7 +42,4 @@ struct EigenSystem {
 /// accurate at high anisotropy. Source: Alauzet 2010, doi:10.1016/j.finel.2009.06.028.
 [[nodiscard]] SymTensor intersection(const SymTensor& a, const SymTensor& b);
 
-/// The metric with its sizes held within [smallest_mm, largest_mm]; eigenvectors stay.
-[[nodiscard]] SymTensor with_sizes_within(const SymTensor& metric, double smallest_mm, double largest_mm);
-
 }  // namespace lumesh::metric

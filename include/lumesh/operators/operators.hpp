@@ -158,10 +158,6 @@ class Operators {
   /// rules.quality_floor, whichever is less. Vertices of patches stay on them.
   Outcome smooth_vertex(VertexId v, const SmoothingRules& rules);
 
-  /// Moves a vertex to raise the worst quality around it, away from the face opposite to it in the worst
-  /// tetrahedron, whatever becomes of the sum that smooth_vertex() lessens. Vertices of patches stay.
-  Outcome lift_vertex(VertexId v, const SmoothingRules& rules);
-
   /// Moves a vertex to where the worst dihedral angle around it is best (non-smooth optimisation). Vertices
   /// of patches stay. Measure: dihedral angles.
   Outcome optimise_vertex(VertexId v, const AngleRules& rules);
@@ -213,7 +209,6 @@ class Operators {
   Outcome peel_held_tet(TetId t, VertexId a, VertexId b);
   Outcome remove_held_face(TetId t, int face, const SwapRules& rules);
   Outcome smooth_held_vertex(VertexId v, const SmoothingRules& rules);
-  Outcome lift_held_vertex(VertexId v, const SmoothingRules& rules);
   Outcome optimise_held_vertex(VertexId v, const AngleRules& rules);
   Outcome slide_held_vertex(VertexId v, const AngleRules& rules);
   double gather_angles(VertexId v);

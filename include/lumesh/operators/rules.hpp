@@ -20,7 +20,6 @@ struct CollapseRules {
   double most_length = 1.5;     ///< Of each new edge.
   double least_quality = 0.1;   ///< Of each new tetrahedron, or that of the worst before if that is less.
   double least_relative = 0.3;  ///< New worst over old worst quality.
-  bool worst_is_kept = true;    ///< False: no new tetrahedron below least_quality, whatever the worst was.
 };
 
 /// Vertices that are too many by far.

@@ -42,8 +42,8 @@ struct CasePrediction {
   [[nodiscard]] double seconds() const;
 };
 
-/// Reads the input and samples the metric's sources at voxels; makes no mesh and writes nothing. Numbers of
-/// tetrahedra are within some 20 %, times as measured on one machine (docs/stages/run.md).
+/// Reads the input and samples the metric's sources at voxels; makes no mesh and writes nothing. How far
+/// numbers of tetrahedra and times are to be trusted: docs/stages/run.md, "What a dry run knows".
 /// @throws Error as run_case() does for its input.
 [[nodiscard]] CasePrediction predict_case(const Case& c, Context& context);
 

@@ -78,6 +78,11 @@ struct CaseReport {
 /// become null.
 [[nodiscard]] std::string case_report_json(const CaseReport& report);
 
+/// What a stage says of itself in words and numbers (what, figures, warnings), to be kept beside its mesh.
+[[nodiscard]] std::string stage_notes_json(const StageReport& stage);
+/// Puts such notes into a report. @throws Error{kBadInput} if the text is none of these.
+void take_stage_notes(const std::string& json, StageReport& stage);
+
 /// Pictures of the mesh that a stage left, with captions: its surface, a cut, and the fullest part of the cut
 /// enlarged until single elements can be seen. Colours of the cuts are mean ratios, in the metric where the
 /// mesh carries one. Cost: about 1.5 s for 300k tetrahedra on two cores.

@@ -137,5 +137,22 @@ TEST(Shaping, NearAFrozenBoundarySizesGoOverToThoseOfItsTriangles) {
   }
 }
 
+TEST(WithinLimits, HoldsSizesAndThenTheStretch) {
+  const auto with_sizes = [](double x, double y, double z) {
+    return SymTensor::diagonal(1 / (x * x), 1 / (y * y), 1 / (z * z));
+  };
+  const SymTensor wanted = with_sizes(0.001, 1, 1000);
+  const SymTensor in_bounds = within_limits(wanted, {.smallest_mm = 0.1, .largest_mm = 10});
+  EXPECT_LT((in_bounds.matrix() - with_sizes(0.1, 1, 10).matrix()).norm(), 1e-9);
+  const SymTensor round = within_limits(wanted, {.smallest_mm = 0.1, .most_aspect = 5});
+  EXPECT_LT((round.matrix() - with_sizes(0.1, 0.5, 0.5).matrix()).norm(), 1e-9);
+}
+
+TEST(UnmetComplexity, IsToldFromOnePercentOn) {
+  EXPECT_EQ(unmet_complexity(1005, 1000), "");
+  EXPECT_EQ(unmet_complexity(500, 0), "");
+  EXPECT_NE(unmet_complexity(980, 1000).find("980, not 1000"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace lumesh::metric

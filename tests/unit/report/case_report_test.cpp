@@ -138,13 +138,14 @@ TEST(CaseReportHtml, OpensWithTheLastMeshAndTheTimes) {
     EXPECT_NE(opening.find(words), std::string::npos) << words;
   for (const char* words : {"1.25 mm", "asked for: 1.3", "lattice", "improve", "4.75 s", "inf"})
     EXPECT_NE(html.find(words, stages), std::string::npos) << words;
-  EXPECT_EQ(html.find("stopped before the end"), std::string::npos);
+  EXPECT_EQ(html.find("stopped early: the mesh is what was there after"), std::string::npos);
 }
 
 TEST(CaseReportHtml, SaysThatARunStopped) {
   CaseReport report = two_meshes();
   report.complete = false;
-  EXPECT_NE(case_report_html(report).find("stopped before the end"), std::string::npos);
+  EXPECT_NE(case_report_html(report).find("stopped early: the mesh is what was there after"),
+            std::string::npos);
   report.stages.clear();
   EXPECT_TRUE(well_formed(case_report_html(report)));
 }
