@@ -150,9 +150,9 @@ std::vector<SymTensor> wanted_metric(const MetricSources& sources, const MixedMe
   if (!sources.hessian_field.empty()) found.push_back(metric_of_solution(sources, mesh, context));
   if (sources.curvature > 0) found.push_back(metric_of_boundary(sources, mesh, limits, context));
   if (found.empty() && input.metric.empty())
-    throw Error(ErrorKind::kUsage, "nothing says what the metric is to be, and " + sources.mesh_path +
-                                       " carries none; give --points, --velocity, --hessian, --curvature, "
-                                       "--metric or --analytic");
+    throw Error(ErrorKind::kBadInput, sources.mesh_path +
+                                          ": carries no metric; give what it is to be made of: --points, "
+                                          "--velocity, --hessian, --curvature, --metric or --analytic");
   if (found.empty()) return metric_of(input, sources.mesh_path, "");
   return metric::intersected(mesh, std::move(found), limits.complexity);
 }
