@@ -47,8 +47,7 @@ void run(const MetricCommand& command) {
     else
       write_mesh(command.output_path, mesh.view(faces));
   });
-  if (const std::string unmet = metric::unmet_complexity(complexity, command.limits.complexity);
-      !unmet.empty())
+  if (const std::string unmet = metric::unmet_complexity(complexity, command.limits); !unmet.empty())
     context.warn(unmet);
   say(command.run, "{}: metric of {} vertices, complexity {:.4g} on this mesh\n", command.output_path,
       mesh.vertex_count(), complexity);

@@ -76,11 +76,13 @@ void add_run_command(CLI::App& program) {
   sub->add_option("-o,--output", command->folder, "Folder for all files; default: the case's name");
   sub->add_option("--set", command->settings, "SECTION.KEY=VALUE, such as metric.k=30; may be repeated")
       ->allow_extra_args(false);
-  sub->add_flag("--dry-run", command->only_predicts,
-                "Say what would be done, and about how many elements, how long and how much memory it takes");
+  CLI::Option* const dry = sub->add_flag(
+      "--dry-run", command->only_predicts,
+      "Say what would be done, and about how many elements, how long and how much memory it takes");
   sub->add_flag("--checkpoints", command->keeps_checkpoints, "Keep what every stage leaves, for --resume");
   sub->add_flag("--resume", command->resumes,
-                "Take stages from checkpoints whose input and settings are the same; keeps checkpoints, too");
+                "Take stages from checkpoints whose input and settings are the same; keeps checkpoints, too")
+      ->excludes(dry);
   add_time_limit_option(*sub, command->time_limit_s);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);

@@ -1,6 +1,10 @@
 #include "tube.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
+
+#include "lumesh/core/error.hpp"
 
 namespace lumesh::centerline {
 
@@ -52,7 +56,13 @@ std::vector<double> lengths_along(const Tube& tube) {
 
 Tube resampled(const Tube& tube, double gap_mm) {
   if (tube.size() < 2) return tube;
+  constexpr double kMostGaps = 1e7;
   const std::vector<double> length = lengths_along(tube);
+  if (length.back() > kMostGaps * gap_mm)
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("a spacing of {:g} mm would make {:.2g} points of a line of {:.3g} mm; give a larger one",
+                    gap_mm, length.back() / gap_mm, length.back()));
   const auto gaps = std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(length.back() / gap_mm)));
   std::vector<double> ways;
   for (std::size_t i = 0; i < gaps + (tube.closed ? 0 : 1); ++i)

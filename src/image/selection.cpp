@@ -69,4 +69,19 @@ void select_labels(LabelImage& image, std::span<const Label> labels) {
   image.values() = std::move(values);
 }
 
+ObjectSample sample_object(const LabelImage& image, std::size_t most) {
+  const ImageFrame& frame = image.frame();
+  ObjectSample sample;
+  sample.voxels = static_cast<std::size_t>(std::count_if(image.voxels().begin(), image.voxels().end(),
+                                                         [](LabelImage::Index label) { return label != 0; }));
+  const std::size_t stride = std::max<std::size_t>(1, sample.voxels / most);
+  std::size_t seen = 0;
+  for (int k = 0; k < frame.size.z(); ++k)
+    for (int j = 0; j < frame.size.y(); ++j)
+      for (int i = 0; i < frame.size.x(); ++i)
+        if (const Index3 voxel(i, j, k); image.at(voxel) != 0 && seen++ % stride == 0)
+          sample.places.push_back(frame.to_physical(voxel.cast<double>()));
+  return sample;
+}
+
 }  // namespace lumesh

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "lumesh/image/selection.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "refinement.hpp"
@@ -9,25 +10,6 @@
 
 namespace lumesh {
 namespace {
-
-/// Every so many of the voxels of the object, as points.
-std::vector<Vec3> places_inside(const LabelImage& image, const ImageDomain& domain,
-                                std::size_t object_voxels) {
-  constexpr std::size_t kPlaces = 20000;
-  const std::size_t stride = std::max<std::size_t>(1, object_voxels / kPlaces);
-  const Index3& size = image.frame().size;
-  std::vector<Vec3> places;
-  std::size_t seen = 0;
-  for (int k = 0; k < size.z(); ++k)
-    for (int j = 0; j < size.y(); ++j)
-      for (int i = 0; i < size.x(); ++i) {
-        const Index3 voxel(i, j, k);
-        if (image.at(voxel) == 0 || seen++ % stride != 0) continue;
-        const Vec3 place = image.frame().to_physical(voxel.cast<double>());
-        if (domain.material_at(place) != 0) places.push_back(place);
-      }
-  return places;
-}
 
 /// Level of the lattice there, as Refiner decides it for the tetrahedra around.
 int level_at(const Vec3& place, const SizeGrid& sizes, double coarsest_mm, int levels) {
@@ -44,6 +26,7 @@ double estimated_tetrahedra(const LabelImage& image, const ImageDomain& domain,
                             const LatticeOptions& options) {
   // What tetrahedra of two sizes need between them adds some; measured on phantoms and aneurysms.
   constexpr double kTetsPerCube = 12, kTransitions = 1.13;
+  constexpr std::size_t kPlaces = 20000;
   options.validate();
   const std::vector<double> of_labels = count_kept_voxels(image, domain.cut_planes());
   const double voxels = std::accumulate(of_labels.begin(), of_labels.end(), 0.0);
@@ -51,7 +34,8 @@ double estimated_tetrahedra(const LabelImage& image, const ImageDomain& domain,
   const double coarsest_mm = boundary_spacing_mm(options, domain) * std::exp2(options.coarsening);
   const int levels = options.coarsening + options.max_refinement;
   const SizeGrid sizes(image, domain, options, coarsest_mm, object_voxels);
-  const std::vector<Vec3> places = places_inside(image, domain, object_voxels);
+  std::vector<Vec3> places = sample_object(image, kPlaces).places;
+  std::erase_if(places, [&](const Vec3& place) { return domain.material_at(place) == 0; });  // Beyond cuts.
   if (places.empty()) return 0;
   double sum = 0;
   for (const Vec3& place : places) sum += std::exp2(3 * level_at(place, sizes, coarsest_mm, levels));

@@ -1,5 +1,7 @@
 #include "size_grid.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "boundary_bricks.hpp"
@@ -72,12 +74,11 @@ void SizeGrid::keep_within(std::size_t most_tetrahedra, std::size_t object_voxel
       900;  // measured: lattice, numbering and fit together, per tetrahedron of the mesh
   const double free_bytes = static_cast<double>(available_memory_bytes());
   if (predicted_ * kBytesEach > free_bytes) {
-    throw Error(ErrorKind::kMemory,
-                "about " + std::to_string(static_cast<long long>(predicted_ / 1e6 + 1)) +
-                    " million tetrahedra would need " +
-                    std::to_string(static_cast<long long>(predicted_ * kBytesEach / 1e9 + 1)) +
-                    " GB of memory and " + std::to_string(static_cast<long long>(free_bytes / 1e9)) +
-                    " GB are free; choose a larger --spacing");
+    throw Error(
+        ErrorKind::kMemory,
+        fmt::format("about {:.2g} tetrahedra would need {:.2g} GB of memory and {:.2g} GB are free; choose a "
+                    "larger --spacing",
+                    predicted_, predicted_ * kBytesEach / 1e9, free_bytes / 1e9));
   }
   for (std::uint8_t& cell : wanted_) {
     cell = (cell & kFirm) != 0 ? static_cast<std::uint8_t>(cell & ~kFirm)

@@ -68,8 +68,8 @@ std::vector<SymTensor> metric_from_points(std::span<const Vec3> places, std::spa
                 set.empty() ? "holds no points" : "all its points are one place; at least two are needed");
   const auto k = static_cast<std::size_t>(options.k);
   if (k > set.size())
-    throw Error(ErrorKind::kBadInput, fmt::format("has {} different points, fewer than the {} of k; lower k",
-                                                  set.size(), options.k));
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("has only {} different points, k asks for {}; lower k", set.size(), options.k));
   if (places.empty()) return {};
   refuse_far_points(places, set);
   const PointTree tree(set);

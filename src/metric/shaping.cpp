@@ -131,9 +131,10 @@ double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const Metr
   mesh.enable_metric();
   const double seen = shape_to_limits(mesh, wanted, limits);
   if (!std::isfinite(seen))
-    throw Error(
-        ErrorKind::kBadInput,
-        "the metric's sizes are beyond what numbers hold; ask for a smaller complexity or larger sizes");
+    throw Error(ErrorKind::kBadInput,
+                "the metric's sizes are beyond what numbers hold; ask for sizes and a complexity nearer to "
+                "those of the "
+                "mesh");
   return seen;
 }
 
@@ -141,10 +142,16 @@ SymTensor within_limits(const SymTensor& tensor, const MetricLimits& limits) {
   return bounded(eigen_system(tensor), limits).tensor();
 }
 
-std::string unmet_complexity(double complexity, double asked) {
+std::string unmet_complexity(double complexity, const MetricLimits& limits) {
   constexpr double kMet = 0.01;
+  const double asked = limits.complexity;
   if (asked <= 0 || std::abs(complexity / asked - 1) <= kMet) return "";
-  return fmt::format("the bounds on sizes leave a complexity of {:.4g}, not {:.4g}", complexity, asked);
+  const char* what = bounds_anything(limits) ? limits.keeps_boundary
+                                                   ? "the bounds on sizes and the boundary's own sizes leave"
+                                                   : "the bounds on sizes leave"
+                     : limits.keeps_boundary ? "the sizes of a boundary that stays as it is leave"
+                                             : "the growth of sizes leaves";
+  return fmt::format("{} a complexity of {:.4g}, not {:.4g}", what, complexity, asked);
 }
 
 std::vector<SymTensor> intersected(const TetMesh& mesh, std::vector<std::vector<SymTensor>> metrics,

@@ -88,7 +88,7 @@ VelocityFit fit_at(const Vec3& place, const DistinctSamples& samples,
 
 std::vector<VelocityFit> fit(std::span<const Vec3> places, const DistinctSamples& samples, int k) {
   if (samples.points.size() < static_cast<std::size_t>(k))
-    throw Error(ErrorKind::kBadInput, fmt::format("has {} different points, fewer than the {} of k; lower k",
+    throw Error(ErrorKind::kBadInput, fmt::format("has only {} different points, k asks for {}; lower k",
                                                   samples.points.size(), k));
   if (places.empty()) return {};
   refuse_far_points(places, samples.points);

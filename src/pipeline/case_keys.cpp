@@ -96,7 +96,7 @@ void add_metric_keys(KeyList& list, MetricKeys& metric) {
   list.section("metric");
   list.key("points", FilePath{&metric.points, {"centerline"}},
            "Ellipsoids around the nearest of these points: a file, or \"centerline\"");
-  list.number("k", &metric.neighbours, 2, 10000, "So many nearest points");
+  list.number("k", &metric.neighbours, 1, 10000, "So many nearest points");
   list.key("velocity", FilePath{&metric.velocity, {"phantom"}},
            "Stretched along the flow: a file with velocities, or \"phantom\"");
   list.key("velocity_array", &metric.velocity_array, "Name of the array; empty: velocity, or the only one");

@@ -167,6 +167,7 @@ class CaseReader {
   }
   void set(const Key& key, const toml::node& node, std::vector<std::string>* target) const {
     target->clear();
+    if (node.is_string()) return target->push_back(text_of(key, node));  // A list of one.
     for (const toml::node& item : array_of(key, node, 0, "a list of texts, such as [\"mesh.vtu\"]"))
       target->push_back(text_of(key, item));
   }
@@ -193,15 +194,17 @@ class CaseReader {
   }
   void set(const Key& key, const toml::node& node, const Choice& choice) const {
     // The paper writes some choices as numbers.
-    if (node.is_integer() && node.value<std::size_t>() < choice.words.size() && !key.alias.empty())
-      return choice.set(*node.value<std::size_t>());
-    const std::string word = text_of(key, node);
+    const std::optional<std::int64_t> number =
+        node.is_integer() && !key.alias.empty() ? node.value<std::int64_t>() : std::nullopt;
+    if (number && *number >= 0 && *number < static_cast<std::int64_t>(choice.words.size()))
+      return choice.set(static_cast<std::size_t>(*number));
+    const std::optional<std::string> word = node.is_string() ? node.value<std::string>() : std::nullopt;
     const auto found = std::find(choice.words.begin(), choice.words.end(), word);
     if (found == choice.words.end()) {
       std::string list;
       for (const std::string& known : choice.words)
         list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", known);
-      refuse(key, node, fmt::format("must be one of {}, not \"{}\"", list, word));
+      refuse(key, node, fmt::format("must be one of {}{}", list, word ? ", not \"" + *word + "\"" : ""));
     }
     choice.set(static_cast<std::size_t>(found - choice.words.begin()));
   }
@@ -230,6 +233,11 @@ bool is_text(const KeyTarget& target) {
   return std::holds_alternative<std::string*>(target) || std::holds_alternative<FilePath>(target);
 }
 
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
 /// As a TOML string.
 std::string quoted(const std::string& text) {
   std::ostringstream out;
@@ -243,7 +251,7 @@ void read_setting(const std::string& setting, const std::vector<Key>& keys) {
   const std::string how = "--set " + setting + ": write SECTION.KEY=VALUE, such as metric.k=40";
   const std::size_t equals = setting.find('=');
   if (equals == std::string::npos || equals == 0) throw Error(ErrorKind::kUsage, how);
-  const std::string name = setting.substr(0, equals), value = setting.substr(equals + 1);
+  const std::string name = trimmed(setting.substr(0, equals)), value = trimmed(setting.substr(equals + 1));
   if (std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.section == name; }))
     throw Error(ErrorKind::kUsage, how);
   const auto key = std::find_if(keys.begin(), keys.end(), [&](const Key& one) {

@@ -52,7 +52,6 @@ MeshInfo CaseState::info() const {
   MeshInfo info;
   info.provenance = {{"program", std::string("lumesh ") + kVersion},
                      {"command", "run"},
-                     {"options", c.name},
                      {"input", input_name},
                      {"input_sha256", input_sha256}};
   return info;

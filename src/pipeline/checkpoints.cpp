@@ -14,6 +14,7 @@
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
+#include "stages.hpp"
 
 namespace lumesh::pipeline {
 namespace {
@@ -121,7 +122,7 @@ std::map<std::string, std::string> stage_keys(const CaseState& state) {
   keys["mesh"] = key(input + section_text(c, "") + section_text(c, lattice ? "lattice" : "delaunay") +
                      (sized_by_line ? keys["centerline"] : hash_of(c.sizes.points)) +
                      (plugin.empty() ? "" : hash_of(plugin)) + (by_chance ? "speculative" : ""));
-  const bool frozen = c.boundary.boundary == BoundaryMode::kFrozen;  // It imposes sizes.
+  const bool frozen = limits_of(c).keeps_boundary;  // It imposes sizes.
   keys["metric"] = key(keys["mesh"] + section_text(c, "metric") +
                        (metric_by_line ? keys["centerline"] : hash_of(c.metric.points)) +
                        hash_of(c.metric.velocity) + (frozen ? "frozen" : ""));

@@ -21,7 +21,8 @@ std::string text_of_case(const CaseState& state) {
   again.output.folder.clear();
   again.run = {};
   return fmt::format(
-      "# lumesh {}: the case {} with every setting that was in force\n# input {}\n# SHA-256 {}\n\n{}",
+      "# lumesh {}: the case {} with every setting that was in force but [run] and the folder\n# input {}\n# "
+      "SHA-256 {}\n\n{}",
       kVersion, state.c.name, state.input_name, state.input_sha256, case_text(again));
 }
 
@@ -32,7 +33,8 @@ std::vector<std::string> names_of_files(const Case& c) {
   for (const std::string& name :
        {c.output.surface, c.output.report, c.output.json, std::string(kEffectiveCase)})
     if (!name.empty()) names.push_back(name);
-  if (c.output.stages) names.insert(names.end(), {"centerline.vtp", "first.vtu"});
+  if (c.output.stages && c.needs_centerline()) names.emplace_back("centerline.vtp");
+  if (c.output.stages && c.metric.is_wanted()) names.emplace_back("first.vtu");
   return names;
 }
 
@@ -71,19 +73,29 @@ void check_inputs(const Case& c) {
                                   {"[input] surface", c.input.surface},
                                   {"[metric] points", c.metric.points},
                                   {"[metric] velocity", c.metric.velocity},
-                                  {"[delaunay] size_points", c.sizes.points}})
+                                  {"[delaunay] size_points", c.sizes.points},
+                                  {"[delaunay] sizing", c.sizes.plugin.substr(0, c.sizes.plugin.find(':'))}})
     if (!path.empty() && path != "centerline" && path != "phantom" && !std::filesystem::exists(path))
       throw Error(ErrorKind::kBadInput, fmt::format("{}: no such file; check {}", path, key));
 }
 
-void prepare_folder(const Case& c) {
-  check_inputs(c);
-  const std::filesystem::path folder = folder_of(c);
+namespace {
+
+void make_folder(const std::filesystem::path& folder) {
   std::error_code failed;
-  std::filesystem::create_directories(c.run.checkpoints ? folder / "checkpoints" : folder, failed);
+  std::filesystem::create_directories(folder, failed);
   if (failed || !std::filesystem::is_directory(folder) || ::access(folder.c_str(), W_OK | X_OK) != 0)
     throw Error(ErrorKind::kBadInput,
                 folder.string() + ": cannot be made or written to; set another [output] folder");
+}
+
+}  // namespace
+
+void prepare_folder(const Case& c) {
+  check_inputs(c);
+  const std::filesystem::path folder = folder_of(c);
+  make_folder(folder);
+  if (c.run.checkpoints) make_folder(folder / "checkpoints");
   for (const std::string& name : names_of_files(c)) {
     if (std::filesystem::is_directory(folder / name))
       throw Error(ErrorKind::kBadInput,

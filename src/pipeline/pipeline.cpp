@@ -10,6 +10,7 @@
 
 #include "case_words.hpp"
 #include "checkpoints.hpp"
+#include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "outputs.hpp"
@@ -39,7 +40,10 @@ class CaseRun {
   }
 
   void read_input() {
-    stage("input", "Input", [&](report::StageReport& report) { pipeline::read_input(state_, report); });
+    stage("input", "Input", [&](report::StageReport& report) {
+      pipeline::read_input(state_, report);
+      check_fits_memory(state_.c.metric.complexity);  // Before the time for a mesh is spent.
+    });
     if (state_.c.run.checkpoints) keys_ = stage_keys(state_);
   }
 

@@ -4,9 +4,12 @@
 #include <chrono>
 #include <cmath>
 
+#include "case_words.hpp"
 #include "lumesh/adapt/estimate.hpp"
+#include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
+#include "lumesh/image/selection.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -24,42 +27,38 @@ constexpr double kLatticePerTet = 4.4e-6, kDelaunayPerTet = 1.6e-6, kImprovement
                  kAdaptPerTet = 10e-6, kMetricPerVertex = 40e-6, kMeasuresPerTet = 2e-6,
                  kDomainPerVoxel = 10e-9, kPictures = 6;
 constexpr double kVerticesPerTet = 0.21;
+constexpr std::size_t kPlaces = 10000;  // Where the metric is asked.
 
-/// Where the metric's sources are asked.
-struct ObjectSize {
-  double volume_mm3 = 0;
-  std::vector<Vec3> inside;  ///< Some places, evenly spread.
-};
-
-ObjectSize size_of(const LabelImage& image) {
-  constexpr std::size_t kPlaces = 10000;
-  const ImageFrame& frame = image.frame();
-  const auto voxels = static_cast<std::size_t>(std::count_if(
-      image.voxels().begin(), image.voxels().end(), [](LabelImage::Index label) { return label != 0; }));
-  ObjectSize object;
-  object.volume_mm3 = static_cast<double>(voxels) * frame.voxel_volume_mm3();
-  const std::size_t stride = std::max<std::size_t>(1, voxels / kPlaces);
-  std::size_t seen = 0;
-  for (int k = 0; k < frame.size.z(); ++k)
-    for (int j = 0; j < frame.size.y(); ++j)
-      for (int i = 0; i < frame.size.x(); ++i)
-        if (const Index3 voxel(i, j, k); image.at(voxel) != 0 && seen++ % stride == 0)
-          object.inside.push_back(frame.to_physical(voxel.cast<double>()));
-  return object;
+/// Complexity of a metric within limits, from its tensors at some places.
+double complexity_at(const std::vector<SymTensor>& tensors, double size_factor, double volume_mm3,
+                     const metric::MetricLimits& limits) {
+  double sum = 0;
+  for (const SymTensor& tensor : tensors)
+    sum += std::sqrt(metric::within_limits(1 / (size_factor * size_factor) * tensor, limits).determinant());
+  return volume_mm3 * sum / static_cast<double>(std::max<std::size_t>(1, tensors.size()));
 }
 
-/// Of the metric that the sources ask for, within the bounds of sizes, as places inside see it.
-double complexity_at(CaseState& state, const ObjectSize& object) {
+/// Of the metric that the sources ask for, scaled to the complexity wanted as far as bounds on sizes let it.
+double complexity_within_limits(CaseState& state, const ObjectSample& object, double volume_mm3) {
   const metric::MetricLimits limits = limits_of(state.c);
-  const std::vector<std::vector<SymTensor>> sources = wanted_at(state, object.inside);
-  const auto density = [&](std::size_t place) {
-    SymTensor tensor = sources[0][place];
-    for (std::size_t s = 1; s < sources.size(); ++s) tensor = metric::intersection(tensor, sources[s][place]);
-    return std::sqrt(metric::within_limits(tensor, limits).determinant());
+  const bool has_bounds = limits.smallest_mm > 0 || std::isfinite(limits.largest_mm);
+  if (object.places.empty() || (limits.complexity > 0 && !has_bounds)) return limits.complexity;
+  const std::vector<std::vector<SymTensor>> sources = wanted_at(state, object.places);
+  if (sources.empty()) return limits.complexity;
+  std::vector<SymTensor> tensors = sources.front();
+  for (std::size_t s = 1; s < sources.size(); ++s)
+    for (std::size_t i = 0; i < tensors.size(); ++i)
+      tensors[i] = metric::intersection(tensors[i], sources[s][i]);
+  const auto seen_at = [&](double log_factor) {
+    return complexity_at(tensors, std::exp(log_factor), volume_mm3, limits);
   };
-  double sum = 0;
-  for (std::size_t i = 0; i < object.inside.size() && !sources.empty(); ++i) sum += density(i);
-  return object.volume_mm3 * sum / static_cast<double>(std::max<std::size_t>(1, object.inside.size()));
+  if (limits.complexity == 0) return seen_at(0);
+  double fine = -20, coarse = 20;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (fine + coarse);
+    (seen_at(middle) > limits.complexity ? fine : coarse) = middle;
+  }
+  return seen_at(coarse);
 }
 
 /// Collects the steps of one case.
@@ -73,7 +72,7 @@ class Prediction {
     report::StageReport stage;
     pipeline::read_input(state_, stage);
     step("input: " + state_.input_name, 0, 0);
-    if (state_.image) object_ = size_of(*state_.image);
+    if (state_.image) object_ = sample_object(*state_.image, kPlaces);
     base_bytes_ = static_cast<double>(peak_memory_bytes());
   }
   void make_centerline() {
@@ -99,9 +98,10 @@ class Prediction {
     last_tets_ = first_tets_;
   }
   void adapt() {
-    const MetricKeys& keys = state_.c.metric;
     step("metric", per_core(kMetricPerVertex * kVerticesPerTet * first_tets_), 0);
-    const double complexity = keys.complexity > 0 ? keys.complexity : complexity_at(state_, object_);
+    const double voxel_mm3 = state_.image ? state_.image->frame().voxel_volume_mm3() : 0;
+    const double complexity =
+        complexity_within_limits(state_, object_, static_cast<double>(object_.voxels) * voxel_mm3);
     if (complexity == 0) return step("adapted mesh; its size is known once the first mesh is there", 0, 0);
     last_tets_ = kTetsPerComplexity * complexity;
     step(fmt::format("adapted mesh, of complexity {:.3g}", complexity), per_core(kAdaptPerTet * last_tets_),
@@ -132,7 +132,7 @@ class Prediction {
   }
 
   CaseState state_;
-  ObjectSize object_;
+  ObjectSample object_;
   double first_tets_ = 0, last_tets_ = 0, base_bytes_ = 0;
   CasePrediction made_;
 };
@@ -148,12 +148,17 @@ double CasePrediction::seconds() const {
 
 CasePrediction predict_case(const Case& c, Context& context) {
   pipeline::check_inputs(c);
-  pipeline::Prediction prediction(c, context);
-  prediction.read_input();
-  if (c.needs_centerline()) prediction.make_centerline();
-  prediction.make_mesh();
-  if (c.metric.is_wanted()) prediction.adapt();
-  return prediction.finish();
+  try {
+    pipeline::Prediction prediction(c, context);
+    prediction.read_input();
+    if (c.needs_centerline()) prediction.make_centerline();
+    prediction.make_mesh();
+    if (c.metric.is_wanted()) prediction.adapt();
+    return prediction.finish();
+  } catch (const Error& error) {
+    const std::string mesher = c.mesher == Mesher::kLattice ? "lattice" : "delaunay";
+    throw Error(error.kind(), pipeline::in_case_words(error.what(), {mesher, "input"}));
+  }
 }
 
 }  // namespace lumesh

@@ -42,7 +42,7 @@ void adapt_mesh(CaseState& state, report::StageReport& stage) {
       "metric.";
   const double asked = state.c.metric.complexity, given = metric::complexity(state.mesh);
   // Where bounds on sizes keep the metric from the complexity asked for, scaling it would break them.
-  const double wanted = metric::unmet_complexity(given, asked).empty() ? asked : 0;
+  const double wanted = metric::unmet_complexity(given, limits_of(state.c)).empty() ? asked : 0;
   check_fits_memory(given);
   if (!state.c.boundary.allows_pieces)
     naming(state.input_name, [&] {

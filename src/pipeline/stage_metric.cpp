@@ -88,7 +88,7 @@ void make_metric(CaseState& state, report::StageReport& stage) {
   stage.figures.push_back({"Vertices", std::uint64_t{state.mesh.vertex_count()}});
   stage.figures.push_back(
       {"Complexity", complexity, "", "about half the number of vertices of the adapted mesh"});
-  const std::string unmet = metric::unmet_complexity(complexity, state.c.metric.complexity);
+  const std::string unmet = metric::unmet_complexity(complexity, limits_of(state.c));
   if (!unmet.empty()) stage.warnings.push_back(unmet);
 }
 

@@ -1,3 +1,4 @@
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "lumesh/core/error.hpp"
@@ -45,8 +46,8 @@ Figure figure_of(const CaseJson& json) {
     figure.value = value.get<std::string>();
   else if (value.is_number_unsigned())
     figure.value = value.get<std::uint64_t>();
-  else
-    figure.value = value.get<double>();
+  else  // What is no finite number is written as null.
+    figure.value = value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
   return figure;
 }
 

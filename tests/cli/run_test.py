@@ -133,6 +133,12 @@ class RunTest(ProgramTest):
         result = self.run_case("--dry-run")
         self.assertFalse(self.out.exists())
         self.assertIn("nothing was made", result.stdout)
+        self.assertNotIn("first.vtu", result.stdout)
+        bounded = self.run_case("--dry-run", "--set", "metric.min_size=40").stdout
+        few = float(next(line for line in bounded.splitlines() if "adapted mesh" in line).split("about ")[-1].split()[0])
+        self.assertLess(few, 5000)
+        words = self.run_lumesh("run", self.case, "--dry-run", "--set", "lattice.spacing=1e-7")
+        self.assertIn("[lattice] spacing", words.stderr)
         line = next(line for line in result.stdout.splitlines() if "adapted mesh" in line)
         predicted = float(line.split("about ")[-1].split()[0])
         self.run_case()
@@ -170,7 +176,9 @@ class RunTest(ProgramTest):
             ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"no.vtp\"\n", "no.vtp"),
             ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"one.csv\"\n", "one.csv"),
             ("[input]\nphantom = \"sphere\"\n[metric]\nvelocity = \"one.csv\"\n", "one.csv"),
-            ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"two.csv\"\nk = 5\n", "two.csv: has 2 different points"),
+            ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"two.csv\"\nk = 5\n", "two.csv: has only 2 different points"),
+            ("[input]\nphantom = \"sphere\"\n[adapt]\nboundary = -1\n", "must be one of \"frozen\", \"adapt\""),
+            ("[input]\nphantom = \"sphere\"\n[adapt]\nboundary = 5\n", "must be one of \"frozen\", \"adapt\""),
             ("[input]\nphantom = \"sphere\"\n[adapt]\nsplit_above = 1\ncollapse_below = 0.8\n", "[adapt] collapse below"),
         ]
         (self.folder / "two.csv").write_text("1 2 3\n4 5 6\n")
@@ -202,6 +210,8 @@ class RunTest(ProgramTest):
                 self.assertIn(name, result.stdout)
             else:
                 self.assert_refused(result, BAD_INPUT, f"{name} must end in .html")
+        dry = self.run_well("run", self.case, "-o", self.out, "--dry-run", "--set", " output.meshes = one.vtu ")
+        self.assertIn(" one.vtu ", dry.stdout)
         self.assert_refused(self.run_lumesh("run", self.case, "--set", "metric.k=many"), BAD_INPUT, "whole number")
 
     def test_stages_speak_of_keys_and_resumed_ones_say_the_same(self):

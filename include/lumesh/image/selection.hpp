@@ -1,7 +1,9 @@
 #pragma once
 /// @file Choosing labels of an image.
 
+#include <cstddef>
 #include <span>
+#include <vector>
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/image/label_image.hpp"
@@ -13,5 +15,13 @@ namespace lumesh {
 /// named. Threads: parallel over the voxels, same result for every number of threads. Cost: two scans of the
 /// image.
 void select_labels(LabelImage& image, std::span<const Label> labels);
+
+/// The voxels that are not background, and the centres of some of them.
+struct ObjectSample {
+  std::size_t voxels = 0;
+  std::vector<Vec3> places;  ///< In mm (LPS): of every so many voxels, in their order.
+};
+/// @param most  Of places, about. Cost: two scans of the image.
+[[nodiscard]] ObjectSample sample_object(const LabelImage& image, std::size_t most);
 
 }  // namespace lumesh

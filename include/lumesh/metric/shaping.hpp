@@ -43,9 +43,8 @@ double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const Metr
 /// One tensor with sizes within the bounds, and no more stretched than wanted.
 [[nodiscard]] SymTensor within_limits(const SymTensor& tensor, const MetricLimits& limits);
 
-/// What to tell where bounds kept a metric from the complexity asked for by 1 % or more; else empty.
-/// @param asked  0: none.
-[[nodiscard]] std::string unmet_complexity(double complexity, double asked);
+/// What to tell where limits kept a metric from the complexity that they ask for, by 1 % or more; else empty.
+[[nodiscard]] std::string unmet_complexity(double complexity, const MetricLimits& limits);
 
 /// The intersection() of several metrics of a mesh, vertex by vertex: no size is larger than in any of them.
 /// Metrics from different sources have no common scale: where a complexity is wanted, each is scaled to it

@@ -51,6 +51,22 @@ TEST(Lattice, ABallIsRoundAndSmooth) {
   EXPECT_LE(test::normal_error_deg(mesh, "wall", 1, normal), 15);
 }
 
+TEST(EstimatedTetrahedra, AreWithinTwentyPercentOfThoseMadeThickOrThin) {
+  PhantomSpec bifurcation;
+  bifurcation.kind = PhantomKind::kBifurcation;
+  PhantomSpec carotid;
+  carotid.kind = PhantomKind::kCarotid;
+  carotid.size = Index3(128, 128, 127);
+  carotid.spacing_mm = Vec3::Constant(4);  // Vessels of a few voxels: refined.
+  for (const LabelImage& image : {ball(frame_of({64, 64, 64}), kCentre, 20), Phantom(bifurcation).rasterise(),
+                                  Phantom(carotid).rasterise()}) {
+    const ImageDomain domain(image, {});
+    Context context;
+    const auto made = static_cast<double>(mesh_lattice(image, domain, {}, context).mesh.tetrahedra.size());
+    EXPECT_NEAR(estimated_tetrahedra(image, domain, {}) / made, 1, 0.2);
+  }
+}
+
 TEST(Lattice, StrictAngleLimitsHold) {
   LatticeOptions options;
   options.min_dihedral_deg = 25;

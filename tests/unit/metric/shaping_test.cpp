@@ -149,9 +149,13 @@ TEST(WithinLimits, HoldsSizesAndThenTheStretch) {
 }
 
 TEST(UnmetComplexity, IsToldFromOnePercentOn) {
-  EXPECT_EQ(unmet_complexity(1005, 1000), "");
-  EXPECT_EQ(unmet_complexity(500, 0), "");
-  EXPECT_NE(unmet_complexity(980, 1000).find("980, not 1000"), std::string::npos);
+  EXPECT_EQ(unmet_complexity(1005, {.complexity = 1000}), "");
+  EXPECT_EQ(unmet_complexity(500, {}), "");
+  const std::string bounds = unmet_complexity(980, {.largest_mm = 1, .complexity = 1000});
+  EXPECT_NE(bounds.find("bounds on sizes"), std::string::npos);
+  EXPECT_NE(bounds.find("980, not 1000"), std::string::npos);
+  EXPECT_EQ(unmet_complexity(980, {.keeps_boundary = true, .complexity = 1000}).find("bounds"),
+            std::string::npos);
 }
 
 }  // namespace

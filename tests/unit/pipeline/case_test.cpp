@@ -100,8 +100,8 @@ TEST_F(CaseFile, RefusesWrongTypesAndRangesWithTheLine) {
   const std::string head = "[input]\nphantom = \"torus\"\n";
   EXPECT_EQ(refusal(head + "[metric]\nk = \"40\"\n"), "a.toml:4: [metric] k must be a whole number");
   EXPECT_EQ(refusal(head + "[metric]\nk = 40.5\n"), "a.toml:4: [metric] k must be a whole number");
-  EXPECT_EQ(refusal(head + "[metric]\nk = 1\n"),
-            "a.toml:4: [metric] k must lie between 2 and 10000; 1 does not");
+  EXPECT_EQ(refusal(head + "[metric]\nk = 0\n"),
+            "a.toml:4: [metric] k must lie between 1 and 10000; 0 does not");
   EXPECT_EQ(refusal(head + "[metric]\ncomplexity = nan\n"), "a.toml:4: [metric] complexity must be finite");
   EXPECT_EQ(refusal(head + "[metric]\ncomplexity = -1\n"),
             "a.toml:4: [metric] complexity must be at least 0, not -1");
