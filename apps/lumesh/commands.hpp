@@ -13,6 +13,7 @@ void add_evaluate_command(CLI::App& program);
 void add_improve_command(CLI::App& program);
 void add_info_command(CLI::App& program);
 void add_lattice_command(CLI::App& program);
+void add_layers_command(CLI::App& program);
 void add_metric_command(CLI::App& program);
 void add_phantom_command(CLI::App& program);
 void add_run_command(CLI::App& program);

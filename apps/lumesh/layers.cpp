@@ -1,0 +1,171 @@
+#include "lumesh/layers/layers.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/report/picture.hpp"
+#include "metric_input.hpp"
+
+namespace lumesh::cli {
+
+namespace {
+
+struct LayersCommand {
+  const CLI::App* self = nullptr;
+  std::string mesh_path, output_path, json_path;
+  std::string scale = "mm", cells = "tetrahedra", label;
+  LayerOptions options;
+  RunOptions run;
+};
+
+/// "wall=2", "wall" or "2".
+void take_label(const std::string& text, LayerOptions& options) {
+  if (text.empty()) return;
+  const std::size_t equals = text.find('=');
+  const std::string number = equals == std::string::npos ? text : text.substr(equals + 1);
+  const std::optional<int> label = integer_from(number);
+  if (label && *label <= 0)
+    throw Error(ErrorKind::kBadInput, fmt::format("--label {}: labels are above 0", text));
+  if (label) options.label = *label;
+  if (!label && equals != std::string::npos)
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("--label {}: {} is no whole number; write NAME=NUMBER", text, number));
+  if (!label || equals != std::string::npos) options.label_name = text.substr(0, equals);
+}
+
+LayerOptions options_of(const LayersCommand& command) {
+  LayerOptions options = command.options;
+  options.scale = command.scale == "radius" ? HeightScale::kRadius
+                  : command.scale == "edge" ? HeightScale::kEdge
+                                            : HeightScale::kAbsolute;
+  options.cells = command.cells == "prisms" ? LayerCells::kPrisms : LayerCells::kTetrahedra;
+  take_label(command.label, options);
+  options.validate();
+  return options;
+}
+
+nlohmann::ordered_json coverage_json(const LayerCoverage& c) {
+  nlohmann::ordered_json limited, worst = nlohmann::json::array();
+  for (std::size_t i = 1; i < kLayerLimits; ++i) limited[name_of(static_cast<LayerLimit>(i))] = c.limited[i];
+  for (const LayerCoverage::Place& place : c.worst)
+    worst.push_back({{"at_mm", {place.at.x(), place.at.y(), place.at.z()}},
+                     {"achieved", place.achieved},
+                     {"why", name_of(place.why)}});
+  return {{"patch", c.patch},
+          {"area_mm2", c.area_mm2},
+          {"wanted_mm", c.wanted_mm},
+          {"achieved_mm", c.achieved_mm},
+          {"least_mm", c.least_mm},
+          {"complete", c.complete},
+          {"bare", c.bare},
+          {"limited", limited},
+          {"worst", worst}};
+}
+
+std::string report_json(const LayerReport& report) {
+  nlohmann::ordered_json json = {{"layers", report.layers},
+                                 {"heights", report.heights},
+                                 {"cells", report.cells},
+                                 {"complete", report.complete()},
+                                 {"patches", nlohmann::json::array()}};
+  for (const LayerCoverage& patch : report.patches) json["patches"].push_back(coverage_json(patch));
+  return json.dump(2) + "\n";
+}
+
+void print_coverage(const RunOptions& run, const LayerReport& report) {
+  say(run, "{:<20} {:>10} {:>10} {:>10} {:>10} {:>9} {:>7}\n", "patch", "area mm2", "wanted mm", "mean mm",
+      "least mm", "complete", "bare");
+  for (const LayerCoverage& c : report.patches) {
+    say(run, "{:<20} {:>10.5g} {:>10.4g} {:>10.4g} {:>10.4g} {:>7.1f} % {:>5.1f} %\n", c.patch, c.area_mm2,
+        c.wanted_mm, c.achieved_mm, c.least_mm, 100 * c.complete, 100 * c.bare);
+    for (std::size_t i = 1; i < kLayerLimits; ++i)
+      if (c.limited[i] >= 0.0005)
+        say(run, "  {:>5.1f} % {}\n", 100 * c.limited[i], name_of(static_cast<LayerLimit>(i)));
+    for (const LayerCoverage::Place& place : c.worst)
+      say(run, "  at {:.1f} {:.1f} {:.1f} mm: {:.0f} % of the height, {}\n", place.at.x(), place.at.y(),
+          place.at.z(), 100 * place.achieved, name_of(place.why));
+  }
+}
+
+void run(const LayersCommand& command) {
+  const parallel::ThreadLimit limit(command.run.threads);
+  Context context = make_context(command.run);
+  const LayerOptions options = options_of(command);
+  check_volume_output(command.output_path);
+  check_output_folders({command.output_path, command.json_path});
+  check_inputs_stay({command.json_path}, {command.mesh_path});
+  const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
+  const TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
+  LayerResult result = naming(command.mesh_path, [&] { return grow_layers(mesh, options, context); });
+  result.mesh.info.provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
+  context.phase("write", [&] { write_mesh(command.output_path, result.mesh.view()); });
+  if (!command.json_path.empty()) report::write_file(command.json_path, report_json(result.report));
+  print_coverage(command.run, result.report);
+  say(command.run, "{}: {} layers, {} cells on {} tetrahedra, {:.1f} % of the area complete\n",
+      command.output_path, result.report.layers, result.report.cells, mesh.tet_count(),
+      100 * result.report.complete());
+}
+
+void add_height_options(CLI::App& command, LayersCommand& target) {
+  LayerOptions& o = target.options;
+  command
+      .add_option("--first-height,--blds", o.first_height,
+                  "Height of the first layer, in mm, or times what it is relative to")
+      ->required();
+  command.add_option("--growth,--blr", o.growth, "Height of each layer through that before")
+      ->capture_default_str();
+  command
+      .add_option("--growth-rise,--bldr", o.growth_rise,
+                  "Factor of the growth itself per layer, from the sixth layer on")
+      ->capture_default_str();
+  command.add_option("--most-growth,--blrm", o.most_growth, "Bound of the growth that rises")
+      ->capture_default_str();
+  command.add_option("--count,--nbl", o.count,
+                     "Number of layers, 1 to 200; default: what the thickness asks for");
+  command.add_option("--thickness", o.thickness,
+                     "Of all layers together; met exactly, by the growth; default: what the count makes");
+  command
+      .add_option("--relative-to", target.scale,
+                  "What heights are multiples of: mm, the local radius, or the mean edge length around")
+      ->check(CLI::IsMember({"mm", "radius", "edge"}))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_layers_command(CLI::App& program) {
+  const auto command = std::make_shared<LayersCommand>();
+  CLI::App* sub = program.add_subcommand("layers", "Grow boundary layers out of the surface of a mesh");
+  command->self = sub;
+  sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
+  sub->add_option("-o,--output", command->output_path,
+                  "Mesh with its layers to write (.vtu, .vtk, .mesh, .meshb, .msh)")
+      ->required();
+  sub->add_option("--patch", command->options.patches,
+                  "Patch to grow on; may be repeated; default: all walls")
+      ->allow_extra_args(false);
+  add_height_options(*sub, *command);
+  sub->add_option("--cells", command->cells, "What the layers are made of")
+      ->check(CLI::IsMember({"tetrahedra", "prisms"}))
+      ->capture_default_str();
+  sub->add_option("--label", command->label,
+                  "Label of the layers: NAME=NUMBER, NAME or NUMBER; default: wall, the next "
+                  "free number");
+  sub->add_option("--json", command->json_path, "Write what was achieved as JSON");
+  add_threads_option(*sub, command->run);
+  add_verbosity_options(*sub, command->run);
+  sub->footer(
+      "Example: lumesh layers vessel.vtu --patch wall --first-height 0.1 --growth 1.2 --count 5 -o "
+      "layered.vtu");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace lumesh::cli

@@ -1,0 +1,103 @@
+#pragma once
+/// @file Boundary layers on the surface of a mesh, the role of AFLR in the paper (section 3.1).
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+
+namespace lumesh {
+
+enum class LayerCells : std::uint8_t {
+  kPrisms,      ///< Prisms; pyramids and tetrahedra where columns shrink to nothing.
+  kTetrahedra,  ///< Each prism as three tetrahedra, diagonals from the lower numbered column.
+};
+
+/// What heights are multiples of.
+enum class HeightScale : std::uint8_t {
+  kAbsolute,  ///< They are in mm.
+  kRadius,    ///< The local radius: half the way to the opposite side of the object.
+  kEdge,      ///< The mean length of the surface's edges around.
+};
+
+struct LayerOptions {
+  std::vector<std::string> patches = {};  ///< On which layers grow; empty: all walls.
+  double first_height = 0;   ///< Of the layer next to the surface, > 0; in mm, or times the scale.
+  double growth = 1.2;       ///< Height of each layer through that before, >= 1 where count is 0.
+  double growth_rise = 1;    ///< Factor of the growth itself per layer, from the sixth layer on, >= 1.
+  double most_growth = 1.5;  ///< Bound of the growth that rises.
+  int count = 0;             ///< Of layers, 1 to 200; 0: as many as the thickness asks for.
+  double thickness = 0;      ///< Of all layers together, met exactly; 0: as the count makes it.
+  HeightScale scale = HeightScale::kAbsolute;
+  LayerCells cells = LayerCells::kTetrahedra;
+  Label label = 0;  ///< Of the layers; 0: one more than the largest of the mesh.
+  std::string label_name = "wall";
+
+  void validate() const;  ///< Throws Error{kBadInput} that names the field.
+};
+
+/// Why a column of layers is thinner than was asked for.
+enum class LayerLimit : std::uint8_t {
+  kNone,
+  kOtherSide,  ///< Another part of the surface is near: the layers of both would meet.
+  kRidge,      ///< No direction sees all triangles around.
+  kShape,      ///< Cells would turn over or become poor.
+  kSkin,       ///< The outer skin would cut itself or another part of the surface.
+  kNeighbour,  ///< Heights change gradually; a column nearby is limited.
+};
+inline constexpr std::size_t kLayerLimits = 6;
+[[nodiscard]] const char* name_of(LayerLimit limit);
+
+/// What was achieved on one patch.
+struct LayerCoverage {
+  std::string patch;
+  double area_mm2 = 0;
+  double wanted_mm = 0, achieved_mm = 0;  ///< Thickness, the mean over the area.
+  double least_mm = 0;                    ///< Of all its columns.
+  double complete = 0;                    ///< Share of the area whose columns have 98 % of the height wanted.
+  double bare = 0;                        ///< Share of the area without layers.
+  std::array<double, kLayerLimits> limited = {};  ///< Shares of the area by reason, kNone left out.
+  struct Place {
+    Vec3 at = Vec3::Zero();
+    double achieved = 0;  ///< Share of the thickness wanted.
+    LayerLimit why = LayerLimit::kNone;
+  };
+  std::vector<Place> worst;  ///< A few, apart from each other.
+};
+
+struct LayerReport {
+  int layers = 0;
+  std::vector<double> heights;  ///< Of each layer of a complete column, in mm or times the scale.
+  std::vector<LayerCoverage> patches;
+  std::uint64_t cells = 0;
+  [[nodiscard]] double complete() const;  ///< Share of the area of all patches.
+};
+
+struct LayerResult {
+  MixedMesh mesh;  ///< The input's points, cells and faces first, then those of the layers.
+  LayerReport report;
+};
+
+/// Grows layers out of a mesh, on its frozen surface: the input stays as it is, vertices of the surface are
+/// shared, and all of it is one conforming mesh.
+///
+/// Every vertex of the patches gets a direction that sees all triangles around it, smoothed over the surface;
+/// at openings it lies in their plane, so that caps stay planar. Heights shrink smoothly where layers would
+/// meet, turn over or cut themselves: whole columns become shorter, to nothing where need be, and cells taper
+/// there. The mesh is valid whatever is asked for; the report says what was achieved.
+///
+/// Patches of the result: those of the input, where a patch with layers becomes an interface (its part
+/// without layers, if any, is "NAME_bare"); the skin "layer_outer"; the rings around openings "NAME_layer";
+/// "layer_side" where the layers end at other patches.
+///
+/// @param mesh  Compact. @throws Error{kBadInput} if a patch is not there, lies between labels, or none is
+/// named and there is no wall. Parallel inside, the same bits for every thread count. Source: algorithms as
+/// in Aubry and Löhner 2009 (most normal normals), Ma, Bae and Choi 2012 (shrinking balls), Marcum and
+/// Gaither (AFLR).
+[[nodiscard]] LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context);
+
+}  // namespace lumesh

@@ -1,0 +1,75 @@
+#include "bare.hpp"
+
+#include <algorithm>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::layers {
+namespace {
+
+class BareCheck {
+ public:
+  BareCheck(const LayerSurface& surface, const Columns& columns)
+      : surface_(surface), columns_(columns), is_bare_(surface.triangles.size()) {
+    parallel::for_each_index(is_bare_.size(), [&](std::size_t t) {
+      const Cell<3>& c = surface.triangles[t];
+      is_bare_[t] = std::all_of(c.begin(), c.end(), [&](std::uint32_t v) { return is_gone(v); }) ? 1 : 0;
+    });
+  }
+
+  [[nodiscard]] bool is_gone(std::uint32_t v) const { return columns_.fraction[v] == 0; }
+
+  /// Whether the layers touch themselves at a vertex without a column.
+  [[nodiscard]] bool pinches(std::uint32_t v) const {
+    std::size_t layered = 0, changes = 0, layered_ends = 0, ends = 0;
+    const auto around = surface_.triangles_around.of(v);
+    for (const std::uint32_t t : around) layered += is_bare_[t] == 0 ? 1 : 0;
+    for (const std::uint32_t w : surface_.neighbours.of(v)) {
+      std::size_t shared = 0, bare = 0;
+      for (const std::uint32_t t : around)
+        if (has(t, w)) ++shared, bare += is_bare_[t];
+      if (shared == 2 && bare == 0 && is_gone(w)) return true;  // Along the whole edge.
+      changes += shared == 2 && bare == 1 ? 1 : 0;
+      ends += shared == 1 ? 1 : 0;
+      layered_ends += shared == 1 && bare == 0 ? 1 : 0;
+    }
+    if (layered == 0) return false;
+    if (ends == 0) return changes != 2;
+    return changes + layered_ends > 2;
+  }
+
+ private:
+  [[nodiscard]] bool has(std::uint32_t t, std::uint32_t v) const {
+    const Cell<3>& c = surface_.triangles[t];
+    return std::find(c.begin(), c.end(), v) != c.end();
+  }
+
+  const LayerSurface& surface_;
+  const Columns& columns_;
+  std::vector<std::uint8_t> is_bare_;
+};
+
+}  // namespace
+
+bool keep_bare_manifold(const LayerSurface& surface, Columns& columns) {
+  const std::size_t count = surface.points.size();
+  for (bool changed = false;; changed = true) {
+    const BareCheck check(surface, columns);
+    std::vector<std::uint8_t> pinches(count);
+    parallel::for_each_index(count, [&](std::size_t v) {
+      const auto vertex = static_cast<std::uint32_t>(v);
+      pinches[v] = check.is_gone(vertex) && check.pinches(vertex) ? 1 : 0;
+    });
+    if (std::find(pinches.begin(), pinches.end(), 1) == pinches.end()) return changed;
+    parallel::for_each_index(count, [&](std::size_t v) {
+      const auto around = surface.neighbours.of(v);
+      if (columns.fraction[v] > 0 &&
+          std::any_of(around.begin(), around.end(), [&](std::uint32_t w) { return pinches[w] != 0; })) {
+        columns.fraction[v] = 0;
+        columns.limit[v] = LayerLimit::kNeighbour;
+      }
+    });
+  }
+}
+
+}  // namespace lumesh::layers

@@ -1,0 +1,15 @@
+#pragma once
+/// @file Places without layers, such that the layers' own surface stays a manifold.
+
+#include "heights.hpp"
+
+namespace lumesh::layers {
+
+/// Takes more columns away until what is without layers is made of whole triangles that do not touch in
+/// single vertices: around every vertex without a column the triangles with layers form one fan, and not a
+/// closed one; an edge without columns has a bare triangle. Else the layers' inner and outer surface would
+/// touch there.
+/// @return true if anything changed.
+bool keep_bare_manifold(const LayerSurface& surface, Columns& columns);
+
+}  // namespace lumesh::layers

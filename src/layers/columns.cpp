@@ -1,0 +1,115 @@
+#include "columns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "bare.hpp"
+#include "lumesh/geometry/predicates.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "prism.hpp"
+
+namespace lumesh::layers {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+/// The prisms over one triangle, as its three columns stand.
+class PrismCheck {
+ public:
+  PrismCheck(const Growth& growth, const Columns& columns) : growth_(growth), columns_(columns) {}
+
+  [[nodiscard]] bool is_good(std::uint32_t triangle) const {
+    const Cell<3>& c = growth_.surface.triangles[triangle];
+    const auto has_length = [&](std::size_t k) { return columns_.fraction[c[k]] > 0; };
+    if (!has_length(0) && !has_length(1) && !has_length(2)) return true;
+    const auto tets = tetrahedra_of_prism(c);
+    std::array<Vec3, 3> lower = ends(c, -1);
+    for (int k = 0; k < static_cast<int>(growth_.levels.size()); ++k) {
+      const std::array<Vec3, 3> upper = ends(c, k);
+      const double floor_deg = least_angle_deg(lower, upper);
+      for (const PrismTet& tet : tets)
+        if (has_length(doubled_column(tet)) && !is_good(tet, lower, upper, floor_deg)) return false;
+      if (!is_well_shaped(lower, upper)) return false;
+      lower = upper;
+    }
+    return true;
+  }
+
+ private:
+  [[nodiscard]] std::array<Vec3, 3> ends(const Cell<3>& c, int k) const {
+    return {growth_.point(columns_, c[0], k), growth_.point(columns_, c[1], k),
+            growth_.point(columns_, c[2], k)};
+  }
+  static bool is_good(const PrismTet& tet, const std::array<Vec3, 3>& lower, const std::array<Vec3, 3>& upper,
+                      double floor_deg) {
+    const auto corner = [&](std::size_t i) -> const Vec3& {
+      return (tet[i].upper != 0 ? upper : lower)[tet[i].column];
+    };
+    if (orient3d(corner(0), corner(1), corner(2), corner(3)) <= 0) return false;
+    const DihedralCosines angles = min_max_dihedral(corner(0), corner(1), corner(2), corner(3));
+    const double least = std::cos(floor_deg * kRadPerDeg);
+    return angles.largest_cosine <= least && angles.smallest_cosine >= -least;
+  }
+  /// Cells as flat as the layer itself are what was asked for; much flatter ones, or less than a few degrees,
+  /// are not.
+  static double least_angle_deg(const std::array<Vec3, 3>& lower, const std::array<Vec3, 3>& upper) {
+    constexpr double kFloor = 2.5, kShareOfLayer = 0.3;
+    double height = std::numeric_limits<double>::infinity(), width = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double length = (upper[k] - lower[k]).norm();
+      if (length > 0) height = std::min(height, length);
+      width = std::max(width, (lower[(k + 1) % 3] - lower[k]).norm());
+    }
+    return std::min(kFloor, kShareOfLayer * std::atan2(height, width) / kRadPerDeg);
+  }
+  static bool is_well_shaped(const std::array<Vec3, 3>& lower, const std::array<Vec3, 3>& upper) {
+    constexpr double kLeastCosine = 0.5, kLeastArea = 0.25, kLeastSlope = 0.2;
+    const Vec3 below = triangle_area_normal(lower[0], lower[1], lower[2]),
+               above = triangle_area_normal(upper[0], upper[1], upper[2]);
+    const double area_below = below.norm(), area_above = above.norm();
+    if (!(below.dot(above) >= kLeastCosine * area_below * area_above)) return false;
+    if (!(area_above >= kLeastArea * area_below)) return false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 side = upper[k] - lower[k];
+      if (side.isZero(0)) continue;
+      if (!(side.dot(below) >= kLeastSlope * side.norm() * area_below)) return false;
+    }
+    return true;
+  }
+
+  const Growth& growth_;
+  const Columns& columns_;
+};
+
+}  // namespace
+
+void keep_cells_well_shaped(const Growth& growth, Columns& columns) {
+  constexpr double kShorter = 0.75;
+  constexpr int kPatientRounds = 15;
+  const LayerSurface& surface = growth.surface;
+  for (int round = 0;; ++round) {  // Ends: every round shortens, in the end to nothing.
+    const PrismCheck check(growth, columns);
+    std::vector<std::uint8_t> is_bad(surface.triangles.size());
+    parallel::for_each_index(is_bad.size(), [&](std::size_t t) {
+      is_bad[t] = check.is_good(static_cast<std::uint32_t>(t)) ? 0 : 1;
+    });
+    if (std::find(is_bad.begin(), is_bad.end(), 1) == is_bad.end()) {
+      if (!keep_bare_manifold(surface, columns)) return;
+      continue;
+    }
+    const double factor = round < kPatientRounds ? kShorter : 0;
+    parallel::for_each_index(surface.points.size(), [&](std::size_t v) {
+      const auto around = surface.triangles_around.of(v);
+      if (std::any_of(around.begin(), around.end(), [&](std::uint32_t t) { return is_bad[t] != 0; }))
+        columns.shorten(v, factor * columns.length_mm(v), LayerLimit::kShape);
+    });
+    // To nothing only what has to be, or one bad triangle would take its whole surroundings along.
+    if (round < kPatientRounds) smooth_lengths(surface, columns);
+  }
+}
+
+}  // namespace lumesh::layers

@@ -1,0 +1,133 @@
+#include "directions.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::layers {
+namespace {
+
+constexpr double kLeastVisible = 0.05;  // Of the cosine between a direction and the normals around.
+constexpr double kSharp = 0.7;          // Below this the mean normal is not good enough.
+
+std::vector<Vec3> normals_of(const LayerSurface& surface) {
+  std::vector<Vec3> normals(surface.triangles.size());
+  parallel::for_each_index(normals.size(), [&](std::size_t t) {
+    const Cell<3>& c = surface.triangles[t];
+    normals[t] = triangle_normal(surface.points[c[0]], surface.points[c[1]], surface.points[c[2]]);
+  });
+  return normals;
+}
+
+double angle_at(const LayerSurface& surface, std::uint32_t triangle, std::uint32_t v) {
+  const Cell<3>& c = surface.triangles[triangle];
+  const std::size_t k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
+  const Vec3 a = (surface.points[c[(k + 1) % 3]] - surface.points[v]).normalized(),
+             b = (surface.points[c[(k + 2) % 3]] - surface.points[v]).normalized();
+  return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
+}
+
+class DirectionFinder {
+ public:
+  explicit DirectionFinder(const LayerSurface& surface) : surface_(surface), normals_(normals_of(surface)) {}
+
+  Directions find() {
+    constexpr int kSweeps = 10;
+    const std::size_t count = surface_.points.size();
+    Directions found{std::vector<Vec3>(count), std::vector<double>(count, 1)};
+    parallel::for_each_index(
+        count, [&](std::size_t v) { found.of[v] = first_direction(v); }, 64);
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      std::vector<Vec3> next(count);
+      parallel::for_each_index(count, [&](std::size_t v) { next[v] = smoothed(v, found.of); });
+      found.of.swap(next);
+    }
+    parallel::for_each_index(count, [&](std::size_t v) { found.stretch[v] = stretch(v, found.of[v]); });
+    return found;
+  }
+
+ private:
+  /// Least cosine with the normals around.
+  [[nodiscard]] double visible(std::size_t v, const Vec3& direction) const {
+    double least = 1;
+    for (const std::uint32_t t : surface_.triangles_around.of(v))
+      least = std::min(least, normals_[t].dot(direction));
+    return least;
+  }
+
+  [[nodiscard]] Vec3 first_direction(std::size_t v) const {
+    const RimPlanes& planes = surface_.planes[v];
+    Vec3 sum = Vec3::Zero();
+    for (const std::uint32_t t : surface_.triangles_around.of(v))
+      sum += angle_at(surface_, t, static_cast<std::uint32_t>(v)) * normals_[t];
+    Vec3 direction = planes.project(sum);
+    if (direction.squaredNorm() > 0) direction.normalize();
+    double seen = direction.isZero(0) ? -1 : visible(v, direction);
+    if (seen < kSharp) {
+      std::vector<Vec3> around;
+      for (const std::uint32_t t : surface_.triangles_around.of(v))
+        around.push_back(planes.project(normals_[t]));
+      const Vec3 best = most_normal_direction(around);
+      const double best_seen = best.isZero(0) ? -1 : visible(v, best);
+      if (best_seen > seen) direction = best, seen = best_seen;
+    }
+    return seen > kLeastVisible ? direction : Vec3(Vec3::Zero());
+  }
+
+  [[nodiscard]] Vec3 smoothed(std::size_t v, const std::vector<Vec3>& of) const {
+    if (of[v].isZero(0)) return of[v];
+    Vec3 sum = Vec3::Zero();
+    const auto around = surface_.neighbours.of(v);
+    for (const std::uint32_t w : around) sum += of[w];
+    const Vec3 wished = surface_.planes[v].project(of[v] + sum / static_cast<double>(around.size()));
+    if (!(wished.norm() > 0.1)) return of[v];
+    const Vec3 direction = wished.normalized();
+    const double before = visible(v, of[v]);
+    return visible(v, direction) >= std::min(before, kSharp) ? direction : of[v];
+  }
+
+  [[nodiscard]] double stretch(std::size_t v, const Vec3& direction) const {
+    if (direction.isZero(0)) return 1;
+    double sum = 0, weights = 0;
+    for (const std::uint32_t t : surface_.triangles_around.of(v)) {
+      const double weight = angle_at(surface_, t, static_cast<std::uint32_t>(v));
+      sum += weight * normals_[t].dot(direction);
+      weights += weight;
+    }
+    return std::min(2.0, weights / std::max(sum, 1e-9));
+  }
+
+  const LayerSurface& surface_;
+  std::vector<Vec3> normals_;
+};
+
+}  // namespace
+
+Vec3 most_normal_direction(std::span<const Vec3> normals) {
+  constexpr int kMostSteps = 200;
+  constexpr double kTolerance = 1e-6;
+  if (normals.empty()) return Vec3::Zero();
+  Vec3 nearest = Vec3::Zero();
+  for (const Vec3& n : normals) nearest += n / static_cast<double>(normals.size());
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Vec3 farthest =
+        *std::min_element(normals.begin(), normals.end(),
+                          [&](const Vec3& a, const Vec3& b) { return a.dot(nearest) < b.dot(nearest); });
+    const Vec3 towards = farthest - nearest;
+    const double gain = -nearest.dot(towards), length = towards.squaredNorm();
+    if (!(gain > kTolerance * nearest.squaredNorm()) || !(length > 0)) break;
+    nearest += std::min(1.0, gain / length) * towards;
+  }
+  constexpr double kNoDirection = 1e-3;
+  const bool sees_all =
+      std::all_of(normals.begin(), normals.end(), [&](const Vec3& n) { return n.dot(nearest) > 0; });
+  return sees_all && nearest.norm() > kNoDirection ? Vec3(nearest.normalized()) : Vec3(Vec3::Zero());
+}
+
+Directions marching_directions(const LayerSurface& surface) {
+  return DirectionFinder(surface).find();
+}
+
+}  // namespace lumesh::layers

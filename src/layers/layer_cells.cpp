@@ -1,0 +1,186 @@
+#include "layer_cells.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "prism.hpp"
+
+namespace lumesh::layers {
+namespace {
+
+/// Adds the layers to a copy of the mesh.
+class LayerBuilder {
+ public:
+  LayerBuilder(const TetMesh& mesh, const BoundaryFaces& faces, const std::vector<std::uint8_t>& layered,
+               const Growth& growth, const Columns& columns, const LayerOptions& options, Label label)
+      : mesh_(mesh),
+        faces_(faces),
+        layered_(layered),
+        growth_(growth),
+        surface_(growth.surface),
+        columns_(columns),
+        options_(options),
+        label_(label),
+        layers_(static_cast<int>(growth.levels.size())) {}
+
+  MixedMesh build() {
+    copy_mesh();
+    add_points();
+    copy_faces();
+    for (std::uint32_t t = 0; t < surface_.triangles.size(); ++t) add_column(t);
+    for (const RimEdge& edge : surface_.rim) add_side(edge);
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] bool has_length(std::uint32_t v) const { return columns_.fraction[v] > 0; }
+  [[nodiscard]] bool is_bare(const Cell<3>& c) const {
+    return !has_length(c[0]) && !has_length(c[1]) && !has_length(c[2]);
+  }
+  /// Number of the upper end of layer k of a column.
+  [[nodiscard]] std::uint32_t point(std::uint32_t v, int k) const {
+    return k < 0 || !has_length(v) ? surface_.vertices[v] : first_[v] + static_cast<std::uint32_t>(k);
+  }
+
+  void copy_mesh() {
+    const MeshView view = mesh_.view(faces_);
+    out_.points.assign(view.points.begin(), view.points.end());
+    out_.tetrahedra.assign(view.tetrahedra.begin(), view.tetrahedra.end());
+    out_.tetrahedron_labels.assign(view.tetrahedron_labels.begin(), view.tetrahedron_labels.end());
+    out_.info = mesh_.info();
+    if (!options_.label_name.empty()) out_.info.label_names[label_] = options_.label_name;
+  }
+  void add_points() {
+    first_.assign(surface_.points.size(), 0);
+    for (std::uint32_t v = 0; v < surface_.points.size(); ++v) {
+      if (!has_length(v)) continue;
+      first_[v] = static_cast<std::uint32_t>(out_.points.size());
+      for (int k = 0; k < layers_; ++k) out_.points.push_back(growth_.point(columns_, v, k));
+    }
+  }
+
+  std::int32_t patch_named(const std::string& name, PatchKind kind, std::array<Label, 2> labels) {
+    const auto [place, is_new] =
+        patch_numbers_.try_emplace(name, static_cast<std::int32_t>(out_.info.patches.size()));
+    if (is_new) out_.info.patches.push_back({name, kind, labels});
+    return place->second;
+  }
+  /// Faces of the mesh; those under layers are between labels now. Parts of a patch that stay bare get a
+  /// patch of their own.
+  void copy_faces() {
+    std::size_t next = 0;
+    for (std::size_t f = 0; f < faces_.triangles.size(); ++f) {
+      const std::int32_t patch = faces_.patches[f];
+      const auto p = static_cast<std::size_t>(patch);
+      if (layered_[p] == 0) {
+        add_face(faces_.triangles[f], patch);
+        continue;
+      }
+      const bool bare = is_bare(surface_.triangles[next++]);
+      const std::array<Label, 2> labels = mesh_.info().patches[p].labels;
+      const Label inside = std::max(labels[0], labels[1]);
+      if (!bare) {
+        out_.info.patches[p].kind = PatchKind::kInterface;
+        out_.info.patches[p].labels = {std::min(inside, label_), std::max(inside, label_)};
+      }
+      const std::string name = mesh_.info().patches[p].name + "_bare";
+      add_face(faces_.triangles[f], bare ? patch_named(name, PatchKind::kWall, labels) : patch);
+    }
+  }
+  void add_face(const Cell<3>& c, std::int32_t patch) {
+    out_.triangles.push_back(c);
+    out_.triangle_patches.push_back(patch);
+  }
+
+  void add_column(std::uint32_t t) {
+    const Cell<3>& c = surface_.triangles[t];
+    if (is_bare(c)) return;
+    const auto tets = tetrahedra_of_prism(c);
+    for (int k = 0; k < layers_; ++k) {
+      if (options_.cells == LayerCells::kPrisms)
+        add_prism(c, k);
+      else
+        for (const PrismTet& tet : tets) add_tet(c, tet, k);
+    }
+    const std::int32_t skin = patch_named("layer_outer", PatchKind::kWall, {label_, kBackground});
+    add_face({point(c[0], layers_ - 1), point(c[1], layers_ - 1), point(c[2], layers_ - 1)}, skin);
+  }
+  void add_tet(const Cell<3>& c, const PrismTet& tet, int k) {
+    if (!has_length(c[doubled_column(tet)])) return;
+    Cell<4> corners;
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = point(c[tet[i].column], tet[i].upper != 0 ? k : k - 1);
+    out_.tetrahedra.push_back(corners);
+    out_.tetrahedron_labels.push_back(label_);
+  }
+  /// A prism, or the pyramid or tetrahedron that is left where columns have no length.
+  void add_prism(Cell<3> c, int k) {
+    const auto columns = std::count_if(c.begin(), c.end(), [&](std::uint32_t v) { return has_length(v); });
+    const auto turn_until = [&](const auto& good) {
+      while (!good()) std::rotate(c.begin(), c.begin() + 1, c.end());
+    };
+    const auto low = [&](std::size_t i) { return point(c[i], k - 1); };
+    const auto up = [&](std::size_t i) { return point(c[i], k); };
+    if (columns == 3) {
+      out_.prisms.push_back({low(0), low(2), low(1), up(0), up(2), up(1)});
+      out_.prism_labels.push_back(label_);
+    } else if (columns == 2) {
+      turn_until([&] { return !has_length(c[2]); });
+      out_.pyramids.push_back({low(0), up(0), up(1), low(1), low(2)});
+      out_.pyramid_labels.push_back(label_);
+    } else {
+      turn_until([&] { return has_length(c[0]); });
+      out_.tetrahedra.push_back({low(0), low(1), low(2), up(0)});
+      out_.tetrahedron_labels.push_back(label_);
+    }
+  }
+
+  /// The faces of the layers over an edge of the rim, seen from outside anticlockwise.
+  void add_side(const RimEdge& edge) {
+    if (!has_length(edge.a) && !has_length(edge.b)) return;
+    const bool is_ring =
+        edge.patch >= 0 && surface_.planes[edge.a].count > 0 &&
+        mesh_.info().patches[static_cast<std::size_t>(edge.patch)].kind == PatchKind::kOpening;
+    const std::string of = is_ring ? mesh_.info().patches[static_cast<std::size_t>(edge.patch)].name : "";
+    const std::int32_t patch = is_ring
+                                   ? patch_named(of + "_layer", PatchKind::kOpening, {label_, kBackground})
+                                   : patch_named("layer_side", PatchKind::kWall, {label_, kBackground});
+    for (int k = 0; k < layers_; ++k) add_side(edge, k, patch);
+  }
+  void add_side(const RimEdge& edge, int k, std::int32_t patch) {
+    const std::uint32_t a = point(edge.a, k - 1), b = point(edge.b, k - 1), up_a = point(edge.a, k),
+                        up_b = point(edge.b, k);
+    if (has_length(edge.a) && has_length(edge.b) && options_.cells == LayerCells::kPrisms) {
+      out_.quadrilaterals.push_back({a, b, up_b, up_a});
+      out_.quadrilateral_patches.push_back(patch);
+      return;
+    }
+    if (!has_length(edge.a)) return add_face({a, b, up_b}, patch);
+    if (!has_length(edge.b)) return add_face({a, b, up_a}, patch);
+    const bool from_a = edge.a < edge.b;  // Diagonals as those of tetrahedra_of_prism().
+    add_face({a, b, from_a ? up_b : up_a}, patch);
+    add_face({from_a ? a : b, up_b, up_a}, patch);
+  }
+
+  const TetMesh& mesh_;
+  const BoundaryFaces& faces_;
+  const std::vector<std::uint8_t>& layered_;
+  const Growth& growth_;
+  const LayerSurface& surface_;
+  const Columns& columns_;
+  const LayerOptions& options_;
+  Label label_;
+  int layers_;
+  std::vector<std::uint32_t> first_;  // Of each column's own points.
+  std::map<std::string, std::int32_t> patch_numbers_;
+  MixedMesh out_;
+};
+
+}  // namespace
+
+MixedMesh with_layers(const TetMesh& mesh, const BoundaryFaces& faces,
+                      const std::vector<std::uint8_t>& layered, const Growth& growth, const Columns& columns,
+                      const LayerOptions& options, Label label) {
+  return LayerBuilder(mesh, faces, layered, growth, columns, options, label).build();
+}
+
+}  // namespace lumesh::layers

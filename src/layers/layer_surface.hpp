@@ -1,0 +1,53 @@
+#pragma once
+/// @file The surface that layers grow on: its triangles, what lies around each vertex, and its rim.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lumesh/mesh/tet_mesh.hpp"
+
+namespace lumesh::layers {
+
+/// Lists of numbers, one for each of some items.
+struct Lists {
+  std::vector<std::uint32_t> starts, items;
+  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t i) const {
+    return std::span(items).subspan(starts[i], starts[i + 1] - starts[i]);
+  }
+};
+
+/// An edge that only one triangle of the surface has, in that triangle's sense.
+struct RimEdge {
+  std::uint32_t a = 0, b = 0;
+  std::int32_t patch = -1;  ///< Of the mesh's face on its other side.
+};
+
+/// Planes that a vertex of the rim may not leave; none elsewhere.
+struct RimPlanes {
+  int count = 0;
+  std::array<Vec3, 2> normals = {Vec3::Zero(), Vec3::Zero()};  ///< Orthonormal.
+
+  /// The part of a direction that lies in all of them; zero where they leave no direction.
+  [[nodiscard]] Vec3 project(const Vec3& x) const;
+  /// One more plane; beyond two, directions are none.
+  void add(const Vec3& normal);
+};
+
+struct LayerSurface {
+  std::vector<std::uint32_t> vertices;  ///< Of the mesh, ascending; numbers below are places in this list.
+  std::vector<Vec3> points;
+  std::vector<Cell<3>> triangles;  ///< Anticlockwise seen from where the layers grow.
+  std::vector<std::int32_t> patches;
+  std::vector<RimEdge> rim;
+  std::vector<RimPlanes> planes;  ///< One per vertex.
+  Lists triangles_around, neighbours;
+  std::vector<Cell<3>> others;  ///< The other triangles of the mesh's outside, by vertices of the mesh.
+};
+
+/// The triangles of these patches. @param layered  One flag per patch of the mesh.
+[[nodiscard]] LayerSurface surface_of(const TetMesh& mesh, const BoundaryFaces& faces,
+                                      const std::vector<std::uint8_t>& layered);
+
+}  // namespace lumesh::layers

@@ -1,0 +1,142 @@
+#include "lumesh/layers/layers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coverage.hpp"
+#include "layer_cells.hpp"
+#include "lumesh/core/error.hpp"
+
+namespace lumesh {
+namespace {
+
+using namespace layers;
+
+/// One flag per patch of the mesh.
+std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector<std::string>& names) {
+  std::vector<std::uint8_t> chosen(info.patches.size(), 0);
+  for (const std::string& name : names) {
+    const auto found = std::find_if(info.patches.begin(), info.patches.end(),
+                                    [&](const Patch& patch) { return patch.name == name; });
+    if (found == info.patches.end()) {
+      std::string known;
+      for (const Patch& patch : info.patches) known += " " + patch.name;
+      throw Error(ErrorKind::kBadInput, fmt::format("there is no patch {}; it has:{}", name, known));
+    }
+    if (found->kind == PatchKind::kInterface)
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("patch {} lies between two labels, where layers have no free "
+                              "side; choose a patch of the outside",
+                              name));
+    chosen[static_cast<std::size_t>(found - info.patches.begin())] = 1;
+  }
+  if (names.empty())
+    for (std::size_t p = 0; p < chosen.size(); ++p)
+      chosen[p] = info.patches[p].kind == PatchKind::kWall ? 1 : 0;
+  return chosen;
+}
+
+Label label_of_layers(const TetMesh& mesh, Label wanted) {
+  if (wanted != 0) return wanted;
+  Label largest = 0;
+  for (const Label label : mesh.labels()) largest = std::max(largest, label);
+  return largest + 1;
+}
+
+std::vector<double> differences_of(const std::vector<double>& sums) {
+  std::vector<double> heights = sums;
+  for (std::size_t k = heights.size() - 1; k > 0; --k) heights[k] -= heights[k - 1];
+  return heights;
+}
+
+}  // namespace
+
+void LayerOptions::validate() const {
+  const auto check = [](bool good, const char* message) {
+    if (!good) throw Error(ErrorKind::kBadInput, message);
+  };
+  check(std::isfinite(first_height) && first_height > 0, "the first height must be a number above 0");
+  check(count >= 0 && count <= 200, "the number of layers must lie between 1 and 200");
+  check(std::isfinite(thickness) && thickness >= 0, "the thickness must be a number above 0");
+  check(count > 0 || thickness > 0, "give the number of layers or their thickness");
+  check(std::isfinite(growth) && growth > 0, "the growth must be a number above 0");
+  check(growth >= 1 || count > 0, "a growth below 1 needs the number of layers");
+  check(growth_rise >= 1 && std::isfinite(growth_rise), "the rise of the growth must be 1 or more");
+  check(std::isfinite(most_growth) && most_growth > 0, "the largest growth must be a number above 0");
+  if (thickness > 0 && thickness < first_height)
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("the thickness {:g} of all layers is less than the first height {:g}", thickness,
+                            first_height));
+}
+
+const char* name_of(LayerLimit limit) {
+  constexpr std::array<const char*, kLayerLimits> kNames = {"none",
+                                                            "near another part of the surface",
+                                                            "ridge",
+                                                            "poor cells",
+                                                            "skin would cut itself",
+                                                            "next to a shorter column"};
+  return kNames[static_cast<std::size_t>(limit)];
+}
+
+double LayerReport::complete() const {
+  double area = 0, sum = 0;
+  for (const LayerCoverage& patch : patches) {
+    area += patch.area_mm2;
+    sum += patch.area_mm2 * patch.complete;
+  }
+  return area > 0 ? sum / area : 0;
+}
+
+namespace {
+
+/// Layers thicker than the whole mesh are a slip, mostly of units.
+void refuse_huge(const LayerSurface& surface, const Columns& columns, double thickness) {
+  Vec3 low = surface.points.front(), high = low;
+  for (const Vec3& p : surface.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const double least = *std::min_element(columns.wanted_mm.begin(), columns.wanted_mm.end());
+  if (least > (high - low).norm())
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("layers {:g} thick are more than the surface is wide ({:.4g} mm); heights are in mm, or "
+                    "multiples of what they are relative to",
+                    thickness, (high - low).norm()));
+}
+
+}  // namespace
+
+LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context) {
+  options.validate();
+  const std::vector<std::uint8_t> layered = chosen_patches(mesh.info(), options.patches);
+  const BoundaryFaces faces = mesh.boundary_faces();
+  const LayerSurface surface = context.phase("surface", [&] { return surface_of(mesh, faces, layered); });
+  if (surface.triangles.empty())
+    throw Error(ErrorKind::kBadInput, "no patch for layers has a triangle; name one with --patch");
+  const std::vector<double> heights = height_schedule(options);
+  const Outside outside = context.phase("tree", [&] { return Outside(mesh, faces); });
+  const Directions directions = context.phase("directions", [&] { return marching_directions(surface); });
+  Columns columns = context.phase("heights", [&] {
+    Columns wanted = wanted_columns(surface, directions, options, heights.back(), outside);
+    refuse_huge(surface, wanted, heights.back());
+    keep_from_other_sides(surface, directions, outside, wanted);
+    smooth_lengths(surface, wanted);
+    return wanted;
+  });
+  Growth growth{surface, directions, heights};
+  for (double& level : growth.levels) level /= heights.back();
+  context.phase("shape", [&] { keep_cells_well_shaped(growth, columns); });
+  context.phase("skin", [&] { keep_skin_simple(growth, mesh, columns); });
+  LayerResult result;
+  result.mesh = context.phase("cells", [&] {
+    return with_layers(mesh, faces, layered, growth, columns, options, label_of_layers(mesh, options.label));
+  });
+  result.report.layers = static_cast<int>(heights.size());
+  result.report.heights = differences_of(heights);
+  result.report.patches = coverage_of(mesh, surface, columns);
+  result.report.cells = result.mesh.view().cell_count() - mesh.tet_count();
+  return result;
+}
+
+}  // namespace lumesh

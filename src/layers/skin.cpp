@@ -1,0 +1,108 @@
+#include <algorithm>
+
+#include "columns.hpp"
+#include "lumesh/geometry/triangle_intersection.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::layers {
+namespace {
+
+/// The outer skin, the surface under it and the rest of the outside, as triangles in space.
+class Skin {
+ public:
+  Skin(const Growth& growth, const Columns& columns, const TetMesh& mesh)
+      : surface_(growth.surface), layers_(static_cast<int>(growth.levels.size())) {
+    const std::size_t count = surface_.points.size();
+    for (std::size_t v = 0; v < count; ++v) points_.push_back(growth.point(columns, v, layers_ - 1));
+    has_layers_.resize(surface_.triangles.size());
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
+      const Cell<3>& c = surface_.triangles[t];
+      has_layers_[t] =
+          std::any_of(c.begin(), c.end(), [&](std::uint32_t v) { return columns.fraction[v] > 0; }) ? 1 : 0;
+      triangles_.push_back(c);
+      columns_.push_back({surface_.vertices[c[0]], surface_.vertices[c[1]], surface_.vertices[c[2]]});
+    }
+    const auto base = static_cast<std::uint32_t>(count);
+    points_.insert(points_.end(), surface_.points.begin(), surface_.points.end());
+    for (const Cell<3>& c : surface_.triangles) {
+      triangles_.push_back({c[0] + base, c[1] + base, c[2] + base});
+      columns_.push_back({surface_.vertices[c[0]], surface_.vertices[c[1]], surface_.vertices[c[2]]});
+    }
+    for (const Cell<3>& c : surface_.others) {
+      const auto first = static_cast<std::uint32_t>(points_.size());
+      for (const std::uint32_t v : c) points_.push_back(mesh.point(VertexId(v)));
+      triangles_.push_back({first, first + 1, first + 2});
+      columns_.push_back(c);
+    }
+  }
+
+  /// One flag per column of the surface: whether a triangle of the skin over it cuts something.
+  [[nodiscard]] std::vector<std::uint8_t> columns_that_cut() const {
+    const TriangleTree tree(points_, triangles_);
+    std::vector<std::uint8_t> flags(surface_.points.size(), 0);
+    parallel::for_each_index(
+        surface_.triangles.size(),
+        [&](std::size_t t) {
+          if (has_layers_[t] == 0) return;
+          for (const std::uint32_t other : cut_by(tree, static_cast<std::uint32_t>(t))) {
+            raise_at(t, flags);
+            if (other < surface_.triangles.size()) raise_at(other, flags);
+          }
+        },
+        64);
+    return flags;
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::uint32_t> cut_by(const TriangleTree& tree, std::uint32_t t) const {
+    const auto corner = [&](std::uint32_t of, std::size_t k) -> const Vec3& {
+      return points_[triangles_[of][k]];
+    };
+    const Vec3 low = corner(t, 0).cwiseMin(corner(t, 1)).cwiseMin(corner(t, 2)),
+               high = corner(t, 0).cwiseMax(corner(t, 1)).cwiseMax(corner(t, 2));
+    std::vector<std::uint32_t> found = tree.overlapping(low, high);
+    std::erase_if(found, [&](std::uint32_t other) {
+      if (other == t || shares_column(t, other)) return true;
+      if (other < surface_.triangles.size() && has_layers_[other] == 0)
+        return true;  // It is the surface there.
+      return !triangles_meet({corner(t, 0), corner(t, 1), corner(t, 2)},
+                             {corner(other, 0), corner(other, 1), corner(other, 2)});
+    });
+    return found;
+  }
+  /// Neighbours touch by construction; whether they fold is the cells' matter.
+  [[nodiscard]] bool shares_column(std::uint32_t a, std::uint32_t b) const {
+    return std::any_of(columns_[a].begin(), columns_[a].end(), [&](std::uint32_t v) {
+      return std::find(columns_[b].begin(), columns_[b].end(), v) != columns_[b].end();
+    });
+  }
+  void raise_at(std::size_t t, std::vector<std::uint8_t>& flags) const {
+    for (const std::uint32_t v : surface_.triangles[t]) parallel::raise(flags[v]);
+  }
+
+  const LayerSurface& surface_;
+  int layers_;
+  std::vector<Vec3> points_;
+  std::vector<Cell<3>> triangles_;  // Of the skin, then of the surface, then of the rest.
+  std::vector<Cell<3>> columns_;    // The mesh's vertices under the corners.
+  std::vector<std::uint8_t> has_layers_;
+};
+
+}  // namespace
+
+void keep_skin_simple(const Growth& growth, const TetMesh& mesh, Columns& columns) {
+  constexpr double kShorter = 0.7;
+  constexpr int kPatientRounds = 12;
+  for (int round = 0;; ++round) {  // Ends: as for cells.
+    const std::vector<std::uint8_t> cuts = Skin(growth, columns, mesh).columns_that_cut();
+    if (std::find(cuts.begin(), cuts.end(), 1) == cuts.end()) return;
+    const double factor = round < kPatientRounds ? kShorter : 0;
+    parallel::for_each_index(cuts.size(), [&](std::size_t v) {
+      if (cuts[v] != 0) columns.shorten(v, factor * columns.length_mm(v), LayerLimit::kSkin);
+    });
+    if (round < kPatientRounds) smooth_lengths(growth.surface, columns);
+    keep_cells_well_shaped(growth, columns);
+  }
+}
+
+}  // namespace lumesh::layers

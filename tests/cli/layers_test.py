@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""`lumesh layers`: what it makes of a vessel, what it says of it, and what it refuses.
+
+Usage: layers_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input.
+"""
+import json
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from cube import cube, write_medit
+from program import BAD_INPUT, USAGE, MeshTest
+
+
+class LayersTest(MeshTest):
+    def setUp(self):
+        super().setUp()
+        self.mesh = self.folder / "cube.mesh"
+        points, tetrahedra, triangles = cube(4)
+        write_medit(self.mesh, points, tetrahedra, triangles)
+
+    def vessel(self):
+        image, mesh = self.folder / "b.nrrd", self.folder / "b.vtu"
+        self.run_well("phantom", "bifurcation", "--size", 88, 64, 80, "--spacing", 0.3, "-o", image)
+        self.run_well("lattice", image, "-o", mesh)
+        return mesh
+
+    def test_grows_named_layers_and_says_what_it_achieved(self):
+        numbers = self.folder / "layers.json"
+        result = self.run_well("layers", self.vessel(), "--patch", "wall", "--first-height", 0.1, "--growth", 1.2, "--count", 4,
+                               "--label", "vessel=7", "-o", self.out, "--json", numbers)
+        report = json.loads(numbers.read_text())
+        self.assertEqual(report["layers"], 4)
+        self.assertAlmostEqual(report["heights"][3], 0.1 * 1.2 ** 3)
+        wall = report["patches"][0]
+        self.assertEqual(wall["patch"], "wall")
+        self.assertGreater(wall["complete"], 0.85)
+        self.assertAlmostEqual(sum(wall["limited"].values()), 1 - wall["complete"], places=6)
+        self.assertIn("complete", result.stdout)
+        found = self.evaluate(self.out)
+        self.assertTrue(found["valid"])
+        names = {patch["name"] for patch in found["boundary"]["patches"]}
+        self.assertLessEqual({"wall", "layer_outer", "inlet_1", "inlet_1_layer"}, names)
+        self.assertEqual({label["label"] for label in found["labels"]}, {1, 7})
+
+    def test_prisms_of_a_cube_without_openings(self):
+        self.run_well("layers", self.mesh, "--blds", 0.02, "--nbl", 3, "--cells", "prisms", "-o", self.out)
+        found = self.evaluate(self.out)
+        self.assertEqual(found["prisms"], 3 * 6 * 2 * 4 * 4)
+
+    def test_the_same_bits_for_every_number_of_threads(self):
+        outputs = []
+        mesh = self.vessel()
+        for threads in (1, 2, 5):
+            out = self.folder / f"t{threads}.mesh"
+            self.run_well("layers", mesh, "--first-height", 0.3, "--count", 3, "--threads", threads, "-o", out)
+            outputs.append([line for line in out.read_text().splitlines() if not line.startswith("#")])
+        self.assertEqual(outputs[0], outputs[1])
+        self.assertEqual(outputs[0], outputs[2])
+
+    def test_refuses_what_cannot_be(self):
+        refused = [
+            (["--first-height", 1, "--count", 2, "--patch", "door"], "no patch door"),
+            (["--first-height", 0, "--count", 2], "first height"),
+            (["--first-height", -1, "--count", 2], "first height"),
+            (["--first-height", 1e9, "--count", 2], "more than the surface is wide"),
+            (["--first-height", 0.1], "number of layers or their thickness"),
+            (["--first-height", 0.1, "--growth", 0.9, "--thickness", 1], "growth below 1"),
+            (["--first-height", 0.1, "--count", 1000], "between 1 and 200"),
+            (["--first-height", 0.1, "--count", 2, "--label", "wall=x"], "NAME=NUMBER"),
+        ]
+        for arguments, words in refused:
+            with self.subTest(arguments):
+                self.assert_refused(self.run_lumesh("layers", self.mesh, "-o", self.out, *arguments), BAD_INPUT, words)
+        self.assert_refused(self.run_lumesh("layers", self.mesh, "-o", self.out, "--count", 2), USAGE, "--first-height")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,304 @@
+#include "lumesh/layers/layers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+
+#include "fixtures/images.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/lattice/lattice.hpp"
+#include "lumesh/mesh/validate.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+TetMesh meshed(const LabelImage& image) {
+  const ImageDomain domain(image, {});
+  Context context;
+  return TetMesh::build(mesh_lattice(image, domain, {}, context).mesh.view());
+}
+
+TetMesh ball(double radius_mm) {
+  const int size = static_cast<int>(2 * radius_mm) + 8;
+  const Vec3 centre = Vec3::Constant(0.5 * (size - 1));
+  return meshed(fixtures::voxels_of(fixtures::frame_of({size, size, size}), {0, 1},
+                                    [&](const Vec3& p) { return (p - centre).norm() < radius_mm ? 1 : 0; }));
+}
+
+constexpr double kTubeRadius = 10;
+
+/// Along z, open at both ends.
+TetMesh tube() {
+  return meshed(fixtures::voxels_of(fixtures::frame_of({40, 40, 50}), {0, 1}, [](const Vec3& p) {
+    return std::hypot(p.x() - 19.5, p.y() - 19.5) < kTubeRadius ? 1 : 0;
+  }));
+}
+
+LayerResult grown(const TetMesh& mesh, const LayerOptions& options) {
+  Context context;
+  return grow_layers(mesh, options, context);
+}
+
+double volume_of(const MixedMesh& mesh, Label label) {
+  for (const LabelBoundary& one : validate(mesh.view()).labels)
+    if (one.label == label) return one.volume;
+  return 0;
+}
+
+double area_of(const MixedMesh& mesh, const std::string& patch) {
+  double area = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Cell<3>& c = mesh.triangles[t];
+    if (mesh.info.patches[static_cast<std::size_t>(mesh.triangle_patches[t])].name == patch)
+      area +=
+          0.5 * (mesh.points[c[1]] - mesh.points[c[0]]).cross(mesh.points[c[2]] - mesh.points[c[0]]).norm();
+  }
+  return area;
+}
+
+/// Faces of cells of every shape that no other cell has, by their sorted corners.
+class Faces {
+ public:
+  explicit Faces(const MixedMesh& mesh) {
+    for (const Cell<4>& c : mesh.tetrahedra)
+      for (const auto& [i, j, k] : {std::array{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}})
+        add({at(c, i), at(c, j), at(c, k)});
+    for (const Cell<5>& c : mesh.pyramids) {
+      add({c[0], c[1], c[2], c[3]});
+      for (int i = 0; i < 4; ++i) add({at(c, i), at(c, (i + 1) % 4), c[4]});
+    }
+    for (const Cell<6>& c : mesh.prisms) {
+      add({c[0], c[1], c[2]}), add({c[3], c[4], c[5]});
+      for (int i = 0; i < 3; ++i) add({at(c, i), at(c, (i + 1) % 3), at(c, 3 + (i + 1) % 3), at(c, 3 + i)});
+    }
+  }
+  [[nodiscard]] int times(std::vector<std::uint32_t> face) const {
+    std::sort(face.begin(), face.end());
+    const auto found = times_.find(face);
+    return found == times_.end() ? 0 : found->second;
+  }
+  [[nodiscard]] std::size_t on_the_outside() const {
+    return static_cast<std::size_t>(
+        std::count_if(times_.begin(), times_.end(), [](const auto& one) { return one.second == 1; }));
+  }
+  [[nodiscard]] bool are_at_most_two() const {
+    return std::all_of(times_.begin(), times_.end(), [](const auto& one) { return one.second <= 2; });
+  }
+
+ private:
+  template <class Any>
+  static std::uint32_t at(const Any& c, int i) {
+    return c[static_cast<std::size_t>(i)];
+  }
+  void add(std::vector<std::uint32_t> face) {
+    std::sort(face.begin(), face.end());
+    ++times_[face];
+  }
+  std::map<std::vector<std::uint32_t>, int> times_;
+};
+
+/// Every face is shared by two cells or lies on the outside with a patch; interfaces between.
+void expect_conforming(const MixedMesh& mesh) {
+  const Faces faces(mesh);
+  EXPECT_TRUE(faces.are_at_most_two());
+  std::size_t outside = 0;
+  const auto look = [&](const auto& cells, const std::vector<std::int32_t>& patches) {
+    for (std::size_t f = 0; f < cells.size(); ++f) {
+      const bool between =
+          mesh.info.patches[static_cast<std::size_t>(patches[f])].kind == PatchKind::kInterface;
+      ASSERT_EQ(faces.times({cells[f].begin(), cells[f].end()}), between ? 2 : 1);
+      outside += between ? 0 : 1;
+    }
+  };
+  look(mesh.triangles, mesh.triangle_patches);
+  look(mesh.quadrilaterals, mesh.quadrilateral_patches);
+  EXPECT_EQ(outside, faces.on_the_outside());
+}
+
+TEST(Layers, OnABallFillAShell) {
+  const double radius = 15, thickness = 3;
+  const TetMesh mesh = ball(radius);
+  const LayerResult result = grown(mesh, {.first_height = 0.5, .count = 4, .thickness = thickness});
+  const ValidationReport report = validate(result.mesh.view());
+  ASSERT_TRUE(report.ok()) << report.text();
+  ASSERT_EQ(report.labels.size(), 2u);
+  const double inner = volume_of(result.mesh, 1), real = std::cbrt(inner / (4.0 / 3 * kPi));
+  EXPECT_NEAR(
+      volume_of(result.mesh, 2) / (4.0 / 3 * kPi * (std::pow(real + thickness, 3) - std::pow(real, 3))), 1,
+      0.01);
+  EXPECT_GT(result.report.complete(), 0.999);
+  EXPECT_EQ(result.report.layers, 4);
+  EXPECT_EQ(result.report.cells, 3 * 4 * mesh.boundary_faces().triangles.size());
+  EXPECT_NEAR(result.report.patches.at(0).achieved_mm, thickness, 0.02 * thickness);
+}
+
+TEST(Layers, TheFirstHeightHolds) {
+  const double radius = 15, first = 0.4;
+  const TetMesh mesh = ball(radius);
+  const Vec3 centre = Vec3::Constant(0.5 * (2 * radius + 7));
+  const LayerResult result = grown(mesh, {.first_height = first, .growth = 1.3, .count = 3});
+  const std::size_t columns = (result.mesh.points.size() - mesh.vertex_count()) / 3;
+  double sum = 0;
+  for (std::size_t v = 0; v < columns; ++v) {
+    const Vec3& lower = result.mesh.points[mesh.vertex_count() + 3 * v];
+    const Vec3& upper = result.mesh.points[mesh.vertex_count() + 3 * v + 1];
+    const double second = (upper - centre).norm() - (lower - centre).norm();
+    EXPECT_NEAR(second, 1.3 * first, 0.03 * first);
+    sum += second;
+  }
+  EXPECT_NEAR(sum / static_cast<double>(columns), 1.3 * first, 0.01 * first);
+  EXPECT_NEAR(result.report.heights.at(2), 1.69 * first, 1e-12);
+}
+
+TEST(Layers, EndFlushInThePlaneOfOpenings) {
+  const TetMesh mesh = tube();
+  const LayerResult result = grown(mesh, {.first_height = 1, .growth = 1, .count = 3});
+  const ValidationReport report = validate(result.mesh.view());
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_GT(result.report.complete(), 0.999);
+  double low = 1e9, high = -1e9;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    low = std::min(low, mesh.point(VertexId(v)).z());
+    high = std::max(high, mesh.point(VertexId(v)).z());
+  }
+  int rings = 0;
+  for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t) {
+    const std::string& name =
+        result.mesh.info.patches[static_cast<std::size_t>(result.mesh.triangle_patches[t])].name;
+    if (!name.ends_with("_layer")) continue;
+    ++rings;
+    for (const std::uint32_t v : result.mesh.triangles[t]) {
+      const double z = result.mesh.points[v].z();
+      EXPECT_NEAR(std::min(std::abs(z - low), std::abs(z - high)), 0, 1e-9);
+    }
+  }
+  EXPECT_GT(rings, 100);
+  for (const Patch& patch : result.mesh.info.patches)
+    if (patch.name.ends_with("_layer")) {
+      EXPECT_NEAR(area_of(result.mesh, patch.name) / (kPi * (13 * 13 - 10 * 10)), 1, 0.03) << patch.name;
+    }
+}
+
+TEST(Layers, OfPrismsConformAndHaveTheirQuadrilateralsInRings) {
+  const TetMesh mesh = tube();
+  const LayerResult result = grown(mesh, {.first_height = 1, .count = 2, .cells = LayerCells::kPrisms});
+  expect_conforming(result.mesh);
+  EXPECT_EQ(result.mesh.prisms.size(), result.report.cells);
+  EXPECT_GT(result.mesh.quadrilaterals.size(), 50u);
+}
+
+TEST(Layers, BetweenTwoPartsShareTheRoom) {
+  // Two balls 4 mm apart, joined by a bridge far from the gap's middle: layers of 5 mm cannot fit.
+  const Vec3 a(14, 14, 14), b(38, 14, 14);
+  const TetMesh mesh =
+      meshed(fixtures::voxels_of(fixtures::frame_of({53, 30, 40}), {0, 1}, [&](const Vec3& p) {
+        const bool bridge = std::hypot(p.y() - 14, p.z() - 22) < 4 && p.x() > 14 && p.x() < 38;
+        return (p - a).norm() < 10 || (p - b).norm() < 10 || bridge ? 1 : 0;
+      }));
+  const LayerResult result = grown(mesh, {.first_height = 1, .growth = 1, .count = 5});
+  ASSERT_TRUE(validate(result.mesh.view()).ok()) << validate(result.mesh.view()).text();
+  const LayerCoverage& wall = result.report.patches.at(0);
+  EXPECT_LT(wall.complete, 0.97);
+  EXPECT_GT(wall.complete, 0.5);
+  EXPECT_FALSE(wall.worst.empty());
+  double shares = 0;
+  for (std::size_t i = 1; i < kLayerLimits; ++i) shares += wall.limited[i];
+  EXPECT_NEAR(shares, 1 - wall.complete, 1e-9);
+}
+
+TEST(Layers, AreTheSameForEveryNumberOfThreads) {
+  const TetMesh mesh = tube();
+  const auto points_with = [&](int threads) {
+    const parallel::ThreadLimit limit(threads);
+    return grown(mesh, {.first_height = 2, .count = 6, .scale = HeightScale::kAbsolute}).mesh;
+  };
+  const MixedMesh one = points_with(1);
+  for (const int threads : {2, 8}) {
+    const MixedMesh many = points_with(threads);
+    EXPECT_EQ(one.points, many.points);
+    EXPECT_EQ(one.tetrahedra, many.tetrahedra);
+  }
+}
+
+TEST(Layers, HeightsMayBeSharesOfTheRadiusOrOfEdges) {
+  const TetMesh mesh = tube();
+  const LayerResult of_radius =
+      grown(mesh, {.first_height = 0.1, .growth = 1, .count = 2, .scale = HeightScale::kRadius});
+  EXPECT_NEAR(of_radius.report.patches.at(0).achieved_mm, 0.2 * kTubeRadius, 0.1 * kTubeRadius * 0.2);
+  const LayerResult of_edge =
+      grown(mesh, {.first_height = 0.5, .growth = 1, .count = 1, .scale = HeightScale::kEdge});
+  EXPECT_GT(of_edge.report.patches.at(0).achieved_mm, 0.5);  // Edges are about 2.5 mm long.
+  EXPECT_LT(of_edge.report.patches.at(0).achieved_mm, 2);
+}
+
+/// Blobs of balls, with heights from next to nothing to more than the object.
+TEST(Layers, OnRandomShapesAreAlwaysValidAndTellWhatTheyAre) {
+  std::mt19937 random(7);
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / static_cast<double>(std::mt19937::max());
+  };
+  for (int round = 0; round < 12; ++round) {
+    std::vector<std::pair<Vec3, double>> balls;
+    Vec3 at = Vec3::Constant(20);
+    for (int i = 0; i < 4; ++i) {
+      balls.emplace_back(at, between(3, 8));
+      at += Vec3(between(-7, 7), between(-7, 7), between(-7, 7));
+      at = at.cwiseMax(8).cwiseMin(32);
+    }
+    const TetMesh mesh =
+        meshed(fixtures::voxels_of(fixtures::frame_of({40, 40, 40}), {0, 1}, [&](const Vec3& p) {
+          return std::any_of(balls.begin(), balls.end(),
+                             [&](const auto& one) { return (p - one.first).norm() < one.second; })
+                     ? 1
+                     : 0;
+        }));
+    const double height = std::pow(10, between(-3, 0.7));
+    const LayerResult result =
+        grown(mesh, {.first_height = height, .growth = between(1, 1.5), .count = 1 + round % 5});
+    const ValidationReport report = validate(result.mesh.view());
+    ASSERT_TRUE(report.ok()) << "round " << round << ", height " << height << "\n" << report.text();
+    ASSERT_EQ(result.report.patches.size(), 1u);
+    const LayerCoverage& wall = result.report.patches[0];
+    EXPECT_GE(wall.complete, 0);
+    EXPECT_LE(wall.achieved_mm, wall.wanted_mm * (1 + 1e-12));
+    EXPECT_LE(wall.bare + wall.complete, 1 + 1e-12);
+    if (round % 3 == 0)
+      expect_conforming(grown(mesh, {.first_height = height, .count = 2, .cells = LayerCells::kPrisms}).mesh);
+  }
+}
+
+TEST(Layers, RefuseWhatCannotBe) {
+  const TetMesh mesh = ball(6);
+  const auto fault = [&](const LayerOptions& options) -> std::string {
+    try {
+      grown(mesh, options);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_NE(fault({.patches = {"door"}, .first_height = 1, .count = 1}).find("no patch door; it has: wall"),
+            std::string::npos);
+  EXPECT_NE(fault({.first_height = 0, .count = 1}).find("first height"), std::string::npos);
+  EXPECT_NE(fault({.first_height = -1, .count = 1}).find("first height"), std::string::npos);
+  EXPECT_NE(fault({.first_height = 1e6, .count = 1}).find("more than the surface is wide"),
+            std::string::npos);
+  EXPECT_NE(fault({.first_height = 1}).find("number of layers or their thickness"), std::string::npos);
+  EXPECT_NE(fault({.first_height = 1, .growth = 0.5, .thickness = 3}).find("growth below 1"),
+            std::string::npos);
+  EXPECT_NE(fault({.first_height = 1, .count = 5, .thickness = 0.5}).find("less than the first"),
+            std::string::npos);
+  EXPECT_NE(fault({.first_height = 1e-9, .growth = 1, .thickness = 3}).find("200 layers"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lumesh
