@@ -125,7 +125,8 @@ std::optional<int> integer_from(std::string_view text) {
 
 void check_volume_output(const std::string& path) {
   if (is_volume_file(path)) return;
-  throw Error(ErrorKind::kUsage, path + ": unknown mesh format; use .vtu, .vtk, .mesh, .meshb or .msh");
+  throw Error(ErrorKind::kUsage,
+              path + ": unknown mesh format; use .vtu, .vtk, .mesh, .meshb, .msh or .foam");
 }
 
 void check_surface_output(const std::string& path) {

@@ -110,7 +110,8 @@ void add_improve_command(CLI::App& program) {
   command->self = sub;
   ImproveOptions& o = command->options;
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
-  sub->add_option("-o,--output", command->output_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh)")
+  sub->add_option("-o,--output", command->output_path,
+                  "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .foam)")
       ->required();
   sub->add_option(
       "-m,--metric", command->metric_path,

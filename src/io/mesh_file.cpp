@@ -34,8 +34,9 @@ void write_mesh(const std::filesystem::path& path, const MeshView& mesh, const M
   if (extension == ".mesh") return io::write_medit_ascii(path, mesh);
   if (extension == ".meshb") return io::write_medit_binary(path, mesh);
   if (extension == ".msh") return io::write_gmsh(path, mesh, options.msh_version);
+  if (extension == ".foam") return io::write_foam(path, mesh);
   if (is_surface_file(path)) return write_surface(path, mesh, options);
-  refuse(path, ".vtu, .vtk, .mesh, .meshb, .msh, or .vtp and .stl for the boundary");
+  refuse(path, ".vtu, .vtk, .mesh, .meshb, .msh, .foam, or .vtp and .stl for the boundary");
 }
 
 void write_surface(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options) {
@@ -65,7 +66,7 @@ bool is_mesh_file(const std::filesystem::path& path) {
 }
 
 bool is_volume_file(const std::filesystem::path& path) {
-  constexpr std::array<std::string_view, 5> kKnown = {".vtu", ".vtk", ".mesh", ".meshb", ".msh"};
+  constexpr std::array<std::string_view, 6> kKnown = {".vtu", ".vtk", ".mesh", ".meshb", ".msh", ".foam"};
   return std::find(kKnown.begin(), kKnown.end(), lower_extension(path)) != kKnown.end();
 }
 

@@ -22,6 +22,7 @@ void write_legacy_vtk(const std::filesystem::path& path, const MeshView& mesh,
 void write_medit_ascii(const std::filesystem::path& path, const MeshView& mesh);
 void write_medit_binary(const std::filesystem::path& path, const MeshView& mesh);
 void write_gmsh(const std::filesystem::path& path, const MeshView& mesh, MshVersion version);
+void write_foam(const std::filesystem::path& path, const MeshView& mesh);
 void write_stl(const std::filesystem::path& path, const MeshView& mesh);
 
 [[nodiscard]] MixedMesh read_vtu(const std::filesystem::path& path);

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "cell_blocks.hpp"
+#include "cell_faces.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -10,29 +11,6 @@
 namespace lumesh {
 
 namespace {
-
-/// Faces of each shape, outwards, in VTK order; triangles repeat their last corner.
-using LocalFace = std::array<std::uint8_t, 4>;
-constexpr std::array<LocalFace, 4> kTetFaces4 = {{{1, 2, 3, 3}, {0, 3, 2, 2}, {0, 1, 3, 3}, {0, 2, 1, 1}}};
-constexpr std::array<LocalFace, 5> kPyramidFaces = {
-    {{0, 3, 2, 1}, {0, 1, 4, 4}, {1, 2, 4, 4}, {2, 3, 4, 4}, {3, 0, 4, 4}}};
-constexpr std::array<LocalFace, 5> kPrismFaces = {
-    {{0, 1, 2, 2}, {3, 5, 4, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}}};
-constexpr std::array<LocalFace, 6> kHexFaces = {
-    {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
-
-std::span<const LocalFace> faces_of(io::CellShape shape) {
-  switch (shape) {
-    case io::CellShape::kPyramid:
-      return kPyramidFaces;
-    case io::CellShape::kPrism:
-      return kPrismFaces;
-    case io::CellShape::kHexahedron:
-      return kHexFaces;
-    default:
-      return kTetFaces4;
-  }
-}
 
 struct Face {
   Cell<4> sorted;   // for finding the other side
@@ -48,7 +26,7 @@ std::vector<Face> all_faces(const MeshView& mesh) {
   for (const io::CellBlock& block : io::volume_blocks(mesh)) {
     const auto part = parallel::collect<Face>(block.size(), [&](std::size_t c, std::vector<Face>& out) {
       const auto cell = block.cell(c);
-      for (const LocalFace& local : faces_of(block.shape)) {
+      for (const io::LocalFace& local : io::faces_of(block.shape)) {
         Face face;
         for (std::size_t i = 0; i < 4; ++i) face.corners[i] = cell[local[i]];
         face.sorted = face.corners;

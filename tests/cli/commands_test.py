@@ -107,6 +107,31 @@ class OptionsTest(CommandTest):
         self.assert_refused(self.run_lumesh("convert", self.mesh), USAGE, "mesh to write")
 
 
+class FoamTest(CommandTest):
+    FILES = ["boundary", "cellZones", "faceZones", "faces", "neighbour", "owner", "pointZones", "points"]
+
+    def test_a_case_of_openfoam_is_an_empty_file_and_its_folder(self):
+        self.make_mesh()
+        case = self.folder / "cfd"
+        case.mkdir()
+        result = self.run_well("convert", self.mesh, case / "ball.foam")
+        self.assertIn("ball.foam: ", result.stdout)
+        self.assertEqual((case / "ball.foam").read_bytes(), b"")
+        self.assertEqual(sorted(path.name for path in (case / "constant/polyMesh").iterdir()), self.FILES)
+        self.run_well("lattice", self.image, "-o", self.folder / "ball.foam")
+        for name in self.FILES:
+            if name != "boundary":  # It also says which command made the mesh.
+                self.assertEqual((self.folder / "constant/polyMesh" / name).read_bytes(),
+                                 (case / "constant/polyMesh" / name).read_bytes(), name)
+
+    def test_a_case_that_cannot_be_written_leaves_nothing(self):
+        self.make_mesh()
+        (self.folder / "constant").write_text("no folder")
+        before = sorted(self.folder.iterdir())
+        self.assert_refused(self.run_lumesh("convert", self.mesh, self.folder / "ball.foam"), BAD_INPUT, "constant", "cannot be made")
+        self.assertEqual(sorted(self.folder.iterdir()), before)
+
+
 class EvaluateTest(CommandTest):
     def test_the_image_of_the_mesh_gives_no_warning(self):
         self.make_mesh()

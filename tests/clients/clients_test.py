@@ -51,7 +51,7 @@ class Files:
         self.folder = folder
         folder.mkdir()
         make(folder, folder / "a.vtu")
-        for name in ("a.vtk", "a.mesh", "a.meshb", "a.vtp", "a.stl", "a41.msh"):
+        for name in ("a.vtk", "a.mesh", "a.meshb", "a.vtp", "a.stl", "a.foam", "a41.msh"):
             lumesh("convert", folder / "a.vtu", folder / name)
         lumesh("convert", folder / "a.vtu", folder / "a22.msh", "--msh-version", "2.2")
         self.info = json.loads(lumesh("info", folder / "a.vtu", "--json"))
@@ -174,6 +174,32 @@ class VtkTest(unittest.TestCase):
     def test_stl_has_the_area_of_the_surface(self, files):
         area = readers.vtk_sizes(readers.vtk_data(files / "a.vtp"), "Area").sum()
         self.assertAlmostEqual(readers.vtk_sizes(readers.vtk_data(files / "a.stl"), "Area").sum() / area, 1, places=6)
+
+
+class OpenFoamTest(unittest.TestCase):
+    """VTK's reader of OpenFOAM's cases, which is ParaView's; it keeps points in single precision."""
+
+    @for_each()
+    def test_cells_keep_their_order_shape_and_volume(self, files):
+        grid = readers.vtk_blocks(files / "a.foam")["internalMesh"]
+        reference = readers.vtk_data(files / "a.vtu")
+        self.assertEqual(grid.GetNumberOfCells(), files.cells)
+        shapes = readers.vtk_to_numpy(reference.GetCellTypesArray())
+        np.testing.assert_array_equal(readers.vtk_to_numpy(grid.GetCellTypesArray()), shapes)
+        np.testing.assert_allclose(readers.vtk_sizes(grid, "Volume") * 1e9, readers.vtk_sizes(reference, "Volume"), rtol=1e-3)
+
+    @for_each()
+    def test_patches_and_zones_have_the_faces_of_each_patch(self, files):
+        blocks = readers.vtk_blocks(files / "a.foam")
+        self.assertEqual({patch["name"]: blocks[patch["name"]].GetNumberOfCells() for patch in files.info["patches"]},
+                         {patch["name"]: patch["faces"] for patch in files.info["patches"]})
+
+    @for_each()
+    def test_zones_have_the_cells_of_each_label(self, files):
+        blocks = readers.vtk_blocks(files / "a.foam")
+        labels = np.concatenate([tags for shape, (_, tags) in files.reference.cells.items() if shape in VOLUME_SHAPES])
+        for label, count in zip(*np.unique(labels, return_counts=True)):
+            self.assertEqual(blocks[f"label_{label}"].GetNumberOfCells(), count)
 
 
 def assert_meshio_cells(mesh, files):

@@ -11,7 +11,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkFiltersGeneral import vtkCellValidator
 from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
-from vtkmodules.vtkIOGeometry import vtkSTLReader
+from vtkmodules.vtkIOGeometry import vtkOpenFOAMReader, vtkSTLReader
 from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader, vtkUnstructuredGridWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter
 
@@ -53,6 +53,29 @@ def vtk_data(path):
     if window.GetOutput():
         raise Complaint(f"VTK on {path.name}: {window.GetOutput()}")
     return reader.GetOutput()
+
+
+def vtk_blocks(path):
+    """The blocks of an OpenFOAM case by name, as VTK and ParaView see them: internalMesh, patches and zones."""
+    reader = vtkOpenFOAMReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    reader.EnableAllPatchArrays()
+    reader.SetReadZones(True)
+    reader.DecomposePolyhedraOff()
+    reader.Update()
+    found = {}
+
+    def gather(blocks):
+        for number in range(blocks.GetNumberOfBlocks()):
+            block = blocks.GetBlock(number)
+            if block.IsA("vtkMultiBlockDataSet"):
+                gather(block)
+            else:
+                found[blocks.GetMetaData(number).Get(blocks.NAME())] = block
+
+    gather(reader.GetOutput())
+    return found
 
 
 def vtk_mesh(grid):

@@ -24,13 +24,13 @@ struct MeshWriteOptions {
   MshVersion msh_version = MshVersion::k41;  ///< .msh files only.
 };
 
-/// Writes a mesh: .vtu, .vtk (legacy, binary), .mesh, .meshb, .msh (ASCII); its boundary faces: .stl
-/// (binary), .vtp.
+/// Writes a mesh: .vtu, .vtk (legacy, binary), .mesh, .meshb, .msh (ASCII), .foam (an empty file, beside it
+/// OpenFOAM's folder constant/polyMesh, ASCII, in metres); its boundary faces: .stl (binary), .vtp.
 ///
 /// Cells carry their label, boundary faces their patch; docs/stages/convert.md says what each format holds.
 /// A metric goes into .vtu and .vtk, as the point array `metric`; for Medit's files see metric_file.hpp.
 /// The file is written beside the target and renamed when complete. Memory: a few MB, for VTU also one
-/// compressed array.
+/// compressed array, for OpenFOAM about 130 bytes per tetrahedron. Threads: all for OpenFOAM, otherwise one.
 /// @throws Error{kBadInput} if the extension is unknown, the format cannot hold the mesh, or writing fails
 /// (no such folder, read-only, disk full); nothing is left behind then.
 void write_mesh(const std::filesystem::path& path, const MeshView& mesh,

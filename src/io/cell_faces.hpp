@@ -1,0 +1,36 @@
+#pragma once
+/// @file The faces of each shape of cell.
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "cell_blocks.hpp"
+
+namespace lumesh::io {
+
+/// Faces of each shape, outwards, in VTK order; triangles repeat their last corner.
+using LocalFace = std::array<std::uint8_t, 4>;
+inline constexpr std::array<LocalFace, 4> kTetrahedronFaces = {
+    {{1, 2, 3, 3}, {0, 3, 2, 2}, {0, 1, 3, 3}, {0, 2, 1, 1}}};
+inline constexpr std::array<LocalFace, 5> kPyramidFaces = {
+    {{0, 3, 2, 1}, {0, 1, 4, 4}, {1, 2, 4, 4}, {2, 3, 4, 4}, {3, 0, 4, 4}}};
+inline constexpr std::array<LocalFace, 5> kPrismFaces = {
+    {{0, 1, 2, 2}, {3, 5, 4, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}}};
+inline constexpr std::array<LocalFace, 6> kHexFaces = {
+    {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
+
+[[nodiscard]] inline std::span<const LocalFace> faces_of(CellShape shape) {
+  switch (shape) {
+    case CellShape::kPyramid:
+      return kPyramidFaces;
+    case CellShape::kPrism:
+      return kPrismFaces;
+    case CellShape::kHexahedron:
+      return kHexFaces;
+    default:
+      return kTetrahedronFaces;
+  }
+}
+
+}  // namespace lumesh::io

@@ -1,0 +1,290 @@
+// OpenFOAM's polyMesh, text: https://doc.cfd.direct/openfoam/user-guide-v12/mesh-files; the order of faces:
+// http://openfoamwiki.net/index.php/Write_OpenFOAM_meshes
+#include <fmt/format.h>
+
+#include <deque>
+#include <iterator>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "file_fault.hpp"
+#include "foam_words.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "mesh_formats.hpp"
+#include "mesh_info_json.hpp"
+#include "output_file.hpp"
+#include "poly_mesh.hpp"
+
+namespace lumesh::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Text = fmt::memory_buffer;
+
+void append_number(Text& text, std::size_t number) {
+  const fmt::format_int digits(number);
+  text.append(digits.data(), digits.data() + digits.size());
+}
+
+void append_line(Text& text, std::size_t number) {
+  append_number(text, number);
+  text.push_back('\n');
+}
+
+/// A list of `count` items, one per line; append(text, i) gives line i. Lines are made in parallel, a batch
+/// at a time.
+template <class Append>
+void write_list(OutputFile& file, std::size_t count, const Append& append) {
+  constexpr std::size_t kBlock = 1 << 13;
+  constexpr std::size_t kBatch = 64 * kBlock;
+  std::vector<Text> texts(std::min((count + kBlock - 1) / kBlock, kBatch / kBlock));
+  file.print("{}\n(\n", count);
+  for (std::size_t start = 0; start < count; start += kBatch) {
+    const std::size_t lines = std::min(kBatch, count - start);
+    parallel::for_each_block(lines, kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
+      texts[b].clear();
+      for (std::size_t i = begin; i < end; ++i) append(texts[b], start + i);
+    });
+    for (std::size_t b = 0; b * kBlock < lines; ++b) file.write(texts[b].data(), texts[b].size());
+  }
+  file.write(")\n");
+}
+
+void write_header(OutputFile& file, std::string_view content, std::string_view object,
+                  const std::string& note = {}) {
+  file.print("FoamFile\n{{\n    version     2.0;\n    format      ascii;\n    class       {};\n", content);
+  if (!note.empty()) file.print("    note        \"{}\";\n", note);
+  file.print("    location    \"constant/polyMesh\";\n    object      {};\n}}\n\n", object);
+}
+
+/// A folder that goes away again if nothing stays in it.
+class NewFolder {
+ public:
+  explicit NewFolder(fs::path path) : path_(std::move(path)) {
+    std::error_code fault;
+    is_new_ = fs::create_directory(path_, fault);
+    if (fault) fail(path_, fmt::format("cannot be made ({})", fault.message()));
+  }
+  ~NewFolder() {
+    std::error_code is_in_use;
+    if (is_new_) fs::remove(path_, is_in_use);
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+  bool is_new_ = false;
+};
+
+/// The files of a case, which appear together when all are complete.
+class CaseFiles {
+ public:
+  explicit CaseFiles(const fs::path& foam_file)
+      : foam_file_(foam_file),
+        constant_(foam_file.parent_path() / "constant"),
+        poly_mesh_(constant_.path() / "polyMesh") {}
+  OutputFile& add(const char* name) { return files_.emplace_back(poly_mesh_.path() / name); }
+  void commit() {
+    // A full disk must be found before the first file is replaced.
+    for (OutputFile& file : files_) file.flush();
+    for (OutputFile& file : files_) file.commit();
+    foam_file_.commit();
+  }
+
+ private:
+  OutputFile foam_file_;  ///< Empty: ParaView and others find the case by its name.
+  NewFolder constant_;
+  NewFolder poly_mesh_;
+  std::deque<OutputFile> files_;
+};
+
+/// How many of the mesh's units are a metre.
+double units_per_metre(const fs::path& path, const std::string& unit) {
+  if (unit == "mm") return 1000;
+  if (unit == "cm") return 100;
+  if (unit == "m") return 1;
+  fail(path, fmt::format("OpenFOAM wants metres, and the mesh is in \"{}\"; give it in mm, cm or m", unit));
+}
+
+/// Numbers the points that cells use; OpenFOAM takes others for a fault.
+class UsedPoints {
+ public:
+  explicit UsedPoints(const MeshView& mesh) : numbers_(mesh.points.size()) {
+    std::vector<std::uint8_t> is_used(mesh.points.size(), 0);
+    for (const CellBlock& block : volume_blocks(mesh))
+      parallel::for_each_index(block.vertices.size(),
+                               [&](std::size_t i) { parallel::raise(is_used[block.vertices[i]]); });
+    for (std::size_t v = 0; v < is_used.size(); ++v) {
+      numbers_[v] = static_cast<std::uint32_t>(points_.size());
+      if (is_used[v] != 0) points_.push_back(static_cast<std::uint32_t>(v));
+    }
+  }
+  [[nodiscard]] std::size_t size() const { return points_.size(); }
+  [[nodiscard]] std::uint32_t point(std::size_t number) const { return points_[number]; }
+  [[nodiscard]] std::uint32_t number(std::uint32_t point) const { return numbers_[point]; }
+
+ private:
+  std::vector<std::uint32_t> numbers_;
+  std::vector<std::uint32_t> points_;
+};
+
+class FoamWriter {
+ public:
+  FoamWriter(const fs::path& path, const MeshView& mesh)
+      : mesh_(mesh),
+        units_per_metre_(units_per_metre(path, mesh.info->unit)),
+        poly_(build_poly_mesh(path, mesh)),
+        points_(mesh),
+        files_(path) {}
+
+  void write() {
+    write_points(files_.add("points"));
+    write_faces(files_.add("faces"));
+    write_owners(files_.add("owner"));
+    write_neighbours(files_.add("neighbour"));
+    write_boundary(files_.add("boundary"));
+    write_cell_zones(files_.add("cellZones"));
+    write_face_zones(files_.add("faceZones"));
+    write_point_zones(files_.add("pointZones"));
+    files_.commit();
+  }
+
+ private:
+  void write_points(OutputFile& file) {
+    write_header(file, "vectorField", "points");
+    write_list(file, points_.size(), [&](Text& text, std::size_t i) {
+      const Vec3& p = mesh_.points[points_.point(i)];  // Divided: the nearest number to the true quotient.
+      fmt::format_to(std::back_inserter(text), "({} {} {})\n", p.x() / units_per_metre_,
+                     p.y() / units_per_metre_, p.z() / units_per_metre_);
+    });
+  }
+
+  void write_faces(OutputFile& file) {
+    write_header(file, "faceList", "faces");
+    write_list(file, poly_.faces.size(), [&](Text& text, std::size_t f) {
+      const Cell<4> corners = poly_.sides.corners(poly_.faces[f]);
+      const std::size_t count = corners[2] == corners[3] ? 3 : 4;
+      append_number(text, count);
+      for (std::size_t i = 0; i < count; ++i) {
+        text.push_back(i == 0 ? '(' : ' ');
+        append_number(text, points_.number(corners[i]));
+      }
+      text.push_back(')');
+      text.push_back('\n');
+    });
+  }
+
+  [[nodiscard]] std::string counts() const {
+    return fmt::format("nPoints:{} nCells:{} nFaces:{} nInternalFaces:{}", points_.size(),
+                       poly_.sides.cell_count(), poly_.faces.size(), poly_.neighbours.size());
+  }
+
+  void write_owners(OutputFile& file) {
+    write_header(file, "labelList", "owner", counts());
+    write_list(file, poly_.faces.size(),
+               [&](Text& text, std::size_t f) { append_line(text, poly_.sides.cell_of(poly_.faces[f])); });
+  }
+
+  void write_neighbours(OutputFile& file) {
+    write_header(file, "labelList", "neighbour", counts());
+    write_list(file, poly_.neighbours.size(),
+               [&](Text& text, std::size_t f) { append_line(text, poly_.neighbours[f]); });
+  }
+
+  [[nodiscard]] std::string patch_name(std::int32_t patch) const {
+    if (patch == kNoPatch) return "unnamed";
+    const auto index = static_cast<std::size_t>(patch);
+    const auto& patches = mesh_.info->patches;
+    const std::string name = index < patches.size() ? patches[index].name : std::string();
+    return name.empty() ? fmt::format("patch_{}", patch) : name;
+  }
+
+  [[nodiscard]] bool is_wall(std::int32_t patch) const {
+    const auto index = static_cast<std::size_t>(patch);
+    return index < mesh_.info->patches.size() && mesh_.info->patches[index].kind == PatchKind::kWall;
+  }
+
+  void write_boundary(OutputFile& file) {
+    write_header(file, "polyBoundaryMesh", "boundary");
+    MeshInfo info = *mesh_.info;
+    info.unit = "m";
+    file.print("// {}\n\n{}\n(\n", info_to_json(info), poly_.patches.size());
+    FoamWords words;
+    std::vector<std::string> names;
+    for (const PolyPatch& patch : poly_.patches) names.push_back(words.add(patch_name(patch.patch)));
+    // All walls at once are the group "wall", unless that would also be the name of one patch.
+    const bool has_group = !words.contains("wall");
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const PolyPatch& patch = poly_.patches[i];
+      const bool wall = is_wall(patch.patch);
+      file.print("    {}\n    {{\n        type            {};\n", names[i], wall ? "wall" : "patch");
+      if (wall && has_group) file.print("        inGroups        1(wall);\n");
+      file.print("        nFaces          {};\n        startFace       {};\n    }}\n", patch.count,
+                 patch.first);
+    }
+    file.print(")\n");
+  }
+
+  void write_cell_zones(OutputFile& file) {
+    std::map<Label, std::vector<std::size_t>> zones;
+    std::size_t cell = 0;
+    for (const CellBlock& block : volume_blocks(mesh_))
+      for (const Label label : block.tags) zones[label].push_back(cell++);
+    write_header(file, "regIOobject", "cellZones");
+    file.print("{}\n(\n", zones.size());
+    FoamWords words;
+    for (const auto& zone : zones) {
+      const auto name = mesh_.info->label_names.find(zone.first);
+      const bool is_named = name != mesh_.info->label_names.end() && !name->second.empty();
+      file.print("{}\n{{\n    type cellZone;\n    cellLabels List<label>\n",
+                 words.add(is_named ? name->second : fmt::format("label_{}", zone.first)));
+      const std::vector<std::size_t>& cells = zone.second;
+      write_list(file, cells.size(), [&](Text& text, std::size_t i) { append_line(text, cells[i]); });
+      file.print(";\n}}\n");
+    }
+    file.print(")\n");
+  }
+
+  void write_face_zones(OutputFile& file) {
+    write_header(file, "regIOobject", "faceZones");
+    file.print("{}\n(\n", poly_.zones.size());
+    FoamWords words;
+    for (const PolyZone& zone : poly_.zones) {
+      file.print("{}\n{{\n    type faceZone;\n    faceLabels List<label>\n",
+                 words.add(patch_name(zone.patch)));
+      write_list(file, zone.faces.size(),
+                 [&](Text& text, std::size_t i) { append_line(text, zone.faces[i]); });
+      file.print(";\n    flipMap List<bool>\n");
+      write_list(file, zone.faces.size(),
+                 [&](Text& text, std::size_t i) { append_line(text, zone.reversed[i]); });
+      file.print(";\n}}\n");
+    }
+    file.print(")\n");
+  }
+
+  /// None, but those of an earlier mesh must not stay.
+  static void write_point_zones(OutputFile& file) {
+    write_header(file, "regIOobject", "pointZones");
+    file.print("0\n(\n)\n");
+  }
+
+  const MeshView& mesh_;
+  double units_per_metre_;
+  PolyMesh poly_;
+  UsedPoints points_;
+  CaseFiles files_;
+};
+
+}  // namespace
+
+void write_foam(const fs::path& path, const MeshView& mesh) {
+  FoamWriter(path, mesh).write();
+}
+
+}  // namespace lumesh::io

@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""What OpenFOAM's own checkMesh and splitMeshRegions make of the cases that lumesh writes.
+
+Usage: openfoam_test.py LUMESH      Exit status 77: OpenFOAM is not installed.
+"""
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+LUMESH = str(pathlib.Path(sys.argv.pop(1)).resolve())
+DEBIAN_PROJECT_DIR = "/usr/share/openfoam"  # Where Debian keeps etc/controlDict; its programs do not know it themselves.
+SKIPPED = 77
+
+
+def run(*command, **options):
+    result = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=300, check=False, **options)
+    if result.returncode != 0:
+        raise AssertionError(f"{' '.join(map(str, command))}: {result.stdout[-2000:]}{result.stderr}")
+    return result.stdout
+
+
+def dictionary(path, content=""):
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(f"FoamFile{{version 2.0; format ascii; class dictionary; object {path.name};}}\n{content}\n")
+
+
+class Case:
+    """A folder with what OpenFOAM's programs ask for besides the mesh."""
+
+    def __init__(self, folder, phantom, *options):
+        self.folder = folder
+        folder.mkdir()
+        dictionary(folder / "system/controlDict", "deltaT 1; endTime 1; writeInterval 1;")
+        dictionary(folder / "system/fvSchemes", "ddtSchemes{} gradSchemes{} divSchemes{} laplacianSchemes{}")
+        dictionary(folder / "system/fvSolution")
+        run(LUMESH, "phantom", *phantom, "-o", folder / "a.nrrd")
+        run(LUMESH, "lattice", folder / "a.nrrd", "-o", folder / "a.vtu", *options)
+        run(LUMESH, "convert", folder / "a.vtu", folder / "case.foam")
+
+    def foam(self, *command):
+        project = os.environ.get("WM_PROJECT_DIR", DEBIAN_PROJECT_DIR)
+        return run(*command, cwd=self.folder, env=os.environ | {"WM_PROJECT_DIR": project})
+
+    def volume_mm3(self):
+        """Of all cells, as lumesh measures it."""
+        run(LUMESH, "evaluate", self.folder / "a.vtu", "--json", self.folder / "a.json")
+        return sum(label["volume_mm3"] for label in json.loads((self.folder / "a.json").read_text())["labels"])
+
+
+class OpenFoamTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="lumesh_openfoam_")
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+
+    def assert_mesh_ok(self, said):
+        """checkMesh ends with 0 whatever it finds."""
+        self.assertIn("\nMesh OK.\n", said)
+        self.assertIn("Upper triangular ordering OK.", said)
+        self.assertNotIn("***", said)
+        self.assertNotIn("Unused points", said)
+
+    def assert_volume(self, case, said):
+        volume = float(re.search(r"Total volume = (\S+?)\.? ", said)[1])
+        self.assertAlmostEqual(volume * 1e9 / case.volume_mm3(), 1, places=5)
+
+    def test_tetrahedra_of_a_bifurcation(self):
+        case = Case(self.root / "tetrahedra", ["bifurcation"])
+        said = case.foam("checkMesh")
+        self.assert_mesh_ok(said)
+        self.assert_volume(case, said)
+        for patch in ("wall", "inlet_1", "outlet_1", "outlet_2"):
+            self.assertRegex(said, rf"\n    {patch} +\d+ +\d+ +ok \(non-closed singly connected\)")
+
+    def test_mixed_cells_of_a_bifurcation(self):
+        case = Case(self.root / "mixed", ["bifurcation"], "--mixed")
+        said = case.foam("checkMesh")
+        self.assert_mesh_ok(said)
+        self.assert_volume(case, said)
+        for shape in ("hexahedra", "pyramids", "tetrahedra"):
+            self.assertRegex(said, rf"\n    {shape}: +[1-9]")
+
+    def test_labels_are_regions(self):
+        case = Case(self.root / "labels", ["layered", "--size", 48, 48, 48])
+        said = case.foam("checkMesh")
+        self.assert_mesh_ok(said)
+        faces = {zone: count for zone, count in re.findall(r"\n    (interface_\S+) +(\d+) +\d+ +ok", said)}
+        self.assertEqual(set(faces), {"interface_1_2", "interface_2_3"})
+        case.foam("splitMeshRegions", "-cellZones", "-overwrite")
+        for label in ("label_1", "label_2", "label_3"):
+            self.assert_mesh_ok(case.foam("checkMesh", "-region", label))
+        self.assertRegex(case.foam("checkMesh", "-region", "label_1"), rf"label_1_to_label_2 +{faces['interface_1_2']} ")
+
+
+if __name__ == "__main__":
+    if shutil.which("checkMesh") is None:
+        print("SKIP: OpenFOAM's checkMesh is missing; the Debian package openfoam has it (0.4 GB installed)")
+        sys.exit(SKIPPED)
+    unittest.main(verbosity=2)
