@@ -30,12 +30,13 @@ class OutputFile {
   }
   /// Bytes written so far.
   [[nodiscard]] std::size_t position() const { return flushed_ + buffer_.size(); }
+  /// Writes what is still held back, so that of several files none is renamed before all have found room.
+  void flush();
   void commit();
 
  private:
   static constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 
-  void flush();
   void write_through(const char* data, std::size_t bytes);
   [[noreturn]] void fail(std::string_view action, int error_number) const;
 
