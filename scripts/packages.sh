@@ -12,11 +12,11 @@ build_packages=(
   libinsighttoolkit5-dev             # images: NRRD, GIPL, DICOM
   libcgal-dev libgmp-dev libmpfr-dev # exact predicates
   libeigen3-dev libtbb-dev libfmt-dev nlohmann-json3-dev libpugixml-dev libcli11-dev zlib1g-dev
-  libdeflate-dev libpng-dev libhwloc-dev
+  libdeflate-dev libpng-dev libhwloc-dev libhdf5-dev
   libnanoflann-dev libtomlplusplus-dev # nearest neighbours, case files
 )
 # What tests the program and its files: the test framework and the programs that open what lumesh writes.
-test_packages=(python3 libgtest-dev gmsh python3-meshio python3-numpy python3-vtk9 util-linux)
+test_packages=(python3 libgtest-dev gmsh python3-meshio python3-h5py python3-numpy python3-vtk9 util-linux)
 # A browser without a display, which opens the report.
 browser_packages=(chromium)
 # What checks the source; ccache makes the second build quick.

@@ -189,8 +189,7 @@ void add_adapt_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("adapt", "Adapt a tetrahedral mesh to a metric");
   command->self = sub;
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
-  sub->add_option("-o,--output", command->output_path,
-                  "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .foam)")
+  sub->add_option("-o,--output", command->output_path, std::string("Mesh to write ") + kVolumeFormats)
       ->required();
   add_metric_options(*sub, command->metric_path, command->analytic);
   add_gradation_option(*sub, command->gradation)->excludes("--analytic");

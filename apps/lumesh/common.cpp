@@ -125,8 +125,9 @@ std::optional<int> integer_from(std::string_view text) {
 
 void check_volume_output(const std::string& path) {
   if (is_volume_file(path)) return;
-  throw Error(ErrorKind::kUsage,
-              path + ": unknown mesh format; use .vtu, .vtk, .mesh, .meshb, .msh or .foam");
+  throw Error(ErrorKind::kUsage, path +
+                                     ": unknown mesh format; use .vtu, .vtk, .mesh, .meshb, .msh, .foam, "
+                                     ".xdmf or a folder NAME-mesh-complete");
 }
 
 void check_surface_output(const std::string& path) {
@@ -150,14 +151,18 @@ void check_output_folders(std::initializer_list<std::string> paths) {
   for (const std::string& path : paths)
     if (!path.empty() && !named.insert(std::filesystem::absolute(path).lexically_normal()).second)
       throw Error(ErrorKind::kUsage, path + ": is named for two outputs; give each its own file");
-  for (const std::filesystem::path path : paths) {
+  for (std::filesystem::path path : paths) {
     if (path.empty()) continue;
+    if (is_mesh_folder(path)) {
+      check_mesh_folder(path);
+      if (!path.has_filename()) path = path.parent_path();  // A slash at the end.
+    }
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
     std::error_code ignored;
     if (!std::filesystem::is_directory(folder, ignored))
       throw Error(ErrorKind::kBadInput, path.string() + ": its folder does not exist; create it first");
     const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-    if (std::filesystem::is_directory(status))
+    if (std::filesystem::is_directory(status) && !is_mesh_folder(path))
       throw Error(ErrorKind::kBadInput, path.string() + ": is a folder; give the name of a file");
     const bool device = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
     if (!device && ::access(folder.c_str(), W_OK | X_OK) != 0)

@@ -55,9 +55,10 @@ void add_convert_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("convert", "Convert a mesh between file formats");
   sub->add_option("from", command->from, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh, .stl, .vtp)")
       ->required();
-  sub->add_option(
-      "to,-o,--output", command->to,
-      "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .foam, .vtp, .stl), as second name or with -o");
+  sub->add_option("to,-o,--output", command->to,
+                  "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .vtp, .stl, .foam for OpenFOAM, .xdmf for "
+                  "FEniCS, a folder "
+                  "NAME-mesh-complete for SimVascular), as second name or with -o");
   sub->add_option("--surface", command->surface, "Also write the boundary alone (.vtp, .stl)");
   sub->add_option("--msh-version", command->msh_version, "Gmsh format")
       ->check(CLI::IsMember({"4.1", "2.2"}))

@@ -189,7 +189,7 @@ void add_delaunay_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand(
       "delaunay", "Mesh a segmented image, or the inside of a closed surface, by Delaunay refinement");
   command->self = sub;
-  sub->add_option("-o,--output", command->mesh_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .foam)")
+  sub->add_option("-o,--output", command->mesh_path, std::string("Mesh to write ") + kVolumeFormats)
       ->required();
   add_rule_options(*sub, *command);
   add_sizing_options(*sub, command->sizing);

@@ -110,8 +110,7 @@ void add_improve_command(CLI::App& program) {
   command->self = sub;
   ImproveOptions& o = command->options;
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
-  sub->add_option("-o,--output", command->output_path,
-                  "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .foam)")
+  sub->add_option("-o,--output", command->output_path, std::string("Mesh to write ") + kVolumeFormats)
       ->required();
   sub->add_option(
       "-m,--metric", command->metric_path,

@@ -111,7 +111,7 @@ void add_lattice_command(CLI::App& program) {
   command->self = sub;
   LatticeOptions& o = command->options;
   sub->add_option("image", command->image_path, std::string("Label image ") + kImageFormats)->required();
-  sub->add_option("-o,--output", command->mesh_path, "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .foam)")
+  sub->add_option("-o,--output", command->mesh_path, std::string("Mesh to write ") + kVolumeFormats)
       ->required();
   sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
   sub->add_option("--spacing", o.spacing_mm, "Lattice spacing at the boundary in mm; default 2.5 voxels")

@@ -147,7 +147,7 @@ void add_layers_command(CLI::App& program) {
   command->self = sub;
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("-o,--output", command->output_path,
-                  "Mesh with its layers to write (.vtu, .vtk, .mesh, .meshb, .msh)")
+                  std::string("Mesh with its layers to write ") + kVolumeFormats)
       ->required();
   sub->add_option("--patch", command->options.patches,
                   "Patch to grow on; may be repeated; default: all walls")

@@ -28,6 +28,7 @@ using io::lower_extension;
 }  // namespace
 
 void write_mesh(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options) {
+  if (is_mesh_folder(path)) return io::write_simvascular(path, mesh);
   const std::string extension = lower_extension(path);
   if (extension == ".vtu") return io::write_vtu(path, mesh, options);
   if (extension == ".vtk") return io::write_legacy_vtk(path, mesh, options);
@@ -35,8 +36,12 @@ void write_mesh(const std::filesystem::path& path, const MeshView& mesh, const M
   if (extension == ".meshb") return io::write_medit_binary(path, mesh);
   if (extension == ".msh") return io::write_gmsh(path, mesh, options.msh_version);
   if (extension == ".foam") return io::write_foam(path, mesh);
+  if (extension == ".xdmf") return io::write_xdmf(path, mesh);
   if (is_surface_file(path)) return write_surface(path, mesh, options);
-  refuse(path, ".vtu, .vtk, .mesh, .meshb, .msh, .foam, or .vtp and .stl for the boundary");
+  refuse(
+      path,
+      ".vtu, .vtk, .mesh, .meshb, .msh, .foam, .xdmf, a folder NAME-mesh-complete, or .vtp and .stl for the "
+      "boundary");
 }
 
 void write_surface(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options) {
@@ -66,8 +71,18 @@ bool is_mesh_file(const std::filesystem::path& path) {
 }
 
 bool is_volume_file(const std::filesystem::path& path) {
-  constexpr std::array<std::string_view, 6> kKnown = {".vtu", ".vtk", ".mesh", ".meshb", ".msh", ".foam"};
-  return std::find(kKnown.begin(), kKnown.end(), lower_extension(path)) != kKnown.end();
+  constexpr std::array<std::string_view, 7> kKnown = {".vtu", ".vtk",  ".mesh", ".meshb",
+                                                      ".msh", ".foam", ".xdmf"};
+  return is_mesh_folder(path) ||
+         std::find(kKnown.begin(), kKnown.end(), lower_extension(path)) != kKnown.end();
+}
+
+bool is_mesh_folder(const std::filesystem::path& path) {
+  return io::is_simvascular_folder(path);
+}
+
+void check_mesh_folder(const std::filesystem::path& path) {
+  io::check_simvascular_folder(path);
 }
 
 bool is_surface_file(const std::filesystem::path& path) {

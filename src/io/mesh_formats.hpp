@@ -24,6 +24,14 @@ void write_medit_binary(const std::filesystem::path& path, const MeshView& mesh)
 void write_gmsh(const std::filesystem::path& path, const MeshView& mesh, MshVersion version);
 void write_foam(const std::filesystem::path& path, const MeshView& mesh);
 void write_stl(const std::filesystem::path& path, const MeshView& mesh);
+/// For FEniCS: NAME.xdmf with NAME.h5, NAME_facets.xdmf with NAME_facets.h5, NAME_tags.json. Tetrahedra only.
+void write_xdmf(const std::filesystem::path& path, const MeshView& mesh);
+/// A folder for svMultiPhysics; it replaces one that holds nothing else. Tetrahedra only.
+void write_simvascular(const std::filesystem::path& path, const MeshView& mesh);
+/// Whether the name ends in mesh-complete, with or without a slash behind.
+[[nodiscard]] bool is_simvascular_folder(const std::filesystem::path& path);
+/// Refuses to replace what is not a mesh alone.
+void check_simvascular_folder(const std::filesystem::path& path);
 
 [[nodiscard]] MixedMesh read_vtu(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_vtp_surface(const std::filesystem::path& path);

@@ -30,7 +30,7 @@ class OutputFile {
   }
   /// Bytes written so far.
   [[nodiscard]] std::size_t position() const { return flushed_ + buffer_.size(); }
-  /// Hands all bytes to the system, where a full disk shows.
+  /// Writes what is still held back, so that of several files none is renamed before all have found room.
   void flush();
   void commit();
 

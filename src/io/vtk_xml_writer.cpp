@@ -82,7 +82,9 @@ std::vector<unsigned char> compress_block(const std::vector<std::byte>& raw) {
   return packed;
 }
 
-std::string escaped(std::string_view text) {
+}  // namespace
+
+std::string xml_escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
@@ -105,8 +107,6 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-}  // namespace
-
 std::size_t xml_type_bytes(std::string_view type) {
   if (type == "Int8" || type == "UInt8") return 1;
   if (type == "Int16" || type == "UInt16") return 2;
@@ -124,11 +124,11 @@ VtkXmlWriter::VtkXmlWriter(const std::filesystem::path& path, std::string_view d
 }
 
 void VtkXmlWriter::array(const XmlArray& shape, const Fill& fill) {
-  print("<DataArray type=\"{}\" Name=\"{}\" ", shape.type, escaped(shape.name));
+  print("<DataArray type=\"{}\" Name=\"{}\" ", shape.type, xml_escaped(shape.name));
   // meshio makes a column of a scalar that says it has one component.
   if (shape.components > 1) print("NumberOfComponents=\"{}\" ", shape.components);
   for (std::size_t i = 0; i < shape.component_names.size(); ++i)
-    print("ComponentName{}=\"{}\" ", i, escaped(shape.component_names[i]));
+    print("ComponentName{}=\"{}\" ", i, xml_escaped(shape.component_names[i]));
   print("NumberOfTuples=\"{}\" format=\"binary\">\n", shape.tuples);
   const std::size_t tuple_bytes = xml_type_bytes(shape.type) * shape.components;
   // A multiple of 8 tuples, so that readers may decode blocks one by one into any type.
@@ -152,25 +152,26 @@ void VtkXmlWriter::array(const XmlArray& shape, const Fill& fill) {
   print("\n</DataArray>\n");
 }
 
+void VtkXmlWriter::array(const XmlArray& shape, const void* tuples) {
+  const std::size_t bytes = xml_type_bytes(shape.type) * shape.components;
+  array(shape, [&](std::size_t first, std::size_t last, std::byte* out) {
+    std::memcpy(out, static_cast<const std::byte*>(tuples) + first * bytes, (last - first) * bytes);
+  });
+}
+
 void VtkXmlWriter::points(std::span<const Vec3> points) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   print("<Points>\n");
-  array({"Points", "Float64", 3, points.size()}, [&](std::size_t first, std::size_t last, std::byte* out) {
-    std::memcpy(out, points.data() + first, (last - first) * sizeof(Vec3));
-  });
+  array({"Points", "Float64", 3, points.size()}, points.data());
   print("</Points>\n");
 }
 
 void VtkXmlWriter::int32_array(std::string_view name, std::span<const std::int32_t> values) {
-  array({name, "Int32", 1, values.size()}, [&](std::size_t first, std::size_t last, std::byte* out) {
-    std::memcpy(out, values.data() + first, (last - first) * sizeof(std::int32_t));
-  });
+  array({name, "Int32", 1, values.size()}, values.data());
 }
 
 void VtkXmlWriter::text_array(std::string_view name, std::string_view text) {
-  array({name, "Int8", 1, text.size()}, [&](std::size_t first, std::size_t last, std::byte* out) {
-    std::memcpy(out, text.data() + first, last - first);
-  });
+  array({name, "Int8", 1, text.size()}, text.data());
 }
 
 void VtkXmlWriter::info_arrays(const MeshInfo& info) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct XmlArray {
 /// Bytes per value of a VTK type; 0 if unknown.
 [[nodiscard]] std::size_t xml_type_bytes(std::string_view type);
 
+/// Text as it may stand in an attribute or between elements; control characters become _.
+[[nodiscard]] std::string xml_escaped(std::string_view text);
+
 /// Writes the elements of one file in order. Opened elements must be closed by the caller.
 class VtkXmlWriter {
  public:
@@ -42,6 +46,8 @@ class VtkXmlWriter {
   }
   /// Compresses blocks in parallel; memory: the compressed array.
   void array(const XmlArray& shape, const Fill& fill);
+  /// The same of tuples that lie in memory as in the file.
+  void array(const XmlArray& shape, const void* tuples);
   void points(std::span<const Vec3> points);
   void int32_array(std::string_view name, std::span<const std::int32_t> values);
   /// FieldData arrays `unit`, `frame` and `lumesh_info` (JSON, with provenance), as bytes of text; for inside

@@ -1,4 +1,3 @@
-#include <cstring>
 #include <vector>
 
 #include "cell_blocks.hpp"
@@ -38,13 +37,6 @@ Surface gather_surface(const MeshView& mesh) {
   return surface;
 }
 
-template <class Value>
-void write_values(VtkXmlWriter& writer, const XmlArray& shape, const std::vector<Value>& values) {
-  writer.array(shape, [&](std::size_t first, std::size_t last, std::byte* out) {
-    std::memcpy(out, values.data() + first, (last - first) * sizeof(Value));
-  });
-}
-
 }  // namespace
 
 void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh,
@@ -67,8 +59,8 @@ void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh,
   writer.print("</CellData>\n");
   writer.points(surface.points);
   writer.print("<Polys>\n");
-  write_values(writer, {"connectivity", "Int32", 1, surface.corners.size()}, surface.corners);
-  write_values(writer, {"offsets", "Int64", 1, surface.ends.size()}, surface.ends);
+  writer.array({"connectivity", "Int32", 1, surface.corners.size()}, surface.corners.data());
+  writer.array({"offsets", "Int64", 1, surface.ends.size()}, surface.ends.data());
   writer.print("</Polys>\n</Piece>\n");
   writer.commit();
 }

@@ -56,8 +56,10 @@ void check_output(const Case& c) {
   if (c.output.meshes.empty()) refuse("[output] meshes names no file; such as [\"mesh.vtu\"]");
   for (const std::string& name : c.output.meshes)
     if (!is_volume_file(name))
-      refuse(fmt::format(
-          "[output] meshes: {} has an unknown format; use .vtu, .vtk, .mesh, .meshb, .msh or .foam", name));
+      refuse(
+          fmt::format("[output] meshes: {} has an unknown format; use .vtu, .vtk, .mesh, .meshb, .msh, "
+                      ".foam, .xdmf or NAME-mesh-complete",
+                      name));
   if (!c.output.surface.empty() && !is_surface_file(c.output.surface))
     refuse(fmt::format("[output] surface: {} has an unknown format; use .vtp or .stl", c.output.surface));
   if (!c.output.report.empty() && !c.output.report.ends_with(".html"))

@@ -149,7 +149,8 @@ void add_output_keys(KeyList& list, Case& c) {
   list.key("folder", FilePath{&c.output.folder, {}},
            "Where all files go; empty: a folder of the case's name");
   list.key("meshes", &c.output.meshes,
-           "The last mesh, in the format of each name: .vtu, .vtk, .mesh, .meshb, .msh, .foam");
+           "The last mesh, in the format of each name: .vtu, .vtk, .mesh, .meshb, .msh, .foam, .xdmf, "
+           "NAME-mesh-complete");
   list.key("surface", &c.output.surface, "Its boundary: .vtp, .stl; empty: not written");
   list.key("report", &c.output.report, "Report with plots and pictures (.html); empty: not written");
   list.key("json", &c.output.json, "All numbers (.json); empty: not written");

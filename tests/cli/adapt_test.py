@@ -15,7 +15,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from cube import cube, write_medit, write_sol
-from program import BAD_INPUT, LUMESH, TIME_LIMIT, USAGE, MeshTest
+from program import BAD_INPUT, LUMESH, MEMORY, TIME_LIMIT, USAGE, MeshTest
 
 
 def write_cube(path, n, one_patch=False):
@@ -271,7 +271,7 @@ class AdaptTest(MeshTest):
     def test_what_cannot_be_adapted_is_refused(self):
         adapt = ("adapt", self.cube, "-o", self.out)
         self.assert_refused(self.run_lumesh(*adapt), BAD_INPUT, "cube.mesh", "no metric", "lumesh metric")
-        self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--complexity", "1e12"), BAD_INPUT,
+        self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--complexity", "1e12"), MEMORY,
                             "tetrahedra", "GB", "complexity of")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "cubic"), USAGE, "cubic")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--feature-angle", 0), USAGE, "--feature-angle")

@@ -79,7 +79,7 @@ class OptionsTest(CommandTest):
             with self.subTest(wrong):
                 self.assert_refused(self.run_lumesh(wrong, "x"), USAGE, f'"{wrong}"', f'did you mean "{right}"?', "phantom")
         result = self.run_lumesh("mesh", "x")
-        self.assert_refused(result, USAGE, '"mesh"', "phantom, info, lattice, delaunay, metric, adapt, improve, evaluate, centerline, convert")
+        self.assert_refused(result, USAGE, '"mesh"', "phantom, info, lattice, delaunay, metric, adapt, improve, layers, evaluate, centerline, convert")
         self.assertNotIn("did you mean", result.stderr)
 
     def test_outputs_that_cannot_be_written_are_refused_before_the_work(self):
@@ -105,6 +105,32 @@ class OptionsTest(CommandTest):
             self.run_well("convert", *arguments)
             self.assertTrue(arguments[-1].exists())
         self.assert_refused(self.run_lumesh("convert", self.mesh), USAGE, "mesh to write")
+
+    def test_convert_writes_the_files_of_solvers_again_and_again(self):
+        self.make_mesh()
+        names = ["out.xdmf", "out.h5", "out_facets.xdmf", "out_facets.h5", "out_tags.json", "out-mesh-complete"]
+        before = {path.name for path in self.folder.iterdir()}
+        for target in ("out.xdmf", "out.xdmf", "out-mesh-complete", "out-mesh-complete/"):
+            self.run_well("convert", self.mesh, f"{self.folder}/{target}")
+        self.assertEqual({path.name for path in self.folder.iterdir()} - before, set(names))
+        self.assertEqual({path.name for path in (self.folder / "out-mesh-complete/mesh-surfaces").iterdir()}, {"wall.vtp"})
+
+    def test_a_folder_with_other_files_is_not_replaced(self):
+        self.make_mesh()
+        folder = self.folder / "mesh-complete"
+        folder.mkdir()
+        (folder / "solver.xml").write_text("precious")
+        for command in (["convert", self.mesh, folder], ["lattice", self.image, "-o", folder]):
+            self.assert_refused(self.run_lumesh(*command), BAD_INPUT, "mesh-complete", "solver.xml")
+        self.assertEqual([path.name for path in folder.iterdir()], ["solver.xml"])
+
+    def test_a_mixed_mesh_is_refused_for_solvers_of_tetrahedra(self):
+        self.make_mesh("--mixed")
+        before = sorted(self.folder.iterdir())
+        for target in ("out.xdmf", "out-mesh-complete"):
+            result = self.run_lumesh("convert", self.mesh, self.folder / target)
+            self.assert_refused(result, BAD_INPUT, target, "tetrahedra only", "--mixed")
+            self.assertEqual(sorted(self.folder.iterdir()), before)
 
 
 class FoamTest(CommandTest):

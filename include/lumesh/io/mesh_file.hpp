@@ -24,13 +24,16 @@ struct MeshWriteOptions {
   MshVersion msh_version = MshVersion::k41;  ///< .msh files only.
 };
 
-/// Writes a mesh: .vtu, .vtk (legacy, binary), .mesh, .meshb, .msh (ASCII), .foam (an empty file, beside it
-/// OpenFOAM's folder constant/polyMesh, ASCII, in metres); its boundary faces: .stl (binary), .vtp.
+/// Writes a mesh: .vtu, .vtk (legacy, binary), .mesh, .meshb, .msh (ASCII); its boundary faces: .stl
+/// (binary), .vtp. For solvers: .foam (an empty file, beside it OpenFOAM's folder constant/polyMesh, ASCII,
+/// in metres); of tetrahedra only, .xdmf with the files beside it that FEniCS reads, and SimVascular's folder
+/// under a name that ends in mesh-complete.
 ///
 /// Cells carry their label, boundary faces their patch; docs/stages/convert.md says what each format holds.
 /// A metric goes into .vtu and .vtk, as the point array `metric`; for Medit's files see metric_file.hpp.
 /// The file is written beside the target and renamed when complete. Memory: a few MB, for VTU also one
-/// compressed array, for OpenFOAM about 130 bytes per tetrahedron. Threads: all for OpenFOAM, otherwise one.
+/// compressed array, for XDMF twice its arrays, for OpenFOAM about 130 bytes per tetrahedron. Threads: all
+/// for OpenFOAM, otherwise one; any number of calls at once, but one that writes XDMF.
 /// @throws Error{kBadInput} if the extension is unknown, the format cannot hold the mesh, or writing fails
 /// (no such folder, read-only, disk full); nothing is left behind then.
 void write_mesh(const std::filesystem::path& path, const MeshView& mesh,
@@ -56,6 +59,11 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 [[nodiscard]] bool is_mesh_file(const std::filesystem::path& path);
 /// True for a file name under which write_mesh() writes the volume, not the boundary alone.
 [[nodiscard]] bool is_volume_file(const std::filesystem::path& path);
+/// True for a file name under which write_mesh() makes a folder, and replaces one that holds a mesh.
+[[nodiscard]] bool is_mesh_folder(const std::filesystem::path& path);
+/// @throws Error{kBadInput} if write_mesh() would refuse to replace what stands under the name of a folder: a
+/// file, or a folder in which something else lies, too.
+void check_mesh_folder(const std::filesystem::path& path);
 /// Whether write_surface() knows the extension.
 [[nodiscard]] bool is_surface_file(const std::filesystem::path& path);
 

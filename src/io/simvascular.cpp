@@ -1,0 +1,235 @@
+// SimVascular's mesh-complete folder: VTK files in which points, cells, regions and faces have numbers.
+// svMultiPhysics casts these arrays to 32-bit integers, counts from 1, and takes the name of a file in
+// mesh-surfaces/ for that of a boundary condition's face.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <numeric>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "face_owners.hpp"
+#include "file_fault.hpp"
+#include "mesh_formats.hpp"
+#include "output_folder.hpp"
+#include "tetrahedra_only.hpp"
+#include "vtk_xml_writer.hpp"
+
+namespace lumesh::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSurfaces = "mesh-surfaces";
+constexpr const char* kInterfaces = "mesh-interfaces";
+
+/// 1, 2, 3, …
+std::vector<std::int32_t> numbers_from_1(std::size_t count) {
+  std::vector<std::int32_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 1);
+  return numbers;
+}
+
+/// Where the cells of one shape end in the list of their corners.
+std::vector<std::int64_t> cell_ends(std::size_t cells, std::size_t corners) {
+  std::vector<std::int64_t> ends(cells);
+  for (std::size_t i = 0; i < cells; ++i) ends[i] = static_cast<std::int64_t>((i + 1) * corners);
+  return ends;
+}
+
+void write_volume(const fs::path& path, const MeshView& mesh) {
+  const std::size_t cells = mesh.tetrahedra.size();
+  VtkXmlWriter writer(path, "UnstructuredGrid");
+  writer.print("<FieldData>\n");
+  writer.info_arrays(*mesh.info);
+  writer.print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.points.size(),
+               cells);
+  writer.print("<PointData>\n");
+  writer.int32_array("GlobalNodeID", numbers_from_1(mesh.points.size()));
+  writer.print("</PointData>\n<CellData>\n");
+  writer.int32_array("GlobalElementID", numbers_from_1(cells));
+  writer.int32_array("ModelRegionID", mesh.tetrahedron_labels);
+  writer.print("</CellData>\n");
+  writer.points(mesh.points);
+  writer.print("<Cells>\n");
+  writer.array({"connectivity", "Int32", 1, 4 * cells}, mesh.tetrahedra.data());
+  writer.array({"offsets", "Int64", 1, cells}, cell_ends(cells, 4).data());
+  const std::vector<std::uint8_t> types(cells, 10);  // VTK_TETRA
+  writer.array({"types", "UInt8", 1, cells}, types.data());
+  writer.print("</Cells>\n</Piece>\n");
+  writer.commit();
+}
+
+/// Triangles of the mesh in one file, with the points they use in the order of the mesh.
+struct FaceFile {
+  std::vector<Vec3> points;
+  std::vector<std::int32_t> node_ids;
+  std::vector<std::int32_t> corners;
+  std::vector<std::int32_t> element_ids;
+  std::vector<std::int32_t> region_ids;
+  std::vector<std::int32_t> face_ids;
+};
+
+FaceFile gather_faces(const MeshView& mesh, const std::vector<FaceOwner>& owners,
+                      const std::vector<std::uint32_t>& triangles) {
+  FaceFile file;
+  std::vector<std::uint32_t> used;
+  for (const std::uint32_t t : triangles)
+    used.insert(used.end(), owners[t].outward.begin(), owners[t].outward.end());
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  for (const std::uint32_t v : used) {
+    file.points.push_back(mesh.points[v]);
+    file.node_ids.push_back(static_cast<std::int32_t>(v) + 1);
+  }
+  for (const std::uint32_t t : triangles) {
+    for (const std::uint32_t v : owners[t].outward)
+      file.corners.push_back(
+          static_cast<std::int32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin()));
+    file.element_ids.push_back(static_cast<std::int32_t>(owners[t].cell) + 1);
+    file.region_ids.push_back(mesh.tetrahedron_labels[owners[t].cell]);
+    file.face_ids.push_back(mesh.triangle_patches[t] + 1);
+  }
+  return file;
+}
+
+void write_faces(const fs::path& path, const FaceFile& file) {
+  VtkXmlWriter writer(path, "PolyData");
+  writer.print("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" ",
+               file.points.size());
+  writer.print("NumberOfPolys=\"{}\">\n<PointData>\n", file.face_ids.size());
+  writer.int32_array("GlobalNodeID", file.node_ids);
+  writer.print("</PointData>\n<CellData>\n");
+  writer.int32_array("GlobalElementID", file.element_ids);
+  writer.int32_array("ModelRegionID", file.region_ids);
+  writer.int32_array("ModelFaceID", file.face_ids);
+  writer.print("</CellData>\n");
+  writer.points(file.points);
+  writer.print("<Polys>\n");
+  writer.int32_array("connectivity", file.corners);
+  writer.array({"offsets", "Int64", 1, file.face_ids.size()}, cell_ends(file.face_ids.size(), 3).data());
+  writer.print("</Polys>\n</Piece>\n");
+  writer.commit();
+}
+
+/// File names for the patches: without what a shell, a folder or an input file of the solver would trip over,
+/// and no two alike.
+std::vector<std::string> file_names(const std::vector<Patch>& patches) {
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    std::string name = patches[p].name.empty() ? fmt::format("patch_{}", p + 1) : patches[p].name;
+    for (char& c : name)
+      if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-') c = '_';
+    std::string free = name;
+    for (int n = 2; !taken.insert(free).second; ++n) free = fmt::format("{}_{}", name, n);
+    names.push_back(free + ".vtp");
+  }
+  return names;
+}
+
+/// The triangles of each file, by what bounds the mesh and what lies in it.
+struct FaceGroups {
+  std::vector<std::uint32_t> exterior;
+  std::vector<std::uint32_t> walls;
+  std::vector<std::vector<std::uint32_t>> surfaces;    ///< By patch.
+  std::vector<std::vector<std::uint32_t>> interfaces;  ///< By patch.
+};
+
+FaceGroups group_faces(const fs::path& path, const MeshView& mesh, const std::vector<FaceOwner>& owners) {
+  const std::vector<Patch>& patches = mesh.info->patches;
+  FaceGroups groups{{}, {}, decltype(FaceGroups::surfaces)(patches.size()), {}};
+  groups.interfaces.resize(patches.size());
+  for (std::uint32_t t = 0; t < owners.size(); ++t) {
+    if (owners[t].cell == FaceOwner::kNone)
+      fail(path, fmt::format("boundary triangle {} belongs to no tetrahedron; remove the triangles, which "
+                             "are then found anew",
+                             t));
+    const auto patch = static_cast<std::size_t>(mesh.triangle_patches[t]);
+    if (patch >= patches.size())
+      fail(path, fmt::format("boundary triangle {} has the unknown patch {}; renumber them", t,
+                             mesh.triangle_patches[t]));
+    if (owners[t].between) {
+      groups.interfaces[patch].push_back(t);
+      continue;
+    }
+    groups.exterior.push_back(t);
+    groups.surfaces[patch].push_back(t);
+    if (patches[patch].kind == PatchKind::kWall) groups.walls.push_back(t);
+  }
+  if (groups.exterior.empty()) fail(path, "the mesh has no boundary faces to write");
+  return groups;
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed) fail(folder, fmt::format("cannot be made ({})", failed.message()));
+}
+
+bool holds_only_vtp(const fs::path& folder) {
+  std::error_code ignored;
+  return std::all_of(
+      fs::directory_iterator(folder, ignored), fs::directory_iterator(),
+      [](const auto& entry) { return entry.is_regular_file() && entry.path().extension() == ".vtp"; });
+}
+
+fs::path without_slash(const fs::path& path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+
+}  // namespace
+
+bool is_simvascular_folder(const fs::path& path) {
+  return without_slash(path).filename().string().ends_with("mesh-complete");
+}
+
+/// The folder is replaced as a whole, so that no face of an older mesh stays in it: it may hold nothing else.
+void check_simvascular_folder(const fs::path& named) {
+  const fs::path path = without_slash(named);
+  static constexpr std::array<std::string_view, 3> kFiles = {
+      "mesh-complete.mesh.vtu", "mesh-complete.exterior.vtp", "walls_combined.vtp"};
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return;
+  if (!fs::is_directory(path, ignored))
+    fail(path, "is a file, and a folder is to be written; remove it or choose another name");
+  for (const fs::directory_entry& entry : fs::directory_iterator(path, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const bool ours = entry.is_directory()
+                          ? (name == kSurfaces || name == kInterfaces) && holds_only_vtp(entry.path())
+                          : std::find(kFiles.begin(), kFiles.end(), name) != kFiles.end();
+    if (!ours)
+      fail(path,
+           fmt::format("would be replaced, and {} in it is no part of a mesh; choose another name", name));
+  }
+}
+
+void write_simvascular(const fs::path& named, const MeshView& mesh) {
+  const fs::path path = without_slash(named);
+  require_tetrahedra(path, mesh, "SimVascular");
+  check_simvascular_folder(path);
+  const std::vector<FaceOwner> owners = find_face_owners(mesh);
+  const FaceGroups groups = group_faces(path, mesh, owners);
+  const std::vector<std::string> names = file_names(mesh.info->patches);
+  OutputFolder folder(path);
+  const auto write_group = [&](const fs::path& name, const std::vector<std::uint32_t>& triangles) {
+    if (triangles.empty()) return;
+    make_folder((folder.path() / name).parent_path());
+    write_faces(folder.path() / name, gather_faces(mesh, owners, triangles));
+  };
+  write_volume(folder.path() / "mesh-complete.mesh.vtu", mesh);
+  write_group("mesh-complete.exterior.vtp", groups.exterior);
+  write_group("walls_combined.vtp", groups.walls);
+  for (std::size_t p = 0; p < names.size(); ++p) {
+    write_group(fs::path(kSurfaces) / names[p], groups.surfaces[p]);
+    write_group(fs::path(kInterfaces) / names[p], groups.interfaces[p]);
+  }
+  folder.commit();
+}
+
+}  // namespace lumesh::io
