@@ -21,7 +21,7 @@ namespace {
 struct LayersCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, json_path;
-  std::string scale = "mm", cells = "tetrahedra", label;
+  std::string side = "outward", scale = "mm", cells = "tetrahedra", label;
   LayerOptions options;
   RunOptions run;
 };
@@ -46,6 +46,7 @@ LayerOptions options_of(const LayersCommand& command) {
   options.scale = command.scale == "radius" ? HeightScale::kRadius
                   : command.scale == "edge" ? HeightScale::kEdge
                                             : HeightScale::kAbsolute;
+  options.side = command.side == "inward" ? LayerSide::kInward : LayerSide::kOutward;
   options.cells = command.cells == "prisms" ? LayerCells::kPrisms : LayerCells::kTetrahedra;
   take_label(command.label, options);
   options.validate();
@@ -152,6 +153,10 @@ void add_layers_command(CLI::App& program) {
   sub->add_option("--patch", command->options.patches,
                   "Patch to grow on; may be repeated; default: all walls")
       ->allow_extra_args(false);
+  sub->add_option("--side", command->side,
+                  "outward: around the mesh, which stays as it is; inward: within it, it gives way")
+      ->check(CLI::IsMember({"outward", "inward"}))
+      ->capture_default_str();
   add_height_options(*sub, *command);
   sub->add_option("--cells", command->cells, "What the layers are made of")
       ->check(CLI::IsMember({"tetrahedra", "prisms"}))

@@ -27,7 +27,7 @@ struct Growth {
 void keep_cells_well_shaped(const Growth& growth, Columns& columns);
 
 /// Shortens columns until the skin neither cuts itself nor any other part of the outside.
-/// @param outside  Points and triangles of the mesh's outside that have no layers, and of the surface itself.
-void keep_skin_simple(const Growth& growth, const TetMesh& mesh, Columns& columns);
+/// @param outside  The mesh that is grown on; null where layers grow into it, and it will tell by itself.
+void keep_skin_simple(const Growth& growth, const TetMesh* outside, Columns& columns);
 
 }  // namespace lumesh::layers

@@ -100,7 +100,7 @@ std::vector<double> smoothed(const LayerSurface& surface, std::vector<double> va
 
 /// What heights are multiples of, at every vertex, in mm.
 std::vector<double> scales_of(const LayerSurface& surface, const Directions& directions, HeightScale scale,
-                              const Outside& outside) {
+                              double side, const Outside& outside) {
   constexpr int kSweeps = 10;
   std::vector<double> values(surface.points.size(), 1);
   if (scale == HeightScale::kAbsolute) return values;
@@ -111,7 +111,7 @@ std::vector<double> scales_of(const LayerSurface& surface, const Directions& dir
       [&](std::size_t v) {
         const Vec3& p = surface.points[v];
         if (scale == HeightScale::kRadius) {
-          values[v] = free_ball(p, -directions.of[v], outside, -1, (high - low).norm());
+          values[v] = free_ball(p, -side * directions.of[v], outside, -1, (high - low).norm());
           return;
         }
         double sum = 0;
@@ -152,8 +152,9 @@ void Columns::shorten(std::size_t v, double to_mm, LayerLimit why) {
 Columns wanted_columns(const LayerSurface& surface, const Directions& directions, const LayerOptions& options,
                        double thickness, const Outside& outside) {
   const std::size_t count = surface.points.size();
-  Columns columns{scales_of(surface, directions, options.scale, outside), std::vector<double>(count, 1),
-                  std::vector<LayerLimit>(count, LayerLimit::kNone)};
+  Columns columns{
+      scales_of(surface, directions, options.scale, options.side == LayerSide::kInward ? -1 : 1, outside),
+      std::vector<double>(count, 1), std::vector<LayerLimit>(count, LayerLimit::kNone)};
   parallel::for_each_index(count, [&](std::size_t v) {
     columns.wanted_mm[v] *= thickness * directions.stretch[v];
     if (directions.of[v].isZero(0)) columns.shorten(v, 0, LayerLimit::kRidge);
@@ -162,15 +163,16 @@ Columns wanted_columns(const LayerSurface& surface, const Directions& directions
 }
 
 void keep_from_other_sides(const LayerSurface& surface, const Directions& directions, const Outside& outside,
-                           Columns& columns) {
-  constexpr double kShareOfBall = 0.8;  // Up to the middle between two sides, less a gap.
+                           double side, Columns& columns) {
+  // Up to the middle between two sides, less a gap or what has to hold the mesh within.
+  const double share_of_ball = side > 0 ? 0.8 : 0.6;
   parallel::for_each_index(
       surface.points.size(),
       [&](std::size_t v) {
         if (columns.fraction[v] == 0) return;
-        const double needed = columns.length_mm(v) / kShareOfBall;
-        const double free = free_ball(surface.points[v], directions.of[v], outside, 1, needed);
-        if (free < needed) columns.shorten(v, kShareOfBall * free, LayerLimit::kOtherSide);
+        const double needed = columns.length_mm(v) / share_of_ball;
+        const double free = free_ball(surface.points[v], directions.of[v], outside, side, needed);
+        if (free < needed) columns.shorten(v, share_of_ball * free, LayerLimit::kOtherSide);
       },
       64);
 }

@@ -41,8 +41,9 @@ struct Columns {
                                      const LayerOptions& options, double thickness, const Outside& outside);
 
 /// Shortens columns whose upper ends would come too near to another part of the outside.
+/// @param side  1 where layers grow out of the mesh, -1 into it: there some of the mesh has to be left.
 void keep_from_other_sides(const LayerSurface& surface, const Directions& directions, const Outside& outside,
-                           Columns& columns);
+                           double side, Columns& columns);
 
 /// Shortens columns until lengths differ by no more than a share of the edge between them.
 void smooth_lengths(const LayerSurface& surface, Columns& columns);

@@ -11,15 +11,17 @@ namespace {
 /// Adds the layers to a copy of the mesh.
 class LayerBuilder {
  public:
-  LayerBuilder(const TetMesh& mesh, const BoundaryFaces& faces, const std::vector<std::uint8_t>& layered,
-               const Growth& growth, const Columns& columns, const LayerOptions& options, Label label)
-      : mesh_(mesh),
-        faces_(faces),
-        layered_(layered),
+  LayerBuilder(const Footing& footing, const Growth& growth, const Columns& columns,
+               const LayerOptions& options, Label label)
+      : mesh_(footing.mesh),
+        faces_(footing.faces),
+        layered_(footing.layered),
+        vertices_(footing.vertices),
         growth_(growth),
         surface_(growth.surface),
         columns_(columns),
         options_(options),
+        is_inward_(options.side == LayerSide::kInward),
         label_(label),
         layers_(static_cast<int>(growth.levels.size())) {}
 
@@ -37,9 +39,11 @@ class LayerBuilder {
   [[nodiscard]] bool is_bare(const Cell<3>& c) const {
     return !has_length(c[0]) && !has_length(c[1]) && !has_length(c[2]);
   }
-  /// Number of the upper end of layer k of a column.
+  /// Number of the upper end of layer k of a column. One end of it is the mesh's own vertex: the lower one,
+  /// or inwards the upper one.
   [[nodiscard]] std::uint32_t point(std::uint32_t v, int k) const {
-    return k < 0 || !has_length(v) ? surface_.vertices[v] : first_[v] + static_cast<std::uint32_t>(k);
+    if (!has_length(v) || k == (is_inward_ ? layers_ - 1 : -1)) return vertices_[v];
+    return first_[v] + static_cast<std::uint32_t>(is_inward_ ? k + 1 : k);
   }
 
   void copy_mesh() {
@@ -48,14 +52,16 @@ class LayerBuilder {
     out_.tetrahedra.assign(view.tetrahedra.begin(), view.tetrahedra.end());
     out_.tetrahedron_labels.assign(view.tetrahedron_labels.begin(), view.tetrahedron_labels.end());
     out_.info = mesh_.info();
-    if (!options_.label_name.empty()) out_.info.label_names[label_] = options_.label_name;
+    const std::string usual = is_inward_ ? "layer" : "wall";
+    out_.info.label_names[label_] = options_.label_name.empty() ? usual : options_.label_name;
   }
   void add_points() {
     first_.assign(surface_.points.size(), 0);
     for (std::uint32_t v = 0; v < surface_.points.size(); ++v) {
       if (!has_length(v)) continue;
       first_[v] = static_cast<std::uint32_t>(out_.points.size());
-      for (int k = 0; k < layers_; ++k) out_.points.push_back(growth_.point(columns_, v, k));
+      const int first = is_inward_ ? -1 : 0;
+      for (int k = first; k < first + layers_; ++k) out_.points.push_back(growth_.point(columns_, v, k));
     }
   }
 
@@ -66,26 +72,39 @@ class LayerBuilder {
     return place->second;
   }
   /// Faces of the mesh; those under layers are between labels now. Parts of a patch that stay bare get a
-  /// patch of their own.
+  /// patch of their own; inwards they are what is left of it.
   void copy_faces() {
-    std::size_t next = 0;
-    for (std::size_t f = 0; f < faces_.triangles.size(); ++f) {
-      const std::int32_t patch = faces_.patches[f];
-      const auto p = static_cast<std::size_t>(patch);
-      if (layered_[p] == 0) {
-        add_face(faces_.triangles[f], patch);
-        continue;
-      }
-      const bool bare = is_bare(surface_.triangles[next++]);
-      const std::array<Label, 2> labels = mesh_.info().patches[p].labels;
-      const Label inside = std::max(labels[0], labels[1]);
-      if (!bare) {
-        out_.info.patches[p].kind = PatchKind::kInterface;
-        out_.info.patches[p].labels = {std::min(inside, label_), std::max(inside, label_)};
-      }
-      const std::string name = mesh_.info().patches[p].name + "_bare";
-      add_face(faces_.triangles[f], bare ? patch_named(name, PatchKind::kWall, labels) : patch);
+    std::vector<std::uint8_t> at_layers(mesh_.vertex_count(), 0), at_columns(mesh_.vertex_count(), 0);
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
+      at_columns[vertices_[v]] = 1;
+      at_layers[vertices_[v]] = has_length(v) ? 1 : 0;
     }
+    for (std::size_t f = 0; f < faces_.triangles.size(); ++f) {
+      const Cell<3>& c = faces_.triangles[f];
+      const auto patch = static_cast<std::size_t>(faces_.patches[f]);
+      const bool bare = std::none_of(c.begin(), c.end(), [&](std::uint32_t v) { return at_layers[v] != 0; });
+      if (layered_[patch] == 0)
+        add_face(c, faces_.patches[f]);
+      else
+        add_face(c, bare ? patch_of_bare(patch) : patch_under_layers(patch));
+    }
+  }
+  [[nodiscard]] Label inside_of(std::size_t patch) const {
+    const std::array<Label, 2>& labels = mesh_.info().patches[patch].labels;
+    return std::max(labels[0], labels[1]);
+  }
+  std::int32_t patch_of_bare(std::size_t patch) {
+    const Patch& whole = mesh_.info().patches[patch];
+    return is_inward_ ? static_cast<std::int32_t>(patch)
+                      : patch_named(whole.name + "_bare", PatchKind::kWall, whole.labels);
+  }
+  std::int32_t patch_under_layers(std::size_t patch) {
+    const std::array<Label, 2> labels = {std::min(inside_of(patch), label_),
+                                         std::max(inside_of(patch), label_)};
+    if (is_inward_) return patch_named("layer_inner", PatchKind::kInterface, labels);
+    out_.info.patches[patch].kind = PatchKind::kInterface;
+    out_.info.patches[patch].labels = labels;
+    return static_cast<std::int32_t>(patch);
   }
   void add_face(const Cell<3>& c, std::int32_t patch) {
     out_.triangles.push_back(c);
@@ -102,8 +121,11 @@ class LayerBuilder {
       else
         for (const PrismTet& tet : tets) add_tet(c, tet, k);
     }
-    const std::int32_t skin = patch_named("layer_outer", PatchKind::kWall, {label_, kBackground});
-    add_face({point(c[0], layers_ - 1), point(c[1], layers_ - 1), point(c[2], layers_ - 1)}, skin);
+    if (is_inward_)
+      add_face({point(c[0], -1), point(c[2], -1), point(c[1], -1)}, surface_.patches[t]);
+    else
+      add_face({point(c[0], layers_ - 1), point(c[1], layers_ - 1), point(c[2], layers_ - 1)},
+               patch_named("layer_outer", PatchKind::kWall, {label_, kBackground}));
   }
   void add_tet(const Cell<3>& c, const PrismTet& tet, int k) {
     if (!has_length(c[doubled_column(tet)])) return;
@@ -164,10 +186,12 @@ class LayerBuilder {
   const TetMesh& mesh_;
   const BoundaryFaces& faces_;
   const std::vector<std::uint8_t>& layered_;
+  const std::vector<std::uint32_t>& vertices_;
   const Growth& growth_;
   const LayerSurface& surface_;
   const Columns& columns_;
   const LayerOptions& options_;
+  bool is_inward_;
   Label label_;
   int layers_;
   std::vector<std::uint32_t> first_;  // Of each column's own points.
@@ -177,10 +201,9 @@ class LayerBuilder {
 
 }  // namespace
 
-MixedMesh with_layers(const TetMesh& mesh, const BoundaryFaces& faces,
-                      const std::vector<std::uint8_t>& layered, const Growth& growth, const Columns& columns,
+MixedMesh with_layers(const Footing& footing, const Growth& growth, const Columns& columns,
                       const LayerOptions& options, Label label) {
-  return LayerBuilder(mesh, faces, layered, growth, columns, options, label).build();
+  return LayerBuilder(footing, growth, columns, options, label).build();
 }
 
 }  // namespace lumesh::layers

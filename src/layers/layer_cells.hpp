@@ -6,9 +6,17 @@
 
 namespace lumesh::layers {
 
+/// The volume mesh that layers stand on, or hang from.
+struct Footing {
+  const TetMesh& mesh;
+  const BoundaryFaces& faces;
+  const std::vector<std::uint8_t>& layered;    ///< One flag per patch.
+  const std::vector<std::uint32_t>& vertices;  ///< Of the mesh at each column: its lower end, or its upper
+                                               ///< one where layers grow inwards.
+};
+
 /// The mesh with its layers. @param label  Of the layers.
-[[nodiscard]] MixedMesh with_layers(const TetMesh& mesh, const BoundaryFaces& faces,
-                                    const std::vector<std::uint8_t>& layered, const Growth& growth,
-                                    const Columns& columns, const LayerOptions& options, Label label);
+[[nodiscard]] MixedMesh with_layers(const Footing& footing, const Growth& growth, const Columns& columns,
+                                    const LayerOptions& options, Label label);
 
 }  // namespace lumesh::layers

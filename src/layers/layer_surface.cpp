@@ -13,7 +13,8 @@ std::uint64_t undirected(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }
 
-/// Sorted pairs (item, number) as lists.
+}  // namespace
+
 Lists lists_of(std::vector<std::uint64_t> pairs, std::size_t items) {
   parallel::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
@@ -26,6 +27,8 @@ Lists lists_of(std::vector<std::uint64_t> pairs, std::size_t items) {
   for (std::size_t i = 0; i < items; ++i) lists.starts[i + 1] += lists.starts[i];
   return lists;
 }
+
+namespace {
 
 /// Takes the triangles of layered patches, with vertices numbered anew, and the others of the outside.
 void take_triangles(const TetMesh& mesh, const BoundaryFaces& faces, const std::vector<std::uint8_t>& layered,
@@ -143,17 +146,24 @@ void RimPlanes::add(const Vec3& normal) {
 }
 
 LayerSurface surface_of(const TetMesh& mesh, const BoundaryFaces& faces,
-                        const std::vector<std::uint8_t>& layered) {
+                        const std::vector<std::uint8_t>& layered, bool is_inward) {
   LayerSurface surface;
   take_triangles(mesh, faces, layered, surface);
+  if (is_inward)
+    for (Cell<3>& t : surface.triangles) std::swap(t[1], t[2]);
   find_neighbours(surface);
   find_rim(faces, layered, surface);
   surface.planes.resize(surface.points.size());
   const std::vector<Vec3> normals = plane_normals(mesh, faces);
-  for (const RimEdge& edge : surface.rim)
-    if (edge.patch >= 0 && normals[static_cast<std::size_t>(edge.patch)] != Vec3::Zero())
-      for (const std::uint32_t v : {edge.a, edge.b})
+  for (const RimEdge& edge : surface.rim) {
+    const bool is_flat = edge.patch >= 0 && normals[static_cast<std::size_t>(edge.patch)] != Vec3::Zero();
+    for (const std::uint32_t v : {edge.a, edge.b}) {
+      if (is_flat)
         surface.planes[v].add(normals[static_cast<std::size_t>(edge.patch)]);
+      else if (is_inward)
+        surface.planes[v].forbid();  // What bends there would be cut off.
+    }
+  }
   return surface;
 }
 

@@ -18,6 +18,9 @@ struct Lists {
   }
 };
 
+/// From pairs of an item and one of its numbers, the item in the upper half; doubles count once.
+[[nodiscard]] Lists lists_of(std::vector<std::uint64_t> pairs, std::size_t items);
+
 /// An edge that only one triangle of the surface has, in that triangle's sense.
 struct RimEdge {
   std::uint32_t a = 0, b = 0;
@@ -33,6 +36,7 @@ struct RimPlanes {
   [[nodiscard]] Vec3 project(const Vec3& x) const;
   /// One more plane; beyond two, directions are none.
   void add(const Vec3& normal);
+  void forbid() { count = 3; }
 };
 
 struct LayerSurface {
@@ -46,8 +50,9 @@ struct LayerSurface {
   std::vector<Cell<3>> others;  ///< The other triangles of the mesh's outside, by vertices of the mesh.
 };
 
-/// The triangles of these patches. @param layered  One flag per patch of the mesh.
+/// The triangles of these patches. @param layered  One flag per patch of the mesh. @param is_inward  Layers
+/// grow into the mesh.
 [[nodiscard]] LayerSurface surface_of(const TetMesh& mesh, const BoundaryFaces& faces,
-                                      const std::vector<std::uint8_t>& layered);
+                                      const std::vector<std::uint8_t>& layered, bool is_inward);
 
 }  // namespace lumesh::layers

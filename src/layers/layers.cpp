@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "coverage.hpp"
+#include "give_way.hpp"
 #include "layer_cells.hpp"
 #include "lumesh/core/error.hpp"
 
@@ -77,6 +78,7 @@ const char* name_of(LayerLimit limit) {
                                                             "ridge",
                                                             "poor cells",
                                                             "skin would cut itself",
+                                                            "no room in the mesh",
                                                             "next to a shorter column"};
   return kNames[static_cast<std::size_t>(limit)];
 }
@@ -107,36 +109,77 @@ void refuse_huge(const LayerSurface& surface, const Columns& columns, double thi
 
 }  // namespace
 
+namespace {
+
+/// Columns as high as can be said before the mesh itself is asked.
+Columns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options,
+                   double thickness, const Growth& growth) {
+  const double side = options.side == LayerSide::kInward ? -1 : 1;
+  const Outside outside(mesh, faces);
+  Columns columns = wanted_columns(growth.surface, growth.directions, options, thickness, outside);
+  refuse_huge(growth.surface, columns, thickness);
+  keep_from_other_sides(growth.surface, growth.directions, outside, side, columns);
+  smooth_lengths(growth.surface, columns);
+  return columns;
+}
+
+/// Room for the columns within the mesh, and the columns as far as there is. What was reached may not do for
+/// good cells: then all of it is done again with columns that will.
+Core room_within(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth, Columns& columns) {
+  constexpr double kAllOfIt = 1 - 1e-12;
+  constexpr int kPatientTries = 4;
+  for (int attempt = 0;; ++attempt) {
+    Core core = give_way(mesh, faces, growth, columns);
+    Columns reached = columns;
+    bool is_whole = true;
+    for (std::size_t v = 0; v < core.reached.size(); ++v) {
+      if (core.reached[v] > kAllOfIt || columns.fraction[v] == 0) continue;
+      is_whole = false;
+      reached.shorten(v, attempt < kPatientTries ? core.reached[v] * columns.length_mm(v) : 0,
+                      LayerLimit::kRoom);
+    }
+    if (is_whole) return core;
+    smooth_lengths(growth.surface, reached);
+    keep_cells_well_shaped(growth, reached);
+    columns = std::move(reached);
+  }
+}
+
+}  // namespace
+
 LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context) {
   options.validate();
+  const bool is_inward = options.side == LayerSide::kInward;
   const std::vector<std::uint8_t> layered = chosen_patches(mesh.info(), options.patches);
   const BoundaryFaces faces = mesh.boundary_faces();
-  const LayerSurface surface = context.phase("surface", [&] { return surface_of(mesh, faces, layered); });
+  const LayerSurface surface =
+      context.phase("surface", [&] { return surface_of(mesh, faces, layered, is_inward); });
   if (surface.triangles.empty())
     throw Error(ErrorKind::kBadInput, "no patch for layers has a triangle; name one with --patch");
   const std::vector<double> heights = height_schedule(options);
-  const Outside outside = context.phase("tree", [&] { return Outside(mesh, faces); });
   const Directions directions = context.phase("directions", [&] { return marching_directions(surface); });
-  Columns columns = context.phase("heights", [&] {
-    Columns wanted = wanted_columns(surface, directions, options, heights.back(), outside);
-    refuse_huge(surface, wanted, heights.back());
-    keep_from_other_sides(surface, directions, outside, wanted);
-    smooth_lengths(surface, wanted);
-    return wanted;
-  });
   Growth growth{surface, directions, heights};
   for (double& level : growth.levels) level /= heights.back();
+  Columns columns =
+      context.phase("heights", [&] { return columns_on(mesh, faces, options, heights.back(), growth); });
   context.phase("shape", [&] { keep_cells_well_shaped(growth, columns); });
-  context.phase("skin", [&] { keep_skin_simple(growth, mesh, columns); });
-  LayerResult result;
-  result.mesh = context.phase("cells", [&] {
-    return with_layers(mesh, faces, layered, growth, columns, options, label_of_layers(mesh, options.label));
-  });
-  result.report.layers = static_cast<int>(heights.size());
-  result.report.heights = differences_of(heights);
-  result.report.patches = coverage_of(mesh, surface, columns);
-  result.report.cells = result.mesh.view().cell_count() - mesh.tet_count();
-  return result;
+  context.phase("skin", [&] { keep_skin_simple(growth, is_inward ? nullptr : &mesh, columns); });
+  const Label label = label_of_layers(mesh, options.label);
+  const auto layers_on = [&](const TetMesh& volume, const BoundaryFaces& of_volume,
+                             const std::vector<std::uint32_t>& vertices) {
+    LayerResult result;
+    result.mesh = context.phase("cells", [&] {
+      return with_layers({volume, of_volume, layered, vertices}, growth, columns, options, label);
+    });
+    result.report.layers = static_cast<int>(heights.size());
+    result.report.heights = differences_of(heights);
+    result.report.patches = coverage_of(mesh, surface, columns);
+    result.report.cells = result.mesh.view().cell_count() - volume.tet_count();
+    return result;
+  };
+  if (!is_inward) return layers_on(mesh, faces, surface.vertices);
+  const Core core = context.phase("room", [&] { return room_within(mesh, faces, growth, columns); });
+  return layers_on(core.mesh, core.mesh.boundary_faces(), core.vertices);
 }
 
 }  // namespace lumesh

@@ -10,7 +10,7 @@ namespace {
 /// The outer skin, the surface under it and the rest of the outside, as triangles in space.
 class Skin {
  public:
-  Skin(const Growth& growth, const Columns& columns, const TetMesh& mesh)
+  Skin(const Growth& growth, const Columns& columns)
       : surface_(growth.surface), layers_(static_cast<int>(growth.levels.size())) {
     const std::size_t count = surface_.points.size();
     for (std::size_t v = 0; v < count; ++v) points_.push_back(growth.point(columns, v, layers_ - 1));
@@ -22,7 +22,11 @@ class Skin {
       triangles_.push_back(c);
       columns_.push_back({surface_.vertices[c[0]], surface_.vertices[c[1]], surface_.vertices[c[2]]});
     }
-    const auto base = static_cast<std::uint32_t>(count);
+  }
+
+  /// What else must not be cut.
+  void add_outside(const TetMesh& mesh) {
+    const auto base = static_cast<std::uint32_t>(points_.size());
     points_.insert(points_.end(), surface_.points.begin(), surface_.points.end());
     for (const Cell<3>& c : surface_.triangles) {
       triangles_.push_back({c[0] + base, c[1] + base, c[2] + base});
@@ -90,11 +94,13 @@ class Skin {
 
 }  // namespace
 
-void keep_skin_simple(const Growth& growth, const TetMesh& mesh, Columns& columns) {
+void keep_skin_simple(const Growth& growth, const TetMesh* outside, Columns& columns) {
   constexpr double kShorter = 0.7;
   constexpr int kPatientRounds = 12;
   for (int round = 0;; ++round) {  // Ends: as for cells.
-    const std::vector<std::uint8_t> cuts = Skin(growth, columns, mesh).columns_that_cut();
+    Skin skin(growth, columns);
+    if (outside != nullptr) skin.add_outside(*outside);
+    const std::vector<std::uint8_t> cuts = skin.columns_that_cut();
     if (std::find(cuts.begin(), cuts.end(), 1) == cuts.end()) return;
     const double factor = round < kPatientRounds ? kShorter : 0;
     parallel::for_each_index(cuts.size(), [&](std::size_t v) {

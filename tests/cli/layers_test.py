@@ -44,6 +44,18 @@ class LayersTest(MeshTest):
         self.assertLessEqual({"wall", "layer_outer", "inlet_1", "inlet_1_layer"}, names)
         self.assertEqual({label["label"] for label in found["labels"]}, {1, 7})
 
+    def test_inward_layers_keep_the_volume_and_the_wall(self):
+        mesh = self.vessel()
+        before = self.evaluate(mesh)
+        self.run_well("layers", mesh, "--side", "inward", "--first-height", 0.05, "--count", 3, "-o", self.out)
+        found = self.evaluate(self.out)
+        self.assertTrue(found["valid"])
+        self.assertEqual([label["name"] for label in found["labels"]], ["", "layer"])
+        volume = [sum(label["volume_mm3"] for label in of["labels"]) for of in (before, found)]
+        self.assertAlmostEqual(volume[1] / volume[0], 1, places=9)
+        wall = [next(p for p in of["boundary"]["patches"] if p["name"] == "wall")["area_mm2"] for of in (before, found)]
+        self.assertAlmostEqual(wall[1] / wall[0], 1, places=9)
+
     def test_prisms_of_a_cube_without_openings(self):
         self.run_well("layers", self.mesh, "--blds", 0.02, "--nbl", 3, "--cells", "prisms", "-o", self.out)
         found = self.evaluate(self.out)

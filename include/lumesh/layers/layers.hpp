@@ -17,6 +17,12 @@ enum class LayerCells : std::uint8_t {
   kTetrahedra,  ///< Each prism as three tetrahedra, diagonals from the lower numbered column.
 };
 
+/// Where layers grow.
+enum class LayerSide : std::uint8_t {
+  kOutward,  ///< Out of the mesh, into free space.
+  kInward,   ///< Into the mesh, which gives way: layers and what is left of it fill what it filled before.
+};
+
 /// What heights are multiples of.
 enum class HeightScale : std::uint8_t {
   kAbsolute,  ///< They are in mm.
@@ -26,6 +32,7 @@ enum class HeightScale : std::uint8_t {
 
 struct LayerOptions {
   std::vector<std::string> patches = {};  ///< On which layers grow; empty: all walls.
+  LayerSide side = LayerSide::kOutward;
   double first_height = 0;   ///< Of the layer next to the surface, > 0; in mm, or times the scale.
   double growth = 1.2;       ///< Height of each layer through that before, >= 1 where count is 0.
   double growth_rise = 1;    ///< Factor of the growth itself per layer, from the sixth layer on, >= 1.
@@ -34,8 +41,8 @@ struct LayerOptions {
   double thickness = 0;      ///< Of all layers together, met exactly; 0: as the count makes it.
   HeightScale scale = HeightScale::kAbsolute;
   LayerCells cells = LayerCells::kTetrahedra;
-  Label label = 0;  ///< Of the layers; 0: one more than the largest of the mesh.
-  std::string label_name = "wall";
+  Label label = 0;              ///< Of the layers; 0: one more than the largest of the mesh.
+  std::string label_name = {};  ///< Empty: "wall" outwards, "layer" inwards.
 
   void validate() const;  ///< Throws Error{kBadInput} that names the field.
 };
@@ -47,9 +54,10 @@ enum class LayerLimit : std::uint8_t {
   kRidge,      ///< No direction sees all triangles around.
   kShape,      ///< Cells would turn over or become poor.
   kSkin,       ///< The outer skin would cut itself or another part of the surface.
+  kRoom,       ///< The mesh within could not give way as far.
   kNeighbour,  ///< Heights change gradually; a column nearby is limited.
 };
-inline constexpr std::size_t kLayerLimits = 6;
+inline constexpr std::size_t kLayerLimits = 7;
 [[nodiscard]] const char* name_of(LayerLimit limit);
 
 /// What was achieved on one patch.
@@ -82,8 +90,9 @@ struct LayerResult {
   LayerReport report;
 };
 
-/// Grows layers out of a mesh, on its frozen surface: the input stays as it is, vertices of the surface are
-/// shared, and all of it is one conforming mesh.
+/// Grows layers out of a mesh, or into it, so that all of it is one conforming mesh. Outwards the mesh stays
+/// as it is; inwards it gives way: its surface is drawn in along the columns, step by step, the tetrahedra
+/// behind are moved and mended, and layers and mesh together fill exactly what the mesh filled.
 ///
 /// Every vertex of the patches gets a direction that sees all triangles around it, smoothed over the surface;
 /// at openings it lies in their plane, so that caps stay planar. Heights shrink smoothly where layers would

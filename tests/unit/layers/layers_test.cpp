@@ -216,16 +216,52 @@ TEST(Layers, BetweenTwoPartsShareTheRoom) {
 
 TEST(Layers, AreTheSameForEveryNumberOfThreads) {
   const TetMesh mesh = tube();
-  const auto points_with = [&](int threads) {
-    const parallel::ThreadLimit limit(threads);
-    return grown(mesh, {.first_height = 2, .count = 6, .scale = HeightScale::kAbsolute}).mesh;
-  };
-  const MixedMesh one = points_with(1);
-  for (const int threads : {2, 8}) {
-    const MixedMesh many = points_with(threads);
-    EXPECT_EQ(one.points, many.points);
-    EXPECT_EQ(one.tetrahedra, many.tetrahedra);
+  for (const LayerSide side : {LayerSide::kOutward, LayerSide::kInward}) {
+    const auto with = [&](int threads) {
+      const parallel::ThreadLimit limit(threads);
+      return grown(mesh, {.side = side, .first_height = side == LayerSide::kInward ? 0.5 : 2.0, .count = 6})
+          .mesh;
+    };
+    const MixedMesh one = with(1);
+    for (const int threads : {2, 8}) {
+      const MixedMesh many = with(threads);
+      EXPECT_EQ(one.points, many.points);
+      EXPECT_EQ(one.tetrahedra, many.tetrahedra);
+    }
   }
+}
+
+TEST(Layers, InATubeFillItWithWhatIsLeft) {
+  const TetMesh mesh = tube();
+  const double volume = validate(mesh).labels.at(0).volume, first = 0.4;
+  for (const LayerCells cells : {LayerCells::kTetrahedra, LayerCells::kPrisms}) {
+    const LayerResult result = grown(
+        mesh, {.side = LayerSide::kInward, .first_height = first, .growth = 1.2, .count = 4, .cells = cells});
+    expect_conforming(result.mesh);
+    EXPECT_GT(result.report.complete(), 0.98);
+    const double thickness = first * (1 + 1.2 + 1.44 + 1.728);
+    EXPECT_NEAR(result.report.patches.at(0).achieved_mm, thickness, 0.02 * thickness);
+    if (cells == LayerCells::kPrisms) continue;
+    const ValidationReport report = validate(result.mesh.view());
+    ASSERT_TRUE(report.ok()) << report.text();
+    const double core = volume_of(result.mesh, 1), layers = volume_of(result.mesh, 2);
+    EXPECT_NEAR((core + layers) / volume, 1, 1e-9);
+    const double inner = kTubeRadius - thickness;
+    EXPECT_NEAR(core / volume, inner * inner / (kTubeRadius * kTubeRadius), 0.02);
+    EXPECT_NEAR(area_of(result.mesh, "wall"),
+                area_of(grown(mesh, {.first_height = 1, .count = 1}).mesh, "wall"), 1e-6);
+  }
+}
+
+TEST(Layers, ThickerThanTheVesselLeaveRoomWithin) {
+  const TetMesh mesh = tube();
+  const LayerResult result =
+      grown(mesh, {.side = LayerSide::kInward, .first_height = 4, .growth = 1, .count = 5});
+  const ValidationReport report = validate(result.mesh.view());
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_LT(result.report.complete(), 0.01);
+  EXPECT_GT(volume_of(result.mesh, 1), 0);
+  EXPECT_GT(result.report.patches.at(0).achieved_mm, 2);
 }
 
 TEST(Layers, HeightsMayBeSharesOfTheRadiusOrOfEdges) {
@@ -261,8 +297,9 @@ TEST(Layers, OnRandomShapesAreAlwaysValidAndTellWhatTheyAre) {
                      : 0;
         }));
     const double height = std::pow(10, between(-3, 0.7));
-    const LayerResult result =
-        grown(mesh, {.first_height = height, .growth = between(1, 1.5), .count = 1 + round % 5});
+    const LayerSide side = round % 2 == 0 ? LayerSide::kOutward : LayerSide::kInward;
+    const LayerResult result = grown(
+        mesh, {.side = side, .first_height = height, .growth = between(1, 1.5), .count = 1 + round % 5});
     const ValidationReport report = validate(result.mesh.view());
     ASSERT_TRUE(report.ok()) << "round " << round << ", height " << height << "\n" << report.text();
     ASSERT_EQ(result.report.patches.size(), 1u);
@@ -271,7 +308,8 @@ TEST(Layers, OnRandomShapesAreAlwaysValidAndTellWhatTheyAre) {
     EXPECT_LE(wall.achieved_mm, wall.wanted_mm * (1 + 1e-12));
     EXPECT_LE(wall.bare + wall.complete, 1 + 1e-12);
     if (round % 3 == 0)
-      expect_conforming(grown(mesh, {.first_height = height, .count = 2, .cells = LayerCells::kPrisms}).mesh);
+      expect_conforming(
+          grown(mesh, {.side = side, .first_height = height, .count = 2, .cells = LayerCells::kPrisms}).mesh);
   }
 }
 
