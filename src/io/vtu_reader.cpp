@@ -141,21 +141,22 @@ std::vector<double> read_sizes(const VtkXmlReader& file, std::size_t points) {
   return sizes;
 }
 
-}  // namespace
-
-MixedMesh read_vtk_xml_points(const std::filesystem::path& path, std::string_view dataset_type) {
-  const VtkXmlReader file(path, dataset_type);
+MixedMesh read_points_and_info(const VtkXmlReader& file) {
   MixedMesh mesh;
   mesh.points = read_points(file);
   read_info(file, mesh);
   return mesh;
 }
 
+}  // namespace
+
+MixedMesh read_vtk_xml_points(const std::filesystem::path& path, std::string_view dataset_type) {
+  return read_points_and_info(VtkXmlReader(path, dataset_type));
+}
+
 PointData read_vtk_xml_point_data(const std::filesystem::path& path, std::string_view dataset_type) {
   const VtkXmlReader file(path, dataset_type);
-  MixedMesh mesh;
-  mesh.points = read_points(file);
-  read_info(file, mesh);
+  MixedMesh mesh = read_points_and_info(file);
   PointData data;
   data.points = std::move(mesh.points);
   data.info = std::move(mesh.info);

@@ -63,11 +63,8 @@ bool keep_bare_manifold(const LayerSurface& surface, Columns& columns) {
     if (std::find(pinches.begin(), pinches.end(), 1) == pinches.end()) return changed;
     parallel::for_each_index(count, [&](std::size_t v) {
       const auto around = surface.neighbours.of(v);
-      if (columns.fraction[v] > 0 &&
-          std::any_of(around.begin(), around.end(), [&](std::uint32_t w) { return pinches[w] != 0; })) {
-        columns.fraction[v] = 0;
-        columns.limit[v] = LayerLimit::kNeighbour;
-      }
+      if (std::any_of(around.begin(), around.end(), [&](std::uint32_t w) { return pinches[w] != 0; }))
+        columns.shorten(v, 0, LayerLimit::kNeighbour);
     });
   }
 }

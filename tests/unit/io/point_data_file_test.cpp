@@ -21,13 +21,7 @@ class PointDataFile : public testing::Test {
     return read_point_data(write_file(folder_ / name, content));
   }
   std::string fault_of(const std::string& name, const std::string& content) {
-    try {
-      (void)read(name, content);
-    } catch (const Error& e) {
-      EXPECT_EQ(e.kind(), ErrorKind::kBadInput);
-      return e.what();
-    }
-    return "none";
+    return fixtures::error_of([&] { (void)read(name, content); });
   }
   TemporaryFolder folder_;
 };
@@ -107,13 +101,7 @@ TEST_F(PointDataFile, AnArrayIsTheOneNamedOrTheUsualOrTheOnlyOne) {
   data.vectors["velocity"] = kPlaces;
   EXPECT_EQ(vectors_named(data, "", "velocity"), kPlaces);
   const auto fault = [&](const std::string& name, const std::string& usual) -> std::string {
-    try {
-      (void)vectors_named(data, name, usual);
-    } catch (const Error& e) {
-      EXPECT_EQ(e.kind(), ErrorKind::kBadInput);
-      return e.what();
-    }
-    return "none";
+    return fixtures::error_of([&] { (void)vectors_named(data, name, usual); });
   };
   EXPECT_EQ(fault("speed", "velocity"), "has no vectors speed on its points; there are: flow, velocity");
   EXPECT_EQ(fault("", "u"), "has several vectors on its points, name one; there are: flow, velocity");

@@ -19,13 +19,7 @@ class PointsFile : public testing::Test {
     return read_points(write_file(folder_ / name, content)).points;
   }
   std::string fault_of(const std::string& name, const std::string& content) {
-    try {
-      (void)read(name, content);
-    } catch (const Error& e) {
-      EXPECT_EQ(e.kind(), ErrorKind::kBadInput);
-      return e.what();
-    }
-    return "none";
+    return fixtures::error_of([&] { (void)read(name, content); });
   }
   TemporaryFolder folder_;
 };
