@@ -5,15 +5,12 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "lumesh/mesh/edge_key.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
 
 namespace {
-
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
 
 struct TriangleHash {
   std::size_t operator()(const Triangle& t) const {

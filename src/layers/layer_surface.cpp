@@ -4,16 +4,10 @@
 #include <map>
 
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/edge_key.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::layers {
-namespace {
-
-std::uint64_t undirected(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
-
-}  // namespace
 
 Lists lists_of(std::vector<std::uint64_t> pairs, std::size_t items) {
   parallel::sort(pairs.begin(), pairs.end());
@@ -75,7 +69,7 @@ void find_neighbours(LayerSurface& surface) {
 void find_rim(const BoundaryFaces& faces, const std::vector<std::uint8_t>& layered, LayerSurface& surface) {
   std::vector<std::uint64_t> edges;
   for (const Cell<3>& t : surface.triangles)
-    for (std::size_t k = 0; k < 3; ++k) edges.push_back(undirected(t[k], t[(k + 1) % 3]));
+    for (std::size_t k = 0; k < 3; ++k) edges.push_back(edge_key(t[k], t[(k + 1) % 3]));
   parallel::sort(edges.begin(), edges.end());
   const auto is_single = [&](std::uint64_t edge) {
     const auto [first, last] = std::equal_range(edges.begin(), edges.end(), edge);
@@ -83,20 +77,20 @@ void find_rim(const BoundaryFaces& faces, const std::vector<std::uint8_t>& layer
   };
   for (const Cell<3>& t : surface.triangles)
     for (std::size_t k = 0; k < 3; ++k)
-      if (is_single(undirected(t[k], t[(k + 1) % 3]))) surface.rim.push_back({t[k], t[(k + 1) % 3], -1});
+      if (is_single(edge_key(t[k], t[(k + 1) % 3]))) surface.rim.push_back({t[k], t[(k + 1) % 3], -1});
   if (surface.rim.empty()) return;
   std::map<std::uint64_t, std::int32_t> patch_at;
   for (const RimEdge& edge : surface.rim)
-    patch_at[undirected(surface.vertices[edge.a], surface.vertices[edge.b])] = -1;
+    patch_at[edge_key(surface.vertices[edge.a], surface.vertices[edge.b])] = -1;
   for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
     if (layered[static_cast<std::size_t>(faces.patches[f])] != 0 || faces.tets[f][1].valid()) continue;
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto found = patch_at.find(undirected(faces.triangles[f][k], faces.triangles[f][(k + 1) % 3]));
+      const auto found = patch_at.find(edge_key(faces.triangles[f][k], faces.triangles[f][(k + 1) % 3]));
       if (found != patch_at.end()) found->second = faces.patches[f];
     }
   }
   for (RimEdge& edge : surface.rim)
-    edge.patch = patch_at[undirected(surface.vertices[edge.a], surface.vertices[edge.b])];
+    edge.patch = patch_at[edge_key(surface.vertices[edge.a], surface.vertices[edge.b])];
 }
 
 /// Normals of the patches that are flat, to rounding; zero for others.

@@ -6,12 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-namespace lumesh::operators {
+#include "lumesh/mesh/edge_key.hpp"
 
-/// Of the edge between two vertices, whichever comes first.
-[[nodiscard]] inline std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
+namespace lumesh::operators {
 
 /// Keys with a value each, for a few dozen or hundred at a time; clearing costs nothing. Grows when half
 /// full.
