@@ -27,7 +27,7 @@ centerline: image mesh
 lattice: operators
 delaunay: operators
 adapt: operators
-layers: operators
+layers: adapt
 quality: mesh domain metric
 report: quality
 pipeline: lattice delaunay adapt layers centerline io quality report

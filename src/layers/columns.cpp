@@ -30,7 +30,7 @@ class PrismCheck {
     std::array<Vec3, 3> lower = ends(c, -1);
     for (int k = 0; k < static_cast<int>(growth_.levels.size()); ++k) {
       const std::array<Vec3, 3> upper = ends(c, k);
-      const double floor_deg = least_angle_deg(lower, upper);
+      const double floor_deg = least_angle_deg(c, lower, k);
       for (const PrismTet& tet : tets)
         if (has_length(doubled_column(tet)) && !is_good(tet, lower, upper, floor_deg)) return false;
       if (!is_well_shaped(lower, upper)) return false;
@@ -54,15 +54,16 @@ class PrismCheck {
     const double least = std::cos(floor_deg * kRadPerDeg);
     return angles.largest_cosine <= least && angles.smallest_cosine >= -least;
   }
-  /// Cells as flat as the layer itself are what was asked for; much flatter ones, or less than a few degrees,
-  /// are not.
-  static double least_angle_deg(const std::array<Vec3, 3>& lower, const std::array<Vec3, 3>& upper) {
+  /// Cells as flat as the layer that is wanted are what was asked for; much flatter ones, or less than a few
+  /// degrees, are not.
+  [[nodiscard]] double least_angle_deg(const Cell<3>& c, const std::array<Vec3, 3>& lower, int k) const {
     constexpr double kFloor = 2.5, kShareOfLayer = 0.3;
+    const auto level = static_cast<std::size_t>(k);
+    const double share = growth_.levels[level] - (k > 0 ? growth_.levels[level - 1] : 0);
     double height = std::numeric_limits<double>::infinity(), width = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double length = (upper[k] - lower[k]).norm();
-      if (length > 0) height = std::min(height, length);
-      width = std::max(width, (lower[(k + 1) % 3] - lower[k]).norm());
+    for (std::size_t i = 0; i < 3; ++i) {
+      height = std::min(height, share * columns_.wanted_mm[c[i]]);
+      width = std::max(width, (lower[(i + 1) % 3] - lower[i]).norm());
     }
     return std::min(kFloor, kShareOfLayer * std::atan2(height, width) / kRadPerDeg);
   }

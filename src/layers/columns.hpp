@@ -16,8 +16,11 @@ struct Growth {
   /// The upper end of layer k of a column (k = -1: the surface).
   [[nodiscard]] Vec3 point(const Columns& columns, std::size_t v, int k) const {
     if (k < 0) return surface.points[v];
-    return surface.points[v] +
-           (columns.length_mm(v) * levels[static_cast<std::size_t>(k)]) * directions.of[v];
+    return end(v, columns.length_mm(v) * levels[static_cast<std::size_t>(k)]);
+  }
+  /// Of a column so long.
+  [[nodiscard]] Vec3 end(std::size_t v, double length_mm) const {
+    return surface.points[v] + length_mm * directions.of[v];
   }
 };
 

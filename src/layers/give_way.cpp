@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <map>
+#include <cmath>
+#include <numbers>
+#include <optional>
 
+#include "lumesh/adapt/improve.hpp"
 #include "lumesh/core/assert.hpp"
 #include "lumesh/geometry/predicates.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/operators/ordered_execution.hpp"
@@ -16,8 +20,6 @@
 namespace lumesh::layers {
 namespace {
 
-constexpr int kSteps = 4;
-
 TetMesh copy_of(const TetMesh& mesh, const BoundaryFaces& faces) {
   return TetMesh::build(mesh.points(), mesh.tets(), mesh.labels(), PatchTable{faces.triangles, faces.patches},
                         mesh.info());
@@ -25,16 +27,17 @@ TetMesh copy_of(const TetMesh& mesh, const BoundaryFaces& faces) {
 
 /// Neighbours of every vertex along edges.
 Lists neighbours_of(const TetMesh& mesh) {
-  auto pairs =
-      parallel::collect<std::uint64_t>(mesh.tet_count(), [&](std::size_t t, std::vector<std::uint64_t>& out) {
+  const auto pairs =
+      parallel::collect<std::uint64_t>(mesh.tet_slots(), [&](std::size_t t, std::vector<std::uint64_t>& out) {
         const Cell<4>& c = mesh.tets()[t];
+        if (!mesh.alive(TetId(static_cast<std::uint32_t>(t)))) return;
         for (const auto& [i, j] : kTetEdges) {
           const std::uint64_t a = c[static_cast<std::size_t>(i)], b = c[static_cast<std::size_t>(j)];
           out.push_back(a << 32 | b);
           out.push_back(b << 32 | a);
         }
       });
-  return lists_of(std::move(pairs), mesh.vertex_count());
+  return lists_of(pairs, mesh.vertex_slots());
 }
 
 /// Sizes as they are: the mean length of the edges around each vertex, in all directions.
@@ -53,164 +56,266 @@ metric::MetricField sizes_of(TetMesh mesh) {
   return metric::MetricField::on_background(std::move(mesh));
 }
 
-/// How a vertex may follow.
-struct Follower {
-  enum Kind : std::uint8_t { kFree, kInPlane, kFixed, kLed } kind = kFree;
-  Vec3 normal = Vec3::Zero();  ///< Of the plane.
-};
+using Bits = std::array<std::uint64_t, 3>;
+Bits bits_of(const Vec3& p) {
+  return {std::bit_cast<std::uint64_t>(p.x()), std::bit_cast<std::uint64_t>(p.y()),
+          std::bit_cast<std::uint64_t>(p.z())};
+}
 
-class Yielding {
- public:
-  Yielding(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth, const Columns& columns)
-      : growth_(growth), columns_(columns), field_(sizes_of(copy_of(mesh, faces))) {
-    core_.mesh = copy_of(mesh, faces);
-    core_.vertices = growth.surface.vertices;
-    core_.reached.assign(core_.vertices.size(), 0);
-  }
-
-  Core run() {
-    for (int step = 1; step <= kSteps; ++step) {
-      move(static_cast<double>(step) / kSteps);
-      mend();
-    }
-    return std::move(core_);
-  }
-
- private:
-  [[nodiscard]] Vec3 end_of(std::size_t v, double share) const {
-    return growth_.surface.points[v] + (columns_.length_mm(v) * share) * growth_.directions.of[v];
-  }
-
-  [[nodiscard]] std::vector<Follower> followers() const {
-    const TetMesh& mesh = core_.mesh;
-    std::vector<Follower> all(mesh.vertex_count());
-    for (std::uint32_t v = 0; v < all.size(); ++v)
-      if (mesh.dimension(VertexId(v)) != VertexDimension::kVolume) all[v].kind = Follower::kFixed;
-    const operators::PatchShapes shapes = operators::planes_where_flat(mesh);
-    const BoundaryFaces faces = mesh.boundary_faces();
-    for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
-      const operators::PatchShape& shape = shapes[static_cast<std::size_t>(faces.patches[f])];
-      if (shape.freedom != operators::PatchFreedom::kPlane) continue;
-      for (const std::uint32_t v : faces.triangles[f])
-        if (mesh.dimension(VertexId(v)) == VertexDimension::kSurface)
-          all[v] = {Follower::kInPlane, shape.normal};
-    }
-    for (const std::uint32_t v : core_.vertices) all[v].kind = Follower::kLed;
-    return all;
-  }
-
-  /// Where all vertices would go: those of columns as told, the others as their neighbours do on average.
-  [[nodiscard]] std::vector<Vec3> displacements(double target) const {
-    constexpr int kSweeps = 60;
-    const TetMesh& mesh = core_.mesh;
-    const std::vector<Follower> how = followers();
-    const Lists neighbours = neighbours_of(mesh);
-    std::vector<Vec3> now(mesh.vertex_count(), Vec3::Zero());
-    for (std::size_t v = 0; v < core_.vertices.size(); ++v)
-      now[core_.vertices[v]] = end_of(v, target) - end_of(v, core_.reached[v]);
-    std::vector<Vec3> next = now;
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-      parallel::for_each_index(now.size(), [&](std::size_t v) {
-        if (how[v].kind == Follower::kLed || how[v].kind == Follower::kFixed) return;
-        Vec3 sum = Vec3::Zero();
-        for (const std::uint32_t w : neighbours.of(v)) sum += now[w];
-        next[v] = sum / static_cast<double>(neighbours.of(v).size());
-        if (how[v].kind == Follower::kInPlane) next[v] -= how[v].normal.dot(next[v]) * how[v].normal;
-      });
-      now.swap(next);
-    }
-    return now;
-  }
-
-  /// Moves everything by as much of its way as keeps all tetrahedra positive.
-  void move(double target) {
-    constexpr int kHalvings = 6;
-    TetMesh& mesh = core_.mesh;
-    const std::vector<Vec3> way = displacements(target);
-    std::vector<std::uint32_t> column(mesh.vertex_count(), kNoColumn);
-    for (std::uint32_t v = 0; v < core_.vertices.size(); ++v) column[core_.vertices[v]] = v;
-    std::vector<double> share(mesh.vertex_count(), 1);
-    const auto place = [&](std::uint32_t v) -> Vec3 {
-      const std::uint32_t c = column[v];
-      if (c != kNoColumn) return end_of(c, core_.reached[c] + share[v] * (target - core_.reached[c]));
-      return share[v] == 0 ? mesh.point(VertexId(v)) : Vec3(mesh.point(VertexId(v)) + share[v] * way[v]);
-    };
-    for (int round = 0;; ++round) {
-      std::vector<std::uint8_t> stays_back(mesh.vertex_count(), 0);
-      std::uint8_t any = 0;
-      parallel::for_each_index(mesh.tet_count(), [&](std::size_t t) {
-        const Cell<4>& c = mesh.tets()[t];
-        if (share[c[0]] == 0 && share[c[1]] == 0 && share[c[2]] == 0 && share[c[3]] == 0) return;
-        if (orient3d(place(c[0]), place(c[1]), place(c[2]), place(c[3])) > 0) return;
-        for (const std::uint32_t v : c) parallel::raise(stays_back[v]);
-        parallel::raise(any);
-      });
-      if (any == 0) break;
-      for (std::size_t v = 0; v < share.size(); ++v)
-        if (stays_back[v] != 0) share[v] = round < kHalvings ? 0.5 * share[v] : 0;
-    }
-    std::vector<Vec3> places(mesh.vertex_count());
-    for (std::uint32_t v = 0; v < places.size(); ++v) places[v] = place(v);
-    for (std::uint32_t v = 0; v < places.size(); ++v) mesh.set_point(VertexId(v), places[v]);
-    for (std::size_t v = 0; v < core_.vertices.size(); ++v)
-      core_.reached[v] += share[core_.vertices[v]] * (target - core_.reached[v]);
-  }
-
-  /// Betters the mesh within its surface. The vertices are numbered anew.
-  void mend() {
-    constexpr int kRounds = 2;
-    constexpr double kShort = 0.6, kPoor = 0.6;
-    TetMesh& mesh = core_.mesh;
-    metric::assign_vertex_metrics(mesh, field_);
-    metric::measure_qualities(mesh);
-    operators::PatchShapes shapes = operators::planes_where_flat(mesh);
-    operators::OrderedExecution execution({mesh, field_, shapes}, {});
-    for (int round = 0; round < kRounds; ++round) {
-      execution.over_urgent_vertices(
-          [](VertexId) { return 1.0; },
-          [&](auto& kernel, VertexId v) { kernel.collapse_vertex(v, kShort, {}); });
-      execution.repartition();
-      execution.over_tets([&](TetId t) { return kPoor - mesh.quality(t); },
-                          [](auto& kernel, TetId t) { kernel.reconnect(t, {}); });
-      execution.over_vertices([](auto& kernel, VertexId v) { kernel.smooth_vertex(v, {}); });
-      execution.repartition();
-    }
-    mesh.reorder_along_curve();
-    find_columns();
-  }
-
-  using Bits = std::array<std::uint64_t, 3>;
-  static Bits bits_of(const Vec3& p) {
-    return {std::bit_cast<std::uint64_t>(p.x()), std::bit_cast<std::uint64_t>(p.y()),
-            std::bit_cast<std::uint64_t>(p.z())};
-  }
-  /// Vertices of the surface stay where they are to the last bit, which tells them again.
-  void find_columns() {
-    const TetMesh& mesh = core_.mesh;
-    std::vector<std::pair<Bits, std::uint32_t>> known;
-    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
-      if (mesh.dimension(VertexId(v)) != VertexDimension::kVolume)
-        known.emplace_back(bits_of(mesh.point(VertexId(v))), v);
-    parallel::sort(known.begin(), known.end());
-    for (std::size_t v = 0; v < core_.vertices.size(); ++v) {
-      const Bits bits = bits_of(end_of(v, core_.reached[v]));
-      const auto found = std::lower_bound(known.begin(), known.end(), std::pair{bits, std::uint32_t{0}});
-      LUMESH_ASSERT(found != known.end() && found->first == bits);
-      core_.vertices[v] = found->second;
-    }
-  }
-
-  static constexpr std::uint32_t kNoColumn = ~0u;
-  const Growth& growth_;
-  const Columns& columns_;
-  metric::MetricField field_;
-  Core core_;
-};
+constexpr std::uint32_t kNoColumn = ~0u;
 
 }  // namespace
 
-Core give_way(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth, const Columns& columns) {
-  return Yielding(mesh, faces, growth, columns).run();
+Yielding::Yielding(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth)
+    : growth_(growth), field_(sizes_of(copy_of(mesh, faces))), mesh_(copy_of(mesh, faces)) {
+  vertices_ = growth.surface.vertices;
+  reached_mm_.assign(vertices_.size(), 0);
+  mesh_.enable_metric();
+  for (std::uint32_t t = 0; t < mesh_.tet_count(); ++t)  // The field's own mesh is the same as yet.
+    for (int k = 0; k < 4; ++k) mesh_.set_metric_hint(mesh_.vertex(TetId(t), k), TetId(t));
+}
+
+/// Whatever go_to() does makes no vertex: from here on their numbers stay.
+void Yielding::begin() {
+  measure();
+  execution_.emplace(operators::Subject{mesh_, field_, growth_.surface.shapes}, parallel::TeamOptions{});
+  find_columns();
+  followers_ = followers();
+}
+
+void Yielding::go_to(const Columns& columns, int steps) {
+  if (!execution_) begin();
+  for (int step = steps; step > 0; --step) {
+    std::vector<double> goals(reached_mm_.size());
+    for (std::size_t v = 0; v < goals.size(); ++v) {
+      const double wanted = columns.length_mm(v);
+      goals[v] = step == 1 ? wanted : reached_mm_[v] + (wanted - reached_mm_[v]) / step;
+    }
+    if (goals == reached_mm_) continue;
+    move(goals);
+    mend();
+  }
+}
+
+std::vector<Yielding::Follower> Yielding::followers() const {
+  std::vector<Follower> all(mesh_.vertex_count());
+  for (std::uint32_t v = 0; v < all.size(); ++v)
+    if (mesh_.dimension(VertexId(v)) != VertexDimension::kVolume) all[v].kind = Follower::kFixed;
+  const BoundaryFaces faces = mesh_.boundary_faces();
+  for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
+    const operators::PatchShape& shape = growth_.surface.shapes[static_cast<std::size_t>(faces.patches[f])];
+    if (shape.freedom != operators::PatchFreedom::kPlane) continue;
+    for (const std::uint32_t v : faces.triangles[f])
+      if (mesh_.dimension(VertexId(v)) == VertexDimension::kSurface)
+        all[v] = {Follower::kInPlane, shape.normal};
+  }
+  for (const std::uint32_t v : vertices_) all[v].kind = Follower::kLed;
+  return all;
+}
+
+/// Where all vertices would go: those of columns as told, the others as their neighbours do on average.
+std::vector<Vec3> Yielding::displacements(const std::vector<double>& goals_mm) const {
+  constexpr int kSweeps = 60;
+  const Lists neighbours = neighbours_of(mesh_);
+  std::vector<Vec3> now(mesh_.vertex_slots(), Vec3::Zero());
+  for (std::size_t v = 0; v < vertices_.size(); ++v)
+    now[vertices_[v]] = growth_.end(v, goals_mm[v]) - growth_.end(v, reached_mm_[v]);
+  std::vector<Vec3> next = now;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    parallel::for_each_index(now.size(), [&](std::size_t v) {
+      if (followers_[v].kind == Follower::kLed || followers_[v].kind == Follower::kFixed) return;
+      Vec3 sum = Vec3::Zero();
+      for (const std::uint32_t w : neighbours.of(v)) sum += now[w];
+      next[v] = sum / static_cast<double>(neighbours.of(v).size());
+      if (followers_[v].kind == Follower::kInPlane)
+        next[v] -= followers_[v].normal.dot(next[v]) * followers_[v].normal;
+    });
+    now.swap(next);
+  }
+  return now;
+}
+
+/// Moves everything by as much of its way as keeps all tetrahedra positive.
+void Yielding::move(const std::vector<double>& goals_mm) {
+  constexpr int kHalvings = 6;
+  const std::vector<Vec3> way = displacements(goals_mm);
+  std::vector<std::uint32_t> column(mesh_.vertex_slots(), kNoColumn);
+  for (std::uint32_t v = 0; v < vertices_.size(); ++v) column[vertices_[v]] = v;
+  std::vector<double> share(mesh_.vertex_slots(), 1);
+  const auto length_of = [&](std::uint32_t c) {
+    const double of_way = share[vertices_[c]];  // Goals are met to the last bit.
+    return of_way == 1 ? goals_mm[c] : reached_mm_[c] + of_way * (goals_mm[c] - reached_mm_[c]);
+  };
+  const auto place = [&](std::uint32_t v) -> Vec3 {
+    if (column[v] != kNoColumn) return growth_.end(column[v], length_of(column[v]));
+    return share[v] == 0 ? mesh_.point(VertexId(v)) : Vec3(mesh_.point(VertexId(v)) + share[v] * way[v]);
+  };
+  std::vector<Vec3> places(mesh_.vertex_slots());
+  for (int round = 0;; ++round) {
+    parallel::for_each_index(places.size(),
+                             [&](std::size_t v) { places[v] = place(static_cast<std::uint32_t>(v)); });
+    std::vector<std::uint8_t> stays_back(mesh_.vertex_slots(), 0);
+    std::uint8_t any = 0;
+    parallel::for_each_index(mesh_.tet_slots(), [&](std::size_t t) {
+      const Cell<4>& c = mesh_.tets()[t];
+      if (!mesh_.alive(TetId(static_cast<std::uint32_t>(t)))) return;
+      if (share[c[0]] == 0 && share[c[1]] == 0 && share[c[2]] == 0 && share[c[3]] == 0) return;
+      if (orient3d(places[c[0]], places[c[1]], places[c[2]], places[c[3]]) > 0) return;
+      for (const std::uint32_t v : c) parallel::raise(stays_back[v]);
+      parallel::raise(any);
+    });
+    if (any == 0) break;
+    for (std::size_t v = 0; v < share.size(); ++v)
+      if (stays_back[v] != 0) share[v] = round < kHalvings ? 0.5 * share[v] : 0;
+  }
+  for (std::uint32_t v = 0; v < places.size(); ++v)
+    if (mesh_.alive(VertexId(v))) mesh_.set_point(VertexId(v), places[v]);
+  for (std::uint32_t c = 0; c < vertices_.size(); ++c) reached_mm_[c] = length_of(c);
+}
+
+/// Metrics and qualities after a move; no vertex has gone far from where its metric was found.
+void Yielding::measure() {
+  parallel::for_each_index(mesh_.vertex_slots(), [&](std::size_t i) {
+    const VertexId v(static_cast<std::uint32_t>(i));
+    if (!mesh_.alive(v)) return;
+    metric::MetricField::Hint hint = mesh_.metric_hint(v);
+    const metric::MetricPair here = field_.at(mesh_.point(v), hint);
+    mesh_.set_metric(v, here.metric, here.log);
+    mesh_.set_metric_hint(v, hint);
+  });
+  metric::measure_qualities(mesh_);
+}
+
+/// Betters the mesh within its surface, where it has become poor.
+void Yielding::mend() {
+  constexpr int kRounds = 2;
+  constexpr double kShort = 0.6, kPoor = 0.6;
+  measure();
+  for (int round = 0; round < kRounds; ++round) {
+    const std::vector<std::uint8_t> at_short =
+        flags_at_tets([&](TetId t) { return has_short_edge(t, kShort); });
+    execution_->over_urgent_vertices(
+        [&](VertexId v) { return at_short[v.value] != 0 ? 1.0 : 0.0; },
+        [&](auto& kernel, VertexId v) { kernel.collapse_vertex(v, kShort, {}); });
+    execution_->repartition();
+    execution_->over_tets([&](TetId t) { return kPoor - mesh_.quality(t); },
+                          [](auto& kernel, TetId t) { kernel.reconnect(t, {}); });
+    const std::vector<std::uint8_t> at_poor =
+        flags_at_tets([&](TetId t) { return mesh_.quality(t) < kPoor; });
+    execution_->over_urgent_vertices([&](VertexId v) { return at_poor[v.value] != 0 ? 1.0 : 0.0; },
+                                     [](auto& kernel, VertexId v) { kernel.smooth_vertex(v, {}); });
+    execution_->repartition();
+  }
+}
+
+/// One flag per vertex: whether a tetrahedron around it is such.
+std::vector<std::uint8_t> Yielding::flags_at_tets(const std::function<bool(TetId)>& is_such) const {
+  std::vector<std::uint8_t> flags(mesh_.vertex_slots(), 0);
+  parallel::for_each_index(mesh_.tet_slots(), [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (!mesh_.alive(t) || !is_such(t)) return;
+    for (int k = 0; k < 4; ++k) parallel::raise(flags[mesh_.vertex(t, k).value]);
+  });
+  return flags;
+}
+
+/// In the metric.
+bool Yielding::has_short_edge(TetId t, double least) const {
+  return std::any_of(kTetEdges.begin(), kTetEdges.end(), [&](const auto& edge) {
+    const VertexId a = mesh_.vertex(t, edge[0]), b = mesh_.vertex(t, edge[1]);
+    return metric::edge_length(mesh_.point(a), mesh_.metric(a), mesh_.point(b), mesh_.metric(b)) < least;
+  });
+}
+
+/// Vertices of the surface stay where they are to the last bit, which tells them again.
+void Yielding::find_columns() {
+  std::vector<std::pair<Bits, std::uint32_t>> known;
+  for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
+    if (mesh_.dimension(VertexId(v)) != VertexDimension::kVolume)
+      known.emplace_back(bits_of(mesh_.point(VertexId(v))), v);
+  parallel::sort(known.begin(), known.end());
+  for (std::size_t v = 0; v < vertices_.size(); ++v) {
+    const Bits bits = bits_of(growth_.end(v, reached_mm_[v]));
+    const auto found = std::lower_bound(known.begin(), known.end(), std::pair{bits, std::uint32_t{0}});
+    LUMESH_ASSERT(found != known.end() && found->first == bits);
+    vertices_[v] = found->second;
+  }
+}
+
+void Yielding::improve(Context& context) {
+  constexpr double kLeastDeg = 12, kMostDeg = 165;
+  constexpr int kPasses = 3;
+  execution_.reset();
+  lumesh::improve(mesh_,
+                  {.min_dihedral_deg = kLeastDeg,
+                   .max_dihedral_deg = kMostDeg,
+                   .passes = kPasses,
+                   .slide = false,
+                   .sizes = field_},
+                  context);
+  find_columns();
+}
+
+std::vector<std::uint8_t> Yielding::columns_at_poor_tets() const {
+  constexpr double kFloorDeg = 2.5;  // As for the layers' own cells.
+  const double cosine = std::cos(kFloorDeg * std::numbers::pi / 180);
+  const std::vector<std::uint8_t> at_poor = flags_at_tets([&](TetId t) {
+    const DihedralCosines angles =
+        min_max_dihedral(mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2), mesh_.corner(t, 3));
+    return angles.largest_cosine > cosine || angles.smallest_cosine < -cosine;
+  });
+  std::vector<std::uint8_t> flags(vertices_.size());
+  for (std::size_t v = 0; v < flags.size(); ++v) flags[v] = at_poor[vertices_[v]];
+  return flags;
+}
+
+namespace {
+
+/// Shortens columns to where the mesh is. False if all are there.
+bool shorten_to_reached(const Yielding& yielding, bool is_patient, Columns& columns) {
+  bool any = false;
+  for (std::size_t v = 0; v < columns.fraction.size(); ++v) {
+    const double length = columns.length_mm(v), reached = yielding.reached_mm(v);
+    if (reached == length) continue;
+    any = true;
+    columns.shorten(v, is_patient ? reached : 0, LayerLimit::kRoom);
+  }
+  return any;
+}
+
+/// Shortens columns that make the mesh poor. False if there are none.
+bool shorten_at_poor_tets(const Yielding& yielding, Columns& columns) {
+  constexpr double kShorter = 0.75;
+  const std::vector<std::uint8_t> is_poor = yielding.columns_at_poor_tets();
+  bool any = false;
+  for (std::size_t v = 0; v < is_poor.size(); ++v) {
+    if (is_poor[v] == 0 || columns.fraction[v] == 0) continue;
+    any = true;
+    columns.shorten(v, kShorter * columns.length_mm(v), LayerLimit::kRoom);
+  }
+  return any;
+}
+
+}  // namespace
+
+Core give_way(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth, Columns& columns,
+              Context& context) {
+  constexpr int kSteps = 4, kPatientTries = 6;
+  std::optional<Yielding> yielding(std::in_place, mesh, faces, growth);
+  for (int attempt = 0;; ++attempt) {
+    const bool is_patient = attempt < kPatientTries;
+    yielding->go_to(columns, attempt == 0 || !is_patient ? kSteps : kSteps / 2);
+    Columns shorter = columns;
+    if (!shorten_to_reached(*yielding, is_patient, shorter)) {
+      yielding->improve(context);
+      if (!is_patient || !shorten_at_poor_tets(*yielding, shorter)) return std::move(*yielding).core();
+    }
+    smooth_lengths(growth.surface, shorter);
+    keep_cells_well_shaped(growth, shorter);
+    columns = std::move(shorter);
+    // What cannot be drawn back starts again; then columns only ever go, which ends.
+    if (attempt + 1 >= kPatientTries) yielding.emplace(mesh, faces, growth);
+  }
 }
 
 }  // namespace lumesh::layers

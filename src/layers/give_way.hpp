@@ -1,9 +1,14 @@
 #pragma once
 /// @file The volume mesh makes room for layers within it.
 
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "columns.hpp"
+#include "lumesh/core/context.hpp"
+#include "lumesh/metric/metric_field.hpp"
+#include "lumesh/operators/ordered_execution.hpp"
 
 namespace lumesh::layers {
 
@@ -11,15 +16,57 @@ namespace lumesh::layers {
 struct Core {
   TetMesh mesh;                         ///< Compact, valid.
   std::vector<std::uint32_t> vertices;  ///< Of each column's inner end.
-  std::vector<double> reached;          ///< Share of each column's length that the mesh gave way by, 0 to 1.
 };
 
-/// Draws the surface of a mesh inwards along columns, step by step: the vertices behind follow, as far as
-/// every tetrahedron stays positively oriented by the exact predicate, those of flat patches within them;
-/// then edges that became short are collapsed, tetrahedra reconnected and vertices smoothed, to the sizes
-/// that the mesh had before. The surface's triangles stay as they are, but for their places. Parallel inside,
-/// the same bits for every number of threads.
+/// Draws the surface of a mesh inwards to the ends of the columns, which become shorter where the mesh cannot
+/// give way as far or would become poor. Parallel inside, the same bits for every number of threads.
 [[nodiscard]] Core give_way(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth,
-                            const Columns& columns);
+                            Columns& columns, Context& context);
+
+/// A copy of the mesh whose surface goes back and forth along columns.
+class Yielding {
+ public:
+  Yielding(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth);
+
+  /// Moves the surface to the ends of these columns, in steps: the vertices behind follow, as far as every
+  /// tetrahedron stays positively oriented by the exact predicate, those of flat patches within them; then
+  /// edges that became short are collapsed, tetrahedra reconnected and vertices smoothed, to the sizes that
+  /// the mesh had at first. The surface's triangles stay as they are, but for their places.
+  void go_to(const Columns& columns, int steps);
+  /// Betters the worst angles; no face of the boundary moves. The mesh is compact then.
+  void improve(Context& context);
+
+  /// Where each column's end is now: exactly at its goal, or as far as it came.
+  [[nodiscard]] double reached_mm(std::size_t v) const { return reached_mm_[v]; }
+  /// One flag per column: whether a tetrahedron at its end has angles below the floor.
+  [[nodiscard]] std::vector<std::uint8_t> columns_at_poor_tets() const;
+  /// After improve().
+  [[nodiscard]] Core core() && { return {std::move(mesh_), std::move(vertices_)}; }
+
+ private:
+  /// How a vertex may follow.
+  struct Follower {
+    enum Kind : std::uint8_t { kFree, kInPlane, kFixed, kLed } kind = kFree;
+    Vec3 normal = Vec3::Zero();  ///< Of the plane.
+  };
+
+  void begin();
+  [[nodiscard]] std::vector<Follower> followers() const;
+  [[nodiscard]] std::vector<Vec3> displacements(const std::vector<double>& goals_mm) const;
+  void move(const std::vector<double>& goals_mm);
+  void measure();
+  void mend();
+  [[nodiscard]] std::vector<std::uint8_t> flags_at_tets(const std::function<bool(TetId)>& is_such) const;
+  [[nodiscard]] bool has_short_edge(TetId t, double least) const;
+  void find_columns();
+
+  const Growth& growth_;
+  metric::MetricField field_;  // The sizes of the mesh at first.
+  TetMesh mesh_;
+  std::vector<std::uint32_t> vertices_;  // Of each column's end.
+  std::vector<double> reached_mm_;
+  std::optional<operators::OrderedExecution> execution_;
+  std::vector<Follower> followers_;  // One per vertex.
+};
 
 }  // namespace lumesh::layers

@@ -98,10 +98,30 @@ std::vector<double> smoothed(const LayerSurface& surface, std::vector<double> va
   return values;
 }
 
+/// At each vertex the least of its value and those around it that rise by `slope` along the way; returns
+/// whether any became less.
+bool limit_slope(const LayerSurface& surface, double slope, std::vector<double>& values) {
+  constexpr double kNoticed = 1e-9;
+  std::vector<double> next(values.size());
+  std::uint8_t changed = 0;
+  parallel::for_each_index(values.size(), [&](std::size_t v) {
+    next[v] = values[v];
+    for (const std::uint32_t w : surface.neighbours.of(v))
+      next[v] = std::min(next[v], values[w] + slope * (surface.points[w] - surface.points[v]).norm());
+    if (next[v] < (1 - kNoticed) * values[v])
+      parallel::raise(changed);
+    else
+      next[v] = values[v];
+  });
+  values.swap(next);
+  return changed != 0;
+}
+
 /// What heights are multiples of, at every vertex, in mm.
 std::vector<double> scales_of(const LayerSurface& surface, const Directions& directions, HeightScale scale,
                               double side, const Outside& outside) {
-  constexpr int kSweeps = 10;
+  constexpr int kSweeps = 10, kMostSweeps = 500;
+  constexpr double kSlope = 0.5;  // Where a vessel leaves a sac the radius does not jump.
   std::vector<double> values(surface.points.size(), 1);
   if (scale == HeightScale::kAbsolute) return values;
   Vec3 low = surface.points.front(), high = low;
@@ -120,6 +140,8 @@ std::vector<double> scales_of(const LayerSurface& surface, const Directions& dir
         values[v] = sum / static_cast<double>(around.size());
       },
       64);
+  for (int sweep = 0; sweep < kMostSweeps && limit_slope(surface, kSlope, values); ++sweep)
+    ;
   return smoothed(surface, std::move(values), kSweeps);
 }
 
@@ -180,24 +202,14 @@ void keep_from_other_sides(const LayerSurface& surface, const Directions& direct
 void smooth_lengths(const LayerSurface& surface, Columns& columns) {
   constexpr double kSlope = 0.6;  // Of lengths per way over the surface.
   constexpr int kMostSweeps = 60;
-  const std::size_t count = surface.points.size();
-  std::vector<double> next(count);
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
-    parallel::for_each_index(count, [&](std::size_t v) {
-      next[v] = columns.length_mm(v);
-      for (const std::uint32_t w : surface.neighbours.of(v))
-        next[v] =
-            std::min(next[v], columns.length_mm(w) + kSlope * (surface.points[w] - surface.points[v]).norm());
-    });
-    std::uint8_t changed = 0;
-    parallel::for_each_index(count, [&](std::size_t v) {
-      constexpr double kNoticed = 1e-9;
-      if (!(next[v] < (1 - kNoticed) * columns.length_mm(v))) return;
-      columns.shorten(v, next[v], LayerLimit::kNeighbour);
-      parallel::raise(changed);
-    });
-    if (changed == 0) return;
-  }
+  std::vector<double> lengths(surface.points.size());
+  parallel::for_each_index(lengths.size(), [&](std::size_t v) { lengths[v] = columns.length_mm(v); });
+  std::vector<double> shorter = lengths;
+  for (int sweep = 0; sweep < kMostSweeps && limit_slope(surface, kSlope, shorter); ++sweep)
+    ;
+  parallel::for_each_index(lengths.size(), [&](std::size_t v) {
+    if (shorter[v] < lengths[v]) columns.shorten(v, shorter[v], LayerLimit::kNeighbour);
+  });
 }
 
 }  // namespace lumesh::layers

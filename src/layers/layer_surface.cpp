@@ -9,16 +9,24 @@
 
 namespace lumesh::layers {
 
-Lists lists_of(std::vector<std::uint64_t> pairs, std::size_t items) {
-  parallel::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+Lists lists_of(const std::vector<std::uint64_t>& pairs, std::size_t items) {
+  std::vector<std::uint32_t> starts(items + 1, 0);  // With doubles.
+  for (const std::uint64_t pair : pairs) ++starts[(pair >> 32) + 1];
+  for (std::size_t i = 0; i < items; ++i) starts[i + 1] += starts[i];
+  std::vector<std::uint32_t> next(starts.begin(), starts.end() - 1), all(pairs.size());
+  for (const std::uint64_t pair : pairs) all[next[pair >> 32]++] = static_cast<std::uint32_t>(pair);
+  parallel::for_each_index(items, [&](std::size_t i) {
+    const auto first = all.begin() + starts[i], last = all.begin() + starts[i + 1];
+    std::sort(first, last);
+    next[i] = static_cast<std::uint32_t>(std::unique(first, last) - all.begin());
+  });
   Lists lists;
   lists.starts.assign(items + 1, 0);
-  for (const std::uint64_t pair : pairs) {
-    ++lists.starts[(pair >> 32) + 1];
-    lists.items.push_back(static_cast<std::uint32_t>(pair));
-  }
-  for (std::size_t i = 0; i < items; ++i) lists.starts[i + 1] += lists.starts[i];
+  for (std::size_t i = 0; i < items; ++i) lists.starts[i + 1] = lists.starts[i] + next[i] - starts[i];
+  lists.items.resize(lists.starts[items]);
+  parallel::for_each_index(items, [&](std::size_t i) {
+    std::copy(all.begin() + starts[i], all.begin() + next[i], lists.items.begin() + lists.starts[i]);
+  });
   return lists;
 }
 
@@ -61,8 +69,8 @@ void find_neighbours(LayerSurface& surface) {
       of_vertices.push_back(a << 32 | b);
       of_vertices.push_back(b << 32 | a);
     }
-  surface.triangles_around = lists_of(std::move(of_triangles), surface.points.size());
-  surface.neighbours = lists_of(std::move(of_vertices), surface.points.size());
+  surface.triangles_around = lists_of(of_triangles, surface.points.size());
+  surface.neighbours = lists_of(of_vertices, surface.points.size());
 }
 
 /// Edges of one triangle only, with the patch of the other face of the outside there.
@@ -93,31 +101,42 @@ void find_rim(const BoundaryFaces& faces, const std::vector<std::uint8_t>& layer
     edge.patch = patch_at[edge_key(surface.vertices[edge.a], surface.vertices[edge.b])];
 }
 
-/// Normals of the patches that are flat, to rounding; zero for others.
-std::vector<Vec3> plane_normals(const TetMesh& mesh, const BoundaryFaces& faces) {
-  constexpr double kFlat = 1e-9;
-  const std::size_t patches = mesh.info().patches.size();
-  std::vector<Vec3> normals(patches, Vec3::Zero()), corners(patches, Vec3::Zero());
-  std::vector<double> off(patches, 0), size(patches, 0);
+/// Planes of patches that are flat, and of those that nearly are: to single precision, or openings a little
+/// crooked at their rim. The rest is frozen, and so is what layers grow on.
+operators::PatchShapes shapes_around(const TetMesh& mesh, const BoundaryFaces& faces,
+                                     const std::vector<std::uint8_t>& layered) {
+  constexpr double kFlat = 1e-6, kFlatOpening = 0.02;  // Of the patch's size.
+  operators::PatchShapes shapes = operators::planes_where_flat(mesh);
+  const std::size_t patches = shapes.size();
+  std::vector<Vec3> normals(patches, Vec3::Zero()), middles(patches, Vec3::Zero());
+  std::vector<double> areas(patches, 0), off(patches, 0), size(patches, 0);
+  const auto patch_of = [&](std::size_t f) { return static_cast<std::size_t>(faces.patches[f]); };
   const auto point = [&](std::size_t f, std::size_t k) {
     return mesh.point(VertexId(faces.triangles[f][k]));
   };
   for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
-    const auto patch = static_cast<std::size_t>(faces.patches[f]);
-    normals[patch] += triangle_area_normal(point(f, 0), point(f, 1), point(f, 2));
-    corners[patch] = point(f, 0);
+    const Vec3 normal = triangle_area_normal(point(f, 0), point(f, 1), point(f, 2));
+    normals[patch_of(f)] += normal;
+    middles[patch_of(f)] += normal.norm() / 3 * (point(f, 0) + point(f, 1) + point(f, 2));
+    areas[patch_of(f)] += normal.norm();
   }
-  for (Vec3& normal : normals) normal.normalize();
+  for (std::size_t p = 0; p < patches; ++p) normals[p].normalize(), middles[p] /= areas[p];
   for (std::size_t f = 0; f < faces.triangles.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto patch = static_cast<std::size_t>(faces.patches[f]);
-      const Vec3 from = point(f, k) - corners[patch];
-      off[patch] = std::max(off[patch], std::abs(from.dot(normals[patch])));
-      size[patch] = std::max(size[patch], from.norm());
+      const std::size_t p = patch_of(f);
+      const Vec3 from = point(f, k) - middles[p];
+      off[p] = std::max(off[p], std::abs(from.dot(normals[p])));
+      size[p] = std::max(size[p], from.norm());
     }
-  for (std::size_t p = 0; p < patches; ++p)
-    if (!(off[p] <= kFlat * size[p])) normals[p] = Vec3::Zero();
-  return normals;
+  for (std::size_t p = 0; p < patches; ++p) {
+    const bool is_opening = mesh.info().patches[p].kind == PatchKind::kOpening;
+    if (layered[p] != 0)
+      shapes[p] = {};
+    else if (shapes[p].freedom == operators::PatchFreedom::kFrozen &&
+             off[p] <= (is_opening ? kFlatOpening : kFlat) * size[p])
+      shapes[p] = {operators::PatchFreedom::kPlane, normals[p], normals[p].dot(middles[p])};
+  }
+  return shapes;
 }
 
 }  // namespace
@@ -148,12 +167,13 @@ LayerSurface surface_of(const TetMesh& mesh, const BoundaryFaces& faces,
   find_neighbours(surface);
   find_rim(faces, layered, surface);
   surface.planes.resize(surface.points.size());
-  const std::vector<Vec3> normals = plane_normals(mesh, faces);
+  surface.shapes = shapes_around(mesh, faces, layered);
   for (const RimEdge& edge : surface.rim) {
-    const bool is_flat = edge.patch >= 0 && normals[static_cast<std::size_t>(edge.patch)] != Vec3::Zero();
+    const operators::PatchShape shape =
+        edge.patch >= 0 ? surface.shapes[static_cast<std::size_t>(edge.patch)] : operators::PatchShape{};
     for (const std::uint32_t v : {edge.a, edge.b}) {
-      if (is_flat)
-        surface.planes[v].add(normals[static_cast<std::size_t>(edge.patch)]);
+      if (shape.freedom == operators::PatchFreedom::kPlane)
+        surface.planes[v].add(shape.normal);
       else if (is_inward)
         surface.planes[v].forbid();  // What bends there would be cut off.
     }

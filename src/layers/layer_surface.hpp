@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/operators/patch_shapes.hpp"
 
 namespace lumesh::layers {
 
@@ -19,7 +20,7 @@ struct Lists {
 };
 
 /// From pairs of an item and one of its numbers, the item in the upper half; doubles count once.
-[[nodiscard]] Lists lists_of(std::vector<std::uint64_t> pairs, std::size_t items);
+[[nodiscard]] Lists lists_of(const std::vector<std::uint64_t>& pairs, std::size_t items);
 
 /// An edge that only one triangle of the surface has, in that triangle's sense.
 struct RimEdge {
@@ -46,6 +47,7 @@ struct LayerSurface {
   std::vector<std::int32_t> patches;
   std::vector<RimEdge> rim;
   std::vector<RimPlanes> planes;  ///< One per vertex.
+  operators::PatchShapes shapes;  ///< Of the mesh's patches: planes of the flat ones beside the layers.
   Lists triangles_around, neighbours;
   std::vector<Cell<3>> others;  ///< The other triangles of the mesh's outside, by vertices of the mesh.
 };

@@ -123,28 +123,6 @@ Columns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const LayerO
   return columns;
 }
 
-/// Room for the columns within the mesh, and the columns as far as there is. What was reached may not do for
-/// good cells: then all of it is done again with columns that will.
-Core room_within(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth, Columns& columns) {
-  constexpr double kAllOfIt = 1 - 1e-12;
-  constexpr int kPatientTries = 4;
-  for (int attempt = 0;; ++attempt) {
-    Core core = give_way(mesh, faces, growth, columns);
-    Columns reached = columns;
-    bool is_whole = true;
-    for (std::size_t v = 0; v < core.reached.size(); ++v) {
-      if (core.reached[v] > kAllOfIt || columns.fraction[v] == 0) continue;
-      is_whole = false;
-      reached.shorten(v, attempt < kPatientTries ? core.reached[v] * columns.length_mm(v) : 0,
-                      LayerLimit::kRoom);
-    }
-    if (is_whole) return core;
-    smooth_lengths(growth.surface, reached);
-    keep_cells_well_shaped(growth, reached);
-    columns = std::move(reached);
-  }
-}
-
 }  // namespace
 
 LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context) {
@@ -178,7 +156,7 @@ LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Contex
     return result;
   };
   if (!is_inward) return layers_on(mesh, faces, surface.vertices);
-  const Core core = context.phase("room", [&] { return room_within(mesh, faces, growth, columns); });
+  const Core core = context.phase("room", [&] { return give_way(mesh, faces, growth, columns, context); });
   return layers_on(core.mesh, core.mesh.boundary_faces(), core.vertices);
 }
 
