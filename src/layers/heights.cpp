@@ -179,7 +179,8 @@ Columns wanted_columns(const LayerSurface& surface, const Directions& directions
       std::vector<double>(count, 1), std::vector<LayerLimit>(count, LayerLimit::kNone)};
   parallel::for_each_index(count, [&](std::size_t v) {
     columns.wanted_mm[v] *= thickness * directions.stretch[v];
-    if (directions.of[v].isZero(0)) columns.shorten(v, 0, LayerLimit::kRidge);
+    const bool is_rim = surface.planes[v].forbids();
+    if (directions.of[v].isZero(0)) columns.shorten(v, 0, is_rim ? LayerLimit::kRim : LayerLimit::kRidge);
   });
   return columns;
 }

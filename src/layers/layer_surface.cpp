@@ -101,11 +101,11 @@ void find_rim(const BoundaryFaces& faces, const std::vector<std::uint8_t>& layer
     edge.patch = patch_at[edge_key(surface.vertices[edge.a], surface.vertices[edge.b])];
 }
 
-/// Planes of patches that are flat, and of those that nearly are: to single precision, or openings a little
-/// crooked at their rim. The rest is frozen, and so is what layers grow on.
+/// Planes of patches that are flat, and of those that nearly are, such as openings a little crooked at their
+/// rim. The rest is frozen, and so is what layers grow on.
 operators::PatchShapes shapes_around(const TetMesh& mesh, const BoundaryFaces& faces,
                                      const std::vector<std::uint8_t>& layered) {
-  constexpr double kFlat = 1e-6, kFlatOpening = 0.02;  // Of the patch's size.
+  constexpr double kFlat = 0.02;  // Of the patch's size.
   operators::PatchShapes shapes = operators::planes_where_flat(mesh);
   const std::size_t patches = shapes.size();
   std::vector<Vec3> normals(patches, Vec3::Zero()), middles(patches, Vec3::Zero());
@@ -129,11 +129,9 @@ operators::PatchShapes shapes_around(const TetMesh& mesh, const BoundaryFaces& f
       size[p] = std::max(size[p], from.norm());
     }
   for (std::size_t p = 0; p < patches; ++p) {
-    const bool is_opening = mesh.info().patches[p].kind == PatchKind::kOpening;
     if (layered[p] != 0)
       shapes[p] = {};
-    else if (shapes[p].freedom == operators::PatchFreedom::kFrozen &&
-             off[p] <= (is_opening ? kFlatOpening : kFlat) * size[p])
+    else if (shapes[p].freedom == operators::PatchFreedom::kFrozen && off[p] <= kFlat * size[p])
       shapes[p] = {operators::PatchFreedom::kPlane, normals[p], normals[p].dot(middles[p])};
   }
   return shapes;
@@ -142,7 +140,7 @@ operators::PatchShapes shapes_around(const TetMesh& mesh, const BoundaryFaces& f
 }  // namespace
 
 Vec3 RimPlanes::project(const Vec3& x) const {
-  if (count > 2) return Vec3::Zero();
+  if (forbids()) return Vec3::Zero();
   Vec3 in = x;
   for (int i = 0; i < count; ++i)
     in -= normals[static_cast<std::size_t>(i)].dot(x) * normals[static_cast<std::size_t>(i)];
@@ -151,7 +149,7 @@ Vec3 RimPlanes::project(const Vec3& x) const {
 
 void RimPlanes::add(const Vec3& normal) {
   constexpr double kSame = 1e-6;
-  if (count > 2) return;
+  if (forbids()) return;
   const Vec3 rest = project(normal);
   if (rest.norm() < kSame) return;
   if (count < 2) normals[static_cast<std::size_t>(count)] = rest.normalized();

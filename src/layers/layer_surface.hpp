@@ -38,6 +38,7 @@ struct RimPlanes {
   /// One more plane; beyond two, directions are none.
   void add(const Vec3& normal);
   void forbid() { count = 3; }
+  [[nodiscard]] bool forbids() const { return count > 2; }
 };
 
 struct LayerSurface {

@@ -76,6 +76,7 @@ const char* name_of(LayerLimit limit) {
   constexpr std::array<const char*, kLayerLimits> kNames = {"none",
                                                             "near another part of the surface",
                                                             "ridge",
+                                                            "beside a patch that is not flat",
                                                             "poor cells",
                                                             "skin would cut itself",
                                                             "no room in the mesh",

@@ -52,12 +52,13 @@ enum class LayerLimit : std::uint8_t {
   kNone,
   kOtherSide,  ///< Another part of the surface is near: the layers of both would meet.
   kRidge,      ///< No direction sees all triangles around.
+  kRim,        ///< Beside a patch that is not flat: it would be cut off.
   kShape,      ///< Cells would turn over or become poor.
   kSkin,       ///< The outer skin would cut itself or another part of the surface.
   kRoom,       ///< The mesh within could not give way as far.
   kNeighbour,  ///< Heights change gradually; a column nearby is limited.
 };
-inline constexpr std::size_t kLayerLimits = 7;
+inline constexpr std::size_t kLayerLimits = 8;
 [[nodiscard]] const char* name_of(LayerLimit limit);
 
 /// What was achieved on one patch.

@@ -47,6 +47,19 @@ LayerResult grown(const TetMesh& mesh, const LayerOptions& options) {
   return grow_layers(mesh, options, context);
 }
 
+MixedMesh copy_of(const TetMesh& mesh) {
+  const BoundaryFaces faces = mesh.boundary_faces();
+  const MeshView view = mesh.view(faces);
+  MixedMesh copy;
+  copy.points.assign(view.points.begin(), view.points.end());
+  copy.tetrahedra.assign(view.tetrahedra.begin(), view.tetrahedra.end());
+  copy.tetrahedron_labels.assign(view.tetrahedron_labels.begin(), view.tetrahedron_labels.end());
+  copy.triangles = faces.triangles;
+  copy.triangle_patches = faces.patches;
+  copy.info = mesh.info();
+  return copy;
+}
+
 double volume_of(const MixedMesh& mesh, Label label) {
   for (const LabelBoundary& one : validate(mesh.view()).labels)
     if (one.label == label) return one.volume;
@@ -251,6 +264,36 @@ TEST(Layers, InATubeFillItWithWhatIsLeft) {
     EXPECT_NEAR(area_of(result.mesh, "wall"),
                 area_of(grown(mesh, {.first_height = 1, .count = 1}).mesh, "wall"), 1e-6);
   }
+}
+
+/// As a curved patch, a flat one keeps all its triangles; its rim, where the tube bends, stays bare.
+TEST(Layers, OnAFlatPatchGrowWithinItsRim) {
+  const TetMesh mesh = tube();
+  const std::string cap = mesh.info().patches.at(1).name;
+  const LayerResult result =
+      grown(mesh, {.patches = {cap}, .side = LayerSide::kInward, .first_height = 0.5, .count = 3});
+  const ValidationReport report = validate(result.mesh.view());
+  ASSERT_TRUE(report.ok()) << report.text();
+  expect_conforming(result.mesh);
+  const MixedMesh before = copy_of(mesh);
+  EXPECT_NEAR(area_of(result.mesh, cap), area_of(before, cap), 1e-9 * area_of(before, cap));
+  const LayerCoverage& of_cap = result.report.patches.at(0);
+  EXPECT_GT(of_cap.complete, 0.5);
+  EXPECT_GT(of_cap.limited[static_cast<std::size_t>(LayerLimit::kRim)], 0.01);
+  EXPECT_NEAR(volume_of(result.mesh, 1) + volume_of(result.mesh, 2), volume_of(before, 1),
+              1e-9 * volume_of(before, 1));
+}
+
+/// As in meshes of others, whose openings are flat to some digits, or were cut a little askew.
+TEST(Layers, EndAtOpeningsThatAreNearlyFlat) {
+  MixedMesh crooked = copy_of(tube());
+  for (Vec3& p : crooked.points) p.z() += 0.002 * (p.x() - 19.5) * (p.y() - 19.5);
+  const LayerResult result =
+      grown(TetMesh::build(crooked.view()), {.side = LayerSide::kInward, .first_height = 0.4, .count = 4});
+  const ValidationReport report = validate(result.mesh.view());
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_GT(result.report.complete(), 0.98);
+  EXPECT_NEAR((volume_of(result.mesh, 1) + volume_of(result.mesh, 2)) / volume_of(crooked, 1), 1, 1e-3);
 }
 
 TEST(Layers, ThickerThanTheVesselLeaveRoomWithin) {
