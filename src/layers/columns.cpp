@@ -30,7 +30,7 @@ class PrismCheck {
     std::array<Vec3, 3> lower = ends(c, -1);
     for (int k = 0; k < static_cast<int>(growth_.levels.size()); ++k) {
       const std::array<Vec3, 3> upper = ends(c, k);
-      const double floor_deg = least_angle_deg(c, lower, k);
+      const double floor_deg = least_angle_deg(c, lower, upper, k);
       for (const PrismTet& tet : tets)
         if (has_length(doubled_column(tet)) && !is_good(tet, lower, upper, floor_deg)) return false;
       if (!is_well_shaped(lower, upper)) return false;
@@ -54,15 +54,18 @@ class PrismCheck {
     const double least = std::cos(floor_deg * kRadPerDeg);
     return angles.largest_cosine <= least && angles.smallest_cosine >= -least;
   }
-  /// Cells as flat as the layer that is wanted are what was asked for; much flatter ones, or less than a few
-  /// degrees, are not.
-  [[nodiscard]] double least_angle_deg(const Cell<3>& c, const std::array<Vec3, 3>& lower, int k) const {
-    constexpr double kFloor = 2.5, kShareOfLayer = 0.3;
+  /// Cells as flat as the layer itself are what was asked for; much flatter ones, or less than a few degrees,
+  /// are not. Nor is a layer much flatter than was wanted.
+  [[nodiscard]] double least_angle_deg(const Cell<3>& c, const std::array<Vec3, 3>& lower,
+                                       const std::array<Vec3, 3>& upper, int k) const {
+    constexpr double kFloor = 2.5, kShareOfLayer = 0.3, kHardlyAny = 0.5;
     const auto level = static_cast<std::size_t>(k);
     const double share = growth_.levels[level] - (k > 0 ? growth_.levels[level - 1] : 0);
     double height = std::numeric_limits<double>::infinity(), width = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      height = std::min(height, share * columns_.wanted_mm[c[i]]);
+      const double length = (upper[i] - lower[i]).norm();
+      if (length > 0)
+        height = std::min(height, std::max(length, kHardlyAny * share * columns_.wanted_mm[c[i]]));
       width = std::max(width, (lower[(i + 1) % 3] - lower[i]).norm());
     }
     return std::min(kFloor, kShareOfLayer * std::atan2(height, width) / kRadPerDeg);
@@ -90,26 +93,33 @@ class PrismCheck {
 
 void keep_cells_well_shaped(const Growth& growth, Columns& columns) {
   constexpr double kShorter = 0.75;
-  constexpr int kPatientRounds = 15;
+  constexpr int kPatientRounds = 60;
   const LayerSurface& surface = growth.surface;
+  std::vector<std::uint8_t> is_stale(surface.triangles.size(), 1), is_bad(surface.triangles.size(), 0);
   for (int round = 0;; ++round) {  // Ends: every round shortens, in the end to nothing.
     const PrismCheck check(growth, columns);
-    std::vector<std::uint8_t> is_bad(surface.triangles.size());
     parallel::for_each_index(is_bad.size(), [&](std::size_t t) {
-      is_bad[t] = check.is_good(static_cast<std::uint32_t>(t)) ? 0 : 1;
+      if (is_stale[t] != 0) is_bad[t] = check.is_good(static_cast<std::uint32_t>(t)) ? 0 : 1;
     });
+    const std::vector<double> before = columns.fraction;
     if (std::find(is_bad.begin(), is_bad.end(), 1) == is_bad.end()) {
       if (!keep_bare_manifold(surface, columns)) return;
-      continue;
+    } else {
+      const double factor = round < kPatientRounds ? kShorter : 0;
+      parallel::for_each_index(surface.points.size(), [&](std::size_t v) {
+        const auto around = surface.triangles_around.of(v);
+        if (std::any_of(around.begin(), around.end(), [&](std::uint32_t t) { return is_bad[t] != 0; }))
+          columns.shorten(v, factor * columns.length_mm(v), LayerLimit::kShape);
+      });
+      smooth_lengths(surface, columns);
     }
-    const double factor = round < kPatientRounds ? kShorter : 0;
-    parallel::for_each_index(surface.points.size(), [&](std::size_t v) {
-      const auto around = surface.triangles_around.of(v);
-      if (std::any_of(around.begin(), around.end(), [&](std::uint32_t t) { return is_bad[t] != 0; }))
-        columns.shorten(v, factor * columns.length_mm(v), LayerLimit::kShape);
+    parallel::for_each_index(is_stale.size(), [&](std::size_t t) {
+      const Cell<3>& c = surface.triangles[t];
+      is_stale[t] =
+          std::any_of(c.begin(), c.end(), [&](std::uint32_t v) { return columns.fraction[v] != before[v]; })
+              ? 1
+              : 0;
     });
-    // To nothing only what has to be, or one bad triangle would take its whole surroundings along.
-    if (round < kPatientRounds) smooth_lengths(surface, columns);
   }
 }
 
