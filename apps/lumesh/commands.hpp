@@ -14,6 +14,7 @@ void add_improve_command(CLI::App& program);
 void add_info_command(CLI::App& program);
 void add_lattice_command(CLI::App& program);
 void add_layers_command(CLI::App& program);
+void add_merge_command(CLI::App& program);
 void add_metric_command(CLI::App& program);
 void add_phantom_command(CLI::App& program);
 void add_run_command(CLI::App& program);

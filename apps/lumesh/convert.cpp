@@ -6,6 +6,7 @@
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/parts.hpp"
 
 namespace lumesh::cli {
 
@@ -13,6 +14,7 @@ namespace {
 
 struct ConvertCommand {
   std::string from, to, surface, compat, msh_version = "4.1";
+  std::vector<std::string> only_labels;
   RunOptions run;
 };
 
@@ -35,6 +37,10 @@ void run(const ConvertCommand& command) {
   Context context = make_context(command.run);
   MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.from); });
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
+  if (!command.only_labels.empty())
+    mesh = context.phase("labels", [&] {
+      return naming(command.from, [&] { return part_of(mesh, labels_called(mesh, command.only_labels)); });
+    });
   if (const std::size_t inverted = count_inverted_cells(mesh.view()); inverted > 0)
     print_warning(fmt::format("{}: {} cells have no positive volume; they are kept as they are", command.from,
                               inverted));
@@ -59,6 +65,11 @@ void add_convert_command(CLI::App& program) {
                   "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .vtp, .stl, .foam for OpenFOAM, .xdmf for "
                   "FEniCS, a folder "
                   "NAME-mesh-complete for SimVascular), as second name or with -o");
+  sub->add_option(
+         "--only-labels", command->only_labels,
+         "Take the cells of these labels only, by names or numbers; what lay between them and others "
+         "is on the outside then")
+      ->delimiter(',');
   sub->add_option("--surface", command->surface, "Also write the boundary alone (.vtp, .stl)");
   sub->add_option("--msh-version", command->msh_version, "Gmsh format")
       ->check(CLI::IsMember({"4.1", "2.2"}))

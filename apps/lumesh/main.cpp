@@ -62,6 +62,7 @@ int main(int argc, char** argv) {
   lumesh::cli::add_adapt_command(program);
   lumesh::cli::add_improve_command(program);
   lumesh::cli::add_layers_command(program);
+  lumesh::cli::add_merge_command(program);
   lumesh::cli::add_evaluate_command(program);
   lumesh::cli::add_centerline_command(program);
   lumesh::cli::add_convert_command(program);

@@ -3,9 +3,9 @@
 #include <map>
 
 #include "cell_blocks.hpp"
-#include "cell_faces.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -26,7 +26,7 @@ std::vector<Face> all_faces(const MeshView& mesh) {
   for (const io::CellBlock& block : io::volume_blocks(mesh)) {
     const auto part = parallel::collect<Face>(block.size(), [&](std::size_t c, std::vector<Face>& out) {
       const auto cell = block.cell(c);
-      for (const io::LocalFace& local : io::faces_of(block.shape)) {
+      for (const LocalFace& local : faces_of_cell(block.corners)) {
         Face face;
         for (std::size_t i = 0; i < 4; ++i) face.corners[i] = cell[local[i]];
         face.sorted = face.corners;

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "cell_blocks.hpp"
-#include "cell_faces.hpp"
 #include "lumesh/core/uninitialised.hpp"
+#include "lumesh/mesh/cell_faces.hpp"
 
 namespace lumesh::io {
 
@@ -23,7 +23,7 @@ class CellSides {
   explicit CellSides(const MeshView& mesh) : blocks_(volume_blocks(mesh)) {
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       first_cell_[b + 1] = first_cell_[b] + blocks_[b].size();
-      first_side_[b + 1] = first_side_[b] + blocks_[b].size() * faces_of(blocks_[b].shape).size();
+      first_side_[b + 1] = first_side_[b] + blocks_[b].size() * faces_of_cell(blocks_[b].corners).size();
     }
   }
   [[nodiscard]] std::size_t size() const { return first_side_.back(); }
@@ -33,17 +33,17 @@ class CellSides {
   [[nodiscard]] std::size_t first_of(std::size_t cell) const {
     std::size_t b = 0;
     while (b + 1 < blocks_.size() && cell >= first_cell_[b + 1]) ++b;
-    return first_side_[b] + (cell - first_cell_[b]) * faces_of(blocks_[b].shape).size();
+    return first_side_[b] + (cell - first_cell_[b]) * faces_of_cell(blocks_[b].corners).size();
   }
   [[nodiscard]] std::uint32_t cell_of(std::size_t side) const {
     const std::size_t b = block_of(side);
     return static_cast<std::uint32_t>(first_cell_[b] +
-                                      (side - first_side_[b]) / faces_of(blocks_[b].shape).size());
+                                      (side - first_side_[b]) / faces_of_cell(blocks_[b].corners).size());
   }
   /// Anticlockwise, seen from outside the cell; triangles repeat the last one.
   [[nodiscard]] Cell<4> corners(std::size_t side) const {
     const std::size_t b = block_of(side);
-    const auto locals = faces_of(blocks_[b].shape);
+    const auto locals = faces_of_cell(blocks_[b].corners);
     const auto cell = blocks_[b].cell((side - first_side_[b]) / locals.size());
     const LocalFace& local = locals[(side - first_side_[b]) % locals.size()];
     return {cell[local[0]], cell[local[1]], cell[local[2]], cell[local[3]]};

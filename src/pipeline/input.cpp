@@ -51,7 +51,11 @@ Vec3 frame_factors(const MeshInfo& from, const MeshInfo& to) {
 }
 
 void bring_to_lps_mm(MixedMesh& mesh) {
-  const Vec3 factors = frame_factors(mesh.info, MeshInfo());
+  bring_to(mesh, MeshInfo());
+}
+
+void bring_to(MixedMesh& mesh, const MeshInfo& frame) {
+  const Vec3 factors = frame_factors(mesh.info, frame);
   if (factors == Vec3::Ones()) return;
   for (Vec3& p : mesh.points) p = p.cwiseProduct(factors);
   // Lengths in the metric stay as they are; it is per square of the coordinates' unit.
@@ -60,8 +64,8 @@ void bring_to_lps_mm(MixedMesh& mesh) {
     m = {m.xx * f[0] * f[0], m.xy * f[0] * f[1], m.xz * f[0] * f[2],
          m.yy * f[1] * f[1], m.yz * f[1] * f[2], m.zz * f[2] * f[2]};
   }
-  mesh.info.frame = "LPS";
-  mesh.info.unit = "mm";
+  mesh.info.frame = frame.frame;
+  mesh.info.unit = frame.unit;
 }
 
 std::vector<Vec3> read_points_in(const MeshInfo& frame, const std::filesystem::path& path) {

@@ -31,6 +31,8 @@ struct ImageSelection {
 /// Meshes may stand in another frame or unit than images do. Wanted edge lengths and those in the metric
 /// stay.
 void bring_to_lps_mm(MixedMesh& mesh);
+/// The same for the frame and unit of another mesh.
+void bring_to(MixedMesh& mesh, const MeshInfo& frame);
 
 /// What the coordinates of one mesh are multiplied by to stand in the frame and unit of another.
 [[nodiscard]] Vec3 frame_factors(const MeshInfo& from, const MeshInfo& to);

@@ -5,11 +5,10 @@
 #include <cstdint>
 #include <span>
 
-#include "cell_blocks.hpp"
+namespace lumesh {
 
-namespace lumesh::io {
-
-/// Faces of each shape, outwards, in VTK order; triangles repeat their last corner.
+/// Corners of a face by their place in the cell, as seen from outside anticlockwise, in VTK order; triangles
+/// repeat their last corner.
 using LocalFace = std::array<std::uint8_t, 4>;
 inline constexpr std::array<LocalFace, 4> kTetrahedronFaces = {
     {{1, 2, 3, 3}, {0, 3, 2, 2}, {0, 1, 3, 3}, {0, 2, 1, 1}}};
@@ -20,17 +19,12 @@ inline constexpr std::array<LocalFace, 5> kPrismFaces = {
 inline constexpr std::array<LocalFace, 6> kHexFaces = {
     {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
 
-[[nodiscard]] inline std::span<const LocalFace> faces_of(CellShape shape) {
-  switch (shape) {
-    case CellShape::kPyramid:
-      return kPyramidFaces;
-    case CellShape::kPrism:
-      return kPrismFaces;
-    case CellShape::kHexahedron:
-      return kHexFaces;
-    default:
-      return kTetrahedronFaces;
-  }
+/// Of a cell with `corners` corners: 4, 5, 6 or 8.
+[[nodiscard]] constexpr std::span<const LocalFace> faces_of_cell(std::size_t corners) {
+  return corners == 5   ? std::span<const LocalFace>(kPyramidFaces)
+         : corners == 6 ? std::span<const LocalFace>(kPrismFaces)
+         : corners == 8 ? std::span<const LocalFace>(kHexFaces)
+                        : std::span<const LocalFace>(kTetrahedronFaces);
 }
 
-}  // namespace lumesh::io
+}  // namespace lumesh

@@ -1,0 +1,77 @@
+#pragma once
+/// @file The faces of cells of every shape, sorted so that both sides of a face stand together.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::detail {
+
+/// Corners of a face that has three or four; triangles repeat their last one.
+using FaceCorners = Cell<4>;
+
+[[nodiscard]] inline bool is_triangle(const FaceCorners& face) {
+  return face[2] == face[3];
+}
+/// A triangle of a mesh as face.
+[[nodiscard]] inline FaceCorners face_of(const Cell<3>& triangle) {
+  return {triangle[0], triangle[1], triangle[2], triangle[2]};
+}
+[[nodiscard]] inline FaceCorners face_of(const Cell<4>& quadrilateral) {
+  return quadrilateral;
+}
+/// Corners in ascending order, for triangles with the highest number at the end: equal for the same face
+/// whichever way it is turned.
+[[nodiscard]] Cell<4> key_of(const FaceCorners& face);
+/// Whether both name the same corners in opposite senses.
+[[nodiscard]] bool are_opposite(const FaceCorners& a, const FaceCorners& b);
+/// Mean of its corners.
+[[nodiscard]] Vec3 middle_of(std::span<const Vec3> points, const FaceCorners& face);
+/// "1.2 3.4 5.6", for messages.
+[[nodiscard]] std::string place_text(const Vec3& place);
+
+/// One face of one cell.
+struct CellSide {
+  Cell<4> key;         ///< As key_of().
+  std::uint32_t cell;  ///< Within the cells of its shape.
+  std::uint16_t corners_of_cell, face;
+  auto operator<=>(const CellSide&) const = default;
+};
+
+/// Faces of the cells of a mesh. It keeps a view: the mesh must stay. Threads: const members may run at the
+/// same time. Memory: about 100 bytes per tetrahedron.
+class CellSides {
+ public:
+  /// Parallel inside, the same order for every thread count.
+  explicit CellSides(const MeshView& mesh);
+
+  /// @throws Error{kBadInput} if a face has more than two cells, or two on the same side.
+  void check() const;
+  /// Faces of one cell alone, in order.
+  [[nodiscard]] std::vector<CellSide> outer() const;
+  /// The two sides of faces between cells for which wanted(side, other side), in order.
+  template <class Wanted>
+  [[nodiscard]] std::vector<std::array<CellSide, 2>> pairs(const Wanted& wanted) const {
+    return parallel::collect<std::array<CellSide, 2>>(sides_.size(), [&](std::size_t i, auto& out) {
+      if (i + 1 < sides_.size() && sides_[i].key == sides_[i + 1].key && wanted(sides_[i], sides_[i + 1]))
+        out.push_back({sides_[i], sides_[i + 1]});
+    });
+  }
+  /// The sides of a face: none, one or two of a mesh that check() does not refuse.
+  [[nodiscard]] std::span<const CellSide> find(const Cell<4>& key) const;
+
+  /// Corners as seen from outside the cell.
+  [[nodiscard]] FaceCorners outward(const CellSide& side) const;
+  [[nodiscard]] Label label(const CellSide& side) const;
+
+ private:
+  MeshView mesh_;
+  std::vector<CellSide> sides_;
+};
+
+}  // namespace lumesh::detail

@@ -1,0 +1,187 @@
+#include "contacts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::detail {
+namespace {
+
+/// A face of the surface of one part, by joined points.
+struct PartFace {
+  Cell<4> key;
+  std::uint32_t part;
+  FaceCorners outward;
+  Label label;
+  auto operator<=>(const PartFace&) const = default;
+};
+
+FaceCorners joined_face(const FaceCorners& face, const std::vector<std::uint32_t>& numbers) {
+  return {numbers[face[0]], numbers[face[1]], numbers[face[2]], numbers[face[3]]};
+}
+
+bool has_shared_corners(const FaceCorners& face, const JoinedPoints& joined) {
+  return std::all_of(face.begin(), face.end(), [&](std::uint32_t v) { return joined.is_shared[v] != 0; });
+}
+
+std::vector<PartFace> faces_with_shared_corners(std::span<const PartSurface> parts,
+                                                const JoinedPoints& joined) {
+  std::vector<PartFace> all;
+  for (std::uint32_t p = 0; p < parts.size(); ++p)
+    for (std::size_t f = 0; f < parts[p].faces.size(); ++f) {
+      const FaceCorners face = joined_face(parts[p].faces[f], joined.numbers[p]);
+      if (has_shared_corners(face, joined)) all.push_back({key_of(face), p, face, parts[p].labels[f]});
+    }
+  parallel::sort(all.begin(), all.end());
+  return all;
+}
+
+/// What of the surface of one part no other part shares, as triangles.
+struct FreeSurface {
+  std::vector<FaceCorners> faces;
+  std::vector<Cell<3>> triangles;
+};
+
+FreeSurface free_surface(const PartSurface& part, const std::vector<std::uint32_t>& numbers,
+                         std::span<const Contact> contacts) {
+  const auto is_contact = [&](const FaceCorners& face) {
+    const Cell<4> key = key_of(face);
+    const auto found =
+        std::lower_bound(contacts.begin(), contacts.end(), key,
+                         [](const Contact& contact, const Cell<4>& wanted) { return contact.key < wanted; });
+    return found != contacts.end() && found->key == key;
+  };
+  FreeSurface surface;
+  for (const FaceCorners& own : part.faces) {
+    const FaceCorners face = joined_face(own, numbers);
+    if (is_contact(face)) continue;
+    surface.faces.push_back(face);
+    surface.triangles.push_back({face[0], face[1], face[2]});
+    if (!is_triangle(face)) surface.triangles.push_back({face[0], face[2], face[3]});
+  }
+  return surface;
+}
+
+Vec3 normal_of(std::span<const Vec3> points, const Cell<3>& triangle) {
+  return triangle_normal(points[triangle[0]], points[triangle[1]], points[triangle[2]]);
+}
+
+/// Whether a face lies on a surface that looks the other way. Where all its corners are shared with another
+/// part, it may lie off the surface by as much as two diagonals of one bent quadrilateral do.
+bool lies_on(const FaceCorners& face, const FreeSurface& other, const TriangleTree& tree,
+             const JoinedPoints& joined) {
+  constexpr double kOffBentFaces = 0.1, kOffSameFaces = 1e-3, kOpposite = -0.7;
+  const std::span<const Vec3> points = joined.points;
+  double longest = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    longest = std::max(longest, (points[face[i]] - points[face[(i + 1) % 4]]).norm());
+  const double reach = (has_shared_corners(face, joined) ? kOffBentFaces : kOffSameFaces) * longest;
+  const TriangleTree::Nearest nearest =
+      tree.nearest(middle_of(points, face), std::max(reach, joined.tolerance));
+  if (nearest.triangle == TriangleTree::kNone) return false;
+  return normal_of(points, {face[0], face[1], face[2]})
+             .dot(normal_of(points, other.triangles[nearest.triangle])) < kOpposite;
+}
+
+/// The part with the lowest number that shared faces join to each.
+std::vector<std::uint32_t> joined_groups(std::size_t count, std::span<const Contact> contacts) {
+  std::vector<std::uint32_t> group(count);
+  std::iota(group.begin(), group.end(), 0U);
+  for (const Contact& contact : contacts) {
+    const auto [low, high] = std::minmax(group[contact.parts[0]], group[contact.parts[1]]);
+    if (low != high) std::replace(group.begin(), group.end(), std::uint32_t(high), std::uint32_t(low));
+  }
+  return group;
+}
+
+/// Least distance of a point of `from` to the surface of another part.
+double distance_between(const PartSurface& from, const PartSurface& to) {
+  std::vector<Cell<3>> triangles;
+  for (const FaceCorners& face : to.faces) {
+    triangles.push_back({face[0], face[1], face[2]});
+    if (!is_triangle(face)) triangles.push_back({face[0], face[2], face[3]});
+  }
+  const TriangleTree tree(to.mesh->points, triangles);
+  constexpr std::size_t kBlock = 1024;
+  return parallel::reduce_blocks(
+      from.points.size(), kBlock, std::numeric_limits<double>::infinity(),
+      [&](std::size_t begin, std::size_t end) {
+        double least = std::numeric_limits<double>::infinity();
+        for (std::size_t i = begin; i < end; ++i)
+          least = std::min(least, tree.nearest(from.mesh->points[from.points[i]], least).distance);
+        return least;
+      },
+      [](double a, double b) { return std::min(a, b); });
+}
+
+}  // namespace
+
+std::vector<Contact> find_contacts(std::span<const PartSurface> parts, const JoinedPoints& joined) {
+  const std::vector<PartFace> faces = faces_with_shared_corners(parts, joined);
+  std::vector<Contact> contacts;
+  for (std::size_t i = 0, next = 0; i < faces.size(); i = next) {
+    for (next = i + 1; next < faces.size() && faces[next].key == faces[i].key;) ++next;
+    if (next - i < 2) continue;
+    const PartFace &one = faces[i], &other = faces[i + 1];
+    if (next - i > 2 || !are_opposite(one.outward, other.outward))
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{} and {} overlap: both have a cell on the same side of the face at {}; leave "
+                              "one out, or cut away what both have",
+                              parts[one.part].name, parts[other.part].name,
+                              place_text(middle_of(joined.points, one.outward))));
+    contacts.push_back(
+        {one.key, {one.outward, other.outward}, {one.part, other.part}, {one.label, other.label}});
+  }
+  return contacts;
+}
+
+void check_surfaces_match(std::span<const PartSurface> parts, const JoinedPoints& joined,
+                          std::span<const Contact> contacts) {
+  std::vector<FreeSurface> surfaces;
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    surfaces.push_back(free_surface(parts[p], joined.numbers[p], contacts));
+  for (std::size_t to = 0; to < parts.size(); ++to) {
+    if (surfaces[to].triangles.empty()) continue;
+    const TriangleTree tree(joined.points, surfaces[to].triangles);
+    for (std::size_t from = 0; from < parts.size(); ++from) {
+      if (from == to) continue;
+      const std::vector<FaceCorners>& faces = surfaces[from].faces;
+      const std::vector<FaceCorners> faults =
+          parallel::collect<FaceCorners>(faces.size(), [&](std::size_t f, std::vector<FaceCorners>& out) {
+            if (lies_on(faces[f], surfaces[to], tree, joined)) out.push_back(faces[f]);
+          });
+      if (faults.empty()) continue;
+      throw Error(
+          ErrorKind::kBadInput,
+          fmt::format("{} faces of {} lie on {} but differ from its own (points, diagonals, or farther "
+                      "apart than {:.3g}), such as at {}; remesh one of them",
+                      faults.size(), parts[from].name, parts[to].name, joined.tolerance,
+                      place_text(middle_of(joined.points, faults.front()))));
+    }
+  }
+}
+
+void check_parts_touch(std::span<const PartSurface> parts, const JoinedPoints& joined,
+                       std::span<const Contact> contacts) {
+  const std::vector<std::uint32_t> groups = joined_groups(parts.size(), contacts);
+  const auto alone = std::find_if(groups.begin(), groups.end(), [](std::uint32_t g) { return g != 0; });
+  if (alone == groups.end()) return;
+  const PartSurface& part = parts[static_cast<std::size_t>(alone - groups.begin())];
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (groups[p] != *alone) least = std::min(least, distance_between(part, parts[p]));
+  throw Error(
+      ErrorKind::kBadInput,
+      fmt::format("{}: shares no face with the others; its points come within {:.3g} of their surface, "
+                  "the tolerance is {:.3g}: give a larger one if they belong together",
+                  part.name, least, joined.tolerance));
+}
+
+}  // namespace lumesh::detail

@@ -1,0 +1,156 @@
+#include "lumesh/mesh/merge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "contacts.hpp"
+#include "joined_points.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/predicates.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "merged_names.hpp"
+
+namespace lumesh {
+namespace {
+
+using namespace detail;
+
+PartSurface surface_of(const MergePart& part) {
+  const CellSides sides(part.mesh->view());
+  naming(part.name, [&] { sides.check(); });
+  PartSurface surface{part.mesh, part.name, {}, {}, {}};
+  for (const CellSide& side : sides.outer()) {
+    const FaceCorners face = sides.outward(side);
+    surface.faces.push_back(face);
+    surface.labels.push_back(sides.label(side));
+    surface.points.insert(surface.points.end(), face.begin(), face.end());
+  }
+  parallel::sort(surface.points.begin(), surface.points.end());
+  surface.points.erase(std::unique(surface.points.begin(), surface.points.end()), surface.points.end());
+  return surface;
+}
+
+void check_merge_parts(std::span<const MergePart> parts) {
+  if (parts.size() < 2) throw Error(ErrorKind::kBadInput, "give at least two meshes to merge");
+  const MeshInfo& first = parts.front().mesh->info;
+  for (const MergePart& part : parts) {
+    if (part.mesh->view().cell_count() == 0)
+      throw Error(ErrorKind::kBadInput, part.name + ": has no cells; give a mesh of a volume");
+    if (part.mesh->info.unit != first.unit || part.mesh->info.frame != first.frame)
+      throw Error(ErrorKind::kBadInput, part.name + ": has another unit or frame than " + parts.front().name);
+  }
+}
+
+template <std::size_t N>
+void append_cells(const std::vector<Cell<N>>& cells, const std::vector<Label>& labels,
+                  const std::vector<std::uint32_t>& points, const std::map<Label, Label>& numbers,
+                  std::vector<Cell<N>>& all, std::vector<Label>& all_labels) {
+  const std::size_t first = all.size();
+  all.resize(first + cells.size());
+  all_labels.resize(first + cells.size());
+  parallel::for_each_index(cells.size(), [&](std::size_t c) {
+    for (std::size_t i = 0; i < N; ++i) all[first + c][i] = points[cells[c][i]];
+    all_labels[first + c] = numbers.at(labels[c]);
+  });
+}
+
+void append_cells_of(const MixedMesh& part, const std::vector<std::uint32_t>& points,
+                     const std::map<Label, Label>& numbers, MixedMesh& mesh) {
+  append_cells(part.tetrahedra, part.tetrahedron_labels, points, numbers, mesh.tetrahedra,
+               mesh.tetrahedron_labels);
+  append_cells(part.pyramids, part.pyramid_labels, points, numbers, mesh.pyramids, mesh.pyramid_labels);
+  append_cells(part.prisms, part.prism_labels, points, numbers, mesh.prisms, mesh.prism_labels);
+  append_cells(part.hexahedra, part.hexahedron_labels, points, numbers, mesh.hexahedra,
+               mesh.hexahedron_labels);
+}
+
+/// What all parts have one of per point, for joined points; empty where a part has none.
+template <class Value>
+std::vector<Value> values_of(std::span<const MergePart> parts, const JoinedPoints& joined,
+                             std::vector<Value> MixedMesh::*values) {
+  if (std::any_of(parts.begin(), parts.end(), [&](const MergePart& p) { return (p.mesh->*values).empty(); }))
+    return {};
+  std::vector<Value> all(joined.points.size());
+  for (std::size_t p = parts.size(); p-- > 0;)  // The first part last: it has the last word.
+    for (std::size_t v = 0; v < joined.numbers[p].size(); ++v)
+      all[joined.numbers[p][v]] = (parts[p].mesh->*values)[v];
+  return all;
+}
+
+/// Tetrahedra may turn over where points move to those of another part.
+void check_no_turning(std::span<const MergePart> parts, const JoinedPoints& joined) {
+  if (joined.farthest == 0) return;
+  for (std::size_t p = 1; p < parts.size(); ++p) {
+    const std::vector<Cell<4>>& tets = parts[p].mesh->tetrahedra;
+    const std::vector<Vec3>& points = parts[p].mesh->points;
+    const std::vector<std::uint32_t>& numbers = joined.numbers[p];
+    const auto is_upright = [&](const Cell<4>& t, const auto& at) {
+      return orient3d(at(t[0]), at(t[1]), at(t[2]), at(t[3])) > 0;
+    };
+    const std::vector<std::size_t> faults =
+        parallel::collect<std::size_t>(tets.size(), [&](std::size_t i, std::vector<std::size_t>& out) {
+          const bool now = is_upright(tets[i], [&](std::uint32_t v) { return joined.points[numbers[v]]; });
+          if (!now && is_upright(tets[i], [&](std::uint32_t v) { return points[v]; })) out.push_back(i);
+        });
+    if (!faults.empty())
+      throw Error(
+          ErrorKind::kBadInput,
+          fmt::format("{}: {} tetrahedra turn over as their points join those of another mesh, such as "
+                      "that at {}; give a smaller tolerance",
+                      parts[p].name, faults.size(), place_text(points[tets[faults.front()][0]])));
+  }
+}
+
+MergeReport report_of(const JoinedPoints& joined, std::span<const Contact> contacts) {
+  MergeReport report;
+  report.tolerance = joined.tolerance;
+  report.farthest = joined.farthest;
+  report.shared_points =
+      static_cast<std::uint64_t>(std::count(joined.is_shared.begin(), joined.is_shared.end(), 1));
+  report.shared_faces = contacts.size();
+  const std::span<const Vec3> points = joined.points;
+  for (const Contact& contact : contacts) {
+    const FaceCorners& face = contact.outward[0];
+    report.shared_area += triangle_area(points[face[0]], points[face[1]], points[face[2]]);
+    if (!is_triangle(face))
+      report.shared_area += triangle_area(points[face[0]], points[face[2]], points[face[3]]);
+  }
+  return report;
+}
+
+}  // namespace
+
+MergeResult merge_meshes(std::span<const MergePart> parts, const MergeOptions& options) {
+  check_merge_parts(parts);
+  std::vector<PartSurface> surfaces;
+  for (const MergePart& part : parts) surfaces.push_back(surface_of(part));
+  JoinedPoints joined = join_points(surfaces, options.tolerance);
+  std::vector<Contact> contacts = find_contacts(surfaces, joined);
+  check_surfaces_match(surfaces, joined, contacts);
+  if (!options.allows_apart) check_parts_touch(surfaces, joined, contacts);
+  check_no_turning(parts, joined);
+
+  const MergedLabels labels = merge_labels(parts, options.equal_labels);
+  for (Contact& contact : contacts)
+    for (std::size_t side = 0; side < 2; ++side)
+      contact.labels[side] = labels.numbers[contact.parts[side]].at(contact.labels[side]);
+  MergeResult result;
+  result.report = report_of(joined, contacts);
+  result.report.renumbered = labels.renumbered;
+  MixedMesh& mesh = result.mesh;
+  mesh.info = parts.front().mesh->info;
+  mesh.info.patches.clear();
+  mesh.info.label_names = labels.names;
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    append_cells_of(*parts[p].mesh, joined.numbers[p], labels.numbers[p], mesh);
+  merge_faces(parts, labels, joined, contacts, mesh);
+  mesh.metric = values_of(parts, joined, &MixedMesh::metric);
+  mesh.sizes_mm = values_of(parts, joined, &MixedMesh::sizes_mm);
+  mesh.points = std::move(joined.points);
+  return result;
+}
+
+}  // namespace lumesh

@@ -1,0 +1,204 @@
+#include "lumesh/mesh/parts.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+#include <vector>
+
+#include "cell_sides.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "patch_list.hpp"
+
+namespace lumesh {
+namespace {
+
+using namespace detail;
+
+std::string label_list(const MixedMesh& mesh) {
+  std::string list;
+  for (const Label label : labels_of(mesh)) {
+    list += (list.empty() ? "" : ", ") + std::to_string(label);
+    const auto name = mesh.info.label_names.find(label);
+    if (name != mesh.info.label_names.end() && !name->second.empty()) list += " (" + name->second + ")";
+  }
+  return list;
+}
+
+/// Takes the cells of some labels out of a mesh.
+class PartBuilder {
+ public:
+  PartBuilder(const MixedMesh& mesh, const std::set<Label>& labels)
+      : mesh_(mesh), labels_(labels), sides_(mesh.view()), numbers_(mesh.points.size(), VertexId::kNone) {
+    sides_.check();
+  }
+
+  MixedMesh build() {
+    part_.info = mesh_.info;
+    part_.info.patches.clear();
+    std::erase_if(part_.info.label_names, [&](const auto& entry) { return !labels_.contains(entry.first); });
+    number_points();
+    take_cells(mesh_.tetrahedra, mesh_.tetrahedron_labels, part_.tetrahedra, part_.tetrahedron_labels);
+    take_cells(mesh_.pyramids, mesh_.pyramid_labels, part_.pyramids, part_.pyramid_labels);
+    take_cells(mesh_.prisms, mesh_.prism_labels, part_.prisms, part_.prism_labels);
+    take_cells(mesh_.hexahedra, mesh_.hexahedron_labels, part_.hexahedra, part_.hexahedron_labels);
+    number_patches();
+    for_each_face([&](const FaceCorners& face, std::int32_t patch) { take_face(face, patch); });
+    add_unlisted_faces();
+    return std::move(part_);
+  }
+
+ private:
+  [[nodiscard]] bool stays(Label label) const { return labels_.contains(label); }
+  template <class Visit>
+  void for_each_face(const Visit& visit) const {
+    for (std::size_t f = 0; f < mesh_.triangles.size(); ++f)
+      visit(face_of(mesh_.triangles[f]), mesh_.triangle_patches[f]);
+    for (std::size_t f = 0; f < mesh_.quadrilaterals.size(); ++f)
+      visit(face_of(mesh_.quadrilaterals[f]), mesh_.quadrilateral_patches[f]);
+  }
+
+  void number_points() {
+    std::vector<std::uint8_t> used(mesh_.points.size(), 0);
+    const auto mark = [&](const auto& cells, const std::vector<Label>& labels) {
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        if (stays(labels[c]))
+          for (const std::uint32_t v : cells[c]) used[v] = 1;
+    };
+    mark(mesh_.tetrahedra, mesh_.tetrahedron_labels);
+    mark(mesh_.pyramids, mesh_.pyramid_labels);
+    mark(mesh_.prisms, mesh_.prism_labels);
+    mark(mesh_.hexahedra, mesh_.hexahedron_labels);
+    for (std::size_t v = 0; v < used.size(); ++v) {
+      if (used[v] == 0) continue;
+      numbers_[v] = static_cast<std::uint32_t>(part_.points.size());
+      part_.points.push_back(mesh_.points[v]);
+      if (!mesh_.metric.empty()) part_.metric.push_back(mesh_.metric[v]);
+      if (!mesh_.sizes_mm.empty()) part_.sizes_mm.push_back(mesh_.sizes_mm[v]);
+    }
+  }
+  template <std::size_t N>
+  void take_cells(const std::vector<Cell<N>>& cells, const std::vector<Label>& labels,
+                  std::vector<Cell<N>>& taken, std::vector<Label>& taken_labels) const {
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      if (!stays(labels[c])) continue;
+      Cell<N>& cell = taken.emplace_back(cells[c]);
+      for (std::uint32_t& v : cell) v = numbers_[v];
+      taken_labels.push_back(labels[c]);
+    }
+  }
+
+  /// The cells beside a face that stay, of those there are.
+  struct Beside {
+    std::vector<CellSide> staying;
+    bool is_cut = false;  ///< A cell on the other side goes.
+  };
+  [[nodiscard]] Beside beside(const FaceCorners& face) const {
+    Beside found;
+    for (const CellSide& side : sides_.find(key_of(face)))
+      if (stays(sides_.label(side)))
+        found.staying.push_back(side);
+      else
+        found.is_cut = true;
+    return found;
+  }
+  [[nodiscard]] Patch cut_patch(std::int32_t patch, Label inside) const {
+    return {
+        mesh_.info.patches[static_cast<std::size_t>(patch)].name, PatchKind::kWall, {inside, kBackground}};
+  }
+  [[nodiscard]] bool is_listed(std::int32_t patch) const {
+    return patch >= 0 && static_cast<std::size_t>(patch) < mesh_.info.patches.size();
+  }
+  /// Patches that stay, in their order; a patch that is cut in part is two.
+  void number_patches() {
+    std::vector<std::array<Label, 2>> uses(mesh_.info.patches.size(), {-1, -1});  // As it was, and cut.
+    for_each_face([&](const FaceCorners& face, std::int32_t patch) {
+      const Beside found = beside(face);
+      if (found.staying.empty() || !is_listed(patch)) return;
+      uses[static_cast<std::size_t>(patch)][found.is_cut ? 1 : 0] = sides_.label(found.staying.front());
+    });
+    for (std::size_t p = 0; p < uses.size(); ++p) {
+      const auto [whole, cut] = uses[p];
+      const std::int32_t as_it_was = whole < 0 ? -1 : patch_number(part_.info.patches, mesh_.info.patches[p]);
+      const std::int32_t as_cut =
+          cut < 0 ? -1 : patch_number(part_.info.patches, cut_patch(static_cast<std::int32_t>(p), cut));
+      patch_numbers_.push_back({as_it_was, as_cut});
+    }
+  }
+  void take_face(const FaceCorners& face, std::int32_t patch) {
+    const Beside found = beside(face);
+    if (found.staying.empty()) return;
+    const std::int32_t number =
+        is_listed(patch) ? patch_numbers_[static_cast<std::size_t>(patch)][found.is_cut ? 1 : 0] : patch;
+    add_face(found.is_cut ? sides_.outward(found.staying.front()) : face, number);
+  }
+  void add_face(const FaceCorners& face, std::int32_t patch) {
+    const Cell<4> v = {numbers_[face[0]], numbers_[face[1]], numbers_[face[2]], numbers_[face[3]]};
+    if (is_triangle(face)) {
+      part_.triangles.push_back({v[0], v[1], v[2]});
+      part_.triangle_patches.push_back(patch);
+    } else {
+      part_.quadrilaterals.push_back(v);
+      part_.quadrilateral_patches.push_back(patch);
+    }
+  }
+  /// Faces between cells that stay and cells that go, where no patch lists them.
+  void add_unlisted_faces() {
+    std::vector<Cell<4>> listed;
+    for_each_face([&](const FaceCorners& face, std::int32_t) { listed.push_back(key_of(face)); });
+    parallel::sort(listed.begin(), listed.end());
+    for (const auto& [side, other] : sides_.pairs([&](const CellSide&one, const CellSide&two) {
+           return stays(sides_.label(one)) != stays(sides_.label(two)) &&
+                  !std::binary_search(listed.begin(), listed.end(), one.key);
+         })) {
+      const bool first = stays(sides_.label(side));
+      const Label inside = sides_.label(first ? side : other), outside = sides_.label(first ? other : side);
+      add_face(sides_.outward(first ? side : other),
+               patch_number(part_.info.patches,
+                            {name_between(inside, outside), PatchKind::kWall, {inside, kBackground}}));
+    }
+  }
+
+  const MixedMesh& mesh_;
+  const std::set<Label>& labels_;
+  CellSides sides_;
+  std::vector<std::uint32_t> numbers_;                      // Of the points; kNone for those that go.
+  std::vector<std::array<std::int32_t, 2>> patch_numbers_;  // Of each patch as it was, and where it is cut.
+  MixedMesh part_;
+};
+
+}  // namespace
+
+std::set<Label> labels_of(const MixedMesh& mesh) {
+  std::set<Label> labels;
+  for (const auto* list :
+       {&mesh.tetrahedron_labels, &mesh.pyramid_labels, &mesh.prism_labels, &mesh.hexahedron_labels})
+    for (std::size_t i = 0; i < list->size(); ++i)
+      if (i == 0 || (*list)[i] != (*list)[i - 1]) labels.insert((*list)[i]);
+  return labels;
+}
+
+std::set<Label> labels_called(const MixedMesh& mesh, std::span<const std::string> wanted) {
+  const std::set<Label> present = labels_of(mesh);
+  std::set<Label> found;
+  for (const std::string& word : wanted) {
+    bool known = false;
+    for (const auto& [label, name] : mesh.info.label_names)
+      if (name == word && present.contains(label)) known = true, found.insert(label);
+    Label number = 0;
+    const char* const end = word.data() + word.size();
+    const auto [stop, fault] = std::from_chars(word.data(), end, number);
+    if (!known && fault == std::errc() && stop == end && present.contains(number))
+      known = true, found.insert(number);
+    if (!known)
+      throw Error(ErrorKind::kBadInput,
+                  "no cell has the label " + word + "; labels present: " + label_list(mesh));
+  }
+  return found;
+}
+
+MixedMesh part_of(const MixedMesh& mesh, const std::set<Label>& labels) {
+  return PartBuilder(mesh, labels).build();
+}
+
+}  // namespace lumesh
