@@ -3,13 +3,16 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "commands.hpp"
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/parts.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
 #include "metric_input.hpp"
@@ -21,7 +24,7 @@ namespace {
 struct LayersCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, json_path;
-  std::string side = "outward", scale = "mm", cells = "tetrahedra", label;
+  std::string side = "outward", scale = "mm", cells = "tetrahedra", label, into;
   LayerOptions options;
   RunOptions run;
 };
@@ -50,7 +53,16 @@ LayerOptions options_of(const LayersCommand& command) {
   options.cells = command.cells == "prisms" ? LayerCells::kPrisms : LayerCells::kTetrahedra;
   take_label(command.label, options);
   options.validate();
+  if (!command.into.empty() && options.side == LayerSide::kOutward)
+    throw Error(ErrorKind::kUsage, "--into says which label gives way; it needs --side inward");
   return options;
+}
+
+Label label_called(const MixedMesh& mesh, const std::string& name) {
+  const std::set<Label> labels = labels_called(mesh, std::array{name});
+  if (labels.size() > 1)
+    throw Error(ErrorKind::kBadInput, fmt::format("several labels are called {}; give a number", name));
+  return *labels.begin();
 }
 
 nlohmann::ordered_json coverage_json(const LayerCoverage& c) {
@@ -99,11 +111,13 @@ void print_coverage(const RunOptions& run, const LayerReport& report) {
 void run(const LayersCommand& command) {
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
-  const LayerOptions options = options_of(command);
+  LayerOptions options = options_of(command);
   check_volume_output(command.output_path);
   check_output_folders({command.output_path, command.json_path});
   check_inputs_stay({command.json_path}, {command.mesh_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
+  if (!command.into.empty())
+    options.into = naming(command.mesh_path, [&] { return label_called(input, command.into); });
   const TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
   LayerResult result = naming(command.mesh_path, [&] { return grow_layers(mesh, options, context); });
   result.mesh.info.provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
@@ -157,6 +171,8 @@ void add_layers_command(CLI::App& program) {
                   "outward: around the mesh, which stays as it is; inward: within it, it gives way")
       ->check(CLI::IsMember({"outward", "inward"}))
       ->capture_default_str();
+  sub->add_option("--into", command->into,
+                  "Where the mesh has several labels, inward: the one that gives way, by name or number");
   add_height_options(*sub, *command);
   sub->add_option("--cells", command->cells, "What the layers are made of")
       ->check(CLI::IsMember({"tetrahedra", "prisms"}))

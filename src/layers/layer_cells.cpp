@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "lumesh/mesh/parts.hpp"
 #include "prism.hpp"
 
 namespace lumesh::layers {
@@ -15,7 +16,7 @@ class LayerBuilder {
                const LayerOptions& options, Label label)
       : mesh_(footing.mesh),
         faces_(footing.faces),
-        layered_(footing.layered),
+        choice_(footing.choice),
         vertices_(footing.vertices),
         growth_(growth),
         surface_(growth.surface),
@@ -47,11 +48,10 @@ class LayerBuilder {
   }
 
   void copy_mesh() {
-    const MeshView view = mesh_.view(faces_);
-    out_.points.assign(view.points.begin(), view.points.end());
-    out_.tetrahedra.assign(view.tetrahedra.begin(), view.tetrahedra.end());
-    out_.tetrahedron_labels.assign(view.tetrahedron_labels.begin(), view.tetrahedron_labels.end());
-    out_.info = mesh_.info();
+    out_ = copy_of(mesh_.view(faces_));
+    out_.metric.clear();
+    out_.triangles.clear();
+    out_.triangle_patches.clear();
     const std::string usual = is_inward_ ? "layer" : "wall";
     out_.info.label_names[label_] = options_.label_name.empty() ? usual : options_.label_name;
   }
@@ -72,7 +72,7 @@ class LayerBuilder {
     return place->second;
   }
   /// Faces of the mesh; those under layers are between labels now. Parts of a patch that stay bare get a
-  /// patch of their own; inwards they are what is left of it.
+  /// patch of their own, unless nothing is behind it.
   void copy_faces() {
     std::vector<std::uint8_t> at_layers(mesh_.vertex_count(), 0), at_columns(mesh_.vertex_count(), 0);
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
@@ -83,7 +83,7 @@ class LayerBuilder {
       const Cell<3>& c = faces_.triangles[f];
       const auto patch = static_cast<std::size_t>(faces_.patches[f]);
       const bool bare = std::none_of(c.begin(), c.end(), [&](std::uint32_t v) { return at_layers[v] != 0; });
-      if (layered_[patch] == 0)
+      if (choice_.layered[patch] == 0)
         add_face(c, faces_.patches[f]);
       else
         add_face(c, bare ? patch_of_bare(patch) : patch_under_layers(patch));
@@ -95,8 +95,9 @@ class LayerBuilder {
   }
   std::int32_t patch_of_bare(std::size_t patch) {
     const Patch& whole = mesh_.info().patches[patch];
-    return is_inward_ ? static_cast<std::int32_t>(patch)
-                      : patch_named(whole.name + "_bare", PatchKind::kWall, whole.labels);
+    const bool is_same = is_inward_ && choice_.between[patch] == 0;
+    return is_same ? static_cast<std::int32_t>(patch)
+                   : patch_named(whole.name + "_bare", PatchKind::kWall, whole.labels);
   }
   std::int32_t patch_under_layers(std::size_t patch) {
     const std::array<Label, 2> labels = {std::min(inside_of(patch), label_),
@@ -185,7 +186,7 @@ class LayerBuilder {
 
   const TetMesh& mesh_;
   const BoundaryFaces& faces_;
-  const std::vector<std::uint8_t>& layered_;
+  const Choice& choice_;
   const std::vector<std::uint32_t>& vertices_;
   const Growth& growth_;
   const LayerSurface& surface_;

@@ -10,7 +10,7 @@ namespace lumesh::layers {
 struct Footing {
   const TetMesh& mesh;
   const BoundaryFaces& faces;
-  const std::vector<std::uint8_t>& layered;    ///< One flag per patch.
+  const Choice& choice;                        ///< Of its patches.
   const std::vector<std::uint32_t>& vertices;  ///< Of the mesh at each column: its lower end, or its upper
                                                ///< one where layers grow inwards.
 };

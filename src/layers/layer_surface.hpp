@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "choice.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 
@@ -53,9 +54,8 @@ struct LayerSurface {
   std::vector<Cell<3>> others;  ///< The other triangles of the mesh's outside, by vertices of the mesh.
 };
 
-/// The triangles of these patches. @param layered  One flag per patch of the mesh. @param is_inward  Layers
-/// grow into the mesh.
-[[nodiscard]] LayerSurface surface_of(const TetMesh& mesh, const BoundaryFaces& faces,
-                                      const std::vector<std::uint8_t>& layered, bool is_inward);
+/// The triangles of the patches chosen. @param is_inward  Layers grow into the mesh.
+[[nodiscard]] LayerSurface surface_of(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
+                                      bool is_inward);
 
 }  // namespace lumesh::layers

@@ -3,41 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
+#include <utility>
 
+#include "choice.hpp"
 #include "coverage.hpp"
 #include "give_way.hpp"
 #include "layer_cells.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/merge.hpp"
+#include "lumesh/mesh/parts.hpp"
 
 namespace lumesh {
 namespace {
 
 using namespace layers;
-
-/// One flag per patch of the mesh.
-std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector<std::string>& names) {
-  std::vector<std::uint8_t> chosen(info.patches.size(), 0);
-  for (const std::string& name : names) {
-    const auto found = std::find_if(info.patches.begin(), info.patches.end(),
-                                    [&](const Patch& patch) { return patch.name == name; });
-    if (found == info.patches.end()) {
-      std::string known;
-      for (const Patch& patch : info.patches) known += " " + patch.name;
-      throw Error(ErrorKind::kBadInput, fmt::format("there is no patch {}; it has:{}", name, known));
-    }
-    if (found->kind == PatchKind::kInterface)
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("patch {} lies between two labels, where layers have no free "
-                              "side; choose a patch of the outside",
-                              name));
-    chosen[static_cast<std::size_t>(found - info.patches.begin())] = 1;
-  }
-  if (names.empty())
-    for (std::size_t p = 0; p < chosen.size(); ++p)
-      chosen[p] = info.patches[p].kind == PatchKind::kWall ? 1 : 0;
-  return chosen;
-}
 
 Label label_of_layers(const TetMesh& mesh, Label wanted) {
   if (wanted != 0) return wanted;
@@ -126,13 +108,13 @@ Columns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const LayerO
 
 }  // namespace
 
-LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context) {
-  options.validate();
+namespace {
+
+LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
+                    const LayerOptions& options, Context& context) {
   const bool is_inward = options.side == LayerSide::kInward;
-  const std::vector<std::uint8_t> layered = chosen_patches(mesh.info(), options.patches);
-  const BoundaryFaces faces = mesh.boundary_faces();
   const LayerSurface surface =
-      context.phase("surface", [&] { return surface_of(mesh, faces, layered, is_inward); });
+      context.phase("surface", [&] { return surface_of(mesh, faces, choice, is_inward); });
   if (surface.triangles.empty())
     throw Error(ErrorKind::kBadInput, "no patch for layers has a triangle; name one with --patch");
   const std::vector<double> heights = height_schedule(options);
@@ -143,12 +125,11 @@ LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Contex
       context.phase("heights", [&] { return columns_on(mesh, faces, options, heights.back(), growth); });
   context.phase("shape", [&] { keep_cells_well_shaped(growth, columns); });
   context.phase("skin", [&] { keep_skin_simple(growth, is_inward ? nullptr : &mesh, columns); });
-  const Label label = label_of_layers(mesh, options.label);
   const auto layers_on = [&](const TetMesh& volume, const BoundaryFaces& of_volume,
                              const std::vector<std::uint32_t>& vertices) {
     LayerResult result;
     result.mesh = context.phase("cells", [&] {
-      return with_layers({volume, of_volume, layered, vertices}, growth, columns, options, label);
+      return with_layers({volume, of_volume, choice, vertices}, growth, columns, options, options.label);
     });
     result.report.layers = static_cast<int>(heights.size());
     result.report.heights = differences_of(heights);
@@ -159,6 +140,36 @@ LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Contex
   if (!is_inward) return layers_on(mesh, faces, surface.vertices);
   const Core core = context.phase("room", [&] { return give_way(mesh, faces, growth, columns, context); });
   return layers_on(core.mesh, core.mesh.boundary_faces(), core.vertices);
+}
+
+/// Layers within one label of several: that part alone gives way, and keeps its faces against the others.
+LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
+                         const LayerOptions& options, Context& context) {
+  const MixedMesh whole = copy_of(mesh.view(faces));
+  std::set<Label> others = labels_of(whole);
+  others.erase(choice.into);
+  const auto [part, rest] = context.phase("part", [&] {
+    return std::pair{part_of(whole, {choice.into}), part_of(whole, others)};
+  });
+  const TetMesh of_part = TetMesh::build(part.view());
+  LayerResult result = grow_on(of_part, of_part.boundary_faces(), choice.in_part(mesh.info(), of_part.info()),
+                               options, context);
+  const std::array<MergePart, 2> parts = {{{&result.mesh, "layers"}, {&rest, "rest"}}};
+  result.mesh = context.phase("merge", [&] { return merge_meshes(parts, {.tolerance = 0}).mesh; });
+  return result;
+}
+
+}  // namespace
+
+LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context) {
+  options.validate();
+  const BoundaryFaces faces = mesh.boundary_faces();
+  const Choice choice = choice_of(mesh, faces, options);
+  LayerOptions of_label = options;
+  of_label.label = label_of_layers(mesh, options.label);
+  if (options.side == LayerSide::kInward && choice.is_part)
+    return grow_in_part(mesh, faces, choice, of_label, context);
+  return grow_on(mesh, faces, choice, of_label, context);
 }
 
 }  // namespace lumesh

@@ -169,6 +169,27 @@ class PartBuilder {
 
 }  // namespace
 
+MixedMesh copy_of(const MeshView& view) {
+  const auto copy = [](const auto& from, auto& to) { to.assign(from.begin(), from.end()); };
+  MixedMesh mesh;
+  copy(view.points, mesh.points);
+  copy(view.tetrahedra, mesh.tetrahedra);
+  copy(view.tetrahedron_labels, mesh.tetrahedron_labels);
+  copy(view.pyramids, mesh.pyramids);
+  copy(view.pyramid_labels, mesh.pyramid_labels);
+  copy(view.prisms, mesh.prisms);
+  copy(view.prism_labels, mesh.prism_labels);
+  copy(view.hexahedra, mesh.hexahedra);
+  copy(view.hexahedron_labels, mesh.hexahedron_labels);
+  copy(view.triangles, mesh.triangles);
+  copy(view.triangle_patches, mesh.triangle_patches);
+  copy(view.quadrilaterals, mesh.quadrilaterals);
+  copy(view.quadrilateral_patches, mesh.quadrilateral_patches);
+  copy(view.metric, mesh.metric);
+  mesh.info = *view.info;
+  return mesh;
+}
+
 std::set<Label> labels_of(const MixedMesh& mesh) {
   std::set<Label> labels;
   for (const auto* list :

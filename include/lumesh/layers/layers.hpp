@@ -33,6 +33,8 @@ enum class HeightScale : std::uint8_t {
 struct LayerOptions {
   std::vector<std::string> patches = {};  ///< On which layers grow; empty: all walls.
   LayerSide side = LayerSide::kOutward;
+  Label into = kBackground;  ///< Inwards, where a mesh has several labels: the one that gives way; 0: the
+                             ///< only one at the patches.
   double first_height = 0;   ///< Of the layer next to the surface, > 0; in mm, or times the scale.
   double growth = 1.2;       ///< Height of each layer through that before, >= 1 where count is 0.
   double growth_rise = 1;    ///< Factor of the growth itself per layer, from the sixth layer on, >= 1.
@@ -100,14 +102,16 @@ struct LayerResult {
 /// meet, turn over or cut themselves: whole columns become shorter, to nothing where need be, and cells taper
 /// there. The mesh is valid whatever is asked for; the report says what was achieved.
 ///
+/// Inwards, layers grow on patches between labels, too: into one of them, all else stays as it is.
+///
 /// Patches of the result: those of the input, where a patch with layers becomes an interface (its part
 /// without layers, if any, is "NAME_bare"); the skin "layer_outer"; the rings around openings "NAME_layer";
 /// "layer_side" where the layers end at other patches.
 ///
-/// @param mesh  Compact. @throws Error{kBadInput} if a patch is not there, lies between labels, or none is
-/// named and there is no wall. Parallel inside, the same bits for every thread count. Source: algorithms as
-/// in Aubry and Löhner 2009 (most normal normals), Ma, Bae and Choi 2012 (shrinking balls), Marcum and
-/// Gaither (AFLR).
+/// @param mesh  Compact. @throws Error{kBadInput} if a patch is not there, has no free side, or none is named
+/// and there is no wall, or if layers would grow into several labels at a time. Parallel inside, the same
+/// bits for every thread count. Source: algorithms as in Aubry and Löhner 2009 (most normal normals), Ma, Bae
+/// and Choi 2012 (shrinking balls), Marcum and Gaither (AFLR).
 [[nodiscard]] LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context);
 
 }  // namespace lumesh

@@ -9,6 +9,9 @@
 
 namespace lumesh {
 
+/// A mesh of its own with all that a view shows.
+[[nodiscard]] MixedMesh copy_of(const MeshView& view);
+
 /// The labels that cells of a mesh have.
 [[nodiscard]] std::set<Label> labels_of(const MixedMesh& mesh);
 

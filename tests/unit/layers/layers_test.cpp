@@ -12,6 +12,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/lattice/lattice.hpp"
+#include "lumesh/mesh/parts.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -49,15 +50,7 @@ LayerResult grown(const TetMesh& mesh, const LayerOptions& options) {
 
 MixedMesh copy_of(const TetMesh& mesh) {
   const BoundaryFaces faces = mesh.boundary_faces();
-  const MeshView view = mesh.view(faces);
-  MixedMesh copy;
-  copy.points.assign(view.points.begin(), view.points.end());
-  copy.tetrahedra.assign(view.tetrahedra.begin(), view.tetrahedra.end());
-  copy.tetrahedron_labels.assign(view.tetrahedron_labels.begin(), view.tetrahedron_labels.end());
-  copy.triangles = faces.triangles;
-  copy.triangle_patches = faces.patches;
-  copy.info = mesh.info();
-  return copy;
+  return copy_of(mesh.view(faces));
 }
 
 double volume_of(const MixedMesh& mesh, Label label) {
@@ -294,6 +287,79 @@ TEST(Layers, EndAtOpeningsThatAreNearlyFlat) {
   ASSERT_TRUE(report.ok()) << report.text();
   EXPECT_GT(result.report.complete(), 0.98);
   EXPECT_NEAR((volume_of(result.mesh, 1) + volume_of(result.mesh, 2)) / volume_of(crooked, 1), 1, 1e-3);
+}
+
+/// A lumen of label 1 in a wall of label 2, along z, open at both ends.
+constexpr double kWallRadius = 15;
+TetMesh tube_in_tube() {
+  return meshed(fixtures::voxels_of(fixtures::frame_of({40, 40, 50}), {0, 1, 2}, [](const Vec3& p) {
+    const double r = std::hypot(p.x() - 19.5, p.y() - 19.5);
+    return r < kTubeRadius ? 1 : r < kWallRadius ? 2 : 0;
+  }));
+}
+
+/// Name of a patch between two labels, 0: nothing.
+std::string patch_between(const MeshInfo& info, Label a, Label b) {
+  for (const Patch& patch : info.patches)
+    if (patch.kind != PatchKind::kOpening &&
+        std::minmax(patch.labels[0], patch.labels[1]) == std::minmax(a, b))
+      return patch.name;
+  return "none";
+}
+
+TEST(Layers, OnPatchesBetweenLabelsGrowIntoEither) {
+  const TetMesh mesh = tube_in_tube();
+  const MixedMesh before = copy_of(mesh);
+  const std::string between = patch_between(mesh.info(), 1, 2), outside = patch_between(mesh.info(), 0, 2);
+  struct Case {
+    std::string patch;
+    Label into;
+  };
+  for (const Case& one : {Case{between, 1}, Case{between, 2}, Case{outside, 2}}) {
+    SCOPED_TRACE(one.patch + " into " + std::to_string(one.into));
+    const LayerResult result = grown(mesh, {.patches = {one.patch},
+                                            .side = LayerSide::kInward,
+                                            .into = one.into,
+                                            .first_height = 0.3,
+                                            .count = 3});
+    const ValidationReport report = validate(result.mesh.view());
+    ASSERT_TRUE(report.ok()) << report.text();
+    expect_conforming(result.mesh);
+    EXPECT_GT(result.report.complete(), 0.85);  // Between labels, the coarse lattice's surface has kinks.
+    const Label other = 3 - one.into;
+    EXPECT_NEAR(volume_of(result.mesh, other) / volume_of(before, other), 1, 1e-12);
+    EXPECT_NEAR((volume_of(result.mesh, one.into) + volume_of(result.mesh, 3)) / volume_of(before, one.into),
+                1, 1e-4);
+    const double thickness = 0.3 * (1 + 1.2 + 1.44), length = 50;
+    const double radius = one.patch == between ? kTubeRadius : kWallRadius;
+    const double middle =
+        one.patch == between && one.into == 2 ? radius + thickness / 2 : radius - thickness / 2;
+    EXPECT_NEAR(volume_of(result.mesh, 3) / (2 * kPi * middle * thickness * length), 1, 0.05);
+    const double area = area_of(before, one.patch), bare = area_of(result.mesh, one.patch + "_bare");
+    EXPECT_NEAR(area_of(result.mesh, one.patch) + bare, area, 1e-9 * area);
+    EXPECT_LT(bare, 0.06 * area);
+  }
+}
+
+TEST(Layers, BetweenLabelsAskInto) {
+  const TetMesh mesh = tube_in_tube();
+  const std::string between = patch_between(mesh.info(), 1, 2), outside = patch_between(mesh.info(), 0, 2);
+  const auto fault = [&](const LayerOptions& options) -> std::string {
+    try {
+      grown(mesh, options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  for (const LayerSide side : {LayerSide::kOutward, LayerSide::kInward})
+    EXPECT_NE(fault({.patches = {between}, .side = side, .first_height = 0.3, .count = 3})
+                  .find("between labels 1, 2 and has no free side"),
+              std::string::npos);
+  EXPECT_NE(
+      fault({.patches = {outside}, .side = LayerSide::kInward, .into = 1, .first_height = 0.3, .count = 3})
+          .find("is not at label 1; it is at 2"),
+      std::string::npos);
 }
 
 TEST(Layers, ThickerThanTheVesselLeaveRoomWithin) {

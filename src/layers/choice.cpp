@@ -1,0 +1,113 @@
+#include "choice.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+#include "lumesh/core/error.hpp"
+
+namespace lumesh::layers {
+namespace {
+
+/// The labels on both sides of each patch.
+std::vector<std::set<Label>> labels_at_patches(const TetMesh& mesh, const BoundaryFaces& faces) {
+  std::vector<std::set<Label>> labels(mesh.info().patches.size());
+  for (std::size_t f = 0; f < faces.triangles.size(); ++f)
+    for (const TetId t : faces.tets[f])
+      if (t.valid()) labels[static_cast<std::size_t>(faces.patches[f])].insert(mesh.label(t));
+  return labels;
+}
+
+/// "1 (lumen), 2".
+std::string list_of(const std::set<Label>& labels, const MeshInfo& info) {
+  std::vector<std::string> words;
+  for (const Label label : labels) {
+    const auto name = info.label_names.find(label);
+    words.push_back(name == info.label_names.end() ? fmt::format("{}", label)
+                                                   : fmt::format("{} ({})", label, name->second));
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorKind::kBadInput, message);
+}
+
+std::size_t patch_called(const std::string& name, const MeshInfo& info) {
+  const auto found = std::find_if(info.patches.begin(), info.patches.end(),
+                                  [&](const Patch& patch) { return patch.name == name; });
+  if (found != info.patches.end()) return static_cast<std::size_t>(found - info.patches.begin());
+  std::string known;
+  for (const Patch& patch : info.patches) known += " " + patch.name;
+  refuse(fmt::format("there is no patch {}; it has:{}", name, known));
+}
+
+/// Those named, or all walls there are on that side.
+std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector<std::set<Label>>& labels,
+                                         const LayerOptions& options) {
+  std::vector<std::uint8_t> chosen(info.patches.size(), 0);
+  const auto is_at_label = [&](std::size_t p) {
+    return options.into == 0 || labels[p].contains(options.into);
+  };
+  for (const std::string& name : options.patches) {
+    const std::size_t p = patch_called(name, info);
+    if (!is_at_label(p))
+      refuse(fmt::format("patch {} is not at label {}; it is at {}", name, list_of({options.into}, info),
+                         list_of(labels[p], info)));
+    chosen[p] = 1;
+  }
+  if (options.patches.empty())
+    for (std::size_t p = 0; p < chosen.size(); ++p)
+      chosen[p] = info.patches[p].kind == PatchKind::kWall && is_at_label(p) ? 1 : 0;
+  if (std::find(chosen.begin(), chosen.end(), 1) == chosen.end()) {
+    std::string known;
+    for (std::size_t p = 0; p < chosen.size(); ++p)
+      if (is_at_label(p)) known += " " + info.patches[p].name;
+    refuse(fmt::format("there is no wall for layers{}; name patches with --patch, of:{}",
+                       options.into == 0 ? "" : fmt::format(" at label {}", list_of({options.into}, info)),
+                       known));
+  }
+  return chosen;
+}
+
+}  // namespace
+
+Choice Choice::in_part(const MeshInfo& whole, const MeshInfo& part) const {
+  Choice choice{std::vector<std::uint8_t>(part.patches.size(), 0),
+                std::vector<std::uint8_t>(part.patches.size(), 0), into, false};
+  for (std::size_t p = 0; p < part.patches.size(); ++p) {
+    const std::size_t of_whole = patch_called(part.patches[p].name, whole);
+    choice.layered[p] = layered[of_whole];
+    choice.between[p] = whole.patches[of_whole].kind == PatchKind::kInterface ? 1 : 0;
+  }
+  return choice;
+}
+
+Choice choice_of(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options) {
+  const MeshInfo& info = mesh.info();
+  const std::vector<std::set<Label>> labels = labels_at_patches(mesh, faces);
+  Choice choice{chosen_patches(info, labels, options), std::vector<std::uint8_t>(info.patches.size(), 0)};
+  std::set<Label> at_chosen, all(mesh.labels().begin(), mesh.labels().end());
+  for (std::size_t p = 0; p < labels.size(); ++p) {
+    if (choice.layered[p] == 0) continue;
+    at_chosen.insert(labels[p].begin(), labels[p].end());
+    if (labels[p].size() < 2 || (options.side == LayerSide::kInward && options.into != 0)) continue;
+    refuse(
+        fmt::format("patch {} lies between labels {} and has no free side; say into which of them layers "
+                    "grow: --side inward --into LABEL",
+                    info.patches[p].name, list_of(labels[p], info)));
+  }
+  if (options.side == LayerSide::kOutward) return choice;
+  choice.is_part = all.size() > 1;
+  choice.into = options.into;
+  if (options.into == 0 && at_chosen.size() > 1)
+    refuse(fmt::format(
+        "layers grow into one label at a time, but the patches are at {}; say which: --into LABEL",
+        list_of(at_chosen, info)));
+  if (options.into == 0 && !at_chosen.empty()) choice.into = *at_chosen.begin();
+  return choice;
+}
+
+}  // namespace lumesh::layers
