@@ -10,6 +10,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "keep_option.hpp"
 #include "kernel_options.hpp"
 #include "long_run.hpp"
 #include "lumesh/adapt/boundary.hpp"
@@ -18,6 +19,7 @@
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
+#include "lumesh/metric/shaping.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
 #include "metric_input.hpp"
@@ -30,6 +32,7 @@ struct AdaptCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, metric_path, metric_output_path, analytic, image_path, json_path;
   ImageSelection selection;
+  std::vector<std::string> keep;
   std::string boundary = "adapt", reconnection = "optimised", placement = "edge";
   double complexity = 0, gradation = 0;
   double time_limit_s = std::numeric_limits<double>::infinity();
@@ -59,9 +62,11 @@ nlohmann::ordered_json report_json(const AdaptReport& report, const Context& con
   return json;
 }
 
-AdaptedBoundary boundary_of(const AdaptCommand& command, TetMesh& mesh, Context& context) {
+AdaptedBoundary boundary_of(const AdaptCommand& command, const std::optional<KeptCells>& kept, TetMesh& mesh,
+                            Context& context) {
   BoundaryOptions options{.is_frozen = command.boundary == "frozen",
                           .feature_angle_deg = command.feature_angle_deg};
+  if (kept) options.frozen_patches = kept->frozen_patches();
   if (command.image_path.empty()) return {mesh, options, context};
   const LabelImage image = context.phase(
       "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
@@ -104,6 +109,40 @@ void warn_of_many_vertices(const TetMesh& mesh, const AdaptReport& report, const
       mesh.vertex_count(), report.complexity));
 }
 
+/// The metric that the mesh is adapted to. Where it stands against kept cells, sizes go over to theirs, which
+/// the complexity has to allow for.
+metric::MetricField wanted_field(AdaptCommand& command, const MixedMesh& input,
+                                 const std::optional<KeptCells>& kept, TetMesh& mesh,
+                                 const Context& context) {
+  const MixedMesh& changing = changing_part(input, kept);
+  if (!kept || !command.analytic.empty())
+    return field_of({command.mesh_path, command.metric_path, command.analytic}, changing, mesh,
+                    command.gradation);
+  const metric::MetricLimits limits{
+      .growth = command.gradation, .kept_patches = kept->frozen_patches(), .complexity = command.complexity};
+  const double seen = metric::shape_metric(mesh, metric_of(changing, command.mesh_path, ""), limits);
+  if (const std::string unmet = metric::unmet_complexity(seen, limits); !unmet.empty()) {
+    context.warn(unmet);
+    command.complexity = 0;  // Scaling would change the sizes at the kept cells.
+  }
+  const MeshView view = mesh.view();
+  return background_field(mesh, {view.metric.begin(), view.metric.end()}, 0);
+}
+
+AdaptReport adapt_as_told(AdaptCommand& command, metric::MetricField& field, const AdaptedBoundary& boundary,
+                          TetMesh& mesh, Context& context) {
+  command.options.execution = command.kernel.execution_kind();
+  command.options.team = command.kernel.team(command.run.threads);
+  if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
+  if (command.placement == "centroid") command.options.placement = PointPlacement::kCentroid;
+  const AdaptReport report =
+      command.complexity > 0
+          ? adapt_to_complexity(mesh, field, boundary.shapes(), command.complexity, command.options, context)
+          : adapt(mesh, field, boundary.shapes(), command.options, context);
+  boundary.restore_patches(mesh);
+  return report;
+}
+
 void run(AdaptCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
@@ -113,31 +152,29 @@ void run(AdaptCommand command) {
   check_output_folders({command.output_path, command.metric_output_path, command.json_path});
   check_inputs_stay({command.metric_output_path, command.json_path},
                     {command.mesh_path, command.metric_path, command.image_path});
-  const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
-  TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
-  if (!command.allows_pieces)
+  MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
+  if (!command.analytic.empty()) input.metric.clear();
+  if (!command.keep.empty() && !command.metric_path.empty())
+    input.metric = metric_of(input, command.mesh_path, command.metric_path);
+  const std::optional<KeptCells> kept = kept_cells(command.keep, input, command.mesh_path);
+  TetMesh mesh =
+      context.phase("build", [&] { return tetrahedra_of(changing_part(input, kept), command.mesh_path); });
+  if (!command.allows_pieces && !kept)
     naming(command.mesh_path, [&] { refuse_pieces(mesh, "lattice --largest-component", "--allow-pieces"); });
-  metric::MetricField field =
-      field_of({command.mesh_path, command.metric_path, command.analytic}, input, mesh, command.gradation);
+  metric::MetricField field = wanted_field(command, input, kept, mesh, context);
   const double complexity =
       command.complexity > 0 ? command.complexity
                              : context.phase("complexity", [&] { return metric::complexity(field, mesh); });
   naming(command.mesh_path, [&] { check_fits_memory(complexity); });
 
-  command.options.execution = command.kernel.execution_kind();
-  command.options.team = command.kernel.team(command.run.threads);
-  if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
-  if (command.placement == "centroid") command.options.placement = PointPlacement::kCentroid;
-  const AdaptedBoundary boundary = boundary_of(command, mesh, context);
-  const AdaptReport report =
-      command.complexity > 0
-          ? adapt_to_complexity(mesh, field, boundary.shapes(), command.complexity, command.options, context)
-          : adapt(mesh, field, boundary.shapes(), command.options, context);
-  boundary.restore_patches(mesh);
+  const AdaptedBoundary boundary = boundary_of(command, kept, mesh, context);
+  const AdaptReport report = adapt_as_told(command, field, boundary, mesh, context);
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
+  const MixedMesh whole =
+      kept ? context.phase("put back", [&] { return kept->put_back(mesh); }) : MixedMesh();
   context.phase("write", [&] {
-    const MeshView view = mesh.view(faces);
+    const MeshView view = kept ? whole.view() : mesh.view(faces);
     write_mesh(command.output_path, view);
     if (!command.metric_output_path.empty()) write_metric(command.metric_output_path, view.metric);
   });
@@ -149,6 +186,7 @@ void run(AdaptCommand command) {
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",
       command.output_path, mesh.tet_count(), mesh.vertex_count(), faces.triangles.size(), report.complexity,
       elapsed.count());
+  if (kept) say(command.run, "with {} cells as they were\n", kept->kept_count());
   long_run.check_complete(report.complete, command.output_path + " holds the best mesh so far");
 }
 
@@ -203,6 +241,7 @@ void add_adapt_command(CLI::App& program) {
       ->check(CLI::IsMember({"adapt", "frozen"}))
       ->transform(CLI::Transformer(std::map<std::string, std::string>{{"0", "frozen"}, {"1", "adapt"}}))
       ->capture_default_str();
+  add_keep_option(*sub, command->keep);
   sub->add_flag("--allow-pieces", command->allows_pieces, "Take meshes of several pieces, too");
   sub->add_option("--image", command->image_path,
                   std::string("Image that the mesh was made of ") + kImageFormats +

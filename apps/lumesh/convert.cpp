@@ -39,7 +39,8 @@ void run(const ConvertCommand& command) {
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
   if (!command.only_labels.empty())
     mesh = context.phase("labels", [&] {
-      return naming(command.from, [&] { return part_of(mesh, labels_called(mesh, command.only_labels)); });
+      return naming(command.from,
+                    [&] { return part_of(mesh, labels_called(mesh, command.only_labels)).mesh; });
     });
   if (const std::size_t inverted = count_inverted_cells(mesh.view()); inverted > 0)
     print_warning(fmt::format("{}: {} cells have no positive volume; they are kept as they are", command.from,

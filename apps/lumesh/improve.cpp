@@ -9,6 +9,7 @@
 #include "angles_json.hpp"
 #include "commands.hpp"
 #include "common.hpp"
+#include "keep_option.hpp"
 #include "kernel_options.hpp"
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
@@ -25,6 +26,7 @@ struct ImproveCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, metric_path, json_path;
   std::string boundary = "slide";
+  std::vector<std::string> keep;
   bool ignores_sizes = false;
   double time_limit_s = std::numeric_limits<double>::infinity();
   ImproveOptions options;
@@ -75,9 +77,12 @@ void run(ImproveCommand command) {
   check_volume_output(command.output_path);
   check_output_folders({command.output_path, command.json_path});
   check_inputs_stay({command.json_path}, {command.mesh_path, command.metric_path});
-  const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
-  TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
-  command.options.sizes = sizes_of(command, input, mesh, context);
+  MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
+  const std::optional<KeptCells> kept = kept_cells(command.keep, input, command.mesh_path);
+  const MixedMesh& changing = changing_part(input, kept);
+  TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(changing, command.mesh_path); });
+  command.options.sizes = sizes_of(command, changing, mesh, context);
+  if (kept) command.options.frozen_patches = kept->frozen_patches();
   command.options.execution = command.kernel.execution_kind();
   command.options.team = command.kernel.team(command.run.threads);
   command.options.slide = command.boundary == "slide";
@@ -85,7 +90,9 @@ void run(ImproveCommand command) {
   const ImproveReport report = improve(mesh, command.options, context);
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
-  MeshView view = mesh.view(faces);
+  const MixedMesh whole =
+      kept ? context.phase("put back", [&] { return kept->put_back(mesh); }) : MixedMesh();
+  MeshView view = kept ? whole.view() : mesh.view(faces);
   if (!command.options.sizes) view.metric = {};  // What improvement works with says nothing.
   context.phase("write", [&] { write_mesh(command.output_path, view); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
@@ -126,6 +133,7 @@ void add_improve_command(CLI::App& program) {
                   "slide: vertices may move along their patch where nothing else helps; frozen: they stay")
       ->check(CLI::IsMember({"slide", "frozen"}))
       ->capture_default_str();
+  add_keep_option(*sub, command->keep)->excludes("--metric");
   sub->add_option("--json", command->json_path, "Write angles and counts of operators per pass as JSON");
   add_kernel_options(*sub, command->kernel);
   add_time_limit_option(*sub, command->time_limit_s);

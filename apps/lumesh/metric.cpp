@@ -4,6 +4,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "keep_option.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
@@ -21,10 +22,23 @@ struct MetricCommand {
   std::string output_path;
   MetricSources sources;
   metric::MetricLimits limits;
+  std::vector<std::string> keep;
   RunOptions run;
 };
 
-void run(const MetricCommand& command) {
+/// The mesh with the metric of its part that is free to change; kept cells have the one they carry, or that
+/// of their own edges.
+MixedMesh with_metric(const MixedMesh& whole, const KeptCells& kept, const TetMesh& changed) {
+  MixedMesh mesh = whole;
+  mesh.info.provenance = changed.info().provenance;
+  if (mesh.metric.empty()) mesh.metric = own_metric(mesh);
+  const MeshView view = changed.view();
+  for (std::size_t v = 0; v < kept.free_points().size(); ++v)
+    mesh.metric[kept.free_points()[v]] = view.metric[v];
+  return mesh;
+}
+
+void run(MetricCommand command) {
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
   check_output_folders({command.output_path});
@@ -34,18 +48,24 @@ void run(const MetricCommand& command) {
                 command.output_path + ": only .vtu, .vtk, .sol and .solb files carry a metric");
   command.limits.validate();
   const std::string& mesh_path = command.sources.mesh_path;
-  const MixedMesh input = context.phase("read", [&] { return read_mesh(mesh_path); });
-  TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, mesh_path); });
-  const std::vector<SymTensor> wanted = wanted_metric(command.sources, input, mesh, command.limits, context);
+  MixedMesh input = context.phase("read", [&] { return read_mesh(mesh_path); });
+  const std::optional<KeptCells> kept = kept_cells(command.keep, input, mesh_path);
+  const MixedMesh& changing = changing_part(input, kept);
+  if (kept) command.limits.kept_patches = kept->frozen_patches();
+  TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(changing, mesh_path); });
+  const std::vector<SymTensor> wanted =
+      wanted_metric(command.sources, changing, mesh, command.limits, context);
   const double complexity =
       context.phase("limits", [&] { return metric::shape_metric(mesh, wanted, command.limits); });
   mesh.info().provenance = provenance_of(*command.self, mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
+  const MixedMesh whole = kept ? with_metric(input, *kept, mesh) : MixedMesh();
   context.phase("write", [&] {
+    const MeshView view = kept ? whole.view() : mesh.view(faces);
     if (alone)
-      write_metric(command.output_path, mesh.view(faces).metric);
+      write_metric(command.output_path, view.metric);
     else
-      write_mesh(command.output_path, mesh.view(faces));
+      write_mesh(command.output_path, view);
   });
   if (const std::string unmet = metric::unmet_complexity(complexity, command.limits); !unmet.empty())
     context.warn(unmet);
@@ -81,6 +101,8 @@ void add_metric_command(CLI::App& program) {
       ->required();
   add_source_options(*sub, command->sources);
   add_limit_options(*sub, command->limits);
+  // Their rows are those of all points.
+  add_keep_option(*sub, command->keep)->excludes("--metric")->excludes("--hessian");
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer(

@@ -34,7 +34,9 @@ TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
     throw Error(ErrorKind::kBadInput, path + ": has no tetrahedra; give a mesh of the volume");
   if (!mesh.hexahedra.empty() || !mesh.pyramids.empty() || !mesh.prisms.empty())
     throw Error(ErrorKind::kBadInput,
-                path + ": has cells other than tetrahedra, which cannot be adapted; make it without --mixed");
+                path +
+                    ": has cells other than tetrahedra, which cannot be changed; make it without --mixed, "
+                    "or keep their labels, where the command has --keep");
   return naming(path, [&] {
     TetMesh built = TetMesh::build(mesh.view());
     for (std::uint32_t v = 0; v < built.vertex_count(); ++v)

@@ -1,5 +1,7 @@
 #include "lumesh/adapt/boundary.hpp"
 
+#include <algorithm>
+
 #include "lumesh/operators/creases.hpp"
 
 namespace lumesh {
@@ -13,6 +15,10 @@ AdaptedBoundary::AdaptedBoundary(TetMesh& mesh, const BoundaryOptions& options, 
   shapes_ = context.phase("surfaces", [&] {
     return options.is_frozen ? operators::all_frozen(mesh) : operators::shapes_of_patches(mesh);
   });
+  for (std::size_t part = 0; part < origins_.size(); ++part)
+    if (std::find(options.frozen_patches.begin(), options.frozen_patches.end(), origins_[part]) !=
+        options.frozen_patches.end())
+      shapes_[part] = {};
   if (options.is_frozen || !options.image) return;
   patches_on_image_ =
       context.phase("surfaces", [&] { return operators::follow_image(mesh, options.image, shapes_); });

@@ -187,16 +187,36 @@ void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, 
 
 }  // namespace
 
+namespace {
+
+/// Corners never slide.
+void make_corners(TetMesh& mesh, const std::vector<PatchId>& patches) {
+  const BoundaryFaces faces = mesh.boundary_faces();
+  for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
+    const PatchId patch(static_cast<std::uint32_t>(faces.patches[f]));
+    if (std::find(patches.begin(), patches.end(), patch) == patches.end()) continue;
+    for (const std::uint32_t v : faces.triangles[f])
+      mesh.set_dimension(VertexId(v), VertexDimension::kCorner);
+  }
+}
+
+}  // namespace
+
 ImproveReport improve(TetMesh& mesh, const ImproveOptions& options, Context& context) {
   options.validate();
   if (mesh.tet_count() == 0) throw Error(ErrorKind::kBadInput, "improve: the mesh has no tetrahedra");
   ImproveReport report;
   report.before = report.after = dihedral_range(mesh, options);
+  make_corners(mesh, options.frozen_patches);
   if (options.execution == ExecutionKind::kSpeculative)
     improve_by<operators::SpeculativeExecution>(mesh, options, context, report);
   else
     improve_by<operators::OrderedExecution>(mesh, options, context, report);
   mesh.reorder_along_curve();
+  if (!options.frozen_patches.empty()) {
+    const BoundaryFaces faces = mesh.boundary_faces();
+    mesh.classify_vertices({faces.triangles, faces.patches});
+  }
   return report;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "merged_names.hpp"
 #include "patch_list.hpp"
@@ -127,7 +128,14 @@ class FaceMerger {
     const auto found = labels_.numbers[part].find(label);
     return found == labels_.numbers[part].end() ? label : found->second;
   }
-  std::int32_t patch_for(const Patch& wanted) { return patch_number(mesh_.info.patches, wanted); }
+  /// Patches of one name and kind are one; those of another kind get a name of their own.
+  std::int32_t patch_for(const Patch& wanted) {
+    std::vector<Patch>& patches = mesh_.info.patches;
+    const auto [place, is_new] =
+        by_name_.try_emplace({wanted.name, wanted.kind}, static_cast<std::int32_t>(patches.size()));
+    if (is_new) patches.push_back({free_name(patches, wanted.name), wanted.kind, wanted.labels});
+    return place->second;
+  }
 
   void add_faces(std::size_t part) {
     const std::vector<std::int32_t>& numbers = numbers_[part];
@@ -162,7 +170,8 @@ class FaceMerger {
   std::vector<std::vector<PatchUse>> uses_;              // Of each part's patches.
   std::vector<std::vector<std::int32_t>> numbers_;       // Of each part's patches, in the merged mesh.
   std::vector<std::array<std::int32_t, 2>> patches_at_;  // Of each contact, by the parts' numbers; -1: none.
-  std::vector<std::uint8_t> is_placed_;                  // Of each contact.
+  std::map<std::pair<std::string, PatchKind>, std::int32_t> by_name_;  // Of patches, as they were wanted.
+  std::vector<std::uint8_t> is_placed_;                                // Of each contact.
 };
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include "lumesh/mesh/parts.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -33,7 +35,7 @@ class PartBuilder {
     sides_.check();
   }
 
-  MixedMesh build() {
+  LabelPart build() {
     part_.info = mesh_.info;
     part_.info.patches.clear();
     std::erase_if(part_.info.label_names, [&](const auto& entry) { return !labels_.contains(entry.first); });
@@ -45,7 +47,8 @@ class PartBuilder {
     number_patches();
     for_each_face([&](const FaceCorners& face, std::int32_t patch) { take_face(face, patch); });
     add_unlisted_faces();
-    return std::move(part_);
+    result_.mesh = std::move(part_);
+    return std::move(result_);
   }
 
  private:
@@ -73,6 +76,7 @@ class PartBuilder {
       if (used[v] == 0) continue;
       numbers_[v] = static_cast<std::uint32_t>(part_.points.size());
       part_.points.push_back(mesh_.points[v]);
+      result_.points.push_back(static_cast<std::uint32_t>(v));
       if (!mesh_.metric.empty()) part_.metric.push_back(mesh_.metric[v]);
       if (!mesh_.sizes_mm.empty()) part_.sizes_mm.push_back(mesh_.sizes_mm[v]);
     }
@@ -102,9 +106,12 @@ class PartBuilder {
         found.is_cut = true;
     return found;
   }
-  [[nodiscard]] Patch cut_patch(std::int32_t patch, Label inside) const {
-    return {
-        mesh_.info.patches[static_cast<std::size_t>(patch)].name, PatchKind::kWall, {inside, kBackground}};
+  /// A wall of its own where the rest was.
+  std::int32_t add_cut_patch(const std::string& name, Label inside) {
+    part_.info.patches.push_back(
+        {free_name(part_.info.patches, name), PatchKind::kWall, {inside, kBackground}});
+    result_.cut.emplace_back(static_cast<std::uint32_t>(part_.info.patches.size()) - 1);
+    return static_cast<std::int32_t>(result_.cut.back().value);
   }
   [[nodiscard]] bool is_listed(std::int32_t patch) const {
     return patch >= 0 && static_cast<std::size_t>(patch) < mesh_.info.patches.size();
@@ -119,10 +126,13 @@ class PartBuilder {
     });
     for (std::size_t p = 0; p < uses.size(); ++p) {
       const auto [whole, cut] = uses[p];
-      const std::int32_t as_it_was = whole < 0 ? -1 : patch_number(part_.info.patches, mesh_.info.patches[p]);
-      const std::int32_t as_cut =
-          cut < 0 ? -1 : patch_number(part_.info.patches, cut_patch(static_cast<std::int32_t>(p), cut));
-      patch_numbers_.push_back({as_it_was, as_cut});
+      const Patch& patch = mesh_.info.patches[p];
+      patch_numbers_.push_back({-1, -1});
+      if (whole >= 0) {
+        patch_numbers_.back()[0] = static_cast<std::int32_t>(part_.info.patches.size());
+        part_.info.patches.push_back(patch);
+      }
+      if (cut >= 0) patch_numbers_.back()[1] = add_cut_patch(patch.name, cut);
     }
   }
   void take_face(const FaceCorners& face, std::int32_t patch) {
@@ -147,15 +157,17 @@ class PartBuilder {
     std::vector<Cell<4>> listed;
     for_each_face([&](const FaceCorners& face, std::int32_t) { listed.push_back(key_of(face)); });
     parallel::sort(listed.begin(), listed.end());
-    for (const auto& [side, other] : sides_.pairs([&](const CellSide&one, const CellSide&two) {
-           return stays(sides_.label(one)) != stays(sides_.label(two)) &&
-                  !std::binary_search(listed.begin(), listed.end(), one.key);
-         })) {
-      const bool first = stays(sides_.label(side));
-      const Label inside = sides_.label(first ? side : other), outside = sides_.label(first ? other : side);
-      add_face(sides_.outward(first ? side : other),
-               patch_number(part_.info.patches,
-                            {name_between(inside, outside), PatchKind::kWall, {inside, kBackground}}));
+    const auto is_cut = [&](const CellSide& one, const CellSide& two) {
+      return stays(sides_.label(one)) != stays(sides_.label(two)) &&
+             !std::binary_search(listed.begin(), listed.end(), one.key);
+    };
+    std::map<std::array<Label, 2>, std::int32_t> patches;  // By the labels that stay and go.
+    for (const auto& [one, two] : sides_.pairs(is_cut)) {
+      const CellSide& side = stays(sides_.label(one)) ? one : two;
+      const Label inside = sides_.label(side), outside = sides_.label(&side == &one ? two : one);
+      const auto [place, is_new] = patches.try_emplace({inside, outside}, -1);
+      if (is_new) place->second = add_cut_patch(name_between(inside, outside), inside);
+      add_face(sides_.outward(side), place->second);
     }
   }
 
@@ -165,6 +177,7 @@ class PartBuilder {
   std::vector<std::uint32_t> numbers_;                      // Of the points; kNone for those that go.
   std::vector<std::array<std::int32_t, 2>> patch_numbers_;  // Of each patch as it was, and where it is cut.
   MixedMesh part_;
+  LabelPart result_;
 };
 
 }  // namespace
@@ -218,7 +231,7 @@ std::set<Label> labels_called(const MixedMesh& mesh, std::span<const std::string
   return found;
 }
 
-MixedMesh part_of(const MixedMesh& mesh, const std::set<Label>& labels) {
+LabelPart part_of(const MixedMesh& mesh, const std::set<Label>& labels) {
   return PartBuilder(mesh, labels).build();
 }
 

@@ -9,19 +9,16 @@
 
 namespace lumesh::detail {
 
-/// The number of a patch of this name and kind, added where there is none. Where one of another kind has the
-/// name, the wanted one gets a number behind it.
-inline std::int32_t patch_number(std::vector<Patch>& patches, const Patch& wanted) {
-  std::string name = wanted.name;
-  for (int next = 2;; ++next) {
-    const auto same =
-        std::find_if(patches.begin(), patches.end(), [&](const Patch& patch) { return patch.name == name; });
-    if (same == patches.end()) break;
-    if (same->kind == wanted.kind) return static_cast<std::int32_t>(same - patches.begin());
-    name = wanted.name + "_" + std::to_string(next);
-  }
-  patches.push_back({name, wanted.kind, wanted.labels});
-  return static_cast<std::int32_t>(patches.size()) - 1;
+/// A name that no patch has: the wanted one, or with a number behind it.
+[[nodiscard]] inline std::string free_name(const std::vector<Patch>& patches, const std::string& wanted) {
+  const auto is_taken = [&](const std::string& name) {
+    return std::any_of(patches.begin(), patches.end(),
+                       [&](const Patch& patch) { return patch.name == name; });
+  };
+  if (!is_taken(wanted)) return wanted;
+  int next = 2;
+  while (is_taken(wanted + "_" + std::to_string(next))) ++next;
+  return wanted + "_" + std::to_string(next);
 }
 
 /// Name of the patch between two labels, the lower one first.

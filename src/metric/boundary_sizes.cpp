@@ -73,9 +73,9 @@ void BoundarySizes::measure_places(const TetMesh& mesh, const BoundaryFaces& fac
   });
 }
 
-BoundarySizes::BoundarySizes(const TetMesh& mesh, double growth) : growth_(growth) {
+BoundarySizes::BoundarySizes(const TetMesh& mesh, const BoundaryFaces& faces, double growth)
+    : growth_(growth) {
   constexpr std::size_t kGrain = 64;
-  const BoundaryFaces faces = mesh.boundary_faces();
   measure_places(mesh, faces);
   const TriangleTree tree(mesh.points(), faces.triangles);
   feet_.resize(mesh.vertex_count());

@@ -14,7 +14,8 @@ namespace lumesh::metric {
 class BoundarySizes {
  public:
   /// @param mesh    Compact. @param growth  > 1, of sizes from one edge to the next.
-  BoundarySizes(const TetMesh& mesh, double growth);
+  /// @param faces   Those of the mesh that are frozen; at least one.
+  BoundarySizes(const TetMesh& mesh, const BoundaryFaces& faces, double growth);
 
   /// What takes the place of the wanted tensor at a vertex.
   [[nodiscard]] SymTensor met_at(VertexId v, const SymTensor& wanted) const;

@@ -87,11 +87,29 @@ class ScaleSearch {
   double guess_, last_guess_ = 0, last_miss_ = 0;
 };
 
+/// Faces of the boundary that stay as they are.
+BoundaryFaces kept_faces(const TetMesh& mesh, const MetricLimits& limits) {
+  if (!limits.keeps_boundary && limits.kept_patches.empty()) return {};
+  const BoundaryFaces all = mesh.boundary_faces();
+  if (limits.keeps_boundary) return all;
+  BoundaryFaces kept;
+  for (std::size_t f = 0; f < all.triangles.size(); ++f) {
+    const PatchId patch(static_cast<std::uint32_t>(all.patches[f]));
+    if (std::find(limits.kept_patches.begin(), limits.kept_patches.end(), patch) == limits.kept_patches.end())
+      continue;
+    kept.triangles.push_back(all.triangles[f]);
+    kept.patches.push_back(all.patches[f]);
+    kept.tets.push_back(all.tets[f]);
+  }
+  return kept;
+}
+
 /// The scale for the complexity is sought until it is met or does not change any more.
 double shape_to_limits(TetMesh& mesh, std::span<const SymTensor> wanted, const MetricLimits& limits) {
   constexpr double kUsualGrowth = 1.5;
   std::optional<BoundarySizes> sizes;
-  if (limits.keeps_boundary) sizes.emplace(mesh, limits.growth > 0 ? limits.growth : kUsualGrowth);
+  if (const BoundaryFaces faces = kept_faces(mesh, limits); !faces.triangles.empty())
+    sizes.emplace(mesh, faces, limits.growth > 0 ? limits.growth : kUsualGrowth);
   const BoundarySizes* const boundary = sizes ? &*sizes : nullptr;
   if (limits.complexity == 0) return assign_limited(mesh, wanted, 1, limits, boundary);
   // From the scale that would be right without limits, what they change can only be made up for in one
@@ -146,11 +164,12 @@ std::string unmet_complexity(double complexity, const MetricLimits& limits) {
   constexpr double kMet = 0.01;
   const double asked = limits.complexity;
   if (asked <= 0 || std::abs(complexity / asked - 1) <= kMet) return "";
-  const char* what = bounds_anything(limits) ? limits.keeps_boundary
-                                                   ? "the bounds on sizes and the boundary's own sizes leave"
-                                                   : "the bounds on sizes leave"
-                     : limits.keeps_boundary ? "the sizes of a boundary that stays as it is leave"
-                                             : "the growth of sizes leaves";
+  const bool keeps = limits.keeps_boundary || !limits.kept_patches.empty();
+  const char* what =
+      bounds_anything(limits)
+          ? keeps ? "the bounds on sizes and the boundary's own sizes leave" : "the bounds on sizes leave"
+      : keeps ? "the sizes of a boundary that stays as it is leave"
+              : "the growth of sizes leaves";
   return fmt::format("{} a complexity of {:.4g}, not {:.4g}", what, complexity, asked);
 }
 

@@ -13,7 +13,8 @@
 namespace lumesh {
 
 struct BoundaryOptions {
-  bool is_frozen = false;         ///< Keeps every vertex and triangle of the boundary.
+  bool is_frozen = false;                    ///< Keeps every vertex and triangle of the boundary.
+  std::vector<PatchId> frozen_patches = {};  ///< Keeps these alone, with the curves they end in.
   double feature_angle_deg = 40;  ///< Where patches bend by more they keep their creases, 1 to 180.
   /// What curved patches follow, where they lie near its boundary; null: the smooth surface of the mesh
   /// itself.

@@ -18,7 +18,8 @@ struct ImproveOptions {
   double min_dihedral_deg = 22;   ///< Tetrahedra with a smaller dihedral angle are worked on, 1 to 60.
   double max_dihedral_deg = 145;  ///< And those with a larger one, 90 to 179.
   int passes = 50;                ///< At most, >= 0.
-  bool slide = true;              ///< Vertices inside patches may move along them where nothing else helps.
+  std::vector<PatchId> frozen_patches = {};  ///< On these nothing slides.
+  bool slide = true;  ///< Vertices inside patches may move along them where nothing else helps.
   /// If given, edges keep to these sizes: no vertex is moved or put in so that one becomes shorter than 0.6
   /// or longer than 1 / 0.6 in this metric, unless one as short or long was there, and no swap or collapse
   /// makes a longer one. The metric of the result.

@@ -1,9 +1,11 @@
 #pragma once
 /// @file Parts of a mesh by their labels.
 
+#include <cstdint>
 #include <set>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "lumesh/mesh/mixed_mesh.hpp"
 
@@ -19,14 +21,20 @@ namespace lumesh {
 /// @throws Error{kBadInput} for one that no cell has; it lists those there are.
 [[nodiscard]] std::set<Label> labels_called(const MixedMesh& mesh, std::span<const std::string> wanted);
 
+struct LabelPart {
+  MixedMesh mesh;
+  std::vector<std::uint32_t> points;  ///< Of each of its points, the number in the whole mesh; ascending.
+  std::vector<PatchId> cut;           ///< Its patches that lie where the rest was cut away.
+};
+
 /// The cells of some labels as a mesh of their own, with the points they use and their faces that have a
 /// patch, all in the order of the mesh, the metric and wanted sizes.
 ///
-/// Faces against labels that are left out lie on the outside then: their patch keeps its name, is of kind
-/// kWall, and its faces look out of the cells that stay. Such faces without a patch get "interface_A_B".
-/// Patches and label names without use are left out. merge_meshes() undoes it.
+/// Faces against labels that are left out lie on the outside then: their patch keeps its name, unless another
+/// one has it, is of kind kWall, and its faces look out of the cells that stay. Such faces without a patch
+/// get "interface_A_B". Patches and label names without use are left out. merge_meshes() undoes it.
 /// @throws Error{kBadInput} if cells overlap. Parallel inside, the same bits for every thread count. Memory:
 /// about 100 bytes per tetrahedron besides the meshes.
-[[nodiscard]] MixedMesh part_of(const MixedMesh& mesh, const std::set<Label>& labels);
+[[nodiscard]] LabelPart part_of(const MixedMesh& mesh, const std::set<Label>& labels);
 
 }  // namespace lumesh

@@ -19,7 +19,8 @@ struct MetricLimits {
   double growth = 0;                            ///< GradationOptions::growth; 0: sizes grow as they do.
   bool keeps_boundary = false;  ///< Near the boundary, sizes along it go over to those of its own triangles,
                                 ///< as a boundary that is not adapted wants it; before all bounds.
-  double complexity = 0;        ///< Scale all sizes until the mesh sees it; 0: sizes stay as they are.
+  std::vector<PatchId> kept_patches = {};  ///< The same for these patches alone.
+  double complexity = 0;  ///< Scale all sizes until the mesh sees it; 0: sizes stay as they are.
 
   /// Throws Error{kUsage} that names a field out of its range, and Error{kBadInput} for bounds that
   /// contradict one another.

@@ -96,7 +96,7 @@ constexpr int kBlock = 4;  // Cells along the side of the block of two labels.
 
 TEST(Merge, HalvesOfABlockBecomeTheBlock) {
   const MixedMesh block = mixed_of(fixtures::two_label_block(kBlock).build());
-  const MixedMesh left = part_of(block, {1}), right = part_of(block, {2});
+  const MixedMesh left = part_of(block, {1}).mesh, right = part_of(block, {2}).mesh;
   EXPECT_EQ(left.tetrahedra.size(), block.tetrahedra.size() / 2);
   EXPECT_EQ(left.points.size(), 3U * 5 * 5);
   for (const auto& parts : {std::vector{&left, &right}, std::vector{&right, &left}}) {
@@ -120,11 +120,16 @@ TEST(Merge, HalvesOfABlockBecomeTheBlock) {
 
 TEST(Merge, PartsOfAMeshNameTheirCutFacesAsTheInterface) {
   const MixedMesh block = mixed_of(fixtures::two_label_block(kBlock).build());
-  const MixedMesh left = part_of(block, {1});
+  const LabelPart part = part_of(block, {1});
+  const MixedMesh& left = part.mesh;
   ASSERT_TRUE(validate(left.view()).ok());
   const auto cut = std::find_if(left.info.patches.begin(), left.info.patches.end(),
                                 [](const Patch& patch) { return patch.name == "interface_1_2"; });
   ASSERT_NE(cut, left.info.patches.end());
+  ASSERT_EQ(part.cut.size(), 1U);
+  EXPECT_EQ(part.cut[0].value, cut - left.info.patches.begin());
+  for (std::size_t v = 0; v < part.points.size(); ++v)
+    EXPECT_EQ(left.points[v], block.points[part.points[v]]);
   EXPECT_EQ(cut->kind, PatchKind::kWall);
   EXPECT_EQ(cut->labels, (std::array<Label, 2>{1, kBackground}));
 }
@@ -132,8 +137,8 @@ TEST(Merge, PartsOfAMeshNameTheirCutFacesAsTheInterface) {
 TEST(Merge, RoundedPointsTakeThePlaceOfTheFirst) {
   MixedMesh block = mixed_of(fixtures::two_label_block(kBlock).build());
   for (Vec3& p : block.points) p = p / 3 + Vec3(100.1, 50.2, 0.3);
-  const MixedMesh left = part_of(block, {1});
-  MixedMesh right = part_of(block, {2});
+  const MixedMesh left = part_of(block, {1}).mesh;
+  MixedMesh right = part_of(block, {2}).mesh;
   for (Vec3& p : right.points) p = p.cast<float>().cast<double>();
   const MergeResult result = merged({&left, &right});
   EXPECT_EQ(result.report.shared_points, 5U * 5);
@@ -228,7 +233,7 @@ TEST(Merge, WhatDoesNotFitIsRefused) {
 
 TEST(Merge, TheSameForEveryNumberOfThreads) {
   const MixedMesh block = mixed_of(fixtures::two_label_block(8).build());
-  const MixedMesh left = part_of(block, {1}), right = part_of(block, {2});
+  const MixedMesh left = part_of(block, {1}).mesh, right = part_of(block, {2}).mesh;
   const MixedMesh wanted = merged({&left, &right}).mesh;
   for (const int threads : {1, 3}) {
     const parallel::ThreadLimit limit(threads);

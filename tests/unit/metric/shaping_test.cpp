@@ -137,6 +137,29 @@ TEST(Shaping, NearAFrozenBoundarySizesGoOverToThoseOfItsTriangles) {
   }
 }
 
+TEST(Shaping, NearPatchesThatStayAloneSizesGoOverToThoseOfTheirTriangles) {
+  // The interface x = 4 between two labels, of triangles with edges of 1 and sqrt(2); a fifth is wanted.
+  TetMesh mesh = fixtures::two_label_block(8).build();
+  const auto& patches = mesh.info().patches;
+  const auto interface = std::find_if(patches.begin(), patches.end(),
+                                      [](const Patch& patch) { return patch.kind == PatchKind::kInterface; });
+  const PatchId kept(static_cast<std::uint32_t>(interface - patches.begin()));
+  const SymTensor wanted = SymTensor::diagonal(25, 25, 25);
+  shape_metric(mesh, std::vector<SymTensor>(mesh.vertex_count(), wanted),
+               {.growth = 2, .kept_patches = {kept}});
+  for (std::uint32_t i = 0; i < mesh.vertex_count(); ++i) {
+    const VertexId v(i);
+    const Vec3 x = mesh.point(v);
+    // The change of 0.8 to 1.3 is over within as much, at the growth of 2.
+    if (std::abs(x.x() - 4) > 1.5) {
+      EXPECT_EQ(mesh.metric(v), wanted);
+    }
+    if (x.x() != 4) continue;
+    EXPECT_LT(mesh.metric(v).yy, 2.5);
+    EXPECT_NEAR(mesh.metric(v).xx, 25, 1e-6);
+  }
+}
+
 TEST(WithinLimits, HoldsSizesAndThenTheStretch) {
   const auto with_sizes = [](double x, double y, double z) {
     return SymTensor::diagonal(1 / (x * x), 1 / (y * y), 1 / (z * z));
