@@ -72,6 +72,11 @@ void LayerOptions::validate() const {
                             first_height));
 }
 
+std::vector<double> layer_heights(const LayerOptions& options) {
+  options.validate();
+  return differences_of(height_schedule(options));
+}
+
 const char* name_of(LayerLimit limit) {
   constexpr std::array<const char*, kLayerLimits> kNames = {"none",
                                                             "near another part of the surface",
@@ -173,7 +178,8 @@ LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Contex
     });
     result.report.layers = static_cast<int>(heights.size());
     result.report.heights = differences_of(heights);
-    result.report.patches = coverage_of(mesh, surface, columns);
+    result.report.patches = coverage_of(mesh, surface, columns, result.report.layers);
+    result.report.surface = shares_on(surface, columns, is_inward);
     result.report.cells = result.mesh.view().cell_count() - volume.tet_count();
     return result;
   };
