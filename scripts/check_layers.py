@@ -29,7 +29,7 @@ delaunay: operators
 adapt: operators
 layers: adapt
 quality: mesh domain metric
-report: quality
+report: quality layers
 pipeline: lattice delaunay adapt layers centerline io quality report
 apps: pipeline
 """

@@ -37,9 +37,9 @@ std::string given_options(const CLI::App& command) {
   std::string all;
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
-    constexpr std::string_view kElsewhere[] = {"--threads",  "--verbose", "--quiet",         "--output",
-                                               "--surface",  "--json",    "--metric-output", "--balance",
-                                               "--topology", "--pin"};
+    constexpr std::string_view kElsewhere[] = {"--threads", "--verbose",  "--quiet",  "--output",
+                                               "--surface", "--json",     "--report", "--metric-output",
+                                               "--balance", "--topology", "--pin"};
     if (std::find(std::begin(kElsewhere), std::end(kElsewhere), name) != std::end(kElsewhere)) continue;
     if (option->count() == 0 || option->get_positional()) continue;
     all += (all.empty() ? "" : " ") + name;

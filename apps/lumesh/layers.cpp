@@ -2,10 +2,9 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
+#include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "commands.hpp"
@@ -14,7 +13,8 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/report/picture.hpp"
+#include "lumesh/pipeline/layer_label.hpp"
+#include "lumesh/report/layers_report.hpp"
 #include "metric_input.hpp"
 
 namespace lumesh::cli {
@@ -23,26 +23,11 @@ namespace {
 
 struct LayersCommand {
   const CLI::App* self = nullptr;
-  std::string mesh_path, output_path, json_path;
+  std::string mesh_path, output_path, json_path, report_path;
   std::string side = "outward", scale = "mm", cells = "tetrahedra", label, into;
   LayerOptions options;
   RunOptions run;
 };
-
-/// "wall=2", "wall" or "2".
-void take_label(const std::string& text, LayerOptions& options) {
-  if (text.empty()) return;
-  const std::size_t equals = text.find('=');
-  const std::string number = equals == std::string::npos ? text : text.substr(equals + 1);
-  const std::optional<int> label = integer_from(number);
-  if (label && *label <= 0)
-    throw Error(ErrorKind::kBadInput, fmt::format("--label {}: labels are above 0", text));
-  if (label) options.label = *label;
-  if (!label && equals != std::string::npos)
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("--label {}: {} is no whole number; write NAME=NUMBER", text, number));
-  if (!label || equals != std::string::npos) options.label_name = text.substr(0, equals);
-}
 
 LayerOptions options_of(const LayersCommand& command) {
   LayerOptions options = command.options;
@@ -51,7 +36,7 @@ LayerOptions options_of(const LayersCommand& command) {
                                             : HeightScale::kAbsolute;
   options.side = command.side == "inward" ? LayerSide::kInward : LayerSide::kOutward;
   options.cells = command.cells == "prisms" ? LayerCells::kPrisms : LayerCells::kTetrahedra;
-  take_label(command.label, options);
+  naming("--label " + command.label, [&] { take_layer_label(command.label, options); });
   options.validate();
   if (!command.into.empty() && options.side == LayerSide::kOutward)
     throw Error(ErrorKind::kUsage, "--into says which label gives way; it needs --side inward");
@@ -65,47 +50,25 @@ Label label_called(const MixedMesh& mesh, const std::string& name) {
   return *labels.begin();
 }
 
-nlohmann::ordered_json coverage_json(const LayerCoverage& c) {
-  nlohmann::ordered_json limited, worst = nlohmann::json::array();
-  for (std::size_t i = 1; i < kLayerLimits; ++i) limited[name_of(static_cast<LayerLimit>(i))] = c.limited[i];
-  for (const LayerCoverage::Place& place : c.worst)
-    worst.push_back({{"at_mm", {place.at.x(), place.at.y(), place.at.z()}},
-                     {"achieved", place.achieved},
-                     {"why", name_of(place.why)}});
-  return {{"patch", c.patch},
-          {"area_mm2", c.area_mm2},
-          {"wanted_mm", c.wanted_mm},
-          {"achieved_mm", c.achieved_mm},
-          {"least_mm", c.least_mm},
-          {"complete", c.complete},
-          {"bare", c.bare},
-          {"limited", limited},
-          {"worst", worst}};
+/// Before the time for layers is spent.
+void check_cells(const LayersCommand& command, const LayerOptions& options) {
+  if (options.cells == LayerCells::kPrisms && !is_mixed_volume_file(command.output_path))
+    throw Error(ErrorKind::kUsage, command.output_path +
+                                       ": holds tetrahedra only; choose .vtu, .vtk, .mesh, .meshb, .msh or "
+                                       ".foam, or --cells tetrahedra");
 }
 
-std::string report_json(const LayerReport& report) {
-  nlohmann::ordered_json json = {{"layers", report.layers},
-                                 {"heights", report.heights},
-                                 {"cells", report.cells},
-                                 {"complete", report.complete()},
-                                 {"patches", nlohmann::json::array()}};
-  for (const LayerCoverage& patch : report.patches) json["patches"].push_back(coverage_json(patch));
-  return json.dump(2) + "\n";
-}
-
-void print_coverage(const RunOptions& run, const LayerReport& report) {
-  say(run, "{:<20} {:>10} {:>10} {:>10} {:>10} {:>9} {:>7}\n", "patch", "area mm2", "wanted mm", "mean mm",
-      "least mm", "complete", "bare");
-  for (const LayerCoverage& c : report.patches) {
-    say(run, "{:<20} {:>10.5g} {:>10.4g} {:>10.4g} {:>10.4g} {:>7.1f} % {:>5.1f} %\n", c.patch, c.area_mm2,
-        c.wanted_mm, c.achieved_mm, c.least_mm, 100 * c.complete, 100 * c.bare);
-    for (std::size_t i = 1; i < kLayerLimits; ++i)
-      if (c.limited[i] >= 0.0005)
-        say(run, "  {:>5.1f} % {}\n", 100 * c.limited[i], name_of(static_cast<LayerLimit>(i)));
-    for (const LayerCoverage::Place& place : c.worst)
-      say(run, "  at {:.1f} {:.1f} {:.1f} mm: {:.0f} % of the height, {}\n", place.at.x(), place.at.y(),
-          place.at.z(), 100 * place.achieved, name_of(place.why));
-  }
+void write_reports(const LayersCommand& command, LayerResult result, Context& context) {
+  if (command.json_path.empty() && command.report_path.empty()) return;
+  const report::LayersOfMesh layers = context.phase(
+      "measures", [&] { return report::measure_layers(result.mesh.view(), std::move(result.report)); });
+  if (!command.json_path.empty()) report::write_file(command.json_path, report::layers_json(layers));
+  if (command.report_path.empty()) return;
+  const report::LayerPictures pictures =
+      context.phase("pictures", [&] { return report::draw_layer_shares(layers.report.surface); });
+  const std::string title = std::filesystem::path(command.output_path).filename().string();
+  report::write_file(command.report_path,
+                     report::layers_html(title, layers, pictures, result.mesh.info.provenance));
 }
 
 void run(const LayersCommand& command) {
@@ -113,8 +76,9 @@ void run(const LayersCommand& command) {
   Context context = make_context(command.run);
   LayerOptions options = options_of(command);
   check_volume_output(command.output_path);
-  check_output_folders({command.output_path, command.json_path});
-  check_inputs_stay({command.json_path}, {command.mesh_path});
+  check_cells(command, options);
+  check_output_folders({command.output_path, command.json_path, command.report_path});
+  check_inputs_stay({command.json_path, command.report_path}, {command.mesh_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   if (!command.into.empty())
     options.into = naming(command.mesh_path, [&] { return label_called(input, command.into); });
@@ -122,11 +86,11 @@ void run(const LayersCommand& command) {
   LayerResult result = naming(command.mesh_path, [&] { return grow_layers(mesh, options, context); });
   result.mesh.info.provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   context.phase("write", [&] { write_mesh(command.output_path, result.mesh.view()); });
-  if (!command.json_path.empty()) report::write_file(command.json_path, report_json(result.report));
-  print_coverage(command.run, result.report);
+  say(command.run, "{}", report::coverage_text(result.report));
   say(command.run, "{}: {} layers, {} cells on {} tetrahedra, {:.1f} % of the area complete\n",
       command.output_path, result.report.layers, result.report.cells, mesh.tet_count(),
       100 * result.report.complete());
+  write_reports(command, std::move(result), context);
 }
 
 void add_height_options(CLI::App& command, LayersCommand& target) {
@@ -181,6 +145,7 @@ void add_layers_command(CLI::App& program) {
                   "Label of the layers: NAME=NUMBER, NAME or NUMBER; default: wall, the next "
                   "free number");
   sub->add_option("--json", command->json_path, "Write what was achieved as JSON");
+  sub->add_option("--report", command->report_path, "Write it as a page with pictures (.html)");
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer(

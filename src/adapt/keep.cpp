@@ -29,20 +29,6 @@ Label label_of_other_cells(const MixedMesh& mesh) {
   return kBackground;
 }
 
-MixedMesh mixed_of(const TetMesh& mesh) {
-  const BoundaryFaces faces = mesh.boundary_faces();
-  const MeshView view = mesh.view(faces);
-  MixedMesh mixed;
-  mixed.points.assign(view.points.begin(), view.points.end());
-  mixed.tetrahedra.assign(view.tetrahedra.begin(), view.tetrahedra.end());
-  mixed.tetrahedron_labels.assign(view.tetrahedron_labels.begin(), view.tetrahedron_labels.end());
-  mixed.triangles = faces.triangles;
-  mixed.triangle_patches = faces.patches;
-  mixed.metric.assign(view.metric.begin(), view.metric.end());
-  mixed.info = mesh.info();
-  return mixed;
-}
-
 /// Gives patches the numbers they have in a list; those that are not in it stand behind it.
 void number_patches_as(const std::vector<Patch>& list, MixedMesh& mesh) {
   std::vector<Patch> patches = list;
@@ -88,7 +74,8 @@ KeptCells::KeptCells(const MixedMesh& mesh, const std::set<Label>& kept) : patch
 }
 
 MixedMesh KeptCells::put_back(const TetMesh& changed) const {
-  const MixedMesh free = mixed_of(changed);
+  const BoundaryFaces faces = changed.boundary_faces();
+  const MixedMesh free = copy_of(changed.view(faces));
   MixedMesh kept = kept_.mesh;
   if (free.metric.empty())
     kept.metric.clear();

@@ -77,6 +77,10 @@ bool is_volume_file(const std::filesystem::path& path) {
          std::find(kKnown.begin(), kKnown.end(), lower_extension(path)) != kKnown.end();
 }
 
+bool is_mixed_volume_file(const std::filesystem::path& path) {
+  return is_volume_file(path) && !is_mesh_folder(path) && lower_extension(path) != ".xdmf";
+}
+
 bool is_mesh_folder(const std::filesystem::path& path) {
   return io::is_simvascular_folder(path);
 }

@@ -74,14 +74,13 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
 
 }  // namespace
 
-Choice Choice::in_part(const MeshInfo& whole, const MeshInfo& part) const {
-  Choice choice{std::vector<std::uint8_t>(part.patches.size(), 0),
-                std::vector<std::uint8_t>(part.patches.size(), 0), into, false};
-  for (std::size_t p = 0; p < part.patches.size(); ++p) {
-    const std::size_t of_whole = patch_called(part.patches[p].name, whole);
-    choice.layered[p] = layered[of_whole];
-    choice.between[p] = whole.patches[of_whole].kind == PatchKind::kInterface ? 1 : 0;
-  }
+Choice Choice::in_part(const MeshInfo& whole, const LabelPart& part) const {
+  const std::vector<Patch>& patches = part.mesh.info.patches;
+  Choice choice{std::vector<std::uint8_t>(patches.size(), 0), std::vector<std::uint8_t>(patches.size(), 0),
+                into, false};
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    choice.layered[p] = layered[patch_called(patches[p].name, whole)];
+  for (const PatchId cut : part.cut) choice.between[cut.value] = 1;
   return choice;
 }
 

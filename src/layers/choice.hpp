@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lumesh/layers/layers.hpp"
+#include "lumesh/mesh/parts.hpp"
 
 namespace lumesh::layers {
 
@@ -15,7 +16,7 @@ struct Choice {
   bool is_part = false;               ///< The mesh has other labels besides.
 
   /// The same for a part of the mesh, whose patches keep their names.
-  [[nodiscard]] Choice in_part(const MeshInfo& whole, const MeshInfo& part) const;
+  [[nodiscard]] Choice in_part(const MeshInfo& whole, const LabelPart& part) const;
 };
 
 /// @throws Error{kBadInput} if a patch is not there, has no free side or is not at the label, or if more than

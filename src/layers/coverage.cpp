@@ -1,7 +1,7 @@
 #include "coverage.hpp"
 
 #include <algorithm>
-#include <map>
+#include <utility>
 
 #include "lumesh/geometry/triangle.hpp"
 
@@ -53,6 +53,7 @@ LayerCoverage coverage_of_patch(const LayerSurface& surface, const Columns& colu
   }
   for (double* share : {&c.wanted_mm, &c.achieved_mm, &c.complete, &c.bare}) *share /= c.area_mm2;
   for (double& share : c.limited) share /= c.area_mm2;
+  c.layered = 1 - c.bare;
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   c.worst = worst_places(surface, columns, std::move(vertices));
@@ -62,16 +63,24 @@ LayerCoverage coverage_of_patch(const LayerSurface& surface, const Columns& colu
 }  // namespace
 
 std::vector<LayerCoverage> coverage_of(const TetMesh& mesh, const LayerSurface& surface,
-                                       const Columns& columns) {
+                                       const Columns& columns, int layers) {
   std::vector<std::int32_t> patches = surface.patches;
   std::sort(patches.begin(), patches.end());
   patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
   std::vector<LayerCoverage> all;
   for (const std::int32_t patch : patches) {
     all.push_back(coverage_of_patch(surface, columns, patch));
+    all.back().layers = layers;
     all.back().patch = mesh.info().patches[static_cast<std::size_t>(patch)].name;
   }
   return all;
+}
+
+LayerShares shares_on(const LayerSurface& surface, const Columns& columns, bool is_inward) {
+  LayerShares shares{surface.points, surface.triangles, columns.fraction};
+  if (is_inward)
+    for (Cell<3>& c : shares.triangles) std::swap(c[1], c[2]);
+  return shares;
 }
 
 }  // namespace lumesh::layers

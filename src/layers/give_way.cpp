@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "lumesh/adapt/improve.hpp"
+#include "lumesh/adapt/keep.hpp"
 #include "lumesh/core/assert.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
@@ -40,18 +41,23 @@ Lists neighbours_of(const TetMesh& mesh) {
   return lists_of(pairs, mesh.vertex_slots());
 }
 
-/// Sizes as they are: the mean length of the edges around each vertex, in all directions.
-metric::MetricField sizes_of(TetMesh mesh) {
+/// Sizes as they are in all directions, averaged with those around.
+metric::MetricField sizes_of(TetMesh mesh, const BoundaryFaces& faces) {
+  constexpr int kSweeps = 2;
   const Lists neighbours = neighbours_of(mesh);
+  std::vector<SymTensor> logs = own_metric(copy_of(mesh.view(faces))), next(logs.size());
+  parallel::for_each_index(logs.size(), [&](std::size_t v) { logs[v] = metric::log(logs[v]); });
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    parallel::for_each_index(logs.size(), [&](std::size_t v) {
+      next[v] = logs[v];
+      for (const std::uint32_t w : neighbours.of(v)) next[v] = next[v] + logs[w];
+      next[v] = (1 / (1 + static_cast<double>(neighbours.of(v).size()))) * next[v];
+    });
+    logs.swap(next);
+  }
   mesh.enable_metric();
-  parallel::for_each_index(mesh.vertex_count(), [&](std::size_t v) {
-    const VertexId vertex(static_cast<std::uint32_t>(v));
-    double sum = 0;
-    for (const std::uint32_t w : neighbours.of(v))
-      sum += (mesh.point(VertexId(w)) - mesh.point(vertex)).norm();
-    const double size = sum / static_cast<double>(neighbours.of(v).size());
-    const SymTensor metric = (1 / (size * size)) * SymTensor::diagonal(1, 1, 1);
-    mesh.set_metric(vertex, metric, metric::log(metric));
+  parallel::for_each_index(logs.size(), [&](std::size_t v) {
+    mesh.set_metric(VertexId(static_cast<std::uint32_t>(v)), metric::exp(logs[v]), logs[v]);
   });
   return metric::MetricField::on_background(std::move(mesh));
 }
@@ -67,7 +73,7 @@ constexpr std::uint32_t kNoColumn = ~0u;
 }  // namespace
 
 Yielding::Yielding(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth)
-    : growth_(growth), field_(sizes_of(copy_of(mesh, faces))), mesh_(copy_of(mesh, faces)) {
+    : growth_(growth), field_(sizes_of(copy_of(mesh, faces), faces)), mesh_(copy_of(mesh, faces)) {
   vertices_ = growth.surface.vertices;
   reached_mm_.assign(vertices_.size(), 0);
   mesh_.enable_metric();

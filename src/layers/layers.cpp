@@ -54,6 +54,11 @@ void LayerOptions::validate() const {
                             first_height));
 }
 
+std::vector<double> layer_heights(const LayerOptions& options) {
+  options.validate();
+  return differences_of(height_schedule(options));
+}
+
 const char* name_of(LayerLimit limit) {
   constexpr std::array<const char*, kLayerLimits> kNames = {"none",
                                                             "near another part of the surface",
@@ -133,7 +138,8 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choic
     });
     result.report.layers = static_cast<int>(heights.size());
     result.report.heights = differences_of(heights);
-    result.report.patches = coverage_of(mesh, surface, columns);
+    result.report.patches = coverage_of(mesh, surface, columns, result.report.layers);
+    result.report.surface = shares_on(surface, columns, is_inward);
     result.report.cells = result.mesh.view().cell_count() - volume.tet_count();
     return result;
   };
@@ -151,10 +157,10 @@ LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const 
   const auto [part, rest] = context.phase("part", [&] {
     return std::pair{part_of(whole, {choice.into}), part_of(whole, others)};
   });
-  const TetMesh of_part = TetMesh::build(part.view());
-  LayerResult result = grow_on(of_part, of_part.boundary_faces(), choice.in_part(mesh.info(), of_part.info()),
-                               options, context);
-  const std::array<MergePart, 2> parts = {{{&result.mesh, "layers"}, {&rest, "rest"}}};
+  const TetMesh of_part = TetMesh::build(part.mesh.view());
+  LayerResult result =
+      grow_on(of_part, of_part.boundary_faces(), choice.in_part(mesh.info(), part), options, context);
+  const std::array<MergePart, 2> parts = {{{&result.mesh, "layers"}, {&rest.mesh, "rest"}}};
   result.mesh = context.phase("merge", [&] { return merge_meshes(parts, {.tolerance = 0}).mesh; });
   return result;
 }

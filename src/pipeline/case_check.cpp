@@ -4,6 +4,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "outputs.hpp"
+#include "stages.hpp"
 
 namespace lumesh::pipeline {
 namespace {
@@ -52,6 +53,30 @@ void check_metric(const Case& c) {
     refuse("[metric] complexity has nothing to scale; give points, velocity or curvature");
 }
 
+void check_layer_keys(const Case& c) {
+  const LayerOptions& o = c.layers.options;
+  if (!c.layers.is_wanted()) {
+    if (o.count > 0 || o.thickness > 0 || !o.patches.empty() || !c.layers.label.empty())
+      refuse(
+          "[layers] first_height is missing: the height of the layer next to the surface; without layers "
+          "leave out count, thickness, patches and label, too");
+    return;
+  }
+  try {
+    static_cast<void>(layer_heights(o));
+  } catch (const Error& contradiction) {
+    refuse(std::string("[layers] ") + contradiction.what());
+  }
+  static_cast<void>(layer_options_of(c));
+  if (o.cells == LayerCells::kTetrahedra) return;
+  for (const std::string& name : c.output.meshes)
+    if (!is_mixed_volume_file(name))
+      refuse(fmt::format(
+          "[output] meshes: {} holds tetrahedra only, not the prisms of [layers]; use .vtu, .vtk, "
+          ".mesh, .meshb, .msh or .foam, or set [layers] cells = \"tetrahedra\"",
+          name));
+}
+
 void check_output(const Case& c) {
   if (c.output.meshes.empty()) refuse("[output] meshes names no file; such as [\"mesh.vtu\"]");
   for (const std::string& name : c.output.meshes)
@@ -95,6 +120,7 @@ void check_case(const Case& c) {
     refuse(std::string("[adapt] ") + contradiction.what());
   }
   check_output(c);
+  check_layer_keys(c);
 }
 
 }  // namespace lumesh::pipeline

@@ -19,7 +19,7 @@ class KeyList {
   void number(std::string name, KeyTarget target, double least, double most, std::string meaning) {
     keys_.push_back({section_, std::move(name), "", std::move(target), least, most, std::move(meaning)});
   }
-  /// The paper's name for the key before.
+  /// Another name for the key before, mostly the paper's.
   void alias(std::string name) { keys_.back().alias = std::move(name); }
 
   template <class Enum>
@@ -144,6 +144,33 @@ void add_adapt_keys(KeyList& list, Case& c) {
   list.key("pin", &o.team.pin, "Keep every thread on its processor");
 }
 
+void add_layer_keys(KeyList& list, LayerKeys& layers) {
+  LayerOptions& o = layers.options;
+  list.section("layers");
+  list.number("first_height", &o.first_height, 0, kAny,
+              "Height of the layer next to the surface; 0: no layers");
+  list.alias("blds");
+  list.choice("relative_to", o.scale, {"mm", "radius", "edge"},
+              "What heights are in: mm, times the local radius, or times the edges around");
+  list.key("patches", &o.patches, "On which patches; empty: all walls");
+  list.alias("patch");
+  list.choice("side", o.side, {"outward", "inward"}, "Around the mesh, or within it, where it gives way");
+  list.number("growth", &o.growth, kTiny, kAny, "Height of each layer through that before");
+  list.alias("blr");
+  list.number("growth_rise", &o.growth_rise, 1, kAny,
+              "Factor of the growth itself per layer, from the sixth layer on");
+  list.alias("bldr");
+  list.number("most_growth", &o.most_growth, kTiny, kAny, "Bound of the growth that rises");
+  list.alias("blrm");
+  list.number("count", &o.count, 0, 200, "Number of layers; 0: what the thickness asks for");
+  list.alias("nbl");
+  list.number("thickness", &o.thickness, 0, kAny,
+              "Of all layers, met exactly by the growth; 0: what the count makes");
+  list.choice("cells", o.cells, {"prisms", "tetrahedra"}, "Prisms, or three tetrahedra for each");
+  list.key("label", &layers.label,
+           "Label of the layers: NAME=NUMBER, NAME or NUMBER; empty: the next free one");
+}
+
 void add_output_keys(KeyList& list, Case& c) {
   list.section("output");
   list.key("folder", FilePath{&c.output.folder, {}},
@@ -176,6 +203,7 @@ std::vector<Key> keys_of(Case& c) {
               "Distance of its points in mm; 0: follows the radius");
   add_metric_keys(list, c.metric);
   add_adapt_keys(list, c);
+  add_layer_keys(list, c.layers);
   add_output_keys(list, c);
   return list.take();
 }
@@ -188,6 +216,7 @@ std::string section_meaning(const std::string& section) {
       {"centerline", "Axes of the vessels with their radii"},
       {"metric", "Sizes and directions of the elements; without a source the first mesh is the last"},
       {"adapt", "Adaptation of the first mesh to the metric"},
+      {"layers", "Boundary layers of the last mesh; without first_height there are none"},
       {"output", "Files"},
       {"run", "How it runs"}};
   const auto found = kMeanings.find(section);

@@ -32,7 +32,7 @@ using KeyTarget =
 struct Key {
   std::string section;  ///< Empty: before the first one.
   std::string name;
-  std::string alias;  ///< The paper's name; may be empty.
+  std::string alias;  ///< Another name, mostly the paper's; may be empty.
   KeyTarget target;
   double least, most;  ///< Of numbers.
   std::string meaning;

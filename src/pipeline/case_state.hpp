@@ -31,9 +31,10 @@ struct CaseState {
   Polylines centerline;
   std::vector<Vec3> read_metric_points, read_size_points;  ///< Of files; empty where there is none.
   Flow flow;                                               ///< Where velocities are asked for.
-  TetMesh mesh;             ///< The first mesh, then the same with its metric, then the adapted one.
-  bool has_metric = false;  ///< Whether the metric of the mesh means anything.
-  bool is_complete = true;  ///< False once a stage ended early.
+  TetMesh mesh;                      ///< The first mesh, then the same with its metric, then the adapted one.
+  std::optional<MixedMesh> layered;  ///< The mesh with its boundary layers, once it has them.
+  bool has_metric = false;           ///< Whether the metric of the mesh means anything.
+  bool is_complete = true;           ///< False once a stage ended early.
 
   [[nodiscard]] int threads() const;
   /// What is meshed: the image's domain, or that of the surface; made when it is first asked for.

@@ -16,7 +16,8 @@ std::string key_of(std::string option, const std::vector<std::string>& sections)
   const auto rank = [&](const Key& key) { return std::find(sections.begin(), sections.end(), key.section); };
   const Key* best = nullptr;
   for (const Key& key : keys)
-    if (key.name == option && (best == nullptr || rank(key) < rank(*best))) best = &key;
+    if ((key.name == option || key.alias == option) && (best == nullptr || rank(key) < rank(*best)))
+      best = &key;
   return best == nullptr || best->section.empty() ? "" : "[" + best->section + "] " + best->name;
 }
 

@@ -20,6 +20,7 @@ namespace lumesh::pipeline {
 namespace {
 
 constexpr const char* kCenterline = "centerline";
+constexpr const char* kLayers = "layers";
 
 /// Hash of a file that a key of the case names; empty for words and for none.
 std::string hash_of(const std::string& path) {
@@ -83,6 +84,8 @@ void Checkpoints::keep(const std::string& stage, const CaseState& state, const r
   const std::filesystem::path file = file_of(stage);
   if (stage == kCenterline) {
     write_polylines(file, state.centerline, state.info());
+  } else if (stage == kLayers) {
+    write_mesh(file, state.layered->view());
   } else {
     const BoundaryFaces faces = state.mesh.boundary_faces();
     write_mesh(file, state.view(faces));
@@ -95,6 +98,8 @@ void Checkpoints::load(const std::string& stage, CaseState& state, report::Stage
   const std::filesystem::path file = file_of(stage), notes = notes_of(file);
   if (stage == kCenterline) {
     state.centerline = read_polylines(file);
+  } else if (stage == kLayers) {
+    state.layered = read_mesh(file);
   } else {
     const MixedMesh mesh = read_mesh(file);
     state.mesh = TetMesh::build(mesh.view());
@@ -127,6 +132,7 @@ std::map<std::string, std::string> stage_keys(const CaseState& state) {
                        (metric_by_line ? keys["centerline"] : hash_of(c.metric.points)) +
                        hash_of(c.metric.velocity) + (frozen ? "frozen" : ""));
   keys["adapted"] = key(keys["metric"] + section_text(c, "adapt"));
+  keys["layers"] = key(keys[c.metric.is_wanted() ? "adapted" : "mesh"] + section_text(c, "layers"));
   return keys;
 }
 

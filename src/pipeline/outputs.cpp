@@ -52,6 +52,21 @@ void describe_mesh(const CaseState& state, report::StageReport& stage) {
     stage.pictures = state.context.phase("pictures", [&] { return report::draw_stage_pictures(view); });
 }
 
+void describe_layers(const CaseState& state, report::StageReport& stage) {
+  const MeshView view = state.layered->view();
+  stage.evaluation =
+      state.context.phase("measures", [&] { return quality::evaluate(view, {}, state.context); });
+  stage.layers = report::measure_layers(view, std::move(stage.layers->report));
+  if (state.c.output.report.empty()) return;
+  state.context.phase("pictures", [&] {
+    stage.pictures = report::draw_stage_pictures(view);
+    report::LayerPictures drawn = report::draw_layer_shares(stage.layers->report.surface);
+    stage.pictures.push_back(report::captioned(
+        std::move(drawn.front), "The share of the thickness wanted that the layers have on the surface."));
+    stage.pictures.push_back(report::captioned(std::move(drawn.back), "The same from the opposite side."));
+  });
+}
+
 report::NamedPicture picture_of_centerline(const CaseState& state) {
   const BoundaryFaces faces = state.mesh.boundary_faces();
   const MeshView view = state.view(faces);
@@ -120,8 +135,8 @@ void prepare_folder(const Case& c) {
 std::vector<report::OutputFile> write_meshes(const CaseState& state) {
   const OutputKeys& output = state.c.output;
   const std::filesystem::path folder = folder_of(state.c);
-  const BoundaryFaces faces = state.mesh.boundary_faces();
-  const MeshView view = state.view(faces);
+  const BoundaryFaces faces = state.layered ? BoundaryFaces() : state.mesh.boundary_faces();
+  const MeshView view = state.layered ? state.layered->view() : state.view(faces);
   std::vector<report::OutputFile> files;
   for (const std::string& name : output.meshes) {
     state.context.phase("write", [&] { write_mesh(folder / name, view); });

@@ -9,6 +9,10 @@ namespace lumesh::pipeline {
 /// Puts measures of the mesh into the report of the stage that left it, and pictures if a page is wanted.
 void describe_mesh(const CaseState& state, report::StageReport& stage);
 
+/// The same of the mesh with its boundary layers, core and layers apart, and what they achieved. The image is
+/// not asked: the surface that was made of it is that of the mesh before.
+void describe_layers(const CaseState& state, report::StageReport& stage);
+
 /// The centerline in the surface of the mesh.
 [[nodiscard]] report::NamedPicture picture_of_centerline(const CaseState& state);
 

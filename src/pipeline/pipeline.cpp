@@ -64,9 +64,10 @@ class CaseRun {
     stage(name, title, [&](report::StageReport& report) {
       take_or_make(name, report, [&](CaseState& state, report::StageReport& of_stage) {
         make(state, of_stage);
-        if (name != "metric") add_counts(of_stage);
+        if (name == "mesh" || name == "adapted") add_counts(of_stage);
       });
       state_.mesh.info().provenance = state_.info().provenance;
+      if (state_.layered) state_.layered->info.provenance = state_.info().provenance;
     });
   }
 
@@ -76,7 +77,10 @@ class CaseRun {
     report::StageReport& last = result_.report.stages.back();
     last.mesh_name = mesh_name;
     if (last.evaluation) return;  // No stage has changed the mesh since.
-    describe_mesh(state_, last);
+    if (last.layers)
+      describe_layers(state_, last);
+    else
+      describe_mesh(state_, last);
     describing_s_ += seconds_since(start);
   }
   void draw_centerline() {
@@ -210,6 +214,10 @@ CaseResult run_case(const Case& c, bool resumes, Context& context) {
     run.keep_first_mesh();
     run.describe("first");
     run.change_mesh("adapted", "Adapted mesh", pipeline::adapt_mesh);
+  }
+  if (c.layers.is_wanted()) {
+    run.describe(c.metric.is_wanted() ? "adapted" : "first");
+    run.change_mesh("layers", "Boundary layers", pipeline::make_layers);
   }
   run.describe("last");
   return run.finish();

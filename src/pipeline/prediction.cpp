@@ -9,6 +9,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
+#include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/image/selection.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -16,6 +17,7 @@
 #include "lumesh/pipeline/pipeline.hpp"
 #include "outputs.hpp"
 #include "stages.hpp"
+#include "surface_estimate.hpp"
 
 namespace lumesh {
 namespace pipeline {
@@ -25,8 +27,11 @@ namespace {
 /// docs/stages/run.md.
 constexpr double kLatticePerTet = 4.4e-6, kDelaunayPerTet = 1.6e-6, kImprovementPerTet = 0.7e-6,
                  kAdaptPerTet = 10e-6, kMetricPerVertex = 40e-6, kMeasuresPerTet = 2e-6,
-                 kDomainPerVoxel = 10e-9, kPictures = 6;
+                 kDomainPerVoxel = 10e-9, kPictures = 6, kOutwardPerTriangle = 20e-6, kInwardPerTet = 35e-6;
 constexpr double kVerticesPerTet = 0.21;
+/// Triangles on an area of the surface, times (volume per tetrahedron)^(2/3), or delta^2 of the Delaunay
+/// mesher.
+constexpr double kLatticeTriangles = 0.72, kDelaunayTriangles = 1.8, kAdaptedTriangles = 0.6;
 constexpr std::size_t kPlaces = 10000;  // Where the metric is asked.
 
 /// Complexity of a metric within limits, from its tensors at some places.
@@ -108,13 +113,26 @@ class Prediction {
          last_tets_);
     check_fits_memory(complexity);
   }
+  void grow_layers() {
+    const LayerOptions options = layer_options_of(state_.c);
+    const std::size_t layers = layer_heights(options).size();
+    const bool are_prisms = options.cells == LayerCells::kPrisms,
+               is_inward = options.side == LayerSide::kInward;
+    const double triangles = surface_triangles();
+    layer_cells_ = triangles * static_cast<double>(layers) * (are_prisms ? 1 : 3);
+    const double seconds = kOutwardPerTriangle * triangles + (is_inward ? kInwardPerTet * last_tets_ : 0);
+    if (!are_prisms) last_tets_ += layer_cells_;
+    step(fmt::format("{} boundary {} {}, of about {:.3g} {}", layers, layers == 1 ? "layer" : "layers",
+                     is_inward ? "inward" : "outward", layer_cells_, are_prisms ? "prisms" : "tetrahedra"),
+         per_core(seconds), last_tets_);
+  }
   CasePrediction finish() {
     const OutputKeys& output = state_.c.output;
     std::string files;
     for (const std::string& name : names_of_files(state_.c)) files += name + " ";
     step("measures and files: " + files + "in " + folder_of(state_.c).string(),
          per_core(kMeasuresPerTet * (first_tets_ + last_tets_) + (output.report.empty() ? 0 : kPictures)), 0);
-    made_.peak_memory_bytes = base_bytes_ + kBytesPerAdaptedTet * (first_tets_ + last_tets_);
+    made_.peak_memory_bytes = base_bytes_ + kBytesPerAdaptedTet * (first_tets_ + last_tets_ + layer_cells_);
     return std::move(made_);
   }
 
@@ -123,6 +141,21 @@ class Prediction {
     made_.steps.push_back({std::move(what), seconds, tets});
   }
   [[nodiscard]] double per_core(double core_seconds) const { return core_seconds / state_.threads(); }
+  /// Of the mesh on which layers grow.
+  [[nodiscard]] double surface_triangles() {
+    const Case& c = state_.c;
+    if (state_.surface) static_cast<void>(state_.domain());  // Makes the domain of the surface.
+    const OutsideSize outside =
+        state_.image ? outside_of(*state_.image)
+                     : OutsideSize{state_.surface_domain->area_mm2(), state_.surface_domain->volume_mm3()};
+    const auto on_area = [&](double factor, double tets) {
+      return factor * outside.area_mm2 * std::pow(tets / outside.volume_mm3, 2.0 / 3);
+    };
+    if (c.metric.is_wanted() && c.boundary.boundary == BoundaryMode::kAdapt)
+      return on_area(kAdaptedTriangles, last_tets_);
+    if (c.mesher == Mesher::kLattice) return on_area(kLatticeTriangles, first_tets_);
+    return kDelaunayTriangles * outside.area_mm2 / (c.delaunay.delta_mm * c.delaunay.delta_mm);
+  }
   double tets_of_delaunay() {
     const Domain& domain = state_.domain();
     const std::unique_ptr<Sizing> sizing = sizing_of(state_, domain);
@@ -133,7 +166,7 @@ class Prediction {
 
   CaseState state_;
   ObjectSample object_;
-  double first_tets_ = 0, last_tets_ = 0, base_bytes_ = 0;
+  double first_tets_ = 0, last_tets_ = 0, base_bytes_ = 0, layer_cells_ = 0;
   CasePrediction made_;
 };
 
@@ -154,6 +187,7 @@ CasePrediction predict_case(const Case& c, Context& context) {
     if (c.needs_centerline()) prediction.make_centerline();
     prediction.make_mesh();
     if (c.metric.is_wanted()) prediction.adapt();
+    if (c.layers.is_wanted()) prediction.grow_layers();
     return prediction.finish();
   } catch (const Error& error) {
     const std::string mesher = c.mesher == Mesher::kLattice ? "lattice" : "delaunay";

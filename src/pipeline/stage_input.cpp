@@ -65,6 +65,7 @@ void read_input(CaseState& state, report::StageReport& stage) {
     if (state.image) describe_image(*state.image, stage);
   });
   read_sources(state);
+  check_layers(state);
   if (state.surface) stage.figures.push_back({"Triangles", std::uint64_t{state.surface->triangles.size()}});
 }
 

@@ -20,6 +20,13 @@ void make_metric(CaseState& state, report::StageReport& stage);
 /// Adapts the mesh to the metric that it carries.
 void adapt_mesh(CaseState& state, report::StageReport& stage);
 
+/// Grows boundary layers on the mesh, or within it.
+void make_layers(CaseState& state, report::StageReport& stage);
+/// What the case says of layers. @throws Error{kBadInput} for a label that is none.
+[[nodiscard]] LayerOptions layer_options_of(const Case& c);
+/// Refuses layers that cannot be, so far as the input tells. @throws Error{kBadInput}.
+void check_layers(CaseState& state);
+
 /// Reads the points and velocities that the case names, and sees whether they will do, so far as can be said
 /// before the centerline is there.
 void read_sources(CaseState& state);

@@ -1,10 +1,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 
 #include "evaluation_plots.hpp"
 #include "evaluation_tables.hpp"
 #include "html_parts.hpp"
+#include "layers_html.hpp"
 #include "lumesh/report/case_report.hpp"
 #include "numbers.hpp"
 
@@ -19,6 +21,22 @@ const StageReport* last_evaluated(const CaseReport& report) {
   const auto found = std::find_if(report.stages.rbegin(), report.stages.rend(),
                                   [](const StageReport& stage) { return stage.evaluation.has_value(); });
   return found == report.stages.rend() ? nullptr : &*found;
+}
+
+/// The last one without boundary layers: what the metric asked for, and the image, can be compared with it.
+const StageReport* last_without_layers(const CaseReport& report) {
+  const auto found = std::find_if(report.stages.rbegin(), report.stages.rend(), [](const StageReport& stage) {
+    return stage.evaluation.has_value() && !stage.layers;
+  });
+  return found == report.stages.rend() ? nullptr : &*found;
+}
+
+/// The core of a mesh with layers as a mesh among others.
+Evaluation evaluation_of_core(const StageReport& stage) {
+  Evaluation core;
+  core.statistics = stage.layers->core;
+  core.problem_count = stage.evaluation->problem_count;
+  return core;
 }
 
 std::string duration(double seconds) {
@@ -68,31 +86,50 @@ std::string case_header(const CaseReport& report) {
   return html + ".</p></header>\n";
 }
 
+/// How good a mesh is. @param aside  Which one, where it is not the last.
+std::string quality_tiles(const Evaluation& e, const std::string& aside) {
+  const TetrahedronStatistics& t = e.statistics.tetrahedra;
+  std::string html;
+  if (e.metric) {
+    html += tile(fmt::format("{:.1f} %", 100 * e.metric->fraction_in_band()),
+                 "edges of the length asked for" + aside + "; good from 90 %");
+    html += tile(fmt::format("{:.2f}", e.metric->mean_mean_ratio),
+                 fmt::format("quality on average{}, 1 is best (worst {:.2f}; good from 0.1)", aside,
+                             e.metric->smallest_mean_ratio.value));
+  } else {
+    html += tile(fmt::format("{:.2f}", t.mean_mean_ratio),
+                 fmt::format("quality on average{}, 1 is best (worst {:.2f}; good from 0.1)", aside,
+                             t.smallest_mean_ratio.value));
+    html +=
+        tile(fmt::format("{:.1f}° – {:.1f}°", t.smallest_dihedral_deg.value, t.largest_dihedral_deg.value),
+             "dihedral angles" + aside + "; good between 10° and 165°");
+  }
+  if (e.image && e.image->distances)
+    html += tile(fmt::format("{:.2f}", e.image->distances->mesh_to_image_mm.mean / e.image->voxel_size_mm),
+                 fmt::format("voxels ({:.2g} mm) from the image on average{}; good below 0.5",
+                             e.image->distances->mesh_to_image_mm.mean, aside));
+  return html;
+}
+
+std::string size_tiles(const StageReport& last) {
+  const MeshStatistics& m = last.evaluation->statistics;
+  if (!last.layers)
+    return tile(grouped(m.tetrahedra.count), "tetrahedra") + tile(grouped(m.vertices), "vertices");
+  const LayerReport& layers = last.layers->report;
+  return tile(grouped(last.layers->core.tetrahedra.count), "tetrahedra besides the layers") +
+         tile(grouped(layers.cells), fmt::format("cells of {} boundary {}", layers.layers,
+                                                 layers.layers == 1 ? "layer" : "layers")) +
+         tile(fmt::format("{:.1f} %", 100 * layers.complete()), "of the area with all of their thickness") +
+         tile(grouped(m.vertices), "vertices");
+}
+
 /// Of the last mesh, and of the run.
 std::string case_tiles(const CaseReport& report) {
   std::string html = "<div class=\"tiles\">";
   if (const StageReport* last = last_evaluated(report)) {
-    const Evaluation& e = *last->evaluation;
-    const TetrahedronStatistics& t = e.statistics.tetrahedra;
-    html += tile(grouped(t.count), "tetrahedra") + tile(grouped(e.statistics.vertices), "vertices");
-    if (e.metric) {
-      html += tile(fmt::format("{:.1f} %", 100 * e.metric->fraction_in_band()),
-                   "edges of the length asked for; good from 90 %");
-      html += tile(fmt::format("{:.2f}", e.metric->mean_mean_ratio),
-                   fmt::format("quality on average, 1 is best (worst {:.2f}; good from 0.1)",
-                               e.metric->smallest_mean_ratio.value));
-    } else {
-      html += tile(fmt::format("{:.2f}", t.mean_mean_ratio),
-                   fmt::format("quality on average, 1 is best (worst {:.2f}; good from 0.1)",
-                               t.smallest_mean_ratio.value));
-      html +=
-          tile(fmt::format("{:.1f}° – {:.1f}°", t.smallest_dihedral_deg.value, t.largest_dihedral_deg.value),
-               "dihedral angles; good between 10° and 165°");
-    }
-    if (e.image && e.image->distances)
-      html += tile(fmt::format("{:.2f}", e.image->distances->mesh_to_image_mm.mean / e.image->voxel_size_mm),
-                   fmt::format("voxels ({:.2g} mm) from the image on average; good below 0.5",
-                               e.image->distances->mesh_to_image_mm.mean));
+    html += size_tiles(*last);
+    if (const StageReport* plain = last_without_layers(report))
+      html += quality_tiles(*plain->evaluation, last->layers ? ", before the layers" : "");
   }
   html += tile(duration(report.seconds), "in all");
   if (report.peak_memory_bytes > 0) html += tile(memory(report.peak_memory_bytes), "memory at most");
@@ -210,9 +247,16 @@ std::string comparison_table(std::span<const NamedEvaluation> meshes) {
 
 std::string comparison_html(const CaseReport& report) {
   std::vector<NamedEvaluation> meshes;
-  for (const StageReport& stage : report.stages)
-    if (stage.evaluation)
-      meshes.push_back({stage.mesh_name.empty() ? stage.name : stage.mesh_name, &*stage.evaluation});
+  std::vector<Evaluation> cores;
+  cores.reserve(report.stages.size());  // The list of meshes points into it.
+  for (const StageReport& stage : report.stages) {
+    if (!stage.evaluation) continue;
+    const std::string name = stage.mesh_name.empty() ? stage.name : stage.mesh_name;
+    if (stage.layers)
+      meshes.push_back({name + " without layers", &cores.emplace_back(evaluation_of_core(stage))});
+    else
+      meshes.push_back({name, &*stage.evaluation});
+  }
   if (meshes.size() < 2) return "";
   return comparison_table(meshes) + comparison_plots_html(meshes);
 }
@@ -242,6 +286,21 @@ std::string figures_html(const StageReport& stage) {
   return left.empty() || right.empty() ? left + right : pair(left, right);
 }
 
+/// Plots of a mesh with layers: cells that are flat by design apart from the others.
+std::string plots_of_parts(const StageReport& stage) {
+  const Evaluation core = evaluation_of_core(stage);
+  Evaluation layers;
+  layers.statistics = stage.layers->layers;
+  if (layers.statistics.prisms + layers.statistics.pyramids > 0) return plots_html(core);
+  const std::array<NamedEvaluation, 2> parts = {{{"core", &core}, {"layers", &layers}}};
+  return comparison_plots_html(parts);
+}
+
+std::string layers_of_stage(const StageReport& stage) {
+  return coverage_section(stage.layers->report) + shares_section(stage.layers->report.surface) +
+         parts_section(*stage.layers);
+}
+
 std::string stage_html(const StageReport& stage, std::size_t index, const StageReport* last) {
   std::string html = fmt::format(
       "<h2 class=\"stage\" id=\"{}\"><b>{}</b> {} <span>{}</span></h2>\n<p class=\"lead\">{}</p>\n",
@@ -249,9 +308,11 @@ std::string stage_html(const StageReport& stage, std::size_t index, const StageR
   html += warnings_html(stage.warnings);
   if (stage.evaluation) html += problems_section(*stage.evaluation);
   html += pictures_html(stage.pictures) + figures_html(stage);
+  if (stage.layers) html += layers_of_stage(stage);
   if (!stage.evaluation) return html;
   const Evaluation& e = *stage.evaluation;
-  html += warnings_html(e.warnings) + plots_html(e) + distances_section(e) + reference_section(e);
+  html += warnings_html(e.warnings) + (stage.layers ? plots_of_parts(stage) : plots_html(e));
+  html += distances_section(e) + reference_section(e);
   if (&stage == last) html += labels_section(e) + boundary_section(e);
   return html;
 }
@@ -293,6 +354,10 @@ std::string words_html(const CaseReport& report) {
         "Edges with a length from 0.71 to 1.41 in the metric. Splitting a longer "
         "or joining a shorter one would not bring it closer to 1.");
   }
+  if (std::any_of(report.stages.begin(), report.stages.end(), [](const StageReport& s) { return s.layers; }))
+    add("Boundary layers",
+        "Layers of thin cells along the wall, for the wall itself or for the flow next to it, which changes "
+        "fastest across. The core is the rest of the mesh.");
   add("Voxel",
       "The smallest box of the image. Distances in voxels tell how far the mesh is from what the image "
       "can resolve.");

@@ -1,6 +1,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "layers_json.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/report/case_report.hpp"
 #include "lumesh/report/summary.hpp"
@@ -27,16 +28,18 @@ CaseJson stage_json(const StageReport& stage) {
   CaseJson steps = CaseJson::array(), captions = CaseJson::array();
   for (const PhaseTime& step : stage.steps) steps.push_back({{"name", step.name}, {"seconds", step.seconds}});
   for (const NamedPicture& picture : stage.pictures) captions.push_back(picture.caption);
-  return {{"name", stage.name},
-          {"what", stage.what},
-          {"mesh_name", stage.mesh_name},
-          {"seconds", stage.seconds},
-          {"figures", figures_json(stage.figures)},
-          {"warnings", stage.warnings},
-          {"steps", steps},
-          {"pictures", captions},
-          {"evaluation",
-           stage.evaluation ? CaseJson::parse(evaluation_json(*stage.evaluation)) : CaseJson(nullptr)}};
+  CaseJson json = {{"name", stage.name},
+                   {"what", stage.what},
+                   {"mesh_name", stage.mesh_name},
+                   {"seconds", stage.seconds},
+                   {"figures", figures_json(stage.figures)},
+                   {"warnings", stage.warnings},
+                   {"steps", steps},
+                   {"pictures", captions},
+                   {"evaluation", stage.evaluation ? CaseJson::parse(evaluation_json(*stage.evaluation))
+                                                   : CaseJson(nullptr)}};
+  if (stage.layers) json["layers"] = layers_of_mesh_json(*stage.layers);
+  return json;
 }
 
 Figure figure_of(const CaseJson& json) {
@@ -54,8 +57,9 @@ Figure figure_of(const CaseJson& json) {
 }  // namespace
 
 std::string stage_notes_json(const StageReport& stage) {
-  const CaseJson json = {
+  CaseJson json = {
       {"what", stage.what}, {"figures", figures_json(stage.figures)}, {"warnings", stage.warnings}};
+  if (stage.layers) json["layers"] = whole_report_json(stage.layers->report);
   return json.dump(1, ' ', false, CaseJson::error_handler_t::replace) + "\n";
 }
 
@@ -66,9 +70,11 @@ void take_stage_notes(const std::string& json, StageReport& stage) {
     read.what = notes.at("what");
     read.warnings = notes.at("warnings").get<std::vector<std::string>>();
     for (const CaseJson& figure : notes.at("figures")) read.figures.push_back(figure_of(figure));
+    if (notes.contains("layers")) read.layers = {.report = layer_report_of(notes.at("layers"))};
     stage.what = std::move(read.what);
     stage.warnings = std::move(read.warnings);
     stage.figures = std::move(read.figures);
+    stage.layers = std::move(read.layers);
   } catch (const CaseJson::exception& error) {
     throw Error(ErrorKind::kBadInput, std::string("is no note on a stage: ") + error.what());
   }

@@ -27,9 +27,9 @@ class LayersTest(MeshTest):
         return mesh
 
     def test_grows_named_layers_and_says_what_it_achieved(self):
-        numbers = self.folder / "layers.json"
+        numbers, page = self.folder / "layers.json", self.folder / "layers.html"
         result = self.run_well("layers", self.vessel(), "--patch", "wall", "--first-height", 0.1, "--growth", 1.2, "--count", 4,
-                               "--label", "vessel=7", "-o", self.out, "--json", numbers)
+                               "--label", "vessel=7", "-o", self.out, "--json", numbers, "--report", page)
         report = json.loads(numbers.read_text())
         self.assertEqual(report["layers"], 4)
         self.assertAlmostEqual(report["heights"][3], 0.1 * 1.2 ** 3)
@@ -37,7 +37,11 @@ class LayersTest(MeshTest):
         self.assertEqual(wall["patch"], "wall")
         self.assertGreater(wall["complete"], 0.85)
         self.assertAlmostEqual(sum(wall["limited"].values()), 1 - wall["complete"], places=6)
+        self.assertEqual(wall["layers"], 4)
+        self.assertAlmostEqual(wall["layered"] + wall["bare"], 1)
         self.assertIn("complete", result.stdout)
+        for words in ("Layers, patch by patch", "wall", "Thickness reached", "data:image/png;base64,"):
+            self.assertIn(words, page.read_text(encoding="utf-8"))
         found = self.evaluate(self.out)
         self.assertTrue(found["valid"])
         names = {patch["name"] for patch in found["boundary"]["patches"]}
@@ -86,6 +90,8 @@ class LayersTest(MeshTest):
             with self.subTest(arguments):
                 self.assert_refused(self.run_lumesh("layers", self.mesh, "-o", self.out, *arguments), BAD_INPUT, words)
         self.assert_refused(self.run_lumesh("layers", self.mesh, "-o", self.out, "--count", 2), USAGE, "--first-height")
+        self.assert_refused(self.run_lumesh("layers", self.mesh, "-o", self.folder / "a.xdmf", "--first-height", 0.1, "--count", 2,
+                                            "--cells", "prisms"), USAGE, "holds tetrahedra only")
 
 
 if __name__ == "__main__":

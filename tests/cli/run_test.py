@@ -34,6 +34,22 @@ surface = "a.stl"
 """
 
 
+LAYERS = """
+[input]
+phantom = "bifurcation"
+phantom_size = [88, 64, 80]
+phantom_spacing = 0.3
+
+[layers]
+first_height = 0.06
+count = 3
+label = "thin=7"
+
+[output]
+meshes = ["a.vtu"]
+"""
+
+
 class Links(HTMLParser):
     """What a page would fetch."""
 
@@ -47,11 +63,13 @@ class Links(HTMLParser):
                 self.fetched.append((tag, value))
 
 
-class RunTest(ProgramTest):
+class CaseTest(ProgramTest):
+    text = CASE
+
     def setUp(self):
         super().setUp()
         self.case = self.folder / "case.toml"
-        self.case.write_text(CASE)
+        self.case.write_text(self.text)
         self.out = self.folder / "out"
 
     def run_case(self, *more):
@@ -67,6 +85,8 @@ class RunTest(ProgramTest):
         lines = [line for line in text.read_text().splitlines() if not line.startswith("#")]
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
+
+class RunTest(CaseTest):
     def test_writes_what_it_says_and_nothing_between_the_stages(self):
         result = self.run_case()
         names = {path.name for path in self.out.iterdir()}
@@ -225,6 +245,118 @@ class RunTest(ProgramTest):
         for was, now in zip(stages, self.numbers()["stages"], strict=True):
             self.assertEqual(now["figures"], was["figures"])
             self.assertEqual(now["warnings"], was["warnings"])
+
+
+class LayersTest(CaseTest):
+    """Boundary layers as the last stage."""
+
+    text = LAYERS
+
+    def evaluate(self, mesh):
+        evaluated = self.folder / "evaluated.json"
+        self.run_well("evaluate", mesh, "--json", evaluated)
+        return json.loads(evaluated.read_text())
+
+    def volume_without_layers(self):
+        self.case.write_text(LAYERS.split("[layers]")[0] + '[output]\nmeshes = ["bare.vtu"]\nreport = ""\n')
+        self.run_case()
+        self.case.write_text(LAYERS)
+        return self.evaluate(self.out / "bare.vtu")["labels"][0]["volume_mm3"]
+
+    def test_tetrahedra_around_the_lumen_with_coverage_in_page_and_numbers(self):
+        volume = self.volume_without_layers()
+        result = self.run_case()
+        self.assertEqual([line.split()[0] for line in result.stdout.splitlines()][:5],
+                         ["input", "mesh", "layers", "write", "report"])
+        found = self.evaluate(self.out / "a.vtu")
+        self.assertTrue(found["valid"])
+        labels = {label["label"]: label for label in found["labels"]}
+        self.assertEqual((set(labels), labels[7]["name"]), ({1, 7}, "thin"))
+        self.assertAlmostEqual(labels[1]["volume_mm3"] / volume, 1, places=9)
+        stage = self.numbers()["stages"][-1]
+        layers = stage["layers"]
+        self.assertEqual((stage["name"], layers["layers"]), ("Boundary layers", 3))
+        self.assertEqual(layers["core"]["tetrahedra"] + layers["shapes"]["tetrahedra"], found["tetrahedra"])
+        self.assertEqual(stage["evaluation"]["tetrahedra"], found["tetrahedra"])
+        wall = layers["patches"][0]
+        self.assertEqual((wall["patch"], wall["layers"]), ("wall", 3))
+        self.assertGreater(wall["layered"], 0.95)
+        page = (self.out / "report.html").read_text(encoding="utf-8")
+        for words in ("Layers, patch by patch", "Core and layers apart", "100 % of the thickness", "from the opposite side"):
+            self.assertIn(words, page)
+        self.assertEqual(len(stage["pictures"]), 5)
+
+    def test_prisms_within_the_lumen_leave_its_volume(self):
+        volume = self.volume_without_layers()
+        inward = ("--set", "layers.side=inward", "--set", "layers.cells=prisms", "--set", "output.meshes=['a.vtu', 'a.foam']")
+        self.run_case(*inward, "--set", "layers.count=2")
+        found = self.evaluate(self.out / "a.vtu")
+        self.assertTrue(found["valid"])
+        self.assertGreater(found["prisms"], 1000)
+        self.assertEqual({label["name"] for label in found["labels"]}, {"", "thin"})
+        self.assertAlmostEqual(sum(label["volume_mm3"] for label in found["labels"]) / volume, 1, places=9)
+        layers = self.numbers()["stages"][-1]["layers"]
+        self.assertEqual(layers["layers"], 2)
+        self.assertEqual(layers["shapes"]["prisms"], found["prisms"])
+        self.assertIn("count = 2", (self.out / "effective.toml").read_text())
+        self.assertTrue((self.out / "constant" / "polyMesh").is_dir())
+
+    def test_resumed_layers_have_the_same_bits_and_the_same_report(self):
+        self.run_case("--checkpoints", "--threads", "1")
+        first, stage = self.hash_of_mesh(), self.numbers()["stages"][-1]
+        page = (self.out / "report.html").read_text(encoding="utf-8")
+        self.run_case("--resume", "--threads", "3")
+        again = self.numbers()["stages"][-1]
+        self.assertIn("checkpoint", again["what"])
+        self.assertEqual(self.hash_of_mesh(), first)
+        self.assertEqual((again["layers"], again["figures"]), (stage["layers"], stage["figures"]))
+        pictures = [of.split('"')[0] for of in page.split("base64,")[1:]]
+        self.assertGreater(len(pictures), 5)
+        for picture in pictures:
+            self.assertIn(picture, (self.out / "report.html").read_text(encoding="utf-8"))
+        # Other layers: on the same mesh, which is taken.
+        self.run_case("--resume", "--set", "layers.count=4")
+        taken = [stage["name"] for stage in self.numbers()["stages"] if "checkpoint" in stage["what"]]
+        self.assertEqual(taken, ["First mesh"])
+        self.assertNotEqual(self.hash_of_mesh(), first)
+
+    def test_layers_stand_on_the_adapted_mesh(self):
+        result = self.run_case("--set", "metric.points=centerline", "--set", "metric.complexity=1500")
+        self.assertEqual([line.split()[0] for line in result.stdout.splitlines()][3:6], ["metric", "adapted", "layers"])
+        stages = self.numbers()["stages"]
+        adapted, layered = stages[-2], stages[-1]
+        self.assertEqual(adapted["evaluation"]["tetrahedra"], layered["layers"]["core"]["tetrahedra"])
+        self.assertGreater(adapted["evaluation"]["metric_edge_length"]["fraction_in_band"], 0.85)
+
+    def test_a_dry_run_foresees_the_cells_of_layers(self):
+        line = next(line for line in self.run_case("--dry-run").stdout.splitlines() if "boundary layers" in line)
+        self.run_case()
+        foreseen = float(line.split("of about ")[1].split()[0])
+        self.assertAlmostEqual(foreseen / self.numbers()["stages"][-1]["layers"]["cells"], 1, delta=0.4)
+
+    def test_refuses_bad_layers_before_any_mesh(self):
+        refused = [
+            (["layers.first_height=-1"], "[layers] first_height must be at least 0"),
+            (["layers.first_height=0"], "[layers] first_height is missing"),
+            (["layers.count=0"], "[layers] give the number of layers or their thickness"),
+            (["layers.count=999"], "[layers] count must lie between 0 and 200"),
+            (["layers.first_hight=1"], "did you mean \"first_height\"?"),
+            (["layers.label=a=b"], "write NAME=NUMBER"),
+            (["layers.side=up"], "must be one of \"outward\", \"inward\""),
+            (["layers.first_height=1e6"], "more than the input is wide"),
+            (["layers.patches=door"], "there will be no patch door"),
+            (["layers.cells=prisms", "output.meshes=a.xdmf"], "a.xdmf holds tetrahedra only"),
+        ]
+        for settings, words in refused:
+            with self.subTest(settings):
+                arguments = [argument for setting in settings for argument in ("--set", setting)]
+                result = self.run_lumesh("run", self.case, "-o", self.out, *arguments)
+                self.assert_refused(result, BAD_INPUT, words)
+                self.assertNotIn("mesh ", result.stdout)
+
+    def test_the_example_can_be_run(self):
+        example = pathlib.Path(__file__).parents[2] / "examples" / "case3_flow_layers.toml"
+        self.assertIn("5 boundary layers inward", self.run_well("run", example, "--dry-run").stdout)
 
 
 if __name__ == "__main__":

@@ -59,6 +59,8 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 [[nodiscard]] bool is_mesh_file(const std::filesystem::path& path);
 /// True for a file name under which write_mesh() writes the volume, not the boundary alone.
 [[nodiscard]] bool is_volume_file(const std::filesystem::path& path);
+/// True for the name of such a file that can hold prisms and pyramids, too, not tetrahedra alone.
+[[nodiscard]] bool is_mixed_volume_file(const std::filesystem::path& path);
 /// True for a file name under which write_mesh() makes a folder, and replaces one that holds a mesh.
 [[nodiscard]] bool is_mesh_folder(const std::filesystem::path& path);
 /// @throws Error{kBadInput} if write_mesh() would refuse to replace what stands under the name of a folder: a

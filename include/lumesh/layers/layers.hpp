@@ -63,10 +63,13 @@ enum class LayerLimit : std::uint8_t {
 inline constexpr std::size_t kLayerLimits = 8;
 [[nodiscard]] const char* name_of(LayerLimit limit);
 
-/// What was achieved on one patch.
+/// What was achieved on one patch. A column has all its layers or none: where it is shorter, all of them are
+/// thinner alike.
 struct LayerCoverage {
   std::string patch;
   double area_mm2 = 0;
+  int layers = 0;                         ///< As wanted, and of every column that is there.
+  double layered = 0;                     ///< Share of the area with layers, however thin.
   double wanted_mm = 0, achieved_mm = 0;  ///< Thickness, the mean over the area.
   double least_mm = 0;                    ///< Of all its columns.
   double complete = 0;                    ///< Share of the area whose columns have 98 % of the height wanted.
@@ -80,16 +83,28 @@ struct LayerCoverage {
   std::vector<Place> worst;  ///< A few, apart from each other.
 };
 
+/// How far the layers came, place by place on the surface that they grew on.
+struct LayerShares {
+  std::vector<Vec3> points;        ///< In mm.
+  std::vector<Cell<3>> triangles;  ///< By their points, anticlockwise seen from outside the mesh.
+  std::vector<double> of_points;   ///< One per point: share of the thickness wanted, 0 to 1; 0: no layers.
+};
+
 struct LayerReport {
   int layers = 0;
   std::vector<double> heights;  ///< Of each layer of a complete column, in mm or times the scale.
   std::vector<LayerCoverage> patches;
-  std::uint64_t cells = 0;
+  std::uint64_t cells = 0;                ///< Of the layers.
+  LayerShares surface;                    ///< Of all patches together.
   [[nodiscard]] double complete() const;  ///< Share of the area of all patches.
 };
 
+/// Height of each layer of a complete column, from the surface on, in mm or times the scale.
+/// @throws Error{kBadInput} as LayerOptions::validate() does, and if no growth makes the thickness of them.
+[[nodiscard]] std::vector<double> layer_heights(const LayerOptions& options);
+
 struct LayerResult {
-  MixedMesh mesh;  ///< The input's points, cells and faces first, then those of the layers.
+  MixedMesh mesh;  ///< The core's points, cells and faces first, then those of the layers.
   LayerReport report;
 };
 

@@ -12,6 +12,7 @@
 #include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/image/phantom.hpp"
 #include "lumesh/lattice/lattice.hpp"
+#include "lumesh/layers/layers.hpp"
 #include "lumesh/pipeline/input.hpp"
 
 namespace lumesh {
@@ -69,6 +70,14 @@ struct AdaptKeys {
   bool allows_pieces = false;
 };
 
+/// Boundary layers of the last mesh.
+struct LayerKeys {
+  LayerOptions options;  ///< Without the label.
+  std::string label;     ///< "NAME=NUMBER", "NAME" or "NUMBER"; empty: LayerOptions' own.
+
+  [[nodiscard]] bool is_wanted() const { return options.first_height > 0; }
+};
+
 struct OutputKeys {
   std::string folder;  ///< Empty: the case's name, in the working directory.
   std::vector<std::string> meshes = {
@@ -99,6 +108,7 @@ struct Case {
   MetricKeys metric;
   AdaptKeys boundary;
   AdaptOptions adapt;
+  LayerKeys layers;
   OutputKeys output;
   RunKeys run;
 

@@ -11,6 +11,7 @@
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/quality/evaluation.hpp"
+#include "lumesh/report/layers_report.hpp"
 #include "lumesh/report/picture.hpp"
 
 namespace lumesh::report {
@@ -48,6 +49,8 @@ struct StageReport {
   std::vector<NamedPicture> pictures;
   /// Of the mesh that the stage left: gives the plots of its elements, and of its metric where it has one.
   std::optional<quality::Evaluation> evaluation;
+  /// Of a mesh with boundary layers; its evaluation is then one of the whole mesh, and plots are of the core.
+  std::optional<LayersOfMesh> layers;
   std::vector<PhaseTime> steps;  ///< Within the stage.
 };
 
@@ -78,7 +81,8 @@ struct CaseReport {
 /// become null.
 [[nodiscard]] std::string case_report_json(const CaseReport& report);
 
-/// What a stage says of itself in words and numbers (what, figures, warnings), to be kept beside its mesh.
+/// What a stage says of itself in words and numbers (what, figures, warnings, what layers achieved), to be
+/// kept beside its mesh.
 [[nodiscard]] std::string stage_notes_json(const StageReport& stage);
 /// Puts such notes into a report. @throws Error{kBadInput} if the text is none of these.
 void take_stage_notes(const std::string& json, StageReport& stage);

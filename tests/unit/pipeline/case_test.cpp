@@ -133,6 +133,51 @@ TEST_F(CaseFile, RefusesWhatContradictsItself) {
             "a.toml: [delaunay] delta is missing: the spacing of points on surfaces in mm");
 }
 
+TEST_F(CaseFile, ReadsLayersWithTheNamesOfTheOptions) {
+  const std::string head = "[input]\nphantom = \"torus\"\n[layers]\n";
+  const Case c = read(head +
+                          "blds = 0.1\nnbl = 3\nblr = 1.3\npatch = [\"wall\"]\nside = \"inward\"\ncells = "
+                          "\"prisms\"\nrelative_to = \"radius\"\nlabel = \"blood=4\"\n",
+                      {"layers.count=5"});
+  const LayerOptions& o = c.layers.options;
+  EXPECT_TRUE(c.layers.is_wanted());
+  EXPECT_EQ(o.first_height, 0.1);
+  EXPECT_EQ(o.count, 5) << "of the command line";
+  EXPECT_EQ(o.growth, 1.3);
+  EXPECT_EQ(o.patches, std::vector<std::string>{"wall"});
+  EXPECT_EQ(o.side, LayerSide::kInward);
+  EXPECT_EQ(o.cells, LayerCells::kPrisms);
+  EXPECT_EQ(o.scale, HeightScale::kRadius);
+  EXPECT_EQ(c.layers.label, "blood=4");
+  EXPECT_EQ(case_text(read(case_text(c))), case_text(c));
+  EXPECT_FALSE(read("[input]\nphantom = \"torus\"\n").layers.is_wanted());
+}
+
+TEST_F(CaseFile, RefusesLayersThatCannotBe) {
+  const std::string head = "[input]\nphantom = \"torus\"\n[layers]\n";
+  const auto begins = [&](const std::string& keys, const std::string& words) {
+    const std::string message = refusal(head + keys);
+    EXPECT_EQ(message.substr(0, words.size()), words);
+  };
+  begins("count = 3\n", "a.toml: [layers] first_height is missing");
+  begins("first_height = 0.1\n", "a.toml: [layers] give the number of layers or their thickness");
+  begins("first_height = 0.1\ngrowth = 0.9\nthickness = 1\n",
+         "a.toml: [layers] a growth below 1 needs the number of layers");
+  begins("first_height = 0.1\ncount = 2\nlabel = \"wall=x\"\n",
+         "a.toml: [layers] label \"wall=x\": \"x\" is no whole number");
+  begins("first_height = 0.1\ncount = 2\nlabel = \"-1\"\n",
+         "a.toml: [layers] label \"-1\": labels are above 0");
+  begins("first_height = 0.1\ncount = 201\n", "a.toml:5: [layers] count must lie between 0 and 200");
+  begins("first_height = 0.1\ncount = 2\ncells = \"hexes\"\n",
+         "a.toml:6: [layers] cells must be one of \"prisms\", \"tetrahedra\"");
+  begins("first_heigth = 0.1\n", "a.toml:4: unknown key \"first_heigth\" in [layers]; did you mean");
+  const std::string prisms = "first_height = 0.1\ncount = 2\ncells = \"prisms\"\n[output]\nmeshes = ";
+  begins(prisms + "[\"a.vtu\", \"a.xdmf\"]\n", "a.toml: [output] meshes: a.xdmf holds tetrahedra only");
+  begins(prisms + "[\"b-mesh-complete\"]\n",
+         "a.toml: [output] meshes: b-mesh-complete holds tetrahedra only");
+  EXPECT_EQ(refusal(head + prisms + "[\"a.foam\", \"a.msh\", \"a.meshb\"]\n"), "accepted");
+}
+
 TEST_F(CaseFile, ASettingThatIsNoneSaysHowToWriteIt) {
   const std::filesystem::path path = write("[input]\nphantom = \"torus\"\n");
   const std::vector<std::string> settings = {"k"};

@@ -127,6 +127,63 @@ TEST_F(WholeCase, PredictsTheNumberOfTetrahedra) {
   EXPECT_GT(prediction.peak_memory_bytes, 0);
 }
 
+TEST_F(WholeCase, LayersWithinTheMeshLeaveItsVolumeAndHaveALabelOfTheirOwn) {
+  run();
+  const quality::MeshStatistics before = quality::measure(read_mesh(folder_ / "mesh.vtu").view());
+  case_.layers.options.first_height = 0.3;
+  case_.layers.options.count = 2;
+  case_.layers.options.side = LayerSide::kInward;
+  case_.layers.options.cells = LayerCells::kPrisms;
+  case_.layers.label = "blood=5";
+  const CaseResult result = run();
+  const report::StageReport& last = result.report.stages.back();
+  EXPECT_EQ(last.name, "Boundary layers");
+  EXPECT_TRUE(last.evaluation->valid());
+  ASSERT_TRUE(last.layers);
+  EXPECT_GT(last.layers->report.complete(), 0.9);
+  EXPECT_EQ(last.layers->layers.prisms, 2 * last.layers->report.surface.triangles.size());
+  EXPECT_GT(last.layers->core.tetrahedra.smallest_dihedral_deg.value, 5);
+  const MixedMesh mesh = read_mesh(folder_ / "mesh.vtu");
+  EXPECT_EQ(mesh.info.label_names.at(5), "blood");
+  EXPECT_EQ(mesh.prism_labels, std::vector<Label>(mesh.prisms.size(), 5));
+  EXPECT_EQ(mesh.info.provenance.at("command"), "run");
+  double volume = 0, volume_before = 0;
+  for (const quality::LabelVolume& label : quality::measure(mesh.view()).labels) volume += label.volume_mm3;
+  for (const quality::LabelVolume& label : before.labels) volume_before += label.volume_mm3;
+  EXPECT_NEAR(volume / volume_before, 1, 1e-9);
+}
+
+TEST_F(WholeCase, PredictsTheCellsOfLayers) {
+  case_.layers.options.first_height = 0.3;
+  case_.layers.options.count = 2;
+  Context context;
+  const CasePrediction prediction = predict_case(case_, context);
+  const CaseResult result = run();
+  const auto& made = result.report.stages.back().evaluation->statistics.tetrahedra;
+  double last = 0;
+  for (const CasePrediction::Step& step : prediction.steps)
+    if (step.tetrahedra > 0) last = step.tetrahedra;
+  EXPECT_NEAR(last / static_cast<double>(made.count), 1, 0.3);
+}
+
+TEST_F(WholeCase, APatchForLayersThatCannotBeIsRefusedBeforeAnyMesh) {
+  case_.layers.options.first_height = 0.3;
+  case_.layers.options.count = 2;
+  case_.layers.options.patches = {"inlet_1", "walls"};
+  Context context;
+  std::vector<std::string> said;
+  context.report_info_to([&](std::string_view line) { said.emplace_back(line); });
+  try {
+    static_cast<void>(run_case(case_, false, context));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("[layers] patches: there will be no patch walls"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_TRUE(said.empty());
+}
+
 TEST_F(WholeCase, AFolderThatCannotBeMadeIsRefusedBeforeAnyWork) {
   case_.output.folder = "/proc/nowhere";
   try {

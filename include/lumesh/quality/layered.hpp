@@ -1,0 +1,34 @@
+#pragma once
+/// @file A mesh with boundary layers, its two parts apart: cells of layers are flat by design, and would hide
+/// how good the others are.
+
+#include <cstdint>
+
+#include "lumesh/mesh/mixed_mesh.hpp"
+
+namespace lumesh::quality {
+
+/// Views of the two parts; their points are those of the whole mesh, their faces none.
+struct LayeredParts {
+  MeshView core;    ///< The tetrahedra that the layers stand on or lie around.
+  MeshView layers;  ///< Their own cells.
+};
+
+/// @param mesh  As grow_layers() leaves it: cells of the layers last. @param layer_cells  How many they are.
+[[nodiscard]] LayeredParts parts_of(const MeshView& mesh, std::uint64_t layer_cells);
+
+/// Shapes of the cells of layers: tetrahedra, pyramids and prisms alike. Zero everywhere if there are none.
+struct FlatCellShapes {
+  std::uint64_t cells = 0;
+  double smallest_dihedral_deg = 0;  ///< Between two faces; where one is bent, between their edges' planes.
+  double largest_dihedral_deg = 0;
+  double mean_aspect = 0;  ///< Longest edge through least height; over cells of positive volume.
+  double largest_aspect = 0;
+};
+
+/// Heights are those of a tetrahedron or pyramid over its largest face, of a prism its volume through the
+/// mean area of its triangles. Hexahedra are left out. Threads: parallel inside, the same bits for every
+/// thread count.
+[[nodiscard]] FlatCellShapes measure_flat_cells(const MeshView& mesh);
+
+}  // namespace lumesh::quality

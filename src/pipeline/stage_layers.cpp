@@ -1,0 +1,130 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/domain/surface_domain.hpp"
+#include "lumesh/layers/layers.hpp"
+#include "lumesh/pipeline/layer_label.hpp"
+#include "stages.hpp"
+
+namespace lumesh::pipeline {
+namespace {
+
+std::vector<std::string> patches_of_surface(const Domain& domain) {
+  std::vector<std::string> names;
+  for (Material inside = 1; inside < domain.material_count(); ++inside)
+    for (Material outside = 0; outside < domain.material_count(); ++outside) {
+      const std::optional<Patch> patch = domain.patch_between(inside, outside);
+      if (patch && std::find(names.begin(), names.end(), patch->name) == names.end())
+        names.push_back(patch->name);
+    }
+  return names.empty() ? std::vector<std::string>{"wall"} : names;
+}
+
+/// Names of walls, one for each label where there are several.
+std::vector<std::string> walls_of_image(const LabelImage& image) {
+  std::vector<Label> labels = image.values();
+  std::erase(labels, kBackground);
+  if (labels.size() == 1) return {"wall"};
+  std::vector<std::string> names;
+  for (const Label label : labels) names.push_back(fmt::format("wall_{}", label));
+  return names;
+}
+
+/// Of openings of images, whose number only the mesh tells.
+bool is_opening(const std::string& name) {
+  return name.starts_with("inlet_") || name.starts_with("outlet_");
+}
+
+void check_patches(CaseState& state) {
+  if (state.c.layers.options.patches.empty()) return;
+  const std::vector<std::string> possible =
+      state.image ? walls_of_image(*state.image) : patches_of_surface(state.domain());
+  for (const std::string& name : state.c.layers.options.patches) {
+    if ((state.image && is_opening(name)) ||
+        std::find(possible.begin(), possible.end(), name) != possible.end())
+      continue;
+    std::string known;
+    for (const std::string& one : possible) known += " " + one;
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("[layers] patches: there will be no patch {}; there will be:{}{}", name, known,
+                            state.image ? " and inlet_1, outlet_1, … where it has openings" : ""));
+  }
+}
+
+/// From one corner to the other of a box around all that can be meshed.
+double width_mm(const CaseState& state) {
+  if (state.image) {
+    const ImageFrame& frame = state.image->frame();
+    return frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).norm();
+  }
+  Box3 box;
+  for (const Vec3& p : state.surface->points) box.extend(p);
+  return box.diagonal().norm();
+}
+
+/// Layers thicker than all that is meshed are a slip, mostly of units.
+void check_thickness(const CaseState& state) {
+  if (state.c.layers.options.scale != HeightScale::kAbsolute) return;
+  double thickness_mm = 0;
+  for (const double height : layer_heights(state.c.layers.options)) thickness_mm += height;
+  if (thickness_mm > width_mm(state))
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("[layers] layers of {:g} mm are more than the input is wide ({:.4g} mm); heights are "
+                    "in mm, or set relative_to",
+                    thickness_mm, width_mm(state)));
+}
+
+void add_layer_figures(const LayerResult& result, report::StageReport& stage) {
+  const MixedMesh& mesh = result.mesh;
+  double thickness = 0;
+  for (const double height : result.report.heights) thickness += height;
+  stage.figures = {{"Layers", static_cast<std::uint64_t>(result.report.layers)},
+                   {"Cells of layers", result.report.cells},
+                   {"Complete", 100 * result.report.complete(), "%", "share of the area"},
+                   {"Thickness of all layers", thickness, "", "as asked for, in mm or multiples"},
+                   {"Tetrahedra", std::uint64_t{mesh.tetrahedra.size()}},
+                   {"Vertices", std::uint64_t{mesh.points.size()}}};
+  if (!mesh.prisms.empty()) stage.figures.push_back({"Prisms", std::uint64_t{mesh.prisms.size()}});
+  if (!mesh.pyramids.empty()) stage.figures.push_back({"Pyramids", std::uint64_t{mesh.pyramids.size()}});
+}
+
+}  // namespace
+
+LayerOptions layer_options_of(const Case& c) {
+  LayerOptions options = c.layers.options;
+  naming(fmt::format("[layers] label \"{}\"", c.layers.label),
+         [&] { take_layer_label(c.layers.label, options); });
+  return options;
+}
+
+void check_layers(CaseState& state) {
+  if (!state.c.layers.is_wanted()) return;
+  naming(state.c.file.empty() ? "the case" : state.c.file, [&] {
+    check_patches(state);
+    check_thickness(state);
+  });
+}
+
+void make_layers(CaseState& state, report::StageReport& stage) {
+  const LayerOptions options = layer_options_of(state.c);
+  stage.what = options.side == LayerSide::kInward
+                   ? "Thin cells along the wall, for the flow: the mesh gives way, and all of it fills what "
+                     "the mesh filled."
+                   : "Thin cells around the mesh, for the vessel's wall; the mesh itself stays as it is.";
+  const std::size_t before = state.mesh.tet_count();
+  LayerResult result = naming("[layers]", [&] { return grow_layers(state.mesh, options, state.context); });
+  add_layer_figures(result, stage);
+  const std::size_t core = result.mesh.view().cell_count() - result.report.cells;
+  if (options.side == LayerSide::kInward && state.has_metric)
+    stage.warnings.push_back(
+        fmt::format("the mesh gave way to sizes of its own, the same in all directions, not to those of the "
+                    "metric: of {} tetrahedra {} are left besides the layers",
+                    before, core));
+  stage.layers = {.report = std::move(result.report)};
+  state.layered = std::move(result.mesh);
+}
+
+}  // namespace lumesh::pipeline

@@ -1,0 +1,46 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "lumesh/report/layers_report.hpp"
+
+namespace lumesh::report {
+
+namespace {
+
+std::uint64_t used_points(const MeshView& mesh) {
+  std::vector<std::uint8_t> used(mesh.points.size(), 0);
+  for (const Cell<4>& c : mesh.tetrahedra)
+    for (const std::uint32_t v : c) used[v] = 1;
+  return static_cast<std::uint64_t>(std::count(used.begin(), used.end(), std::uint8_t{1}));
+}
+
+}  // namespace
+
+LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report) {
+  const quality::LayeredParts parts = quality::parts_of(mesh, report.cells);
+  LayersOfMesh layers = {std::move(report), quality::measure(parts.core), quality::measure(parts.layers),
+                         quality::measure_flat_cells(parts.layers)};
+  layers.core.vertices = used_points(parts.core);
+  return layers;
+}
+
+std::string coverage_text(const LayerReport& report) {
+  std::string text =
+      fmt::format("{:<20} {:>10} {:>6} {:>10} {:>10} {:>10} {:>9} {:>7}\n", "patch", "area mm2", "layers",
+                  "wanted mm", "mean mm", "least mm", "complete", "bare");
+  for (const LayerCoverage& c : report.patches) {
+    text += fmt::format("{:<20} {:>10.5g} {:>6} {:>10.4g} {:>10.4g} {:>10.4g} {:>7.1f} % {:>5.1f} %\n",
+                        c.patch, c.area_mm2, c.layers, c.wanted_mm, c.achieved_mm, c.least_mm,
+                        100 * c.complete, 100 * c.bare);
+    for (std::size_t i = 1; i < kLayerLimits; ++i)
+      if (c.limited[i] >= 0.0005)
+        text += fmt::format("  {:>5.1f} % {}\n", 100 * c.limited[i], name_of(static_cast<LayerLimit>(i)));
+    for (const LayerCoverage::Place& place : c.worst)
+      text += fmt::format("  at {:.1f} {:.1f} {:.1f} mm: {:.0f} % of the height, {}\n", place.at.x(),
+                          place.at.y(), place.at.z(), 100 * place.achieved, name_of(place.why));
+  }
+  return text;
+}
+
+}  // namespace lumesh::report
