@@ -98,13 +98,18 @@ class MeshBuilder {
       for (const auto& [tag, name] : patch_names_) tags.insert(static_cast<std::int32_t>(tag));
       for (const std::int32_t tag : tags) {
         patch_of[tag] = static_cast<std::int32_t>(mesh_.info.patches.size());
-        const auto name = patch_names_.find(tag);
-        mesh_.info.patches.push_back(
-            {name == patch_names_.end() ? fmt::format("patch_{}", tag) : name->second, PatchKind::kWall, {}});
+        const auto found = patch_names_.find(tag);
+        const std::string name = found == patch_names_.end() ? fmt::format("patch_{}", tag) : found->second;
+        mesh_.info.patches.push_back({name, kind_of(name), {}});
       }
     }
     for (auto* faces : {&mesh_.triangle_patches, &mesh_.quadrilateral_patches})
       for (std::int32_t& tag : *faces) tag = patch_of.at(tag);
+  }
+
+  /// Other programs' files have names only.
+  static PatchKind kind_of(const std::string& name) {
+    return name.starts_with("inlet") || name.starts_with("outlet") ? PatchKind::kOpening : PatchKind::kWall;
   }
 
   /// Files without labels say 0 everywhere.

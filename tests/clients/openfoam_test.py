@@ -4,48 +4,28 @@
 Usage: openfoam_test.py LUMESH      Exit status 77: OpenFOAM is not installed.
 """
 import json
-import os
 import pathlib
 import re
-import shutil
-import subprocess
 import sys
 import tempfile
 import unittest
 
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import foam_case
+from foam_case import run
+
 LUMESH = str(pathlib.Path(sys.argv.pop(1)).resolve())
-DEBIAN_PROJECT_DIR = "/usr/share/openfoam"  # Where Debian keeps etc/controlDict; its programs do not know it themselves.
 SKIPPED = 77
 
 
-def run(*command, **options):
-    result = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=300, check=False, **options)
-    if result.returncode != 0:
-        raise AssertionError(f"{' '.join(map(str, command))}: {result.stdout[-2000:]}{result.stderr}")
-    return result.stdout
-
-
-def dictionary(path, content=""):
-    path.parent.mkdir(exist_ok=True)
-    path.write_text(f"FoamFile{{version 2.0; format ascii; class dictionary; object {path.name};}}\n{content}\n")
-
-
-class Case:
-    """A folder with what OpenFOAM's programs ask for besides the mesh."""
+class Case(foam_case.Case):
+    """Of a phantom."""
 
     def __init__(self, folder, phantom, *options):
-        self.folder = folder
-        folder.mkdir()
-        dictionary(folder / "system/controlDict", "deltaT 1; endTime 1; writeInterval 1;")
-        dictionary(folder / "system/fvSchemes", "ddtSchemes{} gradSchemes{} divSchemes{} laplacianSchemes{}")
-        dictionary(folder / "system/fvSolution")
+        super().__init__(folder)
         run(LUMESH, "phantom", *phantom, "-o", folder / "a.nrrd")
         run(LUMESH, "lattice", folder / "a.nrrd", "-o", folder / "a.vtu", *options)
         run(LUMESH, "convert", folder / "a.vtu", folder / "case.foam")
-
-    def foam(self, *command):
-        project = os.environ.get("WM_PROJECT_DIR", DEBIAN_PROJECT_DIR)
-        return run(*command, cwd=self.folder, env=os.environ | {"WM_PROJECT_DIR": project})
 
     def volume_mm3(self):
         """Of all cells, as lumesh measures it."""
@@ -99,7 +79,7 @@ class OpenFoamTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if shutil.which("checkMesh") is None:
+    if foam_case.missing("checkMesh"):
         print("SKIP: OpenFOAM's checkMesh is missing; the Debian package openfoam has it (0.4 GB installed)")
         sys.exit(SKIPPED)
     unittest.main(verbosity=2)

@@ -96,6 +96,18 @@ TEST_F(GmshFile, TakesLabelsAndPatchesFromPhysicalGroups) {
   EXPECT_EQ(mesh.triangle_patches, std::vector<std::int32_t>{0});
 }
 
+TEST_F(GmshFile, HasOpeningsWhereNamesOfSurfacesBeginWithInletOrOutlet) {
+  const MixedMesh mesh = read(
+      "a.msh",
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 1 \"inlet\"\n2 2 \"outlet_2\"\n2 3 "
+      "\"wall\"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+      "$Elements\n4\n1 4 2 1 1 1 2 3 4\n2 2 2 1 1 1 3 2\n3 2 2 2 2 1 2 4\n4 2 2 3 3 2 3 4\n$EndElements\n");
+  ASSERT_EQ(patch_names(mesh), (std::vector<std::string>{"inlet", "outlet_2", "wall"}));
+  EXPECT_EQ(mesh.info.patches[0].kind, PatchKind::kOpening);
+  EXPECT_EQ(mesh.info.patches[1].kind, PatchKind::kOpening);
+  EXPECT_EQ(mesh.info.patches[2].kind, PatchKind::kWall);
+}
+
 std::string with_elements_22(const std::string& elements) {
   return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 "
          "1\n$EndNodes\n$Elements\n" +
