@@ -3,8 +3,8 @@
 #include <map>
 
 #include "cell_blocks.hpp"
-#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/cell_corners.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -51,33 +51,14 @@ std::string patch_name(Label inside, Label outside, bool single_label) {
 }  // namespace
 
 std::size_t count_inverted_cells(const MeshView& mesh) {
-  const auto bad = [&](std::span<const std::uint32_t> c, std::size_t i, std::size_t j, std::size_t k,
-                       std::size_t l) {
-    return !(tetrahedron_volume(mesh.points[c[i]], mesh.points[c[j]], mesh.points[c[k]], mesh.points[c[l]]) >
-             0);
-  };
   std::size_t count = 0;
   for (const io::CellBlock& block : io::volume_blocks(mesh)) {
     count += parallel::reduce_blocks(
         block.size(), 4096, std::size_t{0},
         [&](std::size_t begin, std::size_t end) {
           std::size_t n = 0;
-          for (std::size_t i = begin; i < end; ++i) {
-            const auto c = block.cell(i);
-            switch (block.shape) {
-              case io::CellShape::kPyramid:
-                n += bad(c, 0, 1, 3, 4) || bad(c, 2, 3, 1, 4);
-                break;
-              case io::CellShape::kPrism:
-                n += bad(c, 0, 2, 1, 3) || bad(c, 3, 4, 5, 1);
-                break;
-              case io::CellShape::kHexahedron:
-                n += bad(c, 0, 1, 3, 4) || bad(c, 6, 5, 7, 2);
-                break;
-              default:
-                n += bad(c, 0, 1, 2, 3);
-            }
-          }
+          for (std::size_t i = begin; i < end; ++i)
+            n += has_turned_corner(mesh.points, block.cell(i)) ? 1 : 0;
           return n;
         },
         [](std::size_t a, std::size_t b) { return a + b; });

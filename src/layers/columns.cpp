@@ -71,7 +71,7 @@ class PrismCheck {
     return std::min(kFloor, kShareOfLayer * std::atan2(height, width) / kRadPerDeg);
   }
   static bool is_well_shaped(const std::array<Vec3, 3>& lower, const std::array<Vec3, 3>& upper) {
-    constexpr double kLeastCosine = 0.5, kLeastArea = 0.25, kLeastSlope = 0.2;
+    constexpr double kLeastCosine = 0.5, kLeastArea = 0.25, kLeastSlope = 0.35;
     const Vec3 below = triangle_area_normal(lower[0], lower[1], lower[2]),
                above = triangle_area_normal(upper[0], upper[1], upper[2]);
     const double area_below = below.norm(), area_above = above.norm();
@@ -80,7 +80,9 @@ class PrismCheck {
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 side = upper[k] - lower[k];
       if (side.isZero(0)) continue;
+      // With this, the corners of a prism are right whatever its diagonals would be.
       if (!(side.dot(below) >= kLeastSlope * side.norm() * area_below)) return false;
+      if (!(side.dot(above) >= kLeastSlope * side.norm() * area_above)) return false;
     }
     return true;
   }

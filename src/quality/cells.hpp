@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/mesh/cell_corners.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh::quality {
@@ -80,6 +81,15 @@ class AllCells {
     cell -= mesh_.pyramids.size();
     if (cell < mesh_.prisms.size()) return mesh_.prism_labels[cell];
     return mesh_.hexahedron_labels[cell - mesh_.prisms.size()];
+  }
+  [[nodiscard]] bool has_turned_corner(std::size_t cell) const {
+    if (cell < mesh_.tetrahedra.size())
+      return lumesh::has_turned_corner(mesh_.points, mesh_.tetrahedra[cell]);
+    cell -= mesh_.tetrahedra.size();
+    if (cell < mesh_.pyramids.size()) return lumesh::has_turned_corner(mesh_.points, mesh_.pyramids[cell]);
+    cell -= mesh_.pyramids.size();
+    if (cell < mesh_.prisms.size()) return lumesh::has_turned_corner(mesh_.points, mesh_.prisms[cell]);
+    return lumesh::has_turned_corner(mesh_.points, mesh_.hexahedra[cell - mesh_.prisms.size()]);
   }
   /// Volume enclosed by the cell's triangles.
   [[nodiscard]] double volume(std::size_t cell) const {

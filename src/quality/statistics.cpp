@@ -136,27 +136,10 @@ TetrahedronStatistics measure_tetrahedra(const MeshView& mesh) {
   return s;
 }
 
-using CornerTable =
-    std::span<const std::array<int, 4>>;  // A corner and its three neighbours, seen right-handed.
-
-constexpr std::array<std::array<int, 4>, 8> kHexahedronCorners = {{{0, 1, 3, 4},
-                                                                   {1, 2, 0, 5},
-                                                                   {2, 3, 1, 6},
-                                                                   {3, 0, 2, 7},
-                                                                   {4, 7, 5, 0},
-                                                                   {5, 4, 6, 1},
-                                                                   {6, 5, 7, 2},
-                                                                   {7, 6, 4, 3}}};
-constexpr std::array<std::array<int, 4>, 6> kPrismCorners = {
-    {{0, 2, 1, 3}, {1, 0, 2, 4}, {2, 1, 0, 5}, {3, 4, 5, 0}, {4, 5, 3, 1}, {5, 3, 4, 2}}};
-constexpr std::array<std::array<int, 4>, 4> kPyramidCorners = {
-    {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}}};
-
 /// Least determinant of the three edges that leave a corner, over the product of their lengths.
-double least_scaled_jacobian(std::span<const Vec3> points, std::span<const std::uint32_t> cell,
-                             CornerTable corners) {
+double least_scaled_jacobian(std::span<const Vec3> points, std::span<const std::uint32_t> cell) {
   double least = 1;
-  for (const auto& [at, a, b, c] : corners) {
+  for (const auto& [at, a, b, c] : corners_of_cell(cell.size())) {
     const Vec3& corner = points[cell[at]];
     const Vec3 u = points[cell[a]] - corner, v = points[cell[b]] - corner, w = points[cell[c]] - corner;
     const double lengths = u.norm() * v.norm() * w.norm();
@@ -222,7 +205,7 @@ VolumeTally measure_volumes(const MeshView& mesh) {
           const double volume = cells.volume(i);
           ++entry->cells;
           entry->volume_mm3 += volume;
-          part.inverted += !(volume > 0);
+          part.inverted += !(volume > 0) || cells.has_turned_corner(i);
         }
         return part;
       },
@@ -239,13 +222,13 @@ VolumeTally measure_volumes(const MeshView& mesh) {
 }  // namespace
 
 double scaled_jacobian(std::span<const Vec3> points, const Cell<5>& pyramid) {
-  return least_scaled_jacobian(points, pyramid, kPyramidCorners);
+  return least_scaled_jacobian(points, pyramid);
 }
 double scaled_jacobian(std::span<const Vec3> points, const Cell<6>& prism) {
-  return least_scaled_jacobian(points, prism, kPrismCorners);
+  return least_scaled_jacobian(points, prism);
 }
 double scaled_jacobian(std::span<const Vec3> points, const Cell<8>& hexahedron) {
-  return least_scaled_jacobian(points, hexahedron, kHexahedronCorners);
+  return least_scaled_jacobian(points, hexahedron);
 }
 
 MeshStatistics measure(const MeshView& mesh) {

@@ -22,7 +22,8 @@ void find_problems(const MeshView& mesh, const TetMesh* kernel, const MeshSurfac
     evaluation.problem_count = report.problem_count;
     return;
   }
-  add_problem(evaluation, evaluation.statistics.inverted_cells, "cells whose volume is not positive");
+  add_problem(evaluation, evaluation.statistics.inverted_cells,
+              "cells whose volume, or Jacobian at a corner, is not positive");
   add_problem(evaluation, surface.overfull_faces, "faces with more than two cells");
   for (const LabelEvaluation& label : evaluation.labels) {
     const std::string of_label = " on the surface of label " + std::to_string(label.label);

@@ -66,7 +66,7 @@ struct MeshStatistics {
   TetrahedronStatistics tetrahedra;
   double smallest_scaled_jacobian =
       1;  ///< Of the other cells: least over their corners, 1 for a cube; 1 if none.
-  std::uint64_t inverted_cells = 0;  ///< Cells of any shape whose volume is not positive.
+  std::uint64_t inverted_cells = 0;  ///< Of any shape: volume, or Jacobian at a corner, not positive.
   std::vector<LabelVolume> labels;   ///< By ascending label.
   Vec3 low_mm = Vec3::Zero();        ///< Bounding box of the points.
   Vec3 high_mm = Vec3::Zero();
