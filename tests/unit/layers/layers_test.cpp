@@ -320,7 +320,7 @@ TEST(Layers, OnPatchesBetweenLabelsGrowIntoEither) {
     const LayerResult result = grown(mesh, {.patches = {one.patch},
                                             .side = LayerSide::kInward,
                                             .into = one.into,
-                                            .first_height = 0.3,
+                                            .first_height = 0.15,
                                             .count = 3});
     const ValidationReport report = validate(result.mesh.view());
     ASSERT_TRUE(report.ok()) << report.text();
@@ -330,7 +330,7 @@ TEST(Layers, OnPatchesBetweenLabelsGrowIntoEither) {
     EXPECT_NEAR(volume_of(result.mesh, other) / volume_of(before, other), 1, 1e-12);
     EXPECT_NEAR((volume_of(result.mesh, one.into) + volume_of(result.mesh, 3)) / volume_of(before, one.into),
                 1, 1e-4);
-    const double thickness = 0.3 * (1 + 1.2 + 1.44), length = 50;
+    const double thickness = 0.15 * (1 + 1.2 + 1.44), length = 50;
     const double radius = one.patch == between ? kTubeRadius : kWallRadius;
     const double middle =
         one.patch == between && one.into == 2 ? radius + thickness / 2 : radius - thickness / 2;
