@@ -103,7 +103,11 @@ void add_height_options(CLI::App& command, LayersCommand& target) {
       ->capture_default_str();
   command
       .add_option("--growth-rise,--bldr", o.growth_rise,
-                  "Factor of the growth itself per layer, from the sixth layer on")
+                  "Factor of the growth itself per layer, after those of constant growth")
+      ->capture_default_str();
+  command
+      .add_option("--constant-layers,--bli", o.constant_layers,
+                  "Layers of constant growth, before the growth itself rises")
       ->capture_default_str();
   command.add_option("--most-growth,--blrm", o.most_growth, "Bound of the growth that rises")
       ->capture_default_str();
@@ -116,6 +120,15 @@ void add_height_options(CLI::App& command, LayersCommand& target) {
                   "What heights are multiples of: mm, the local radius, or the mean edge length around")
       ->check(CLI::IsMember({"mm", "radius", "edge"}))
       ->capture_default_str();
+}
+
+/// What AFLR has to be told and is always so here, for command lines that come from there.
+void add_fixed_options(CLI::App& command) {
+  const auto fixed = [&](const std::string& name, const std::string& value, const std::string& meaning) {
+    command.add_option(name, meaning)->check(CLI::IsMember({value}))->group("As in AFLR, always so");
+  };
+  fixed("--mbl", "1", "Boundary layers: there are");
+  fixed("--fints", "0", "The surface: as it is");
 }
 
 }  // namespace
@@ -141,6 +154,9 @@ void add_layers_command(CLI::App& program) {
   sub->add_option("--cells", command->cells, "What the layers are made of")
       ->check(CLI::IsMember({"tetrahedra", "prisms"}))
       ->capture_default_str();
+  sub->add_flag_callback(
+      "--blc", [command] { command->cells = "prisms"; }, "AFLR's name of --cells prisms");
+  add_fixed_options(*sub);
   sub->add_option("--label", command->label,
                   "Label of the layers: NAME=NUMBER, NAME or NUMBER; default: wall, the next "
                   "free number");

@@ -31,7 +31,10 @@ CLI::Option* add_gradation_option(CLI::App& command, double& growth) {
 
 TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
   if (mesh.tetrahedra.empty())
-    throw Error(ErrorKind::kBadInput, path + ": has no tetrahedra; give a mesh of the volume");
+    throw Error(
+        ErrorKind::kBadInput,
+        path +
+            ": has no tetrahedra; give a mesh of the volume (lumesh delaunay makes one of a closed surface)");
   if (!mesh.hexahedra.empty() || !mesh.pyramids.empty() || !mesh.prisms.empty())
     throw Error(ErrorKind::kBadInput,
                 path +

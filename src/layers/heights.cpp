@@ -13,14 +13,13 @@ namespace lumesh::layers {
 namespace {
 
 constexpr int kMostLayers = 200;
-constexpr int kConstantLayers = 5;  // Before the growth itself rises (AFLR's bli).
 
 std::vector<double> schedule_with(const LayerOptions& options, double growth, int count) {
   std::vector<double> heights;
   double height = options.first_height, sum = 0;
   for (int k = 0; k < count; ++k) {
     heights.push_back(sum += height);
-    if (k >= kConstantLayers)
+    if (k >= options.constant_layers)
       growth = std::min(std::max(growth, options.most_growth), growth * options.growth_rise);
     height *= growth;
   }

@@ -42,6 +42,8 @@ void LayerOptions::validate() const {
   };
   check(std::isfinite(first_height) && first_height > 0, "the first height must be a number above 0");
   check(count >= 0 && count <= 200, "the number of layers must lie between 1 and 200");
+  check(constant_layers >= 1 && constant_layers <= 200,
+        "the number of layers of constant growth must lie between 1 and 200");
   check(std::isfinite(thickness) && thickness >= 0, "the thickness must be a number above 0");
   check(count > 0 || thickness > 0, "give the number of layers or their thickness");
   check(std::isfinite(growth) && growth > 0, "the growth must be a number above 0");

@@ -155,11 +155,17 @@ void add_layer_keys(KeyList& list, LayerKeys& layers) {
   list.key("patches", &o.patches, "On which patches; empty: all walls");
   list.alias("patch");
   list.choice("side", o.side, {"outward", "inward"}, "Around the mesh, or within it, where it gives way");
+  list.number(
+      "into", &o.into, 0, kAny,
+      "Inwards, of an image of several labels: the one that gives way; 0: the only one at the patches");
   list.number("growth", &o.growth, kTiny, kAny, "Height of each layer through that before");
   list.alias("blr");
   list.number("growth_rise", &o.growth_rise, 1, kAny,
-              "Factor of the growth itself per layer, from the sixth layer on");
+              "Factor of the growth itself per layer, after those of constant growth");
   list.alias("bldr");
+  list.number("constant_layers", &o.constant_layers, 1, 200,
+              "Layers of constant growth, before the growth itself rises");
+  list.alias("bli");
   list.number("most_growth", &o.most_growth, kTiny, kAny, "Bound of the growth that rises");
   list.alias("blrm");
   list.number("count", &o.count, 0, 200, "Number of layers; 0: what the thickness asks for");

@@ -22,13 +22,16 @@ std::vector<std::string> patches_of_surface(const Domain& domain) {
   return names.empty() ? std::vector<std::string>{"wall"} : names;
 }
 
-/// Names of walls, one for each label where there are several.
-std::vector<std::string> walls_of_image(const LabelImage& image) {
+/// Names of walls, one for each label where there are several, and of patches between two labels.
+std::vector<std::string> patches_of_image(const LabelImage& image) {
   std::vector<Label> labels = image.values();
   std::erase(labels, kBackground);
   if (labels.size() == 1) return {"wall"};
   std::vector<std::string> names;
   for (const Label label : labels) names.push_back(fmt::format("wall_{}", label));
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    for (std::size_t j = i + 1; j < labels.size(); ++j)
+      names.push_back(fmt::format("interface_{}_{}", labels[i], labels[j]));
   return names;
 }
 
@@ -40,7 +43,7 @@ bool is_opening(const std::string& name) {
 void check_patches(CaseState& state) {
   if (state.c.layers.options.patches.empty()) return;
   const std::vector<std::string> possible =
-      state.image ? walls_of_image(*state.image) : patches_of_surface(state.domain());
+      state.image ? patches_of_image(*state.image) : patches_of_surface(state.domain());
   for (const std::string& name : state.c.layers.options.patches) {
     if ((state.image && is_opening(name)) ||
         std::find(possible.begin(), possible.end(), name) != possible.end())
@@ -114,15 +117,8 @@ void make_layers(CaseState& state, report::StageReport& stage) {
                    ? "Thin cells along the wall, for the flow: the mesh gives way, and all of it fills what "
                      "the mesh filled."
                    : "Thin cells around the mesh, for the vessel's wall; the mesh itself stays as it is.";
-  const std::size_t before = state.mesh.tet_count();
   LayerResult result = naming("[layers]", [&] { return grow_layers(state.mesh, options, state.context); });
   add_layer_figures(result, stage);
-  const std::size_t core = result.mesh.view().cell_count() - result.report.cells;
-  if (options.side == LayerSide::kInward && state.has_metric)
-    stage.warnings.push_back(
-        fmt::format("the mesh gave way to sizes of its own, the same in all directions, not to those of the "
-                    "metric: of {} tetrahedra {} are left besides the layers",
-                    before, core));
   stage.layers = {.report = std::move(result.report)};
   state.layered = std::move(result.mesh);
 }

@@ -65,15 +65,45 @@ class LayersTest(MeshTest):
         found = self.evaluate(self.out)
         self.assertEqual(found["prisms"], 3 * 6 * 2 * 4 * 4)
 
+    def bits_of(self, mesh, *arguments):
+        out = self.folder / "bits.mesh"
+        self.run_well("layers", mesh, "-o", out, *arguments)
+        return [line for line in out.read_text().splitlines() if not line.startswith("#")]
+
     def test_the_same_bits_for_every_number_of_threads(self):
-        outputs = []
         mesh = self.vessel()
-        for threads in (1, 2, 5):
-            out = self.folder / f"t{threads}.mesh"
-            self.run_well("layers", mesh, "--first-height", 0.3, "--count", 3, "--threads", threads, "-o", out)
-            outputs.append([line for line in out.read_text().splitlines() if not line.startswith("#")])
-        self.assertEqual(outputs[0], outputs[1])
-        self.assertEqual(outputs[0], outputs[2])
+        for side, height in (("outward", 0.3), ("inward", 0.1)):
+            options = ["--side", side, "--first-height", height, "--count", 3, "--threads"]
+            first = self.bits_of(mesh, *options, 1)
+            for threads in (2, 5):
+                self.assertEqual(first, self.bits_of(mesh, *options, threads), (side, threads))
+
+    def test_names_of_aflr_mean_the_same(self):
+        ours = ["--first-height", 0.02, "--count", 4, "--growth", 1.1, "--growth-rise", 1.05, "--constant-layers", 2, "--most-growth", 1.3,
+                "--cells", "prisms"]
+        aflr = ["--mbl", 1, "--fints", 0, "--blds", 0.02, "--nbl", 4, "--blr", 1.1, "--bldr", 1.05, "--bli", 2, "--blrm", 1.3, "--blc"]
+        self.assertEqual(self.bits_of(self.mesh, *ours), self.bits_of(self.mesh, *aflr))
+
+    def test_between_labels_one_of_them_gives_way(self):
+        image, mesh = self.folder / "two.nrrd", self.folder / "two.vtu"
+        self.run_well("phantom", "layered", "-o", image)
+        self.run_well("lattice", image, "-o", mesh)
+        before = self.evaluate(mesh)
+        between = next(p["name"] for p in before["boundary"]["patches"] if p["name"].startswith("interface"))
+        first, second = between.split("_")[1:]
+        options = ["--patch", between, "--first-height", 0.1, "--count", 2]
+        for side in ("outward", "inward"):
+            self.assert_refused(self.run_lumesh("layers", mesh, "-o", self.out, "--side", side, *options), BAD_INPUT, "has no free side")
+        self.assert_refused(self.run_lumesh("layers", mesh, "-o", self.out, "--into", second, *options), USAGE, "--side inward")
+        self.assert_refused(self.run_lumesh("layers", mesh, "-o", self.out, "--side", "inward", "--into", 99, *options), BAD_INPUT,
+                            "no cell has the label 99")
+        self.run_well("layers", mesh, "-o", self.out, "--side", "inward", "--into", second, *options)
+        found = self.evaluate(self.out)
+        self.assertTrue(found["valid"])
+        volumes = [{label["label"]: label["volume_mm3"] for label in of["labels"]} for of in (before, found)]
+        self.assertAlmostEqual(volumes[1][int(first)] / volumes[0][int(first)], 1, places=12)
+        layers = max(volumes[1])
+        self.assertAlmostEqual((volumes[1][int(second)] + volumes[1][layers]) / volumes[0][int(second)], 1, places=3)
 
     def test_refuses_what_cannot_be(self):
         refused = [
@@ -90,6 +120,12 @@ class LayersTest(MeshTest):
             with self.subTest(arguments):
                 self.assert_refused(self.run_lumesh("layers", self.mesh, "-o", self.out, *arguments), BAD_INPUT, words)
         self.assert_refused(self.run_lumesh("layers", self.mesh, "-o", self.out, "--count", 2), USAGE, "--first-height")
+        _, _, triangles = cube(2)
+        points, _, _ = cube(2)
+        surface = self.folder / "surface.mesh"
+        write_medit(surface, points, [], triangles[:-2])
+        self.assert_refused(self.run_lumesh("layers", surface, "-o", self.out, "--first-height", 0.1, "--count", 2), BAD_INPUT,
+                            "surface.mesh")
         self.assert_refused(self.run_lumesh("layers", self.mesh, "-o", self.folder / "a.xdmf", "--first-height", 0.1, "--count", 2,
                                             "--cells", "prisms"), USAGE, "holds tetrahedra only")
 

@@ -37,7 +37,8 @@ struct LayerOptions {
                              ///< only one at the patches.
   double first_height = 0;   ///< Of the layer next to the surface, > 0; in mm, or times the scale.
   double growth = 1.2;       ///< Height of each layer through that before, >= 1 where count is 0.
-  double growth_rise = 1;    ///< Factor of the growth itself per layer, from the sixth layer on, >= 1.
+  double growth_rise = 1;    ///< Factor of the growth itself per layer, after the first ones, >= 1.
+  int constant_layers = 5;   ///< So many layers have one growth, before it rises, 1 to 200.
   double most_growth = 1.5;  ///< Bound of the growth that rises.
   int count = 0;             ///< Of layers, 1 to 200; 0: as many as the thickness asks for.
   double thickness = 0;      ///< Of all layers together, met exactly; 0: as the count makes it.
