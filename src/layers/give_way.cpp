@@ -194,24 +194,19 @@ void Yielding::measure() {
 
 /// Betters the mesh within its surface, where it has become poor.
 void Yielding::mend() {
-  constexpr int kRounds = 2;
   constexpr double kShort = 0.6, kPoor = 0.6;
   measure();
-  for (int round = 0; round < kRounds; ++round) {
-    const std::vector<std::uint8_t> at_short =
-        flags_at_tets([&](TetId t) { return has_short_edge(t, kShort); });
-    execution_->over_urgent_vertices(
-        [&](VertexId v) { return at_short[v.value] != 0 ? 1.0 : 0.0; },
-        [&](auto& kernel, VertexId v) { kernel.collapse_vertex(v, kShort, {}); });
-    execution_->repartition();
-    execution_->over_tets([&](TetId t) { return kPoor - mesh_.quality(t); },
-                          [](auto& kernel, TetId t) { kernel.reconnect(t, {}); });
-    const std::vector<std::uint8_t> at_poor =
-        flags_at_tets([&](TetId t) { return mesh_.quality(t) < kPoor; });
-    execution_->over_urgent_vertices([&](VertexId v) { return at_poor[v.value] != 0 ? 1.0 : 0.0; },
-                                     [](auto& kernel, VertexId v) { kernel.smooth_vertex(v, {}); });
-    execution_->repartition();
-  }
+  const std::vector<std::uint8_t> at_short =
+      flags_at_tets([&](TetId t) { return has_short_edge(t, kShort); });
+  execution_->over_urgent_vertices([&](VertexId v) { return at_short[v.value] != 0 ? 1.0 : 0.0; },
+                                   [&](auto& kernel, VertexId v) { kernel.collapse_vertex(v, kShort, {}); });
+  execution_->repartition();
+  execution_->over_tets([&](TetId t) { return kPoor - mesh_.quality(t); },
+                        [](auto& kernel, TetId t) { kernel.reconnect(t, {}); });
+  const std::vector<std::uint8_t> at_poor = flags_at_tets([&](TetId t) { return mesh_.quality(t) < kPoor; });
+  execution_->over_urgent_vertices([&](VertexId v) { return at_poor[v.value] != 0 ? 1.0 : 0.0; },
+                                   [](auto& kernel, VertexId v) { kernel.smooth_vertex(v, {}); });
+  execution_->repartition();
 }
 
 /// One flag per vertex: whether a tetrahedron around it is such.
