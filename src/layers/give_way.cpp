@@ -1,5 +1,7 @@
 #include "give_way.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -10,6 +12,7 @@
 #include "lumesh/adapt/improve.hpp"
 #include "lumesh/adapt/keep.hpp"
 #include "lumesh/core/assert.hpp"
+#include "lumesh/core/error.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/metric/measures.hpp"
@@ -64,8 +67,29 @@ metric::MetricField sizes_of(TetMesh mesh, const BoundaryFaces& faces) {
 
 using Bits = std::array<std::uint64_t, 3>;
 Bits bits_of(const Vec3& p) {
-  return {std::bit_cast<std::uint64_t>(p.x()), std::bit_cast<std::uint64_t>(p.y()),
-          std::bit_cast<std::uint64_t>(p.z())};
+  const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x + 0.0); };  // -0 is 0.
+  return {bits(p.x()), bits(p.y()), bits(p.z())};
+}
+
+std::vector<std::pair<Bits, std::uint32_t>> surface_vertices_by_place(const TetMesh& mesh) {
+  std::vector<std::pair<Bits, std::uint32_t>> known;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.dimension(VertexId(v)) != VertexDimension::kVolume)
+      known.emplace_back(bits_of(mesh.point(VertexId(v))), v);
+  parallel::sort(known.begin(), known.end());
+  return known;
+}
+
+/// Vertices are told by their places.
+void check_places(const TetMesh& mesh) {
+  const auto known = surface_vertices_by_place(mesh);
+  const auto twice = std::adjacent_find(known.begin(), known.end(),
+                                        [](const auto& a, const auto& b) { return a.first == b.first; });
+  if (twice == known.end()) return;
+  const Vec3& at = mesh.point(VertexId(twice->second));
+  throw Error(ErrorKind::kBadInput, fmt::format("two vertices of the surface lie at {:.6g} {:.6g} {:.6g} mm; "
+                                                "move them apart, or make them one",
+                                                at.x(), at.y(), at.z()));
 }
 
 constexpr std::uint32_t kNoColumn = ~0u;
@@ -74,6 +98,7 @@ constexpr std::uint32_t kNoColumn = ~0u;
 
 Yielding::Yielding(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth)
     : growth_(growth), field_(sizes_of(copy_of(mesh, faces), faces)), mesh_(copy_of(mesh, faces)) {
+  check_places(mesh_);
   vertices_ = growth.surface.vertices;
   reached_mm_.assign(vertices_.size(), 0);
   mesh_.enable_metric();
@@ -230,11 +255,7 @@ bool Yielding::has_short_edge(TetId t, double least) const {
 
 /// Vertices of the surface stay where they are to the last bit, which tells them again.
 void Yielding::find_columns() {
-  std::vector<std::pair<Bits, std::uint32_t>> known;
-  for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
-    if (mesh_.dimension(VertexId(v)) != VertexDimension::kVolume)
-      known.emplace_back(bits_of(mesh_.point(VertexId(v))), v);
-  parallel::sort(known.begin(), known.end());
+  const std::vector<std::pair<Bits, std::uint32_t>> known = surface_vertices_by_place(mesh_);
   for (std::size_t v = 0; v < vertices_.size(); ++v) {
     const Bits bits = bits_of(growth_.end(v, reached_mm_[v]));
     const auto found = std::lower_bound(known.begin(), known.end(), std::pair{bits, std::uint32_t{0}});

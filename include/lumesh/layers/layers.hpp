@@ -125,9 +125,10 @@ struct LayerResult {
 /// "layer_side" where the layers end at other patches.
 ///
 /// @param mesh  Compact. @throws Error{kBadInput} if a patch is not there, has no free side, or none is named
-/// and there is no wall, or if layers would grow into several labels at a time. Parallel inside, the same
-/// bits for every thread count. Source: algorithms as in Aubry and Löhner 2009 (most normal normals), Ma, Bae
-/// and Choi 2012 (shrinking balls), Marcum and Gaither (AFLR).
+/// and there is no wall, if layers would grow into several labels at a time, or inwards if two vertices of
+/// the surface lie at one place. Parallel inside, the same bits for every thread count. Source: algorithms as
+/// in Aubry and Löhner 2009 (most normal normals), Ma, Bae and Choi 2012 (shrinking balls), Marcum and
+/// Gaither (AFLR).
 [[nodiscard]] LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context);
 
 }  // namespace lumesh

@@ -289,6 +289,51 @@ TEST(Layers, EndAtOpeningsThatAreNearlyFlat) {
   EXPECT_NEAR((volume_of(result.mesh, 1) + volume_of(result.mesh, 2)) / volume_of(crooked, 1), 1, 1e-3);
 }
 
+/// Vertices are told by their bits, and zeros of both signs are one place.
+TEST(Layers, InATubeThroughNegativeZeros) {
+  MixedMesh shifted = copy_of(tube());
+  const std::uint32_t of_wall = shifted.triangles.at(0)[0];
+  const Vec3 there = shifted.points[of_wall];
+  for (Vec3& p : shifted.points) p -= there;
+  shifted.points[of_wall] = Vec3::Constant(-0.0);
+  const LayerResult result =
+      grown(TetMesh::build(shifted.view()), {.side = LayerSide::kInward, .first_height = 0.4, .count = 3});
+  EXPECT_TRUE(validate(result.mesh.view()).ok());
+  EXPECT_GT(result.report.complete(), 0.98);
+}
+
+/// Two vessels that touch in a point without sharing it.
+TEST(Layers, InwardsVerticesAtOnePlaceAreRefused) {
+  MixedMesh both = copy_of(ball(5));
+  const std::size_t count = both.points.size();
+  std::size_t right = 0;
+  for (std::size_t v = 1; v < count; ++v)
+    if (both.points[v].x() > both.points[right].x()) right = v;
+  const MixedMesh one = both;
+  for (const Vec3& p : one.points) {  // Turned by half about an axis through the rightmost point.
+    const Vec3 from = p - one.points[right];
+    both.points.push_back(one.points[right] + Vec3(-from.x(), -from.y(), from.z()));
+  }
+  const auto shifted = static_cast<std::uint32_t>(count);
+  for (Cell<4> c : one.tetrahedra) {
+    for (std::uint32_t& v : c) v += shifted;
+    both.tetrahedra.push_back(c);
+    both.tetrahedron_labels.push_back(1);
+  }
+  for (Cell<3> c : one.triangles) {
+    for (std::uint32_t& v : c) v += shifted;
+    both.triangles.push_back(c);
+    both.triangle_patches.push_back(0);
+  }
+  try {
+    grown(TetMesh::build(both.view()), {.side = LayerSide::kInward, .first_height = 0.2, .count = 2});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+    EXPECT_NE(std::string(error.what()).find("two vertices of the surface lie at"), std::string::npos);
+  }
+}
+
 /// A lumen of label 1 in a wall of label 2, along z, open at both ends.
 constexpr double kWallRadius = 15;
 TetMesh tube_in_tube() {
