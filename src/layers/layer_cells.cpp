@@ -52,8 +52,12 @@ class LayerBuilder {
     out_.metric.clear();
     out_.triangles.clear();
     out_.triangle_patches.clear();
-    const std::string usual = is_inward_ ? "layer" : "wall";
-    out_.info.label_names[label_] = options_.label_name.empty() ? usual : options_.label_name;
+    const std::span<const Label> labels = mesh_.labels();
+    const bool is_new = std::find(labels.begin(), labels.end(), label_) == labels.end();
+    if (!options_.label_name.empty())
+      out_.info.label_names[label_] = options_.label_name;
+    else if (is_new)
+      out_.info.label_names[label_] = is_inward_ ? "layer" : "wall";
   }
   void add_points() {
     first_.assign(surface_.points.size(), 0);
@@ -71,8 +75,8 @@ class LayerBuilder {
     if (is_new) out_.info.patches.push_back({name, kind, labels});
     return place->second;
   }
-  /// Faces of the mesh; those under layers are between labels now. Parts of a patch that stay bare get a
-  /// patch of their own, unless nothing is behind it.
+  /// Faces of the mesh; those under layers are between labels now, if it is another one. Parts of a patch
+  /// that stay bare get a patch of their own, unless nothing is behind it.
   void copy_faces() {
     std::vector<std::uint8_t> at_layers(mesh_.vertex_count(), 0), at_columns(mesh_.vertex_count(), 0);
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
@@ -85,8 +89,10 @@ class LayerBuilder {
       const bool bare = std::none_of(c.begin(), c.end(), [&](std::uint32_t v) { return at_layers[v] != 0; });
       if (choice_.layered[patch] == 0)
         add_face(c, faces_.patches[f]);
-      else
-        add_face(c, bare ? patch_of_bare(patch) : patch_under_layers(patch));
+      else if (bare)
+        add_face(c, patch_of_bare(patch));
+      else if (mesh_.label(faces_.tets[f][0]) != label_)  // Within one label there is no face.
+        add_face(c, patch_under_layers(patch));
     }
   }
   [[nodiscard]] Label inside_of(std::size_t patch) const {

@@ -44,8 +44,8 @@ struct LayerOptions {
   double thickness = 0;      ///< Of all layers together, met exactly; 0: as the count makes it.
   HeightScale scale = HeightScale::kAbsolute;
   LayerCells cells = LayerCells::kTetrahedra;
-  Label label = 0;              ///< Of the layers; 0: one more than the largest of the mesh.
-  std::string label_name = {};  ///< Empty: "wall" outwards, "layer" inwards.
+  Label label = 0;              ///< Of the layers, also one that is there; 0: one more than the largest.
+  std::string label_name = {};  ///< Empty: its own, or of a new one "wall" outwards, "layer" inwards.
 
   void validate() const;  ///< Throws Error{kBadInput} that names the field.
 };

@@ -302,6 +302,24 @@ TEST(Layers, InATubeThroughNegativeZeros) {
   EXPECT_GT(result.report.complete(), 0.98);
 }
 
+/// As solvers want it that know one fluid.
+TEST(Layers, OfTheMeshsOwnLabelAreOneRegionWithIt) {
+  const TetMesh mesh = tube();
+  const double volume = validate(mesh).labels.at(0).volume;
+  for (const LayerSide side : {LayerSide::kInward, LayerSide::kOutward}) {
+    const LayerResult result = grown(mesh, {.side = side, .first_height = 0.4, .count = 3, .label = 1});
+    const ValidationReport report = validate(result.mesh.view());
+    ASSERT_TRUE(report.ok()) << report.text();
+    expect_conforming(result.mesh);
+    ASSERT_EQ(report.labels.size(), 1u);
+    if (side == LayerSide::kInward) {
+      EXPECT_NEAR(report.labels[0].volume / volume, 1, 1e-9);
+      EXPECT_EQ(area_of(result.mesh, "layer_inner"), 0);
+    }
+    EXPECT_FALSE(result.mesh.info.label_names.contains(1));
+  }
+}
+
 /// Two vessels that touch in a point without sharing it.
 TEST(Layers, InwardsVerticesAtOnePlaceAreRefused) {
   MixedMesh both = copy_of(ball(5));
