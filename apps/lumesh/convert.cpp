@@ -37,11 +37,13 @@ void run(const ConvertCommand& command) {
   Context context = make_context(command.run);
   MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.from); });
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
-  if (!command.only_labels.empty())
+  if (!command.only_labels.empty()) {
+    check_inputs_stay({command.to}, {command.from});
     mesh = context.phase("labels", [&] {
       return naming(command.from,
                     [&] { return part_of(mesh, labels_called(mesh, command.only_labels)).mesh; });
     });
+  }
   if (const std::size_t inverted = count_inverted_cells(mesh.view()); inverted > 0)
     print_warning(fmt::format("{}: {} cells have no positive volume; they are kept as they are", command.from,
                               inverted));

@@ -88,8 +88,8 @@ void run(const LayersCommand& command) {
   context.phase("write", [&] { write_mesh(command.output_path, result.mesh.view()); });
   say(command.run, "{}", report::coverage_text(result.report));
   say(command.run, "{}: {} layers, {} cells on {} tetrahedra, {:.1f} % of the area complete\n",
-      command.output_path, result.report.layers, result.report.cells, mesh.tet_count(),
-      100 * result.report.complete());
+      command.output_path, result.report.layers, result.report.cells,
+      result.mesh.view().cell_count() - result.report.cells, 100 * result.report.complete());
   write_reports(command, std::move(result), context);
 }
 
@@ -158,8 +158,8 @@ void add_layers_command(CLI::App& program) {
       "--blc", [command] { command->cells = "prisms"; }, "AFLR's name of --cells prisms");
   add_fixed_options(*sub);
   sub->add_option("--label", command->label,
-                  "Label of the layers: NAME=NUMBER, NAME or NUMBER; default: wall, the next "
-                  "free number");
+                  "Label of the layers: NAME=NUMBER, NAME or NUMBER; default: wall, inward layer, "
+                  "the next free number");
   sub->add_option("--json", command->json_path, "Write what was achieved as JSON");
   sub->add_option("--report", command->report_path, "Write it as a page with pictures (.html)");
   add_threads_option(*sub, command->run);

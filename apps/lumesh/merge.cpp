@@ -81,6 +81,7 @@ void run(MergeCommand command) {
   Context context = make_context(command.run);
   check_volume_output(command.output_path);
   check_output_folders({command.output_path, command.json_path});
+  for (const std::string& path : command.paths) check_inputs_stay({command.output_path}, {path});
   check_inputs(command);
   if (command.equal_labels == "apart") command.options.equal_labels = EqualLabels::kApart;
   const std::vector<MixedMesh> meshes = context.phase("read", [&] { return read_meshes(command.paths); });
@@ -120,6 +121,8 @@ void add_merge_command(CLI::App& program) {
                   "apart: another material in each file")
       ->check(CLI::IsMember({"by-name", "apart"}))
       ->capture_default_str();
+  sub->add_flag("--allow-gaps", command->options.surfaces_match,
+                "Take surfaces that nearly lie on each other for thin gaps between the meshes");
   sub->add_option("--json", command->json_path, "Write what was joined as JSON");
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);

@@ -51,7 +51,7 @@ void number_patches_as(const std::vector<Patch>& list, MixedMesh& mesh) {
   mesh.info.patches = std::move(patches);
 }
 
-/// Edges of a cell, once for each face that has them, as seen from that face.
+/// Edges of cells, once for each cell.
 template <std::size_t N, class Visit>
 void for_each_side_of_faces(const std::vector<Cell<N>>& cells, const Visit& visit) {
   for (const Cell<N>& cell : cells)
@@ -82,7 +82,11 @@ MixedMesh KeptCells::put_back(const TetMesh& changed) const {
   else if (kept.metric.empty())
     kept.metric = own_metric(kept);
   const std::vector<MergePart> parts = {{&free, "the changed part"}, {&kept, "the kept cells"}};
-  MixedMesh whole = merge_meshes(parts, {.tolerance = 0.0, .allows_apart = true}).mesh;
+  MixedMesh whole = merge_meshes(parts, {.tolerance = 0.0,
+                                         .equal_labels = EqualLabels::kSame,
+                                         .allows_apart = true,
+                                         .surfaces_match = true})
+                        .mesh;
   number_patches_as(patches_, whole);
   return whole;
 }

@@ -11,13 +11,21 @@
 namespace lumesh::layers {
 namespace {
 
-/// The labels on both sides of each patch.
-std::vector<std::set<Label>> labels_at_patches(const TetMesh& mesh, const BoundaryFaces& faces) {
-  std::vector<std::set<Label>> labels(mesh.info().patches.size());
-  for (std::size_t f = 0; f < faces.triangles.size(); ++f)
+/// What lies beside the faces of a patch.
+struct PatchSides {
+  std::set<Label> labels;
+  bool has_inner_faces = false;  ///< With cells on both sides.
+};
+
+std::vector<PatchSides> sides_of_patches(const TetMesh& mesh, const BoundaryFaces& faces) {
+  std::vector<PatchSides> sides(mesh.info().patches.size());
+  for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
+    PatchSides& of_patch = sides[static_cast<std::size_t>(faces.patches[f])];
     for (const TetId t : faces.tets[f])
-      if (t.valid()) labels[static_cast<std::size_t>(faces.patches[f])].insert(mesh.label(t));
-  return labels;
+      if (t.valid()) of_patch.labels.insert(mesh.label(t));
+    of_patch.has_inner_faces |= faces.tets[f][1].valid();
+  }
+  return sides;
 }
 
 /// "1 (lumen), 2".
@@ -45,22 +53,23 @@ std::size_t patch_called(const std::string& name, const MeshInfo& info) {
 }
 
 /// Those named, or all walls there are on that side.
-std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector<std::set<Label>>& labels,
+std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector<PatchSides>& sides,
                                          const LayerOptions& options) {
   std::vector<std::uint8_t> chosen(info.patches.size(), 0);
   const auto is_at_label = [&](std::size_t p) {
-    return options.into == 0 || labels[p].contains(options.into);
+    return options.into == 0 || sides[p].labels.contains(options.into);
   };
   for (const std::string& name : options.patches) {
     const std::size_t p = patch_called(name, info);
     if (!is_at_label(p))
       refuse(fmt::format("patch {} is not at label {}; it is at {}", name, list_of({options.into}, info),
-                         list_of(labels[p], info)));
+                         list_of(sides[p].labels, info)));
     chosen[p] = 1;
   }
   if (options.patches.empty())
     for (std::size_t p = 0; p < chosen.size(); ++p)
-      chosen[p] = info.patches[p].kind == PatchKind::kWall && is_at_label(p) ? 1 : 0;
+      chosen[p] =
+          info.patches[p].kind == PatchKind::kWall && !sides[p].has_inner_faces && is_at_label(p) ? 1 : 0;
   if (std::find(chosen.begin(), chosen.end(), 1) == chosen.end()) {
     std::string known;
     for (std::size_t p = 0; p < chosen.size(); ++p)
@@ -74,36 +83,35 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
 
 }  // namespace
 
-Choice Choice::in_part(const MeshInfo& whole, const LabelPart& part) const {
-  const std::vector<Patch>& patches = part.mesh.info.patches;
-  Choice choice{std::vector<std::uint8_t>(patches.size(), 0), std::vector<std::uint8_t>(patches.size(), 0),
-                into, false};
-  for (std::size_t p = 0; p < patches.size(); ++p)
-    choice.layered[p] = layered[patch_called(patches[p].name, whole)];
+Choice Choice::in_part(const LabelPart& part) const {
+  const std::size_t count = part.mesh.info.patches.size();
+  Choice choice{std::vector<std::uint8_t>(count, 0), std::vector<std::uint8_t>(count, 0), into, false};
+  for (std::size_t p = 0; p < count; ++p)
+    if (part.patches[p] >= 0) choice.layered[p] = layered[static_cast<std::size_t>(part.patches[p])];
   for (const PatchId cut : part.cut) choice.between[cut.value] = 1;
   return choice;
 }
 
 Choice choice_of(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options) {
   const MeshInfo& info = mesh.info();
-  const std::vector<std::set<Label>> labels = labels_at_patches(mesh, faces);
-  Choice choice{chosen_patches(info, labels, options), std::vector<std::uint8_t>(info.patches.size(), 0)};
+  const std::vector<PatchSides> sides = sides_of_patches(mesh, faces);
+  Choice choice{chosen_patches(info, sides, options), std::vector<std::uint8_t>(info.patches.size(), 0)};
   std::set<Label> at_chosen, all(mesh.labels().begin(), mesh.labels().end());
-  for (std::size_t p = 0; p < labels.size(); ++p) {
+  for (std::size_t p = 0; p < sides.size(); ++p) {
     if (choice.layered[p] == 0) continue;
-    at_chosen.insert(labels[p].begin(), labels[p].end());
-    if (labels[p].size() < 2 || (options.side == LayerSide::kInward && options.into != 0)) continue;
+    at_chosen.insert(sides[p].labels.begin(), sides[p].labels.end());
+    if (!sides[p].has_inner_faces || (options.side == LayerSide::kInward && options.into != 0)) continue;
     refuse(
-        fmt::format("patch {} lies between labels {} and has no free side; say into which of them layers "
-                    "grow: --side inward --into LABEL",
-                    info.patches[p].name, list_of(labels[p], info)));
+        fmt::format("patch {} lies between labels {} and has no free side; layers grow into one of them with "
+                    "--side inward and --into LABEL",
+                    info.patches[p].name, list_of(sides[p].labels, info)));
   }
   if (options.side == LayerSide::kOutward) return choice;
   choice.is_part = all.size() > 1;
   choice.into = options.into;
   if (options.into == 0 && at_chosen.size() > 1)
     refuse(fmt::format(
-        "layers grow into one label at a time, but the patches are at {}; say which: --into LABEL",
+        "layers grow into one label at a time, but the patches are at {}; say which with --into LABEL",
         list_of(at_chosen, info)));
   if (options.into == 0 && !at_chosen.empty()) choice.into = *at_chosen.begin();
   return choice;

@@ -15,8 +15,8 @@ struct Choice {
   Label into = kBackground;           ///< Inwards: the label that gives way.
   bool is_part = false;               ///< The mesh has other labels besides.
 
-  /// The same for a part of the mesh, whose patches keep their names.
-  [[nodiscard]] Choice in_part(const MeshInfo& whole, const LabelPart& part) const;
+  /// The same for a part of the mesh.
+  [[nodiscard]] Choice in_part(const LabelPart& part) const;
 };
 
 /// @throws Error{kBadInput} if a patch is not there, has no free side or is not at the label, or if more than

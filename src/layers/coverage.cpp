@@ -31,7 +31,8 @@ std::vector<LayerCoverage::Place> worst_places(const LayerSurface& surface, cons
 }
 
 /// Each column counts by the thirds of the triangles around it.
-LayerCoverage coverage_of_patch(const LayerSurface& surface, const Columns& columns, std::int32_t patch) {
+LayerCoverage coverage_of_patch(const LayerSurface& surface, const Directions& directions,
+                                const Columns& columns, std::int32_t patch) {
   LayerCoverage c;
   c.least_mm = std::numeric_limits<double>::infinity();
   std::vector<std::uint32_t> vertices;
@@ -43,9 +44,10 @@ LayerCoverage coverage_of_patch(const LayerSurface& surface, const Columns& colu
     for (const std::uint32_t v : corners) {
       vertices.push_back(v);
       c.area_mm2 += third;
-      c.wanted_mm += third * columns.wanted_mm[v];
-      c.achieved_mm += third * columns.length_mm(v);
-      c.least_mm = std::min(c.least_mm, columns.length_mm(v));
+      const double wanted = columns.wanted_mm[v] / directions.stretch[v];  // Across the surface.
+      c.wanted_mm += third * wanted;
+      c.achieved_mm += third * columns.fraction[v] * wanted;
+      c.least_mm = std::min(c.least_mm, columns.fraction[v] * wanted);
       c.complete += columns.fraction[v] >= kComplete ? third : 0;
       c.bare += columns.fraction[v] == 0 ? third : 0;
       if (columns.fraction[v] < kComplete) c.limited[static_cast<std::size_t>(columns.limit[v])] += third;
@@ -63,13 +65,13 @@ LayerCoverage coverage_of_patch(const LayerSurface& surface, const Columns& colu
 }  // namespace
 
 std::vector<LayerCoverage> coverage_of(const TetMesh& mesh, const LayerSurface& surface,
-                                       const Columns& columns, int layers) {
+                                       const Directions& directions, const Columns& columns, int layers) {
   std::vector<std::int32_t> patches = surface.patches;
   std::sort(patches.begin(), patches.end());
   patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
   std::vector<LayerCoverage> all;
   for (const std::int32_t patch : patches) {
-    all.push_back(coverage_of_patch(surface, columns, patch));
+    all.push_back(coverage_of_patch(surface, directions, columns, patch));
     all.back().layers = layers;
     all.back().patch = mesh.info().patches[static_cast<std::size_t>(patch)].name;
   }

@@ -7,7 +7,8 @@ namespace lumesh::layers {
 
 /// One entry for each patch with layers. @param layers  Of every column.
 [[nodiscard]] std::vector<LayerCoverage> coverage_of(const TetMesh& mesh, const LayerSurface& surface,
-                                                     const Columns& columns, int layers);
+                                                     const Directions& directions, const Columns& columns,
+                                                     int layers);
 
 /// The shares that the columns achieved. @param is_inward  The surface's triangles are seen from within.
 [[nodiscard]] LayerShares shares_on(const LayerSurface& surface, const Columns& columns, bool is_inward);

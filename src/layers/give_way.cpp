@@ -9,7 +9,6 @@
 #include <numbers>
 #include <optional>
 
-#include "lumesh/adapt/improve.hpp"
 #include "lumesh/adapt/keep.hpp"
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
@@ -97,7 +96,10 @@ constexpr std::uint32_t kNoColumn = ~0u;
 }  // namespace
 
 Yielding::Yielding(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth)
-    : growth_(growth), field_(sizes_of(copy_of(mesh, faces), faces)), mesh_(copy_of(mesh, faces)) {
+    : growth_(growth),
+      field_(sizes_of(copy_of(mesh, faces), faces)),
+      at_first_(dihedral_range(mesh, {})),
+      mesh_(copy_of(mesh, faces)) {
   check_places(mesh_);
   vertices_ = growth.surface.vertices;
   reached_mm_.assign(vertices_.size(), 0);
@@ -264,13 +266,14 @@ void Yielding::find_columns() {
   }
 }
 
-void Yielding::improve(Context& context) {
-  constexpr double kLeastDeg = 12, kMostDeg = 165;
+void Yielding::improve() {
+  constexpr double kLeastDeg = 12, kMostDeg = 165;  // A mesh that is stretched on purpose has worse ones.
   constexpr int kPasses = 3;
+  Context context;
   execution_.reset();
   lumesh::improve(mesh_,
-                  {.min_dihedral_deg = kLeastDeg,
-                   .max_dihedral_deg = kMostDeg,
+                  {.min_dihedral_deg = std::clamp(at_first_.min_deg, 1.0, kLeastDeg),
+                   .max_dihedral_deg = std::clamp(at_first_.max_deg, kMostDeg, 179.0),
                    .passes = kPasses,
                    .slide = false,
                    .sizes = field_},
@@ -280,7 +283,8 @@ void Yielding::improve(Context& context) {
 
 std::vector<std::uint8_t> Yielding::columns_at_poor_tets() const {
   constexpr double kFloorDeg = 2.5;  // As for the layers' own cells.
-  const double cosine = std::cos(kFloorDeg * std::numbers::pi / 180);
+  const double floor_deg = std::min({kFloorDeg, at_first_.min_deg, 180 - at_first_.max_deg});
+  const double cosine = std::cos(floor_deg * std::numbers::pi / 180);
   const std::vector<std::uint8_t> at_poor = flags_at_tets([&](TetId t) {
     const DihedralCosines angles =
         min_max_dihedral(mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2), mesh_.corner(t, 3));
@@ -320,8 +324,7 @@ bool shorten_at_poor_tets(const Yielding& yielding, Columns& columns) {
 
 }  // namespace
 
-Core give_way(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth, Columns& columns,
-              Context& context) {
+Core give_way(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth, Columns& columns) {
   constexpr int kSteps = 4, kPatientTries = 6;
   std::optional<Yielding> yielding(std::in_place, mesh, faces, growth);
   for (int attempt = 0;; ++attempt) {
@@ -329,7 +332,7 @@ Core give_way(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& gro
     yielding->go_to(columns, attempt == 0 || !is_patient ? kSteps : kSteps / 2);
     Columns shorter = columns;
     if (!shorten_to_reached(*yielding, is_patient, shorter)) {
-      yielding->improve(context);
+      yielding->improve();
       if (!is_patient || !shorten_at_poor_tets(*yielding, shorter)) return std::move(*yielding).core();
     }
     smooth_lengths(growth.surface, shorter);

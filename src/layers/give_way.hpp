@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "columns.hpp"
-#include "lumesh/core/context.hpp"
+#include "lumesh/adapt/improve.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/operators/ordered_execution.hpp"
 
@@ -21,7 +21,7 @@ struct Core {
 /// Draws the surface of a mesh inwards to the ends of the columns, which become shorter where the mesh cannot
 /// give way as far or would become poor. Parallel inside, the same bits for every number of threads.
 [[nodiscard]] Core give_way(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth,
-                            Columns& columns, Context& context);
+                            Columns& columns);
 
 /// A copy of the mesh whose surface goes back and forth along columns.
 class Yielding {
@@ -33,8 +33,9 @@ class Yielding {
   /// edges that became short are collapsed, tetrahedra reconnected and vertices smoothed, to the sizes that
   /// the mesh had at first. The surface's triangles stay as they are, but for their places.
   void go_to(const Columns& columns, int steps);
-  /// Betters the worst angles; no face of the boundary moves. The mesh is compact then.
-  void improve(Context& context);
+  /// Betters the worst angles, unless the mesh had them at first; no face of the boundary moves. The mesh is
+  /// compact then. It is not cancelled: what it leaves undone would cost columns.
+  void improve();
 
   /// Where each column's end is now: exactly at its goal, or as far as it came.
   [[nodiscard]] double reached_mm(std::size_t v) const { return reached_mm_[v]; }
@@ -62,6 +63,7 @@ class Yielding {
 
   const Growth& growth_;
   metric::MetricField field_;  // The sizes of the mesh at first.
+  DihedralRange at_first_;     // Its angles.
   TetMesh mesh_;
   std::vector<std::uint32_t> vertices_;  // Of each column's end.
   std::vector<double> reached_mm_;

@@ -149,6 +149,11 @@ std::vector<double> scales_of(const LayerSurface& surface, const Directions& dir
 std::vector<double> height_schedule(const LayerOptions& options) {
   if (options.thickness == 0) return schedule_with(options, options.growth, options.count);
   const int count = options.count > 0 ? options.count : count_for_thickness(options);
+  if (options.count == 1 && std::abs(options.thickness - options.first_height) > 1e-6 * options.thickness)
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("one layer is as thick as all of them: the first height {:g} and the "
+                            "thickness {:g} differ; give one of them, or more layers",
+                            options.first_height, options.thickness));
   if (count == 1) return {options.thickness};
   return schedule_with(options, growth_for_thickness(options, count), count);
 }

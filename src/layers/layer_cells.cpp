@@ -1,5 +1,7 @@
 #include "layer_cells.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
@@ -57,7 +59,12 @@ class LayerBuilder {
     if (!options_.label_name.empty())
       out_.info.label_names[label_] = options_.label_name;
     else if (is_new)
-      out_.info.label_names[label_] = is_inward_ ? "layer" : "wall";
+      out_.info.label_names[label_] = free_label_name(is_inward_ ? "layer" : "wall");
+  }
+  [[nodiscard]] std::string free_label_name(const std::string& usual) const {
+    const auto is_taken = [&](const auto& entry) { return entry.second == usual; };
+    const bool taken = std::any_of(out_.info.label_names.begin(), out_.info.label_names.end(), is_taken);
+    return taken ? fmt::format("{}_{}", usual, label_) : usual;
   }
   void add_points() {
     first_.assign(surface_.points.size(), 0);
@@ -69,11 +76,21 @@ class LayerBuilder {
     }
   }
 
+  /// A new patch; where one of the mesh has the name, with a number behind it.
   std::int32_t patch_named(const std::string& name, PatchKind kind, std::array<Label, 2> labels) {
     const auto [place, is_new] =
         patch_numbers_.try_emplace(name, static_cast<std::int32_t>(out_.info.patches.size()));
-    if (is_new) out_.info.patches.push_back({name, kind, labels});
+    if (is_new) out_.info.patches.push_back({free_name(name), kind, labels});
     return place->second;
+  }
+  [[nodiscard]] std::string free_name(const std::string& wanted) const {
+    const auto is_taken = [&](const std::string& name) {
+      return std::any_of(out_.info.patches.begin(), out_.info.patches.end(),
+                         [&](const Patch& patch) { return patch.name == name; });
+    };
+    std::string name = wanted;
+    for (int next = 2; is_taken(name); ++next) name = fmt::format("{}_{}", wanted, next);
+    return name;
   }
   /// Faces of the mesh; those under layers are between labels now, if it is another one. Parts of a patch
   /// that stay bare get a patch of their own, unless nothing is behind it.
@@ -91,24 +108,25 @@ class LayerBuilder {
         add_face(c, faces_.patches[f]);
       else if (bare)
         add_face(c, patch_of_bare(patch));
-      else if (mesh_.label(faces_.tets[f][0]) != label_)  // Within one label there is no face.
-        add_face(c, patch_under_layers(patch));
+      else if (const Label inside = mesh_.label(faces_.tets[f][0]);
+               inside != label_)  // Else there is no face.
+        add_face(c, patch_under_layers(patch, inside));
     }
   }
-  [[nodiscard]] Label inside_of(std::size_t patch) const {
-    const std::array<Label, 2>& labels = mesh_.info().patches[patch].labels;
-    return std::max(labels[0], labels[1]);
-  }
   std::int32_t patch_of_bare(std::size_t patch) {
-    const Patch& whole = mesh_.info().patches[patch];
+    const Patch whole = mesh_.info().patches[patch];
     const bool is_same = is_inward_ && choice_.between[patch] == 0;
     return is_same ? static_cast<std::int32_t>(patch)
                    : patch_named(whole.name + "_bare", PatchKind::kWall, whole.labels);
   }
-  std::int32_t patch_under_layers(std::size_t patch) {
-    const std::array<Label, 2> labels = {std::min(inside_of(patch), label_),
-                                         std::max(inside_of(patch), label_)};
-    if (is_inward_) return patch_named("layer_inner", PatchKind::kInterface, labels);
+  /// @param inside  Label of the cell of the mesh there. A patch around several keeps its name at the first.
+  std::int32_t patch_under_layers(std::size_t patch, Label inside) {
+    const std::array<Label, 2> labels = {std::min(inside, label_), std::max(inside, label_)};
+    const auto [first, is_new] = first_labels_.try_emplace(is_inward_ ? ~std::size_t{0} : patch, inside);
+    const std::string name = is_inward_ ? "layer_inner" : mesh_.info().patches[patch].name;
+    if (first->second != inside)
+      return patch_named(fmt::format("{}_{}", name, inside), PatchKind::kInterface, labels);
+    if (is_inward_) return patch_named(name, PatchKind::kInterface, labels);
     out_.info.patches[patch].kind = PatchKind::kInterface;
     out_.info.patches[patch].labels = labels;
     return static_cast<std::int32_t>(patch);
@@ -203,6 +221,7 @@ class LayerBuilder {
   int layers_;
   std::vector<std::uint32_t> first_;  // Of each column's own points.
   std::map<std::string, std::int32_t> patch_numbers_;
+  std::map<std::size_t, Label> first_labels_;  // Under the layers of each patch.
   MixedMesh out_;
 };
 

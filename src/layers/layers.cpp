@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -25,6 +26,8 @@ Label label_of_layers(const TetMesh& mesh, Label wanted) {
   if (wanted != 0) return wanted;
   Label largest = 0;
   for (const Label label : mesh.labels()) largest = std::max(largest, label);
+  if (largest == std::numeric_limits<Label>::max())
+    throw Error(ErrorKind::kBadInput, "no label is free above the largest; give the layers one with --label");
   return largest + 1;
 }
 
@@ -140,13 +143,15 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choic
     });
     result.report.layers = static_cast<int>(heights.size());
     result.report.heights = differences_of(heights);
-    result.report.patches = coverage_of(mesh, surface, columns, result.report.layers);
+    result.report.patches = coverage_of(mesh, surface, directions, columns, result.report.layers);
     result.report.surface = shares_on(surface, columns, is_inward);
+    if (std::all_of(columns.fraction.begin(), columns.fraction.end(), [](double f) { return f == 0; }))
+      context.warn("no layers: nowhere are cells of these heights sound; see the reasons");
     result.report.cells = result.mesh.view().cell_count() - volume.tet_count();
     return result;
   };
   if (!is_inward) return layers_on(mesh, faces, surface.vertices);
-  const Core core = context.phase("room", [&] { return give_way(mesh, faces, growth, columns, context); });
+  const Core core = context.phase("room", [&] { return give_way(mesh, faces, growth, columns); });
   return layers_on(core.mesh, core.mesh.boundary_faces(), core.vertices);
 }
 
@@ -160,10 +165,15 @@ LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const 
     return std::pair{part_of(whole, {choice.into}), part_of(whole, others)};
   });
   const TetMesh of_part = TetMesh::build(part.mesh.view());
-  LayerResult result =
-      grow_on(of_part, of_part.boundary_faces(), choice.in_part(mesh.info(), part), options, context);
+  LayerResult result = grow_on(of_part, of_part.boundary_faces(), choice.in_part(part), options, context);
   const std::array<MergePart, 2> parts = {{{&result.mesh, "layers"}, {&rest.mesh, "rest"}}};
-  result.mesh = context.phase("merge", [&] { return merge_meshes(parts, {.tolerance = 0}).mesh; });
+  result.mesh = context.phase("merge", [&] {
+    return merge_meshes(parts, {.tolerance = 0,
+                                .equal_labels = EqualLabels::kSame,
+                                .allows_apart = true,
+                                .surfaces_match = true})
+        .mesh;
+  });
   return result;
 }
 

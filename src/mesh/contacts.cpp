@@ -73,21 +73,39 @@ Vec3 normal_of(std::span<const Vec3> points, const Cell<3>& triangle) {
   return triangle_normal(points[triangle[0]], points[triangle[1]], points[triangle[2]]);
 }
 
+/// Whether two triangles of one surface and this one of another are the halves of one quadrilateral by its
+/// other diagonal. @param own  Keys of the faces of the first surface, sorted.
+bool has_other_diagonal(const FaceCorners& face, const Cell<3>& other, std::span<const Cell<4>> own) {
+  const auto is_of_face = [&](std::uint32_t v) {
+    return std::find(face.begin(), face.end(), v) != face.end();
+  };
+  if (!is_triangle(face)) return true;
+  if (std::count_if(other.begin(), other.end(), is_of_face) != 2) return false;
+  const std::uint32_t beyond = *std::find_if_not(other.begin(), other.end(), is_of_face);
+  return std::any_of(face.begin(), face.end(), [&](std::uint32_t left_out) {
+    FaceCorners partner = face;
+    std::replace(partner.begin(), partner.end(), left_out, beyond);
+    const bool keeps_third = std::find(other.begin(), other.end(), left_out) != other.end();
+    return keeps_third && std::binary_search(own.begin(), own.end(), key_of(partner));
+  });
+}
+
 /// Whether a face lies on a surface that looks the other way. Where all its corners are shared with another
 /// part, it may lie off the surface by as much as two diagonals of one bent quadrilateral do.
-bool lies_on(const FaceCorners& face, const FreeSurface& other, const TriangleTree& tree,
-             const JoinedPoints& joined) {
+bool lies_on(const FaceCorners& face, std::span<const Cell<4>> own, const FreeSurface& other,
+             const TriangleTree& tree, const JoinedPoints& joined) {
   constexpr double kOffBentFaces = 0.1, kOffSameFaces = 1e-3, kOpposite = -0.7;
   const std::span<const Vec3> points = joined.points;
   double longest = 0;
   for (std::size_t i = 0; i < 4; ++i)
     longest = std::max(longest, (points[face[i]] - points[face[(i + 1) % 4]]).norm());
-  const double reach = (has_shared_corners(face, joined) ? kOffBentFaces : kOffSameFaces) * longest;
-  const TriangleTree::Nearest nearest =
-      tree.nearest(middle_of(points, face), std::max(reach, joined.tolerance));
+  const double near = std::max(kOffSameFaces * longest, joined.tolerance),
+               reach = has_shared_corners(face, joined) ? std::max(near, kOffBentFaces * longest) : near;
+  const TriangleTree::Nearest nearest = tree.nearest(middle_of(points, face), reach);
   if (nearest.triangle == TriangleTree::kNone) return false;
-  return normal_of(points, {face[0], face[1], face[2]})
-             .dot(normal_of(points, other.triangles[nearest.triangle])) < kOpposite;
+  const Cell<3>& triangle = other.triangles[nearest.triangle];
+  if (nearest.distance > near && !has_other_diagonal(face, triangle, own)) return false;
+  return normal_of(points, {face[0], face[1], face[2]}).dot(normal_of(points, triangle)) < kOpposite;
 }
 
 /// The part with the lowest number that shared faces join to each.
@@ -153,15 +171,18 @@ void check_surfaces_match(std::span<const PartSurface> parts, const JoinedPoints
     for (std::size_t from = 0; from < parts.size(); ++from) {
       if (from == to) continue;
       const std::vector<FaceCorners>& faces = surfaces[from].faces;
+      std::vector<Cell<4>> own;
+      for (const FaceCorners& face : faces) own.push_back(key_of(face));
+      parallel::sort(own.begin(), own.end());
       const std::vector<FaceCorners> faults =
           parallel::collect<FaceCorners>(faces.size(), [&](std::size_t f, std::vector<FaceCorners>& out) {
-            if (lies_on(faces[f], surfaces[to], tree, joined)) out.push_back(faces[f]);
+            if (lies_on(faces[f], own, surfaces[to], tree, joined)) out.push_back(faces[f]);
           });
       if (faults.empty()) continue;
       throw Error(
           ErrorKind::kBadInput,
           fmt::format("{} faces of {} lie on {} but differ from its own (points, diagonals, or farther "
-                      "apart than {:.3g}), such as at {}; remesh one of them",
+                      "apart than {:.3g}), as at {}; remesh one, or --allow-gaps",
                       faults.size(), parts[from].name, parts[to].name, joined.tolerance,
                       place_text(middle_of(joined.points, faults.front()))));
     }

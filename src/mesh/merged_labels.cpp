@@ -25,9 +25,13 @@ class LabelMerger {
       numbers[label] = number;
       taken.insert(number);
     };
+    if (equal_labels_ == EqualLabels::kSame)
+      for (const Label label : present) give(label, label);
     // Names first: they say what a label is.
     for (const Label label : present)
-      if (const Label same = number_named(name_in(mesh.info.label_names, label)); same != kBackground)
+      if (numbers.contains(label))
+        continue;
+      else if (const Label same = number_named(name_in(mesh.info.label_names, label)); same != kBackground)
         if (!taken.contains(same)) give(label, same);
     for (const Label label : present) {
       if (numbers.contains(label)) continue;
@@ -41,7 +45,7 @@ class LabelMerger {
  private:
   /// The number of a name in the parts so far; kBackground if there is none or names do not count.
   [[nodiscard]] Label number_named(const std::string& name) const {
-    if (name.empty() || equal_labels_ == EqualLabels::kApart) return kBackground;
+    if (name.empty() || equal_labels_ != EqualLabels::kByName) return kBackground;
     const auto found = std::find_if(merged_.names.begin(), merged_.names.end(),
                                     [&](const auto& entry) { return entry.second == name; });
     return found == merged_.names.end() ? kBackground : found->first;

@@ -107,7 +107,8 @@ class PartBuilder {
     return found;
   }
   /// A wall of its own where the rest was.
-  std::int32_t add_cut_patch(const std::string& name, Label inside) {
+  std::int32_t add_cut_patch(const std::string& name, Label inside, std::int32_t of_whole) {
+    result_.patches.push_back(of_whole);
     part_.info.patches.push_back(
         {free_name(part_.info.patches, name), PatchKind::kWall, {inside, kBackground}});
     result_.cut.emplace_back(static_cast<std::uint32_t>(part_.info.patches.size()) - 1);
@@ -131,8 +132,9 @@ class PartBuilder {
       if (whole >= 0) {
         patch_numbers_.back()[0] = static_cast<std::int32_t>(part_.info.patches.size());
         part_.info.patches.push_back(patch);
+        result_.patches.push_back(static_cast<std::int32_t>(p));
       }
-      if (cut >= 0) patch_numbers_.back()[1] = add_cut_patch(patch.name, cut);
+      if (cut >= 0) patch_numbers_.back()[1] = add_cut_patch(patch.name, cut, static_cast<std::int32_t>(p));
     }
   }
   void take_face(const FaceCorners& face, std::int32_t patch) {
@@ -166,7 +168,7 @@ class PartBuilder {
       const CellSide& side = stays(sides_.label(one)) ? one : two;
       const Label inside = sides_.label(side), outside = sides_.label(&side == &one ? two : one);
       const auto [place, is_new] = patches.try_emplace({inside, outside}, -1);
-      if (is_new) place->second = add_cut_patch(name_between(inside, outside), inside);
+      if (is_new) place->second = add_cut_patch(name_between(inside, outside), inside, -1);
       add_face(sides_.outward(side), place->second);
     }
   }

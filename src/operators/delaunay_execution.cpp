@@ -7,7 +7,7 @@
 #include "execution_parts.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/ordered_tasks.hpp"
-#include "lumesh/parallel/relaxed.hpp"
+#include "lumesh/parallel/published.hpp"
 #include "lumesh/parallel/word_lock.hpp"
 
 namespace lumesh::operators {
@@ -110,12 +110,12 @@ void DelaunayExecution::insert_in_order(std::vector<DelaunayKernel<Lock>>& kerne
   run_buckets(kernels, items, stamp, [&](DelaunayKernel<Lock>& kernel, std::uint32_t item, VertexId& last) {
     const NewVertex& one = points[item];
     VertexId near = one.near.valid() ? one.near : last;
-    if (!near.valid()) near = VertexId(parallel::load_relaxed(known_near(one.point)));
+    if (!near.valid()) near = VertexId(parallel::load_published(known_near(one.point)));
     if (!near.valid() || !mesh_.alive(near)) near = VertexId(0);
     const auto [outcome, vertex] = kernel.insert(one.point, one.dimension, near);
     if (outcome == Outcome::kContended) return false;
     last = vertex;
-    parallel::store_relaxed(known_near(one.point), vertex.value);
+    parallel::publish(known_near(one.point), vertex.value);
     if (!vertices.empty()) vertices[item] = vertex;
     return true;
   });

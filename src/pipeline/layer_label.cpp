@@ -27,7 +27,10 @@ void take_layer_label(const std::string& text, LayerOptions& options) {
   const std::optional<Label> label = whole_number(number);
   if (label && *label <= 0) throw Error(ErrorKind::kBadInput, "labels are above 0");
   if (label) options.label = *label;
-  if (!label && has_both)
+  const bool looks_like_number =
+      !number.empty() && number.find_first_not_of("+-.0123456789") == std::string::npos;
+  if (equals == 0) throw Error(ErrorKind::kBadInput, "the name is missing; write NAME=NUMBER");
+  if (!label && (has_both || looks_like_number))
     throw Error(ErrorKind::kBadInput, fmt::format("\"{}\" is no whole number; write NAME=NUMBER", number));
   if (!label || has_both) options.label_name = text.substr(0, equals);
 }

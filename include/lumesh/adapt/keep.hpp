@@ -40,7 +40,7 @@ class KeptCells {
 };
 
 /// The metric, in 1/mm^2, of each point in which the edges around it have unit length on average: a third of
-/// the inverse of the mean of e e^T. Parallel inside.
+/// the inverse of the mean of e e^T.
 [[nodiscard]] std::vector<SymTensor> own_metric(const MixedMesh& mesh);
 
 }  // namespace lumesh

@@ -15,6 +15,7 @@ namespace lumesh {
 enum class EqualLabels : std::uint8_t {
   kByName,  ///< The same material, unless both have names that differ.
   kApart,   ///< Another material in each mesh.
+  kSame,    ///< The same material, whatever its names: the parts come from one mesh.
 };
 
 struct MergeOptions {
@@ -24,6 +25,8 @@ struct MergeOptions {
   std::optional<double> tolerance = {};
   EqualLabels equal_labels = EqualLabels::kByName;
   bool allows_apart = false;  ///< Takes meshes that share no face, too.
+  /// Parts that come from one mesh: surfaces that nearly touch are grooves of it, and not looked at.
+  bool surfaces_match = false;
 };
 
 /// One of the meshes.

@@ -25,6 +25,7 @@ struct LabelPart {
   MixedMesh mesh;
   std::vector<std::uint32_t> points;  ///< Of each of its points, the number in the whole mesh; ascending.
   std::vector<PatchId> cut;           ///< Its patches that lie where the rest was cut away.
+  std::vector<std::int32_t> patches;  ///< Of each of its patches, the number in the whole mesh; -1: none.
 };
 
 /// The cells of some labels as a mesh of their own, with the points they use and their faces that have a

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
@@ -318,6 +319,24 @@ TEST(Layers, OfTheMeshsOwnLabelAreOneRegionWithIt) {
     }
     EXPECT_FALSE(result.mesh.info.label_names.contains(1));
   }
+}
+
+/// One layer after the other: names of patches and labels stay apart, and each label as it was.
+TEST(Layers, OnLayersKeepNamesAndLabelsApart) {
+  const LayerResult first = grown(tube(), {.first_height = 0.4, .count = 2});
+  const LayerResult second = grown(TetMesh::build(first.mesh.view()), {.first_height = 0.4, .count = 2});
+  const ValidationReport report = validate(second.mesh.view());
+  ASSERT_TRUE(report.ok()) << report.text();
+  std::set<std::string> names;
+  for (const Patch& patch : second.mesh.info.patches)
+    EXPECT_TRUE(names.insert(patch.name).second) << patch.name;
+  EXPECT_NE(second.mesh.info.label_names.at(2), second.mesh.info.label_names.at(3));
+  const LayerResult within = grown(TetMesh::build(second.mesh.view()),
+                                   {.side = LayerSide::kInward, .into = 3, .first_height = 0.1, .count = 1});
+  ASSERT_TRUE(validate(within.mesh.view()).ok());
+  for (const Label label : {1, 2})
+    EXPECT_NEAR(volume_of(within.mesh, label), volume_of(second.mesh, label), 1e-9);
+  EXPECT_NEAR(volume_of(within.mesh, 3) + volume_of(within.mesh, 4), volume_of(second.mesh, 3), 1e-6);
 }
 
 /// Two vessels that touch in a point without sharing it.
