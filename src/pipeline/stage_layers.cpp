@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -56,6 +57,15 @@ void check_patches(CaseState& state) {
   }
 }
 
+void check_into(const CaseState& state) {
+  const Label into = state.c.layers.options.into;
+  std::vector<Label> labels = state.image ? state.image->values() : std::vector<Label>{1};
+  std::erase(labels, kBackground);
+  if (into == 0 || std::find(labels.begin(), labels.end(), into) != labels.end()) return;
+  throw Error(ErrorKind::kBadInput, fmt::format("[layers] into: there will be no label {}; there will be: {}",
+                                                into, fmt::join(labels, ", ")));
+}
+
 /// From one corner to the other of a box around all that can be meshed.
 double width_mm(const CaseState& state) {
   if (state.image) {
@@ -107,6 +117,7 @@ void check_layers(CaseState& state) {
   if (!state.c.layers.is_wanted()) return;
   naming(state.c.file.empty() ? "the case" : state.c.file, [&] {
     check_patches(state);
+    check_into(state);
     check_thickness(state);
   });
 }

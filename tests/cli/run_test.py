@@ -345,6 +345,7 @@ class LayersTest(CaseTest):
             (["layers.side=up"], "must be one of \"outward\", \"inward\""),
             (["layers.first_height=1e6"], "more than the input is wide"),
             (["layers.patches=door"], "there will be no patch door"),
+            (["layers.side=inward", "layers.into=9"], "there will be no label 9"),
             (["layers.cells=prisms", "output.meshes=a.xdmf"], "a.xdmf holds tetrahedra only"),
         ]
         for settings, words in refused:

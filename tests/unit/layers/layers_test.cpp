@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 #include <set>
+#include <stop_token>
 
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
@@ -319,6 +320,18 @@ TEST(Layers, OfTheMeshsOwnLabelAreOneRegionWithIt) {
     }
     EXPECT_FALSE(result.mesh.info.label_names.contains(1));
   }
+}
+
+/// Once begun they are grown to their end: half of it would be worse layers, not fewer.
+TEST(Layers, AreTheSameWhoeverCancels) {
+  const TetMesh mesh = tube();
+  const LayerOptions options = {.side = LayerSide::kInward, .first_height = 0.5, .count = 4};
+  std::stop_source source;
+  source.request_stop();
+  Context cancelled({}, {}, source.get_token());
+  const MixedMesh wanted = grown(mesh, options).mesh, found = grow_layers(mesh, options, cancelled).mesh;
+  EXPECT_EQ(wanted.points, found.points);
+  EXPECT_EQ(wanted.tetrahedra, found.tetrahedra);
 }
 
 /// One layer after the other: names of patches and labels stay apart, and each label as it was.
