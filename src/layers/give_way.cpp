@@ -44,7 +44,7 @@ Lists neighbours_of(const TetMesh& mesh) {
 }
 
 /// Sizes as they are in all directions, averaged with those around.
-metric::MetricField sizes_of(TetMesh mesh, const BoundaryFaces& faces) {
+TetMesh with_sizes(TetMesh mesh, const BoundaryFaces& faces) {
   constexpr int kSweeps = 2;
   const Lists neighbours = neighbours_of(mesh);
   std::vector<SymTensor> logs = own_metric(copy_of(mesh.view(faces))), next(logs.size());
@@ -61,7 +61,7 @@ metric::MetricField sizes_of(TetMesh mesh, const BoundaryFaces& faces) {
   parallel::for_each_index(logs.size(), [&](std::size_t v) {
     mesh.set_metric(VertexId(static_cast<std::uint32_t>(v)), metric::exp(logs[v]), logs[v]);
   });
-  return metric::MetricField::on_background(std::move(mesh));
+  return mesh;
 }
 
 using Bits = std::array<std::uint64_t, 3>;
@@ -97,20 +97,30 @@ constexpr std::uint32_t kNoColumn = ~0u;
 
 Yielding::Yielding(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth)
     : growth_(growth),
-      field_(sizes_of(copy_of(mesh, faces), faces)),
+      field_(metric::MetricField::uniform(1)),
       at_first_(dihedral_range(mesh, {})),
       mesh_(copy_of(mesh, faces)) {
   check_places(mesh_);
   vertices_ = growth.surface.vertices;
   reached_mm_.assign(vertices_.size(), 0);
+  take_sizes(with_sizes(copy_of(mesh, faces), faces));
+}
+
+/// @param sized  The same mesh with the sizes it has.
+void Yielding::take_sizes(TetMesh sized) {
   mesh_.enable_metric();
-  for (std::uint32_t t = 0; t < mesh_.tet_count(); ++t)  // The field's own mesh is the same as yet.
+  parallel::for_each_index(mesh_.vertex_count(), [&](std::size_t i) {
+    const VertexId v(static_cast<std::uint32_t>(i));
+    mesh_.set_metric(v, sized.metric(v), sized.log_metric(v));
+  });
+  for (std::uint32_t t = 0; t < mesh_.tet_count(); ++t)
     for (int k = 0; k < 4; ++k) mesh_.set_metric_hint(mesh_.vertex(TetId(t), k), TetId(t));
+  field_ = metric::MetricField::on_background(std::move(sized));
 }
 
 /// Whatever go_to() does makes no vertex: from here on their numbers stay.
 void Yielding::begin() {
-  measure();
+  metric::measure_qualities(mesh_);
   execution_.emplace(operators::Subject{mesh_, field_, growth_.surface.shapes}, parallel::TeamOptions{});
   find_columns();
   followers_ = followers();
@@ -125,7 +135,9 @@ void Yielding::go_to(const Columns& columns, int steps) {
       goals[v] = step == 1 ? wanted : reached_mm_[v] + (wanted - reached_mm_[v]) / step;
     }
     if (goals == reached_mm_) continue;
+    const std::vector<Vec3> before(mesh_.points().begin(), mesh_.points().end());
     move(goals);
+    measure(before);
     mend();
   }
 }
@@ -207,10 +219,11 @@ void Yielding::move(const std::vector<double>& goals_mm) {
 }
 
 /// Metrics and qualities after a move; no vertex has gone far from where its metric was found.
-void Yielding::measure() {
+/// @param before  Places of the vertices before it: what has not moved keeps its metric.
+void Yielding::measure(std::span<const Vec3> before) {
   parallel::for_each_index(mesh_.vertex_slots(), [&](std::size_t i) {
     const VertexId v(static_cast<std::uint32_t>(i));
-    if (!mesh_.alive(v)) return;
+    if (!mesh_.alive(v) || mesh_.point(v) == before[i]) return;
     metric::MetricField::Hint hint = mesh_.metric_hint(v);
     const metric::MetricPair here = field_.at(mesh_.point(v), hint);
     mesh_.set_metric(v, here.metric, here.log);
@@ -222,7 +235,6 @@ void Yielding::measure() {
 /// Betters the mesh within its surface, where it has become poor.
 void Yielding::mend() {
   constexpr double kShort = 0.6, kPoor = 0.6;
-  measure();
   const std::vector<std::uint8_t> at_short =
       flags_at_tets([&](TetId t) { return has_short_edge(t, kShort); });
   execution_->over_urgent_vertices([&](VertexId v) { return at_short[v.value] != 0 ? 1.0 : 0.0; },

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "columns.hpp"
@@ -55,7 +56,8 @@ class Yielding {
   [[nodiscard]] std::vector<Follower> followers() const;
   [[nodiscard]] std::vector<Vec3> displacements(const std::vector<double>& goals_mm) const;
   void move(const std::vector<double>& goals_mm);
-  void measure();
+  void take_sizes(TetMesh sized);
+  void measure(std::span<const Vec3> before);
   void mend();
   [[nodiscard]] std::vector<std::uint8_t> flags_at_tets(const std::function<bool(TetId)>& is_such) const;
   [[nodiscard]] bool has_short_edge(TetId t, double least) const;

@@ -34,7 +34,7 @@ TetId walk_to(const TetMesh& mesh, TetId t, const Vec3& point, Weights& weights)
   for (int step = 0;; ++step) {
     weights = barycentric(mesh, t, point);
     TetId next;
-    double most = -kRounding;  // Less is inside: vertices of the mesh itself would be walked around.
+    double most = 0;
     for (int f = 0; f < 4; ++f) {
       const FaceLink link = mesh.link(t, f);
       if (weights[f] >= most || link.is_boundary()) continue;
