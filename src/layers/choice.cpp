@@ -1,7 +1,6 @@
 #include "choice.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -28,17 +27,6 @@ std::vector<PatchSides> sides_of_patches(const TetMesh& mesh, const BoundaryFace
   return sides;
 }
 
-/// "1 (lumen), 2".
-std::string list_of(const std::set<Label>& labels, const MeshInfo& info) {
-  std::vector<std::string> words;
-  for (const Label label : labels) {
-    const auto name = info.label_names.find(label);
-    words.push_back(name == info.label_names.end() ? fmt::format("{}", label)
-                                                   : fmt::format("{} ({})", label, name->second));
-  }
-  return fmt::format("{}", fmt::join(words, ", "));
-}
-
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorKind::kBadInput, message);
 }
@@ -62,8 +50,8 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
   for (const std::string& name : options.patches) {
     const std::size_t p = patch_called(name, info);
     if (!is_at_label(p))
-      refuse(fmt::format("patch {} is not at label {}; it is at {}", name, list_of({options.into}, info),
-                         list_of(sides[p].labels, info)));
+      refuse(fmt::format("patch {} is not at label {}; it is at {}", name, label_list({options.into}, info),
+                         label_list(sides[p].labels, info)));
     chosen[p] = 1;
   }
   if (options.patches.empty())
@@ -75,7 +63,7 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
     for (std::size_t p = 0; p < chosen.size(); ++p)
       if (is_at_label(p)) known += " " + info.patches[p].name;
     refuse(fmt::format("there is no wall for layers{}; name patches with --patch, of:{}",
-                       options.into == 0 ? "" : fmt::format(" at label {}", list_of({options.into}, info)),
+                       options.into == 0 ? "" : fmt::format(" at label {}", label_list({options.into}, info)),
                        known));
   }
   return chosen;
@@ -104,7 +92,7 @@ Choice choice_of(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOpt
     refuse(
         fmt::format("patch {} lies between labels {} and has no free side; layers grow into one of them with "
                     "--side inward and --into LABEL",
-                    info.patches[p].name, list_of(sides[p].labels, info)));
+                    info.patches[p].name, label_list(sides[p].labels, info)));
   }
   if (options.side == LayerSide::kOutward) return choice;
   choice.is_part = all.size() > 1;
@@ -112,7 +100,7 @@ Choice choice_of(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOpt
   if (options.into == 0 && at_chosen.size() > 1)
     refuse(fmt::format(
         "layers grow into one label at a time, but the patches are at {}; say which with --into LABEL",
-        list_of(at_chosen, info)));
+        label_list(at_chosen, info)));
   if (options.into == 0 && !at_chosen.empty()) choice.into = *at_chosen.begin();
   return choice;
 }

@@ -97,23 +97,24 @@ std::vector<double> smoothed(const LayerSurface& surface, std::vector<double> va
   return values;
 }
 
-/// At each vertex the least of its value and those around it that rise by `slope` along the way; returns
-/// whether any became less.
-bool limit_slope(const LayerSurface& surface, double slope, std::vector<double>& values) {
+/// Each value as low as those around it ask for, which may rise by `slope` along the way.
+void limit_slope(const LayerSurface& surface, double slope, int most_sweeps, std::vector<double>& values) {
   constexpr double kNoticed = 1e-9;
   std::vector<double> next(values.size());
-  std::uint8_t changed = 0;
-  parallel::for_each_index(values.size(), [&](std::size_t v) {
-    next[v] = values[v];
-    for (const std::uint32_t w : surface.neighbours.of(v))
-      next[v] = std::min(next[v], values[w] + slope * (surface.points[w] - surface.points[v]).norm());
-    if (next[v] < (1 - kNoticed) * values[v])
-      parallel::raise(changed);
-    else
+  std::uint8_t changed = 1;
+  for (int sweep = 0; sweep < most_sweeps && changed != 0; ++sweep) {
+    changed = 0;
+    parallel::for_each_index(values.size(), [&](std::size_t v) {
       next[v] = values[v];
-  });
-  values.swap(next);
-  return changed != 0;
+      for (const std::uint32_t w : surface.neighbours.of(v))
+        next[v] = std::min(next[v], values[w] + slope * (surface.points[w] - surface.points[v]).norm());
+      if (next[v] < (1 - kNoticed) * values[v])
+        parallel::raise(changed);
+      else
+        next[v] = values[v];
+    });
+    values.swap(next);
+  }
 }
 
 /// What heights are multiples of, at every vertex, in mm.
@@ -139,8 +140,7 @@ std::vector<double> scales_of(const LayerSurface& surface, const Directions& dir
         values[v] = sum / static_cast<double>(around.size());
       },
       64);
-  for (int sweep = 0; sweep < kMostSweeps && limit_slope(surface, kSlope, values); ++sweep)
-    ;
+  limit_slope(surface, kSlope, kMostSweeps, values);
   return smoothed(surface, std::move(values), kSweeps);
 }
 
@@ -210,8 +210,7 @@ void smooth_lengths(const LayerSurface& surface, Columns& columns) {
   std::vector<double> lengths(surface.points.size());
   parallel::for_each_index(lengths.size(), [&](std::size_t v) { lengths[v] = columns.length_mm(v); });
   std::vector<double> shorter = lengths;
-  for (int sweep = 0; sweep < kMostSweeps && limit_slope(surface, kSlope, shorter); ++sweep)
-    ;
+  limit_slope(surface, kSlope, kMostSweeps, shorter);
   parallel::for_each_index(lengths.size(), [&](std::size_t v) {
     if (shorter[v] < lengths[v]) columns.shorten(v, shorter[v], LayerLimit::kNeighbour);
   });

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "lumesh/mesh/parts.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "prism.hpp"
 
 namespace lumesh::layers {
@@ -80,17 +81,8 @@ class LayerBuilder {
   std::int32_t patch_named(const std::string& name, PatchKind kind, std::array<Label, 2> labels) {
     const auto [place, is_new] =
         patch_numbers_.try_emplace(name, static_cast<std::int32_t>(out_.info.patches.size()));
-    if (is_new) out_.info.patches.push_back({free_name(name), kind, labels});
+    if (is_new) out_.info.patches.push_back({free_patch_name(out_.info.patches, name), kind, labels});
     return place->second;
-  }
-  [[nodiscard]] std::string free_name(const std::string& wanted) const {
-    const auto is_taken = [&](const std::string& name) {
-      return std::any_of(out_.info.patches.begin(), out_.info.patches.end(),
-                         [&](const Patch& patch) { return patch.name == name; });
-    };
-    std::string name = wanted;
-    for (int next = 2; is_taken(name); ++next) name = fmt::format("{}_{}", wanted, next);
-    return name;
   }
   /// Faces of the mesh; those under layers are between labels now, if it is another one. Parts of a patch
   /// that stay bare get a patch of their own, unless nothing is behind it.

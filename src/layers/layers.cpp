@@ -100,10 +100,6 @@ void refuse_huge(const LayerSurface& surface, const Columns& columns, double thi
                     thickness, (high - low).norm()));
 }
 
-}  // namespace
-
-namespace {
-
 /// Columns as high as can be said before the mesh itself is asked.
 Columns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options,
                    double thickness, const Growth& growth) {
@@ -115,10 +111,6 @@ Columns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const LayerO
   smooth_lengths(growth.surface, columns);
   return columns;
 }
-
-}  // namespace
-
-namespace {
 
 LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
                     const LayerOptions& options, Context& context) {

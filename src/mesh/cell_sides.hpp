@@ -25,6 +25,16 @@ using FaceCorners = Cell<4>;
 [[nodiscard]] inline FaceCorners face_of(const Cell<4>& quadrilateral) {
   return quadrilateral;
 }
+/// Adds a face to the triangles or quadrilaterals of a mesh.
+inline void append_face(const FaceCorners& face, std::int32_t patch, MixedMesh& mesh) {
+  if (is_triangle(face)) {
+    mesh.triangles.push_back({face[0], face[1], face[2]});
+    mesh.triangle_patches.push_back(patch);
+  } else {
+    mesh.quadrilaterals.push_back(face);
+    mesh.quadrilateral_patches.push_back(patch);
+  }
+}
 /// Corners in ascending order, for triangles with the highest number at the end: equal for the same face
 /// whichever way it is turned.
 [[nodiscard]] Cell<4> key_of(const FaceCorners& face);

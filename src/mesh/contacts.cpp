@@ -51,17 +51,10 @@ struct FreeSurface {
 
 FreeSurface free_surface(const PartSurface& part, const std::vector<std::uint32_t>& numbers,
                          std::span<const Contact> contacts) {
-  const auto is_contact = [&](const FaceCorners& face) {
-    const Cell<4> key = key_of(face);
-    const auto found =
-        std::lower_bound(contacts.begin(), contacts.end(), key,
-                         [](const Contact& contact, const Cell<4>& wanted) { return contact.key < wanted; });
-    return found != contacts.end() && found->key == key;
-  };
   FreeSurface surface;
   for (const FaceCorners& own : part.faces) {
     const FaceCorners face = joined_face(own, numbers);
-    if (is_contact(face)) continue;
+    if (find_contact(contacts, face) != nullptr) continue;
     surface.faces.push_back(face);
     surface.triangles.push_back({face[0], face[1], face[2]});
     if (!is_triangle(face)) surface.triangles.push_back({face[0], face[2], face[3]});
@@ -158,6 +151,14 @@ std::vector<Contact> find_contacts(std::span<const PartSurface> parts, const Joi
         {one.key, {one.outward, other.outward}, {one.part, other.part}, {one.label, other.label}});
   }
   return contacts;
+}
+
+const Contact* find_contact(std::span<const Contact> contacts, const FaceCorners& face) {
+  const Cell<4> key = key_of(face);
+  const auto found =
+      std::lower_bound(contacts.begin(), contacts.end(), key,
+                       [](const Contact& contact, const Cell<4>& wanted) { return contact.key < wanted; });
+  return found != contacts.end() && found->key == key ? &*found : nullptr;
 }
 
 void check_surfaces_match(std::span<const PartSurface> parts, const JoinedPoints& joined,

@@ -24,6 +24,9 @@ struct Contact {
 [[nodiscard]] std::vector<Contact> find_contacts(std::span<const PartSurface> parts,
                                                  const JoinedPoints& joined);
 
+/// That of a face; null if there is none. @param contacts  In the order of their keys.
+[[nodiscard]] const Contact* find_contact(std::span<const Contact> contacts, const FaceCorners& face);
+
 /// @throws Error{kBadInput} where the surfaces of two parts lie on each other without sharing faces.
 void check_surfaces_match(std::span<const PartSurface> parts, const JoinedPoints& joined,
                           std::span<const Contact> contacts);

@@ -2,8 +2,8 @@
 #include <set>
 #include <utility>
 
+#include "lumesh/mesh/patch_list.hpp"
 #include "merged_names.hpp"
-#include "patch_list.hpp"
 
 namespace lumesh::detail {
 namespace {
@@ -57,12 +57,8 @@ class FaceMerger {
       visit(joined(face_of(mesh.quadrilaterals[f])), mesh.quadrilateral_patches[f]);
   }
   [[nodiscard]] std::uint32_t contact_at(const FaceCorners& face) const {
-    const Cell<4> key = key_of(face);
-    const auto found =
-        std::lower_bound(contacts_.begin(), contacts_.end(), key,
-                         [](const Contact& contact, const Cell<4>& wanted) { return contact.key < wanted; });
-    if (found == contacts_.end() || found->key != key) return kNoContact;
-    return static_cast<std::uint32_t>(found - contacts_.begin());
+    const Contact* found = find_contact(contacts_, face);
+    return found == nullptr ? kNoContact : static_cast<std::uint32_t>(found - contacts_.data());
   }
 
   /// Counts the uses of a part's patches.
@@ -133,7 +129,7 @@ class FaceMerger {
     std::vector<Patch>& patches = mesh_.info.patches;
     const auto [place, is_new] =
         by_name_.try_emplace({wanted.name, wanted.kind}, static_cast<std::int32_t>(patches.size()));
-    if (is_new) patches.push_back({free_name(patches, wanted.name), wanted.kind, wanted.labels});
+    if (is_new) patches.push_back({free_patch_name(patches, wanted.name), wanted.kind, wanted.labels});
     return place->second;
   }
 
@@ -142,7 +138,7 @@ class FaceMerger {
     for_each_face(part, [&](const FaceCorners& face, std::int32_t patch) {
       if (const std::uint32_t c = contact_at(face); c != kNoContact) return add_contact(c);
       const bool known = patch >= 0 && static_cast<std::size_t>(patch) < numbers.size();
-      add_face(face, known ? numbers[static_cast<std::size_t>(patch)] : patch);
+      append_face(face, known ? numbers[static_cast<std::size_t>(patch)] : patch, mesh_);
     });
   }
   /// Once, out of the cell of the lower label.
@@ -150,16 +146,7 @@ class FaceMerger {
     if (is_placed_[c] != 0 || is_within_one_label(c)) return;
     is_placed_[c] = 1;
     const Contact& contact = contacts_[c];
-    add_face(contact.outward[contact.labels[0] < contact.labels[1] ? 0 : 1], interface_patch(c));
-  }
-  void add_face(const FaceCorners& face, std::int32_t patch) {
-    if (is_triangle(face)) {
-      mesh_.triangles.push_back({face[0], face[1], face[2]});
-      mesh_.triangle_patches.push_back(patch);
-    } else {
-      mesh_.quadrilaterals.push_back(face);
-      mesh_.quadrilateral_patches.push_back(patch);
-    }
+    append_face(contact.outward[contact.labels[0] < contact.labels[1] ? 0 : 1], interface_patch(c), mesh_);
   }
 
   std::span<const MergePart> parts_;

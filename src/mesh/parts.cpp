@@ -9,23 +9,13 @@
 
 #include "cell_sides.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "patch_list.hpp"
 
 namespace lumesh {
 namespace {
 
 using namespace detail;
-
-std::string label_list(const MixedMesh& mesh) {
-  std::string list;
-  for (const Label label : labels_of(mesh)) {
-    list += (list.empty() ? "" : ", ") + std::to_string(label);
-    const auto name = mesh.info.label_names.find(label);
-    if (name != mesh.info.label_names.end() && !name->second.empty()) list += " (" + name->second + ")";
-  }
-  return list;
-}
 
 /// Takes the cells of some labels out of a mesh.
 class PartBuilder {
@@ -110,7 +100,7 @@ class PartBuilder {
   std::int32_t add_cut_patch(const std::string& name, Label inside, std::int32_t of_whole) {
     result_.patches.push_back(of_whole);
     part_.info.patches.push_back(
-        {free_name(part_.info.patches, name), PatchKind::kWall, {inside, kBackground}});
+        {free_patch_name(part_.info.patches, name), PatchKind::kWall, {inside, kBackground}});
     result_.cut.emplace_back(static_cast<std::uint32_t>(part_.info.patches.size()) - 1);
     return static_cast<std::int32_t>(result_.cut.back().value);
   }
@@ -145,14 +135,7 @@ class PartBuilder {
     add_face(found.is_cut ? sides_.outward(found.staying.front()) : face, number);
   }
   void add_face(const FaceCorners& face, std::int32_t patch) {
-    const Cell<4> v = {numbers_[face[0]], numbers_[face[1]], numbers_[face[2]], numbers_[face[3]]};
-    if (is_triangle(face)) {
-      part_.triangles.push_back({v[0], v[1], v[2]});
-      part_.triangle_patches.push_back(patch);
-    } else {
-      part_.quadrilaterals.push_back(v);
-      part_.quadrilateral_patches.push_back(patch);
-    }
+    append_face({numbers_[face[0]], numbers_[face[1]], numbers_[face[2]], numbers_[face[3]]}, patch, part_);
   }
   /// Faces between cells that stay and cells that go, where no patch lists them.
   void add_unlisted_faces() {
@@ -214,6 +197,16 @@ std::set<Label> labels_of(const MixedMesh& mesh) {
   return labels;
 }
 
+std::string label_list(const std::set<Label>& labels, const MeshInfo& info) {
+  std::string list;
+  for (const Label label : labels) {
+    list += (list.empty() ? "" : ", ") + std::to_string(label);
+    const auto name = info.label_names.find(label);
+    if (name != info.label_names.end() && !name->second.empty()) list += " (" + name->second + ")";
+  }
+  return list;
+}
+
 std::set<Label> labels_called(const MixedMesh& mesh, std::span<const std::string> wanted) {
   const std::set<Label> present = labels_of(mesh);
   std::set<Label> found;
@@ -228,7 +221,7 @@ std::set<Label> labels_called(const MixedMesh& mesh, std::span<const std::string
       known = true, found.insert(number);
     if (!known)
       throw Error(ErrorKind::kBadInput,
-                  "no cell has the label " + word + "; labels present: " + label_list(mesh));
+                  "no cell has the label " + word + "; labels present: " + label_list(present, mesh.info));
   }
   return found;
 }

@@ -17,13 +17,6 @@ CORNERS = {"Tetrahedra": 4, "Pyramids": 5, "Prisms": 6, "Hexahedra": 8}
 
 
 class KeepTest(MeshTest):
-    def layered(self, *options):
-        image, mesh, layered = self.folder / "b.nrrd", self.folder / "b.vtu", self.folder / "layered.vtu"
-        self.run_well("phantom", "bifurcation", "--size", 88, 64, 80, "--spacing", 0.3, "-o", image)
-        self.run_well("lattice", image, "-o", mesh)
-        self.run_well("layers", mesh, "--first-height", 0.1, "--count", 3, *options, "-o", layered)
-        return layered
-
     def sized(self, mesh, label, size):
         """With the same size everywhere, but for what stands at kept cells."""
         sizes, found = self.folder / "sized.vtu", ("--curvature", "--min-size", size, "--max-size", size)

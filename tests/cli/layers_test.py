@@ -20,12 +20,6 @@ class LayersTest(MeshTest):
         points, tetrahedra, triangles = cube(4)
         write_medit(self.mesh, points, tetrahedra, triangles)
 
-    def vessel(self):
-        image, mesh = self.folder / "b.nrrd", self.folder / "b.vtu"
-        self.run_well("phantom", "bifurcation", "--size", 88, 64, 80, "--spacing", 0.3, "-o", image)
-        self.run_well("lattice", image, "-o", mesh)
-        return mesh
-
     def test_grows_named_layers_and_says_what_it_achieved(self):
         numbers, page = self.folder / "layers.json", self.folder / "layers.html"
         result = self.run_well("layers", self.vessel(), "--patch", "wall", "--first-height", 0.1, "--growth", 1.2, "--count", 4,

@@ -25,14 +25,6 @@ def shifted(mesh, x):
 
 
 class MergeTest(MeshTest):
-    def vessel(self, *options):
-        """A vessel with layers around or within it."""
-        image, mesh, layered = self.folder / "b.nrrd", self.folder / "b.vtu", self.folder / "layered.vtu"
-        self.run_well("phantom", "bifurcation", "--size", 88, 64, 80, "--spacing", 0.3, "-o", image)
-        self.run_well("lattice", image, "-o", mesh)
-        self.run_well("layers", mesh, "--first-height", 0.1, "--count", 3, *options, "-o", layered)
-        return layered
-
     def part(self, mesh, label, name):
         path = self.folder / name
         self.run_well("convert", mesh, path, "--only-labels", label)
@@ -49,7 +41,7 @@ class MergeTest(MeshTest):
     def test_layers_taken_off_and_put_back_are_the_same_mesh(self):
         for options, label in ((("--cells", "prisms"), "wall"), (("--side", "inward"), "layer")):
             with self.subTest(label):
-                whole = self.vessel(*options)
+                whole = self.layered(*options)
                 layers, rest = self.part(whole, label, "layers.vtu"), self.part(whole, 1, "rest.vtu")
                 for files in ((rest, layers), (layers, rest)):
                     numbers = self.folder / "merge.json"
@@ -61,7 +53,7 @@ class MergeTest(MeshTest):
                     self.assertAlmostEqual(told["shared_area"], self.summary(whole)[1][interface], places=5)
 
     def test_a_file_in_single_precision_joins_one_in_double(self):
-        whole = self.vessel()
+        whole = self.layered()
         layers, rest = self.part(whole, "wall", "layers.mesh"), self.part(whole, 1, "rest.mesh")
         points, tetrahedra, triangles = read_medit(layers)
         write_medit(layers, [tuple(map(single, p)) for p in points], tetrahedra, triangles)

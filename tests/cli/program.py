@@ -48,6 +48,19 @@ class MeshTest(ProgramTest):
         self.run_well("evaluate", mesh, "--json", numbers)
         return json.loads(numbers.read_text())
 
+    def vessel(self):
+        """A bifurcation with a sac, of tetrahedra."""
+        image, mesh = self.folder / "b.nrrd", self.folder / "b.vtu"
+        self.run_well("phantom", "bifurcation", "--size", 88, 64, 80, "--spacing", 0.3, "-o", image)
+        self.run_well("lattice", image, "-o", mesh)
+        return mesh
+
+    def layered(self, *options):
+        """The vessel with layers around or within it."""
+        layered = self.folder / "layered.vtu"
+        self.run_well("layers", self.vessel(), "--first-height", 0.1, "--count", 3, *options, "-o", layered)
+        return layered
+
     def assert_refused(self, result, code, *words):
         super().assert_refused(result, code, *words)
         self.assertFalse(self.out.exists())

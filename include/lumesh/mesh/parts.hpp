@@ -17,6 +17,9 @@ namespace lumesh {
 /// The labels that cells of a mesh have.
 [[nodiscard]] std::set<Label> labels_of(const MixedMesh& mesh);
 
+/// For messages: "1 (lumen), 2".
+[[nodiscard]] std::string label_list(const std::set<Label>& labels, const MeshInfo& info);
+
 /// Labels by their names or numbers; a name that several labels have means all of them.
 /// @throws Error{kBadInput} for one that no cell has; it lists those there are.
 [[nodiscard]] std::set<Label> labels_called(const MixedMesh& mesh, std::span<const std::string> wanted);

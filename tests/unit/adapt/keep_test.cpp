@@ -20,14 +20,7 @@ using Place = std::array<double, 3>;
 MixedMesh block() {
   const TetMesh mesh = fixtures::two_label_block(4).build();
   const BoundaryFaces faces = mesh.boundary_faces();
-  MixedMesh mixed;
-  mixed.points.assign(mesh.points().begin(), mesh.points().end());
-  mixed.tetrahedra.assign(mesh.tets().begin(), mesh.tets().end());
-  mixed.tetrahedron_labels.assign(mesh.labels().begin(), mesh.labels().end());
-  mixed.triangles = faces.triangles;
-  mixed.triangle_patches = faces.patches;
-  mixed.info = mesh.info();
-  return mixed;
+  return copy_of(mesh.view(faces));
 }
 
 /// The tetrahedra of a label, by the places of their corners in their order.

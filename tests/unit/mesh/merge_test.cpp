@@ -16,14 +16,7 @@ namespace {
 
 MixedMesh mixed_of(const TetMesh& mesh) {
   const BoundaryFaces faces = mesh.boundary_faces();
-  MixedMesh mixed;
-  mixed.points.assign(mesh.points().begin(), mesh.points().end());
-  mixed.tetrahedra.assign(mesh.tets().begin(), mesh.tets().end());
-  mixed.tetrahedron_labels.assign(mesh.labels().begin(), mesh.labels().end());
-  mixed.triangles = faces.triangles;
-  mixed.triangle_patches = faces.patches;
-  mixed.info = mesh.info();
-  return mixed;
+  return copy_of(mesh.view(faces));
 }
 
 /// A cube of six tetrahedra, its corners moved by `place`; where that mirrors it, it is turned round.

@@ -7,10 +7,11 @@
 
 #include "lumesh/mesh/mixed_mesh.hpp"
 
-namespace lumesh::detail {
+namespace lumesh {
 
 /// A name that no patch has: the wanted one, or with a number behind it.
-[[nodiscard]] inline std::string free_name(const std::vector<Patch>& patches, const std::string& wanted) {
+[[nodiscard]] inline std::string free_patch_name(const std::vector<Patch>& patches,
+                                                 const std::string& wanted) {
   const auto is_taken = [&](const std::string& name) {
     return std::any_of(patches.begin(), patches.end(),
                        [&](const Patch& patch) { return patch.name == name; });
@@ -26,4 +27,4 @@ namespace lumesh::detail {
   return "interface_" + std::to_string(std::min(a, b)) + "_" + std::to_string(std::max(a, b));
 }
 
-}  // namespace lumesh::detail
+}  // namespace lumesh
