@@ -44,5 +44,6 @@ class Summary {
 };
 
 void run_field(const RunOptions& options);
+void run_mesh(const RunOptions& options);
 
 }  // namespace lumesh::boundary

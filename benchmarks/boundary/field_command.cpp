@@ -6,6 +6,7 @@
 #include "field.hpp"
 #include "references.hpp"
 #include "shapes.hpp"
+#include "table.hpp"
 
 namespace lumesh::boundary {
 
@@ -58,33 +59,6 @@ struct Row {
   }
 };
 
-std::string number(double value, int digits) {
-  return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, digits);
-}
-
-/// Counts the figures that have a reference, and those within its bounds.
-class Tally {
- public:
-  /// The figure and its reference.
-  std::string judge(const char* name, double figure, double reference, int digits) {
-    const double last_digit = std::pow(10, -digits);
-    const Verdict verdict = compare(figure, reference, last_digit);
-    if (verdict != Verdict::kNoReference) ++compared_;
-    if (verdict == Verdict::kGood) ++good_;
-    if (verdict == Verdict::kWorse) worse_ += std::string(worse_.empty() ? "" : " ") + name;
-    return number(figure, digits) + "/" + number(reference, digits);
-  }
-  [[nodiscard]] std::string verdict() const {
-    return compared_ == 0 ? "-" : worse_.empty() ? "ok" : "WORSE: " + worse_;
-  }
-  [[nodiscard]] int compared() const { return compared_; }
-  [[nodiscard]] int good() const { return good_; }
-
- private:
-  int compared_ = 0, good_ = 0;
-  std::string worse_;
-};
-
 constexpr const char* kLayout =
     "{:<28} {:>7} {:>12} {:>12} {:>11} {:>7} {:>12} {:>6} {:>12} {:>5} {:>6} {:>6} {:>6} {:>4} {:>6} {:>5}  "
     "{}\n";
@@ -101,12 +75,13 @@ void print_head() {
 Tally print_row(const std::string& name, const Row& row) {
   const Reference ref = reference_of(name);
   Tally tally;
-  const std::string rough = tally.judge("rough", row.roughness.root_mean_square(), ref.roughness, 3);
+  const std::string rough = tally.judge("rough", row.roughness.root_mean_square(), ref.roughness, 3, 0.002);
   const std::string aligned =
-      tally.judge("aligned", row.aligned.root_mean_square(), ref.aligned_roughness, 3);
-  const std::string normal = tally.judge("normal", row.normal.root_mean_square(), ref.normal_deg, 2);
-  const std::string radius = tally.judge("radius", row.radius.root_mean_square(), ref.radius_percent, 1);
-  const std::string volume = tally.judge("volume", row.volume.mean(), ref.volume_percent, 1);
+      tally.judge("aligned", row.aligned.root_mean_square(), ref.aligned_roughness, 3, 0.002);
+  const std::string normal = tally.judge("normal", row.normal.root_mean_square(), ref.normal_deg, 2, 0.02);
+  const std::string radius =
+      tally.judge("radius", row.radius.root_mean_square(), ref.radius_percent, 2, 0.05);
+  const std::string volume = tally.judge("volume", row.volume.mean(), ref.volume_percent, 1, 0.3);
   fmt::print(kLayout, name, number(row.mean.mean(), 3), rough, aligned, normal, number(row.radius.mean(), 2),
              radius, number(row.variation.root_mean_square(), 2), volume, number(row.furthest, 2),
              number(row.lost.mean(), 1), number(row.border.root_mean_square(), 3),

@@ -29,10 +29,13 @@ int main(int argc, char** argv) {
   int threads = 0;
   CLI::App* field = app.add_subcommand("field", "The domain's boundary against the exact surfaces");
   add_options(*field, options, threads);
+  CLI::App* mesh = app.add_subcommand("mesh", "The walls of meshes against the exact surfaces");
+  add_options(*mesh, options, threads);
   CLI11_PARSE(app, argc, argv);
   try {
     const lumesh::parallel::ThreadLimit limit(threads);
     if (field->parsed()) lumesh::boundary::run_field(options);
+    if (mesh->parsed()) lumesh::boundary::run_mesh(options);
   } catch (const std::exception& error) {
     fmt::print(stderr, "lumesh_boundary: error: {}\n", error.what());
     return 1;

@@ -82,10 +82,10 @@ Reference reference_of(const std::string& case_name) {
   return found == std::end(kReferences) ? Reference{} : *found;
 }
 
-Verdict compare(double figure, double reference, double last_digit) {
+Verdict compare(double figure, double reference, double slack) {
   constexpr double kFactor = 1.2;
   if (std::isnan(reference)) return Verdict::kNoReference;
-  return std::abs(figure) <= kFactor * std::abs(reference) + last_digit ? Verdict::kGood : Verdict::kWorse;
+  return std::abs(figure) <= kFactor * std::abs(reference) + slack ? Verdict::kGood : Verdict::kWorse;
 }
 
 }  // namespace lumesh::boundary

@@ -25,6 +25,6 @@ struct Reference {
 /// Figures scatter from place to place: they count as good within this factor of the reference and a little
 /// for its last digit.
 enum class Verdict { kNoReference, kGood, kWorse };
-[[nodiscard]] Verdict compare(double figure, double reference, double last_digit);
+[[nodiscard]] Verdict compare(double figure, double reference, double slack);
 
 }  // namespace lumesh::boundary
