@@ -9,9 +9,9 @@
 namespace lumesh::boundary {
 
 struct RunOptions {
-  std::string only;       ///< Regular expression that part of a case's name has to match; empty: all.
-  std::string json_path;  ///< Empty: none.
-  int seeds = 5;          ///< Random places for each shape.
+  std::string only = {};       ///< Regular expression that part of a case's name has to match; empty: all.
+  std::string json_path = {};  ///< Empty: none.
+  int seeds = 5;               ///< Random places for each shape.
   int first_seed = 1;
 };
 
@@ -45,5 +45,7 @@ class Summary {
 
 void run_field(const RunOptions& options);
 void run_mesh(const RunOptions& options);
+/// Of random label images; `only` picks meshers.
+void run_topology(const RunOptions& options);
 
 }  // namespace lumesh::boundary

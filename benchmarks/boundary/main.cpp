@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <string>
 
 #include "commands.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -12,30 +13,45 @@ namespace {
 
 using lumesh::boundary::RunOptions;
 
-void add_options(CLI::App& command, RunOptions& options, int& threads) {
-  command.add_option("--only", options.only, "Regular expression: cases whose name it matches in part");
-  command.add_option("--seeds", options.seeds, "Random images of each case")->capture_default_str();
-  command.add_option("--first-seed", options.first_seed, "The others follow it")->capture_default_str();
-  command.add_option("--json", options.json_path, "Writes one line of JSON per image");
-  command.add_option("--threads", threads, "0: all cores")->capture_default_str();
-}
+/// A part of the benchmark and its options, with its own number of seeds.
+struct Part {
+  void (*run)(const RunOptions&) = nullptr;
+  RunOptions options;
+  int threads = 0;
+  const CLI::App* command = nullptr;
+
+  void add_to(CLI::App& app, const std::string& name, const std::string& about, const std::string& only) {
+    CLI::App* added = app.add_subcommand(name, about);
+    added->add_option("--only", options.only, only);
+    added->add_option("--seeds", options.seeds, "Random images of each case")->capture_default_str();
+    added->add_option("--first-seed", options.first_seed, "The others follow it")->capture_default_str();
+    added->add_option("--json", options.json_path, "Writes one line of JSON per image");
+    added->add_option("--threads", threads, "0: all cores")->capture_default_str();
+    command = added;
+  }
+};
 
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("How true the boundary is that lumesh derives from images of known shapes");
   app.require_subcommand(1);
-  RunOptions options;
-  int threads = 0;
-  CLI::App* field = app.add_subcommand("field", "The domain's boundary against the exact surfaces");
-  add_options(*field, options, threads);
-  CLI::App* mesh = app.add_subcommand("mesh", "The walls of meshes against the exact surfaces");
-  add_options(*mesh, options, threads);
+  Part field{lumesh::boundary::run_field, {.seeds = 5}};
+  Part mesh{lumesh::boundary::run_mesh, {.seeds = 2}};
+  Part topology{lumesh::boundary::run_topology, {.seeds = 500}};
+  field.add_to(app, "field", "The domain's boundary against the exact surfaces",
+               "Regular expression: cases whose name it matches in part");
+  mesh.add_to(app, "mesh", "The walls of meshes against the exact surfaces",
+              "Regular expression: cases whose name it matches in part");
+  topology.add_to(app, "topology", "Pieces, volumes and distances of random label images",
+                  "Regular expression: meshers whose name it matches in part; `none': the domain alone");
   CLI11_PARSE(app, argc, argv);
   try {
-    const lumesh::parallel::ThreadLimit limit(threads);
-    if (field->parsed()) lumesh::boundary::run_field(options);
-    if (mesh->parsed()) lumesh::boundary::run_mesh(options);
+    for (const Part& part : {field, mesh, topology}) {
+      if (!part.command->parsed()) continue;
+      const lumesh::parallel::ThreadLimit limit(part.threads);
+      part.run(part.options);
+    }
   } catch (const std::exception& error) {
     fmt::print(stderr, "lumesh_boundary: error: {}\n", error.what());
     return 1;

@@ -31,6 +31,7 @@ nlohmann::ordered_json json_of(const std::string& name, int seed, Mesher mesher,
           {"wall_vertices", f.wall_vertices},
           {"distance_max_voxels", f.distance_max_mm},
           {"distance_rms_voxels", f.distance_rms_mm},
+          {"lift_voxels", f.lift_mm},
           {"mean_voxels", f.wall.mean_mm},
           {"roughness_voxels", f.wall.roughness_mm},
           {"aligned_roughness_voxels", f.wall.aligned_mm},
@@ -45,13 +46,14 @@ nlohmann::ordered_json json_of(const std::string& name, int seed, Mesher mesher,
 }
 
 struct Row {
-  Summary rms, roughness, aligned, normal, floor, volume, voxel_volume, radius, floor_radius, tetrahedra,
-      seconds;
+  Summary rms, lift, roughness, aligned, normal, floor, volume, voxel_volume, radius, floor_radius,
+      tetrahedra, seconds;
   double furthest = 0;
   int failures = 0;
 
   void add(const MeshFigures& f) {
     rms.add(f.distance_rms_mm);
+    lift.add(f.lift_mm);
     roughness.add(f.wall.roughness_mm);
     aligned.add(f.wall.aligned_mm);
     normal.add(f.wall.normal_deg);
@@ -67,18 +69,19 @@ struct Row {
 };
 
 constexpr const char* kLayout =
-    "{:<28} {:<9} {:>8} {:>7} {:>7} {:>12} {:>12} {:>12} {:>6} {:>7} {:>7} {:>7} {:>7} {:>6}  {}\n";
+    "{:<28} {:<9} {:>8} {:>7} {:>7} {:>7} {:>12} {:>12} {:>12} {:>6} {:>7} {:>7} {:>7} {:>7} {:>6}  {}\n";
 
 void print_head() {
   fmt::print(
-      "Distances from the wall's vertices to the domain's boundary: largest and r.m.s., voxels. rough, "
+      "Distances from the wall's vertices to the domain's boundary: largest, r.m.s. and mean outwards, "
+      "voxels. rough, "
       "aligned,\n"
       "normal: figure / reference for the domain. floor: the normals' error with the vertices on the exact\n"
       "surface; a normal is judged by the floor and the reference together. radius: mean of sections; floor "
       "as\n"
       "above. volume, of the voxels: against the exact volume, per cent.\n");
-  fmt::print(kLayout, "case", "mesher", "tets", "max", "rms", "rough", "aligned", "normal", "floor", "volume",
-             "voxels", "radius", "floor", "s", "verdict");
+  fmt::print(kLayout, "case", "mesher", "tets", "max", "rms", "lift", "rough", "aligned", "normal", "floor",
+             "volume", "voxels", "radius", "floor", "s", "verdict");
 }
 
 Tally print_row(const std::string& name, Mesher mesher, const Row& row) {
@@ -92,9 +95,10 @@ Tally print_row(const std::string& name, Mesher mesher, const Row& row) {
   const std::string normal =
       tally.judge("normal", row.normal.root_mean_square(), std::hypot(floor, ref.normal_deg), 2, 0.02);
   fmt::print(kLayout, name, name_of(mesher), number(row.tetrahedra.mean(), 0),
-             largest.substr(0, largest.find('/')), number(row.rms.root_mean_square(), 4), rough, aligned,
-             normal, number(floor, 2), number(row.volume.mean(), 2), number(row.voxel_volume.mean(), 2),
-             number(row.radius.mean(), 2), number(row.floor_radius.mean(), 2), number(row.seconds.mean(), 1),
+             largest.substr(0, largest.find('/')), number(row.rms.root_mean_square(), 4),
+             number(row.lift.mean(), 4), rough, aligned, normal, number(floor, 2),
+             number(row.volume.mean(), 2), number(row.voxel_volume.mean(), 2), number(row.radius.mean(), 2),
+             number(row.floor_radius.mean(), 2), number(row.seconds.mean(), 1),
              tally.verdict() + (row.failures > 0 ? fmt::format(", {} not meshed", row.failures) : ""));
   std::fflush(stdout);
   return tally;

@@ -72,7 +72,7 @@ std::vector<WallSample> vertex_samples(const Shape& shape, const std::vector<Vec
   return samples;
 }
 
-/// From a point near it to the boundary, by steps along the gradient.
+/// From a point near it to the boundary, by steps along the gradient; > 0 outside.
 double distance_to_boundary(const ImageDomain& domain, const Vec3& point) {
   constexpr int kSteps = 6;
   constexpr double kLongest = 0.5;
@@ -83,7 +83,7 @@ double distance_to_boundary(const ImageDomain& domain, const Vec3& point) {
     if (move.norm() > kLongest) move *= kLongest / move.norm();
     p += move;
   }
-  return (p - point).norm();
+  return (domain.separation_value(point, 1, 0) > 0 ? -1 : 1) * (p - point).norm();
 }
 
 double volume_of(const MixedMesh& mesh) {
@@ -171,7 +171,8 @@ MeshFigures measure_mesh(const Shape& shape, const LabelImage& image, const Imag
   double square = 0;
   for (const std::uint32_t v : wall.vertices) {
     const double distance = distance_to_boundary(domain, mesh.points[v]);
-    figures.distance_max_mm = std::max(figures.distance_max_mm, distance);
+    figures.distance_max_mm = std::max(figures.distance_max_mm, std::abs(distance));
+    figures.lift_mm += distance / static_cast<double>(wall.vertices.size());
     square += distance * distance;
   }
   figures.distance_rms_mm =

@@ -11,6 +11,8 @@ struct MeshFigures {
   std::size_t tetrahedra = 0, wall_vertices = 0;
   double distance_max_mm = 0;  ///< From vertices of the wall to the domain's boundary.
   double distance_rms_mm = 0;
+  double lift_mm =
+      0;  ///< Mean distance, > 0 outwards: meshers lift vertices to make up for the flat facets' volume.
   Deviation wall;  ///< Of the wall's vertices and the normals there, the facets' weighted by angle.
   Deviation
       floor;  ///< The same once the vertices have been moved onto the exact surface: what flat facets cost.
