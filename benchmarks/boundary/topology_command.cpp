@@ -131,6 +131,8 @@ struct Totals {
   std::size_t images = 0, labels = 0, ambiguous = 0;
   std::map<std::string, int> images_with, labels_with;
   std::map<Mesher, double> seconds;
+  std::map<std::string, int> images_of_kind;
+  std::map<std::string, std::map<std::string, int>> kinds_with;  ///< Images by check, then kind.
 };
 
 /// What meshes are compared with.
@@ -178,8 +180,10 @@ void check_image(const RandomLabels& random, const RunOptions& options, Faults& 
 void print_faults(std::uint64_t seed, const RandomLabels& random, const Faults& faults, Totals& totals) {
   constexpr std::size_t kMostReasons = 3;
   const Index3& size = random.image.frame().size;
+  ++totals.images_of_kind[random.kind];
   for (const auto& [check, reasons] : faults.by_check()) {
     ++totals.images_with[check];
+    ++totals.kinds_with[check][random.kind];
     if (!check.ends_with("topology")) totals.labels_with[check] += static_cast<int>(reasons.size());
     std::string text;
     for (std::size_t r = 0; r < std::min(reasons.size(), kMostReasons); ++r)
@@ -198,6 +202,27 @@ nlohmann::ordered_json json_of(std::uint64_t seed, const RandomLabels& random, c
   return json;
 }
 
+void print_totals(Totals& totals) {
+  fmt::print(
+      "{} images, {} labels, of which {} meet themselves in an edge across one other label: their topology "
+      "is\n"
+      "not decided by the voxels and not compared. Images with a fault, labels with it, images by "
+      "kind:\n{:<22} "
+      "{:>7} {:>7}",
+      totals.images, totals.labels, totals.ambiguous, "fault", "images", "labels");
+  for (const auto& [kind, images] : totals.images_of_kind) fmt::print(" {:>12}", kind);
+  fmt::print("\n{:<22} {:>7} {:>7}", "all", totals.images, totals.labels);
+  for (const auto& [kind, images] : totals.images_of_kind) fmt::print(" {:>12}", images);
+  for (const auto& [check, images] : totals.images_with) {
+    fmt::print("\n{:<22} {:>7} {:>7}", check, images, totals.labels_with[check]);
+    for (const auto& [kind, all] : totals.images_of_kind)
+      fmt::print(" {:>12}", totals.kinds_with[check][kind]);
+  }
+  fmt::print("\n");
+  for (const auto& [mesher, seconds] : totals.seconds)
+    fmt::print("{}: {:.2f} s per image\n", name_of(mesher), seconds / static_cast<double>(totals.images));
+}
+
 }  // namespace
 
 void run_topology(const RunOptions& options) {
@@ -211,14 +236,7 @@ void run_topology(const RunOptions& options) {
     print_faults(number_of_seed, random, faults, totals);
     lines.write(json_of(number_of_seed, random, faults));
   }
-  fmt::print(
-      "{} images, {} labels, of which {} meet themselves in an edge across one other label: their topology "
-      "is not\ndecided by the voxels and not compared\n{:<22} {:>8} {:>8}\n",
-      totals.images, totals.labels, totals.ambiguous, "fault", "images", "labels");
-  for (const auto& [check, images] : totals.images_with)
-    fmt::print("{:<22} {:>8} {:>8}\n", check, images, totals.labels_with[check]);
-  for (const auto& [mesher, seconds] : totals.seconds)
-    fmt::print("{}: {:.2f} s per image\n", name_of(mesher), seconds / static_cast<double>(totals.images));
+  print_totals(totals);
 }
 
 }  // namespace lumesh::boundary
