@@ -32,6 +32,8 @@ nlohmann::ordered_json json_of(const std::string& name, int seed, Mesher mesher,
           {"distance_max_voxels", f.distance_max_mm},
           {"distance_rms_voxels", f.distance_rms_mm},
           {"lift_voxels", f.lift_mm},
+          {"border_distance_max_voxels", f.border_distance_max_mm},
+          {"border_worst", {f.border_worst_mm.x(), f.border_worst_mm.y(), f.border_worst_mm.z()}},
           {"mean_voxels", f.wall.mean_mm},
           {"roughness_voxels", f.wall.roughness_mm},
           {"aligned_roughness_voxels", f.wall.aligned_mm},
@@ -48,7 +50,7 @@ nlohmann::ordered_json json_of(const std::string& name, int seed, Mesher mesher,
 struct Row {
   Summary rms, lift, roughness, aligned, normal, floor, volume, voxel_volume, radius, floor_radius,
       tetrahedra, seconds;
-  double furthest = 0;
+  double furthest = 0, border_furthest = 0;
   int failures = 0;
 
   void add(const MeshFigures& f) {
@@ -65,23 +67,25 @@ struct Row {
     tetrahedra.add(static_cast<double>(f.tetrahedra));
     seconds.add(f.seconds);
     furthest = std::max(furthest, f.distance_max_mm);
+    border_furthest = std::max(border_furthest, f.border_distance_max_mm);
   }
 };
 
 constexpr const char* kLayout =
-    "{:<28} {:<9} {:>8} {:>7} {:>7} {:>7} {:>12} {:>12} {:>12} {:>6} {:>7} {:>7} {:>7} {:>7} {:>6}  {}\n";
+    "{:<28} {:<9} {:>8} {:>7} {:>7} {:>7} {:>7} {:>12} {:>12} {:>12} {:>6} {:>7} {:>7} {:>7} {:>7} {:>6}  "
+    "{}\n";
 
 void print_head() {
   fmt::print(
-      "Distances from the wall's vertices to the domain's boundary: largest, r.m.s. and mean outwards, "
-      "voxels. rough, "
-      "aligned,\n"
-      "normal: figure / reference for the domain. floor: the normals' error with the vertices on the exact\n"
-      "surface; a normal is judged by the floor and the reference together. radius: mean of sections; floor "
-      "as\n"
-      "above. volume, of the voxels: against the exact volume, per cent.\n");
-  fmt::print(kLayout, "case", "mesher", "tets", "max", "rms", "lift", "rough", "aligned", "normal", "floor",
-             "volume", "voxels", "radius", "floor", "s", "verdict");
+      "{}",
+      "max, rms, lift: distances of the wall's vertices to the domain's boundary, in voxels: the largest,\n"
+      "r.m.s., and mean outwards; border: the largest near the cuts at the image's border, which all else "
+      "but volumes\n"
+      "leaves out. rough, aligned, normal: figure / reference of the domain. floor: the normals' error with\n"
+      "the vertices on the exact surface; normals are judged by floor and reference together. radius: mean\n"
+      "of sections, and its floor. volume, and that of the voxels: against the exact one, per cent.\n");
+  fmt::print(kLayout, "case", "mesher", "tets", "max", "border", "rms", "lift", "rough", "aligned", "normal",
+             "floor", "volume", "voxels", "radius", "floor", "s", "verdict");
 }
 
 Tally print_row(const std::string& name, Mesher mesher, const Row& row) {
@@ -95,10 +99,10 @@ Tally print_row(const std::string& name, Mesher mesher, const Row& row) {
   const std::string normal =
       tally.judge("normal", row.normal.root_mean_square(), std::hypot(floor, ref.normal_deg), 2, 0.02);
   fmt::print(kLayout, name, name_of(mesher), number(row.tetrahedra.mean(), 0),
-             largest.substr(0, largest.find('/')), number(row.rms.root_mean_square(), 4),
-             number(row.lift.mean(), 4), rough, aligned, normal, number(floor, 2),
-             number(row.volume.mean(), 2), number(row.voxel_volume.mean(), 2), number(row.radius.mean(), 2),
-             number(row.floor_radius.mean(), 2), number(row.seconds.mean(), 1),
+             largest.substr(0, largest.find('/')), number(row.border_furthest, 2),
+             number(row.rms.root_mean_square(), 4), number(row.lift.mean(), 4), rough, aligned, normal,
+             number(floor, 2), number(row.volume.mean(), 2), number(row.voxel_volume.mean(), 2),
+             number(row.radius.mean(), 2), number(row.floor_radius.mean(), 2), number(row.seconds.mean(), 1),
              tally.verdict() + (row.failures > 0 ? fmt::format(", {} not meshed", row.failures) : ""));
   std::fflush(stdout);
   return tally;
@@ -114,7 +118,7 @@ void measure_one(const Case& c, int seed, std::map<Mesher, Row>& rows, JsonLines
     try {
       const MixedMesh mesh = mesh_by(mesher, image, domain, spacing_for(shape));
       const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-      MeshFigures figures = measure_mesh(shape, image, domain, mesh);
+      MeshFigures figures = measure_mesh(shape, image, domain, mesh, spacing_for(shape));
       figures.seconds = elapsed.count();
       lines.write(json_of(c.name, seed, mesher, figures));
       rows[mesher].add(figures);

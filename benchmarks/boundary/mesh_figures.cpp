@@ -11,7 +11,6 @@ namespace lumesh::boundary {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kBorderReach = 4;
 
 /// The wall alone: its triangles, pointing outwards, and which points they use.
 struct Wall {
@@ -32,6 +31,24 @@ Wall wall_of(const MixedMesh& mesh) {
     if (used[v] != 0) wall.vertices.push_back(v);
   return wall;
 }
+
+/// Of the cut planes at which the object leaves the image, in mm; infinite if there are none.
+double distance_to_cuts(const ImageDomain& domain, const Vec3& point) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const CutPlane& plane : domain.cut_planes())
+    nearest = std::min(nearest, -plane.normal.dot(point - plane.point_mm));
+  return nearest;
+}
+
+/// Which places count: those that are far enough from cuts.
+struct Range {
+  const ImageDomain& domain;
+  double from_cuts_mm;
+
+  [[nodiscard]] bool holds(const Vec3& point) const {
+    return distance_to_cuts(domain, point) >= from_cuts_mm;
+  }
+};
 
 double angle_between(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -54,16 +71,14 @@ std::vector<Vec3> vertex_normals(const std::vector<Vec3>& points, const Wall& wa
 }
 
 /// Places at the vertices of the wall that count: neither near the border nor at a sharp crease.
-std::vector<WallSample> vertex_samples(const Shape& shape, const std::vector<Vec3>& points,
-                                       const Wall& wall) {
+std::vector<WallSample> vertex_samples(const Shape& shape, const std::vector<Vec3>& points, const Wall& wall,
+                                       const Range& range) {
   const std::vector<Vec3> normals = vertex_normals(points, wall);
   std::vector<WallSample> samples;
   for (const std::uint32_t v : wall.vertices) {
     WallSample s;
     s.point_mm = shape.on_surface(points[v]);
-    if (shape.voxels_from_border(s.point_mm) < kBorderReach ||
-        (shape.near_crease && shape.near_crease(s.point_mm)))
-      continue;
+    if (!range.holds(s.point_mm) || (shape.near_crease && shape.near_crease(s.point_mm))) continue;
     s.normal = shape.inward_normal(s.point_mm);
     s.offset_mm = -s.normal.dot(points[v] - s.point_mm);
     s.angle_deg = angle_between(-normals[v], s.normal) * 180 / std::numbers::pi;
@@ -119,7 +134,8 @@ double doubled_section(const std::vector<Vec3>& points, const Wall& wall, const 
 
 /// Mean over sections across a tube, wholly inside the image, of the radius of a circle of their area: its
 /// error in per cent.
-double section_radius_percent(const Shape& shape, const std::vector<Vec3>& points, const Wall& wall) {
+double section_radius_percent(const Shape& shape, const std::vector<Vec3>& points, const Wall& wall,
+                              const Range& range) {
   if (!shape.tube) return kNaN;
   const Tube& tube = *shape.tube;
   const double reach = shape.frame.size.cast<double>().cwiseProduct(shape.frame.spacing_mm).norm();
@@ -128,9 +144,7 @@ double section_radius_percent(const Shape& shape, const std::vector<Vec3>& point
   for (double along = -reach; along <= reach; along += 0.77) {
     const Vec3 origin = tube.centre_mm + along * tube.direction;
     const Vec3 half = (tube.radius_mm * (Vec3::Ones() - tube.direction.cwiseAbs2()).cwiseMax(0).cwiseSqrt());
-    if (shape.voxels_from_border(origin - half) < kBorderReach ||
-        shape.voxels_from_border(origin + half) < kBorderReach)
-      continue;
+    if (!range.holds(origin - half) || !range.holds(origin + half)) continue;
     sum += std::sqrt(0.5 * doubled_section(points, wall, origin, tube.direction) / std::numbers::pi);
     ++count;
   }
@@ -163,26 +177,36 @@ double exact_volume_mm3(const Shape& shape) {
 }
 
 MeshFigures measure_mesh(const Shape& shape, const LabelImage& image, const ImageDomain& domain,
-                         const MixedMesh& mesh) {
+                         const MixedMesh& mesh, double spacing_mm) {
   MeshFigures figures;
   const Wall wall = wall_of(mesh);
   figures.tetrahedra = mesh.tetrahedra.size();
   figures.wall_vertices = wall.vertices.size();
+  const Range range{domain, 4 + spacing_mm};
   double square = 0;
+  std::size_t count = 0;
   for (const std::uint32_t v : wall.vertices) {
-    const double distance = distance_to_boundary(domain, mesh.points[v]);
+    const Vec3& point = mesh.points[v];
+    const double distance = distance_to_boundary(domain, point);
+    if (!range.holds(point)) {
+      if (std::abs(distance) <= figures.border_distance_max_mm) continue;
+      figures.border_distance_max_mm = std::abs(distance);
+      figures.border_worst_mm = point;
+      continue;
+    }
+    ++count;
     figures.distance_max_mm = std::max(figures.distance_max_mm, std::abs(distance));
-    figures.lift_mm += distance / static_cast<double>(wall.vertices.size());
+    figures.lift_mm += distance;
     square += distance * distance;
   }
-  figures.distance_rms_mm =
-      std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, wall.vertices.size())));
-  figures.wall = deviation_of(shape, vertex_samples(shape, mesh.points, wall));
-  figures.section_radius_percent = section_radius_percent(shape, mesh.points, wall);
+  figures.lift_mm /= static_cast<double>(std::max<std::size_t>(1, count));
+  figures.distance_rms_mm = std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, count)));
+  figures.wall = deviation_of(shape, vertex_samples(shape, mesh.points, wall, range));
+  figures.section_radius_percent = section_radius_percent(shape, mesh.points, wall, range);
   std::vector<Vec3> exact = mesh.points;
   for (const std::uint32_t v : wall.vertices) exact[v] = shape.on_surface(exact[v]);
-  figures.floor = deviation_of(shape, vertex_samples(shape, exact, wall));
-  figures.floor_section_radius_percent = section_radius_percent(shape, exact, wall);
+  figures.floor = deviation_of(shape, vertex_samples(shape, exact, wall, range));
+  figures.floor_section_radius_percent = section_radius_percent(shape, exact, wall, range);
   const double exact_volume = exact_volume_mm3(shape);
   figures.volume_percent = 100 * (volume_of(mesh) / exact_volume - 1);
   const LabelTopology voxels = union_topology(image);

@@ -9,8 +9,10 @@ namespace lumesh::boundary {
 
 struct MeshFigures {
   std::size_t tetrahedra = 0, wall_vertices = 0;
-  double distance_max_mm = 0;  ///< From vertices of the wall to the domain's boundary.
+  double distance_max_mm = 0;  ///< From vertices of the wall to the domain's boundary, away from the border.
   double distance_rms_mm = 0;
+  double border_distance_max_mm = 0;  ///< Near the border, where walls end.
+  Vec3 border_worst_mm = Vec3::Zero();
   double lift_mm =
       0;  ///< Mean distance, > 0 outwards: meshers lift vertices to make up for the flat facets' volume.
   Deviation wall;  ///< Of the wall's vertices and the normals there, the facets' weighted by angle.
@@ -26,7 +28,10 @@ struct MeshFigures {
 /// Volume of the shape between the outer faces of the image's border voxels, in mm3.
 [[nodiscard]] double exact_volume_mm3(const Shape& shape);
 
+/// @param spacing_mm  Of the mesh's vertices. All but volumes is of places farther than this and 4 voxels
+/// from
+///                    the image's border, or said to be of the others.
 [[nodiscard]] MeshFigures measure_mesh(const Shape& shape, const LabelImage& image, const ImageDomain& domain,
-                                       const MixedMesh& mesh);
+                                       const MixedMesh& mesh, double spacing_mm);
 
 }  // namespace lumesh::boundary
