@@ -18,9 +18,10 @@ core:
 parallel: core
 geometry: core parallel
 image: core parallel
+field: image
 mesh: geometry parallel
 io: image mesh
-domain: image mesh
+domain: field mesh
 metric: mesh domain
 operators: mesh domain metric
 centerline: image mesh

@@ -38,11 +38,10 @@ struct DelaunayCommand {
 };
 
 nlohmann::ordered_json report_json(const DelaunayReport& report, const std::optional<ImproveReport>& improved,
-                                   const TetMesh& mesh, double smoothing_voxels, const Context& context) {
+                                   const TetMesh& mesh, const Context& context) {
   nlohmann::ordered_json json;
   json["complete"] = report.complete && (!improved || improved->complete);
   json["rules_hold"] = report.rules_hold;
-  if (smoothing_voxels > 0) json["smoothing_voxels"] = smoothing_voxels;
   json["tetrahedra"] = mesh.tet_count();
   json["vertices"] = mesh.vertex_count();
   json["seeds"] = {
@@ -84,16 +83,12 @@ Seeding seeding_of(const std::string& name) {
 }
 
 void print_summary(const DelaunayCommand& command, const TetMesh& mesh, const BoundaryFaces& faces,
-                   const std::optional<ImproveReport>& improved, double smoothing_voxels,
-                   const Context& context, double seconds) {
+                   const std::optional<ImproveReport>& improved, const Context& context, double seconds) {
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles\n", command.mesh_path,
       mesh.tet_count(), mesh.vertex_count(), faces.triangles.size());
   for (std::size_t p = 0; p < mesh.info().patches.size(); ++p)
     say(command.run, "  patch {:<20} {:>8} triangles\n", mesh.info().patches[p].name,
         std::count(faces.patches.begin(), faces.patches.end(), static_cast<int>(p)));
-  if (smoothing_voxels > 0 && smoothing_voxels < command.input.image.field.sigma)
-    say(command.run, "  smoothed by {:g} voxels instead of {:g}, to keep the volume of thin parts\n",
-        smoothing_voxels, command.input.image.field.sigma);
   if (improved)
     say(command.run, "  dihedral angles {:.2f} to {:.2f} degrees (before improvement: {:.2f} to {:.2f})\n",
         improved->after.min_deg, improved->after.max_deg, improved->before.min_deg, improved->before.max_deg);
@@ -142,10 +137,8 @@ void run(DelaunayCommand command) {
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    report::write_file(
-        command.json_path,
-        report_json(result.report, improved, mesh, given.smoothing_voxels, context).dump(2) + "\n");
-  print_summary(command, mesh, faces, improved, given.smoothing_voxels, context, elapsed.count());
+    report::write_file(command.json_path, report_json(result.report, improved, mesh, context).dump(2) + "\n");
+  print_summary(command, mesh, faces, improved, context, elapsed.count());
   long_run.check_complete(result.report.complete && (!improved || improved->complete),
                           command.mesh_path + " holds the best mesh so far");
 }

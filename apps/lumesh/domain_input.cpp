@@ -7,6 +7,19 @@
 
 namespace lumesh::cli {
 
+void add_boundary_option(CLI::App& command, LabelFieldOptions& options) {
+  command
+      .add_option_function<std::string>(
+          "--boundary",
+          [&options](const std::string& word) {
+            options.fidelity = word == "exact" ? BoundaryFidelity::kExact : BoundaryFidelity::kSmooth;
+          },
+          "smooth: voxels that noise explains better may change side; exact: every voxel's centre keeps its "
+          "side")
+      ->check(CLI::IsMember({"smooth", "exact"}))
+      ->default_str("smooth");
+}
+
 void add_domain_options(CLI::App& command, DomainInput& input) {
   command
       .add_option(
@@ -15,10 +28,7 @@ void add_domain_options(CLI::App& command, DomainInput& input) {
       ->required();
   add_selection_options(command, input.selection, "Mesh");
   add_cut_plane_option(command, input.cut_planes, "cut off what lies on the normal's side");
-  input.smoothing =
-      command.add_option("--smoothing", input.image.field.sigma,
-                         "Low-pass width in voxels, 0.5 to 3; default 1.25, or as much less, down to 0.7, as "
-                         "thin parts need to keep the volume");
+  add_boundary_option(command, input.image.field);
   command
       .add_option("--feature-angle", input.surface.feature_angle_deg,
                   "Of a surface: edges are kept where it turns by more than this, in degrees, up to 180")
@@ -36,7 +46,7 @@ void check_domain_options(const CLI::App& command, const DomainInput& input) {
                                                  is_surface ? "a surface" : "an image"));
   };
   if (!is_surface) return refuse("--feature-angle");
-  for (const char* option : {"--labels", "--threshold", "--largest-component", "--cut-plane", "--smoothing"})
+  for (const char* option : {"--labels", "--threshold", "--largest-component", "--cut-plane", "--boundary"})
     refuse(option);
 }
 
@@ -44,7 +54,7 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
   if (is_mesh_file(input.path)) {
     const MixedMesh surface = context.phase("read", [&] { return read_surface(input.path); });
     return naming(input.path, [&] {
-      return DomainRead{context.phase("domain", [&] { return domain_of(surface, input.surface); }), {}, 0};
+      return DomainRead{context.phase("domain", [&] { return domain_of(surface, input.surface); }), {}};
     });
   }
   const LabelImage image =
@@ -52,12 +62,8 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
   ImageDomainOptions options = input.image;
   options.cut_planes = planes_from(input.cut_planes);
   ImageShape shape = context.phase("shape", [&] { return shape_of(image); });
-  DomainRead read{nullptr, std::move(shape), options.field.sigma};
-  read.domain = context.phase("domain", [&]() -> std::unique_ptr<Domain> {
-    if (input.smoothing->count() > 0) return std::make_unique<ImageDomain>(image, options);
-    return volume_keeping_domain(image, options, read.smoothing_voxels);
-  });
-  return read;
+  return {context.phase("domain", [&] { return std::make_unique<ImageDomain>(image, options); }),
+          std::move(shape)};
 }
 
 }  // namespace lumesh::cli

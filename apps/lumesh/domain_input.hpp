@@ -19,8 +19,10 @@ struct DomainInput {
   PlaneNumbers cut_planes;
   ImageDomainOptions image;
   SurfaceDomainOptions surface;
-  CLI::Option* smoothing = nullptr;  ///< Where not given, thin parts decide.
 };
+
+/// --boundary: how an image's voxels bind.
+void add_boundary_option(CLI::App& command, LabelFieldOptions& options);
 
 /// The positional argument, and the options of images and of surfaces.
 void add_domain_options(CLI::App& command, DomainInput& input);
@@ -31,7 +33,6 @@ void check_domain_options(const CLI::App& command, const DomainInput& input);
 struct DomainRead {
   std::unique_ptr<Domain> domain;
   std::optional<ImageShape> shape;  ///< Of an image.
-  double smoothing_voxels = 0;      ///< Of an image: the width of its low-pass.
 };
 
 /// @throws Error{kBadInput} that names the file.

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "domain_input.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -137,8 +138,7 @@ void add_lattice_command(CLI::App& program) {
       "Hexahedra and pyramids where the lattice is regular, tetrahedra elsewhere");
   add_selection_options(*sub, command->selection, "Mesh");
   add_cut_plane_option(*sub, command->cut_planes, "cut off what lies on the normal's side");
-  sub->add_option("--smoothing", command->domain.field.sigma, "Low-pass width in voxels, 0.5 to 3")
-      ->capture_default_str();
+  add_boundary_option(*sub, command->domain.field);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh lattice case1.nrrd -o case1.vtu --spacing 1.2 --cut-plane 0 0 10 0 0 -1");

@@ -81,11 +81,9 @@ std::vector<SymTensor> metric_of_boundary(const MetricSources& sources, const Te
   const LabelImage image =
       context.phase("read image", [&] { return read_selected_image(path, sources.selection, context); });
   return naming(path, [&] {
-    double smoothing_voxels = 0;
-    const auto domain =
-        context.phase("domain", [&] { return volume_keeping_domain(image, {}, smoothing_voxels); });
+    const ImageDomain domain = context.phase("domain", [&] { return ImageDomain(image, {}); });
     return context.phase("metric from curvature",
-                         [&] { return metric::metric_from_curvature(mesh, *domain, options); });
+                         [&] { return metric::metric_from_curvature(mesh, domain, options); });
   });
 }
 

@@ -24,6 +24,7 @@ ImageDomain::ImageDomain(const LabelImage& image, const ImageDomainOptions& opti
   const ImageFrame& f = image.frame();
   index_from_mm_ = f.spacing_mm.cwiseInverse().asDiagonal() * f.direction.transpose();
   voxel_size_mm_ = std::cbrt(f.voxel_volume_mm3());
+  unit_mm_ = f.spacing_mm.minCoeff();
   find_object_box(image);
   add_border_cuts(image);
   for (const CutPlane& plane : options.cut_planes) {
@@ -79,38 +80,38 @@ void ImageDomain::add_border_cuts(const LabelImage& image) {
   }
 }
 
-Domain::Surroundings ImageDomain::surroundings(const Vec3& point_mm) const {
-  double furthest = -1e300;
-  std::size_t cut = 0;
+ImageDomain::CutDistance ImageDomain::furthest_cut(const Vec3& point_mm) const {
+  CutDistance furthest;
   for (std::size_t c = 0; c < cuts_.size(); ++c) {
     const double beyond = cuts_[c].normal.dot(point_mm - cuts_[c].point_mm);
-    if (beyond > furthest) {
-      furthest = beyond;
-      cut = c;
-    }
+    if (beyond > furthest.beyond_mm) furthest = {c, beyond};
   }
-  if (!cuts_.empty() && furthest > 0) return {static_cast<Material>(labels_.size() + cut), furthest};
+  return furthest;
+}
+
+Domain::Surroundings ImageDomain::surroundings(const Vec3& point_mm) const {
+  const CutDistance cut = furthest_cut(point_mm);
+  if (cut.beyond_mm > 0) return {static_cast<Material>(labels_.size() + cut.cut), cut.beyond_mm};
   const LabelField::Winner winner = field_.winner(frame().to_index(point_mm));
-  return {winner.label, std::min(-furthest, winner.depth * frame().spacing_mm.minCoeff())};
+  return {winner.label, std::min(-cut.beyond_mm, winner.depth * unit_mm_)};
+}
+
+Material ImageDomain::material_at(const Vec3& point_mm) const {
+  const CutDistance cut = furthest_cut(point_mm);
+  if (cut.beyond_mm > 0) return static_cast<Material>(labels_.size() + cut.cut);
+  return field_.label_at(frame().to_index(point_mm));
 }
 
 double ImageDomain::clearance_limit_mm() const {
-  return LabelField::kFieldLimit * frame().spacing_mm.minCoeff();
+  return LabelField::kFieldLimit * unit_mm_;
 }
 
 MaterialSet ImageDomain::materials_near(const Vec3& point_mm, double reach_mm) const {
   const Vec3 index = frame().to_index(point_mm);
-  const LabelField::Winner winner = field_.winner(index);
-  MaterialSet near{winner.label};
-  if (winner.depth * voxel_size_mm_ <= reach_mm) {
-    const auto labels = field_.labels_near(index);
-    const double best = labels.size() > 2 ? field_.value(index, winner.label) : 0;
-    for (const Material m : labels)
-      if (labels.size() <= 2 ||
-          0.5 * (best - field_.value(index, static_cast<LabelField::LabelIndex>(m))) * voxel_size_mm_ <=
-              reach_mm)
-        near.insert(m);
-  }
+  const LabelField::LabelIndex own = field_.label_at(index);
+  MaterialSet near{own};
+  for (const LabelField::LabelIndex m : field_.labels_near(index))
+    if (m != own && std::abs(field_.difference_value(index, own, m)) * unit_mm_ <= reach_mm) near.insert(m);
   for (std::size_t c = 0; c < cuts_.size(); ++c)
     if (cuts_[c].normal.dot(point_mm - cuts_[c].point_mm) >= -reach_mm)
       near.insert(static_cast<Material>(labels_.size() + c));
@@ -157,17 +158,14 @@ FieldSample ImageDomain::separation(const Vec3& point_mm, Material first, Materi
   const FieldSample in_voxels =
       field_.difference(frame().to_index(point_mm), static_cast<LabelImage::Index>(first),
                         static_cast<LabelImage::Index>(second));
-  // The indicator counts voxels; dividing by its slope would make it a distance, a constant factor is enough
-  // here.
-  return {in_voxels.value * voxel_size_mm_, index_from_mm_.transpose() * in_voxels.gradient * voxel_size_mm_};
+  return {in_voxels.value * unit_mm_, index_from_mm_.transpose() * in_voxels.gradient * unit_mm_};
 }
 
 double ImageDomain::separation_value(const Vec3& point_mm, Material first, Material second) const {
   if (is_cut(first) || is_cut(second)) return separation(point_mm, first, second).value;
-  const Vec3 index = frame().to_index(point_mm);
-  return 0.5 * voxel_size_mm_ *
-         (field_.value(index, static_cast<LabelField::LabelIndex>(first)) -
-          field_.value(index, static_cast<LabelField::LabelIndex>(second)));
+  return unit_mm_ * field_.difference_value(frame().to_index(point_mm),
+                                            static_cast<LabelField::LabelIndex>(first),
+                                            static_cast<LabelField::LabelIndex>(second));
 }
 
 std::optional<Vec3> ImageDomain::project(const Vec3& start_mm, const MaterialSet& set,
@@ -211,23 +209,6 @@ std::optional<Vec3> ImageDomain::first_crossing(const Vec3& from_mm, const Vec3&
     return Vec3(0.5 * (low + high));
   }
   return std::nullopt;
-}
-
-std::unique_ptr<ImageDomain> volume_keeping_domain(const LabelImage& image, ImageDomainOptions options,
-                                                   double& sigma) {
-  constexpr double kMostChange = 0.007;
-  constexpr std::array<double, 2> kNarrower = {0.9, 0.7};
-  auto domain = std::make_unique<ImageDomain>(image, options);
-  const bool has_one_label = image.values().size() == 2;
-  for (const double width : kNarrower) {
-    if (!has_one_label || width >= options.field.sigma ||
-        std::abs(volume_change(domain->field(), image)) <= kMostChange)
-      break;
-    options.field.sigma = width;
-    domain = std::make_unique<ImageDomain>(image, options);
-  }
-  sigma = options.field.sigma;
-  return domain;
 }
 
 }  // namespace lumesh

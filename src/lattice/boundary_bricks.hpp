@@ -1,13 +1,15 @@
 #pragma once
-// The voxels near boundaries, brick by brick as the label field stores them.
+// The voxels near boundaries, brick by brick.
 
 #include "cells.hpp"
-#include "lumesh/image/label_field.hpp"
+#include "lumesh/field/label_field.hpp"
 
 namespace lumesh {
 
+inline constexpr int kBrickVoxels = 8;  ///< Along a brick's edge.
+
 inline Index3 bricks_along_axes(const LabelImage& image) {
-  return (image.frame().size + Index3::Constant(LabelField::kBrick - 1)) / LabelField::kBrick;
+  return (image.frame().size + Index3::Constant(kBrickVoxels - 1)) / kBrickVoxels;
 }
 inline std::size_t brick_count(const LabelImage& image) {
   return static_cast<std::size_t>(bricks_along_axes(image).prod());
@@ -20,9 +22,9 @@ void for_each_voxel_near_boundary(const LabelImage& image, const LabelField& fie
   const Index3 bricks = bricks_along_axes(image);
   const auto n = static_cast<int>(brick);
   const Index3 low =
-      LabelField::kBrick * Index3(n % bricks.x(), n / bricks.x() % bricks.y(), n / (bricks.x() * bricks.y()));
-  if (!field.near_boundary(low.cast<double>())) return;
-  const Index3 end = (low + Index3::Constant(LabelField::kBrick)).cwiseMin(image.frame().size);
+      kBrickVoxels * Index3(n % bricks.x(), n / bricks.x() % bricks.y(), n / (bricks.x() * bricks.y()));
+  const Index3 end = (low + Index3::Constant(kBrickVoxels)).cwiseMin(image.frame().size);
+  if (!field.near_boundary(low.cast<double>(), (end - Index3::Ones()).cast<double>())) return;
   for_each_index_between(low, end - Index3::Ones(), body);
 }
 

@@ -26,9 +26,6 @@ void check_input(const Case& c) {
     refuse(
         "[input] labels, threshold, largest_component and cut_planes are for images; leave them out with "
         "surface");
-  if (input.smoothing_voxels > 0 && input.smoothing_voxels < 0.5)
-    refuse(fmt::format("[input] smoothing must lie between 0.5 and 3, or be 0; {:g} does not",
-                       input.smoothing_voxels));
   if (input.phantom.empty()) return;
   if (input.selection.threshold) refuse("[input] threshold is for images; leave it out with phantom");
   try {

@@ -51,8 +51,8 @@ void add_input_keys(KeyList& list, InputKeys& input) {
   list.key("largest_component", &input.selection.largest_component, "Only the largest connected piece");
   list.key("cut_planes", &input.cut_planes,
            "Planes [x, y, z, nx, ny, nz] in mm that cut off their normal's side");
-  list.number("smoothing", &input.smoothing_voxels, 0, 3,
-              "Low-pass of the image in voxels, 0.5 to 3; 0: the mesher's choice");
+  list.choice("boundary", input.field.fidelity, {"smooth", "exact"},
+              "Voxels that noise explains better may change side, or every one keeps its side");
   list.number("feature_angle", &input.feature_angle_deg, 1, 180,
               "Degrees from which edges of a surface are kept");
 }

@@ -24,13 +24,9 @@ const std::shared_ptr<const ImageDomain>& CaseState::domain_of_image() {
   if (image_domain) return image_domain;
   ImageDomainOptions options;
   options.cut_planes = c.input.cut_planes;
-  const bool keeps_volume = c.mesher == Mesher::kDelaunay && c.input.smoothing_voxels == 0;
-  if (c.input.smoothing_voxels > 0) options.field.sigma = c.input.smoothing_voxels;
-  image_domain = context.phase("domain", [&]() -> std::shared_ptr<const ImageDomain> {
-    double sigma = 0;
-    if (keeps_volume) return volume_keeping_domain(*image, options, sigma);
-    return std::make_shared<const ImageDomain>(*image, options);
-  });
+  options.field = c.input.field;
+  image_domain =
+      context.phase("domain", [&] { return std::make_shared<const ImageDomain>(*image, options); });
   return image_domain;
 }
 

@@ -49,9 +49,8 @@ std::string lost_pieces(const ImageShape& image, const TetMesh& mesh) {
                         piece.label, middle.x(), middle.y(), middle.z(), piece.voxel_count);
   }
   if (lost == 0) return {};
-  return fmt::format(
-      "{} piece{} of labels not in the mesh: {}{}; a smaller --delta or --smoothing keeps more", lost,
-      lost == 1 ? "" : "s", list, lost > kMostListed ? "; ..." : "");
+  return fmt::format("{} piece{} of labels not in the mesh: {}{}; a smaller --delta keeps more", lost,
+                     lost == 1 ? "" : "s", list, lost > kMostListed ? "; ..." : "");
 }
 
 std::string other_shapes(const ImageShape& image, const TetMesh& mesh) {
@@ -71,7 +70,7 @@ std::string other_shapes(const ImageShape& image, const TetMesh& mesh) {
   }
   if (others == 0) return {};
   return fmt::format(
-      "{} label{} in the mesh differ{} from the image's voxels: {}{}; --smoothing 0.7 keeps more details of "
+      "{} label{} in the mesh differ{} from the image's voxels: {}{}; --boundary exact keeps more details of "
       "about a voxel, a smaller --delta larger ones",
       others, others == 1 ? "" : "s", others == 1 ? "s" : "", list, others > kMostListed ? "; ..." : "");
 }

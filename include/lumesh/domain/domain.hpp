@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/field/label_field.hpp"
 #include "lumesh/geometry/hilbert.hpp"
-#include "lumesh/image/label_field.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -12,7 +11,7 @@
 #include "lumesh/core/types.hpp"
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/domain/domain.hpp"
-#include "lumesh/image/label_field.hpp"
+#include "lumesh/field/label_field.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
@@ -22,8 +21,8 @@ struct ImageDomainOptions {
   std::vector<CutPlane> cut_planes;
 };
 
-/// Answers in physical mm (LPS). Outside the image the border voxels go on for ever; where the object touches
-/// the image border a cut plane at the voxels' outer faces ends it, and so do the planes of the options.
+/// Answers in physical mm (LPS). Where the object touches the image border a cut plane at the voxels' outer
+/// faces ends it, and so do the planes of the options; up to there, vessels go on in their own direction.
 /// Const calls from any thread; most cost well under a microsecond.
 class ImageDomain final : public Domain {
  public:
@@ -31,6 +30,7 @@ class ImageDomain final : public Domain {
   ImageDomain(const LabelImage& image, const ImageDomainOptions& options);
 
   [[nodiscard]] Surroundings surroundings(const Vec3& point_mm) const override;
+  [[nodiscard]] Material material_at(const Vec3& point_mm) const override;
   [[nodiscard]] double clearance_limit_mm() const override;
   [[nodiscard]] MaterialSet materials_near(const Vec3& point_mm, double reach_mm) const override;
   [[nodiscard]] bool may_hold_object(const Vec3& low_mm, const Vec3& high_mm) const override;
@@ -72,6 +72,12 @@ class ImageDomain final : public Domain {
   [[nodiscard]] std::array<Index3, 2> object_box() const { return object_box_; }
 
  private:
+  /// The cut plane that the point is furthest beyond, or nearest to; how far, in mm. None without cut planes.
+  struct CutDistance {
+    std::size_t cut = 0;
+    double beyond_mm = -1e300;
+  };
+  [[nodiscard]] CutDistance furthest_cut(const Vec3& point_mm) const;
   void find_object_box(const LabelImage& image);
   void add_border_cuts(const LabelImage& image);
 
@@ -80,14 +86,8 @@ class ImageDomain final : public Domain {
   std::vector<CutPlane> cuts_;  // unit normals
   Mat3 index_from_mm_ = Mat3::Identity();
   double voxel_size_mm_ = 1;
+  double unit_mm_ = 1;  // of the field: the smallest edge of a voxel
   std::array<Index3, 2> object_box_ = {Index3::Zero(), Index3::Zero()};
 };
-
-/// A domain that is smoothed as widely as the volume allows: the width of the options, or where that changes
-/// the volume of the one label by more than 0.7 %, as it does to vessels and folds one or two voxels thick,
-/// 0.9 voxels or else 0.7. Where several labels meet, interfaces want the wide one: it stays.
-/// @param sigma  The width that was taken, in voxels.
-[[nodiscard]] std::unique_ptr<ImageDomain> volume_keeping_domain(const LabelImage& image,
-                                                                 ImageDomainOptions options, double& sigma);
 
 }  // namespace lumesh

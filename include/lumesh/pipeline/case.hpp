@@ -32,7 +32,7 @@ struct InputKeys {
   PhantomSpec phantom_spec;    ///< Size, spacing and noise of the phantom.
   ImageSelection selection;
   std::vector<CutPlane> cut_planes;
-  double smoothing_voxels = 0;  ///< Width of the low-pass; 0: the mesher's own choice.
+  LabelFieldOptions field;  ///< How the image's voxels bind the boundary.
   double feature_angle_deg = 40;
 };
 

@@ -1,0 +1,25 @@
+#pragma once
+// The linear solves of a fit.
+
+#include "fit_state.hpp"
+
+namespace lumesh::field {
+
+/// Preconditioned conjugate gradients on the energy with the present weights, from the present function.
+class ConjugateGradients {
+ public:
+  explicit ConjugateGradients(const FitState& state);
+
+  /// Iterates until the energy norm of the estimated error per face is below kTolerance, or `iterations`
+  /// times; returns how often.
+  int minimise(int iterations, FitState& state);
+  static constexpr double kTolerance = 0.005;
+
+ private:
+  void set_diagonals(FitState& state);
+  double start(FitState& state);
+
+  LaneArray residual_, direction_, product_, inverse_diagonal_;
+};
+
+}  // namespace lumesh::field

@@ -1,0 +1,274 @@
+// Rows of the quadratic form are products of one-dimensional differences, so that all of them come from the
+// twenty values around a voxel; a row that reaches outside the band is NaN and counts nothing (natural
+// boundary conditions).
+#include "energy.hpp"
+
+#include "lumesh/core/wide.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "stencil.hpp"
+
+namespace lumesh::field {
+
+namespace {
+
+/// out = transpose(rows) * weights * rows * u of all differences.
+[[gnu::always_inline]] inline void add_differences(const Stencil& u, const DifferenceWeights& w,
+                                                   const Lanes& stiffness, Stencil& out) {
+  const Lanes dx = u.x1 - u.o, dy = u.y1 - u.o, dz = u.z1 - u.o;
+  const Lanes xx = dx - (u.o - u.xm), yy = dy - (u.o - u.ym), zz = dz - (u.o - u.zm);
+  const Lanes dx_y = u.xy - u.y1, dx_z = u.xz - u.z1;  // the difference along x, one further along y, z
+  const Lanes xy = dx_y - dx, xz = dx_z - dx, yz = (u.yz - u.z1) - dy;
+  const auto weighted = [&](const Lanes& row, float weight) {
+    return keep_numbers(row) * (stiffness * weight);
+  };
+  const Lanes xxx = weighted(((u.x2 - u.x1) - dx) - xx, w.xxx);
+  const Lanes yyy = weighted(((u.y2 - u.y1) - dy) - yy, w.yyy);
+  const Lanes zzz = weighted(((u.z2 - u.z1) - dz) - zz, w.zzz);
+  const Lanes xxy = weighted((dx_y - (u.y1 - u.xmy)) - xx, w.xxy);
+  const Lanes xyy = weighted(((u.xy - u.x1) - (u.x1 - u.xym)) - yy, w.xyy);
+  const Lanes xxz = weighted((dx_z - (u.z1 - u.xmz)) - xx, w.xxz);
+  const Lanes xzz = weighted(((u.xz - u.x1) - (u.x1 - u.xzm)) - zz, w.xzz);
+  const Lanes yyz = weighted(((u.yz - u.z1) - (u.z1 - u.ymz)) - yy, w.yyz);
+  const Lanes yzz = weighted(((u.yz - u.y1) - (u.y1 - u.yzm)) - zz, w.yzz);
+  const Lanes xyz = weighted(((u.xyz - u.yz) - dx_z) - xy, w.xyz);
+  const Lanes sxx = weighted(xx, w.xx), syy = weighted(yy, w.yy), szz = weighted(zz, w.zz);
+  const Lanes sxy = weighted(xy, w.xy), sxz = weighted(xz, w.xz), syz = weighted(yz, w.yz);
+
+  // The transposes of the same factors. c… is the coefficient of the second difference …, d… of a first one.
+  const Lanes cxx = sxx - xxx - xxy - xxz, cyy = syy - yyy - xyy - yyz, czz = szz - zzz - xzz - yzz;
+  const Lanes cxy = sxy - xyz;
+  const Lanes ddx = cxx - xxx - cxy - sxz, ddy = cyy - yyy - syz, ddz = czz - zzz;
+  const Lanes ddx_y = xxy + cxy, ddx_z = xxz + sxz - xyz, ddy_z = yyz + syz;
+  out.x2 = xxx, out.xm = cxx, out.y2 = yyy, out.ym = cyy, out.z2 = zzz, out.zm = czz;
+  out.x1 = ddx - xxx - (xyy + xyy) - (xzz + xzz);
+  out.o = -cxx - ddx - cyy - ddy - czz - ddz;
+  out.xy = ddx_y + xyy;
+  out.y1 = ddy - yyy - ddx_y - xxy - (yzz + yzz);
+  out.xmy = xxy, out.xym = xyy;
+  out.xz = ddx_z + xzz;
+  out.z1 = ddz - zzz - ddx_z - xxz - ddy_z - yyz;
+  out.xmz = xxz, out.xzm = xzz;
+  out.yz = ddy_z + yzz - xyz;
+  out.xyz = xyz, out.ymz = yyz, out.yzm = yzz;
+}
+
+/// out = the sums of weights times squared coefficients.
+[[gnu::always_inline]] inline void add_difference_squares(const Stencil& u, const DifferenceWeights& w,
+                                                          const Lanes& stiffness, Stencil& out) {
+  const auto weight = [&](const Lanes& row, float value) { return keep(stiffness * value, row == row); };
+  const Lanes xxx = weight(u.x2 + u.xm + u.o + u.x1, w.xxx), yyy = weight(u.y2 + u.ym + u.o + u.y1, w.yyy),
+              zzz = weight(u.z2 + u.zm + u.o + u.z1, w.zzz);
+  const Lanes x = u.o + u.x1, y = u.o + u.y1, z = u.o + u.z1;
+  const Lanes xxy = weight(x + u.xm + u.y1 + u.xy + u.xmy, w.xxy),
+              xyy = weight(x + y + u.xy + u.ym + u.xym, w.xyy);
+  const Lanes xxz = weight(x + u.xm + u.z1 + u.xz + u.xmz, w.xxz),
+              xzz = weight(x + z + u.xz + u.zm + u.xzm, w.xzz);
+  const Lanes yyz = weight(y + u.ym + z + u.yz + u.ymz, w.yyz),
+              yzz = weight(y + z + u.yz + u.zm + u.yzm, w.yzz);
+  const Lanes xyz = weight(x + y + z + u.xy + u.xz + u.yz + u.xyz, w.xyz);
+  const Lanes xx = weight(x + u.xm, w.xx), yy = weight(y + u.ym, w.yy), zz = weight(z + u.zm, w.zz);
+  const Lanes xy = weight(x + y + u.xy, w.xy), xz = weight(x + z + u.xz, w.xz),
+              yz = weight(y + z + u.yz, w.yz);
+  const Lanes xs = xxy + xxz + xx, ys = xyy + yyz + yy, zs = xzz + yzz + zz;
+  out.o = 9.0F * (xxx + yyy + zzz) + 4.0F * (xs + ys + zs) + xy + xz + yz + xyz;
+  out.xm = xxx + xs, out.x1 = 9.0F * xxx + xs + 4.0F * (xyy + xzz) + xy + xz + xyz, out.x2 = xxx;
+  out.ym = yyy + ys, out.y1 = 9.0F * yyy + ys + 4.0F * (xxy + yzz) + xy + yz + xyz, out.y2 = yyy;
+  out.zm = zzz + zs, out.z1 = 9.0F * zzz + zs + 4.0F * (xxz + yyz) + xz + yz + xyz, out.z2 = zzz;
+  out.xy = xxy + xyy + xy + xyz, out.xmy = xxy, out.xym = xyy;
+  out.xz = xxz + xzz + xz + xyz, out.xmz = xxz, out.xzm = xzz;
+  out.yz = yyz + yzz + yz + xyz, out.xyz = xyz, out.ymz = yyz, out.yzm = yzz;
+}
+
+enum class Form : std::uint8_t { kProduct, kResidual, kDiagonal };
+
+constexpr float kInner = 9.0F / 16, kOuter = -1.0F / 16;  // cubic interpolation in the middle of four points
+
+/// Adds the rows of the faces along one axis. The band is wide enough for all of a face's points to be in it.
+template <Form form, int axis>
+[[gnu::always_inline]] inline void add_face_rows(const Stencil& u, const FaceWeights& faces, int entry,
+                                                 Stencil& out) {
+  const auto from = face_points<axis, const Lanes>(u);
+  const auto to = face_points<axis, Lanes>(out);
+  const Lanes place = load(faces.at(entry, FaceWeights::kPlace));
+  Lanes own = load(faces.at(entry, FaceWeights::kOwn));
+  Lanes first = load(faces.at(entry, FaceWeights::kFirst)),
+        second = load(faces.at(entry, FaceWeights::kSecond));
+  Lanes a, b;  // what goes to the two inner and the two outer points
+  if constexpr (form == Form::kDiagonal) {
+    a = (kInner * kInner) * place, b = (kOuter * kOuter) * place;
+    own *= own, first *= first, second *= second;
+    to.lower += a + own, to.upper += a + own;
+    to.before += b, to.after += b;
+    to.first_m += first, to.first_p += first, to.first_m_upper += first, to.first_p_upper += first;
+    to.second_m += second, to.second_p += second, to.second_m_upper += second, to.second_p_upper += second;
+  } else {
+    const LaneMask is_face = place > Lanes{};
+    const Lanes middle =
+        place * keep(kInner * (from.lower + from.upper) + kOuter * (from.before + from.after), is_face);
+    Lanes slope = own * (from.upper - from.lower) +
+                  (first * ((from.first_p - from.first_m) + (from.first_p_upper - from.first_m_upper)) +
+                   second * ((from.second_p - from.second_m) + (from.second_p_upper - from.second_m_upper)));
+    slope = keep(slope, is_face);
+    if constexpr (form == Form::kResidual) slope -= load(faces.at(entry, FaceWeights::kTarget));
+    a = kInner * middle, b = kOuter * middle;
+    own *= slope, first *= slope, second *= slope;
+    to.lower += a - own, to.upper += a + own;
+    to.before += b, to.after += b;
+    to.first_m -= first, to.first_p += first, to.first_m_upper -= first, to.first_p_upper += first;
+    to.second_m -= second, to.second_p += second, to.second_m_upper -= second, to.second_p_upper += second;
+  }
+}
+
+/// Contributions that go to whole segments after a shift along x, until all of a block are known: reading y,
+/// adding and writing it back at odd places would wait for the write before.
+class ShiftedSums {
+ public:
+  enum Part : std::uint8_t { kX1, kX2, kXm, kXY, kXmY, kXYm, kXZ, kXmZ, kXZm, kXYZ, kShiftedCount };
+  enum Straight : std::uint8_t { kO = kShiftedCount, kPlusY, kMinusY, kPlusZ, kMinusZ, kPlusYZ, kCount };
+
+  /// For up to `segments` segments of a block.
+  [[gnu::always_inline]] inline void reserve(std::size_t segments) {
+    stride_ = (segments + 2) * kLanes;
+    if (values_.size() < stride_ * kCount) values_.resize(stride_ * kCount);
+    for (std::size_t part = 0; part < kShiftedCount; ++part) {
+      store(&values_[part * stride_], Lanes{});
+      store(&values_[(part + 1) * stride_ - kLanes], Lanes{});
+    }
+  }
+  /// Where a row's contributions go: y, or nowhere if there is no such row (they are 0), for other threads
+  /// write to theirs.
+  [[gnu::always_inline]] inline float* row_of(float* y, std::int32_t segment) {
+    return segment == 0 ? nowhere_.data() : y + static_cast<std::ptrdiff_t>(segment) * kLanes;
+  }
+  [[gnu::always_inline]] inline float* at(std::size_t part, std::size_t segment) {
+    return &values_[part * stride_ + (segment + 1) * kLanes];
+  }
+
+ private:
+  std::vector<float> values_;
+  std::size_t stride_ = 0;
+  std::array<float, kLanes> nowhere_ = {};
+};
+
+[[gnu::always_inline]] inline void scatter(const Stencil& out,
+                                           const std::array<std::int32_t, kRowCount>& rows, std::size_t n,
+                                           ShiftedSums& sums, float* y) {
+  using S = ShiftedSums;
+  store(sums.at(S::kX1, n), out.x1), store(sums.at(S::kX2, n), out.x2), store(sums.at(S::kXm, n), out.xm);
+  store(sums.at(S::kXY, n), out.xy), store(sums.at(S::kXmY, n), out.xmy), store(sums.at(S::kXYm, n), out.xym);
+  store(sums.at(S::kXZ, n), out.xz), store(sums.at(S::kXmZ, n), out.xmz), store(sums.at(S::kXZm, n), out.xzm);
+  store(sums.at(S::kXYZ, n), out.xyz);
+  store(sums.at(S::kO, n), out.o);
+  store(sums.at(S::kPlusY, n), out.y1), store(sums.at(S::kMinusY, n), out.ym);
+  store(sums.at(S::kPlusZ, n), out.z1), store(sums.at(S::kMinusZ, n), out.zm);
+  store(sums.at(S::kPlusYZ, n), out.yz);
+  const auto row = [&](std::size_t r) { return sums.row_of(y, rows[r]); };
+  add_to(row(kY2), out.y2), add_to(row(kZ2), out.z2), add_to(row(kYmZ), out.ymz), add_to(row(kYZm), out.yzm);
+}
+
+[[gnu::always_inline]] inline void add_shifted(const std::array<std::int32_t, kRowCount>& rows, int segment,
+                                               std::size_t n, ShiftedSums& sums, float* y) {
+  using S = ShiftedSums;
+  const auto at = [&](std::size_t part, std::ptrdiff_t shift) { return load(sums.at(part, n) + shift); };
+  const auto row = [&](std::size_t r) { return sums.row_of(y, rows[r]); };
+  add_to(y + static_cast<std::ptrdiff_t>(segment) * kLanes,
+         (at(S::kO, 0) + at(S::kX1, -1)) + (at(S::kX2, -2) + at(S::kXm, 1)));
+  add_to(row(kY1), at(S::kPlusY, 0) + (at(S::kXY, -1) + at(S::kXmY, 1)));
+  add_to(row(kYm), at(S::kMinusY, 0) + at(S::kXYm, -1));
+  add_to(row(kZ1), at(S::kPlusZ, 0) + (at(S::kXZ, -1) + at(S::kXmZ, 1)));
+  add_to(row(kZm), at(S::kMinusZ, 0) + at(S::kXZm, -1));
+  add_to(row(kYZ), at(S::kPlusYZ, 0) + at(S::kXYZ, -1));
+}
+
+template <Form form>
+[[gnu::always_inline]] inline void apply_block(const Energy& e, const Band::Block& block, const float* x,
+                                               ShiftedSums& sums, float* y) {
+  const Band& band = *e.band;
+  sums.reserve(static_cast<std::size_t>(block.end - block.begin));
+  for (int s = block.begin; s < block.end; ++s) {
+    const auto& rows = band.rows(s);
+    const Stencil u = gather(rows, s, x);
+    Stencil out;
+    if constexpr (form == Form::kDiagonal)
+      add_difference_squares(u, e.differences, load(e.stiffness.at(s)), out);
+    else
+      add_differences(u, e.differences, load(e.stiffness.at(s)), out);
+    int entry = band.first_entry(s);
+    if (entry != band.first_entry(s + 1)) {
+      if (band.faces(s, 0) != 0) add_face_rows<form, 0>(u, e.faces, entry++, out);
+      if (band.faces(s, 1) != 0) add_face_rows<form, 1>(u, e.faces, entry++, out);
+      if (band.faces(s, 2) != 0) add_face_rows<form, 2>(u, e.faces, entry++, out);
+    }
+    scatter(out, rows, static_cast<std::size_t>(s - block.begin), sums, y);
+  }
+  for (int s = block.begin; s < block.end; ++s)
+    add_shifted(band.rows(s), s, static_cast<std::size_t>(s - block.begin), sums, y);
+}
+
+LUMESH_WIDE_LOOPS void multiply(const Energy& e, const Band::Block& block, const float* x, ShiftedSums& sums,
+                                float* y) {
+  apply_block<Form::kProduct>(e, block, x, sums, y);
+}
+LUMESH_WIDE_LOOPS void residual(const Energy& e, const Band::Block& block, const float* x, ShiftedSums& sums,
+                                float* y) {
+  apply_block<Form::kResidual>(e, block, x, sums, y);
+}
+LUMESH_WIDE_LOOPS void diagonal(const Energy& e, const Band::Block& block, const float* x, ShiftedSums& sums,
+                                float* y) {
+  apply_block<Form::kDiagonal>(e, block, x, sums, y);
+}
+
+/// Even chunks first, then odd ones: chunks of one kind write to different rows, so that sums have a fixed
+/// order.
+template <class Body>
+void for_each_chunk(const Band& band, const Body& body) {
+  const std::size_t count = band.chunks().size() - 1;
+  for (std::size_t kind = 0; kind < 2; ++kind) {
+    parallel::for_each_block((count + 1 - kind) / 2, 1, [&](std::size_t n, std::size_t, std::size_t) {
+      const std::size_t chunk = 2 * n + kind;
+      ShiftedSums sums;
+      for (int b = band.chunks()[chunk]; b < band.chunks()[chunk + 1]; ++b)
+        body(band.blocks()[static_cast<std::size_t>(b)], sums);
+    });
+  }
+}
+
+}  // namespace
+
+DifferenceWeights difference_weights(const Vec3& edges, double third, double second) {
+  const double volume = edges.prod();
+  const Vec3 i =
+      edges.cwiseProduct(edges).cwiseInverse();  // a squared difference is divided by the squared steps
+  const auto w = [&](double weight) { return static_cast<float>(weight * volume); };
+  DifferenceWeights d;
+  d.xxx = w(third * i.x() * i.x() * i.x()), d.yyy = w(third * i.y() * i.y() * i.y());
+  d.zzz = w(third * i.z() * i.z() * i.z());
+  d.xxy = w(3 * third * i.x() * i.x() * i.y()), d.xyy = w(3 * third * i.x() * i.y() * i.y());
+  d.xxz = w(3 * third * i.x() * i.x() * i.z()), d.xzz = w(3 * third * i.x() * i.z() * i.z());
+  d.yyz = w(3 * third * i.y() * i.y() * i.z()), d.yzz = w(3 * third * i.y() * i.z() * i.z());
+  d.xyz = w(6 * third * i.x() * i.y() * i.z());
+  d.xx = w(second * i.x() * i.x()), d.yy = w(second * i.y() * i.y()), d.zz = w(second * i.z() * i.z());
+  d.xy = w(2 * second * i.x() * i.y()), d.xz = w(2 * second * i.x() * i.z()),
+  d.yz = w(2 * second * i.y() * i.z());
+  return d;
+}
+
+void apply(const Energy& energy, const LaneArray& x, LaneArray& y) {
+  for_each_chunk(*energy.band, [&](const Band::Block& block, ShiftedSums& sums) {
+    multiply(energy, block, x.data(), sums, y.data());
+  });
+}
+
+void apply_residual(const Energy& energy, const LaneArray& x, LaneArray& y) {
+  for_each_chunk(*energy.band, [&](const Band::Block& block, ShiftedSums& sums) {
+    residual(energy, block, x.data(), sums, y.data());
+  });
+}
+
+void apply_diagonal(const Energy& energy, const LaneArray& x, LaneArray& y) {
+  for_each_chunk(*energy.band, [&](const Band::Block& block, ShiftedSums& sums) {
+    diagonal(energy, block, x.data(), sums, y.data());
+  });
+}
+
+}  // namespace lumesh::field

@@ -1,0 +1,254 @@
+#include "lumesh/field/label_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace lumesh {
+
+namespace {
+
+using Four = float __attribute__((vector_size(16)));  // every x86-64 and ARM processor has such vectors
+
+/// Catmull-Rom weights of the four points around a fraction t in [0, 1], and their derivatives.
+struct CubicWeights {
+  Four value, slope;
+
+  explicit CubicWeights(float t) {
+    const float t2 = t * t;
+    const float t3 = t2 * t;
+    value = Four{2 * t2 - t - t3, 2 - 5 * t2 + 3 * t3, t + 4 * t2 - 3 * t3, t3 - t2} * 0.5F;
+    slope = Four{4 * t - 1 - 3 * t2, 9 * t2 - 10 * t, 1 + 8 * t - 9 * t2, 3 * t2 - 2 * t} * 0.5F;
+  }
+};
+
+Four load(const float* from) {
+  Four row;
+  std::memcpy(&row, from, sizeof row);
+  return row;
+}
+
+float sum(const Four& v) {
+  return (v[0] + v[2]) + (v[1] + v[3]);
+}
+
+}  // namespace
+
+LabelField::Place LabelField::locate(const Vec3& index) const {
+  Place place;
+  Index3 brick;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double last = frame_.size[axis] - kFirst;
+    double x = index[axis] - kFirst;
+    if (!(x >= 0)) {
+      x = 0;
+      place.clamped[static_cast<std::size_t>(axis)] = true;
+    } else if (x > last) {
+      x = last;
+      place.clamped[static_cast<std::size_t>(axis)] = true;
+    }
+    brick[axis] = static_cast<int>(x) / kBrick;
+    place.local[axis] = x - brick[axis] * kBrick;
+  }
+  const std::int32_t code = brick_of_[brick_offset(brick)];
+  if (code >= 0) {
+    place.brick = &active_[static_cast<std::size_t>(code)];
+  } else {
+    place.uniform = static_cast<LabelIndex>(-1 - code);
+  }
+  return place;
+}
+
+double LabelField::block_value(const BlockRef& ref, const Vec3& local) const {
+  const Index3 base = local.cast<int>();
+  const CubicWeights wx(static_cast<float>(local.x() - base.x()));
+  const CubicWeights wy(static_cast<float>(local.y() - base.y()));
+  const CubicWeights wz(static_cast<float>(local.z() - base.z()));
+  const float* corner = &blocks_[ref.block * kBlock] + base.x() + kRowPad * (base.y() + kStored * base.z());
+  Four rows = {};
+  for (int k = 0; k < 4; ++k) {
+    Four plane = {};
+    for (int j = 0; j < 4; ++j) plane += wy.value[j] * load(corner + kRowPad * (j + kStored * k));
+    rows += wz.value[k] * plane;
+  }
+  return ref.sign * sum(wx.value * rows);
+}
+
+FieldSample LabelField::block_sample(const BlockRef& ref, const Place& place) const {
+  const Vec3& local = place.local;
+  const Index3 base = local.cast<int>();
+  const CubicWeights wx(static_cast<float>(local.x() - base.x()));
+  const CubicWeights wy(static_cast<float>(local.y() - base.y()));
+  const CubicWeights wz(static_cast<float>(local.z() - base.z()));
+  const float* corner = &blocks_[ref.block * kBlock] + base.x() + kRowPad * (base.y() + kStored * base.z());
+  Four rows = {}, rows_dy = {}, rows_dz = {};
+  for (int k = 0; k < 4; ++k) {
+    Four plane = {}, plane_dy = {};
+    for (int j = 0; j < 4; ++j) {
+      const Four row = load(corner + kRowPad * (j + kStored * k));
+      plane += wy.value[j] * row;
+      plane_dy += wy.slope[j] * row;
+    }
+    rows += wz.value[k] * plane;
+    rows_dy += wz.value[k] * plane_dy;
+    rows_dz += wz.slope[k] * plane;
+  }
+  FieldSample result{ref.sign * sum(wx.value * rows),
+                     ref.sign * Vec3(sum(wx.slope * rows), sum(wx.value * rows_dy), sum(wx.value * rows_dz))};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (place.clamped[static_cast<std::size_t>(axis)]) result.gradient[axis] = 0;
+  }
+  return result;
+}
+
+LabelField::BlockRef LabelField::find_block(const Brick& brick, LabelIndex first, LabelIndex second) const {
+  if (first == 0 || second == 0)
+    return {brick.first_pair, !brick.has_outer_wall || first == second ? 0.0 : first == 0 ? -1.0 : 1.0};
+  const LabelIndex low = std::min(first, second), high = std::max(first, second);
+  for (std::uint32_t p = brick.first_pair; p < brick.first_pair + brick.pair_count; ++p)
+    if (pairs_[p].first == low && pairs_[p].second == high) return {p, first == high ? 1.0 : -1.0};
+  return {};
+}
+
+LabelField::BlockRef LabelField::least_block(const Place& place, LabelIndex label) const {
+  BlockRef least;
+  double value = kFieldLimit;
+  for (const LabelIndex other : labels_of(*place.brick)) {
+    if (other == label || (label == 0 && least.sign != 0)) continue;
+    const BlockRef ref = find_block(*place.brick, label, other);
+    if (ref.sign == 0) continue;
+    const double v = block_value(ref, place.local);
+    if (least.sign != 0 && v >= value) continue;
+    least = ref;
+    value = v;
+  }
+  return least;
+}
+
+FieldSample LabelField::sample(const Vec3& index, LabelIndex label) const {
+  const Place place = locate(index);
+  if (place.brick == nullptr) return {place.uniform == label ? kFieldLimit : -kFieldLimit, Vec3::Zero()};
+  const auto labels = labels_of(*place.brick);
+  if (!std::binary_search(labels.begin(), labels.end(), label)) return {-kFieldLimit, Vec3::Zero()};
+  const BlockRef ref = least_block(place, label);
+  return ref.sign == 0 ? FieldSample{kFieldLimit, Vec3::Zero()} : block_sample(ref, place);
+}
+
+FieldSample LabelField::difference(const Vec3& index, LabelIndex first, LabelIndex second) const {
+  const Place place = locate(index);
+  if (place.brick != nullptr) {
+    const BlockRef ref = find_block(*place.brick, first, second);
+    if (ref.sign != 0) return block_sample(ref, place);
+  }
+  // Labels that do not touch here: what is deeper inside one of them is nearer to it.
+  const FieldSample a = sample(index, first), b = sample(index, second);
+  return {0.5 * (a.value - b.value), 0.5 * (a.gradient - b.gradient)};
+}
+
+double LabelField::difference_value(const Vec3& index, LabelIndex first, LabelIndex second) const {
+  const Place place = locate(index);
+  if (place.brick != nullptr) {
+    const BlockRef ref = find_block(*place.brick, first, second);
+    if (ref.sign != 0) return block_value(ref, place.local);
+  }
+  return 0.5 * (value(index, first) - value(index, second));
+}
+
+template <class Body>
+bool LabelField::any_brick(const Vec3& low, const Vec3& high, const Body& body) const {
+  const Index3 last = bricks_ - Index3::Ones();
+  const auto brick_of = [&](const Vec3& v) {
+    const Vec3 c = ((v.array() - kFirst) / kBrick).cwiseMax(-1e6).cwiseMin(1e6);
+    return Index3(Eigen::Array3d(c.array().floor()).cast<int>().matrix().cwiseMax(0).cwiseMin(last));
+  };
+  const Index3 first = brick_of(low);
+  const Index3 end = brick_of(high);
+  for (int k = first.z(); k <= end.z(); ++k)
+    for (int j = first.y(); j <= end.y(); ++j)
+      for (int i = first.x(); i <= end.x(); ++i)
+        if (body(brick_of_[brick_offset({i, j, k})])) return true;
+  return false;
+}
+
+bool LabelField::may_hold_object(const Vec3& low, const Vec3& high) const {
+  return any_brick(low, high, [](std::int32_t code) { return code != -1; });
+}
+
+bool LabelField::near_boundary(const Vec3& low, const Vec3& high) const {
+  return any_brick(low, high, [](std::int32_t code) { return code >= 0; });
+}
+
+/// Among labels besides the background: those at the corners of the cell between voxels' centres, where there
+/// are any.
+LabelField::LabelIndex LabelField::inner_winner(const Place& place) const {
+  const Brick& brick = *place.brick;
+  constexpr std::size_t kMost = 8;
+  std::array<LabelIndex, kMost> candidates;
+  std::size_t count = 0;
+  const Index3 base = place.local.cast<int>().cwiseMin(kBrick - 1);
+  const LabelIndex* const corner = &corners_[std::size_t{brick.corners} * kCorners * kCorners * kCorners] +
+                                   base.x() + kCorners * (base.y() + kCorners * base.z());
+  for (int c = 0; c < 8; ++c) {
+    const LabelIndex label = corner[(c & 1) + kCorners * ((c >> 1 & 1) + kCorners * (c >> 2))];
+    if (label != 0 &&
+        std::find(candidates.begin(), candidates.begin() + count, label) == candidates.begin() + count)
+      candidates[count++] = label;
+  }
+  const std::span<const LabelIndex> labels =
+      count > 0 ? std::span<const LabelIndex>(candidates.data(), count) : labels_of(brick);
+  LabelIndex best = 0;
+  double most = -1e300;
+  for (const LabelIndex a : labels) {
+    if (a == 0) continue;
+    double least = kFieldLimit;
+    for (const LabelIndex b : labels) {
+      if (b == a || b == 0) continue;
+      const BlockRef ref = find_block(brick, a, b);
+      if (ref.sign != 0) least = std::min(least, block_value(ref, place.local));
+    }
+    if (least > most || (least == most && a < best)) {
+      most = least;
+      best = a;
+    }
+  }
+  return best;
+}
+
+LabelField::LabelIndex LabelField::label_in(const Place& place) const {
+  const Brick& brick = *place.brick;
+  if (brick.has_outer_wall && !(block_value({brick.first_pair, 1.0}, place.local) > 0)) return 0;
+  return brick.has_corners ? inner_winner(place) : labels_of(brick).back();
+}
+
+LabelField::LabelIndex LabelField::label_at(const Vec3& index) const {
+  const Place place = locate(index);
+  return place.brick == nullptr ? place.uniform : label_in(place);
+}
+
+LabelField::Winner LabelField::winner(const Vec3& index) const {
+  const Place place = locate(index);
+  if (place.brick == nullptr) return {place.uniform, kFieldLimit};
+  Winner best{label_in(place), kFieldLimit};
+  const BlockRef ref = least_block(place, best.label);
+  if (ref.sign == 0) return best;
+  const FieldSample s = block_sample(ref, place);
+  // Outside a tube the slope grows with the distance, inside it falls below one: either way this is not too
+  // far.
+  const double slope = s.gradient.cwiseQuotient(edges_).norm();
+  best.depth = std::clamp(s.value / std::max(1.0, slope), 0.0, kFieldLimit);
+  return best;
+}
+
+std::span<const LabelField::LabelIndex> LabelField::labels_near(const Vec3& index) const {
+  const Place place = locate(index);
+  if (place.brick == nullptr) return {&all_labels_[place.uniform], 1};
+  return labels_of(*place.brick);
+}
+
+std::size_t LabelField::memory_bytes() const {
+  return blocks_.size() * sizeof(float) + brick_of_.size() * sizeof(std::int32_t) +
+         active_.size() * sizeof(Brick) + (labels_.size() + corners_.size()) * sizeof(LabelIndex) +
+         pairs_.size() * sizeof(Pair);
+}
+
+}  // namespace lumesh

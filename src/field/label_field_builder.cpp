@@ -1,0 +1,239 @@
+// Construction of LabelField: pairs of labels that touch, the bricks near their faces, a fit for each pair.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "band.hpp"
+#include "fit.hpp"
+#include "label_pairs.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/field/label_field.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+
+namespace {
+
+using field::Band;
+using field::Face;
+using field::LabelPair;
+using field::Lane;
+using field::PairFaces;
+
+/// Pairs with few faces are many where labels are noise; each has some hundred voxels around its faces.
+constexpr std::size_t kMostPairs = 100000;
+
+}  // namespace
+
+class LabelFieldBuilder {
+ public:
+  LabelFieldBuilder(LabelField& field, const LabelImage& image, const LabelFieldOptions& options)
+      : f_(field), image_(image), options_(options), pairs_(field::touching_pairs(image)) {}
+
+  void build() {
+    refuse_noise();
+    choose_bricks();
+    collect_labels();
+    collect_pairs();
+    fit_pairs();
+  }
+
+ private:
+  using LabelIndex = LabelField::LabelIndex;
+  using Brick = LabelField::Brick;
+  static constexpr int kBrick = LabelField::kBrick;
+  static constexpr int kStored = LabelField::kStored;
+  static constexpr int kCorners = LabelField::kCorners;
+  /// The first voxel that a brick stores, counted from kBrick times its number.
+  static constexpr int kFirstStored = LabelField::kFirst - 1;
+
+  void refuse_noise() const {
+    if (pairs_.size() <= kMostPairs) return;
+    throw Error(ErrorKind::kBadInput,
+                std::to_string(pairs_.size()) +
+                    " pairs of labels touch: this is no segmentation but a grey image or noise;"
+                    " choose labels or a threshold");
+  }
+
+  struct BrickBox {
+    Index3 low, high;
+  };
+  /// Bricks that store both voxels of a face.
+  BrickBox bricks_of(const Face& face) const {
+    const Index3 next = face.voxel + Index3::Unit(face.axis);
+    BrickBox box;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int least = next[axis] - kFirstStored - (kStored - 1);
+      box.low[axis] = std::max(0, least <= 0 ? 0 : (least + kBrick - 1) / kBrick);
+      box.high[axis] = std::min(f_.bricks_[axis] - 1, (face.voxel[axis] - kFirstStored) / kBrick);
+    }
+    return box;
+  }
+
+  Index3 brick_index(std::size_t b) const {
+    const auto nx = static_cast<std::size_t>(f_.bricks_.x());
+    const auto ny = static_cast<std::size_t>(f_.bricks_.y());
+    return {static_cast<int>(b % nx), static_cast<int>(b / nx % ny), static_cast<int>(b / (nx * ny))};
+  }
+  Index3 clamped(const Index3& v) const { return v.cwiseMax(0).cwiseMin(f_.frame_.size - Index3::Ones()); }
+
+  void choose_bricks() {
+    const auto count = static_cast<std::size_t>(f_.bricks_.prod());
+    std::vector<std::uint8_t> near(count, 0);
+    bricks_of_pair_.resize(pairs_.size());
+    for (std::size_t p = 0; p < pairs_.size(); ++p) {
+      std::vector<std::uint32_t>& bricks = bricks_of_pair_[p];
+      for (const Face& face : pairs_[p].faces) {
+        const BrickBox box = bricks_of(face);
+        for (int k = box.low.z(); k <= box.high.z(); ++k)
+          for (int j = box.low.y(); j <= box.high.y(); ++j)
+            for (int i = box.low.x(); i <= box.high.x(); ++i) {
+              const auto b = static_cast<std::uint32_t>(f_.brick_offset({i, j, k}));
+              near[b] = 1;
+              if (bricks.empty() || bricks.back() != b) bricks.push_back(b);
+            }
+      }
+      std::sort(bricks.begin(), bricks.end());
+      bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+    }
+    f_.brick_of_.resize(count);
+    for (std::size_t b = 0; b < count; ++b) {
+      if (near[b] != 0) {
+        f_.brick_of_[b] = static_cast<std::int32_t>(place_.size());
+        place_.push_back(static_cast<std::uint32_t>(b));
+      } else {
+        f_.brick_of_[b] = -1 - image_.at(clamped(brick_index(b) * kBrick));
+      }
+    }
+    f_.active_.resize(place_.size());
+  }
+
+  /// Labels of the voxels that a brick stores, ascending.
+  std::vector<LabelIndex> labels_in(std::size_t brick) const {
+    std::vector<LabelIndex> labels;
+    const Index3 first = brick_index(place_[brick]) * kBrick + Index3::Constant(kFirstStored);
+    LabelIndex last = 0;
+    for (int k = 0; k < kStored; ++k) {
+      for (int j = 0; j < kStored; ++j) {
+        for (int i = 0; i < kStored; ++i) {
+          const LabelIndex label = image_.at(clamped(first + Index3(i, j, k)));
+          if (!labels.empty() && label == last) continue;
+          last = label;
+          if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
+        }
+      }
+    }
+    std::sort(labels.begin(), labels.end());
+    return labels;
+  }
+
+  void collect_labels() {
+    std::vector<std::vector<LabelIndex>> sets(place_.size());
+    parallel::for_each_index(
+        place_.size(), [&](std::size_t b) { sets[b] = labels_in(b); }, 16);
+    std::uint32_t corners = 0;
+    for (std::size_t b = 0; b < sets.size(); ++b) {
+      Brick& brick = f_.active_[b];
+      brick.first_label = static_cast<std::uint32_t>(f_.labels_.size());
+      brick.label_count = static_cast<std::uint32_t>(sets[b].size());
+      brick.has_corners = sets[b].size() > (sets[b].front() == 0 ? 2U : 1U);
+      if (brick.has_corners) brick.corners = corners++;
+      f_.labels_.insert(f_.labels_.end(), sets[b].begin(), sets[b].end());
+    }
+    f_.corners_.resize(std::size_t{corners} * kCorners * kCorners * kCorners);
+    parallel::for_each_index(
+        place_.size(), [&](std::size_t b) { fill_corners(b); }, 16);
+  }
+
+  void fill_corners(std::size_t b) {
+    const Brick& brick = f_.active_[b];
+    if (!brick.has_corners) return;
+    LabelIndex* out = &f_.corners_[std::size_t{brick.corners} * kCorners * kCorners * kCorners];
+    const Index3 first = brick_index(place_[b]) * kBrick + Index3::Constant(LabelField::kFirst);
+    for (int k = 0; k < kCorners; ++k)
+      for (int j = 0; j < kCorners; ++j)
+        for (int i = 0; i < kCorners; ++i) *out++ = image_.at(clamped(first + Index3(i, j, k)));
+  }
+
+  void collect_pairs() {
+    std::vector<std::uint32_t> count(place_.size(), 0);
+    for (const auto& bricks : bricks_of_pair_)
+      for (const std::uint32_t b : bricks) ++count[static_cast<std::size_t>(f_.brick_of_[b])];
+    std::uint32_t next = 0;
+    for (std::size_t b = 0; b < count.size(); ++b) {
+      f_.active_[b].first_pair = next;
+      next += count[b];
+    }
+    f_.pairs_.resize(next);
+    for (std::size_t p = 0; p < pairs_.size(); ++p) {
+      for (const std::uint32_t b : bricks_of_pair_[p]) {
+        Brick& brick = f_.active_[static_cast<std::size_t>(f_.brick_of_[b])];
+        const LabelPair& pair = pairs_[p].pair;
+        brick.has_outer_wall |= pair.is_outer_wall();
+        f_.pairs_[brick.first_pair + brick.pair_count++] = {pair.first, pair.second};
+      }
+    }
+    f_.blocks_.resize(std::size_t{next} * LabelField::kBlock);
+  }
+
+  /// Pairs are independent; large ones keep all threads busy by themselves.
+  void fit_pairs() {
+    parallel::for_each_index(
+        pairs_.size(), [&](std::size_t p) { fit_pair(p); }, 1);
+  }
+
+  void fit_pair(std::size_t p) {
+    const Band band(image_, pairs_[p]);
+    const field::PairFunction function = field::fit(band, options_.fidelity);
+    const LabelPair& pair = pairs_[p].pair;
+    const auto& bricks = bricks_of_pair_[p];
+    parallel::for_each_index(
+        bricks.size(),
+        [&](std::size_t i) {
+          const Brick& brick = f_.active_[static_cast<std::size_t>(f_.brick_of_[bricks[i]])];
+          std::uint32_t block = brick.first_pair;
+          while (f_.pairs_[block].first != pair.first ||
+                 (!pair.is_outer_wall() && f_.pairs_[block].second != pair.second))
+            ++block;
+          fill_block(band, function, pair, brick_index(bricks[i]), block);
+        },
+        16);
+  }
+
+  /// The function's values; beyond the band its limit on the voxel's side.
+  void fill_block(const Band& band, const field::PairFunction& function, const LabelPair& pair,
+                  const Index3& brick, std::uint32_t block) {
+    constexpr auto kLimit = static_cast<float>(LabelField::kFieldLimit);
+    float* const out = &f_.blocks_[std::size_t{block} * LabelField::kBlock];
+    std::fill_n(out, LabelField::kBlock, 0.0F);
+    const Index3 first = brick * kBrick + Index3::Constant(kFirstStored);
+    for (int k = 0; k < kStored; ++k) {
+      for (int j = 0; j < kStored; ++j) {
+        float* const row = out + LabelField::kRowPad * (j + kStored * k);
+        for (int i = 0; i < kStored; ++i) {
+          const Index3 voxel = first + Index3(i, j, k);
+          const float value = band.value_at(function.values, voxel);
+          row[i] = value == value ? std::clamp(value, -kLimit, kLimit)
+                                  : kLimit * static_cast<float>(pair.side_of(image_.at(clamped(voxel))));
+        }
+      }
+    }
+  }
+
+  LabelField& f_;
+  const LabelImage& image_;
+  LabelFieldOptions options_;
+  std::vector<PairFaces> pairs_;
+  std::vector<std::vector<std::uint32_t>> bricks_of_pair_;
+  std::vector<std::uint32_t> place_;  // brick number of each active brick
+};
+
+LabelField::LabelField(const LabelImage& image, const LabelFieldOptions& options)
+    : frame_(image.frame()), edges_(frame_.spacing_mm / frame_.spacing_mm.minCoeff()) {
+  all_labels_.resize(image.values().size());
+  std::iota(all_labels_.begin(), all_labels_.end(), LabelIndex{0});
+  bricks_ = (frame_.size - Index3::Constant(kFirst)) / kBrick + Index3::Ones();
+  LabelFieldBuilder(*this, image, options).build();
+}
+
+}  // namespace lumesh

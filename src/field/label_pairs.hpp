@@ -1,0 +1,41 @@
+#pragma once
+// The pairs of labels that share voxel faces, with those faces.
+
+#include <cstdint>
+#include <vector>
+
+#include "lumesh/image/label_image.hpp"
+
+namespace lumesh::field {
+
+using LabelIndex = LabelImage::Index;
+
+/// Two labels that touch, or all labels together against the background: first == 0.
+struct LabelPair {
+  LabelIndex first = 0;   ///< Where the pair's function is negative.
+  LabelIndex second = 0;  ///< Where it is positive; means nothing where first == 0.
+
+  [[nodiscard]] bool is_outer_wall() const { return first == 0; }
+  /// +1, -1 or 0 for a voxel of neither.
+  [[nodiscard]] int side_of(LabelIndex label) const {
+    if (is_outer_wall()) return label != 0 ? 1 : -1;
+    return static_cast<int>(label == second) - static_cast<int>(label == first);
+  }
+  friend bool operator==(const LabelPair&, const LabelPair&) = default;
+};
+
+/// A voxel face between the two: `voxel` and the next one along `axis`.
+struct Face {
+  Index3 voxel = Index3::Zero();
+  int axis = 0;
+};
+
+struct PairFaces {
+  LabelPair pair;
+  std::vector<Face> faces;  ///< In the order of voxels, then axes.
+};
+
+/// Ascending by the pair. Cost: one pass over the image.
+[[nodiscard]] std::vector<PairFaces> touching_pairs(const LabelImage& image);
+
+}  // namespace lumesh::field
