@@ -70,12 +70,12 @@ class Sections {
     if (!voxels || !voxels->is_whole) return result;
     const SurfaceSection of_mesh = surface_.at(plane, limit_mm, voxel_mm_);
     if (of_mesh.reach_mm > limit_mm) return result;
-    result.is_whole = true;
     result.mesh_area_mm2 = of_mesh.area_mm2;
     // Vessels that touch may be one in the voxels and two in the mesh.
     for (const VoxelPart& part : voxels->parts)
       if (of_mesh.outline.empty() || of_mesh.is_nearest_to(part.centre))
         result.voxel_area_mm2 += part.area_mm2;
+    result.is_whole = result.voxel_area_mm2 > 0;
     return result;
   }
 
