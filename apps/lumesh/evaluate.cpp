@@ -8,9 +8,11 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/polylines_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/evaluation.hpp"
 #include "lumesh/report/html.hpp"
@@ -22,7 +24,7 @@ namespace lumesh::cli {
 namespace {
 
 struct EvaluateCommand {
-  std::string mesh_path, image_path, reference_path, json_path, report_path, picture_path;
+  std::string mesh_path, image_path, centerline_path, reference_path, json_path, report_path, picture_path;
   ImageSelection selection;
   PlaneNumbers cut_planes;
   std::vector<double> required_dihedral_deg;
@@ -36,6 +38,28 @@ std::string read_text(const std::string& path) {
   text << in.rdbuf();
   if (!in) throw Error(ErrorKind::kBadInput, path + ": cannot be read; check the path");
   return text.str();
+}
+
+/// Axes of the vessels: of the file, or of the image; no lines where they are not wanted or there are none.
+Polylines axes_of(const EvaluateCommand& command, const LabelImage& image, Context& context) {
+  if (command.centerline_path == "none") return {};
+  if (!command.centerline_path.empty()) {
+    Polylines axes =
+        context.phase("read centerline", [&] { return read_polylines(command.centerline_path); });
+    if (!axes.scalars.contains("radius"))
+      throw Error(ErrorKind::kBadInput,
+                  command.centerline_path + ": has no radius at its points; make it with lumesh centerline");
+    return axes;
+  }
+  return context.phase("centerline", [&]() -> Polylines {
+    try {
+      Context silent;  // That small pieces have no lines says nothing about the mesh.
+      return extract_centerline(image, {}, silent);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kBadInput) throw;
+      return {};  // The object is no vessel.
+    }
+  });
 }
 
 void require_valid(const EvaluateCommand& command, const quality::Evaluation& evaluation) {
@@ -82,7 +106,9 @@ void run(const EvaluateCommand& command) {
   const parallel::ThreadLimit limit(command.run.threads);
   check_output_folders({command.json_path, command.report_path, command.picture_path});
   check_inputs_stay({command.json_path, command.report_path, command.picture_path},
-                    {command.mesh_path, command.image_path, command.reference_path});
+                    {command.mesh_path, command.image_path, command.centerline_path, command.reference_path});
+  if (!command.centerline_path.empty() && command.image_path.empty())
+    throw Error(ErrorKind::kUsage, "--centerline is for the comparison with an image; give --image, too");
   Context context = make_context(command.run);
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);
@@ -100,6 +126,9 @@ void run(const EvaluateCommand& command) {
     });
   }
   for (const std::string& warning : warnings) context.warn(warning);
+  Polylines axes;
+  if (input.image) axes = axes_of(command, image, context);
+  if (!axes.lines.empty()) input.axes = &axes;
   std::optional<Phantom> phantom;
   if (!command.reference_path.empty()) {
     phantom.emplace(phantom_spec_from_json(read_text(command.reference_path)));
@@ -128,6 +157,8 @@ void add_evaluate_command(CLI::App& program) {
   sub->add_option("--image", command->image_path, "Label image the mesh was made from");
   add_selection_options(*sub, command->selection, "Take");
   add_cut_plane_option(*sub, command->cut_planes, "as given when the mesh was made");
+  sub->add_option("--centerline", command->centerline_path,
+                  "Axes of the vessels (.vtp, by lumesh centerline), or none; default: found in the image");
   sub->add_option("--reference", command->reference_path,
                   "Parameters of the phantom behind the image (.json)");
   sub->add_option("--json", command->json_path, "Write all numbers as JSON");

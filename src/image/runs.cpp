@@ -1,15 +1,10 @@
-#include "runs.hpp"
+#include "lumesh/image/runs.hpp"
 
 #include <cstring>
-
-#include "lumesh/core/error.hpp"
-#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::image {
 
 namespace {
-
-constexpr std::size_t kRowsPerBlock = 64;
 
 /// First voxel from `i` on that is not background, or `count`; eight bytes at a time.
 std::int32_t skip_background(const LabelImage::Index* row, std::int32_t i, std::int32_t count) {
@@ -51,37 +46,11 @@ void append_row(const LabelImage::Index* row, std::int32_t count, RunLabels labe
 }  // namespace
 
 RunImage find_runs(const LabelImage& image, RunLabels labels) {
-  RunImage result;
-  result.size = image.frame().size;
-  const auto width = static_cast<std::size_t>(result.size.x());
-  const std::size_t rows =
-      static_cast<std::size_t>(result.size.y()) * static_cast<std::size_t>(result.size.z());
-  result.first.assign(rows + 1, 0);
-  std::vector<std::vector<Run>> parts((rows + kRowsPerBlock - 1) / kRowsPerBlock);
-  parallel::for_each_block(rows, kRowsPerBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) {
-      const std::size_t before = parts[block].size();
-      append_row(image.voxels().data() + row * width, result.size.x(), labels, parts[block]);
-      result.first[row + 1] = static_cast<std::uint32_t>(parts[block].size() - before);
-    }
+  const Index3& size = image.frame().size;
+  const auto width = static_cast<std::size_t>(size.x());
+  return make_runs(size, [&](std::size_t row, std::vector<Run>& runs) {
+    append_row(image.voxels().data() + row * width, size.x(), labels, runs);
   });
-  std::size_t total = 0;
-  for (std::size_t row = 0; row < rows; ++row) {
-    total += result.first[row + 1];
-    if (total >= std::numeric_limits<std::uint32_t>::max())
-      throw Error(ErrorKind::kMemory,
-                  "image has more than 4 billion runs of labels; crop it or drop its noise");
-    result.first[row + 1] = static_cast<std::uint32_t>(total);
-  }
-  result.runs.resize(total);
-  parallel::for_each_index(
-      parts.size(),
-      [&](std::size_t block) {
-        std::copy(parts[block].begin(), parts[block].end(),
-                  result.runs.begin() + static_cast<std::ptrdiff_t>(result.first[block * kRowsPerBlock]));
-      },
-      1);
-  return result;
 }
 
 }  // namespace lumesh::image

@@ -1,10 +1,11 @@
 #include "lumesh/image/topology.hpp"
 
 #include <algorithm>
-#include <numeric>
 
+#include "cavities.hpp"
+#include "lumesh/image/runs.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "runs.hpp"
+#include "run_sets.hpp"
 
 namespace lumesh {
 
@@ -12,25 +13,7 @@ namespace {
 
 using image::Run;
 using image::RunImage;
-
-/// Disjoint sets of runs; the root of a set is its first run.
-class RunSets {
- public:
-  explicit RunSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
-
-  std::uint32_t root(std::uint32_t run) {
-    while (parent_[run] != run) run = parent_[run] = parent_[parent_[run]];
-    return run;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
+using image::RunSets;
 
 RunSets connect(const RunImage& runs) {
   RunSets sets(runs.runs.size());
@@ -123,6 +106,14 @@ std::vector<LabelTopology> describe(const RunImage& runs, std::size_t label_coun
     result[i].euler_number = euler[i];
     result[i].volume_mm3 = static_cast<double>(result[i].voxel_count) * voxel_volume_mm3;
   }
+  parallel::for_each_index(
+      label_count,
+      [&](std::size_t i) {
+        if (result[i].voxel_count > 0)
+          result[i].cavity_count =
+              image::count_cavities(runs, static_cast<LabelImage::Index>(i), result[i].box);
+      },
+      1);
   return result;
 }
 

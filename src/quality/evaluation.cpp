@@ -1,6 +1,9 @@
 #include "lumesh/quality/evaluation.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <utility>
 
 #include "lumesh/core/error.hpp"
 #include "validity.hpp"
@@ -13,6 +16,27 @@ double LabelEvaluation::image_volume_error_percent() const {
 
 double LabelEvaluation::reference_volume_error_percent() const {
   return reference ? 100 * (volume_mm3 / reference->volume_mm3 - 1) : 0;
+}
+
+std::optional<std::int64_t> LabelEvaluation::cavities() const {
+  if (!surface.manifold()) return std::nullopt;
+  // Each component has one outer surface, and one more for each of its hollows.
+  return static_cast<std::int64_t>(surface.components.size()) - static_cast<std::int64_t>(components);
+}
+
+std::optional<std::int64_t> LabelEvaluation::handles() const {
+  if (!surface.manifold()) return std::nullopt;
+  return static_cast<std::int64_t>(surface.components.size()) - euler;
+}
+
+double Evaluation::volume_mm3() const {
+  double sum = 0;
+  for (const LabelEvaluation& label : labels) sum += label.volume_mm3;
+  return sum;
+}
+
+double Evaluation::image_volume_error_percent() const {
+  return image && image->all.volume_mm3 > 0 ? 100 * (volume_mm3() / image->all.volume_mm3 - 1) : 0;
 }
 
 namespace {
@@ -75,6 +99,67 @@ void cut_volumes(const EvaluationInput& input, Evaluation& evaluation) {
   evaluation.image->all.volume_mm3 = all;
 }
 
+/// Appends what differs, as "components 1 (image 2)".
+template <class Value, class OfImage>
+void add_difference(const char* what, const Value& found, const OfImage& of_image, std::string& words) {
+  if (std::cmp_equal(found, of_image)) return;
+  words += std::string(words.empty() ? "" : ", ") + what + " " + std::to_string(found) + " (image " +
+           std::to_string(of_image) + ")";
+}
+
+void list_topology_differences(Evaluation& evaluation) {
+  for (const LabelEvaluation& label : evaluation.labels) {
+    if (!label.image || label.lost()) continue;
+    std::string words;
+    add_difference("components", label.components, label.image->components, words);
+    if (const auto cavities = label.cavities())
+      add_difference("cavities", *cavities, label.image->cavities, words);
+    if (const auto handles = label.handles())
+      add_difference("handles", *handles, label.image->handles(), words);
+    if (words.empty()) add_difference("Euler number", label.euler, label.image->euler, words);
+    if (!words.empty())
+      evaluation.topology_differences.push_back("label " + std::to_string(label.label) + ": " + words);
+  }
+}
+
+void add_voxels_kept(const MeshView& mesh, const MeshSurface& surface, const EvaluationInput& input,
+                     Evaluation& evaluation) {
+  VoxelsKept kept = count_voxels_kept(mesh, surface, *input.image, input.cut_planes);
+  for (LabelKeptVoxels& label : kept.labels) entry(evaluation, label.label).voxels_kept = label.voxels;
+  evaluation.image->background_kept = kept.background;
+  evaluation.image->voxels_kept = kept.all;
+}
+
+/// One line for all branches that the mesh tightens.
+std::string tightened_warning(const std::vector<NarrowestSection>& sections) {
+  const NarrowestSection* worst = nullptr;
+  std::size_t tightened = 0;
+  for (const NarrowestSection& section : sections) {
+    if (!section.tightened()) continue;
+    ++tightened;
+    if (!worst || section.change_percent() < worst->change_percent()) worst = &section;
+  }
+  if (!worst) return "";
+  const Vec3& p = worst->centre_mm;
+  return fmt::format(
+      "{} of {} branches {} more than {:g} % narrower in the mesh than in the voxels; branch {} by {:.1f} %: "
+      "{:.4g} "
+      "of {:.4g} mm² at ({:.1f}, {:.1f}, {:.1f}) mm",
+      tightened, sections.size(), tightened == 1 ? "is" : "are", kTightenedPercent, worst->branch,
+      -worst->change_percent(), worst->mesh_area_mm2, worst->voxel_area_mm2, p.x(), p.y(), p.z());
+}
+
+void add_sections(const MeshView& mesh, const MeshSurface& surface, const EvaluationInput& input,
+                  Evaluation& evaluation, Context& context) {
+  evaluation.sections = context.phase("narrowest sections", [&] {
+    return find_narrowest_sections(mesh, surface, *input.image, *input.axes, input.cut_planes);
+  });
+  const std::string warning = tightened_warning(*evaluation.sections);
+  if (warning.empty()) return;
+  evaluation.warnings.push_back(warning);
+  context.warn(warning);
+}
+
 void add_image(const MeshView& mesh, const MeshSurface& surface, const EvaluationInput& input,
                Evaluation& evaluation, Context& context) {
   const LabelImage& image = *input.image;
@@ -85,13 +170,16 @@ void add_image(const MeshView& mesh, const MeshSurface& surface, const Evaluatio
   result.frame = image.frame();
   result.all = context.phase("voxel topology of the union", [&] { return union_voxel_topology(image); });
   if (!input.cut_planes.empty())
-    context.phase("voxels that are kept", [&] { cut_volumes(input, evaluation); });
+    context.phase("voxels that the cuts keep", [&] { cut_volumes(input, evaluation); });
   ImageDistances distances = context.phase(
       "distances to the image", [&] { return compare_with_image(mesh, surface, image, input.cut_planes); });
   result.voxel_size_mm = distances.voxel_size_mm;
   result.distances = distances.outer;
   for (const LabelDistances& label : distances.labels)
     entry(evaluation, label.label).distances = label.distances;
+  context.phase("voxels kept", [&] { add_voxels_kept(mesh, surface, input, evaluation); });
+  if (input.axes) add_sections(mesh, surface, input, evaluation, context);
+  if (input.cut_planes.empty()) list_topology_differences(evaluation);
 }
 
 }  // namespace
@@ -115,6 +203,7 @@ Evaluation evaluate(const MeshView& mesh, const EvaluationInput& input, Context&
   });
   context.phase("topology", [&] { add_topology(mesh, input.kernel, surface, evaluation); });
   context.phase("validity", [&] { find_problems(mesh, input.kernel, surface, evaluation); });
+  evaluation.curvature = context.phase("curvature", [&] { return summarise(wall_curvature(mesh, surface)); });
   if (input.image) add_image(mesh, surface, input, evaluation, context);
   if (input.phantom) {
     evaluation.reference_voxel_mm = std::cbrt(input.phantom->frame().voxel_volume_mm3());

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "nearby.hpp"
 #include "on_planes.hpp"
 #include "samples.hpp"
 #include "voxel_faces.hpp"
@@ -23,11 +24,6 @@ struct Scene {
   }
 };
 
-/// A bound on the distance of the next sample by that of the last one, a little widened for rounding.
-double bound_from(double last_distance, const Vec3& last, const Vec3& next) {
-  return (last_distance + (next - last).norm()) * (1 + 1e-9) + 1e-12;
-}
-
 DistanceSummary mesh_to_image(const Scene& scene, std::span<const Vec3> points,
                               std::span<const Cell<3>> triangles, const FaceTree& boundary) {
   const auto distances_of = [&](std::size_t t, std::vector<WeightedValue>& out) {
@@ -44,24 +40,6 @@ DistanceSummary mesh_to_image(const Scene& scene, std::span<const Vec3> points,
   std::vector<WeightedValue> values = parallel::collect<WeightedValue>(triangles.size(), distances_of, 256);
   return summarise(values);
 }
-
-/// Distance to the nearest triangle for a run of points that are near each other.
-class Nearby {
- public:
-  explicit Nearby(const TriangleTree& tree) : tree_(tree) {}
-  double distance(const Vec3& p) {
-    TriangleTree::Nearest found = tree_.nearest(p, bound_from(last_distance_, last_, p));
-    if (found.triangle == TriangleTree::kNone) found = tree_.nearest(p);
-    last_ = p;
-    last_distance_ = found.distance;
-    return found.distance;
-  }
-
- private:
-  const TriangleTree& tree_;
-  Vec3 last_ = Vec3::Zero();
-  double last_distance_ = std::numeric_limits<double>::infinity();
-};
 
 double area_of(const VoxelFace& face, const Vec3& spacing_mm) {
   return spacing_mm.prod() / spacing_mm[face.axis];

@@ -18,6 +18,7 @@ class CutPlanes {
       : planes_(planes.begin(), planes.end()), tolerance_mm_(0.05 * voxel_size_mm) {
     for (CutPlane& plane : planes_) plane.normal.normalize();
   }
+  [[nodiscard]] bool none() const { return planes_.empty(); }
   /// True if the point was cut off.
   [[nodiscard]] bool beyond(const Vec3& p) const {
     return std::any_of(planes_.begin(), planes_.end(),

@@ -3,17 +3,23 @@
 
 namespace lumesh::quality {
 
+namespace {
+
+VoxelTopology told(const LabelTopology& of_image) {
+  return {of_image.label,           of_image.voxel_count,  of_image.volume_mm3,
+          of_image.component_count, of_image.euler_number, of_image.cavity_count};
+}
+
+}  // namespace
+
 std::vector<VoxelTopology> voxel_topology(const LabelImage& image) {
   std::vector<VoxelTopology> result;
-  for (const auto& label : lumesh::label_topology(image))
-    result.push_back(
-        {label.label, label.voxel_count, label.volume_mm3, label.component_count, label.euler_number});
+  for (const LabelTopology& label : label_topology(image)) result.push_back(told(label));
   return result;
 }
 
 VoxelTopology union_voxel_topology(const LabelImage& image) {
-  const auto all = lumesh::union_topology(image);
-  return {all.label, all.voxel_count, all.volume_mm3, all.component_count, all.euler_number};
+  return told(union_topology(image));
 }
 
 }  // namespace lumesh::quality

@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "html_parts.hpp"
 #include "numbers.hpp"
@@ -40,12 +42,37 @@ void add_distances(Table& table, const std::string& name, const SurfaceDistances
                    fmt::format("{:.3g}", d.vertex_to_voxel_two_sided_mm)});
 }
 
+/// A number of the mesh, with the image's where that is another; "–" where the mesh has none.
+template <class Value, class OfImage>
+std::string against(const std::optional<Value>& found, const std::optional<OfImage>& of_image) {
+  if (!found) return "–";
+  if (!of_image || std::cmp_equal(*found, *of_image)) return std::to_string(*found);
+  return fmt::format("{} (image {})", *found, *of_image);
+}
+
+std::string place_text(const Vec3& p) {
+  return fmt::format("{:.1f}, {:.1f}, {:.1f}", p.x(), p.y(), p.z());
+}
+
+void add_kept(Table& table, const std::string& name, const KeptVoxels& kept, double voxel) {
+  if (kept.counted == 0 || table.size() > kMostRows) return;
+  std::vector<std::string> row = {name, grouped(kept.counted), grouped(kept.counted - kept.kept),
+                                  fmt::format("{:.3f} %", 100 * kept.share())};
+  if (const auto& worst = kept.worst)
+    row.insert(row.end(), {fmt::format("{:.3f}", worst->distance_mm / voxel),
+                           fmt::format("{:.3g}", worst->distance_mm), place_text(worst->centre_mm),
+                           fmt::format("{}, {}, {}", worst->voxel.x(), worst->voxel.y(), worst->voxel.z())});
+  else
+    row.insert(row.end(), {"–", "–", "", ""});
+  table.push_back(row);
+}
+
 }  // namespace
 
 std::string labels_section(const Evaluation& e) {
   Table table = {{"label", "cells", "volume mm³"}};
   if (e.image) table[0].insert(table[0].end(), {"voxels mm³", "error"});
-  table[0].insert(table[0].end(), {"components", "Euler number", "surface", "genus"});
+  table[0].insert(table[0].end(), {"components", "cavities", "handles", "Euler number", "surface"});
   for (const LabelEvaluation& l : e.labels) {
     if (table.size() > kMostRows) break;
     std::vector<std::string> row = {
@@ -55,22 +82,31 @@ std::string labels_section(const Evaluation& e) {
       row.push_back(l.image ? five_digits(l.image->volume_mm3) : "–");
       row.push_back(l.image ? fmt::format("{:+.2f} %", l.image_volume_error_percent()) : "–");
     }
-    const bool components_equal = !l.image || l.components == l.image->components,
-               euler_equal = !l.image || l.euler == l.image->euler;
-    row.push_back(components_equal ? grouped(l.components)
-                                   : fmt::format("{} (image {})", l.components, l.image->components));
-    row.push_back(euler_equal ? std::to_string(l.euler)
-                              : fmt::format("{} (image {})", l.euler, l.image->euler));
+    const auto of_image = [&](const auto& value_of) {
+      return l.image ? std::optional(static_cast<std::int64_t>(value_of(*l.image))) : std::nullopt;
+    };
+    row.push_back(against(std::optional(l.components), of_image([](const auto& v) { return v.components; })));
+    row.push_back(against(l.cavities(), of_image([](const auto& v) { return v.cavities; })));
+    row.push_back(against(l.handles(), of_image([](const auto& v) { return v.handles(); })));
+    row.push_back(against(std::optional(l.euler), of_image([](const auto& v) { return v.euler; })));
     row.push_back(l.lost()       ? "!lost"
                   : l.cells == 0 ? "cut off"
                                  : marked(l.surface.manifold(),
                                           l.surface.manifold() ? "closed manifold" : "not manifold"));
-    row.push_back(l.surface.genus() < 0 ? "–" : std::to_string(l.surface.genus()));
     table.push_back(row);
   }
+  if (e.image && e.labels.size() > 1)
+    table.push_back({"all", "", five_digits(e.volume_mm3()), five_digits(e.image->all.volume_mm3),
+                     fmt::format("{:+.2f} %", e.image_volume_error_percent()), "", "", "", "", ""});
   std::string html = table_html(table);
   if (e.image && e.cut_planes > 0)
     html += "<p class=\"note\">Volumes of voxels are those of what the cuts keep.</p>";
+  if (!e.topology_differences.empty()) {
+    html += "<p class=\"note\">Topology that differs:";
+    for (std::size_t i = 0; i < std::min(kMostRows, e.topology_differences.size()); ++i)
+      html += (i == 0 ? " " : "; ") + e.topology_differences[i];
+    html += ".</p>";
+  }
   return section("Labels", html);
 }
 
@@ -91,6 +127,42 @@ std::string distances_section(const Evaluation& e) {
                      "<p class=\"note\">Between the triangles of the mesh and the faces between voxels of "
                      "different labels. The last row of each group is the Hausdorff distance between the "
                      "surface vertices and the centres of the boundary voxels.</p>");
+}
+
+std::string kept_section(const Evaluation& e) {
+  if (!e.image) return "";
+  Table table = {
+      {"voxels", "counted", "missed", "kept", "farthest, voxels", "farthest, mm", "at mm", "voxel"}};
+  const double voxel = e.image->voxel_size_mm;
+  for (const LabelEvaluation& l : e.labels)
+    if (l.voxels_kept) add_kept(table, fmt::format("label {}", l.label), *l.voxels_kept, voxel);
+  add_kept(table, "background", e.image->background_kept, voxel);
+  add_kept(table, "all", e.image->voxels_kept, voxel);
+  return section(
+      "Voxels kept",
+      table_html(table) +
+          "<p class=\"note\">Voxels are kept whose centres lie in cells of their own label. Background "
+          "counts to two voxels from the object within the mesh's box, and is kept outside of all cells. "
+          "The farthest are those whose centres are farthest from the boundary of their label.</p>");
+}
+
+std::string narrowest_section(const Evaluation& e) {
+  if (!e.sections || e.sections->empty()) return "";
+  std::vector<NarrowestSection> sections = *e.sections;
+  std::stable_sort(sections.begin(), sections.end(),
+                   [](const auto& a, const auto& b) { return a.change_percent() < b.change_percent(); });
+  Table table = {{"branch", "mesh mm²", "voxels mm²", "change", "at mm", "direction"}};
+  for (const NarrowestSection& s : sections) {
+    if (table.size() > kMostRows) break;
+    table.push_back({std::to_string(s.branch), five_digits(s.mesh_area_mm2), five_digits(s.voxel_area_mm2),
+                     marked(!s.tightened(), fmt::format("{:+.1f} %", s.change_percent())),
+                     place_text(s.centre_mm), direction_text(s.direction)});
+  }
+  return section(
+      "Narrowest section of each branch",
+      table_html(table) +
+          "<p class=\"note\">Where the mesh is narrowest on planes square to the vessel's axis, and the "
+          "area of the voxels there. Those that lose more than 3 % are marked.</p>");
 }
 
 std::string reference_section(const Evaluation& e) {
@@ -125,12 +197,9 @@ std::string boundary_section(const Evaluation& e) {
   for (const PatchSummary& p : e.patches) {
     if (table.size() > kMostRows) break;
     const bool opening = p.kind == PatchKind::kOpening;
-    table.push_back(
-        {escaped(p.name), grouped(p.faces), five_digits(p.area_mm2),
-         fmt::format("{:.1f}°", p.smallest_angle_deg),
-         opening ? fmt::format("{:.1f}, {:.1f}, {:.1f}", p.centre_mm.x(), p.centre_mm.y(), p.centre_mm.z())
-                 : "",
-         opening ? direction_text(p.normal) : "", opening ? flatness_text(p.flatness_mm) : ""});
+    table.push_back({escaped(p.name), grouped(p.faces), five_digits(p.area_mm2),
+                     fmt::format("{:.1f}°", p.smallest_angle_deg), opening ? place_text(p.centre_mm) : "",
+                     opening ? direction_text(p.normal) : "", opening ? flatness_text(p.flatness_mm) : ""});
   }
   std::string note = fmt::format("{}, {}; {} {} of genus {}, {} triangles.", b.closed() ? "Closed" : "Open",
                                  b.manifold() ? "manifold" : "not manifold", b.components.size(),

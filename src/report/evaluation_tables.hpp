@@ -11,6 +11,10 @@ namespace lumesh::report {
 [[nodiscard]] std::string labels_section(const quality::Evaluation& e);
 /// Distances between the mesh and the image.
 [[nodiscard]] std::string distances_section(const quality::Evaluation& e);
+/// Voxels that lie in cells of their own label.
+[[nodiscard]] std::string kept_section(const quality::Evaluation& e);
+/// Where the branches are narrowest, those that lose most first.
+[[nodiscard]] std::string narrowest_section(const quality::Evaluation& e);
 /// Against the exact shape of a phantom.
 [[nodiscard]] std::string reference_section(const quality::Evaluation& e);
 /// Patches, and whether the surface is closed.

@@ -54,6 +54,8 @@ std::string tiles(const Evaluation& e) {
         std::max(e.image->distances->mesh_to_image_mm.max, e.image->distances->image_to_mesh_mm.max);
     html += tile(fmt::format("{:.2f}", farthest / voxel), "voxels between mesh and image at most");
   }
+  if (e.image && e.image->voxels_kept.counted > 0)
+    html += tile(fmt::format("{:.2f} %", 100 * e.image->voxels_kept.share()), "voxels kept");
   return html + "</div>\n";
 }
 
@@ -61,6 +63,18 @@ std::string surface_section(const SurfacePicture& surface) {
   if (surface.picture.width == 0) return "";
   return section("Surface", "<figure>" + image_tag(surface.picture, "Surface of the mesh") +
                                 legend_html(surface.legend) + "</figure>");
+}
+
+std::string curvature_section(const SurfacePicture& drawn, const CurvatureSummary& curvature) {
+  if (drawn.picture.width == 0) return "";
+  const std::string caption = fmt::format(
+      "<figcaption>Blue: hollow; grey: flat; red: convex. A straight vessel of radius R has 1 / (2 R). Root "
+      "mean "
+      "square {:.3g}, mean {:.3g} 1/mm; 96 % of the wall have {:.3g} to {:.3g} 1/mm.</figcaption>",
+      curvature.root_mean_square_per_mm, curvature.mean_per_mm, curvature.p2_per_mm, curvature.p98_per_mm);
+  return section("Mean curvature of the wall",
+                 "<figure>" + image_tag(drawn.picture, "Mean curvature of the wall") + caption + "</figure>" +
+                     scale_html(drawn.scale.value()) + legend_html(drawn.legend));
 }
 
 std::string cut_section(const std::string& title, const CutPicture& cut) {
@@ -79,11 +93,11 @@ ReportPictures draw_report_pictures(const MeshView& mesh, const PictureOptions& 
   const MeshSurface surface = surface_for_pictures(mesh);
   const CutOptions of_cut = cut_options(mesh, options);
   const CutOptions of_part = cut_options(mesh, options, kCellsOfEnlargedCut);
-  return {
-      draw_surface(mesh, surface, {.width = options.width * 7 / 5, .supersampling = options.supersampling}),
-      draw_cut(mesh, surface, CutDirection::kFront, of_cut),
-      draw_cut(mesh, surface, CutDirection::kSide, of_cut),
-      draw_cut(mesh, surface, CutDirection::kFront, of_part)};
+  const PictureOptions wide = {.width = options.width * 7 / 5, .supersampling = options.supersampling};
+  return {draw_surface(mesh, surface, wide), draw_cut(mesh, surface, CutDirection::kFront, of_cut),
+          draw_cut(mesh, surface, CutDirection::kSide, of_cut),
+          draw_cut(mesh, surface, CutDirection::kFront, of_part),
+          draw_surface_curvature(mesh, surface, wide)};
 }
 
 std::string report_html(const std::string& title, const Evaluation& e, const ReportPictures& pictures) {
@@ -93,9 +107,10 @@ std::string report_html(const std::string& title, const Evaluation& e, const Rep
   html += pair(cut_section("Cut, from the front", pictures.front),
                cut_section("Cut, from the side", pictures.side));
   html += cut_section("Part of the cut, enlarged", pictures.enlarged);
+  html += curvature_section(pictures.curvature, e.curvature);
   html += plots_html(e);
-  html += distances_section(e) + reference_section(e) + labels_section(e) + boundary_section(e) +
-          provenance_html(e.info.provenance);
+  html += distances_section(e) + kept_section(e) + narrowest_section(e) + reference_section(e) +
+          labels_section(e) + boundary_section(e) + provenance_html(e.info.provenance);
   return html + page_end();
 }
 

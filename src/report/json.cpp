@@ -134,6 +134,50 @@ Json reference_json(const LabelEvaluation& label, const Evaluation& e) {
           {"normal_angle_deg", summary(r.normal_angle_deg)}};
 }
 
+template <class Value>
+Json or_null(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json to_json(const VoxelTopology& voxels) {
+  return {{"voxels", voxels.voxels},
+          {"components", voxels.components},
+          {"euler", voxels.euler},
+          {"cavities", voxels.cavities},
+          {"handles", voxels.handles()}};
+}
+
+Json to_json(const KeptVoxels& kept, double voxel_size_mm) {
+  Json json = {{"counted", kept.counted}, {"kept", kept.kept}, {"share", kept.share()}, {"worst", nullptr}};
+  if (const auto& worst = kept.worst)
+    json["worst"] = {{"distance_mm", worst->distance_mm},
+                     {"distance_voxels", worst->distance_mm / voxel_size_mm},
+                     {"centre_mm", point(worst->centre_mm)},
+                     {"voxel", Json::array({worst->voxel.x(), worst->voxel.y(), worst->voxel.z()})}};
+  return json;
+}
+
+Json to_json(const CurvatureSummary& curvature) {
+  return {{"vertices", curvature.vertices},
+          {"root_mean_square", curvature.root_mean_square_per_mm},
+          {"mean", curvature.mean_per_mm},
+          {"p2", curvature.p2_per_mm},
+          {"p98", curvature.p98_per_mm}};
+}
+
+Json to_json(const std::vector<NarrowestSection>& sections) {
+  Json json = Json::array();
+  for (const NarrowestSection& s : sections)
+    json.push_back({{"branch", s.branch},
+                    {"centre_mm", point(s.centre_mm)},
+                    {"normal", point(s.direction)},
+                    {"mesh_area_mm2", s.mesh_area_mm2},
+                    {"voxel_area_mm2", s.voxel_area_mm2},
+                    {"change_percent", s.change_percent()},
+                    {"tightened", s.tightened()}});
+  return json;
+}
+
 Json to_json(const LabelEvaluation& label, const Evaluation& e) {
   Json json = {{"label", label.label},
                {"name", label.name},
@@ -141,13 +185,14 @@ Json to_json(const LabelEvaluation& label, const Evaluation& e) {
                {"volume_mm3", label.volume_mm3},
                {"components", label.components},
                {"euler", label.euler},
+               {"cavities", or_null(label.cavities())},
+               {"handles", or_null(label.handles())},
                {"boundary", to_json(label.surface)}};
   if (label.image) {
     json["voxel_volume_mm3"] = label.image->volume_mm3;
     json["volume_error_percent"] = label.image_volume_error_percent();
-    json["image"] = {{"voxels", label.image->voxels},
-                     {"components", label.image->components},
-                     {"euler", label.image->euler}};
+    json["image"] = to_json(*label.image);
+    if (label.voxels_kept) json["voxels_kept"] = to_json(*label.voxels_kept, e.image->voxel_size_mm);
     json["hausdorff_mm"] = to_json(label.distances);
   }
   if (label.reference) json["reference"] = reference_json(label, e);
@@ -175,15 +220,18 @@ Json patches_json(const std::vector<PatchSummary>& patches) {
   return json;
 }
 
-Json image_json(const ImageEvaluation& image) {
+Json image_json(const Evaluation& e) {
+  const ImageEvaluation& image = *e.image;
   const auto& size = image.frame.size;
-  return {{"size", Json::array({size.x(), size.y(), size.z()})},
-          {"spacing_mm", point(image.frame.spacing_mm)},
-          {"voxel_size_mm", image.voxel_size_mm},
-          {"voxels", image.all.voxels},
-          {"voxel_volume_mm3", image.all.volume_mm3},
-          {"components", image.all.components},
-          {"euler", image.all.euler}};
+  Json json = {{"size", Json::array({size.x(), size.y(), size.z()})},
+               {"spacing_mm", point(image.frame.spacing_mm)},
+               {"voxel_size_mm", image.voxel_size_mm},
+               {"voxel_volume_mm3", image.all.volume_mm3},
+               {"volume_error_percent", e.image_volume_error_percent()}};
+  json.update(to_json(image.all));
+  json["voxels_kept"] = to_json(image.voxels_kept, image.voxel_size_mm);
+  json["background_voxels_kept"] = to_json(image.background_kept, image.voxel_size_mm);
+  return json;
 }
 
 }  // namespace
@@ -214,14 +262,18 @@ std::string evaluation_json(const Evaluation& e) {
     json["scaled_jacobian"] = {{"min", m.smallest_scaled_jacobian}};
   json["components"] = e.components;
   json["euler"] = e.euler;
+  json["volume_mm3"] = e.volume_mm3();
   json["labels"] = Json::array();
   for (const LabelEvaluation& label : e.labels) json["labels"].push_back(to_json(label, e));
   json["boundary"] = to_json(e.boundary);
   json["boundary"]["patches"] = patches_json(e.patches);
+  json["mean_curvature_per_mm"] = to_json(e.curvature);
   json["interface_triangles"] = e.interface_triangles;
   if (e.image) {
-    json["image"] = image_json(*e.image);
+    json["image"] = image_json(e);
     json["hausdorff_mm"] = to_json(e.image->distances);
+    json["topology_differences"] = e.topology_differences;
+    json["narrowest_sections"] = e.sections ? to_json(*e.sections) : Json(nullptr);
   }
   if (e.reference_voxel_mm) json["reference"] = {{"voxel_size_mm", *e.reference_voxel_mm}};
   return json.dump(1) + "\n";

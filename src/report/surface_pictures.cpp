@@ -7,6 +7,7 @@
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/quality/curvature.hpp"
 #include "scene.hpp"
 #include "tubes.hpp"
 
@@ -77,6 +78,37 @@ class LogarithmicColours {
   double low_ = 1, high_ = 1;
 };
 
+/// Colours from blue by light grey to red for values around 0. Source: Moreland 2009,
+/// doi:10.1007/978-3-642-10520-3_9 (the ends and the middle of the map).
+class DivergingColours {
+ public:
+  explicit DivergingColours(double end) : end_(end) {}
+
+  /// What is not a number has a colour of its own.
+  [[nodiscard]] Colour of(double value) const {
+    if (std::isnan(value)) return kNone;
+    const double share = std::clamp(value / end_, -1.0, 1.0);
+    const Colour& far = share < 0 ? kLow : kHigh;
+    const auto mix = [&](std::uint8_t from, std::uint8_t to) {
+      return static_cast<std::uint8_t>(std::lround(from + (to - from) * std::abs(share)));
+    };
+    return {mix(kMiddle.red, far.red), mix(kMiddle.green, far.green), mix(kMiddle.blue, far.blue)};
+  }
+  [[nodiscard]] ColourScale scale(const std::string& name, const std::string& unit) const {
+    return {fmt::format("{} ≤ −{:.3g}", name, end_),
+            fmt::format("≥ {:.3g} {}", end_, unit),
+            {kLow, kMiddle, kHigh}};
+  }
+
+  static constexpr Colour kNone = {120, 126, 116};
+
+ private:
+  static constexpr Colour kLow = {59, 76, 192};
+  static constexpr Colour kMiddle = {221, 221, 221};
+  static constexpr Colour kHigh = {180, 4, 38};
+  double end_;
+};
+
 /// Draws the lines alone, as tubes.
 Picture draw_tubes(const Camera& camera, const Polylines& lines, const LinesOptions& options,
                    const std::optional<LogarithmicColours>& colours) {
@@ -125,6 +157,77 @@ double volume_of_tetrahedra(const MeshView& mesh) {
         return sum;
       },
       [](double a, double b) { return a + b; });
+}
+
+/// Where the scale of curvature ends: area / volume, or if there is no volume the 98th percentile of its
+/// size.
+double curvature_end(const MeshView& mesh, const MeshSurface& surface,
+                     const quality::WallCurvature& curvature) {
+  double area = 0, six_volumes = 0;
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+    if (surface.labels[i][1] != quality::kOutside) continue;
+    const Vec3& origin = mesh.points[surface.triangles[0][0]];
+    const Vec3 a = mesh.points[surface.triangles[i][0]] - origin,
+               b = mesh.points[surface.triangles[i][1]] - origin,
+               c = mesh.points[surface.triangles[i][2]] - origin;
+    six_volumes += a.cross(b).dot(c);
+  }
+  for (const double part : curvature.area_mm2) area += part;
+  if (six_volumes > 0 && area > 0) return 6 * area / six_volumes;
+  const quality::CurvatureSummary summary = quality::summarise(curvature);
+  const double end = std::max(std::abs(summary.p2_per_mm), std::abs(summary.p98_per_mm));
+  return end > 0 ? end : 1;
+}
+
+/// Mean over the corners that have a curvature; not a number if none has.
+double curvature_of(const Cell<3>& triangle, const quality::WallCurvature& curvature) {
+  double sum = 0;
+  int count = 0;
+  for (const std::uint32_t v : triangle) {
+    if (!(curvature.area_mm2[v] > 0)) continue;
+    sum += curvature.mean_per_mm[v];
+    ++count;
+  }
+  return sum / count;
+}
+
+/// The part of a triangle that is nearest to its corner `first`: up to the middles of its sides and of
+/// itself. Only what lies on the triangle's sides is outlined.
+void add_corner(const Camera& camera, const std::array<Vec3, 3>& corners, std::size_t first,
+                const Vec3& normal, Colour colour, std::vector<ScreenTriangle>& out) {
+  const Vec3 &p = corners[first], &next = corners[(first + 1) % 3], &last = corners[(first + 2) % 3];
+  const std::array<Vec3, 4> part = {p, Vec3((p + next) / 2), Vec3((p + next + last) / 3),
+                                    Vec3((p + last) / 2)};
+  add_polygon(camera, part, normal, colour, true, out);
+  out[out.size() - 2].outlined = 1;
+  out[out.size() - 1].outlined = 4;
+}
+
+/// The outer triangles that face the viewer, each corner in the colour of its own curvature: means over
+/// triangles would hide a ripple that goes from vertex to vertex. Triangles below a pixel have one colour.
+std::vector<ScreenTriangle> curvature_triangles(const MeshView& mesh, const MeshSurface& surface,
+                                                const quality::WallCurvature& curvature, const Camera& camera,
+                                                const DivergingColours& colours) {
+  std::vector<ScreenTriangle> triangles;
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+    if (surface.labels[i][1] != quality::kOutside) continue;
+    const Cell<3>& ids = surface.triangles[i];
+    const std::array<Vec3, 3> corners = {mesh.points[ids[0]], mesh.points[ids[1]], mesh.points[ids[2]]};
+    const Vec3 normal = triangle_normal(corners[0], corners[1], corners[2]);
+    if (normal.dot(camera.toward) <= 0) continue;
+    const double mean = curvature_of(ids, curvature);
+    const double pixels =
+        triangle_area(corners[0], corners[1], corners[2]) * camera.pixels_per_mm * camera.pixels_per_mm;
+    if (std::isnan(mean) || pixels < 1) {
+      add_polygon(camera, corners, normal, colours.of(mean), true, triangles);
+      continue;
+    }
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const double own = curvature.mean_per_mm[ids[corner]];
+      add_corner(camera, corners, corner, normal, colours.of(std::isnan(own) ? mean : own), triangles);
+    }
+  }
+  return triangles;
 }
 
 /// True if the boundary triangles of the view are all there is to its surface.
@@ -184,6 +287,24 @@ SurfacePicture draw_surface_values(const MeshView& mesh, const MeshSurface& surf
   return {rasterise(triangles, camera.width, camera.height, options.supersampling),
           {},
           colours.scale(value_name)};
+}
+
+SurfacePicture draw_surface_curvature(const MeshView& mesh, const MeshSurface& surface,
+                                      const PictureOptions& options) {
+  const quality::WallCurvature curvature = quality::wall_curvature(mesh, surface);
+  const DivergingColours colours(curvature_end(mesh, surface, curvature));
+  const Camera camera = best_camera(surface_points(mesh, surface), options.width);
+  SurfacePicture result = {rasterise(curvature_triangles(mesh, surface, curvature, camera, colours),
+                                     camera.width, camera.height, options.supersampling),
+                           {}};
+  result.scale = colours.scale("mean curvature", "1/mm");
+  const bool has_openings =
+      std::any_of(surface.patches.begin(), surface.patches.end(), [&](std::int32_t patch) {
+        return patch >= 0 && static_cast<std::size_t>(patch) < mesh.info->patches.size() &&
+               mesh.info->patches[static_cast<std::size_t>(patch)].kind == PatchKind::kOpening;
+      });
+  if (has_openings) result.legend = {{"openings: no curvature", DivergingColours::kNone}};
+  return result;
 }
 
 SurfacePicture draw_surface_with_lines(const MeshView& mesh, const MeshSurface& surface,

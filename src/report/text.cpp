@@ -92,6 +92,27 @@ std::string boundary_text(const Evaluation& e) {
   }
   if (e.patches.size() > kMostLabels)
     text += fmt::format("  … {} more patches\n", e.patches.size() - kMostLabels);
+  const CurvatureSummary& c = e.curvature;
+  if (c.vertices > 0)
+    text += fmt::format(
+        "curvature      r.m.s. {:.3g}  mean {:.3g}  96 % from {:.3g} to {:.3g} 1/mm (mean curvature of the "
+        "wall)\n",
+        c.root_mean_square_per_mm, c.mean_per_mm, c.p2_per_mm, c.p98_per_mm);
+  return text;
+}
+
+std::string union_row(const Evaluation& e) {
+  return fmt::format("{:<22}{:>12}{:>12}{:>9}\n", "all", five_digits(e.volume_mm3()),
+                     five_digits(e.image->all.volume_mm3),
+                     fmt::format("{:+.2f}", e.image_volume_error_percent()));
+}
+
+std::string differences_text(const std::vector<std::string>& differences) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMostLabels, differences.size()); ++i)
+    text += "topology differs: " + differences[i] + "\n";
+  if (differences.size() > kMostLabels)
+    text += fmt::format("… of {} more labels\n", differences.size() - kMostLabels);
   return text;
 }
 
@@ -115,11 +136,59 @@ std::string labels_text(const Evaluation& e) {
                                                : "NOT MANIFOLD");
   }
   if (e.labels.size() > kMostLabels) text += fmt::format("… {} more labels\n", e.labels.size() - kMostLabels);
+  if (e.image && e.labels.size() > 1) text += union_row(e);
   const auto lost = std::count_if(e.labels.begin(), e.labels.end(), [](const auto& l) { return l.lost(); });
   if (lost > 0) text += fmt::format("{} of {} labels are not in the mesh\n", lost, e.labels.size());
   if (e.image) text += "in brackets: the voxels of the image, joined through faces";
   if (e.image && e.cut_planes > 0) text += ", as if it were not cut; volumes: of what the cuts keep";
   if (e.image) text += "\n";
+  return text + differences_text(e.topology_differences);
+}
+
+std::string kept_row(const std::string& name, const KeptVoxels& kept, double voxel) {
+  if (kept.counted == 0) return "";
+  std::string text =
+      fmt::format("  {:<10}{:>9} %{:>10}{:>12}", name, fmt::format("{:.3f}", 100 * kept.share()),
+                  grouped(kept.counted - kept.kept), grouped(kept.counted));
+  if (const auto& worst = kept.worst) {
+    const Vec3& p = worst->centre_mm;
+    text += fmt::format("{:>8.3f}{:>8.3g}  ({:.1f}, {:.1f}, {:.1f})  {} {} {}", worst->distance_mm / voxel,
+                        worst->distance_mm, p.x(), p.y(), p.z(), worst->voxel.x(), worst->voxel.y(),
+                        worst->voxel.z());
+  }
+  return text + "\n";
+}
+
+std::string kept_text(const Evaluation& e) {
+  std::string text = fmt::format("\n{:<12}{:>11}{:>10}{:>12}{:>8}{:>8}  {}\n", "voxels kept", "share",
+                                 "missed", "of", "voxels", "mm", "the farthest, at mm and voxel");
+  const double voxel = e.image->voxel_size_mm;
+  std::size_t rows = 0;
+  for (const LabelEvaluation& l : e.labels)
+    if (l.voxels_kept && rows++ < kMostLabels)
+      text += kept_row(fmt::format("label {}", l.label), *l.voxels_kept, voxel);
+  if (rows > kMostLabels) text += fmt::format("  … {} more labels\n", rows - kMostLabels);
+  text += kept_row("background", e.image->background_kept, voxel);
+  return text + kept_row("all", e.image->voxels_kept, voxel);
+}
+
+/// The branches that lose most.
+std::string sections_text(std::vector<NarrowestSection> sections) {
+  constexpr std::size_t kMostBranches = 12;
+  if (sections.empty()) return "";
+  std::stable_sort(sections.begin(), sections.end(),
+                   [](const auto& a, const auto& b) { return a.change_percent() < b.change_percent(); });
+  std::string text = fmt::format("\n{:<24}{:>12}{:>14}{:>11}  {}\n", "narrowest sections", "mesh mm²",
+                                 "voxels mm²", "change", "at mm");
+  for (std::size_t i = 0; i < std::min(kMostBranches, sections.size()); ++i) {
+    const NarrowestSection& s = sections[i];
+    const Vec3& p = s.centre_mm;
+    text += fmt::format("  branch {:<15}{:>12}{:>13}{:>9.1f} %  ({:.1f}, {:.1f}, {:.1f}){}\n", s.branch,
+                        five_digits(s.mesh_area_mm2), five_digits(s.voxel_area_mm2), s.change_percent(),
+                        p.x(), p.y(), p.z(), s.tightened() ? "  TIGHTENED" : "");
+  }
+  if (sections.size() > kMostBranches)
+    text += fmt::format("  … {} more branches that lose less\n", sections.size() - kMostBranches);
   return text;
 }
 
@@ -154,6 +223,8 @@ std::string image_text(const Evaluation& e) {
   }
   if (with_distances > 1)
     text += distances_text(fmt::format("label {} (the worst)", worst->label), *worst->distances, voxel);
+  text += kept_text(e);
+  if (e.sections) text += sections_text(*e.sections);
   return text;
 }
 

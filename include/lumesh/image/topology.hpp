@@ -30,7 +30,14 @@ struct LabelTopology {
   double volume_mm3 = 0;            ///< voxel_count times the volume of a voxel.
   std::size_t component_count = 0;  ///< 6-connected.
   std::int64_t euler_number = 0;    ///< See the file comment.
-  VoxelBox box;                     ///< Smallest box that holds the voxels.
+  std::size_t cavity_count =
+      0;         ///< Hollows: 26-connected pieces of what is not the label, the outside left out.
+  VoxelBox box;  ///< Smallest box that holds the voxels.
+
+  /// Tunnels through the voxels: handles of their surface.
+  [[nodiscard]] std::int64_t handle_count() const {
+    return static_cast<std::int64_t>(component_count + cavity_count) - euler_number;
+  }
 };
 
 /// One entry for every label that has a voxel, background excluded, labels ascending.

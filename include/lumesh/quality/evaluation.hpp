@@ -10,12 +10,16 @@
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/image/phantom.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/mesh/polylines.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/quality/curvature.hpp"
 #include "lumesh/quality/hausdorff.hpp"
 #include "lumesh/quality/metric_statistics.hpp"
 #include "lumesh/quality/reference.hpp"
+#include "lumesh/quality/sections.hpp"
 #include "lumesh/quality/statistics.hpp"
 #include "lumesh/quality/surface.hpp"
+#include "lumesh/quality/voxels_kept.hpp"
 
 namespace lumesh::quality {
 
@@ -26,6 +30,12 @@ struct VoxelTopology {
   double volume_mm3 = 0;         ///< On the kept side of the cut planes; all else is of the uncut image.
   std::uint64_t components = 0;  ///< Connected through faces.
   std::int64_t euler = 0;
+  std::uint64_t cavities = 0;  ///< Hollows inside.
+
+  /// Tunnels: components + cavities - euler.
+  [[nodiscard]] std::int64_t handles() const {
+    return static_cast<std::int64_t>(components + cavities) - euler;
+  }
 };
 
 struct LabelEvaluation {
@@ -37,11 +47,16 @@ struct LabelEvaluation {
   std::int64_t euler = 0;
   SurfaceTopology surface;
   std::optional<VoxelTopology> image;         ///< If there is an image.
+  std::optional<KeptVoxels> voxels_kept;      ///< If the image has the label.
   std::optional<SurfaceDistances> distances;  ///< If there is an image and the mesh has the label.
   std::optional<LabelReference> reference;    ///< If there is a phantom.
 
   /// True if the mesh does not have the label although its image has voxels of it that no plane cut off.
   [[nodiscard]] bool lost() const { return cells == 0 && !(image && image->volume_mm3 <= 0); }
+  /// Hollows inside the label's cells, and tunnels through them; none unless their surface is a closed
+  /// manifold.
+  [[nodiscard]] std::optional<std::int64_t> cavities() const;
+  [[nodiscard]] std::optional<std::int64_t> handles() const;
   /// Relative error of the volume in per cent against the image's voxels; against the exact volume, which no
   /// plane cuts. Only if there.
   [[nodiscard]] double image_volume_error_percent() const;
@@ -53,6 +68,8 @@ struct ImageEvaluation {
   ImageFrame frame;
   double voxel_size_mm = 1;
   VoxelTopology all;                          ///< Of the union of its labels.
+  KeptVoxels background_kept;                 ///< Background voxels near the object that no cell holds.
+  KeptVoxels voxels_kept;                     ///< Of all labels and the background.
   std::optional<SurfaceDistances> distances;  ///< Of the union; none if the mesh has no surface.
 };
 
@@ -71,16 +88,27 @@ struct Evaluation {
   std::int64_t euler = 0;
   std::uint64_t interface_triangles = 0;
   std::vector<PatchSummary> patches;
+  CurvatureSummary curvature;  ///< Of the outer surface without openings.
   std::optional<ImageEvaluation> image;
+  /// Narrowest section of each branch; none without an image or without axes.
+  std::optional<std::vector<NarrowestSection>> sections;
+  /// What the topology of labels differs in from their voxels', in words; empty with cuts, which voxels do
+  /// not know of.
+  std::vector<std::string> topology_differences;
   std::optional<double> reference_voxel_mm;  ///< Voxel size of the phantom, if there is one.
 
   [[nodiscard]] bool valid() const { return problem_count == 0; }
+  /// Of all labels together, mm^3, and its relative error in per cent against the image's voxels, if there.
+  [[nodiscard]] double volume_mm3() const;
+  [[nodiscard]] double image_volume_error_percent() const;
 };
 
 struct EvaluationInput {
   const LabelImage* image = nullptr;  ///< Optional: the image the mesh was made from.
   const Phantom* phantom = nullptr;   ///< Optional: the truth behind the image.
   std::vector<CutPlane> cut_planes;   ///< Those the mesh was made with.
+  /// Optional: axes of the image's vessels with the scalar "radius", as extract_centerline() makes them.
+  const Polylines* axes = nullptr;
   /// Optional: the mesh whose view is measured, with all its boundary faces. Its adjacency spares finding all
   /// faces anew: half of the time, and 200 bytes per tetrahedron.
   const TetMesh* kernel = nullptr;

@@ -15,9 +15,10 @@ struct ReportPictures {
   CutPicture front;
   CutPicture side;
   CutPicture enlarged;  ///< The fullest part of the front cut.
+  SurfacePicture curvature;
 };
 
-/// Draws them; cuts in the colours of the metric if the mesh has one; the surface is drawn 1.4 times as wide.
+/// Draws them; cuts in the colours of the metric if the mesh has one; surfaces are drawn 1.4 times as wide.
 /// Cost: about 1.5 s for 300k tetrahedra on two cores.
 [[nodiscard]] ReportPictures draw_report_pictures(const MeshView& mesh,
                                                   const PictureOptions& options = {.width = 1000});

@@ -95,6 +95,13 @@ struct LinesOptions {
                                                  const std::string& value_name,
                                                  const PictureOptions& options = {});
 
+/// The surface coloured by its discrete mean curvature (quality::wall_curvature()): blue where it is hollow,
+/// grey where it is flat, red where it is convex. The scale ends at plus and minus area / volume, which is 2
+/// / R of a straight vessel of radius R, whose own colour is a quarter of the way to red: stairs and ripples
+/// stand out whatever else is in the picture. Openings have none and a colour of their own.
+[[nodiscard]] SurfacePicture draw_surface_curvature(const MeshView& mesh, const quality::MeshSurface& surface,
+                                                    const PictureOptions& options = {});
+
 /// The outside of a mesh for pictures: from the boundary triangles that the mesh has where they enclose its
 /// cells, which saves most of the time and memory of quality::extract_surface(); from that elsewhere.
 [[nodiscard]] quality::MeshSurface surface_for_pictures(const MeshView& mesh);

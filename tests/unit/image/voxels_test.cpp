@@ -1,6 +1,7 @@
 // Topology, selection and distance transform of voxels, against values known by hand and by brute force.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -39,6 +40,12 @@ TEST(Topology, BallTorusAndHollowBallHaveTheirTextbookEulerNumbers) {
   EXPECT_EQ(label_topology(ball).at(0).euler_number, 1);
   EXPECT_EQ(label_topology(hollow).at(0).euler_number, 2);
   EXPECT_EQ(label_topology(torus).at(0).euler_number, 0);
+  EXPECT_EQ(label_topology(ball).at(0).cavity_count, 0U);
+  EXPECT_EQ(label_topology(hollow).at(0).cavity_count, 1U);
+  EXPECT_EQ(label_topology(torus).at(0).cavity_count, 0U);
+  EXPECT_EQ(label_topology(ball).at(0).handle_count(), 0);
+  EXPECT_EQ(label_topology(hollow).at(0).handle_count(), 0);
+  EXPECT_EQ(label_topology(torus).at(0).handle_count(), 1);
   for (const LabelImage* image : {&ball, &hollow, &torus}) {
     EXPECT_EQ(label_topology(*image).at(0).component_count, 1U);
     EXPECT_EQ(label_topology(*image).at(0).label, 7);
@@ -117,6 +124,59 @@ Plain count_plainly(const LabelImage& image, const auto& same) {
   return result;
 }
 
+/// Pieces of what is not `same`, flooded through faces, edges and corners, that do not reach the margin of
+/// one voxel around the image.
+std::size_t count_cavities_plainly(const LabelImage& image, const auto& same) {
+  const ImageFrame& frame = image.frame();
+  ImageFrame padded;
+  padded.size = frame.size + Index3::Constant(2);
+  std::vector<char> seen(padded.voxel_count(), 0);
+  const auto is_free = [&](const Index3& v) {
+    const Index3 inner = v - Index3::Ones();
+    return padded.contains(v) && seen[padded.offset(v)] == 0 &&
+           !(frame.contains(inner) && same(image.at(inner)));
+  };
+  std::size_t pieces = 0;
+  for (int k = 0; k < padded.size.z(); ++k)
+    for (int j = 0; j < padded.size.y(); ++j)
+      for (int i = 0; i < padded.size.x(); ++i) {
+        if (!is_free({i, j, k})) continue;
+        ++pieces;
+        std::vector<Index3> stack = {{i, j, k}};
+        seen[padded.offset(stack[0])] = 1;
+        while (!stack.empty()) {
+          const Index3 at = stack.back();
+          stack.pop_back();
+          for (int step = 0; step < 27; ++step) {
+            const Index3 next = at + Index3(step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1);
+            if (!is_free(next)) continue;
+            seen[padded.offset(next)] = 1;
+            stack.push_back(next);
+          }
+        }
+      }
+  return pieces - 1;  // The margin is one.
+}
+
+TEST(Topology, CavitiesAreClosedToCornersAndOpenAtTheBorderOfTheImage) {
+  // A block of 5 x 5 x 5 with one voxel out of its middle, then with a way out through a corner.
+  const auto with_holes = [](std::vector<Vec3> holes) {
+    return make_image({7, 7, 7}, {0, 1}, [holes](const Vec3& p) {
+      const bool block = (p.array() >= 1).all() && (p.array() <= 5).all();
+      return block && std::find(holes.begin(), holes.end(), p) == holes.end();
+    });
+  };
+  EXPECT_EQ(label_topology(with_holes({{3, 3, 3}})).at(0).cavity_count, 1U);
+  EXPECT_EQ(label_topology(with_holes({{2, 2, 2}, {4, 4, 4}})).at(0).cavity_count, 2U);
+  EXPECT_EQ(label_topology(with_holes({{2, 2, 2}, {3, 3, 3}})).at(0).cavity_count, 1U);
+  EXPECT_EQ(label_topology(with_holes({{2, 2, 2}, {1, 1, 1}})).at(0).cavity_count, 0U);
+  const LabelImage filled = make_image({3, 3, 3}, {0, 1, 2}, [](const Vec3& p) {
+    return p == Vec3(1, 1, 1) ? 2 : p == Vec3(0, 0, 0) ? 0 : 1;
+  });
+  EXPECT_EQ(label_topology(filled).at(0).cavity_count, 0U);  // From corner to corner.
+  EXPECT_EQ(union_topology(filled).cavity_count, 0U);
+}
+
 LabelImage random_image(std::uint32_t seed, const Index3& size, int labels) {
   std::mt19937 random(seed);
   std::uniform_int_distribution<int> pick(0, labels);
@@ -135,9 +195,13 @@ TEST(Topology, AgreesWithPlainCountingOnRandomImages) {
       const Plain plain = count_plainly(image, [l](int index) { return index == l; });
       EXPECT_EQ(found[static_cast<std::size_t>(l - 1)].euler_number, plain.euler);
       EXPECT_EQ(found[static_cast<std::size_t>(l - 1)].component_count, plain.components);
+      EXPECT_EQ(found[static_cast<std::size_t>(l - 1)].cavity_count,
+                count_cavities_plainly(image, [l](int index) { return index == l; }));
     }
     const Plain all = count_plainly(image, [](int index) { return index != 0; });
     EXPECT_EQ(union_topology(image).euler_number, all.euler);
+    EXPECT_EQ(union_topology(image).cavity_count,
+              count_cavities_plainly(image, [](int index) { return index != 0; }));
     EXPECT_EQ(union_topology(image).component_count, all.components);
   }
 }

@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "fixtures/meshes.hpp"
+#include "fixtures/surfaces.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
 
@@ -97,6 +99,68 @@ TEST(ValuesPicture, HasDarkAndLightEndsAndSaysWhatTheyAre) {
   EXPECT_EQ(drawn.scale->high.substr(0, 2), "64");
   EXPECT_GT(count_pixels(drawn.picture, true), 200u);   // Violet.
   EXPECT_GT(count_pixels(drawn.picture, false), 200u);  // Yellow.
+}
+
+/// The surface of a torus of tube radius 1, some of it with ripples.
+MixedMesh torus(double ripple) {
+  const fixtures::TriangleSoup soup = fixtures::torus_surface(4, 1, 96, 24);
+  MixedMesh mesh;
+  mesh.points = soup.points;
+  mesh.triangles = soup.triangles;
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    Vec3& p = mesh.points[v];
+    const Vec3 ring = 4 * Vec3(p.x(), p.y(), 0).normalized();
+    if (p.x() > 0) p += (v / 24 % 2 == 0 ? ripple : -ripple) * (p - ring);
+  }
+  return mesh;
+}
+
+quality::MeshSurface surface_of(const MixedMesh& mesh) {
+  quality::MeshSurface surface;
+  surface.triangles = mesh.triangles;
+  surface.labels.assign(mesh.triangles.size(), {1, quality::kOutside});
+  surface.patches.assign(mesh.triangles.size(), -1);
+  return surface;
+}
+
+TEST(CurvaturePicture, ShowsRipplesInBlueAndASmoothVesselInPaleRed) {
+  const auto draw = [](double ripple) {
+    const MixedMesh mesh = torus(ripple);
+    return draw_surface_curvature(mesh.view(), surface_of(mesh), {.width = 300});
+  };
+  const SurfacePicture smooth = draw(0), rough = draw(0.05);
+  EXPECT_LT(count_pixels(smooth.picture, true), 20u);
+  EXPECT_GT(count_pixels(rough.picture, true), 2000u);
+  ASSERT_TRUE(smooth.scale);
+  // Area / volume of a torus: 4 pi^2 R r / (2 pi^2 R r^2) = 2 / r.
+  EXPECT_EQ(smooth.scale->low.substr(0, 22), "mean curvature ≤ −");
+  const std::string& high = smooth.scale->high;
+  EXPECT_NEAR(std::stod(high.substr(high.find(' ') + 1)), 2, 0.05) << high;
+  EXPECT_NE(high.find("1/mm"), std::string::npos);
+  EXPECT_EQ(smooth.scale->stops.size(), 3u);
+  EXPECT_TRUE(smooth.legend.empty());
+}
+
+TEST(CurvaturePicture, OpeningsHaveAColourOfTheirOwn) {
+  MixedMesh mesh = cube_with_boundary(6);
+  mesh.info.patches.push_back({"inlet_1", PatchKind::kOpening, {1, kBackground}});
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    if (mesh.points[a].z() + mesh.points[b].z() + mesh.points[c].z() == 18) mesh.triangle_patches[t] = 1;
+  }
+  const SurfacePicture drawn =
+      draw_surface_curvature(mesh.view(), surface_for_pictures(mesh.view()), {.width = 90});
+  ASSERT_EQ(drawn.legend.size(), 1u);
+  EXPECT_EQ(drawn.legend[0].name, "openings: no curvature");
+}
+
+TEST(CurvaturePicture, SamePixelsForEveryThreadCount) {
+  const MixedMesh mesh = torus(0.05);
+  const auto draw = [&](int threads) {
+    const parallel::ThreadLimit limit(threads);
+    return draw_surface_curvature(mesh.view(), surface_of(mesh), {.width = 120}).picture.rgba;
+  };
+  EXPECT_EQ(draw(1), draw(4));
 }
 
 TEST(SurfaceForPictures, IsTheNamedBoundaryWhereThatIsWhole) {

@@ -94,6 +94,77 @@ TEST(EvaluationJson, HasTheDocumentedFieldsWithTheRightNumbers) {
   EXPECT_EQ(json["boundary"].at("genus"), 0);
   EXPECT_EQ(json["boundary"].at("patches").size(), 1u);
   EXPECT_EQ(json.at("interface_triangles"), 32);
+  EXPECT_EQ(json.at("mean_curvature_per_mm").at("vertices"), 98);  // 5^3 - 3^3
+  EXPECT_NEAR(json["mean_curvature_per_mm"].at("p2").get<double>(), 0, 1e-12);
+}
+
+TEST(EvaluationJson, TellsOfVoxelsKeptTopologyAndVolume) {
+  TwoLabelCase example;
+  example.image.at({1, 2, 3}) = 0;  // From label 1: a dent in its voxels.
+  example.image.at({3, 2, 2}) = 0;  // From label 2, next to label 1: a hollow.
+  const quality::Evaluation evaluation = example.evaluate();
+  const auto json = nlohmann::json::parse(evaluation_json(evaluation));
+  EXPECT_NEAR(json.at("volume_mm3").get<double>(), 64, 1e-12);
+  EXPECT_NEAR(json.at("image").at("volume_error_percent").get<double>(), 100 * (64.0 / 62 - 1), 1e-9);
+  EXPECT_EQ(json["image"].at("cavities"), 1);
+  EXPECT_EQ(json["image"].at("handles"), 0);
+  const auto& label = json.at("labels").at(1);
+  EXPECT_EQ(label.at("cavities"), 0);
+  EXPECT_EQ(label.at("handles"), 0);
+  EXPECT_EQ(label.at("image").at("cavities"), 0);  // Open to label 1.
+  EXPECT_EQ(label.at("voxels_kept").at("counted"), 31);
+  EXPECT_EQ(label.at("voxels_kept").at("share"), 1);
+  EXPECT_TRUE(label.at("voxels_kept").at("worst").is_null());
+  const auto& background = json["image"].at("background_voxels_kept");
+  EXPECT_EQ(background.at("counted"), 2);
+  EXPECT_EQ(background.at("kept"), 0);
+  EXPECT_NEAR(background.at("worst").at("distance_mm").get<double>(), 1.5, 1e-12);
+  EXPECT_NEAR(background.at("worst").at("distance_voxels").get<double>(), 1.5, 1e-12);
+  EXPECT_EQ(background.at("worst").at("voxel"), nlohmann::json::array({3, 2, 2}));
+  EXPECT_EQ(background.at("worst").at("centre_mm"), nlohmann::json::array({2.5, 1.5, 1.5}));
+  EXPECT_EQ(json["image"].at("voxels_kept").at("counted"), 64);
+  EXPECT_EQ(json["image"].at("voxels_kept").at("kept"), 62);
+  EXPECT_TRUE(json.at("narrowest_sections").is_null());  // No axes.
+  EXPECT_TRUE(json.at("topology_differences").empty());
+  const std::string text = summary_text(evaluation), html = report_html("case", evaluation, {});
+  for (const char* words :
+       {"background", "96.875 %", "(2.5, 1.5, 1.5)  3 2 2", "all                             64"})
+    EXPECT_NE(text.find(words), std::string::npos) << words << " is missing in\n" << text;
+  for (const char* words : {"Voxels kept", "96.88 %", "3, 2, 2", "+3.23 %"})
+    EXPECT_NE(html.find(words), std::string::npos) << words << " is missing";
+}
+
+TEST(EvaluationJson, ListsWhatTheTopologyDiffersIn) {
+  TwoLabelCase example;
+  for (const int i : {1, 2}) example.image.at({i, 2, 2}) = 0;  // A tunnel through label 1.
+  const quality::Evaluation evaluation = example.evaluate();
+  const auto json = nlohmann::json::parse(evaluation_json(evaluation));
+  const std::string words = "label 1: handles 0 (image 1)";
+  EXPECT_EQ(json.at("topology_differences"), nlohmann::json::array({words}));
+  EXPECT_NE(summary_text(evaluation).find("topology differs: " + words), std::string::npos);
+  const std::string html = report_html("case", evaluation, {});
+  EXPECT_NE(html.find(words), std::string::npos);
+  EXPECT_NE(html.find("<td>0 (image 1)</td>"), std::string::npos);
+}
+
+TEST(EvaluationJson, TellsOfNarrowestSectionsAndMarksWhatIsTightened) {
+  quality::Evaluation evaluation = TwoLabelCase().evaluate();
+  evaluation.sections = {{0, {1, 2, 3}, {0, 0, 1}, 9.9, 10}, {1, {4, 5, 6}, {1, 0, 0}, 9, 12}};
+  const auto json = nlohmann::json::parse(evaluation_json(evaluation));
+  const auto& second = json.at("narrowest_sections").at(1);
+  EXPECT_EQ(second.at("branch"), 1);
+  EXPECT_EQ(second.at("mesh_area_mm2"), 9);
+  EXPECT_EQ(second.at("voxel_area_mm2"), 12);
+  EXPECT_NEAR(second.at("change_percent").get<double>(), -25, 1e-12);
+  EXPECT_EQ(second.at("tightened"), true);
+  EXPECT_EQ(second.at("centre_mm"), nlohmann::json::array({4.0, 5.0, 6.0}));
+  EXPECT_EQ(json["narrowest_sections"][0].at("tightened"), false);
+  const std::string text = summary_text(evaluation);
+  EXPECT_LT(text.find("branch 1 "), text.find("branch 0 "));  // What loses most comes first.
+  EXPECT_NE(text.find("-25.0 %  (4.0, 5.0, 6.0)  TIGHTENED"), std::string::npos) << text;
+  const std::string html = report_html("case", evaluation, {});
+  EXPECT_NE(html.find("<td class=\"worse\">-25.0 %</td>"), std::string::npos);
+  EXPECT_NE(html.find("<td>-1.0 %</td>"), std::string::npos);
 }
 
 TEST(EvaluationJson, FlatElementsGiveNullInsteadOfInfinity) {
@@ -247,7 +318,7 @@ TEST(Html, IsSelfContainedAndEscapesWhatItIsGiven) {
   for (std::size_t at = html.find("src=\"data:image/png;base64,iVBOR"); at != std::string::npos;
        at = html.find("src=\"data:image/png;base64,iVBOR", at + 1))
     ++pictures;
-  EXPECT_EQ(pictures, 4u);
+  EXPECT_EQ(pictures, 5u);
 }
 
 TEST(Html, HasPlotsOfTheMetricIfThereIsOne) {

@@ -1,11 +1,15 @@
 #pragma once
 /// @file Runs of equal label along i, from which counts, overlaps and components follow.
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
+#include "lumesh/core/error.hpp"
 #include "lumesh/image/label_image.hpp"
+#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::image {
 
@@ -32,6 +36,43 @@ struct RunImage {
 
 /// How labels are told apart.
 enum class RunLabels : std::uint8_t { kEach, kUnion };
+
+/// The runs of an image of this size, of which append(row, runs) appends those of one row. Rows are read in
+/// parallel. Memory: 12 bytes a run and 4 a row, twice that while it works.
+/// @throws Error{kMemory} if there are more than 2^32 - 2 runs.
+template <class AppendRow>
+[[nodiscard]] RunImage make_runs(const Index3& size, const AppendRow& append) {
+  constexpr std::size_t kRowsPerBlock = 64;
+  RunImage result;
+  result.size = size;
+  const std::size_t rows = static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
+  result.first.assign(rows + 1, 0);
+  std::vector<std::vector<Run>> parts((rows + kRowsPerBlock - 1) / kRowsPerBlock);
+  parallel::for_each_block(rows, kRowsPerBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+      const std::size_t before = parts[block].size();
+      append(row, parts[block]);
+      result.first[row + 1] = static_cast<std::uint32_t>(parts[block].size() - before);
+    }
+  });
+  std::size_t total = 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    total += result.first[row + 1];
+    if (total >= std::numeric_limits<std::uint32_t>::max())
+      throw Error(ErrorKind::kMemory,
+                  "image has more than 4 billion runs of labels; crop it or drop its noise");
+    result.first[row + 1] = static_cast<std::uint32_t>(total);
+  }
+  result.runs.resize(total);
+  parallel::for_each_index(
+      parts.size(),
+      [&](std::size_t block) {
+        std::copy(parts[block].begin(), parts[block].end(),
+                  result.runs.begin() + static_cast<std::ptrdiff_t>(result.first[block * kRowsPerBlock]));
+      },
+      1);
+  return result;
+}
 
 /// @throws Error{kMemory} if there are more than 2^32 - 2 runs.
 [[nodiscard]] RunImage find_runs(const LabelImage& image, RunLabels labels);

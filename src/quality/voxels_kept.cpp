@@ -1,0 +1,251 @@
+#include "lumesh/quality/voxels_kept.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "cells.hpp"
+#include "counted_voxels.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "nearby.hpp"
+#include "on_planes.hpp"
+
+namespace lumesh::quality {
+
+namespace {
+
+using image::Run;
+
+constexpr double kRounding = 1e-9;    // Of a centre against a side, in voxels.
+constexpr double kOnBoundary = 1e-6;  // A centre so near to the boundary lies on it, in voxels.
+
+/// The closed tetrahedron over four points in voxels, asked row by row.
+class RowsOfTetrahedron {
+ public:
+  explicit RowsOfTetrahedron(const std::array<Vec3, 4>& corners) {
+    low_ = high_ = corners[0];
+    for (const Vec3& p : corners) {
+      low_ = low_.cwiseMin(p);
+      high_ = high_.cwiseMax(p);
+    }
+    for (std::size_t side = 0; side < 4; ++side) {
+      const Vec3& a = corners[(side + 1) % 4];
+      Vec3 normal = (corners[(side + 2) % 4] - a).cross(corners[(side + 3) % 4] - a);
+      const double length = normal.norm();
+      const double height = length > 0 ? normal.dot(corners[side] - a) / length : 0;
+      if (std::abs(height) <= kRounding) flat_ = true;
+      normal *= (height > 0 ? -1 : 1) / (length > 0 ? length : 1);
+      normals_[side] = normal;
+      bounds_[side] = normal.dot(a) + kRounding;
+    }
+  }
+
+  [[nodiscard]] bool flat() const { return flat_; }
+  /// Whole numbers from first to last lie in its box along an axis.
+  [[nodiscard]] std::int32_t first(int axis) const { return first_from(low_[axis]); }
+  [[nodiscard]] std::int32_t last(int axis) const { return last_to(high_[axis]); }
+
+  /// The voxels [begin, end) of row (j, k) whose centres it holds.
+  [[nodiscard]] Run in_row(int j, int k) const {
+    double low = low_.x(), high = high_.x();
+    for (std::size_t side = 0; side < 4; ++side) {
+      const Vec3& n = normals_[side];
+      const double rest = bounds_[side] - n.y() * j - n.z() * k;  // n.x() * i <= rest
+      if (n.x() > 0)
+        high = std::min(high, rest / n.x());
+      else if (n.x() < 0)
+        low = std::max(low, rest / n.x());
+      else if (rest < 0)
+        return {0, 0, 0};
+    }
+    if (!(low <= high + 2 * kRounding)) return {0, 0, 0};
+    return {first_from(low), last_to(high) + 1, 0};
+  }
+
+ private:
+  [[nodiscard]] static std::int32_t first_from(double low) {
+    return static_cast<std::int32_t>(std::ceil(std::max(low, -1e9) - kRounding));
+  }
+  [[nodiscard]] static std::int32_t last_to(double high) {
+    return static_cast<std::int32_t>(std::floor(std::min(high, 1e9) + kRounding));
+  }
+
+  std::array<Vec3, 4> normals_;  // Outward, unit.
+  std::array<double, 4> bounds_;
+  Vec3 low_, high_;
+  bool flat_ = false;
+};
+
+/// Marks the counted voxels whose centres lie in cells: those with a label in cells of their own, those of
+/// the background in any.
+class Marks {
+ public:
+  Marks(const LabelImage& image, const CountedVoxels& voxels)
+      : image_(image), voxels_(voxels), marks_(voxels.size(), 0) {}
+
+  [[nodiscard]] bool at(std::size_t number) const { return marks_[number] != 0; }
+
+  /// Cells of any shape; all but tetrahedra are cut into those between their centre and their sides.
+  void add_cells(const MeshView& mesh, std::span<const Vec3> points_in_voxels) {
+    const AllCells cells(mesh);
+    parallel::for_each_index(cells.size(), [&](std::size_t cell) {
+      const Label label = cells.label(cell);
+      if (cell < mesh.tetrahedra.size()) {
+        const auto& [a, b, c, d] = mesh.tetrahedra[cell];
+        return add_tetrahedron(
+            {points_in_voxels[a], points_in_voxels[b], points_in_voxels[c], points_in_voxels[d]}, label);
+      }
+      const CellTriangles sides = cells.triangles(cell);
+      Vec3 centre = Vec3::Zero();
+      for (const auto& [a, b, c] : sides)
+        centre += (points_in_voxels[a] + points_in_voxels[b] + points_in_voxels[c]) / (3 * sides.count);
+      for (const auto& [a, b, c] : sides)
+        add_tetrahedron({points_in_voxels[a], points_in_voxels[b], points_in_voxels[c], centre}, label);
+    });
+  }
+
+ private:
+  void add_tetrahedron(const std::array<Vec3, 4>& corners, Label label) {
+    const RowsOfTetrahedron rows(corners);
+    if (rows.flat() || rows.first(0) > rows.last(0)) return;
+    const Index3& size = image_.frame().size;
+    for (int k = std::max(0, rows.first(2)); k <= std::min(size.z() - 1, rows.last(2)); ++k)
+      for (int j = std::max(0, rows.first(1)); j <= std::min(size.y() - 1, rows.last(1)); ++j)
+        mark(voxels_.runs().row(j, k), rows.in_row(j, k), label);
+  }
+
+  void mark(std::size_t row, const Run& held, Label label) {
+    if (held.begin >= held.end) return;
+    const std::span<const Run> runs = voxels_.runs().of_row(row);
+    auto run =
+        std::partition_point(runs.begin(), runs.end(), [&](const Run& r) { return r.end <= held.begin; });
+    for (; run != runs.end() && run->begin < held.end; ++run) {
+      if (run->label != 0 && image_.values()[run->label] != label) continue;
+      const std::size_t number =
+          voxels_.number_of(static_cast<std::size_t>(&*run - voxels_.runs().runs.data()));
+      const std::int32_t end = std::min(run->end, held.end);
+      for (std::int32_t i = std::max(run->begin, held.begin); i < end; ++i)
+        parallel::raise(marks_[number + static_cast<std::size_t>(i - run->begin)]);
+    }
+  }
+
+  const LabelImage& image_;
+  const CountedVoxels& voxels_;
+  std::vector<std::uint8_t> marks_;
+};
+
+/// The voxels whose centres can lie in the points' box.
+VoxelBox box_of(std::span<const Vec3> points_in_voxels) {
+  Vec3 low = points_in_voxels[0], high = low;
+  for (const Vec3& p : points_in_voxels) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  // Numbers far outside of any image keep within what an index can be.
+  const auto index = [](const Vec3& p) { return Index3(p.cwiseMax(-1e9).cwiseMin(1e9).cast<int>()); };
+  return {index((low.array() - kOnBoundary).ceil()), index((high.array() + kOnBoundary).floor() + 1)};
+}
+
+/// A voxel that is not where its label is in the mesh, or on the boundary of that.
+struct Candidate {
+  Index3 voxel;
+  Vec3 centre_mm;
+};
+
+/// Counts of one label index, before distances are known.
+struct Tally {
+  std::uint64_t counted = 0;
+  std::vector<Candidate> missed;
+};
+
+std::vector<Tally> tally(const LabelImage& image, const CountedVoxels& voxels, const Marks& marks,
+                         const CutPlanes& planes) {
+  const image::RunImage& runs = voxels.runs();
+  const auto rows = static_cast<std::size_t>(runs.size.y());
+  const std::vector<Tally> zero(image.values().size());
+  return parallel::reduce_blocks(
+      runs.first.size() - 1, 512, zero,
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<Tally> counts = zero;
+        for (std::size_t row = begin; row < end; ++row)
+          for (std::size_t r = runs.first[row]; r < runs.first[row + 1]; ++r) {
+            const Run& run = runs.runs[r];
+            for (std::int32_t i = run.begin; i < run.end; ++i) {
+              const Index3 voxel(i, static_cast<int>(row % rows), static_cast<int>(row / rows));
+              const std::size_t number = voxels.number_of(r) + static_cast<std::size_t>(i - run.begin);
+              const bool missed = marks.at(number) == (run.label == 0);
+              if (!missed && planes.none()) {
+                ++counts[run.label].counted;
+                continue;
+              }
+              const Vec3 centre_mm = image.frame().to_physical(voxel.cast<double>());
+              if (planes.beyond(centre_mm)) continue;
+              ++counts[run.label].counted;
+              if (missed) counts[run.label].missed.push_back({voxel, centre_mm});
+            }
+          }
+        return counts;
+      },
+      [](std::vector<Tally> all, std::vector<Tally> more) {
+        for (std::size_t l = 0; l < all.size(); ++l) {
+          all[l].counted += more[l].counted;
+          all[l].missed.insert(all[l].missed.end(), more[l].missed.begin(), more[l].missed.end());
+        }
+        return all;
+      });
+}
+
+/// Tells how far candidates are from the boundary; those on it are kept.
+KeptVoxels measured(const Tally& tally, std::span<const Vec3> points, const std::vector<Cell<3>>& boundary,
+                    double voxel_size_mm) {
+  KeptVoxels result;
+  result.counted = tally.counted;
+  result.kept = tally.counted - tally.missed.size();
+  if (tally.missed.empty() || boundary.empty()) return result;
+  std::vector<double> distances_mm(tally.missed.size());
+  const TriangleTree tree(points, boundary);
+  parallel::for_each_block(tally.missed.size(), 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
+    Nearby nearby(tree);
+    for (std::size_t i = begin; i < end; ++i) distances_mm[i] = nearby.distance(tally.missed[i].centre_mm);
+  });
+  for (std::size_t i = 0; i < distances_mm.size(); ++i) {
+    if (distances_mm[i] <= kOnBoundary * voxel_size_mm)
+      ++result.kept;
+    else if (!result.worst || distances_mm[i] > result.worst->distance_mm)
+      result.worst = {distances_mm[i], tally.missed[i].centre_mm, tally.missed[i].voxel};
+  }
+  return result;
+}
+
+void add(const KeptVoxels& part, KeptVoxels& all) {
+  all.counted += part.counted;
+  all.kept += part.kept;
+  if (part.worst && (!all.worst || part.worst->distance_mm > all.worst->distance_mm)) all.worst = part.worst;
+}
+
+}  // namespace
+
+VoxelsKept count_voxels_kept(const MeshView& mesh, const MeshSurface& surface, const LabelImage& image,
+                             std::span<const CutPlane> planes) {
+  const double voxel_size_mm = std::cbrt(image.frame().voxel_volume_mm3());
+  std::vector<Vec3> points_in_voxels(mesh.points.size());
+  parallel::for_each_index(points_in_voxels.size(), [&](std::size_t v) {
+    points_in_voxels[v] = image.frame().to_index(mesh.points[v]);
+  });
+  const CountedVoxels voxels(image, box_of(points_in_voxels));
+  Marks marks(image, voxels);
+  marks.add_cells(mesh, points_in_voxels);
+  const std::vector<Tally> tallies = tally(image, voxels, marks, CutPlanes(planes, voxel_size_mm));
+  VoxelsKept result;
+  result.background = measured(tallies[0], mesh.points, surface.outer(), voxel_size_mm);
+  result.all = result.background;
+  for (std::size_t l = 1; l < tallies.size(); ++l) {
+    if (tallies[l].counted == 0) continue;
+    const Label label = image.values()[l];
+    result.labels.push_back({label, measured(tallies[l], mesh.points, surface.around(label), voxel_size_mm)});
+    add(result.labels.back().voxels, result.all);
+  }
+  return result;
+}
+
+}  // namespace lumesh::quality

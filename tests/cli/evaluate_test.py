@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""What evaluate tells of a mesh beside its image: voxels kept, volume, topology, narrowest sections, curvature.
+
+Usage: evaluate_test.py LUMESH
+"""
+import json
+import math
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import cube
+import nrrd
+from program import BAD_INPUT, USAGE, ProgramTest
+
+
+def square_vessel(size, length, side):
+    """Voxels of a square vessel in the middle of the image; side(k) voxels wide, from end to end."""
+    def inside(i, j, k):
+        low = (size - side(k)) // 2
+        return low <= i < low + side(k) and low <= j < low + side(k)
+
+    return [1 if inside(i, j, k) else 0 for k in range(length) for j in range(size) for i in range(size)]
+
+
+class EvaluateTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.mesh = self.folder / "vessel.mesh"
+        self.json = self.folder / "vessel.json"
+        # 8 voxels wide, 6 from slice 28 on to slice 35: about the axis of the voxels at (7.5, 7.5).
+        self.image = nrrd.write(self.folder / "vessel.nrrd", [16, 16, 64],
+                                square_vessel(16, 64, lambda k: 6 if 28 <= k < 36 else 8))
+
+    def write_mesh(self, throat):
+        """The vessel in 32 layers of 2 mm: 8 mm wide, `throat` from z = 27.5 to 35.5."""
+        points, tetrahedra, _ = cube.cube(32)
+
+        def place(p):
+            z = 64 * p[2] - 0.5
+            side = throat if 27.4 < z < 35.6 else 8
+            return (7.5 + side * (p[0] - 0.5), 7.5 + side * (p[1] - 0.5), z)
+
+        cube.write_medit(self.mesh, [place(p) for p in points], tetrahedra, [])
+
+    def evaluate(self, *options):
+        result = self.run_well("evaluate", self.mesh, "--image", self.image, "--json", self.json, *options)
+        return result, json.loads(self.json.read_text())
+
+    def test_a_throat_that_is_tightened_is_told_and_warned_of(self):
+        self.write_mesh(5.7)
+        report = self.folder / "vessel.html"
+        result, numbers = self.evaluate("--report", report)
+        self.assertEqual(len(numbers["narrowest_sections"]), 1)
+        section = numbers["narrowest_sections"][0]
+        self.assertAlmostEqual(section["mesh_area_mm2"], 5.7 ** 2, delta=0.01)
+        self.assertAlmostEqual(section["voxel_area_mm2"], 36, delta=0.01)
+        self.assertAlmostEqual(section["change_percent"], 100 * (5.7 ** 2 / 36 - 1), delta=0.05)
+        self.assertTrue(27.5 < section["centre_mm"][2] < 35.5)
+        self.assertIn("TIGHTENED", result.stdout)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        self.assertIn("1 of 1 branches is more than 3 % narrower", result.stderr)
+        self.assertEqual(len(numbers["warnings"]), 1)
+        for words in ("Narrowest section of each branch", "Voxels kept", "Mean curvature of the wall",
+                      "narrower in the mesh than in the voxels"):
+            self.assertIn(words, report.read_text())
+
+    def test_a_mesh_on_its_voxels_keeps_all_but_where_it_narrows_too_early(self):
+        self.write_mesh(6)
+        result, numbers = self.evaluate()
+        self.assertEqual(result.stderr, "")
+        # In slices 27 and 36 the mesh is 6.5 mm wide: voxels 3.5 mm from the axis are missed, 8^2 - 6^2 of them.
+        kept = numbers["labels"][0]["voxels_kept"]
+        self.assertEqual((kept["counted"], kept["kept"]), (56 * 64 + 8 * 36, 56 * 64 + 8 * 36 - 2 * 28))
+        self.assertIn(kept["worst"]["voxel"][2], (27, 36))
+        self.assertEqual(numbers["image"]["background_voxels_kept"]["share"], 1)
+        self.assertAlmostEqual(numbers["narrowest_sections"][0]["change_percent"], 0, delta=0.05)
+        # What the layers between 8 and 6 mm have too little: (64 - (64 + 48 + 36) / 3) * 2 on both sides.
+        self.assertAlmostEqual(numbers["volume_mm3"], 56 * 64 + 8 * 36 - 2 * 2 * (64 - 148 / 3), delta=1e-6)
+        self.assertEqual(numbers["topology_differences"], [])
+        self.assertTrue(math.isfinite(numbers["mean_curvature_per_mm"]["root_mean_square"]))
+
+    def test_axes_come_from_a_file_or_are_left_out(self):
+        self.write_mesh(5.7)
+        result, numbers = self.evaluate("--centerline", "none")
+        self.assertIsNone(numbers["narrowest_sections"])
+        self.assertEqual((result.stderr, numbers["warnings"]), ("", []))
+        lines = self.folder / "lines.vtp"
+        self.run_well("centerline", self.image, "-o", lines)
+        _, by_file = self.evaluate("--centerline", lines)
+        _, by_image = self.evaluate()
+        self.assertEqual(by_file["narrowest_sections"], by_image["narrowest_sections"])
+
+    def test_axes_that_say_nothing_are_refused(self):
+        self.write_mesh(6)
+        self.assert_refused(self.run_lumesh("evaluate", self.mesh, "--centerline", "none"), USAGE, "--centerline", "--image")
+        with_image = ["evaluate", self.mesh, "--image", self.image, "--centerline"]
+        self.assert_refused(self.run_lumesh(*with_image, self.folder / "no.vtp"), BAD_INPUT, "no.vtp")
+        lines = self.folder / "lines.vtp"
+        self.run_well("centerline", self.image, "-o", lines)
+        lines.write_text(lines.read_text(encoding="latin-1").replace('Name="radius"', 'Name="width"'), encoding="latin-1")
+        self.assert_refused(self.run_lumesh(*with_image, lines), BAD_INPUT, "lines.vtp", "radius", "lumesh centerline")
+
+    def test_an_object_without_axes_has_no_sections(self):
+        ball = nrrd.write(self.folder / "ball.nrrd", [24] * 3, nrrd.ball(24, 8))
+        mesh = self.folder / "ball.vtu"
+        self.run_well("lattice", ball, "-o", mesh)
+        result = self.run_well("evaluate", mesh, "--image", ball, "--json", self.json)
+        self.assertEqual(result.stderr, "")
+        self.assertIsNone(json.loads(self.json.read_text())["narrowest_sections"])
+        self.assertIn("voxels kept", result.stdout)
+        self.assertNotIn("narrowest sections", result.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
