@@ -199,15 +199,24 @@ class BandBuilder {
     const Squares& squares = squares_[static_cast<std::size_t>(inner.find(segment_of(source)))];
     const auto source_lane = static_cast<unsigned>(source.x() - b_.low_.x()) % kLanes;
     const int to_minus = squares[source_lane], to_plus = squares[source_lane + kLanes];
-    const int side = pair_.side_of(image_.at(source));
-    const int nearest = side > 0 ? to_minus : side < 0 ? to_plus : std::min(to_minus, to_plus);
+    const LabelIndex label = image_.at(source);
+    const int own_side = pair_.side_of(label);
+    const int nearest = own_side > 0 ? to_minus : own_side < 0 ? to_plus : std::min(to_minus, to_plus);
     if (nearest > kMostSquare) return;
+    const int side = own_side == 0 && label == 0 ? side_of_background(to_minus, to_plus) : own_side;
     const auto bit = [&](bool set) { return static_cast<std::uint8_t>(static_cast<unsigned>(set) << lane); };
     facts.alive = static_cast<std::uint8_t>(facts.alive | bit(true));
     facts.plus = static_cast<std::uint8_t>(facts.plus | bit(side > 0));
     facts.sided = static_cast<std::uint8_t>(facts.sided | bit(side != 0));
     facts.in_image = static_cast<std::uint8_t>(facts.in_image | bit(source == voxel));
     facts.start[lane] = start_value(side, to_minus, to_plus);
+  }
+
+  /// Beyond the outer wall the boundary between two labels goes on somewhere, but leaves each voxel on the
+  /// side that is nearer: else it may come back through the wall and cut off a crumb.
+  static int side_of_background(int to_minus, int to_plus) {
+    constexpr int kClear = kUnit / 2;
+    return to_minus > to_plus + kClear ? 1 : to_plus > to_minus + kClear ? -1 : 0;
   }
 
   static float start_value(int side, int to_minus, int to_plus) {
@@ -380,7 +389,7 @@ class BandBuilder {
   std::vector<LaneFacts> lanes_;
 };
 
-Band::Band(const LabelImage& image, const PairFaces& pair) {
+Band::Band(const LabelImage& image, const PairFaces& pair) : image_(&image) {
   BandBuilder(*this, image, pair).build();
 }
 

@@ -36,7 +36,10 @@ class Band {
       3;  ///< In edges of the smallest voxel edge; longer edges count as 1.5 at most.
   static constexpr int kGhosts = 2;
 
+  /// Refers to the image.
   Band(const LabelImage& image, const PairFaces& pair);
+
+  [[nodiscard]] const LabelImage& image() const { return *image_; }
 
   /// One more than the last segment; 0 is the null segment, in which nothing is alive.
   [[nodiscard]] int end() const { return grid_.end(); }
@@ -103,6 +106,7 @@ class Band {
   friend class BandBuilder;
   [[nodiscard]] static std::size_t index(int segment) { return static_cast<std::size_t>(segment); }
 
+  const LabelImage* image_;
   Index3 low_ = Index3::Zero();
   Vec3 edges_ = Vec3::Ones();
   SegmentGrid grid_;

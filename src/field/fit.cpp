@@ -8,6 +8,7 @@
 #include "face_data.hpp"
 #include "segment_loops.hpp"
 #include "sides.hpp"
+#include "simple_voxels.hpp"
 #include "stiffness.hpp"
 
 namespace lumesh::field {
@@ -38,10 +39,7 @@ LaneArray start_of(const Band& band) {
 class Fit {
  public:
   Fit(const Band& band, BoundaryFidelity fidelity)
-      : state_(band),
-        fidelity_(fidelity),
-        solver_((start(), state_)),
-        stiffness_(state_.values, noise(), state_) {}
+      : state_(band), fidelity_(fidelity), solver_(state_), stiffness_(begin(state_), noise(), state_) {}
 
   PairFunction run() {
     for (int solve = 0; solve < kSolves; ++solve) fit_once(solve);
@@ -56,12 +54,14 @@ class Fit {
                                                  : StiffnessAdaptation::Noise::kExpected;
   }
 
-  void start() {
-    LaneArray scratch = state_.values;
-    binomial_mean(state_.band, state_.values, scratch);
-    find_thin_parts(state_.values, state_);
-    for (int i = 1; i < kStartMeans; ++i) binomial_mean(state_.band, state_.values, scratch);
-    set_face_weights(state_.values, state_);
+  /// Smooths the start, finds thin parts and weighs the faces by its normals; returns it.
+  static const LaneArray& begin(FitState& state) {
+    LaneArray scratch = state.values;
+    binomial_mean(state.band, state.values, scratch);
+    find_thin_parts(state.values, state);
+    for (int i = 1; i < kStartMeans; ++i) binomial_mean(state.band, state.values, scratch);
+    set_face_weights(state.values, state);
+    return state.values;
   }
 
   void fit_once(int solve) {
@@ -107,28 +107,41 @@ class Fit {
     }
   }
 
-  /// Topology first: what is left wrong in thin parts and at saddles, or anywhere if all is to be exact, is
-  /// put right.
+  /// Topology first: what is left wrong in thin parts and at saddles, at voxels on which the topology hangs,
+  /// or anywhere if all is to be exact, is put right.
   void keep_sides() {
-    const Band& band = state_.band;
-    for (int s = 1; s < band.end(); ++s) {
-      const auto at = static_cast<std::size_t>(s);
-      const auto inside = static_cast<std::uint8_t>(band.in_image(s) & band.sided(s));
-      for (int lane = 0; lane < kLanes; ++lane) {
-        if (!Band::has(inside, lane)) continue;
-        float least = fidelity_ == BoundaryFidelity::kExact ? kKeptExact : -3e38F;
-        if (Band::has(state_.thin[at], lane)) least = kKeptThin;
-        float& value = state_.values.at(s)[lane];
-        value = Band::has(band.plus(s), lane) ? std::max(value, least) : std::min(value, -least);
+    for_each_segment_block(state_.band.end(), [&](int begin, int end) {
+      for (int s = begin; s < end; ++s) {
+        const auto inside = static_cast<std::uint8_t>(state_.band.in_image(s) & state_.band.sided(s));
+        for (int lane = 0; inside != 0 && lane < kLanes; ++lane)
+          if (Band::has(inside, lane)) keep_side(s * kLanes + lane);
       }
-    }
-    for (const Saddle& saddle : band.saddles()) keep_apart(saddle);
+    });
+    for (const Saddle& saddle : state_.band.saddles()) keep_apart(saddle);
+  }
+
+  void keep_side(Lane voxel) {
+    const bool plus = Band::has(state_.band.plus(voxel / kLanes), voxel % kLanes);
+    float& value = state_.values.data()[voxel];
+    const float kept = plus ? value : -value;
+    if (kept >= kKeptThin) return;
+    float least = kept;
+    if (Band::has(state_.thin[static_cast<std::size_t>(voxel / kLanes)], voxel % kLanes)) least = kKeptThin;
+    if (fidelity_ == BoundaryFidelity::kExact) least = std::max(least, kKeptExact);
+    if (least <= 0 && !is_outlier(voxel) &&
+        role_of(state_.band.image(), state_.band.voxel(voxel)) == VoxelRole::kNeeded)
+      least = kKeptThin;
+    value = plus ? least : -least;
+  }
+
+  [[nodiscard]] bool is_outlier(Lane voxel) const {
+    return Band::has(state_.outlier[static_cast<std::size_t>(voxel / kLanes)], voxel % kLanes);
   }
 
   void keep_apart(const Saddle& saddle) {
     float mean = 0;
     for (const Lane v : saddle.voxel) {
-      if (Band::has(state_.outlier[static_cast<std::size_t>(v / kLanes)], v % kLanes)) return;
+      if (is_outlier(v)) return;
       mean += 0.25F * state_.values.data()[v];
     }
     if (mean <= -kKeptSaddle) return;

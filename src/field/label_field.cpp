@@ -111,11 +111,16 @@ LabelField::BlockRef LabelField::find_block(const Brick& brick, LabelIndex first
 }
 
 LabelField::BlockRef LabelField::least_block(const Place& place, LabelIndex label) const {
+  const Brick& brick = *place.brick;
   BlockRef least;
-  double value = kFieldLimit;
-  for (const LabelIndex other : labels_of(*place.brick)) {
-    if (other == label || (label == 0 && least.sign != 0)) continue;
-    const BlockRef ref = find_block(*place.brick, label, other);
+  double value = 0;
+  for (std::uint32_t p = brick.first_pair; p < brick.first_pair + brick.pair_count; ++p) {
+    const Pair& pair = pairs_[p];
+    BlockRef ref{p, 0.0};
+    if (pair.first == 0)
+      ref.sign = label == 0 ? -1 : 1;
+    else if (pair.first == label || pair.second == label)
+      ref.sign = pair.second == label ? 1 : -1;
     if (ref.sign == 0) continue;
     const double v = block_value(ref, place.local);
     if (least.sign != 0 && v >= value) continue;

@@ -9,6 +9,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/tasks.hpp"
 
 namespace lumesh {
 
@@ -58,14 +59,17 @@ class LabelFieldBuilder {
   struct BrickBox {
     Index3 low, high;
   };
-  /// Bricks that store both voxels of a face.
+  /// Bricks that a face is nearer to than kFieldLimit, so that elsewhere a place is at least that far from
+  /// every boundary.
   BrickBox bricks_of(const Face& face) const {
     const Index3 next = face.voxel + Index3::Unit(face.axis);
     BrickBox box;
     for (int axis = 0; axis < 3; ++axis) {
-      const int least = next[axis] - kFirstStored - (kStored - 1);
+      constexpr int kReach = 3;
+      const int least = next[axis] - LabelField::kFirst - kBrick - kReach;
       box.low[axis] = std::max(0, least <= 0 ? 0 : (least + kBrick - 1) / kBrick);
-      box.high[axis] = std::min(f_.bricks_[axis] - 1, (face.voxel[axis] - kFirstStored) / kBrick);
+      box.high[axis] =
+          std::min(f_.bricks_[axis] - 1, (face.voxel[axis] - LabelField::kFirst + kReach) / kBrick);
     }
     return box;
   }
@@ -178,8 +182,7 @@ class LabelFieldBuilder {
 
   /// Pairs are independent; large ones keep all threads busy by themselves.
   void fit_pairs() {
-    parallel::for_each_index(
-        pairs_.size(), [&](std::size_t p) { fit_pair(p); }, 1);
+    parallel::for_each_task(pairs_.size(), [&](std::size_t p) { fit_pair(p); });
   }
 
   void fit_pair(std::size_t p) {
@@ -200,10 +203,11 @@ class LabelFieldBuilder {
         16);
   }
 
-  /// The function's values; beyond the band its limit on the voxel's side.
+  /// The function's values, cut off a little above what queries tell; beyond the band the same limit on the
+  /// voxel's side.
   void fill_block(const Band& band, const field::PairFunction& function, const LabelPair& pair,
                   const Index3& brick, std::uint32_t block) {
-    constexpr auto kLimit = static_cast<float>(LabelField::kFieldLimit);
+    constexpr auto kLimit = static_cast<float>(LabelField::kFieldLimit + 0.25);
     float* const out = &f_.blocks_[std::size_t{block} * LabelField::kBlock];
     std::fill_n(out, LabelField::kBlock, 0.0F);
     const Index3 first = brick * kBrick + Index3::Constant(kFirstStored);

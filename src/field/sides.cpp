@@ -107,6 +107,41 @@ std::vector<std::uint8_t> without_single_voxels(const Band& band, const std::vec
   return kept;
 }
 
+/// Voxels on runs of one or two between the given faces.
+std::vector<std::uint8_t> thin_runs(const Band& band, const std::vector<std::array<std::uint8_t, 3>>& faces) {
+  const ThinRuns runs(band, faces);
+  std::vector<std::uint8_t> thin(band.segment_count(), 0);
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    for (int s = begin; s < end; ++s)
+      if (band.boundary(s) != 0) thin[static_cast<std::size_t>(s)] = runs.of(s);
+  });
+  return thin;
+}
+
+/// Marks the ends and corners of thin parts, too, where the boundary turns: voxels on runs of one or two next
+/// to a marked one.
+std::vector<std::uint8_t> with_rims(const Band& band, const std::vector<std::uint8_t>& thin) {
+  if (std::all_of(thin.begin(), thin.end(), [](std::uint8_t bits) { return bits == 0; })) return thin;
+  std::vector<std::array<std::uint8_t, 3>> all(band.segment_count());
+  for (int s = 1; s < band.end(); ++s)
+    all[static_cast<std::size_t>(s)] = {band.faces(s, 0), band.faces(s, 1), band.faces(s, 2)};
+  const std::vector<std::uint8_t> runs = thin_runs(band, all);
+  const auto is_thin = [&](Lane v) {
+    return Band::has(thin[static_cast<std::size_t>(v / kLanes)], v % kLanes);
+  };
+  std::vector<std::uint8_t> marked = thin;
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    for (int s = begin; s < end; ++s) {
+      const auto at = static_cast<std::size_t>(s);
+      const auto open = static_cast<std::uint8_t>(runs[at] & ~thin[at]);
+      for (int lane = 0; open != 0 && lane < kLanes; ++lane)
+        if (Band::has(open, lane) && count_around(band, s * kLanes + lane, is_thin) > 0)
+          marked[at] = static_cast<std::uint8_t>(marked[at] | 1U << static_cast<unsigned>(lane));
+    }
+  });
+  return marked;
+}
+
 /// Marks the voxels across the marked ones' faces too.
 std::vector<std::uint8_t> with_those_across(const Band& band, const std::vector<std::uint8_t>& thin) {
   std::vector<std::uint8_t> marked = thin;
@@ -186,14 +221,9 @@ LUMESH_WIDE_LOOPS std::size_t hold_hard_block(const Band& band, const LaneArray&
 
 void find_thin_parts(const LaneArray& function, FitState& state) {
   const Band& band = state.band;
-  const auto steep = steep_faces(function, state);
-  const ThinRuns runs(band, steep);
-  std::vector<std::uint8_t> thin(band.segment_count(), 0);
-  for_each_segment_block(band.end(), [&](int begin, int end) {
-    for (int s = begin; s < end; ++s)
-      if (band.boundary(s) != 0) thin[static_cast<std::size_t>(s)] = runs.of(s);
-  });
-  state.thin = with_those_across(band, without_single_voxels(band, thin));
+  const std::vector<std::uint8_t> thin =
+      without_single_voxels(band, thin_runs(band, steep_faces(function, state)));
+  state.thin = with_those_across(band, with_rims(band, thin));
 }
 
 void find_outliers(FitState& state) {

@@ -43,7 +43,7 @@ class LabelField {
  public:
   using LabelIndex = LabelImage::Index;
   /// Values are cut off here; in edges of the smallest voxel edge.
-  static constexpr double kFieldLimit = 2.5;
+  static constexpr double kFieldLimit = 2.25;
 
   /// Copies what it needs; the image may be dropped afterwards. Cost: linear in the image for the scan, then
   /// in the boundary's area. Memory: about 6 kB for each brick of 8^3 voxels and pair of labels near a

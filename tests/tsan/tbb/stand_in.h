@@ -147,6 +147,10 @@ inline int default_concurrency() {
 }  // namespace info
 
 namespace this_task_arena {
+template <class Body>
+void isolate(const Body& body) {
+  body();
+}
 inline int max_concurrency() {
   return static_cast<int>(stand_in::kThreads);
 }

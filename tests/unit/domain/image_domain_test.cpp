@@ -221,8 +221,9 @@ TEST(ImageDomain, CutPlanesOfTheOptionsRemoveTheSideOfTheirNormal) {
   const ImageDomain domain(ball.image, options);
   EXPECT_EQ(domain.label_at(ball.centre_mm - 0.01 * normal), 10);
   EXPECT_EQ(domain.label_at(ball.centre_mm + 0.01 * normal), kBackground);
-  EXPECT_NEAR(domain.surroundings(ball.centre_mm - 2 * normal).clearance_mm, 1.9, 0.3)
-      << "2 mm from the plane; the voxels allow for 3 * 0.6 mm";
+  EXPECT_NEAR(domain.surroundings(ball.centre_mm - 2 * normal).clearance_mm, 1.35, 1e-9)
+      << "2 mm from the plane; the field reaches 2.25 * 0.6 mm";
+  EXPECT_NEAR(domain.surroundings(ball.centre_mm - 1.2 * normal).clearance_mm, 1.2, 1e-9);
   for (const Vec3& bad : {Vec3(0, 0, 0), Vec3(0, NAN, 1)}) {
     options.cut_planes[0].normal = bad;
     try {

@@ -1,0 +1,289 @@
+// The zero sets against the shapes that the voxels were made of.
+#include "lumesh/field/label_field.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "field_fixtures.hpp"
+#include "lumesh/image/topology.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+/// Where a ray from the axis, square to it, meets the zero set; NaN if nowhere up to `most` mm.
+double radius_along(const LabelField& field, const Vec3& centre, const Vec3& direction, double most) {
+  const auto value = [&](double r) { return field.value(field.frame().to_index(centre + r * direction), 1); };
+  double low = 0, high = 0;
+  for (double r = 0.05; r < most && high == 0; r += 0.05) {
+    if (value(r) <= 0)
+      high = r;
+    else
+      low = r;
+  }
+  if (high == 0) return std::nan("");
+  for (int i = 0; i < 30; ++i) (value(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
+  return low;
+}
+
+struct WallFigures {
+  double mean = 0, roughness = 0, normal_deg = 0;
+};
+
+/// Of a tube: radii and normals over its wall, away from the image's border.
+WallFigures wall_of(const LabelField& field, const TubeAxis& axis, double radius, double half_length) {
+  const Vec3 a =
+      axis.direction.cross(std::abs(axis.direction.x()) < 0.7 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
+  const Vec3 b = axis.direction.cross(a);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  double sum = 0, squares = 0, angles = 0;
+  const int count = 1500;
+  for (int n = 0; n < count; ++n) {
+    const double angle = 2 * M_PI * uniform(random);
+    const Vec3 out = std::cos(angle) * a + std::sin(angle) * b;
+    const Vec3 centre = axis.point + half_length * (2 * uniform(random) - 1) * axis.direction;
+    const double r = radius_along(field, centre, out, radius + 2);
+    EXPECT_TRUE(std::isfinite(r));
+    const FieldSample s = field.sample(field.frame().to_index(centre + r * out), 1);
+    const Vec3 normal = -s.gradient.cwiseQuotient(field.frame().spacing_mm).normalized();
+    const double turn = std::acos(std::clamp(normal.dot(out), -1.0, 1.0)) * 180 / M_PI;
+    sum += r - radius;
+    squares += (r - radius) * (r - radius);
+    angles += turn * turn;
+  }
+  const double mean = sum / count;
+  return {mean, std::sqrt(squares / count - mean * mean), std::sqrt(angles / count)};
+}
+
+LabelImage tube(const ImageFrame& frame, const TubeAxis& axis, double radius) {
+  return image_of(frame, 1, [&](const Vec3& p) { return axis.distance(p) < radius ? 1 : 0; });
+}
+
+TEST(LabelField, WallsOfTubesAreSmoothAndInPlace) {
+  struct Case {
+    double radius;
+    Vec3 direction;
+    double roughness, normal_deg, mean;
+  };
+  // A low-pass of the same voxels has 0.04 to 0.12 voxels, 2 to 6.5 degrees, and takes 2 to 10 % from the
+  // radius.
+  const std::array<Case, 4> cases = {{{2, {1, 0.82, 0.64}, 0.03, 1.0, 0.03},
+                                      {3, {1, 0.05, 0.03}, 0.05, 1.0, 0.03},
+                                      {5, {1, 0.82, 0.64}, 0.02, 0.35, 0.02},
+                                      {8, {1, 0.035, 0.02}, 0.035, 0.5, 0.02}}};
+  for (const Case& c : cases) {
+    const ImageFrame frame = frame_of({64, 48, 44}, Vec3::Ones());
+    const TubeAxis axis = axis_through_middle(frame, c.direction);
+    const LabelField field(tube(frame, axis, c.radius), {});
+    const WallFigures w = wall_of(field, axis, c.radius, 14);
+    EXPECT_LT(w.roughness, c.roughness) << c.radius;
+    EXPECT_LT(w.normal_deg, c.normal_deg) << c.radius;
+    EXPECT_LT(std::abs(w.mean), c.mean) << c.radius;
+  }
+}
+
+TEST(LabelField, LongVoxelsCountWithTheirLengths) {
+  const ImageFrame frame = frame_of({60, 50, 30}, {0.5, 0.5, 1});
+  const TubeAxis axis = axis_through_middle(frame, {1, 0.3, 0.2});
+  const LabelField field(tube(frame, axis, 3), {});
+  const WallFigures w = wall_of(field, axis, 3, 8);
+  EXPECT_LT(w.roughness, 0.05);
+  EXPECT_LT(w.normal_deg, 2.5);
+  EXPECT_LT(std::abs(w.mean), 0.03);
+}
+
+TEST(LabelField, DirectionsOfTheGridAreAllTheSame) {
+  // The same tube with its axes exchanged: rows of voxels along x are nothing special.
+  const Vec3 direction = Vec3(1, 0.2, 0.1).normalized();
+  std::array<double, 3> roughness;
+  for (int turn = 0; turn < 3; ++turn) {
+    const auto turned = [&](const Vec3& v) { return Vec3(v[turn], v[(turn + 1) % 3], v[(turn + 2) % 3]); };
+    const ImageFrame frame = frame_of({40, 40, 40}, Vec3::Ones());
+    const TubeAxis axis{turned(Vec3(19.3, 19.6, 19.1)), turned(direction)};
+    const LabelField field(tube(frame, axis, 4), {});
+    roughness[static_cast<std::size_t>(turn)] = wall_of(field, axis, 4, 12).roughness;
+  }
+  EXPECT_NEAR(roughness[0], roughness[1], 0.3 * roughness[0]);
+  EXPECT_NEAR(roughness[0], roughness[2], 0.3 * roughness[0]);
+}
+
+TEST(LabelField, VesselsLeaveTheImageInTheirOwnDirection) {
+  const ImageFrame frame = frame_of({40, 40, 40}, Vec3::Ones());
+  const TubeAxis axis = axis_through_middle(frame, {1, 0.5, 0.3});
+  const LabelField field(tube(frame, axis, 4), {});
+  // Sections square to the axis that reach to within half a voxel of the border x = 39.
+  double squares = 0;
+  int count = 0;
+  const Vec3 a = axis.direction.cross(Vec3::UnitX()).normalized(), b = axis.direction.cross(a);
+  for (double t = 10; t < 22; t += 0.25) {
+    for (int n = 0; n < 40; ++n) {
+      const Vec3 out = std::cos(n * 0.157) * a + std::sin(n * 0.157) * b;
+      const Vec3 wall = axis.point + t * axis.direction + 4 * out;
+      if (wall.x() < 36 || wall.x() > 39.4 || (wall.tail<2>().array() < 3).any() ||
+          (wall.tail<2>().array() > 36).any())
+        continue;
+      const double r = radius_along(field, axis.point + t * axis.direction, out, 5.5);
+      ASSERT_TRUE(std::isfinite(r));
+      squares += (r - 4) * (r - 4);
+      ++count;
+    }
+  }
+  ASSERT_GT(count, 100);
+  EXPECT_LT(std::sqrt(squares / count), 0.08);
+}
+
+TEST(LabelField, VesselsOneVoxelApartStayApart) {
+  const ImageFrame frame = frame_of({48, 36, 24}, Vec3::Ones());
+  const TubeAxis first{{23, 11.9, 11.7}, Vec3(1, 0.03, 0.02).normalized()};
+  const TubeAxis second{{23, 23.0, 11.7}, Vec3(1, 0.03, 0.02).normalized()};
+  const LabelImage image = image_of(
+      frame, 1, [&](const Vec3& p) { return std::min(first.distance(p), second.distance(p)) < 5 ? 1 : 0; });
+  const LabelField field(image, {});
+  // Every path from one to the other passes the background: on the plane between them nothing is label 1.
+  int joined = 0;
+  for (double x = 4; x < 44; x += 0.2)
+    for (double z = 4; z < 20; z += 0.2)
+      for (double y = 16.9; y < 18.2; y += 0.1) {
+        const Vec3 p(x, y, z);
+        const bool between = std::abs((p - 0.5 * (first.point + second.point)).y() - 0.03 * (x - 23)) < 0.06;
+        joined += static_cast<int>(between && field.label_at(p) == 1);
+      }
+  EXPECT_EQ(joined, 0);
+}
+
+TEST(LabelField, PlatesLinesAndGapsOfOneVoxelSurvive) {
+  const ImageFrame frame = frame_of({30, 30, 30}, Vec3::Ones());
+  const LabelField plate(image_of(frame, 1, [](const Vec3& p) { return p.z() == 14 ? 1 : 0; }), {});
+  const LabelField line(image_of(frame, 1, [](const Vec3& p) { return p.z() == 14 && p.y() == 15 ? 1 : 0; }),
+                        {});
+  const LabelField gap(image_of(frame, 1, [](const Vec3& p) { return p.z() == 14 ? 0 : 1; }), {});
+  for (double x = 0; x < 29; x += 0.37) {
+    EXPECT_EQ(plate.label_at({x, 17.3, 14}), 1);
+    EXPECT_EQ(line.label_at({x, 15, 14}), 1);
+    EXPECT_EQ(gap.label_at({x, 12.2, 14}), 0);
+    EXPECT_EQ(plate.label_at({x, 17.3, 15.2}), 0);
+    EXPECT_EQ(line.label_at({x, 16.3, 14}), 0);
+  }
+}
+
+TEST(LabelField, OneWrongVoxelIsNoBumpForEverButStaysWhereAsked) {
+  const ImageFrame frame = frame_of({48, 30, 30}, Vec3::Ones());
+  const TubeAxis axis = axis_through_middle(frame, {1, 0.1, 0.05});
+  LabelImage image = tube(frame, axis, 6);
+  Index3 wrong(24, 0, 14);
+  while (image.at(wrong) == 0) ++wrong.y();
+  image.at(wrong) = 0;  // a dent of one voxel
+  const LabelField smooth(image, {});
+  EXPECT_EQ(smooth.label_at(wrong.cast<double>() + Vec3(0, 0.6, 0)), 1);
+  const LabelField exact(image, {.fidelity = BoundaryFidelity::kExact});
+  std::size_t differ = 0;
+  for (int k = 0; k < 30; ++k)
+    for (int j = 0; j < 30; ++j)
+      for (int i = 0; i < 48; ++i)
+        differ += static_cast<std::size_t>(exact.label_at(Vec3(i, j, k)) != image.at({i, j, k}));
+  EXPECT_EQ(differ, 0U);
+}
+
+TEST(LabelField, LabelsOfOneTubeShareItsWallWithoutAGroove) {
+  const ImageFrame frame = frame_of({50, 32, 32}, Vec3::Ones());
+  const TubeAxis axis = axis_through_middle(frame, {1, 0.12, 0.08});
+  const Vec3 cut = Vec3(1, 0.2, 0.1).normalized();
+  const LabelImage image = image_of(frame, 2, [&](const Vec3& p) {
+    return axis.distance(p) >= 5 ? 0 : cut.dot(p - axis.point) > 0 ? 1 : 2;
+  });
+  const LabelField field(image, {});
+  const Vec3 a = axis.direction.cross(Vec3::UnitZ()).normalized(), b = axis.direction.cross(a);
+  for (double t = -4; t <= 4; t += 0.25) {
+    for (int n = 0; n < 40; ++n) {
+      const Vec3 out = std::cos(n * 0.157) * a + std::sin(n * 0.157) * b;
+      EXPECT_NE(field.label_at(axis.point + t * axis.direction + 4.85 * out), 0);
+      EXPECT_EQ(field.label_at(axis.point + t * axis.direction + 5.15 * out), 0);
+    }
+  }
+  // Their common boundary is the plane.
+  for (int n = 0; n < 40; ++n) {
+    const Vec3 p = axis.point + 3 * std::cos(n * 0.157) * a + 3 * std::sin(n * 0.157) * b;
+    EXPECT_EQ(field.label_at(p + (0.25 - cut.dot(p - axis.point)) * cut), 1);
+    EXPECT_EQ(field.label_at(p - (0.25 + cut.dot(p - axis.point)) * cut), 2);
+  }
+}
+
+TEST(LabelField, GradientsAreThoseOfFiniteDifferences) {
+  const LabelField field(oblique_tube(4, {1, 0.8, 1.1}), {});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  constexpr double kStep = 2e-3;
+  for (int n = 0; n < 500; ++n) {
+    const Vec3 x(33 * uniform(random), 29 * uniform(random), 23 * uniform(random));
+    const FieldSample s = field.difference(x, 1, 0);
+    if (std::abs(s.value) > 1.5) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 step = kStep * Vec3::Unit(axis);
+      const double slope =
+          (field.difference_value(x + step, 1, 0) - field.difference_value(x - step, 1, 0)) / (2 * kStep);
+      EXPECT_NEAR(s.gradient[axis], slope, 4e-3);
+    }
+    EXPECT_EQ(s.value > 0, field.label_at(x) == 1);
+  }
+}
+
+TEST(LabelField, DepthNeverReachesPastTheBoundary) {
+  const ImageFrame frame = frame_of({40, 40, 40}, Vec3::Ones());
+  const Vec3 centre(19.7, 19.4, 20.1);
+  const LabelField field(image_of(frame, 1, [&](const Vec3& p) { return (p - centre).norm() < 6 ? 1 : 0; }),
+                         {});
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 out = Vec3(normal(random), normal(random), normal(random)).normalized();
+    const double r = 1 + 0.005 * n;
+    EXPECT_LT(field.winner(centre + r * out).depth, std::abs(r - 6) + 0.06) << r;
+  }
+}
+
+TEST(LabelField, TheSameBitsForEveryNumberOfThreads) {
+  const ImageFrame frame = frame_of({50, 40, 64}, Vec3::Ones());
+  const LabelImage image = image_of(frame, 3, [](const Vec3& p) {
+    const double r = (p - Vec3(25, 20, p.z())).norm() + 2 * std::sin(0.2 * p.z());
+    return r > 9 ? 0 : p.z() < 20 ? 1 : p.z() < 45 ? 2 : 3;
+  });
+  std::vector<double> expected;
+  for (const int threads : {1, 2, 5, 16}) {
+    const parallel::ThreadLimit limit(threads);
+    const LabelField field(image, {});
+    std::vector<double> values;
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    for (int n = 0; n < 4000; ++n) {
+      const Vec3 x(49 * uniform(random), 39 * uniform(random), 63 * uniform(random));
+      for (const LabelImage::Index label : {0, 1, 2, 3}) values.push_back(field.value(x, label));
+    }
+    if (expected.empty()) expected = values;
+    EXPECT_EQ(std::memcmp(values.data(), expected.data(), values.size() * sizeof(double)), 0) << threads;
+  }
+}
+
+TEST(LabelField, OddImagesAreNoProblem) {
+  for (const Index3& size : {Index3(1, 1, 1), Index3(1, 30, 20), Index3(40, 1, 1), Index3(9, 9, 9)}) {
+    for (const int labels : {0, 1, 2}) {
+      const LabelImage image = image_of(frame_of(size, {1, 1, 100}), 2, [&](const Vec3& p) {
+        return labels == 0 ? 0 : labels == 1 ? 1 : static_cast<int>(p.x() + p.y()) % 3;
+      });
+      const LabelField field(image, {});
+      const Vec3 middle = 0.5 * (size - Index3::Ones()).cast<double>();
+      if (labels < 2) {
+        EXPECT_EQ(field.label_at(middle), labels);
+      }
+      EXPECT_LE(field.label_at(middle), 2);
+      EXPECT_TRUE(std::isfinite(field.value({-7, 1e6, 3}, 1)));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lumesh
