@@ -22,6 +22,7 @@ void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
 
 void improve_angles(CaseState& state, report::StageReport& stage) {
   ImproveOptions options = state.c.improvement;
+  options.place = operators::places_in_domain(state.mesh, state.domain());
   options.execution = state.c.adapt.execution;
   options.team = state.c.adapt.team;
   options.team.threads = state.threads();

@@ -30,6 +30,9 @@ struct DelaunayOptions {
   double surface_distance_mm = 0;
   double radius_edge = 2;  ///< Largest circumradius of a tetrahedron in units of its shortest edge, >= 1.5.
   double facet_angle_deg = 30;  ///< Smallest angle of boundary triangles, 0 to 30.
+  /// 1: points of bent surfaces stand over them so that flat triangles between them keep the volume; 0: on
+  /// them. See operators/settling.hpp.
+  double lift = 1;
   Seeding seeding = Seeding::kLattice;
   const Sizing* sizing = nullptr;  ///< Further wishes for edge lengths; outlives the call.
   int max_rounds = 120;            ///< Of refinement, >= 1.
