@@ -126,6 +126,7 @@ void run(DelaunayCommand command) {
     command.improvement.team = command.options.team;
     command.improvement.place = operators::places_in_domain(mesh, domain);
     command.improvement.lift = command.options.lift;
+    command.improvement.settles_all = result.report.held_back > 0;
     context.phase("improvement", [&] { improved = improve(mesh, command.improvement, context); });
   }
   mesh.info().provenance = provenance_of(*command.self, input_path);

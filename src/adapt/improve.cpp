@@ -213,7 +213,8 @@ std::vector<Vec3> places_on_surfaces(const TetMesh& mesh) {
   return places;
 }
 
-/// Carries vertices that have slid to where their patches truly run. @return false if there are none.
+/// Carries vertices that have slid, and those of the triangles around them, to where their patches truly run.
+/// @return false if there are none.
 bool settle_moved(TetMesh& mesh, const std::vector<Vec3>& places_before, const ImproveOptions& options) {
   std::vector<std::uint8_t> has_moved(mesh.vertex_slots(), 0);
   bool any = false;
@@ -225,6 +226,11 @@ bool settle_moved(TetMesh& mesh, const std::vector<Vec3>& places_before, const I
     any |= !is_old;
   }
   if (!any) return false;
+  const BoundaryFaces faces = mesh.boundary_faces();
+  const std::vector<std::uint8_t> has_slid = has_moved;
+  for (const Cell<3>& corners : faces.triangles)
+    if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return has_slid[v] != 0; }))
+      for (const std::uint32_t v : corners) has_moved[v] = 1;
   operators::SettlingRules rules{
       .lift = options.lift,
       .may_become = operators::within_angles(options.min_dihedral_deg, options.max_dihedral_deg),
@@ -241,7 +247,8 @@ ImproveReport improve(TetMesh& mesh, const ImproveOptions& options, Context& con
   ImproveReport report;
   report.before = report.after = dihedral_range(mesh, options);
   make_corners(mesh, options.frozen_patches);
-  const std::vector<Vec3> places_before = options.place ? places_on_surfaces(mesh) : std::vector<Vec3>();
+  const std::vector<Vec3> places_before =
+      options.place && !options.settles_all ? places_on_surfaces(mesh) : std::vector<Vec3>();
   if (options.execution == ExecutionKind::kSpeculative)
     improve_by<operators::SpeculativeExecution>(mesh, options, context, report);
   else

@@ -96,11 +96,11 @@ delaunay::Spacing spacing_of(const Domain& domain, const DelaunayOptions& option
 }
 
 /// However flat tetrahedra become: slivers are left to improvement.
-void settle_in(const Domain& domain, const DelaunayOptions& options, TetMesh& mesh) {
+std::size_t settle_in(const Domain& domain, const DelaunayOptions& options, TetMesh& mesh) {
   const auto always = [](std::size_t, const std::array<Vec3, 4>&, const std::array<Vec3, 4>&) {
     return true;
   };
-  operators::settle(mesh, operators::places_in_domain(mesh, domain), {options.lift, always});
+  return operators::settle(mesh, operators::places_in_domain(mesh, domain), {options.lift, always}).held_back;
 }
 
 }  // namespace
@@ -129,7 +129,8 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
     return pinched;
   });
   context.phase("carving", [&] { delaunay::carve(result.mesh, domain); });
-  context.phase("settling", [&] { settle_in(domain, options, result.mesh); });
+  result.report.held_back =
+      context.phase("settling", [&] { return settle_in(domain, options, result.mesh); });
   if (result.report.pinched_vertices > 0)
     result.report.notes.push_back(fmt::format(
         "at {} vertices parts would have touched in a point or an edge only: tetrahedra there changed "

@@ -28,7 +28,8 @@ struct ImproveOptions {
   /// Where patches truly run, if that is known: what slides ends there, as far as angles allow
   /// (operators::settle()). Else what slides keeps to the smooth surface through the vertices at the start.
   operators::PlaceOnPatch place = {};
-  double lift = 1;  ///< As operators::SettlingRules::lift.
+  bool settles_all = false;  ///< Not only what slides goes to its place.
+  double lift = 1;           ///< As operators::SettlingRules::lift.
   ExecutionKind execution = ExecutionKind::kOrdered;
   parallel::TeamOptions team = {};
 

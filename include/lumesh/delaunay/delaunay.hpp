@@ -54,7 +54,9 @@ struct DelaunayReport {
   std::uint64_t inner_seeds = 0, outer_seeds = 0, boundary_seeds = 0;
   std::vector<DelaunayRound> rounds;
   std::uint64_t pinched_vertices =
-      0;                   ///< That no point could mend: tetrahedra around them changed their material.
+      0;  ///< That no point could mend: tetrahedra around them changed their material.
+  std::uint64_t held_back =
+      0;                   ///< Points of surfaces that tetrahedra held back from where they should stand.
   bool rules_hold = true;  ///< False if rules still asked for points that could be put in, after max_rounds.
   bool complete = true;    ///< False if it was cancelled before the end.
   std::vector<std::string> notes;
