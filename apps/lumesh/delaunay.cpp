@@ -119,6 +119,9 @@ void run(DelaunayCommand command) {
   if (!command.skips_improvement) {
     command.improvement.execution = command.kernel.execution_kind();
     command.improvement.team = command.options.team;
+    command.improvement.place = operators::places_in_domain(mesh, domain);
+    command.improvement.lift = command.options.lift;
+    command.improvement.settles_all = result.report.held_back > 0;
     context.phase("improvement", [&] { improved = improve(mesh, command.improvement, context); });
   }
   mesh.info().provenance = provenance_of(*command.self, input_path);
@@ -155,6 +158,10 @@ void add_rule_options(CLI::App& sub, DelaunayCommand& command) {
                  "How far flat boundary triangles may stand off a bent surface, about, in mm: where it bends "
                  "more, points stand closer, down to a third of delta")
       ->check(positive_number());
+  sub.add_option("--lift", o.lift,
+                 "Where points of bent surfaces stand, 0 to 1: over them by this share of the triangles' "
+                 "sagitta; 1 keeps the volume, 0 leaves points on the surface")
+      ->capture_default_str();
   sub.add_option("--seeding", command.seeding,
                  "What refinement begins with: points of a lattice inside and of all surfaces; of surfaces "
                  "only; or few of them, so that the rules do all the rest")

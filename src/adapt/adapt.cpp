@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/metric/measures.hpp"
+#include "lumesh/operators/settling.hpp"
 #include "option_range.hpp"
 #include "passes.hpp"
 
@@ -221,14 +223,44 @@ void AdaptOptions::validate() const {
   check_range("smoothing passes", smoothing_passes, 0, 1000);
 }
 
-AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
-                  const AdaptOptions& options, Context& context) {
+namespace {
+
+AdaptReport adapt_once(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
+                       const AdaptOptions& options, Context& context) {
   options.validate();
   if (mesh.tet_count() == 0) throw Error(ErrorKind::kBadInput, "adapt: the mesh has no tetrahedra");
   context.phase("metric", [&] { metric::assign_vertex_metrics(mesh, field); });
   if (options.execution == ExecutionKind::kSpeculative)
     return adapt_by<operators::SpeculativeExecution>(mesh, field, shapes, options, context);
   return adapt_by<operators::OrderedExecution>(mesh, field, shapes, options, context);
+}
+
+/// Vertices of patches that keep their volume come to stand over them; no tetrahedron falls below a mean
+/// ratio of 0.4, or of what it had.
+void settle(TetMesh& mesh, const operators::PatchShapes& shapes) {
+  if (std::none_of(shapes.begin(), shapes.end(),
+                   [](const operators::PatchShape& shape) { return shape.keeps_volume; }))
+    return;
+  constexpr double kFloor = 0.4;
+  const operators::MayBecome may_become = [&](std::size_t i, const std::array<Vec3, 4>& /*before*/,
+                                              const std::array<Vec3, 4>& after) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    const auto log = [&](int k) -> const SymTensor& { return mesh.log_metric(mesh.vertex(t, k)); };
+    const double ratio =
+        metric::mean_ratio(after[0], after[1], after[2], after[3], log(0), log(1), log(2), log(3));
+    return ratio >= std::min<double>(kFloor, mesh.quality(t));
+  };
+  operators::settle(mesh, operators::places_on_shapes(shapes), {.may_become = may_become});
+  metric::measure_qualities(mesh);
+}
+
+}  // namespace
+
+AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
+                  const AdaptOptions& options, Context& context) {
+  AdaptReport report = adapt_once(mesh, field, shapes, options, context);
+  context.phase("settling", [&] { settle(mesh, shapes); });
+  return report;
 }
 
 AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
@@ -242,13 +274,14 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
        run < kMostRuns && (run == 0 || std::abs(seen / complexity - 1) > kTolerance) && report.complete;
        ++run) {
     field.scale_sizes(std::cbrt(seen / complexity));
-    AdaptReport next = adapt(mesh, field, shapes, options, context);
+    AdaptReport next = adapt_once(mesh, field, shapes, options, context);
     seen = next.complexity;
     report.passes.insert(report.passes.end(), next.passes.begin(), next.passes.end());
     report.by_thread += next.by_thread;
     report.complexity = next.complexity;
     report.complete = next.complete;
   }
+  context.phase("settling", [&] { settle(mesh, shapes); });
   return report;
 }
 

@@ -7,13 +7,15 @@
 namespace lumesh {
 
 AdaptedBoundary::AdaptedBoundary(TetMesh& mesh, const BoundaryOptions& options, Context& context) {
-  constexpr double kNoCreases = 180;
+  constexpr double kNoCreases = 180, kTolerance = 1e-10;
   origins_ = context.phase("creases", [&] {
     return operators::cut_patches_at_creases(mesh,
                                              options.is_frozen ? kNoCreases : options.feature_angle_deg);
   });
   shapes_ = context.phase("surfaces", [&] {
-    return options.is_frozen ? operators::all_frozen(mesh) : operators::shapes_of_patches(mesh);
+    return options.is_frozen
+               ? operators::all_frozen(mesh)
+               : operators::shapes_of_patches(mesh, kTolerance, operators::SurfaceKeeps::kVolume);
   });
   for (std::size_t part = 0; part < origins_.size(); ++part)
     if (std::find(options.frozen_patches.begin(), options.frozen_patches.end(), origins_[part]) !=

@@ -200,6 +200,45 @@ void make_corners(TetMesh& mesh, const std::vector<PatchId>& patches) {
   }
 }
 
+bool comes_before(const Vec3& a, const Vec3& b) {
+  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+}
+
+/// Of vertices inside patches, sorted.
+std::vector<Vec3> places_on_surfaces(const TetMesh& mesh) {
+  std::vector<Vec3> places;
+  for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v)
+    if (mesh.dimension(VertexId(v)) == VertexDimension::kSurface) places.push_back(mesh.point(VertexId(v)));
+  parallel::sort(places.begin(), places.end(), comes_before);
+  return places;
+}
+
+/// Carries vertices that have slid, and those of the triangles around them, to where their patches truly run.
+/// @return false if there are none.
+bool settle_moved(TetMesh& mesh, const std::vector<Vec3>& places_before, const ImproveOptions& options) {
+  std::vector<std::uint8_t> has_moved(mesh.vertex_slots(), 0);
+  bool any = false;
+  for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v) {
+    if (mesh.dimension(VertexId(v)) != VertexDimension::kSurface) continue;
+    const bool is_old =
+        std::binary_search(places_before.begin(), places_before.end(), mesh.point(VertexId(v)), comes_before);
+    has_moved[v] = is_old ? 0 : 1;
+    any |= !is_old;
+  }
+  if (!any) return false;
+  const BoundaryFaces faces = mesh.boundary_faces();
+  const std::vector<std::uint8_t> has_slid = has_moved;
+  for (const Cell<3>& corners : faces.triangles)
+    if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return has_slid[v] != 0; }))
+      for (const std::uint32_t v : corners) has_moved[v] = 1;
+  operators::SettlingRules rules{
+      .lift = options.lift,
+      .may_become = operators::within_angles(options.min_dihedral_deg, options.max_dihedral_deg),
+      .movable = has_moved};
+  operators::settle(mesh, options.place, rules);
+  return true;
+}
+
 }  // namespace
 
 ImproveReport improve(TetMesh& mesh, const ImproveOptions& options, Context& context) {
@@ -208,11 +247,15 @@ ImproveReport improve(TetMesh& mesh, const ImproveOptions& options, Context& con
   ImproveReport report;
   report.before = report.after = dihedral_range(mesh, options);
   make_corners(mesh, options.frozen_patches);
+  const std::vector<Vec3> places_before =
+      options.place && !options.settles_all ? places_on_surfaces(mesh) : std::vector<Vec3>();
   if (options.execution == ExecutionKind::kSpeculative)
     improve_by<operators::SpeculativeExecution>(mesh, options, context, report);
   else
     improve_by<operators::OrderedExecution>(mesh, options, context, report);
   mesh.reorder_along_curve();
+  if (options.place && options.slide && settle_moved(mesh, places_before, options))
+    report.after = dihedral_range(mesh, options);
   if (!options.frozen_patches.empty()) {
     const BoundaryFaces faces = mesh.boundary_faces();
     mesh.classify_vertices({faces.triangles, faces.patches});

@@ -11,7 +11,9 @@
 #include "flat_tets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/operators/delaunay_kernel.hpp"
+#include "lumesh/operators/settling.hpp"
 #include "refinement.hpp"
+#include "relaxing.hpp"
 #include "seeds.hpp"
 #include "thinning.hpp"
 #include "topology.hpp"
@@ -30,6 +32,7 @@ void DelaunayOptions::validate() const {
         "the surface distance must be a positive number of mm");
   check(radius_edge >= 1.5, "the radius-edge bound must be at least 1.5");
   check(facet_angle_deg >= 0 && facet_angle_deg <= 30, "the facet angle must lie in [0, 30] degrees");
+  check(lift >= 0 && lift <= 1, "the lift must lie in [0, 1]");
   check(max_rounds >= 1, "there must be at least one round");
 }
 
@@ -92,6 +95,14 @@ delaunay::Spacing spacing_of(const Domain& domain, const DelaunayOptions& option
   return {domain, options.delta_mm, size_mm, surface_distance_mm, options.sizing};
 }
 
+/// However flat tetrahedra become: slivers are left to improvement.
+std::size_t settle_in(const Domain& domain, const DelaunayOptions& options, TetMesh& mesh) {
+  const auto always = [](std::size_t, const std::array<Vec3, 4>&, const std::array<Vec3, 4>&) {
+    return true;
+  };
+  return operators::settle(mesh, operators::places_in_domain(mesh, domain), {options.lift, always}).held_back;
+}
+
 }  // namespace
 
 DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options, Context& context) {
@@ -103,6 +114,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   auto seeds = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
   thin_out(seeds, options.seeding, box);
   const auto boundary = context.phase("surface", [&] { return delaunay::thinned(seeds.boundary); });
+  context.phase("surface", [&] { delaunay::relax(domain, boundary, seeds.boundary); });
   DelaunayResult result{hull_around(box, seeds.outer), {}};
   result.report.inner_seeds = seeds.inner.size();
   result.report.outer_seeds = seeds.outer.size();
@@ -117,6 +129,8 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
     return pinched;
   });
   context.phase("carving", [&] { delaunay::carve(result.mesh, domain); });
+  result.report.held_back =
+      context.phase("settling", [&] { return settle_in(domain, options, result.mesh); });
   if (result.report.pinched_vertices > 0)
     result.report.notes.push_back(fmt::format(
         "at {} vertices parts would have touched in a point or an edge only: tetrahedra there changed "

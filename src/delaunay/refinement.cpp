@@ -5,7 +5,6 @@
 #include <tuple>
 
 #include "bad_faces.hpp"
-#include "lift.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -25,9 +24,6 @@ void Refinement::insert_seeds(const Seeds& seeds, std::span<const std::uint32_t>
     if (i < boundary.size()) {
       const BoundaryCandidate& one = seeds.boundary[boundary[i]];
       points[i] = {one.point, dimension_of(one.materials), {}};
-      if (one.materials.size() == 2)
-        points[i].point =
-            lifted(spacing_.domain(), one.point, one.materials[0], one.materials[1], one.spacing);
     } else {
       const std::size_t rest = i - boundary.size();
       points[i] = {rest < seeds.inner.size() ? seeds.inner[rest] : seeds.outer[rest - seeds.inner.size()],

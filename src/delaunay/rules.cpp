@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "lift.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "places.hpp"
@@ -142,7 +141,7 @@ std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& s
 /// not cross.
 std::optional<Wish> Rules::wish_of_crossed_curve(TetId t, const DualEdge& dual,
                                                  const std::array<Vec3, 3>& corners, double spacing) const {
-  constexpr double kFar = 2, kOn = 0.03;  // In spacings. Near curves nothing is lifted.
+  constexpr double kFar = 2, kOn = 0.03;  // In spacings.
   if (domain_.material_count() <= 2 || domain_.materials_near(corners[0], kFar * spacing).size() <= 2)
     return std::nullopt;
   const MaterialSet pair{dual.mine, dual.other};
@@ -166,8 +165,8 @@ std::optional<Wish> Rules::at_surface(const Vec3& place, TetId t, const DualEdge
                                       double spacing) const {
   const MaterialSet set{dual.mine, dual.other};
   const auto on_surface = domain_.project(place, set, spacing);
-  Wish wish{lifted(domain_, on_surface.value_or(place), dual.mine, dual.other, spacing), t,
-            kSurfaceFirst + static_cast<float>(radius / spacing), VertexDimension::kSurface, spacing};
+  Wish wish{on_surface.value_or(place), t, kSurfaceFirst + static_cast<float>(radius / spacing),
+            VertexDimension::kSurface, spacing};
   const MaterialSet near = domain_.materials_near(wish.point, 0.5 * std::min(radius, spacing));
   for (const Material third : near) {
     if (set.contains(third)) continue;

@@ -104,8 +104,8 @@ double Spacing::spacing_of_thin_parts(const Vec3& x, const Vec3& towards_first, 
   return spacing;
 }
 
-/// Triangles of circumradius R stand off a surface of curvature k by k R^2 / 2 in their middle; lifted()
-/// gives most of that to the corners.
+/// Triangles of circumradius R stand off a surface of curvature k by k R^2 / 2 in their middle; in the end
+/// corners stand over it by most of that (operators::settle()).
 double Spacing::spacing_of_bends(const Vec3& x, const Vec3& gradient, const Place& place) const {
   constexpr double kCircumradius = 0.75;  // Of triangles with edges of mean length, in spacings.
   if (!std::isfinite(surface_distance_mm_)) return delta_mm_;

@@ -7,6 +7,7 @@
 #include "spikes.hpp"
 #include "spots.hpp"
 #include "vertex_blocks.hpp"
+#include "wall.hpp"
 
 namespace lumesh {
 
@@ -59,6 +60,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
   const std::vector<Miss> missed = mend_spots(whole, setting, finder, options.probes.size());
+  settle_wall(mesh, boundary, image, domain, setting.limits, options.label_volumes_mm3);
   return report_on(missed, finder.missed_distances_mm(mesh, boundary), domain.voxel_size_mm());
 }
 

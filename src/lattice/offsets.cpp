@@ -94,8 +94,8 @@ std::vector<double> sag_offsets_mm(const WorkMesh& mesh, const BoundaryModel& bo
   return sum;
 }
 
-void add_volume_offsets(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
-                        const std::vector<double>& label_volumes_mm3, std::vector<double>& offsets_mm) {
+Shifts volume_shifts_mm(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
+                        const std::vector<double>& label_volumes_mm3) {
   Interfaces interfaces;
   for (const BoundaryTriangle& t : boundary.triangles) {
     if (!domain.is_cut(t.outside))
@@ -103,12 +103,20 @@ void add_volume_offsets(const WorkMesh& mesh, const BoundaryModel& boundary, con
   }
   solve_shifts(interfaces, missing_mm3(mesh, label_volumes_mm3));
   const double limit = 0.25 * domain.voxel_size_mm();
+  Shifts shifts;
+  for (const auto& [pair, face] : interfaces) shifts[pair] = std::clamp(face.shift_mm, -limit, limit);
+  return shifts;
+}
+
+void add_volume_offsets(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
+                        const std::vector<double>& label_volumes_mm3, std::vector<double>& offsets_mm) {
+  const Shifts shifts = volume_shifts_mm(mesh, boundary, domain, label_volumes_mm3);
   parallel::for_each_index(offsets_mm.size(), [&](std::size_t v) {
     const MaterialSet& set = boundary.sets[v];
     if (set.size() != 2 || domain.is_cut(set[1])) return;
-    const auto found = interfaces.find({set[0], set[1]});
+    const auto found = shifts.find({set[0], set[1]});
     // separation(first, second) grows towards the first, so a shift towards the second is negative.
-    if (found != interfaces.end()) offsets_mm[v] -= std::clamp(found->second.shift_mm, -limit, limit);
+    if (found != shifts.end()) offsets_mm[v] -= found->second;
   });
 }
 

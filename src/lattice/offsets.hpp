@@ -2,6 +2,8 @@
 // How far beside the image's boundary the vertices shall lie, so that flat triangles between them keep the
 // labels' volumes.
 
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "boundary_model.hpp"
@@ -13,6 +15,15 @@ namespace lumesh {
 /// keeps the volume and halves the largest distance.
 [[nodiscard]] std::vector<double> sag_offsets_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
                                                  const ImageDomain& domain);
+
+/// Even shifts of the boundaries between two materials, the lower first, towards the second, in mm.
+using Shifts = std::map<std::pair<Material, Material>, double>;
+
+/// Those by which the labels would fill what their voxels fill.
+/// @param label_volumes_mm3  Per material.
+[[nodiscard]] Shifts volume_shifts_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                      const ImageDomain& domain,
+                                      const std::vector<double>& label_volumes_mm3);
 
 /// Adds an even shift of each boundary between two materials, so that the labels fill what their voxels fill:
 /// undoes the little that smoothing takes away. The shifts solve "missing volume = area times shift, summed

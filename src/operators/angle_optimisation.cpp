@@ -100,9 +100,10 @@ Outcome Operators<Lock>::slide_held_vertex(VertexId v, const AngleRules& rules) 
   constexpr int kTries = 6;
   for (int i = 0; i < kTries; ++i, to = 0.5 * (mesh.point(v) + to)) {
     const auto found = subject_.surface->nearest(ball.patches[0], to, fan.edge_length());
-    if (found.triangle != TriangleTree::kNone &&
-        scratch_->angles.worst_at(found.point) >= worst + rules.least_gain &&
-        fan.fits(found.point, *subject_.surface, rules) && move_in_angles(v, found.point, rules))
+    if (found.triangle == TriangleTree::kNone) continue;
+    const Vec3 place = subject_.surface->smooth(ball.patches[0], found);
+    if (scratch_->angles.worst_at(place) >= worst + rules.least_gain &&
+        fan.fits(place, *subject_.surface, rules) && move_in_angles(v, place, rules))
       return Outcome::kApplied;
   }
   return Outcome::kRejected;

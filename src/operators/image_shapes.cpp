@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <cmath>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_surface.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -34,48 +36,71 @@ std::vector<Label> labels_inside(const TetMesh& mesh, const BoundaryFaces& faces
   return labels;
 }
 
-/// The vertices of each patch, once, ascending.
-std::vector<std::vector<std::uint32_t>> vertices_of_patches(const BoundaryFaces& faces, std::size_t patches) {
-  std::vector<std::vector<std::uint32_t>> vertices(patches);
-  for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
-    auto& own = vertices[static_cast<std::size_t>(faces.patches[i])];
-    own.insert(own.end(), faces.triangles[i].begin(), faces.triangles[i].end());
-  }
-  parallel::for_each_index(
-      patches,
-      [&](std::size_t p) {
-        std::sort(vertices[p].begin(), vertices[p].end());
-        vertices[p].erase(std::unique(vertices[p].begin(), vertices[p].end()), vertices[p].end());
-      },
-      1);
-  return vertices;
+/// The numbers of the triangles of each patch.
+std::vector<std::vector<std::uint32_t>> triangles_of_patches(const BoundaryFaces& faces,
+                                                             std::size_t patches) {
+  std::vector<std::vector<std::uint32_t>> triangles(patches);
+  for (std::uint32_t i = 0; i < faces.triangles.size(); ++i)
+    triangles[static_cast<std::size_t>(faces.patches[i])].push_back(i);
+  return triangles;
 }
 
-/// How far vertices lie from the boundary that they are to follow.
+/// How far triangles and their corners lie from the boundary that they are to follow.
 struct Offsets {
-  std::size_t vertices = 0, near = 0;
-  double sum_mm = 0;  ///< Outwards, of those near.
+  std::size_t triangles = 0, near = 0;
+  /// Of those near: areas, and areas times the mean distance outwards.
+  double area_mm2 = 0, of_triangles_mm3 = 0, of_corners_mm3 = 0;
+
+  /// A mesh whose triangles enclose what the image's boundary does has its vertices over it, by the sagitta;
+  /// another one may have them on it, and encloses less. What both kinds have in common is no reason to move.
+  [[nodiscard]] double shift_mm() const {
+    const double least = std::min(std::abs(of_triangles_mm3), std::abs(of_corners_mm3));
+    if (!(area_mm2 > 0)) return 0;
+    return (std::abs(of_triangles_mm3) == least ? of_triangles_mm3 : of_corners_mm3) / area_mm2;
+  }
 };
 
-Offsets offsets_of(const TetMesh& mesh, const ImageSurface& surface,
-                   const std::vector<std::uint32_t>& vertices) {
+Offsets offset_of(const std::array<Vec3, 3>& corners, const ImageSurface& surface) {
+  const auto height = [&](const Vec3& point) -> std::optional<double> {
+    const std::optional<SurfacePoint> boundary = surface.boundary_near(point);
+    return boundary ? std::optional(boundary->normal.dot(point - boundary->point)) : std::nullopt;
+  };
+  Offsets offsets{.triangles = 1};
+  double of_corners = 0, of_middles = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto corner = height(corners[k]), middle = height(0.5 * (corners[k] + corners[(k + 1) % 3]));
+    if (!corner || !middle) return offsets;
+    of_corners += *corner / 3;
+    of_middles += *middle / 3;
+  }
+  offsets.near = 1;
+  offsets.area_mm2 = triangle_area(corners[0], corners[1], corners[2]);
+  offsets.of_corners_mm3 = offsets.area_mm2 * of_corners;
+  offsets.of_triangles_mm3 = offsets.area_mm2 * of_middles;  // Exact for quadratic functions.
+  return offsets;
+}
+
+Offsets operator+(const Offsets& a, const Offsets& b) {
+  return {a.triangles + b.triangles, a.near + b.near, a.area_mm2 + b.area_mm2,
+          a.of_triangles_mm3 + b.of_triangles_mm3, a.of_corners_mm3 + b.of_corners_mm3};
+}
+
+Offsets offsets_of(const TetMesh& mesh, const ImageSurface& surface, const BoundaryFaces& faces,
+                   const std::vector<std::uint32_t>& triangles) {
   constexpr std::size_t kBlock = 256;
   return parallel::reduce_blocks<Offsets>(
-      vertices.size(), kBlock, {},
+      triangles.size(), kBlock, {},
       [&](std::size_t begin, std::size_t end) {
-        Offsets offsets{end - begin};
+        Offsets offsets;
         for (std::size_t i = begin; i < end; ++i) {
-          const Vec3& point = mesh.point(VertexId(vertices[i]));
-          const std::optional<SurfacePoint> boundary = surface.boundary_near(point);
-          if (!boundary) continue;
-          ++offsets.near;
-          offsets.sum_mm += boundary->normal.dot(point - boundary->point);
+          const auto [a, b, c] = faces.triangles[triangles[i]];
+          offsets =
+              offsets +
+              offset_of({mesh.point(VertexId(a)), mesh.point(VertexId(b)), mesh.point(VertexId(c))}, surface);
         }
         return offsets;
       },
-      [](const Offsets& a, const Offsets& b) {
-        return Offsets{a.vertices + b.vertices, a.near + b.near, a.sum_mm + b.sum_mm};
-      });
+      [](const Offsets& a, const Offsets& b) { return a + b; });
 }
 
 }  // namespace
@@ -84,7 +109,7 @@ std::size_t follow_image(const TetMesh& mesh, const std::shared_ptr<const ImageD
                          PatchShapes& shapes) {
   const BoundaryFaces faces = mesh.boundary_faces();
   const std::vector<Label> inside = labels_inside(mesh, faces);
-  const auto vertices = vertices_of_patches(faces, shapes.size());
+  const auto triangles = triangles_of_patches(faces, shapes.size());
   std::size_t following = 0;
   Offsets all;
   for (std::size_t p = 0; p < shapes.size(); ++p) {
@@ -94,14 +119,14 @@ std::size_t follow_image(const TetMesh& mesh, const std::shared_ptr<const ImageD
     const auto surface =
         std::make_shared<ImageSurface>(domain, material_of(*domain, inside[p]), 0, shapes[p].surface,
                                        kReachVoxels * domain->voxel_size_mm());
-    const Offsets offsets = offsets_of(mesh, *surface, vertices[p]);
-    if (offsets.near > 0) surface->set_shift(offsets.sum_mm / static_cast<double>(offsets.near));
-    all.vertices += offsets.vertices;
-    all.near += offsets.near;
+    const Offsets offsets = offsets_of(mesh, *surface, faces, triangles[p]);
+    surface->set_shift(offsets.shift_mm());
+    all = all + offsets;
     shapes[p].surface = surface;
+    shapes[p].keeps_volume = true;
     ++following;
   }
-  if (2 * all.near < all.vertices)
+  if (2 * all.near < all.triangles)
     throw Error(
         ErrorKind::kBadInput,
         "most of the mesh's surface lies far off its boundary, more than 1.5 voxels; give the image that the "

@@ -1,13 +1,42 @@
 #include "lumesh/operators/input_surface.hpp"
 
-namespace lumesh::operators {
+#include <algorithm>
+#include <array>
 
-InputSurface::InputSurface(const TetMesh& mesh) {
+#include "lumesh/geometry/triangle.hpp"
+
+namespace lumesh::operators {
+namespace {
+
+/// What a face is by the normals at its corners: that of a plane, of a smooth surface, or at a crease.
+enum class FaceShape { kFlat, kSmooth, kCreased };
+
+FaceShape shape_of(const std::array<Vec3, 3>& corners, const std::array<Vec3, 3>& normals) {
+  constexpr double kSmooth = 0.9, kFlat = 1 - 1e-14;  // Cosines; of 26 degrees: a full circle of seven edges.
+  const Vec3 normal = triangle_normal(corners[0], corners[1], corners[2]);
+  double least = 1;
+  for (const Vec3& n : normals) least = std::min(least, n.dot(normal));
+  return least >= kFlat ? FaceShape::kFlat : least >= kSmooth ? FaceShape::kSmooth : FaceShape::kCreased;
+}
+
+}  // namespace
+
+InputSurface::InputSurface(const TetMesh& mesh) : points_(mesh.points().begin(), mesh.points().end()) {
   const BoundaryFaces faces = mesh.boundary_faces();
   std::vector<std::vector<Cell<3>>> triangles(mesh.info().patches.size());
   for (std::size_t i = 0; i < faces.triangles.size(); ++i)
     triangles[static_cast<std::size_t>(faces.patches[i])].push_back(faces.triangles[i]);
-  for (const auto& patch : triangles) trees_.emplace_back(mesh.points(), patch);
+  for (auto& patch : triangles) parts_.push_back({TriangleTree(points_, patch), std::move(patch)});
+  normals_ = vertex_normals(points_, faces.triangles);
+}
+
+Vec3 InputSurface::smooth(PatchId patch, const TriangleTree::Nearest& nearest) const {
+  const auto [a, b, c] = parts_[patch.value].triangles[nearest.triangle];
+  const std::array<Vec3, 3> corners = {points_[a], points_[b], points_[c]};
+  const std::array<Vec3, 3> normals = {normals_[a], normals_[b], normals_[c]};
+  return shape_of(corners, normals) == FaceShape::kSmooth
+             ? over_triangle(corners, normals, nearest.point).point
+             : nearest.point;
 }
 
 }  // namespace lumesh::operators

@@ -7,6 +7,7 @@
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
+#include "lumesh/operators/settling.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -117,6 +118,36 @@ std::shared_ptr<const Surface> cylinder_of(const PatchTriangles& patch, double a
   return std::make_shared<CylinderSurface>(fit->on_axis, fit->axis, fit->radius, outward > 0 ? 1 : -1);
 }
 
+/// Points at the rim of the patch.
+std::vector<bool> rim_points(const PatchTriangles& patch) {
+  std::map<std::array<std::uint32_t, 2>, int> sides;  // Of each edge.
+  for (const Cell<3>& t : patch.triangles)
+    for (int k = 0; k < 3; ++k) ++sides[{std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])}];
+  std::vector<bool> is_at_rim(patch.points.size(), false);
+  for (const auto& [edge, count] : sides)
+    if (count == 1) is_at_rim[edge[0]] = is_at_rim[edge[1]] = true;
+  return is_at_rim;
+}
+
+/// Lets every point inside the patch down by the mean sagitta of the triangles around it, so that a smooth
+/// surface through the points encloses what the triangles enclosed.
+void lower_by_sagitta(PatchTriangles& patch) {
+  const std::vector<Vec3> normals = vertex_normals(patch.points, patch.triangles);
+  std::vector<double> sums(patch.points.size(), 0), areas(patch.points.size(), 0);
+  for (const Cell<3>& t : patch.triangles) {
+    std::array<SurfacePoint, 3> at;
+    for (int k = 0; k < 3; ++k) at[k] = {patch.points[t[k]], normals[t[k]]};
+    const double area = triangle_area(at[0].point, at[1].point, at[2].point);
+    for (const std::uint32_t v : t) {
+      sums[v] += area * sagitta_of(at);
+      areas[v] += area;
+    }
+  }
+  const std::vector<bool> is_at_rim = rim_points(patch);
+  for (std::size_t v = 0; v < patch.points.size(); ++v)
+    if (!is_at_rim[v] && areas[v] > 0) patch.points[v] -= sums[v] / areas[v] * normals[v];
+}
+
 /// An edge between two patches, the lower one first.
 struct CurveEdge {
   std::uint32_t a, b;
@@ -202,7 +233,7 @@ class SurfaceBuilder {
     for_each_curved([&](std::size_t p) { shapes_[p].surface = cylinder_of(patches_[p], allowed); });
   }
   /// For every patch without a surface so far; curves first, which are their rims.
-  void lay_through_vertices() {
+  void lay_along_vertices(SurfaceKeeps keeps) {
     std::vector<std::vector<MeshSurface::Rim>> rims(shapes_.size());
     for (std::size_t i = 0, next = 0; i < edges_.size(); i = next) {
       for (next = i + 1; next < edges_.size() && edges_[next].patches == edges_[i].patches;) ++next;
@@ -218,9 +249,10 @@ class SurfaceBuilder {
           rims[side].push_back({numbers_[side][curve[k].a], numbers_[side][curve[k].b], pieces[k]});
     }
     for_each_curved([&](std::size_t p) {
-      if (!shapes_[p].surface)
-        shapes_[p].surface =
-            std::make_shared<MeshSurface>(patches_[p].points, patches_[p].triangles, rims[p]);
+      if (shapes_[p].surface) return;
+      shapes_[p].keeps_volume = keeps == SurfaceKeeps::kVolume;
+      if (shapes_[p].keeps_volume) lower_by_sagitta(patches_[p]);
+      shapes_[p].surface = std::make_shared<MeshSurface>(patches_[p].points, patches_[p].triangles, rims[p]);
     });
   }
   PatchShapes take() {
@@ -266,10 +298,10 @@ class SurfaceBuilder {
 
 }  // namespace
 
-PatchShapes shapes_of_patches(const TetMesh& mesh, double tolerance) {
+PatchShapes shapes_of_patches(const TetMesh& mesh, double tolerance, SurfaceKeeps keeps) {
   SurfaceBuilder builder(mesh, planes_where_flat(mesh, tolerance));
   builder.find_cylinders(tolerance * bounding_box(mesh.points()).diagonal().norm());
-  builder.lay_through_vertices();
+  builder.lay_along_vertices(keeps);
   return builder.take();
 }
 

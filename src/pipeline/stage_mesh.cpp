@@ -20,8 +20,10 @@ void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
   state.mesh = state.context.phase("build", [&] { return TetMesh::build(result.mesh.view()); });
 }
 
-void improve_angles(CaseState& state, report::StageReport& stage) {
+void improve_angles(CaseState& state, const DelaunayReport& made, report::StageReport& stage) {
   ImproveOptions options = state.c.improvement;
+  options.settles_all = made.held_back > 0;
+  options.place = operators::places_in_domain(state.mesh, state.domain());
   options.execution = state.c.adapt.execution;
   options.team = state.c.adapt.team;
   options.team.threads = state.threads();
@@ -49,7 +51,7 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
   for (const std::string& note : result.report.notes) stage.warnings.push_back(note);
   if (sizing)
     for (const std::string& warning : sizing->warnings()) stage.warnings.push_back(warning);
-  if (state.c.improves && state.is_complete) improve_angles(state, stage);
+  if (state.c.improves && state.is_complete) improve_angles(state, result.report, stage);
   if (state.image && state.c.input.cut_planes.empty())
     for (const std::string& line :
          state.context.phase("check", [&] { return differences(shape_of(*state.image), state.mesh); }))

@@ -10,6 +10,7 @@
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/operators/operators.hpp"
+#include "lumesh/operators/settling.hpp"
 #include "lumesh/parallel/team.hpp"
 
 namespace lumesh {
@@ -24,6 +25,11 @@ struct ImproveOptions {
   /// or longer than 1 / 0.6 in this metric, unless one as short or long was there, and no swap or collapse
   /// makes a longer one. The metric of the result.
   std::optional<metric::MetricField> sizes = {};
+  /// Where patches truly run, if that is known: what slides ends there, as far as angles allow
+  /// (operators::settle()). Else what slides keeps to the smooth surface through the vertices at the start.
+  operators::PlaceOnPatch place = {};
+  bool settles_all = false;  ///< Not only what slides goes to its place.
+  double lift = 1;           ///< As operators::SettlingRules::lift.
   ExecutionKind execution = ExecutionKind::kOrdered;
   parallel::TeamOptions team = {};
 

@@ -30,6 +30,9 @@ struct DelaunayOptions {
   double surface_distance_mm = 0;
   double radius_edge = 2;  ///< Largest circumradius of a tetrahedron in units of its shortest edge, >= 1.5.
   double facet_angle_deg = 30;  ///< Smallest angle of boundary triangles, 0 to 30.
+  /// 1: points of bent surfaces stand over them so that flat triangles between them keep the volume; 0: on
+  /// them. See operators/settling.hpp.
+  double lift = 1;
   Seeding seeding = Seeding::kLattice;
   const Sizing* sizing = nullptr;  ///< Further wishes for edge lengths; outlives the call.
   int max_rounds = 120;            ///< Of refinement, >= 1.
@@ -51,7 +54,9 @@ struct DelaunayReport {
   std::uint64_t inner_seeds = 0, outer_seeds = 0, boundary_seeds = 0;
   std::vector<DelaunayRound> rounds;
   std::uint64_t pinched_vertices =
-      0;                   ///< That no point could mend: tetrahedra around them changed their material.
+      0;  ///< That no point could mend: tetrahedra around them changed their material.
+  std::uint64_t held_back =
+      0;                   ///< Points of surfaces that tetrahedra held back from where they should stand.
   bool rules_hold = true;  ///< False if rules still asked for points that could be put in, after max_rounds.
   bool complete = true;    ///< False if it was cancelled before the end.
   std::vector<std::string> notes;

@@ -74,9 +74,26 @@ class MeshCurve {
   TriangleTree chords_;  // Each a triangle whose last two corners are the same.
 };
 
-/// A smooth surface through the vertices of a triangle mesh: a cubic patch over each triangle, from the
-/// normals at its corners, with the normal that varies quadratically. Neighbours join without gaps.
-/// Source: Vlachos, Peters, Boyd, Mitchell 2001, Curved PN triangles, doi:10.1145/364338.364387.
+/// Sum of the normals of the triangles at each point, weighted by their angles there; unit length.
+[[nodiscard]] std::vector<Vec3> vertex_normals(std::span<const Vec3> points,
+                                               std::span<const std::array<std::uint32_t, 3>> triangles);
+
+/// The cubic patch over a triangle, from the normals at its corners, at the place over a point of the
+/// triangle, with a normal that varies quadratically. Source: Vlachos, Peters, Boyd, Mitchell 2001, Curved PN
+/// triangles, doi:10.1145/364338.364387.
+/// @param normals  Of unit length.
+[[nodiscard]] SurfacePoint over_triangle(const std::array<Vec3, 3>& corners,
+                                         const std::array<Vec3, 3>& normals, const Vec3& point);
+
+/// A piece of a surface over a triangle.
+struct CubicPatch {
+  std::array<Vec3, 10>
+      control;                  ///< Of the monomials of degree 3 in the corners' weights, binomials included.
+  std::array<Vec3, 6> normals;  ///< Likewise, of degree 2.
+};
+
+/// A smooth surface through the vertices of a triangle mesh: the patches of over_triangle(). Neighbours join
+/// without gaps.
 class MeshSurface final : public Surface {
  public:
   /// An edge where the surface ends; the curve takes the place of what the normals would give.
@@ -93,11 +110,7 @@ class MeshSurface final : public Surface {
   [[nodiscard]] SurfacePoint closest(const Vec3& point) const override;
 
  private:
-  struct Patch {
-    std::array<Vec3, 10> control;  // Of the monomials in kPowers of the .cpp, binomials included.
-    std::array<Vec3, 6> normals;   // Likewise.
-  };
-  std::vector<Patch> patches_;
+  std::vector<CubicPatch> patches_;
   std::vector<std::array<Vec3, 3>> corners_;
   TriangleTree tree_;
 };

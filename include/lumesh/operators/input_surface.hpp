@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "lumesh/domain/surface.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
@@ -16,11 +17,19 @@ class InputSurface {
 
   /// Nearest point of a patch to `point` within `bound`; TriangleTree::kNone if there is none.
   [[nodiscard]] TriangleTree::Nearest nearest(PatchId patch, const Vec3& point, double bound) const {
-    return trees_[patch.value].nearest(point, bound);
+    return parts_[patch.value].tree.nearest(point, bound);
   }
+  /// The place of the smooth surface through the patch's vertices over the nearest point of its faces; that
+  /// point itself where the patch is flat, has a crease or ends.
+  [[nodiscard]] Vec3 smooth(PatchId patch, const TriangleTree::Nearest& nearest) const;
 
  private:
-  std::vector<TriangleTree> trees_;  // One per patch.
+  struct Part {
+    TriangleTree tree;
+    std::vector<Cell<3>> triangles;
+  };
+  std::vector<Part> parts_;             // One per patch.
+  std::vector<Vec3> points_, normals_;  // Of the vertices of the mesh; normals of all faces around.
 };
 
 }  // namespace lumesh::operators

@@ -25,6 +25,9 @@ struct PatchShape {
   Vec3 normal = Vec3::Zero();                ///< Of a plane; unit length.
   double offset = 0;                         ///< Of a plane: normal . point for its points.
   std::shared_ptr<const Surface> surface{};  ///< Of a curved patch.
+  /// Of a curved patch: in the end its vertices stand over the surface by the sagitta of the triangles
+  /// around, so that these fill what it encloses (settling.hpp).
+  bool keeps_volume = false;
   /// Curves where it meets other patches, where their surfaces do not say so by themselves.
   std::vector<std::pair<PatchId, std::shared_ptr<const MeshCurve>>> curves{};
 };
@@ -36,15 +39,23 @@ using PatchShapes = std::vector<PatchShape>;
 /// others are frozen. Where every face lies along a coordinate plane, the normal is exactly an axis.
 [[nodiscard]] PatchShapes planes_where_flat(const TetMesh& mesh, double tolerance = 1e-10);
 
+/// What the smooth surface of a patch keeps of a mesh.
+enum class SurfaceKeeps : std::uint8_t {
+  kVertices,  ///< It goes through them: the mesh is one of a surface on which its vertices lie.
+  kVolume,    ///< It encloses what the triangles enclose, and so goes through them rather than their corners:
+              ///< whatever the edges become, the mesh keeps its volume.
+};
+
 /// planes_where_flat(); of the other patches on the outside, a cylinder for every one whose vertices lie on
-/// one to within the tolerance, and for the rest a smooth surface through the vertices as they are now
-/// (MeshSurface). Patches between labels that are not flat are frozen.
-[[nodiscard]] PatchShapes shapes_of_patches(const TetMesh& mesh, double tolerance = 1e-10);
+/// one to within the tolerance, and for the rest a smooth surface (MeshSurface) along the vertices as they
+/// are now. Patches between labels that are not flat are frozen.
+[[nodiscard]] PatchShapes shapes_of_patches(const TetMesh& mesh, double tolerance = 1e-10,
+                                            SurfaceKeeps keeps = SurfaceKeeps::kVertices);
 
 /// Has the patches of the outside that follow the smooth surface of the mesh follow the boundary of its image
-/// instead, where that is within 1.5 voxels, moved outwards by as much as the mesh's vertices lie outside it
-/// on average. Curves where patches meet stay as they are.
-/// Patches of several labels keep the surface of the mesh.
+/// instead, where that is within 1.5 voxels, moved outwards by as much as the mesh's triangles, or its
+/// vertices if that is less, lie outside it on average: the mesh keeps its volume. Curves where patches meet
+/// stay as they are. Patches of several labels keep the surface of the mesh.
 /// @return the number of patches that follow the image.
 /// @throws Error{kBadInput} if the image lacks a label, or the mesh lies off its boundary for the most part;
 /// the text speaks of the image, whose name is to be put before it.

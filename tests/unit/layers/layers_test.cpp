@@ -9,6 +9,7 @@
 #include <random>
 #include <set>
 #include <stop_token>
+#include <string_view>
 
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
@@ -262,6 +263,31 @@ TEST(Layers, InATubeFillItWithWhatIsLeft) {
 }
 
 /// As a curved patch, a flat one keeps all its triangles; its rim, where the tube bends, stays bare.
+TEST(Layers, InwardsTheWallKeepsItsTrianglesToTheLastBit) {
+  using Place = std::array<double, 3>;
+  const auto triangles_of = [](const MeshView& view, std::string_view patch) {
+    std::set<std::array<Place, 3>> triangles;
+    for (std::size_t i = 0; i < view.triangles.size(); ++i) {
+      if (view.info->patches[static_cast<std::size_t>(view.triangle_patches[i])].name != patch) continue;
+      std::array<Place, 3> places;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3& p = view.points[view.triangles[i][k]];
+        places[k] = {p[0], p[1], p[2]};
+      }
+      std::sort(places.begin(), places.end());
+      triangles.insert(places);
+    }
+    return triangles;
+  };
+  const TetMesh mesh = tube();
+  const BoundaryFaces faces = mesh.boundary_faces();
+  const auto before = triangles_of(mesh.view(faces), "wall");
+  ASSERT_GT(before.size(), 100u);
+  const LayerResult result =
+      grown(mesh, {.side = LayerSide::kInward, .first_height = 0.4, .growth = 1.2, .count = 4});
+  EXPECT_TRUE(triangles_of(result.mesh.view(), "wall") == before);
+}
+
 TEST(Layers, OnAFlatPatchGrowWithinItsRim) {
   const TetMesh mesh = tube();
   const std::string cap = mesh.info().patches.at(1).name;

@@ -1,12 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "fixtures/curved_meshes.hpp"
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/mesh/validate.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 
 namespace lumesh::operators {
@@ -30,8 +32,14 @@ TetMesh ball_of(double radius) {
   return mesh;
 }
 
+/// The same, larger by so much that it has the volume of the ball.
+TetMesh ball_with_volume_of(double radius) {
+  const double share = validate(fixtures::ball(1)).labels[0].volume / (4 * std::numbers::pi / 3);
+  return ball_of(radius / std::cbrt(share));
+}
+
 TEST(FollowImage, MakesACoarseMeshAsRoundAsItsImageAndKeepsItsSize) {
-  const TetMesh mesh = ball_of(12.3);
+  const TetMesh mesh = ball_with_volume_of(12.3);
   PatchShapes shapes = shapes_of_patches(mesh);
   follow_image(mesh, image_of_ball(1), shapes);
   ASSERT_EQ(shapes.size(), 1u);
@@ -48,6 +56,22 @@ TEST(FollowImage, MakesACoarseMeshAsRoundAsItsImageAndKeepsItsSize) {
     EXPECT_GT(found.normal.dot(outwards), 0.96);  // 16 degrees.
   }
   EXPECT_LT(far_off, 25);  // Where the ball touches a layer of voxels, it is flatter.
+}
+
+/// Its triangles lie inside the image's ball, but its vertices on the sphere: it is coarse, not smaller.
+TEST(FollowImage, ACoarseMeshWithItsVerticesOnTheBoundaryGetsTheVolumeOfTheImage) {
+  const TetMesh mesh = ball_of(12);
+  PatchShapes shapes = shapes_of_patches(mesh);
+  follow_image(mesh, image_of_ball(1), shapes);
+  double mean = 0;
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  constexpr int kCount = 500;
+  for (int n = 0; n < kCount; ++n) {
+    const Vec3 outwards = Vec3(normal(random), normal(random), normal(random)).normalized();
+    mean += (shapes[0].surface->closest(kCentre + 12 * outwards).point - kCentre).norm() / kCount;
+  }
+  EXPECT_NEAR(mean, 12, 0.1);
 }
 
 TEST(FollowImage, RefusesAnImageOfSomethingElse) {

@@ -1,0 +1,80 @@
+#pragma once
+/// @file The last step of a mesher: vertices of curved patches come to stand exactly where they should.
+///
+/// Triangles whose corners lie on a curved surface cut off what bulges: the mean distance of the triangle
+/// from the surface is its sagitta, h^2 / (16 R) on a cylinder of radius R for an equilateral triangle of
+/// edges h. A vertex therefore stands over the surface by the mean sagitta of the triangles around it, so
+/// that these lie as much outside of the surface as inside, and the mesh has the volume that the surface
+/// encloses. Flow through a vessel depends on the third and fourth power of its radius; so it is that of the
+/// surface, however coarse the triangles are.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <span>
+
+#include "lumesh/domain/domain.hpp"
+#include "lumesh/domain/surface.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/operators/patch_shapes.hpp"
+
+namespace lumesh::operators {
+
+/// How far the surface through three places with these normals stands over the triangle between them, in the
+/// mean: exact where it is a quadratic function. Negative where it is hollow.
+[[nodiscard]] double sagitta_of(const std::array<SurfacePoint, 3>& corners);
+
+/// The place of a patch's true surface near a point, with the normal; none where that is not known, and for
+/// patches whose vertices are to stay. Called from several threads.
+using PlaceOnPatch = std::function<std::optional<SurfacePoint>(PatchId patch, const Vec3& near)>;
+
+/// Whether a tetrahedron, by its number, may have other corners. Called from several threads; what is flat or
+/// inverted by the exact predicate is refused before it is asked.
+using MayBecome =
+    std::function<bool(std::size_t tet, const std::array<Vec3, 4>& before, const std::array<Vec3, 4>& after)>;
+
+/// Whether a vertex of a patch may stand at a place; else it stays where it is. Called from several threads.
+using MayStand = std::function<bool(PatchId patch, const Vec3& place)>;
+
+/// Dihedral angles within the limits, or at least no worse than they were.
+[[nodiscard]] MayBecome within_angles(double min_dihedral_deg, double max_dihedral_deg);
+
+struct SettlingRules {
+  /// Of the mean sagitta by which vertices stand over the surface: 1 keeps the volume, 0 leaves them on it.
+  double lift = 1;
+  MayBecome may_become;
+  MayStand may_stand = {};                     ///< Null: everywhere.
+  std::span<const std::uint8_t> movable = {};  ///< Flag per vertex; empty: all are.
+};
+
+struct SettlingReport {
+  std::size_t vertices = 0;    ///< That have a place.
+  std::size_t held_back = 0;   ///< Of these, farther from it than 1e-3 of the edges around.
+  double furthest_off_mm = 0;  ///< From their places.
+};
+
+/// Carries every vertex inside a patch to its place, unless that is farther away than half the edges around;
+/// vertices of curves and corners stay. Where a tetrahedron forbids it, its vertices go half the way, a
+/// quarter of it, or stay.
+///
+/// @param faces  Those that carry patches, each once.
+/// Parallel inside; the same bits for every number of threads. Cost: about 1 us per vertex of a patch for its
+/// place, 0.3 us per tetrahedron there.
+SettlingReport settle(std::span<Vec3> points, std::span<const Cell<4>> tets, const PatchTable& faces,
+                      const PlaceOnPatch& place, const SettlingRules& rules);
+/// @param mesh  Compact.
+SettlingReport settle(TetMesh& mesh, const PlaceOnPatch& place, const SettlingRules& rules);
+
+/// The place near a point where two materials meet; the normal points out of `inside`.
+[[nodiscard]] std::optional<SurfacePoint> place_on_boundary(const Domain& domain, Material inside,
+                                                            Material outside, const Vec3& near);
+/// Where the patches of a mesh of a domain run. Openings, and patches that are more than one boundary, stay.
+/// The domain must live as long as the answer.
+[[nodiscard]] PlaceOnPatch places_in_domain(const TetMesh& mesh, const Domain& domain);
+/// Those of patches that keep their volume; the others stay. The shapes must live as long as the answer.
+[[nodiscard]] PlaceOnPatch places_on_shapes(const PatchShapes& shapes);
+
+}  // namespace lumesh::operators

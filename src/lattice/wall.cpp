@@ -1,0 +1,70 @@
+#include "wall.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include "lumesh/operators/settling.hpp"
+#include "offsets.hpp"
+#include "voxel_reach.hpp"
+
+namespace lumesh {
+
+namespace {
+
+/// The boundaries between two materials, numbered as patches are.
+struct NumberedBoundaries {
+  std::vector<std::pair<Material, Material>> sides;  // Inside and outside.
+  std::vector<Cell<3>> triangles;
+  std::vector<std::int32_t> of_triangle;
+};
+
+NumberedBoundaries numbered(const BoundaryModel& boundary) {
+  NumberedBoundaries all;
+  std::map<std::pair<Material, Material>, std::int32_t> numbers;
+  for (const BoundaryTriangle& t : boundary.triangles) {
+    const auto [number, is_new] =
+        numbers.try_emplace({t.inside, t.outside}, static_cast<std::int32_t>(numbers.size()));
+    if (is_new) all.sides.emplace_back(t.inside, t.outside);
+    all.triangles.push_back(t.vertices);
+    all.of_triangle.push_back(number->second);
+  }
+  return all;
+}
+
+}  // namespace
+
+void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const LabelImage& image,
+                 const ImageDomain& domain, const AngleLimits& limits,
+                 const std::vector<double>& label_volumes_mm3) {
+  const NumberedBoundaries boundaries = numbered(boundary);
+  const double most_mm = 0.25 * domain.voxel_size_mm();
+  Shifts shifts;
+  const operators::PlaceOnPatch place = [&](PatchId patch, const Vec3& near) -> std::optional<SurfacePoint> {
+    const auto& [inside, outside] = boundaries.sides[patch.value];
+    if (domain.is_cut(outside)) return std::nullopt;
+    auto found = operators::place_on_boundary(domain, inside, outside, near);
+    if (!found) return std::nullopt;
+    const auto shift = shifts.find(std::minmax(inside, outside));
+    if (shift != shifts.end()) found->point += (inside < outside ? 1 : -1) * shift->second * found->normal;
+    return (found->point - near).norm() <= most_mm ? found : std::nullopt;
+  };
+  const operators::MayStand may_stand = [&](PatchId patch, const Vec3& point) {
+    const auto& [inside, outside] = boundaries.sides[patch.value];
+    return within_reach_of_voxels(image, domain, {inside, outside}, point) == point;
+  };
+  const auto settle = [&](const operators::MayBecome& may_become) {
+    operators::settle(mesh.positions, mesh.tets, {boundaries.triangles, boundaries.of_triangle}, place,
+                      {.may_become = may_become, .may_stand = may_stand});
+  };
+  // What the boundary encloses without a shift, however poor angles become, tells how much is missing.
+  const std::vector<Vec3> fitted = mesh.positions;
+  settle([](std::size_t, const std::array<Vec3, 4>&, const std::array<Vec3, 4>&) { return true; });
+  shifts = volume_shifts_mm(mesh, boundary, domain, label_volumes_mm3);
+  mesh.positions = fitted;
+  constexpr double kMarginDeg = 0.5;  // So that the extreme angles hardly change.
+  settle(operators::within_angles(limits.min_deg + kMarginDeg, limits.max_deg - kMarginDeg));
+}
+
+}  // namespace lumesh

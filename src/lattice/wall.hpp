@@ -1,0 +1,21 @@
+#pragma once
+// The last step of the fit: vertices of the boundary come to stand exactly where they should.
+
+#include <vector>
+
+#include "boundary_model.hpp"
+#include "star_quality.hpp"
+
+namespace lumesh {
+
+/// Carries the vertices of smooth boundaries, those nearer than a quarter of a voxel, to their places: on the
+/// image's boundary, shifted evenly so that labels fill what their voxels fill, and over it by the sagitta of
+/// the triangles around (operators::settle()). What is farther off was drawn away on purpose, to a tip or
+/// from a bulge, and stays, as do vertices that would leave the reach of the voxels. No angle passes its
+/// limit.
+/// @param label_volumes_mm3  Per material.
+void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const LabelImage& image,
+                 const ImageDomain& domain, const AngleLimits& limits,
+                 const std::vector<double>& label_volumes_mm3);
+
+}  // namespace lumesh
