@@ -13,6 +13,7 @@ namespace {
 
 constexpr float kGrazing = 0.25F;  // least variance, relative: faces that the boundary grazes
 constexpr float kSteep = 0.6F;
+constexpr float kAgainst = 0.2F;
 
 /// The axes beside a face's own, in the order of FacePoints.
 constexpr std::array<std::array<int, 2>, 3> kBeside = {{{1, 2}, {0, 2}, {0, 1}}};
@@ -46,23 +47,33 @@ std::array<float, 3> per_edge_of(const Band& band) {
   return {static_cast<float>(inverse.x()), static_cast<float>(inverse.y()), static_cast<float>(inverse.z())};
 }
 
+/// A normal that points against the voxels' sides by more than kAgainst says nothing: between two walls that
+/// are close the function may still have one slope for both. The weights stay as they were then; at first the
+/// face's own axis stands for the normal.
 template <int axis>
-[[gnu::always_inline]] inline void weigh_faces(const Stencil& u, std::uint8_t faces,
+[[gnu::always_inline]] inline void weigh_faces(const Stencil& u, std::uint8_t faces, std::uint8_t plus,
                                                const std::array<float, 3>& per_edge, float volume, int entry,
                                                FaceWeights& weights) {
-  const FaceNormals n = face_normals<axis>(u, per_edge);
+  FaceNormals n = face_normals<axis>(u, per_edge);
+  const Lanes forward =
+      mask_of(plus) ? Lanes{} - 1.0F : Lanes{} + 1.0F;  // along the axis, towards the plus side
+  const LaneMask is_against = n.own * forward < Lanes{} - kAgainst;
+  const LaneMask stays = is_against & (load(weights.at(entry, FaceWeights::kPlace)) > Lanes{});
+  n = {is_against ? forward : n.own, is_against ? Lanes{} : n.first, is_against ? Lanes{} : n.second};
   const LaneMask is_face = mask_of(faces);
   const float edge = 1 / per_edge[axis], area = volume * per_edge[axis];
   const Lanes variance = n.own * n.own * (edge * edge);
   const Lanes place = area / (variance > Lanes{} + kGrazing ? variance : Lanes{} + kGrazing);
   const float scale = std::sqrt(static_cast<float>(kSlope) * area);
-  store(weights.at(entry, FaceWeights::kPlace), keep(place, is_face));
-  store(weights.at(entry, FaceWeights::kOwn), keep(n.own * (scale * per_edge[axis]), is_face));
-  store(weights.at(entry, FaceWeights::kFirst),
-        keep(n.first * (0.25F * scale * per_edge[kBeside[axis][0]]), is_face));
-  store(weights.at(entry, FaceWeights::kSecond),
-        keep(n.second * (0.25F * scale * per_edge[kBeside[axis][1]]), is_face));
-  store(weights.at(entry, FaceWeights::kTarget), keep(Lanes{} + scale, is_face));
+  const auto set = [&](FaceWeights::Part part, const Lanes& value) {
+    float* const to = weights.at(entry, part);
+    store(to, stays ? load(to) : keep(value, is_face));
+  };
+  set(FaceWeights::kPlace, place);
+  set(FaceWeights::kOwn, n.own * (scale * per_edge[axis]));
+  set(FaceWeights::kFirst, n.first * (0.25F * scale * per_edge[kBeside[axis][0]]));
+  set(FaceWeights::kSecond, n.second * (0.25F * scale * per_edge[kBeside[axis][1]]));
+  set(FaceWeights::kTarget, Lanes{} + scale);
 }
 
 LUMESH_WIDE_LOOPS void weigh_block(const Band& band, const LaneArray& function,
@@ -72,9 +83,12 @@ LUMESH_WIDE_LOOPS void weigh_block(const Band& band, const LaneArray& function,
     int entry = band.first_entry(s);
     if (entry == band.first_entry(s + 1)) continue;
     const Stencil u = gather(band.rows(s), s, function.data());
-    if (band.faces(s, 0) != 0) weigh_faces<0>(u, band.faces(s, 0), per_edge, volume, entry++, weights);
-    if (band.faces(s, 1) != 0) weigh_faces<1>(u, band.faces(s, 1), per_edge, volume, entry++, weights);
-    if (band.faces(s, 2) != 0) weigh_faces<2>(u, band.faces(s, 2), per_edge, volume, entry++, weights);
+    if (band.faces(s, 0) != 0)
+      weigh_faces<0>(u, band.faces(s, 0), band.plus(s), per_edge, volume, entry++, weights);
+    if (band.faces(s, 1) != 0)
+      weigh_faces<1>(u, band.faces(s, 1), band.plus(s), per_edge, volume, entry++, weights);
+    if (band.faces(s, 2) != 0)
+      weigh_faces<2>(u, band.faces(s, 2), band.plus(s), per_edge, volume, entry++, weights);
   }
 }
 

@@ -22,8 +22,6 @@ class DampedFaces {
  public:
   void damp(FitState& state);
   void restore(FitState& state);
-  /// After weights were set anew.
-  void forget() { saved_.clear(); }
 
  private:
   struct Saved {

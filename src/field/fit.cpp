@@ -5,6 +5,7 @@
 
 #include "binomial.hpp"
 #include "conjugate_gradients.hpp"
+#include "connections.hpp"
 #include "face_data.hpp"
 #include "segment_loops.hpp"
 #include "sides.hpp"
@@ -25,6 +26,7 @@ constexpr int kStartMeans = 4;      // of the start: a standard deviation of 1.4
 constexpr float kKeptThin = 0.03F;  // … and what thin parts and saddles keep at the end
 constexpr float kKeptSaddle = 0.05F;
 constexpr float kKeptExact = 0.001F;
+constexpr float kMostPutRight = 0.2F;  // voxels that are wrong by more are noise
 
 /// Copies the start and makes it NaN outside the band.
 LaneArray start_of(const Band& band) {
@@ -66,10 +68,8 @@ class Fit {
 
   void fit_once(int solve) {
     if (solve > 0) {
-      if (solve <= kWeighings) {
-        set_face_weights(state_.values, state_);
-        damped_.forget();
-      }
+      damped_.restore(state_);
+      if (solve <= kWeighings) set_face_weights(state_.values, state_);
       set_outliers_aside();
       if (solve <= kSoftenings + 1)
         stiffness_.update(
@@ -82,7 +82,6 @@ class Fit {
 
   void set_outliers_aside() {
     if (fidelity_ == BoundaryFidelity::kExact) return;
-    damped_.restore(state_);
     find_outliers(state_);
     damped_.damp(state_);
   }
@@ -117,6 +116,7 @@ class Fit {
           if (Band::has(inside, lane)) keep_side(s * kLanes + lane);
       }
     });
+    keep_connections(state_.band, stiffness_.around_thin_parts(), state_.values);
     for (const Saddle& saddle : state_.band.saddles()) keep_apart(saddle);
   }
 
@@ -128,7 +128,7 @@ class Fit {
     float least = kept;
     if (Band::has(state_.thin[static_cast<std::size_t>(voxel / kLanes)], voxel % kLanes)) least = kKeptThin;
     if (fidelity_ == BoundaryFidelity::kExact) least = std::max(least, kKeptExact);
-    if (least <= 0 && !is_outlier(voxel) &&
+    if (least <= 0 && kept > -kMostPutRight && !is_outlier(voxel) &&
         role_of(state_.band.image(), state_.band.voxel(voxel)) == VoxelRole::kNeeded)
       least = kKeptThin;
     value = plus ? least : -least;

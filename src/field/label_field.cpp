@@ -183,32 +183,42 @@ bool LabelField::near_boundary(const Vec3& low, const Vec3& high) const {
   return any_brick(low, high, [](std::int32_t code) { return code >= 0; });
 }
 
-/// Among labels besides the background: those at the corners of the cell between voxels' centres, where there
-/// are any.
-LabelField::LabelIndex LabelField::inner_winner(const Place& place) const {
-  const Brick& brick = *place.brick;
-  constexpr std::size_t kMost = 8;
-  std::array<LabelIndex, kMost> candidates;
-  std::size_t count = 0;
+/// Labels besides the background at the corners of the cell between voxels' centres; where there are none, of
+/// the voxels around, as far as the brick knows them.
+std::size_t LabelField::candidates_at(const Place& place,
+                                      std::array<LabelIndex, kMostCandidates>& found) const {
+  const LabelIndex* const corners =
+      &corners_[std::size_t{place.brick->corners} * kCorners * kCorners * kCorners];
   const Index3 base = place.local.cast<int>().cwiseMin(kBrick - 1);
-  const LabelIndex* const corner = &corners_[std::size_t{brick.corners} * kCorners * kCorners * kCorners] +
-                                   base.x() + kCorners * (base.y() + kCorners * base.z());
-  for (int c = 0; c < 8; ++c) {
-    const LabelIndex label = corner[(c & 1) + kCorners * ((c >> 1 & 1) + kCorners * (c >> 2))];
-    if (label != 0 &&
-        std::find(candidates.begin(), candidates.begin() + count, label) == candidates.begin() + count)
-      candidates[count++] = label;
+  std::size_t count = 0;
+  for (int reach = 0; reach < 3 && count == 0; ++reach) {
+    const Index3 low = (base - Index3::Constant(reach)).cwiseMax(0);
+    const Index3 high = (base + Index3::Constant(1 + reach)).cwiseMin(kCorners - 1);
+    for (int k = low.z(); k <= high.z(); ++k) {
+      for (int j = low.y(); j <= high.y(); ++j) {
+        for (int i = low.x(); i <= high.x(); ++i) {
+          const LabelIndex label = corners[i + kCorners * (j + kCorners * k)];
+          if (label == 0 || count == kMostCandidates) continue;
+          const auto end = found.begin() + static_cast<std::ptrdiff_t>(count);
+          if (std::find(found.begin(), end, label) == end) found[count++] = label;
+        }
+      }
+    }
   }
-  const std::span<const LabelIndex> labels =
-      count > 0 ? std::span<const LabelIndex>(candidates.data(), count) : labels_of(brick);
-  LabelIndex best = 0;
+  return count;
+}
+
+LabelField::LabelIndex LabelField::inner_winner(const Place& place) const {
+  std::array<LabelIndex, kMostCandidates> candidates;
+  const std::size_t count = candidates_at(place, candidates);
+  if (count == 0) return labels_of(*place.brick).back();
+  const std::span<const LabelIndex> labels(candidates.data(), count);
+  LabelIndex best = labels[0];
   double most = -1e300;
   for (const LabelIndex a : labels) {
-    if (a == 0) continue;
     double least = kFieldLimit;
     for (const LabelIndex b : labels) {
-      if (b == a || b == 0) continue;
-      const BlockRef ref = find_block(brick, a, b);
+      const BlockRef ref = b == a ? BlockRef{} : find_block(*place.brick, a, b);
       if (ref.sign != 0) least = std::min(least, block_value(ref, place.local));
     }
     if (least > most || (least == most && a < best)) {
@@ -240,7 +250,9 @@ LabelField::Winner LabelField::winner(const Vec3& index) const {
   // Outside a tube the slope grows with the distance, inside it falls below one: either way this is not too
   // far.
   const double slope = s.gradient.cwiseQuotient(edges_).norm();
-  best.depth = std::clamp(s.value / std::max(1.0, slope), 0.0, kFieldLimit);
+  // The rest is for what is no quadric.
+  const double depth = std::clamp(s.value / std::max(1.0, slope), 0.0, kFieldLimit);
+  best.depth = depth * (1 - 0.04 * depth);
   return best;
 }
 

@@ -205,7 +205,8 @@ bool StiffnessAdaptation::soften(FitState& state) {
   for_each_segment(band.end(), [&](int s, std::size_t at) {
     const Lanes boundary = load(boundary_narrow_.at(s));
     const Lanes even = size_of(load(signed_sum_.at(s)));
-    const Lanes all = keep(load(size_sum_.at(s)), mask_of(turning_[at]));
+    const Lanes all =
+        keep(load(size_sum_.at(s)), mask_of(static_cast<std::uint8_t>(turning_[at] | thin_around_[at])));
     const Lanes wrong = even > all ? even : all;
     const LaneMask too_stiff = (boundary > Lanes{} + kTiny) & (wrong > kTooStiff * boundary);
     const auto bits = static_cast<std::uint8_t>(bits_of(too_stiff) & ~locked_[at] & band.alive(s));
@@ -268,8 +269,8 @@ std::vector<std::uint8_t> StiffnessAdaptation::clean_voxels(FitState& state) {
   for_each_segment(band.end(), [&](int s, std::size_t at) {
     const Lanes boundary = load(boundary_wide_.at(s));
     const LaneMask small = (boundary > Lanes{} + kTiny) & (load(other_.at(s)) < kClean * boundary);
-    clean[at] = static_cast<std::uint8_t>(bits_of(small) & band.in_image(s) & band.sided(s) &
-                                          ~state.outlier[at] & ~locked_[at]);
+    clean[at] = static_cast<std::uint8_t>((bits_of(small) | thin_around_[at]) & band.in_image(s) &
+                                          band.sided(s) & ~state.outlier[at] & ~locked_[at]);
   });
   return clean;
 }

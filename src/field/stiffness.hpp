@@ -19,6 +19,8 @@ class StiffnessAdaptation {
   /// Judges the last step; then softens, if `softens`.
   enum class Step : std::uint8_t { kSoften, kJudgeOnly };
   void update(Step step, FitState& state);
+  /// A bit for each lane in whose window there are thin parts.
+  [[nodiscard]] const std::vector<std::uint8_t>& around_thin_parts() const { return thin_around_; }
   /// A bit for each lane whose side is to be kept for certain: the violation around is small, and the place
   /// not locked.
   [[nodiscard]] std::vector<std::uint8_t> clean_voxels(FitState& state);

@@ -128,6 +128,9 @@ class LabelField {
   }
   /// The least function of a label against the others of its brick.
   [[nodiscard]] BlockRef least_block(const Place& place, LabelIndex label) const;
+  static constexpr std::size_t kMostCandidates = 64;
+  [[nodiscard]] std::size_t candidates_at(const Place& place,
+                                          std::array<LabelIndex, kMostCandidates>& found) const;
   [[nodiscard]] LabelIndex inner_winner(const Place& place) const;
   [[nodiscard]] LabelIndex label_in(const Place& place) const;
 
