@@ -177,12 +177,15 @@ gradSchemes{{default {gradient};}}
 divSchemes{{default none; div(phi,U) {convection}; div((nuEff*dev2(T(grad(U))))) Gauss linear;}}
 laplacianSchemes{{default Gauss linear {laplacian};}}
 interpolationSchemes{{default linear;}} snGradSchemes{{default {laplacian};}}"""
-FLOW_SOLUTION = """solvers{{p{{solver PCG; preconditioner DIC; tolerance 1e-12; relTol 0.01; maxIter 2000;}}
+FLOW_SOLUTION = """solvers{{p{{{pressure}}}
 U{{solver smoothSolver; smoother symGaussSeidel; tolerance 1e-12; relTol 0.1;}}}}
 SIMPLE{{nNonOrthogonalCorrectors {correctors}; consistent yes; residualControl{{p {residual}; U {residual};}}}}
 relaxationFactors{{equations{{U 0.9;}}}}"""
+CONJUGATE_GRADIENTS = "solver PCG; preconditioner DIC; tolerance 1e-12; relTol 0.01; maxIter 2000;"
+MULTIGRID = "solver GAMG; smoother DICGaussSeidel; nCellsInCoarsestLevel 50; tolerance 1e-12; relTol 0.03; maxIter 60;"
 # Gradients by the neighbours across points: those by faces alone lose a tenth of the wall's shear on tetrahedra.
-SECOND_ORDER = {"gradient": "pointCellsLeastSquares", "convection": "bounded Gauss linearUpwind grad(U)", "laplacian": "corrected", "correctors": 1}
+SECOND_ORDER = {"gradient": "pointCellsLeastSquares", "convection": "bounded Gauss linearUpwind grad(U)", "laplacian": "corrected", "correctors": 1,
+                "pressure": CONJUGATE_GRADIENTS}
 
 
 def velocities(mesh, patch, speed):
@@ -195,9 +198,9 @@ def velocities(mesh, patch, speed):
     return f"{patch}{{type fixedValue; value nonuniform List<vector> {len(values)}({' '.join(values)});}}"
 
 
-def prepare_flow(case, mesh, inlet, speed, iterations=2000, residual=1e-6, **schemes):
+def prepare_flow(case, mesh, inlet, speed, iterations=2000, residual=1e-6, start=None, **schemes):
     """Laminar blood that comes in through the patches `inlet` and `inlet_layer` with a speed, goes out of the other openings at
-    p = 0, and sticks to the rest."""
+    p = 0, and sticks to the rest. start: velocities and pressures over density of all cells to begin with, else at rest."""
     schemes = SECOND_ORDER | schemes | {"iterations": iterations, "residual": residual}
     inlets = [name for name in mesh.patches if name in (inlet, f"{inlet}_layer")]
     outlets = [name for name in mesh.patches if name.startswith(("inlet", "outlet")) and name not in inlets]
@@ -207,17 +210,24 @@ def prepare_flow(case, mesh, inlet, speed, iterations=2000, residual=1e-6, **sch
     dictionary(case.folder / "system/fvSolution", FLOW_SOLUTION.format(**schemes))
     dictionary(case.folder / "constant/transportProperties", f"transportModel Newtonian; nu {BLOOD_M2_S};")
     dictionary(case.folder / "constant/turbulenceProperties", "simulationType laminar;")
+    velocity, pressure = start_lists(*start) if start else ("uniform (0 0 0)", "uniform 0")
     in_velocity = [velocities(mesh, patch, speed) for patch in inlets]
-    write_field(case, "U", "volVectorField", "[0 1 -1 0 0 0 0]", "(0 0 0)",
+    write_field(case, "U", "volVectorField", "[0 1 -1 0 0 0 0]", velocity,
                 in_velocity + [f"{patch}{{type zeroGradient;}}" for patch in outlets] + [f"{patch}{{type noSlip;}}" for patch in walls])
-    write_field(case, "p", "volScalarField", "[0 2 -2 0 0 0 0]", "0",
+    write_field(case, "p", "volScalarField", "[0 2 -2 0 0 0 0]", pressure,
                 [f"{patch}{{type fixedValue; value uniform 0;}}" for patch in outlets] +
                 [f"{patch}{{type zeroGradient;}}" for patch in inlets + walls])
     return inlets, outlets, walls
 
 
+def start_lists(velocities_m_s, pressures_m2_s2):
+    vectors = "\n".join("({:.10g} {:.10g} {:.10g})".format(*velocity) for velocity in velocities_m_s)
+    scalars = "\n".join(f"{pressure:.10g}" for pressure in pressures_m2_s2)
+    return (f"nonuniform List<vector> {len(velocities_m_s)}({vectors})", f"nonuniform List<scalar> {len(pressures_m2_s2)}({scalars})")
+
+
 def write_field(case, name, kind, dimensions, inside, patches):
-    dictionary(case.folder / "0" / name, f"dimensions {dimensions}; internalField uniform {inside};\nboundaryField{{\n" +
+    dictionary(case.folder / "0" / name, f"dimensions {dimensions}; internalField {inside};\nboundaryField{{\n" +
                "\n".join(patches) + "\n}", kind)
 
 
