@@ -18,26 +18,22 @@ Vec3 newton_step(const Domain& domain, const Vec3& x, const MaterialSet& set) {
     if (slope2 < kFlat) return Vec3::Constant(NAN);
     return s.gradient * (-s.value / slope2);
   }
-  // Gauss-Newton with the least step: all separations from the first material vanish together.
-  constexpr int kRows = 3;
-  Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
-  Vec3 residual = Vec3::Zero();
-  // Materials come ascending, cut planes last: count from the last, so that a plane meets each label by
-  // itself.
-  const Material pivot = domain.is_cut(set[set.size() - 1]) ? set[0] : set[set.size() - 1];
-  int row = 0;
-  for (const Material m : set) {
-    if (m == pivot || row == kRows) continue;
-    const FieldSample s = domain.separation(x, m, pivot);
-    if (s.gradient.squaredNorm() < kFlat) return Vec3::Constant(NAN);
-    slope.row(row) = s.gradient.transpose();
-    residual[row] = s.value;
-    ++row;
+  // Gauss-Newton with the least step: the separations of all pairs vanish together. Two labels that share a
+  // wall against a third have nearly the same separation from it, so that no one material will do to count
+  // from.
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Vec3 downhill = Vec3::Zero();
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    for (std::size_t j = i + 1; j < set.size(); ++j) {
+      const FieldSample s = domain.separation(x, set[i], set[j]);
+      if (s.gradient.squaredNorm() < kFlat) continue;
+      normal += s.gradient * s.gradient.transpose();
+      downhill -= s.value * s.gradient;
+    }
   }
-  Eigen::Matrix3d normal = slope * slope.transpose();
+  if (!(normal.trace() > kFlat)) return Vec3::Constant(NAN);
   normal.diagonal().array() += 1e-6 * normal.trace();
-  for (; row < kRows; ++row) normal(row, row) = 1;  // Rows that are not there.
-  return -slope.transpose() * (normal.inverse() * residual);
+  return normal.inverse() * downhill;
 }
 
 }  // namespace

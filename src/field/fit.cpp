@@ -126,7 +126,9 @@ class Fit {
     const float kept = plus ? value : -value;
     if (kept >= kKeptThin) return;
     float least = kept;
-    if (Band::has(state_.thin[static_cast<std::size_t>(voxel / kLanes)], voxel % kLanes)) least = kKeptThin;
+    const auto at = static_cast<std::size_t>(voxel / kLanes);
+    const auto thin = static_cast<std::uint8_t>(state_.thin[at] | stiffness_.around_thin_parts()[at]);
+    if (Band::has(thin, voxel % kLanes) && !is_outlier(voxel)) least = kKeptThin;
     if (fidelity_ == BoundaryFidelity::kExact) least = std::max(least, kKeptExact);
     if (least <= 0 && kept > -kMostPutRight && !is_outlier(voxel) &&
         role_of(state_.band.image(), state_.band.voxel(voxel)) == VoxelRole::kNeeded)

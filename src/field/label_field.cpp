@@ -139,24 +139,30 @@ FieldSample LabelField::sample(const Vec3& index, LabelIndex label) const {
   return ref.sign == 0 ? FieldSample{kFieldLimit, Vec3::Zero()} : block_sample(ref, place);
 }
 
+double LabelField::beyond_blocks(const Place& place, LabelIndex first, LabelIndex second) const {
+  if (first == 0 || second == 0) {
+    const bool is_object = place.brick != nullptr || place.uniform != 0;
+    return is_object == (second == 0) ? kFieldLimit : -kFieldLimit;
+  }
+  const auto depth = [&](LabelIndex label) {
+    if (place.brick == nullptr) return place.uniform == label ? kFieldLimit : -kFieldLimit;
+    const BlockRef ref = least_block(place, label);
+    return ref.sign == 0 ? -kFieldLimit : block_value(ref, place.local);
+  };
+  return 0.5 * (depth(first) - depth(second));
+}
+
 FieldSample LabelField::difference(const Vec3& index, LabelIndex first, LabelIndex second) const {
   const Place place = locate(index);
-  if (place.brick != nullptr) {
-    const BlockRef ref = find_block(*place.brick, first, second);
-    if (ref.sign != 0) return block_sample(ref, place);
-  }
-  // Labels that do not touch here: what is deeper inside one of them is nearer to it.
-  const FieldSample a = sample(index, first), b = sample(index, second);
-  return {0.5 * (a.value - b.value), 0.5 * (a.gradient - b.gradient)};
+  const BlockRef ref = place.brick == nullptr ? BlockRef{} : find_block(*place.brick, first, second);
+  if (ref.sign != 0) return block_sample(ref, place);
+  return {beyond_blocks(place, first, second), Vec3::Zero()};
 }
 
 double LabelField::difference_value(const Vec3& index, LabelIndex first, LabelIndex second) const {
   const Place place = locate(index);
-  if (place.brick != nullptr) {
-    const BlockRef ref = find_block(*place.brick, first, second);
-    if (ref.sign != 0) return block_value(ref, place.local);
-  }
-  return 0.5 * (value(index, first) - value(index, second));
+  const BlockRef ref = place.brick == nullptr ? BlockRef{} : find_block(*place.brick, first, second);
+  return ref.sign != 0 ? block_value(ref, place.local) : beyond_blocks(place, first, second);
 }
 
 template <class Body>
@@ -252,7 +258,7 @@ LabelField::Winner LabelField::winner(const Vec3& index) const {
   const double slope = s.gradient.cwiseQuotient(edges_).norm();
   // The rest is for what is no quadric.
   const double depth = std::clamp(s.value / std::max(1.0, slope), 0.0, kFieldLimit);
-  best.depth = depth * (1 - 0.04 * depth);
+  best.depth = depth * (1 - 0.05 * depth);
   return best;
 }
 

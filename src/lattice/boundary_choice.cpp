@@ -335,16 +335,19 @@ class BoundaryChooser {
     }
     std::sort(by_size.begin(), by_size.end());  // the smallest gives way
     const Material largest = by_size.back().second;
+    const bool has_outside = object_part(star) != star.all();
     for (const auto& [count, m] : by_size) {
       const Mask own = star.of_material(m);
       if (!domain_.is_meshed(m) || own == star.all()) continue;
       const bool whole = star.connected(own);
       if (whole && star.connected(star.all() & ~own)) continue;
-      const Material to = round < kMergeRounds && largest != m ? largest : 0;
+      // The background only where it is already: no bubbles within.
+      const Material other = largest != m ? largest : by_size[by_size.size() - 2].second;
+      const Material to = has_outside && (round >= kMergeRounds || largest == m) ? 0 : other;
       apply(star, {whole ? own : own & ~star.component(own), to});
       return;
     }
-    apply(star, {object_part(star), 0});
+    if (has_outside) apply(star, {object_part(star), 0});
   }
 
   /// Tetrahedra of a star (as a mask) that shall get another material.
@@ -354,7 +357,7 @@ class BoundaryChooser {
   };
 
   [[nodiscard]] std::vector<Change> possible_changes(const Star& star) const {
-    std::vector<Material> around = {0};
+    std::vector<Material> around;  // the background only if it is there: no bubbles within
     for (const std::uint32_t t : star.tets()) {
       if (std::find(around.begin(), around.end(), mesh_.materials[t]) == around.end())
         around.push_back(mesh_.materials[t]);

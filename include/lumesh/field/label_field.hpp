@@ -126,6 +126,9 @@ class LabelField {
   [[nodiscard]] std::span<const LabelIndex> labels_of(const Brick& brick) const {
     return {&labels_[brick.first_label], brick.label_count};
   }
+  /// The function of two labels where they have none: which of them is deeper, or whether all around is
+  /// background.
+  [[nodiscard]] double beyond_blocks(const Place& place, LabelIndex first, LabelIndex second) const;
   /// The least function of a label against the others of its brick.
   [[nodiscard]] BlockRef least_block(const Place& place, LabelIndex label) const;
   static constexpr std::size_t kMostCandidates = 64;
