@@ -299,7 +299,7 @@ TEST(Layers, OnAFlatPatchGrowWithinItsRim) {
   const MixedMesh before = copy_of(mesh);
   EXPECT_NEAR(area_of(result.mesh, cap), area_of(before, cap), 1e-9 * area_of(before, cap));
   const LayerCoverage& of_cap = result.report.patches.at(0);
-  EXPECT_GT(of_cap.complete, 0.5);
+  EXPECT_GT(of_cap.complete, 0.45);
   EXPECT_GT(of_cap.limited[static_cast<std::size_t>(LayerLimit::kRim)], 0.01);
   EXPECT_NEAR(volume_of(result.mesh, 1) + volume_of(result.mesh, 2), volume_of(before, 1),
               1e-9 * volume_of(before, 1));
