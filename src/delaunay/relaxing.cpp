@@ -12,14 +12,14 @@ namespace {
 constexpr double kReach = 1.7;  // In spacings: as far as two points push each other.
 
 /// Those of one level have spacings in [2^level, 2^(level+1)).
-int level_of(double spacing) {
+int exponent_of(double spacing) {
   return std::ilogb(spacing);
 }
 
 /// The points of one level by cubes twice as large as they stand apart at most.
-class Level {
+class PointCubes {
  public:
-  explicit Level(int exponent) : exponent_(exponent), cube_mm_(std::exp2(exponent + 2)) {}
+  explicit PointCubes(int exponent) : exponent_(exponent), cube_mm_(std::exp2(exponent + 2)) {}
   void add(const Vec3& point, std::uint32_t number) { placed_.push_back({cube_of(point), number}); }
   void sort() { parallel::sort(placed_.begin(), placed_.end()); }
 
@@ -89,13 +89,13 @@ class Relaxation {
 
   void sort_into_levels() {
     for (std::uint32_t i = 0; i < points_.size(); ++i) {
-      const int exponent = level_of(candidate(i).spacing);
+      const int exponent = exponent_of(candidate(i).spacing);
       auto level = std::find_if(levels_.begin(), levels_.end(),
-                                [&](const Level& one) { return one.exponent() == exponent; });
-      if (level == levels_.end()) level = levels_.insert(levels_.end(), Level(exponent));
+                                [&](const PointCubes& one) { return one.exponent() == exponent; });
+      if (level == levels_.end()) level = levels_.insert(levels_.end(), PointCubes(exponent));
       level->add(points_[i], i);
     }
-    for (Level& level : levels_) level.sort();
+    for (PointCubes& level : levels_) level.sort();
   }
   /// As far as two points push each other.
   [[nodiscard]] double reach_of(std::size_t i, std::size_t j) const {
@@ -117,7 +117,7 @@ class Relaxation {
     for (const auto& part : parts) neighbours_.insert(neighbours_.end(), part.begin(), part.end());
   }
   void add_neighbours(std::size_t i, double slack, std::vector<std::uint32_t>& out) const {
-    for (const Level& level : levels_) {
+    for (const PointCubes& level : levels_) {
       const double radius = slack * kReach * std::min(candidate(i).spacing, level.largest_spacing());
       level.for_each_near(points_[i], radius, [&](std::uint32_t j) {
         const double reach = slack * reach_of(i, j);
@@ -147,7 +147,7 @@ class Relaxation {
   std::span<const std::uint32_t> chosen_;
   std::span<BoundaryCandidate> candidates_;
   std::vector<Vec3> points_;
-  std::vector<Level> levels_;
+  std::vector<PointCubes> levels_;
   std::vector<std::uint32_t> counts_, starts_, neighbours_;
 };
 

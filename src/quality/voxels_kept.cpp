@@ -153,20 +153,20 @@ struct Candidate {
 };
 
 /// Counts of one label index, before distances are known.
-struct Tally {
+struct KeptTally {
   std::uint64_t counted = 0;
   std::vector<Candidate> missed;
 };
 
-std::vector<Tally> tally(const LabelImage& image, const CountedVoxels& voxels, const Marks& marks,
-                         const CutPlanes& planes) {
+std::vector<KeptTally> tally(const LabelImage& image, const CountedVoxels& voxels, const Marks& marks,
+                             const CutPlanes& planes) {
   const image::RunImage& runs = voxels.runs();
   const auto rows = static_cast<std::size_t>(runs.size.y());
-  const std::vector<Tally> zero(image.values().size());
+  const std::vector<KeptTally> zero(image.values().size());
   return parallel::reduce_blocks(
       runs.first.size() - 1, 512, zero,
       [&](std::size_t begin, std::size_t end) {
-        std::vector<Tally> counts = zero;
+        std::vector<KeptTally> counts = zero;
         for (std::size_t row = begin; row < end; ++row)
           for (std::size_t r = runs.first[row]; r < runs.first[row + 1]; ++r) {
             const Run& run = runs.runs[r];
@@ -186,7 +186,7 @@ std::vector<Tally> tally(const LabelImage& image, const CountedVoxels& voxels, c
           }
         return counts;
       },
-      [](std::vector<Tally> all, std::vector<Tally> more) {
+      [](std::vector<KeptTally> all, std::vector<KeptTally> more) {
         for (std::size_t l = 0; l < all.size(); ++l) {
           all[l].counted += more[l].counted;
           all[l].missed.insert(all[l].missed.end(), more[l].missed.begin(), more[l].missed.end());
@@ -196,8 +196,8 @@ std::vector<Tally> tally(const LabelImage& image, const CountedVoxels& voxels, c
 }
 
 /// Tells how far candidates are from the boundary; those on it are kept.
-KeptVoxels measured(const Tally& tally, std::span<const Vec3> points, const std::vector<Cell<3>>& boundary,
-                    double voxel_size_mm) {
+KeptVoxels measured(const KeptTally& tally, std::span<const Vec3> points,
+                    const std::vector<Cell<3>>& boundary, double voxel_size_mm) {
   KeptVoxels result;
   result.counted = tally.counted;
   result.kept = tally.counted - tally.missed.size();
@@ -235,7 +235,7 @@ VoxelsKept count_voxels_kept(const MeshView& mesh, const MeshSurface& surface, c
   const CountedVoxels voxels(image, box_of(points_in_voxels));
   Marks marks(image, voxels);
   marks.add_cells(mesh, points_in_voxels);
-  const std::vector<Tally> tallies = tally(image, voxels, marks, CutPlanes(planes, voxel_size_mm));
+  const std::vector<KeptTally> tallies = tally(image, voxels, marks, CutPlanes(planes, voxel_size_mm));
   VoxelsKept result;
   result.background = measured(tallies[0], mesh.points, surface.outer(), voxel_size_mm);
   result.all = result.background;
