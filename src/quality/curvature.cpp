@@ -65,7 +65,7 @@ struct AtVertex {
 };
 
 /// Adds what one triangle gives. Source: Meyer et al. 2003, equation 8 and figure 4.
-void add(const Vec3& p, const Vec3& q, const Vec3& r, AtVertex& at) {
+void add_corner(const Vec3& p, const Vec3& q, const Vec3& r, AtVertex& at) {
   const double at_p = cotangent(p, q, r), at_q = cotangent(q, r, p), at_r = cotangent(r, p, q);
   const Vec3 area_normal = triangle_area_normal(p, q, r);
   const double area = area_normal.norm() / 2;
@@ -100,7 +100,7 @@ WallCurvature wall_curvature(const MeshView& mesh, const MeshSurface& surface) {
     if (!is_inside_wall(corners.of(v))) return;
     AtVertex at;
     for (const Corner& corner : corners.of(v))
-      add(mesh.points[v], mesh.points[corner.next], mesh.points[corner.last], at);
+      add_corner(mesh.points[v], mesh.points[corner.next], mesh.points[corner.last], at);
     const double size = at.sum.norm() / (4 * at.area);  // Half of equation 8's vector.
     if (!(at.area > 0) || !std::isfinite(size)) return;
     result.mean_per_mm[v] = at.sum.dot(at.normal) < 0 ? -size : size;
