@@ -400,9 +400,4 @@ Lane Band::neighbour(Lane lane, int i, int j, int k) const {
   return segment * kLanes + (x & (kLanes - 1));
 }
 
-std::size_t Band::bytes() const {
-  return grid_.bytes() + 6 * alive_.size() + faces_.size() * 3 + first_entry_.size() * 4 +
-         rows_.size() * sizeof(rows_[0]) + saddles_.size() * sizeof(Saddle) + start_.bytes();
-}
-
 }  // namespace lumesh::field

@@ -100,8 +100,6 @@ class Band {
   /// Ranges of blocks, begin to next begin: no two chunks of which one lies between touch the same rows.
   [[nodiscard]] const std::vector<int>& chunks() const { return chunks_; }
 
-  [[nodiscard]] std::size_t bytes() const;
-
  private:
   friend class BandBuilder;
   [[nodiscard]] static std::size_t index(int segment) { return static_cast<std::size_t>(segment); }

@@ -58,7 +58,6 @@ class LaneArray {
   }
   [[nodiscard]] float* data() { return at(0); }
   [[nodiscard]] const float* data() const { return at(0); }
-  [[nodiscard]] std::size_t bytes() const { return values_.size() * sizeof(float); }
 
  private:
   std::vector<float> values_;

@@ -183,12 +183,6 @@ void Transfer::prolong(const LaneArray& coarse) {
                          [&](int begin, int end) { TransferLoops::spread(*this, coarse, begin, end); });
 }
 
-std::size_t Transfer::bytes() const {
-  return along_x_.bytes() + coarse_.bytes() + half_way_.bytes() + source_.size() * (sizeof source_[0]) +
-         gather_.size() * (sizeof gather_[0]) + spread_.size() * (sizeof spread_[0]) + parity_.size() +
-         offset_.size() * 4;
-}
-
 Multilevel::Multilevel(const Band& band) : band_(band) {
   levels_.reserve(kLevels);
   for (int l = 0; l < kLevels; ++l)
@@ -281,14 +275,6 @@ void Multilevel::sum_over_window(const LaneArray& values, Window window, LaneArr
   // Down and up again adds up the splines' variances: 2 voxels^2 for one level, 10 for two.
   smooth(values, window == Window::kNarrow ? 1 : 2, sums);
   if (window == Window::kNarrow) smooth(sums, 1, sums);
-}
-
-std::size_t Multilevel::bytes() const {
-  std::size_t total = 0;
-  for (const Level& level : levels_)
-    total +=
-        level.transfer.bytes() + level.residual.bytes() + level.correction.bytes() + level.inverse.bytes();
-  return total;
 }
 
 }  // namespace lumesh::field

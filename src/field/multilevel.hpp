@@ -25,7 +25,6 @@ class Transfer {
   void prolong(const LaneArray& coarse);
   /// The values that prolong() gave, in the lanes of a fine segment.
   [[gnu::always_inline]] inline Lanes load_fine(int segment) const;
-  [[nodiscard]] std::size_t bytes() const;
 
  private:
   friend struct TransferLoops;
@@ -61,8 +60,6 @@ class Multilevel {
   /// kNarrow has a standard deviation of 2 voxels, kWide of 3.2.
   enum class Window : std::uint8_t { kNarrow, kWide };
   void sum_over_window(const LaneArray& values, Window window, LaneArray& sums);
-
-  [[nodiscard]] std::size_t bytes() const;
 
  private:
   struct Level {

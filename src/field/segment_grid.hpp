@@ -55,10 +55,6 @@ class SegmentGrid {
   }
   /// False for the null segment and numbers that renumber() left out.
   [[nodiscard]] bool exists(int segment) const { return places_[static_cast<std::size_t>(segment)].x >= 0; }
-  [[nodiscard]] std::size_t bytes() const {
-    return words_.size() * 8 + first_.size() * 4 + numbers_.size() * 4 +
-           places_.size() * sizeof(SegmentPlace);
-  }
 
  private:
   [[nodiscard]] bool is_inside(const SegmentPlace& p) const {

@@ -25,16 +25,6 @@ LabelImage block_image(int size, const Index3& low, const Index3& high, const Ve
   return image;
 }
 
-/// cube_grid(n) scaled to the box [low, high] in mm.
-MixedMesh block_mesh(int n, const Vec3& low, const Vec3& high) {
-  const fixtures::TetSoup soup = fixtures::cube_grid(n);
-  MixedMesh mesh;
-  for (const Vec3& p : soup.points) mesh.points.push_back(low + (high - low).cwiseProduct(p) / n);
-  mesh.tetrahedra = soup.tets;
-  mesh.tetrahedron_labels = soup.labels;
-  return mesh;
-}
-
 ImageDistances compare(const MixedMesh& mesh, const LabelImage& image,
                        const std::vector<CutPlane>& planes = {}) {
   return compare_with_image(mesh.view(), extract_surface(mesh.view()), image, planes);
@@ -43,7 +33,7 @@ ImageDistances compare(const MixedMesh& mesh, const LabelImage& image,
 TEST(Hausdorff, MeshOnTheVoxelFacesHasDistanceZero) {
   // Voxels 2 to 5 cover [1.5, 5.5].
   const LabelImage image = block_image(8, Index3::Constant(2), Index3::Constant(5));
-  const ImageDistances d = compare(block_mesh(4, Vec3::Constant(1.5), Vec3::Constant(5.5)), image);
+  const ImageDistances d = compare(fixtures::block_mesh(4, Vec3::Constant(1.5), Vec3::Constant(5.5)), image);
   ASSERT_TRUE(d.outer);
   EXPECT_NEAR(d.outer->mesh_to_image_mm.max, 0, 1e-12);
   EXPECT_NEAR(d.outer->image_to_mesh_mm.max, 0, 1e-12);
@@ -55,7 +45,7 @@ TEST(Hausdorff, MeshOnTheVoxelFacesHasDistanceZero) {
 
 TEST(Hausdorff, MeshThatIsTooLargeIsAsFarAsItsSidesAndCorners) {
   const LabelImage image = block_image(12, Index3::Constant(4), Index3::Constant(7));  // [3.5, 7.5]
-  const ImageDistances d = compare(block_mesh(4, Vec3::Constant(2.5), Vec3::Constant(8.5)), image);
+  const ImageDistances d = compare(fixtures::block_mesh(4, Vec3::Constant(2.5), Vec3::Constant(8.5)), image);
   EXPECT_NEAR(d.outer->mesh_to_image_mm.max, std::sqrt(3.0), 1e-12);  // corner to corner
   EXPECT_NEAR(d.outer->image_to_mesh_mm.max, 1, 1e-12);               // side to side
   EXPECT_NEAR(d.outer->image_to_mesh_mm.mean, 1, 1e-12);
@@ -69,7 +59,7 @@ TEST(Hausdorff, AnisotropicRotatedImagesAreMeasuredInMillimetres) {
   const double c = std::cos(0.4), s = std::sin(0.4);
   image.frame().direction << c, -s, 0, s, c, 0, 0, 0, -1;
   image.frame().origin_mm = {10, -20, 30};
-  MixedMesh mesh = block_mesh(4, {2.5, 2.5, 2.5}, {6.5, 6.5, 6.5});  // in voxels, so far
+  MixedMesh mesh = fixtures::block_mesh(4, {2.5, 2.5, 2.5}, {6.5, 6.5, 6.5});  // in voxels, so far
   for (Vec3& p : mesh.points) {
     p.z() += 0.25;  // half a millimetre along k
     p = image.frame().to_physical(p);
@@ -85,7 +75,7 @@ TEST(Hausdorff, AnisotropicRotatedImagesAreMeasuredInMillimetres) {
 TEST(Hausdorff, FacesOnTheImageBorderBelongToTheLabel) {
   const LabelImage image =
       block_image(4, Index3::Zero(), Index3::Constant(3));  // fills the image: [-0.5, 3.5]
-  const ImageDistances d = compare(block_mesh(4, Vec3::Constant(-0.5), Vec3::Constant(3.5)), image);
+  const ImageDistances d = compare(fixtures::block_mesh(4, Vec3::Constant(-0.5), Vec3::Constant(3.5)), image);
   ASSERT_TRUE(d.outer);
   EXPECT_NEAR(d.outer->mesh_to_image_mm.max, 0, 1e-12);
   EXPECT_NEAR(d.outer->image_to_mesh_mm.max, 0, 1e-12);
@@ -93,7 +83,7 @@ TEST(Hausdorff, FacesOnTheImageBorderBelongToTheLabel) {
 
 TEST(Hausdorff, CutPlanesLeaveOutCapAndWhatLiesBeyond) {
   const LabelImage image = block_image(12, Index3::Constant(2), Index3::Constant(9));  // [1.5, 9.5]
-  const MixedMesh half = block_mesh(4, Vec3::Constant(1.5), {9.5, 9.5, 5.5});
+  const MixedMesh half = fixtures::block_mesh(4, Vec3::Constant(1.5), {9.5, 9.5, 5.5});
   EXPECT_NEAR(compare(half, image).outer->image_to_mesh_mm.max, 4, 1e-12);
   const ImageDistances d = compare(half, image, {{Vec3(0, 0, 5.5), Vec3(0, 0, 3)}});
   EXPECT_NEAR(d.outer->image_to_mesh_mm.max, 0, 1e-12);
@@ -106,7 +96,7 @@ TEST(Hausdorff, LabelsAreMeasuredOneByOneAndLostOnesHaveNoDistance) {
     for (int j = 2; j <= 7; ++j)
       for (int i = 2; i <= 7; ++i) image.at({i, j, k}) = i < 5 ? 1 : 2;
   image.at({0, 0, 0}) = 3;
-  MixedMesh mesh = block_mesh(6, Vec3::Constant(1.5), Vec3::Constant(7.5));
+  MixedMesh mesh = fixtures::block_mesh(6, Vec3::Constant(1.5), Vec3::Constant(7.5));
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     double x = 0;
     for (const std::uint32_t v : mesh.tetrahedra[t]) x += mesh.points[v].x() / 4;
@@ -133,7 +123,7 @@ TEST(Hausdorff, SphereIsWithinAVoxelOfItsVoxelsAndTheReverse) {
   for (int k = 0; k < 24; ++k)
     for (int j = 0; j < 24; ++j)
       for (int i = 0; i < 24; ++i) image.at({i, j, k}) = (Vec3(i, j, k) - centre).norm() < radius ? 1 : 0;
-  MixedMesh mesh = block_mesh(12, Vec3::Constant(-1), Vec3::Constant(1));
+  MixedMesh mesh = fixtures::block_mesh(12, Vec3::Constant(-1), Vec3::Constant(1));
   for (Vec3& p : mesh.points) {  // cube to ball, ray by ray
     const double outer = p.cwiseAbs().maxCoeff();
     if (outer > 0) p *= radius * outer / p.norm();
@@ -186,7 +176,7 @@ TEST(VoxelFaces, CountsAreThoseOfABlockAndNamesTheOwners) {
 
 TEST(Hausdorff, SameBitsForEveryThreadCount) {
   const LabelImage image = block_image(20, Index3::Constant(3), Index3::Constant(16));
-  const MixedMesh mesh = block_mesh(9, Vec3::Constant(2.8), Vec3::Constant(16.9));
+  const MixedMesh mesh = fixtures::block_mesh(9, Vec3::Constant(2.8), Vec3::Constant(16.9));
   const auto fingerprint = [&](int threads) {
     const parallel::ThreadLimit limit(threads);
     const ImageDistances d = compare(mesh, image);

@@ -16,16 +16,6 @@ namespace {
 using fixtures::frame_of;
 using fixtures::voxels_of;
 
-/// cube_grid(n) scaled to the box [low, high] in mm.
-MixedMesh cut_block(int n, const Vec3& low, const Vec3& high) {
-  const fixtures::TetSoup soup = fixtures::cube_grid(n);
-  MixedMesh mesh;
-  for (const Vec3& p : soup.points) mesh.points.push_back(low + (high - low).cwiseProduct(p) / n);
-  mesh.tetrahedra = soup.tets;
-  mesh.tetrahedron_labels = soup.labels;
-  return mesh;
-}
-
 /// The voxels 2 to 5 of 10 along each axis: [1.5, 5.5] with voxels of 1 mm.
 LabelImage block_image() {
   return voxels_of(frame_of({10, 10, 10}), {0, 1},
@@ -42,7 +32,8 @@ void expect_counts(const KeptVoxels& found, std::uint64_t counted, std::uint64_t
 }
 
 TEST(VoxelsKept, ABoxOnItsVoxelsKeepsAllOfThem) {
-  const VoxelsKept kept = count(cut_block(3, Vec3::Constant(1.5), Vec3::Constant(5.5)), block_image());
+  const VoxelsKept kept =
+      count(fixtures::block_mesh(3, Vec3::Constant(1.5), Vec3::Constant(5.5)), block_image());
   ASSERT_EQ(kept.labels.size(), 1U);
   expect_counts(kept.labels[0].voxels, 64, 64);
   expect_counts(kept.background, 0, 0);  // None in the mesh's box.
@@ -55,7 +46,7 @@ TEST(VoxelsKept, AVoxelThatMovedIsMissedOnceInTheObjectAndOnceInTheBackground) {
   LabelImage image = block_image();
   image.at({2, 2, 2}) = 0;
   image.at({7, 3, 4}) = 1;  // One and a half voxels off the box.
-  const VoxelsKept kept = count(cut_block(3, Vec3::Constant(1.5), Vec3::Constant(5.5)), image);
+  const VoxelsKept kept = count(fixtures::block_mesh(3, Vec3::Constant(1.5), Vec3::Constant(5.5)), image);
   expect_counts(kept.labels.at(0).voxels, 64, 63);
   ASSERT_TRUE(kept.labels[0].voxels.worst);
   EXPECT_NEAR(kept.labels[0].voxels.worst->distance_mm, 1.5, 1e-12);
@@ -71,16 +62,18 @@ TEST(VoxelsKept, AVoxelThatMovedIsMissedOnceInTheObjectAndOnceInTheBackground) {
 
 TEST(VoxelsKept, BackgroundCountsToTwoVoxelsFromTheObject) {
   // The mesh reaches three voxels beyond: 8^3 voxels lie within two of the object's 4^3.
-  const VoxelsKept kept = count(cut_block(3, Vec3::Constant(-1.5), Vec3::Constant(8.5)), block_image());
+  const VoxelsKept kept =
+      count(fixtures::block_mesh(3, Vec3::Constant(-1.5), Vec3::Constant(8.5)), block_image());
   expect_counts(kept.labels.at(0).voxels, 64, 64);
   expect_counts(kept.background, 8 * 8 * 8 - 64, 0);
   EXPECT_NEAR(kept.background.worst->distance_mm, 2.5, 1e-12);  // Next to the object: from -1.5 to 1.
 }
 
 TEST(VoxelsKept, CentresOnTheBoundaryLieOnBothSides) {
-  const VoxelsKept tight = count(cut_block(3, Vec3::Constant(2), Vec3::Constant(5)), block_image());
+  const VoxelsKept tight =
+      count(fixtures::block_mesh(3, Vec3::Constant(2), Vec3::Constant(5)), block_image());
   expect_counts(tight.labels.at(0).voxels, 64, 64);
-  const VoxelsKept wide = count(cut_block(3, Vec3::Constant(1), Vec3::Constant(6)), block_image());
+  const VoxelsKept wide = count(fixtures::block_mesh(3, Vec3::Constant(1), Vec3::Constant(6)), block_image());
   expect_counts(wide.background, 6 * 6 * 6 - 64, 6 * 6 * 6 - 64);
   EXPECT_FALSE(wide.all.worst);
 }
@@ -91,7 +84,7 @@ TEST(VoxelsKept, CellsOfAnotherLabelDoNotCount) {
     const bool inside = (p.array() > 1.5).all() && (p.array() < 7.5).all();
     return !inside ? 0 : p.x() < 4.5 ? 1 : 2;
   });
-  MixedMesh mesh = cut_block(6, Vec3::Constant(1.5), Vec3::Constant(7.5));
+  MixedMesh mesh = fixtures::block_mesh(6, Vec3::Constant(1.5), Vec3::Constant(7.5));
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     double x = 0;
     for (const std::uint32_t v : mesh.tetrahedra[t]) x += mesh.points[v].x() / 4;
@@ -108,13 +101,13 @@ TEST(VoxelsKept, CellsOfAnotherLabelDoNotCount) {
 }
 
 TEST(VoxelsKept, CutsLeaveOutWhatLiesBeyond) {
-  const MixedMesh half = cut_block(3, Vec3::Constant(1.5), {5.5, 5.5, 3.5});
+  const MixedMesh half = fixtures::block_mesh(3, Vec3::Constant(1.5), {5.5, 5.5, 3.5});
   expect_counts(count(half, block_image()).all, 64, 32);
   expect_counts(count(half, block_image(), {{Vec3(0, 0, 3.5), Vec3(0, 0, 2)}}).all, 32, 32);
 }
 
 TEST(VoxelsKept, OneHexahedronAndTwoPrismsHoldWhatTheirBoxDoes) {
-  MixedMesh hexahedron = cut_block(1, Vec3::Constant(1.5), Vec3::Constant(5.5));
+  MixedMesh hexahedron = fixtures::block_mesh(1, Vec3::Constant(1.5), Vec3::Constant(5.5));
   hexahedron.tetrahedra.clear();
   hexahedron.tetrahedron_labels.clear();
   MixedMesh prisms = hexahedron;
@@ -167,7 +160,7 @@ struct RandomCase {
     frame.direction << c, -s, 0, s, c, 0, 0, 0, -1;
     frame.origin_mm = {10, -20, 30};
     image = voxels_of(frame, {0, 3, 7}, [&](const Vec3&) { return static_cast<int>(random() % 3); });
-    mesh = cut_block(3, {1.7, 1.2, 0.9}, {8.1, 6.3, 8.2});  // In voxels, so far.
+    mesh = fixtures::block_mesh(3, {1.7, 1.2, 0.9}, {8.1, 6.3, 8.2});  // In voxels, so far.
     std::uniform_real_distribution<double> shift(-0.3, 0.3);
     for (Vec3& p : mesh.points) p = frame.to_physical(p + Vec3(shift(random), shift(random), shift(random)));
     for (Cell<4>& t : mesh.tetrahedra) std::swap(t[0], t[1]);  // The frame is left-handed.
