@@ -110,8 +110,19 @@ MaterialSet ImageDomain::materials_near(const Vec3& point_mm, double reach_mm) c
   const Vec3 index = frame().to_index(point_mm);
   const LabelField::LabelIndex own = field_.label_at(index);
   MaterialSet near{own};
-  for (const LabelField::LabelIndex m : field_.labels_near(index))
-    if (m != own && std::abs(field_.difference_value(index, own, m)) * unit_mm_ <= reach_mm) near.insert(m);
+  // All labels share the wall against the background: which of them stands behind it here, the label's own
+  // functions tell.
+  const LabelField::LabelIndex object = own != 0 ? own : field_.object_label_at(index);
+  const auto is_near = [&](LabelField::LabelIndex a, LabelField::LabelIndex b) {
+    return std::abs(field_.difference_value(index, a, b)) * unit_mm_ <= reach_mm;
+  };
+  const bool wall_is_near = object != 0 && is_near(object, 0);
+  for (const LabelField::LabelIndex m : field_.labels_near(index)) {
+    if (m == 0        ? wall_is_near
+        : m == object ? own != 0 || wall_is_near
+                      : is_near(object, m) && (own != 0 || wall_is_near))
+      near.insert(m);
+  }
   for (std::size_t c = 0; c < cuts_.size(); ++c)
     if (cuts_[c].normal.dot(point_mm - cuts_[c].point_mm) >= -reach_mm)
       near.insert(static_cast<Material>(labels_.size() + c));
@@ -180,6 +191,7 @@ std::optional<BoundaryPoint> ImageDomain::nearest_boundary(const Vec3& point_mm)
   const auto consider = [&](Material inside, Material outside) {
     const std::optional<Vec3> x = project(point_mm, {inside, outside}, reach);
     if (!x || (best && (*x - point_mm).norm() >= (best->position_mm - point_mm).norm())) return;
+    if (inside == 0 && !is_cut(outside) && field_.object_label_at(frame().to_index(*x)) != outside) return;
     best = BoundaryPoint{*x, -separation(*x, inside, outside).gradient.normalized(), {inside, outside}};
   };
   for (const Material other : field_.labels_near(frame().to_index(point_mm))) {

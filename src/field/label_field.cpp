@@ -149,7 +149,9 @@ double LabelField::beyond_blocks(const Place& place, LabelIndex first, LabelInde
     const BlockRef ref = least_block(place, label);
     return ref.sign == 0 ? -kFieldLimit : block_value(ref, place.local);
   };
-  return 0.5 * (depth(first) - depth(second));
+  // Labels that do not touch here have no boundary near.
+  const double more = depth(first) - depth(second);
+  return more > 0 || (more == 0 && first < second) ? kFieldLimit : -kFieldLimit;
 }
 
 FieldSample LabelField::difference(const Vec3& index, LabelIndex first, LabelIndex second) const {
@@ -244,6 +246,12 @@ LabelField::LabelIndex LabelField::label_in(const Place& place) const {
 LabelField::LabelIndex LabelField::label_at(const Vec3& index) const {
   const Place place = locate(index);
   return place.brick == nullptr ? place.uniform : label_in(place);
+}
+
+LabelField::LabelIndex LabelField::object_label_at(const Vec3& index) const {
+  const Place place = locate(index);
+  if (place.brick == nullptr) return place.uniform;
+  return place.brick->has_corners ? inner_winner(place) : labels_of(*place.brick).back();
 }
 
 LabelField::Winner LabelField::winner(const Vec3& index) const {

@@ -291,11 +291,14 @@ std::size_t HardSides::update(FitState& state) {
   });
   if (round_ % 2 == 1) {
     // The multipliers, weight * (depth - base), stay what they are.
+    const float of_thin = std::max(weight_ * kHardGrowth, kHoldThin) / std::max(weight_, kHoldThin);
     for_each_segment_block(band.end(), [&](int begin, int end) {
       for (int s = begin; s < end; ++s) {
         const auto at = static_cast<std::size_t>(s);
-        const Lanes base = mask_of(state.thin[at]) ? Lanes{} + kThinDepth : Lanes{} + kHardDepth;
-        store(depth_.at(s), keep(base + (load(depth_.at(s)) - base) / kHardGrowth, mask_of(hard_[at])));
+        const LaneMask thin = mask_of(state.thin[at]);
+        const Lanes base = thin ? Lanes{} + kThinDepth : Lanes{} + kHardDepth;
+        const Lanes growth = thin ? Lanes{} + of_thin : Lanes{} + kHardGrowth;
+        store(depth_.at(s), keep(base + (load(depth_.at(s)) - base) / growth, mask_of(hard_[at])));
       }
     });
     weight_ *= kHardGrowth;

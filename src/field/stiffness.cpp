@@ -220,12 +220,13 @@ bool StiffnessAdaptation::soften(FitState& state) {
 /// Stiffness without jumps: the mean of its logarithm over the next voxels, weights 1 2 1 along each axis.
 void StiffnessAdaptation::smooth_logarithm(FitState& state) {
   const Band& band = state.band;
-  LaneArray& values = scratch_;
+  LaneArray values(band.end(), std::nanf(""));  // in the null segment and at the ends, too
   for_each_segment(band.end(), [&](int s, std::size_t) {
     const LaneMask alive = mask_of(band.alive(s));
-    store(values.at(s), alive ? load(logarithm_.at(s)) : Lanes{} + std::nanf(""));
+    store(values.at(s), alive ? load(logarithm_.at(s)) : load(values.at(s)));
   });
-  binomial_mean(band, values, other_);
+  LaneArray scratch = values;
+  binomial_mean(band, values, scratch);
   for_each_segment(band.end(), [&](int s, std::size_t) {
     const LaneMask alive = mask_of(band.alive(s));
     Lanes mean = keep(load(values.at(s)), alive);

@@ -54,6 +54,9 @@ class LabelField {
 
   /// Label (index into LabelImage::values()) at a place; that of the nearest voxel far from boundaries.
   [[nodiscard]] LabelIndex label_at(const Vec3& index) const;
+  /// The same as if there were no background: the label that is nearest, in its sense, on the other side of
+  /// the outer wall.
+  [[nodiscard]] LabelIndex object_label_at(const Vec3& index) const;
   /// How far inside a label: the least of its functions against the others, negative outside.
   [[nodiscard]] double value(const Vec3& index, LabelIndex label) const { return sample(index, label).value; }
   [[nodiscard]] FieldSample sample(const Vec3& index, LabelIndex label) const;
