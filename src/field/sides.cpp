@@ -189,28 +189,25 @@ LUMESH_WIDE_LOOPS void hold_block(const Band& band, const LaneArray& values, con
 
 /// Hard voxels of a block; others keep what hold_block() gave. Returns how many hard ones are wrong.
 LUMESH_WIDE_LOOPS std::size_t hold_hard_block(const Band& band, const LaneArray& values,
-                                              const std::vector<std::uint8_t>& hard_bits,
-                                              const std::vector<std::uint8_t>& thin_bits, float weight,
+                                              const std::vector<std::uint8_t>& hard_bits, float weight,
                                               bool first, int begin, int end, LaneArray& depth,
                                               LaneArray& hold, LaneArray& target) {
   std::size_t wrong = 0;
   for (int s = begin; s < end; ++s) {
     const auto at = static_cast<std::size_t>(s);
     if (hard_bits[at] == 0) continue;
-    const LaneMask plus = mask_of(band.plus(s)), thin = mask_of(thin_bits[at]), hard = mask_of(hard_bits[at]);
+    const LaneMask plus = mask_of(band.plus(s)), hard = mask_of(hard_bits[at]);
     const Lanes v = load(values.at(s)), kept = plus ? v : -v;
     const LaneMask is_wrong = (kept <= Lanes{}) & hard;
     for (int lane = 0; lane < kLanes; ++lane) wrong += static_cast<std::size_t>(is_wrong[lane] != 0);
     Lanes d = load(depth.at(s));
     if (!first) {
-      const Lanes base = thin ? Lanes{} + kThinDepth : Lanes{} + kHardDepth;
       const Lanes more = d - kept;
-      d = base + keep(more, more > Lanes{});
+      d = kHardDepth + keep(more, more > Lanes{});
       d = keep(d, hard);
       store(depth.at(s), d);
     }
-    const Lanes strong = Lanes{} + std::max(weight, kHoldThin);
-    const Lanes w = keep(thin ? strong : Lanes{} + weight, kept < d);
+    const Lanes w = keep(Lanes{} + weight, kept < d);
     store(hold.at(s), hard ? w : load(hold.at(s)));
     store(target.at(s), hard ? (plus ? d : -d) : load(target.at(s)));
   }
@@ -276,9 +273,9 @@ void hold_violated_sides(FitState& state) {
 HardSides::HardSides(const FitState& state, std::vector<std::uint8_t> hard)
     : hard_(std::move(hard)), depth_(state.band.end()) {
   for (int s = 1; s < state.band.end(); ++s) {
-    const auto at = static_cast<std::size_t>(s);
-    const Lanes d = mask_of(state.thin[at]) ? Lanes{} + kThinDepth : Lanes{} + kHardDepth;
-    store(depth_.at(s), keep(d, mask_of(hard_[at])));
+    auto& bits = hard_[static_cast<std::size_t>(s)];
+    bits = static_cast<std::uint8_t>(bits & ~state.thin[static_cast<std::size_t>(s)]);
+    store(depth_.at(s), keep(Lanes{} + kHardDepth, mask_of(bits)));
   }
 }
 
@@ -286,19 +283,16 @@ std::size_t HardSides::update(FitState& state) {
   hold_violated_sides(state);
   const Band& band = state.band;
   const double wrong = sum_over_segment_blocks(band.end(), [&](int begin, int end) {
-    return static_cast<double>(hold_hard_block(band, state.values, hard_, state.thin, weight_, round_ == 0,
-                                               begin, end, depth_, state.hold, state.target));
+    return static_cast<double>(hold_hard_block(band, state.values, hard_, weight_, round_ == 0, begin, end,
+                                               depth_, state.hold, state.target));
   });
   if (round_ % 2 == 1) {
     // The multipliers, weight * (depth - base), stay what they are.
-    const float of_thin = std::max(weight_ * kHardGrowth, kHoldThin) / std::max(weight_, kHoldThin);
     for_each_segment_block(band.end(), [&](int begin, int end) {
       for (int s = begin; s < end; ++s) {
         const auto at = static_cast<std::size_t>(s);
-        const LaneMask thin = mask_of(state.thin[at]);
-        const Lanes base = thin ? Lanes{} + kThinDepth : Lanes{} + kHardDepth;
-        const Lanes growth = thin ? Lanes{} + of_thin : Lanes{} + kHardGrowth;
-        store(depth_.at(s), keep(base + (load(depth_.at(s)) - base) / growth, mask_of(hard_[at])));
+        const Lanes base = Lanes{} + kHardDepth;
+        store(depth_.at(s), keep(base + (load(depth_.at(s)) - base) / kHardGrowth, mask_of(hard_[at])));
       }
     });
     weight_ *= kHardGrowth;

@@ -25,6 +25,7 @@ constexpr float kThinShare = 0.05F;  // windows with more thin voxels than this 
 constexpr float kNoiseHold =
     0.0154F;  // hold = this / mean violation: 1 / (12 s^2) for a violation of normal distribution
 constexpr float kClean = 0.0006F;  // mean violation below which sides are kept for certain
+constexpr float kBeyond = 0.7F;    // of the logarithm of its stiffness, what lies beyond the band has
 constexpr float kTiny = 1e-6F;
 
 /// 2^x to a few units in the last place, by operations that are the same everywhere. Coefficients: Taylor's,
@@ -218,6 +219,7 @@ bool StiffnessAdaptation::soften(FitState& state) {
 }
 
 /// Stiffness without jumps: the mean of its logarithm over the next voxels, weights 1 2 1 along each axis.
+/// What lies beyond the band counts as a little stiffer than the voxel itself.
 void StiffnessAdaptation::smooth_logarithm(FitState& state) {
   const Band& band = state.band;
   LaneArray values(band.end(), std::nanf(""));  // in the null segment and at the ends, too
@@ -226,7 +228,7 @@ void StiffnessAdaptation::smooth_logarithm(FitState& state) {
     store(values.at(s), alive ? load(logarithm_.at(s)) : load(values.at(s)));
   });
   LaneArray scratch = values;
-  binomial_mean(band, values, scratch);
+  binomial_mean(band, kBeyond, values, scratch);
   for_each_segment(band.end(), [&](int s, std::size_t) {
     const LaneMask alive = mask_of(band.alive(s));
     Lanes mean = keep(load(values.at(s)), alive);
