@@ -4,18 +4,43 @@
 
 #include "lumesh/core/wide.hpp"
 #include "segment_loops.hpp"
+#include "stencil.hpp"
 
 namespace lumesh::field {
 
 namespace {
 
-/// mass: the weights of single voxels, for the coarse levels; inverse: of the whole diagonal.
-LUMESH_WIDE_LOOPS void diagonal_block(const Band& band, const LaneArray& diagonal, const LaneArray& hold,
-                                      int begin, int end, LaneArray& mass, LaneArray& inverse) {
+/// inverse: of the estimated diagonal. `mass` holds the weights of single voxels, without the holds at first.
+LUMESH_WIDE_LOOPS void diagonal_block(const Band& band, const LaneArray& difference_diagonal,
+                                      const LaneArray& face_diagonal, const LaneArray& hold, int begin,
+                                      int end, LaneArray& mass, LaneArray& inverse) {
   for (int s = begin; s < end; ++s) {
     const Lanes h = load(hold.at(s));
-    store(mass.at(s), h);
-    store(inverse.at(s), keep(1.0F / (load(diagonal.at(s)) + h), mask_of(band.alive(s))));
+    add_to(mass.at(s), h);
+    const Lanes whole = load(difference_diagonal.at(s)) + load(face_diagonal.at(s)) + h;
+    store(inverse.at(s), keep(1.0F / whole, mask_of(band.alive(s))));
+  }
+}
+
+/// What the faces add to the diagonal, and to the mass of the coarse levels' splines. What their slopes' rows
+/// give the voxels beside the two of a face, these two get.
+void add_faces(const Band& band, const FaceWeights& faces, LaneArray& mass, LaneArray& diagonal) {
+  for (int s = 1; s < band.end(); ++s) {
+    int entry = band.first_entry(s);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (band.faces(s, axis) == 0) continue;
+      const auto part = [&](FaceWeights::Part p) { return load(faces.at(entry, p)); };
+      const Lanes place = part(FaceWeights::kPlace), own = part(FaceWeights::kOwn),
+                  first = part(FaceWeights::kFirst), second = part(FaceWeights::kSecond);
+      const Lanes half = 0.5F * place;
+      const Lanes both = (kFaceInner * kFaceInner) * place + own * own + 2.0F * (first * first + second * second);
+      const auto across = [&](LaneArray& a) {
+        return axis == 0 ? a.at(s) + 1 : a.at(band.rows(s)[axis == 1 ? kY1 : kZ1]);
+      };
+      add_to(mass.at(s), half), add_to(across(mass), half);
+      add_to(diagonal.at(s), both), add_to(across(diagonal), both);
+      ++entry;
+    }
   }
 }
 
@@ -86,30 +111,31 @@ ConjugateGradients::ConjugateGradients(const FitState& state)
     : residual_(state.band.end()),
       direction_(state.values),
       product_(state.band.end()),
-      inverse_diagonal_(state.band.end()) {}
+      inverse_diagonal_(state.band.end()),
+      difference_diagonal_(state.band.end()) {
+  take_stiffness(state);
+}
+
+void ConjugateGradients::take_stiffness(const FitState& state) {
+  for_each_segment_block(state.band.end(), [&](int begin, int end) {
+    std::fill(difference_diagonal_.at(begin), difference_diagonal_.at(end), 0.0F);
+  });
+  add_difference_diagonal(state.energy, state.values, difference_diagonal_);
+}
 
 void ConjugateGradients::set_diagonals(FitState& state) {
   const Band& band = state.band;
-  LaneArray& diagonal = product_;
-  for_each_segment_block(band.end(),
-                         [&](int begin, int end) { std::fill(diagonal.at(begin), diagonal.at(end), 0.0F); });
-  std::fill_n(diagonal.at(0), kLanes, 0.0F);
-  apply_diagonal(state.energy, state.values, diagonal);
+  LaneArray &mass = residual_, &diagonal = product_;
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    std::fill(mass.at(begin), mass.at(end), 0.0F);
+    std::fill(diagonal.at(begin), diagonal.at(end), 0.0F);
+  });
+  add_faces(band, state.energy.faces, mass, diagonal);
   for (std::size_t i = 0; i < state.saddle_hold.size(); ++i)
     for (const Lane v : band.saddles()[i].voxel) diagonal.data()[v] += state.saddle_hold[i] / 16;
-  LaneArray& mass = residual_;
   for_each_segment_block(band.end(), [&](int begin, int end) {
-    diagonal_block(band, diagonal, state.hold, begin, end, mass, inverse_diagonal_);
+    diagonal_block(band, difference_diagonal_, diagonal, state.hold, begin, end, mass, inverse_diagonal_);
   });
-  for (int s = 1; s < band.end(); ++s) {
-    int entry = band.first_entry(s);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (band.faces(s, axis) == 0) continue;
-      const Lanes half = 0.5F * load(state.energy.faces.at(entry++, FaceWeights::kPlace));
-      add_to(mass.at(s), half);
-      add_to(axis == 0 ? mass.at(s) + 1 : mass.at(band.rows(s)[axis == 1 ? kY1 : kZ1]), half);
-    }
-  }
   state.levels.set_energy(state.energy.stiffness, mass, kThird, kSecond);
 }
 

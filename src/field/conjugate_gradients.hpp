@@ -9,6 +9,8 @@ namespace lumesh::field {
 class ConjugateGradients {
  public:
   explicit ConjugateGradients(const FitState& state);
+  /// To be called when the stiffness has changed.
+  void take_stiffness(const FitState& state);
 
   /// Iterates until the energy norm of the estimated error per face is below kTolerance, or `iterations`
   /// times; returns how often.
@@ -20,6 +22,7 @@ class ConjugateGradients {
   double start(FitState& state);
 
   LaneArray residual_, direction_, product_, inverse_diagonal_;
+  LaneArray difference_diagonal_;
 };
 
 }  // namespace lumesh::field

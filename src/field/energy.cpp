@@ -79,9 +79,7 @@ namespace {
   out.yz = yyz + yzz + yz + xyz, out.xyz = xyz, out.ymz = yyz, out.yzm = yzz;
 }
 
-enum class Form : std::uint8_t { kProduct, kResidual, kDiagonal };
-
-constexpr float kInner = 9.0F / 16, kOuter = -1.0F / 16;  // cubic interpolation in the middle of four points
+enum class Form : std::uint8_t { kProduct, kResidual, kDiagonal };  // the diagonal of the differences alone
 
 /// Adds the rows of the faces along one axis. The band is wide enough for all of a face's points to be in it.
 template <Form form, int axis>
@@ -93,30 +91,20 @@ template <Form form, int axis>
   Lanes own = load(faces.at(entry, FaceWeights::kOwn));
   Lanes first = load(faces.at(entry, FaceWeights::kFirst)),
         second = load(faces.at(entry, FaceWeights::kSecond));
-  Lanes a, b;  // what goes to the two inner and the two outer points
-  if constexpr (form == Form::kDiagonal) {
-    a = (kInner * kInner) * place, b = (kOuter * kOuter) * place;
-    own *= own, first *= first, second *= second;
-    to.lower += a + own, to.upper += a + own;
-    to.before += b, to.after += b;
-    to.first_m += first, to.first_p += first, to.first_m_upper += first, to.first_p_upper += first;
-    to.second_m += second, to.second_p += second, to.second_m_upper += second, to.second_p_upper += second;
-  } else {
-    const LaneMask is_face = place > Lanes{};
-    const Lanes middle =
-        place * keep(kInner * (from.lower + from.upper) + kOuter * (from.before + from.after), is_face);
-    Lanes slope = own * (from.upper - from.lower) +
-                  (first * ((from.first_p - from.first_m) + (from.first_p_upper - from.first_m_upper)) +
-                   second * ((from.second_p - from.second_m) + (from.second_p_upper - from.second_m_upper)));
-    slope = keep(slope, is_face);
-    if constexpr (form == Form::kResidual) slope -= load(faces.at(entry, FaceWeights::kTarget));
-    a = kInner * middle, b = kOuter * middle;
-    own *= slope, first *= slope, second *= slope;
-    to.lower += a - own, to.upper += a + own;
-    to.before += b, to.after += b;
-    to.first_m -= first, to.first_p += first, to.first_m_upper -= first, to.first_p_upper += first;
-    to.second_m -= second, to.second_p += second, to.second_m_upper -= second, to.second_p_upper += second;
-  }
+  const LaneMask is_face = place > Lanes{};
+  const Lanes middle =
+      place * keep(kFaceInner * (from.lower + from.upper) + kFaceOuter * (from.before + from.after), is_face);
+  Lanes slope = own * (from.upper - from.lower) +
+                (first * ((from.first_p - from.first_m) + (from.first_p_upper - from.first_m_upper)) +
+                 second * ((from.second_p - from.second_m) + (from.second_p_upper - from.second_m_upper)));
+  slope = keep(slope, is_face);
+  if constexpr (form == Form::kResidual) slope -= load(faces.at(entry, FaceWeights::kTarget));
+  const Lanes a = kFaceInner * middle, b = kFaceOuter * middle;  // what goes to the two inner and the two outer points
+  own *= slope, first *= slope, second *= slope;
+  to.lower += a - own, to.upper += a + own;
+  to.before += b, to.after += b;
+  to.first_m -= first, to.first_p += first, to.first_m_upper -= first, to.first_p_upper += first;
+  to.second_m -= second, to.second_p += second, to.second_m_upper -= second, to.second_p_upper += second;
 }
 
 /// Contributions that go to whole segments after a shift along x, until all of a block are known: reading y,
@@ -194,7 +182,7 @@ template <Form form>
     else
       add_differences(u, e.differences, load(e.stiffness.at(s)), out);
     int entry = band.first_entry(s);
-    if (entry != band.first_entry(s + 1)) {
+    if (form != Form::kDiagonal && entry != band.first_entry(s + 1)) {
       if (band.faces(s, 0) != 0) add_face_rows<form, 0>(u, e.faces, entry++, out);
       if (band.faces(s, 1) != 0) add_face_rows<form, 1>(u, e.faces, entry++, out);
       if (band.faces(s, 2) != 0) add_face_rows<form, 2>(u, e.faces, entry++, out);
@@ -265,7 +253,7 @@ void apply_residual(const Energy& energy, const LaneArray& x, LaneArray& y) {
   });
 }
 
-void apply_diagonal(const Energy& energy, const LaneArray& x, LaneArray& y) {
+void add_difference_diagonal(const Energy& energy, const LaneArray& x, LaneArray& y) {
   for_each_chunk(*energy.band, [&](const Band::Block& block, ShiftedSums& sums) {
     diagonal(energy, block, x.data(), sums, y.data());
   });

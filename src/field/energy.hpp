@@ -35,6 +35,9 @@ struct FaceWeights {
   std::vector<float> values;  // lanes of an entry without a face hold 0
 };
 
+/// Cubic interpolation in the middle of four points, the two voxels of a face and those before and after.
+inline constexpr float kFaceInner = 9.0F / 16, kFaceOuter = -1.0F / 16;
+
 struct Energy {
   const Band* band = nullptr;
   DifferenceWeights differences;
@@ -46,7 +49,7 @@ struct Energy {
 void apply(const Energy& energy, const LaneArray& x, LaneArray& y);
 /// y += A x - b.
 void apply_residual(const Energy& energy, const LaneArray& x, LaneArray& y);
-/// y += the diagonal of A; x only says where the band is.
-void apply_diagonal(const Energy& energy, const LaneArray& x, LaneArray& y);
+/// y += the diagonal of A's part that is differences; x only says where the band is.
+void add_difference_diagonal(const Energy& energy, const LaneArray& x, LaneArray& y);
 
 }  // namespace lumesh::field

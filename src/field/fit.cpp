@@ -17,10 +17,13 @@ namespace lumesh::field {
 namespace {
 
 constexpr int kSolves = 8;       // with penalties on violated sides, the first one without
-constexpr int kIterations = 10;  // of each solve; twice as many of the first
+constexpr int kFirstIterations = 30;  // the normals that weigh the faces come from it
+constexpr int kIterations = 7;        // of each other solve
 constexpr int kWeighings = 3;    // solves before which normals are taken anew
 constexpr int kSoftenings = 6;
 constexpr int kHardRounds = 8;
+constexpr int kHardIterations = 5;
+constexpr double kWrongShare = 2e-5;  // of the hard sides; fewer are left to keep_sides()
 constexpr double kLeastHardShare = 0.02;
 constexpr int kStartMeans = 4;      // of the start: a standard deviation of 1.4 voxels, …
 constexpr float kKeptThin = 0.03F;  // … and what thin parts and saddles keep at the end
@@ -71,13 +74,13 @@ class Fit {
       damped_.restore(state_);
       if (solve <= kWeighings) set_face_weights(state_.values, state_);
       set_outliers_aside();
-      if (solve <= kSoftenings + 1)
-        stiffness_.update(
-            solve <= kSoftenings ? StiffnessAdaptation::Step::kSoften : StiffnessAdaptation::Step::kJudgeOnly,
-            state_);
+      using Step = StiffnessAdaptation::Step;
+      if (solve <= kSoftenings + 1 &&
+          stiffness_.update(solve <= kSoftenings ? Step::kSoften : Step::kJudgeOnly, state_))
+        solver_.take_stiffness(state_);
       hold_violated_sides(state_);
     }
-    iterations_ += solver_.minimise(solve == 0 ? 2 * kIterations : kIterations, state_);
+    iterations_ += solver_.minimise(solve == 0 ? kFirstIterations : kIterations, state_);
   }
 
   void set_outliers_aside() {
@@ -100,9 +103,10 @@ class Fit {
     for (const std::uint8_t bits : hard) count += static_cast<std::size_t>(std::popcount(bits));
     if (static_cast<double>(count) <= kLeastHardShare * static_cast<double>(band.voxel_count())) return;
     HardSides sides(state_, std::move(hard));
+    const double enough = kWrongShare * static_cast<double>(count);
     for (int round = 0; round < kHardRounds; ++round) {
-      if (sides.update(state_) == 0 && round > 0) break;
-      iterations_ += solver_.minimise(kIterations, state_);
+      if (static_cast<double>(sides.update(state_)) <= enough && round > 0) break;
+      iterations_ += solver_.minimise(kHardIterations, state_);
     }
   }
 

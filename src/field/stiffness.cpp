@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "binomial.hpp"
+#include "lumesh/core/wide.hpp"
 #include "segment_loops.hpp"
 #include "stencil.hpp"
 
@@ -18,6 +19,7 @@ constexpr float kTooStiff =
 constexpr float kMostCounted = 0.15F;  // violations count up to here, so that single voxels count little
 constexpr float kStep = 3;             // a step divides the stiffness by 2^3
 const float kLeast = std::log2(0.02F / static_cast<float>(kThird));
+const float kLogHold = std::log2(kHold);
 constexpr float kGain = 0.5F;  // to what share the violation has to fall for a step to have paid
 constexpr float kLeastNoise = 0.001F, kMostNoise = 0.03F;  // mean violations that may be noise
 constexpr float kTurning = 0.05F;    // least eigenvalue of the mean of n n^T at ends and corners; 0 on tubes
@@ -62,10 +64,12 @@ constexpr float kTiny = 1e-6F;
   return v < Lanes{} ? -v : v;
 }
 
-std::uint8_t bits_of(const LaneMask& mask) {
-  unsigned bits = 0;
-  for (unsigned lane = 0; lane < kLanes; ++lane) bits |= static_cast<unsigned>(mask[lane] != 0) << lane;
-  return static_cast<std::uint8_t>(bits);
+[[gnu::always_inline]] inline std::uint8_t bits_of(const LaneMask& mask) {
+  constexpr LaneMask kBit = {1, 2, 4, 8, 16, 32, 64, 128};
+  LaneMask m = mask & kBit;
+  m |= __builtin_shufflevector(m, m, 4, 5, 6, 7, 0, 1, 2, 3);
+  m |= __builtin_shufflevector(m, m, 2, 3, 0, 1, 6, 7, 4, 5);
+  return static_cast<std::uint8_t>(m[0] | m[1]);
 }
 
 template <class Body>
@@ -86,11 +90,129 @@ bool exceeds(const std::array<float, 6>& m, float shift) {  // xx xy xz yy yz zz
 
 }  // namespace
 
+/// The loops over the segments, compiled for wide vectors too.
+struct StiffnessLoops {
+  using Bits = std::vector<std::uint8_t>;
+
+  /// 1 in the lanes of `bits` that are also in `boundary`.
+  static LUMESH_WIDE_LOOPS void count(const Band& band, const Bits& bits, int begin, int end, LaneArray& out) {
+    for (int s = begin; s < end; ++s) {
+      const auto counted = static_cast<std::uint8_t>(band.boundary(s) & bits[static_cast<std::size_t>(s)]);
+      store(out.at(s), keep(Lanes{} + 1.0F, mask_of(counted)));
+    }
+  }
+  static LUMESH_WIDE_LOOPS void keep_bits(const LaneArray& values, const Bits& bits, int begin, int end,
+                                          LaneArray& out) {
+    for (int s = begin; s < end; ++s)
+      store(out.at(s), keep(load(values.at(s)), mask_of(bits[static_cast<std::size_t>(s)])));
+  }
+  /// wrong: how far sides are violated; counted: the same at the boundary and cut off, with the sign but where
+  /// the surface turns or is thin.
+  static LUMESH_WIDE_LOOPS void violations(const FitState& state, const Bits& turning, const Bits& thin,
+                                           int begin, int end, LaneArray& wrong, LaneArray& counted) {
+    const Band& band = state.band;
+    for (int s = begin; s < end; ++s) {
+      const auto at = static_cast<std::size_t>(s);
+      const auto bits = static_cast<std::uint8_t>(band.in_image(s) & band.sided(s) & ~state.outlier[at]);
+      const Lanes v = keep(positive(keep_numbers(violation(state, s))), mask_of(bits));
+      store(wrong.at(s), v);
+      const Lanes size = keep(least(v, kMostCounted), mask_of(band.boundary(s)));
+      const auto unsigned_too = static_cast<std::uint8_t>(band.plus(s) | turning[at] | thin[at]);
+      store(counted.at(s), mask_of(unsigned_too) ? size : -size);
+    }
+  }
+  /// What is wrong in the image, outliers too.
+  static LUMESH_WIDE_LOOPS void all_violations(const FitState& state, int begin, int end, LaneArray& out) {
+    for (int s = begin; s < end; ++s) {
+      const auto bits = static_cast<std::uint8_t>(state.band.in_image(s) & state.band.sided(s));
+      store(out.at(s), keep(positive(keep_numbers(violation(state, s))), mask_of(bits)));
+    }
+  }
+  /// The softened voxels around which the violation did not fall as it should, which is noise.
+  static LUMESH_WIDE_LOOPS void judge(StiffnessAdaptation& a, const LaneArray& now_sums,
+                                      const LaneArray& before_sums, const LaneArray& boundary_sums, int begin,
+                                      int end, Bits& taken) {
+    for (int s = begin; s < end; ++s) {
+      const auto at = static_cast<std::size_t>(s);
+      const Lanes now = load(now_sums.at(s)), before = load(before_sums.at(s)),
+                  boundary = load(boundary_sums.at(s));
+      const LaneMask noisy = (now > kGain * before) & (boundary > Lanes{} + kTiny) &
+                             (now > kLeastNoise * boundary) & (now < kMostNoise * boundary);
+      taken[at] =
+          static_cast<std::uint8_t>(bits_of(noisy) & a.softened_[at] & ~a.thin_around_[at] & ~a.turning_[at]);
+      a.locked_[at] = static_cast<std::uint8_t>(a.locked_[at] | taken[at]);
+      a.softened_[at] = 0;
+      store(a.logarithm_.at(s),
+            mask_of(taken[at]) ? load(a.last_logarithm_.at(s)) : load(a.logarithm_.at(s)));
+    }
+  }
+  static LUMESH_WIDE_LOOPS void soften(StiffnessAdaptation& a, const Band& band, int begin, int end) {
+    for (int s = begin; s < end; ++s) {
+      const auto at = static_cast<std::size_t>(s);
+      const Lanes boundary = load(a.boundary_narrow_.at(s));
+      const LaneMask too_stiff =
+          (boundary > Lanes{} + kTiny) & (size_of(load(a.wrong_sum_.at(s))) > kTooStiff * boundary);
+      const auto bits = static_cast<std::uint8_t>(bits_of(too_stiff) & ~a.locked_[at] & band.alive(s));
+      const Lanes old = load(a.logarithm_.at(s)), lower = old - kStep;
+      store(a.logarithm_.at(s), mask_of(bits) ? (lower > Lanes{} + kLeast ? lower : Lanes{} + kLeast) : old);
+      a.softened_[at] = bits;
+    }
+  }
+  static LUMESH_WIDE_LOOPS void make_missing(const Band& band, int begin, int end, LaneArray& values) {
+    for (int s = begin; s < end; ++s)
+      store(values.at(s), mask_of(band.alive(s)) ? load(values.at(s)) : Lanes{} + std::nanf(""));
+  }
+  static LUMESH_WIDE_LOOPS void take_stiffness(const Band& band, const LaneArray& means, int begin, int end,
+                                               LaneArray& logarithm, LaneArray& stiffness) {
+    for (int s = begin; s < end; ++s) {
+      const LaneMask alive = mask_of(band.alive(s));
+      Lanes mean = keep(load(means.at(s)), alive);
+      mean = mean > Lanes{} + kLeast ? mean : Lanes{} + kLeast;
+      store(logarithm.at(s), keep(mean, alive));
+      store(stiffness.at(s), keep(power_of_two(mean), alive));
+    }
+  }
+  /// locked_sums, wrong_sums: windows of locked boundary voxels and of all violations.
+  static LUMESH_WIDE_LOOPS void lower_holds(const StiffnessAdaptation& a, const Band& band,
+                                            const LaneArray& locked_sums, const LaneArray& wrong_sums,
+                                            int begin, int end, LaneArray& holds) {
+    for (int s = begin; s < end; ++s) {
+      const Lanes narrow = load(a.boundary_narrow_.at(s)), wide = load(a.boundary_wide_.at(s));
+      const Lanes share =
+          keep(least(load(locked_sums.at(s)) / (narrow + 1e-20F), 1), narrow > Lanes{} + kTiny);
+      const Lanes mean = keep(load(wrong_sums.at(s)) / (wide + 1e-20F), wide > Lanes{} + kTiny);
+      Lanes hold = kNoiseHold / (mean > Lanes{} + 1e-9F ? mean : Lanes{} + 1e-9F);
+      hold = least(hold > Lanes{} + 1.0F ? hold : Lanes{} + 1.0F, kHold);
+      const Lanes exponent = kLogHold + share * (logarithm_of(hold) - kLogHold);
+      store(holds.at(s), keep(power_of_two(exponent), mask_of(band.alive(s))));
+    }
+  }
+  static LUMESH_WIDE_LOOPS void find_clean(const StiffnessAdaptation& a, const FitState& state,
+                                           const LaneArray& wrong_sums, int begin, int end, Bits& clean) {
+    const Band& band = state.band;
+    for (int s = begin; s < end; ++s) {
+      const auto at = static_cast<std::size_t>(s);
+      const Lanes boundary = load(a.boundary_wide_.at(s));
+      const LaneMask small = (boundary > Lanes{} + kTiny) & (load(wrong_sums.at(s)) < kClean * boundary);
+      clean[at] = static_cast<std::uint8_t>((bits_of(small) | a.thin_around_[at]) & band.in_image(s) &
+                                            band.sided(s) & ~state.outlier[at] & ~a.locked_[at]);
+    }
+  }
+};
+
+namespace {
+
+bool has_any(const std::vector<std::uint8_t>& bits) {
+  return std::any_of(bits.begin(), bits.end(), [](std::uint8_t b) { return b != 0; });
+}
+
+}  // namespace
+
 StiffnessAdaptation::StiffnessAdaptation(const LaneArray& start, Noise noise, FitState& state)
     : noise_(noise) {
   const int end = state.band.end();
   for (LaneArray* array : {&boundary_narrow_, &boundary_wide_, &logarithm_, &last_logarithm_, &wrong_,
-                           &last_wrong_, &signed_sum_, &size_sum_, &scratch_, &other_})
+                           &last_wrong_, &wrong_sum_, &scratch_, &other_, &more_})
     array->assign(end, 0);
   for (Bits* bits : {&turning_, &thin_around_, &locked_, &softened_})
     bits->assign(state.band.segment_count(), 0);
@@ -148,22 +270,15 @@ void StiffnessAdaptation::find_turning(const LaneArray& start, FitState& state) 
   });
 }
 
-/// Violations of all voxels, and windows of those at the boundary, with their sign and without.
+/// Violations of all voxels, and windows of those at the boundary.
 void StiffnessAdaptation::measure(FitState& state) {
-  const Band& band = state.band;
-  for_each_segment(band.end(), [&](int s, std::size_t at) {
-    const auto counted = static_cast<std::uint8_t>(band.in_image(s) & band.sided(s) & ~state.outlier[at]);
-    const Lanes wrong = keep(positive(keep_numbers(violation(state, s))), mask_of(counted));
-    store(wrong_.at(s), wrong);
-    const Lanes size = keep(least(wrong, kMostCounted), mask_of(band.boundary(s)));
-    store(other_.at(s), size);
-    store(scratch_.at(s), mask_of(band.plus(s)) ? size : -size);
+  for_each_segment_block(state.band.end(), [&](int begin, int end) {
+    StiffnessLoops::violations(state, turning_, thin_around_, begin, end, wrong_, scratch_);
   });
-  state.levels.sum_over_window(scratch_, Window::kNarrow, signed_sum_);
-  state.levels.sum_over_window(other_, Window::kNarrow, size_sum_);
+  state.levels.sum_over_window(scratch_, Window::kNarrow, wrong_sum_);
 }
 
-void StiffnessAdaptation::update(Step step, FitState& state) {
+bool StiffnessAdaptation::update(Step step, FitState& state) {
   measure(state);
   const bool took_back = noise_ == Noise::kExpected && judge(state);
   std::swap(last_wrong_, wrong_);
@@ -171,109 +286,75 @@ void StiffnessAdaptation::update(Step step, FitState& state) {
   const bool softened = step == Step::kSoften && soften(state);
   if (softened || took_back) smooth_logarithm(state);
   if (noise_ == Noise::kExpected) lower_holds_where_locked(state);
+  return softened || took_back;
 }
 
 /// Takes the last step back, and locks, where it did not pay: by windows over the voxels that were softened.
 bool StiffnessAdaptation::judge(FitState& state) {
   const Band& band = state.band;
-  if (std::all_of(softened_.begin(), softened_.end(), [](std::uint8_t bits) { return bits == 0; }))
-    return false;
-  std::array<LaneArray, 3> sums;
-  for (std::size_t n = 0; n < 3; ++n) {
-    for_each_segment(band.end(), [&](int s, std::size_t at) {
-      const Lanes one = keep(Lanes{} + 1.0F, mask_of(band.boundary(s)));
-      const Lanes v = n == 0 ? load(wrong_.at(s)) : n == 1 ? load(last_wrong_.at(s)) : one;
-      store(scratch_.at(s), keep(v, mask_of(softened_[at])));
-    });
-    sums[n].assign(band.end(), 0);
-    state.levels.sum_over_window(scratch_, Window::kWide, sums[n]);
-  }
-  Bits taken(band.segment_count(), 0);
-  for_each_segment(band.end(), [&](int s, std::size_t at) {
-    const Lanes now = load(sums[0].at(s)), before = load(sums[1].at(s)), boundary = load(sums[2].at(s));
-    const LaneMask noisy = (now > kGain * before) & (boundary > Lanes{} + kTiny) &
-                           (now > kLeastNoise * boundary) & (now < kMostNoise * boundary);
-    taken[at] = static_cast<std::uint8_t>(bits_of(noisy) & softened_[at] & ~thin_around_[at] & ~turning_[at]);
-    locked_[at] = static_cast<std::uint8_t>(locked_[at] | taken[at]);
-    softened_[at] = 0;
-    store(logarithm_.at(s), mask_of(taken[at]) ? load(last_logarithm_.at(s)) : load(logarithm_.at(s)));
+  if (!has_any(softened_)) return false;
+  LaneArray &now = scratch_, &before = other_, &boundary = more_;
+  const auto sum = [&](LaneArray& values) { state.levels.sum_over_window(values, Window::kWide, values); };
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    StiffnessLoops::keep_bits(wrong_, softened_, begin, end, now);
+    StiffnessLoops::keep_bits(last_wrong_, softened_, begin, end, before);
+    StiffnessLoops::count(band, softened_, begin, end, boundary);
   });
-  return std::any_of(taken.begin(), taken.end(), [](std::uint8_t bits) { return bits != 0; });
+  sum(now), sum(before), sum(boundary);
+  Bits taken(band.segment_count(), 0);
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    StiffnessLoops::judge(*this, now, before, boundary, begin, end, taken);
+  });
+  return has_any(taken);
 }
 
 bool StiffnessAdaptation::soften(FitState& state) {
-  const Band& band = state.band;
-  for_each_segment(band.end(), [&](int s, std::size_t at) {
-    const Lanes boundary = load(boundary_narrow_.at(s));
-    const Lanes even = size_of(load(signed_sum_.at(s)));
-    const Lanes all =
-        keep(load(size_sum_.at(s)), mask_of(static_cast<std::uint8_t>(turning_[at] | thin_around_[at])));
-    const Lanes wrong = even > all ? even : all;
-    const LaneMask too_stiff = (boundary > Lanes{} + kTiny) & (wrong > kTooStiff * boundary);
-    const auto bits = static_cast<std::uint8_t>(bits_of(too_stiff) & ~locked_[at] & band.alive(s));
-    const Lanes old = load(logarithm_.at(s)), lower = old - kStep;
-    store(logarithm_.at(s), mask_of(bits) ? (lower > Lanes{} + kLeast ? lower : Lanes{} + kLeast) : old);
-    softened_[at] = bits;
-  });
-  return std::any_of(softened_.begin(), softened_.end(), [](std::uint8_t bits) { return bits != 0; });
+  for_each_segment_block(state.band.end(),
+                         [&](int begin, int end) { StiffnessLoops::soften(*this, state.band, begin, end); });
+  return has_any(softened_);
 }
 
-/// Stiffness without jumps: the mean of its logarithm over the next voxels, weights 1 2 1 along each axis.
-/// What lies beyond the band counts as a little stiffer than the voxel itself.
+/// Stiffness without jumps: the mean of its logarithm over the next voxels, weights 1 2 1 along each axis. What
+/// lies beyond the band counts as a little stiffer than the voxel itself.
 void StiffnessAdaptation::smooth_logarithm(FitState& state) {
   const Band& band = state.band;
-  LaneArray values(band.end(), std::nanf(""));  // in the null segment and at the ends, too
-  for_each_segment(band.end(), [&](int s, std::size_t) {
-    const LaneMask alive = mask_of(band.alive(s));
-    store(values.at(s), alive ? load(logarithm_.at(s)) : load(values.at(s)));
+  LaneArray &means = scratch_, &other = other_;
+  means = logarithm_;
+  const auto set_beyond_ends = [&](LaneArray& array, float value) {
+    for (const int segment : {0, band.end()}) store(array.at(segment), Lanes{} + value);
+  };
+  set_beyond_ends(means, std::nanf(""));
+  for_each_segment_block(
+      band.end(), [&](int begin, int end) { StiffnessLoops::make_missing(band, begin, end, means); });
+  binomial_mean(band, kBeyond, means, other);
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    StiffnessLoops::take_stiffness(band, means, begin, end, logarithm_, state.energy.stiffness);
   });
-  LaneArray scratch = values;
-  binomial_mean(band, kBeyond, values, scratch);
-  for_each_segment(band.end(), [&](int s, std::size_t) {
-    const LaneMask alive = mask_of(band.alive(s));
-    Lanes mean = keep(load(values.at(s)), alive);
-    mean = mean > Lanes{} + kLeast ? mean : Lanes{} + kLeast;
-    store(logarithm_.at(s), keep(mean, alive));
-    store(state.energy.stiffness.at(s), keep(power_of_two(mean), alive));
-  });
+  set_beyond_ends(means, 0), set_beyond_ends(other, 0);  // as windows need it
 }
 
 void StiffnessAdaptation::lower_holds_where_locked(FitState& state) {
   const Band& band = state.band;
-  if (std::all_of(locked_.begin(), locked_.end(), [](std::uint8_t bits) { return bits == 0; })) return;
-  for_each_segment(band.end(), [&](int s, std::size_t at) {
-    const auto locked = static_cast<std::uint8_t>(band.boundary(s) & locked_[at]);
-    store(scratch_.at(s), keep(Lanes{} + 1.0F, mask_of(locked)));
-  });
+  if (!has_any(locked_)) return;
+  for_each_segment_block(
+      band.end(), [&](int begin, int end) { StiffnessLoops::count(band, locked_, begin, end, scratch_); });
   state.levels.sum_over_window(scratch_, Window::kNarrow, other_);
-  LaneArray wrong(band.end());
-  state.levels.sum_over_window(last_wrong_, Window::kWide, wrong);
-  const float most = std::log2(kHold);
-  for_each_segment(band.end(), [&](int s, std::size_t) {
-    const Lanes narrow = load(boundary_narrow_.at(s)), wide = load(boundary_wide_.at(s));
-    const Lanes share = keep(least(load(other_.at(s)) / (narrow + 1e-20F), 1), narrow > Lanes{} + kTiny);
-    const Lanes mean = keep(load(wrong.at(s)) / (wide + 1e-20F), wide > Lanes{} + kTiny);
-    Lanes hold = kNoiseHold / (mean > Lanes{} + 1e-9F ? mean : Lanes{} + 1e-9F);
-    hold = least(hold > Lanes{} + 1.0F ? hold : Lanes{} + 1.0F, kHold);
-    const Lanes exponent = most + share * (logarithm_of(hold) - most);
-    store(state.hold_weight.at(s), keep(power_of_two(exponent), mask_of(band.alive(s))));
+  state.levels.sum_over_window(last_wrong_, Window::kWide, scratch_);
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    StiffnessLoops::lower_holds(*this, band, other_, scratch_, begin, end, state.hold_weight);
   });
 }
 
 std::vector<std::uint8_t> StiffnessAdaptation::clean_voxels(FitState& state) {
   const Band& band = state.band;
   // Outliers count here: a place with many is not clean.
-  for_each_segment(band.end(), [&](int s, std::size_t) {
-    const auto counted = static_cast<std::uint8_t>(band.in_image(s) & band.sided(s));
-    store(scratch_.at(s), keep(positive(keep_numbers(violation(state, s))), mask_of(counted)));
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    StiffnessLoops::all_violations(state, begin, end, scratch_);
   });
   state.levels.sum_over_window(scratch_, Window::kWide, other_);
   Bits clean(band.segment_count(), 0);
-  for_each_segment(band.end(), [&](int s, std::size_t at) {
-    const Lanes boundary = load(boundary_wide_.at(s));
-    const LaneMask small = (boundary > Lanes{} + kTiny) & (load(other_.at(s)) < kClean * boundary);
-    clean[at] = static_cast<std::uint8_t>((bits_of(small) | thin_around_[at]) & band.in_image(s) &
-                                          band.sided(s) & ~state.outlier[at] & ~locked_[at]);
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    StiffnessLoops::find_clean(*this, state, other_, begin, end, clean);
   });
   return clean;
 }

@@ -16,9 +16,9 @@ class StiffnessAdaptation {
   /// corners.
   StiffnessAdaptation(const LaneArray& start, Noise noise, FitState& state);
 
-  /// Judges the last step; then softens, if `softens`.
+  /// Judges the last step; then softens, if told to. Returns whether the stiffness has changed.
   enum class Step : std::uint8_t { kSoften, kJudgeOnly };
-  void update(Step step, FitState& state);
+  bool update(Step step, FitState& state);
   /// A bit for each lane in whose window there are thin parts.
   [[nodiscard]] const std::vector<std::uint8_t>& around_thin_parts() const { return thin_around_; }
   /// A bit for each lane whose side is to be kept for certain: the violation around is small, and the place
@@ -26,6 +26,7 @@ class StiffnessAdaptation {
   [[nodiscard]] std::vector<std::uint8_t> clean_voxels(FitState& state);
 
  private:
+  friend struct StiffnessLoops;
   using Bits = std::vector<std::uint8_t>;
   void find_turning(const LaneArray& start, FitState& state);
   void measure(FitState& state);
@@ -40,8 +41,8 @@ class StiffnessAdaptation {
   Bits locked_, softened_;
   LaneArray logarithm_, last_logarithm_;  // of the stiffness, to base 2
   LaneArray wrong_, last_wrong_;          // violation of each voxel, outliers left out
-  LaneArray signed_sum_, size_sum_;       // windows of violations, cut off, at the boundary
-  LaneArray scratch_, other_;
+  LaneArray wrong_sum_;                   // windows of violations, cut off, at the boundary
+  LaneArray scratch_, other_, more_;
 };
 
 }  // namespace lumesh::field
