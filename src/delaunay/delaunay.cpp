@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "carving.hpp"
+#include "crossed_rims.hpp"
 #include "estimate.hpp"
 #include "flat_tets.hpp"
 #include "lumesh/core/error.hpp"
@@ -125,6 +126,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
                 [&] { result.report.complete = refined(refinement, options, result.report, context); });
   result.report.pinched_vertices = context.phase("topology", [&] {
     const std::size_t pinched = delaunay::relabel_pinched(result.mesh, domain, refinement.pinched());
+    delaunay::relabel_crossed_rims(result.mesh, domain);
     delaunay::relabel_flat(result.mesh, domain);
     return pinched;
   });

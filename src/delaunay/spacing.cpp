@@ -41,11 +41,13 @@ double Spacing::surface_spacing_at(const Vec3& x, Material first, Material secon
   return std::min({delta_mm_, size / kEdgePerSpacing, spacing_of_shape(x, first, second)});
 }
 
-/// How far from x a material, or the outside as a whole, reaches along a direction, if less than `most`.
+/// How far from x a material, or the outside as a whole, reaches along a direction, if less than `most`. What
+/// a cut plane ends goes on in truth: beside a slanting opening a vessel is not thin.
 double Spacing::thickness(const Vec3& x, const Vec3& direction, Material of, double most) const {
   const double least_step = 0.3 * domain_->resolution_mm();
   for (double t = least_step; t < most;) {
     const Domain::Surroundings there = domain_->surroundings(x + t * direction);
+    if (domain_->is_cut(there.material)) return most;
     if (there.material != of && (domain_->is_meshed(there.material) || domain_->is_meshed(of))) return t;
     t += std::max(0.95 * there.clearance_mm, least_step);
   }

@@ -276,30 +276,59 @@ bool lies_on(const Domain& domain, const TetMesh& mesh, const BoundaryFaces& fac
          std::abs(domain.separation_value(corner, pair[0], pair[1])) <= kNearVoxels * domain.resolution_mm();
 }
 
+/// How many faces of a patch lie on each boundary.
+class Votes {
+ public:
+  /// That most faces so far lie on.
+  [[nodiscard]] std::optional<Pair> first() const {
+    return of_pairs_.empty() ? std::nullopt : std::optional(of_pairs_.front().pair);
+  }
+  void add(const Pair& pair) {
+    auto found =
+        std::find_if(of_pairs_.begin(), of_pairs_.end(), [&](const Vote& v) { return v.pair == pair; });
+    if (found == of_pairs_.end()) found = of_pairs_.insert(found, {pair, 0});
+    ++found->faces;
+    ++faces_;
+    if (found->faces > of_pairs_.front().faces) std::iter_swap(found, of_pairs_.begin());
+  }
+  /// The boundary that the patch is, but for single faces that stretch over its rim.
+  [[nodiscard]] std::optional<Pair> clear_winner() const {
+    constexpr double kMost = 0.95;
+    if (of_pairs_.empty() ||
+        static_cast<double>(of_pairs_.front().faces) < kMost * static_cast<double>(faces_))
+      return std::nullopt;
+    return of_pairs_.front().pair;
+  }
+
+ private:
+  struct Vote {
+    Pair pair;
+    std::size_t faces;
+  };
+  std::vector<Vote> of_pairs_;
+  std::size_t faces_ = 0;
+};
+
 /// The boundary that each patch is; none for openings, and for patches that are several.
 std::vector<std::optional<Pair>> boundaries_of_patches(const TetMesh& mesh, const Domain& domain) {
   const BoundaryFaces faces = mesh.boundary_faces();
-  struct Patches {
-    std::optional<Pair> pair;
-    bool is_mixed = false;
-  };
-  std::vector<Patches> patches(mesh.info().patches.size());
+  std::vector<Votes> votes(mesh.info().patches.size());
   for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
-    Patches& patch = patches[static_cast<std::size_t>(faces.patches[i])];
-    if (patch.is_mixed || (patch.pair && lies_on(domain, mesh, faces, i, *patch.pair))) continue;
+    Votes& patch = votes[static_cast<std::size_t>(faces.patches[i])];
+    if (const auto first = patch.first(); first && lies_on(domain, mesh, faces, i, *first)) {
+      patch.add(*first);
+      continue;
+    }
     const auto inside = material_of(domain, mesh.label(faces.tets[i][0]));
     if (!inside) continue;
     const auto outside = faces.tets[i][1].valid() ? material_of(domain, mesh.label(faces.tets[i][1]))
                                                   : outside_of(domain, mesh, faces.triangles[i], *inside);
-    if (!outside) continue;
-    const Pair pair{*inside, *outside};
-    if (patch.pair && *patch.pair != pair) patch.is_mixed = true;
-    patch.pair = pair;
+    if (outside) patch.add({*inside, *outside});
   }
   std::vector<std::optional<Pair>> pairs;
-  for (const Patches& patch : patches) {
-    const bool is_opening = patch.pair && domain.is_cut((*patch.pair)[1]);
-    pairs.push_back(patch.is_mixed || is_opening ? std::nullopt : patch.pair);
+  for (const Votes& patch : votes) {
+    const auto pair = patch.clear_winner();
+    pairs.push_back(pair && domain.is_cut((*pair)[1]) ? std::nullopt : pair);
   }
   return pairs;
 }

@@ -73,6 +73,37 @@ TEST(Wall, KeepsTheVolumeAndTheMeanRadiusHoweverCoarse) {
   EXPECT_NEAR(validate(ball).labels[0].volume / (4000 * std::numbers::pi / 3), 1, 1e-3);
 }
 
+/// Where the wall meets an opening at an acute angle, no triangle of the wall may reach over the rim, and
+/// what few did kept all of the wall from its place once: 3.4 % of the volume were missing.
+TEST(Wall, IsThereToTheRimOfOpeningsThatSlant) {
+  for (const double angle_deg : {60.0, 45.0, 30.0}) {
+    const double angle = angle_deg * std::numbers::pi / 180;  // Between the axis and the openings.
+    const Vec3 normal = std::sin(angle) * kAxis + std::cos(angle) * kAxis.unitOrthogonal();
+    AnalyticDomainOptions options;
+    options.bounds_mm = Box3(kOnAxis - Vec3::Constant(kLength), kOnAxis + Vec3::Constant(kLength));
+    options.resolution_mm = 1;
+    options.cut_planes = {{kOnAxis - 0.5 * kLength * kAxis, -normal},
+                          {kOnAxis + 0.5 * kLength * kAxis, normal}};
+    const AnalyticDomain domain({{1, cylinder_shape(kOnAxis, kAxis, kRadius)}}, options);
+    Context context;
+    DelaunayOptions with;
+    with.delta_mm = 2;
+    const TetMesh mesh = mesh_delaunay(domain, with, context).mesh;
+    const ValidationReport report = validate(mesh);
+    EXPECT_TRUE(report.ok()) << report.text();
+    EXPECT_EQ(mesh.info().patches.size(), 3u) << angle_deg;
+    // Of the rim, whose polygon stays on the curve, 0.5 % of the volume's ends may be missing.
+    EXPECT_NEAR(report.labels[0].volume / (std::numbers::pi * kRadius * kRadius * kLength), 1, 6e-3)
+        << angle_deg;
+    const BoundaryFaces faces = mesh.boundary_faces();
+    for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
+      if (mesh.info().patches[static_cast<std::size_t>(faces.patches[i])].name != "wall") continue;
+      for (const std::uint32_t v : faces.triangles[i])
+        EXPECT_NEAR(height_over_tube(mesh.point(VertexId(v))), 0, 0.2) << angle_deg;
+    }
+  }
+}
+
 /// Stress follows how deep a triangle stands; so triangles are to stand alike.
 TEST(Wall, TrianglesStandAlikeDeep) {
   const TetMesh mesh = tube_mesh(0.6, 1);

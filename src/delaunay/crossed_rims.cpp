@@ -1,0 +1,119 @@
+#include "crossed_rims.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "lumesh/parallel/loops.hpp"
+#include "places.hpp"
+#include "topology.hpp"
+
+namespace lumesh::delaunay {
+namespace {
+
+struct CrossingTet {
+  TetId tet;
+  CornerPlaces corners;
+};
+
+/// What each vertex of a boundary touches.
+class TouchedMaterials {
+ public:
+  TouchedMaterials(const TetMesh& mesh, const Domain& domain) : mesh_(mesh) {
+    const double touch_mm = 1e-2 * domain.resolution_mm();
+    of_vertex_.resize(mesh.vertex_slots());
+    parallel::for_each_index(of_vertex_.size(), [&](std::size_t i) {
+      const VertexId v(static_cast<std::uint32_t>(i));
+      if (i < 4 || !mesh.alive(v) || mesh.dimension(v) == VertexDimension::kVolume) return;
+      of_vertex_[i] = domain.materials_near(mesh.point(v), touch_mm);
+    });
+  }
+  /// Those that all of the vertices touch.
+  template <std::size_t N>
+  [[nodiscard]] MaterialSet common_to(const Cell<N>& vertices) const {
+    MaterialSet common;
+    for (const Material m : of_vertex_[vertices[0]])
+      if (std::all_of(vertices.begin(), vertices.end(), [&](auto v) { return of_vertex_[v].contains(m); }))
+        common.insert(m);
+    return common;
+  }
+  [[nodiscard]] MaterialSet common_to_corners(TetId t) const { return common_to(mesh_.tet(t)); }
+
+ private:
+  const TetMesh& mesh_;
+  std::vector<MaterialSet> of_vertex_;
+};
+
+Material outside_or(const Domain& domain, Material m) {
+  return domain.is_meshed(m) ? m : 0;
+}
+
+bool is_outside(const TetMesh& mesh, const Domain& domain, TetId t) {
+  return !domain.is_meshed(static_cast<Material>(mesh.label(t)));
+}
+
+/// True if a face of a tetrahedron lies between the object and the outside, and on no boundary of it.
+bool crosses(const TetMesh& mesh, const Domain& domain, const TouchedMaterials& touched, TetId t, int face) {
+  const FaceLink behind = mesh.link(t, face);
+  if (behind.is_boundary() || is_outside(mesh, domain, t) == is_outside(mesh, domain, behind.tet()))
+    return false;
+  const MaterialSet common = touched.common_to(mesh.face_corners(t, face));
+  return std::all_of(common.begin(), common.end(), [&](Material m) { return domain.is_meshed(m); });
+}
+
+/// What a tetrahedron at such a face is to be, if not what it is.
+std::optional<Material> material_of(const TetMesh& mesh, const Domain& domain,
+                                    const TouchedMaterials& touched, TetId t) {
+  bool is_at_one = false;
+  for (int f = 0; f < 4; ++f) is_at_one = is_at_one || crosses(mesh, domain, touched, t, f);
+  if (!is_at_one) return std::nullopt;
+  const Vec3 centre = 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
+  const Material there = domain.material_at(centre);
+  const bool is_same = outside_or(domain, there) == outside_or(domain, static_cast<Material>(mesh.label(t)));
+  if (is_same || !touched.common_to_corners(t).contains(there)) return std::nullopt;
+  return there;
+}
+
+std::vector<CrossingTet> crossing_tets(const TetMesh& mesh, const Domain& domain,
+                                       const TouchedMaterials& touched) {
+  auto found = parallel::collect<CrossingTet>(
+      mesh.tet_slots(),
+      [&](std::size_t i, std::vector<CrossingTet>& out) {
+        const TetId t(static_cast<std::uint32_t>(i));
+        if (mesh.alive(t) && material_of(mesh, domain, touched, t))
+          out.push_back({t, corner_places(mesh, t)});
+      },
+      8192);
+  parallel::sort(found.begin(), found.end(),
+                 [](const CrossingTet& a, const CrossingTet& b) { return is_earlier(a.corners, b.corners); });
+  return found;
+}
+
+}  // namespace
+
+std::size_t relabel_crossed_rims(TetMesh& mesh, const Domain& domain) {
+  if (domain.material_count() == domain.label_count()) return 0;
+  constexpr int kSweeps = 4;  // What is filled may have one more behind it.
+  const TouchedMaterials touched(mesh, domain);
+  std::size_t count = 0;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    const std::size_t before_sweep = count;
+    for (const CrossingTet& one : crossing_tets(mesh, domain, touched)) {
+      const auto wanted = material_of(mesh, domain, touched, one.tet);
+      if (!wanted) continue;  // What was done before has changed its surroundings.
+      const Label before = mesh.label(one.tet);
+      std::array<VertexId, 4> around;
+      for (int k = 0; k < 4; ++k) around[static_cast<std::size_t>(k)] = mesh.vertex(one.tet, k);
+      mesh.set_label(one.tet, static_cast<Label>(*wanted));
+      if (pinched_among(mesh, domain, around).empty())
+        ++count;
+      else
+        mesh.set_label(one.tet, before);
+    }
+    if (count == before_sweep) break;
+  }
+  return count;
+}
+
+}  // namespace lumesh::delaunay
