@@ -54,13 +54,12 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   fitter.draw_to_tips(finder.find_missed_probes(mesh, boundary, kTipVoxels * domain.voxel_size_mm()), 3);
   targets.offset_mm = fitter.averaged(sag_offsets_mm(mesh, boundary, domain));
   fitter.fit(2);
-  add_volume_offsets(mesh, boundary, domain, options.label_volumes_mm3, targets.offset_mm);
   fitter.keep_to_voxels();
   fitter.fit_and_improve(4, kGood);
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
   const std::vector<Miss> missed = mend_spots(whole, setting, finder, options.probes.size());
-  settle_wall(mesh, boundary, image, domain, setting.limits, options.label_volumes_mm3);
+  settle_wall(mesh, boundary, image, domain, setting.limits);
   return report_on(missed, finder.missed_distances_mm(mesh, boundary), domain.voxel_size_mm());
 }
 

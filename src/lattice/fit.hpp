@@ -12,8 +12,7 @@ namespace lumesh {
 struct FitOptions {
   double min_dihedral_deg = 15;
   double max_dihedral_deg = 150;
-  std::vector<Probe> probes;              ///< Where the surface shall come close to the image's boundary.
-  std::vector<double> label_volumes_mm3;  ///< Per material: what the labels fill in the image.
+  std::vector<Probe> probes;  ///< Where the surface shall come close to the image's boundary.
 };
 
 struct FitReport {

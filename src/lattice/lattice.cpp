@@ -130,17 +130,17 @@ void note_shortcomings(const LatticeOptions& options, LatticeReport& report) {
 }
 
 /// Labels that are too thin for the lattice fill another volume than their voxels.
-void note_volumes(const WorkMesh& mesh, const ImageDomain& domain,
-                  const std::vector<double>& label_volumes_mm3, LatticeReport& report) {
+void note_volumes(const WorkMesh& mesh, const ImageDomain& domain, const std::vector<double>& voxels,
+                  LatticeReport& report) {
   constexpr double kMuch = 0.05;
-  const std::vector<double> filled = material_volumes_mm3(mesh, label_volumes_mm3.size());
+  const std::vector<double> filled = material_volumes_mm3(mesh, voxels.size());
   std::size_t count = 0;
   double worst = 0;
   Label label = 0;
   for (Material m = 1; m < filled.size(); ++m) {
-    const double wanted = label_volumes_mm3[m];
-    const bool hardly_there = wanted < domain.frame().voxel_volume_mm3();  // grazed by a cut plane
-    if (filled[m] <= 0 || hardly_there) continue;                          // what is lost is said elsewhere
+    const double wanted = voxels[m] * domain.frame().voxel_volume_mm3();
+    const bool hardly_there = voxels[m] < 1;       // grazed by a cut plane
+    if (filled[m] <= 0 || hardly_there) continue;  // what is lost is said elsewhere
     const double change = filled[m] / wanted - 1;
     count += std::abs(change) > kMuch ? 1 : 0;
     if (std::abs(change) <= std::abs(worst)) continue;
@@ -160,18 +160,14 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
   if (built.mesh.tets.empty())
     throw Error(ErrorKind::kBadInput,
                 "the object is too small for the lattice; choose a smaller --spacing or a higher --fidelity");
-  FitOptions fit_options{options.min_dihedral_deg,
-                         options.max_dihedral_deg,
-                         context.phase("probes", [&] { return boundary_probes(image, domain); }),
-                         {}};
-  for (const double count : voxels)
-    fit_options.label_volumes_mm3.push_back(count * domain.frame().voxel_volume_mm3());
+  const FitOptions fit_options{options.min_dihedral_deg, options.max_dihedral_deg,
+                               context.phase("probes", [&] { return boundary_probes(image, domain); })};
   const FitReport fit = context.phase(
       "fit", [&] { return fit_to_domain(built.mesh, built.boundary, image, domain, fit_options); });
   result.report.missed_points = fit.missed_points;
   result.report.furthest_miss_mm = fit.furthest_miss_mm;
   note_shortcomings(options, result.report);
-  note_volumes(built.mesh, domain, fit_options.label_volumes_mm3, result.report);
+  note_volumes(built.mesh, domain, voxels, result.report);
   result.mesh = to_mixed_mesh(built.mesh, built.boundary, domain);
   if (options.cells == LatticeCells::kMixed)
     context.phase("hexahedra", [&] { merge_hexahedra(result.mesh, domain.frame().direction); });

@@ -19,17 +19,9 @@ namespace lumesh {
 /// Even shifts of the boundaries between two materials, the lower first, towards the second, in mm.
 using Shifts = std::map<std::pair<Material, Material>, double>;
 
-/// Those by which the labels would fill what their voxels fill.
-/// @param label_volumes_mm3  Per material.
-[[nodiscard]] Shifts volume_shifts_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                      const ImageDomain& domain,
-                                      const std::vector<double>& label_volumes_mm3);
-
-/// Adds an even shift of each boundary between two materials, so that the labels fill what their voxels fill:
-/// undoes the little that smoothing takes away. The shifts solve "missing volume = area times shift, summed
-/// over a label's boundaries" label by label until they settle.
-/// @param label_volumes_mm3  Per material.
-void add_volume_offsets(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
-                        const std::vector<double>& label_volumes_mm3, std::vector<double>& offsets_mm);
+/// By which the triangles would lie as much on one side of the domain's boundary as on the other, so that
+/// labels have the volume that it encloses.
+[[nodiscard]] Shifts mean_sags_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                  const ImageDomain& domain);
 
 }  // namespace lumesh

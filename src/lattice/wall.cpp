@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -36,8 +37,7 @@ NumberedBoundaries numbered(const BoundaryModel& boundary) {
 }  // namespace
 
 void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const LabelImage& image,
-                 const ImageDomain& domain, const AngleLimits& limits,
-                 const std::vector<double>& label_volumes_mm3) {
+                 const ImageDomain& domain, const AngleLimits& limits) {
   const NumberedBoundaries boundaries = numbered(boundary);
   const double most_mm = 0.25 * domain.voxel_size_mm();
   Shifts shifts;
@@ -54,17 +54,25 @@ void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const LabelImage
     const auto& [inside, outside] = boundaries.sides[patch.value];
     return within_reach_of_voxels(image, domain, {inside, outside}, point) == point;
   };
-  const auto settle = [&](const operators::MayBecome& may_become) {
-    operators::settle(mesh.positions, mesh.tets, {boundaries.triangles, boundaries.of_triangle}, place,
-                      {.may_become = may_become, .may_stand = may_stand});
-  };
-  // What the boundary encloses without a shift, however poor angles become, tells how much is missing.
-  const std::vector<Vec3> fitted = mesh.positions;
-  settle([](std::size_t, const std::array<Vec3, 4>&, const std::array<Vec3, 4>&) { return true; });
-  shifts = volume_shifts_mm(mesh, boundary, domain, label_volumes_mm3);
-  mesh.positions = fitted;
   constexpr double kMarginDeg = 0.5;  // So that the extreme angles hardly change.
-  settle(operators::within_angles(limits.min_deg + kMarginDeg, limits.max_deg - kMarginDeg));
+  const operators::SettlingRules rules{
+      .may_become = operators::within_angles(limits.min_deg + kMarginDeg, limits.max_deg - kMarginDeg),
+      .may_stand = may_stand};
+  const auto settle = [&] {
+    operators::settle(mesh.positions, mesh.tets, {boundaries.triangles, boundaries.of_triangle}, place,
+                      rules);
+  };
+  const std::vector<Vec3> fitted = mesh.positions;
+  settle();
+  // In thin parts many stay short of their places: the others make up for the volume.
+  constexpr double kLittle = 1e-3;  // Voxels.
+  shifts = mean_sags_mm(mesh, boundary, domain);
+  const bool is_much = std::any_of(shifts.begin(), shifts.end(), [&](const auto& one) {
+    return std::abs(one.second) > kLittle * domain.voxel_size_mm();
+  });
+  if (!is_much) return;
+  mesh.positions = fitted;
+  settle();
 }
 
 }  // namespace lumesh
