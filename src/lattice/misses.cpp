@@ -22,6 +22,11 @@ constexpr double kFine = 0.15;      // triangles of this radius are not divided 
 constexpr double kUrgent = 0.1;  // how much worse vertices count than probes, whose limit has more to spare
 constexpr double kAway = 0.4;    // the smoothed boundary is closer than this to the centre and the middles
                                  // of the edges of a triangle that is no stray
+constexpr double kStair = 0.9;   // as far the corners of voxels stand out of a smooth boundary
+
+// Of the longest edge of a triangle: as far it stands off a bent boundary with its corners on it. A radius of
+// two and a half edges, that is.
+constexpr double kSagitta = 0.05;
 
 // Half diagonals of a voxel: vertices are this close to the centres of voxels.
 constexpr double kVertexReach = 1.154;
@@ -153,6 +158,11 @@ class NearestFace {
   std::optional<Vec3> nearest_;
 };
 
+double longest_edge(const std::array<Vec3, 3>& p) {
+  return std::sqrt(
+      std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()}));
+}
+
 /// Within 2.5 voxels. Most are close, so that it is quicker to look there first.
 std::optional<Vec3> nearest_on_voxel_faces(const LabelImage& image, const Vec3& point_mm,
                                            const std::array<Material, 2>& materials) {
@@ -251,13 +261,42 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
           if (!is_close(last, probe.position_mm)) {
             const SurfaceTree::Nearest nearest = tree.nearest(probe.position_mm);
             last = nearest.distance_mm > limit_mm ? SurfaceTree::kNone : nearest.triangle;
-            if (last == SurfaceTree::kNone && nearest.triangle != SurfaceTree::kNone)
+            const bool is_far = last == SurfaceTree::kNone && nearest.triangle != SurfaceTree::kNone;
+            if (is_far && is_missed(mesh, boundary, tree, probe))
               out.push_back({nearest.distance_mm, probe, nearest.triangle, probe.position_mm,
                              nearest.distance_mm, false, true});
           }
           close_[lost[n]] = last;
         }
       });
+}
+
+/// Of the triangles at the place of the surface that is nearest to a point, whichever of them is found first.
+double MissFinder::longest_edge_at_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                      const SurfaceTree& tree, const Vec3& point) const {
+  const auto corners = [&](std::uint32_t triangle) {
+    const auto& [a, b, c] = boundary.triangles[triangle].vertices;
+    return std::array{mesh.positions[a], mesh.positions[b], mesh.positions[c]};
+  };
+  const std::array<Vec3, 3> found = corners(tree.nearest(point).triangle);
+  const Vec3 place = closest_point_on_triangle(point, found[0], found[1], found[2]);
+  const Vec3 touch = Vec3::Constant(1e-6 * domain_->voxel_size_mm());
+  double longest = 0;
+  for (const std::uint32_t i : tree.overlapping(place - touch, place + touch))
+    longest = std::max(longest, longest_edge(corners(i)));
+  return longest;
+}
+
+/// False if a corner of voxels is as far from the domain's boundary as on a smooth wall, and the surface as
+/// far from that as flat triangles of their size are: what is drawn to the corner would only fold.
+bool MissFinder::is_missed(const WorkMesh& mesh, const BoundaryModel& boundary, const SurfaceTree& tree,
+                           const Probe& probe) const {
+  const double stair_mm = kStair * domain_->voxel_size_mm();
+  const std::optional<Vec3> foot =
+      domain_->project(probe.position_mm, {probe.materials[0], probe.materials[1]}, stair_mm);
+  if (!foot || (*foot - probe.position_mm).norm() > stair_mm) return true;
+  const SurfaceTree::Nearest nearest = tree.nearest(*foot);
+  return nearest.distance_mm > kSagitta * longest_edge_at_mm(mesh, boundary, tree, *foot);
 }
 
 std::vector<double> MissFinder::missed_distances_mm(const WorkMesh& mesh,
@@ -325,7 +364,8 @@ void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& bounda
   const std::array<Vec3, 3> p = {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
   const auto depth = [&](const Vec3& x) { return domain_->separation(x, t.inside, t.outside).value; };
   const Vec3 centre = (p[0] + p[1] + p[2]) / 3;
-  const auto is_away = [&](const Vec3& x) { return std::abs(depth(x)) >= kAway * domain_->voxel_size_mm(); };
+  const double least_mm = std::max(kAway * domain_->voxel_size_mm(), kSagitta * longest_edge(p));
+  const auto is_away = [&](const Vec3& x) { return std::abs(depth(x)) >= least_mm; };
   const bool away = is_away(centre) || is_away((p[0] + p[1]) / 2) || is_away((p[1] + p[2]) / 2) ||
                     is_away((p[2] + p[0]) / 2);
   if (!away) return;

@@ -55,10 +55,11 @@ class MissFinder {
   MissFinder(const LabelImage& image, const ImageDomain& domain, const std::vector<Probe>& probes)
       : image_(&image), domain_(&domain), probes_(&probes), close_(probes.size(), SurfaceTree::kNone) {}
 
-  /// Probes further than `limit_mm` from the surface, triangles further than that from the voxels' boundary,
-  /// and vertices further than 1.154 half diagonals of a voxel (one voxel for cubic ones) from the centres of
-  /// their labels' boundary voxels, the furthest first. Between calls, of the same limit, triangles may
-  /// change, new ones may follow and the last ones may go.
+  /// Probes further than `limit_mm` from the surface, but for corners of stairs over coarse triangles,
+  /// triangles further than that from the voxels' boundary, and vertices further than 1.154 half diagonals of
+  /// a voxel (one voxel for cubic ones) from the centres of their labels' boundary voxels, the furthest
+  /// first. Between calls, of the same limit, triangles may change, new ones may follow and the last ones may
+  /// go.
   /// @param most_probes  Where more are missed, these are all that is looked for.
   [[nodiscard]] std::vector<Miss> find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
                                        std::size_t most_probes = std::numeric_limits<std::size_t>::max());
@@ -74,6 +75,10 @@ class MissFinder {
   void measure_moved_vertices(const WorkMesh& mesh, const BoundaryModel& boundary);
   [[nodiscard]] std::vector<Miss> missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
                                                 double limit_mm);
+  [[nodiscard]] bool is_missed(const WorkMesh& mesh, const BoundaryModel& boundary, const SurfaceTree& tree,
+                               const Probe& probe) const;
+  [[nodiscard]] double longest_edge_at_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                          const SurfaceTree& tree, const Vec3& point) const;
   [[nodiscard]] SurfaceTree tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
                                       const std::vector<std::uint32_t>& probes) const;
   void update_strays(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
