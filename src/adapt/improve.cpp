@@ -216,6 +216,13 @@ std::vector<Vec3> places_on_surfaces(const TetMesh& mesh) {
 /// Carries vertices that have slid, and those of the triangles around them, to where their patches truly run.
 /// @return false if there are none.
 bool settle_moved(TetMesh& mesh, const std::vector<Vec3>& places_before, const ImproveOptions& options) {
+  operators::SettlingRules rules{
+      .lift = options.lift,
+      .may_become = operators::within_angles(options.min_dihedral_deg, options.max_dihedral_deg)};
+  if (options.settles_all) {
+    operators::settle(mesh, options.place, rules);
+    return true;
+  }
   std::vector<std::uint8_t> has_moved(mesh.vertex_slots(), 0);
   bool any = false;
   for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v) {
@@ -231,10 +238,7 @@ bool settle_moved(TetMesh& mesh, const std::vector<Vec3>& places_before, const I
   for (const Cell<3>& corners : faces.triangles)
     if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return has_slid[v] != 0; }))
       for (const std::uint32_t v : corners) has_moved[v] = 1;
-  operators::SettlingRules rules{
-      .lift = options.lift,
-      .may_become = operators::within_angles(options.min_dihedral_deg, options.max_dihedral_deg),
-      .movable = has_moved};
+  rules.movable = has_moved;
   operators::settle(mesh, options.place, rules);
   return true;
 }

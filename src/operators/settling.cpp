@@ -122,44 +122,54 @@ class Settling {
 
   /// Moves vertices to their targets, or as far towards them as every tetrahedron may follow.
   void carry() {
-    constexpr double kStep = 1e-7;  // Of the edges around: shorter ones are rounding.
+    constexpr double kStep = 1e-4;  // Of the edges around: who is as near to its place stays.
     start_.assign(points_.begin(), points_.end());
     halvings_.assign(points_.size(), kHalvings);
+    changed_.assign(points_.size(), 0);
     bool moves = false;
     for (const std::uint32_t v : free_) {
       if ((targets_[v] - start_[v]).norm() <= kStep * edge_[v]) continue;
       moves = true;
       halvings_[v] = 0;
+      changed_[v] = 1;
       points_[v] = targets_[v];
     }
     if (!moves) return;
-    const auto touched =
-        parallel::collect<std::uint32_t>(tets_.size(), [&](std::size_t t, std::vector<std::uint32_t>& out) {
-          if (has_moved(tets_[t])) out.push_back(static_cast<std::uint32_t>(t));
-        });
-    const auto touched_faces = parallel::collect<std::uint32_t>(
-        faces_.triangles.size(), [&](std::size_t i, std::vector<std::uint32_t>& out) {
-          if (has_moved(faces_.triangles[i])) out.push_back(static_cast<std::uint32_t>(i));
-        });
+    find_touched();
     while (true) {
-      auto too_far = moved_corners(touched, [&](std::uint32_t t) -> const Cell<4>* {
-        return has_moved(tets_[t]) && !may_stay(t) ? &tets_[t] : nullptr;
+      auto too_far = moved_corners(touched_tets_, [&](std::uint32_t t) -> const Cell<4>* {
+        return has_changed(tets_[t]) && !may_stay(t) ? &tets_[t] : nullptr;
       });
-      const auto of_faces = moved_corners(touched_faces, [&](std::uint32_t i) -> const Cell<3>* {
+      const auto of_faces = moved_corners(touched_faces_, [&](std::uint32_t i) -> const Cell<3>* {
         const Cell<3>& corners = faces_.triangles[i];
-        return has_moved(corners) && !faces_outwards(corners) ? &corners : nullptr;
+        return has_changed(corners) && !faces_outwards(corners) ? &corners : nullptr;
       });
       too_far.insert(too_far.end(), of_faces.begin(), of_faces.end());
       if (too_far.empty()) return;
       std::sort(too_far.begin(), too_far.end());
       too_far.erase(std::unique(too_far.begin(), too_far.end()), too_far.end());
+      changed_.assign(points_.size(), 0);
       for (const std::uint32_t v : too_far) {
         ++halvings_[v];
+        changed_[v] = 1;
         points_[v] = halvings_[v] == kHalvings
                          ? start_[v]
                          : Vec3(start_[v] + std::exp2(-halvings_[v]) * (targets_[v] - start_[v]));
       }
     }
+  }
+  /// The tetrahedra and faces whose corners move. What moves later has moved before.
+  void find_touched() {
+    if (!touched_tets_.empty()) return;
+    touched_tets_ =
+        parallel::collect<std::uint32_t>(tets_.size(), [&](std::size_t t, std::vector<std::uint32_t>& out) {
+          if (has_changed(tets_[t])) out.push_back(static_cast<std::uint32_t>(t));
+        });
+    touched_faces_ = parallel::collect<std::uint32_t>(faces_.triangles.size(),
+                                                      [&](std::size_t i, std::vector<std::uint32_t>& out) {
+                                                        if (has_changed(faces_.triangles[i]))
+                                                          out.push_back(static_cast<std::uint32_t>(i));
+                                                      });
   }
   /// The corners that have moved of what is bad among `touched`.
   /// @param bad  Gives the corners of one that is, or null.
@@ -177,9 +187,8 @@ class Settling {
         256);
   }
   template <std::size_t N>
-  [[nodiscard]] bool has_moved(const Cell<N>& corners) const {
-    return std::any_of(corners.begin(), corners.end(),
-                       [&](std::uint32_t v) { return halvings_[v] < kHalvings; });
+  [[nodiscard]] bool has_changed(const Cell<N>& corners) const {
+    return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return changed_[v] != 0; });
   }
   [[nodiscard]] bool may_stay(std::uint32_t t) const {
     std::array<Vec3, 4> before, after;
@@ -230,6 +239,8 @@ class Settling {
   std::vector<SurfacePoint> places_;
   std::vector<Vec3> targets_, start_;
   std::vector<std::uint8_t> halvings_;
+  std::vector<std::uint8_t> changed_;  // Flag per vertex: not where it was looked at last.
+  std::vector<std::uint32_t> touched_tets_, touched_faces_;
 };
 
 constexpr double kNearVoxels = 0.1;  // So near a boundary vertices stand.
