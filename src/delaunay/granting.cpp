@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "conflicts.hpp"
+#include "cut_off.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/relaxed.hpp"
@@ -98,7 +99,9 @@ bool Granting::spare_curves(const TetMesh& mesh, Wish& wish, std::span<const Tet
   const double length = (piece->to - piece->from).norm();
   const auto x = spacing_.domain().project(0.5 * (piece->from + piece->to), piece->materials, 0.5 * length);
   constexpr double kLeast = 0.35;  // Of the piece's length.
-  if (!x || std::min((*x - piece->from).norm(), (*x - piece->to).norm()) < kLeast * length) return false;
+  if (!x || is_cut_off(spacing_.domain(), *x) ||
+      std::min((*x - piece->from).norm(), (*x - piece->to).norm()) < kLeast * length)
+    return false;
   wish.point = *x;
   wish.dimension = dimension_of(piece->materials);
   wish.spacing = std::max(wish.spacing, length);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "cut_off.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::delaunay {
@@ -78,7 +79,8 @@ class Relaxation {
           if (!is_free(i)) return;
           BoundaryCandidate& mine = candidates_[chosen_[i]];
           const auto place = domain_.project(points_[i], mine.materials, mine.spacing);
-          if (place && (*place - mine.point).norm() < mine.spacing) mine.point = *place;
+          if (place && (*place - mine.point).norm() < mine.spacing && !is_cut_off(domain_, *place))
+            mine.point = *place;
         },
         64);
   }

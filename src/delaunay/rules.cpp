@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "cut_off.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "places.hpp"
@@ -152,7 +153,8 @@ std::optional<Wish> Rules::wish_of_crossed_curve(TetId t, const DualEdge& dual,
       if (pair.contains(third)) continue;
       MaterialSet triple = pair;
       triple.insert(third);
-      if (const auto x = domain_.project(corner, triple, kFar * spacing))
+      const auto x = domain_.project(corner, triple, kFar * spacing);
+      if (x && !is_cut_off(domain_, *x))
         return Wish{*x, t, kSurfaceFirst + static_cast<float>((*x - corner).norm() / spacing),
                     VertexDimension::kCurve, spacing};
     }
@@ -164,7 +166,8 @@ std::optional<Wish> Rules::wish_of_crossed_curve(TetId t, const DualEdge& dual,
 std::optional<Wish> Rules::at_surface(const Vec3& place, TetId t, const DualEdge& dual, double radius,
                                       double spacing) const {
   const MaterialSet set{dual.mine, dual.other};
-  const auto on_surface = domain_.project(place, set, spacing);
+  auto on_surface = domain_.project(place, set, spacing);
+  if (on_surface && is_cut_off(domain_, *on_surface)) on_surface.reset();
   Wish wish{on_surface.value_or(place), t, kSurfaceFirst + static_cast<float>(radius / spacing),
             VertexDimension::kSurface, spacing};
   const MaterialSet near = domain_.materials_near(wish.point, 0.5 * std::min(radius, spacing));
@@ -172,7 +175,8 @@ std::optional<Wish> Rules::at_surface(const Vec3& place, TetId t, const DualEdge
     if (set.contains(third)) continue;
     MaterialSet triple = set;
     triple.insert(third);
-    if (const auto on_curve = domain_.project(wish.point, triple, spacing)) {
+    const auto on_curve = domain_.project(wish.point, triple, spacing);
+    if (on_curve && !is_cut_off(domain_, *on_curve)) {
       wish.point = *on_curve;
       wish.dimension = VertexDimension::kCurve;
       break;

@@ -117,6 +117,18 @@ double AnalyticDomain::clearance_limit_mm() const {
 }
 
 MaterialSet AnalyticDomain::materials_near(const Vec3& point_mm, double reach_mm) const {
+  // Beyond cut planes there is only what the farthest of them cuts off, and others that are hardly nearer.
+  double beyond = 0;
+  for (Material m = label_count(); m < material_count(); ++m)
+    beyond = std::max(beyond, depth(point_mm, m).value);
+  MaterialSet near = beyond > reach_mm ? MaterialSet() : labels_near(point_mm, reach_mm);
+  for (Material m = label_count(); m < material_count(); ++m)
+    if (depth(point_mm, m).value >= beyond - reach_mm) near.insert(m);
+  return near;
+}
+
+/// As if there were no cut planes.
+MaterialSet AnalyticDomain::labels_near(const Vec3& point_mm, double reach_mm) const {
   double most = 0;
   for (Material m = 1; m < label_count(); ++m) most = std::max(most, depth(point_mm, m).value);
   MaterialSet near;
@@ -127,8 +139,6 @@ MaterialSet AnalyticDomain::materials_near(const Vec3& point_mm, double reach_mm
     if (most > 0 ? 0.5 * (most - value) <= reach_mm && value >= -reach_mm : value >= -reach_mm)
       near.insert(m);
   }
-  for (Material m = label_count(); m < material_count(); ++m)
-    if (depth(point_mm, m).value >= -reach_mm) near.insert(m);
   return near;
 }
 

@@ -107,6 +107,18 @@ double ImageDomain::clearance_limit_mm() const {
 }
 
 MaterialSet ImageDomain::materials_near(const Vec3& point_mm, double reach_mm) const {
+  // Beyond cut planes there is only what the farthest of them cuts off, and others that are hardly nearer.
+  double beyond_mm = 0;
+  for (const CutPlane& cut : cuts_) beyond_mm = std::max(beyond_mm, cut.normal.dot(point_mm - cut.point_mm));
+  MaterialSet near = beyond_mm > reach_mm ? MaterialSet() : labels_near(point_mm, reach_mm);
+  for (std::size_t c = 0; c < cuts_.size(); ++c)
+    if (cuts_[c].normal.dot(point_mm - cuts_[c].point_mm) >= beyond_mm - reach_mm)
+      near.insert(static_cast<Material>(labels_.size() + c));
+  return near;
+}
+
+/// As if there were no cut planes.
+MaterialSet ImageDomain::labels_near(const Vec3& point_mm, double reach_mm) const {
   const Vec3 index = frame().to_index(point_mm);
   const LabelField::LabelIndex own = field_.label_at(index);
   MaterialSet near{own};
@@ -123,9 +135,6 @@ MaterialSet ImageDomain::materials_near(const Vec3& point_mm, double reach_mm) c
                       : is_near(object, m) && (own != 0 || wall_is_near))
       near.insert(m);
   }
-  for (std::size_t c = 0; c < cuts_.size(); ++c)
-    if (cuts_[c].normal.dot(point_mm - cuts_[c].point_mm) >= -reach_mm)
-      near.insert(static_cast<Material>(labels_.size() + c));
   return near;
 }
 

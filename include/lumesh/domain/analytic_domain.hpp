@@ -63,6 +63,7 @@ class AnalyticDomain final : public Domain {
  private:
   /// How far inside a label, the background (always 0), or beyond a plane.
   [[nodiscard]] FieldSample depth(const Vec3& x, Material m) const;
+  [[nodiscard]] MaterialSet labels_near(const Vec3& point_mm, double reach_mm) const;
 
   std::vector<AnalyticBody> bodies_;
   AnalyticDomainOptions options_;  // Unit normals.

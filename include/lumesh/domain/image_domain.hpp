@@ -78,6 +78,7 @@ class ImageDomain final : public Domain {
     double beyond_mm = -1e300;
   };
   [[nodiscard]] CutDistance furthest_cut(const Vec3& point_mm) const;
+  [[nodiscard]] MaterialSet labels_near(const Vec3& point_mm, double reach_mm) const;
   void find_object_box(const LabelImage& image);
   void add_border_cuts(const LabelImage& image);
 

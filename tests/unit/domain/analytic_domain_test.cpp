@@ -85,6 +85,9 @@ TEST(AnalyticDomain, FindsCurvesAndCorners) {
   ASSERT_TRUE(corner);
   EXPECT_LT((*corner - Vec3(1, 2, 3)).norm(), 1e-9);
 
+  EXPECT_EQ(box.materials_near({1, 1.999, 1.5}, 0.01), (MaterialSet{1, 3, 5}));
+  EXPECT_EQ(box.materials_near({1, 2.4, 1.5}, 0.01), (MaterialSet{5})) << "beyond one plane, on another";
+
   const AnalyticDomain tube = analytic_cylinder({0, 0, 0}, {0, 0, 4}, 1);
   const auto rim = tube.project({0.7, 0.5, 3.8}, {0, 1, 3}, 1);
   ASSERT_TRUE(rim);

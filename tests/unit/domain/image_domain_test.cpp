@@ -224,6 +224,8 @@ TEST(ImageDomain, CutPlanesOfTheOptionsRemoveTheSideOfTheirNormal) {
   EXPECT_NEAR(domain.surroundings(ball.centre_mm - 2 * normal).clearance_mm, 1.35, 1e-9)
       << "2 mm from the plane; the field reaches 2.25 * 0.6 mm";
   EXPECT_NEAR(domain.surroundings(ball.centre_mm - 1.2 * normal).clearance_mm, 1.2, 1e-9);
+  EXPECT_EQ(domain.materials_near(ball.centre_mm + 0.05 * normal, 0.1), (MaterialSet{1, 2}));
+  EXPECT_EQ(domain.materials_near(ball.centre_mm + 0.5 * normal, 0.1), (MaterialSet{2}));
   for (const Vec3& bad : {Vec3(0, 0, 0), Vec3(0, NAN, 1)}) {
     options.cut_planes[0].normal = bad;
     try {
