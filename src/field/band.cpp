@@ -29,7 +29,12 @@ constexpr int kChunkSlices = 4;  // stencils write from one slice below to two a
 class BandBuilder {
  public:
   BandBuilder(Band& band, const LabelImage& image, const PairFaces& pair)
-      : b_(band), image_(image), pair_(pair.pair), faces_(pair.faces), size_(image.frame().size) {}
+      : b_(band),
+        image_(image),
+        pair_(pair.pair),
+        faces_(pair.faces),
+        crossings_(pair.crossings),
+        size_(image.frame().size) {}
 
   void build() {
     choose_box();
@@ -40,6 +45,7 @@ class BandBuilder {
     find_rows();
     find_blocks();
     enter_faces();
+    enter_crossings();
     find_held_ghosts();
     find_saddles();
   }
@@ -330,6 +336,19 @@ class BandBuilder {
     }
   }
 
+  void enter_crossings() {
+    if (crossings_.empty()) return;
+    b_.crossings_.assign(static_cast<std::size_t>(b_.entry_count()) * kLanes, 0.0F);
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      const Face& f = faces_[i];
+      const int s = b_.grid_.find(segment_of(f.voxel));
+      int entry = b_.first_entry(s);
+      for (int a = 0; a < f.axis; ++a) entry += static_cast<int>(b_.faces(s, a) != 0);
+      const auto lane = static_cast<std::size_t>(f.voxel.x() - b_.low_.x()) % kLanes;
+      b_.crossings_[static_cast<std::size_t>(entry) * kLanes + lane] = crossings_[i];
+    }
+  }
+
   /// Outside the image the side of the nearest voxel holds, unless a cut of the object by the border is
   /// within two voxels.
   void find_held_ghosts() {
@@ -379,6 +398,7 @@ class BandBuilder {
   const LabelImage& image_;
   LabelPair pair_;
   const std::vector<Face>& faces_;
+  const std::vector<float>& crossings_;
   Index3 size_;
   Index3 box_ = Index3::Zero();  // segments along x, rows along y and z
   Index3 reach_ = Index3::Zero();

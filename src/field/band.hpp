@@ -67,6 +67,13 @@ class Band {
   /// Number of the segment's first entry, of which it has one for each axis with a face.
   [[nodiscard]] int first_entry(int segment) const { return first_entry_[index(segment)]; }
   [[nodiscard]] int entry_count() const { return first_entry_.back(); }
+  /// Whether the place where the boundary crosses is known of any face.
+  [[nodiscard]] bool has_crossings() const { return !crossings_.empty(); }
+  /// Of the lanes of an entry: the fraction of the edge, from the segment's voxel, at which the boundary
+  /// crosses; 0 where it is not known. Only where has_crossings().
+  [[nodiscard]] const float* crossings(int entry) const {
+    return &crossings_[static_cast<std::size_t>(entry) * kLanes];
+  }
   [[nodiscard]] const std::array<std::int32_t, kRowCount>& rows(int segment) const {
     return rows_[index(segment)];
   }
@@ -111,6 +118,7 @@ class Band {
   std::vector<std::uint8_t> alive_, plus_, sided_, held_, in_image_, boundary_;
   std::vector<std::array<std::uint8_t, 3>> faces_;
   std::vector<std::int32_t> first_entry_;
+  std::vector<float> crossings_;
   std::vector<std::array<std::int32_t, kRowCount>> rows_;
   std::vector<Saddle> saddles_;
   LaneArray start_;

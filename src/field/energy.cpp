@@ -92,14 +92,17 @@ template <Form form, int axis>
   Lanes first = load(faces.at(entry, FaceWeights::kFirst)),
         second = load(faces.at(entry, FaceWeights::kSecond));
   const LaneMask is_face = place > Lanes{};
-  const Lanes middle =
+  Lanes middle =
       place * keep(kFaceInner * (from.lower + from.upper) + kFaceOuter * (from.before + from.after), is_face);
+  if constexpr (form == Form::kResidual)
+    if (!faces.middles.empty())
+      middle -= place * load(&faces.middles[static_cast<std::size_t>(entry) * kLanes]);
   Lanes slope = own * (from.upper - from.lower) +
                 (first * ((from.first_p - from.first_m) + (from.first_p_upper - from.first_m_upper)) +
                  second * ((from.second_p - from.second_m) + (from.second_p_upper - from.second_m_upper)));
   slope = keep(slope, is_face);
   if constexpr (form == Form::kResidual) slope -= load(faces.at(entry, FaceWeights::kTarget));
-  const Lanes a = kFaceInner * middle, b = kFaceOuter * middle;  // what goes to the two inner and the two outer points
+  const Lanes a = kFaceInner * middle, b = kFaceOuter * middle;  // to the two inner and the two outer points
   own *= slope, first *= slope, second *= slope;
   to.lower += a - own, to.upper += a + own;
   to.before += b, to.after += b;

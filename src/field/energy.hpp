@@ -19,9 +19,9 @@ struct DifferenceWeights {
 /// tensor, of `third` times their square; second derivatives likewise.
 [[nodiscard]] DifferenceWeights difference_weights(const Vec3& edges, double third, double second);
 
-/// Rows of the faces' data. A face's place: weight times (value in the face's middle)^2. Its slope: (own *
-/// difference across the face + first * sum of differences along the first of the other axes + second * … -
-/// target)^2.
+/// Rows of the faces' data. A face's place: weight times (value in the face's middle - middle)^2. Its slope:
+/// (own * difference across the face + first * sum of differences along the first of the other axes + second
+/// * … - target)^2.
 struct FaceWeights {
   enum Part : std::uint8_t { kPlace, kOwn, kFirst, kSecond, kTarget, kPartCount };
   explicit FaceWeights(int entries = 0)
@@ -32,7 +32,8 @@ struct FaceWeights {
   [[nodiscard]] const float* at(int entry, Part part) const {
     return &values[(static_cast<std::size_t>(entry) * kPartCount + part) * kLanes];
   }
-  std::vector<float> values;  // lanes of an entry without a face hold 0
+  std::vector<float> values;   // lanes of an entry without a face hold 0
+  std::vector<float> middles;  // kLanes of each entry; empty: all are 0
 };
 
 /// Cubic interpolation in the middle of four points, the two voxels of a face and those before and after.

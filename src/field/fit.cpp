@@ -6,6 +6,7 @@
 #include "binomial.hpp"
 #include "conjugate_gradients.hpp"
 #include "connections.hpp"
+#include "crossing_data.hpp"
 #include "face_data.hpp"
 #include "segment_loops.hpp"
 #include "sides.hpp"
@@ -66,6 +67,7 @@ class Fit {
     find_thin_parts(state.values, state);
     for (int i = 1; i < kStartMeans; ++i) binomial_mean(state.band, state.values, scratch);
     set_face_weights(state.values, state);
+    place_crossings(state);
     return state.values;
   }
 
@@ -73,6 +75,7 @@ class Fit {
     if (solve > 0) {
       damped_.restore(state_);
       if (solve <= kWeighings) set_face_weights(state_.values, state_);
+      place_crossings(state_);
       set_outliers_aside();
       using Step = StiffnessAdaptation::Step;
       if (solve <= kSoftenings + 1 &&

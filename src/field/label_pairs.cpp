@@ -64,6 +64,19 @@ class FaceScan {
   Eigen::Matrix<std::size_t, 3, 1> size_;
 };
 
+/// Crossings of the outer wall's faces; both are in the order of voxels, then axes.
+std::vector<float> crossings_of(const std::vector<Face>& faces, const LabelImage& image) {
+  std::vector<float> crossings(faces.size(), 0.0F);
+  auto next = image.crossings().begin();
+  const auto end = image.crossings().end();
+  for (std::size_t f = 0; f < faces.size() && next != end; ++f) {
+    const std::pair<std::uint64_t, int> face(image.frame().offset(faces[f].voxel), faces[f].axis);
+    while (next != end && std::pair<std::uint64_t, int>(next->voxel, next->axis) < face) ++next;
+    if (next != end && next->voxel == face.first && next->axis == face.second) crossings[f] = next->fraction;
+  }
+  return crossings;
+}
+
 }  // namespace
 
 std::vector<PairFaces> touching_pairs(const LabelImage& image) {
@@ -83,7 +96,8 @@ std::vector<PairFaces> touching_pairs(const LabelImage& image) {
   for (const KeyedFace& f : all) {
     if (f.pair != key) {
       key = f.pair;
-      pairs.push_back({{static_cast<LabelIndex>(key >> 16U), static_cast<LabelIndex>(key & 0xFFFFU)}, {}});
+      pairs.push_back(
+          {{static_cast<LabelIndex>(key >> 16U), static_cast<LabelIndex>(key & 0xFFFFU)}, {}, {}});
     }
     const auto x = static_cast<std::uint64_t>(image.frame().size.x());
     const auto y = static_cast<std::uint64_t>(image.frame().size.y());
@@ -91,6 +105,8 @@ std::vector<PairFaces> touching_pairs(const LabelImage& image) {
                                          static_cast<int>(f.voxel / (x * y))),
                                   static_cast<int>(f.axis)});
   }
+  if (!image.crossings().empty() && !pairs.empty() && pairs.front().pair.is_outer_wall())
+    pairs.front().crossings = crossings_of(pairs.front().faces, image);
   return pairs;
 }
 

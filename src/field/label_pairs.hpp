@@ -33,6 +33,9 @@ struct Face {
 struct PairFaces {
   LabelPair pair;
   std::vector<Face> faces;  ///< In the order of voxels, then axes.
+  /// For each face the fraction of its edge at which the boundary crosses, from `voxel`; 0 where it is not
+  /// known. Empty if it is of none.
+  std::vector<float> crossings;
 };
 
 /// Ascending by the pair. Cost: one pass over the image.

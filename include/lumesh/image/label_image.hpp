@@ -39,8 +39,16 @@ struct ImageFrame {
   [[nodiscard]] double voxel_volume_mm3() const { return spacing_mm.prod(); }
 };
 
+/// Where the boundary of the object crosses the edge between the centres of two voxels that share a face, one
+/// of them background.
+struct FaceCrossing {
+  std::uint64_t voxel = 0;  ///< Offset of one of them in the image; the other is the next along the axis.
+  float fraction = 0.5F;    ///< Of the edge, from that voxel's centre: in (0, 1).
+  std::uint8_t axis = 0;
+};
+
 /// Labels of an image, 16 bits a voxel. `values[i]` is the file's label of compact index i; values[0] == 0
-/// always (the background), the rest ascend. Memory: 2 bytes a voxel.
+/// always (the background), the rest ascend. Memory: 2 bytes a voxel, 16 for each crossing.
 class LabelImage {
  public:
   using Index = std::uint16_t;  ///< Compact label index into values().
@@ -58,11 +66,17 @@ class LabelImage {
   [[nodiscard]] Index at(const Index3& v) const { return voxels_[frame_.offset(v)]; }
   [[nodiscard]] Index& at(const Index3& v) { return voxels_[frame_.offset(v)]; }
   [[nodiscard]] Label label_at(const Index3& v) const { return values_[at(v)]; }
+  /// What grey values or probabilities say of the boundary's place (crossings.hpp); ascending by voxel, then
+  /// axis. Empty where labels are all that is known. Faces without one are crossed anywhere; crossings
+  /// without a face, as of labels that were taken out since, mean nothing.
+  [[nodiscard]] const std::vector<FaceCrossing>& crossings() const { return crossings_; }
+  [[nodiscard]] std::vector<FaceCrossing>& crossings() { return crossings_; }
 
  private:
   ImageFrame frame_;
   std::vector<Label> values_ = {kBackground};
   std::vector<Index> voxels_;
+  std::vector<FaceCrossing> crossings_;
 };
 
 }  // namespace lumesh

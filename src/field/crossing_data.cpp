@@ -1,0 +1,116 @@
+#include "crossing_data.hpp"
+
+#include <algorithm>
+
+#include "lumesh/core/wide.hpp"
+#include "segment_loops.hpp"
+#include "stencil.hpp"
+
+namespace lumesh::field {
+
+namespace {
+
+constexpr float kMostError = 0.5F;    // of the function at a crossing, as it counts in the variance
+constexpr double kLeastError = 0.02;  // standard deviation that interpolation along an edge leaves at least
+
+struct AtCrossings {
+  Lanes value;   // at the crossing
+  Lanes middle;  // in the face's middle
+};
+
+/// Catmull-Rom splines along the face's axis, as the function is interpolated later.
+template <int axis>
+[[gnu::always_inline]] inline AtCrossings at_crossings(const Stencil& u, const Lanes& t) {
+  const auto p = face_points<axis, const Lanes>(u);
+  const Lanes a = p.lower, b = p.upper - p.before,
+              c = 2.0F * p.before - 5.0F * p.lower + 4.0F * p.upper - p.after,
+              d = 3.0F * (p.lower - p.upper) + p.after - p.before;
+  const auto at = [&](const Lanes& x) { return a + 0.5F * x * (b + x * (c + x * d)); };
+  return {at(t), at(Lanes{} + 0.5F)};
+}
+
+/// Squares of the function at crossings, and how many.
+struct Errors {
+  double squares = 0, count = 0;
+};
+
+template <int axis>
+[[gnu::always_inline]] inline void place_entry(const Stencil& u, const Lanes& t, float* middles,
+                                               Lanes& squares, Lanes& count) {
+  const LaneMask known = t > Lanes{};
+  const AtCrossings f = at_crossings<axis>(u, t);
+  store(middles, keep(f.middle - f.value, known));
+  Lanes error = keep(f.value, known);
+  error = error > Lanes{} + kMostError   ? Lanes{} + kMostError
+          : error < Lanes{} - kMostError ? Lanes{} - kMostError
+                                         : error;
+  squares += error * error;
+  count += keep(Lanes{} + 1.0F, known);
+}
+
+LUMESH_WIDE_LOOPS Errors place_block(const Band& band, const LaneArray& values, int begin, int end,
+                                     FaceWeights& faces) {
+  Errors errors;
+  for (int s = begin; s < end; ++s) {
+    int entry = band.first_entry(s);
+    if (entry == band.first_entry(s + 1)) continue;
+    const Stencil u = gather(band.rows(s), s, values.data());
+    Lanes squares = {}, count = {};
+    const auto middles = [&] { return &faces.middles[static_cast<std::size_t>(entry) * kLanes]; };
+    if (band.faces(s, 0) != 0)
+      place_entry<0>(u, load(band.crossings(entry)), middles(), squares, count), ++entry;
+    if (band.faces(s, 1) != 0)
+      place_entry<1>(u, load(band.crossings(entry)), middles(), squares, count), ++entry;
+    if (band.faces(s, 2) != 0)
+      place_entry<2>(u, load(band.crossings(entry)), middles(), squares, count), ++entry;
+    errors.squares += static_cast<double>(sum(squares));
+    errors.count += static_cast<double>(sum(count));
+  }
+  return errors;
+}
+
+Errors place_all(FitState& state) {
+  const int end = state.band.end();
+  if (end <= 1) return {};
+  return parallel::reduce_blocks(
+      static_cast<std::size_t>(end - 1), kSegmentBlock, Errors{},
+      [&](std::size_t first, std::size_t last) {
+        return place_block(state.band, state.values, static_cast<int>(first) + 1, static_cast<int>(last) + 1,
+                           state.energy.faces);
+      },
+      [](const Errors& a, const Errors& b) {
+        return Errors{a.squares + b.squares, a.count + b.count};
+      });
+}
+
+/// A row's weight: the face's area by twelve times the variance; 12 stands in the variance of faces of which
+/// only the labels are known, too, so that this is at least their weight where the normal is the axis.
+void weigh_crossings(double variance, FitState& state) {
+  const Band& band = state.band;
+  const double volume = band.edges().prod(), trust = std::max(1.0, 1 / (12 * variance));
+  const Vec3 weights = (trust * volume) * band.edges().cwiseInverse();
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    for (int s = begin; s < end; ++s) {
+      int entry = band.first_entry(s);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (band.faces(s, axis) == 0) continue;
+        float* const place = state.energy.faces.at(entry, FaceWeights::kPlace);
+        const LaneMask known = load(band.crossings(entry)) > Lanes{};
+        store(place, known ? Lanes{} + static_cast<float>(weights[axis]) : load(place));
+        ++entry;
+      }
+    }
+  });
+}
+
+}  // namespace
+
+void place_crossings(FitState& state) {
+  if (!state.band.has_crossings()) return;
+  state.energy.faces.middles.resize(static_cast<std::size_t>(state.band.entry_count()) * kLanes, 0.0F);
+  const Errors errors = place_all(state);
+  if (errors.count == 0) return;
+  weigh_crossings(std::max(errors.squares / errors.count, kLeastError * kLeastError), state);
+}
+
+}  // namespace lumesh::field

@@ -1,0 +1,158 @@
+#include "lumesh/image/crossings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "lumesh/core/assert.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+
+namespace {
+
+constexpr std::size_t kRowsPerBlock = 256;
+constexpr std::size_t kMostLabelValues = 16;
+/// Crossings keep this much of an edge off the voxels' centres, so that each keeps its side.
+constexpr double kLeastFraction = 1.0 / 64;
+
+/// A few different values, ascending; `more` once there are too many for labels.
+struct FewValues {
+  std::array<double, kMostLabelValues> values = {};
+  std::size_t count = 0;
+  bool fractional = false, more = false;
+
+  void add(double value) {
+    if (more) return;
+    double* const end = values.data() + count;
+    double* const at = std::lower_bound(values.data(), end, value);
+    if (at != end && *at == value) return;
+    fractional |= std::trunc(value) != value;
+    more = count == kMostLabelValues || (fractional && count >= 2);
+    if (more) return;
+    std::move_backward(at, end, end + 1);
+    *at = value;
+    ++count;
+  }
+};
+
+/// What some rows of voxels hold.
+struct FacesFound {
+  CrossingCounts counts;
+  FewValues values;
+};
+
+template <class Value>
+class CrossingScan {
+ public:
+  CrossingScan(std::span<const Value> values, double level, const LabelImage& image)
+      : values_(values),
+        level_(level),
+        labels_(image.voxels()),
+        size_(image.frame().size.cast<std::size_t>()) {}
+
+  [[nodiscard]] std::size_t rows() const { return size_.y() * size_.z(); }
+
+  void scan_row(std::size_t row, FacesFound& found, std::vector<FaceCrossing>& out) const {
+    const std::size_t y = row % size_.y(), z = row / size_.y(), begin = row * size_.x();
+    const std::array<std::size_t, 3> step = {1, size_.x(), size_.x() * size_.y()};
+    for (std::size_t x = 0; x < size_.x(); ++x) {
+      if (x + 1 < size_.x()) look_at(begin + x, step[0], 0, found, out);
+      if (y + 1 < size_.y()) look_at(begin + x, step[1], 1, found, out);
+      if (z + 1 < size_.z()) look_at(begin + x, step[2], 2, found, out);
+    }
+  }
+
+ private:
+  void look_at(std::size_t voxel, std::size_t step, std::uint8_t axis, FacesFound& found,
+               std::vector<FaceCrossing>& out) const {
+    const bool first_inside = labels_[voxel] != 0;
+    if (first_inside == (labels_[voxel + step] != 0)) return;
+    ++found.counts.faces;
+    const auto first = static_cast<double>(values_[voxel]),
+               second = static_cast<double>(values_[voxel + step]);
+    const double inside = first_inside ? first : second, outside = first_inside ? second : first;
+    const bool is_crossed = inside >= level_ && outside < level_ && std::isfinite(inside - outside);
+    if (!is_crossed) {
+      ++found.counts.against;
+      return;
+    }
+    found.values.add(first);
+    found.values.add(second);
+    const double fraction = (level_ - first) / (second - first);
+    out.push_back(
+        {voxel, static_cast<float>(std::clamp(fraction, kLeastFraction, 1 - kLeastFraction)), axis});
+  }
+
+  std::span<const Value> values_;
+  double level_;
+  std::span<const LabelImage::Index> labels_;
+  Eigen::Matrix<std::size_t, 3, 1> size_;
+};
+
+}  // namespace
+
+template <class Value>
+CrossingCounts find_crossings(std::span<const Value> values, double level, LabelImage& image) {
+  LUMESH_ASSERT(values.size() == image.voxels().size());
+  const CrossingScan<Value> scan(values, level, image);
+  std::vector<FacesFound> found((scan.rows() + kRowsPerBlock - 1) / kRowsPerBlock);
+  image.crossings() = parallel::collect_blocks<FaceCrossing>(
+      scan.rows(), kRowsPerBlock, [&](std::size_t begin, std::size_t end, std::vector<FaceCrossing>& out) {
+        for (std::size_t row = begin; row < end; ++row) scan.scan_row(row, found[begin / kRowsPerBlock], out);
+      });
+  CrossingCounts counts;
+  FewValues few;
+  for (const FacesFound& block : found) {
+    counts.faces += block.counts.faces;
+    counts.against += block.counts.against;
+    few.more |= block.values.more;
+    for (std::size_t i = 0; i < block.values.count; ++i) few.add(block.values.values[i]);
+  }
+  counts.values_are_labels = !few.more && !image.crossings().empty();
+  if (counts.values_are_labels) image.crossings().clear();
+  counts.crossed = image.crossings().size();
+  return counts;
+}
+
+template CrossingCounts find_crossings(std::span<const std::uint8_t>, double, LabelImage&);
+template CrossingCounts find_crossings(std::span<const std::int8_t>, double, LabelImage&);
+template CrossingCounts find_crossings(std::span<const std::uint16_t>, double, LabelImage&);
+template CrossingCounts find_crossings(std::span<const std::int16_t>, double, LabelImage&);
+template CrossingCounts find_crossings(std::span<const std::uint32_t>, double, LabelImage&);
+template CrossingCounts find_crossings(std::span<const std::int32_t>, double, LabelImage&);
+template CrossingCounts find_crossings(std::span<const std::uint64_t>, double, LabelImage&);
+template CrossingCounts find_crossings(std::span<const std::int64_t>, double, LabelImage&);
+template CrossingCounts find_crossings(std::span<const float>, double, LabelImage&);
+template CrossingCounts find_crossings(std::span<const double>, double, LabelImage&);
+
+CrossingCounts count_crossings(const LabelImage& image) {
+  const Eigen::Matrix<std::size_t, 3, 1> size = image.frame().size.cast<std::size_t>();
+  const std::array<std::size_t, 3> step = {1, size.x(), size.x() * size.y()};
+  const auto is_face = [&](std::size_t voxel, std::size_t axis) {
+    return (image.voxels()[voxel] != 0) != (image.voxels()[voxel + step[axis]] != 0);
+  };
+  CrossingCounts counts;
+  counts.faces = parallel::reduce_blocks(
+      size.y() * size.z(), kRowsPerBlock, std::size_t{0},
+      [&](std::size_t begin, std::size_t end) {
+        std::size_t faces = 0;
+        for (std::size_t row = begin; row < end; ++row) {
+          const std::array<std::size_t, 3> last = {size.x() - 1, row % size.y() + 1 < size.y() ? size.x() : 0,
+                                                   row / size.y() + 1 < size.z() ? size.x() : 0};
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::size_t x = 0; x < last[axis]; ++x)
+              faces += static_cast<std::size_t>(is_face(row * size.x() + x, axis));
+        }
+        return faces;
+      },
+      [](std::size_t a, std::size_t b) { return a + b; });
+  counts.crossed = static_cast<std::size_t>(
+      std::count_if(image.crossings().begin(), image.crossings().end(),
+                    [&](const FaceCrossing& c) { return is_face(c.voxel, c.axis); }));
+  return counts;
+}
+
+}  // namespace lumesh
