@@ -88,10 +88,11 @@ void check_options(const AdaptCommand& command) {
   command.options.validate();
   check_volume_output(command.output_path);
   const ImageSelection& selection = command.selection;
-  if (command.image_path.empty() &&
-      (!selection.labels.empty() || selection.threshold || selection.largest_component))
+  if (command.image_path.empty() && (!selection.labels.empty() || selection.threshold ||
+                                     !selection.probabilities.empty() || selection.largest_component))
     throw Error(ErrorKind::kUsage,
-                "--labels, --threshold and --largest-component say what of --image to take; give it");
+                "--labels, --threshold, --probabilities and --largest-component say what of --image to take; "
+                "give it");
   if (!command.metric_output_path.empty() && !is_metric_file(command.metric_output_path))
     throw Error(ErrorKind::kUsage,
                 "--metric-output " + command.metric_output_path + ": must be .sol or .solb");
@@ -150,8 +151,9 @@ void run(AdaptCommand command) {
   const LongRun long_run(context, command.run, command.time_limit_s);
   check_options(command);
   check_output_folders({command.output_path, command.metric_output_path, command.json_path});
-  check_inputs_stay({command.metric_output_path, command.json_path},
-                    {command.mesh_path, command.metric_path, command.image_path});
+  check_inputs_stay(
+      {command.metric_output_path, command.json_path},
+      {command.mesh_path, command.metric_path, command.image_path, command.selection.probabilities});
   MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   if (!command.analytic.empty()) input.metric.clear();
   if (!command.keep.empty() && !command.metric_path.empty())
@@ -247,6 +249,7 @@ void add_adapt_command(CLI::App& program) {
                   std::string("Image that the mesh was made of ") + kImageFormats +
                       ": the surface follows its boundary instead of the mesh's own surface");
   add_selection_options(*sub, command->selection, "Take");
+  add_probabilities_option(*sub, command->selection);
   sub->add_option("--feature-angle", command->feature_angle_deg,
                   "Where patches bend by more degrees they keep their creases, 1 to 180")
       ->check(CLI::Range(1.0, 180.0))

@@ -78,10 +78,21 @@ void print_warning(std::string_view text) {
 
 void add_selection_options(CLI::App& command, ImageSelection& selection, const std::string& verb) {
   command.add_option("--labels", selection.labels, verb + " these labels only")->delimiter(',');
-  command.add_option("--threshold", selection.threshold,
-                     "Voxels at or above become label 1, the rest background");
+  command.add_option(
+      "--threshold", selection.threshold,
+      "Voxels at or above become label 1, the rest background; their values place the boundary "
+      "between voxels");
   command.add_flag("--largest-component", selection.largest_component,
                    verb + " the largest connected piece of the image only");
+}
+
+void add_probabilities_option(CLI::App& command, ImageSelection& selection) {
+  command
+      .add_option(
+          "--probabilities", selection.probabilities,
+          "Image of the object's probability, 0 to 1, on the label image's grid: its values place the "
+          "boundary between voxels")
+      ->excludes("--threshold");
 }
 
 std::vector<CutPlane> planes_from(const PlaneNumbers& numbers) {

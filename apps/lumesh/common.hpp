@@ -51,6 +51,9 @@ void print_warning(std::string_view text);
 /// --labels, --threshold and --largest-component. `verb` begins their help, such as "Mesh".
 void add_selection_options(CLI::App& command, ImageSelection& selection, const std::string& verb);
 
+/// --probabilities, of commands that ask where the boundary runs.
+void add_probabilities_option(CLI::App& command, ImageSelection& selection);
+
 /// Planes as they come from the command line: x y z nx ny nz each.
 using PlaneNumbers = std::vector<std::vector<double>>;
 void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::string& meaning);

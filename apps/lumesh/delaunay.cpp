@@ -75,7 +75,8 @@ void check_options(const DelaunayCommand& command) {
   const SizingOptions& sizes = command.sizing;
   check_output_folders({command.mesh_path, command.surface_path, command.json_path});
   check_inputs_stay({command.mesh_path, command.surface_path, command.json_path},
-                    {command.input.path, sizes.points_path, sizes.image_path, sizes.mesh_path, sizes.plugin});
+                    {command.input.path, command.input.selection.probabilities, sizes.points_path,
+                     sizes.image_path, sizes.mesh_path, sizes.plugin});
 }
 
 Seeding seeding_of(const std::string& name) {

@@ -27,6 +27,7 @@ void add_domain_options(CLI::App& command, DomainInput& input) {
           std::string("Label image ") + kImageFormats + ", or closed surface (.stl, .vtp, .mesh, .msh)")
       ->required();
   add_selection_options(command, input.selection, "Mesh");
+  add_probabilities_option(command, input.selection);
   add_cut_plane_option(command, input.cut_planes, "cut off what lies on the normal's side");
   add_boundary_option(command, input.image.field);
   command
@@ -46,7 +47,8 @@ void check_domain_options(const CLI::App& command, const DomainInput& input) {
                                                  is_surface ? "a surface" : "an image"));
   };
   if (!is_surface) return refuse("--feature-angle");
-  for (const char* option : {"--labels", "--threshold", "--largest-component", "--cut-plane", "--boundary"})
+  for (const char* option :
+       {"--labels", "--threshold", "--probabilities", "--largest-component", "--cut-plane", "--boundary"})
     refuse(option);
 }
 

@@ -106,7 +106,8 @@ void run(const EvaluateCommand& command) {
   const parallel::ThreadLimit limit(command.run.threads);
   check_output_folders({command.json_path, command.report_path, command.picture_path});
   check_inputs_stay({command.json_path, command.report_path, command.picture_path},
-                    {command.mesh_path, command.image_path, command.centerline_path, command.reference_path});
+                    {command.mesh_path, command.image_path, command.selection.probabilities,
+                     command.centerline_path, command.reference_path});
   if (!command.centerline_path.empty() && command.image_path.empty())
     throw Error(ErrorKind::kUsage, "--centerline is for the comparison with an image; give --image, too");
   Context context = make_context(command.run);
@@ -156,6 +157,7 @@ void add_evaluate_command(CLI::App& program) {
   sub->add_option("mesh", command->mesh_path, "Mesh (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("--image", command->image_path, "Label image the mesh was made from");
   add_selection_options(*sub, command->selection, "Take");
+  add_probabilities_option(*sub, command->selection);
   add_cut_plane_option(*sub, command->cut_planes, "as given when the mesh was made");
   sub->add_option("--centerline", command->centerline_path,
                   "Axes of the vessels (.vtp, by lumesh centerline), or none; default: found in the image");

@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "lumesh/image/crossings.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -49,6 +50,8 @@ json describe_image(const LabelImage& image) {
                              {"volume_mm3", tidy(t.volume_mm3)},
                              {"components", t.component_count},
                              {"euler", t.euler_number}});
+  const CrossingCounts counts = count_crossings(image);
+  all["boundary"] = {{"faces", counts.faces}, {"placed_by_values", counts.crossed}};
   return all;
 }
 
@@ -133,6 +136,7 @@ void add_info_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("info", "Say what an image or a mesh holds");
   sub->add_option("file", command->path, std::string("Image ") + kImageFormats + " or mesh")->required();
   add_selection_options(*sub, command->selection, "Look at");
+  add_probabilities_option(*sub, command->selection);
   sub->add_flag("--json", command->as_json, "Print JSON");
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);

@@ -85,7 +85,8 @@ void run(const LatticeCommand& command) {
   Context context = make_context(command.run);
   check_surface_output(command.surface_path);
   check_output_folders({command.mesh_path, command.surface_path});
-  check_inputs_stay({command.mesh_path, command.surface_path}, {command.image_path});
+  check_inputs_stay({command.mesh_path, command.surface_path},
+                    {command.image_path, command.selection.probabilities});
   const LabelImage image = context.phase(
       "read", [&] { return read_selected_image(command.image_path, command.selection, context); });
   ImageDomainOptions domain_options = command.domain;
@@ -137,6 +138,7 @@ void add_lattice_command(CLI::App& program) {
       "--mixed", [command] { command->options.cells = LatticeCells::kMixed; },
       "Hexahedra and pyramids where the lattice is regular, tetrahedra elsewhere");
   add_selection_options(*sub, command->selection, "Mesh");
+  add_probabilities_option(*sub, command->selection);
   add_cut_plane_option(*sub, command->cut_planes, "cut off what lies on the normal's side");
   add_boundary_option(*sub, command->domain.field);
   add_threads_option(*sub, command->run);

@@ -115,7 +115,8 @@ void add_source_options(CLI::App& command, MetricSources& sources) {
                   "Label image the mesh was made of, whose boundary's curvature is taken instead")
       ->needs(curvature);
   add_selection_options(command, sources.selection, "With --image: take");
-  for (const char* option : {"--labels", "--threshold", "--largest-component"})
+  add_probabilities_option(command, sources.selection);
+  for (const char* option : {"--labels", "--threshold", "--probabilities", "--largest-component"})
     command.get_option(option)->needs("--image");
   CLI::Option* const edges = command
                                  .add_option("--edges-per-radius", sources.edges_per_radius,

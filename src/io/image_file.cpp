@@ -35,6 +35,17 @@ io::RawImage read_raw(const fs::path& path, Context& context) {
   return io::read_with_itk(path, context);
 }
 
+/// The image without its file of probabilities.
+LabelImage read_labels(const fs::path& path, const ImageReadOptions& options, Context& context) {
+  const io::RawImage raw = read_raw(path, context);
+  ImageReadOptions taken = options;
+  if (options.labels.empty() && !options.threshold && io::are_probabilities(raw))
+    taken.threshold = io::kEvenProbability;
+  LabelImage image = io::number_labels(raw, path, taken);
+  if (taken.threshold && options.probabilities.empty()) io::place_by_threshold(raw, *taken.threshold, image);
+  return image;
+}
+
 }  // namespace
 
 LabelImage read_image(const fs::path& path, const ImageReadOptions& options, Context& context) {
@@ -42,8 +53,15 @@ LabelImage read_image(const fs::path& path, const ImageReadOptions& options, Con
     throw Error(ErrorKind::kUsage, "labels and a threshold exclude each other: give one of them");
   if (options.threshold && !std::isfinite(*options.threshold))
     throw Error(ErrorKind::kUsage, "the threshold must be a finite number");
+  if (options.threshold && !options.probabilities.empty())
+    throw Error(ErrorKind::kUsage, "a threshold and probabilities exclude each other: give one of them");
   check_readable(path);
-  return io::number_labels(read_raw(path, context), path, options);
+  if (!options.probabilities.empty()) check_readable(options.probabilities);
+  LabelImage image = read_labels(path, options, context);
+  if (!options.probabilities.empty())
+    io::place_by_probabilities(read_raw(options.probabilities, context), options.probabilities, context,
+                               image);
+  return image;
 }
 
 NumberImage read_number_image(const fs::path& path, Context& context) {

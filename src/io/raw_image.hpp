@@ -15,6 +15,9 @@
 
 namespace lumesh::io {
 
+/// The boundary runs where the probability of the object is this.
+inline constexpr double kEvenProbability = 0.5;
+
 enum class VoxelType : std::uint8_t {
   kUInt8,
   kInt8,
@@ -117,8 +120,17 @@ decltype(auto) visit_voxels(const RawImage& image, Visit&& visit) {
 /// Turns the byte order of every voxel.
 void swap_bytes(RawImage& image);
 
-/// Finds the labels, applies the options and numbers the voxels.
+/// Finds the labels, applies the options but for the file of probabilities, and numbers the voxels.
 [[nodiscard]] LabelImage number_labels(const RawImage& raw, const std::filesystem::path& path,
                                        const ImageReadOptions& options);
+
+/// Whether the voxels are fractions from 0 to 1, to rounding. NaN may be among them.
+[[nodiscard]] bool are_probabilities(const RawImage& raw);
+/// Sets the crossings of an image where its own values reach the threshold that it was made with.
+void place_by_threshold(const RawImage& raw, double threshold, LabelImage& image);
+/// The same by the probabilities of another file; warns of what makes them doubtful.
+/// @throws Error{kBadInput} if they are none, or of another grid.
+void place_by_probabilities(const RawImage& probabilities, const std::filesystem::path& path,
+                            const Context& context, LabelImage& image);
 
 }  // namespace lumesh::io

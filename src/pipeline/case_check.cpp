@@ -21,13 +21,19 @@ void check_input(const Case& c) {
     refuse("[input] needs one of image, surface and phantom, not " + std::to_string(given) + " of them");
   if (!input.surface.empty() && c.mesher == Mesher::kLattice)
     refuse("the lattice mesher takes images; for [input] surface set mesher = \"delaunay\"");
-  if (!input.surface.empty() && (!input.cut_planes.empty() || !input.selection.labels.empty() ||
-                                 input.selection.threshold || input.selection.largest_component))
+  const ImageSelection& selection = input.selection;
+  if (!input.surface.empty() &&
+      (!input.cut_planes.empty() || !selection.labels.empty() || selection.threshold ||
+       !selection.probabilities.empty() || selection.largest_component))
     refuse(
-        "[input] labels, threshold, largest_component and cut_planes are for images; leave them out with "
-        "surface");
+        "[input] labels, threshold, probabilities, largest_component and cut_planes are for images; leave "
+        "them "
+        "out with surface");
+  if (selection.threshold && !selection.probabilities.empty())
+    refuse("[input] threshold and probabilities exclude each other; give one of them");
   if (input.phantom.empty()) return;
-  if (input.selection.threshold) refuse("[input] threshold is for images; leave it out with phantom");
+  if (selection.threshold || !selection.probabilities.empty())
+    refuse("[input] threshold and probabilities are for images; leave them out with phantom");
   try {
     static_cast<void>(phantom_kind_from_name(input.phantom));
   } catch (const Error& unknown) {

@@ -47,7 +47,10 @@ void add_input_keys(KeyList& list, InputKeys& input) {
   list.number("phantom_spacing", &input.phantom_spec.spacing_mm, 0, kAny, "Their size in mm; 0: the default");
   list.number("phantom_noise", &input.phantom_spec.noise_voxels, 0, 2, "Voxels by which its boundary moves");
   list.key("labels", &input.selection.labels, "Labels of the image to mesh; empty: all");
-  list.key("threshold", &input.selection.threshold, "Voxels at or above become label 1, the rest background");
+  list.key("threshold", &input.selection.threshold,
+           "Voxels at or above become label 1, the rest background; their values place the boundary");
+  list.key("probabilities", FilePath{&input.selection.probabilities, {}},
+           "Image of the object's probability, 0 to 1, on the image's grid, which places the boundary");
   list.key("largest_component", &input.selection.largest_component, "Only the largest connected piece");
   list.key("cut_planes", &input.cut_planes,
            "Planes [x, y, z, nx, ny, nz] in mm that cut off their normal's side");

@@ -52,6 +52,9 @@ std::string content_of(const LabelImage& image) {
                            });
   std::uint64_t hash = kStart;
   for (const std::uint64_t of_slice : of_slices) hash = mix(hash, of_slice);
+  for (const FaceCrossing& crossing : image.crossings())
+    hash =
+        mix(mix(mix(hash, crossing.voxel), crossing.axis), std::bit_cast<std::uint32_t>(crossing.fraction));
   for (const Label label : image.values()) hash = mix(hash, static_cast<std::uint64_t>(label));
   for (const double x : frame.direction.reshaped()) hash = mix(hash, std::bit_cast<std::uint64_t>(x));
   for (int axis = 0; axis < 3; ++axis) {

@@ -2,6 +2,7 @@
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/image/crossings.hpp"
 #include "lumesh/image/selection.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/sha256.hpp"
@@ -44,11 +45,19 @@ void describe_image(const LabelImage& image, report::StageReport& stage) {
       {"Voxels", fmt::format("{} x {} x {}", frame.size.x(), frame.size.y(), frame.size.z())});
   stage.figures.push_back(
       {"Voxel size", fmt::format("{:g} x {:g} x {:g}", spacing.x(), spacing.y(), spacing.z()), "mm"});
-  for (const LabelTopology& label : label_topology(image))
+  const std::vector<LabelTopology> labels = label_topology(image);
+  for (const LabelTopology& label : labels)
     stage.figures.push_back({fmt::format("Label {}", label.label), label.volume_mm3, "mm3",
                              fmt::format("{} voxels, {} pieces, Euler number {}", label.voxel_count,
                                          label.component_count, label.euler_number)});
-  if (stage.figures.size() == 2)
+  if (!image.crossings().empty()) {
+    const CrossingCounts counts = count_crossings(image);
+    stage.figures.push_back(
+        {"Boundary placed by values",
+         100.0 * static_cast<double>(counts.crossed) / static_cast<double>(counts.faces), "%",
+         fmt::format("{} of {} voxel faces of the object", counts.crossed, counts.faces)});
+  }
+  if (labels.empty())
     throw Error(ErrorKind::kBadInput, "has no voxel that is not background; check labels and threshold");
 }
 

@@ -17,15 +17,20 @@ struct ImageReadOptions {
   std::vector<Label> labels = {};  ///< Keep these only, the rest becomes background; empty = all.
   /// Voxels >= threshold become label 1, the rest background; excludes `labels`.
   std::optional<double> threshold = {};
+  /// Image of the probability of the object (all labels together) on the same grid, which says where its
+  /// boundary runs between the voxels; empty: none. Excludes `threshold`.
+  std::filesystem::path probabilities = {};
 };
 
 /// Reads a label image: NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), GIPL (.gipl,
 /// .gipl.gz), or a DICOM series (its folder, or one file of it). Positions are millimetres in LPS whatever
 /// the file's frame.
 ///
-/// Integer voxels, or floats with integral values, of at most 65,535 different labels. Direction cosines that
-/// are not orthonormal are replaced by the nearest orthonormal ones: with a warning when no voxel axis turns
-/// by more than 3 degrees, else refused. A 4-D image with one volume is taken as 3-D.
+/// Integer voxels, or floats with integral values, of at most 65,535 different labels; or floats with
+/// fractions, all from 0 to 1: probabilities, which are taken as if the threshold were 0.5. Where there are
+/// values besides labels (with a threshold, or probabilities), they set the image's crossings. Direction
+/// cosines that are not orthonormal are replaced by the nearest orthonormal ones: with a warning when no
+/// voxel axis turns by more than 3 degrees, else refused. A 4-D image with one volume is taken as 3-D.
 ///
 /// @throws Error{kBadInput} for every fault of the file (missing, truncated, 2-D, spacing, labels, NaN); the
 /// message is one line with the file, the fault and the remedy. Error{kMemory} if the voxels do not fit in

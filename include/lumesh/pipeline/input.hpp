@@ -21,6 +21,7 @@ namespace lumesh {
 struct ImageSelection {
   std::vector<Label> labels;        ///< These only; all if empty.
   std::optional<double> threshold;  ///< Voxels at or above become label 1, the rest background.
+  std::string probabilities;        ///< Image that places the object's boundary between voxels; empty: none.
   bool largest_component = false;   ///< Only the largest connected piece of all labels together.
 };
 
