@@ -97,7 +97,10 @@ void run_field(const RunOptions& options) {
   JsonLines lines(options.json_path);
   print_head();
   int compared = 0, good = 0, other_topology = 0, images = 0;
-  for (const Case& c : all_cases()) {
+  std::vector<Case> cases = all_cases();
+  const std::vector<Case> of_values = value_cases();
+  cases.insert(cases.end(), of_values.begin(), of_values.end());
+  for (const Case& c : cases) {
     if (!matches(c.name, options)) continue;
     Row row;
     for (int seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {

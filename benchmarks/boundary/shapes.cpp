@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lumesh/image/crossings.hpp"
 #include "lumesh/image/topology.hpp"
 
 namespace lumesh::boundary {
@@ -236,9 +237,12 @@ Case tube_case(double radius, const TubeDirection& direction, double z_edge = 1)
 
 /// The same shape at the same places, with wrong labels.
 Case with_error(const Case& shape, const LabelError& error) {
-  const std::string prefix = error.flipped_share > 0
-                                 ? "flips" + short_number(100 * error.flipped_share) + "%-"
-                                 : "shift" + short_number(error.correlated_mm) + "-";
+  const std::string prefix =
+      error.told == Told::kRamp        ? "ramp" + short_number(error.value_noise) + "-"
+      : error.told == Told::kVolumes   ? "volumes" + short_number(error.value_noise) + "-"
+      : error.told == Told::kThreshold ? "threshold" + short_number(error.value_noise) + "-"
+      : error.flipped_share > 0        ? "flips" + short_number(100 * error.flipped_share) + "%-"
+                                       : "shift" + short_number(error.correlated_mm) + "-";
   return {prefix + shape.name, error, shape.make};
 }
 
@@ -292,6 +296,47 @@ std::vector<double> correlated_noise(const ImageFrame& frame, Random random) {
     square += (value - mean) * (value - mean) / static_cast<double>(values.size());
   for (double& value : values) value = (value - mean) / std::sqrt(square);
   return values;
+}
+
+/// The share of a voxel that is inside, by 8 x 8 x 8 samples.
+double share_inside(const Shape& shape, const Index3& voxel) {
+  constexpr int kSamples = 8;
+  const Vec3& edges = shape.frame.spacing_mm;
+  const Vec3 centre = shape.frame.to_physical(voxel.cast<double>());
+  const double depth = shape.depth_mm(centre);
+  if (std::abs(depth) > 1.2 * edges.norm()) return depth > 0 ? 1 : 0;
+  int inside = 0;
+  for (int k = 0; k < kSamples; ++k)
+    for (int j = 0; j < kSamples; ++j)
+      for (int i = 0; i < kSamples; ++i) {
+        const Vec3 at = (Vec3(i, j, k) + Vec3::Constant(0.5)) / kSamples - Vec3::Constant(0.5);
+        inside += shape.depth_mm(centre + at.cwiseProduct(edges)) > 0 ? 1 : 0;
+      }
+  return inside / std::pow(kSamples, 3);
+}
+
+double ramp_at(const Shape& shape, const Index3& voxel) {
+  return std::clamp(0.5 + 0.5 * shape.depth_mm(shape.frame.to_physical(voxel.cast<double>())), 0.0, 1.0);
+}
+
+LabelImage image_of_values(const Shape& shape, const LabelError& error, std::uint64_t seed) {
+  LabelImage image(shape.frame, {kBackground, 1});
+  const ImageFrame& f = shape.frame;
+  std::vector<float> values(f.voxel_count());
+  Random random(seed_of(shape.name + "/values", seed));
+  for (int k = 0; k < f.size.z(); ++k)
+    for (int j = 0; j < f.size.y(); ++j)
+      for (int i = 0; i < f.size.x(); ++i) {
+        const Index3 v(i, j, k);
+        const double value = (error.told == Told::kRamp ? ramp_at(shape, v) : share_inside(shape, v)) +
+                             error.value_noise * random.normal();
+        values[f.offset(v)] = static_cast<float>(value);
+        image.at(v) = value >= 0.5 ? 1 : 0;
+      }
+  keep_largest_component(image, ComponentScope::kUnion);
+  if (error.told != Told::kThreshold)
+    static_cast<void>(find_crossings(std::span<const float>(values), 0.5, image));
+  return image;
 }
 
 }  // namespace
@@ -376,7 +421,26 @@ std::vector<Case> all_cases() {
   return cases;
 }
 
+std::vector<Case> value_cases() {
+  const std::vector<TubeDirection> directions = tube_directions();
+  std::vector<Case> shapes;
+  for (const double radius : {1.5, 2.0, 3.0, 5.0, 10.0})
+    for (const int direction : {0, 1, 5})
+      shapes.push_back(tube_case(radius, directions[static_cast<std::size_t>(direction)]));
+  shapes.push_back(tube_case(5, directions[1], 2));
+  for (const Case& c : {plain("sphere", sphere), plain("torus", torus), plain("stenosis", stenosis),
+                        plain("fork", fork), plain("plate-oblique", oblique_plate)})
+    shapes.push_back(c);
+  std::vector<Case> cases;
+  for (const double noise : {0.0, 0.05, 0.1})
+    for (const Told told : {Told::kThreshold, Told::kVolumes, Told::kRamp})
+      for (const Case& shape : shapes)
+        cases.push_back(with_error(shape, {.told = told, .value_noise = noise}));
+  return cases;
+}
+
 LabelImage labels_of(const Shape& shape, const LabelError& error, std::uint64_t seed) {
+  if (error.told != Told::kSides) return image_of_values(shape, error, seed);
   LabelImage image(shape.frame, {kBackground, 1});
   const ImageFrame& f = shape.frame;
   std::vector<double> shift;

@@ -40,10 +40,20 @@ struct Shape {
   [[nodiscard]] double voxels_from_border(const Vec3& point_mm) const;
 };
 
+/// What an image tells besides labels.
+enum class Told : std::uint8_t {
+  kSides,      ///< Labels: of voxels' centres.
+  kThreshold,  ///< Labels: of voxels of which the shape has at least half the volume.
+  kVolumes,    ///< These shares of volume, too.
+  kRamp,       ///< Values that rise with the depth, from 0 to 1 within two voxels, and the labels they make.
+};
+
 /// What separates the labels from the shape's own voxels.
 struct LabelError {
   double flipped_share = 0;  ///< Of the voxels with a neighbour of the other label.
   double correlated_mm = 0;  ///< Standard deviation of a smooth random shift of the surface.
+  Told told = Told::kSides;
+  double value_noise = 0;  ///< Standard deviation of an error of the values.
 };
 
 /// One entry of the list of shapes.
@@ -55,6 +65,9 @@ struct Case {
 
 /// All shapes, in the order in which they are reported.
 [[nodiscard]] std::vector<Case> all_cases();
+
+/// Images of values besides labels, and of the labels that they make alone.
+[[nodiscard]] std::vector<Case> value_cases();
 
 /// Label 1 where a voxel's centre is inside. With a correlated error the largest piece alone.
 [[nodiscard]] LabelImage labels_of(const Shape& shape, const LabelError& error, std::uint64_t seed);
