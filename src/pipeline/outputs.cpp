@@ -46,6 +46,8 @@ void describe_mesh(const CaseState& state, report::StageReport& stage) {
   input.phantom = state.phantom ? &*state.phantom : nullptr;
   input.cut_planes = state.c.input.cut_planes;
   input.kernel = &state.mesh;
+  // Lines of a surface have no voxels beside them.
+  if (state.image && !state.centerline.lines.empty()) input.axes = &state.centerline;
   stage.evaluation =
       state.context.phase("measures", [&] { return quality::evaluate(view, input, state.context); });
   if (!state.c.output.report.empty())

@@ -100,6 +100,13 @@ class RunTest(CaseTest):
         self.assertTrue(last["valid"])
         self.assertAlmostEqual(last["complexity"] / 3000, 1, delta=0.03)
         self.assertEqual(last["metric_mean_ratio"]["below"]["0.1"], 0)
+        self.assertTrue(last["narrowest_sections"])
+        tightened = sum(section["tightened"] for section in last["narrowest_sections"])
+        warned = [w for w in last["warnings"] if "narrower in the mesh than in the voxels" in w]
+        self.assertEqual(len(warned), 1 if tightened else 0)
+        page = (self.out / "report.html").read_text(encoding="utf-8")
+        self.assertIn("Narrowest section of each branch", page)
+        self.assertIn("Voxels kept", page)
         evaluated = self.folder / "a.json"
         self.run_well("evaluate", self.out / "a.vtu", "--json", evaluated)
         self.assertEqual(json.loads(evaluated.read_text())["metric_edge_length"], last["metric_edge_length"])
