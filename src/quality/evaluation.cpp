@@ -107,7 +107,20 @@ void add_difference(const char* what, const Value& found, const OfImage& of_imag
            std::to_string(of_image) + ")";
 }
 
-void list_topology_differences(Evaluation& evaluation) {
+/// What a label's cells have more than its voxels; of handles and cavities none where they cannot be counted.
+TopologyDifference difference_of(const LabelEvaluation& label) {
+  TopologyDifference more{.label = label.label};
+  more.components =
+      static_cast<std::int64_t>(label.components) - static_cast<std::int64_t>(label.image->components);
+  if (const auto cavities = label.cavities())
+    more.cavities = *cavities - static_cast<std::int64_t>(label.image->cavities);
+  if (const auto handles = label.handles()) more.handles = *handles - label.image->handles();
+  more.euler = label.euler - label.image->euler;
+  return more;
+}
+
+std::vector<TopologyDifference> list_topology_differences(Evaluation& evaluation) {
+  std::vector<TopologyDifference> differences;
   for (const LabelEvaluation& label : evaluation.labels) {
     if (!label.image || label.lost()) continue;
     std::string words;
@@ -117,9 +130,11 @@ void list_topology_differences(Evaluation& evaluation) {
     if (const auto handles = label.handles())
       add_difference("handles", *handles, label.image->handles(), words);
     if (words.empty()) add_difference("Euler number", label.euler, label.image->euler, words);
-    if (!words.empty())
-      evaluation.topology_differences.push_back("label " + std::to_string(label.label) + ": " + words);
+    if (words.empty()) continue;
+    evaluation.topology_differences.push_back("label " + std::to_string(label.label) + ": " + words);
+    differences.push_back(difference_of(label));
   }
+  return differences;
 }
 
 void add_voxels_kept(const MeshView& mesh, const MeshSurface& surface, const EvaluationInput& input,
@@ -179,7 +194,11 @@ void add_image(const MeshView& mesh, const MeshSurface& surface, const Evaluatio
     entry(evaluation, label.label).distances = label.distances;
   context.phase("voxels kept", [&] { add_voxels_kept(mesh, surface, input, evaluation); });
   if (input.axes) add_sections(mesh, surface, input, evaluation, context);
-  if (input.cut_planes.empty()) list_topology_differences(evaluation);
+  if (!input.cut_planes.empty()) return;
+  const std::vector<TopologyDifference> differences = list_topology_differences(evaluation);
+  if (!differences.empty())
+    evaluation.topology_places = context.phase(
+        "places of other topology", [&] { return find_topology_places(mesh, image, differences); });
 }
 
 }  // namespace

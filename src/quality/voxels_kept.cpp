@@ -1,6 +1,5 @@
 #include "lumesh/quality/voxels_kept.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +8,7 @@
 #include "lumesh/parallel/loops.hpp"
 #include "nearby.hpp"
 #include "on_planes.hpp"
+#include "rows_of_tetrahedron.hpp"
 
 namespace lumesh::quality {
 
@@ -16,65 +16,7 @@ namespace {
 
 using image::Run;
 
-constexpr double kRounding = 1e-9;    // Of a centre against a side, in voxels.
 constexpr double kOnBoundary = 1e-6;  // A centre so near to the boundary lies on it, in voxels.
-
-/// The closed tetrahedron over four points in voxels, asked row by row.
-class RowsOfTetrahedron {
- public:
-  explicit RowsOfTetrahedron(const std::array<Vec3, 4>& corners) {
-    low_ = high_ = corners[0];
-    for (const Vec3& p : corners) {
-      low_ = low_.cwiseMin(p);
-      high_ = high_.cwiseMax(p);
-    }
-    for (std::size_t side = 0; side < 4; ++side) {
-      const Vec3& a = corners[(side + 1) % 4];
-      Vec3 normal = (corners[(side + 2) % 4] - a).cross(corners[(side + 3) % 4] - a);
-      const double length = normal.norm();
-      const double height = length > 0 ? normal.dot(corners[side] - a) / length : 0;
-      if (std::abs(height) <= kRounding) flat_ = true;
-      normal *= (height > 0 ? -1 : 1) / (length > 0 ? length : 1);
-      normals_[side] = normal;
-      bounds_[side] = normal.dot(a) + kRounding;
-    }
-  }
-
-  [[nodiscard]] bool flat() const { return flat_; }
-  /// Whole numbers from first to last lie in its box along an axis.
-  [[nodiscard]] std::int32_t first(int axis) const { return first_from(low_[axis]); }
-  [[nodiscard]] std::int32_t last(int axis) const { return last_to(high_[axis]); }
-
-  /// The voxels [begin, end) of row (j, k) whose centres it holds.
-  [[nodiscard]] Run in_row(int j, int k) const {
-    double low = low_.x(), high = high_.x();
-    for (std::size_t side = 0; side < 4; ++side) {
-      const Vec3& n = normals_[side];
-      const double rest = bounds_[side] - n.y() * j - n.z() * k;  // n.x() * i <= rest
-      if (n.x() > 0)
-        high = std::min(high, rest / n.x());
-      else if (n.x() < 0)
-        low = std::max(low, rest / n.x());
-      else if (rest < 0)
-        return {0, 0, 0};
-    }
-    if (!(low <= high + 2 * kRounding)) return {0, 0, 0};
-    return {first_from(low), last_to(high) + 1, 0};
-  }
-
- private:
-  [[nodiscard]] static std::int32_t first_from(double low) {
-    return static_cast<std::int32_t>(std::ceil(std::max(low, -1e9) - kRounding));
-  }
-  [[nodiscard]] static std::int32_t last_to(double high) {
-    return static_cast<std::int32_t>(std::floor(std::min(high, 1e9) + kRounding));
-  }
-
-  std::array<Vec3, 4> normals_;  // Outward, unit.
-  std::array<double, 4> bounds_;
-  Vec3 low_, high_;
-  bool flat_ = false;
-};
 
 /// Marks the counted voxels whose centres lie in cells: those with a label in cells of their own, those of
 /// the background in any.
@@ -90,24 +32,13 @@ class Marks {
     const AllCells cells(mesh);
     parallel::for_each_index(cells.size(), [&](std::size_t cell) {
       const Label label = cells.label(cell);
-      if (cell < mesh.tetrahedra.size()) {
-        const auto& [a, b, c, d] = mesh.tetrahedra[cell];
-        return add_tetrahedron(
-            {points_in_voxels[a], points_in_voxels[b], points_in_voxels[c], points_in_voxels[d]}, label);
-      }
-      const CellTriangles sides = cells.triangles(cell);
-      Vec3 centre = Vec3::Zero();
-      for (const auto& [a, b, c] : sides)
-        centre += (points_in_voxels[a] + points_in_voxels[b] + points_in_voxels[c]) / (3 * sides.count);
-      for (const auto& [a, b, c] : sides)
-        add_tetrahedron({points_in_voxels[a], points_in_voxels[b], points_in_voxels[c], centre}, label);
+      for_each_tetrahedron(mesh, cells, cell, points_in_voxels,
+                           [&](const RowsOfTetrahedron& rows) { add_rows(rows, label); });
     });
   }
 
  private:
-  void add_tetrahedron(const std::array<Vec3, 4>& corners, Label label) {
-    const RowsOfTetrahedron rows(corners);
-    if (rows.flat() || rows.first(0) > rows.last(0)) return;
+  void add_rows(const RowsOfTetrahedron& rows, Label label) {
     const Index3& size = image_.frame().size;
     for (int k = std::max(0, rows.first(2)); k <= std::min(size.z() - 1, rows.last(2)); ++k)
       for (int j = std::max(0, rows.first(1)); j <= std::min(size.y() - 1, rows.last(1)); ++j)

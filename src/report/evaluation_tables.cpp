@@ -67,6 +67,21 @@ void add_kept(Table& table, const std::string& name, const KeptVoxels& kept, dou
   table.push_back(row);
 }
 
+std::string topology_places(const std::vector<TopologyPlace>& places) {
+  if (places.empty()) return "";
+  Table table = {{"label", "topology that differs", "at mm", "voxels"}};
+  for (const TopologyPlace& p : places) {
+    if (table.size() > kMostRows) break;
+    const auto range = [&](int axis) {
+      const int low = p.box.low[axis], high = p.box.high[axis] - 1;
+      return low == high ? std::to_string(low) : fmt::format("{}–{}", low, high);
+    };
+    table.push_back({std::to_string(p.label), in_words(p), place_text(p.centre_mm),
+                     fmt::format("{}, {}, {}", range(0), range(1), range(2))});
+  }
+  return table_html(table);
+}
+
 }  // namespace
 
 std::string labels_section(const Evaluation& e) {
@@ -107,7 +122,7 @@ std::string labels_section(const Evaluation& e) {
       html += (i == 0 ? " " : "; ") + e.topology_differences[i];
     html += ".</p>";
   }
-  return section("Labels", html);
+  return section("Labels", html + topology_places(e.topology_places));
 }
 
 std::string distances_section(const Evaluation& e) {

@@ -178,6 +178,41 @@ Json to_json(const std::vector<NarrowestSection>& sections) {
   return json;
 }
 
+const char* name_of(TopologyChange change) {
+  switch (change) {
+    case TopologyChange::kExtraPiece:
+      return "extra piece";
+    case TopologyChange::kMissingPiece:
+      return "missing piece";
+    case TopologyChange::kJoined:
+      return "joined";
+    case TopologyChange::kSplit:
+      return "split";
+    case TopologyChange::kFilled:
+      return "filled";
+    case TopologyChange::kCut:
+      return "cut";
+  }
+  return "";
+}
+
+Json to_json(const std::vector<TopologyPlace>& places) {
+  const auto index = [](const Index3& v) { return Json::array({v.x(), v.y(), v.z()}); };
+  Json json = Json::array();
+  for (const TopologyPlace& p : places)
+    json.push_back({{"label", p.label},
+                    {"change", name_of(p.change)},
+                    {"words", in_words(p)},
+                    {"centre_mm", point(p.centre_mm)},
+                    {"box", {{"low", index(p.box.low)}, {"high", index(p.box.high)}}},
+                    {"cells", p.cells},
+                    {"voxels", p.voxels},
+                    {"volume_mm3", p.volume_mm3},
+                    {"handles", p.handles},
+                    {"cavities", p.cavities}});
+  return json;
+}
+
 Json to_json(const LabelEvaluation& label, const Evaluation& e) {
   Json json = {{"label", label.label},
                {"name", label.name},
@@ -273,6 +308,7 @@ std::string evaluation_json(const Evaluation& e) {
     json["image"] = image_json(e);
     json["hausdorff_mm"] = to_json(e.image->distances);
     json["topology_differences"] = e.topology_differences;
+    json["topology_places"] = to_json(e.topology_places);
     json["narrowest_sections"] = e.sections ? to_json(*e.sections) : Json(nullptr);
   }
   if (e.reference_voxel_mm) json["reference"] = {{"voxel_size_mm", *e.reference_voxel_mm}};

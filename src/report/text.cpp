@@ -116,6 +116,19 @@ std::string differences_text(const std::vector<std::string>& differences) {
   return text;
 }
 
+std::string places_text(const std::vector<TopologyPlace>& places) {
+  constexpr std::size_t kMostPlaces = 12;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMostPlaces, places.size()); ++i) {
+    const Vec3& p = places[i].centre_mm;
+    text += fmt::format("  label {} at ({:.2f}, {:.2f}, {:.2f}) mm: {}\n", places[i].label, p.x(), p.y(),
+                        p.z(), in_words(places[i]));
+  }
+  if (places.size() > kMostPlaces)
+    text += fmt::format("  … {} more places; --json lists all\n", places.size() - kMostPlaces);
+  return text;
+}
+
 std::string labels_text(const Evaluation& e) {
   std::string text = fmt::format("\n{:<22}{:>12}{:>12}{:>9}{:>13}{:>12}  {}\n", "label", "volume mm³",
                                  "image mm³", "error %", "components", "Euler", "surface");
@@ -142,7 +155,7 @@ std::string labels_text(const Evaluation& e) {
   if (e.image) text += "in brackets: the voxels of the image, joined through faces";
   if (e.image && e.cut_planes > 0) text += ", as if it were not cut; volumes: of what the cuts keep";
   if (e.image) text += "\n";
-  return text + differences_text(e.topology_differences);
+  return text + differences_text(e.topology_differences) + places_text(e.topology_places);
 }
 
 std::string kept_row(const std::string& name, const KeptVoxels& kept, double voxel) {

@@ -81,6 +81,25 @@ class EvaluateTest(ProgramTest):
         self.assertEqual(numbers["topology_differences"], [])
         self.assertTrue(math.isfinite(numbers["mean_curvature_per_mm"]["root_mean_square"]))
 
+    def test_a_piece_that_the_mesh_does_not_have_is_told_with_its_place(self):
+        self.write_mesh(6)
+        voxels = square_vessel(16, 64, lambda k: 6 if 28 <= k < 36 else 8)
+        for i, j, k in ((13, 2, 20), (14, 2, 20), (13, 3, 20)):
+            voxels[i + 16 * (j + 16 * k)] = 1
+        self.image = nrrd.write(self.folder / "crumb.nrrd", [16, 16, 64], voxels)
+        report = self.folder / "vessel.html"
+        result, numbers = self.evaluate("--report", report)
+        self.assertEqual(numbers["topology_differences"], ["label 1: components 1 (image 2)"])
+        self.assertEqual(len(numbers["topology_places"]), 1)
+        place = numbers["topology_places"][0]
+        self.assertEqual((place["label"], place["change"], place["voxels"]), (1, "missing piece", 3))
+        self.assertEqual(place["box"], {"low": [13, 2, 20], "high": [15, 4, 21]})
+        for found, truth in zip(place["centre_mm"], (40 / 3, 7 / 3, 20)):
+            self.assertAlmostEqual(found, truth, places=9)
+        words = "a piece of 3 voxels (3 mm³) that the mesh does not have"
+        self.assertIn("label 1 at (13.33, 2.33, 20.00) mm: " + words, result.stdout)
+        self.assertIn(words, report.read_text(encoding="utf-8"))
+
     def test_axes_come_from_a_file_or_are_left_out(self):
         self.write_mesh(5.7)
         result, numbers = self.evaluate("--centerline", "none")

@@ -19,6 +19,7 @@
 #include "lumesh/quality/sections.hpp"
 #include "lumesh/quality/statistics.hpp"
 #include "lumesh/quality/surface.hpp"
+#include "lumesh/quality/topology_places.hpp"
 #include "lumesh/quality/voxels_kept.hpp"
 
 namespace lumesh::quality {
@@ -95,7 +96,8 @@ struct Evaluation {
   /// What the topology of labels differs in from their voxels', in words; empty with cuts, which voxels do
   /// not know of.
   std::vector<std::string> topology_differences;
-  std::optional<double> reference_voxel_mm;  ///< Voxel size of the phantom, if there is one.
+  std::vector<TopologyPlace> topology_places;  ///< Where that is.
+  std::optional<double> reference_voxel_mm;    ///< Voxel size of the phantom, if there is one.
 
   [[nodiscard]] bool valid() const { return problem_count == 0; }
   /// Of all labels together, mm^3, and its relative error in per cent against the image's voxels, if there.

@@ -1,0 +1,94 @@
+#include "pieces.hpp"
+
+#include <algorithm>
+
+#include "cell_faces.hpp"
+
+namespace lumesh::quality {
+
+VoxelPieces::VoxelPieces(const LabelImage& image)
+    : runs_(image::find_runs(image, image::RunLabels::kEach)), numbers_{0} {
+  numbers_.reserve(runs_.runs.size() + 1);
+  for (const image::Run& run : runs_.runs)
+    numbers_.push_back(numbers_.back() + static_cast<std::size_t>(run.end - run.begin));
+  DisjointSets sets(runs_.runs.size());
+  const auto join_rows = [&](std::size_t a, std::size_t b) {
+    image::for_each_overlap(runs_.of_row(a), runs_.of_row(b),
+                            [&](std::size_t x, std::size_t y, const image::Run&) {
+                              sets.merge(runs_.first[a] + static_cast<std::uint32_t>(x),
+                                         runs_.first[b] + static_cast<std::uint32_t>(y));
+                            });
+  };
+  for (int k = 0; k < runs_.size.z(); ++k) {
+    for (int j = 0; j < runs_.size.y(); ++j) {
+      if (j > 0) join_rows(runs_.row(j - 1, k), runs_.row(j, k));
+      if (k > 0) join_rows(runs_.row(j, k - 1), runs_.row(j, k));
+    }
+  }
+  pieces_.resize(runs_.runs.size());
+  for (std::uint32_t r = 0; r < pieces_.size(); ++r) pieces_[r] = sets.find(r);
+}
+
+std::size_t VoxelPieces::run_of(std::size_t number) const {
+  return static_cast<std::size_t>(std::upper_bound(numbers_.begin(), numbers_.end(), number) -
+                                  numbers_.begin()) -
+         1;
+}
+
+Index3 VoxelPieces::place_of(std::size_t number) const {
+  const std::size_t run = run_of(number);
+  const auto row = static_cast<std::size_t>(
+      std::upper_bound(runs_.first.begin(), runs_.first.end(), static_cast<std::uint32_t>(run)) -
+      runs_.first.begin() - 1);
+  const auto rows = static_cast<std::size_t>(runs_.size.y());
+  return {runs_.runs[run].begin + static_cast<int>(number - numbers_[run]), static_cast<int>(row % rows),
+          static_cast<int>(row / rows)};
+}
+
+std::size_t VoxelPieces::number_at(const Index3& voxel) const {
+  if ((voxel.array() < 0).any() || (voxel.array() >= runs_.size.array()).any()) return voxel_count();
+  const std::span<const image::Run> row = runs_.of_row(runs_.row(voxel.y(), voxel.z()));
+  const auto run =
+      std::partition_point(row.begin(), row.end(), [&](const image::Run& r) { return r.end <= voxel.x(); });
+  if (run == row.end() || run->begin > voxel.x()) return voxel_count();
+  return numbers_[static_cast<std::size_t>(&*run - runs_.runs.data())] +
+         static_cast<std::size_t>(voxel.x() - run->begin);
+}
+
+CellPieces find_cell_pieces(const MeshView& mesh, std::span<const TopologyDifference> differences) {
+  const AllCells cells(mesh);
+  std::vector<char> is_asked(cells.size());
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+    const Label label = cells.label(cell);
+    is_asked[cell] = std::any_of(differences.begin(), differences.end(),
+                                 [&](const TopologyDifference& d) { return d.label == label; });
+  }
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  const ByVertex<CellFace> faces = collect_faces(mesh);
+  for (std::size_t v = 0; v < faces.vertex_count(); ++v)
+    for_each_run(faces.of(v), same_corners, [&](std::span<const CellFace> run) {
+      if (run.size() == 2 && is_asked[run[0].cell] && cells.label(run[0].cell) == cells.label(run[1].cell))
+        pairs.push_back({run[0].cell, run[1].cell});
+    });
+  CellPieces result;
+  DisjointSets sets(cells.size());
+  result.first.assign(cells.size() + 1, 0);
+  for (const auto& [a, b] : pairs) {
+    sets.merge(a, b);
+    ++result.first[a + 1];
+    ++result.first[b + 1];
+  }
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) result.first[cell + 1] += result.first[cell];
+  result.neighbours.resize(2 * pairs.size());
+  std::vector<std::uint32_t> next(result.first.begin(), result.first.end() - 1);
+  for (const auto& [a, b] : pairs) {
+    result.neighbours[next[a]++] = b;
+    result.neighbours[next[b]++] = a;
+  }
+  result.piece.resize(cells.size(), kNoPiece);
+  for (std::uint32_t cell = 0; cell < cells.size(); ++cell)
+    if (is_asked[cell]) result.piece[cell] = sets.find(cell);
+  return result;
+}
+
+}  // namespace lumesh::quality
