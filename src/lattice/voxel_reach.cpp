@@ -26,16 +26,19 @@ struct NearestVoxel {
   Vec3 index = Vec3::Zero();
 };
 
-/// The nearest boundary voxel among the (2 ring + 2)^3 around a point; stops at one within `enough_mm2`.
-NearestVoxel nearest_voxel(const LabelImage& image, const Vec3& at, LabelImage::Index label, int ring,
-                           double enough_mm2) {
+/// The nearest boundary voxel among the 2 ring + 2 of each axis around a point; stops at one within
+/// `enough_mm2`.
+NearestVoxel nearest_voxel(const LabelImage& image, const Vec3& at, LabelImage::Index label,
+                           const Index3& ring, double enough_mm2) {
   const Vec3& spacing = image.frame().spacing_mm;
   const Index3 base = Eigen::Array3d(at.array().floor()).cast<int>().matrix();
+  const Index3 low = (base - ring).cwiseMax(0);
+  const Index3 high = (base + ring + Index3::Ones()).cwiseMin(image.frame().size - Index3::Ones());
   NearestVoxel best;
-  for (int k = -ring; k <= 1 + ring; ++k) {
-    for (int j = -ring; j <= 1 + ring; ++j) {
-      for (int i = -ring; i <= 1 + ring; ++i) {
-        const Index3 voxel = base + Index3(i, j, k);
+  for (int k = low.z(); k <= high.z(); ++k) {
+    for (int j = low.y(); j <= high.y(); ++j) {
+      for (int i = low.x(); i <= high.x(); ++i) {
+        const Index3 voxel(i, j, k);
         const Vec3 centre = voxel.cast<double>();
         const double squared_mm = (at - centre).cwiseProduct(spacing).squaredNorm();
         if (squared_mm >= best.squared_mm || !is_boundary_voxel(image, voxel, label)) continue;
@@ -75,9 +78,9 @@ Vec3 within_reach_of_voxels(const LabelImage& image, const ImageDomain& domain, 
     if (!domain.is_meshed(m)) continue;
     const auto label = static_cast<LabelImage::Index>(m);
     const Vec3 at = frame.to_index(result);
-    NearestVoxel nearest = nearest_voxel(image, at, label, 0, limit_mm * limit_mm);
+    NearestVoxel nearest = nearest_voxel(image, at, label, Index3::Zero(), limit_mm * limit_mm);
     if (nearest.squared_mm <= limit_mm * limit_mm) continue;
-    nearest = nearest_voxel(image, at, label, 1, 0);
+    nearest = nearest_voxel(image, at, label, Index3::Ones(), 0);
     const double distance_mm = std::sqrt(nearest.squared_mm);
     if (distance_mm <= limit_mm || distance_mm > 2 * limit_mm) continue;
     result = pulled(result, frame.to_physical(nearest.index), limit_mm, domain, materials);
@@ -88,13 +91,17 @@ Vec3 within_reach_of_voxels(const LabelImage& image, const ImageDomain& domain, 
 double distance_to_voxels_mm(const LabelImage& image, const ImageDomain& domain, const MaterialSet& materials,
                              const Vec3& point_mm, double enough_mm) {
   const Vec3 at = image.frame().to_index(point_mm);
-  const int ring = std::max(1, static_cast<int>(std::ceil(enough_mm / image.frame().spacing_mm.minCoeff())));
+  const Index3 ring = (enough_mm / image.frame().spacing_mm.array())
+                          .ceil()
+                          .max(1)
+                          .min(image.frame().size.cast<double>().array())
+                          .cast<int>();
   const double enough_mm2 = enough_mm * enough_mm;
   double most_mm2 = 0;
   for (const Material m : materials) {
     if (!domain.is_meshed(m)) continue;
     const auto label = static_cast<LabelImage::Index>(m);
-    NearestVoxel nearest = nearest_voxel(image, at, label, 0, enough_mm2);
+    NearestVoxel nearest = nearest_voxel(image, at, label, Index3::Zero(), enough_mm2);
     if (nearest.squared_mm > enough_mm2) nearest = nearest_voxel(image, at, label, ring, 0);
     most_mm2 = std::max(most_mm2, nearest.squared_mm);
   }
