@@ -63,9 +63,11 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
       context.phase("read", [&] { return read_selected_image(input.path, input.selection, context); });
   ImageDomainOptions options = input.image;
   options.cut_planes = planes_from(input.cut_planes);
-  ImageShape shape = context.phase("shape", [&] { return shape_of(image); });
-  return {context.phase("domain", [&] { return std::make_unique<ImageDomain>(image, options); }),
-          std::move(shape)};
+  // The domain first: it refuses noise, whose shape takes long to tell.
+  std::unique_ptr<Domain> domain = naming(input.path, [&] {
+    return context.phase("domain", [&] { return std::make_unique<ImageDomain>(image, options); });
+  });
+  return {std::move(domain), context.phase("shape", [&] { return shape_of(image); })};
 }
 
 }  // namespace lumesh::cli

@@ -93,7 +93,9 @@ void run(const LatticeCommand& command) {
   domain_options.cut_planes = planes_from(command.cut_planes);
   LatticeOptions options = command.options;
   options.label_fidelity = parse_label_fidelity(command, image);
-  const ImageDomain domain = context.phase("domain", [&] { return ImageDomain(image, domain_options); });
+  const ImageDomain domain = naming(command.image_path, [&] {
+    return context.phase("domain", [&] { return ImageDomain(image, domain_options); });
+  });
   LatticeResult result = mesh_lattice(image, domain, options, context);
   result.mesh.info.provenance = provenance_of(*command.self, command.image_path);
   context.phase("write", [&] {

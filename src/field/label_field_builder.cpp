@@ -10,6 +10,7 @@
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/tasks.hpp"
+#include "noise.hpp"
 
 namespace lumesh {
 
@@ -21,18 +22,14 @@ using field::LabelPair;
 using field::Lane;
 using field::PairFaces;
 
-/// Pairs with few faces are many where labels are noise; each has some hundred voxels around its faces.
-constexpr std::size_t kMostPairs = 100000;
-
 }  // namespace
 
 class LabelFieldBuilder {
  public:
   LabelFieldBuilder(LabelField& field, const LabelImage& image, const LabelFieldOptions& options)
-      : f_(field), image_(image), options_(options), pairs_(field::touching_pairs(image)) {}
+      : f_(field), image_(image), options_(options), pairs_(pairs_of(image)) {}
 
   void build() {
-    refuse_noise();
     choose_bricks();
     collect_labels();
     collect_pairs();
@@ -48,12 +45,11 @@ class LabelFieldBuilder {
   /// The first voxel that a brick stores, counted from kBrick times its number.
   static constexpr int kFirstStored = LabelField::kFirst - 1;
 
-  void refuse_noise() const {
-    if (pairs_.size() <= kMostPairs) return;
-    throw Error(ErrorKind::kBadInput,
-                std::to_string(pairs_.size()) +
-                    " pairs of labels touch: this is no segmentation but a grey image or noise;"
-                    " choose labels or a threshold");
+  static std::vector<field::PairFaces> pairs_of(const LabelImage& image) {
+    field::refuse_noise(image);
+    std::vector<field::PairFaces> pairs = field::touching_pairs(image);
+    field::refuse_pairs(pairs.size());
+    return pairs;
   }
 
   struct BrickBox {

@@ -84,7 +84,8 @@ std::vector<Voxel> find_values(std::span<const Voxel> voxels, const fs::path& pa
         path,
         "has voxels with fractions, so it is no label image; give --threshold VALUE to mesh all voxels at or "
         "above a value");
-  if (set.values.size() > kMostLabels)
+  const auto background = std::count(set.values.begin(), set.values.end(), Voxel{0});
+  if (set.values.size() - static_cast<std::size_t>(background) > kMostLabels)
     fail(path,
          fmt::format("has more than {} different labels; give --threshold VALUE if it is a grey-value image",
                      kMostLabels));

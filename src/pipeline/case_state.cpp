@@ -25,8 +25,9 @@ const std::shared_ptr<const ImageDomain>& CaseState::domain_of_image() {
   ImageDomainOptions options;
   options.cut_planes = c.input.cut_planes;
   options.field = c.input.field;
-  image_domain =
-      context.phase("domain", [&] { return std::make_shared<const ImageDomain>(*image, options); });
+  image_domain = naming(input_name, [&] {
+    return context.phase("domain", [&] { return std::make_shared<const ImageDomain>(*image, options); });
+  });
   return image_domain;
 }
 

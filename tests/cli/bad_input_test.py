@@ -6,6 +6,7 @@ Usage: bad_input_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input,
 import contextlib
 import os
 import pathlib
+import random
 import resource
 import shutil
 import subprocess
@@ -72,6 +73,14 @@ class BadInputTest(ProgramTest):
         return nrrd.write(self.folder / "bad.nrrd", **arguments)
 
     # Files that are not what they should be.
+
+    def test_noise_is_refused_by_both_meshers_at_once(self):
+        draw = random.Random(3)
+        noise = nrrd.write(self.folder / "noise.nrrd", [SIZE] * 3, [draw.randrange(1, 21) for _ in range(SIZE ** 3)])
+        for command in ("lattice", "delaunay"):
+            result = self.run_lumesh(command, noise, "-o", self.mesh, *(("--delta", "2") if command == "delaunay" else ()))
+            self.assert_refused(result, BAD_INPUT, "noise.nrrd", "no segmentation", "threshold")
+            self.assertFalse(self.mesh.exists())
 
     def test_the_good_image_is_meshed_so_that_the_tests_below_fail_for_their_own_reason(self):
         result = self.run_lumesh("lattice", self.good, "-o", self.mesh)

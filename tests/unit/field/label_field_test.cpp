@@ -7,8 +7,10 @@
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <string>
 
 #include "field_fixtures.hpp"
+#include "lumesh/core/error.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -283,6 +285,30 @@ TEST(LabelField, OddImagesAreNoProblem) {
       EXPECT_TRUE(std::isfinite(field.value({-7, 1e6, 3}, 1)));
     }
   }
+}
+
+TEST(LabelField, NoiseIsRefusedWithWhatItIsAndCheckerboardsAreNot) {
+  std::mt19937 random(5);
+  const auto noise = [&](int edge, int labels) {
+    return image_of(frame_of(Index3::Constant(edge), Vec3::Ones()), labels, [&](const Vec3&) {
+      return 1 + static_cast<int>(random() % static_cast<unsigned>(labels));
+    });
+  };
+  const auto refusal = [](const LabelImage& image) -> std::string {
+    try {
+      const LabelField field(image, {});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal(noise(24, 20)).find("touch no other voxel of their label"), std::string::npos);
+  EXPECT_NE(refusal(noise(64, 1000)).find("pairs of labels touch"), std::string::npos);
+  const LabelImage board = image_of(frame_of(Index3::Constant(16), Vec3::Ones()), 3, [](const Vec3& p) {
+    return 1 + static_cast<int>(std::lround(p.sum())) % 3;
+  });
+  EXPECT_EQ(refusal(board), "");
 }
 
 }  // namespace

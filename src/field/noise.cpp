@@ -1,0 +1,118 @@
+#include "noise.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "label_pairs.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::field {
+
+namespace {
+
+constexpr int kSlices = 32;
+constexpr std::size_t kMostPairs = 100000;
+constexpr double kMostAlone = 0.25;  // Of the object's voxels.
+constexpr double kMostWork = 1e6;    // Voxels alone times pairs.
+constexpr double kLeastPairs = 4;    // What a voxel costs besides, in pairs.
+
+constexpr const char* kRemedy =
+    "this is no segmentation but a grey image or noise; choose labels or a threshold";
+
+/// What single slices say.
+struct Tally {
+  std::size_t object = 0, alone = 0;  // Voxels.
+  std::vector<std::uint32_t> pairs;   // Ascending, each once.
+};
+
+void keep_unique(std::vector<std::uint32_t>& keys) {
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+}
+
+Tally add(Tally all, const Tally& more) {
+  all.object += more.object;
+  all.alone += more.alone;
+  if (all.pairs.size() > kMostPairs) return all;  // They are refused.
+  all.pairs.insert(all.pairs.end(), more.pairs.begin(), more.pairs.end());
+  keep_unique(all.pairs);
+  return all;
+}
+
+class SliceScan {
+ public:
+  explicit SliceScan(const LabelImage& image)
+      : voxels_(image.voxels().data()), size_(image.frame().size.cast<std::size_t>()) {}
+
+  [[nodiscard]] Tally look_at(std::size_t k) const {
+    Tally tally;
+    std::size_t unique = 0;
+    for (std::size_t j = 0; j < size_.y() && unique <= kMostPairs; ++j) {
+      for (std::size_t i = 0; i < size_.x(); ++i) look_at_voxel(i, j, k, tally);
+      if (tally.pairs.size() < 2 * unique + 4096) continue;
+      keep_unique(tally.pairs);
+      unique = tally.pairs.size();
+    }
+    keep_unique(tally.pairs);
+    return tally;
+  }
+
+ private:
+  void look_at_voxel(std::size_t i, std::size_t j, std::size_t k, Tally& tally) const {
+    const LabelIndex* const at = voxels_ + i + size_.x() * (j + size_.y() * k);
+    const LabelIndex own = *at;
+    tally.object += own != 0;
+    bool is_alone = own != 0;
+    const auto compare = [&](LabelIndex other) {
+      if (other == own)
+        is_alone = false;
+      else if (const std::uint32_t key = key_of(own, other); tally.pairs.empty() || tally.pairs.back() != key)
+        tally.pairs.push_back(key);
+    };
+    if (i + 1 < size_.x()) compare(at[1]);
+    if (j + 1 < size_.y()) compare(at[size_.x()]);
+    if (k + 1 < size_.z()) compare(at[size_.x() * size_.y()]);
+    if (!is_alone) return;
+    if (i > 0) compare(*(at - 1));
+    if (j > 0) compare(*(at - size_.x()));
+    if (k > 0) compare(*(at - size_.x() * size_.y()));
+    tally.alone += is_alone;
+  }
+  static std::uint32_t key_of(LabelIndex a, LabelIndex b) {
+    const LabelIndex first = std::min(a, b), second = std::max(a, b);
+    return first == 0 ? 0U : static_cast<std::uint32_t>(first) << 16U | second;
+  }
+
+  const LabelIndex* voxels_;
+  Eigen::Matrix<std::size_t, 3, 1> size_;
+};
+
+}  // namespace
+
+void refuse_pairs(std::size_t pairs) {
+  if (pairs > kMostPairs)
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("more than {} pairs of labels touch: {}", kMostPairs, kRemedy));
+}
+
+void refuse_noise(const LabelImage& image) {
+  const SliceScan scan(image);
+  const auto slices = static_cast<std::size_t>(image.frame().size.z());
+  const std::size_t step = std::max<std::size_t>(1, slices / kSlices);
+  const Tally tally = parallel::reduce_blocks(
+      (slices + step - 1) / step, 1, Tally{},
+      [&](std::size_t begin, std::size_t) { return scan.look_at(begin * step); }, add);
+  refuse_pairs(tally.pairs.size());
+  const auto alone = static_cast<double>(tally.alone), object = static_cast<double>(tally.object);
+  const auto pairs = static_cast<double>(tally.pairs.size());
+  const double work = alone * static_cast<double>(step) * (pairs + kLeastPairs);
+  if (alone <= kMostAlone * object || work <= kMostWork) return;
+  throw Error(ErrorKind::kBadInput,
+              fmt::format("{:.0f} % of the voxels touch no other voxel of their label: {}",
+                          100 * alone / object, kRemedy));
+}
+
+}  // namespace lumesh::field
