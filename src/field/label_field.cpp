@@ -151,7 +151,7 @@ double LabelField::beyond_blocks(const Place& place, LabelIndex first, LabelInde
   };
   // Labels that do not touch here have no boundary near.
   const double more = depth(first) - depth(second);
-  return more > 0 || (more == 0 && first < second) ? kFieldLimit : -kFieldLimit;
+  return more > 0 || (more == 0 && is_nearer(place, first, second)) ? kFieldLimit : -kFieldLimit;
 }
 
 FieldSample LabelField::difference(const Vec3& index, LabelIndex first, LabelIndex second) const {
@@ -216,6 +216,29 @@ std::size_t LabelField::candidates_at(const Place& place,
   return count;
 }
 
+bool LabelField::is_nearer(const Place& place, LabelIndex label, LabelIndex than) const {
+  if (place.brick == nullptr || !place.brick->has_corners) return label < than;
+  constexpr int kReach = 2;  // As far as candidates come from.
+  const LabelIndex* const corners =
+      &corners_[std::size_t{place.brick->corners} * kCorners * kCorners * kCorners];
+  const Index3 base = place.local.cast<int>().cwiseMin(kBrick - 1);
+  const Index3 low = (base - Index3::Constant(kReach)).cwiseMax(0);
+  const Index3 high = (base + Index3::Constant(1 + kReach)).cwiseMin(kCorners - 1);
+  double least = 1e300, least_other = 1e300;
+  for (int k = low.z(); k <= high.z(); ++k) {
+    for (int j = low.y(); j <= high.y(); ++j) {
+      for (int i = low.x(); i <= high.x(); ++i) {
+        const LabelIndex at = corners[i + kCorners * (j + kCorners * k)];
+        if (at != label && at != than) continue;
+        const double square = (place.local - Vec3(i, j, k)).cwiseProduct(edges_).squaredNorm();
+        double& nearest = at == label ? least : least_other;
+        nearest = std::min(nearest, square);
+      }
+    }
+  }
+  return least < least_other || (least == least_other && label < than);
+}
+
 LabelField::LabelIndex LabelField::inner_winner(const Place& place) const {
   std::array<LabelIndex, kMostCandidates> candidates;
   const std::size_t count = candidates_at(place, candidates);
@@ -229,7 +252,7 @@ LabelField::LabelIndex LabelField::inner_winner(const Place& place) const {
       const BlockRef ref = b == a ? BlockRef{} : find_block(*place.brick, a, b);
       if (ref.sign != 0) least = std::min(least, block_value(ref, place.local));
     }
-    if (least > most || (least == most && a < best)) {
+    if (least > most || (least == most && is_nearer(place, a, best))) {
       most = least;
       best = a;
     }

@@ -137,6 +137,9 @@ class LabelField {
   static constexpr std::size_t kMostCandidates = 64;
   [[nodiscard]] std::size_t candidates_at(const Place& place,
                                           std::array<LabelIndex, kMostCandidates>& found) const;
+  /// Which of two labels that no function tells apart is nearer, by the voxels at the corners of the cells
+  /// around.
+  [[nodiscard]] bool is_nearer(const Place& place, LabelIndex label, LabelIndex than) const;
   [[nodiscard]] LabelIndex inner_winner(const Place& place) const;
   [[nodiscard]] LabelIndex label_in(const Place& place) const;
 

@@ -287,6 +287,23 @@ TEST(LabelField, OddImagesAreNoProblem) {
   }
 }
 
+TEST(LabelField, LabelsThatTouchAtAnEdgeOnlyMeetInItsMiddle) {
+  // Two blocks that share one edge, along z at x = y = 7.5, and no face: nothing but nearness tells them
+  // apart there.
+  const LabelImage image = image_of(frame_of({16, 16, 12}, Vec3::Ones()), 2, [](const Vec3& p) {
+    if ((p.array() < 2).any() || (p.array() > Vec3(13, 13, 9).array()).any()) return 0;
+    return p.x() < 7.5 && p.y() < 7.5 ? 1 : p.x() > 7.5 && p.y() > 7.5 ? 2 : 0;
+  });
+  const LabelField field(image, {});
+  for (const double t : {0.1, 0.3, 0.45}) {
+    const Vec3 middle(7.5, 7.5, 6), out = t * Vec3(1, 1, 0);
+    EXPECT_EQ(field.object_label_at(middle - out), 1) << t;
+    EXPECT_EQ(field.object_label_at(middle + out), 2) << t;
+    EXPECT_GT(field.difference_value(middle - out, 1, 2), 0) << t;
+    EXPECT_LT(field.difference_value(middle + out, 1, 2), 0) << t;
+  }
+}
+
 TEST(LabelField, NoiseIsRefusedWithWhatItIsAndCheckerboardsAreNot) {
   std::mt19937 random(5);
   const auto noise = [&](int edge, int labels) {
