@@ -33,7 +33,8 @@ void add_faces(const Band& band, const FaceWeights& faces, LaneArray& mass, Lane
       const Lanes place = part(FaceWeights::kPlace), own = part(FaceWeights::kOwn),
                   first = part(FaceWeights::kFirst), second = part(FaceWeights::kSecond);
       const Lanes half = 0.5F * place;
-      const Lanes both = (kFaceInner * kFaceInner) * place + own * own + 2.0F * (first * first + second * second);
+      const Lanes both =
+          (kFaceInner * kFaceInner) * place + own * own + 2.0F * (first * first + second * second);
       const auto across = [&](LaneArray& a) {
         return axis == 0 ? a.at(s) + 1 : a.at(band.rows(s)[axis == 1 ? kY1 : kZ1]);
       };

@@ -17,10 +17,10 @@ namespace lumesh::field {
 
 namespace {
 
-constexpr int kSolves = 8;       // with penalties on violated sides, the first one without
+constexpr int kSolves = 8;            // with penalties on violated sides, the first one without
 constexpr int kFirstIterations = 30;  // the normals that weigh the faces come from it
 constexpr int kIterations = 7;        // of each other solve
-constexpr int kWeighings = 3;    // solves before which normals are taken anew
+constexpr int kWeighings = 3;         // solves before which normals are taken anew
 constexpr int kSoftenings = 6;
 constexpr int kHardRounds = 8;
 constexpr int kHardIterations = 5;

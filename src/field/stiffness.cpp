@@ -95,7 +95,8 @@ struct StiffnessLoops {
   using Bits = std::vector<std::uint8_t>;
 
   /// 1 in the lanes of `bits` that are also in `boundary`.
-  static LUMESH_WIDE_LOOPS void count(const Band& band, const Bits& bits, int begin, int end, LaneArray& out) {
+  static LUMESH_WIDE_LOOPS void count(const Band& band, const Bits& bits, int begin, int end,
+                                      LaneArray& out) {
     for (int s = begin; s < end; ++s) {
       const auto counted = static_cast<std::uint8_t>(band.boundary(s) & bits[static_cast<std::size_t>(s)]);
       store(out.at(s), keep(Lanes{} + 1.0F, mask_of(counted)));
@@ -106,8 +107,8 @@ struct StiffnessLoops {
     for (int s = begin; s < end; ++s)
       store(out.at(s), keep(load(values.at(s)), mask_of(bits[static_cast<std::size_t>(s)])));
   }
-  /// wrong: how far sides are violated; counted: the same at the boundary and cut off, with the sign but where
-  /// the surface turns or is thin.
+  /// wrong: how far sides are violated; counted: the same at the boundary and cut off, with the sign but
+  /// where the surface turns or is thin.
   static LUMESH_WIDE_LOOPS void violations(const FitState& state, const Bits& turning, const Bits& thin,
                                            int begin, int end, LaneArray& wrong, LaneArray& counted) {
     const Band& band = state.band;
@@ -314,8 +315,8 @@ bool StiffnessAdaptation::soften(FitState& state) {
   return has_any(softened_);
 }
 
-/// Stiffness without jumps: the mean of its logarithm over the next voxels, weights 1 2 1 along each axis. What
-/// lies beyond the band counts as a little stiffer than the voxel itself.
+/// Stiffness without jumps: the mean of its logarithm over the next voxels, weights 1 2 1 along each axis.
+/// What lies beyond the band counts as a little stiffer than the voxel itself.
 void StiffnessAdaptation::smooth_logarithm(FitState& state) {
   const Band& band = state.band;
   LaneArray &means = scratch_, &other = other_;
@@ -324,8 +325,8 @@ void StiffnessAdaptation::smooth_logarithm(FitState& state) {
     for (const int segment : {0, band.end()}) store(array.at(segment), Lanes{} + value);
   };
   set_beyond_ends(means, std::nanf(""));
-  for_each_segment_block(
-      band.end(), [&](int begin, int end) { StiffnessLoops::make_missing(band, begin, end, means); });
+  for_each_segment_block(band.end(),
+                         [&](int begin, int end) { StiffnessLoops::make_missing(band, begin, end, means); });
   binomial_mean(band, kBeyond, means, other);
   for_each_segment_block(band.end(), [&](int begin, int end) {
     StiffnessLoops::take_stiffness(band, means, begin, end, logarithm_, state.energy.stiffness);
@@ -348,9 +349,8 @@ void StiffnessAdaptation::lower_holds_where_locked(FitState& state) {
 std::vector<std::uint8_t> StiffnessAdaptation::clean_voxels(FitState& state) {
   const Band& band = state.band;
   // Outliers count here: a place with many is not clean.
-  for_each_segment_block(band.end(), [&](int begin, int end) {
-    StiffnessLoops::all_violations(state, begin, end, scratch_);
-  });
+  for_each_segment_block(
+      band.end(), [&](int begin, int end) { StiffnessLoops::all_violations(state, begin, end, scratch_); });
   state.levels.sum_over_window(scratch_, Window::kWide, other_);
   Bits clean(band.segment_count(), 0);
   for_each_segment_block(band.end(), [&](int begin, int end) {

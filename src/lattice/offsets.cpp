@@ -10,9 +10,9 @@ namespace lumesh {
 
 namespace {
 
-using Corners = std::array<Vec3, 3>;
+using TriangleCorners = std::array<Vec3, 3>;
 
-Corners corners_of(const WorkMesh& mesh, const BoundaryTriangle& t) {
+TriangleCorners corners_of(const WorkMesh& mesh, const BoundaryTriangle& t) {
   return {mesh.positions[t.vertices[0]], mesh.positions[t.vertices[1]], mesh.positions[t.vertices[2]]};
 }
 
@@ -29,13 +29,13 @@ double mean_sag_mm(const ImageDomain& domain, const BoundaryTriangle& t, const s
 }
 
 /// Within the triangle: 8 % more than the mean of what bends evenly.
-std::array<Vec3, 4> inner_places(const Corners& p) {
+std::array<Vec3, 4> inner_places(const TriangleCorners& p) {
   const Vec3 sum = p[0] + p[1] + p[2];
   return {sum / 3, (sum + 3 * p[0]) / 6, (sum + 3 * p[1]) / 6, (sum + 3 * p[2]) / 6};
 }
 
 /// The mean at these is that of the triangle where the distance is a quadratic function.
-std::array<Vec3, 3> edge_middles(const Corners& p) {
+std::array<Vec3, 3> edge_middles(const TriangleCorners& p) {
   return {(p[0] + p[1]) / 2, (p[1] + p[2]) / 2, (p[2] + p[0]) / 2};
 }
 
