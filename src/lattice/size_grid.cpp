@@ -182,7 +182,8 @@ int SizeGrid::level_wanted(const Vec3& point_mm, double radius_mm) const {
 }
 
 bool SizeGrid::boundary_within(const Vec3& point_mm, double radius_mm) const {
-  const CellBox box = cells_around(point_mm, radius_mm);
+  // The grid knows the voxels at boundaries; the domain's boundary is hardly ever more than one farther out.
+  const CellBox box = cells_around(point_mm, radius_mm + image_.frame().spacing_mm.minCoeff());
   for (int k = box.low.z(); k <= box.high.z(); ++k) {
     for (int j = box.low.y(); j <= box.high.y(); ++j) {
       const std::uint8_t* cells = row(j, k);
