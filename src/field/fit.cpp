@@ -17,13 +17,11 @@ namespace lumesh::field {
 
 namespace {
 
-constexpr int kSolves = 8;            // with penalties on violated sides, the first one without
-constexpr int kFirstIterations = 30;  // the normals that weigh the faces come from it
-constexpr int kIterations = 7;        // of each other solve
-constexpr int kWeighings = 3;         // solves before which normals are taken anew
+constexpr int kSolves = 8;       // with penalties on violated sides, the first one without
+constexpr int kIterations = 10;  // of each solve; twice as many of the first
+constexpr int kWeighings = 3;    // solves before which normals are taken anew
 constexpr int kSoftenings = 6;
 constexpr int kHardRounds = 8;
-constexpr int kHardIterations = 5;
 constexpr double kWrongShare = 2e-5;  // of the hard sides; fewer are left to keep_sides()
 constexpr double kLeastHardShare = 0.02;
 constexpr int kStartMeans = 4;      // of the start: a standard deviation of 1.4 voxels, …
@@ -83,7 +81,7 @@ class Fit {
         solver_.take_stiffness(state_);
       hold_violated_sides(state_);
     }
-    iterations_ += solver_.minimise(solve == 0 ? kFirstIterations : kIterations, state_);
+    iterations_ += solver_.minimise(solve == 0 ? 2 * kIterations : kIterations, state_);
   }
 
   void set_outliers_aside() {
@@ -109,7 +107,7 @@ class Fit {
     const double enough = kWrongShare * static_cast<double>(count);
     for (int round = 0; round < kHardRounds; ++round) {
       if (static_cast<double>(sides.update(state_)) <= enough && round > 0) break;
-      iterations_ += solver_.minimise(kHardIterations, state_);
+      iterations_ += solver_.minimise(kIterations, state_);
     }
   }
 

@@ -192,7 +192,7 @@ Multilevel::Multilevel(const Band& band) : band_(band) {
 void Multilevel::set_energy(const LaneArray& stiffness, const LaneArray& mass, double third, double second) {
   // Integrals of the squares of a cubic B-spline and of its first three derivatives; the mass of neighbours'
   // splines.
-  constexpr double kValue = 0.4794, kSlope = 2.0 / 3, kBend = 8.0 / 3, kTwist = 20, kMass = 0.46;
+  constexpr double kValue = 0.4794, kSlope = 2.0 / 3, kBend = 8.0 / 3, kTwist = 20, kMass = 0.23;
   const Vec3 i = band_.edges().cwiseProduct(band_.edges()).cwiseInverse();
   double cubes = 0, mixed = 0, squares = 0, products = 0;
   for (int a = 0; a < 3; ++a) {

@@ -27,7 +27,6 @@ constexpr float kThinShare = 0.05F;  // windows with more thin voxels than this 
 constexpr float kNoiseHold =
     0.0154F;  // hold = this / mean violation: 1 / (12 s^2) for a violation of normal distribution
 constexpr float kClean = 0.0006F;  // mean violation below which sides are kept for certain
-constexpr float kBeyond = 0.7F;    // of the logarithm of its stiffness, what lies beyond the band has
 constexpr float kTiny = 1e-6F;
 
 /// 2^x to a few units in the last place, by operations that are the same everywhere. Coefficients: Taylor's,
@@ -316,7 +315,6 @@ bool StiffnessAdaptation::soften(FitState& state) {
 }
 
 /// Stiffness without jumps: the mean of its logarithm over the next voxels, weights 1 2 1 along each axis.
-/// What lies beyond the band counts as a little stiffer than the voxel itself.
 void StiffnessAdaptation::smooth_logarithm(FitState& state) {
   const Band& band = state.band;
   LaneArray &means = scratch_, &other = other_;
@@ -327,7 +325,7 @@ void StiffnessAdaptation::smooth_logarithm(FitState& state) {
   set_beyond_ends(means, std::nanf(""));
   for_each_segment_block(band.end(),
                          [&](int begin, int end) { StiffnessLoops::make_missing(band, begin, end, means); });
-  binomial_mean(band, kBeyond, means, other);
+  binomial_mean(band, means, other);
   for_each_segment_block(band.end(), [&](int begin, int end) {
     StiffnessLoops::take_stiffness(band, means, begin, end, logarithm_, state.energy.stiffness);
   });
