@@ -1,21 +1,14 @@
 #include "crossed_rims.hpp"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <vector>
 
 #include "lumesh/parallel/loops.hpp"
-#include "places.hpp"
-#include "topology.hpp"
+#include "relabelling.hpp"
 
 namespace lumesh::delaunay {
 namespace {
-
-struct CrossingTet {
-  TetId tet;
-  CornerPlaces corners;
-};
 
 /// What each vertex of a boundary touches.
 class TouchedMaterials {
@@ -75,21 +68,6 @@ std::optional<Material> material_of(const TetMesh& mesh, const Domain& domain,
   return there;
 }
 
-std::vector<CrossingTet> crossing_tets(const TetMesh& mesh, const Domain& domain,
-                                       const TouchedMaterials& touched) {
-  auto found = parallel::collect<CrossingTet>(
-      mesh.tet_slots(),
-      [&](std::size_t i, std::vector<CrossingTet>& out) {
-        const TetId t(static_cast<std::uint32_t>(i));
-        if (mesh.alive(t) && material_of(mesh, domain, touched, t))
-          out.push_back({t, corner_places(mesh, t)});
-      },
-      8192);
-  parallel::sort(found.begin(), found.end(),
-                 [](const CrossingTet& a, const CrossingTet& b) { return is_earlier(a.corners, b.corners); });
-  return found;
-}
-
 }  // namespace
 
 std::size_t relabel_crossed_rims(TetMesh& mesh, const Domain& domain) {
@@ -98,20 +76,10 @@ std::size_t relabel_crossed_rims(TetMesh& mesh, const Domain& domain) {
   const TouchedMaterials touched(mesh, domain);
   std::size_t count = 0;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    const std::size_t before_sweep = count;
-    for (const CrossingTet& one : crossing_tets(mesh, domain, touched)) {
-      const auto wanted = material_of(mesh, domain, touched, one.tet);
-      if (!wanted) continue;  // What was done before has changed its surroundings.
-      const Label before = mesh.label(one.tet);
-      std::array<VertexId, 4> around;
-      for (int k = 0; k < 4; ++k) around[static_cast<std::size_t>(k)] = mesh.vertex(one.tet, k);
-      mesh.set_label(one.tet, static_cast<Label>(*wanted));
-      if (pinched_among(mesh, domain, around).empty())
-        ++count;
-      else
-        mesh.set_label(one.tet, before);
-    }
-    if (count == before_sweep) break;
+    const std::size_t more =
+        relabel_unless_pinching(mesh, domain, [&](TetId t) { return material_of(mesh, domain, touched, t); });
+    count += more;
+    if (more == 0) break;
   }
   return count;
 }

@@ -3,24 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <vector>
 
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
-#include "lumesh/parallel/loops.hpp"
-#include "places.hpp"
-#include "topology.hpp"
+#include "relabelling.hpp"
 
 namespace lumesh::delaunay {
 namespace {
 
 constexpr double kCosineOfFlat = -0.8192;      // 145 degrees between two faces: what improvement aims at.
 constexpr double kCosineOfGoodAngle = 0.9063;  // 25 degrees in a face.
-
-struct FlatTet {
-  TetId tet;
-  CornerPlaces corners;
-};
 
 /// The faces of one tetrahedron.
 class Faces {
@@ -79,38 +71,14 @@ std::optional<Material> taker_of(const TetMesh& mesh, const Domain& domain, TetI
   return std::nullopt;
 }
 
-std::vector<FlatTet> flat_tets(const TetMesh& mesh, const Domain& domain) {
-  auto found = parallel::collect<FlatTet>(
-      mesh.tet_slots(),
-      [&](std::size_t i, std::vector<FlatTet>& out) {
-        const TetId t(static_cast<std::uint32_t>(i));
-        if (!mesh.alive(t) || !domain.is_meshed(static_cast<Material>(mesh.label(t)))) return;
-        if (taker_of(mesh, domain, t)) out.push_back({t, corner_places(mesh, t)});
-      },
-      8192);
-  parallel::sort(found.begin(), found.end(),
-                 [](const FlatTet& a, const FlatTet& b) { return is_earlier(a.corners, b.corners); });
-  return found;
-}
-
 }  // namespace
 
 std::size_t relabel_flat(TetMesh& mesh, const Domain& domain) {
   if (domain.label_count() <= 2) return 0;
-  std::size_t count = 0;
-  for (const FlatTet& flat : flat_tets(mesh, domain)) {
-    const auto taker = taker_of(mesh, domain, flat.tet);
-    if (!taker) continue;  // What was done before has changed its surroundings.
-    const Label before = mesh.label(flat.tet);
-    std::array<VertexId, 4> around;
-    for (int k = 0; k < 4; ++k) around[static_cast<std::size_t>(k)] = mesh.vertex(flat.tet, k);
-    mesh.set_label(flat.tet, static_cast<Label>(*taker));
-    if (pinched_among(mesh, domain, around).empty())
-      ++count;
-    else
-      mesh.set_label(flat.tet, before);
-  }
-  return count;
+  return relabel_unless_pinching(mesh, domain, [&](TetId t) -> std::optional<Material> {
+    if (!domain.is_meshed(static_cast<Material>(mesh.label(t)))) return std::nullopt;
+    return taker_of(mesh, domain, t);
+  });
 }
 
 }  // namespace lumesh::delaunay

@@ -1,0 +1,53 @@
+#pragma once
+/// @file Tetrahedra that take another material one after another, as long as no vertex becomes pinched.
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "lumesh/domain/domain.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "places.hpp"
+#include "topology.hpp"
+
+namespace lumesh::delaunay {
+
+/// A sweep over those that have one to take, in the order of their places; each is asked again when its turn
+/// comes, for those before may have changed its surroundings. Labels of tetrahedra are materials.
+/// @param material_of  Of a living tetrahedron: what it is to be, std::optional<Material>; none if it stays.
+///   Called from several threads.
+/// @return how many took it.
+template <class MaterialOf>
+std::size_t relabel_unless_pinching(TetMesh& mesh, const Domain& domain, const MaterialOf& material_of) {
+  struct Candidate {
+    TetId tet;
+    CornerPlaces corners;
+  };
+  auto candidates = parallel::collect<Candidate>(
+      mesh.tet_slots(),
+      [&](std::size_t i, std::vector<Candidate>& out) {
+        const TetId t(static_cast<std::uint32_t>(i));
+        if (mesh.alive(t) && material_of(t)) out.push_back({t, corner_places(mesh, t)});
+      },
+      8192);
+  parallel::sort(candidates.begin(), candidates.end(),
+                 [](const Candidate& a, const Candidate& b) { return is_earlier(a.corners, b.corners); });
+  std::size_t count = 0;
+  for (const Candidate& candidate : candidates) {
+    const TetId t = candidate.tet;
+    const std::optional<Material> wanted = material_of(t);
+    if (!wanted) continue;
+    const Label before = mesh.label(t);
+    mesh.set_label(t, static_cast<Label>(*wanted));
+    const std::array<VertexId, 4> around = {mesh.vertex(t, 0), mesh.vertex(t, 1), mesh.vertex(t, 2),
+                                            mesh.vertex(t, 3)};
+    if (pinched_among(mesh, domain, around).empty())
+      ++count;
+    else
+      mesh.set_label(t, before);
+  }
+  return count;
+}
+
+}  // namespace lumesh::delaunay
