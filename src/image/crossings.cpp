@@ -92,11 +92,10 @@ class CrossingScan {
   Eigen::Matrix<std::size_t, 3, 1> size_;
 };
 
-}  // namespace
-
+/// The whole of find_crossings(); here since a function of a template with external linkage may not hold in
+/// its lambdas what has internal linkage.
 template <class Value>
-CrossingCounts find_crossings(std::span<const Value> values, double level, LabelImage& image) {
-  LUMESH_ASSERT(values.size() == image.voxels().size());
+CrossingCounts scan_image(std::span<const Value> values, double level, LabelImage& image) {
   const CrossingScan<Value> scan(values, level, image);
   std::vector<FacesFound> found((scan.rows() + kRowsPerBlock - 1) / kRowsPerBlock);
   image.crossings() = parallel::collect_blocks<FaceCrossing>(
@@ -115,6 +114,14 @@ CrossingCounts find_crossings(std::span<const Value> values, double level, Label
   if (counts.values_are_labels) image.crossings().clear();
   counts.crossed = image.crossings().size();
   return counts;
+}
+
+}  // namespace
+
+template <class Value>
+CrossingCounts find_crossings(std::span<const Value> values, double level, LabelImage& image) {
+  LUMESH_ASSERT(values.size() == image.voxels().size());
+  return scan_image(values, level, image);
 }
 
 template CrossingCounts find_crossings(std::span<const std::uint8_t>, double, LabelImage&);
