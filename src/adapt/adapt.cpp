@@ -236,19 +236,19 @@ AdaptReport adapt_once(TetMesh& mesh, const metric::MetricField& field, const op
 }
 
 /// Vertices of patches that keep their volume come to stand over them; no tetrahedron falls below a mean
-/// ratio of 0.4, or of what it had.
+/// ratio of 0.4 or, where it was near or below that, loses more than a tenth of it.
 void settle(TetMesh& mesh, const operators::PatchShapes& shapes) {
   if (std::none_of(shapes.begin(), shapes.end(),
                    [](const operators::PatchShape& shape) { return shape.keeps_volume; }))
     return;
-  constexpr double kFloor = 0.4;
+  constexpr double kFloor = 0.4, kKept = 0.9;
   const operators::MayBecome may_become = [&](std::size_t i, const std::array<Vec3, 4>& /*before*/,
                                               const std::array<Vec3, 4>& after) {
     const TetId t(static_cast<std::uint32_t>(i));
     const auto log = [&](int k) -> const SymTensor& { return mesh.log_metric(mesh.vertex(t, k)); };
     const double ratio =
         metric::mean_ratio(after[0], after[1], after[2], after[3], log(0), log(1), log(2), log(3));
-    return ratio >= std::min<double>(kFloor, mesh.quality(t));
+    return ratio >= std::min<double>(kFloor, kKept * mesh.quality(t));
   };
   operators::settle(mesh, operators::places_on_shapes(shapes), {.may_become = may_become});
   metric::measure_qualities(mesh);
