@@ -47,11 +47,6 @@ std::vector<std::uint32_t> set_anchors(const WorkMesh& mesh, const BoundaryModel
     const Vec3& probe = miss.probe.position_mm;
     const auto& [first, second] = miss.probe.materials;
     if (!miss.drawable || !taken.add(probe)) continue;
-    if (miss.vertex) {
-      anchors_mm[*miss.vertex] = probe;
-      changed.push_back(*miss.vertex);
-      continue;
-    }
     std::optional<std::uint32_t> best;
     double least = 0;
     for (const std::uint32_t v : boundary.triangles[miss.triangle].vertices) {

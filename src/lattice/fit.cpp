@@ -25,7 +25,7 @@ FitReport report_on(const std::vector<Miss>& misses, const std::vector<double>& 
   };
   for (const double distance_mm : distances_mm) add(distance_mm);
   for (const Miss& miss : misses) {
-    if (miss.stray && !miss.vertex) add(miss.off_mm);  // a vertex has no distance here, but a rank
+    if (miss.stray) add(miss.off_mm);
   }
   return report;
 }
@@ -50,16 +50,15 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   targets = {};
   Fitter fitter(mesh, boundary, targets, setting, blocks);
   fitter.approach(1);
-  MissFinder finder(image, domain, options.probes);
+  MissFinder finder(domain, options.probes);
   fitter.draw_to_tips(finder.find_missed_probes(mesh, boundary, kTipVoxels * domain.voxel_size_mm()), 3);
   targets.offset_mm = fitter.averaged(sag_offsets_mm(mesh, boundary, domain));
   fitter.fit(2);
-  fitter.keep_to_voxels();
   fitter.fit_and_improve(4, kGood);
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
   const std::vector<Miss> missed = mend_spots(whole, setting, finder, options.probes.size());
-  settle_wall(mesh, boundary, image, domain, setting.limits);
+  settle_wall(mesh, boundary, domain, setting.limits);
   return report_on(missed, finder.missed_distances_mm(mesh, boundary), domain.voxel_size_mm());
 }
 

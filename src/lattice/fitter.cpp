@@ -6,7 +6,6 @@
 
 #include "anchors.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "voxel_reach.hpp"
 
 namespace lumesh {
 
@@ -22,7 +21,6 @@ Fitter::Fitter(WorkMesh& mesh, BoundaryModel& boundary, VertexTargets& targets, 
     : mesh_(mesh),
       boundary_(boundary),
       targets_(targets),
-      image_(setting.image),
       domain_(setting.domain),
       floor_(angle_floor(setting.limits)),
       surface_(boundary, mesh.positions.size()),
@@ -183,11 +181,7 @@ std::optional<Vec3> Fitter::on_boundary(std::uint32_t v, const Vec3& near) const
     const Vec3 towards_first = domain_.separation(*p, set[0], set[1]).gradient;
     *p += towards_first * (targets_.offset_mm[v] / towards_first.norm());
   }
-  return trimmed(v, *p);
-}
-
-Vec3 Fitter::trimmed(std::uint32_t v, const Vec3& p) const {
-  return trim_bulges_ ? within_reach_of_voxels(image_, domain_, boundary_.sets[v], p) : p;
+  return p;
 }
 
 /// Stops early once the angles are known to be worse than `enough`.
@@ -235,7 +229,7 @@ std::optional<Vec3> Fitter::on_one_boundary(std::uint32_t v) const {
 
 /// Where a boundary vertex shall go.
 Vec3 Fitter::target_of(std::uint32_t v) const {
-  if (targets_.anchors_mm[v]) return trimmed(v, *targets_.anchors_mm[v]);
+  if (targets_.anchors_mm[v]) return *targets_.anchors_mm[v];
   const Vec3& x = mesh_.positions[v];
   const Vec3 middle = mean_of_surface(v);
   std::optional<Vec3> target = on_boundary(v, x + 0.6 * (middle - x));

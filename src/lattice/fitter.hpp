@@ -48,8 +48,6 @@ class Fitter {
   /// @param places_mm  Of the first vertices; others stay.
   void refit_from(const std::vector<Vec3>& places_mm, const VertexBlocks& vertices, int sweeps,
                   double good_enough);
-  /// From now on boundary vertices stay within reach of the voxels (voxel_reach.hpp).
-  void keep_to_voxels() { trim_bulges_ = true; }
 
   /// Draws the surface to misses; only what is around these moves.
   void draw_to_tips(const std::vector<Miss>& missed, int sweeps);
@@ -85,7 +83,6 @@ class Fitter {
   [[nodiscard]] std::uint32_t other_corner(std::uint32_t v) const;
   [[nodiscard]] std::optional<Vec3> on_boundary(std::uint32_t v, const Vec3& near) const;
   [[nodiscard]] std::optional<Vec3> on_one_boundary(std::uint32_t v) const;
-  [[nodiscard]] Vec3 trimmed(std::uint32_t v, const Vec3& p) const;
   [[nodiscard]] Vec3 target_of(std::uint32_t v) const;
   [[nodiscard]] double distance_to_target(std::uint32_t v) const;
   [[nodiscard]] Score score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough) const;
@@ -98,12 +95,10 @@ class Fitter {
   WorkMesh& mesh_;
   BoundaryModel& boundary_;
   VertexTargets& targets_;
-  const LabelImage& image_;
   const ImageDomain& domain_;
   double floor_;
   SurfaceStars surface_;
   const VertexBlocks& blocks_;
-  bool trim_bulges_ = false;           // where the smoothed boundary goes beyond the voxels
   std::vector<std::uint8_t> waiting_;  // flag per vertex: worth a try
 };
 

@@ -8,28 +8,18 @@
 #include "cells.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "voxel_reach.hpp"
 
 namespace lumesh {
 
 namespace {
 
 // In voxels.
-constexpr double kAhead = 3;        // how far from a stray triangle the boundary is sought
-constexpr double kFaceReach = 2.5;  // how far faces of voxels are sought
-constexpr double kClose = 1;        // where most of them are
-constexpr double kFine = 0.15;      // triangles of this radius are not divided further
-constexpr double kUrgent = 0.1;  // how much worse vertices count than probes, whose limit has more to spare
-constexpr double kAway = 0.4;    // the smoothed boundary is closer than this to the centre and the middles
-                                 // of the edges of a triangle that is no stray
-constexpr double kStair = 0.9;   // as far the corners of voxels stand out of a smooth boundary
+constexpr double kAhead = 3;    // how far from a stray triangle the boundary is sought
+constexpr double kAside = 0.9;  // places between voxels are no farther from a boundary that keeps these apart
 
 // Of the longest edge of a triangle: as far it stands off a bent boundary with its corners on it. A radius of
 // two and a half edges, that is.
 constexpr double kSagitta = 0.05;
-
-// Half diagonals of a voxel: vertices are this close to the centres of voxels.
-constexpr double kVertexReach = 1.154;
 
 /// The centres of the faces between a voxel and the next ones along the axes.
 void append_face_centres(const LabelImage& image, const Index3& voxel, std::vector<Probe>& out) {
@@ -89,93 +79,34 @@ void append_corners(const LabelImage& image, const Index3& voxel, std::vector<Pr
   for_each_index_between(low, voxel, [&](const Index3& first) { append_corner(image, first, out); });
 }
 
-/// The place on the faces between voxels of two materials that is nearest to a point.
-class NearestFace {
- public:
-  NearestFace(const LabelImage& image, const Vec3& point_mm, const std::array<Material, 2>& materials)
-      : image_(image),
-        frame_(image.frame()),
-        materials_(materials),
-        last_(frame_.size - Index3::Ones()),
-        at_(frame_.to_index(point_mm)) {}
-
-  /// @return None where it is not closer than `reach_mm`.
-  [[nodiscard]] std::optional<Vec3> find(double reach_mm) {
-    const Vec3 reach = reach_mm * frame_.spacing_mm.cwiseInverse() + Vec3::Constant(0.5);
-    const Index3 low = Eigen::Array3d((at_ - reach).array().round()).cast<int>().matrix().cwiseMax(0);
-    const Index3 high = Eigen::Array3d((at_ + reach).array().round()).cast<int>().matrix().cwiseMin(last_);
-    if ((low.array() > high.array()).any()) return std::nullopt;  // outside the image
-    least2_ = reach_mm * reach_mm;
-    nearest_.reset();
-    for (int k = low.z(); k <= high.z(); ++k) {
-      const double slice2 = away2(2, k);
-      for (int j = low.y(); slice2 < least2_ && j <= high.y(); ++j) {
-        if (slice2 + away2(1, j) < least2_) look_along({low.x(), j, k}, high.x());
-      }
-    }
-    if (!nearest_) return std::nullopt;
-    return frame_.to_physical(*nearest_);
-  }
-
- private:
-  /// Squared distance in mm, along one axis, to the voxels of an index there.
-  [[nodiscard]] double away2(int axis, int index) const {
-    const double away = std::max(std::abs(index - at_[axis]) - 0.5, 0.0) * frame_.spacing_mm[axis];
-    return away * away;
-  }
-
-  /// From a voxel to the last one of its row that counts.
-  void look_along(Index3 voxel, int last_x) {
-    const std::array<std::ptrdiff_t, 3> stride = strides(frame_);
-    const LabelImage::Index* own = &image_.voxels()[frame_.offset(voxel)];
-    for (; voxel.x() <= last_x; ++voxel.x(), ++own) {
-      for (int axis = 0; axis < 3; ++axis) {
-        if (voxel[axis] == last_[axis]) continue;
-        const LabelImage::Index next = own[stride[static_cast<std::size_t>(axis)]];
-        if (next != *own && ascending(*own, next) == materials_) take_if_nearer(voxel, axis);
-      }
-    }
-  }
-
-  /// The face between a voxel and the next one along an axis.
-  void take_if_nearer(const Index3& voxel, int axis) {
-    Vec3 low = voxel.cast<double>() - Vec3::Constant(0.5);
-    Vec3 high = low + Vec3::Ones();
-    low[axis] = high[axis];
-    const Vec3 nearest = at_.cwiseMax(low).cwiseMin(high);
-    const double squared = (nearest - at_).cwiseProduct(frame_.spacing_mm).squaredNorm();
-    if (squared >= least2_) return;
-    nearest_ = nearest;
-    least2_ = squared;
-  }
-
-  const LabelImage& image_;
-  const ImageFrame& frame_;
-  std::array<Material, 2> materials_;
-  Index3 last_;
-  Vec3 at_;  // voxels
-  double least2_ = 0;
-  std::optional<Vec3> nearest_;
-};
-
 double longest_edge(const std::array<Vec3, 3>& p) {
   return std::sqrt(
       std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()}));
 }
 
-/// Within 2.5 voxels. Most are close, so that it is quicker to look there first.
-std::optional<Vec3> nearest_on_voxel_faces(const LabelImage& image, const Vec3& point_mm,
-                                           const std::array<Material, 2>& materials) {
-  const double voxel_mm = std::cbrt(image.frame().voxel_volume_mm3());
-  NearestFace nearest(image, point_mm, materials);
-  const auto close = nearest.find(kClose * voxel_mm);
-  return close ? close : nearest.find(kFaceReach * voxel_mm);
+/// The boundary of two materials near a place; none where it is not within kAside, as at voxels that noise
+/// explains better.
+std::optional<Vec3> boundary_beside(const ImageDomain& domain, const std::array<Material, 2>& pair,
+                                    const Vec3& near_mm) {
+  const double reach_mm = kAside * domain.voxel_size_mm();
+  const std::optional<Vec3> place = domain.project(near_mm, {pair[0], pair[1]}, reach_mm);
+  const bool is_beside = place && (*place - near_mm).norm() <= reach_mm && !domain.beyond_cut(*place);
+  return is_beside ? place : std::nullopt;
+}
+
+/// Puts probes from between the voxels onto the boundary that keeps these apart.
+std::vector<Probe> on_boundary(const ImageDomain& domain, const std::vector<Probe>& between) {
+  return parallel::collect<Probe>(between.size(), [&](std::size_t i, std::vector<Probe>& out) {
+    const Probe& probe = between[i];
+    if (const auto place = boundary_beside(domain, probe.materials, probe.position_mm))
+      out.push_back({*place, probe.materials});
+  });
 }
 
 }  // namespace
 
 std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& domain) {
-  auto probes = parallel::collect<Probe>(
+  const auto probes = parallel::collect<Probe>(
       brick_count(image),
       [&](std::size_t b, std::vector<Probe>& out) {
         for_each_voxel_near_boundary(image, domain.field(), b, [&](const Index3& voxel) {
@@ -184,8 +115,7 @@ std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& d
         });
       },
       64);
-  std::erase_if(probes, [&](const Probe& p) { return domain.beyond_cut(p.position_mm); });
-  return probes;
+  return on_boundary(domain, probes);
 }
 
 std::vector<Probe> probes_near(const LabelImage& image, const ImageDomain& domain, const Vec3& centre_mm,
@@ -203,9 +133,8 @@ std::vector<Probe> probes_near(const LabelImage& image, const ImageDomain& domai
     append_face_centres(image, voxel, probes);
     append_corners(image, voxel, probes);
   });
-  std::erase_if(probes, [&](const Probe& p) {
-    return (p.position_mm - centre_mm).norm() > radius_mm || domain.beyond_cut(p.position_mm);
-  });
+  probes = on_boundary(domain, probes);
+  std::erase_if(probes, [&](const Probe& p) { return (p.position_mm - centre_mm).norm() > radius_mm; });
   return probes;
 }
 
@@ -220,21 +149,6 @@ void MissFinder::note_moved_triangles(const WorkMesh& mesh, const BoundaryModel&
     moved_[i] = same ? 0 : 1;
   });
   triangles_ = boundary.triangles;
-}
-
-void MissFinder::measure_moved_vertices(const WorkMesh& mesh, const BoundaryModel& boundary) {
-  const double reach_mm = kVertexReach * 0.5 * image_->frame().spacing_mm.norm();
-  const std::size_t known = std::min(positions_.size(), mesh.positions.size());
-  beyond_mm_.resize(mesh.positions.size());
-  parallel::for_each_index(mesh.positions.size(), [&](std::size_t v) {
-    const MaterialSet& set = boundary.sets[v];
-    const Vec3& x = mesh.positions[v];
-    if (v < known && positions_[v] == x && sets_[v] == set) return;
-    const bool free = set.size() >= 2 && !is_on_cut(*domain_, set);
-    beyond_mm_[v] = free ? distance_to_voxels_mm(*image_, *domain_, set, x, reach_mm) - reach_mm : 0;
-  });
-  positions_ = mesh.positions;
-  sets_ = boundary.sets;
 }
 
 std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
@@ -287,16 +201,11 @@ double MissFinder::longest_edge_at_mm(const WorkMesh& mesh, const BoundaryModel&
   return longest;
 }
 
-/// False if a corner of voxels is as far from the domain's boundary as on a smooth wall, and the surface as
-/// far from that as flat triangles of their size are: what is drawn to the corner would only fold.
+/// False if the surface is as far from the probe as flat triangles of their size are.
 bool MissFinder::is_missed(const WorkMesh& mesh, const BoundaryModel& boundary, const SurfaceTree& tree,
                            const Probe& probe) const {
-  const double stair_mm = kStair * domain_->voxel_size_mm();
-  const std::optional<Vec3> foot =
-      domain_->project(probe.position_mm, {probe.materials[0], probe.materials[1]}, stair_mm);
-  if (!foot || (*foot - probe.position_mm).norm() > stair_mm) return true;
-  const SurfaceTree::Nearest nearest = tree.nearest(*foot);
-  return nearest.distance_mm > kSagitta * longest_edge_at_mm(mesh, boundary, tree, *foot);
+  const SurfaceTree::Nearest nearest = tree.nearest(probe.position_mm);
+  return nearest.distance_mm > kSagitta * longest_edge_at_mm(mesh, boundary, tree, probe.position_mm);
 }
 
 std::vector<double> MissFinder::missed_distances_mm(const WorkMesh& mesh,
@@ -335,74 +244,33 @@ void MissFinder::update_strays(const WorkMesh& mesh, const BoundaryModel& bounda
                      [](const Miss& a, const Miss& b) { return a.triangle < b.triangle; });
 }
 
-/// Looks for a place of a triangle that is further from the voxel faces than what is known. No place is
-/// further than the centre by more than its distance from the centre, which saves most of the search.
-/// @param face_mm  A place on the faces, if one is known: where it is close enough, nothing is sought.
-void MissFinder::look_for_furthest(const std::array<Vec3, 3>& p, const std::array<Material, 2>& pair,
-                                   const std::optional<Vec3>& face_mm, Furthest& furthest) const {
-  const double fine_mm = kFine * domain_->voxel_size_mm();
-  const Vec3 centre = (p[0] + p[1] + p[2]) / 3;
-  const double radius_mm = std::sqrt(std::max(
-      {(p[0] - centre).squaredNorm(), (p[1] - centre).squaredNorm(), (p[2] - centre).squaredNorm()}));
-  if (face_mm && (*face_mm - centre).norm() + radius_mm <= furthest.off_mm) return;
-  const std::optional<Vec3> nearest = nearest_on_voxel_faces(*image_, centre, pair);
-  const double off_mm = nearest ? (*nearest - centre).norm() : kFaceReach * domain_->voxel_size_mm();
-  if (off_mm > furthest.off_mm) furthest = {off_mm, centre, nearest.value_or(centre)};
-  const bool nothing_seen = !nearest;  // nor is anything further seen then
-  if (nothing_seen || radius_mm < fine_mm || off_mm + radius_mm <= furthest.off_mm) return;
-  const Vec3 a = (p[1] + p[2]) / 2, b = (p[2] + p[0]) / 2, c = (p[0] + p[1]) / 2;
-  for (const std::array<Vec3, 3>& part :
-       {std::array{a, b, c}, std::array{p[0], c, b}, std::array{c, p[1], a}, std::array{b, a, p[2]}})
-    look_for_furthest(part, pair, nearest, furthest);
-}
-
 void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& boundary, std::uint32_t triangle,
                                double limit_mm, std::vector<Miss>& out) const {
   const BoundaryTriangle& t = boundary.triangles[triangle];
   if (domain_->is_cut(t.outside)) return;
   const auto& [a, b, c] = t.vertices;
   const std::array<Vec3, 3> p = {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
-  const auto depth = [&](const Vec3& x) { return domain_->separation(x, t.inside, t.outside).value; };
-  const Vec3 centre = (p[0] + p[1] + p[2]) / 3;
-  const double least_mm = std::max(kAway * domain_->voxel_size_mm(), kSagitta * longest_edge(p));
-  const auto is_away = [&](const Vec3& x) { return std::abs(depth(x)) >= least_mm; };
-  const bool away = is_away(centre) || is_away((p[0] + p[1]) / 2) || is_away((p[1] + p[2]) / 2) ||
-                    is_away((p[2] + p[0]) / 2);
-  if (!away) return;
+  const double least_mm = std::max(limit_mm, kSagitta * longest_edge(p));
+  double off_mm = 0;
+  Vec3 from = Vec3::Zero();
+  const std::array<Vec3, 4> places = {(p[0] + p[1] + p[2]) / 3, (p[0] + p[1]) / 2, (p[1] + p[2]) / 2,
+                                      (p[2] + p[0]) / 2};
+  for (const Vec3& place : places) {
+    const double depth_mm = domain_->separation_value(place, t.inside, t.outside);
+    if (std::abs(depth_mm) <= std::abs(off_mm)) continue;
+    off_mm = depth_mm;
+    from = place;
+  }
+  if (std::abs(off_mm) <= least_mm) return;
   const std::array<Material, 2> pair = ascending(t.inside, t.outside);
   const Vec3 outwards = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
-  Furthest furthest{limit_mm, centre, centre};
-  look_for_furthest(p, pair, std::nullopt, furthest);
-  if (furthest.off_mm <= limit_mm) return;
-  const Vec3& from = furthest.at;
-  const double ahead_mm = std::copysign(kAhead * domain_->voxel_size_mm(), depth(from));
+  const double ahead_mm = std::copysign(kAhead * domain_->voxel_size_mm(), off_mm);
   const std::optional<Vec3> ahead = domain_->first_crossing(from, from + ahead_mm * outwards);
-  const Vec3 place = ahead.value_or(furthest.back);
+  const Vec3 place =
+      ahead ? *ahead
+            : domain_->project(from, {pair[0], pair[1]}, kAhead * domain_->voxel_size_mm()).value_or(from);
   out.push_back(
-      {(place - from).norm(), {place, pair}, triangle, from, furthest.off_mm, true, ahead.has_value()});
-}
-
-void MissFinder::append_far_vertices(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
-                                     std::vector<Miss>& out) const {
-  std::vector<double> beyond_mm = beyond_mm_;
-  if (std::all_of(beyond_mm.begin(), beyond_mm.end(), [](double mm) { return mm <= 0; })) return;
-  for (std::uint32_t i = 0; i < boundary.triangles.size(); ++i) {
-    const BoundaryTriangle& t = boundary.triangles[i];
-    for (const std::uint32_t v : t.vertices) {
-      if (beyond_mm[v] <= 0) continue;
-      const Vec3& x = mesh.positions[v];
-      const Vec3 place = within_reach_of_voxels(*image_, *domain_, boundary.sets[v], x);
-      out.push_back({(place - x).norm(),
-                     {place, ascending(t.inside, t.outside)},
-                     i,
-                     x,
-                     limit_mm + kUrgent * domain_->voxel_size_mm() + beyond_mm[v],
-                     true,
-                     place != x,
-                     v});
-      beyond_mm[v] = 0;  // with one triangle only
-    }
-  }
+      {(place - from).norm(), {place, pair}, triangle, from, std::abs(off_mm), true, ahead.has_value()});
 }
 
 namespace {
@@ -426,7 +294,7 @@ std::vector<Miss> MissFinder::find_missed_probes(const WorkMesh& mesh, const Bou
 std::vector<Miss> MissFinder::find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
                                    std::size_t most_probes) {
   note_moved_triangles(mesh, boundary);
-  measure_moved_vertices(mesh, boundary);
+  positions_ = mesh.positions;
   std::vector<Miss> found = missed_probes(mesh, boundary, limit_mm);
   if (found.size() > most_probes) {
     triangles_.clear();  // so that strays are looked for everywhere next time
@@ -435,7 +303,6 @@ std::vector<Miss> MissFinder::find(const WorkMesh& mesh, const BoundaryModel& bo
   }
   update_strays(mesh, boundary, limit_mm);
   found.insert(found.end(), strays_.begin(), strays_.end());
-  append_far_vertices(mesh, boundary, limit_mm, found);
   sort_by_distance(found);
   return found;
 }

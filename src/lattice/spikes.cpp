@@ -56,16 +56,31 @@ class SpikePeeler {
     return depth > 0.3 * mesh_.longest_edge_mm(t);
   }
 
-  /// More than 140 degrees between the two open faces.
+  /// Where a corner belongs; there, if it could not get there.
+  [[nodiscard]] Vec3 target_of(std::uint32_t v) const {
+    const MaterialSet& set = boundary_.sets[v];
+    const Vec3& x = mesh_.positions[v];
+    if (set.size() < 2) return x;
+    return domain_.project(x, set, 4 * domain_.voxel_size_mm()).value_or(x);
+  }
+
+  /// More than 140 degrees between the two open faces, as they are or with their corners where these belong.
   [[nodiscard]] bool opens_wide(std::uint32_t t) const {
+    std::array<Vec3, 4> now, then;
+    for (std::size_t i = 0; i < 4; ++i) {
+      now[i] = mesh_.positions[mesh_.tets[t][i]];
+      then[i] = target_of(mesh_.tets[t][i]);
+    }
+    return opens_wide(t, now) || opens_wide(t, then);
+  }
+
+  [[nodiscard]] bool opens_wide(std::uint32_t t, const std::array<Vec3, 4>& places) const {
     std::array<Vec3, 2> normal;
     std::size_t n = 0;
     for (std::size_t f = 0; f < 4; ++f) {
       if (mesh_.neighbours[t][f] != kNoTet || n == 2) continue;
-      const auto [a, b, c] = face_of(mesh_.tets[t], f);
-      normal[n++] = (mesh_.positions[b] - mesh_.positions[a])
-                        .cross(mesh_.positions[c] - mesh_.positions[a])
-                        .normalized();
+      const auto [a, b, c] = face_of(Corner4{0, 1, 2, 3}, f);
+      normal[n++] = (places[b] - places[a]).cross(places[c] - places[a]).normalized();
     }
     return -normal[0].dot(normal[1]) < -0.766;
   }

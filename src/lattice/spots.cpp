@@ -17,13 +17,13 @@ namespace lumesh {
 namespace {
 
 // In voxels.
-constexpr double kMissed = 1.125;  // what is further from the surface is missed; smooth vessels come closer
-constexpr double kSpot = 4.5;      // misses this close to the centre of a spot belong to it
-constexpr double kAnew = 4;        // vertices this close to the centre go back to the lattice
-constexpr double kShell = 6.5;     // misses that arise up to here count too
-constexpr double kPart = 7;        // vertices this close to it may move; more if edges are longer than that
-constexpr double kShake = 0.6;     // vertices are shaken by half of it, or twice or three times that
-constexpr double kSame = 2.5;      // a miss this close to a spot that could not be mended is given up too
+constexpr double kMissed = 0.5;  // what is further from the surface is missed; smooth vessels come closer
+constexpr double kSpot = 4.5;    // misses this close to the centre of a spot belong to it
+constexpr double kAnew = 4;      // vertices this close to the centre go back to the lattice
+constexpr double kShell = 6.5;   // misses that arise up to here count too
+constexpr double kPart = 7;      // vertices this close to it may move; more if edges are longer than that
+constexpr double kShake = 0.6;   // vertices are shaken by half of it, or twice or three times that
+constexpr double kSame = 2.5;    // a miss this close to a spot that could not be mended is given up too
 
 // Vertices with a better angle quality stay.
 constexpr double kGoodAsItIs = 0.25;
@@ -64,7 +64,7 @@ class Spot {
         setting_(setting),
         voxel_mm_(setting.domain.voxel_size_mm()),
         probes_(probes_near(setting.image, setting.domain, centre_mm, kShell * voxel_mm_)),
-        finder_(setting.image, setting.domain, probes_) {}
+        finder_(setting.domain, probes_) {}
 
   /// What a try costs: the tetrahedra that it works on, and something for what each try costs besides.
   [[nodiscard]] std::size_t cost() const { return part_.mesh.tets.size() + 1500; }
@@ -115,9 +115,8 @@ class Spot {
              (part_.mesh.positions[v] - centre_mm_).norm() <= (kAnew + 0.5 * n) * voxel_mm_;
     });
     Fitter fitter(part_.mesh, part_.boundary, part_.targets, setting_, blocks);
-    fitter.keep_to_voxels();
     fitter.refit_from(shaken(part_.lattice_mm, 100 * seed + n, shake_mm), near, kSweeps, kGoodAnew);
-    finder_ = MissFinder(setting_.image, setting_.domain, probes_);
+    finder_ = MissFinder(setting_.domain, probes_);
     return keep_if_best();
   }
 
@@ -175,7 +174,6 @@ class Spot {
                                                 {setting_.limits, part_.fixed, bold});
     const VertexBlocks blocks = part_.movable();
     Fitter fitter(part_.mesh, part_.boundary, part_.targets, setting_, blocks);
-    fitter.keep_to_voxels();
     fitter.draw_to(added > 0 ? misses() : missed, std::min(4 + 2 * turn, 8), good_enough);
   }
 

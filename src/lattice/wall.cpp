@@ -8,7 +8,6 @@
 
 #include "lumesh/operators/settling.hpp"
 #include "offsets.hpp"
-#include "voxel_reach.hpp"
 
 namespace lumesh {
 
@@ -36,8 +35,8 @@ NumberedBoundaries numbered(const BoundaryModel& boundary) {
 
 }  // namespace
 
-void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const LabelImage& image,
-                 const ImageDomain& domain, const AngleLimits& limits) {
+void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
+                 const AngleLimits& limits) {
   const NumberedBoundaries boundaries = numbered(boundary);
   const double most_mm = 0.25 * domain.voxel_size_mm();
   Shifts shifts;
@@ -50,14 +49,9 @@ void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const LabelImage
     if (shift != shifts.end()) found->point += (inside < outside ? 1 : -1) * shift->second * found->normal;
     return (found->point - near).norm() <= most_mm ? found : std::nullopt;
   };
-  const operators::MayStand may_stand = [&](PatchId patch, const Vec3& point) {
-    const auto& [inside, outside] = boundaries.sides[patch.value];
-    return within_reach_of_voxels(image, domain, {inside, outside}, point) == point;
-  };
   constexpr double kMarginDeg = 0.5;  // So that the extreme angles hardly change.
   const operators::SettlingRules rules{
-      .may_become = operators::within_angles(limits.min_deg + kMarginDeg, limits.max_deg - kMarginDeg),
-      .may_stand = may_stand};
+      .may_become = operators::within_angles(limits.min_deg + kMarginDeg, limits.max_deg - kMarginDeg)};
   const auto settle = [&] {
     operators::settle(mesh.positions, mesh.tets, {boundaries.triangles, boundaries.of_triangle}, place,
                       rules);

@@ -11,9 +11,8 @@ namespace lumesh {
 /// Carries the vertices of smooth boundaries, those nearer than a quarter of a voxel, to their places: on the
 /// image's boundary, and over it by the sagitta of the triangles around, so that labels have the volume that
 /// their boundaries enclose (operators::settle()); where many stay short of these, as in thin parts, all
-/// stand evenly farther out. What is farther off was drawn away on purpose, to a tip or from a bulge, and
-/// stays, as do vertices that would leave the reach of the voxels. No angle passes its limit.
-void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const LabelImage& image,
-                 const ImageDomain& domain, const AngleLimits& limits);
+/// stand evenly farther out. What is farther off could not get nearer, and stays. No angle passes its limit.
+void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
+                 const AngleLimits& limits);
 
 }  // namespace lumesh

@@ -114,9 +114,7 @@ class Settling {
       const std::uint32_t v = free_[i];
       const double mean = sums[v].area > 0 ? sums[v].sagitta / sums[v].area : 0;
       const double lift = std::clamp(rules_.lift * mean, -kMostLift * edge_[v], kMostLift * edge_[v]);
-      const Vec3 target = places_[v].point + lift * places_[v].normal;
-      const PatchId patch(static_cast<std::uint32_t>(patch_of_[v]));
-      if (!rules_.may_stand || rules_.may_stand(patch, target)) targets_[v] = target;
+      targets_[v] = places_[v].point + lift * places_[v].normal;
     });
   }
 

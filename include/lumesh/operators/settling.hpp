@@ -36,9 +36,6 @@ using PlaceOnPatch = std::function<std::optional<SurfacePoint>(PatchId patch, co
 using MayBecome =
     std::function<bool(std::size_t tet, const std::array<Vec3, 4>& before, const std::array<Vec3, 4>& after)>;
 
-/// Whether a vertex of a patch may stand at a place; else it stays where it is. Called from several threads.
-using MayStand = std::function<bool(PatchId patch, const Vec3& place)>;
-
 /// Dihedral angles within the limits, or at least no worse than they were.
 [[nodiscard]] MayBecome within_angles(double min_dihedral_deg, double max_dihedral_deg);
 
@@ -46,7 +43,6 @@ struct SettlingRules {
   /// Of the mean sagitta by which vertices stand over the surface: 1 keeps the volume, 0 leaves them on it.
   double lift = 1;
   MayBecome may_become;
-  MayStand may_stand = {};                     ///< Null: everywhere.
   std::span<const std::uint8_t> movable = {};  ///< Flag per vertex; empty: all are.
 };
 

@@ -65,7 +65,7 @@ TEST(MissFinder, FindsTheSameWhetherItKnowsTheSurfaceOfBeforeOrNot) {
   Surface s = surface_of(image, domain);
   const std::vector<Probe> probes = boundary_probes(image, domain);
   std::mt19937 random(17);
-  MissFinder knowing(image, domain, probes);
+  MissFinder knowing(domain, probes);
   std::size_t found = 0, strays = 0;
   for (int round = 0; round < 12; ++round) {
     if (round % 4 == 3) {
@@ -73,7 +73,7 @@ TEST(MissFinder, FindsTheSameWhetherItKnowsTheSurfaceOfBeforeOrNot) {
       change(s, random);
     }
     const std::vector<Miss> again = knowing.find(s.mesh, s.boundary, 0.5);
-    MissFinder fresh(image, domain, probes);
+    MissFinder fresh(domain, probes);
     const std::vector<Miss> first = fresh.find(s.mesh, s.boundary, 0.5);
     ASSERT_EQ(told(again), told(first)) << "round " << round;
     EXPECT_TRUE(std::is_sorted(again.begin(), again.end(),
@@ -95,7 +95,7 @@ TEST(MissFinder, MeasuresWhatItMissedHoweverFarItIs) {
   const Vec3 far(12.6, 12.3, 62.8);                                         // 41 voxels from the ball's pole
   std::vector<Probe> probes(40, Probe{near, {0, 1}});
   probes.push_back({far, {0, 1}});
-  MissFinder finder(image, domain, probes);
+  MissFinder finder(domain, probes);
   (void)finder.find_missed_probes(s.mesh, s.boundary, 1.0);
   const std::vector<double> distances = finder.missed_distances_mm(s.mesh, s.boundary);
   ASSERT_EQ(distances.size(), 1U);

@@ -110,29 +110,51 @@ inline double normal_error_deg(const MixedMesh& mesh, const std::string& patch, 
   return angle_and_area.back().first;
 }
 
-/// Largest distance of the centres and corners of the faces between label and background from the mesh.
-inline double worst_distance_mm(const LabelImage& image, const MixedMesh& mesh) {
-  const TriangleTree tree(mesh.points, mesh.triangles);
-  double worst = 0;
+/// Calls body(place, inside, outside) for the centre and the corners of each face between two voxels of
+/// different labels, in voxel indices.
+template <class Body>
+void for_each_place_between(const LabelImage& image, const Body& body) {
   const Index3 size = image.frame().size;
   for (int k = 1; k < size.z(); ++k) {
     for (int j = 1; j < size.y(); ++j) {
       for (int i = 1; i < size.x(); ++i) {
         for (int axis = 0; axis < 3; ++axis) {
-          const Index3 voxel(i, j, k);
-          if (image.at(voxel) == image.at(voxel - Index3::Unit(axis))) continue;
+          const Index3 voxel(i, j, k), other = voxel - Index3::Unit(axis);
+          if (image.at(voxel) == image.at(other)) continue;
           const Vec3 centre = voxel.cast<double>() - 0.5 * Vec3::Unit(axis);
-          worst = std::max(worst, tree.nearest(image.frame().to_physical(centre)).distance);
+          body(centre, image.at(voxel), image.at(other));
           for (int corner = 0; corner < 4; ++corner) {
             Vec3 at = centre;
             at[(axis + 1) % 3] += corner % 2 == 0 ? -0.5 : 0.5;
             at[(axis + 2) % 3] += corner < 2 ? -0.5 : 0.5;
-            worst = std::max(worst, tree.nearest(image.frame().to_physical(at)).distance);
+            body(at, image.at(voxel), image.at(other));
           }
         }
       }
     }
   }
+}
+
+/// From faces between voxels, centres and corners, to the mesh's triangles.
+inline double worst_distance_mm(const LabelImage& image, const MixedMesh& mesh) {
+  const TriangleTree tree(mesh.points, mesh.triangles);
+  double worst = 0;
+  for_each_place_between(image, [&](const Vec3& at, Material, Material) {
+    worst = std::max(worst, tree.nearest(image.frame().to_physical(at)).distance);
+  });
+  return worst;
+}
+
+/// From the places of the domain's boundary that are nearest to these.
+inline double worst_distance_from_domain_mm(const LabelImage& image, const ImageDomain& domain,
+                                            const MixedMesh& mesh) {
+  const TriangleTree tree(mesh.points, mesh.triangles);
+  double worst = 0;
+  for_each_place_between(image, [&](const Vec3& at, Material a, Material b) {
+    const auto place = domain.project(image.frame().to_physical(at), {std::min(a, b), std::max(a, b)},
+                                      domain.voxel_size_mm());
+    if (place) worst = std::max(worst, tree.nearest(*place).distance);
+  });
   return worst;
 }
 
