@@ -20,11 +20,14 @@ struct Part {
   int threads = 0;
   const CLI::App* command = nullptr;
 
+  /// @param only  What --only picks; empty: the part has no choice of cases.
   void add_to(CLI::App& app, const std::string& name, const std::string& about, const std::string& only) {
     CLI::App* added = app.add_subcommand(name, about);
-    added->add_option("--only", options.only, only);
-    added->add_option("--seeds", options.seeds, "Random images of each case")->capture_default_str();
-    added->add_option("--first-seed", options.first_seed, "The others follow it")->capture_default_str();
+    if (!only.empty()) {
+      added->add_option("--only", options.only, only);
+      added->add_option("--seeds", options.seeds, "Random images of each case")->capture_default_str();
+      added->add_option("--first-seed", options.first_seed, "The others follow it")->capture_default_str();
+    }
     added->add_option("--json", options.json_path, "Writes one line of JSON per image");
     added->add_option("--threads", threads, "0: all cores")->capture_default_str();
     command = added;
@@ -39,15 +42,18 @@ int main(int argc, char** argv) {
   Part field{lumesh::boundary::run_field, {.seeds = 5}};
   Part mesh{lumesh::boundary::run_mesh, {.seeds = 2}};
   Part topology{lumesh::boundary::run_topology, {.seeds = 500}};
+  Part cost{lumesh::boundary::run_cost, {}};
   field.add_to(app, "field", "The domain's boundary against the exact surfaces",
                "Regular expression: cases whose name it matches in part");
   mesh.add_to(app, "mesh", "The walls of meshes against the exact surfaces",
               "Regular expression: cases whose name it matches in part");
   topology.add_to(app, "topology", "Pieces, volumes and distances of random label images",
                   "Regular expression: meshers whose name it matches in part; `none': the domain alone");
+  cost.add_to(app, "cost", "Time and memory of the label field, from 0.1 to 10 million voxels in the band",
+              "");
   CLI11_PARSE(app, argc, argv);
   try {
-    for (const Part& part : {field, mesh, topology}) {
+    for (const Part& part : {field, mesh, topology, cost}) {
       if (!part.command->parsed()) continue;
       const lumesh::parallel::ThreadLimit limit(part.threads);
       part.run(part.options);

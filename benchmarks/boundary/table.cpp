@@ -20,6 +20,15 @@ std::string Tally::judge(const char* name, double figure, double reference, int 
   return number(figure, digits) + "/" + number(reference, digits);
 }
 
+std::string Tally::judge_bound(const char* name, double figure, double bound, int digits) {
+  ++compared_;
+  if (figure <= bound)
+    ++good_;
+  else
+    worse_ += std::string(worse_.empty() ? "" : " ") + name;
+  return number(figure, digits) + "/" + number(bound, digits);
+}
+
 std::string Tally::verdict() const {
   if (compared_ == 0) return "-";
   return worse_.empty() ? "ok" : "WORSE: " + worse_;

@@ -13,6 +13,8 @@ class Tally {
  public:
   /// "figure/reference"; good within 1.2 times the reference and the slack.
   std::string judge(const char* name, double figure, double reference, int digits, double slack);
+  /// "figure/bound"; good up to the bound.
+  std::string judge_bound(const char* name, double figure, double bound, int digits);
   /// "ok", what is worse, or "-" if nothing has a reference.
   [[nodiscard]] std::string verdict() const;
   [[nodiscard]] int compared() const { return compared_; }
