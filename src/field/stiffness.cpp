@@ -234,7 +234,9 @@ StiffnessAdaptation::StiffnessAdaptation(const LaneArray& start, Noise noise, Fi
 
 void StiffnessAdaptation::find_turning(const LaneArray& start, FitState& state) {
   const Band& band = state.band;
-  std::array<LaneArray, 6> sums;
+  // Not in use yet; this is where the fit takes the most memory.
+  const std::array<LaneArray*, 6> sums = {&logarithm_,  &last_logarithm_, &wrong_,
+                                          &last_wrong_, &wrong_sum_,      &more_};
   const std::array<float, 3> per_edge = {static_cast<float>(1 / band.edges().x()),
                                          static_cast<float>(1 / band.edges().y()),
                                          static_cast<float>(1 / band.edges().z())};
@@ -253,8 +255,7 @@ void StiffnessAdaptation::find_turning(const LaneArray& start, FitState& state) 
         const Lanes square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2] + 1e-20F;
         store(scratch_.at(s), keep_numbers(keep(g[a] * g[b] / square, mask_of(boundary))));
       });
-      sums[n].assign(band.end(), 0);
-      state.levels.sum_over_window(scratch_, Window::kWide, sums[n++]);
+      state.levels.sum_over_window(scratch_, Window::kWide, *sums[n++]);
     }
   }
   for_each_segment(band.end(), [&](int s, std::size_t at) {
@@ -263,11 +264,12 @@ void StiffnessAdaptation::find_turning(const LaneArray& start, FitState& state) 
       const float share = boundary_wide_.at(s)[lane];
       if (share < kTiny) continue;
       std::array<float, 6> m;
-      for (std::size_t k = 0; k < 6; ++k) m[k] = sums[k].at(s)[lane] / share;
+      for (std::size_t k = 0; k < 6; ++k) m[k] = sums[k]->at(s)[lane] / share;
       bits |= static_cast<unsigned>(exceeds(m, kTurning)) << lane;
     }
     turning_[at] = static_cast<std::uint8_t>(bits);
   });
+  for (LaneArray* const sum : sums) sum->assign(band.end(), 0);
 }
 
 /// Violations of all voxels, and windows of those at the boundary.
