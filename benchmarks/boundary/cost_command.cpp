@@ -50,7 +50,9 @@ double process_bytes(const std::string& name) {
 
 /// Begins a new peak of memory.
 void forget_peak() {
-  std::ofstream("/proc/self/clear_refs") << "5";
+  std::ofstream file("/proc/self/clear_refs");
+  file << "5" << std::flush;
+  if (!file) throw Error(ErrorKind::kBadInput, "/proc/self/clear_refs: cannot be written");
 }
 
 }  // namespace

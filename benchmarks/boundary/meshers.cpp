@@ -3,6 +3,7 @@
 #include "lumesh/adapt/improve.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/lattice/lattice.hpp"
+#include "lumesh/operators/settling.hpp"
 
 namespace lumesh::boundary {
 
@@ -34,8 +35,13 @@ MixedMesh mesh_by(Mesher mesher, const LabelImage& image, const ImageDomain& dom
   }
   DelaunayOptions options;
   options.delta_mm = spacing_mm;
-  TetMesh mesh = mesh_delaunay(domain, options, context).mesh;
-  improve(mesh, ImproveOptions{}, context);
+  DelaunayResult result = mesh_delaunay(domain, options, context);
+  TetMesh& mesh = result.mesh;
+  ImproveOptions improvement;  // As of the program.
+  improvement.place = operators::places_in_domain(mesh, domain);
+  improvement.keep_within = [&](const Vec3& x) { return domain.within_cuts(x); };
+  improvement.settles_all = result.report.held_back > 0;
+  improve(mesh, improvement, context);
   const BoundaryFaces faces = mesh.boundary_faces();
   return copy_of(mesh.view(faces));
 }

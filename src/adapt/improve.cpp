@@ -218,7 +218,8 @@ std::vector<Vec3> places_on_surfaces(const TetMesh& mesh) {
 bool settle_moved(TetMesh& mesh, const std::vector<Vec3>& places_before, const ImproveOptions& options) {
   operators::SettlingRules rules{
       .lift = options.lift,
-      .may_become = operators::within_angles(options.min_dihedral_deg, options.max_dihedral_deg)};
+      .may_become = operators::within_angles(options.min_dihedral_deg, options.max_dihedral_deg),
+      .keep_within = options.keep_within};
   if (options.settles_all) {
     operators::settle(mesh, options.place, rules);
     return true;

@@ -101,7 +101,10 @@ std::size_t settle_in(const Domain& domain, const DelaunayOptions& options, TetM
   const auto always = [](std::size_t, const std::array<Vec3, 4>&, const std::array<Vec3, 4>&) {
     return true;
   };
-  return operators::settle(mesh, operators::places_in_domain(mesh, domain), {options.lift, always}).held_back;
+  const operators::SettlingRules rules{.lift = options.lift,
+                                       .may_become = always,
+                                       .keep_within = [&](const Vec3& x) { return domain.within_cuts(x); }};
+  return operators::settle(mesh, operators::places_in_domain(mesh, domain), rules).held_back;
 }
 
 }  // namespace

@@ -10,7 +10,6 @@ namespace lumesh {
 namespace {
 
 constexpr double kApartVoxels = 1.5;
-constexpr double kReachVoxels = 1;  // anchors leave the boundary towards a probe further away than this
 
 /// Points no two of which are closer than a distance.
 class SparsePoints {
@@ -61,8 +60,7 @@ std::vector<std::uint32_t> set_anchors(const WorkMesh& mesh, const BoundaryModel
     if (!best) continue;
     const std::optional<Vec3> place = domain.project(probe, boundary.sets[*best], 2 * domain.voxel_size_mm());
     if (!place || domain.beyond_cut(*place)) continue;
-    const double short_mm = (probe - *place).norm() - kReachVoxels * domain.voxel_size_mm();
-    anchors_mm[*best] = short_mm > 0 ? Vec3(*place + short_mm * (probe - *place).normalized()) : *place;
+    anchors_mm[*best] = place;
     changed.push_back(*best);
   }
   return changed;

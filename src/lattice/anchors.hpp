@@ -10,9 +10,8 @@
 namespace lumesh {
 
 /// Sends the nearest free vertex to each missed probe, but to one of those within 1.5 voxels of each other
-/// only; a vertex that is missed itself, to where it would be near enough. The place is on the boundary, or
-/// beside it where that is more than a voxel from the probe. Vertices keep an anchor until they get another
-/// one.
+/// only. The place is on the vertex's own boundary, which a stray's probe need not be. Vertices keep an
+/// anchor until they get another one.
 /// @param anchors_mm  The place of each vertex that has one.
 /// @return The vertices with a new anchor.
 std::vector<std::uint32_t> set_anchors(const WorkMesh& mesh, const BoundaryModel& boundary,

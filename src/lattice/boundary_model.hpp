@@ -1,6 +1,7 @@
 #pragma once
 // The faces between materials and what binds each vertex.
 
+#include <algorithm>
 #include <vector>
 
 #include "lumesh/domain/patch_names.hpp"
@@ -17,6 +18,20 @@ struct BoundaryModel {
 /// Whether a vertex of this set lies in a cut plane; of its materials, cuts are the last.
 [[nodiscard]] inline bool is_on_cut(const ImageDomain& domain, const MaterialSet& set) {
   return set.size() >= 2 && domain.is_cut(set[set.size() - 1]);
+}
+
+/// The place, drawn back onto cut planes that it lies beyond; along those that a vertex of this set is in.
+[[nodiscard]] inline Vec3 within_cuts(const ImageDomain& domain, const MaterialSet& set, Vec3 place) {
+  const auto for_each_own = [&](const auto& body) {
+    for (const Material m : set)
+      if (domain.is_cut(m)) body(domain.cut_plane(m));
+  };
+  for_each_own([&](const CutPlane& own) {
+    place -= std::max(0.0, own.normal.dot(place - own.point_mm)) * own.normal;
+  });
+  Vec3 move = domain.within_cuts(place) - place;
+  for_each_own([&](const CutPlane& own) { move -= own.normal.dot(move) * own.normal; });
+  return place + move;
 }
 
 /// Reads the model off a mesh that still has the ring of tetrahedra outside.

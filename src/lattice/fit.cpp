@@ -55,6 +55,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   targets.offset_mm = fitter.averaged(sag_offsets_mm(mesh, boundary, domain));
   fitter.fit(2);
   fitter.fit_and_improve(4, kGood);
+  fitter.bring_within_cuts(3, 4, kGood);
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
   const std::vector<Miss> missed = mend_spots(whole, setting, finder, options.probes.size());

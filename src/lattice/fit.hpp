@@ -16,9 +16,9 @@ struct FitOptions {
 };
 
 struct FitReport {
-  /// Corners and centres of voxel faces, and triangles, that are more than 1.25 voxels off.
+  /// Places of the domain's boundary next to voxel faces, and triangles, that are more than 1.25 voxels off.
   std::size_t missed_points = 0;
-  /// How far at most; a triangle with no voxel face within 2.5 voxels counts as that far.
+  /// How far at most; a triangle counts as 2.25 of the smallest voxel edges at most.
   double furthest_miss_mm = 0;
 };
 

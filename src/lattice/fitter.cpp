@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "anchors.hpp"
+#include "lumesh/geometry/predicates.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -51,7 +53,7 @@ void Fitter::refit_from(const std::vector<Vec3>& places_mm, const VertexBlocks& 
   for (int s = 0; s < sweeps; ++s) {
     try_all_again();
     sweep(vertices, [&](std::uint32_t v) {
-      if (v < places_mm.size()) carry_vertex(v, places_mm[v]);
+      if (v < places_mm.size()) carry_vertex(v, within_cuts(domain_, boundary_.sets[v], places_mm[v]));
     });
   }
   std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
@@ -61,6 +63,34 @@ void Fitter::refit_from(const std::vector<Vec3>& places_mm, const VertexBlocks& 
     }
   }
   improve(blocks_, sweeps, good_enough);
+}
+
+void Fitter::bring_within_cuts(int rounds, int sweeps, double good_enough) {
+  for (int round = 0; round < rounds; ++round) {
+    std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+    bool any = false;
+    for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+      const Vec3 within = within_cuts(domain_, boundary_.sets[v], mesh_.positions[v]);
+      if (within == mesh_.positions[v]) continue;
+      any = true;
+      put_if_valid(v, within);
+      wake_star(v);
+    }
+    if (!any) return;
+    improve(blocks_, sweeps, good_enough);
+  }
+}
+
+/// Whatever the angles, as long as tetrahedra stay positively oriented.
+void Fitter::put_if_valid(std::uint32_t v, const Vec3& place) {
+  const std::vector<Vec3>& at = mesh_.positions;
+  const Vec3 before = std::exchange(mesh_.positions[v], place);
+  const auto star = mesh_.star(v);
+  const bool is_valid = std::all_of(star.begin(), star.end(), [&](std::uint32_t t) {
+    const auto& [a, b, c, d] = mesh_.tets[t];
+    return orient3d(at[a], at[b], at[c], at[d]) > 0;
+  });
+  if (!is_valid) mesh_.positions[v] = before;
 }
 
 void Fitter::draw_to_tips(const std::vector<Miss>& missed, int sweeps) {
@@ -181,7 +211,7 @@ std::optional<Vec3> Fitter::on_boundary(std::uint32_t v, const Vec3& near) const
     const Vec3 towards_first = domain_.separation(*p, set[0], set[1]).gradient;
     *p += towards_first * (targets_.offset_mm[v] / towards_first.norm());
   }
-  return p;
+  return within_cuts(domain_, set, *p);
 }
 
 /// Stops early once the angles are known to be worse than `enough`.
@@ -220,7 +250,8 @@ std::optional<Vec3> Fitter::on_one_boundary(std::uint32_t v) const {
   std::optional<Vec3> best;
   for (std::size_t i = 0; i < set.size(); ++i) {
     for (std::size_t j = i + 1; j < set.size() && !domain_.is_cut(set[j]); ++j) {
-      const std::optional<Vec3> p = domain_.project(x, {set[i], set[j]}, 4 * domain_.voxel_size_mm());
+      std::optional<Vec3> p = domain_.project(x, {set[i], set[j]}, 4 * domain_.voxel_size_mm());
+      if (p) p = within_cuts(domain_, set, *p);
       if (p && (!best || (*p - x).squaredNorm() < (*best - x).squaredNorm())) best = p;
     }
   }

@@ -49,6 +49,10 @@ class Fitter {
   void refit_from(const std::vector<Vec3>& places_mm, const VertexBlocks& vertices, int sweeps,
                   double good_enough);
 
+  /// Brings vertices that an angle's limit has held back beyond cut planes onto these, wherever tetrahedra
+  /// stay positively oriented; then betters what is around them as fit_and_improve() does.
+  void bring_within_cuts(int rounds, int sweeps, double good_enough);
+
   /// Draws the surface to misses; only what is around these moves.
   void draw_to_tips(const std::vector<Miss>& missed, int sweeps);
   /// The same more thoroughly, with what is near moving along.
@@ -87,6 +91,7 @@ class Fitter {
   [[nodiscard]] double distance_to_target(std::uint32_t v) const;
   [[nodiscard]] Score score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough) const;
   [[nodiscard]] double facing(std::uint32_t v, const Vec3& x) const;
+  void put_if_valid(std::uint32_t v, const Vec3& place);
   void carry_vertex(std::uint32_t v, const Vec3& place);
   void fit_vertex(std::uint32_t v, double floor);
   void fit_if_away(std::uint32_t v);

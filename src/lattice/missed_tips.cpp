@@ -97,7 +97,7 @@ class MissedTips {
       if (!found) return std::nullopt;
       tet = *found;
       const std::uint32_t far = far_corner(tet, t.vertices);
-      if (boundary_.sets[far].size() >= 2 || is_fixed(far)) return std::nullopt;
+      if (is_at_boundary(far) || is_fixed(far)) return std::nullopt;
       from = mesh_.positions[far];
     }
     std::optional<Option> best;
@@ -159,6 +159,10 @@ class MissedTips {
     return other;
   }
 
+  /// Also where it has got there only now, so that its materials do not say so.
+  [[nodiscard]] bool is_at_boundary(std::uint32_t v) const {
+    return boundary_.sets[v].size() >= 2 || !surface_.triangles(v).empty();
+  }
   [[nodiscard]] bool is_fixed(std::uint32_t v) const {
     return v < options_.fixed.size() && options_.fixed[v] != 0;
   }

@@ -14,8 +14,11 @@ namespace lumesh {
 namespace {
 
 // In voxels.
-constexpr double kAhead = 3;    // how far from a stray triangle the boundary is sought
-constexpr double kAside = 0.9;  // places between voxels are no farther from a boundary that keeps these apart
+constexpr double kAhead = 3;  // how far from a stray triangle the boundary is sought
+
+// Half diagonals of a voxel, 0.9 voxels for cubic ones: places between voxels are no farther from a boundary
+// that keeps these apart.
+constexpr double kAside = 1.04;
 
 // Of the longest edge of a triangle: as far it stands off a bent boundary with its corners on it. A radius of
 // two and a half edges, that is.
@@ -84,21 +87,26 @@ double longest_edge(const std::array<Vec3, 3>& p) {
       std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()}));
 }
 
-/// The boundary of two materials near a place; none where it is not within kAside, as at voxels that noise
-/// explains better.
-std::optional<Vec3> boundary_beside(const ImageDomain& domain, const std::array<Material, 2>& pair,
-                                    const Vec3& near_mm) {
-  const double reach_mm = kAside * domain.voxel_size_mm();
+/// The boundary of two materials near a place between their voxels; none where that is not near, as at voxels
+/// that noise explains better, or where a third material has taken its place.
+std::optional<Vec3> boundary_beside(const LabelImage& image, const ImageDomain& domain,
+                                    const std::array<Material, 2>& pair, const Vec3& near_mm) {
+  constexpr double kThere = 0.1;  // Voxels.
+  const double reach_mm = kAside * 0.5 * image.frame().spacing_mm.norm();
   const std::optional<Vec3> place = domain.project(near_mm, {pair[0], pair[1]}, reach_mm);
-  const bool is_beside = place && (*place - near_mm).norm() <= reach_mm && !domain.beyond_cut(*place);
-  return is_beside ? place : std::nullopt;
+  if (!place || domain.beyond_cut(*place)) return std::nullopt;
+  const bool is_theirs =
+      domain.label_count() == 2 ||
+      domain.materials_near(*place, kThere * domain.voxel_size_mm()).contains_all({pair[0], pair[1]});
+  return is_theirs ? place : std::nullopt;
 }
 
 /// Puts probes from between the voxels onto the boundary that keeps these apart.
-std::vector<Probe> on_boundary(const ImageDomain& domain, const std::vector<Probe>& between) {
+std::vector<Probe> on_boundary(const LabelImage& image, const ImageDomain& domain,
+                               const std::vector<Probe>& between) {
   return parallel::collect<Probe>(between.size(), [&](std::size_t i, std::vector<Probe>& out) {
     const Probe& probe = between[i];
-    if (const auto place = boundary_beside(domain, probe.materials, probe.position_mm))
+    if (const auto place = boundary_beside(image, domain, probe.materials, probe.position_mm))
       out.push_back({*place, probe.materials});
   });
 }
@@ -115,7 +123,7 @@ std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& d
         });
       },
       64);
-  return on_boundary(domain, probes);
+  return on_boundary(image, domain, probes);
 }
 
 std::vector<Probe> probes_near(const LabelImage& image, const ImageDomain& domain, const Vec3& centre_mm,
@@ -133,7 +141,7 @@ std::vector<Probe> probes_near(const LabelImage& image, const ImageDomain& domai
     append_face_centres(image, voxel, probes);
     append_corners(image, voxel, probes);
   });
-  probes = on_boundary(domain, probes);
+  probes = on_boundary(image, domain, probes);
   std::erase_if(probes, [&](const Probe& p) { return (p.position_mm - centre_mm).norm() > radius_mm; });
   return probes;
 }
@@ -176,7 +184,7 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
             const SurfaceTree::Nearest nearest = tree.nearest(probe.position_mm);
             last = nearest.distance_mm > limit_mm ? SurfaceTree::kNone : nearest.triangle;
             const bool is_far = last == SurfaceTree::kNone && nearest.triangle != SurfaceTree::kNone;
-            if (is_far && is_missed(mesh, boundary, tree, probe))
+            if (is_far && is_missed(mesh, boundary, tree, probe, nearest))
               out.push_back({nearest.distance_mm, probe, nearest.triangle, probe.position_mm,
                              nearest.distance_mm, false, true});
           }
@@ -187,12 +195,13 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
 
 /// Of the triangles at the place of the surface that is nearest to a point, whichever of them is found first.
 double MissFinder::longest_edge_at_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                      const SurfaceTree& tree, const Vec3& point) const {
+                                      const SurfaceTree& tree, const Vec3& point,
+                                      const SurfaceTree::Nearest& nearest) const {
   const auto corners = [&](std::uint32_t triangle) {
     const auto& [a, b, c] = boundary.triangles[triangle].vertices;
     return std::array{mesh.positions[a], mesh.positions[b], mesh.positions[c]};
   };
-  const std::array<Vec3, 3> found = corners(tree.nearest(point).triangle);
+  const std::array<Vec3, 3> found = corners(nearest.triangle);
   const Vec3 place = closest_point_on_triangle(point, found[0], found[1], found[2]);
   const Vec3 touch = Vec3::Constant(1e-6 * domain_->voxel_size_mm());
   double longest = 0;
@@ -203,9 +212,9 @@ double MissFinder::longest_edge_at_mm(const WorkMesh& mesh, const BoundaryModel&
 
 /// False if the surface is as far from the probe as flat triangles of their size are.
 bool MissFinder::is_missed(const WorkMesh& mesh, const BoundaryModel& boundary, const SurfaceTree& tree,
-                           const Probe& probe) const {
-  const SurfaceTree::Nearest nearest = tree.nearest(probe.position_mm);
-  return nearest.distance_mm > kSagitta * longest_edge_at_mm(mesh, boundary, tree, probe.position_mm);
+                           const Probe& probe, const SurfaceTree::Nearest& nearest) const {
+  return nearest.distance_mm >
+         kSagitta * longest_edge_at_mm(mesh, boundary, tree, probe.position_mm, nearest);
 }
 
 std::vector<double> MissFinder::missed_distances_mm(const WorkMesh& mesh,
@@ -253,10 +262,11 @@ void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& bounda
   const double least_mm = std::max(limit_mm, kSagitta * longest_edge(p));
   double off_mm = 0;
   Vec3 from = Vec3::Zero();
-  const std::array<Vec3, 4> places = {(p[0] + p[1] + p[2]) / 3, (p[0] + p[1]) / 2, (p[1] + p[2]) / 2,
-                                      (p[2] + p[0]) / 2};
+  const std::array<Vec3, 7> places = {
+      (p[0] + p[1] + p[2]) / 3, (p[0] + p[1]) / 2, (p[1] + p[2]) / 2, (p[2] + p[0]) / 2, p[0], p[1], p[2]};
   for (const Vec3& place : places) {
-    const double depth_mm = domain_->separation_value(place, t.inside, t.outside);
+    const FieldSample s = domain_->separation(place, t.inside, t.outside);
+    const double depth_mm = s.value / std::max(1.0, s.gradient.norm());
     if (std::abs(depth_mm) <= std::abs(off_mm)) continue;
     off_mm = depth_mm;
     from = place;

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "boundary_model.hpp"
@@ -25,7 +24,7 @@ struct Probe {
 }
 
 /// The places of the boundary next to the corners and centres of voxel faces between labels, or a label and
-/// the background, on the kept side of cut planes.
+/// the background, on the kept side of cut planes; where no boundary is within 0.9 voxels, none is kept.
 [[nodiscard]] std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& domain);
 
 /// Those within a radius of a place.
@@ -70,14 +69,16 @@ class MissFinder {
   [[nodiscard]] std::vector<Miss> missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
                                                 double limit_mm);
   [[nodiscard]] bool is_missed(const WorkMesh& mesh, const BoundaryModel& boundary, const SurfaceTree& tree,
-                               const Probe& probe) const;
+                               const Probe& probe, const SurfaceTree::Nearest& nearest) const;
   [[nodiscard]] double longest_edge_at_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                          const SurfaceTree& tree, const Vec3& point) const;
+                                          const SurfaceTree& tree, const Vec3& point,
+                                          const SurfaceTree::Nearest& nearest) const;
   [[nodiscard]] SurfaceTree tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
                                       const std::vector<std::uint32_t>& probes) const;
   void update_strays(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
   void append_strays(const WorkMesh& mesh, const BoundaryModel& boundary, std::uint32_t triangle,
                      double limit_mm, std::vector<Miss>& out) const;
+
   const ImageDomain* domain_;
   const std::vector<Probe>* probes_;
   std::vector<std::uint32_t> close_;  // per probe: a triangle within the limit, or none

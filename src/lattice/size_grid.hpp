@@ -10,7 +10,7 @@
 namespace lumesh {
 
 /// Least refinement level wanted near each boundary, on a grid of 2^3 voxels. The thickness of a label at a
-/// boundary voxel is the chord through the label along the smoothed field's normal; the background's counts
+/// boundary voxel is the chord through the label along the field's normal; the background's counts
 /// as well, so that two vessels side by side are kept apart.
 class SizeGrid {
  public:

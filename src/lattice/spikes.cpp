@@ -56,7 +56,7 @@ class SpikePeeler {
     return depth > 0.3 * mesh_.longest_edge_mm(t);
   }
 
-  /// Where a corner belongs; there, if it could not get there.
+  /// Where a corner belongs; where it is, if that is not known.
   [[nodiscard]] Vec3 target_of(std::uint32_t v) const {
     const MaterialSet& set = boundary_.sets[v];
     const Vec3& x = mesh_.positions[v];

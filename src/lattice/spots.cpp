@@ -96,11 +96,11 @@ class Spot {
   [[nodiscard]] MeshPart take() { return std::move(best_); }
 
  private:
-  /// What is nearly good enough is worth few tries only.
+  /// What is off by little is worth few tries only.
   [[nodiscard]] bool is_worth_try(std::size_t n) const {
-    constexpr double kNearly = 1.2;  // voxels
+    constexpr double kLittle = 1.2;  // voxels
     constexpr std::size_t kFew = 3;
-    return least_.second > 0 && (n < kFew || least_.first > 20 * kNearly);
+    return least_.second > 0 && (n < kFew || least_.first > 20 * kLittle);
   }
 
   /// Takes what is near the centre back to its places in the lattice, where nothing is folded, shakes them,

@@ -1,5 +1,5 @@
 #pragma once
-// Mends the places where the surface and the boundary of the voxels are still too far apart, one by one.
+// Mends the places where the surface and the domain's boundary are still too far apart, one by one.
 
 #include "mesh_part.hpp"
 #include "misses.hpp"

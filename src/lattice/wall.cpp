@@ -51,7 +51,8 @@ void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomai
   };
   constexpr double kMarginDeg = 0.5;  // So that the extreme angles hardly change.
   const operators::SettlingRules rules{
-      .may_become = operators::within_angles(limits.min_deg + kMarginDeg, limits.max_deg - kMarginDeg)};
+      .may_become = operators::within_angles(limits.min_deg + kMarginDeg, limits.max_deg - kMarginDeg),
+      .keep_within = [&](const Vec3& x) { return domain.within_cuts(x); }};
   const auto settle = [&] {
     operators::settle(mesh.positions, mesh.tets, {boundaries.triangles, boundaries.of_triangle}, place,
                       rules);

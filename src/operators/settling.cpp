@@ -115,6 +115,7 @@ class Settling {
       const double mean = sums[v].area > 0 ? sums[v].sagitta / sums[v].area : 0;
       const double lift = std::clamp(rules_.lift * mean, -kMostLift * edge_[v], kMostLift * edge_[v]);
       targets_[v] = places_[v].point + lift * places_[v].normal;
+      if (rules_.keep_within) targets_[v] = rules_.keep_within(targets_[v]);
     });
   }
 

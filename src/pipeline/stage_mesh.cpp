@@ -23,7 +23,9 @@ void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
 void improve_angles(CaseState& state, const DelaunayReport& made, report::StageReport& stage) {
   ImproveOptions options = state.c.improvement;
   options.settles_all = made.held_back > 0;
-  options.place = operators::places_in_domain(state.mesh, state.domain());
+  const Domain& domain = state.domain();
+  options.place = operators::places_in_domain(state.mesh, domain);
+  options.keep_within = [&domain](const Vec3& x) { return domain.within_cuts(x); };
   options.execution = state.c.adapt.execution;
   options.team = state.c.adapt.team;
   options.team.threads = state.threads();

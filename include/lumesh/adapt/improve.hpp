@@ -28,8 +28,9 @@ struct ImproveOptions {
   /// Where patches truly run, if that is known: what slides ends there, as far as angles allow
   /// (operators::settle()). Else what slides keeps to the smooth surface through the vertices at the start.
   operators::PlaceOnPatch place = {};
-  bool settles_all = false;  ///< Not only what slides goes to its place.
-  double lift = 1;           ///< As operators::SettlingRules::lift.
+  operators::KeepWithin keep_within = {};  ///< Where such a place may be; null: everywhere.
+  bool settles_all = false;                ///< Not only what slides goes to its place.
+  double lift = 1;                         ///< As operators::SettlingRules::lift.
   ExecutionKind execution = ExecutionKind::kOrdered;
   parallel::TeamOptions team = {};
 

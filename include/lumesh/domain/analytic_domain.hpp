@@ -52,6 +52,7 @@ class AnalyticDomain final : public Domain {
   [[nodiscard]] bool may_hold_object(const Vec3& low_mm, const Vec3& high_mm) const override;
   [[nodiscard]] Box3 bounds_mm() const override { return options_.bounds_mm; }
   [[nodiscard]] double resolution_mm() const override { return options_.resolution_mm; }
+  [[nodiscard]] std::span<const CutPlane> cut_planes() const override { return options_.cut_planes; }
   [[nodiscard]] Label label_of(Material m) const override {
     return is_meshed(m) ? bodies_[m - 1].label : kBackground;
   }

@@ -5,8 +5,10 @@
 #include <array>
 #include <initializer_list>
 #include <optional>
+#include <span>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
@@ -119,6 +121,24 @@ class Domain {
   /// patches of one name. None: see name_patches().
   [[nodiscard]] virtual std::optional<Patch> patch_between(Material /*inside*/, Material /*outside*/) const {
     return std::nullopt;
+  }
+  /// What cuts the object off, unit normals; none where openings are no planes. Else the materials from
+  /// label_count() on are what lies beyond each.
+  [[nodiscard]] virtual std::span<const CutPlane> cut_planes() const { return {}; }
+  /// The point, or one on the cut planes that it lies beyond.
+  [[nodiscard]] Vec3 within_cuts(Vec3 point_mm) const {
+    constexpr int kRounds = 50;  // Planes at a right angle need one; each other corner comes nearer.
+    bool is_beyond = true;
+    for (int round = 0; round < kRounds && is_beyond; ++round) {
+      is_beyond = false;
+      for (const CutPlane& plane : cut_planes()) {
+        const double off = plane.normal.dot(point_mm - plane.point_mm);
+        if (off <= 0) continue;
+        point_mm -= off * plane.normal;
+        is_beyond = true;
+      }
+    }
+    return point_mm;
   }
   /// True for materials that the mesh is made of.
   [[nodiscard]] bool is_meshed(Material m) const { return m > 0 && m < label_count(); }

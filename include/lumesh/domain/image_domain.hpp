@@ -62,7 +62,7 @@ class ImageDomain final : public Domain {
     return static_cast<Material>(labels_.size() + cuts_.size());
   }
   /// Those asked for and the image's borders where the object touches them; unit normals.
-  [[nodiscard]] std::span<const CutPlane> cut_planes() const { return cuts_; }
+  [[nodiscard]] std::span<const CutPlane> cut_planes() const override { return cuts_; }
   [[nodiscard]] const CutPlane& cut_plane(Material m) const { return cuts_[m - labels_.size()]; }
   [[nodiscard]] const LabelField& field() const { return field_; }
   [[nodiscard]] const ImageFrame& frame() const { return field_.frame(); }

@@ -9,7 +9,7 @@
 namespace lumesh {
 
 /// Where two materials of an image meet, near a surface that tells which part of their boundary is meant:
-/// that of a mesh of the image. The boundary of the smoothed image lies a little inside round objects; a mesh
+/// that of a mesh of the image. The boundary of the image may lie a little inside round objects; a mesh
 /// that has their volume tells by how much.
 class ImageSurface final : public Surface {
  public:

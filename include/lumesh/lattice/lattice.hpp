@@ -41,9 +41,9 @@ struct LatticeOptions {
 struct LatticeReport {
   std::size_t lattice_tetrahedra = 0;  ///< Before the boundary was chosen.
   std::size_t relabelled = 0;  ///< Tetrahedra that changed their material to make the boundary manifold.
-  /// Corners and centres of voxel faces, and triangles, that are more than 1.25 voxels off.
+  /// Places of the domain's boundary next to voxel faces, and triangles, that are more than 1.25 voxels off.
   std::size_t missed_points = 0;
-  /// How far at most; a triangle with no voxel face within 2.5 voxels counts as that far.
+  /// How far at most; a triangle counts as 2.25 of the smallest voxel edges at most.
   double furthest_miss_mm = 0;
   std::size_t non_manifold_vertices =
       0;                    ///< Vertices where a label's boundary is not a manifold; 0 but for hard cases.

@@ -39,10 +39,15 @@ using MayBecome =
 /// Dihedral angles within the limits, or at least no worse than they were.
 [[nodiscard]] MayBecome within_angles(double min_dihedral_deg, double max_dihedral_deg);
 
+/// The place itself if a vertex may be there, else the one to take instead. Called from several threads; what
+/// it refers to must outlive the call.
+using KeepWithin = std::function<Vec3(const Vec3& place)>;
+
 struct SettlingRules {
   /// Of the mean sagitta by which vertices stand over the surface: 1 keeps the volume, 0 leaves them on it.
   double lift = 1;
   MayBecome may_become;
+  KeepWithin keep_within = {};                 ///< Null: everywhere.
   std::span<const std::uint8_t> movable = {};  ///< Flag per vertex; empty: all are.
 };
 

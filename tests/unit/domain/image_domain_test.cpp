@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "fixtures/images.hpp"
@@ -211,6 +212,33 @@ TEST(ImageDomain, ObjectsThatTouchTheImageBorderAreCutAtTheVoxelsOuterFaces) {
   ASSERT_TRUE(p.has_value());
   EXPECT_NEAR(p->z(), -0.25, 1e-3);
   EXPECT_NEAR(std::hypot(p->x() - 9.4, p->y() - 9.7), 6, 0.6);
+}
+
+TEST(ImageDomain, PlacesBeyondCutPlanesComeBackOntoThem) {
+  const double turn = std::numbers::pi / 180;
+  for (const double angle_deg : {60.0, 90.0, 120.0}) {
+    const Vec3 first = Vec3::UnitX(), second(std::cos(angle_deg * turn), std::sin(angle_deg * turn), 0);
+    ImageDomainOptions options;
+    options.cut_planes = {{Vec3(10, 10, 0), first}, {Vec3(10, 10, 0), second}};
+    const ImageDomain domain(
+        fixtures::voxels_of(fixtures::frame_of({20, 20, 20}), {0, 1},
+                            [](const Vec3& p) { return (p - Vec3(10, 10, 10)).norm() < 6 ? 1 : 0; }),
+        options);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> off(-3, 3);
+    for (int n = 0; n < 200; ++n) {
+      const Vec3 p = Vec3(10, 10, 10) + Vec3(off(random), off(random), off(random));
+      const Vec3 within = domain.within_cuts(p);
+      if (!domain.beyond_cut(p)) {
+        EXPECT_EQ(within, p);
+        continue;
+      }
+      const double beyond =
+          std::max(first.dot(within - Vec3(10, 10, 0)), second.dot(within - Vec3(10, 10, 0)));
+      EXPECT_NEAR(beyond, 0, 1e-9) << angle_deg << " degrees";
+      EXPECT_LT((within - p).norm(), 10);
+    }
+  }
 }
 
 TEST(ImageDomain, CutPlanesOfTheOptionsRemoveTheSideOfTheirNormal) {

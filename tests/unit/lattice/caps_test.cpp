@@ -1,4 +1,7 @@
 // Flat caps where the image border or a cut plane ends the object.
+#include <array>
+#include <random>
+
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
 #include "shapes.hpp"
@@ -152,6 +155,36 @@ TEST(Caps, ACutPlaneThatLeavesNothingIsBadInput) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+  }
+}
+
+/// Balls of two labels, some of which only graze the image's border.
+LabelImage balls_at_the_border(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> along(-1, 24), radius(2, 7);
+  std::array<Vec3, 6> centre;
+  std::array<double, 6> reach{};
+  for (std::size_t n = 0; n < centre.size(); ++n) {
+    centre[n] = Vec3(along(random), along(random), along(random));
+    reach[n] = radius(random);
+    const int axis = static_cast<int>(n % 3);
+    centre[n][axis] = n < 3 ? reach[n] - 0.4 : 23.4 - reach[n];  // Just reaches that border.
+  }
+  return voxels_of(frame_of({24, 24, 24}), {0, 1, 2}, [&](const Vec3& p) {
+    int label = 0;
+    for (std::size_t n = 0; n < centre.size(); ++n)
+      if ((p - centre[n]).norm() < reach[n]) label = static_cast<int>(1 + n % 2);
+    return label;
+  });
+}
+
+TEST(Caps, NothingLeavesTheImage) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const MixedMesh mesh = meshed(balls_at_the_border(seed));
+    double beyond = 0;
+    for (const Vec3& p : mesh.points) beyond = std::max({beyond, -0.5 - p.minCoeff(), p.maxCoeff() - 23.5});
+    EXPECT_LT(beyond, 1e-7);
   }
 }
 

@@ -181,7 +181,7 @@ TEST(Lattice, TheVolumeIsTheDomainsNotTheNumberOfVoxels) {
 }
 
 /// Flat triangles of a coarse mesh stand off a bent wall. That must not count as if tips were missing:
-/// vertices drawn to corners of voxels would fold the surface.
+/// vertices drawn there would fold the surface.
 TEST(Lattice, ACoarseWallDoesNotFold) {
   const Vec3 axis = Vec3(0.48, 0.36, 0.8), centre(44.5, 45, 44.1);
   const auto from_axis = [&](const Vec3& p) { return Vec3(p - centre - axis.dot(p - centre) * axis); };

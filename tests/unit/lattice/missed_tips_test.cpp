@@ -76,7 +76,7 @@ double worst_stray_mm(const LabelImage& image, const MixedMesh& mesh) {
   return worst;
 }
 
-TEST(MissedTips, BumpsAndPitsOfOneVoxelAreReached) {
+TEST(MissedTips, BumpsAndPitsOfOneVoxelAreReachedWhereTheyCount) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const LabelImage image = rough_ball(seed, 60);
@@ -88,7 +88,9 @@ TEST(MissedTips, BumpsAndPitsOfOneVoxelAreReached) {
     const ImageDomain domain(image, {});
     EXPECT_LT(test::worst_distance_from_domain_mm(image, domain, mesh), 0.3);
     EXPECT_LT(worst_stray_mm(image, mesh), 0.7);
-    for (const Vec3& p : mesh.points) EXPECT_LT((p - kBallCentre).norm(), kBallRadius + 0.3);
+    // The ball itself is what the noise leaves.
+    for (const Cell<3>& t : mesh.triangles)
+      for (const std::uint32_t v : t) EXPECT_NEAR((mesh.points[v] - kBallCentre).norm(), kBallRadius, 0.35);
     // The boundary that keeps every voxel has them.
     const MixedMesh exact = test::meshed(image, {}, kExact);
     test::expect_good(exact);

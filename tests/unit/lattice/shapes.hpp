@@ -150,11 +150,16 @@ inline double worst_distance_from_domain_mm(const LabelImage& image, const Image
                                             const MixedMesh& mesh) {
   const TriangleTree tree(mesh.points, mesh.triangles);
   double worst = 0;
+  int all = 0, found = 0;
   for_each_place_between(image, [&](const Vec3& at, Material a, Material b) {
     const auto place = domain.project(image.frame().to_physical(at), {std::min(a, b), std::max(a, b)},
                                       domain.voxel_size_mm());
-    if (place) worst = std::max(worst, tree.nearest(*place).distance);
+    ++all;
+    if (!place) return;
+    ++found;
+    worst = std::max(worst, tree.nearest(*place).distance);
   });
+  EXPECT_GT(found, 0.8 * all);
   return worst;
 }
 
