@@ -1,5 +1,6 @@
 // Construction of LabelField: pairs of labels that touch, the bricks near their faces, a fit for each pair.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -27,7 +28,11 @@ using field::PairFaces;
 class LabelFieldBuilder {
  public:
   LabelFieldBuilder(LabelField& field, const LabelImage& image, const LabelFieldOptions& options)
-      : f_(field), image_(image), options_(options), pairs_(pairs_of(image)) {}
+      : f_(field), image_(image), options_(options), pairs_(pairs_of(image)) {
+    for (int axis = 0; axis < 3; ++axis)
+      for (const std::size_t end : {0, 1})
+        is_bare_[static_cast<std::size_t>(axis)][end] = has_bare_end(axis, end);
+  }
 
   void build() {
     choose_bricks();
@@ -76,6 +81,27 @@ class LabelFieldBuilder {
     return {static_cast<int>(b % nx), static_cast<int>(b / nx % ny), static_cast<int>(b / (nx * ny))};
   }
   Index3 clamped(const Index3& v) const { return v.cwiseMax(0).cwiseMin(f_.frame_.size - Index3::Ones()); }
+
+  /// Whether the image's first or last layer along an axis is background.
+  [[nodiscard]] bool has_bare_end(int axis, std::size_t end) const {
+    Index3 low = Index3::Zero(), high = f_.frame_.size - Index3::Ones();
+    (end == 0 ? high : low)[axis] = (end == 0 ? low : high)[axis];
+    for (int k = low.z(); k <= high.z(); ++k)
+      for (int j = low.y(); j <= high.y(); ++j)
+        for (int i = low.x(); i <= high.x(); ++i)
+          if (image_.at({i, j, k}) != 0) return false;
+    return true;
+  }
+  /// How many voxels a place is beyond the layer of background at the image's end, 0 in it; < 0 elsewhere.
+  [[nodiscard]] int beyond_bare_end(const Index3& voxel) const {
+    int beyond = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto& [first, last] = is_bare_[static_cast<std::size_t>(axis)];
+      if (first) beyond = std::max(beyond, -voxel[axis]);
+      if (last) beyond = std::max(beyond, voxel[axis] - f_.frame_.size[axis] + 1);
+    }
+    return beyond;
+  }
 
   void choose_bricks() {
     const auto count = static_cast<std::size_t>(f_.bricks_.prod());
@@ -200,10 +226,12 @@ class LabelFieldBuilder {
   }
 
   /// The function's values, cut off a little above what queries tell; beyond the band the same limit on the
-  /// voxel's side.
+  /// voxel's side. Where no voxel of the object is in the image's last layer, none is taken there for noise:
+  /// the object never leaves the image.
   void fill_block(const Band& band, const field::PairFunction& function, const LabelPair& pair,
                   const Index3& brick, std::uint32_t block) {
     constexpr auto kLimit = static_cast<float>(LabelField::kFieldLimit + 0.25);
+    constexpr float kLeastDepth = 0.05F;  // In that layer.
     float* const out = &f_.blocks_[std::size_t{block} * LabelField::kBlock];
     std::fill_n(out, LabelField::kBlock, 0.0F);
     const Index3 first = brick * kBrick + Index3::Constant(kFirstStored);
@@ -215,6 +243,8 @@ class LabelFieldBuilder {
           const float value = band.value_at(function.values, voxel);
           row[i] = value == value ? std::clamp(value, -kLimit, kLimit)
                                   : kLimit * static_cast<float>(pair.side_of(image_.at(clamped(voxel))));
+          const int beyond = pair.is_outer_wall() ? beyond_bare_end(voxel) : -1;
+          if (beyond >= 0) row[i] = std::min(row[i], beyond > 0 ? -kLimit : -kLeastDepth);
         }
       }
     }
@@ -225,7 +255,8 @@ class LabelFieldBuilder {
   LabelFieldOptions options_;
   std::vector<PairFaces> pairs_;
   std::vector<std::vector<std::uint32_t>> bricks_of_pair_;
-  std::vector<std::uint32_t> place_;  // brick number of each active brick
+  std::vector<std::uint32_t> place_;                 // brick number of each active brick
+  std::array<std::array<bool, 2>, 3> is_bare_ = {};  // Per axis: the first and the last layer.
 };
 
 LabelField::LabelField(const LabelImage& image, const LabelFieldOptions& options)
