@@ -18,6 +18,8 @@ constexpr std::size_t kMostPairs = 100000;
 constexpr double kMostAlone = 0.25;  // Of the object's voxels.
 constexpr double kMostWork = 1e6;    // Voxels alone times pairs.
 constexpr double kLeastPairs = 4;    // What a voxel costs besides, in pairs.
+constexpr double kNearlyAll = 0.9;   // Of the object's voxels; where so many are alone, …
+constexpr double kManyAlone = 1e4;   // … these are enough.
 
 constexpr const char* kRemedy =
     "this is no segmentation but a grey image or noise; choose labels or a threshold";
@@ -101,7 +103,8 @@ void refuse_pairs(std::size_t pairs) {
 void refuse_noise(const LabelImage& image) {
   const SliceScan scan(image);
   const auto slices = static_cast<std::size_t>(image.frame().size.z());
-  const std::size_t step = std::max<std::size_t>(1, slices / kSlices);
+  // Odd, for the sake of patterns that repeat every other slice.
+  const std::size_t step = std::max<std::size_t>(1, slices / kSlices) | 1U;
   const Tally tally = parallel::reduce_blocks(
       (slices + step - 1) / step, 1, Tally{},
       [&](std::size_t begin, std::size_t) { return scan.look_at(begin * step); }, add);
@@ -109,7 +112,8 @@ void refuse_noise(const LabelImage& image) {
   const auto alone = static_cast<double>(tally.alone), object = static_cast<double>(tally.object);
   const auto pairs = static_cast<double>(tally.pairs.size());
   const double work = alone * static_cast<double>(step) * (pairs + kLeastPairs);
-  if (alone <= kMostAlone * object || work <= kMostWork) return;
+  const bool is_dust = alone > kNearlyAll * object && alone * static_cast<double>(step) > kManyAlone;
+  if (!is_dust && (alone <= kMostAlone * object || work <= kMostWork)) return;
   throw Error(ErrorKind::kBadInput,
               fmt::format("{:.0f} % of the voxels touch no other voxel of their label: {}",
                           100 * alone / object, kRemedy));

@@ -29,9 +29,10 @@ struct LatticeOptions {
   int coarsening = 1;      ///< How many times the spacing may double away from boundaries, in [0, 4].
   int max_refinement = 3;  ///< How many times it may halve in thin parts, in [0, 5].
   std::size_t max_tetrahedra =
-      1'500'000;                 ///< Refinement of thin parts is given up, level by level, to stay near this.
-  double min_dihedral_deg = 15;  ///< No tetrahedron falls below this while the mesh is fitted; in [1, 25].
-  double max_dihedral_deg = 150;  ///< None rises above this; in [130, 175].
+      1'500'000;  ///< Refinement of thin parts is given up, level by level, to stay near this.
+  /// No tetrahedron falls below this, but for single ones where a vertex would leave the image; in [1, 25].
+  double min_dihedral_deg = 15;
+  double max_dihedral_deg = 150;  ///< None rises above this, but for the same; in [130, 175].
   LatticeCells cells = LatticeCells::kTetrahedra;
 
   void validate() const;  ///< Throws Error{kUsage}, naming the field.

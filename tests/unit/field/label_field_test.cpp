@@ -322,6 +322,13 @@ TEST(LabelField, NoiseIsRefusedWithWhatItIsAndCheckerboardsAreNot) {
   };
   EXPECT_NE(refusal(noise(24, 20)).find("touch no other voxel of their label"), std::string::npos);
   EXPECT_NE(refusal(noise(64, 1000)).find("pairs of labels touch"), std::string::npos);
+  // 64,000 labels of one voxel each, none of which touch.
+  const LabelImage dust = image_of(frame_of(Index3::Constant(81), Vec3::Ones()), 64000, [](const Vec3& p) {
+    const Index3 v = p.cast<int>();
+    const bool is_odd = v.x() % 2 == 1 && v.y() % 2 == 1 && v.z() % 2 == 1;
+    return is_odd ? 1 + v.x() / 2 + 40 * (v.y() / 2 + 40 * (v.z() / 2)) : 0;
+  });
+  EXPECT_NE(refusal(dust).find("touch no other voxel of their label"), std::string::npos);
   const LabelImage board = image_of(frame_of(Index3::Constant(16), Vec3::Ones()), 3, [](const Vec3& p) {
     return 1 + static_cast<int>(std::lround(p.sum())) % 3;
   });
