@@ -75,21 +75,17 @@ struct Row {
 };
 
 constexpr const char* kLayout =
-    "{:<28} {:<9} {:>8} {:>7} {:>7} {:>7} {:>7} {:>6} {:>7} {:>12} {:>6} {:>6} {:>7} {:>7} {:>7} {:>7} {:>6} "
-    " "
-    "{}\n";
+    "{:<28} {:<9} {:>8} {:>7} {:>7} {:>7} {:>7} {:>6} {:>7} {:>12} {:>6} {:>6} {:>7} {:>7} {:>7} {:>7} "
+    "{:>6}  {}\n";
 
 void print_head() {
   fmt::print(
       "{}",
       "max, rms, lift: distances of the wall's vertices to the domain's boundary, in voxels: the largest,\n"
-      "r.m.s., and mean outwards; border: the largest near the cuts at the image's border, which all else "
-      "but volumes\n"
-      "leaves out. normal: the normals' error and its bound, 1.5 floor + field: the same with the vertices "
-      "on\n"
-      "the exact surface, and the domain's. radius: mean of sections, and its floor. volume, and that of "
-      "the\n"
-      "voxels: against the exact one, per cent.\n");
+      "r.m.s., and mean outwards; border: the largest near the cuts at the image's border, which all else\n"
+      "but volumes leaves out. normal: the normals' error and its bound, 1.5 floor + field: the same with\n"
+      "the vertices on the exact surface, and the domain's. radius: mean of sections, and its floor.\n"
+      "volume, and that of the voxels: against the exact one, per cent.\n");
   fmt::print(kLayout, "case", "mesher", "tets", "max", "border", "rms", "lift", "rough", "aligned", "normal",
              "floor", "field", "volume", "voxels", "radius", "floor", "s", "verdict");
 }
