@@ -112,7 +112,7 @@ class Fit {
   }
 
   /// Topology first: what is left wrong in thin parts and at saddles, at voxels on which the topology hangs,
-  /// or anywhere if all is to be exact, is put right.
+  /// far from the other side, or anywhere if all is to be exact, is put right.
   void keep_sides() {
     for_each_segment_block(state_.band.end(), [&](int begin, int end) {
       for (int s = begin; s < end; ++s) {
@@ -129,7 +129,12 @@ class Fit {
     const bool plus = Band::has(state_.band.plus(voxel / kLanes), voxel % kLanes);
     float& value = state_.values.data()[voxel];
     const float kept = plus ? value : -value;
-    if (kept >= kKeptThin) return;
+    const float far = least_far_from(voxel);
+    if (kept >= std::max(kKeptThin, far)) return;
+    if (far >= kKeptThin && !is_outlier(voxel)) {
+      value = plus ? far : -far;
+      return;
+    }
     float least = kept;
     const auto at = static_cast<std::size_t>(voxel / kLanes);
     const auto thin = static_cast<std::uint8_t>(state_.thin[at] | stiffness_.around_thin_parts()[at]);
@@ -139,6 +144,14 @@ class Fit {
         role_of(state_.band.image(), state_.band.voxel(voxel)) == VoxelRole::kNeeded)
       least = kKeptThin;
     value = plus ? least : -least;
+  }
+
+  /// How far at least a voxel is from the boundary: half of what its distance from the nearest voxel of the
+  /// other side exceeds one and a half of the longest edge by. On planes it is more. Where the function says
+  /// less, as beyond the corners of thin plates, only its free derivatives do.
+  [[nodiscard]] float least_far_from(Lane voxel) const {
+    const float to_other = std::abs(state_.band.start().data()[voxel]) + 0.5F;
+    return 0.5F * (to_other - 1.5F * longest_edge_);
   }
 
   [[nodiscard]] bool is_outlier(Lane voxel) const {
@@ -159,6 +172,7 @@ class Fit {
 
   FitState state_;
   BoundaryFidelity fidelity_;
+  float longest_edge_ = static_cast<float>(state_.band.edges().maxCoeff());
   ConjugateGradients solver_;
   StiffnessAdaptation stiffness_;
   DampedFaces damped_;
