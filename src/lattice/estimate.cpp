@@ -25,7 +25,7 @@ int level_at(const Vec3& place, const SizeGrid& sizes, double coarsest_mm, int l
 double estimated_tetrahedra(const LabelImage& image, const ImageDomain& domain,
                             const LatticeOptions& options) {
   // What tetrahedra of two sizes need between them adds some; measured on phantoms and aneurysms.
-  constexpr double kTetsPerCube = 12, kTransitions = 1.13;
+  constexpr double kTetsPerCube = 12, kTransitions = 1.04;
   constexpr std::size_t kPlaces = 20000;
   options.validate();
   const std::vector<double> of_labels = count_kept_voxels(image, domain.cut_planes());

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 
 #include "boundary_bricks.hpp"
 #include "lumesh/core/error.hpp"
@@ -15,7 +17,19 @@ namespace lumesh {
 namespace {
 
 constexpr int kRidgeCount = 11;  // of the 27 voxels around; fewer on edges, at tips and in clefts
+constexpr double kEdgesAround = 8;
+
+/// Edge of which so many go around an ellipse with these widths.
+double edge_around(double width, double breadth) {
+  return std::numbers::pi / 2 * (width + breadth) / kEdgesAround;
 }
+
+/// The largest width at which that edge can be shorter.
+double width_for_edge(double edge) {
+  return 2 / std::numbers::pi * kEdgesAround * edge;
+}
+
+}  // namespace
 
 SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
                    double coarsest_mm, std::size_t object_voxels)
@@ -113,20 +127,31 @@ int SizeGrid::voxel_level(const Index3& voxel) const {
   if (!boundary) return -1;
   const double factor = thickness_factor_[own];
   const double widest_mm = coarsest_mm_ / std::exp2(least_level_);
-  const double chord = chord_mm(voxel, own, 1.01 * widest_mm / factor);
+  const double chord_limit_mm = std::max(1.01 * widest_mm / factor, width_for_edge(widest_mm));
+  const std::optional<Vec3> inwards = inwards_at(voxel, own);
+  const double chord =
+      inwards ? chord_mm(voxel, *inwards, own, chord_limit_mm) : shortest_run_mm(voxel, own, chord_limit_mm);
+  double allowed_mm = factor * chord;
+  if (own != 0 && inwards && chord < chord_limit_mm)
+    allowed_mm = std::min(allowed_mm, edge_around_section_mm(voxel, *inwards, chord, own, chord_limit_mm));
   int level = least_level_;
-  while (level < most_level_ && coarsest_mm_ / std::exp2(level) > factor * chord) ++level;
+  while (level < most_level_ && coarsest_mm_ / std::exp2(level) > allowed_mm) ++level;
   if (level == least_level_ && level < most_level_ && same_label_count(image_, voxel) <= kRidgeCount) ++level;
   return level;
 }
 
-double SizeGrid::chord_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const {
+std::optional<Vec3> SizeGrid::inwards_at(const Index3& voxel, LabelImage::Index label) const {
+  const Vec3 gradient =
+      domain_.field().sample(voxel.cast<double>(), label).gradient.cwiseQuotient(image_.frame().spacing_mm);
+  if (gradient.norm() < 1e-3) return std::nullopt;
+  return gradient.normalized();
+}
+
+double SizeGrid::chord_mm(const Index3& voxel, const Vec3& inwards, LabelImage::Index label,
+                          double limit_mm) const {
   const ImageFrame& frame = image_.frame();
   const Vec3 start = voxel.cast<double>();
-  // Gradient per mm along the image axes, then the step per mm in voxels.
-  const Vec3 gradient = domain_.field().sample(start, label).gradient.cwiseQuotient(frame.spacing_mm);
-  if (gradient.norm() < 1e-3) return shortest_run_mm(voxel, label, limit_mm);
-  const Vec3 step = gradient.normalized().cwiseQuotient(frame.spacing_mm);
+  const Vec3 step = inwards.cwiseQuotient(frame.spacing_mm);
   const double step_mm = 0.5 * frame.spacing_mm.minCoeff();
   const double behind_mm = 0.5 * step_mm + 0.25 * frame.spacing_mm.minCoeff();
   for (double t = step_mm; t + behind_mm < limit_mm; t += step_mm) {
@@ -137,6 +162,43 @@ double SizeGrid::chord_mm(const Index3& voxel, LabelImage::Index label, double l
     if (image_.at(v) != label) return t + behind_mm;
   }
   return limit_mm;
+}
+
+double SizeGrid::ray_mm(const Vec3& start_mm, const Vec3& direction, LabelImage::Index label,
+                        double limit_mm) const {
+  const double step_mm = 0.1 * domain_.resolution_mm();
+  for (double t = 0; t < limit_mm;) {
+    const Domain::Surroundings here = domain_.surroundings(start_mm + t * direction);
+    if (domain_.is_cut(here.material)) return limit_mm;
+    if (here.material != label) return t;
+    t += std::max(here.clearance_mm, step_mm);
+  }
+  return limit_mm;
+}
+
+double SizeGrid::edge_around_section_mm(const Index3& voxel, const Vec3& inwards, double chord_mm,
+                                        LabelImage::Index label, double limit_mm) const {
+  const ImageFrame& frame = image_.frame();
+  const Vec3 through = frame.direction * inwards;
+  Vec3 middle_mm = frame.to_physical(voxel.cast<double>()) + 0.5 * chord_mm * through;
+  if (domain_.material_at(middle_mm) != label) return limit_mm;  // the voxel is the wall's, or noise
+  const double forth_mm = ray_mm(middle_mm, through, label, limit_mm);
+  const double back_mm = ray_mm(middle_mm, -through, label, limit_mm);
+  const double width_mm = forth_mm + back_mm;
+  middle_mm += 0.5 * (forth_mm - back_mm) * through;
+  // The shortest way through the middle at a right angle: 8 % too long at most where the section is round.
+  constexpr int kDirections = 4;  // over half a turn
+  const Vec3 first = through.unitOrthogonal();
+  const Vec3 second = through.cross(first);
+  double breadth_mm = limit_mm;
+  for (int d = 0; d < kDirections; ++d) {
+    const double angle = std::numbers::pi * d / kDirections;
+    const Vec3 direction = std::cos(angle) * first + std::sin(angle) * second;
+    const double one_mm = ray_mm(middle_mm, direction, label, breadth_mm);
+    if (one_mm < breadth_mm)
+      breadth_mm = std::min(breadth_mm, one_mm + ray_mm(middle_mm, -direction, label, breadth_mm));
+  }
+  return edge_around(width_mm, breadth_mm);
 }
 
 double SizeGrid::shortest_run_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const {

@@ -1,6 +1,7 @@
 #pragma once
 // How fine the lattice must be, place by place: from the local thickness of the labels at their boundaries.
 
+#include <optional>
 #include <vector>
 
 #include "lumesh/domain/image_domain.hpp"
@@ -45,7 +46,17 @@ class SizeGrid {
       0x80;  // flag: wanted by a label with a fidelity of its own, never given up
 
   [[nodiscard]] int voxel_level(const Index3& voxel) const;
-  [[nodiscard]] double chord_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const;
+  /// Unit direction (mm, along the image's axes) into the label; none where the field has no slope.
+  [[nodiscard]] std::optional<Vec3> inwards_at(const Index3& voxel, LabelImage::Index label) const;
+  /// Through the label, from a voxel at its boundary.
+  [[nodiscard]] double chord_mm(const Index3& voxel, const Vec3& inwards, LabelImage::Index label,
+                                double limit_mm) const;
+  /// How far the label goes on from a place along a unit direction; `limit_mm` too where it leaves the image.
+  [[nodiscard]] double ray_mm(const Vec3& start_mm, const Vec3& direction, LabelImage::Index label,
+                              double limit_mm) const;
+  /// Edge of which kEdgesAround go around the label's section, of which the chord is the width.
+  [[nodiscard]] double edge_around_section_mm(const Index3& voxel, const Vec3& inwards, double chord_mm,
+                                              LabelImage::Index label, double limit_mm) const;
   /// Stands in for the chord where the field has no slope, as in the middle of plates and lines of one voxel.
   [[nodiscard]] double shortest_run_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const;
   /// Notes what a voxel at a boundary wants. Cells never reach across bricks.

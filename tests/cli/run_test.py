@@ -19,6 +19,9 @@ phantom = "carotid"
 phantom_size = [128, 128, 127]
 phantom_spacing = 4
 
+[lattice]
+max_refinement = 1
+
 [metric]
 points = "centerline"
 k = 20

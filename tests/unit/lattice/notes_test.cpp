@@ -35,7 +35,10 @@ TEST(LatticeNotes, AVolumeThatIsLostIsSaid) {
     const Vec3 d = p - centre;
     return (d - axis * axis.dot(d)).norm() < 1 ? 1 : 0;  // two voxels thick
   });
-  const LatticeResult result = lattice_of(image);
+  LatticeOptions coarse;
+  coarse.spacing_mm = 3;
+  coarse.max_refinement = 1;  // Else the lattice is fine enough.
+  const LatticeResult result = lattice_of(image, coarse);
   const auto voxels = static_cast<double>(
       std::count_if(image.voxels().begin(), image.voxels().end(), [](auto v) { return v != 0; }));
   const double lost_percent = 100 * (1 - test::label_volumes(result.mesh).at(7) / voxels);
