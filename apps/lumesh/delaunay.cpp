@@ -121,7 +121,7 @@ void run(DelaunayCommand command) {
     command.improvement.execution = command.kernel.execution_kind();
     command.improvement.team = command.options.team;
     command.improvement.place = operators::places_in_domain(mesh, domain);
-    command.improvement.keep_within = [&](const Vec3& x) { return domain.within_cuts(x); };
+    command.improvement.keep_within = operators::within_cuts_of(domain);
     command.improvement.lift = command.options.lift;
     command.improvement.settles_all = result.report.held_back > 0;
     context.phase("improvement", [&] { improved = improve(mesh, command.improvement, context); });

@@ -39,7 +39,7 @@ MixedMesh mesh_by(Mesher mesher, const LabelImage& image, const ImageDomain& dom
   TetMesh& mesh = result.mesh;
   ImproveOptions improvement;  // As of the program.
   improvement.place = operators::places_in_domain(mesh, domain);
-  improvement.keep_within = [&](const Vec3& x) { return domain.within_cuts(x); };
+  improvement.keep_within = operators::within_cuts_of(domain);
   improvement.settles_all = result.report.held_back > 0;
   improve(mesh, improvement, context);
   const BoundaryFaces faces = mesh.boundary_faces();

@@ -13,6 +13,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/operators/delaunay_kernel.hpp"
 #include "lumesh/operators/settling.hpp"
+#include "out_of_bounds.hpp"
 #include "refinement.hpp"
 #include "relaxing.hpp"
 #include "seeds.hpp"
@@ -101,9 +102,8 @@ std::size_t settle_in(const Domain& domain, const DelaunayOptions& options, TetM
   const auto always = [](std::size_t, const std::array<Vec3, 4>&, const std::array<Vec3, 4>&) {
     return true;
   };
-  const operators::SettlingRules rules{.lift = options.lift,
-                                       .may_become = always,
-                                       .keep_within = [&](const Vec3& x) { return domain.within_cuts(x); }};
+  const operators::SettlingRules rules{
+      .lift = options.lift, .may_become = always, .keep_within = operators::within_cuts_of(domain)};
   return operators::settle(mesh, operators::places_in_domain(mesh, domain), rules).held_back;
 }
 
@@ -131,6 +131,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
     const std::size_t pinched = delaunay::relabel_pinched(result.mesh, domain, refinement.pinched());
     delaunay::relabel_crossed_rims(result.mesh, domain);
     delaunay::relabel_flat(result.mesh, domain);
+    delaunay::relabel_out_of_bounds(result.mesh, domain);
     return pinched;
   });
   context.phase("carving", [&] { delaunay::carve(result.mesh, domain); });

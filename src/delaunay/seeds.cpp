@@ -244,7 +244,7 @@ class LatticeDescent {
   void add_curve_candidate(const Vec3& x, const MaterialSet& triple, double spacing, Seeds& out) const {
     const auto y = domain_.project(x, triple, 2 * kCurveReach * spacing);
     if (!y || !domain_.materials_near(*y, 1e-2 * domain_.resolution_mm()).contains_all(triple)) return;
-    out.boundary.push_back({*y, triple, spacing});
+    out.boundary.push_back({*y, triple, spacing_.curve_spacing_at(*y, triple, spacing)});
     for (const Material fourth : domain_.materials_near(*y, kCurveReach * spacing)) {
       if (triple.contains(fourth)) continue;
       MaterialSet all = triple;

@@ -41,6 +41,27 @@ double Spacing::surface_spacing_at(const Vec3& x, Material first, Material secon
   return std::min({delta_mm_, size / kEdgePerSpacing, spacing_of_shape(x, first, second)});
 }
 
+double Spacing::curve_spacing_at(const Vec3& x, const MaterialSet& set, double spacing) const {
+  constexpr double kPerWidth = 0.27;
+  const double off_mm = 1e-3 * domain_->resolution_mm();
+  double least = spacing;
+  for (const Material cut : set) {
+    if (!domain_->is_cut(cut) || domain_->cut_planes().empty()) continue;
+    const Vec3& normal = domain_->cut_planes()[cut - domain_->label_count()].normal;
+    for (const Material m : set)
+      for (const Material other : set) {
+        if (!domain_->is_meshed(m) || domain_->is_cut(other) || other == m) continue;
+        const Vec3 gradient = domain_->separation(x, m, other).gradient;
+        const Vec3 inwards = gradient - gradient.dot(normal) * normal;
+        if (!(inwards.norm() > 0.1 * gradient.norm())) continue;
+        const Vec3 direction = inwards.normalized();
+        const double width = thickness(x + off_mm * (direction - normal), direction, m, least / kPerWidth);
+        least = std::min(least, kPerWidth * width);
+      }
+  }
+  return std::max(least, std::min(spacing, least_for_shapes()));
+}
+
 /// How far from x a material, or the outside as a whole, reaches along a direction, if less than `most`. What
 /// a cut plane ends goes on in truth: beside a slanting opening a vessel is not thin.
 double Spacing::thickness(const Vec3& x, const Vec3& direction, Material of, double most) const {

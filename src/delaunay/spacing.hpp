@@ -38,6 +38,9 @@ class Spacing {
   /// Wanted spacing of points at a place of the boundary between two materials: less where what is meshed, or
   /// a gap, is so thin that points of its two sides would stand for each other, or where the surface bends.
   [[nodiscard]] double surface_spacing_at(const Vec3& x, Material first, Material second) const;
+  /// That of points of a curve where materials meet, beside surfaces that want `spacing`: less at the rims of
+  /// small openings, of whose edges at least eight go around.
+  [[nodiscard]] double curve_spacing_at(const Vec3& x, const MaterialSet& set, double spacing) const;
   /// What surface_spacing_at() does not go below for the sake of shapes.
   [[nodiscard]] double least_for_shapes() const;
   /// True if size_at() is the same everywhere.

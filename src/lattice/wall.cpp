@@ -52,7 +52,7 @@ void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomai
   constexpr double kMarginDeg = 0.5;  // So that the extreme angles hardly change.
   const operators::SettlingRules rules{
       .may_become = operators::within_angles(limits.min_deg + kMarginDeg, limits.max_deg - kMarginDeg),
-      .keep_within = [&](const Vec3& x) { return domain.within_cuts(x); }};
+      .keep_within = operators::within_cuts_of(domain)};
   const auto settle = [&] {
     operators::settle(mesh.positions, mesh.tets, {boundaries.triangles, boundaries.of_triangle}, place,
                       rules);

@@ -14,7 +14,7 @@
 namespace lumesh::operators {
 namespace {
 
-constexpr std::int32_t kInVolume = -1, kStays = -2;
+constexpr std::int32_t kInVolume = -1, kStays = -2, kNoRim = -1;
 
 /// How far the arc between two places of a surface stands over the middle of its chord, for a circle's.
 double arc_height(const SurfacePoint& p, const SurfacePoint& q) {
@@ -29,33 +29,122 @@ class Settling {
 
   [[nodiscard]] SettlingReport run() {
     find_patches_of_vertices();
+    find_rims();
     find_places();
     find_targets();
+    find_targets_of_rims();
     constexpr int kSweeps = 2;  // What one vertex was held back by may have moved in the first.
     for (int sweep = 0; sweep < kSweeps; ++sweep) carry();
     return report();
   }
 
  private:
+  /// A vertex between a patch that has places and a flat one that stays: it may move within the plane.
+  struct Rim {
+    std::uint32_t vertex;
+    std::int32_t wall, flat;  // Patches.
+    bool is_one = false;
+    Vec3 area_normal = Vec3::Zero();  // Twice the area of the faces around that are flat.
+    double area = 0;
+
+    [[nodiscard]] bool is_flat() const {
+      constexpr double kFlat = 1 - 1e-5;
+      return area_normal.norm() > kFlat * area;
+    }
+    [[nodiscard]] Vec3 within_plane(const Vec3& direction) const {
+      const Vec3 normal = area_normal.normalized();
+      return direction - direction.dot(normal) * normal;
+    }
+  };
+
   [[nodiscard]] bool is_free(std::uint32_t v) const { return patch_of_[v] >= 0; }
+  /// Whether it has a place on the patch of a face.
+  [[nodiscard]] bool is_free_in(std::uint32_t v, std::size_t face) const {
+    return is_free(v) && patch_of_[v] == faces_.patches[face];
+  }
+  [[nodiscard]] bool is_rim(std::uint32_t v) const { return !rim_of_.empty() && rim_of_[v] != kNoRim; }
+  [[nodiscard]] Rim& rim_at(std::uint32_t v) { return rims_[static_cast<std::size_t>(rim_of_[v])]; }
+  [[nodiscard]] const Rim& rim_at(std::uint32_t v) const {
+    return rims_[static_cast<std::size_t>(rim_of_[v])];
+  }
+  /// In the plane of the flat patch, away from it.
+  [[nodiscard]] Vec3 outwards_at(std::uint32_t v) const {
+    return rim_at(v).within_plane(places_[v].normal).normalized();
+  }
 
   void find_patches_of_vertices() {
     patch_of_.assign(points_.size(), kInVolume);
     edge_.assign(points_.size(), 0);
+    std::vector<std::int32_t> second(points_.size(), kInVolume);  // Where there are two patches.
     std::vector<std::uint32_t> edges(points_.size(), 0);
     for (std::size_t i = 0; i < faces_.triangles.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = faces_.triangles[i][k], w = faces_.triangles[i][(k + 1) % 3];
-        std::int32_t& patch = patch_of_[v];
-        if (patch == kInVolume) patch = faces_.patches[i];
-        if (patch != faces_.patches[i]) patch = kStays;
+        const std::int32_t patch = faces_.patches[i];
+        if (patch_of_[v] == kInVolume)
+          patch_of_[v] = patch;
+        else if (patch_of_[v] != patch && second[v] == kInVolume)
+          second[v] = patch;
+        else if (patch_of_[v] != patch && second[v] != patch)
+          patch_of_[v] = kStays;
         edge_[v] += (points_[w] - points_[v]).norm();  // In a closed fan, each edge once.
         ++edges[v];
       }
     for (std::uint32_t v = 0; v < points_.size(); ++v) {
       if (edges[v] > 0) edge_[v] /= edges[v];
-      if (is_free(v) && !rules_.movable.empty() && rules_.movable[v] == 0) patch_of_[v] = kStays;
-      if (is_free(v)) free_.push_back(v);
+      if (!is_free(v)) continue;
+      if (!rules_.movable.empty() && rules_.movable[v] == 0)
+        patch_of_[v] = kStays;
+      else if (second[v] == kInVolume)
+        free_.push_back(v);
+      else
+        rims_.push_back({v, std::exchange(patch_of_[v], kStays), second[v]});
+    }
+  }
+
+  /// Keeps of the curves between two patches those at the rim of a flat one that stays.
+  void find_rims() {
+    parallel::for_each_index(
+        rims_.size(),
+        [&](std::size_t i) {
+          Rim& rim = rims_[i];
+          const auto has_place = [&](std::int32_t patch) {
+            return place_(PatchId(static_cast<std::uint32_t>(patch)), points_[rim.vertex]).has_value();
+          };
+          const bool has_wall = has_place(rim.wall), has_flat = has_place(rim.flat);
+          if (has_flat && !has_wall) std::swap(rim.wall, rim.flat);
+          rim.is_one = has_wall != has_flat;
+        },
+        64);
+    std::erase_if(rims_, [](const Rim& rim) { return !rim.is_one; });
+    rim_of_.assign(rims_.empty() ? 0 : points_.size(), kNoRim);
+    if (rims_.empty()) return;
+    for (std::size_t i = 0; i < rims_.size(); ++i) rim_of_[rims_[i].vertex] = static_cast<std::int32_t>(i);
+    std::vector<std::array<std::uint32_t, 2>> edges;
+    for (std::size_t i = 0; i < faces_.triangles.size(); ++i) {
+      const Cell<3>& corners = faces_.triangles[i];
+      const auto is_at_rim = [&](std::uint32_t v) {
+        return rim_of_[v] != kNoRim && rim_at(v).flat == faces_.patches[i];
+      };
+      const Vec3 normal = triangle_area_normal(points_[corners[0]], points_[corners[1]], points_[corners[2]]);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = corners[k], w = corners[(k + 1) % 3];
+        if (!is_at_rim(v)) continue;
+        rim_at(v).area_normal += normal;
+        rim_at(v).area += normal.norm();
+        if (is_at_rim(w)) edges.push_back({std::min(v, w), std::max(v, w)});
+      }
+    }
+    for (const Rim& rim : rims_)
+      if (rim.is_flat()) {
+        patch_of_[rim.vertex] = rim.wall;
+        free_.push_back(rim.vertex);
+      }
+    // What is between two faces of the flat patch is no edge of its rim.
+    std::sort(edges.begin(), edges.end());
+    for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
+      for (next = i + 1; next < edges.size() && edges[next] == edges[i];) ++next;
+      if (next == i + 1) rim_edges_.push_back(edges[i]);
     }
   }
 
@@ -66,7 +155,9 @@ class Settling {
         free_.size(),
         [&](std::size_t i) {
           const std::uint32_t v = free_[i];
-          const auto found = place_(PatchId(static_cast<std::uint32_t>(patch_of_[v])), points_[v]);
+          const auto found = is_rim(v)
+                                 ? place_on_rim(rim_at(v))
+                                 : place_(PatchId(static_cast<std::uint32_t>(patch_of_[v])), points_[v]);
           if (found && (found->point - points_[v]).norm() <= kReach * edge_[v])
             places_[v] = *found;
           else
@@ -76,6 +167,22 @@ class Settling {
     std::erase_if(free_, [&](std::uint32_t v) { return !is_free(v); });
   }
 
+  /// Where the wall meets the plane of the flat patch, with the wall's normal.
+  [[nodiscard]] std::optional<SurfacePoint> place_on_rim(const Rim& rim) const {
+    constexpr int kRounds = 3;            // Newton's.
+    constexpr double kLeastAcross = 0.3;  // Sine of the angle between wall and plane: else it grazes.
+    SurfacePoint at{points_[rim.vertex], {}};
+    for (int round = 0; round < kRounds; ++round) {
+      const auto wall = place_(PatchId(static_cast<std::uint32_t>(rim.wall)), at.point);
+      if (!wall) return std::nullopt;
+      at.normal = wall->normal;
+      const Vec3 across = rim.within_plane(wall->normal);
+      if (across.norm() < kLeastAcross) return std::nullopt;
+      at.point -= (at.point - wall->point).dot(wall->normal) / across.squaredNorm() * across;
+    }
+    return at;
+  }
+
   /// The mean distance of a triangle from the surface over it, and its area.
   struct Facet {
     double sagitta = 0, area = 0;
@@ -83,11 +190,12 @@ class Settling {
 
   [[nodiscard]] Facet facet_of(std::size_t i) const {
     const Cell<3>& corners = faces_.triangles[i];
-    if (std::none_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return is_free(v); })) return {};
+    if (std::none_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return is_free_in(v, i); }))
+      return {};
     std::array<SurfacePoint, 3> at;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = corners[k];
-      if (is_free(v)) {
+      if (is_free_in(v, i)) {
         at[k] = places_[v];
         continue;
       }
@@ -99,7 +207,6 @@ class Settling {
   }
 
   void find_targets() {
-    constexpr double kMostLift = 0.15;  // Of the edges around; more is a corner, not a bend.
     targets_.assign(points_.begin(), points_.end());
     std::vector<Facet> facets(rules_.lift > 0 ? faces_.triangles.size() : 0);
     parallel::for_each_index(
@@ -112,11 +219,43 @@ class Settling {
       }
     parallel::for_each_index(free_.size(), [&](std::size_t i) {
       const std::uint32_t v = free_[i];
+      if (is_rim(v)) return;
       const double mean = sums[v].area > 0 ? sums[v].sagitta / sums[v].area : 0;
-      const double lift = std::clamp(rules_.lift * mean, -kMostLift * edge_[v], kMostLift * edge_[v]);
-      targets_[v] = places_[v].point + lift * places_[v].normal;
-      if (rules_.keep_within) targets_[v] = rules_.keep_within(targets_[v]);
+      targets_[v] = lifted(v, mean, places_[v].normal);
     });
+  }
+
+  /// The rim's edges lie as much outside of the curve as inside: a flat patch has the area that it encloses.
+  void find_targets_of_rims() {
+    struct Chords {
+      double height = 0, length = 0;
+    };
+    std::vector<Chords> sums(rims_.size());
+    for (const auto& [v, w] : rim_edges_) {
+      if (!is_free(v) || !is_free(w)) continue;
+      const double length = (places_[w].point - places_[v].point).norm();
+      const double height =
+          mean_arc_height({places_[v].point, outwards_at(v)}, {places_[w].point, outwards_at(w)});
+      for (const std::uint32_t end : {v, w}) {
+        Chords& sum = sums[static_cast<std::size_t>(rim_of_[end])];
+        sum.height += length * height;
+        sum.length += length;
+      }
+    }
+    for (std::size_t i = 0; i < rims_.size(); ++i) {
+      const std::uint32_t v = rims_[i].vertex;
+      if (!is_free(v)) continue;
+      const double mean = sums[i].length > 0 ? sums[i].height / sums[i].length : 0;
+      targets_[v] = lifted(v, mean, outwards_at(v));
+    }
+  }
+
+  /// The place of a vertex, raised along a unit vector.
+  [[nodiscard]] Vec3 lifted(std::uint32_t v, double height, const Vec3& along) const {
+    constexpr double kMostLift = 0.15;  // Of the edges around; more is a corner, not a bend.
+    const double lift = std::clamp(rules_.lift * height, -kMostLift * edge_[v], kMostLift * edge_[v]);
+    const Vec3 target = places_[v].point + lift * along;
+    return rules_.keep_within ? rules_.keep_within(target) : target;
   }
 
   /// Moves vertices to their targets, or as far towards them as every tetrahedron may follow.
@@ -141,7 +280,7 @@ class Settling {
       });
       const auto of_faces = moved_corners(touched_faces_, [&](std::uint32_t i) -> const Cell<3>* {
         const Cell<3>& corners = faces_.triangles[i];
-        return has_changed(corners) && !faces_outwards(corners) ? &corners : nullptr;
+        return has_changed(corners) && !faces_outwards(i) ? &corners : nullptr;
       });
       too_far.insert(too_far.end(), of_faces.begin(), of_faces.end());
       if (too_far.empty()) return;
@@ -198,18 +337,19 @@ class Settling {
     return orient3d(after[0], after[1], after[2], after[3]) > 0 && rules_.may_become(t, before, after);
   }
 
-  /// True if a triangle faces as the surface does at its corners, or leans no more than before.
-  [[nodiscard]] bool faces_outwards(const Cell<3>& corners) const {
-    constexpr double kLeastFacing = 0.8;  // Cosine.
+  /// True if a triangle faces as the surface does at its corners, or leans hardly more than before.
+  [[nodiscard]] bool faces_outwards(std::size_t face) const {
+    constexpr double kLeastFacing = 0.8, kHardly = 0.05;  // Cosines.
+    const Cell<3>& corners = faces_.triangles[face];
     const auto normal_in = [&](std::span<const Vec3> points) {
       return triangle_normal(points[corners[0]], points[corners[1]], points[corners[2]]);
     };
     const Vec3 after = normal_in(points_);
     const auto leans = [&](std::uint32_t v, const Vec3& normal) {
-      return is_free(v) ? 1 - std::abs(normal.dot(places_[v].normal)) : 0;
+      return is_free_in(v, face) ? 1 - std::abs(normal.dot(places_[v].normal)) : 0;
     };
     return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
-      return leans(v, after) <= 1 - kLeastFacing || leans(v, after) <= leans(v, normal_in(start_));
+      return leans(v, after) <= 1 - kLeastFacing || leans(v, after) <= leans(v, normal_in(start_)) + kHardly;
     });
   }
 
@@ -232,9 +372,12 @@ class Settling {
   PatchTable faces_;
   const PlaceOnPatch& place_;
   const SettlingRules& rules_;
-  std::vector<std::int32_t> patch_of_;  // Of each vertex.
-  std::vector<std::uint32_t> free_;     // The vertices that have a place, ascending.
-  std::vector<double> edge_;            // Their mean length at each vertex of a patch.
+  std::vector<std::int32_t> patch_of_;  // Of each vertex; of one at a rim the wall.
+  std::vector<Rim> rims_;
+  std::vector<std::int32_t> rim_of_;  // Number of each vertex' rim; empty where there is none.
+  std::vector<std::array<std::uint32_t, 2>> rim_edges_;
+  std::vector<std::uint32_t> free_;  // The vertices that have a place.
+  std::vector<double> edge_;         // Their mean length at each vertex of a patch.
   std::vector<SurfacePoint> places_;
   std::vector<Vec3> targets_, start_;
   std::vector<std::uint8_t> halvings_;
@@ -242,108 +385,11 @@ class Settling {
   std::vector<std::uint32_t> touched_tets_, touched_faces_;
 };
 
-constexpr double kNearVoxels = 0.1;  // So near a boundary vertices stand.
-
-/// The material of the domain that a label of the mesh is.
-std::optional<Material> material_of(const Domain& domain, Label label) {
-  for (Material m = 1; m < domain.label_count(); ++m)
-    if (domain.label_of(m) == label) return m;
-  return std::nullopt;
-}
-
-/// Which part of the outside a face looks at: that on whose boundary its corners lie best; none where two are
-/// as good, as between the rims of two openings.
-std::optional<Material> outside_of(const Domain& domain, const TetMesh& mesh, const Cell<3>& corners,
-                                   Material inside) {
-  if (domain.label_count() == domain.material_count()) return 0;
-  const double near_mm = kNearVoxels * domain.resolution_mm();
-  std::optional<Material> best;
-  double least = std::numeric_limits<double>::infinity(), second = least;
-  for (Material m = 0; m < domain.material_count(); ++m) {
-    if (domain.is_meshed(m)) continue;
-    double off = 0;
-    for (const std::uint32_t v : corners)
-      off = std::max(off, std::abs(domain.separation_value(mesh.point(VertexId(v)), inside, m)));
-    if (off < least) {
-      best = m;
-      second = std::exchange(least, off);
-    } else {
-      second = std::min(second, off);
-    }
-  }
-  return second > near_mm ? best : std::nullopt;
-}
-
-using Pair = std::array<Material, 2>;  // Inside, outside.
-
-/// A quick look at whether a face on the outside is what others of its patch are.
-bool lies_on(const Domain& domain, const TetMesh& mesh, const BoundaryFaces& faces, std::size_t face,
-             const Pair& pair) {
-  if (faces.tets[face][1].valid() || mesh.label(faces.tets[face][0]) != domain.label_of(pair[0]))
-    return false;
-  const Vec3& corner = mesh.point(VertexId(faces.triangles[face][0]));
-  return domain.label_count() == domain.material_count() ||
-         std::abs(domain.separation_value(corner, pair[0], pair[1])) <= kNearVoxels * domain.resolution_mm();
-}
-
-/// How many faces of a patch lie on each boundary.
-class Votes {
- public:
-  /// That most faces so far lie on.
-  [[nodiscard]] std::optional<Pair> first() const {
-    return of_pairs_.empty() ? std::nullopt : std::optional(of_pairs_.front().pair);
-  }
-  void add(const Pair& pair) {
-    auto found =
-        std::find_if(of_pairs_.begin(), of_pairs_.end(), [&](const Vote& v) { return v.pair == pair; });
-    if (found == of_pairs_.end()) found = of_pairs_.insert(found, {pair, 0});
-    ++found->faces;
-    ++faces_;
-    if (found->faces > of_pairs_.front().faces) std::iter_swap(found, of_pairs_.begin());
-  }
-  /// The boundary that the patch is, but for single faces that stretch over its rim.
-  [[nodiscard]] std::optional<Pair> clear_winner() const {
-    constexpr double kMost = 0.95;
-    if (of_pairs_.empty() ||
-        static_cast<double>(of_pairs_.front().faces) < kMost * static_cast<double>(faces_))
-      return std::nullopt;
-    return of_pairs_.front().pair;
-  }
-
- private:
-  struct Vote {
-    Pair pair;
-    std::size_t faces;
-  };
-  std::vector<Vote> of_pairs_;
-  std::size_t faces_ = 0;
-};
-
-/// The boundary that each patch is; none for openings, and for patches that are several.
-std::vector<std::optional<Pair>> boundaries_of_patches(const TetMesh& mesh, const Domain& domain) {
-  const BoundaryFaces faces = mesh.boundary_faces();
-  std::vector<Votes> votes(mesh.info().patches.size());
-  for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
-    Votes& patch = votes[static_cast<std::size_t>(faces.patches[i])];
-    if (const auto first = patch.first(); first && lies_on(domain, mesh, faces, i, *first)) {
-      patch.add(*first);
-      continue;
-    }
-    const auto inside = material_of(domain, mesh.label(faces.tets[i][0]));
-    if (!inside) continue;
-    const auto outside = faces.tets[i][1].valid() ? material_of(domain, mesh.label(faces.tets[i][1]))
-                                                  : outside_of(domain, mesh, faces.triangles[i], *inside);
-    if (outside) patch.add({*inside, *outside});
-  }
-  std::vector<std::optional<Pair>> pairs;
-  for (const Votes& patch : votes) {
-    const auto pair = patch.clear_winner();
-    pairs.push_back(pair && domain.is_cut((*pair)[1]) ? std::nullopt : pair);
-  }
-  return pairs;
-}
-
 }  // namespace
+
+double mean_arc_height(const SurfacePoint& from, const SurfacePoint& to) {
+  return 2 * arc_height(from, to) / 3;  // A parabola's.
+}
 
 double sagitta_of(const std::array<SurfacePoint, 3>& corners) {
   // By the rule of the edges' middles.
@@ -378,43 +424,6 @@ SettlingReport settle(TetMesh& mesh, const PlaceOnPatch& place, const SettlingRu
     mesh.set_point(VertexId(static_cast<std::uint32_t>(v)), points[v]);
   });
   return report;
-}
-
-std::optional<SurfacePoint> place_on_boundary(const Domain& domain, Material inside, Material outside,
-                                              const Vec3& near) {
-  constexpr double kOneStep =
-      0.05;  // Voxels: from so near, one step of Newton's leaves 1e-3 of that or less.
-  FieldSample there = domain.separation(near, inside, outside);
-  Vec3 point = near;
-  if (std::abs(there.value) <= kOneStep * domain.resolution_mm()) {
-    const double squared = there.gradient.squaredNorm();
-    if (!(squared > 0)) return std::nullopt;
-    point -= there.value / squared * there.gradient;
-  } else {
-    const double reach_mm = 4 * domain.resolution_mm();
-    const auto found = domain.project(near, {inside, outside}, reach_mm);
-    if (!found) return std::nullopt;
-    point = *found;
-    there = domain.separation(point, inside, outside);
-    if (!(there.gradient.squaredNorm() > 0)) return std::nullopt;
-  }
-  return SurfacePoint{point, -there.gradient.normalized()};  // The separation grows towards `inside`.
-}
-
-PlaceOnPatch places_in_domain(const TetMesh& mesh, const Domain& domain) {
-  return [pairs = boundaries_of_patches(mesh, domain), &domain](
-             PatchId patch, const Vec3& near) -> std::optional<SurfacePoint> {
-    const std::optional<Pair>& pair = pairs[patch.value];
-    if (!pair) return std::nullopt;
-    return place_on_boundary(domain, (*pair)[0], (*pair)[1], near);
-  };
-}
-
-PlaceOnPatch places_on_shapes(const PatchShapes& shapes) {
-  return [&shapes](PatchId patch, const Vec3& near) -> std::optional<SurfacePoint> {
-    const PatchShape& shape = shapes[patch.value];
-    return shape.keeps_volume ? std::optional(shape.surface->closest(near)) : std::nullopt;
-  };
 }
 
 }  // namespace lumesh::operators

@@ -185,27 +185,69 @@ Vec3 tangent_between(const Vec3& before, const Vec3& at, const Vec3& after) {
   return (second.squaredNorm() * first + first.squaredNorm() * second).normalized();
 }
 
-/// Cubic pieces over the edges of one curve, given with the vertices of the mesh.
-std::vector<CurvePiece> pieces_of(std::span<const CurveEdge> edges, const TetMesh& mesh) {
-  std::map<std::uint32_t, std::vector<std::uint32_t>> neighbours;
-  for (const CurveEdge& edge : edges) {
-    neighbours[edge.a].push_back(edge.b);
-    neighbours[edge.b].push_back(edge.a);
+/// One curve of the mesh: its edges, and where its vertices are.
+class Curve {
+ public:
+  Curve(std::span<const CurveEdge> edges, const TetMesh& mesh) : edges_(edges) {
+    for (const CurveEdge& edge : edges) {
+      around_[edge.a].push_back(edge.b);
+      around_[edge.b].push_back(edge.a);
+    }
+    for (const auto& [v, others] : around_) {
+      points_[v] = mesh.point(VertexId(v));
+      has_tangent_[v] = others.size() == 2 && mesh.dimension(VertexId(v)) != VertexDimension::kCorner;
+    }
   }
-  const auto point = [&](std::uint32_t v) { return mesh.point(VertexId(v)); };
-  const auto control_beside = [&](std::uint32_t v, std::uint32_t other) -> Vec3 {
-    const Vec3 edge = point(other) - point(v);
-    const auto& around = neighbours[v];
-    if (around.size() != 2 || mesh.dimension(VertexId(v)) == VertexDimension::kCorner)
-      return point(v) + edge / 3;
-    const Vec3 tangent = tangent_between(point(around[0]), point(v), point(around[1]));
-    return point(v) + edge.dot(tangent) / 3 * tangent;
-  };
-  std::vector<CurvePiece> pieces;
-  for (const auto& [a, b, patches] : edges)
-    pieces.push_back({{point(a), control_beside(a, b), control_beside(b, a), point(b)}});
-  return pieces;
-}
+
+  [[nodiscard]] const Vec3& point(std::uint32_t v) const { return points_.at(v); }
+
+  /// Lets the vertices of a curve in a plane down by the mean height of the arcs around, so that a smooth
+  /// curve through them encloses what the edges enclosed.
+  void lower_by_arcs(const Vec3& plane_normal) {
+    struct Sum {
+      Vec3 shift = Vec3::Zero();
+      double length = 0;
+    };
+    std::map<std::uint32_t, Sum> sums;
+    for (const auto& [a, b, patches] : edges_) {
+      if (!has_tangent_.at(a) || !has_tangent_.at(b)) continue;
+      const Vec3 edge = point(b) - point(a);
+      const Vec3 at_a = plane_normal.cross(tangent_along(a, edge)),
+                 at_b = plane_normal.cross(tangent_along(b, edge));
+      const double height = mean_arc_height({point(a), at_a}, {point(b), at_b});
+      sums[a].shift -= edge.norm() * height * at_a;
+      sums[b].shift -= edge.norm() * height * at_b;
+      for (const std::uint32_t v : {a, b}) sums[v].length += edge.norm();
+    }
+    for (const auto& [v, sum] : sums) points_[v] += sum.shift / sum.length;
+  }
+
+  /// Cubic pieces over the edges.
+  [[nodiscard]] std::vector<CurvePiece> pieces() const {
+    const auto control_beside = [&](std::uint32_t v, std::uint32_t other) -> Vec3 {
+      const Vec3 edge = point(other) - point(v);
+      if (!has_tangent_.at(v)) return point(v) + edge / 3;
+      const Vec3 tangent = tangent_along(v, edge);
+      return point(v) + edge.dot(tangent) / 3 * tangent;
+    };
+    std::vector<CurvePiece> pieces;
+    for (const auto& [a, b, patches] : edges_)
+      pieces.push_back({{point(a), control_beside(a, b), control_beside(b, a), point(b)}});
+    return pieces;
+  }
+
+ private:
+  [[nodiscard]] Vec3 tangent_along(std::uint32_t v, const Vec3& edge) const {
+    const auto& others = around_.at(v);
+    const Vec3 tangent = tangent_between(point(others[0]), point(v), point(others[1]));
+    return tangent.dot(edge) < 0 ? Vec3(-tangent) : tangent;
+  }
+
+  std::span<const CurveEdge> edges_;
+  std::map<std::uint32_t, std::vector<std::uint32_t>> around_;  // The other ends of each vertex' edges.
+  std::map<std::uint32_t, Vec3> points_;
+  std::map<std::uint32_t, bool> has_tangent_;
+};
 
 /// True if alternate projection finds where two patches meet: their surfaces are known exactly, and cross.
 bool meet_by_themselves(const PatchShape& one, const PatchShape& other) {
@@ -234,25 +276,37 @@ class SurfaceBuilder {
   }
   /// For every patch without a surface so far; curves first, which are their rims.
   void lay_along_vertices(SurfaceKeeps keeps) {
+    for_each_curved([&](std::size_t p) {
+      if (shapes_[p].surface) return;
+      shapes_[p].keeps_volume = keeps == SurfaceKeeps::kVolume;
+      if (shapes_[p].keeps_volume) lower_by_sagitta(patches_[p]);
+    });
     std::vector<std::vector<MeshSurface::Rim>> rims(shapes_.size());
     for (std::size_t i = 0, next = 0; i < edges_.size(); i = next) {
       for (next = i + 1; next < edges_.size() && edges_[next].patches == edges_[i].patches;) ++next;
       const auto [p, q] = edges_[i].patches;
       if (!is_free(p) || !is_free(q) || meet_by_themselves(shapes_[p], shapes_[q])) continue;
-      const auto curve = std::span(edges_).subspan(i, next - i);
-      const std::vector<CurvePiece> pieces = pieces_of(curve, mesh_);
+      const auto edges = std::span(edges_).subspan(i, next - i);
+      Curve curve(edges, mesh_);
+      for (const auto& [wall, flat] : {std::pair{p, q}, {q, p}})
+        if (shapes_[wall].keeps_volume && shapes_[flat].freedom == PatchFreedom::kPlane)
+          curve.lower_by_arcs(shapes_[flat].normal);
+      const std::vector<CurvePiece> pieces = curve.pieces();
       const auto shared = std::make_shared<const MeshCurve>(pieces);
       shapes_[p].curves.emplace_back(PatchId(q), shared);
       shapes_[q].curves.emplace_back(PatchId(p), shared);
       for (const std::uint32_t side : {p, q})
-        for (std::size_t k = 0; k < curve.size(); ++k)
-          rims[side].push_back({numbers_[side][curve[k].a], numbers_[side][curve[k].b], pieces[k]});
+        for (std::size_t k = 0; k < edges.size(); ++k) {
+          const std::uint32_t a = numbers_[side][edges[k].a], b = numbers_[side][edges[k].b];
+          patches_[side].points[a] = curve.point(edges[k].a);
+          patches_[side].points[b] = curve.point(edges[k].b);
+          rims[side].push_back({a, b, pieces[k]});
+        }
     }
     for_each_curved([&](std::size_t p) {
-      if (shapes_[p].surface) return;
-      shapes_[p].keeps_volume = keeps == SurfaceKeeps::kVolume;
-      if (shapes_[p].keeps_volume) lower_by_sagitta(patches_[p]);
-      shapes_[p].surface = std::make_shared<MeshSurface>(patches_[p].points, patches_[p].triangles, rims[p]);
+      if (!shapes_[p].surface)
+        shapes_[p].surface =
+            std::make_shared<MeshSurface>(patches_[p].points, patches_[p].triangles, rims[p]);
     });
   }
   PatchShapes take() {

@@ -25,7 +25,7 @@ void improve_angles(CaseState& state, const DelaunayReport& made, report::StageR
   options.settles_all = made.held_back > 0;
   const Domain& domain = state.domain();
   options.place = operators::places_in_domain(state.mesh, domain);
-  options.keep_within = [&domain](const Vec3& x) { return domain.within_cuts(x); };
+  options.keep_within = operators::within_cuts_of(domain);
   options.execution = state.c.adapt.execution;
   options.team = state.c.adapt.team;
   options.team.threads = state.threads();

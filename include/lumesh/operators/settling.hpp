@@ -27,6 +27,9 @@ namespace lumesh::operators {
 /// mean: exact where it is a quadratic function. Negative where it is hollow.
 [[nodiscard]] double sagitta_of(const std::array<SurfacePoint, 3>& corners);
 
+/// The same for the curve between two places of a plane, with its normals there, and its chord.
+[[nodiscard]] double mean_arc_height(const SurfacePoint& from, const SurfacePoint& to);
+
 /// The place of a patch's true surface near a point, with the normal; none where that is not known, and for
 /// patches whose vertices are to stay. Called from several threads.
 using PlaceOnPatch = std::function<std::optional<SurfacePoint>(PatchId patch, const Vec3& near)>;
@@ -57,9 +60,11 @@ struct SettlingReport {
   double furthest_off_mm = 0;  ///< From their places.
 };
 
-/// Carries every vertex inside a patch to its place, unless that is farther away than half the edges around;
-/// vertices of curves and corners stay. Where a tetrahedron forbids it, its vertices go half the way, a
-/// quarter of it, or stay.
+/// Carries every vertex inside a patch to its place, unless that is farther away than half the edges around.
+/// Those at the rim of a flat patch that stays, such as an opening, go within its plane to where the other
+/// patch meets it, and over that curve by the mean height of the arcs beside: the flat patch has the area
+/// that the curve encloses. Vertices of other curves and corners stay. Where a tetrahedron forbids it, its
+/// vertices go half the way, a quarter of it, or stay.
 ///
 /// @param faces  Those that carry patches, each once.
 /// Parallel inside; the same bits for every number of threads. Cost: about 1 us per vertex of a patch for its
@@ -75,6 +80,8 @@ SettlingReport settle(TetMesh& mesh, const PlaceOnPatch& place, const SettlingRu
 /// Where the patches of a mesh of a domain run. Openings, and patches that are more than one boundary, stay.
 /// The domain must live as long as the answer.
 [[nodiscard]] PlaceOnPatch places_in_domain(const TetMesh& mesh, const Domain& domain);
+/// Domain::within_cuts(). The domain must live as long as the answer.
+[[nodiscard]] KeepWithin within_cuts_of(const Domain& domain);
 /// Those of patches that keep their volume; the others stay. The shapes must live as long as the answer.
 [[nodiscard]] PlaceOnPatch places_on_shapes(const PatchShapes& shapes);
 

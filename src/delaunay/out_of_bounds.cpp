@@ -1,0 +1,57 @@
+#include "out_of_bounds.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "lumesh/parallel/loops.hpp"
+#include "topology.hpp"
+
+namespace lumesh::delaunay {
+namespace {
+
+/// Flag per vertex: beyond a cut plane by more than vertices of its opening are, or far from the object.
+std::vector<std::uint8_t> vertices_out(const TetMesh& mesh, const Domain& domain) {
+  const Vec3 margin_mm = Vec3::Constant(domain.resolution_mm());
+  const Box3 bounds = domain.bounds_mm(), box(bounds.min() - margin_mm, bounds.max() + margin_mm);
+  const auto cuts = domain.cut_planes();
+  const double much_mm = 0.05 * domain.resolution_mm();
+  std::vector<std::uint8_t> is_out(mesh.vertex_slots(), 0);
+  parallel::for_each_index(is_out.size(), [&](std::size_t i) {
+    const VertexId v(static_cast<std::uint32_t>(i));
+    if (!mesh.alive(v)) return;
+    is_out[i] =
+        !box.contains(mesh.point(v)) || std::any_of(cuts.begin(), cuts.end(), [&](const CutPlane& cut) {
+          return cut.normal.dot(mesh.point(v) - cut.point_mm) > much_mm;
+        });
+  });
+  return is_out;
+}
+
+}  // namespace
+
+std::size_t relabel_out_of_bounds(TetMesh& mesh, const Domain& domain) {
+  constexpr int kRounds = 8;  // What mends a vertex may reach beyond again.
+  const std::vector<std::uint8_t> is_out = vertices_out(mesh, domain);
+  std::size_t count = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto found =
+        parallel::collect<TetId>(mesh.tet_slots(), [&](std::size_t i, std::vector<TetId>& out) {
+          const TetId t(static_cast<std::uint32_t>(i));
+          if (!mesh.alive(t) || !domain.is_meshed(static_cast<Material>(mesh.label(t)))) return;
+          const auto& corners = mesh.tet(t);
+          if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return is_out[v] != 0; }))
+            out.push_back(t);
+        });
+    if (found.empty()) break;
+    count += found.size();
+    std::vector<VertexId> suspects;
+    for (const TetId t : found) {
+      mesh.set_label(t, 0);
+      for (const std::uint32_t v : mesh.tet(t)) suspects.emplace_back(v);
+    }
+    relabel_pinched(mesh, domain, pinched_among(mesh, domain, suspects));
+  }
+  return count;
+}
+
+}  // namespace lumesh::delaunay

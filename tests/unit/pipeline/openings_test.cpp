@@ -1,0 +1,160 @@
+// Openings of straight tubes have the section that the tube has, whoever makes the mesh and however coarse.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "fixtures/curved_meshes.hpp"
+#include "fixtures/images.hpp"
+#include "lumesh/adapt/adapt.hpp"
+#include "lumesh/adapt/boundary.hpp"
+#include "lumesh/delaunay/delaunay.hpp"
+#include "lumesh/domain/analytic_domain.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/lattice/lattice.hpp"
+#include "lumesh/mesh/validate.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr int kSize = 36;
+
+struct Tube {
+  Vec3 on_axis, direction;
+  double radius;
+
+  [[nodiscard]] bool holds(const Vec3& x) const { return (x - on_axis).cross(direction).norm() < radius; }
+  /// Of the ellipse in which a plane z = const cuts it.
+  [[nodiscard]] double section() const { return std::numbers::pi * radius * radius / direction.z(); }
+};
+
+/// Leaves the image through the two faces along z only.
+Tube random_tube(double radius, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> part(-1, 1);
+  return {Vec3::Constant(0.5 * (kSize - 1)) + 0.5 * Vec3(part(random), part(random), part(random)),
+          Vec3(0.35 * part(random), 0.35 * part(random), 1).normalized(), radius};
+}
+
+LabelImage image_of(const Tube& tube) {
+  return fixtures::voxels_of(fixtures::frame_of({kSize, kSize, kSize}), {0, 1},
+                             [&](const Vec3& x) { return tube.holds(x) ? 1 : 0; });
+}
+
+struct Opening {
+  double area = 0;
+  int edges_around = 0;
+};
+
+std::map<std::string, Opening> openings_of(const MeshView& mesh) {
+  std::map<std::string, Opening> found;
+  std::map<std::string, std::map<std::pair<std::uint32_t, std::uint32_t>, int>> edges;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Patch& patch = mesh.info->patches[static_cast<std::size_t>(mesh.triangle_patches[i])];
+    if (patch.kind != PatchKind::kOpening) continue;
+    const Cell<3>& t = mesh.triangles[i];
+    found[patch.name].area += triangle_area(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
+    for (int k = 0; k < 3; ++k) ++edges[patch.name][std::minmax(t[k], t[(k + 1) % 3])];
+  }
+  for (auto& [name, opening] : found)
+    opening.edges_around = static_cast<int>(
+        std::count_if(edges[name].begin(), edges[name].end(), [](const auto& e) { return e.second == 1; }));
+  return found;
+}
+
+std::map<std::string, Opening> openings_of(const TetMesh& mesh) {
+  const BoundaryFaces faces = mesh.boundary_faces();
+  return openings_of(mesh.view(faces));
+}
+
+/// The area of the object in a plane z = const, from places on a fine grid.
+double section_of(const ImageDomain& domain, double z) {
+  constexpr double kStep = 0.02;
+  std::size_t inside = 0;
+  for (double y = 0; y < kSize; y += kStep)
+    for (double x = 0; x < kSize; x += kStep) inside += domain.material_at({x, y, z}) == 1 ? 1 : 0;
+  return static_cast<double>(inside) * kStep * kStep;
+}
+
+void expect_openings(const std::map<std::string, Opening>& openings, double area, double tolerance) {
+  ASSERT_EQ(openings.size(), 2U);
+  for (const auto& [name, opening] : openings) {
+    EXPECT_NEAR(opening.area / area, 1, tolerance) << name;
+    EXPECT_GE(opening.edges_around, 8) << name;
+  }
+}
+
+TEST(Openings, HaveTheVesselsSectionInEveryMesherAtEverySize) {
+  constexpr std::uint64_t kSeed = 32;
+  RecordProperty("seed", static_cast<int>(kSeed));
+  std::mt19937_64 random(kSeed);
+  // The section of the voxels themselves strays from the tube's, the more the thinner that is.
+  for (const auto& [radius, of_tube] : {std::pair{1.5, 0.1}, {2.0, 0.05}, {3.0, 0.02}, {6.0, 0.015}}) {
+    for (int place = 0; place < 2; ++place) {
+      const Tube tube = random_tube(radius, random);
+      SCOPED_TRACE("radius " + std::to_string(radius) + ", tube " + std::to_string(place));
+      const LabelImage image = image_of(tube);
+      const ImageDomain domain(image, {});
+      std::vector<double> sections = {section_of(domain, -0.5 + 1e-6),
+                                      section_of(domain, kSize - 0.5 - 1e-6)};
+      std::sort(sections.begin(), sections.end());
+      for (const double edge : {0.25, 0.5, 1.0}) {  // In radii.
+        SCOPED_TRACE("edges " + std::to_string(edge));
+        Context context;
+        DelaunayOptions options;
+        options.delta_mm = edge * radius;
+        LatticeOptions lattice;
+        lattice.spacing_mm = 4 * edge * radius;
+        const std::map<std::string, std::map<std::string, Opening>> by_mesher = {
+            {"delaunay", openings_of(mesh_delaunay(domain, options, context).mesh)},
+            {"lattice", openings_of(mesh_lattice(image, domain, lattice, context).mesh.view())}};
+        for (const auto& [mesher, openings] : by_mesher) {
+          SCOPED_TRACE(mesher);
+          expect_openings(openings, tube.section(), of_tube);
+          std::vector<double> areas;
+          for (const auto& [name, opening] : openings) areas.push_back(opening.area);
+          std::sort(areas.begin(), areas.end());
+          for (std::size_t i = 0; i < areas.size(); ++i) EXPECT_NEAR(areas[i] / sections[i], 1, 0.02);
+        }
+      }
+    }
+  }
+}
+
+TEST(Openings, KeepTheirSectionThroughAdaptation) {
+  const Vec3 axis = Vec3(0.3, -0.2, 1).normalized();
+  const double radius = 3, length = 20;
+  for (const double angle_deg : {90.0, 50.0}) {  // Between the axis and the openings.
+    const double angle = angle_deg * std::numbers::pi / 180;
+    const Vec3 normal = std::sin(angle) * axis + std::cos(angle) * axis.unitOrthogonal();
+    AnalyticDomainOptions options;
+    options.bounds_mm = Box3(Vec3::Constant(-length), Vec3::Constant(length));
+    options.resolution_mm = 0.5;
+    options.cut_planes = {{-0.5 * length * axis, -normal}, {0.5 * length * axis, normal}};
+    const AnalyticDomain domain({{1, cylinder_shape(Vec3::Zero(), axis, radius)}}, options);
+    const double truth = std::numbers::pi * radius * radius / std::sin(angle);
+    for (const double delta : {0.6, 1.5}) {
+      for (const double size : {0.5, 1.2}) {
+        SCOPED_TRACE(std::to_string(angle_deg) + " degrees, delta " + std::to_string(delta) + ", edges " +
+                     std::to_string(size));
+        Context context;
+        DelaunayOptions coarse;
+        coarse.delta_mm = delta;
+        TetMesh mesh = mesh_delaunay(domain, coarse, context).mesh;
+        expect_openings(openings_of(mesh), truth, 5e-3);
+        const AdaptedBoundary boundary(mesh, {}, context);
+        adapt(mesh, fixtures::uniform_field(size), boundary.shapes(), {}, context);
+        boundary.restore_patches(mesh);
+        const ValidationReport report = validate(mesh);
+        ASSERT_TRUE(report.ok()) << report.text();
+        expect_openings(openings_of(mesh), truth, 8e-3);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lumesh
