@@ -19,6 +19,18 @@ class BareCheck {
 
   [[nodiscard]] bool is_gone(std::uint32_t v) const { return columns_.fraction[v] == 0; }
 
+  /// Whether the layered patches touch themselves at a vertex, as where two ends of an opening meet: a column
+  /// there would join the two by a line.
+  [[nodiscard]] bool is_between_fans(std::uint32_t v) const {
+    std::size_t ends = 0;
+    const auto around = surface_.triangles_around.of(v);
+    for (const std::uint32_t w : surface_.neighbours.of(v))
+      ends += std::count_if(around.begin(), around.end(), [&](std::uint32_t t) { return has(t, w); }) == 1
+                  ? 1
+                  : 0;
+    return ends > 2;
+  }
+
   /// Whether the layers touch themselves at a vertex without a column.
   [[nodiscard]] bool pinches(std::uint32_t v) const {
     std::size_t layered = 0, changes = 0, layered_ends = 0, ends = 0;
@@ -56,14 +68,18 @@ bool keep_bare_manifold(const LayerSurface& surface, Columns& columns) {
   for (bool changed = false;; changed = true) {
     const BareCheck check(surface, columns);
     std::vector<std::uint8_t> pinches(count);
+    std::vector<std::uint8_t> goes(count);
     parallel::for_each_index(count, [&](std::size_t v) {
       const auto vertex = static_cast<std::uint32_t>(v);
+      goes[v] = !check.is_gone(vertex) && check.is_between_fans(vertex) ? 1 : 0;
       pinches[v] = check.is_gone(vertex) && check.pinches(vertex) ? 1 : 0;
     });
-    if (std::find(pinches.begin(), pinches.end(), 1) == pinches.end()) return changed;
+    const bool any_goes = std::find(goes.begin(), goes.end(), 1) != goes.end();
+    if (!any_goes && std::find(pinches.begin(), pinches.end(), 1) == pinches.end()) return changed;
     parallel::for_each_index(count, [&](std::size_t v) {
       const auto around = surface.neighbours.of(v);
-      if (std::any_of(around.begin(), around.end(), [&](std::uint32_t w) { return pinches[w] != 0; }))
+      if (goes[v] != 0 ||
+          std::any_of(around.begin(), around.end(), [&](std::uint32_t w) { return pinches[w] != 0; }))
         columns.shorten(v, 0, LayerLimit::kNeighbour);
     });
   }

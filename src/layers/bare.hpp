@@ -7,8 +7,8 @@ namespace lumesh::layers {
 
 /// Takes more columns away until what is without layers is made of whole triangles that do not touch in
 /// single vertices: around every vertex without a column the triangles with layers form one fan, and not a
-/// closed one; an edge without columns has a bare triangle. Else the layers' inner and outer surface would
-/// touch there.
+/// closed one; an edge without columns has a bare triangle; and where the patches touch themselves in a
+/// vertex there is no column. Else the layers' inner and outer surface would touch there.
 /// @return true if anything changed.
 bool keep_bare_manifold(const LayerSurface& surface, Columns& columns);
 
