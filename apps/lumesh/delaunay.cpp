@@ -84,12 +84,14 @@ Seeding seeding_of(const std::string& name) {
 }
 
 void print_summary(const DelaunayCommand& command, const TetMesh& mesh, const BoundaryFaces& faces,
-                   const std::optional<ImproveReport>& improved, const Context& context, double seconds) {
+                   const OpeningsCompared& openings, const std::optional<ImproveReport>& improved,
+                   const Context& context, double seconds) {
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles\n", command.mesh_path,
       mesh.tet_count(), mesh.vertex_count(), faces.triangles.size());
   for (std::size_t p = 0; p < mesh.info().patches.size(); ++p)
-    say(command.run, "  patch {:<20} {:>8} triangles\n", mesh.info().patches[p].name,
-        std::count(faces.patches.begin(), faces.patches.end(), static_cast<int>(p)));
+    say(command.run, "  patch {:<20} {:>8} triangles{}\n", mesh.info().patches[p].name,
+        std::count(faces.patches.begin(), faces.patches.end(), static_cast<int>(p)),
+        opening_text(openings, mesh.info().patches[p].name));
   if (improved)
     say(command.run, "  dihedral angles {:.2f} to {:.2f} degrees (before improvement: {:.2f} to {:.2f})\n",
         improved->after.min_deg, improved->after.max_deg, improved->before.min_deg, improved->before.max_deg);
@@ -138,12 +140,13 @@ void run(DelaunayCommand command) {
   if (given.shape && command.input.cut_planes.empty())
     for (const std::string& line : context.phase("check", [&] { return differences(*given.shape, mesh); }))
       context.warn(line);
+  const OpeningsCompared openings = checked_openings(mesh.view(faces), domain, context);
   if (sizing)
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
     report::write_file(command.json_path, report_json(result.report, improved, mesh, context).dump(2) + "\n");
-  print_summary(command, mesh, faces, improved, context, elapsed.count());
+  print_summary(command, mesh, faces, openings, improved, context, elapsed.count());
   long_run.check_complete(result.report.complete && (!improved || improved->complete),
                           command.mesh_path + " holds the best mesh so far");
 }

@@ -52,6 +52,21 @@ void check_domain_options(const CLI::App& command, const DomainInput& input) {
     refuse(option);
 }
 
+OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain, Context& context) {
+  if (domain.cut_planes().empty()) return {};
+  OpeningsCompared compared = context.phase(
+      "openings", [&] { return compare_openings(mesh, find_openings(domain), domain.resolution_mm()); });
+  for (const std::string& doubt : doubts_about(compared)) context.warn(doubt);
+  return compared;
+}
+
+std::string opening_text(const OpeningsCompared& openings, const std::string& patch) {
+  for (const OpeningInMesh& o : openings.openings)
+    if (o.patches == patch)
+      return fmt::format("  {:.4g} mm² (image {:.4g})", o.mesh_area_mm2, o.opening.area_mm2);
+  return "";
+}
+
 DomainRead read_domain(const DomainInput& input, Context& context) {
   if (is_mesh_file(input.path)) {
     const MixedMesh surface = context.phase("read", [&] { return read_surface(input.path); });

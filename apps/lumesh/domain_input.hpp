@@ -8,6 +8,7 @@
 
 #include "common.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/pipeline/image_shape.hpp"
 
@@ -37,5 +38,11 @@ struct DomainRead {
 
 /// @throws Error{kBadInput} that names the file.
 [[nodiscard]] DomainRead read_domain(const DomainInput& input, Context& context);
+
+/// The openings of a mesh against its domain's; warns of those that are wrong. Empty without cut planes.
+[[nodiscard]] OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain, Context& context);
+
+/// For the line of a patch: its area and the image's, where it is an opening.
+[[nodiscard]] std::string opening_text(const OpeningsCompared& openings, const std::string& patch);
 
 }  // namespace lumesh::cli

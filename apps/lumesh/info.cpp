@@ -7,6 +7,8 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/image/crossings.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/mesh_file.hpp"
@@ -28,6 +30,11 @@ struct InfoCommand {
 /// 12 digits, which headers mean, instead of the 17 that arithmetic leaves: 0.5 for 0.49999999999999994.
 double tidy(double value) {
   return number_from(fmt::format("{:.12g}", value)).value_or(value);
+}
+
+/// Of what is measured.
+double short_number(double value) {
+  return number_from(fmt::format("{:.5g}", value)).value_or(value);
 }
 
 json list(const Vec3& v) {
@@ -53,6 +60,21 @@ json describe_image(const LabelImage& image) {
   const CrossingCounts counts = count_crossings(image);
   all["boundary"] = {{"faces", counts.faces}, {"placed_by_values", counts.crossed}};
   return all;
+}
+
+/// Named as meshes of the image have them.
+json describe_openings(const LabelImage& image) {
+  json list_of = json::array();
+  for (const Opening& opening : find_openings(ImageDomain(image, {})))
+    list_of.push_back(
+        {{"name", list_of.empty() ? "inlet_1" : fmt::format("outlet_{}", list_of.size())},
+         {"label", opening.label},
+         {"area_mm2", short_number(opening.area_mm2)},
+         {"radius_mm", short_number(opening.radius_mm())},
+         {"centre_mm", json::array({short_number(opening.centre_mm.x()), short_number(opening.centre_mm.y()),
+                                    short_number(opening.centre_mm.z())})},
+         {"normal", list(opening.normal)}});
+  return list_of;
 }
 
 json describe_mesh(MixedMesh mesh) {
@@ -120,6 +142,8 @@ void run(const InfoCommand& command) {
     const LabelImage image =
         context.phase("read", [&] { return read_selected_image(command.path, command.selection, context); });
     all = context.phase("labels", [&] { return describe_image(image); });
+    all["openings"] = naming(
+        command.path, [&] { return context.phase("openings", [&] { return describe_openings(image); }); });
   }
   if (command.run.quiet > 0 && command.as_json == 0) return;
   if (command.as_json > 0) {

@@ -62,8 +62,8 @@ std::map<Label, double> parse_label_fidelity(const LatticeCommand& command, cons
   return result;
 }
 
-void print_summary(const LatticeCommand& command, const LatticeResult& result, const Context& context,
-                   double seconds) {
+void print_summary(const LatticeCommand& command, const LatticeResult& result,
+                   const OpeningsCompared& openings, const Context& context, double seconds) {
   const MixedMesh& mesh = result.mesh;
   fmt::print("{}: {} tetrahedra, ", command.mesh_path, mesh.tetrahedra.size());
   if (command.options.cells == LatticeCells::kMixed)
@@ -72,7 +72,8 @@ void print_summary(const LatticeCommand& command, const LatticeResult& result, c
   for (std::size_t p = 0; p < mesh.info.patches.size(); ++p) {
     const auto faces =
         std::count(mesh.triangle_patches.begin(), mesh.triangle_patches.end(), static_cast<int>(p));
-    fmt::print("  patch {:<20} {:>8} triangles\n", mesh.info.patches[p].name, faces);
+    const std::string& name = mesh.info.patches[p].name;
+    fmt::print("  patch {:<20} {:>8} triangles{}\n", name, faces, opening_text(openings, name));
   }
   fmt::print("  time");
   for (const PhaseTime& phase : context.phases()) fmt::print("  {} {:.2f}", phase.name, phase.seconds);
@@ -103,8 +104,9 @@ void run(const LatticeCommand& command) {
     if (!command.surface_path.empty()) write_surface(command.surface_path, result.mesh.view());
   });
   for (const std::string& note : result.report.notes) context.warn(note);
+  const OpeningsCompared openings = checked_openings(result.mesh.view(), domain, context);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  if (command.run.quiet == 0) print_summary(command, result, context, elapsed.count());
+  if (command.run.quiet == 0) print_summary(command, result, openings, context, elapsed.count());
 }
 
 }  // namespace

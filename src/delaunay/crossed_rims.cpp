@@ -1,6 +1,8 @@
 #include "crossed_rims.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -38,6 +40,44 @@ class TouchedMaterials {
   std::vector<MaterialSet> of_vertex_;
 };
 
+/// Which vertices are not beyond a cut plane, and which lie on one.
+struct PlacesAtCuts {
+  PlacesAtCuts(const TetMesh& mesh, const Domain& domain) {
+    const double touch_mm = 1e-2 * domain.resolution_mm();
+    is_within.assign(mesh.vertex_slots(), 0);
+    is_on.assign(mesh.vertex_slots(), 0);
+    parallel::for_each_index(is_within.size(), [&](std::size_t i) {
+      const VertexId v(static_cast<std::uint32_t>(i));
+      if (i < 4 || !mesh.alive(v)) return;
+      double beyond_mm = -std::numeric_limits<double>::infinity();
+      for (const CutPlane& cut : domain.cut_planes())
+        beyond_mm = std::max(beyond_mm, cut.normal.dot(mesh.point(v) - cut.point_mm));
+      is_within[i] = beyond_mm <= touch_mm;
+      is_on[i] = std::abs(beyond_mm) <= touch_mm;
+    });
+  }
+  std::vector<std::uint8_t> is_within, is_on;
+};
+
+Vec3 centre_of(const TetMesh& mesh, TetId t) {
+  return 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
+}
+
+/// What a tetrahedron is to be that lies on the kept side of all cuts, though the centre of its circumsphere
+/// does not; none if it stays, or lies flat on a plane.
+std::optional<Material> material_within_cuts(const TetMesh& mesh, const Domain& domain,
+                                             const PlacesAtCuts& at, TetId t) {
+  if (!domain.is_cut(static_cast<Material>(mesh.label(t)))) return std::nullopt;
+  const Cell<4>& corners = mesh.tet(t);
+  const auto all = [&](const std::vector<std::uint8_t>& flags) {
+    return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return flags[v] != 0; });
+  };
+  if (!all(at.is_within) || all(at.is_on)) return std::nullopt;
+  const Material there = domain.material_at(centre_of(mesh, t));
+  if (!domain.is_meshed(there)) return std::nullopt;
+  return there;
+}
+
 Material outside_or(const Domain& domain, Material m) {
   return domain.is_meshed(m) ? m : 0;
 }
@@ -61,8 +101,7 @@ std::optional<Material> material_of(const TetMesh& mesh, const Domain& domain,
   bool is_at_one = false;
   for (int f = 0; f < 4; ++f) is_at_one = is_at_one || crosses(mesh, domain, touched, t, f);
   if (!is_at_one) return std::nullopt;
-  const Vec3 centre = 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
-  const Material there = domain.material_at(centre);
+  const Material there = domain.material_at(centre_of(mesh, t));
   const bool is_same = outside_or(domain, there) == outside_or(domain, static_cast<Material>(mesh.label(t)));
   if (is_same || !touched.common_to_corners(t).contains(there)) return std::nullopt;
   return there;
@@ -70,18 +109,33 @@ std::optional<Material> material_of(const TetMesh& mesh, const Domain& domain,
 
 }  // namespace
 
-std::size_t relabel_crossed_rims(TetMesh& mesh, const Domain& domain) {
-  if (domain.material_count() == domain.label_count()) return 0;
+namespace {
+
+/// Sweeps until nothing takes another material.
+template <class MaterialOf>
+std::size_t relabel_in_sweeps(TetMesh& mesh, const Domain& domain, const MaterialOf& material_of) {
   constexpr int kSweeps = 4;  // What is filled may have one more behind it.
-  const TouchedMaterials touched(mesh, domain);
   std::size_t count = 0;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    const std::size_t more =
-        relabel_unless_pinching(mesh, domain, [&](TetId t) { return material_of(mesh, domain, touched, t); });
+    const std::size_t more = relabel_unless_pinching(mesh, domain, material_of);
     count += more;
     if (more == 0) break;
   }
   return count;
+}
+
+}  // namespace
+
+std::size_t relabel_at_cuts(TetMesh& mesh, const Domain& domain) {
+  if (domain.cut_planes().empty()) return 0;
+  const PlacesAtCuts at(mesh, domain);
+  return relabel_in_sweeps(mesh, domain, [&](TetId t) { return material_within_cuts(mesh, domain, at, t); });
+}
+
+std::size_t relabel_crossed_rims(TetMesh& mesh, const Domain& domain) {
+  if (domain.material_count() == domain.label_count()) return 0;
+  const TouchedMaterials touched(mesh, domain);
+  return relabel_in_sweeps(mesh, domain, [&](TetId t) { return material_of(mesh, domain, touched, t); });
 }
 
 }  // namespace lumesh::delaunay

@@ -9,6 +9,12 @@
 
 namespace lumesh::delaunay {
 
+/// Near an opening that slants, or whose points stand far apart, the centre of a tetrahedron's circumsphere
+/// may lie beyond the cut plane although the tetrahedron does not: such ones take the material at their own
+/// centre, if that is meshed, as long as this pinches no vertex. Labels of tetrahedra are materials. @return
+/// how many.
+std::size_t relabel_at_cuts(TetMesh& mesh, const Domain& domain);
+
 /// A face between the object and the outside whose corners lie on no common boundary, such as one on the wall
 /// and one on an opening, cuts off the edge between the two. Where these meet at an acute angle, the centre
 /// of a tetrahedron's circumsphere does not say what the tetrahedron is: that of one inside of such a wedge

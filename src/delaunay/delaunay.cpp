@@ -129,6 +129,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
                 [&] { result.report.complete = refined(refinement, options, result.report, context); });
   result.report.pinched_vertices = context.phase("topology", [&] {
     const std::size_t pinched = delaunay::relabel_pinched(result.mesh, domain, refinement.pinched());
+    delaunay::relabel_at_cuts(result.mesh, domain);
     delaunay::relabel_crossed_rims(result.mesh, domain);
     delaunay::relabel_flat(result.mesh, domain);
     delaunay::relabel_out_of_bounds(result.mesh, domain);

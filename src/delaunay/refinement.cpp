@@ -69,6 +69,7 @@ std::vector<Wish> Refinement::wishes_of(std::span<const TetId> fresh,
           if (mesh_.stamp(other) == stamp_ && mesh_.label(other) < mesh_.label(t)) continue;
           if (const auto wish = rules_.wish_of_face(t, f, sphere)) out.push_back(*wish);
         }
+        if (const auto wish = rules_.wish_of_crossed_opening(t, sphere)) out.push_back(*wish);
         if (const auto wish = rules_.wish_of_tet(t, sphere)) out.push_back(*wish);
       },
       kBlock);

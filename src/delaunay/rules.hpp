@@ -1,5 +1,5 @@
 #pragma once
-/// @file The rules R1 to R5 of refinement, and the points that they ask for.
+/// @file The rules R1 to R5 and R7 of refinement, and the points that they ask for.
 
 #include <array>
 #include <optional>
@@ -49,6 +49,9 @@ class Rules {
   /// meet.
   /// @param sphere  Of t.
   [[nodiscard]] std::optional<Wish> wish_of_face(TetId t, int face, const Circumsphere& sphere) const;
+  /// R7: an edge from the kept side of a cut plane to beyond it goes through an opening, whose points stand
+  /// too far apart there: where it crosses.
+  [[nodiscard]] std::optional<Wish> wish_of_crossed_opening(TetId t, const Circumsphere& sphere) const;
   /// Its place on the surface, if that is not too near to its corners.
   [[nodiscard]] std::optional<Wish> centre_of_face(TetId t, int face, const Circumsphere& sphere) const;
   /// R4: the circumradius is too large for the shortest edge. R5: for the wanted size; R2 is part of that,

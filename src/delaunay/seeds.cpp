@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::delaunay {
@@ -73,11 +74,32 @@ class LatticeDescent {
       all.outer.insert(all.outer.end(), part[0].outer.begin(), part[0].outer.end());
       all.boundary.insert(all.boundary.end(), part[0].boundary.begin(), part[0].boundary.end());
     }
+    const std::vector<BoundaryCandidate> rims = rim_candidates();
+    all.boundary.insert(all.boundary.end(), rims.begin(), rims.end());
     return all;
   }
 
  private:
   static constexpr std::size_t kRootsPerPart = 16;
+
+  /// All along the rims of openings: where the wall slants, cells that look for boundaries may see none of
+  /// it.
+  [[nodiscard]] std::vector<BoundaryCandidate> rim_candidates() const {
+    constexpr double kLeastStep = 0.1, kMostStep = 0.4;  // Voxels.
+    constexpr double kStep = 0.3;                        // Of delta.
+    const double voxel_mm = domain_.resolution_mm();
+    const std::vector<RimPlace> places = find_rim_places(
+        domain_, std::clamp(kStep * spacing_.delta_mm(), kLeastStep * voxel_mm, kMostStep * voxel_mm));
+    return parallel::collect<BoundaryCandidate>(places.size(), [&](std::size_t i,
+                                                                   std::vector<BoundaryCandidate>& out) {
+      const auto& [place, materials] = places[i];
+      const MaterialSet all{materials[0], materials[1], materials[2]};
+      const double spacing = kSeedSpacing * spacing_.surface_spacing_at(place, materials[0], materials[1]);
+      Seeds found;
+      add_curve_candidate(place, all, spacing, found);
+      out.insert(out.end(), found.boundary.begin(), found.boundary.end());
+    });
+  }
 
   [[nodiscard]] Index3 cell_of(std::size_t i) const {
     const auto x = static_cast<int>(i % static_cast<std::size_t>(cells_.x()));

@@ -1,12 +1,15 @@
 #include "lumesh/domain/patch_names.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
+
+#include "lumesh/domain/openings.hpp"
+#include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh {
 
@@ -15,10 +18,13 @@ namespace {
 /// Opening triangles grouped by what they share edges with.
 class OpeningGroups {
  public:
-  struct Opening {
+  struct Group {
     std::vector<std::uint32_t> triangles;
-    Material label = 0;
+    Material inside = 0, outside = 0;
     double area_mm2 = 0;
+    Vec3 area_centre = Vec3::Zero();
+
+    [[nodiscard]] Vec3 centre_mm() const { return area_centre / area_mm2; }
   };
 
   /// @param members  The triangles of openings.
@@ -31,7 +37,8 @@ class OpeningGroups {
     group(boundary, positions);
   }
 
-  [[nodiscard]] const std::vector<Opening>& openings() const { return openings_; }
+  /// By falling area.
+  [[nodiscard]] const std::vector<Group>& groups() const { return groups_; }
 
  private:
   std::uint32_t root(std::uint32_t i) {
@@ -59,22 +66,25 @@ class OpeningGroups {
   void group(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions) {
     std::map<std::uint32_t, std::size_t> number;
     for (std::uint32_t i = 0; i < members_.size(); ++i) {
-      const auto [at, added] = number.try_emplace(root(i), openings_.size());
-      if (added) openings_.emplace_back();
-      Opening& opening = openings_[at->second];
+      const auto [at, added] = number.try_emplace(root(i), groups_.size());
+      if (added) groups_.emplace_back();
+      Group& group = groups_[at->second];
       const BoundaryTriangle& t = boundary[members_[i]];
-      const Vec3& a = positions[t.vertices[0]];
-      opening.triangles.push_back(members_[i]);
-      opening.label = t.inside;
-      opening.area_mm2 += 0.5 * (positions[t.vertices[1]] - a).cross(positions[t.vertices[2]] - a).norm();
+      const Vec3 &a = positions[t.vertices[0]], &b = positions[t.vertices[1]], &c = positions[t.vertices[2]];
+      const double area = triangle_area(a, b, c);
+      group.triangles.push_back(members_[i]);
+      group.inside = t.inside;
+      group.outside = t.outside;
+      group.area_mm2 += area;
+      group.area_centre += area * (a + b + c) / 3;
     }
-    std::stable_sort(openings_.begin(), openings_.end(),
-                     [](const Opening& a, const Opening& b) { return a.area_mm2 > b.area_mm2; });
+    std::stable_sort(groups_.begin(), groups_.end(),
+                     [](const Group& a, const Group& b) { return a.area_mm2 > b.area_mm2; });
   }
 
   std::vector<std::uint32_t> members_;
   std::vector<std::uint32_t> parent_;
-  std::vector<Opening> openings_;
+  std::vector<Group> groups_;
 };
 
 constexpr std::int32_t kUnnamed = -1;
@@ -129,20 +139,71 @@ void name_by_materials(std::span<const BoundaryTriangle> boundary, const Domain&
       result.of_triangle[i] = number.at(pair_of(boundary[i]));
 }
 
+/// Openings of the mesh by those of the domain, so that their numbers do not depend on the mesh.
+class OpeningNames {
+ public:
+  OpeningNames(const Domain& domain, PatchAssignment& result)
+      : domain_(domain), result_(result), openings_(find_openings(domain)) {}
+
+  void name(std::span<const OpeningGroups::Group> groups) {
+    std::map<std::size_t, std::vector<const OpeningGroups::Group*>> by_number;
+    std::size_t next = openings_.size();
+    for (const OpeningGroups::Group& group : groups) {
+      const std::size_t opening = opening_of(group);
+      if (opening < openings_.size())
+        by_number[opening].push_back(&group);
+      else if (!openings_.empty() && group.area_mm2 < kSliver * std::pow(domain_.resolution_mm(), 2))
+        set(group, wall_of(group));
+      else
+        by_number[next++].push_back(&group);
+    }
+    for (const auto& [number, of_opening] : by_number) {
+      const std::int32_t patch = add(*of_opening.front(), number);
+      for (const OpeningGroups::Group* group : of_opening) set(*group, patch);
+    }
+  }
+
+ private:
+  static constexpr double kSliver = 1;  // Voxel faces: wall that grazes a border.
+
+  [[nodiscard]] std::size_t opening_of(const OpeningGroups::Group& group) const {
+    if (openings_.empty() || !(group.area_mm2 > 0)) return openings_.size();
+    const Vec3& normal = domain_.cut_planes()[group.outside - domain_.label_count()].normal;
+    return nearest_opening(openings_, domain_.label_of(group.inside), group.centre_mm(), normal,
+                           domain_.resolution_mm());
+  }
+  [[nodiscard]] std::int32_t add(const OpeningGroups::Group& group, std::size_t number) {
+    result_.patches.push_back({number == 0 ? "inlet_1" : "outlet_" + std::to_string(number),
+                               PatchKind::kOpening,
+                               {domain_.label_of(group.inside), kBackground}});
+    return static_cast<std::int32_t>(result_.patches.size()) - 1;
+  }
+  /// Of the group's label; a new one where the mesh has none.
+  [[nodiscard]] std::int32_t wall_of(const OpeningGroups::Group& group) {
+    const Label label = domain_.label_of(group.inside);
+    for (std::size_t p = 0; p < result_.patches.size(); ++p)
+      if (result_.patches[p].kind == PatchKind::kWall && result_.patches[p].labels[0] == label)
+        return static_cast<std::int32_t>(p);
+    result_.patches.push_back({"wall_" + std::to_string(label), PatchKind::kWall, {label, kBackground}});
+    return static_cast<std::int32_t>(result_.patches.size()) - 1;
+  }
+  void set(const OpeningGroups::Group& group, std::int32_t patch) {
+    for (const std::uint32_t t : group.triangles) result_.of_triangle[t] = patch;
+  }
+
+  const Domain& domain_;
+  PatchAssignment& result_;
+  std::vector<Opening> openings_;
+};
+
 void name_openings(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions,
                    const Domain& domain, PatchAssignment& result) {
   std::vector<std::uint32_t> members;
   for (std::uint32_t i = 0; i < boundary.size(); ++i)
     if (result.of_triangle[i] == kUnnamed) members.push_back(i);
+  if (members.empty()) return;
   const OpeningGroups groups(boundary, positions, std::move(members));
-  for (std::size_t i = 0; i < groups.openings().size(); ++i) {
-    const OpeningGroups::Opening& opening = groups.openings()[i];
-    for (const std::uint32_t t : opening.triangles)
-      result.of_triangle[t] = static_cast<std::int32_t>(result.patches.size());
-    result.patches.push_back({i == 0 ? "inlet_1" : "outlet_" + std::to_string(i),
-                              PatchKind::kOpening,
-                              {domain.label_of(opening.label), kBackground}});
-  }
+  OpeningNames(domain, result).name(groups.groups());
 }
 
 }  // namespace

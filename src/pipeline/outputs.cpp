@@ -44,6 +44,7 @@ void describe_mesh(const CaseState& state, report::StageReport& stage) {
   quality::EvaluationInput input;
   input.image = state.image ? &*state.image : nullptr;
   input.phantom = state.phantom ? &*state.phantom : nullptr;
+  input.domain = state.image_domain.get();
   input.cut_planes = state.c.input.cut_planes;
   input.kernel = &state.mesh;
   // Lines of a surface have no voxels beside them.

@@ -175,6 +175,25 @@ void add_sections(const MeshView& mesh, const MeshSurface& surface, const Evalua
   context.warn(warning);
 }
 
+void add_openings(const MeshView& mesh, const EvaluationInput& input, Evaluation& evaluation,
+                  Context& context) {
+  const auto& patches = mesh.info->patches;
+  const bool has_any = std::any_of(patches.begin(), patches.end(),
+                                   [](const Patch& patch) { return patch.kind == PatchKind::kOpening; });
+  // A mesh of another program may not say which patches are openings.
+  if (!has_any && (patches.empty() || mesh.info->provenance.empty())) return;
+  evaluation.openings = context.phase("openings", [&] {
+    std::optional<ImageDomain> made;
+    if (input.domain == nullptr) made.emplace(*input.image, ImageDomainOptions{{}, input.cut_planes});
+    const ImageDomain& domain = input.domain != nullptr ? *input.domain : *made;
+    return compare_openings(mesh, find_openings(domain), domain.voxel_size_mm());
+  });
+  for (const std::string& doubt : doubts_about(*evaluation.openings)) {
+    evaluation.warnings.push_back(doubt);
+    context.warn(doubt);
+  }
+}
+
 void add_image(const MeshView& mesh, const MeshSurface& surface, const EvaluationInput& input,
                Evaluation& evaluation, Context& context) {
   const LabelImage& image = *input.image;
@@ -193,6 +212,7 @@ void add_image(const MeshView& mesh, const MeshSurface& surface, const Evaluatio
   for (const LabelDistances& label : distances.labels)
     entry(evaluation, label.label).distances = label.distances;
   context.phase("voxels kept", [&] { add_voxels_kept(mesh, surface, input, evaluation); });
+  add_openings(mesh, input, evaluation, context);
   if (input.axes) add_sections(mesh, surface, input, evaluation, context);
   if (!input.cut_planes.empty()) return;
   const std::vector<TopologyDifference> differences = list_topology_differences(evaluation);

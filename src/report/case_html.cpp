@@ -312,7 +312,8 @@ std::string stage_html(const StageReport& stage, std::size_t index, const StageR
   if (!stage.evaluation) return html;
   const Evaluation& e = *stage.evaluation;
   html += warnings_html(e.warnings) + (stage.layers ? plots_of_parts(stage) : plots_html(e));
-  html += distances_section(e) + kept_section(e) + narrowest_section(e) + reference_section(e);
+  html += distances_section(e) + kept_section(e) + openings_section(e) + narrowest_section(e) +
+          reference_section(e);
   if (&stage == last) html += labels_section(e) + boundary_section(e);
   return html;
 }

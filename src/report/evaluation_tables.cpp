@@ -161,6 +161,24 @@ std::string kept_section(const Evaluation& e) {
           "The farthest are those whose centres are farthest from the boundary of their label.</p>");
 }
 
+std::string openings_section(const Evaluation& e) {
+  if (!e.openings || (e.openings->openings.empty() && e.openings->others.empty())) return "";
+  Table table = {{"opening", "mesh mm²", "image mm²", "change", "radius mm", "at mm", "outwards"}};
+  for (const OpeningInMesh& o : e.openings->openings)
+    table.push_back({o.patches.empty() ? "none" : escaped(o.patches), five_digits(o.mesh_area_mm2),
+                     five_digits(o.opening.area_mm2),
+                     marked(!is_wrong(o), fmt::format("{:+.1f} %", o.change_percent())),
+                     five_digits(o.opening.radius_mm()), place_text(o.opening.centre_mm),
+                     direction_text(o.opening.normal)});
+  for (const std::string& name : e.openings->others)
+    table.push_back({escaped(name), "", marked(false, "none"), "", "", "", ""});
+  return section(
+      "Openings",
+      table_html(table) +
+          "<p class=\"note\">Where the object is cut off, at the image's borders and at cut planes: the area "
+          "of the mesh's patch, and that of the image's boundary there. More than 5 % off is marked.</p>");
+}
+
 std::string narrowest_section(const Evaluation& e) {
   if (!e.sections || e.sections->empty()) return "";
   std::vector<NarrowestSection> sections = *e.sections;

@@ -13,6 +13,8 @@ namespace lumesh::report {
 [[nodiscard]] std::string distances_section(const quality::Evaluation& e);
 /// Voxels that lie in cells of their own label.
 [[nodiscard]] std::string kept_section(const quality::Evaluation& e);
+/// Openings in mesh and image.
+[[nodiscard]] std::string openings_section(const quality::Evaluation& e);
 /// Where the branches are narrowest, those that lose most first.
 [[nodiscard]] std::string narrowest_section(const quality::Evaluation& e);
 /// Against the exact shape of a phantom.

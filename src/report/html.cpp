@@ -109,8 +109,8 @@ std::string report_html(const std::string& title, const Evaluation& e, const Rep
   html += cut_section("Part of the cut, enlarged", pictures.enlarged);
   html += curvature_section(pictures.curvature, e.curvature);
   html += plots_html(e);
-  html += distances_section(e) + kept_section(e) + narrowest_section(e) + reference_section(e) +
-          labels_section(e) + boundary_section(e) + provenance_html(e.info.provenance);
+  html += distances_section(e) + kept_section(e) + openings_section(e) + narrowest_section(e) +
+          reference_section(e) + labels_section(e) + boundary_section(e) + provenance_html(e.info.provenance);
   return html + page_end();
 }
 

@@ -165,6 +165,23 @@ Json to_json(const CurvatureSummary& curvature) {
           {"p98", curvature.p98_per_mm}};
 }
 
+Json to_json(const OpeningsCompared& compared) {
+  Json json = Json::array();
+  for (const OpeningInMesh& o : compared.openings)
+    json.push_back({{"patches", o.patches},
+                    {"label", o.opening.label},
+                    {"mesh_area_mm2", o.mesh_area_mm2},
+                    {"image_area_mm2", o.opening.area_mm2},
+                    {"change_percent", o.change_percent()},
+                    {"radius_mm", o.opening.radius_mm()},
+                    {"centre_mm", point(o.opening.centre_mm)},
+                    {"normal", point(o.opening.normal)},
+                    {"wrong", is_wrong(o)}});
+  for (const std::string& name : compared.others)
+    json.push_back({{"patches", name}, {"image_area_mm2", nullptr}, {"wrong", true}});
+  return json;
+}
+
 Json to_json(const std::vector<NarrowestSection>& sections) {
   Json json = Json::array();
   for (const NarrowestSection& s : sections)
@@ -309,6 +326,7 @@ std::string evaluation_json(const Evaluation& e) {
     json["hausdorff_mm"] = to_json(e.image->distances);
     json["topology_differences"] = e.topology_differences;
     json["topology_places"] = to_json(e.topology_places);
+    json["openings"] = e.openings ? to_json(*e.openings) : Json(nullptr);
     json["narrowest_sections"] = e.sections ? to_json(*e.sections) : Json(nullptr);
   }
   if (e.reference_voxel_mm) json["reference"] = {{"voxel_size_mm", *e.reference_voxel_mm}};

@@ -185,6 +185,22 @@ std::string kept_text(const Evaluation& e) {
   return text + kept_row("all", e.image->voxels_kept, voxel);
 }
 
+std::string openings_text(const OpeningsCompared& compared) {
+  if (compared.openings.empty() && compared.others.empty()) return "";
+  std::string text = fmt::format("\n{:<24}{:>12}{:>14}{:>11}{:>11}  {}\n", "openings", "mesh mm²",
+                                 "image mm²", "change", "radius mm", "centre and normal");
+  for (const OpeningInMesh& o : compared.openings) {
+    const Vec3 &p = o.opening.centre_mm, &n = o.opening.normal;
+    text += fmt::format(
+        "  {:<22}{:>12}{:>13}{:>9.1f} %{:>11}  ({:.1f}, {:.1f}, {:.1f})  ({:.2f}, {:.2f}, {:.2f}){}\n",
+        o.patches.empty() ? "none" : o.patches, five_digits(o.mesh_area_mm2), five_digits(o.opening.area_mm2),
+        o.change_percent(), five_digits(o.opening.radius_mm()), p.x(), p.y(), p.z(), n.x(), n.y(), n.z(),
+        is_wrong(o) ? "  WRONG" : "");
+  }
+  for (const std::string& name : compared.others) text += fmt::format("  {:<22}none of the image's\n", name);
+  return text;
+}
+
 /// The branches that lose most.
 std::string sections_text(std::vector<NarrowestSection> sections) {
   constexpr std::size_t kMostBranches = 12;
@@ -237,6 +253,7 @@ std::string image_text(const Evaluation& e) {
   if (with_distances > 1)
     text += distances_text(fmt::format("label {} (the worst)", worst->label), *worst->distances, voxel);
   text += kept_text(e);
+  if (e.openings) text += openings_text(*e.openings);
   if (e.sections) text += sections_text(*e.sections);
   return text;
 }

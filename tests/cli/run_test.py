@@ -110,6 +110,14 @@ class RunTest(CaseTest):
         page = (self.out / "report.html").read_text(encoding="utf-8")
         self.assertIn("Narrowest section of each branch", page)
         self.assertIn("Voxels kept", page)
+        self.assertIn("<h2>Openings</h2>", page)
+        # Vessels a voxel in radius, and a lattice that may not be as fine as it should.
+        self.assertEqual(len(last["openings"]), 4)
+        self.assertEqual(last["openings"][0]["patches"], "inlet_1")
+        missing = [opening for opening in last["openings"] if not opening["patches"]]
+        self.assertEqual(len([w for w in last["warnings"] if "is missing in the mesh" in w]), len(missing))
+        wrong = sum(opening["wrong"] for opening in last["openings"]) - len(missing)
+        self.assertEqual(len([w for w in last["warnings"] if "than the image's" in w]), wrong)
         evaluated = self.folder / "a.json"
         self.run_well("evaluate", self.out / "a.vtu", "--json", evaluated)
         self.assertEqual(json.loads(evaluated.read_text())["metric_edge_length"], last["metric_edge_length"])

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "lumesh/core/context.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/image/phantom.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
@@ -93,6 +95,9 @@ struct Evaluation {
   std::optional<ImageEvaluation> image;
   /// Narrowest section of each branch; none without an image or without axes.
   std::optional<std::vector<NarrowestSection>> sections;
+  /// Where the mesh is cut off, against the image's boundary; none without an image, or where the mesh says
+  /// nothing of patches.
+  std::optional<OpeningsCompared> openings;
   /// What the topology of labels differs in from their voxels', in words; empty with cuts, which voxels do
   /// not know of.
   std::vector<std::string> topology_differences;
@@ -107,8 +112,10 @@ struct Evaluation {
 
 struct EvaluationInput {
   const LabelImage* image = nullptr;  ///< Optional: the image the mesh was made from.
-  const Phantom* phantom = nullptr;   ///< Optional: the truth behind the image.
-  std::vector<CutPlane> cut_planes;   ///< Those the mesh was made with.
+  const ImageDomain* domain =
+      nullptr;  ///< Optional: the image's with the cut planes, if there is one; else made.
+  const Phantom* phantom = nullptr;  ///< Optional: the truth behind the image.
+  std::vector<CutPlane> cut_planes;  ///< Those the mesh was made with.
   /// Optional: axes of the image's vessels with the scalar "radius", as extract_centerline() makes them.
   const Polylines* axes = nullptr;
   /// Optional: the mesh whose view is measured, with all its boundary faces. Its adjacency spares finding all

@@ -72,7 +72,7 @@ TEST(SurfaceDistance, FlatPartsAreLeftToDelta) {
   };
   const auto [wall, ends] = triangles_of(0);
   const auto [near_wall, near_ends] = triangles_of(0.02);
-  EXPECT_GT(near_wall, 1.6 * wall);
+  EXPECT_GT(near_wall, 1.5 * wall);
   EXPECT_LT(near_ends, 1.8 * ends);
 }
 

@@ -1,4 +1,6 @@
 // Openings of straight tubes have the section that the tube has, whoever makes the mesh and however coarse.
+#include "lumesh/domain/openings.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,13 +46,13 @@ LabelImage image_of(const Tube& tube) {
                              [&](const Vec3& x) { return tube.holds(x) ? 1 : 0; });
 }
 
-struct Opening {
+struct MeshOpening {
   double area = 0;
   int edges_around = 0;
 };
 
-std::map<std::string, Opening> openings_of(const MeshView& mesh) {
-  std::map<std::string, Opening> found;
+std::map<std::string, MeshOpening> openings_of(const MeshView& mesh) {
+  std::map<std::string, MeshOpening> found;
   std::map<std::string, std::map<std::pair<std::uint32_t, std::uint32_t>, int>> edges;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Patch& patch = mesh.info->patches[static_cast<std::size_t>(mesh.triangle_patches[i])];
@@ -65,7 +67,7 @@ std::map<std::string, Opening> openings_of(const MeshView& mesh) {
   return found;
 }
 
-std::map<std::string, Opening> openings_of(const TetMesh& mesh) {
+std::map<std::string, MeshOpening> openings_of(const TetMesh& mesh) {
   const BoundaryFaces faces = mesh.boundary_faces();
   return openings_of(mesh.view(faces));
 }
@@ -79,7 +81,7 @@ double section_of(const ImageDomain& domain, double z) {
   return static_cast<double>(inside) * kStep * kStep;
 }
 
-void expect_openings(const std::map<std::string, Opening>& openings, double area, double tolerance) {
+void expect_openings(const std::map<std::string, MeshOpening>& openings, double area, double tolerance) {
   ASSERT_EQ(openings.size(), 2U);
   for (const auto& [name, opening] : openings) {
     EXPECT_NEAR(opening.area / area, 1, tolerance) << name;
@@ -108,7 +110,7 @@ TEST(Openings, HaveTheVesselsSectionInEveryMesherAtEverySize) {
         options.delta_mm = edge * radius;
         LatticeOptions lattice;
         lattice.spacing_mm = 4 * edge * radius;
-        const std::map<std::string, std::map<std::string, Opening>> by_mesher = {
+        const std::map<std::string, std::map<std::string, MeshOpening>> by_mesher = {
             {"delaunay", openings_of(mesh_delaunay(domain, options, context).mesh)},
             {"lattice", openings_of(mesh_lattice(image, domain, lattice, context).mesh.view())}};
         for (const auto& [mesher, openings] : by_mesher) {
@@ -121,6 +123,40 @@ TEST(Openings, HaveTheVesselsSectionInEveryMesherAtEverySize) {
         }
       }
     }
+  }
+}
+
+TEST(Openings, HaveTheSameNamesInEveryMesherAtEverySize) {
+  // Two of nearly the same size leave through one face, a third one through another, and one ends inside.
+  const LabelImage image = fixtures::voxels_of(fixtures::frame_of({48, 40, 30}), {0, 1}, [](const Vec3& p) {
+    const double first = std::hypot(p.x() - 12.3, p.y() - 12.4),
+                 second = std::hypot(p.x() - 33.2, p.y() - 13.1);
+    const double across = std::hypot(p.y() - 28.6, p.z() - 14.7);
+    return first < 5.1 || (second < 5.3 && p.z() < 20) || (across < 2.2 && p.x() > 9) ? 1 : 0;
+  });
+  const ImageDomain domain(image, {});
+  const std::vector<Opening> truth = find_openings(domain);
+  ASSERT_EQ(truth.size(), 4U);
+  const auto expect_names = [&](const MeshView& mesh) {
+    const OpeningsCompared found = compare_openings(mesh, truth, 1);
+    EXPECT_TRUE(found.others.empty());
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      EXPECT_EQ(found.openings[i].patches, i == 0 ? "inlet_1" : "outlet_" + std::to_string(i));
+      EXPECT_FALSE(is_wrong(found.openings[i])) << found.openings[i].change_percent();
+    }
+  };
+  for (const double size : {0.8, 1.5, 3.0}) {
+    SCOPED_TRACE(size);
+    Context context;
+    DelaunayOptions options;
+    options.delta_mm = size;
+    const TetMesh mesh = mesh_delaunay(domain, options, context).mesh;
+    const BoundaryFaces faces = mesh.boundary_faces();
+    expect_names(mesh.view(faces));
+    LatticeOptions lattice;
+    lattice.spacing_mm = 2 * size;
+    const MixedMesh on_lattice = mesh_lattice(image, domain, lattice, context).mesh;
+    expect_names(on_lattice.view());
   }
 }
 

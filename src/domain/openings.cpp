@@ -1,0 +1,330 @@
+#include "lumesh/domain/openings.hpp"
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+/// A rectangle of a cut plane, just inside of the object, divided into squares.
+class PlaneGrid {
+ public:
+  /// @param middle_mm, half_u, half_v  Of the rectangle, along the axes.
+  PlaneGrid(const Domain& domain, const CutPlane& plane, const Vec3& u, const Vec3& v, const Vec3& middle_mm,
+            double half_u, double half_v, double step)
+      : domain_(domain), u_(u), v_(v), step_(step) {
+    columns_ = std::max(1, static_cast<int>(std::ceil(2 * half_u / step)));
+    rows_ = std::max(1, static_cast<int>(std::ceil(2 * half_v / step)));
+    const double inside_mm = 1e-3 * domain.resolution_mm();
+    first_ = middle_mm - (plane.normal.dot(middle_mm - plane.point_mm) + inside_mm) * plane.normal -
+             0.5 * step * ((columns_ - 1) * u + (rows_ - 1) * v);
+    materials_.assign(size(), 0);
+    parallel::for_each_index(static_cast<std::size_t>(rows_),
+                             [&](std::size_t r) { fill(static_cast<int>(r)); });
+  }
+
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+  }
+  [[nodiscard]] Material material(std::size_t square) const { return materials_[square]; }
+  [[nodiscard]] Vec3 centre_of(std::size_t square) const {
+    return centre_of(static_cast<int>(square) % columns_, static_cast<int>(square) / columns_);
+  }
+  [[nodiscard]] double area_of_square() const { return step_ * step_; }
+  /// The square that holds a place of the plane.
+  [[nodiscard]] std::size_t square_at(const Vec3& x) const {
+    const auto along = [&](const Vec3& axis, int count) {
+      return std::clamp(static_cast<int>(std::lround((x - first_).dot(axis) / step_)), 0, count - 1);
+    };
+    return static_cast<std::size_t>(along(u_, columns_)) +
+           static_cast<std::size_t>(columns_) * static_cast<std::size_t>(along(v_, rows_));
+  }
+
+  /// Calls visit(place, material, beside) where a meshed material meets another one along a row or a column.
+  template <class Visit>
+  void for_each_change(const Visit& visit) const {
+    for (std::size_t s = 0; s < size(); ++s) {
+      if (!domain_.is_meshed(materials_[s])) continue;
+      for_each_neighbour(s, [&](std::size_t beside) {
+        if (materials_[beside] != materials_[s])
+          visit(0.5 * (centre_of(s) + centre_of(beside)), materials_[s], materials_[beside]);
+      });
+    }
+  }
+
+  /// Connected squares of one meshed material: a number for each square, 0 for none.
+  [[nodiscard]] std::vector<std::uint32_t> parts() const {
+    std::vector<std::uint32_t> part(size(), 0);
+    std::vector<std::size_t> open;
+    std::uint32_t next = 0;
+    for (std::size_t start = 0; start < size(); ++start) {
+      if (part[start] != 0 || !domain_.is_meshed(materials_[start])) continue;
+      part[start] = ++next;
+      open.push_back(start);
+      while (!open.empty()) {
+        const std::size_t at = open.back();
+        open.pop_back();
+        for_each_neighbour(at, [&](std::size_t beside) {
+          if (part[beside] != 0 || materials_[beside] != materials_[start]) return;
+          part[beside] = next;
+          open.push_back(beside);
+        });
+      }
+    }
+    return part;
+  }
+
+ private:
+  [[nodiscard]] Vec3 centre_of(int column, int row) const {
+    return first_ + step_ * (column * u_ + row * v_);
+  }
+
+  /// Runs of squares at a time, where there may be something.
+  void fill(int row) {
+    constexpr int kRun = 16;
+    for (int begin = 0; begin < columns_; begin += kRun) {
+      const int end = std::min(begin + kRun, columns_);
+      Box3 box(centre_of(begin, row));
+      box.extend(centre_of(end - 1, row));
+      if (!domain_.may_hold_object(box.min(), box.max())) continue;
+      for (int column = begin; column < end; ++column)
+        materials_[static_cast<std::size_t>(column) +
+                   static_cast<std::size_t>(columns_) * static_cast<std::size_t>(row)] =
+            domain_.material_at(centre_of(column, row));
+    }
+  }
+
+  template <class Visit>
+  void for_each_neighbour(std::size_t square, const Visit& visit) const {
+    const auto columns = static_cast<std::size_t>(columns_);
+    if (square % columns > 0) visit(square - 1);
+    if (square % columns + 1 < columns) visit(square + 1);
+    if (square >= columns) visit(square - columns);
+    if (square + columns < size()) visit(square + columns);
+  }
+
+  const Domain& domain_;
+  Vec3 u_, v_, first_;
+  double step_;
+  int columns_ = 0, rows_ = 0;
+  std::vector<Material> materials_;
+};
+
+/// The openings of one cut plane.
+class PlaneOpenings {
+ public:
+  PlaneOpenings(const Domain& domain, const CutPlane& plane)
+      : domain_(domain), plane_(plane), u_(plane.normal.unitOrthogonal()), v_(plane.normal.cross(u_)) {}
+
+  /// Found on a coarse grid, measured on a fine one each.
+  [[nodiscard]] std::vector<Opening> find() const {
+    constexpr double kCoarse = 0.4;  // Voxels.
+    const PlaneGrid coarse = whole_plane(kCoarse * domain_.resolution_mm());
+    std::map<std::uint32_t, std::vector<std::size_t>> squares;
+    const std::vector<std::uint32_t> part = coarse.parts();
+    for (std::size_t s = 0; s < part.size(); ++s)
+      if (part[s] != 0) squares[part[s]].push_back(s);
+    std::vector<Opening> openings;
+    for (const auto& [number, of_part] : squares) {
+      const Opening found = measure(coarse, of_part);
+      if (found.area_mm2 >= kLeastArea * std::pow(domain_.resolution_mm(), 2)) openings.push_back(found);
+    }
+    return openings;
+  }
+
+  /// What of the plane may cut the object.
+  [[nodiscard]] PlaneGrid whole_plane(double step_mm) const {
+    const Box3 bounds = domain_.bounds_mm();
+    double half_u = 0, half_v = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 off = bounds.corner(static_cast<Box3::CornerType>(corner)) - bounds.center();
+      half_u = std::max(half_u, std::abs(off.dot(u_)));
+      half_v = std::max(half_v, std::abs(off.dot(v_)));
+    }
+    return {domain_, plane_, u_, v_, bounds.center(), half_u, half_v, step_mm};
+  }
+
+ private:
+  static constexpr double kLeastArea = 0.5;  // Voxel faces.
+
+  [[nodiscard]] Opening measure(const PlaneGrid& coarse, const std::vector<std::size_t>& squares) const {
+    constexpr double kSquares = 160;  // Along the longer side.
+    const double margin_mm = domain_.resolution_mm();
+    std::array<double, 2> low, high;
+    low.fill(std::numeric_limits<double>::infinity());
+    high.fill(-std::numeric_limits<double>::infinity());
+    for (const std::size_t s : squares) {
+      const Vec3 x = coarse.centre_of(s);
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double at = x.dot(axis == 0 ? u_ : v_);
+        low[axis] = std::min(low[axis], at - margin_mm);
+        high[axis] = std::max(high[axis], at + margin_mm);
+      }
+    }
+    const double half_u = 0.5 * (high[0] - low[0]), half_v = 0.5 * (high[1] - low[1]);
+    const Vec3 on_plane = plane_.normal.dot(plane_.point_mm) * plane_.normal;
+    const Vec3 middle = on_plane + 0.5 * (low[0] + high[0]) * u_ + 0.5 * (low[1] + high[1]) * v_;
+    const double step = std::min(2 * std::max(half_u, half_v) / kSquares, 0.4 * domain_.resolution_mm());
+    const PlaneGrid fine(domain_, plane_, u_, v_, middle, half_u, half_v, step);
+    return sum(fine, coarse, squares);
+  }
+
+  /// Of the parts on the fine grid that the coarse one's squares belong to.
+  [[nodiscard]] Opening sum(const PlaneGrid& fine, const PlaneGrid& coarse,
+                            const std::vector<std::size_t>& squares) const {
+    const std::vector<std::uint32_t> part = fine.parts();
+    std::vector<bool> is_mine(part.size() + 1, false);
+    const Material material = coarse.material(squares.front());
+    for (const std::size_t s : squares) {
+      const std::size_t at = fine.square_at(coarse.centre_of(s));
+      if (fine.material(at) == material) is_mine[part[at]] = true;
+    }
+    Opening opening{domain_.label_of(material), 0, Vec3::Zero(), plane_.normal + Vec3::Zero(), {}};
+    std::size_t count = 0;
+    for (std::size_t s = 0; s < part.size(); ++s) {
+      if (part[s] == 0 || !is_mine[part[s]]) continue;
+      ++count;
+      opening.centre_mm += fine.centre_of(s);
+      opening.box_mm.extend(fine.centre_of(s));
+    }
+    if (count == 0) return opening;
+    opening.centre_mm /= static_cast<double>(count);
+    opening.centre_mm -= plane_.normal.dot(opening.centre_mm - plane_.point_mm) * plane_.normal;
+    opening.area_mm2 = static_cast<double>(count) * fine.area_of_square();
+    return opening;
+  }
+
+  const Domain& domain_;
+  const CutPlane& plane_;
+  Vec3 u_, v_;
+};
+
+/// What one patch of openings is in a mesh.
+struct OpeningPatch {
+  double area_mm2 = 0;
+  Vec3 area_centre = Vec3::Zero(), area_normal = Vec3::Zero();
+
+  void add(const Vec3& a, const Vec3& b, const Vec3& c) {
+    const Vec3 normal = 0.5 * triangle_area_normal(a, b, c);
+    area_mm2 += normal.norm();
+    area_normal += normal;
+    area_centre += normal.norm() * (a + b + c) / 3;
+  }
+};
+
+std::vector<OpeningPatch> opening_patches(const MeshView& mesh) {
+  std::vector<OpeningPatch> patches(mesh.info->patches.size());
+  const auto patch_at = [&](std::int32_t p) -> OpeningPatch* {
+    const auto at = static_cast<std::size_t>(p);
+    return at < patches.size() && mesh.info->patches[at].kind == PatchKind::kOpening ? &patches[at] : nullptr;
+  };
+  const auto point = [&](std::uint32_t v) -> const Vec3& { return mesh.points[v]; };
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    if (OpeningPatch* patch = patch_at(mesh.triangle_patches[i])) {
+      const auto& [a, b, c] = mesh.triangles[i];
+      patch->add(point(a), point(b), point(c));
+    }
+  for (std::size_t i = 0; i < mesh.quadrilaterals.size(); ++i)
+    if (OpeningPatch* patch = patch_at(mesh.quadrilateral_patches[i])) {
+      const auto& [a, b, c, d] = mesh.quadrilaterals[i];
+      patch->add(point(a), point(b), point(c));
+      patch->add(point(a), point(c), point(d));
+    }
+  return patches;
+}
+
+}  // namespace
+
+std::vector<Opening> find_openings(const Domain& domain) {
+  std::vector<Opening> all;
+  for (const CutPlane& plane : domain.cut_planes()) {
+    const std::vector<Opening> more = PlaneOpenings(domain, plane).find();
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Opening& a, const Opening& b) { return a.area_mm2 > b.area_mm2; });
+  return all;
+}
+
+std::vector<RimPlace> find_rim_places(const Domain& domain, double step_mm) {
+  std::vector<RimPlace> places;
+  const auto cuts = domain.cut_planes();
+  for (std::size_t c = 0; c < cuts.size(); ++c) {
+    const auto beyond = static_cast<Material>(domain.label_count() + c);
+    const PlaneGrid grid = PlaneOpenings(domain, cuts[c]).whole_plane(step_mm);
+    grid.for_each_change([&](const Vec3& place, Material inside, Material beside) {
+      if (beside != beyond) places.push_back({place, {inside, beside, beyond}});
+    });
+  }
+  return places;
+}
+
+std::size_t nearest_opening(std::span<const Opening> openings, Label label, const Vec3& centre_mm,
+                            const Vec3& normal, double voxel_mm) {
+  constexpr double kSamePlane = 0.9;  // Cosine.
+  std::size_t best = openings.size();
+  std::array<double, 2> least = {voxel_mm, std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < openings.size(); ++i) {
+    const Opening& o = openings[i];
+    if ((label != kBackground && o.label != label) || o.normal.dot(normal) < kSamePlane) continue;
+    if (std::abs(o.normal.dot(centre_mm - o.centre_mm)) > voxel_mm) continue;
+    // First how far from its box, then from its centre.
+    const std::array<double, 2> off = {o.box_mm.exteriorDistance(centre_mm),
+                                       (centre_mm - o.centre_mm).norm()};
+    if (off > least) continue;
+    least = off;
+    best = i;
+  }
+  return best;
+}
+
+OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening> openings, double voxel_mm) {
+  OpeningsCompared result;
+  for (const Opening& opening : openings) result.openings.push_back({opening, "", 0});
+  const std::vector<OpeningPatch> patches = opening_patches(mesh);
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    if (!(patches[p].area_mm2 > 0)) continue;
+    const Patch& patch = mesh.info->patches[p];
+    const std::size_t at =
+        nearest_opening(openings, patch.labels[0], patches[p].area_centre / patches[p].area_mm2,
+                        patches[p].area_normal.normalized(), voxel_mm);
+    if (at == openings.size()) {
+      result.others.push_back(patch.name);
+      continue;
+    }
+    OpeningInMesh& found = result.openings[at];
+    found.patches += (found.patches.empty() ? "" : " + ") + patch.name;
+    found.mesh_area_mm2 += patches[p].area_mm2;
+  }
+  return result;
+}
+
+std::vector<std::string> doubts_about(const OpeningsCompared& compared) {
+  std::vector<std::string> lines;
+  for (const OpeningInMesh& o : compared.openings) {
+    const Vec3& p = o.opening.centre_mm;
+    if (o.patches.empty())
+      lines.push_back(
+          fmt::format("an opening of {:.4g} mm² at ({:.1f}, {:.1f}, {:.1f}) mm is missing in the mesh",
+                      o.opening.area_mm2, p.x(), p.y(), p.z()));
+    else if (is_wrong(o))
+      lines.push_back(fmt::format(
+          "{} has {:.4g} mm², {:.1f} % {} than the image's {:.4g} mm² at ({:.1f}, {:.1f}, {:.1f}) mm",
+          o.patches, o.mesh_area_mm2, std::abs(o.change_percent()), o.change_percent() < 0 ? "less" : "more",
+          o.opening.area_mm2, p.x(), p.y(), p.z()));
+  }
+  for (const std::string& name : compared.others)
+    lines.push_back(name + " is no opening of the image: take it for a piece of wall");
+  return lines;
+}
+
+}  // namespace lumesh

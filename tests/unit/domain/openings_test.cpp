@@ -1,0 +1,160 @@
+// Openings against sections that are known exactly, and meshes of which parts are taken away.
+#include "lumesh/domain/openings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fixtures/images.hpp"
+#include "lumesh/domain/analytic_domain.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/domain/patch_names.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+TEST(FindOpenings, KnowsTheEllipsesOfASlantedTube) {
+  const Vec3 on_axis(0.4, -0.3, 0.2), axis = Vec3(0.3, -0.2, 1).normalized();
+  const double radius = 2.5;
+  for (const double angle_deg : {90.0, 55.0, 30.0}) {
+    const double angle = angle_deg * std::numbers::pi / 180;  // Between the axis and the planes.
+    const Vec3 normal = std::sin(angle) * axis + std::cos(angle) * axis.unitOrthogonal();
+    AnalyticDomainOptions options;
+    options.bounds_mm = Box3(Vec3::Constant(-20), Vec3::Constant(20));
+    options.resolution_mm = 1;
+    options.cut_planes = {{on_axis - 8 * axis, -normal}, {on_axis + 8 * axis, normal}};
+    const AnalyticDomain domain({{7, cylinder_shape(on_axis, axis, radius)}}, options);
+    const std::vector<Opening> openings = find_openings(domain);
+    ASSERT_EQ(openings.size(), 2U) << angle_deg;
+    for (const Opening& opening : openings) {
+      const double area = std::numbers::pi * radius * radius / std::sin(angle);
+      EXPECT_NEAR(opening.area_mm2 / area, 1, 3e-3) << angle_deg;
+      EXPECT_NEAR(opening.radius_mm(), std::sqrt(area / std::numbers::pi), 5e-3 * radius);
+      EXPECT_EQ(opening.label, 7);
+      const double side = opening.normal.dot(normal);  // The one above, or the one below.
+      EXPECT_NEAR(std::abs(side), 1, 1e-12);
+      EXPECT_LT((opening.centre_mm - (on_axis + side * 8 * axis)).norm(), 0.02);
+    }
+  }
+}
+
+/// Three tubes of radii 6, 4 and 3 along z, of which the second ends inside, and a ball that only touches a
+/// border.
+LabelImage several() {
+  return fixtures::voxels_of(fixtures::frame_of({60, 40, 24}), {0, 1, 2}, [](const Vec3& p) {
+    const auto off = [&](double x, double y) { return std::hypot(p.x() - x, p.y() - y); };
+    if (off(10.3, 12.2) < 6) return 1;
+    if (off(30.1, 12.4) < 4 && p.z() < 14) return 1;
+    if (off(45.2, 25.3) < 3) return 2;
+    return (p - Vec3(30, 30, 26.3)).norm() < 3 ? 1 : 0;  // One voxel of it is in the last slice.
+  });
+}
+
+TEST(FindOpenings, TellsSeveralApartByFallingArea) {
+  const LabelImage image = several();
+  const ImageDomain domain(image, {});
+  const std::vector<Opening> openings = find_openings(domain);
+  ASSERT_GE(openings.size(), 5U);
+  const std::array<double, 5> radii = {6, 6, 4, 3, 3};
+  for (std::size_t i = 0; i < radii.size(); ++i) {
+    EXPECT_NEAR(openings[i].radius_mm(), radii[i], 0.02 * radii[i]) << i;
+    EXPECT_EQ(openings[i].label, i < 3 ? 1 : 2);
+    EXPECT_NEAR(std::abs(openings[i].normal.z()), 1, 1e-12);
+  }
+  EXPECT_LT(openings[2].normal.z(), 0) << "the tube that ends inside";
+  for (std::size_t i = 5; i < openings.size(); ++i) EXPECT_LT(openings[i].area_mm2, 5) << "the ball's tip";
+}
+
+TEST(FindOpenings, GivesTheSameBitsForEveryNumberOfThreads) {
+  const LabelImage image = several();
+  const auto found = [&](int threads) {
+    const parallel::ThreadLimit limit(threads);
+    return find_openings(ImageDomain(image, {}));
+  };
+  const auto one = found(1), many = found(5);
+  ASSERT_EQ(one.size(), many.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].area_mm2, many[i].area_mm2);
+    EXPECT_EQ(one[i].centre_mm, many[i].centre_mm);
+  }
+}
+
+TEST(FindOpenings, ThereAreNoneWithoutCuts) {
+  const LabelImage image = fixtures::voxels_of(fixtures::frame_of({20, 20, 20}), {0, 1}, [](const Vec3& p) {
+    return (p - Vec3::Constant(9.4)).norm() < 6 ? 1 : 0;
+  });
+  EXPECT_TRUE(find_openings(ImageDomain(image, {})).empty());
+}
+
+/// A square of two triangles at z = 23.5, facing up.
+MixedMesh square(const std::string& name, const Vec3& centre, double edge) {
+  MixedMesh mesh;
+  for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+    mesh.points.push_back(centre + 0.5 * edge * Vec3(x, y, 0));
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.triangle_patches = {0, 0};
+  mesh.info.patches = {{name, PatchKind::kOpening, {1, kBackground}}};
+  return mesh;
+}
+
+TEST(CompareOpenings, SaysWhatIsMissingWrongOrNone) {
+  const Box3 box(Vec3(4, 4, 23.5), Vec3(16, 16, 23.5));
+  const std::vector<Opening> openings = {
+      {1, 100, Vec3(10, 10, 23.5), Vec3::UnitZ(), box},
+      {1, 40, Vec3(40, 10, 23.5), Vec3::UnitZ(), Box3(Vec3(37, 7, 23.5), Vec3(43, 13, 23.5))}};
+  const MixedMesh good = square("inlet_1", Vec3(10, 10, 23.5), 10);
+  const OpeningsCompared one = compare_openings(good.view(), openings, 1);
+  EXPECT_EQ(one.openings[0].patches, "inlet_1");
+  EXPECT_NEAR(one.openings[0].change_percent(), 0, 1e-9);
+  EXPECT_FALSE(is_wrong(one.openings[0]));
+  EXPECT_TRUE(is_wrong(one.openings[1]));
+  ASSERT_EQ(doubts_about(one).size(), 1U);
+  EXPECT_EQ(doubts_about(one)[0], "an opening of 40 mm² at (40.0, 10.0, 23.5) mm is missing in the mesh");
+
+  const MixedMesh small = square("outlet_9", Vec3(40, 10, 23.5), 6);
+  const std::vector<std::string> doubts = doubts_about(compare_openings(small.view(), openings, 1));
+  ASSERT_EQ(doubts.size(), 2U);
+  EXPECT_EQ(doubts[1], "outlet_9 has 36 mm², 10.0 % less than the image's 40 mm² at (40.0, 10.0, 23.5) mm");
+
+  const MixedMesh elsewhere = square("outlet_1", Vec3(25, 30, 23.5), 6);
+  const OpeningsCompared none = compare_openings(elsewhere.view(), openings, 1);
+  EXPECT_EQ(none.others, std::vector<std::string>{"outlet_1"});
+  EXPECT_EQ(doubts_about(none).size(), 3U);
+}
+
+/// Two pieces of one opening have one name, a sliver elsewhere on the border is wall, and a missing opening
+/// keeps its number.
+TEST(NamePatches, FollowsTheOpeningsOfTheDomain) {
+  const LabelImage image = several();
+  const ImageDomain domain(image, {});
+  Material top = 0;
+  for (Material m = domain.label_count(); m < domain.material_count(); ++m)
+    if (domain.cut_plane(m).normal.z() > 0.5) top = m;
+  ASSERT_GT(top, 0U);
+  std::vector<Vec3> positions;
+  std::vector<BoundaryTriangle> triangles;
+  const auto add = [&](Material label, double x, double y, double edge) {
+    const auto first = static_cast<std::uint32_t>(positions.size());
+    for (const Vec3& off : {Vec3(0, 0, 0), Vec3(edge, 0, 0), Vec3(0, edge, 0)})
+      positions.push_back(Vec3(x, y, 23.5) + off);
+    triangles.push_back({{first, first + 1, first + 2}, label, top});
+  };
+  add(2, 44, 24, 3);  // The tube of radius 3: outlet_3 or outlet_4.
+  add(1, 8, 10, 4);   // Two pieces of the largest one.
+  add(1, 12, 14, 2);
+  add(1, 52, 5, 0.5);  // Of nothing.
+  const PatchAssignment named = name_patches(triangles, positions, domain);
+  const auto name_of = [&](std::size_t t) {
+    return named.patches[static_cast<std::size_t>(named.of_triangle[t])].name;
+  };
+  EXPECT_TRUE(name_of(0) == "outlet_3" || name_of(0) == "outlet_4") << name_of(0);
+  EXPECT_TRUE(name_of(1) == "inlet_1" || name_of(1) == "outlet_1") << name_of(1);
+  EXPECT_EQ(name_of(2), name_of(1));
+  EXPECT_EQ(named.patches[static_cast<std::size_t>(named.of_triangle[3])].kind, PatchKind::kWall);
+}
+
+}  // namespace
+}  // namespace lumesh
