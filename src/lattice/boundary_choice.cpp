@@ -48,7 +48,11 @@ class Star {
       links_[i] = 0;
       for (std::size_t c = 0; c < 4; ++c) {
         const std::uint32_t other = mesh.neighbours[tets_[i]][c];
-        if (corners[c] != vertex && other != kNoTet) links_[i] |= single(place_of(other));
+        if (corners[c] == vertex) continue;
+        if (other != kNoTet)
+          links_[i] |= single(place_of(other));
+        else
+          hull_ |= single(i);
       }
     }
   }
@@ -77,6 +81,15 @@ class Star {
     return reached;
   }
   [[nodiscard]] bool connected(Mask region) const { return component(region) == region; }
+  /// The same for a part of the outside, which goes on beyond the lattice.
+  [[nodiscard]] bool connected_outside(Mask region) const {
+    for (Mask left = region; left != 0;) {
+      const Mask part = component(left);
+      if ((part & hull_) == 0) return part == region;
+      left &= ~part;
+    }
+    return true;
+  }
 
  private:
   /// Where a tetrahedron of the star is noted, or the free slot for it: a hash table half full at most, for
@@ -94,6 +107,7 @@ class Star {
   std::span<const std::uint32_t> tets_;
   std::array<std::uint8_t, kSlots> slots_;  // of a hash table: places of tetrahedra in the star
   std::array<Mask, kMaxStar> links_;        // the first as many as there are tetrahedra
+  Mask hull_ = 0;                           // tetrahedra with a face at the vertex and nothing behind it
 };
 
 class BoundaryChooser {
@@ -124,7 +138,7 @@ class BoundaryChooser {
     const Star star(mesh_, vertex);
     if (star.too_large()) return false;
     const Mask object = object_part(star);
-    if (!star.connected(object) || !star.connected(star.all() & ~object)) return false;
+    if (!star.connected(object) || !star.connected_outside(star.all() & ~object)) return false;
     Mask left = object;
     while (left != 0) {
       const Material m = mesh_.materials[star.tets()[lowest(left)]];
