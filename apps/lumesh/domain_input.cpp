@@ -54,8 +54,8 @@ void check_domain_options(const CLI::App& command, const DomainInput& input) {
 
 OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain, Context& context) {
   if (domain.cut_planes().empty()) return {};
-  OpeningsCompared compared = context.phase(
-      "openings", [&] { return compare_openings(mesh, find_openings(domain), domain.resolution_mm()); });
+  OpeningsCompared compared =
+      context.phase("openings", [&] { return compare_openings(mesh, find_openings(domain)); });
   for (const std::string& doubt : doubts_about(compared)) context.warn(doubt);
   return compared;
 }

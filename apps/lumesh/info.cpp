@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/image/crossings.hpp"
@@ -112,6 +113,19 @@ json describe_mesh(MixedMesh mesh) {
   return all;
 }
 
+/// Of an image with very many labels, or of noise, they are not worth the time.
+void add_openings(const LabelImage& image, json& all, Context& context) {
+  constexpr std::size_t kMostLabels = 200;
+  try {
+    if (image.values().size() > kMostLabels)
+      throw Error(ErrorKind::kBadInput, fmt::format("more than {} labels", kMostLabels));
+    all["openings"] = describe_openings(image);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    context.warn(std::string("openings are not looked for: ") + error.what());
+  }
+}
+
 void print_value(const std::string& name, const json& value) {
   fmt::print("{:<18}{}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
 }
@@ -142,8 +156,7 @@ void run(const InfoCommand& command) {
     const LabelImage image =
         context.phase("read", [&] { return read_selected_image(command.path, command.selection, context); });
     all = context.phase("labels", [&] { return describe_image(image); });
-    all["openings"] = naming(
-        command.path, [&] { return context.phase("openings", [&] { return describe_openings(image); }); });
+    context.phase("openings", [&] { add_openings(image, all, context); });
   }
   if (command.run.quiet > 0 && command.as_json == 0) return;
   if (command.as_json > 0) {

@@ -1,8 +1,6 @@
 #include "crossed_rims.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -40,39 +38,30 @@ class TouchedMaterials {
   std::vector<MaterialSet> of_vertex_;
 };
 
-/// Which vertices are not beyond a cut plane, and which lie on one.
-struct PlacesAtCuts {
-  PlacesAtCuts(const TetMesh& mesh, const Domain& domain) {
-    const double touch_mm = 1e-2 * domain.resolution_mm();
-    is_within.assign(mesh.vertex_slots(), 0);
-    is_on.assign(mesh.vertex_slots(), 0);
-    parallel::for_each_index(is_within.size(), [&](std::size_t i) {
-      const VertexId v(static_cast<std::uint32_t>(i));
-      if (i < 4 || !mesh.alive(v)) return;
-      double beyond_mm = -std::numeric_limits<double>::infinity();
-      for (const CutPlane& cut : domain.cut_planes())
-        beyond_mm = std::max(beyond_mm, cut.normal.dot(mesh.point(v) - cut.point_mm));
-      is_within[i] = beyond_mm <= touch_mm;
-      is_on[i] = std::abs(beyond_mm) <= touch_mm;
-    });
-  }
-  std::vector<std::uint8_t> is_within, is_on;
-};
-
 Vec3 centre_of(const TetMesh& mesh, TetId t) {
   return 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
 }
 
+/// True if a tetrahedron has no corner beyond a cut plane, and does not lie flat on one.
+bool is_within_cuts(const TetMesh& mesh, const Domain& domain, TetId t) {
+  const double touch_mm = 1e-2 * domain.resolution_mm();
+  for (const CutPlane& cut : domain.cut_planes()) {
+    int on_it = 0;
+    for (int k = 0; k < 4; ++k) {
+      const double beyond_mm = cut.normal.dot(mesh.corner(t, k) - cut.point_mm);
+      if (beyond_mm > touch_mm || mesh.vertex(t, k).value < 4) return false;
+      on_it += beyond_mm >= -touch_mm ? 1 : 0;
+    }
+    if (on_it == 4) return false;
+  }
+  return true;
+}
+
 /// What a tetrahedron is to be that lies on the kept side of all cuts, though the centre of its circumsphere
-/// does not; none if it stays, or lies flat on a plane.
-std::optional<Material> material_within_cuts(const TetMesh& mesh, const Domain& domain,
-                                             const PlacesAtCuts& at, TetId t) {
-  if (!domain.is_cut(static_cast<Material>(mesh.label(t)))) return std::nullopt;
-  const Cell<4>& corners = mesh.tet(t);
-  const auto all = [&](const std::vector<std::uint8_t>& flags) {
-    return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return flags[v] != 0; });
-  };
-  if (!all(at.is_within) || all(at.is_on)) return std::nullopt;
+/// does not; none if it stays.
+std::optional<Material> material_within_cuts(const TetMesh& mesh, const Domain& domain, TetId t) {
+  if (!domain.is_cut(static_cast<Material>(mesh.label(t))) || !is_within_cuts(mesh, domain, t))
+    return std::nullopt;
   const Material there = domain.material_at(centre_of(mesh, t));
   if (!domain.is_meshed(there)) return std::nullopt;
   return there;
@@ -128,8 +117,7 @@ std::size_t relabel_in_sweeps(TetMesh& mesh, const Domain& domain, const Materia
 
 std::size_t relabel_at_cuts(TetMesh& mesh, const Domain& domain) {
   if (domain.cut_planes().empty()) return 0;
-  const PlacesAtCuts at(mesh, domain);
-  return relabel_in_sweeps(mesh, domain, [&](TetId t) { return material_within_cuts(mesh, domain, at, t); });
+  return relabel_in_sweeps(mesh, domain, [&](TetId t) { return material_within_cuts(mesh, domain, t); });
 }
 
 std::size_t relabel_crossed_rims(TetMesh& mesh, const Domain& domain) {

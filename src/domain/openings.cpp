@@ -19,13 +19,17 @@ namespace {
 class PlaneGrid {
  public:
   /// @param middle_mm, half_u, half_v  Of the rectangle, along the axes.
-  PlaneGrid(const Domain& domain, const CutPlane& plane, const Vec3& u, const Vec3& v, const Vec3& middle_mm,
-            double half_u, double half_v, double step)
-      : domain_(domain), u_(u), v_(v), step_(step) {
+  /// @param beyond  The material on the other side of the plane. @param step  Raised where there would be too
+  /// many.
+  PlaneGrid(const Domain& domain, Material beyond, const CutPlane& plane, const Vec3& u, const Vec3& v,
+            const Vec3& middle_mm, double half_u, double half_v, double step)
+      : domain_(domain), beyond_(beyond), normal_(plane.normal), u_(u), v_(v) {
+    constexpr double kMostSquares = 1.6e7;
+    step = step_ = std::max(step, std::sqrt(4 * half_u * half_v / kMostSquares));
     columns_ = std::max(1, static_cast<int>(std::ceil(2 * half_u / step)));
     rows_ = std::max(1, static_cast<int>(std::ceil(2 * half_v / step)));
-    const double inside_mm = 1e-3 * domain.resolution_mm();
-    first_ = middle_mm - (plane.normal.dot(middle_mm - plane.point_mm) + inside_mm) * plane.normal -
+    inside_mm_ = 1e-3 * domain.finest_resolution_mm();
+    first_ = middle_mm - (plane.normal.dot(middle_mm - plane.point_mm) + inside_mm_) * plane.normal -
              0.5 * step * ((columns_ - 1) * u + (rows_ - 1) * v);
     materials_.assign(size(), 0);
     parallel::for_each_index(static_cast<std::size_t>(rows_),
@@ -37,9 +41,14 @@ class PlaneGrid {
   }
   [[nodiscard]] Material material(std::size_t square) const { return materials_[square]; }
   [[nodiscard]] Vec3 centre_of(std::size_t square) const {
-    return centre_of(static_cast<int>(square) % columns_, static_cast<int>(square) / columns_);
+    const auto columns = static_cast<std::size_t>(columns_);
+    return centre_of(static_cast<int>(square % columns), static_cast<int>(square / columns));
   }
   [[nodiscard]] double area_of_square() const { return step_ * step_; }
+  [[nodiscard]] std::shared_ptr<const OpeningSquares> squares(std::vector<std::uint8_t> is_inside) const {
+    return std::make_shared<const OpeningSquares>(
+        OpeningSquares{first_, u_, v_, step_, columns_, rows_, std::move(is_inside)});
+  }
   /// The square that holds a place of the plane.
   [[nodiscard]] std::size_t square_at(const Vec3& x) const {
     const auto along = [&](const Vec3& axis, int count) {
@@ -99,8 +108,14 @@ class PlaneGrid {
       for (int column = begin; column < end; ++column)
         materials_[static_cast<std::size_t>(column) +
                    static_cast<std::size_t>(columns_) * static_cast<std::size_t>(row)] =
-            domain_.material_at(centre_of(column, row));
+            material_of(centre_of(column, row));
     }
+  }
+
+  /// None where another plane cuts nearer, as one in the same place.
+  [[nodiscard]] Material material_of(const Vec3& x) const {
+    const Material m = domain_.material_at(x);
+    return domain_.is_meshed(m) && domain_.material_at(x + 2 * inside_mm_ * normal_) != beyond_ ? 0 : m;
   }
 
   template <class Visit>
@@ -113,30 +128,45 @@ class PlaneGrid {
   }
 
   const Domain& domain_;
-  Vec3 u_, v_, first_;
-  double step_;
+  Material beyond_;
+  Vec3 normal_, u_, v_, first_;
+  double step_, inside_mm_ = 0;
   int columns_ = 0, rows_ = 0;
   std::vector<Material> materials_;
 };
 
+/// Of the voxel's section along the plane.
+double face_area_mm2(const Domain& domain, const CutPlane& plane) {
+  return std::pow(domain.resolution_mm(), 3) / domain.resolution_along_mm(plane.normal);
+}
+
 /// The openings of one cut plane.
 class PlaneOpenings {
  public:
-  PlaneOpenings(const Domain& domain, const CutPlane& plane)
-      : domain_(domain), plane_(plane), u_(plane.normal.unitOrthogonal()), v_(plane.normal.cross(u_)) {}
+  PlaneOpenings(const Domain& domain, std::size_t cut)
+      : domain_(domain),
+        plane_(domain.cut_planes()[cut]),
+        beyond_(static_cast<Material>(domain.label_count() + cut)),
+        u_(plane_.normal.unitOrthogonal()),
+        v_(plane_.normal.cross(u_)) {}
 
   /// Found on a coarse grid, measured on a fine one each.
   [[nodiscard]] std::vector<Opening> find() const {
     constexpr double kCoarse = 0.4;  // Voxels.
-    const PlaneGrid coarse = whole_plane(kCoarse * domain_.resolution_mm());
+    const PlaneGrid coarse = whole_plane(kCoarse * domain_.finest_resolution_mm());
     std::map<std::uint32_t, std::vector<std::size_t>> squares;
     const std::vector<std::uint32_t> part = coarse.parts();
     for (std::size_t s = 0; s < part.size(); ++s)
       if (part[s] != 0) squares[part[s]].push_back(s);
     std::vector<Opening> openings;
     for (const auto& [number, of_part] : squares) {
+      const Vec3 place = coarse.centre_of(of_part.front());
+      const bool is_known = std::any_of(openings.begin(), openings.end(), [&](const Opening& o) {
+        return o.label == domain_.label_of(coarse.material(of_part.front())) && o.squares->hold(place);
+      });
+      if (is_known) continue;  // On the fine grid the two were one.
       const Opening found = measure(coarse, of_part);
-      if (found.area_mm2 >= kLeastArea * std::pow(domain_.resolution_mm(), 2)) openings.push_back(found);
+      if (found.area_mm2 >= kLeastArea * face_area_mm2(domain_, plane_)) openings.push_back(found);
     }
     return openings;
   }
@@ -150,15 +180,16 @@ class PlaneOpenings {
       half_u = std::max(half_u, std::abs(off.dot(u_)));
       half_v = std::max(half_v, std::abs(off.dot(v_)));
     }
-    return {domain_, plane_, u_, v_, bounds.center(), half_u, half_v, step_mm};
+    return {domain_, beyond_, plane_, u_, v_, bounds.center(), half_u, half_v, step_mm};
   }
 
  private:
   static constexpr double kLeastArea = 0.5;  // Voxel faces.
 
   [[nodiscard]] Opening measure(const PlaneGrid& coarse, const std::vector<std::size_t>& squares) const {
-    constexpr double kSquares = 160;  // Along the longer side.
-    const double margin_mm = domain_.resolution_mm();
+    constexpr double kSquares = 160;               // Along the longer side …
+    constexpr double kFinest = 0.06, kFine = 0.4;  // … as long as they are so many voxels.
+    const double margin_mm = domain_.finest_resolution_mm();
     std::array<double, 2> low, high;
     low.fill(std::numeric_limits<double>::infinity());
     high.fill(-std::numeric_limits<double>::infinity());
@@ -173,8 +204,9 @@ class PlaneOpenings {
     const double half_u = 0.5 * (high[0] - low[0]), half_v = 0.5 * (high[1] - low[1]);
     const Vec3 on_plane = plane_.normal.dot(plane_.point_mm) * plane_.normal;
     const Vec3 middle = on_plane + 0.5 * (low[0] + high[0]) * u_ + 0.5 * (low[1] + high[1]) * v_;
-    const double step = std::min(2 * std::max(half_u, half_v) / kSquares, 0.4 * domain_.resolution_mm());
-    const PlaneGrid fine(domain_, plane_, u_, v_, middle, half_u, half_v, step);
+    const double step =
+        std::clamp(2 * std::max(half_u, half_v) / kSquares, kFinest * margin_mm, kFine * margin_mm);
+    const PlaneGrid fine(domain_, beyond_, plane_, u_, v_, middle, half_u, half_v, step);
     return sum(fine, coarse, squares);
   }
 
@@ -188,14 +220,20 @@ class PlaneOpenings {
       const std::size_t at = fine.square_at(coarse.centre_of(s));
       if (fine.material(at) == material) is_mine[part[at]] = true;
     }
-    Opening opening{domain_.label_of(material), 0, Vec3::Zero(), plane_.normal + Vec3::Zero(), {}};
+    Opening opening;
+    opening.label = domain_.label_of(material);
+    opening.normal = plane_.normal + Vec3::Zero();  // No -0.
+    opening.voxel_mm = std::sqrt(face_area_mm2(domain_, plane_));
+    std::vector<std::uint8_t> is_inside(part.size(), 0);
     std::size_t count = 0;
     for (std::size_t s = 0; s < part.size(); ++s) {
       if (part[s] == 0 || !is_mine[part[s]]) continue;
       ++count;
+      is_inside[s] = 1;
       opening.centre_mm += fine.centre_of(s);
       opening.box_mm.extend(fine.centre_of(s));
     }
+    opening.squares = fine.squares(std::move(is_inside));
     if (count == 0) return opening;
     opening.centre_mm /= static_cast<double>(count);
     opening.centre_mm -= plane_.normal.dot(opening.centre_mm - plane_.point_mm) * plane_.normal;
@@ -205,19 +243,21 @@ class PlaneOpenings {
 
   const Domain& domain_;
   const CutPlane& plane_;
+  Material beyond_;
   Vec3 u_, v_;
 };
 
 /// What one patch of openings is in a mesh.
 struct OpeningPatch {
   double area_mm2 = 0;
-  Vec3 area_centre = Vec3::Zero(), area_normal = Vec3::Zero();
+  Vec3 area_normal = Vec3::Zero();
+  std::vector<Vec3> centres_mm;  // Of its triangles.
 
   void add(const Vec3& a, const Vec3& b, const Vec3& c) {
     const Vec3 normal = 0.5 * triangle_area_normal(a, b, c);
     area_mm2 += normal.norm();
     area_normal += normal;
-    area_centre += normal.norm() * (a + b + c) / 3;
+    centres_mm.push_back((a + b + c) / 3);
   }
 };
 
@@ -246,8 +286,8 @@ std::vector<OpeningPatch> opening_patches(const MeshView& mesh) {
 
 std::vector<Opening> find_openings(const Domain& domain) {
   std::vector<Opening> all;
-  for (const CutPlane& plane : domain.cut_planes()) {
-    const std::vector<Opening> more = PlaneOpenings(domain, plane).find();
+  for (std::size_t cut = 0; cut < domain.cut_planes().size(); ++cut) {
+    const std::vector<Opening> more = PlaneOpenings(domain, cut).find();
     all.insert(all.end(), more.begin(), more.end());
   }
   std::stable_sort(all.begin(), all.end(),
@@ -260,7 +300,7 @@ std::vector<RimPlace> find_rim_places(const Domain& domain, double step_mm) {
   const auto cuts = domain.cut_planes();
   for (std::size_t c = 0; c < cuts.size(); ++c) {
     const auto beyond = static_cast<Material>(domain.label_count() + c);
-    const PlaneGrid grid = PlaneOpenings(domain, cuts[c]).whole_plane(step_mm);
+    const PlaneGrid grid = PlaneOpenings(domain, c).whole_plane(step_mm);
     grid.for_each_change([&](const Vec3& place, Material inside, Material beside) {
       if (beside != beyond) places.push_back({place, {inside, beside, beyond}});
     });
@@ -268,37 +308,61 @@ std::vector<RimPlace> find_rim_places(const Domain& domain, double step_mm) {
   return places;
 }
 
-std::size_t nearest_opening(std::span<const Opening> openings, Label label, const Vec3& centre_mm,
-                            const Vec3& normal, double voxel_mm) {
+std::size_t opening_of_places(std::span<const Opening> openings, Label label, std::span<const Vec3> places_mm,
+                              const Vec3& normal) {
   constexpr double kSamePlane = 0.9;  // Cosine.
-  std::size_t best = openings.size();
-  std::array<double, 2> least = {voxel_mm, std::numeric_limits<double>::infinity()};
+  std::size_t best = openings.size(), most = 0;
+  double least_mm = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < openings.size(); ++i) {
     const Opening& o = openings[i];
-    if ((label != kBackground && o.label != label) || o.normal.dot(normal) < kSamePlane) continue;
-    if (std::abs(o.normal.dot(centre_mm - o.centre_mm)) > voxel_mm) continue;
-    // First how far from its box, then from its centre.
-    const std::array<double, 2> off = {o.box_mm.exteriorDistance(centre_mm),
-                                       (centre_mm - o.centre_mm).norm()};
-    if (off > least) continue;
-    least = off;
+    if (o.label != label || o.normal.dot(normal) < kSamePlane) continue;
+    std::size_t held = 0;
+    double off_mm = std::numeric_limits<double>::infinity();
+    for (const Vec3& place : places_mm) {
+      if (std::abs(o.normal.dot(place - o.centre_mm)) > o.voxel_mm) continue;
+      held += o.squares && o.squares->hold(place) ? 1 : 0;
+      off_mm = std::min(off_mm, o.box_mm.exteriorDistance(place));
+    }
+    if (off_mm > o.voxel_mm || held < most || (held == most && off_mm >= least_mm)) continue;
     best = i;
+    most = held;
+    least_mm = off_mm;
   }
   return best;
 }
 
-OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening> openings, double voxel_mm) {
+namespace {
+
+/// The opening that a patch is, or lies within where it has a label of its own.
+std::size_t opening_of(const OpeningPatch& patch, Label label, std::span<const Opening> openings) {
+  const Vec3 normal = patch.area_normal.normalized();
+  const bool is_known =
+      std::any_of(openings.begin(), openings.end(), [&](const Opening& o) { return o.label == label; });
+  if (is_known) return opening_of_places(openings, label, patch.centres_mm, normal);
+  const Vec3& middle = patch.centres_mm[patch.centres_mm.size() / 2];
+  for (std::size_t i = 0; i < openings.size(); ++i)
+    if (openings[i].squares && openings[i].squares->hold(middle) && openings[i].normal.dot(normal) > 0.9 &&
+        std::abs(openings[i].normal.dot(middle - openings[i].centre_mm)) <= openings[i].voxel_mm)
+      return i;
+  return openings.size();
+}
+
+}  // namespace
+
+OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening> openings) {
   OpeningsCompared result;
   for (const Opening& opening : openings) result.openings.push_back({opening, "", 0});
   const std::vector<OpeningPatch> patches = opening_patches(mesh);
   for (std::size_t p = 0; p < patches.size(); ++p) {
     if (!(patches[p].area_mm2 > 0)) continue;
     const Patch& patch = mesh.info->patches[p];
-    const std::size_t at =
-        nearest_opening(openings, patch.labels[0], patches[p].area_centre / patches[p].area_mm2,
-                        patches[p].area_normal.normalized(), voxel_mm);
+    const std::size_t at = opening_of(patches[p], patch.labels[0], openings);
     if (at == openings.size()) {
-      result.others.push_back(patch.name);
+      // What grows on the object, as layers do, has openings of its own.
+      const bool is_known =
+          openings.empty() || std::any_of(openings.begin(), openings.end(),
+                                          [&](const Opening& o) { return o.label == patch.labels[0]; });
+      if (is_known) result.others.push_back(patch.name);
       continue;
     }
     OpeningInMesh& found = result.openings[at];

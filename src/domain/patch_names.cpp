@@ -22,9 +22,7 @@ class OpeningGroups {
     std::vector<std::uint32_t> triangles;
     Material inside = 0, outside = 0;
     double area_mm2 = 0;
-    Vec3 area_centre = Vec3::Zero();
-
-    [[nodiscard]] Vec3 centre_mm() const { return area_centre / area_mm2; }
+    std::vector<Vec3> centres_mm;  // Of its triangles.
   };
 
   /// @param members  The triangles of openings.
@@ -76,7 +74,7 @@ class OpeningGroups {
       group.inside = t.inside;
       group.outside = t.outside;
       group.area_mm2 += area;
-      group.area_centre += area * (a + b + c) / 3;
+      group.centres_mm.push_back((a + b + c) / 3);
     }
     std::stable_sort(groups_.begin(), groups_.end(),
                      [](const Group& a, const Group& b) { return a.area_mm2 > b.area_mm2; });
@@ -152,7 +150,7 @@ class OpeningNames {
       const std::size_t opening = opening_of(group);
       if (opening < openings_.size())
         by_number[opening].push_back(&group);
-      else if (!openings_.empty() && group.area_mm2 < kSliver * std::pow(domain_.resolution_mm(), 2))
+      else if (!openings_.empty() && group.area_mm2 < kSliver * face_area_mm2(group))
         set(group, wall_of(group));
       else
         by_number[next++].push_back(&group);
@@ -166,11 +164,15 @@ class OpeningNames {
  private:
   static constexpr double kSliver = 1;  // Voxel faces: wall that grazes a border.
 
+  [[nodiscard]] const Vec3& normal_of(const OpeningGroups::Group& group) const {
+    return domain_.cut_planes()[group.outside - domain_.label_count()].normal;
+  }
+  [[nodiscard]] double face_area_mm2(const OpeningGroups::Group& group) const {
+    return std::pow(domain_.resolution_mm(), 3) / domain_.resolution_along_mm(normal_of(group));
+  }
   [[nodiscard]] std::size_t opening_of(const OpeningGroups::Group& group) const {
     if (openings_.empty() || !(group.area_mm2 > 0)) return openings_.size();
-    const Vec3& normal = domain_.cut_planes()[group.outside - domain_.label_count()].normal;
-    return nearest_opening(openings_, domain_.label_of(group.inside), group.centre_mm(), normal,
-                           domain_.resolution_mm());
+    return opening_of_places(openings_, domain_.label_of(group.inside), group.centres_mm, normal_of(group));
   }
   [[nodiscard]] std::int32_t add(const OpeningGroups::Group& group, std::size_t number) {
     result_.patches.push_back({number == 0 ? "inlet_1" : "outlet_" + std::to_string(number),
@@ -208,8 +210,30 @@ void name_openings(std::span<const BoundaryTriangle> boundary, std::span<const V
 
 }  // namespace
 
-PatchAssignment name_patches(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions,
+namespace {
+
+/// Openings are flat: what a mesher could not bring into its plane is wall.
+std::vector<BoundaryTriangle> with_flat_openings(std::span<const BoundaryTriangle> boundary,
+                                                 std::span<const Vec3> positions, const Domain& domain) {
+  std::vector<BoundaryTriangle> faces(boundary.begin(), boundary.end());
+  if (domain.cut_planes().empty()) return faces;
+  const double most_off_mm = 0.25 * domain.resolution_mm();
+  for (BoundaryTriangle& face : faces) {
+    if (!domain.is_cut(face.outside)) continue;
+    const CutPlane& plane = domain.cut_planes()[face.outside - domain.label_count()];
+    const auto is_off = [&](std::uint32_t v) {
+      return std::abs(plane.normal.dot(positions[v] - plane.point_mm)) > most_off_mm;
+    };
+    if (std::any_of(face.vertices.begin(), face.vertices.end(), is_off)) face.outside = 0;
+  }
+  return faces;
+}
+
+}  // namespace
+
+PatchAssignment name_patches(std::span<const BoundaryTriangle> given, std::span<const Vec3> positions,
                              const Domain& domain) {
+  const std::vector<BoundaryTriangle> boundary = with_flat_openings(given, positions, domain);
   PatchAssignment result;
   result.of_triangle.assign(boundary.size(), kUnnamed);
   name_by_domain(boundary, domain, result);

@@ -3,10 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "anchors.hpp"
 #include "lumesh/geometry/predicates.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -81,14 +83,17 @@ void Fitter::bring_within_cuts(int rounds, int sweeps, double good_enough) {
   }
 }
 
-/// Whatever the angles, as long as tetrahedra stay positively oriented.
+/// Past the angles' limits, as long as tetrahedra stay positively oriented and do not become flat.
 void Fitter::put_if_valid(std::uint32_t v, const Vec3& place) {
+  const double flattest = std::cos(2 * std::numbers::pi / 180);
   const std::vector<Vec3>& at = mesh_.positions;
   const Vec3 before = std::exchange(mesh_.positions[v], place);
   const auto star = mesh_.star(v);
   const bool is_valid = std::all_of(star.begin(), star.end(), [&](std::uint32_t t) {
     const auto& [a, b, c, d] = mesh_.tets[t];
-    return orient3d(at[a], at[b], at[c], at[d]) > 0;
+    if (orient3d(at[a], at[b], at[c], at[d]) <= 0) return false;
+    const DihedralCosines angles = min_max_dihedral(at[a], at[b], at[c], at[d]);
+    return angles.largest_cosine < flattest && angles.smallest_cosine > -flattest;
   });
   if (!is_valid) mesh_.positions[v] = before;
 }

@@ -186,7 +186,7 @@ void add_openings(const MeshView& mesh, const EvaluationInput& input, Evaluation
     std::optional<ImageDomain> made;
     if (input.domain == nullptr) made.emplace(*input.image, ImageDomainOptions{{}, input.cut_planes});
     const ImageDomain& domain = input.domain != nullptr ? *input.domain : *made;
-    return compare_openings(mesh, find_openings(domain), domain.voxel_size_mm());
+    return compare_openings(mesh, find_openings(domain));
   });
   for (const std::string& doubt : doubts_about(*evaluation.openings)) {
     evaluation.warnings.push_back(doubt);

@@ -108,6 +108,11 @@ class Domain {
   [[nodiscard]] virtual Box3 bounds_mm() const = 0;
   /// Size of what the boundary is known by: the voxel of an image.
   [[nodiscard]] virtual double resolution_mm() const = 0;
+  /// The same along a unit vector, where it is not the same in all directions; and the least of these.
+  [[nodiscard]] virtual double resolution_along_mm(const Vec3& /*direction*/) const {
+    return resolution_mm();
+  }
+  [[nodiscard]] virtual double finest_resolution_mm() const { return resolution_mm(); }
 
   /// The material alone, which may be quicker.
   [[nodiscard]] virtual Material material_at(const Vec3& point_mm) const {

@@ -36,6 +36,10 @@ class ImageDomain final : public Domain {
   [[nodiscard]] bool may_hold_object(const Vec3& low_mm, const Vec3& high_mm) const override;
   [[nodiscard]] Box3 bounds_mm() const override;
   [[nodiscard]] double resolution_mm() const override { return voxel_size_mm_; }
+  [[nodiscard]] double resolution_along_mm(const Vec3& direction) const override {
+    return (frame().direction.transpose() * direction).cwiseAbs().dot(frame().spacing_mm);
+  }
+  [[nodiscard]] double finest_resolution_mm() const override { return frame().spacing_mm.minCoeff(); }
   /// Label of the mesh at a point; the background beyond a cut plane.
   [[nodiscard]] Label label_at(const Vec3& point_mm) const;
   /// First place along the segment where the material changes, found by steps of half a voxel and bisection.

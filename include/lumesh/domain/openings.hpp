@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <numbers>
 #include <span>
 #include <string>
@@ -14,6 +16,22 @@
 
 namespace lumesh {
 
+/// Which squares of a plane, in rows, a part of it holds.
+struct OpeningSquares {
+  Vec3 first_mm, u, v;  ///< Centre of the first one; unit vectors along rows and columns.
+  double step_mm;
+  int columns, rows;
+  std::vector<std::uint8_t> is_inside;
+
+  [[nodiscard]] bool hold(const Vec3& point_mm) const {
+    const Vec3 off = point_mm - first_mm;
+    const double column = std::round(off.dot(u) / step_mm), row = std::round(off.dot(v) / step_mm);
+    if (!(column >= 0 && column < columns && row >= 0 && row < rows)) return false;
+    return is_inside[static_cast<std::size_t>(column) +
+                     static_cast<std::size_t>(columns) * static_cast<std::size_t>(row)] != 0;
+  }
+};
+
 /// A connected part of one label's section in one cut plane (a border of the image, or one that was asked
 /// for).
 struct Opening {
@@ -22,6 +40,9 @@ struct Opening {
   Vec3 centre_mm = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();  ///< Unit, out of the object.
   Box3 box_mm;                  ///< Around the part.
+  double voxel_mm = 1;  ///< The resolution within the plane: what is nearer than this may belong to it.
+  /// Where it is: squares of its plane; null if that is not known.
+  std::shared_ptr<const OpeningSquares> squares = nullptr;
 
   /// Of the circle with the same area.
   [[nodiscard]] double radius_mm() const { return std::sqrt(area_mm2 / std::numbers::pi); }
@@ -43,10 +64,11 @@ struct RimPlace {
 /// size.
 [[nodiscard]] std::vector<RimPlace> find_rim_places(const Domain& domain, double step_mm);
 
-/// Number of the opening that a part of a mesh is: of those of its label with a plane within a voxel of its
-/// centre, the nearest; `openings.size()` if there is none within a voxel of its box.
-[[nodiscard]] std::size_t nearest_opening(std::span<const Opening> openings, Label label,
-                                          const Vec3& centre_mm, const Vec3& normal, double voxel_mm);
+/// Number of the opening that a part of a mesh is: that which holds most of its places, else the nearest one;
+/// of those of its label whose plane is within a voxel. `openings.size()` if there is none within a voxel.
+/// @param places_mm  Centres of its triangles; at least one.
+[[nodiscard]] std::size_t opening_of_places(std::span<const Opening> openings, Label label,
+                                            std::span<const Vec3> places_mm, const Vec3& normal);
 
 /// An opening in image and mesh.
 struct OpeningInMesh {
@@ -63,8 +85,8 @@ struct OpeningsCompared {
 };
 
 /// @param mesh  Of the domain; its patches of PatchKind::kOpening are looked at.
-[[nodiscard]] OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening> openings,
-                                                double voxel_mm);
+/// Those of labels that the openings do not have, as of layers, count where they lie within one.
+[[nodiscard]] OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening> openings);
 
 /// More than this and an opening's area is wrong.
 inline constexpr double kWrongOpeningPercent = 5;

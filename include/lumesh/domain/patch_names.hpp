@@ -28,7 +28,8 @@ struct PatchAssignment {
 /// What the domain calls them (Domain::patch_between()); else "wall" (or "wall_L" where there are several
 /// labels), "interface_A_B", and one patch for each opening: the largest is "inlet_1", the others "outlet_1",
 /// "outlet_2", … by falling area. Openings are those of the domain (find_openings()), so that the same one
-/// has the same name in every mesh; what is none of them and smaller than a voxel's face is wall. Connected
+/// has the same name in every mesh; what is none of them and smaller than a voxel's face is wall, and so are
+/// triangles with a corner more than a quarter of a voxel off the plane: openings are flat. Connected
 /// openings of a mesh that the domain does not know, as where it has no cut planes, come last.
 [[nodiscard]] PatchAssignment name_patches(std::span<const BoundaryTriangle> boundary,
                                            std::span<const Vec3> positions, const Domain& domain);

@@ -106,7 +106,7 @@ TEST(CompareOpenings, SaysWhatIsMissingWrongOrNone) {
       {1, 100, Vec3(10, 10, 23.5), Vec3::UnitZ(), box},
       {1, 40, Vec3(40, 10, 23.5), Vec3::UnitZ(), Box3(Vec3(37, 7, 23.5), Vec3(43, 13, 23.5))}};
   const MixedMesh good = square("inlet_1", Vec3(10, 10, 23.5), 10);
-  const OpeningsCompared one = compare_openings(good.view(), openings, 1);
+  const OpeningsCompared one = compare_openings(good.view(), openings);
   EXPECT_EQ(one.openings[0].patches, "inlet_1");
   EXPECT_NEAR(one.openings[0].change_percent(), 0, 1e-9);
   EXPECT_FALSE(is_wrong(one.openings[0]));
@@ -115,12 +115,12 @@ TEST(CompareOpenings, SaysWhatIsMissingWrongOrNone) {
   EXPECT_EQ(doubts_about(one)[0], "an opening of 40 mm² at (40.0, 10.0, 23.5) mm is missing in the mesh");
 
   const MixedMesh small = square("outlet_9", Vec3(40, 10, 23.5), 6);
-  const std::vector<std::string> doubts = doubts_about(compare_openings(small.view(), openings, 1));
+  const std::vector<std::string> doubts = doubts_about(compare_openings(small.view(), openings));
   ASSERT_EQ(doubts.size(), 2U);
   EXPECT_EQ(doubts[1], "outlet_9 has 36 mm², 10.0 % less than the image's 40 mm² at (40.0, 10.0, 23.5) mm");
 
   const MixedMesh elsewhere = square("outlet_1", Vec3(25, 30, 23.5), 6);
-  const OpeningsCompared none = compare_openings(elsewhere.view(), openings, 1);
+  const OpeningsCompared none = compare_openings(elsewhere.view(), openings);
   EXPECT_EQ(none.others, std::vector<std::string>{"outlet_1"});
   EXPECT_EQ(doubts_about(none).size(), 3U);
 }
@@ -154,6 +154,14 @@ TEST(NamePatches, FollowsTheOpeningsOfTheDomain) {
   EXPECT_TRUE(name_of(1) == "inlet_1" || name_of(1) == "outlet_1") << name_of(1);
   EXPECT_EQ(name_of(2), name_of(1));
   EXPECT_EQ(named.patches[static_cast<std::size_t>(named.of_triangle[3])].kind, PatchKind::kWall);
+  positions[triangles[2].vertices[0]].z() -= 0.2;
+  positions[triangles[1].vertices[0]].z() -= 0.3;
+  const PatchAssignment bent = name_patches(triangles, positions, domain);
+  const auto kind_of = [&](std::size_t t) {
+    return bent.patches[static_cast<std::size_t>(bent.of_triangle[t])].kind;
+  };
+  EXPECT_EQ(kind_of(2), PatchKind::kOpening);
+  EXPECT_EQ(kind_of(1), PatchKind::kWall) << "openings are flat";
 }
 
 }  // namespace

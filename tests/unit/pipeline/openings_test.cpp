@@ -138,7 +138,7 @@ TEST(Openings, HaveTheSameNamesInEveryMesherAtEverySize) {
   const std::vector<Opening> truth = find_openings(domain);
   ASSERT_EQ(truth.size(), 4U);
   const auto expect_names = [&](const MeshView& mesh) {
-    const OpeningsCompared found = compare_openings(mesh, truth, 1);
+    const OpeningsCompared found = compare_openings(mesh, truth);
     EXPECT_TRUE(found.others.empty());
     for (std::size_t i = 0; i < truth.size(); ++i) {
       EXPECT_EQ(found.openings[i].patches, i == 0 ? "inlet_1" : "outlet_" + std::to_string(i));
