@@ -28,14 +28,18 @@ struct InfoCommand {
   RunOptions run;
 };
 
+double rounded(double value, int digits) {
+  return number_from(fmt::format("{:.{}g}", value, digits)).value_or(value);
+}
+
 /// 12 digits, which headers mean, instead of the 17 that arithmetic leaves: 0.5 for 0.49999999999999994.
 double tidy(double value) {
-  return number_from(fmt::format("{:.12g}", value)).value_or(value);
+  return rounded(value, 12);
 }
 
 /// Of what is measured.
 double short_number(double value) {
-  return number_from(fmt::format("{:.5g}", value)).value_or(value);
+  return rounded(value, 5);
 }
 
 json list(const Vec3& v) {
@@ -68,7 +72,7 @@ json describe_openings(const LabelImage& image) {
   json list_of = json::array();
   for (const Opening& opening : find_openings(ImageDomain(image, {})))
     list_of.push_back(
-        {{"name", list_of.empty() ? "inlet_1" : fmt::format("outlet_{}", list_of.size())},
+        {{"name", opening_name(list_of.size())},
          {"label", opening.label},
          {"area_mm2", short_number(opening.area_mm2)},
          {"radius_mm", short_number(opening.radius_mm())},
@@ -113,16 +117,16 @@ json describe_mesh(MixedMesh mesh) {
   return all;
 }
 
-/// Of an image with very many labels, or of noise, they are not worth the time.
+/// Not of an image with very many labels, or of noise: they are not worth the time.
 void add_openings(const LabelImage& image, json& all, Context& context) {
   constexpr std::size_t kMostLabels = 200;
+  const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };
+  if (image.values().size() > kMostLabels) return leave_out(fmt::format("more than {} labels", kMostLabels));
   try {
-    if (image.values().size() > kMostLabels)
-      throw Error(ErrorKind::kBadInput, fmt::format("more than {} labels", kMostLabels));
     all["openings"] = describe_openings(image);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;
-    context.warn(std::string("openings are not looked for: ") + error.what());
+    leave_out(error.what());
   }
 }
 

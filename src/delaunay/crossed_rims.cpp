@@ -96,10 +96,6 @@ std::optional<Material> material_of(const TetMesh& mesh, const Domain& domain,
   return there;
 }
 
-}  // namespace
-
-namespace {
-
 /// Sweeps until nothing takes another material.
 template <class MaterialOf>
 std::size_t relabel_in_sweeps(TetMesh& mesh, const Domain& domain, const MaterialOf& material_of) {

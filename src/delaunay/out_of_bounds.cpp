@@ -13,16 +13,12 @@ namespace {
 std::vector<std::uint8_t> vertices_out(const TetMesh& mesh, const Domain& domain) {
   const Vec3 margin_mm = Vec3::Constant(domain.resolution_mm());
   const Box3 bounds = domain.bounds_mm(), box(bounds.min() - margin_mm, bounds.max() + margin_mm);
-  const auto cuts = domain.cut_planes();
   const double much_mm = 0.05 * domain.resolution_mm();
   std::vector<std::uint8_t> is_out(mesh.vertex_slots(), 0);
   parallel::for_each_index(is_out.size(), [&](std::size_t i) {
     const VertexId v(static_cast<std::uint32_t>(i));
     if (!mesh.alive(v)) return;
-    is_out[i] =
-        !box.contains(mesh.point(v)) || std::any_of(cuts.begin(), cuts.end(), [&](const CutPlane& cut) {
-          return cut.normal.dot(mesh.point(v) - cut.point_mm) > much_mm;
-        });
+    is_out[i] = !box.contains(mesh.point(v)) || domain.beyond_cuts_mm(mesh.point(v)) > much_mm;
   });
   return is_out;
 }

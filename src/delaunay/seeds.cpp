@@ -93,11 +93,8 @@ class LatticeDescent {
     return parallel::collect<BoundaryCandidate>(places.size(), [&](std::size_t i,
                                                                    std::vector<BoundaryCandidate>& out) {
       const auto& [place, materials] = places[i];
-      const MaterialSet all{materials[0], materials[1], materials[2]};
       const double spacing = kSeedSpacing * spacing_.surface_spacing_at(place, materials[0], materials[1]);
-      Seeds found;
-      add_curve_candidate(place, all, spacing, found);
-      out.insert(out.end(), found.boundary.begin(), found.boundary.end());
+      add_curve_candidate(place, {materials[0], materials[1], materials[2]}, spacing, out);
     });
   }
 
@@ -259,21 +256,22 @@ class LatticeDescent {
       if (pair.contains(third)) continue;
       MaterialSet triple = pair;
       triple.insert(third);
-      if (is_seam(triple)) add_curve_candidate(x, triple, spacing, out);
+      if (is_seam(triple)) add_curve_candidate(x, triple, spacing, out.boundary);
     }
   }
 
-  void add_curve_candidate(const Vec3& x, const MaterialSet& triple, double spacing, Seeds& out) const {
+  void add_curve_candidate(const Vec3& x, const MaterialSet& triple, double spacing,
+                           std::vector<BoundaryCandidate>& out) const {
     const auto y = domain_.project(x, triple, 2 * kCurveReach * spacing);
     if (!y || !domain_.materials_near(*y, 1e-2 * domain_.resolution_mm()).contains_all(triple)) return;
-    out.boundary.push_back({*y, triple, spacing_.curve_spacing_at(*y, triple, spacing)});
+    out.push_back({*y, triple, spacing_.curve_spacing_at(*y, triple, spacing)});
     for (const Material fourth : domain_.materials_near(*y, kCurveReach * spacing)) {
       if (triple.contains(fourth)) continue;
       MaterialSet all = triple;
       all.insert(fourth);
       const auto z = domain_.project(*y, all, 2 * kCurveReach * spacing);
       if (z && domain_.materials_near(*z, 2e-2 * domain_.resolution_mm()).contains_all(all))
-        out.boundary.push_back({*z, all, spacing});
+        out.push_back({*z, all, spacing});
     }
   }
 

@@ -47,7 +47,7 @@ double Spacing::curve_spacing_at(const Vec3& x, const MaterialSet& set, double s
   double least = spacing;
   for (const Material cut : set) {
     if (!domain_->is_cut(cut) || domain_->cut_planes().empty()) continue;
-    const Vec3& normal = domain_->cut_planes()[cut - domain_->label_count()].normal;
+    const Vec3& normal = domain_->cut_plane(cut).normal;
     for (const Material m : set)
       for (const Material other : set) {
         if (!domain_->is_meshed(m) || domain_->is_cut(other) || other == m) continue;

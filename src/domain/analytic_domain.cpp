@@ -88,7 +88,7 @@ AnalyticDomain::AnalyticDomain(std::vector<AnalyticBody> bodies, AnalyticDomainO
 FieldSample AnalyticDomain::depth(const Vec3& x, Material m) const {
   if (m == 0) return {};
   if (!is_cut(m)) return bodies_[m - 1].shape(x);
-  const CutPlane& plane = options_.cut_planes[m - label_count()];
+  const CutPlane& plane = cut_plane(m);
   return {plane.normal.dot(x - plane.point_mm), plane.normal};
 }
 

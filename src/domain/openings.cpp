@@ -135,18 +135,13 @@ class PlaneGrid {
   std::vector<Material> materials_;
 };
 
-/// Of the voxel's section along the plane.
-double face_area_mm2(const Domain& domain, const CutPlane& plane) {
-  return std::pow(domain.resolution_mm(), 3) / domain.resolution_along_mm(plane.normal);
-}
-
 /// The openings of one cut plane.
 class PlaneOpenings {
  public:
   PlaneOpenings(const Domain& domain, std::size_t cut)
       : domain_(domain),
         plane_(domain.cut_planes()[cut]),
-        beyond_(static_cast<Material>(domain.label_count() + cut)),
+        beyond_(domain.material_beyond(cut)),
         u_(plane_.normal.unitOrthogonal()),
         v_(plane_.normal.cross(u_)) {}
 
@@ -166,7 +161,7 @@ class PlaneOpenings {
       });
       if (is_known) continue;  // On the fine grid the two were one.
       const Opening found = measure(coarse, of_part);
-      if (found.area_mm2 >= kLeastArea * face_area_mm2(domain_, plane_)) openings.push_back(found);
+      if (found.area_mm2 >= kLeastArea * voxel_face_mm2(domain_, plane_.normal)) openings.push_back(found);
     }
     return openings;
   }
@@ -223,7 +218,7 @@ class PlaneOpenings {
     Opening opening;
     opening.label = domain_.label_of(material);
     opening.normal = plane_.normal + Vec3::Zero();  // No -0.
-    opening.voxel_mm = std::sqrt(face_area_mm2(domain_, plane_));
+    opening.voxel_mm = std::sqrt(voxel_face_mm2(domain_, plane_.normal));
     std::vector<std::uint8_t> is_inside(part.size(), 0);
     std::size_t count = 0;
     for (std::size_t s = 0; s < part.size(); ++s) {
@@ -246,6 +241,10 @@ class PlaneOpenings {
   Material beyond_;
   Vec3 u_, v_;
 };
+
+bool has_label(std::span<const Opening> openings, Label label) {
+  return std::any_of(openings.begin(), openings.end(), [&](const Opening& o) { return o.label == label; });
+}
 
 /// What one patch of openings is in a mesh.
 struct OpeningPatch {
@@ -299,7 +298,7 @@ std::vector<RimPlace> find_rim_places(const Domain& domain, double step_mm) {
   std::vector<RimPlace> places;
   const auto cuts = domain.cut_planes();
   for (std::size_t c = 0; c < cuts.size(); ++c) {
-    const auto beyond = static_cast<Material>(domain.label_count() + c);
+    const Material beyond = domain.material_beyond(c);
     const PlaneGrid grid = PlaneOpenings(domain, c).whole_plane(step_mm);
     grid.for_each_change([&](const Vec3& place, Material inside, Material beside) {
       if (beside != beyond) places.push_back({place, {inside, beside, beyond}});
@@ -308,14 +307,23 @@ std::vector<RimPlace> find_rim_places(const Domain& domain, double step_mm) {
   return places;
 }
 
+std::string opening_name(std::size_t number) {
+  return number == 0 ? "inlet_1" : fmt::format("outlet_{}", number);
+}
+
+double voxel_face_mm2(const Domain& domain, const Vec3& normal) {
+  return std::pow(domain.resolution_mm(), 3) / domain.resolution_along_mm(normal);
+}
+
 std::size_t opening_of_places(std::span<const Opening> openings, Label label, std::span<const Vec3> places_mm,
                               const Vec3& normal) {
   constexpr double kSamePlane = 0.9;  // Cosine.
+  const bool is_known = has_label(openings, label);
   std::size_t best = openings.size(), most = 0;
   double least_mm = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < openings.size(); ++i) {
     const Opening& o = openings[i];
-    if (o.label != label || o.normal.dot(normal) < kSamePlane) continue;
+    if ((is_known && o.label != label) || o.normal.dot(normal) < kSamePlane) continue;
     std::size_t held = 0;
     double off_mm = std::numeric_limits<double>::infinity();
     for (const Vec3& place : places_mm) {
@@ -323,6 +331,7 @@ std::size_t opening_of_places(std::span<const Opening> openings, Label label, st
       held += o.squares && o.squares->hold(place) ? 1 : 0;
       off_mm = std::min(off_mm, o.box_mm.exteriorDistance(place));
     }
+    if (!is_known && 2 * held < places_mm.size()) continue;
     if (off_mm > o.voxel_mm || held < most || (held == most && off_mm >= least_mm)) continue;
     best = i;
     most = held;
@@ -331,24 +340,6 @@ std::size_t opening_of_places(std::span<const Opening> openings, Label label, st
   return best;
 }
 
-namespace {
-
-/// The opening that a patch is, or lies within where it has a label of its own.
-std::size_t opening_of(const OpeningPatch& patch, Label label, std::span<const Opening> openings) {
-  const Vec3 normal = patch.area_normal.normalized();
-  const bool is_known =
-      std::any_of(openings.begin(), openings.end(), [&](const Opening& o) { return o.label == label; });
-  if (is_known) return opening_of_places(openings, label, patch.centres_mm, normal);
-  const Vec3& middle = patch.centres_mm[patch.centres_mm.size() / 2];
-  for (std::size_t i = 0; i < openings.size(); ++i)
-    if (openings[i].squares && openings[i].squares->hold(middle) && openings[i].normal.dot(normal) > 0.9 &&
-        std::abs(openings[i].normal.dot(middle - openings[i].centre_mm)) <= openings[i].voxel_mm)
-      return i;
-  return openings.size();
-}
-
-}  // namespace
-
 OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening> openings) {
   OpeningsCompared result;
   for (const Opening& opening : openings) result.openings.push_back({opening, "", 0});
@@ -356,18 +347,16 @@ OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening>
   for (std::size_t p = 0; p < patches.size(); ++p) {
     if (!(patches[p].area_mm2 > 0)) continue;
     const Patch& patch = mesh.info->patches[p];
-    const std::size_t at = opening_of(patches[p], patch.labels[0], openings);
-    if (at == openings.size()) {
-      // What grows on the object, as layers do, has openings of its own.
-      const bool is_known =
-          openings.empty() || std::any_of(openings.begin(), openings.end(),
-                                          [&](const Opening& o) { return o.label == patch.labels[0]; });
-      if (is_known) result.others.push_back(patch.name);
-      continue;
+    const std::size_t at = opening_of_places(openings, patch.labels[0], patches[p].centres_mm,
+                                             patches[p].area_normal.normalized());
+    if (at < openings.size()) {
+      OpeningInMesh& found = result.openings[at];
+      found.patches += (found.patches.empty() ? "" : " + ") + patch.name;
+      found.mesh_area_mm2 += patches[p].area_mm2;
+    } else if (openings.empty() || has_label(openings, patch.labels[0])) {
+      result.others.push_back(
+          patch.name);  // What grows on the object, as layers do, has openings of its own.
     }
-    OpeningInMesh& found = result.openings[at];
-    found.patches += (found.patches.empty() ? "" : " + ") + patch.name;
-    found.mesh_area_mm2 += patches[p].area_mm2;
   }
   return result;
 }

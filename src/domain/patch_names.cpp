@@ -150,7 +150,7 @@ class OpeningNames {
       const std::size_t opening = opening_of(group);
       if (opening < openings_.size())
         by_number[opening].push_back(&group);
-      else if (!openings_.empty() && group.area_mm2 < kSliver * face_area_mm2(group))
+      else if (!openings_.empty() && group.area_mm2 < kSliver * voxel_face_mm2(domain_, normal_of(group)))
         set(group, wall_of(group));
       else
         by_number[next++].push_back(&group);
@@ -165,19 +165,15 @@ class OpeningNames {
   static constexpr double kSliver = 1;  // Voxel faces: wall that grazes a border.
 
   [[nodiscard]] const Vec3& normal_of(const OpeningGroups::Group& group) const {
-    return domain_.cut_planes()[group.outside - domain_.label_count()].normal;
-  }
-  [[nodiscard]] double face_area_mm2(const OpeningGroups::Group& group) const {
-    return std::pow(domain_.resolution_mm(), 3) / domain_.resolution_along_mm(normal_of(group));
+    return domain_.cut_plane(group.outside).normal;
   }
   [[nodiscard]] std::size_t opening_of(const OpeningGroups::Group& group) const {
     if (openings_.empty() || !(group.area_mm2 > 0)) return openings_.size();
     return opening_of_places(openings_, domain_.label_of(group.inside), group.centres_mm, normal_of(group));
   }
   [[nodiscard]] std::int32_t add(const OpeningGroups::Group& group, std::size_t number) {
-    result_.patches.push_back({number == 0 ? "inlet_1" : "outlet_" + std::to_string(number),
-                               PatchKind::kOpening,
-                               {domain_.label_of(group.inside), kBackground}});
+    result_.patches.push_back(
+        {opening_name(number), PatchKind::kOpening, {domain_.label_of(group.inside), kBackground}});
     return static_cast<std::int32_t>(result_.patches.size()) - 1;
   }
   /// Of the group's label; a new one where the mesh has none.
@@ -208,10 +204,6 @@ void name_openings(std::span<const BoundaryTriangle> boundary, std::span<const V
   OpeningNames(domain, result).name(groups.groups());
 }
 
-}  // namespace
-
-namespace {
-
 /// Openings are flat: what a mesher could not bring into its plane is wall.
 std::vector<BoundaryTriangle> with_flat_openings(std::span<const BoundaryTriangle> boundary,
                                                  std::span<const Vec3> positions, const Domain& domain) {
@@ -220,7 +212,7 @@ std::vector<BoundaryTriangle> with_flat_openings(std::span<const BoundaryTriangl
   const double most_off_mm = 0.25 * domain.resolution_mm();
   for (BoundaryTriangle& face : faces) {
     if (!domain.is_cut(face.outside)) continue;
-    const CutPlane& plane = domain.cut_planes()[face.outside - domain.label_count()];
+    const CutPlane& plane = domain.cut_plane(face.outside);
     const auto is_off = [&](std::uint32_t v) {
       return std::abs(plane.normal.dot(positions[v] - plane.point_mm)) > most_off_mm;
     };

@@ -7,6 +7,23 @@
 namespace lumesh::layers {
 namespace {
 
+bool has(const LayerSurface& surface, std::uint32_t t, std::uint32_t v) {
+  const Cell<3>& c = surface.triangles[t];
+  return std::find(c.begin(), c.end(), v) != c.end();
+}
+
+/// Whether the layered patches touch themselves at a vertex, as where two ends of an opening meet: a column
+/// there would join the two by a line.
+bool is_between_fans(const LayerSurface& surface, std::uint32_t v) {
+  const auto around = surface.triangles_around.of(v);
+  const auto neighbours = surface.neighbours.of(v);
+  const auto ends = std::count_if(neighbours.begin(), neighbours.end(), [&](std::uint32_t w) {
+    return std::count_if(around.begin(), around.end(), [&](std::uint32_t t) { return has(surface, t, w); }) ==
+           1;
+  });
+  return ends > 2;
+}
+
 class BareCheck {
  public:
   BareCheck(const LayerSurface& surface, const Columns& columns)
@@ -19,18 +36,6 @@ class BareCheck {
 
   [[nodiscard]] bool is_gone(std::uint32_t v) const { return columns_.fraction[v] == 0; }
 
-  /// Whether the layered patches touch themselves at a vertex, as where two ends of an opening meet: a column
-  /// there would join the two by a line.
-  [[nodiscard]] bool is_between_fans(std::uint32_t v) const {
-    std::size_t ends = 0;
-    const auto around = surface_.triangles_around.of(v);
-    for (const std::uint32_t w : surface_.neighbours.of(v))
-      ends += std::count_if(around.begin(), around.end(), [&](std::uint32_t t) { return has(t, w); }) == 1
-                  ? 1
-                  : 0;
-    return ends > 2;
-  }
-
   /// Whether the layers touch themselves at a vertex without a column.
   [[nodiscard]] bool pinches(std::uint32_t v) const {
     std::size_t layered = 0, changes = 0, layered_ends = 0, ends = 0;
@@ -39,7 +44,7 @@ class BareCheck {
     for (const std::uint32_t w : surface_.neighbours.of(v)) {
       std::size_t shared = 0, bare = 0;
       for (const std::uint32_t t : around)
-        if (has(t, w)) ++shared, bare += is_bare_[t];
+        if (has(surface_, t, w)) ++shared, bare += is_bare_[t];
       if (shared == 2 && bare == 0 && is_gone(w)) return true;  // Along the whole edge.
       changes += shared == 2 && bare == 1 ? 1 : 0;
       ends += shared == 1 ? 1 : 0;
@@ -51,11 +56,6 @@ class BareCheck {
   }
 
  private:
-  [[nodiscard]] bool has(std::uint32_t t, std::uint32_t v) const {
-    const Cell<3>& c = surface_.triangles[t];
-    return std::find(c.begin(), c.end(), v) != c.end();
-  }
-
   const LayerSurface& surface_;
   const Columns& columns_;
   std::vector<std::uint8_t> is_bare_;
@@ -65,21 +65,23 @@ class BareCheck {
 
 bool keep_bare_manifold(const LayerSurface& surface, Columns& columns) {
   const std::size_t count = surface.points.size();
-  for (bool changed = false;; changed = true) {
+  std::vector<std::uint8_t> goes(count);
+  parallel::for_each_index(count, [&](std::size_t v) {
+    const auto vertex = static_cast<std::uint32_t>(v);
+    goes[v] = columns.fraction[v] != 0 && is_between_fans(surface, vertex) ? 1 : 0;
+    if (goes[v] != 0) columns.shorten(v, 0, LayerLimit::kNeighbour);
+  });
+  for (bool changed = std::find(goes.begin(), goes.end(), 1) != goes.end();; changed = true) {
     const BareCheck check(surface, columns);
     std::vector<std::uint8_t> pinches(count);
-    std::vector<std::uint8_t> goes(count);
     parallel::for_each_index(count, [&](std::size_t v) {
       const auto vertex = static_cast<std::uint32_t>(v);
-      goes[v] = !check.is_gone(vertex) && check.is_between_fans(vertex) ? 1 : 0;
       pinches[v] = check.is_gone(vertex) && check.pinches(vertex) ? 1 : 0;
     });
-    const bool any_goes = std::find(goes.begin(), goes.end(), 1) != goes.end();
-    if (!any_goes && std::find(pinches.begin(), pinches.end(), 1) == pinches.end()) return changed;
+    if (std::find(pinches.begin(), pinches.end(), 1) == pinches.end()) return changed;
     parallel::for_each_index(count, [&](std::size_t v) {
       const auto around = surface.neighbours.of(v);
-      if (goes[v] != 0 ||
-          std::any_of(around.begin(), around.end(), [&](std::uint32_t w) { return pinches[w] != 0; }))
+      if (std::any_of(around.begin(), around.end(), [&](std::uint32_t w) { return pinches[w] != 0; }))
         columns.shorten(v, 0, LayerLimit::kNeighbour);
     });
   }

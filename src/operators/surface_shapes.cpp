@@ -190,16 +190,17 @@ class Curve {
  public:
   Curve(std::span<const CurveEdge> edges, const TetMesh& mesh) : edges_(edges) {
     for (const CurveEdge& edge : edges) {
-      around_[edge.a].push_back(edge.b);
-      around_[edge.b].push_back(edge.a);
+      vertices_[edge.a].others.push_back(edge.b);
+      vertices_[edge.b].others.push_back(edge.a);
     }
-    for (const auto& [v, others] : around_) {
-      points_[v] = mesh.point(VertexId(v));
-      has_tangent_[v] = others.size() == 2 && mesh.dimension(VertexId(v)) != VertexDimension::kCorner;
+    for (auto& [v, vertex] : vertices_) {
+      vertex.point = mesh.point(VertexId(v));
+      vertex.has_tangent =
+          vertex.others.size() == 2 && mesh.dimension(VertexId(v)) != VertexDimension::kCorner;
     }
   }
 
-  [[nodiscard]] const Vec3& point(std::uint32_t v) const { return points_.at(v); }
+  [[nodiscard]] const Vec3& point(std::uint32_t v) const { return vertices_.at(v).point; }
 
   /// Lets the vertices of a curve in a plane down by the mean height of the arcs around, so that a smooth
   /// curve through them encloses what the edges enclosed.
@@ -210,7 +211,7 @@ class Curve {
     };
     std::map<std::uint32_t, Sum> sums;
     for (const auto& [a, b, patches] : edges_) {
-      if (!has_tangent_.at(a) || !has_tangent_.at(b)) continue;
+      if (!vertices_.at(a).has_tangent || !vertices_.at(b).has_tangent) continue;
       const Vec3 edge = point(b) - point(a);
       const Vec3 at_a = plane_normal.cross(tangent_along(a, edge)),
                  at_b = plane_normal.cross(tangent_along(b, edge));
@@ -219,14 +220,14 @@ class Curve {
       sums[b].shift -= edge.norm() * height * at_b;
       for (const std::uint32_t v : {a, b}) sums[v].length += edge.norm();
     }
-    for (const auto& [v, sum] : sums) points_[v] += sum.shift / sum.length;
+    for (const auto& [v, sum] : sums) vertices_.at(v).point += sum.shift / sum.length;
   }
 
   /// Cubic pieces over the edges.
   [[nodiscard]] std::vector<CurvePiece> pieces() const {
     const auto control_beside = [&](std::uint32_t v, std::uint32_t other) -> Vec3 {
       const Vec3 edge = point(other) - point(v);
-      if (!has_tangent_.at(v)) return point(v) + edge / 3;
+      if (!vertices_.at(v).has_tangent) return point(v) + edge / 3;
       const Vec3 tangent = tangent_along(v, edge);
       return point(v) + edge.dot(tangent) / 3 * tangent;
     };
@@ -238,15 +239,19 @@ class Curve {
 
  private:
   [[nodiscard]] Vec3 tangent_along(std::uint32_t v, const Vec3& edge) const {
-    const auto& others = around_.at(v);
+    const auto& others = vertices_.at(v).others;
     const Vec3 tangent = tangent_between(point(others[0]), point(v), point(others[1]));
     return tangent.dot(edge) < 0 ? Vec3(-tangent) : tangent;
   }
 
+  struct Vertex {
+    std::vector<std::uint32_t> others;  // The other ends of its edges.
+    Vec3 point;
+    bool has_tangent = false;
+  };
+
   std::span<const CurveEdge> edges_;
-  std::map<std::uint32_t, std::vector<std::uint32_t>> around_;  // The other ends of each vertex' edges.
-  std::map<std::uint32_t, Vec3> points_;
-  std::map<std::uint32_t, bool> has_tangent_;
+  std::map<std::uint32_t, Vertex> vertices_;
 };
 
 /// True if alternate projection finds where two patches meet: their surfaces are known exactly, and cross.

@@ -175,8 +175,11 @@ std::string openings_section(const Evaluation& e) {
   return section(
       "Openings",
       table_html(table) +
-          "<p class=\"note\">Where the object is cut off, at the image's borders and at cut planes: the area "
-          "of the mesh's patch, and that of the image's boundary there. More than 5 % off is marked.</p>");
+          fmt::format(
+              "<p class=\"note\">Where the object is cut off, at the image's borders and at cut planes: "
+              "the area of the mesh's patch, and that of the image's boundary there. More than {:g} % off "
+              "is marked.</p>",
+              kWrongOpeningPercent));
 }
 
 std::string narrowest_section(const Evaluation& e) {

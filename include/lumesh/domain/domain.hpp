@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -130,6 +131,21 @@ class Domain {
   /// What cuts the object off, unit normals; none where openings are no planes. Else the materials from
   /// label_count() on are what lies beyond each.
   [[nodiscard]] virtual std::span<const CutPlane> cut_planes() const { return {}; }
+  /// The plane that a material which is_cut() lies beyond; only where there are cut planes.
+  [[nodiscard]] const CutPlane& cut_plane(Material m) const { return cut_planes()[m - label_count()]; }
+  /// What lies beyond one of cut_planes(), by its number.
+  [[nodiscard]] Material material_beyond(std::size_t cut) const {
+    return static_cast<Material>(label_count() + cut);
+  }
+  /// How far a point lies beyond the cut plane that it is farthest beyond; negative within all.
+  [[nodiscard]] double beyond_cuts_mm(const Vec3& point_mm) const {
+    double farthest_mm = -std::numeric_limits<double>::infinity();
+    for (const CutPlane& plane : cut_planes())
+      farthest_mm = std::max(farthest_mm, plane.normal.dot(point_mm - plane.point_mm));
+    return farthest_mm;
+  }
+  /// Whether a cut plane removes the point.
+  [[nodiscard]] bool beyond_cut(const Vec3& point_mm) const { return beyond_cuts_mm(point_mm) > 0; }
   /// The point, or one on the cut planes that it lies beyond.
   [[nodiscard]] Vec3 within_cuts(Vec3 point_mm) const {
     constexpr int kRounds = 50;  // Planes at a right angle need one; each other corner comes nearer.

@@ -53,11 +53,6 @@ class ImageDomain final : public Domain {
   [[nodiscard]] std::optional<Vec3> project(const Vec3& start_mm, const MaterialSet& set,
                                             double reach_mm) const override;
 
-  /// Whether a cut plane (of the image border or of the options) removes the point.
-  [[nodiscard]] bool beyond_cut(const Vec3& point_mm) const {
-    return std::any_of(cuts_.begin(), cuts_.end(),
-                       [&](const CutPlane& c) { return c.normal.dot(point_mm - c.point_mm) > 0; });
-  }
   [[nodiscard]] Label label_of(Material m) const override {
     return m < labels_.size() ? labels_[m] : kBackground;
   }
@@ -67,7 +62,6 @@ class ImageDomain final : public Domain {
   }
   /// Those asked for and the image's borders where the object touches them; unit normals.
   [[nodiscard]] std::span<const CutPlane> cut_planes() const override { return cuts_; }
-  [[nodiscard]] const CutPlane& cut_plane(Material m) const { return cuts_[m - labels_.size()]; }
   [[nodiscard]] const LabelField& field() const { return field_; }
   [[nodiscard]] const ImageFrame& frame() const { return field_.frame(); }
   /// Geometric mean of the voxel's edges.

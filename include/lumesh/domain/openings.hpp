@@ -49,9 +49,10 @@ struct Opening {
 };
 
 /// The openings of a domain by falling area, so that the first is the inlet where names follow their order;
-/// none if it has no cut planes. Areas are right to about 0.2 %. A part smaller than half a voxel's face is
-/// none: a wall that grazes the border. Threads: parallel inside, the same bits for every thread count. Cost:
-/// about 0.1 us for each voxel of the cut planes that may hold the object, and 2 ms per opening.
+/// none if it has no cut planes. Areas are right to about 0.2 %, those of openings of a voxel or two to 1 %.
+/// A part smaller than half of voxel_face_mm2() is none: a wall that grazes the border. Threads: parallel
+/// inside, the same bits for every thread count. Cost: about 0.1 us for each voxel of the cut planes that may
+/// hold the object, and 2 ms per opening.
 [[nodiscard]] std::vector<Opening> find_openings(const Domain& domain);
 
 /// A place near the rim of an opening: in the cut plane, within `step_mm` of where a label ends there.
@@ -64,8 +65,15 @@ struct RimPlace {
 /// size.
 [[nodiscard]] std::vector<RimPlace> find_rim_places(const Domain& domain, double step_mm);
 
+/// The patch of an opening, by its place among those of find_openings().
+[[nodiscard]] std::string opening_name(std::size_t number);
+
+/// Area of the voxel's section along a plane.
+[[nodiscard]] double voxel_face_mm2(const Domain& domain, const Vec3& normal);
+
 /// Number of the opening that a part of a mesh is: that which holds most of its places, else the nearest one;
-/// of those of its label whose plane is within a voxel. `openings.size()` if there is none within a voxel.
+/// of those of its label whose plane is within a voxel. `openings.size()` if there is none within a voxel. Of
+/// a label that no opening has, as layers have, that which holds half of its places or more.
 /// @param places_mm  Centres of its triangles; at least one.
 [[nodiscard]] std::size_t opening_of_places(std::span<const Opening> openings, Label label,
                                             std::span<const Vec3> places_mm, const Vec3& normal);
@@ -85,7 +93,6 @@ struct OpeningsCompared {
 };
 
 /// @param mesh  Of the domain; its patches of PatchKind::kOpening are looked at.
-/// Those of labels that the openings do not have, as of layers, count where they lie within one.
 [[nodiscard]] OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening> openings);
 
 /// More than this and an opening's area is wrong.

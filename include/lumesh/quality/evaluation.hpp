@@ -113,7 +113,7 @@ struct Evaluation {
 struct EvaluationInput {
   const LabelImage* image = nullptr;  ///< Optional: the image the mesh was made from.
   const ImageDomain* domain =
-      nullptr;  ///< Optional: the image's with the cut planes, if there is one; else made.
+      nullptr;  ///< Optional: the image's with the cut planes; else made, by default options.
   const Phantom* phantom = nullptr;  ///< Optional: the truth behind the image.
   std::vector<CutPlane> cut_planes;  ///< Those the mesh was made with.
   /// Optional: axes of the image's vessels with the scalar "radius", as extract_centerline() makes them.
