@@ -71,14 +71,12 @@ json describe_image(const LabelImage& image) {
 json describe_openings(const LabelImage& image) {
   json list_of = json::array();
   for (const Opening& opening : find_openings(ImageDomain(image, {})))
-    list_of.push_back(
-        {{"name", opening_name(list_of.size())},
-         {"label", opening.label},
-         {"area_mm2", short_number(opening.area_mm2)},
-         {"radius_mm", short_number(opening.radius_mm())},
-         {"centre_mm", json::array({short_number(opening.centre_mm.x()), short_number(opening.centre_mm.y()),
-                                    short_number(opening.centre_mm.z())})},
-         {"normal", list(opening.normal)}});
+    list_of.push_back({{"name", opening_name(list_of.size())},
+                       {"label", opening.label},
+                       {"area_mm2", short_number(opening.area_mm2)},
+                       {"radius_mm", short_number(opening.radius_mm())},
+                       {"centre_mm", list(opening.centre_mm)},
+                       {"normal", list(opening.normal)}});
   return list_of;
 }
 

@@ -187,17 +187,17 @@ std::string kept_text(const Evaluation& e) {
 
 std::string openings_text(const OpeningsCompared& compared) {
   if (compared.openings.empty() && compared.others.empty()) return "";
-  std::string text = fmt::format("\n{:<24}{:>12}{:>14}{:>11}{:>11}  {}\n", "openings", "mesh mm²",
+  std::string text = fmt::format("\n{:<34}{:>12}{:>14}{:>11}{:>11}  {}\n", "openings", "mesh mm²",
                                  "image mm²", "change", "radius mm", "centre and normal");
   for (const OpeningInMesh& o : compared.openings) {
     const Vec3 &p = o.opening.centre_mm, &n = o.opening.normal;
     text += fmt::format(
-        "  {:<22}{:>12}{:>13}{:>9.1f} %{:>11}  ({:.1f}, {:.1f}, {:.1f})  ({:.2f}, {:.2f}, {:.2f}){}\n",
+        "  {:<32}{:>12}{:>13}{:>9.1f} %{:>11}  ({:.1f}, {:.1f}, {:.1f})  ({:.2f}, {:.2f}, {:.2f}){}\n",
         o.patches.empty() ? "none" : o.patches, five_digits(o.mesh_area_mm2), five_digits(o.opening.area_mm2),
         o.change_percent(), five_digits(o.opening.radius_mm()), p.x(), p.y(), p.z(), n.x(), n.y(), n.z(),
         is_wrong(o) ? "  WRONG" : "");
   }
-  for (const std::string& name : compared.others) text += fmt::format("  {:<22}none of the image's\n", name);
+  for (const std::string& name : compared.others) text += fmt::format("  {:<32}none of the image's\n", name);
   return text;
 }
 
