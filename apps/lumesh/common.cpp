@@ -1,5 +1,6 @@
 #include "common.hpp"
 
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/sha256.hpp"
+#include "lumesh/quality/faults.hpp"
 
 namespace lumesh::cli {
 
@@ -202,6 +204,14 @@ std::vector<std::string> doubts_about_image(const std::string& image_path, const
   return {fmt::format("{}: is not the file that {} was made from{} (SHA-256 {:.8}, not {:.8}); {}",
                       image_path, mesh_path, input == info.provenance.end() ? "" : ", " + input->second,
                       found, made_from->second, consequence)};
+}
+
+void require_sound(const std::string& path, const MeshView& mesh, Context& context) {
+  const std::vector<std::string> faults = context.phase("check", [&] { return quality::find_faults(mesh); });
+  if (faults.empty()) return;
+  throw Error(ErrorKind::kNotReached,
+              fmt::format("{}: the mesh is invalid: {}; do not use it. `lumesh evaluate` lists all problems",
+                          path, fmt::join(faults, "; ")));
 }
 
 }  // namespace lumesh::cli

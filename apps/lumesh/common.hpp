@@ -98,4 +98,8 @@ void check_inputs_stay(std::initializer_list<std::string> outputs, std::initiali
                                                           const std::string& mesh_path, const MeshInfo& info,
                                                           std::string_view consequence);
 
+/// Looks at a mesh that was written, quickly.
+/// @throws Error{kNotReached} if it has faults that no simulation survives (quality/faults.hpp).
+void require_sound(const std::string& path, const MeshView& mesh, Context& context);
+
 }  // namespace lumesh::cli

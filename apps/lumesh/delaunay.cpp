@@ -147,6 +147,7 @@ void run(DelaunayCommand command) {
   if (!command.json_path.empty())
     report::write_file(command.json_path, report_json(result.report, improved, mesh, context).dump(2) + "\n");
   print_summary(command, mesh, faces, openings, improved, context, elapsed.count());
+  require_sound(command.mesh_path, mesh.view(faces), context);
   long_run.check_complete(result.report.complete && (!improved || improved->complete),
                           command.mesh_path + " holds the best mesh so far");
 }

@@ -107,6 +107,7 @@ void run(const LatticeCommand& command) {
   const OpeningsCompared openings = checked_openings(result.mesh.view(), domain, context);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (command.run.quiet == 0) print_summary(command, result, openings, context, elapsed.count());
+  require_sound(command.mesh_path, result.mesh.view(), context);
 }
 
 }  // namespace

@@ -58,17 +58,17 @@ void check_cells(const LayersCommand& command, const LayerOptions& options) {
                                        ".foam, or --cells tetrahedra");
 }
 
-void write_reports(const LayersCommand& command, LayerResult result, Context& context) {
+void write_reports(const LayersCommand& command, const MixedMesh& mesh, LayerReport report,
+                   Context& context) {
   if (command.json_path.empty() && command.report_path.empty()) return;
-  const report::LayersOfMesh layers = context.phase(
-      "measures", [&] { return report::measure_layers(result.mesh.view(), std::move(result.report)); });
+  const report::LayersOfMesh layers =
+      context.phase("measures", [&] { return report::measure_layers(mesh.view(), std::move(report)); });
   if (!command.json_path.empty()) report::write_file(command.json_path, report::layers_json(layers));
   if (command.report_path.empty()) return;
   const report::LayerPictures pictures =
       context.phase("pictures", [&] { return report::draw_layer_shares(layers.report.surface); });
   const std::string title = std::filesystem::path(command.output_path).filename().string();
-  report::write_file(command.report_path,
-                     report::layers_html(title, layers, pictures, result.mesh.info.provenance));
+  report::write_file(command.report_path, report::layers_html(title, layers, pictures, mesh.info.provenance));
 }
 
 void run(const LayersCommand& command) {
@@ -90,7 +90,8 @@ void run(const LayersCommand& command) {
   say(command.run, "{}: {} layers, {} cells on {} tetrahedra, {:.1f} % of the area complete\n",
       command.output_path, result.report.layers, result.report.cells,
       result.mesh.view().cell_count() - result.report.cells, 100 * result.report.complete());
-  write_reports(command, std::move(result), context);
+  write_reports(command, result.mesh, std::move(result.report), context);
+  require_sound(command.output_path, result.mesh.view(), context);
 }
 
 void add_height_options(CLI::App& command, LayersCommand& target) {

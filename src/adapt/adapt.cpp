@@ -8,6 +8,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/metric/measures.hpp"
+#include "lumesh/operators/crossings.hpp"
 #include "lumesh/operators/settling.hpp"
 #include "option_range.hpp"
 #include "passes.hpp"
@@ -236,11 +237,9 @@ AdaptReport adapt_once(TetMesh& mesh, const metric::MetricField& field, const op
 }
 
 /// Vertices of patches that keep their volume come to stand over them; no tetrahedron falls below a mean
-/// ratio of 0.4 or, where it was near or below that, loses more than a tenth of it.
+/// ratio of 0.4 or, where it was near or below that, loses more than a tenth of it. Sheets of the outside
+/// that have come to cross each other are drawn apart.
 void settle(TetMesh& mesh, const operators::PatchShapes& shapes) {
-  if (std::none_of(shapes.begin(), shapes.end(),
-                   [](const operators::PatchShape& shape) { return shape.keeps_volume; }))
-    return;
   constexpr double kFloor = 0.4, kKept = 0.9;
   const operators::MayBecome may_become = [&](std::size_t i, const std::array<Vec3, 4>& /*before*/,
                                               const std::array<Vec3, 4>& after) {
@@ -250,7 +249,11 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes) {
         metric::mean_ratio(after[0], after[1], after[2], after[3], log(0), log(1), log(2), log(3));
     return ratio >= std::min<double>(kFloor, kKept * mesh.quality(t));
   };
-  operators::settle(mesh, operators::places_on_shapes(shapes), {.may_become = may_become});
+  const bool any_shape = std::any_of(shapes.begin(), shapes.end(),
+                                     [](const operators::PatchShape& shape) { return shape.keeps_volume; });
+  const std::vector<Vec3> before(mesh.points().begin(), mesh.points().end());
+  if (any_shape) operators::settle(mesh, operators::places_on_shapes(shapes), {.may_become = may_become});
+  if (operators::undo_crossings(mesh, before, may_become) > 0) operators::draw_apart(mesh);
   metric::measure_qualities(mesh);
 }
 

@@ -156,8 +156,9 @@ class PlaneOpenings {
     std::vector<Opening> openings;
     for (const auto& [number, of_part] : squares) {
       const Vec3 place = coarse.centre_of(of_part.front());
+      const Label label = domain_.label_of(coarse.material(of_part.front()));
       const bool is_known = std::any_of(openings.begin(), openings.end(), [&](const Opening& o) {
-        return o.label == domain_.label_of(coarse.material(of_part.front())) && o.squares->hold(place);
+        return o.label == label && o.squares->hold(place);
       });
       if (is_known) continue;  // On the fine grid the two were one.
       const Opening found = measure(coarse, of_part);

@@ -138,29 +138,57 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& query, double upper_boun
   return best;
 }
 
+template <class Visit>
+void TriangleTree::visit_leaves(const Box& query, std::size_t first_leaf, const Visit& visit) const {
+  std::array<std::size_t, kStackSize> stack;
+  int top = 0;
+  stack[top++] = 0;
+  const std::size_t first_heap = (std::size_t{1} << depth_) - 1;
+  while (top > 0) {
+    const std::size_t heap = stack[--top];
+    if (!boxes_[heap].meets(query)) continue;
+    if (heap < first_heap) {
+      stack[top++] = 2 * heap + 2;
+      stack[top++] = 2 * heap + 1;
+    } else if (heap - first_heap >= first_leaf) {
+      visit(heap - first_heap);
+    }
+  }
+}
+
 std::vector<std::uint32_t> TriangleTree::overlapping(const Vec3& low, const Vec3& high) const {
   std::vector<std::uint32_t> found;
   if (ids_.empty()) return found;
   const Box query{low, high};
-  std::array<std::size_t, kStackSize> stack;
-  int top = 0;
-  stack[top++] = 0;
-  const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
-  while (top > 0) {
-    const std::size_t heap = stack[--top];
-    if (!boxes_[heap].meets(query)) continue;
-    if (heap < first_leaf) {
-      stack[top++] = 2 * heap + 1;
-      stack[top++] = 2 * heap + 2;
-      continue;
-    }
-    const std::size_t leaf = heap - first_leaf;
-    for (std::size_t i = first_item(depth_, leaf); i < first_item(depth_, leaf + 1); ++i) {
-      Box own;
-      for (const Vec3& corner : corners_[i]) own.extend(corner);
-      if (own.meets(query)) found.push_back(ids_[i]);
-    }
-  }
+  visit_leaves(query, 0, [&](std::size_t leaf) {
+    for (std::size_t i = first_item(depth_, leaf); i < first_item(depth_, leaf + 1); ++i)
+      if (box_of_item(i).meets(query)) found.push_back(ids_[i]);
+  });
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::vector<std::array<std::uint32_t, 2>> TriangleTree::pairs(
+    const std::function<bool(std::uint32_t, std::uint32_t)>& is_wanted) const {
+  using Pair = std::array<std::uint32_t, 2>;
+  if (ids_.empty()) return {};
+  const std::size_t first_heap = (std::size_t{1} << depth_) - 1;
+  std::vector<Pair> found = parallel::collect<Pair>(
+      std::size_t{1} << depth_,
+      [&](std::size_t leaf, std::vector<Pair>& out) {
+        const std::size_t end = first_item(depth_, leaf + 1);
+        visit_leaves(boxes_[first_heap + leaf], leaf, [&](std::size_t other) {
+          for (std::size_t i = first_item(depth_, leaf); i < end; ++i) {
+            const Box box = box_of_item(i);
+            const std::size_t first = other == leaf ? i + 1 : first_item(depth_, other);
+            for (std::size_t k = first; k < first_item(depth_, other + 1); ++k) {
+              const auto [low, high] = std::minmax(ids_[i], ids_[k]);
+              if (box_of_item(k).meets(box) && is_wanted(low, high)) out.push_back({low, high});
+            }
+          }
+        });
+      },
+      256);
   std::sort(found.begin(), found.end());
   return found;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "crossings.hpp"
 #include "fitter.hpp"
 #include "offsets.hpp"
 #include "spikes.hpp"
@@ -55,11 +56,17 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   targets.offset_mm = fitter.averaged(sag_offsets_mm(mesh, boundary, domain));
   fitter.fit(2);
   fitter.fit_and_improve(4, kGood);
+  undo_crossings(mesh, boundary, domain, lattice_mm, setting.limits);
+  const std::vector<Vec3> fitted_mm = mesh.positions;
   fitter.bring_within_cuts(3, 4, kGood);
+  undo_crossings(mesh, boundary, domain, fitted_mm, setting.limits);
+  fitter.squeeze_within_cuts();
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
   const std::vector<Miss> missed = mend_spots(whole, setting, finder, options.probes.size());
+  const std::vector<Vec3> mended_mm = mesh.positions;
   settle_wall(mesh, boundary, domain, setting.limits);
+  undo_crossings(mesh, boundary, domain, mended_mm, setting.limits);
   return report_on(missed, finder.missed_distances_mm(mesh, boundary), domain.voxel_size_mm());
 }
 

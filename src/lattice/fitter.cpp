@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "anchors.hpp"
+#include "crossings.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -84,7 +85,7 @@ void Fitter::bring_within_cuts(int rounds, int sweeps, double good_enough) {
 }
 
 /// Past the angles' limits, as long as tetrahedra stay positively oriented and do not become flat.
-void Fitter::put_if_valid(std::uint32_t v, const Vec3& place) {
+bool Fitter::put_if_valid(std::uint32_t v, const Vec3& place) {
   const double flattest = std::cos(2 * std::numbers::pi / 180);
   const std::vector<Vec3>& at = mesh_.positions;
   const Vec3 before = std::exchange(mesh_.positions[v], place);
@@ -96,6 +97,24 @@ void Fitter::put_if_valid(std::uint32_t v, const Vec3& place) {
     return angles.largest_cosine < flattest && angles.smallest_cosine > -flattest;
   });
   if (!is_valid) mesh_.positions[v] = before;
+  return is_valid;
+}
+
+void Fitter::squeeze_within_cuts() {
+  constexpr std::size_t kMost = 200;  // Each costs a look at the whole surface.
+  std::size_t count = 0;
+  for (std::uint32_t v = 0; v < mesh_.positions.size() && count < kMost; ++v) {
+    const Vec3 before = mesh_.positions[v];
+    if (within_cuts(domain_, boundary_.sets[v], before) == before) continue;
+    ++count;
+    const Vec3 middle = mean_of_star(v);
+    for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+      const Vec3 place = within_cuts(domain_, boundary_.sets[v], before + part * (middle - before));
+      if (!put_if_valid(v, place)) continue;
+      if (!crosses_at(mesh_, boundary_, domain_, v)) break;
+      mesh_.positions[v] = before;
+    }
+  }
 }
 
 void Fitter::draw_to_tips(const std::vector<Miss>& missed, int sweeps) {

@@ -53,6 +53,10 @@ class Fitter {
   /// stay positively oriented; then betters what is around them as fit_and_improve() does.
   void bring_within_cuts(int rounds, int sweeps, double good_enough);
 
+  /// Brings what still is beyond onto cut planes somewhere on the way to the middle of the vertices around,
+  /// where that keeps tetrahedra positively oriented and the surface from crossing itself.
+  void squeeze_within_cuts();
+
   /// Draws the surface to misses; only what is around these moves.
   void draw_to_tips(const std::vector<Miss>& missed, int sweeps);
   /// The same more thoroughly, with what is near moving along.
@@ -91,7 +95,7 @@ class Fitter {
   [[nodiscard]] double distance_to_target(std::uint32_t v) const;
   [[nodiscard]] Score score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough) const;
   [[nodiscard]] double facing(std::uint32_t v, const Vec3& x) const;
-  void put_if_valid(std::uint32_t v, const Vec3& place);
+  bool put_if_valid(std::uint32_t v, const Vec3& place);
   void carry_vertex(std::uint32_t v, const Vec3& place);
   void fit_vertex(std::uint32_t v, double floor);
   void fit_if_away(std::uint32_t v);

@@ -8,6 +8,7 @@
 #include <random>
 #include <utility>
 
+#include "crossings.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "missed_tips.hpp"
 #include "slits.hpp"
@@ -58,8 +59,9 @@ struct SpotResult {
 /// One spot in a part of its own.
 class Spot {
  public:
-  Spot(MeshPart part, const Vec3& centre_mm, const FitSetting& setting)
+  Spot(MeshPart part, OuterSurroundings surroundings, const Vec3& centre_mm, const FitSetting& setting)
       : part_(std::move(part)),
+        surroundings_(std::move(surroundings)),
         centre_mm_(centre_mm),
         setting_(setting),
         voxel_mm_(setting.domain.voxel_size_mm()),
@@ -136,11 +138,19 @@ class Spot {
   std::vector<Miss> keep_if_best() {
     std::vector<Miss> missed = misses();
     const auto now = badness(missed, voxel_mm_);
-    if (now < least_) {
+    if (now < least_ && crosses_no_more()) {
       least_ = now;
       best_ = part_;
     }
     return missed;
+  }
+
+  /// The surface does not cross itself, or no more than it did in the best state.
+  [[nodiscard]] bool crosses_no_more() {
+    const std::size_t crossings = surroundings_.count_crossings(part_);
+    if (crossings > most_crossings_) return false;
+    most_crossings_ = crossings;
+    return true;
   }
 
   [[nodiscard]] std::vector<Miss> misses() {
@@ -192,6 +202,8 @@ class Spot {
   }
 
   MeshPart part_;
+  OuterSurroundings surroundings_;
+  std::size_t most_crossings_ = std::numeric_limits<std::size_t>::max();
   Vec3 centre_mm_;
   const FitSetting& setting_;
   double voxel_mm_;
@@ -290,7 +302,9 @@ class SpotMender {
 
   [[nodiscard]] Mended mend_spot(const SurfaceTree& tree, const Vec3& centre_mm, std::size_t share) const {
     const std::size_t made = tried_.tries_at(centre_mm);
-    Spot spot(cut_out(whole_, tree, centre_mm, part_mm_), centre_mm, setting_);
+    MeshPart part = cut_out(whole_, tree, centre_mm, part_mm_);
+    OuterSurroundings surroundings(whole_, tree, part, setting_.domain);
+    Spot spot(std::move(part), std::move(surroundings), centre_mm, setting_);
     const std::size_t cost = spot.cost();
     std::size_t most = 1;
     if (round_ > 0) {

@@ -1,8 +1,11 @@
 // The surfaces of the labels: closed manifolds, their topology, and the volume they enclose.
 
+#include <fmt/core.h>
+
 #include <numeric>
 
 #include "face_table.hpp"
+#include "lumesh/geometry/self_crossings.hpp"
 #include "validate_impl.hpp"
 
 namespace lumesh::detail {
@@ -188,6 +191,23 @@ void check_volumes(const TetMesh& mesh, const std::vector<SurfaceFace>& faces, V
   merge(report, findings);
 }
 
+/// Cells that are all positive and properly linked cover space once unless the outside crosses itself.
+void check_crossings(const TetMesh& mesh, const std::vector<SurfaceFace>& faces, ValidationReport& report) {
+  std::vector<Cell<3>> outside;
+  for (const SurfaceFace& face : faces)
+    if (face.outside) outside.push_back(face.corners);
+  std::vector<Vec3> points(mesh.vertex_slots(), Vec3::Zero());
+  for (const Cell<3>& corners : outside)
+    for (const std::uint32_t v : corners) points[v] = mesh.point(VertexId(v));
+  Findings findings;
+  for (const SelfCrossing& crossing : find_self_crossings(points, outside))
+    findings.add(
+        fmt::format("the outside crosses or touches itself at ({:.6g}, {:.6g}, {:.6g}): faces {} and {}",
+                    crossing.place.x(), crossing.place.y(), crossing.place.z(),
+                    list_of(outside[crossing.first]), list_of(outside[crossing.second])));
+  merge(report, findings);
+}
+
 }  // namespace
 
 void check_label_surfaces(const TetMesh& mesh, ValidationReport& report) {
@@ -209,6 +229,7 @@ void check_label_surfaces(const TetMesh& mesh, ValidationReport& report) {
                    std::to_string(entry.surface_euler));
   merge(report, findings);
   check_volumes(mesh, faces, report);
+  check_crossings(mesh, faces, report);
 }
 
 }  // namespace lumesh::detail

@@ -1,5 +1,6 @@
 #include "validity.hpp"
 
+#include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/validate.hpp"
 
 namespace lumesh::quality {
@@ -25,6 +26,8 @@ void find_problems(const MeshView& mesh, const TetMesh* kernel, const MeshSurfac
   add_problem(evaluation, evaluation.statistics.inverted_cells,
               "cells whose volume, or Jacobian at a corner, is not positive");
   add_problem(evaluation, surface.overfull_faces, "faces with more than two cells");
+  add_problem(evaluation, find_self_crossings(mesh.points, surface.outer()).size(),
+              "pairs of triangles with which the outside crosses or touches itself");
   for (const LabelEvaluation& label : evaluation.labels) {
     const std::string of_label = " on the surface of label " + std::to_string(label.label);
     add_problem(evaluation, label.surface.non_manifold_edges, "non-manifold edges" + of_label);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """`lumesh improve`: what it makes of a cube with bad angles, and what it refuses.
 
-Usage: improve_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input.
+Usage: improve_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input, 3 an invalid mesh.
 """
 import json
 import pathlib
@@ -11,7 +11,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from cube import cube, write_medit, write_sol
-from program import BAD_INPUT, USAGE, MeshTest
+from program import BAD_INPUT, NOT_REACHED, USAGE, MeshTest
 
 
 def surface_of(path):
@@ -113,6 +113,19 @@ class ImproveTest(MeshTest):
         result = self.run_well("improve", stretched_mesh, "-o", self.out)
         self.assertIn("stretched.vtu is left out", result.stderr)
         self.assertNotIn("metric_edge_length", self.evaluate(self.out))
+
+    def test_an_invalid_result_is_told_after_it_was_written(self):
+        """Two cubes of which one reaches into the other: no step of improvement could mend that."""
+        points, tetrahedra, triangles = cube(2)
+        count = len(points)
+        points += [(x + 0.3, y + 0.4, z + 0.45) for x, y, z in points]
+        tetrahedra += [(*(v + count for v in t[:4]), t[4]) for t in tetrahedra]
+        triangles += [(*(v + count for v in t[:3]), t[3]) for t in triangles]
+        write_medit(self.rough, points, tetrahedra, triangles)
+        result = self.run_lumesh("improve", self.rough, "-o", self.out, "--boundary", "frozen")
+        self.assertEqual(result.returncode, NOT_REACHED, result.stderr)
+        self.assertIn("the mesh is invalid: the outside crosses or touches itself", result.stderr)
+        self.assertTrue(self.out.exists())
 
     def test_what_cannot_be_improved_is_refused(self):
         improve = ("improve", self.rough, "-o", self.out)

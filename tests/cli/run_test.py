@@ -20,13 +20,13 @@ phantom_size = [128, 128, 127]
 phantom_spacing = 4
 
 [lattice]
-max_refinement = 1
+max_refinement = 2
 
 [metric]
 points = "centerline"
 k = 20
 max_aspect = 8
-complexity = 3000
+complexity = 9000
 
 [adapt]
 boundary = "frozen"
@@ -101,7 +101,7 @@ class RunTest(CaseTest):
                          ["Input", "Centerline", "First mesh", "Metric", "Adapted mesh"])
         last = report["stages"][-1]["evaluation"]
         self.assertTrue(last["valid"])
-        self.assertAlmostEqual(last["complexity"] / 3000, 1, delta=0.03)
+        self.assertAlmostEqual(last["complexity"] / 9000, 1, delta=0.03)
         self.assertEqual(last["metric_mean_ratio"]["below"]["0.1"], 0)
         self.assertTrue(last["narrowest_sections"])
         tightened = sum(section["tightened"] for section in last["narrowest_sections"])

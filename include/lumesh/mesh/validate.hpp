@@ -45,7 +45,8 @@ struct ValidationReport {
 /// - the surface of every label is a closed 2-manifold: two faces at each edge, one ring of faces around each
 /// vertex,
 ///   even Euler number;
-/// - the volume of every label is the integral over its surface, to rounding.
+/// - the volume of every label is the integral over its surface, to rounding;
+/// - the outside does not cross or touch itself, by exact predicates: no two tetrahedra overlap.
 /// A stage of checks whose ground is broken is left out (no walks over bad adjacency).
 /// Threads: const, parallel inside; the same report for every thread count. Cost: about 1 s per million
 /// tetrahedra.

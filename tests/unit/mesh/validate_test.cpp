@@ -48,6 +48,21 @@ TEST(Validate, AcceptsTheFixtures) {
   }
 }
 
+TEST(Validate, FindsCellsThatOverlap) {
+  fixtures::TetSoup soup = fixtures::cube_of_6();
+  const auto count = static_cast<std::uint32_t>(soup.points.size());
+  const fixtures::TetSoup other = fixtures::cube_of_6();
+  for (const Vec3& x : other.points) soup.points.emplace_back(x + Vec3(0.5, 0.25, 0.125));
+  for (const Cell<4>& tet : other.tets) {
+    soup.tets.push_back({tet[0] + count, tet[1] + count, tet[2] + count, tet[3] + count});
+    soup.labels.push_back(1);
+  }
+  const ValidationReport report = validate(soup.build());
+  ASSERT_FALSE(report.ok());
+  EXPECT_NE(report.problems.front().find("the outside crosses or touches itself at"), std::string::npos)
+      << report.text();
+}
+
 TEST(Validate, MeasuresLabels) {
   const ValidationReport report = validate(fixtures::two_label_block(4).build());
   ASSERT_EQ(report.labels.size(), 2u);

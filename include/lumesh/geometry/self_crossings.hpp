@@ -1,0 +1,27 @@
+#pragma once
+/// @file Whether a surface of triangles crosses or touches itself, by exact predicates.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lumesh/core/types.hpp"
+
+namespace lumesh {
+
+/// Two triangles of one surface that meet in more than the corners and the edge that both name.
+struct SelfCrossing {
+  std::uint32_t first, second;  ///< Indices of the triangles, first < second.
+  Vec3 place;                   ///< Near both: the middle of what their boxes share, in the points' unit.
+};
+
+/// All pairs of triangles that cross, touch or cover each other, other than in the corners and edges that
+/// they share by index, ascending. Points at one place under two indices touch. Triangles without area are
+/// left out. Threads: parallel inside, the same result for every thread count. Cost: about 1 us per triangle.
+/// @throws Error{kBadInput} if a triangle names a point that is not there or has a coordinate that is not
+/// finite.
+[[nodiscard]] std::vector<SelfCrossing> find_self_crossings(
+    std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> triangles);
+
+}  // namespace lumesh

@@ -1,0 +1,33 @@
+#pragma once
+/// @file Keeps the outside of a mesh from crossing itself. Tetrahedra that stay positive one by one can still
+/// reach through the gap between two sheets of the surface, or close a cleft until its walls change places.
+
+#include <cstddef>
+#include <span>
+
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/operators/settling.hpp"
+
+namespace lumesh::operators {
+
+/// Puts vertices back to earlier places wherever the outside crosses or touches itself, and as many around
+/// them as tetrahedra need to stay positive and what `may_become` allows, compared with what they were there.
+/// @param points  Where vertices are now; of all that the cells name.
+/// @param outside  The faces that only one cell has.
+/// @param before  Places of the first vertices that are known to be good; the others stay.
+/// @return The pairs of faces that still cross, because they did so before.
+/// Parallel inside; the same bits for every number of threads. Cost: about 1 us per face of the outside.
+std::size_t undo_crossings(std::span<Vec3> points, std::span<const Cell<4>> tets,
+                           std::span<const Cell<3>> outside, std::span<const Vec3> before,
+                           const MayBecome& may_become);
+/// Draws the sheets that cross or touch apart, each into its own cells: their vertices move towards the
+/// middle of the vertices around, step by step, as far as tetrahedra stay positive. Vertices of openings
+/// stay.
+/// @param mesh  Compact.
+/// @return The pairs of faces that still cross.
+std::size_t draw_apart(TetMesh& mesh);
+
+/// @param mesh  Compact.
+std::size_t undo_crossings(TetMesh& mesh, std::span<const Vec3> before, const MayBecome& may_become);
+
+}  // namespace lumesh::operators

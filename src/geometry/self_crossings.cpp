@@ -1,0 +1,168 @@
+#include "lumesh/geometry/self_crossings.hpp"
+
+#include <algorithm>
+
+#include "lumesh/geometry/predicates.hpp"
+#include "lumesh/geometry/triangle_tree.hpp"
+
+namespace lumesh {
+namespace {
+
+using Corners = std::array<Vec3, 3>;
+using Signs = std::array<int, 3>;
+
+/// The sides of the plane of `plane` on which the corners lie.
+Signs sides_of_plane(const Corners& corners, const Corners& plane) {
+  Signs signs;
+  for (std::size_t k = 0; k < 3; ++k) signs[k] = orient3d(plane[0], plane[1], plane[2], corners[k]);
+  return signs;
+}
+
+bool on_one_side(const Signs& s) {
+  return (s[0] > 0 && s[1] > 0 && s[2] > 0) || (s[0] < 0 && s[1] < 0 && s[2] < 0);
+}
+
+/// Whether the closed segment (p, q), whose ends lie on the sides `at_p` and `at_q`, not both 0, of the plane
+/// of the closed triangle, meets it.
+bool segment_meets(const Vec3& p, const Vec3& q, int at_p, int at_q, const Corners& t) {
+  if (at_p * at_q > 0 || (at_p == 0 && at_q == 0)) return false;
+  const int ab = orient3d(p, q, t[0], t[1]), bc = orient3d(p, q, t[1], t[2]), ca = orient3d(p, q, t[2], t[0]);
+  return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
+}
+
+/// Triangles of one plane, seen along the axis on which it does not project to a line.
+class InPlane {
+ public:
+  /// @param triangle  Fixes the plane. It is flat seen along every axis if it has no area.
+  explicit InPlane(const Corners& triangle) {
+    for (axis_ = 0; axis_ < 3; ++axis_) {
+      turn_ = orient2d(seen(triangle[0]), seen(triangle[1]), seen(triangle[2]));
+      if (turn_ != 0) return;
+    }
+  }
+  [[nodiscard]] bool is_flat() const { return turn_ == 0; }
+
+  /// Whether x lies to the left of (a, b), 0 on it, where the triangle of the constructor runs anticlockwise.
+  [[nodiscard]] int left_of(const Vec3& a, const Vec3& b, const Vec3& x) const {
+    return turn_ * orient2d(seen(a), seen(b), seen(x));
+  }
+
+ private:
+  [[nodiscard]] Vec2 seen(const Vec3& x) const { return {x[(axis_ + 1) % 3], x[(axis_ + 2) % 3]}; }
+
+  int axis_ = 0, turn_ = 0;
+};
+
+/// The same triangle anticlockwise.
+Corners anticlockwise(const InPlane& plane, Corners t) {
+  if (plane.left_of(t[0], t[1], t[2]) < 0) std::swap(t[1], t[2]);
+  return t;
+}
+
+/// Closed triangles of one plane meet unless an edge of one has the whole other strictly on its right.
+bool meet_in_plane(const Corners& a, const Corners& b) {
+  const InPlane plane(a);
+  if (plane.is_flat() || InPlane(b).is_flat()) return false;
+  const Corners of_a = anticlockwise(plane, a), of_b = anticlockwise(plane, b);
+  const auto parted_by_edge_of = [&](const Corners& one, const Corners& other) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (std::all_of(other.begin(), other.end(),
+                      [&](const Vec3& x) { return plane.left_of(one[k], one[(k + 1) % 3], x) < 0; }))
+        return true;
+    return false;
+  };
+  return !parted_by_edge_of(of_a, of_b) && !parted_by_edge_of(of_b, of_a);
+}
+
+/// Whether two triangles of one plane with the common corner a[0] == b[0] meet in more than that: an edge of
+/// one runs from the corner into the other or along its edge.
+bool meet_around_corner_in_plane(const Corners& a, const Corners& b) {
+  const InPlane plane(a);
+  if (plane.is_flat() || InPlane(b).is_flat()) return false;
+  const Corners of_a = anticlockwise(plane, a), of_b = anticlockwise(plane, b);
+  const auto holds_edge_of = [&](const Corners& one, const Corners& other) {
+    return std::any_of(other.begin() + 1, other.end(), [&](const Vec3& x) {
+      return plane.left_of(one[0], one[1], x) >= 0 && plane.left_of(one[0], one[2], x) <= 0;
+    });
+  };
+  return holds_edge_of(of_a, of_b) || holds_edge_of(of_b, of_a);
+}
+
+bool meet_apart(const Corners& a, const Corners& b) {
+  const Signs of_a = sides_of_plane(a, b);
+  if (on_one_side(of_a)) return false;
+  const Signs of_b = sides_of_plane(b, a);
+  if (on_one_side(of_b)) return false;
+  constexpr Signs kInPlane = {0, 0, 0};
+  if (of_a == kInPlane || of_b == kInPlane) return of_a == of_b && meet_in_plane(a, b);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t next = (k + 1) % 3;
+    if (segment_meets(a[k], a[next], of_a[k], of_a[next], b) ||
+        segment_meets(b[k], b[next], of_b[k], of_b[next], a))
+      return true;
+  }
+  return false;
+}
+
+/// What they have in common beyond the corner a[0] == b[0] reaches the edge opposite it of one of them.
+bool meet_around_corner(const Corners& a, const Corners& b) {
+  const int first = orient3d(b[0], b[1], b[2], a[1]), second = orient3d(b[0], b[1], b[2], a[2]);
+  if (first * second > 0) return false;
+  if (first == 0 && second == 0) return meet_around_corner_in_plane(a, b);
+  return segment_meets(a[1], a[2], first, second, b) ||
+         segment_meets(b[1], b[2], orient3d(a[0], a[1], a[2], b[1]), orient3d(a[0], a[1], a[2], b[2]), a);
+}
+
+/// With a common edge (a[0], a[1]) they cover each other where one folds onto the other.
+bool meet_along_edge(const Corners& a, const Corners& b) {
+  if (orient3d(a[0], a[1], a[2], b[2]) != 0) return false;
+  const InPlane plane(a);
+  return !plane.is_flat() && plane.left_of(a[0], a[1], b[2]) > 0;
+}
+
+/// Both with the corners that they share in front, in one order; how many those are.
+std::size_t bring_shared_to_front(std::array<std::uint32_t, 3>& a, std::array<std::uint32_t, 3>& b) {
+  std::size_t shared = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto same = std::find(b.begin() + static_cast<std::ptrdiff_t>(shared), b.end(), a[i]);
+    if (same == b.end()) continue;
+    std::swap(*same, b[shared]);
+    std::swap(a[i], a[shared]);
+    ++shared;
+  }
+  return shared;
+}
+
+}  // namespace
+
+std::vector<SelfCrossing> find_self_crossings(std::span<const Vec3> points,
+                                              std::span<const std::array<std::uint32_t, 3>> triangles) {
+  const TriangleTree tree(points, triangles);
+  const auto corners_of = [&](const std::array<std::uint32_t, 3>& t) {
+    return Corners{points[t[0]], points[t[1]], points[t[2]]};
+  };
+  const auto pairs = tree.pairs([&](std::uint32_t first, std::uint32_t second) {
+    std::array<std::uint32_t, 3> a = triangles[first], b = triangles[second];
+    switch (bring_shared_to_front(a, b)) {
+      case 0:
+        return meet_apart(corners_of(a), corners_of(b));
+      case 1:
+        return meet_around_corner(corners_of(a), corners_of(b));
+      case 2:
+        return meet_along_edge(corners_of(a), corners_of(b));
+      default:
+        return true;
+    }
+  });
+  std::vector<SelfCrossing> crossings;
+  crossings.reserve(pairs.size());
+  for (const auto& [first, second] : pairs) {
+    const Corners a = corners_of(triangles[first]), b = corners_of(triangles[second]);
+    const Vec3 low = a[0].cwiseMin(a[1]).cwiseMin(a[2]).cwiseMax(b[0].cwiseMin(b[1]).cwiseMin(b[2]));
+    const Vec3 high = a[0].cwiseMax(a[1]).cwiseMax(a[2]).cwiseMin(b[0].cwiseMax(b[1]).cwiseMax(b[2]));
+    crossings.push_back({first, second, 0.5 * (low + high)});
+  }
+  return crossings;
+}
+
+}  // namespace lumesh

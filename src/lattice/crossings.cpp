@@ -1,0 +1,96 @@
+#include "crossings.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "lumesh/geometry/self_crossings.hpp"
+#include "lumesh/operators/crossings.hpp"
+
+namespace lumesh {
+
+namespace {
+
+bool is_outer(const BoundaryTriangle& t, const ImageDomain& domain) {
+  return !domain.is_meshed(t.outside);
+}
+
+std::vector<Triangle> outer_triangles(const BoundaryModel& boundary, const ImageDomain& domain) {
+  std::vector<Triangle> outer;
+  for (const BoundaryTriangle& t : boundary.triangles)
+    if (is_outer(t, domain)) outer.push_back(t.vertices);
+  return outer;
+}
+
+}  // namespace
+
+void undo_crossings(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
+                    const std::vector<Vec3>& before_mm, const AngleLimits& limits) {
+  operators::undo_crossings(mesh.positions, mesh.tets, outer_triangles(boundary, domain), before_mm,
+                            operators::within_angles(limits.min_deg, limits.max_deg));
+}
+
+bool crosses_at(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
+                std::uint32_t vertex) {
+  Box3 reach;
+  std::vector<Triangle> outer;
+  for (const BoundaryTriangle& t : boundary.triangles) {
+    if (!is_outer(t, domain) || !has_corner(t.vertices, vertex)) continue;
+    outer.push_back(t.vertices);
+    for (const std::uint32_t v : t.vertices) reach.extend(mesh.positions[v]);
+  }
+  const auto mine = outer.size();
+  for (const BoundaryTriangle& t : boundary.triangles) {
+    if (!is_outer(t, domain) || has_corner(t.vertices, vertex)) continue;
+    Box3 box;
+    for (const std::uint32_t v : t.vertices) box.extend(mesh.positions[v]);
+    if (box.intersects(reach)) outer.push_back(t.vertices);
+  }
+  const std::vector<SelfCrossing> crossings = find_self_crossings(mesh.positions, outer);
+  return std::any_of(crossings.begin(), crossings.end(),
+                     [&](const SelfCrossing& crossing) { return crossing.first < mine; });
+}
+
+OuterSurroundings::OuterSurroundings(const WholeMesh& whole, const SurfaceTree& tree, const MeshPart& part,
+                                     const ImageDomain& domain)
+    : domain_(domain), known_(part.vertices.size()) {
+  if (part.vertices.empty()) return;
+  Vec3 low = part.mesh.positions.front(), high = low;
+  for (const Vec3& x : part.mesh.positions) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  const std::vector<std::uint32_t> mine = [&] {
+    std::vector<std::uint32_t> sorted = part.triangles;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  }();
+  std::unordered_map<std::uint32_t, std::uint32_t> others;
+  const auto number = [&](std::uint32_t v) {
+    const auto at = std::lower_bound(part.vertices.begin(), part.vertices.end(), v);
+    if (at != part.vertices.end() && *at == v) return static_cast<std::uint32_t>(at - part.vertices.begin());
+    const auto [found, is_new] = others.try_emplace(v, static_cast<std::uint32_t>(others_mm_.size()));
+    if (is_new) others_mm_.push_back(whole.mesh.positions[v]);
+    return static_cast<std::uint32_t>(known_ + found->second);
+  };
+  for (const std::uint32_t t : tree.overlapping(low, high)) {
+    const BoundaryTriangle& triangle = whole.boundary.triangles[t];
+    if (!is_outer(triangle, domain) || std::binary_search(mine.begin(), mine.end(), t)) continue;
+    const auto& [a, b, c] = triangle.vertices;
+    around_.push_back({number(a), number(b), number(c)});
+  }
+}
+
+std::size_t OuterSurroundings::count_crossings(const MeshPart& part) const {
+  std::vector<Vec3> points = part.mesh.positions;
+  const auto others_begin = static_cast<std::uint32_t>(points.size());
+  points.insert(points.end(), others_mm_.begin(), others_mm_.end());
+  std::vector<Triangle> outer = outer_triangles(part.boundary, domain_);
+  for (Triangle t : around_) {
+    for (std::uint32_t& v : t)
+      if (v >= known_) v = static_cast<std::uint32_t>(v - known_) + others_begin;
+    outer.push_back(t);
+  }
+  return find_self_crossings(points, outer).size();
+}
+
+}  // namespace lumesh

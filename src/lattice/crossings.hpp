@@ -1,0 +1,37 @@
+#pragma once
+// Keeps the outer surface from crossing itself.
+
+#include <vector>
+
+#include "mesh_part.hpp"
+
+namespace lumesh {
+
+/// Puts vertices back to earlier places wherever the outer surface crosses or touches itself
+/// (operators/crossings.hpp).
+/// @param before_mm  Places of the first vertices that are known to be good; others stay.
+void undo_crossings(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
+                    const std::vector<Vec3>& before_mm, const AngleLimits& limits);
+
+/// Whether the outer surface crosses or touches itself at a vertex. Cost: one look at each of the triangles.
+[[nodiscard]] bool crosses_at(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
+                              std::uint32_t vertex);
+
+/// The outer surface around a part of the mesh: it stays while the part changes.
+class OuterSurroundings {
+ public:
+  /// @param tree  Has all triangles that the part may reach.
+  OuterSurroundings(const WholeMesh& whole, const SurfaceTree& tree, const MeshPart& part,
+                    const ImageDomain& domain);
+
+  /// Pairs of triangles that cross or touch, of the part as it is now and of what is around it.
+  [[nodiscard]] std::size_t count_crossings(const MeshPart& part) const;
+
+ private:
+  const ImageDomain& domain_;
+  std::size_t known_;             // Vertices that the part shared with the whole mesh at first.
+  std::vector<Triangle> around_;  // Of those, by the part's numbers; others follow by place.
+  std::vector<Vec3> others_mm_;
+};
+
+}  // namespace lumesh

@@ -1,0 +1,176 @@
+#include "lumesh/quality/faults.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "cells.hpp"
+#include "lumesh/geometry/predicates.hpp"
+#include "lumesh/geometry/self_crossings.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::quality {
+
+namespace {
+
+std::string at(const Vec3& x) {
+  return fmt::format("at ({:.6g}, {:.6g}, {:.6g})", x.x(), x.y(), x.z());
+}
+
+/// How many, and one of them.
+struct Count {
+  std::uint64_t count = 0;
+  std::size_t first = 0;
+
+  void add(std::size_t what) {
+    if (count == 0) first = what;
+    ++count;
+  }
+  void add(const Count& more) {
+    if (count == 0) first = more.first;
+    count += more.count;
+  }
+};
+
+class Faults {
+ public:
+  explicit Faults(const MeshView& mesh)
+      : mesh_(mesh), cells_(mesh), origin_(mesh.points.empty() ? Vec3(Vec3::Zero()) : mesh.points[0]) {
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      if (is_outside(mesh.triangle_patches[t])) outside_.push_back(mesh.triangles[t]);
+    for (std::size_t q = 0; q < mesh.quadrilaterals.size(); ++q) {
+      if (!is_outside(mesh.quadrilateral_patches[q])) continue;
+      CellTriangles halves;
+      halves.add_quad(mesh.quadrilaterals[q]);
+      outside_.insert(outside_.end(), halves.begin(), halves.end());
+    }
+  }
+
+  std::vector<std::string> find() {
+    if (!look_at_points()) return std::move(lines_);
+    look_at_cells();
+    look_at_edges();
+    look_at_crossings();
+    look_at_volume();
+    return std::move(lines_);
+  }
+
+ private:
+  [[nodiscard]] bool is_outside(std::int32_t patch) const {
+    return patch < 0 || static_cast<std::size_t>(patch) >= mesh_.info->patches.size() ||
+           mesh_.info->patches[static_cast<std::size_t>(patch)].kind != PatchKind::kInterface;
+  }
+
+  /// What follows needs numbers.
+  bool look_at_points() {
+    const auto bad =
+        std::find_if(mesh_.points.begin(), mesh_.points.end(), [](const Vec3& x) { return !x.allFinite(); });
+    if (bad == mesh_.points.end()) return true;
+    lines_.push_back(fmt::format("point {} has a coordinate that is not finite", bad - mesh_.points.begin()));
+    return false;
+  }
+
+  [[nodiscard]] bool is_positive(std::size_t cell) const {
+    if (cell >= mesh_.tetrahedra.size()) return cells_.volume(cell) > 0 && !cells_.has_turned_corner(cell);
+    const auto& [a, b, c, d] = mesh_.tetrahedra[cell];
+    return orient3d(mesh_.points[a], mesh_.points[b], mesh_.points[c], mesh_.points[d]) > 0;
+  }
+
+  void look_at_cells() {
+    struct Sums {
+      Count turned;
+      double volume = 0, magnitude = 0;
+    };
+    const Sums sums = parallel::reduce_blocks(
+        cells_.size(), kBlock, Sums(),
+        [&](std::size_t begin, std::size_t end) {
+          Sums part;
+          for (std::size_t i = begin; i < end; ++i) {
+            if (!is_positive(i)) part.turned.add(i);
+            const double volume = cells_.volume(i);
+            part.volume += volume;
+            part.magnitude += std::abs(volume);
+          }
+          return part;
+        },
+        [](Sums a, const Sums& b) {
+          a.turned.add(b.turned);
+          a.volume += b.volume;
+          a.magnitude += b.magnitude;
+          return a;
+        });
+    volume_ = sums.volume;
+    magnitude_ = sums.magnitude;
+    if (sums.turned.count == 0) return;
+    const CellTriangles faces = cells_.triangles(sums.turned.first);
+    lines_.push_back(fmt::format("{} cells are flat or turned inside out, one {}", sums.turned.count,
+                                 at(mesh_.points[faces.items[0][0]])));
+  }
+
+  void look_at_edges() {
+    struct Edge {
+      std::uint32_t low, high;
+      bool runs_up;
+      auto operator<=>(const Edge&) const = default;
+    };
+    std::vector<Edge> edges(3 * outside_.size());
+    parallel::for_each_index(outside_.size(), [&](std::size_t t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = outside_[t][k], b = outside_[t][(k + 1) % 3];
+        edges[3 * t + k] = {std::min(a, b), std::max(a, b), a < b};
+      }
+    });
+    parallel::sort(edges.begin(), edges.end());
+    Count bad;
+    for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
+      next = i;
+      while (next < edges.size() && edges[next].low == edges[i].low && edges[next].high == edges[i].high)
+        ++next;
+      if (next - i != 2 || edges[i].runs_up == edges[i + 1].runs_up) bad.add(i);
+    }
+    if (bad.count == 0) return;
+    const Edge& edge = edges[bad.first];
+    lines_.push_back(fmt::format("{} edges of the outside do not have one face on each side, one {}",
+                                 bad.count, at(0.5 * (mesh_.points[edge.low] + mesh_.points[edge.high]))));
+  }
+
+  void look_at_crossings() {
+    const std::vector<SelfCrossing> crossings = find_self_crossings(mesh_.points, outside_);
+    if (crossings.empty()) return;
+    lines_.push_back(fmt::format("the outside crosses or touches itself: {} pairs of triangles, one {}",
+                                 crossings.size(), at(crossings.front().place)));
+  }
+
+  /// The divergence theorem: a third of the flux of the position through the outside is the volume within.
+  void look_at_volume() {
+    double enclosed = 0;
+    for (const auto& [a, b, c] : outside_)
+      enclosed +=
+          (mesh_.points[a] - origin_).dot((mesh_.points[b] - origin_).cross(mesh_.points[c] - origin_)) / 6;
+    constexpr double kRounding = 1e-9;
+    if (std::abs(enclosed - volume_) <= kRounding * (magnitude_ + std::abs(enclosed))) return;
+    lines_.push_back(
+        fmt::format("the cells fill {:.9g} {}3 but the outside encloses {:.9g}: there are gaps or "
+                    "overlaps within",
+                    volume_, mesh_.info->unit, enclosed));
+  }
+
+  static constexpr std::size_t kBlock = 8192;
+
+  const MeshView& mesh_;
+  AllCells cells_;
+  Vec3 origin_;  // Near the mesh, so that little cancels.
+  std::vector<Cell<3>> outside_;
+  double volume_ = 0, magnitude_ = 0;
+  std::vector<std::string> lines_;
+};
+
+}  // namespace
+
+std::vector<std::string> find_faults(const MeshView& mesh) {
+  return Faults(mesh).find();
+}
+
+}  // namespace lumesh::quality
