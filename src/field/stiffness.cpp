@@ -22,6 +22,7 @@ const float kLeast = std::log2(0.02F / static_cast<float>(kThird));
 const float kLogHold = std::log2(kHold);
 constexpr float kGain = 0.5F;  // to what share the violation has to fall for a step to have paid
 constexpr float kLeastNoise = 0.001F, kMostNoise = 0.03F;  // mean violations that may be noise
+constexpr float kBeyondNoise = 0.0375F;  // what has been taken for noise and comes to violate more is none
 constexpr float kTurning = 0.05F;    // least eigenvalue of the mean of n n^T at ends and corners; 0 on tubes
 constexpr float kThinShare = 0.05F;  // windows with more thin voxels than this are not judged
 constexpr float kNoiseHold =
@@ -138,12 +139,28 @@ struct StiffnessLoops {
                   boundary = load(boundary_sums.at(s));
       const LaneMask noisy = (now > kGain * before) & (boundary > Lanes{} + kTiny) &
                              (now > kLeastNoise * boundary) & (now < kMostNoise * boundary);
-      taken[at] =
-          static_cast<std::uint8_t>(bits_of(noisy) & a.softened_[at] & ~a.thin_around_[at] & ~a.turning_[at]);
+      taken[at] = static_cast<std::uint8_t>(bits_of(noisy) & a.softened_[at] & ~a.thin_around_[at] &
+                                            ~a.turning_[at] & ~a.beyond_noise_[at]);
       a.locked_[at] = static_cast<std::uint8_t>(a.locked_[at] | taken[at]);
       a.softened_[at] = 0;
       store(a.logarithm_.at(s),
             mask_of(taken[at]) ? load(a.last_logarithm_.at(s)) : load(a.logarithm_.at(s)));
+    }
+  }
+  /// Unlocks where sides are violated by more than noise does, and softens by three steps at once.
+  static LUMESH_WIDE_LOOPS void unlock(StiffnessAdaptation& a, const LaneArray& wrong_sums, int begin,
+                                       int end, Bits& unlocked) {
+    for (int s = begin; s < end; ++s) {
+      const auto at = static_cast<std::size_t>(s);
+      const Lanes boundary = load(a.boundary_wide_.at(s));
+      const LaneMask too_much =
+          (boundary > Lanes{} + kTiny) & (load(wrong_sums.at(s)) > kBeyondNoise * boundary);
+      unlocked[at] = static_cast<std::uint8_t>(bits_of(too_much) & a.locked_[at]);
+      a.locked_[at] = static_cast<std::uint8_t>(a.locked_[at] & ~unlocked[at]);
+      a.beyond_noise_[at] = static_cast<std::uint8_t>(a.beyond_noise_[at] | unlocked[at]);
+      const Lanes old = load(a.logarithm_.at(s)), lower = old - 3 * kStep;
+      store(a.logarithm_.at(s),
+            mask_of(unlocked[at]) ? (lower > Lanes{} + kLeast ? lower : Lanes{} + kLeast) : old);
     }
   }
   static LUMESH_WIDE_LOOPS void soften(StiffnessAdaptation& a, const Band& band, int begin, int end) {
@@ -214,7 +231,7 @@ StiffnessAdaptation::StiffnessAdaptation(const LaneArray& start, Noise noise, Fi
   for (LaneArray* array : {&boundary_narrow_, &boundary_wide_, &logarithm_, &last_logarithm_, &wrong_,
                            &last_wrong_, &wrong_sum_, &scratch_, &other_, &more_})
     array->assign(end, 0);
-  for (Bits* bits : {&turning_, &thin_around_, &locked_, &softened_})
+  for (Bits* bits : {&turning_, &thin_around_, &locked_, &beyond_noise_, &softened_})
     bits->assign(state.band.segment_count(), 0);
   for_each_segment(end, [&](int s, std::size_t) {
     store(scratch_.at(s), keep(Lanes{} + 1.0F, mask_of(state.band.boundary(s))));
@@ -282,13 +299,27 @@ void StiffnessAdaptation::measure(FitState& state) {
 
 bool StiffnessAdaptation::update(Step step, FitState& state) {
   measure(state);
+  const bool unlocked = unlock(state);
   const bool took_back = noise_ == Noise::kExpected && judge(state);
   std::swap(last_wrong_, wrong_);
   last_logarithm_ = logarithm_;
   const bool softened = step == Step::kSoften && soften(state);
-  if (softened || took_back) smooth_logarithm(state);
+  if (softened || took_back || unlocked) smooth_logarithm(state);
   if (noise_ == Noise::kExpected) lower_holds_where_locked(state);
-  return softened || took_back;
+  return softened || took_back || unlocked;
+}
+
+/// A crease, as between two vessels side by side, is ironed out like noise where a step of softening falls
+/// short of it, and then violates more and more.
+bool StiffnessAdaptation::unlock(FitState& state) {
+  if (!has_any(locked_)) return false;
+  const int end = state.band.end();
+  scratch_ = wrong_;
+  state.levels.sum_over_window(scratch_, Window::kWide, scratch_);
+  Bits unlocked(state.band.segment_count(), 0);
+  for_each_segment_block(
+      end, [&](int begin, int last) { StiffnessLoops::unlock(*this, scratch_, begin, last, unlocked); });
+  return has_any(unlocked);
 }
 
 /// Takes the last step back, and locks, where it did not pay: by windows over the voxels that were softened.

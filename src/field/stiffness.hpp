@@ -8,7 +8,7 @@ namespace lumesh::field {
 /// Softens the differences' weights where the voxels' sides are violated in the mean over a window. A step of
 /// softening has to pay: where the violation does not fall to half of what it was, the labels are noisy
 /// there; the step is taken back, the place locked, and single voxels pull with the weight that the noise's
-/// variance gives them.
+/// variance gives them. What then comes to be violated by more than noise does is unlocked for good.
 class StiffnessAdaptation {
  public:
   enum class Noise : std::uint8_t { kExpected, kNone };
@@ -30,6 +30,7 @@ class StiffnessAdaptation {
   using Bits = std::vector<std::uint8_t>;
   void find_turning(const LaneArray& start, FitState& state);
   void measure(FitState& state);
+  bool unlock(FitState& state);
   bool judge(FitState& state);
   bool soften(FitState& state);
   void smooth_logarithm(FitState& state);
@@ -38,7 +39,7 @@ class StiffnessAdaptation {
   Noise noise_;
   LaneArray boundary_narrow_, boundary_wide_;  // how much boundary the windows hold
   Bits turning_, thin_around_;
-  Bits locked_, softened_;
+  Bits locked_, beyond_noise_, softened_;
   LaneArray logarithm_, last_logarithm_;  // of the stiffness, to base 2
   LaneArray wrong_, last_wrong_;          // violation of each voxel, outliers left out
   LaneArray wrong_sum_;                   // windows of violations, cut off, at the boundary

@@ -158,6 +158,32 @@ TEST(LabelField, VesselsOneVoxelApartStayApart) {
   EXPECT_EQ(joined, 0);
 }
 
+/// The creases between them are no noise to be ironed out, at the expense of the thinner one.
+TEST(LabelField, VesselsSideBySideKeepTheirVolumes) {
+  const ImageFrame frame = frame_of({44, 44, 44}, Vec3::Ones());
+  const Vec3 along = Vec3(1, 0.3, 0.2).normalized(), across = along.cross(Vec3(0.3, 0.2, 1)).normalized();
+  for (const auto& [first, second] : {std::pair{3.0, 2.0}, {5.0, 2.0}}) {
+    SCOPED_TRACE(testing::Message() << "radii " << first << " and " << second);
+    constexpr double kOverlap = 0.4;
+    const Vec3 middle(22.2, 22.1, 21.7);
+    const TubeAxis one{middle - (first - 0.5 * kOverlap) * across, along};
+    const TubeAxis other{middle + (second - 0.5 * kOverlap) * across, along};
+    const auto truth = [&](const Vec3& p) {
+      return other.distance(p) < second ? 2 : one.distance(p) < first ? 1 : 0;
+    };
+    const LabelField field(image_of(frame, 2, truth), {});
+    std::array<int, 3> found{}, wanted{};
+    for (double x = 4; x < 40; x += 0.3)
+      for (double y = 4; y < 40; y += 0.3)
+        for (double z = 4; z < 40; z += 0.3) {
+          ++found[field.label_at({x, y, z})];
+          ++wanted[static_cast<std::size_t>(truth({x, y, z}))];
+        }
+    for (const std::size_t label : {1, 2})
+      EXPECT_NEAR(found[label], wanted[label], 0.04 * wanted[label]) << label;
+  }
+}
+
 TEST(LabelField, PlatesLinesAndGapsOfOneVoxelSurvive) {
   const ImageFrame frame = frame_of({30, 30, 30}, Vec3::Ones());
   const LabelField plate(image_of(frame, 1, [](const Vec3& p) { return p.z() == 14 ? 1 : 0; }), {});
