@@ -249,11 +249,10 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes) {
         metric::mean_ratio(after[0], after[1], after[2], after[3], log(0), log(1), log(2), log(3));
     return ratio >= std::min<double>(kFloor, kKept * mesh.quality(t));
   };
-  const bool any_shape = std::any_of(shapes.begin(), shapes.end(),
-                                     [](const operators::PatchShape& shape) { return shape.keeps_volume; });
-  const std::vector<Vec3> before(mesh.points().begin(), mesh.points().end());
-  if (any_shape) operators::settle(mesh, operators::places_on_shapes(shapes), {.may_become = may_become});
-  if (operators::undo_crossings(mesh, before, may_become) > 0) operators::draw_apart(mesh);
+  if (std::any_of(shapes.begin(), shapes.end(),
+                  [](const operators::PatchShape& shape) { return shape.keeps_volume; }))
+    operators::settle(mesh, operators::places_on_shapes(shapes), {.may_become = may_become});
+  operators::draw_apart(mesh);
   metric::measure_qualities(mesh);
 }
 

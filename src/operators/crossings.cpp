@@ -8,6 +8,7 @@
 #include "lumesh/core/assert.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -82,8 +83,6 @@ std::size_t undo_crossings(std::span<Vec3> points, std::span<const Cell<4>> tets
   }
 }
 
-namespace {
-
 std::vector<Cell<3>> outside_of(const TetMesh& mesh, const BoundaryFaces& faces) {
   std::vector<Cell<3>> outside;
   for (std::size_t f = 0; f < faces.triangles.size(); ++f)
@@ -92,62 +91,81 @@ std::vector<Cell<3>> outside_of(const TetMesh& mesh, const BoundaryFaces& faces)
   return outside;
 }
 
-}  // namespace
+namespace {
 
-std::size_t undo_crossings(TetMesh& mesh, std::span<const Vec3> before, const MayBecome& may_become) {
-  LUMESH_ASSERT(mesh.is_compact());
-  std::vector<Vec3> points(mesh.points().begin(), mesh.points().end());
-  const BoundaryFaces faces = mesh.boundary_faces();
-  const std::size_t left = undo_crossings(points, mesh.tets(), outside_of(mesh, faces), before, may_become);
-  parallel::for_each_index(points.size(), [&](std::size_t v) {
-    mesh.set_point(VertexId(static_cast<std::uint32_t>(v)), points[v]);
-  });
-  return left;
-}
-
-std::size_t draw_apart(TetMesh& mesh) {
-  LUMESH_ASSERT(mesh.is_compact());
-  constexpr int kRounds = 20;
-  constexpr double kStep = 0.2;  // Of the way to the middle of the vertices around.
-  const BoundaryFaces faces = mesh.boundary_faces();
-  const std::vector<Cell<3>> outside = outside_of(mesh, faces);
-  // Of the opening that a vertex lies in; its last one, where there are several.
-  std::vector<Vec3> normals(mesh.vertex_slots(), Vec3::Zero());
-  for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
-    if (mesh.info().patches[static_cast<std::size_t>(faces.patches[f])].kind != PatchKind::kOpening) continue;
-    const auto& [a, b, c] = faces.triangles[f];
-    const auto& at = [&](std::uint32_t v) -> const Vec3& { return mesh.point(VertexId(v)); };
-    const Vec3 normal = (at(b) - at(a)).cross(at(c) - at(a)).normalized();
-    for (const std::uint32_t v : faces.triangles[f]) normals[v] = normal;
+/// The steps of draw_apart().
+class DrawingApart {
+ public:
+  explicit DrawingApart(TetMesh& mesh) : mesh_(mesh), normals_(mesh.vertex_slots(), Vec3::Zero()) {
+    const BoundaryFaces faces = mesh.boundary_faces();
+    outside_ = outside_of(mesh, faces);
+    for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
+      if (mesh.info().patches[static_cast<std::size_t>(faces.patches[f])].kind != PatchKind::kOpening)
+        continue;
+      const auto& [a, b, c] = faces.triangles[f];
+      const Vec3 normal = triangle_normal(at(a), at(b), at(c));
+      for (const std::uint32_t v : faces.triangles[f]) normals_[v] = normal;
+    }
   }
-  VertexStar star;
-  const auto step = [&](VertexId v) {
-    const auto tets = star.gather(mesh, v);
-    Vec3 sum = Vec3::Zero();
-    for (const TetId t : tets)
-      for (int k = 0; k < 4; ++k) sum += mesh.corner(t, k);
-    const Vec3 before = mesh.point(v);
-    const auto count = static_cast<double>(tets.size());
-    const Vec3 middle = (sum - count * before) / (3 * count);
-    Vec3 move = kStep * (middle - before);
-    move -= normals[v.value].dot(move) * normals[v.value];
-    mesh.set_point(v, before + move);
-    const bool is_positive = std::all_of(tets.begin(), tets.end(), [&](TetId t) {
-      return orient3d(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)) > 0;
-    });
-    if (!is_positive) mesh.set_point(v, before);
-  };
-  for (int round = 0;; ++round) {
-    const std::vector<SelfCrossing> crossings = find_self_crossings(mesh.points(), outside);
-    if (crossings.empty() || round == kRounds) return crossings.size();
+
+  std::size_t run() {
+    constexpr int kRounds = 20;
+    for (int round = 0;; ++round) {
+      const std::vector<SelfCrossing> crossings = find_self_crossings(mesh_.points(), outside_);
+      if (crossings.empty() || round == kRounds) return crossings.size();
+      for (const std::uint32_t v : vertices_of(crossings)) step(VertexId(v));
+    }
+  }
+
+ private:
+  [[nodiscard]] const Vec3& at(std::uint32_t v) const { return mesh_.point(VertexId(v)); }
+
+  /// Ascending.
+  [[nodiscard]] std::vector<std::uint32_t> vertices_of(const std::vector<SelfCrossing>& crossings) const {
     std::vector<std::uint32_t> vertices;
     for (const SelfCrossing& crossing : crossings)
       for (const std::uint32_t face : {crossing.first, crossing.second})
-        vertices.insert(vertices.end(), outside[face].begin(), outside[face].end());
+        vertices.insert(vertices.end(), outside_[face].begin(), outside_[face].end());
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    for (const std::uint32_t v : vertices) step(VertexId(v));
+    return vertices;
   }
+
+  void step(VertexId v) {
+    constexpr double kPart = 0.2;  // Of the way.
+    const auto tets = star_.gather(mesh_, v);
+    const Vec3 before = mesh_.point(v);
+    Vec3 move = kPart * (middle_around(tets, before) - before);
+    move -= normals_[v.value].dot(move) * normals_[v.value];
+    mesh_.set_point(v, before + move);
+    if (!std::all_of(tets.begin(), tets.end(), [&](TetId t) { return is_positive(t); }))
+      mesh_.set_point(v, before);
+  }
+
+  /// The mean of the other corners, those of many tetrahedra counted more.
+  [[nodiscard]] Vec3 middle_around(std::span<const TetId> tets, const Vec3& own) const {
+    Vec3 sum = Vec3::Zero();
+    for (const TetId t : tets)
+      for (int k = 0; k < 4; ++k) sum += mesh_.corner(t, k);
+    const auto count = static_cast<double>(tets.size());
+    return (sum - count * own) / (3 * count);
+  }
+
+  [[nodiscard]] bool is_positive(TetId t) const {
+    return orient3d(mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2), mesh_.corner(t, 3)) > 0;
+  }
+
+  TetMesh& mesh_;
+  std::vector<Cell<3>> outside_;
+  std::vector<Vec3> normals_;  // Of the opening that a vertex lies in, of the last one if there are several.
+  VertexStar star_;
+};
+
+}  // namespace
+
+std::size_t draw_apart(TetMesh& mesh) {
+  LUMESH_ASSERT(mesh.is_compact());
+  return DrawingApart(mesh).run();
 }
 
 }  // namespace lumesh::operators

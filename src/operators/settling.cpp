@@ -9,6 +9,7 @@
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/operators/crossings.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::operators {
@@ -419,7 +420,9 @@ SettlingReport settle(TetMesh& mesh, const PlaceOnPatch& place, const SettlingRu
   LUMESH_ASSERT(mesh.is_compact());
   std::vector<Vec3> points(mesh.points().begin(), mesh.points().end());
   const BoundaryFaces faces = mesh.boundary_faces();
-  const SettlingReport report = settle(points, mesh.tets(), {faces.triangles, faces.patches}, place, rules);
+  const std::vector<Vec3> before = points;
+  SettlingReport report = settle(points, mesh.tets(), {faces.triangles, faces.patches}, place, rules);
+  report.crossings = undo_crossings(points, mesh.tets(), outside_of(mesh, faces), before, rules.may_become);
   parallel::for_each_index(points.size(), [&](std::size_t v) {
     mesh.set_point(VertexId(static_cast<std::uint32_t>(v)), points[v]);
   });

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/operators/settling.hpp"
@@ -20,14 +21,14 @@ namespace lumesh::operators {
 std::size_t undo_crossings(std::span<Vec3> points, std::span<const Cell<4>> tets,
                            std::span<const Cell<3>> outside, std::span<const Vec3> before,
                            const MayBecome& may_become);
+/// The faces of a mesh that only one cell has.
+[[nodiscard]] std::vector<Cell<3>> outside_of(const TetMesh& mesh, const BoundaryFaces& faces);
+
 /// Draws the sheets that cross or touch apart, each into its own cells: their vertices move towards the
 /// middle of the vertices around, step by step, as far as tetrahedra stay positive. Vertices of openings
 /// stay.
 /// @param mesh  Compact.
 /// @return The pairs of faces that still cross.
 std::size_t draw_apart(TetMesh& mesh);
-
-/// @param mesh  Compact.
-std::size_t undo_crossings(TetMesh& mesh, std::span<const Vec3> before, const MayBecome& may_become);
 
 }  // namespace lumesh::operators

@@ -58,6 +58,7 @@ struct SettlingReport {
   std::size_t vertices = 0;    ///< That have a place.
   std::size_t held_back = 0;   ///< Of these, farther from it than 1e-3 of the edges around.
   double furthest_off_mm = 0;  ///< From their places.
+  std::size_t crossings = 0;   ///< Pairs of faces of a TetMesh's outside that cross, and did before.
 };
 
 /// Carries every vertex inside a patch to its place, unless that is farther away than half the edges around.
@@ -71,6 +72,8 @@ struct SettlingReport {
 /// place, 0.3 us per tetrahedron there.
 SettlingReport settle(std::span<Vec3> points, std::span<const Cell<4>> tets, const PatchTable& faces,
                       const PlaceOnPatch& place, const SettlingRules& rules);
+/// The same for a mesh, whose outside does not come to cross or touch itself: where it would, vertices go
+/// back.
 /// @param mesh  Compact.
 SettlingReport settle(TetMesh& mesh, const PlaceOnPatch& place, const SettlingRules& rules);
 

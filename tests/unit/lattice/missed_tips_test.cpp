@@ -125,8 +125,8 @@ TEST(MissedTips, ThinPlatesAndRodsAreReached) {
     const MixedMesh mesh = test::meshed(image);
     test::expect_good(mesh);
     test::expect_label_volumes(image, mesh, 0.02);
-    // What sticks out by less than a voxel's width, as rims of plates, the domain rounds; single places deep in the
-    // creases between plates and rods are not reached.
+    // What sticks out by less than a voxel's width, as rims of plates, the domain rounds; single places deep
+    // in the creases between plates and rods are not reached.
     EXPECT_LT(test::worst_distance_from_domain_mm(image, ImageDomain(image, {}), mesh), 1);
     EXPECT_LT(worst_stray_mm(image, mesh), 1);
     const MixedMesh exact = test::meshed(image, {}, kExact);
