@@ -17,6 +17,7 @@ void add_layers_command(CLI::App& program);
 void add_merge_command(CLI::App& program);
 void add_metric_command(CLI::App& program);
 void add_phantom_command(CLI::App& program);
+void add_rename_command(CLI::App& program);
 void add_run_command(CLI::App& program);
 
 }  // namespace lumesh::cli

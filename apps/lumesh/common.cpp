@@ -115,6 +115,28 @@ void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::st
       ->type_size(6);
 }
 
+void add_name_option(CLI::App& command, std::vector<std::string>& names) {
+  command
+      .add_option(
+          "--name", names,
+          "PATCH=NAME, such as outlet_2=left_ica, or X,Y,Z=NAME for the opening near a place in mm; may be "
+          "repeated; lumesh info lists the openings of an image")
+      ->allow_extra_args(false)
+      ->check([](const std::string& text) {
+        try {
+          return renaming_from(text).name.empty() ? std::string("no name") : std::string();
+        } catch (const Error& error) {
+          return std::string(error.what());
+        }
+      });
+}
+
+std::vector<PatchRenaming> renamings_from(const std::vector<std::string>& names) {
+  std::vector<PatchRenaming> renamings;
+  for (const std::string& name : names) renamings.push_back(renaming_from(name));
+  return renamings;
+}
+
 CLI::Validator positive_number() {
   return number_above(0, "a positive number", "POSITIVE");
 }
@@ -206,12 +228,15 @@ std::vector<std::string> doubts_about_image(const std::string& image_path, const
                       found, made_from->second, consequence)};
 }
 
-void require_sound(const std::string& path, const MeshView& mesh, Context& context) {
-  const std::vector<std::string> faults = context.phase("check", [&] { return quality::find_faults(mesh); });
+void require_sound(const std::string& path, const MeshView& mesh, Context& context,
+                   const std::string& besides) {
+  const std::vector<std::string> faults =
+      context.phase("validity", [&] { return quality::find_faults(mesh); });
   if (faults.empty()) return;
-  throw Error(ErrorKind::kNotReached,
-              fmt::format("{}: the mesh is invalid: {}; do not use it. `lumesh evaluate` lists all problems",
-                          path, fmt::join(faults, "; ")));
+  throw Error(
+      ErrorKind::kNotReached,
+      fmt::format("{}{}: the mesh is invalid: {}; do not use it. `lumesh evaluate` lists all problems",
+                  besides, path, fmt::join(faults, "; ")));
 }
 
 }  // namespace lumesh::cli

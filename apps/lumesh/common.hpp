@@ -16,6 +16,7 @@
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/pipeline/input.hpp"
 
 namespace lumesh::cli {
@@ -60,6 +61,11 @@ void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::st
 /// @throws Error{kUsage} unless every number is finite and no normal is zero.
 [[nodiscard]] std::vector<CutPlane> planes_from(const PlaneNumbers& numbers);
 
+/// --name, of commands that make meshes; texts for renaming_from().
+void add_name_option(CLI::App& command, std::vector<std::string>& names);
+/// @throws Error{kUsage} unless every one is a renaming.
+[[nodiscard]] std::vector<PatchRenaming> renamings_from(const std::vector<std::string>& names);
+
 /// Accepts what is a finite number above 0, and says so otherwise.
 [[nodiscard]] CLI::Validator positive_number();
 /// The same above another bound; `wanted` is what it says is not there, `name` stands in the help.
@@ -99,7 +105,9 @@ void check_inputs_stay(std::initializer_list<std::string> outputs, std::initiali
                                                           std::string_view consequence);
 
 /// Looks at a mesh that was written, quickly.
+/// @param besides  What else has to be said then.
 /// @throws Error{kNotReached} if it has faults that no simulation survives (quality/faults.hpp).
-void require_sound(const std::string& path, const MeshView& mesh, Context& context);
+void require_sound(const std::string& path, const MeshView& mesh, Context& context,
+                   const std::string& besides = "");
 
 }  // namespace lumesh::cli

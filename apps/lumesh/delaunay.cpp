@@ -27,6 +27,7 @@ struct DelaunayCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, surface_path, json_path;
   DomainInput input;
+  OpeningOptions openings;
   DelaunayOptions options;
   std::string seeding = "lattice";
   SizingOptions sizing;
@@ -116,6 +117,7 @@ void run(DelaunayCommand command) {
   command.options.seeding = seeding_of(command.seeding);
   command.options.sizing = sizing.get();
   command.options.team = command.kernel.team(command.run.threads);
+  const std::vector<PatchRenaming> renamings = renamings_for(command.openings, domain);
   DelaunayResult result = naming(input_path, [&] { return mesh_delaunay(domain, command.options, context); });
   TetMesh& mesh = result.mesh;
   std::optional<ImproveReport> improved;
@@ -129,6 +131,7 @@ void run(DelaunayCommand command) {
     context.phase("improvement", [&] { improved = improve(mesh, command.improvement, context); });
   }
   mesh.info().provenance = provenance_of(*command.self, input_path);
+  rename_found(mesh.info(), renamings, context);
   const BoundaryFaces faces = mesh.boundary_faces();
   context.phase("write", [&] {
     MeshView view = mesh.view(faces);
@@ -147,9 +150,10 @@ void run(DelaunayCommand command) {
   if (!command.json_path.empty())
     report::write_file(command.json_path, report_json(result.report, improved, mesh, context).dump(2) + "\n");
   print_summary(command, mesh, faces, openings, improved, context, elapsed.count());
-  require_sound(command.mesh_path, mesh.view(faces), context);
-  long_run.check_complete(result.report.complete && (!improved || improved->complete),
-                          command.mesh_path + " holds the best mesh so far");
+  const bool is_complete = result.report.complete && (!improved || improved->complete);
+  require_sound(command.mesh_path, mesh.view(faces), context, long_run.reason(is_complete));
+  long_run.check_complete(is_complete, command.mesh_path + " holds the best mesh so far");
+  require_openings(command.openings, command.mesh_path, openings);
 }
 
 void add_rule_options(CLI::App& sub, DelaunayCommand& command) {
@@ -202,6 +206,7 @@ void add_delaunay_command(CLI::App& program) {
   sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
   sub->add_option("--json", command->json_path, "Write times, rounds and angles as JSON");
   add_domain_options(*sub, command->input);
+  add_opening_options(*sub, command->openings);
   add_kernel_options(*sub, command->kernel);
   add_time_limit_option(*sub, command->time_limit_s);
   add_threads_option(*sub, command->run);

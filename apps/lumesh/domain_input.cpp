@@ -52,6 +52,42 @@ void check_domain_options(const CLI::App& command, const DomainInput& input) {
     refuse(option);
 }
 
+void add_opening_options(CLI::App& command, OpeningOptions& options) {
+  add_name_option(command, options.names);
+  command.add_flag(
+      "--strict", options.is_strict,
+      "Exit with 3, after the mesh was written, if an opening is missing or its area is more than 5 % off");
+}
+
+std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, const Domain& domain) {
+  if (options.names.empty()) return {};
+  return naming("--name", [&] {
+    return with_patches(renamings_from(options.names), named_openings(find_openings(domain)));
+  });
+}
+
+void rename_found(MeshInfo& info, const std::vector<PatchRenaming>& renamings, Context& context) {
+  std::vector<PatchRenaming> found;
+  for (const PatchRenaming& renaming : renamings) {
+    if (std::any_of(info.patches.begin(), info.patches.end(),
+                    [&](const Patch& patch) { return patch.name == renaming.patch; }))
+      found.push_back(renaming);
+    else
+      context.warn(fmt::format("the mesh has no {} to call {}", renaming.patch, renaming.name));
+  }
+  rename_patches(info, found);
+}
+
+void require_openings(const OpeningOptions& options, const std::string& path,
+                      const OpeningsCompared& openings) {
+  const std::vector<std::string> doubts = doubts_about(openings);
+  if (options.is_strict && !doubts.empty())
+    throw Error(
+        ErrorKind::kNotReached,
+        fmt::format("{}: {}{}", path, doubts.front(),
+                    doubts.size() > 1 ? fmt::format("; {} openings are wrong in all", doubts.size()) : ""));
+}
+
 OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain, Context& context) {
   if (domain.cut_planes().empty()) return {};
   OpeningsCompared compared =

@@ -25,6 +25,7 @@ struct LatticeCommand {
   ImageSelection selection;
   PlaneNumbers cut_planes;
   std::vector<std::string> label_fidelity;
+  OpeningOptions openings;
   LatticeOptions options;
   ImageDomainOptions domain;
   RunOptions run;
@@ -97,7 +98,9 @@ void run(const LatticeCommand& command) {
   const ImageDomain domain = naming(command.image_path, [&] {
     return context.phase("domain", [&] { return ImageDomain(image, domain_options); });
   });
+  const std::vector<PatchRenaming> renamings = renamings_for(command.openings, domain);
   LatticeResult result = mesh_lattice(image, domain, options, context);
+  rename_found(result.mesh.info, renamings, context);
   result.mesh.info.provenance = provenance_of(*command.self, command.image_path);
   context.phase("write", [&] {
     write_mesh(command.mesh_path, result.mesh.view());
@@ -108,6 +111,7 @@ void run(const LatticeCommand& command) {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (command.run.quiet == 0) print_summary(command, result, openings, context, elapsed.count());
   require_sound(command.mesh_path, result.mesh.view(), context);
+  require_openings(command.openings, command.mesh_path, openings);
 }
 
 }  // namespace
@@ -146,6 +150,7 @@ void add_lattice_command(CLI::App& program) {
   add_probabilities_option(*sub, command->selection);
   add_cut_plane_option(*sub, command->cut_planes, "cut off what lies on the normal's side");
   add_boundary_option(*sub, command->domain.field);
+  add_opening_options(*sub, command->openings);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh lattice case1.nrrd -o case1.vtu --spacing 1.2 --cut-plane 0 0 10 0 0 -1");

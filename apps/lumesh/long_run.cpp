@@ -42,12 +42,14 @@ LongRun::LongRun(Context& context, const RunOptions& options, double limit_s)
   });
 }
 
-void LongRun::check_complete(bool complete, const std::string& what_is_left) const {
-  if (complete) return;
+std::string LongRun::reason(bool complete) const {
+  if (complete) return "";
   const bool interrupted = stopper_.reason() == parallel::Stopper::Reason::kSignal;
-  throw Error(ErrorKind::kTimeLimit, (interrupted ? std::string("interrupted")
-                                                  : fmt::format("time limit of {} s reached", limit_s_)) +
-                                         "; " + what_is_left);
+  return interrupted ? "interrupted; " : fmt::format("time limit of {} s reached; ", limit_s_);
+}
+
+void LongRun::check_complete(bool complete, const std::string& what_is_left) const {
+  if (!complete) throw Error(ErrorKind::kTimeLimit, reason(complete) + what_is_left);
 }
 
 }  // namespace lumesh::cli

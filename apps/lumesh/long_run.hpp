@@ -18,6 +18,8 @@ class LongRun {
  public:
   LongRun(Context& context, const RunOptions& options, double limit_s);
 
+  /// Why a run is not complete, for the beginning of a line; empty if it is.
+  [[nodiscard]] std::string reason(bool complete) const;
   /// @throws Error{kTimeLimit} if the run was told to stop; `what_is_left` says what the user has now.
   void check_complete(bool complete, const std::string& what_is_left) const;
 

@@ -66,6 +66,7 @@ int main(int argc, char** argv) {
   lumesh::cli::add_evaluate_command(program);
   lumesh::cli::add_centerline_command(program);
   lumesh::cli::add_convert_command(program);
+  lumesh::cli::add_rename_command(program);
   lumesh::cli::add_run_command(program);
   try {
     if (argc > 1) check_command(program, argv[1]);

@@ -101,6 +101,7 @@ void run(MergeCommand command) {
       "{}: {} cells, {} points; {} faces ({:.6g} {}2) and {} points shared, up to {:.2g} apart\n",
       command.output_path, mesh.view().cell_count(), mesh.points.size(), report.shared_faces,
       report.shared_area, mesh.info.unit, report.shared_points, report.farthest);
+  require_sound(command.output_path, mesh.view(), context);
 }
 
 }  // namespace

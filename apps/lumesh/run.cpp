@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <cstdio>
@@ -47,14 +48,10 @@ void print_prediction(const RunOptions& run, const CasePrediction& prediction) {
       static_cast<double>(prediction.free_memory_bytes) / 1e9);
 }
 
-/// Of the last mesh, which is the one that was written.
-void require_valid(const CaseResult& result) {
-  const std::optional<quality::Evaluation>& last = result.report.stages.back().evaluation;
-  if (!last || last->problem_count == 0) return;
-  throw Error(
-      ErrorKind::kNotReached,
-      fmt::format("{}: the mesh is invalid, do not use it: {}{}", result.folder, last->problems.front(),
-                  last->problem_count > 1 ? fmt::format("; {} problems in all", last->problem_count) : ""));
+void require_sound(const CaseResult& result, const std::string& besides) {
+  if (!result.faults.empty())
+    throw Error(ErrorKind::kNotReached, fmt::format("{}{}: the mesh is invalid: {}; do not use it", besides,
+                                                    result.folder, fmt::join(result.faults, "; ")));
 }
 
 void run(const RunCommand& command) {
@@ -72,7 +69,7 @@ void run(const RunCommand& command) {
   const CaseResult result = run_case(c, command.resumes, context);
   say(command.run, "{}: {} in {:.1f} s, {:.2g} GB at the peak\n", result.folder, c.name,
       result.report.seconds, static_cast<double>(result.report.peak_memory_bytes) / 1e9);
-  require_valid(result);
+  require_sound(result, long_run.reason(result.complete));
   long_run.check_complete(result.complete, result.folder + " holds the best mesh so far");
 }
 

@@ -252,7 +252,7 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes) {
   if (std::any_of(shapes.begin(), shapes.end(),
                   [](const operators::PatchShape& shape) { return shape.keeps_volume; }))
     operators::settle(mesh, operators::places_on_shapes(shapes), {.may_become = may_become});
-  operators::draw_apart(mesh);
+  operators::draw_apart(mesh, shapes);
   metric::measure_qualities(mesh);
 }
 

@@ -312,6 +312,13 @@ std::string opening_name(std::size_t number) {
   return number == 0 ? "inlet_1" : fmt::format("outlet_{}", number);
 }
 
+std::vector<NamedOpening> named_openings(std::span<const Opening> openings) {
+  std::vector<NamedOpening> result;
+  for (std::size_t i = 0; i < openings.size(); ++i)
+    result.push_back({opening_name(i), openings[i].centre_mm, openings[i].radius_mm()});
+  return result;
+}
+
 double voxel_face_mm2(const Domain& domain, const Vec3& normal) {
   return std::pow(domain.resolution_mm(), 3) / domain.resolution_along_mm(normal);
 }

@@ -147,7 +147,7 @@ struct StiffnessLoops {
             mask_of(taken[at]) ? load(a.last_logarithm_.at(s)) : load(a.logarithm_.at(s)));
     }
   }
-  /// Unlocks where sides are violated by more than noise does, and softens by three steps at once.
+  /// Unlocks where sides are violated by more than noise does, and softens by three steps; one more follows.
   static LUMESH_WIDE_LOOPS void unlock(StiffnessAdaptation& a, const LaneArray& wrong_sums, int begin,
                                        int end, Bits& unlocked) {
     for (int s = begin; s < end; ++s) {
@@ -305,7 +305,7 @@ bool StiffnessAdaptation::update(Step step, FitState& state) {
   last_logarithm_ = logarithm_;
   const bool softened = step == Step::kSoften && soften(state);
   if (softened || took_back || unlocked) smooth_logarithm(state);
-  if (noise_ == Noise::kExpected) lower_holds_where_locked(state);
+  if (noise_ == Noise::kExpected && (unlocked || has_any(locked_))) lower_holds_where_locked(state);
   return softened || took_back || unlocked;
 }
 
@@ -367,7 +367,6 @@ void StiffnessAdaptation::smooth_logarithm(FitState& state) {
 
 void StiffnessAdaptation::lower_holds_where_locked(FitState& state) {
   const Band& band = state.band;
-  if (!has_any(locked_)) return;
   for_each_segment_block(
       band.end(), [&](int begin, int end) { StiffnessLoops::count(band, locked_, begin, end, scratch_); });
   state.levels.sum_over_window(scratch_, Window::kNarrow, other_);

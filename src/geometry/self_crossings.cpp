@@ -1,6 +1,9 @@
 #include "lumesh/geometry/self_crossings.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <map>
+#include <numeric>
 
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
@@ -120,6 +123,24 @@ bool meet_along_edge(const Corners& a, const Corners& b) {
   return !plane.is_flat() && plane.left_of(a[0], a[1], b[2]) > 0;
 }
 
+/// @param shared  How many corners they have in common, in front.
+bool meet(const Corners& a, const Corners& b, std::size_t shared) {
+  switch (shared) {
+    case 0:
+      return meet_apart(a, b);
+    case 1:
+      return meet_around_corner(a, b);
+    case 2:
+      return meet_along_edge(a, b);
+    default:
+      return true;
+  }
+}
+
+bool has_area(const Corners& t) {
+  return !InPlane(t).is_flat();
+}
+
 /// Both with the corners that they share in front, in one order; how many those are.
 std::size_t bring_shared_to_front(std::array<std::uint32_t, 3>& a, std::array<std::uint32_t, 3>& b) {
   std::size_t shared = 0;
@@ -133,7 +154,71 @@ std::size_t bring_shared_to_front(std::array<std::uint32_t, 3>& a, std::array<st
   return shared;
 }
 
+/// Sheets of a closed surface: triangles that hang together by corners.
+class Sheets {
+ public:
+  Sheets(std::size_t points, std::span<const std::array<std::uint32_t, 3>> triangles) : parent_(points) {
+    std::iota(parent_.begin(), parent_.end(), 0U);
+    for (const auto& [a, b, c] : triangles) {
+      unite(a, b);
+      unite(a, c);
+    }
+  }
+  /// Of a point: the lowest point of its sheet.
+  [[nodiscard]] std::uint32_t of(std::uint32_t point) {
+    while (parent_[point] != point) point = parent_[point] = parent_[parent_[point]];
+    return point;
+  }
+
+ private:
+  void unite(std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t x = of(a), y = of(b);
+    parent_[std::max(x, y)] = std::min(x, y);
+  }
+  std::vector<std::uint32_t> parent_;
+};
+
+/// What a triangle adds to how often a closed surface winds around p, seen along the ray from p towards
+/// larger x: +1 or -1 if the ray goes through it, out of or into what is inside. Edges and corners of
+/// triangles count once, by the half-open rule.
+int winding_ahead(const Corners& t, const Vec3& p) {
+  const auto seen = [](const Vec3& x) { return Vec2(x.y(), x.z()); };
+  int winding = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec2 a = seen(t[k]), b = seen(t[(k + 1) % 3]), q = seen(p);
+    if (a.y() <= q.y() && b.y() > q.y() && orient2d(a, b, q) > 0) ++winding;
+    if (a.y() > q.y() && b.y() <= q.y() && orient2d(a, b, q) < 0) --winding;
+  }
+  if (winding == 0 || orient3d(t[0], t[1], t[2], p) != -winding) return 0;
+  return winding;
+}
+
 }  // namespace
+
+std::vector<Vec3> find_doubled_places(std::span<const Vec3> points,
+                                      std::span<const std::array<std::uint32_t, 3>> triangles) {
+  Sheets sheets(points.size(), triangles);
+  std::map<std::uint32_t, double> flux;  // Six volumes of each sheet, by its lowest point.
+  double largest_x = -std::numeric_limits<double>::infinity();
+  const Vec3 origin = triangles.empty() ? Vec3(Vec3::Zero()) : points[triangles[0][0]];
+  for (const auto& [a, b, c] : triangles) {
+    const Vec3 u = points[a] - origin, v = points[b] - origin, w = points[c] - origin;
+    flux[sheets.of(a)] += u.dot(v.cross(w));
+    largest_x = std::max({largest_x, points[a].x(), points[b].x(), points[c].x()});
+  }
+  std::vector<Vec3> doubled;
+  if (flux.size() < 2) return doubled;
+  const TriangleTree tree(points, triangles);
+  for (const auto& [lowest, six_volumes] : flux) {
+    const Vec3& p = points[lowest];
+    int others = 0;
+    for (const std::uint32_t t : tree.overlapping(p, Vec3(largest_x, p.y(), p.z())))
+      if (const auto& [a, b, c] = triangles[t]; sheets.of(a) != lowest)
+        others += winding_ahead({points[a], points[b], points[c]}, p);
+    if (others != (six_volumes > 0 ? 0 : 1)) doubled.push_back(p);
+  }
+  return doubled;
+}
 
 std::vector<SelfCrossing> find_self_crossings(std::span<const Vec3> points,
                                               std::span<const std::array<std::uint32_t, 3>> triangles) {
@@ -143,16 +228,8 @@ std::vector<SelfCrossing> find_self_crossings(std::span<const Vec3> points,
   };
   const auto pairs = tree.pairs([&](std::uint32_t first, std::uint32_t second) {
     std::array<std::uint32_t, 3> a = triangles[first], b = triangles[second];
-    switch (bring_shared_to_front(a, b)) {
-      case 0:
-        return meet_apart(corners_of(a), corners_of(b));
-      case 1:
-        return meet_around_corner(corners_of(a), corners_of(b));
-      case 2:
-        return meet_along_edge(corners_of(a), corners_of(b));
-      default:
-        return true;
-    }
+    const std::size_t shared = bring_shared_to_front(a, b);
+    return meet(corners_of(a), corners_of(b), shared) && has_area(corners_of(a)) && has_area(corners_of(b));
   });
   std::vector<SelfCrossing> crossings;
   crossings.reserve(pairs.size());

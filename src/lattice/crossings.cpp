@@ -30,21 +30,21 @@ void undo_crossings(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDo
 }
 
 bool crosses_at(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
-                std::uint32_t vertex) {
+                const SurfaceTree& tree, double moved_mm, std::span<const std::uint32_t> triangles) {
   Box3 reach;
   std::vector<Triangle> outer;
-  for (const BoundaryTriangle& t : boundary.triangles) {
-    if (!is_outer(t, domain) || !has_corner(t.vertices, vertex)) continue;
-    outer.push_back(t.vertices);
-    for (const std::uint32_t v : t.vertices) reach.extend(mesh.positions[v]);
+  const auto add = [&](std::uint32_t t) {
+    if (is_outer(boundary.triangles[t], domain)) outer.push_back(boundary.triangles[t].vertices);
+  };
+  for (const std::uint32_t t : triangles) {
+    add(t);
+    for (const std::uint32_t v : boundary.triangles[t].vertices) reach.extend(mesh.positions[v]);
   }
+  if (outer.empty()) return false;
   const auto mine = outer.size();
-  for (const BoundaryTriangle& t : boundary.triangles) {
-    if (!is_outer(t, domain) || has_corner(t.vertices, vertex)) continue;
-    Box3 box;
-    for (const std::uint32_t v : t.vertices) box.extend(mesh.positions[v]);
-    if (box.intersects(reach)) outer.push_back(t.vertices);
-  }
+  const Vec3 margin = Vec3::Constant(moved_mm);
+  for (const std::uint32_t t : tree.overlapping(reach.min() - margin, reach.max() + margin))
+    if (std::find(triangles.begin(), triangles.end(), t) == triangles.end()) add(t);
   const std::vector<SelfCrossing> crossings = find_self_crossings(mesh.positions, outer);
   return std::any_of(crossings.begin(), crossings.end(),
                      [&](const SelfCrossing& crossing) { return crossing.first < mine; });

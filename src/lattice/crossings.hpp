@@ -13,9 +13,11 @@ namespace lumesh {
 void undo_crossings(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
                     const std::vector<Vec3>& before_mm, const AngleLimits& limits);
 
-/// Whether the outer surface crosses or touches itself at a vertex. Cost: one look at each of the triangles.
+/// Whether the outer surface crosses or touches itself at some triangles.
+/// @param tree  Of all triangles, since when no vertex has moved by more than `moved_mm`.
 [[nodiscard]] bool crosses_at(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
-                              std::uint32_t vertex);
+                              const SurfaceTree& tree, double moved_mm,
+                              std::span<const std::uint32_t> triangles);
 
 /// The outer surface around a part of the mesh: it stays while the part changes.
 class OuterSurroundings {

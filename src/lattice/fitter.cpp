@@ -101,17 +101,21 @@ bool Fitter::put_if_valid(std::uint32_t v, const Vec3& place) {
 }
 
 void Fitter::squeeze_within_cuts() {
-  constexpr std::size_t kMost = 200;  // Each costs a look at the whole surface.
-  std::size_t count = 0;
-  for (std::uint32_t v = 0; v < mesh_.positions.size() && count < kMost; ++v) {
+  std::optional<SurfaceTree> tree;  // Made if there is anything to do, which is rare.
+  double moved_mm = 0;
+  for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
     const Vec3 before = mesh_.positions[v];
     if (within_cuts(domain_, boundary_.sets[v], before) == before) continue;
-    ++count;
+    if (!tree) tree.emplace(mesh_, boundary_);
     const Vec3 middle = mean_of_star(v);
     for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
       const Vec3 place = within_cuts(domain_, boundary_.sets[v], before + part * (middle - before));
       if (!put_if_valid(v, place)) continue;
-      if (!crosses_at(mesh_, boundary_, domain_, v)) break;
+      const double way_mm = (place - before).norm();
+      if (!crosses_at(mesh_, boundary_, domain_, *tree, std::max(moved_mm, way_mm), surface_.triangles(v))) {
+        moved_mm = std::max(moved_mm, way_mm);
+        break;
+      }
       mesh_.positions[v] = before;
     }
   }

@@ -191,7 +191,8 @@ void check_volumes(const TetMesh& mesh, const std::vector<SurfaceFace>& faces, V
   merge(report, findings);
 }
 
-/// Cells that are all positive and properly linked cover space once unless the outside crosses itself.
+/// Cells that are all positive and properly linked cover space once unless the outside crosses itself or a
+/// piece lies within another.
 void check_crossings(const TetMesh& mesh, const std::vector<SurfaceFace>& faces, ValidationReport& report) {
   std::vector<Cell<3>> outside;
   for (const SurfaceFace& face : faces)
@@ -205,6 +206,10 @@ void check_crossings(const TetMesh& mesh, const std::vector<SurfaceFace>& faces,
         fmt::format("the outside crosses or touches itself at ({:.6g}, {:.6g}, {:.6g}): faces {} and {}",
                     crossing.place.x(), crossing.place.y(), crossing.place.z(),
                     list_of(outside[crossing.first]), list_of(outside[crossing.second])));
+  if (findings.count == 0 && report.ok())
+    for (const Vec3& place : find_doubled_places(points, outside))
+      findings.add(fmt::format("at ({:.6g}, {:.6g}, {:.6g}) the mesh lies within itself", place.x(),
+                               place.y(), place.z()));
   merge(report, findings);
 }
 

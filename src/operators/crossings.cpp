@@ -3,91 +3,108 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
-#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
-#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::operators {
 namespace {
 
+/// The steps of undo_crossings().
 class Undoing {
  public:
   Undoing(std::span<Vec3> points, std::span<const Cell<4>> tets, std::span<const Vec3> before,
           const MayBecome& may_become)
-      : points_(points), tets_(tets), before_(before), may_become_(may_become) {}
+      : points_(points),
+        tets_(tets),
+        before_(before),
+        may_become_(may_become),
+        stars_begin_(points.size() + 1, 0) {
+    for (const Cell<4>& tet : tets)
+      for (const std::uint32_t v : tet) ++stars_begin_[v + 1];
+    std::partial_sum(stars_begin_.begin(), stars_begin_.end(), stars_begin_.begin());
+    stars_.resize(4 * tets.size());
+    std::vector<std::size_t> next(stars_begin_.begin(), stars_begin_.end() - 1);
+    for (std::uint32_t t = 0; t < tets.size(); ++t)
+      for (const std::uint32_t v : tets[t]) stars_[next[v]++] = t;
+  }
+
+  [[nodiscard]] std::size_t count() const { return count_; }
 
   /// @return Whether any of the vertices was elsewhere.
   bool put_back(std::span<const std::uint32_t> vertices) {
-    bool any = false;
+    const std::size_t count = count_;
     for (const std::uint32_t v : vertices) {
       if (v >= before_.size() || points_[v] == before_[v]) continue;
       points_[v] = before_[v];
-      any = true;
+      waiting_.push_back(v);
+      ++count_;
     }
-    return any;
+    return count_ > count;
   }
 
   /// Tetrahedra that this has made worse than allowed go back as a whole, until there is none.
   void put_back_spoilt() {
-    for (bool any = true; any;) {  // Ends: each round puts back at least one vertex.
-      const auto spoilt = parallel::collect<std::uint32_t>(tets_.size(), [&](std::size_t t, auto& out) {
-        if (is_spoilt(t)) out.push_back(static_cast<std::uint32_t>(t));
-      });
-      any = false;
-      for (const std::uint32_t t : spoilt) any |= put_back(tets_[t]);
+    while (!waiting_.empty()) {
+      const std::uint32_t v = waiting_.back();
+      waiting_.pop_back();
+      for (std::size_t i = stars_begin_[v]; i < stars_begin_[v + 1]; ++i)
+        if (is_spoilt(stars_[i])) put_back(tets_[stars_[i]]);
     }
   }
 
  private:
-  [[nodiscard]] bool is_back(std::uint32_t v) const { return v < before_.size() && points_[v] == before_[v]; }
-
-  /// Some corners but not all are back, and it may not be like that.
-  [[nodiscard]] bool is_spoilt(std::size_t t) const {
-    const Cell<4>& tet = tets_[t];
-    const auto back = std::count_if(tet.begin(), tet.end(), [&](std::uint32_t v) { return is_back(v); });
-    if (back == 0 || back == 4) return false;
+  /// Some corners have been put back but not all are there, and it may not be like that.
+  [[nodiscard]] bool is_spoilt(std::uint32_t t) const {
     std::array<Vec3, 4> was, is;
+    bool differs = false;
     for (std::size_t k = 0; k < 4; ++k) {
-      is[k] = points_[tet[k]];
-      was[k] = tet[k] < before_.size() ? before_[tet[k]] : is[k];
+      const std::uint32_t v = tets_[t][k];
+      is[k] = points_[v];
+      was[k] = v < before_.size() ? before_[v] : is[k];
+      differs |= was[k] != is[k];
     }
-    return orient3d(is[0], is[1], is[2], is[3]) <= 0 || !may_become_(t, was, is);
+    return differs && (orient3d(is[0], is[1], is[2], is[3]) <= 0 || !may_become_(t, was, is));
   }
 
   std::span<Vec3> points_;
   std::span<const Cell<4>> tets_;
   std::span<const Vec3> before_;
   const MayBecome& may_become_;
+  std::vector<std::size_t> stars_begin_;
+  std::vector<std::uint32_t> stars_;  // The tetrahedra around each vertex.
+  std::vector<std::uint32_t> waiting_;
+  std::size_t count_ = 0;
 };
 
 }  // namespace
 
-std::size_t undo_crossings(std::span<Vec3> points, std::span<const Cell<4>> tets,
-                           std::span<const Cell<3>> outside, std::span<const Vec3> before,
-                           const MayBecome& may_become) {
+UndoReport undo_crossings(std::span<Vec3> points, std::span<const Cell<4>> tets,
+                          std::span<const Cell<3>> outside, std::span<const Vec3> before,
+                          const MayBecome& may_become) {
+  std::vector<SelfCrossing> crossings = find_self_crossings(points, outside);
+  if (crossings.empty()) return {};
   Undoing undoing(points, tets, before, may_become);
-  for (;;) {  // Ends: each round puts back at least one vertex.
-    const std::vector<SelfCrossing> crossings = find_self_crossings(points, outside);
+  for (;;
+       crossings = find_self_crossings(points, outside)) {  // Ends: each round puts back at least one vertex.
     bool any = false;
     for (const SelfCrossing& crossing : crossings) {
       any |= undoing.put_back(outside[crossing.first]);
       any |= undoing.put_back(outside[crossing.second]);
     }
-    if (!any) return crossings.size();
+    if (!any) return {undoing.count(), crossings.size()};
     undoing.put_back_spoilt();
   }
 }
 
-std::vector<Cell<3>> outside_of(const TetMesh& mesh, const BoundaryFaces& faces) {
+std::vector<Cell<3>> outside_of(const BoundaryFaces& faces) {
   std::vector<Cell<3>> outside;
   for (std::size_t f = 0; f < faces.triangles.size(); ++f)
-    if (mesh.info().patches[static_cast<std::size_t>(faces.patches[f])].kind != PatchKind::kInterface)
-      outside.push_back(faces.triangles[f]);
+    if (!faces.tets[f][1].valid()) outside.push_back(faces.triangles[f]);
   return outside;
 }
 
@@ -96,15 +113,17 @@ namespace {
 /// The steps of draw_apart().
 class DrawingApart {
  public:
-  explicit DrawingApart(TetMesh& mesh) : mesh_(mesh), normals_(mesh.vertex_slots(), Vec3::Zero()) {
+  DrawingApart(TetMesh& mesh, const PatchShapes& shapes)
+      : mesh_(mesh), may_move_(mesh.vertex_slots(), 1), normals_(mesh.vertex_slots(), Vec3::Zero()) {
     const BoundaryFaces faces = mesh.boundary_faces();
-    outside_ = outside_of(mesh, faces);
+    outside_ = outside_of(faces);
     for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
-      if (mesh.info().patches[static_cast<std::size_t>(faces.patches[f])].kind != PatchKind::kOpening)
-        continue;
-      const auto& [a, b, c] = faces.triangles[f];
-      const Vec3 normal = triangle_normal(at(a), at(b), at(c));
-      for (const std::uint32_t v : faces.triangles[f]) normals_[v] = normal;
+      const PatchShape& shape = shapes[static_cast<std::size_t>(faces.patches[f])];
+      for (const std::uint32_t v : faces.triangles[f]) {
+        if (shape.freedom == PatchFreedom::kFrozen || mesh.dimension(VertexId(v)) < VertexDimension::kSurface)
+          may_move_[v] = 0;
+        if (shape.freedom == PatchFreedom::kPlane) normals_[v] = shape.normal;
+      }
     }
   }
 
@@ -113,13 +132,12 @@ class DrawingApart {
     for (int round = 0;; ++round) {
       const std::vector<SelfCrossing> crossings = find_self_crossings(mesh_.points(), outside_);
       if (crossings.empty() || round == kRounds) return crossings.size();
-      for (const std::uint32_t v : vertices_of(crossings)) step(VertexId(v));
+      for (const std::uint32_t v : vertices_of(crossings))
+        if (may_move_[v] != 0) step(VertexId(v));
     }
   }
 
  private:
-  [[nodiscard]] const Vec3& at(std::uint32_t v) const { return mesh_.point(VertexId(v)); }
-
   /// Ascending.
   [[nodiscard]] std::vector<std::uint32_t> vertices_of(const std::vector<SelfCrossing>& crossings) const {
     std::vector<std::uint32_t> vertices;
@@ -157,15 +175,16 @@ class DrawingApart {
 
   TetMesh& mesh_;
   std::vector<Cell<3>> outside_;
-  std::vector<Vec3> normals_;  // Of the opening that a vertex lies in, of the last one if there are several.
+  std::vector<std::uint8_t> may_move_;
+  std::vector<Vec3> normals_;  // Of the plane that a vertex lies in.
   VertexStar star_;
 };
 
 }  // namespace
 
-std::size_t draw_apart(TetMesh& mesh) {
+std::size_t draw_apart(TetMesh& mesh, const PatchShapes& shapes) {
   LUMESH_ASSERT(mesh.is_compact());
-  return DrawingApart(mesh).run();
+  return DrawingApart(mesh, shapes).run();
 }
 
 }  // namespace lumesh::operators

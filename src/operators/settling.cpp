@@ -422,7 +422,8 @@ SettlingReport settle(TetMesh& mesh, const PlaceOnPatch& place, const SettlingRu
   const BoundaryFaces faces = mesh.boundary_faces();
   const std::vector<Vec3> before = points;
   SettlingReport report = settle(points, mesh.tets(), {faces.triangles, faces.patches}, place, rules);
-  report.crossings = undo_crossings(points, mesh.tets(), outside_of(mesh, faces), before, rules.may_become);
+  report.held_back +=
+      undo_crossings(points, mesh.tets(), outside_of(faces), before, rules.may_become).put_back;
   parallel::for_each_index(points.size(), [&](std::size_t v) {
     mesh.set_point(VertexId(static_cast<std::uint32_t>(v)), points[v]);
   });

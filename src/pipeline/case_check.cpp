@@ -124,6 +124,11 @@ void check_case(const Case& c) {
   }
   check_output(c);
   check_layer_keys(c);
+  try {
+    for (const std::string& name : c.openings.names) static_cast<void>(renaming_from(name));
+  } catch (const Error& wrong) {
+    refuse(std::string("[openings] names: ") + wrong.what());
+  }
 }
 
 }  // namespace lumesh::pipeline

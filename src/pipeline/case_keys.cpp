@@ -180,6 +180,12 @@ void add_layer_keys(KeyList& list, LayerKeys& layers) {
            "Label of the layers: NAME=NUMBER, NAME or NUMBER; empty: the next free one");
 }
 
+void add_opening_keys(KeyList& list, OpeningKeys& openings) {
+  list.section("openings");
+  list.key("names", &openings.names,
+           "\"PATCH=NAME\", such as \"outlet_2=left_ica\", or \"X,Y,Z=NAME\" for the one near a place in mm");
+}
+
 void add_output_keys(KeyList& list, Case& c) {
   list.section("output");
   list.key("folder", FilePath{&c.output.folder, {}},
@@ -213,6 +219,7 @@ std::vector<Key> keys_of(Case& c) {
   add_metric_keys(list, c.metric);
   add_adapt_keys(list, c);
   add_layer_keys(list, c.layers);
+  add_opening_keys(list, c.openings);
   add_output_keys(list, c);
   return list.take();
 }
@@ -226,6 +233,7 @@ std::string section_meaning(const std::string& section) {
       {"metric", "Sizes and directions of the elements; without a source the first mesh is the last"},
       {"adapt", "Adaptation of the first mesh to the metric"},
       {"layers", "Boundary layers of the last mesh; without first_height there are none"},
+      {"openings", "Names of patches in the files"},
       {"output", "Files"},
       {"run", "How it runs"}};
   const auto found = kMeanings.find(section);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/pipeline/case.hpp"
@@ -33,8 +34,9 @@ struct CaseState {
   Flow flow;                                               ///< Where velocities are asked for.
   TetMesh mesh;                      ///< The first mesh, then the same with its metric, then the adapted one.
   std::optional<MixedMesh> layered;  ///< The mesh with its boundary layers, once it has them.
-  bool has_metric = false;           ///< Whether the metric of the mesh means anything.
-  bool is_complete = true;           ///< False once a stage ended early.
+  std::vector<PatchRenaming> renamings;  ///< What patches are to be called in the end.
+  bool has_metric = false;               ///< Whether the metric of the mesh means anything.
+  bool is_complete = true;               ///< False once a stage ended early.
 
   [[nodiscard]] int threads() const;
   /// What is meshed: the image's domain, or that of the surface; made when it is first asked for.

@@ -9,6 +9,7 @@
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
+#include "lumesh/quality/faults.hpp"
 
 namespace lumesh::pipeline {
 namespace {
@@ -152,6 +153,12 @@ std::vector<report::OutputFile> write_meshes(const CaseState& state) {
   report::write_file(folder / kEffectiveCase, text_of_case(state));
   files.push_back({kEffectiveCase, "the case with every setting that was in force; `lumesh run` takes it"});
   return files;
+}
+
+std::vector<std::string> faults_of_written(const CaseState& state) {
+  const BoundaryFaces faces = state.layered ? BoundaryFaces() : state.mesh.boundary_faces();
+  const MeshView view = state.layered ? state.layered->view() : state.view(faces);
+  return state.context.phase("validity", [&] { return quality::find_faults(view); });
 }
 
 void write_stage_files(const CaseState& state, const std::string& stage,

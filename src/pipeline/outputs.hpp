@@ -32,6 +32,8 @@ void prepare_folder(const Case& c);
 
 /// The mesh in all formats that are wanted, its surface, and the case as it was run; each with what it is.
 [[nodiscard]] std::vector<report::OutputFile> write_meshes(const CaseState& state);
+/// Of the mesh that write_meshes() writes.
+[[nodiscard]] std::vector<std::string> faults_of_written(const CaseState& state);
 /// The first mesh or the centerline, if files of the stages are wanted.
 void write_stage_files(const CaseState& state, const std::string& stage,
                        std::vector<report::OutputFile>& files);

@@ -43,6 +43,7 @@ class CaseRun {
     stage("input", "Input", [&](report::StageReport& report) {
       pipeline::read_input(state_, report);
       check_fits_memory(state_.c.metric.complexity);  // Before the time for a mesh is spent.
+      find_named_openings(state_);
     });
     if (state_.c.run.checkpoints) keys_ = stage_keys(state_);
   }
@@ -83,6 +84,7 @@ class CaseRun {
       describe_mesh(state_, last);
     describing_s_ += seconds_since(start);
   }
+  void name_patches() { name_patches_of_case(state_, result_.report.stages.back()); }
   void draw_centerline() {
     if (centerline_stage_ == kNone || state_.c.output.report.empty()) return;
     const auto start = std::chrono::steady_clock::now();
@@ -94,6 +96,7 @@ class CaseRun {
   CaseResult finish() {
     const auto start = std::chrono::steady_clock::now();
     for (report::OutputFile& file : write_meshes(state_)) result_.report.files.push_back(std::move(file));
+    result_.faults = faults_of_written(state_);
     say("write", seconds_since(start), result_.folder);
     report::CaseReport& report = result_.report;
     report.title = state_.c.name;
@@ -219,6 +222,7 @@ CaseResult run_case(const Case& c, bool resumes, Context& context) {
     run.describe(c.metric.is_wanted() ? "adapted" : "first");
     run.change_mesh("layers", "Boundary layers", pipeline::make_layers);
   }
+  run.name_patches();
   run.describe("last");
   return run.finish();
 }

@@ -27,6 +27,12 @@ void make_layers(CaseState& state, report::StageReport& stage);
 /// Refuses layers that cannot be, so far as the input tells. @throws Error{kBadInput}.
 void check_layers(CaseState& state);
 
+/// Finds the openings that the case names, before anything is meshed. @throws Error{kBadInput} as
+/// with_patches().
+void find_named_openings(CaseState& state);
+/// Gives the patches of the last mesh their names.
+void name_patches_of_case(CaseState& state, report::StageReport& last);
+
 /// Reads the points and velocities that the case names, and sees whether they will do, so far as can be said
 /// before the centerline is there.
 void read_sources(CaseState& state);

@@ -10,6 +10,7 @@
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/quality/surface.hpp"
 
 namespace lumesh::quality {
 
@@ -37,20 +38,12 @@ struct Count {
 class Faults {
  public:
   explicit Faults(const MeshView& mesh)
-      : mesh_(mesh), cells_(mesh), origin_(mesh.points.empty() ? Vec3(Vec3::Zero()) : mesh.points[0]) {
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-      if (is_outside(mesh.triangle_patches[t])) outside_.push_back(mesh.triangles[t]);
-    for (std::size_t q = 0; q < mesh.quadrilaterals.size(); ++q) {
-      if (!is_outside(mesh.quadrilateral_patches[q])) continue;
-      CellTriangles halves;
-      halves.add_quad(mesh.quadrilaterals[q]);
-      outside_.insert(outside_.end(), halves.begin(), halves.end());
-    }
-  }
+      : mesh_(mesh), cells_(mesh), origin_(mesh.points.empty() ? Vec3(Vec3::Zero()) : mesh.points[0]) {}
 
   std::vector<std::string> find() {
     if (!look_at_points()) return std::move(lines_);
     look_at_cells();
+    look_at_faces();
     look_at_edges();
     look_at_crossings();
     look_at_volume();
@@ -58,11 +51,6 @@ class Faults {
   }
 
  private:
-  [[nodiscard]] bool is_outside(std::int32_t patch) const {
-    return patch < 0 || static_cast<std::size_t>(patch) >= mesh_.info->patches.size() ||
-           mesh_.info->patches[static_cast<std::size_t>(patch)].kind != PatchKind::kInterface;
-  }
-
   /// What follows needs numbers.
   bool look_at_points() {
     const auto bad =
@@ -109,6 +97,14 @@ class Faults {
                                  at(mesh_.points[faces.items[0][0]])));
   }
 
+  /// The outside are the faces that only one cell has, whatever patches they are in.
+  void look_at_faces() {
+    const MeshSurface surface = extract_surface(mesh_);
+    outside_ = surface.outer();
+    if (surface.overfull_faces > 0)
+      lines_.push_back(fmt::format("{} faces have more than two cells", surface.overfull_faces));
+  }
+
   void look_at_edges() {
     struct Edge {
       std::uint32_t low, high;
@@ -138,9 +134,17 @@ class Faults {
 
   void look_at_crossings() {
     const std::vector<SelfCrossing> crossings = find_self_crossings(mesh_.points, outside_);
-    if (crossings.empty()) return;
+    if (crossings.empty()) return look_at_sheets();
     lines_.push_back(fmt::format("the outside crosses or touches itself: {} pairs of triangles, one {}",
                                  crossings.size(), at(crossings.front().place)));
+  }
+
+  void look_at_sheets() {
+    if (!lines_.empty()) return;  // It has to be closed.
+    const std::vector<Vec3> places = find_doubled_places(mesh_.points, outside_);
+    if (!places.empty())
+      lines_.push_back(
+          fmt::format("{} pieces of the mesh lie within others, one {}", places.size(), at(places.front())));
   }
 
   /// The divergence theorem: a third of the flux of the position through the outside is the volume within.

@@ -253,6 +253,35 @@ class InfoTest(CommandTest):
             self.assertIn(".gipl", self.run_well(command, "--help").stdout)
 
 
+class NameTest(CommandTest):
+    def make_tube(self):
+        labels = [1 if (i - 8) ** 2 + (j - 8) ** 2 < 30 else 0 for k in range(17) for j in range(17) for i in range(17)]
+        return nrrd.write(self.folder / "tube.nrrd", [17] * 3, labels)
+
+    def patches(self):
+        self.run_well("evaluate", self.mesh, "--json", self.json)
+        return {patch["name"]: patch["kind"] for patch in json.loads(self.json.read_text())["boundary"]["patches"]}
+
+    def test_patches_get_names_by_name_and_place(self):
+        tube = self.make_tube()
+        for mesher in (["lattice"], ["delaunay", "--delta", "1.5"]):
+            self.run_well(*mesher, tube, "-o", self.mesh, "--name", "8,8,-0.5=left_ica", "--name", "wall=vessel", "--strict")
+            self.assertEqual(self.patches()["left_ica"], "opening")
+            self.assertIn("vessel", self.patches())
+        other = self.folder / "other.vtu"
+        self.run_well("rename", self.mesh, "-o", other, "--name", "left_ica=vessel", "--name", "vessel=left_ica")
+        self.mesh = other
+        self.assertEqual((self.patches()["vessel"], self.patches()["left_ica"]), ("opening", "wall"))
+
+    def test_an_opening_that_is_not_there_is_refused_before_the_work(self):
+        tube = self.make_tube()
+        for name in ("outlet_5=x", "8,8,40=x"):
+            result = self.run_lumesh("lattice", tube, "-o", self.mesh, "--name", name)
+            self.assert_refused(result, BAD_INPUT, "there are inlet_1 at")
+        self.assert_refused(self.run_lumesh("lattice", tube, "-o", self.mesh, "--name", "outlet_1=a b"), USAGE, "letters")
+        self.assertFalse(self.mesh.exists())
+
+
 class ProgressTest(CommandTest):
     def test_verbose_tells_each_step_with_its_time(self):
         result = self.make_mesh("-v")
@@ -260,7 +289,7 @@ class ProgressTest(CommandTest):
         for line in lines:
             self.assertRegex(line, r"^lumesh: [\w ]+ took \d+\.\d\d s$")
         steps = [re.match(r"lumesh: (.*) took", line)[1] for line in lines]
-        self.assertEqual((steps[0], steps[-2:]), ("read", ["write", "check"]))
+        self.assertEqual((steps[0], steps[-2:]), ("read", ["write", "validity"]))
         self.assertIn("boundary", steps)
         self.assertIn("tetrahedra", result.stdout)
 

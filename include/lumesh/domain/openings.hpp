@@ -13,6 +13,7 @@
 
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/mesh/patch_renaming.hpp"
 
 namespace lumesh {
 
@@ -67,6 +68,9 @@ struct RimPlace {
 
 /// The patch of an opening, by its place among those of find_openings().
 [[nodiscard]] std::string opening_name(std::size_t number);
+
+/// The same with their names, as renamings need them.
+[[nodiscard]] std::vector<NamedOpening> named_openings(std::span<const Opening> openings);
 
 /// Area of the voxel's section along a plane.
 [[nodiscard]] double voxel_face_mm2(const Domain& domain, const Vec3& normal);

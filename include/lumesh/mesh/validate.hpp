@@ -46,7 +46,9 @@ struct ValidationReport {
 /// vertex,
 ///   even Euler number;
 /// - the volume of every label is the integral over its surface, to rounding;
-/// - the outside does not cross or touch itself, by exact predicates: no two tetrahedra overlap.
+/// - the outside does not cross or touch itself, by exact predicates, and no piece lies within another: no
+/// two
+///   tetrahedra overlap.
 /// A stage of checks whose ground is broken is left out (no walks over bad adjacency).
 /// Threads: const, parallel inside; the same report for every thread count. Cost: about 1 s per million
 /// tetrahedra.

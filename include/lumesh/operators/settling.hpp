@@ -55,10 +55,9 @@ struct SettlingRules {
 };
 
 struct SettlingReport {
-  std::size_t vertices = 0;    ///< That have a place.
-  std::size_t held_back = 0;   ///< Of these, farther from it than 1e-3 of the edges around.
+  std::size_t vertices = 0;   ///< That have a place.
+  std::size_t held_back = 0;  ///< Of these, farther from it than 1e-3 of the edges around, or put back since.
   double furthest_off_mm = 0;  ///< From their places.
-  std::size_t crossings = 0;   ///< Pairs of faces of a TetMesh's outside that cross, and did before.
 };
 
 /// Carries every vertex inside a patch to its place, unless that is farther away than half the edges around.

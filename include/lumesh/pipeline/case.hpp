@@ -78,6 +78,10 @@ struct LayerKeys {
   [[nodiscard]] bool is_wanted() const { return options.first_height > 0; }
 };
 
+struct OpeningKeys {
+  std::vector<std::string> names;  ///< Texts for renaming_from().
+};
+
 struct OutputKeys {
   std::string folder;  ///< Empty: the case's name, in the working directory.
   std::vector<std::string> meshes = {
@@ -109,6 +113,7 @@ struct Case {
   AdaptKeys boundary;
   AdaptOptions adapt;
   LayerKeys layers;
+  OpeningKeys openings;
   OutputKeys output;
   RunKeys run;
 

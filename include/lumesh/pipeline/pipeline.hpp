@@ -13,8 +13,9 @@ namespace lumesh {
 
 struct CaseResult {
   report::CaseReport report;
-  std::string folder;    ///< Where the files are.
-  bool complete = true;  ///< False if the context was cancelled: files hold the best mesh so far.
+  std::string folder;               ///< Where the files are.
+  std::vector<std::string> faults;  ///< Of the mesh that was written (quality::find_faults()).
+  bool complete = true;             ///< False if the context was cancelled: files hold the best mesh so far.
 };
 
 /// Runs the stages that the case asks for, one after the other: input, centerline, first mesh, metric,

@@ -71,6 +71,41 @@ TEST(SelfCrossings, TrianglesWithoutAreaAreLeftOut) {
   EXPECT_FALSE(meet({kOrigin, kOnX, kOnY, {9, 0, 0}}, {0, 1, 3}));
 }
 
+TEST(SelfCrossings, TrianglesWithoutAreaAreLeftOutWhereverTheyRun) {
+  EXPECT_FALSE(meet({kOrigin, kOnX, kOnY, {1, 1, 1}, {-1, -1, -1}}, {0, 3, 4}))
+      << "through the common corner";
+  EXPECT_FALSE(meet({kOrigin, kOnX, kOnY, {1, 1, 1}, {1, 1, -1}}, {3, 3, 4}));
+}
+
+/// The surface of a tetrahedron of this size at a place, outwards or as the wall of a cavity.
+void add_sheet(std::vector<Vec3>& points, Triangles& triangles, const Vec3& base, double size,
+               bool is_cavity) {
+  const auto v = static_cast<std::uint32_t>(points.size());
+  for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
+    points.emplace_back(base + size * corner);
+  for (std::array<std::uint32_t, 3> f : Triangles{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}) {
+    if (is_cavity) std::swap(f[1], f[2]);
+    triangles.push_back({f[0] + v, f[1] + v, f[2] + v});
+  }
+}
+
+TEST(SelfCrossings, PiecesWithinOthersAreThereTwiceButCavitiesAndWhatIsInThemAreNot) {
+  std::vector<Vec3> points;
+  Triangles triangles;
+  add_sheet(points, triangles, {0, 0, 0}, 100, false);
+  add_sheet(points, triangles, {10, 10, 10}, 30, true);
+  EXPECT_TRUE(find_doubled_places(points, triangles).empty()) << "a cavity";
+  add_sheet(points, triangles, {12, 12, 12}, 10, false);
+  EXPECT_TRUE(find_doubled_places(points, triangles).empty()) << "a piece in the cavity";
+  add_sheet(points, triangles, {200, 0, 0}, 100, false);
+  EXPECT_TRUE(find_doubled_places(points, triangles).empty()) << "one beside";
+  add_sheet(points, triangles, {201, 1, 1}, 10, false);
+  ASSERT_EQ(find_doubled_places(points, triangles).size(), 1u) << "one within";
+  EXPECT_NEAR(find_doubled_places(points, triangles)[0].x(), 206, 6);
+  add_sheet(points, triangles, {300, 50, 0}, 10, true);
+  EXPECT_EQ(find_doubled_places(points, triangles).size(), 2u) << "a cavity of nothing";
+}
+
 TEST(SelfCrossings, RefusesPointsThatAreNotThere) {
   const std::vector<Vec3> points = {kOrigin, kOnX, {0, std::nan(""), 0}};
   EXPECT_THROW((void)find_self_crossings(points, Triangles{{0, 1, 2}}), Error);

@@ -40,7 +40,7 @@ std::size_t push_up(std::vector<Vec3>& points, double by) {
 TEST(SheetCrossings, AreUndoneWhereTheyAreAndNowhereElse) {
   const TetMesh mesh = two_cubes(0.2).build();
   const BoundaryFaces faces = mesh.boundary_faces();
-  const std::vector<Cell<3>> outside = outside_of(mesh, faces);
+  const std::vector<Cell<3>> outside = outside_of(faces);
   const std::vector<Vec3> before(mesh.points().begin(), mesh.points().end());
   std::vector<Vec3> points = before;
   const std::size_t pushed = push_up(points, 0.3);
@@ -49,7 +49,12 @@ TEST(SheetCrossings, AreUndoneWhereTheyAreAndNowhereElse) {
   while ((before[far] - Vec3(0, 0, 0)).norm() > 1e-9) ++far;
   points[far] -= Vec3(0.1, 0.1, 0.1);
   ASSERT_FALSE(find_self_crossings(points, outside).empty());
-  EXPECT_EQ(undo_crossings(points, mesh.tets(), outside, before, anything), 0u);
+  const auto keeps_corner = [&](std::size_t, const std::array<Vec3, 4>& was, const std::array<Vec3, 4>& is) {
+    return was == is || std::none_of(was.begin(), was.end(), [](const Vec3& x) { return x.norm() < 1e-9; });
+  };
+  const UndoReport report = undo_crossings(points, mesh.tets(), outside, before, keeps_corner);
+  EXPECT_EQ(report.crossings, 0u);
+  EXPECT_EQ(report.put_back, 1u);
   EXPECT_TRUE(find_self_crossings(points, outside).empty());
   EXPECT_EQ(points[pushed], before[pushed]);
   EXPECT_NE(points[far], before[far]) << "what does not cross stays moved";
@@ -57,17 +62,30 @@ TEST(SheetCrossings, AreUndoneWhereTheyAreAndNowhereElse) {
 
 TEST(SheetCrossings, ThatWereThereBeforeAreCounted) {
   const TetMesh mesh = two_cubes(-0.1).build();
-  const std::vector<Cell<3>> outside = outside_of(mesh, mesh.boundary_faces());
+  const std::vector<Cell<3>> outside = outside_of(mesh.boundary_faces());
   const std::vector<Vec3> before(mesh.points().begin(), mesh.points().end());
   std::vector<Vec3> points = before;
-  EXPECT_GT(undo_crossings(points, mesh.tets(), outside, before, anything), 0u);
+  EXPECT_GT(undo_crossings(points, mesh.tets(), outside, before, anything).crossings, 0u);
   EXPECT_EQ(points, before);
+}
+
+PatchShapes curved(const TetMesh& mesh) {
+  PatchShapes shapes = all_frozen(mesh);
+  for (PatchShape& shape : shapes) shape.freedom = PatchFreedom::kCurved;
+  return shapes;
+}
+
+TEST(SheetCrossings, WhatIsFrozenStays) {
+  TetMesh mesh = two_cubes(-0.1).build();
+  const std::vector<Vec3> before(mesh.points().begin(), mesh.points().end());
+  EXPECT_GT(draw_apart(mesh, all_frozen(mesh)), 0u);
+  EXPECT_TRUE(std::equal(before.begin(), before.end(), mesh.points().begin()));
 }
 
 TEST(SheetCrossings, SheetsAreDrawnApart) {
   TetMesh mesh = two_cubes(-0.1).build();
   ASSERT_FALSE(validate(mesh).ok());
-  EXPECT_EQ(draw_apart(mesh), 0u);
+  EXPECT_EQ(draw_apart(mesh, curved(mesh)), 0u);
   const ValidationReport report = validate(mesh);
   EXPECT_TRUE(report.ok()) << report.text();
 }
@@ -75,7 +93,7 @@ TEST(SheetCrossings, SheetsAreDrawnApart) {
 TEST(SheetCrossings, NothingMovesWhereNothingCrosses) {
   TetMesh mesh = two_cubes(0.1).build();
   const std::vector<Vec3> before(mesh.points().begin(), mesh.points().end());
-  EXPECT_EQ(draw_apart(mesh), 0u);
+  EXPECT_EQ(draw_apart(mesh, curved(mesh)), 0u);
   EXPECT_TRUE(std::equal(before.begin(), before.end(), mesh.points().begin()));
 }
 

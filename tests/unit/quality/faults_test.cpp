@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "fixtures/meshes.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh::quality {
@@ -53,24 +54,54 @@ TEST(Faults, ATurnedCellIsFound) {
       << faults[0];
 }
 
-TEST(Faults, AHoleInTheOutsideIsFound) {
+TEST(Faults, CellsThatShareAFaceOnOneSideAreFound) {
   MixedMesh mesh = wall_only();
   add_tetrahedron(mesh, {0, 0, 0});
-  mesh.triangle_patches[0] = 1;  // Called an interface, with nothing behind it.
+  mesh.points.emplace_back(0.2, 0.2, 0.9);
+  mesh.tetrahedra.push_back({0, 1, 2, 4});
+  mesh.tetrahedron_labels.push_back(1);
   const std::vector<std::string> faults = find_faults(mesh.view());
-  ASSERT_EQ(faults.size(), 2u);
-  EXPECT_NE(faults[0].find("3 edges of the outside"), std::string::npos) << faults[0];
-  EXPECT_NE(faults[1].find("fill 0.166666667 mm3 but the outside encloses"), std::string::npos) << faults[1];
+  ASSERT_FALSE(faults.empty());
+  EXPECT_NE(faults[0].find("edges of the outside do not have one face on each side"), std::string::npos)
+      << faults[0];
 }
 
-TEST(Faults, AGapWithinIsFound) {
+TEST(Faults, AnOverlapThatAGapMakesUpForIsFound) {
+  const fixtures::TetSoup cube = fixtures::cube_of_6();
+  MixedMesh mesh = wall_only();
+  mesh.points = cube.points;
+  mesh.tetrahedra = cube.tets;
+  mesh.tetrahedron_labels = cube.labels;
+  EXPECT_TRUE(find_faults(mesh.view()).empty());
+  mesh.tetrahedra[1] = mesh.tetrahedra[0];
+  EXPECT_FALSE(find_faults(mesh.view()).empty());
+}
+
+TEST(Faults, APieceWithinAnotherIsFound) {
   MixedMesh mesh = wall_only();
   add_tetrahedron(mesh, {0, 0, 0});
-  mesh.tetrahedra.clear();
-  mesh.tetrahedron_labels.clear();
+  add_tetrahedron(mesh, {0, 0, 0});
+  for (std::size_t v = 4; v < 8; ++v) mesh.points[v] = Vec3(0.1, 0.1, 0.1) + 0.2 * mesh.points[v];
   const std::vector<std::string> faults = find_faults(mesh.view());
   ASSERT_EQ(faults.size(), 1u);
-  EXPECT_NE(faults[0].find("gaps or overlaps"), std::string::npos) << faults[0];
+  EXPECT_NE(faults[0].find("1 pieces of the mesh lie within others, one at (0.1, 0.1, 0.1)"),
+            std::string::npos)
+      << faults[0];
+}
+
+/// Readers take interfaces for walls where names do not say otherwise.
+TEST(Faults, PatchesDoNotMatter) {
+  const fixtures::TetSoup soup = fixtures::two_label_block(4);
+  MixedMesh mesh = wall_only();
+  mesh.points = soup.points;
+  mesh.tetrahedra = soup.tets;
+  mesh.tetrahedron_labels = soup.labels;
+  EXPECT_TRUE(find_faults(mesh.view()).empty()) << "without any faces";
+  const TetMesh built = soup.build();
+  const BoundaryFaces faces = built.boundary_faces();
+  mesh.triangles = faces.triangles;
+  mesh.triangle_patches.assign(faces.triangles.size(), 0);
+  EXPECT_TRUE(find_faults(mesh.view()).empty()) << "with the interface as a wall";
 }
 
 TEST(Faults, HalvesOfQuadrilateralsCloseTheOutsideOfAPrism) {

@@ -1,0 +1,48 @@
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
+
+namespace lumesh::cli {
+
+namespace {
+
+struct RenameCommand {
+  std::string from, to;
+  std::vector<std::string> names;
+  RunOptions run;
+};
+
+void run(const RenameCommand& command) {
+  check_output_folders({command.to});
+  Context context = make_context(command.run);
+  MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.from); });
+  if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
+  const std::vector<PatchRenaming> renamings = naming(
+      command.from, [&] { return with_patches(renamings_from(command.names), named_openings(mesh.view())); });
+  naming(command.from, [&] { rename_patches(mesh.info, renamings); });
+  context.phase("write", [&] { write_mesh(command.to, mesh.view()); });
+  for (const PatchRenaming& renaming : renamings)
+    say(command.run, "{}: {} is {} now\n", command.to, renaming.patch, renaming.name);
+}
+
+}  // namespace
+
+void add_rename_command(CLI::App& program) {
+  const auto command = std::make_shared<RenameCommand>();
+  CLI::App* sub = program.add_subcommand("rename", "Give patches of a mesh other names");
+  sub->add_option("from", command->from, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
+  sub->add_option("-o,--output", command->to, std::string("Mesh to write ") + kVolumeFormats)->required();
+  add_name_option(*sub, command->names);
+  sub->get_option("--name")->required();
+  add_verbosity_options(*sub, command->run);
+  sub->footer(
+      "Example: lumesh rename case1.vtu -o named.vtu --name inlet_1=aorta --name 12.5,40,-3=left_ica");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace lumesh::cli

@@ -1,0 +1,49 @@
+#pragma once
+/// @file Names that users give to patches, such as those that a solver's boundary conditions stand on.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumesh/mesh/mixed_mesh.hpp"
+
+namespace lumesh {
+
+/// A patch and the name that it is to have.
+struct PatchRenaming {
+  std::string patch;                 ///< Its name so far; empty if a place says which opening is meant.
+  std::optional<Vec3> near_mm = {};  ///< Near the centre of an opening.
+  std::string name;
+};
+
+/// Of "outlet_2=left_ica", or with a place in mm, "12.5,40,-3=left_ica".
+/// @throws Error{kUsage} if the text is none, or the name has other characters than letters, digits, '_', '-'
+/// and
+/// '.', or does not begin with a letter or '_': solvers take such names only.
+[[nodiscard]] PatchRenaming renaming_from(std::string_view text);
+
+/// An opening that renamings may mean.
+struct NamedOpening {
+  std::string name;
+  Vec3 centre_mm = Vec3::Zero();
+  double radius_mm = 0;  ///< Of the circle with its area.
+};
+
+/// Those of a mesh: its patches of PatchKind::kOpening.
+[[nodiscard]] std::vector<NamedOpening> named_openings(const MeshView& mesh);
+
+/// Puts the openings that places mean into renamings.
+/// @throws Error{kBadInput} if no opening's centre is within twice its radius of a place; if a name of
+/// openings, inlet_N or outlet_N, is none of these; if two renamings mean one patch. The text lists the
+/// openings.
+[[nodiscard]] std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
+                                                      std::span<const NamedOpening> openings);
+
+/// Renames all at once, so that names may be swapped.
+/// @param renamings  With patches.
+/// @throws Error{kBadInput} if a patch is not there, or two would have one name; nothing is changed then.
+void rename_patches(MeshInfo& info, std::span<const PatchRenaming> renamings);
+
+}  // namespace lumesh

@@ -1,0 +1,149 @@
+#include "lumesh/mesh/patch_renaming.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/triangle.hpp"
+
+namespace lumesh {
+namespace {
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
+bool is_name(std::string_view text) {
+  return !text.empty() && is_letter(text.front()) && std::all_of(text.begin(), text.end(), [](char c) {
+    return is_letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '.';
+  });
+}
+
+/// "x,y,z".
+std::optional<Vec3> place_from(std::string_view text) {
+  Vec3 place;
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [next, error] = std::from_chars(at, end, place[axis]);
+    const bool is_last = axis == 2;
+    if (error != std::errc() || (is_last ? next != end : next == end || *next != ',')) return std::nullopt;
+    at = next + 1;
+  }
+  if (!place.allFinite()) return std::nullopt;
+  return place;
+}
+
+std::string list_of(std::span<const NamedOpening> openings) {
+  if (openings.empty()) return "there are no openings";
+  std::vector<std::string> texts;
+  for (const NamedOpening& o : openings)
+    texts.push_back(fmt::format("{} at ({:.1f}, {:.1f}, {:.1f})", o.name, o.centre_mm.x(), o.centre_mm.y(),
+                                o.centre_mm.z()));
+  return fmt::format("there are {}", fmt::join(texts, ", "));
+}
+
+const NamedOpening& opening_near(const Vec3& place, std::span<const NamedOpening> openings) {
+  constexpr double kRadii = 2;
+  const auto off = [&](const NamedOpening& o) { return (o.centre_mm - place).norm(); };
+  const auto nearest = std::min_element(openings.begin(), openings.end(),
+                                        [&](const auto& a, const auto& b) { return off(a) < off(b); });
+  if (nearest == openings.end() || off(*nearest) > kRadii * nearest->radius_mm)
+    throw Error(ErrorKind::kBadInput, fmt::format("no opening is near ({:g}, {:g}, {:g}) mm; {}", place.x(),
+                                                  place.y(), place.z(), list_of(openings)));
+  return *nearest;
+}
+
+bool is_opening_name(const std::string& name) {
+  return name.starts_with("inlet_") || name.starts_with("outlet_");
+}
+
+}  // namespace
+
+PatchRenaming renaming_from(std::string_view text) {
+  const std::size_t equals = text.rfind('=');
+  const std::string_view patch = text.substr(0, equals);
+  PatchRenaming renaming;
+  if (equals != std::string_view::npos) renaming.name = std::string(text.substr(equals + 1));
+  if (patch.empty() || !is_name(renaming.name))
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("\"{}\": write PATCH=NAME or X,Y,Z=NAME (a place in mm near an opening), with a name of "
+                    "letters, digits, '_', '-' and '.'",
+                    text));
+  renaming.near_mm = place_from(patch);
+  if (!renaming.near_mm) renaming.patch = std::string(patch);
+  return renaming;
+}
+
+std::vector<NamedOpening> named_openings(const MeshView& mesh) {
+  const std::vector<Patch>& patches = mesh.info->patches;
+  std::vector<double> area(patches.size(), 0);
+  std::vector<Vec3> moment(patches.size(), Vec3::Zero());
+  const auto add = [&](std::int32_t patch, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    const auto p = static_cast<std::size_t>(patch);
+    if (p >= patches.size() || patches[p].kind != PatchKind::kOpening) return;
+    const double size = triangle_area(mesh.points[a], mesh.points[b], mesh.points[c]);
+    area[p] += size;
+    moment[p] += size / 3 * (mesh.points[a] + mesh.points[b] + mesh.points[c]);
+  };
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    add(mesh.triangle_patches[t], a, b, c);
+  }
+  for (std::size_t q = 0; q < mesh.quadrilaterals.size(); ++q) {
+    const auto& [a, b, c, d] = mesh.quadrilaterals[q];
+    add(mesh.quadrilateral_patches[q], a, b, c);
+    add(mesh.quadrilateral_patches[q], a, c, d);
+  }
+  std::vector<NamedOpening> openings;
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    if (area[p] > 0)
+      openings.push_back({patches[p].name, moment[p] / area[p], std::sqrt(area[p] / std::numbers::pi)});
+  return openings;
+}
+
+std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
+                                        std::span<const NamedOpening> openings) {
+  std::set<std::string> meant;
+  for (PatchRenaming& renaming : renamings) {
+    if (renaming.near_mm) renaming.patch = opening_near(*renaming.near_mm, openings).name;
+    const bool is_there = std::any_of(openings.begin(), openings.end(),
+                                      [&](const NamedOpening& o) { return o.name == renaming.patch; });
+    if (!is_there && is_opening_name(renaming.patch))
+      throw Error(ErrorKind::kBadInput, fmt::format("there will be no {} to call {}; {}", renaming.patch,
+                                                    renaming.name, list_of(openings)));
+    if (!meant.insert(renaming.patch).second)
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{} is given two names; {}", renaming.patch, list_of(openings)));
+  }
+  return renamings;
+}
+
+void rename_patches(MeshInfo& info, std::span<const PatchRenaming> renamings) {
+  std::vector<std::string> names;
+  for (const Patch& patch : info.patches) names.push_back(patch.name);
+  for (const PatchRenaming& renaming : renamings) {
+    const auto at = std::find_if(info.patches.begin(), info.patches.end(),
+                                 [&](const Patch& patch) { return patch.name == renaming.patch; });
+    if (at == info.patches.end()) {
+      std::vector<std::string> known;
+      for (const Patch& patch : info.patches) known.push_back(patch.name);
+      throw Error(ErrorKind::kBadInput, fmt::format("the mesh has no patch {} to call {}; it has {}",
+                                                    renaming.patch, renaming.name, fmt::join(known, ", ")));
+    }
+    names[static_cast<std::size_t>(at - info.patches.begin())] = renaming.name;
+  }
+  std::set<std::string> seen;
+  for (const std::string& name : names)
+    if (!seen.insert(name).second)
+      throw Error(ErrorKind::kBadInput, fmt::format("two patches would be called {}", name));
+  for (std::size_t p = 0; p < names.size(); ++p) info.patches[p].name = names[p];
+}
+
+}  // namespace lumesh

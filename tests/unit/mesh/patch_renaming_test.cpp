@@ -1,0 +1,80 @@
+#include "lumesh/mesh/patch_renaming.hpp"
+
+#include <gtest/gtest.h>
+
+#include "lumesh/core/error.hpp"
+
+namespace lumesh {
+namespace {
+
+TEST(PatchRenaming, IsReadFromTexts) {
+  const PatchRenaming by_name = renaming_from("outlet_2=left_ica");
+  EXPECT_EQ(by_name.patch, "outlet_2");
+  EXPECT_EQ(by_name.name, "left_ica");
+  EXPECT_FALSE(by_name.near_mm);
+  const PatchRenaming by_place = renaming_from("12.5,-40,3e1=R.ICA-1");
+  ASSERT_TRUE(by_place.near_mm);
+  EXPECT_EQ(*by_place.near_mm, Vec3(12.5, -40, 30));
+  EXPECT_EQ(by_place.name, "R.ICA-1");
+  for (const char* wrong :
+       {"", "=", "a", "a=", "=b", "outlet_1=a b", "outlet_1=1st", "outlet_1=a/b", "1,2,3=é"})
+    EXPECT_THROW((void)renaming_from(wrong), Error) << wrong;
+  EXPECT_FALSE(renaming_from("1,2=x").near_mm) << "two numbers are no place";
+  EXPECT_FALSE(renaming_from("1,2,nan=x").near_mm);
+}
+
+const std::vector<NamedOpening> kTwo = {{"inlet_1", {0, 0, 0}, 3}, {"outlet_1", {10, 0, 0}, 1}};
+
+TEST(PatchRenaming, PlacesMeanTheNearestOpening) {
+  const auto found = with_patches({renaming_from("9,1,0=left"), renaming_from("0,4,0=aorta")}, kTwo);
+  EXPECT_EQ(found[0].patch, "outlet_1");
+  EXPECT_EQ(found[1].patch, "inlet_1");
+}
+
+TEST(PatchRenaming, WhatNoOpeningIsMeantByIsRefusedWithTheOpeningsThatThereAre) {
+  for (const char* wrong : {"13,0,0=far", "outlet_2=none"}) {
+    try {
+      (void)with_patches({renaming_from(wrong)}, kTwo);
+      ADD_FAILURE() << wrong;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      EXPECT_NE(std::string(error.what()).find("outlet_1 at (10.0, 0.0, 0.0)"), std::string::npos)
+          << error.what();
+    }
+  }
+  EXPECT_THROW((void)with_patches({renaming_from("outlet_1=a"), renaming_from("10,0,0=b")}, kTwo), Error)
+      << "one opening, two names";
+  EXPECT_NO_THROW((void)with_patches({renaming_from("wall=vessel")}, kTwo)) << "walls are not known yet";
+  EXPECT_THROW((void)with_patches({renaming_from("0,0,0=a")}, {}), Error);
+}
+
+TEST(PatchRenaming, AllAtOnceOrNothing) {
+  MeshInfo info;
+  info.patches = {{"wall", PatchKind::kWall, {1, 0}},
+                  {"inlet_1", PatchKind::kOpening, {1, 0}},
+                  {"outlet_1", PatchKind::kOpening, {1, 0}}};
+  const auto names = [&] { return info.patches[1].name + " " + info.patches[2].name; };
+  rename_patches(info, std::vector{renaming_from("inlet_1=outlet_1"), renaming_from("outlet_1=inlet_1")});
+  EXPECT_EQ(names(), "outlet_1 inlet_1") << "swapped";
+  EXPECT_EQ(info.patches[1].kind, PatchKind::kOpening);
+  EXPECT_THROW(rename_patches(info, std::vector{renaming_from("inlet_1=a"), renaming_from("outlet_7=b")}),
+               Error);
+  EXPECT_THROW(rename_patches(info, std::vector{renaming_from("inlet_1=wall")}), Error) << "taken";
+  EXPECT_EQ(names(), "outlet_1 inlet_1") << "nothing changed";
+}
+
+TEST(PatchRenaming, OpeningsOfAMeshHaveTheirCentresAndRadii) {
+  MixedMesh mesh;
+  mesh.points = {{0, 0, 5}, {2, 0, 5}, {2, 2, 5}, {0, 2, 5}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.triangle_patches = {1, 1};
+  mesh.info.patches = {{"wall", PatchKind::kWall, {1, 0}}, {"outlet_1", PatchKind::kOpening, {1, 0}}};
+  const std::vector<NamedOpening> openings = named_openings(mesh.view());
+  ASSERT_EQ(openings.size(), 1u);
+  EXPECT_EQ(openings[0].name, "outlet_1");
+  EXPECT_LT((openings[0].centre_mm - Vec3(1, 1, 5)).norm(), 1e-12);
+  EXPECT_NEAR(M_PI * openings[0].radius_mm * openings[0].radius_mm, 4, 1e-12);
+}
+
+}  // namespace
+}  // namespace lumesh
