@@ -387,6 +387,13 @@ INSTANTIATE_TEST_SUITE_P(
             "TouchingPoints",
             [](TriangleSoup& s) { s.append(s.moved([](const Vec3& p) { return Vec3(p + Vec3::Ones()); })); },
             "touches itself in the point (1 1 1) mm"},
+        BrokenSurface{"CrossingShells",
+                      [](TriangleSoup& s) {
+                        s.append(s.moved([](const Vec3& p) { return Vec3(p + Vec3(0.5, 0.4, 0.3)); }));
+                      },
+                      "crosses or touches itself: "},
+        BrokenSurface{"CrossingItself", [](TriangleSoup& s) { s = torus_surface(1, 1.6, 24, 16); },
+                      "crosses or touches itself: "},
         BrokenSurface{"OneSide", [](TriangleSoup& s) { s = moebius_strip_closed(); }, "one side only"},
         BrokenSurface{"Flat",
                       [](TriangleSoup& s) {
