@@ -189,8 +189,9 @@ void run(AdaptCommand command) {
       command.output_path, mesh.tet_count(), mesh.vertex_count(), faces.triangles.size(), report.complexity,
       elapsed.count());
   if (kept) say(command.run, "with {} cells as they were\n", kept->kept_count());
+  const MeshView before = input.view();
   require_sound(command.output_path, kept ? whole.view() : mesh.view(faces), context,
-                long_run.reason(report.complete));
+                long_run.reason(report.complete), &before);
   long_run.check_complete(report.complete, command.output_path + " holds the best mesh so far");
 }
 

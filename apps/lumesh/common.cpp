@@ -229,14 +229,21 @@ std::vector<std::string> doubts_about_image(const std::string& image_path, const
 }
 
 void require_sound(const std::string& path, const MeshView& mesh, Context& context,
-                   const std::string& besides) {
+                   const std::string& besides, const MeshView* made_from) {
   const std::vector<std::string> faults =
       context.phase("validity", [&] { return quality::find_faults(mesh); });
   if (faults.empty()) return;
+  const bool was_before = made_from != nullptr && !quality::find_faults(*made_from).empty();
   throw Error(
       ErrorKind::kNotReached,
-      fmt::format("{}{}: the mesh is invalid: {}; do not use it. `lumesh evaluate` lists all problems",
-                  besides, path, fmt::join(faults, "; ")));
+      fmt::format("{}{}: the mesh is invalid{}: {}; do not use it. `lumesh evaluate` lists all problems",
+                  besides, path, was_before ? ", as the one that it was made from" : "",
+                  fmt::join(faults, "; ")));
+}
+
+void warn_of_faults(const std::string& path, const MeshView& mesh) {
+  for (const std::string& fault : quality::find_faults(mesh))
+    print_warning(fmt::format("{}: the mesh is invalid: {}; it is kept as it is", path, fault));
 }
 
 }  // namespace lumesh::cli

@@ -106,8 +106,12 @@ void check_inputs_stay(std::initializer_list<std::string> outputs, std::initiali
 
 /// Looks at a mesh that was written, quickly.
 /// @param besides  What else has to be said then.
+/// @param made_from  The mesh that it was made from, if any, which may have had faults before.
 /// @throws Error{kNotReached} if it has faults that no simulation survives (quality/faults.hpp).
 void require_sound(const std::string& path, const MeshView& mesh, Context& context,
-                   const std::string& besides = "");
+                   const std::string& besides = "", const MeshView* made_from = nullptr);
+
+/// The same as warnings, of a mesh that is handed on as it is.
+void warn_of_faults(const std::string& path, const MeshView& mesh);
 
 }  // namespace lumesh::cli

@@ -44,14 +44,12 @@ void run(const ConvertCommand& command) {
                     [&] { return part_of(mesh, labels_called(mesh, command.only_labels)).mesh; });
     });
   }
-  if (const std::size_t inverted = count_inverted_cells(mesh.view()); inverted > 0)
-    print_warning(fmt::format("{}: {} cells have no positive volume; they are kept as they are", command.from,
-                              inverted));
   const MeshWriteOptions options = write_options(command);
   context.phase("write", [&] {
     write_mesh(command.to, mesh.view(), options);
     if (!command.surface.empty()) write_surface(command.surface, mesh.view(), options);
   });
+  if (mesh.view().cell_count() > 0) warn_of_faults(command.from, mesh.view());
   say(command.run, "{}: {} cells, {} points, {} boundary faces, {} patches\n", command.to,
       mesh.view().cell_count(), mesh.points.size(), mesh.triangles.size() + mesh.quadrilaterals.size(),
       mesh.info.patches.size());

@@ -131,7 +131,7 @@ void run(DelaunayCommand command) {
     context.phase("improvement", [&] { improved = improve(mesh, command.improvement, context); });
   }
   mesh.info().provenance = provenance_of(*command.self, input_path);
-  rename_found(mesh.info(), renamings, context);
+  const std::vector<std::string> without_name = rename_found(mesh.info(), renamings);
   const BoundaryFaces faces = mesh.boundary_faces();
   context.phase("write", [&] {
     MeshView view = mesh.view(faces);
@@ -153,7 +153,7 @@ void run(DelaunayCommand command) {
   const bool is_complete = result.report.complete && (!improved || improved->complete);
   require_sound(command.mesh_path, mesh.view(faces), context, long_run.reason(is_complete));
   long_run.check_complete(is_complete, command.mesh_path + " holds the best mesh so far");
-  require_openings(command.openings, command.mesh_path, openings);
+  require_openings(command.openings, command.mesh_path, openings, without_name);
 }
 
 void add_rule_options(CLI::App& sub, DelaunayCommand& command) {

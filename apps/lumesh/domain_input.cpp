@@ -1,6 +1,7 @@
 #include "domain_input.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
@@ -66,20 +67,24 @@ std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, const Do
   });
 }
 
-void rename_found(MeshInfo& info, const std::vector<PatchRenaming>& renamings, Context& context) {
+std::vector<std::string> rename_found(MeshInfo& info, const std::vector<PatchRenaming>& renamings) {
   std::vector<PatchRenaming> found;
+  std::vector<std::string> missing, known;
+  for (const Patch& patch : info.patches) known.push_back(patch.name);
   for (const PatchRenaming& renaming : renamings) {
-    if (std::any_of(info.patches.begin(), info.patches.end(),
-                    [&](const Patch& patch) { return patch.name == renaming.patch; }))
+    if (std::find(known.begin(), known.end(), renaming.patch) != known.end())
       found.push_back(renaming);
     else
-      context.warn(fmt::format("the mesh has no {} to call {}", renaming.patch, renaming.name));
+      missing.push_back(fmt::format("the mesh has no patch {} to call {}; it has {}", renaming.patch,
+                                    renaming.name, fmt::join(known, ", ")));
   }
   rename_patches(info, found);
+  return missing;
 }
 
 void require_openings(const OpeningOptions& options, const std::string& path,
-                      const OpeningsCompared& openings) {
+                      const OpeningsCompared& openings, const std::vector<std::string>& without_name) {
+  if (!without_name.empty()) throw Error(ErrorKind::kNotReached, path + ": " + without_name.front());
   const std::vector<std::string> doubts = doubts_about(openings);
   if (options.is_strict && !doubts.empty())
     throw Error(

@@ -50,15 +50,18 @@ void add_opening_options(CLI::App& command, OpeningOptions& options);
 /// The names as patches of a mesh of the domain are to get them; known before it is made.
 /// @throws Error{kBadInput} as with_patches().
 [[nodiscard]] std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, const Domain& domain);
-/// Renames what the mesh has, and warns of the rest.
-void rename_found(MeshInfo& info, const std::vector<PatchRenaming>& renamings, Context& context);
+/// Renames what the mesh has. @return Lines about the rest.
+[[nodiscard]] std::vector<std::string> rename_found(MeshInfo& info,
+                                                    const std::vector<PatchRenaming>& renamings);
 
 /// The openings of a mesh against its domain's; warns of those that are wrong. Empty without cut planes.
 [[nodiscard]] OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain, Context& context);
 
-/// @throws Error{kNotReached} if the user is strict and an opening is missing or wrong.
+/// @param without_name  Lines of rename_found().
+/// @throws Error{kNotReached} if a patch that has a name by the user is missing, or if the user is strict and
+/// an opening is missing or wrong.
 void require_openings(const OpeningOptions& options, const std::string& path,
-                      const OpeningsCompared& openings);
+                      const OpeningsCompared& openings, const std::vector<std::string>& without_name);
 
 /// For the line of a patch: its area and the image's, where it is an opening.
 [[nodiscard]] std::string opening_text(const OpeningsCompared& openings, const std::string& patch);

@@ -106,7 +106,8 @@ void run(ImproveCommand command) {
       command.output_path, mesh.tet_count(), report.after.min_deg, report.after.max_deg,
       report.before.min_deg, report.before.max_deg, report.after.tets_outside, report.before.tets_outside,
       elapsed.count());
-  require_sound(command.output_path, view, context, long_run.reason(report.complete));
+  const MeshView before = input.view();
+  require_sound(command.output_path, view, context, long_run.reason(report.complete), &before);
   long_run.check_complete(report.complete, command.output_path + " holds the best mesh so far");
 }
 

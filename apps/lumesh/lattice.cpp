@@ -100,7 +100,7 @@ void run(const LatticeCommand& command) {
   });
   const std::vector<PatchRenaming> renamings = renamings_for(command.openings, domain);
   LatticeResult result = mesh_lattice(image, domain, options, context);
-  rename_found(result.mesh.info, renamings, context);
+  const std::vector<std::string> without_name = rename_found(result.mesh.info, renamings);
   result.mesh.info.provenance = provenance_of(*command.self, command.image_path);
   context.phase("write", [&] {
     write_mesh(command.mesh_path, result.mesh.view());
@@ -111,7 +111,7 @@ void run(const LatticeCommand& command) {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (command.run.quiet == 0) print_summary(command, result, openings, context, elapsed.count());
   require_sound(command.mesh_path, result.mesh.view(), context);
-  require_openings(command.openings, command.mesh_path, openings);
+  require_openings(command.openings, command.mesh_path, openings, without_name);
 }
 
 }  // namespace

@@ -91,7 +91,8 @@ void run(const LayersCommand& command) {
       command.output_path, result.report.layers, result.report.cells,
       result.mesh.view().cell_count() - result.report.cells, 100 * result.report.complete());
   write_reports(command, result.mesh, std::move(result.report), context);
-  require_sound(command.output_path, result.mesh.view(), context);
+  const MeshView before = input.view();
+  require_sound(command.output_path, result.mesh.view(), context, "", &before);
 }
 
 void add_height_options(CLI::App& command, LayersCommand& target) {

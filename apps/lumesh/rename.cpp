@@ -26,6 +26,7 @@ void run(const RenameCommand& command) {
       command.from, [&] { return with_patches(renamings_from(command.names), named_openings(mesh.view())); });
   naming(command.from, [&] { rename_patches(mesh.info, renamings); });
   context.phase("write", [&] { write_mesh(command.to, mesh.view()); });
+  warn_of_faults(command.from, mesh.view());
   for (const PatchRenaming& renaming : renamings)
     say(command.run, "{}: {} is {} now\n", command.to, renaming.patch, renaming.name);
 }

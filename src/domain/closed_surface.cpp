@@ -171,10 +171,9 @@ double share_of_view(const ClosedSurface& surface, std::uint32_t t, const Vec3& 
 }
 
 /// Turns shells outwards; those within an odd number of others are cavities and are turned into them.
-/// @return The shell of each triangle.
-std::vector<std::uint32_t> turn_outwards(ClosedSurface& surface) {
+void turn_outwards(ClosedSurface& surface) {
   std::uint32_t shell_count = 0;
-  std::vector<std::uint32_t> shell = turn_alike(surface, shell_count);
+  const std::vector<std::uint32_t> shell = turn_alike(surface, shell_count);
   std::vector<double> volume(shell_count, 0), depth(shell_count, 0);
   std::vector<Vec3> point(shell_count);
   const auto count = static_cast<std::uint32_t>(surface.triangles.size());
@@ -197,7 +196,6 @@ std::vector<std::uint32_t> turn_outwards(ClosedSurface& surface) {
     const bool is_cavity = std::lround(depth[shell[t]]) % 2 != 0;
     if ((volume[shell[t]] < 0) != is_cavity) turn(surface, t);
   }
-  return shell;
 }
 
 /// All triangles at a point must form one fan.
@@ -242,23 +240,33 @@ Vec3 normal_of(const ClosedSurface& surface, std::uint32_t t) {
   return normal.stableNormalized();
 }
 
-/// Where shells cross each other, or one crosses itself at large, there is no telling inside from outside;
-/// single folds of real surfaces, smaller than what they are meshed with, do no harm.
-void check_crossings(const ClosedSurface& surface, const std::vector<std::uint32_t>& shell) {
-  constexpr double kFewOfAll = 0.01;
-  constexpr std::size_t kFew = 5;  // Where a corner lies on another triangle's edge, it touches some.
+/// Whether one triangle can be reached from another over a few edges.
+bool is_close_along(const ClosedSurface& surface, std::uint32_t from, std::uint32_t to) {
+  constexpr int kRings = 6;
+  std::vector<std::uint32_t> reached = {from};
+  std::size_t ring_begin = 0;
+  for (int ring = 0; ring < kRings; ++ring) {
+    const std::size_t ring_end = reached.size();
+    for (std::size_t i = ring_begin; i < ring_end; ++i)
+      for (const std::uint32_t next : surface.neighbours[reached[i]]) {
+        if (next == to) return true;
+        if (std::find(reached.begin(), reached.end(), next) == reached.end()) reached.push_back(next);
+      }
+    ring_begin = ring_end;
+  }
+  return false;
+}
+
+/// Where sheets cross, there is no telling inside from outside. Folds of a few triangles over each other, as
+/// real surfaces have, do no harm.
+void check_crossings(const ClosedSurface& surface) {
   const std::vector<SelfCrossing> crossings = find_self_crossings(surface.points, surface.triangles);
-  if (crossings.empty()) return;
-  const auto between_shells = std::find_if(crossings.begin(), crossings.end(), [&](const SelfCrossing& c) {
-    return shell[c.first] != shell[c.second];
+  const auto sheets = std::find_if(crossings.begin(), crossings.end(), [&](const SelfCrossing& crossing) {
+    return !is_close_along(surface, crossing.first, crossing.second);
   });
-  const auto count = static_cast<double>(crossings.size());
-  const bool are_few =
-      crossings.size() <= kFew || count <= kFewOfAll * static_cast<double>(surface.triangles.size());
-  if (between_shells == crossings.end() && are_few) return;
-  const SelfCrossing& worst = between_shells == crossings.end() ? crossings.front() : *between_shells;
+  if (sheets == crossings.end()) return;
   refuse("the surface crosses or touches itself: " + std::to_string(crossings.size()) +
-         (crossings.size() == 1 ? " pair" : " pairs") + " of triangles, such as at " + place(worst.place) +
+         (crossings.size() == 1 ? " pair" : " pairs") + " of triangles, such as at " + place(sheets->place) +
          " mm; join its parts or mend it first");
 }
 
@@ -268,9 +276,9 @@ ClosedSurface closed_surface(const SurfaceView& view) {
   check_arrays(view);
   ClosedSurface surface = welded(view);
   find_neighbours(surface);
-  const std::vector<std::uint32_t> shell = turn_outwards(surface);
+  turn_outwards(surface);
   check_fans(surface);
-  check_crossings(surface, shell);
+  check_crossings(surface);
   surface.normals.resize(surface.triangles.size());
   parallel::for_each_index(surface.triangles.size(), [&](std::size_t t) {
     surface.normals[t] = normal_of(surface, static_cast<std::uint32_t>(t));

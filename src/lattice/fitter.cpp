@@ -107,9 +107,8 @@ void Fitter::squeeze_within_cuts() {
     const Vec3 before = mesh_.positions[v];
     if (within_cuts(domain_, boundary_.sets[v], before) == before) continue;
     if (!tree) tree.emplace(mesh_, boundary_);
-    const Vec3 middle = mean_of_star(v);
-    for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-      const Vec3 place = within_cuts(domain_, boundary_.sets[v], before + part * (middle - before));
+    for (const Vec3& wish : wishes_around(v)) {
+      const Vec3 place = within_cuts(domain_, boundary_.sets[v], wish);
       if (!put_if_valid(v, place)) continue;
       const double way_mm = (place - before).norm();
       if (!crosses_at(mesh_, boundary_, domain_, *tree, std::max(moved_mm, way_mm), surface_.triangles(v))) {
@@ -119,6 +118,22 @@ void Fitter::squeeze_within_cuts() {
       mesh_.positions[v] = before;
     }
   }
+}
+
+/// Where a vertex may be tried: on its way to the middle of the vertices around, then all around these
+/// places.
+std::vector<Vec3> Fitter::wishes_around(std::uint32_t v) const {
+  const Vec3 own = mesh_.positions[v], way = mean_of_star(v) - own;
+  std::vector<Vec3> wishes;
+  for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) wishes.emplace_back(own + part * way);
+  const double edge = (own - mesh_.positions[other_corner(v)]).norm();
+  for (const double part : {0.0, 0.5, 1.0})
+    for (const double reach : {0.15, 0.3, 0.6})
+      for (int n = 0; n < 27; ++n) {
+        const Vec3 direction(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+        if (n != 13) wishes.emplace_back(own + part * way + reach * edge * direction.normalized());
+      }
+  return wishes;
 }
 
 void Fitter::draw_to_tips(const std::vector<Miss>& missed, int sweeps) {

@@ -87,6 +87,7 @@ class Fitter {
 
   [[nodiscard]] bool constrained(std::uint32_t v) const { return boundary_.sets[v].size() >= 2; }
   [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const;
+  [[nodiscard]] std::vector<Vec3> wishes_around(std::uint32_t v) const;
   [[nodiscard]] Vec3 mean_of_surface(std::uint32_t v) const;
   [[nodiscard]] std::uint32_t other_corner(std::uint32_t v) const;
   [[nodiscard]] std::optional<Vec3> on_boundary(std::uint32_t v, const Vec3& near) const;

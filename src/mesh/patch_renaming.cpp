@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -30,6 +31,7 @@ std::optional<Vec3> place_from(std::string_view text) {
   const char* at = text.data();
   const char* const end = text.data() + text.size();
   for (int axis = 0; axis < 3; ++axis) {
+    while (at != end && *at == ' ') ++at;
     const auto [next, error] = std::from_chars(at, end, place[axis]);
     const bool is_last = axis == 2;
     if (error != std::errc() || (is_last ? next != end : next == end || *next != ',')) return std::nullopt;
@@ -59,8 +61,11 @@ const NamedOpening& opening_near(const Vec3& place, std::span<const NamedOpening
   return *nearest;
 }
 
-bool is_opening_name(const std::string& name) {
-  return name.starts_with("inlet_") || name.starts_with("outlet_");
+/// However they are spelt.
+bool is_opening_name(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name.starts_with("inlet") || name.starts_with("outlet");
 }
 
 }  // namespace
@@ -70,13 +75,15 @@ PatchRenaming renaming_from(std::string_view text) {
   const std::string_view patch = text.substr(0, equals);
   PatchRenaming renaming;
   if (equals != std::string_view::npos) renaming.name = std::string(text.substr(equals + 1));
-  if (patch.empty() || !is_name(renaming.name))
+  renaming.near_mm = place_from(patch);
+  // Whoever writes commas means a place.
+  const bool is_wrong_place = !renaming.near_mm && patch.find_first_of(",;") != std::string_view::npos;
+  if (patch.empty() || is_wrong_place || !is_name(renaming.name))
     throw Error(
         ErrorKind::kUsage,
         fmt::format("\"{}\": write PATCH=NAME or X,Y,Z=NAME (a place in mm near an opening), with a name of "
                     "letters, digits, '_', '-' and '.'",
                     text));
-  renaming.near_mm = place_from(patch);
   if (!renaming.near_mm) renaming.patch = std::string(patch);
   return renaming;
 }
@@ -110,13 +117,15 @@ std::vector<NamedOpening> named_openings(const MeshView& mesh) {
 
 std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
                                         std::span<const NamedOpening> openings) {
-  std::set<std::string> meant;
+  std::set<std::string> meant, names;
   for (PatchRenaming& renaming : renamings) {
+    if (!names.insert(renaming.name).second)
+      throw Error(ErrorKind::kBadInput, fmt::format("two patches would be called {}", renaming.name));
     if (renaming.near_mm) renaming.patch = opening_near(*renaming.near_mm, openings).name;
     const bool is_there = std::any_of(openings.begin(), openings.end(),
                                       [&](const NamedOpening& o) { return o.name == renaming.patch; });
     if (!is_there && is_opening_name(renaming.patch))
-      throw Error(ErrorKind::kBadInput, fmt::format("there will be no {} to call {}; {}", renaming.patch,
+      throw Error(ErrorKind::kBadInput, fmt::format("there is no {} to call {}; {}", renaming.patch,
                                                     renaming.name, list_of(openings)));
     if (!meant.insert(renaming.patch).second)
       throw Error(ErrorKind::kBadInput,
@@ -143,7 +152,12 @@ void rename_patches(MeshInfo& info, std::span<const PatchRenaming> renamings) {
   for (const std::string& name : names)
     if (!seen.insert(name).second)
       throw Error(ErrorKind::kBadInput, fmt::format("two patches would be called {}", name));
-  for (std::size_t p = 0; p < names.size(); ++p) info.patches[p].name = names[p];
+  for (std::size_t p = 0; p < names.size(); ++p) {
+    Patch& patch = info.patches[p];
+    const bool is_new_opening = patch.name != names[p] && is_opening_name(names[p]);
+    if (patch.kind == PatchKind::kWall && is_new_opening) patch.kind = PatchKind::kOpening;
+    patch.name = names[p];
+  }
 }
 
 }  // namespace lumesh

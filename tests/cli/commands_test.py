@@ -280,6 +280,10 @@ class NameTest(CommandTest):
             self.assert_refused(result, BAD_INPUT, "there are inlet_1 at")
         self.assert_refused(self.run_lumesh("lattice", tube, "-o", self.mesh, "--name", "outlet_1=a b"), USAGE, "letters")
         self.assertFalse(self.mesh.exists())
+        result = self.run_lumesh("lattice", tube, "-o", self.mesh, "--name", "vall=x")
+        self.assertEqual(result.returncode, NOT_REACHED)
+        self.assertIn("no patch vall to call x; it has wall", result.stderr)
+        self.assertTrue(self.mesh.exists())
 
 
 class ProgressTest(CommandTest):

@@ -124,7 +124,7 @@ class ImproveTest(MeshTest):
         write_medit(self.rough, points, tetrahedra, triangles)
         result = self.run_lumesh("improve", self.rough, "-o", self.out, "--boundary", "frozen")
         self.assertEqual(result.returncode, NOT_REACHED, result.stderr)
-        self.assertIn("the mesh is invalid: the outside crosses or touches itself", result.stderr)
+        self.assertIn("the mesh is invalid, as the one that it was made from: the outside crosses or touches itself", result.stderr)
         self.assertTrue(self.out.exists())
 
     def test_what_cannot_be_improved_is_refused(self):

@@ -35,13 +35,14 @@ struct NamedOpening {
 [[nodiscard]] std::vector<NamedOpening> named_openings(const MeshView& mesh);
 
 /// Puts the openings that places mean into renamings.
-/// @throws Error{kBadInput} if no opening's centre is within twice its radius of a place; if a name of
-/// openings, inlet_N or outlet_N, is none of these; if two renamings mean one patch. The text lists the
-/// openings.
+/// @throws Error{kBadInput} if no opening's centre is within twice its radius of a place; if a name that
+/// begins with inlet or outlet is none of these; if two renamings mean one patch or give one name. The text
+/// lists the openings.
 [[nodiscard]] std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
                                                       std::span<const NamedOpening> openings);
 
-/// Renames all at once, so that names may be swapped.
+/// Renames all at once, so that names may be swapped. What was a wall and gets a name that begins with inlet
+/// or outlet is an opening from then on, as in files that say no more of patches than their names.
 /// @param renamings  With patches.
 /// @throws Error{kBadInput} if a patch is not there, or two would have one name; nothing is changed then.
 void rename_patches(MeshInfo& info, std::span<const PatchRenaming> renamings);

@@ -16,11 +16,10 @@ TEST(PatchRenaming, IsReadFromTexts) {
   ASSERT_TRUE(by_place.near_mm);
   EXPECT_EQ(*by_place.near_mm, Vec3(12.5, -40, 30));
   EXPECT_EQ(by_place.name, "R.ICA-1");
-  for (const char* wrong :
-       {"", "=", "a", "a=", "=b", "outlet_1=a b", "outlet_1=1st", "outlet_1=a/b", "1,2,3=é"})
+  for (const char* wrong : {"", "=", "a", "a=", "=b", "outlet_1=a b", "outlet_1=1st", "outlet_1=a/b",
+                            "1,2,3=é", "1,2=x", "1,2,nan=x", "1;2;3=x"})
     EXPECT_THROW((void)renaming_from(wrong), Error) << wrong;
-  EXPECT_FALSE(renaming_from("1,2=x").near_mm) << "two numbers are no place";
-  EXPECT_FALSE(renaming_from("1,2,nan=x").near_mm);
+  EXPECT_EQ(*renaming_from("1, 2, 3=x").near_mm, Vec3(1, 2, 3));
 }
 
 const std::vector<NamedOpening> kTwo = {{"inlet_1", {0, 0, 0}, 3}, {"outlet_1", {10, 0, 0}, 1}};
@@ -32,7 +31,7 @@ TEST(PatchRenaming, PlacesMeanTheNearestOpening) {
 }
 
 TEST(PatchRenaming, WhatNoOpeningIsMeantByIsRefusedWithTheOpeningsThatThereAre) {
-  for (const char* wrong : {"13,0,0=far", "outlet_2=none"}) {
+  for (const char* wrong : {"13,0,0=far", "outlet_2=none", "Outlet1=none"}) {
     try {
       (void)with_patches({renaming_from(wrong)}, kTwo);
       ADD_FAILURE() << wrong;
@@ -61,6 +60,17 @@ TEST(PatchRenaming, AllAtOnceOrNothing) {
                Error);
   EXPECT_THROW(rename_patches(info, std::vector{renaming_from("inlet_1=wall")}), Error) << "taken";
   EXPECT_EQ(names(), "outlet_1 inlet_1") << "nothing changed";
+}
+
+TEST(PatchRenaming, WallsWithNamesOfOpeningsAreOpenings) {
+  MeshInfo info;
+  info.patches = {{"patch_1", PatchKind::kWall, {1, 0}},
+                  {"patch_2", PatchKind::kWall, {1, 0}},
+                  {"inlet_wall", PatchKind::kWall, {1, 0}}};
+  rename_patches(info, std::vector{renaming_from("patch_1=inlet"), renaming_from("patch_2=vessel")});
+  EXPECT_EQ(info.patches[0].kind, PatchKind::kOpening);
+  EXPECT_EQ(info.patches[1].kind, PatchKind::kWall);
+  EXPECT_EQ(info.patches[2].kind, PatchKind::kWall) << "what is not renamed stays";
 }
 
 TEST(PatchRenaming, OpeningsOfAMeshHaveTheirCentresAndRadii) {
