@@ -31,6 +31,18 @@ FitReport report_on(const std::vector<Miss>& misses, const std::vector<double>& 
   return report;
 }
 
+void add_beyond_cuts(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
+                     FitReport& report) {
+  constexpr double kLittle = 0.01;  // Voxels.
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    const Vec3& place = mesh.positions[v];
+    const double off_mm = (within_cuts(domain, boundary.sets[v], place) - place).norm();
+    if (off_mm <= kLittle * domain.voxel_size_mm()) continue;
+    ++report.vertices_beyond;
+    report.furthest_beyond_mm = std::max(report.furthest_beyond_mm, off_mm);
+  }
+}
+
 }  // namespace
 
 FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
@@ -67,7 +79,9 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   const std::vector<Vec3> mended_mm = mesh.positions;
   settle_wall(mesh, boundary, domain, setting.limits);
   undo_crossings(mesh, boundary, domain, mended_mm, setting.limits);
-  return report_on(missed, finder.missed_distances_mm(mesh, boundary), domain.voxel_size_mm());
+  FitReport report = report_on(missed, finder.missed_distances_mm(mesh, boundary), domain.voxel_size_mm());
+  add_beyond_cuts(mesh, boundary, domain, report);
+  return report;
 }
 
 }  // namespace lumesh

@@ -20,6 +20,10 @@ struct FitReport {
   std::size_t missed_points = 0;
   /// How far at most; a triangle counts as 2.25 of the smallest voxel edges at most.
   double furthest_miss_mm = 0;
+  /// Vertices that lie more than a hundredth of a voxel beyond the image's border or a cut plane, and how
+  /// far.
+  std::size_t vertices_beyond = 0;
+  double furthest_beyond_mm = 0;
 };
 
 /// Moves vertices; tetrahedra keep positive volume and, once they have them, dihedral angles within the

@@ -130,8 +130,9 @@ std::vector<Vec3> Fitter::wishes_around(std::uint32_t v) const {
   for (const double part : {0.0, 0.5, 1.0})
     for (const double reach : {0.15, 0.3, 0.6})
       for (int n = 0; n < 27; ++n) {
-        const Vec3 direction(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-        if (n != 13) wishes.emplace_back(own + part * way + reach * edge * direction.normalized());
+        const Index3 direction(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+        if (n != 13)
+          wishes.emplace_back(own + part * way + reach * edge * direction.cast<double>().normalized());
       }
   return wishes;
 }

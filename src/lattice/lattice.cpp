@@ -166,6 +166,11 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
       "fit", [&] { return fit_to_domain(built.mesh, built.boundary, image, domain, fit_options); });
   result.report.missed_points = fit.missed_points;
   result.report.furthest_miss_mm = fit.furthest_miss_mm;
+  if (fit.vertices_beyond > 0)
+    result.report.notes.push_back(std::to_string(fit.vertices_beyond) +
+                                  (fit.vertices_beyond == 1 ? " vertex lies" : " vertices lie") + " up to " +
+                                  decimals(fit.furthest_beyond_mm, 3) +
+                                  " mm beyond the image's border or a cut plane; another --spacing helps");
   note_shortcomings(options, result.report);
   note_volumes(built.mesh, domain, voxels, result.report);
   result.mesh = to_mixed_mesh(built.mesh, built.boundary, domain);
