@@ -3,8 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
 
 namespace lumesh {
@@ -75,6 +77,34 @@ std::string other_shapes(const ImageShape& image, const TetMesh& mesh) {
       others, others == 1 ? "" : "s", others == 1 ? "s" : "", list, others > kMostListed ? "; ..." : "");
 }
 
+std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
+  constexpr double kMuch = 0.05;
+  constexpr std::uint64_t kLeast = 100;  // Voxels.
+  std::map<Label, double> volumes;
+  for (std::uint32_t i = 0; i < mesh.tet_count(); ++i) {
+    const TetId t(i);
+    volumes[mesh.label(t)] +=
+        tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
+  }
+  std::size_t others = 0;
+  double worst = 0;
+  Label label = 0;
+  for (const LabelTopology& one : image.labels) {
+    const auto found = volumes.find(one.label);
+    if (one.voxel_count < kLeast || found == volumes.end()) continue;
+    const double change = found->second / one.volume_mm3 - 1;
+    others += std::abs(change) > kMuch ? 1 : 0;
+    if (std::abs(change) <= std::abs(worst)) continue;
+    worst = change;
+    label = one.label;
+  }
+  if (others == 0) return {};
+  return fmt::format(
+      "label {} fills {:.1f} % {} than its voxels{}; a smaller --delta or --boundary exact may help", label,
+      100 * std::abs(worst), worst < 0 ? "less" : "more",
+      others > 1 ? fmt::format(", the worst of {} labels that are more than 5 % off", others) : "");
+}
+
 }  // namespace
 
 ImageShape shape_of(const LabelImage& image) {
@@ -85,7 +115,7 @@ ImageShape shape_of(const LabelImage& image) {
 
 std::vector<std::string> differences(const ImageShape& image, const TetMesh& mesh) {
   std::vector<std::string> lines;
-  for (std::string line : {lost_pieces(image, mesh), other_shapes(image, mesh)})
+  for (std::string line : {lost_pieces(image, mesh), other_shapes(image, mesh), other_volumes(image, mesh)})
     if (!line.empty()) lines.push_back(std::move(line));
   return lines;
 }

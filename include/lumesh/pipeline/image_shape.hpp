@@ -19,7 +19,8 @@ struct ImageShape {
 [[nodiscard]] ImageShape shape_of(const LabelImage& image);
 
 /// One line for pieces of labels that have no tetrahedron, with their places, and one for labels whose number
-/// of pieces or Euler number differs; none if all is there. @param mesh  Compact.
+/// of pieces or Euler number differs, and one if labels of 100 voxels or more fill another volume by more
+/// than 5 %; none if all is there. @param mesh  Compact.
 [[nodiscard]] std::vector<std::string> differences(const ImageShape& image, const TetMesh& mesh);
 
 }  // namespace lumesh
