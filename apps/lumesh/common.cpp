@@ -131,12 +131,6 @@ void add_name_option(CLI::App& command, std::vector<std::string>& names) {
       });
 }
 
-std::vector<PatchRenaming> renamings_from(const std::vector<std::string>& names) {
-  std::vector<PatchRenaming> renamings;
-  for (const std::string& name : names) renamings.push_back(renaming_from(name));
-  return renamings;
-}
-
 CLI::Validator positive_number() {
   return number_above(0, "a positive number", "POSITIVE");
 }

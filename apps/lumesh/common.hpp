@@ -63,8 +63,6 @@ void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::st
 
 /// --name, of commands that make meshes; texts for renaming_from().
 void add_name_option(CLI::App& command, std::vector<std::string>& names);
-/// @throws Error{kUsage} unless every one is a renaming.
-[[nodiscard]] std::vector<PatchRenaming> renamings_from(const std::vector<std::string>& names);
 
 /// Accepts what is a finite number above 0, and says so otherwise.
 [[nodiscard]] CLI::Validator positive_number();

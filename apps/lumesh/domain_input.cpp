@@ -1,7 +1,6 @@
 #include "domain_input.hpp"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
@@ -65,21 +64,6 @@ std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, const Do
   return naming("--name", [&] {
     return with_patches(renamings_from(options.names), named_openings(find_openings(domain)));
   });
-}
-
-std::vector<std::string> rename_found(MeshInfo& info, const std::vector<PatchRenaming>& renamings) {
-  std::vector<PatchRenaming> found;
-  std::vector<std::string> missing, known;
-  for (const Patch& patch : info.patches) known.push_back(patch.name);
-  for (const PatchRenaming& renaming : renamings) {
-    if (std::find(known.begin(), known.end(), renaming.patch) != known.end())
-      found.push_back(renaming);
-    else
-      missing.push_back(fmt::format("the mesh has no patch {} to call {}; it has {}", renaming.patch,
-                                    renaming.name, fmt::join(known, ", ")));
-  }
-  rename_patches(info, found);
-  return missing;
 }
 
 void require_openings(const OpeningOptions& options, const std::string& path,

@@ -50,9 +50,6 @@ void add_opening_options(CLI::App& command, OpeningOptions& options);
 /// The names as patches of a mesh of the domain are to get them; known before it is made.
 /// @throws Error{kBadInput} as with_patches().
 [[nodiscard]] std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, const Domain& domain);
-/// Renames what the mesh has. @return Lines about the rest.
-[[nodiscard]] std::vector<std::string> rename_found(MeshInfo& info,
-                                                    const std::vector<PatchRenaming>& renamings);
 
 /// The openings of a mesh against its domain's; warns of those that are wrong. Empty without cut planes.
 [[nodiscard]] OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain, Context& context);

@@ -20,6 +20,10 @@ import numpy
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import run  # noqa: E402  (ROOT)
 
+sys.path.insert(0, str(run.ROOT / "tests/cli"))
+import nrrd  # noqa: E402
+from cube import read_medit  # noqa: E402
+
 KINDS = ("blobs", "tubes", "checkerboard", "sheets", "mixture", "kissing")
 
 
@@ -88,22 +92,7 @@ class Scene:
         self.add_tube(int(self.random.integers(1, 3)), centre + apart * across, turned / numpy.linalg.norm(turned), radii[1])
 
     def write(self, path):
-        x, y, z = self.spacing
-        head = (f"NRRD0004\ntype: ushort\ndimension: 3\nsizes: {' '.join(map(str, self.labels.shape))}\n"
-                f"space: left-posterior-superior\nspace directions: ({x},0,0) (0,{y},0) (0,0,{z})\nspace origin: (0,0,0)\n"
-                "encoding: raw\nendian: little\n\n")
-        path.write_bytes(head.encode() + self.labels.astype("<u2").tobytes(order="F"))
-
-
-def read_medit(path):
-    """Points and tetrahedra, numbered from 0."""
-    words = path.read_text().split()
-
-    def rows(keyword, width, kind):
-        start = words.index(keyword) + 2
-        return numpy.array(words[start:start + width * int(words[start - 1])], dtype=kind).reshape(-1, width)
-
-    return rows("Vertices", 4, float)[:, :3], rows("Tetrahedra", 5, int)[:, :4] - 1
+        nrrd.write(path, self.labels.shape, self.labels.flatten(order="F").tolist(), spacing=self.spacing)
 
 
 def doubled_points(points, tetrahedra, seed, per_voxel=2):
@@ -126,8 +115,9 @@ def doubled_points(points, tetrahedra, seed, per_voxel=2):
 def check(scene, mesh, program, seed):
     text = mesh.with_suffix(".mesh")
     subprocess.run([program, "convert", str(mesh), str(text), "-q"], check=True, capture_output=True)
-    points, tetrahedra = read_medit(text)
-    points = points / scene.spacing
+    points, tetrahedra, _ = read_medit(text)
+    points = numpy.array(points) / scene.spacing
+    tetrahedra = numpy.array(tetrahedra)[:, :4] - 1
     beyond = float(max((-0.5 - points).max(), (points - numpy.array(scene.labels.shape) + 0.5).max()))
     is_valid = subprocess.run([program, "evaluate", str(mesh), "-q"], capture_output=True).returncode == 0
     return {"valid": is_valid, "doubled": doubled_points(points, tetrahedra, seed), "beyond_voxels": beyond}

@@ -240,6 +240,9 @@ AdaptReport adapt_once(TetMesh& mesh, const metric::MetricField& field, const op
 /// ratio of 0.4 or, where it was near or below that, loses more than a tenth of it. Sheets of the outside
 /// that have come to cross each other are drawn apart.
 void settle(TetMesh& mesh, const operators::PatchShapes& shapes) {
+  const auto is_any = [&](auto property) { return std::any_of(shapes.begin(), shapes.end(), property); };
+  // Within planes and frozen surfaces the outside stays where it is.
+  if (!is_any([](const auto& shape) { return shape.freedom == operators::PatchFreedom::kCurved; })) return;
   constexpr double kFloor = 0.4, kKept = 0.9;
   const operators::MayBecome may_become = [&](std::size_t i, const std::array<Vec3, 4>& /*before*/,
                                               const std::array<Vec3, 4>& after) {
@@ -249,8 +252,7 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes) {
         metric::mean_ratio(after[0], after[1], after[2], after[3], log(0), log(1), log(2), log(3));
     return ratio >= std::min<double>(kFloor, kKept * mesh.quality(t));
   };
-  if (std::any_of(shapes.begin(), shapes.end(),
-                  [](const operators::PatchShape& shape) { return shape.keeps_volume; }))
+  if (is_any([](const auto& shape) { return shape.keeps_volume; }))
     operators::settle(mesh, operators::places_on_shapes(shapes), {.may_become = may_become});
   operators::draw_apart(mesh, shapes);
   metric::measure_qualities(mesh);

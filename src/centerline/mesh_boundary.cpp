@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/triangle_mesh.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -25,8 +26,7 @@ Part part_of(const MeshView& mesh, std::int32_t patch) {
     return Part::kWall;
   const Patch& known = mesh.info->patches[static_cast<std::size_t>(patch)];
   if (known.kind == PatchKind::kInterface) return Part::kNone;
-  const bool named = known.name.starts_with("inlet") || known.name.starts_with("outlet");
-  return named || known.kind == PatchKind::kOpening ? Part::kOpening : Part::kWall;
+  return is_opening_name(known.name) || known.kind == PatchKind::kOpening ? Part::kOpening : Part::kWall;
 }
 
 Boundary given_boundary(const MeshView& mesh) {
@@ -37,12 +37,7 @@ Boundary given_boundary(const MeshView& mesh) {
     boundary.triangles.push_back(triangle);
     boundary.is_opening.push_back(part == Part::kOpening ? 1 : 0);
   };
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) add(mesh.triangles[t], mesh.triangle_patches[t]);
-  for (std::size_t q = 0; q < mesh.quadrilaterals.size(); ++q) {
-    const Cell<4>& c = mesh.quadrilaterals[q];
-    add({c[0], c[1], c[2]}, mesh.quadrilateral_patches[q]);
-    add({c[0], c[2], c[3]}, mesh.quadrilateral_patches[q]);
-  }
+  for_each_patch_triangle(mesh, add);
   boundary.points.assign(mesh.points.begin(), mesh.points.end());
   if (boundary.triangles.empty() && !mesh.tetrahedra.empty()) {
     TriangleMesh surface = extract_boundary(mesh);

@@ -267,18 +267,10 @@ std::vector<OpeningPatch> opening_patches(const MeshView& mesh) {
     const auto at = static_cast<std::size_t>(p);
     return at < patches.size() && mesh.info->patches[at].kind == PatchKind::kOpening ? &patches[at] : nullptr;
   };
-  const auto point = [&](std::uint32_t v) -> const Vec3& { return mesh.points[v]; };
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-    if (OpeningPatch* patch = patch_at(mesh.triangle_patches[i])) {
-      const auto& [a, b, c] = mesh.triangles[i];
-      patch->add(point(a), point(b), point(c));
-    }
-  for (std::size_t i = 0; i < mesh.quadrilaterals.size(); ++i)
-    if (OpeningPatch* patch = patch_at(mesh.quadrilateral_patches[i])) {
-      const auto& [a, b, c, d] = mesh.quadrilaterals[i];
-      patch->add(point(a), point(b), point(c));
-      patch->add(point(a), point(c), point(d));
-    }
+  for_each_patch_triangle(mesh, [&](const Cell<3>& t, std::int32_t p) {
+    if (OpeningPatch* patch = patch_at(p))
+      patch->add(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
+  });
   return patches;
 }
 

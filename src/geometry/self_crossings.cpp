@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <numeric>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/geometry/predicates.hpp"
+#include "lumesh/geometry/triangle_intersection.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 
 namespace lumesh {
@@ -23,14 +24,6 @@ Signs sides_of_plane(const Corners& corners, const Corners& plane) {
 
 bool on_one_side(const Signs& s) {
   return (s[0] > 0 && s[1] > 0 && s[2] > 0) || (s[0] < 0 && s[1] < 0 && s[2] < 0);
-}
-
-/// Whether the closed segment (p, q), whose ends lie on the sides `at_p` and `at_q`, not both 0, of the plane
-/// of the closed triangle, meets it.
-bool segment_meets(const Vec3& p, const Vec3& q, int at_p, int at_q, const Corners& t) {
-  if (at_p * at_q > 0 || (at_p == 0 && at_q == 0)) return false;
-  const int ab = orient3d(p, q, t[0], t[1]), bc = orient3d(p, q, t[1], t[2]), ca = orient3d(p, q, t[2], t[0]);
-  return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
 }
 
 /// Triangles of one plane, seen along the axis on which it does not project to a line.
@@ -65,7 +58,6 @@ Corners anticlockwise(const InPlane& plane, Corners t) {
 /// Closed triangles of one plane meet unless an edge of one has the whole other strictly on its right.
 bool meet_in_plane(const Corners& a, const Corners& b) {
   const InPlane plane(a);
-  if (plane.is_flat() || InPlane(b).is_flat()) return false;
   const Corners of_a = anticlockwise(plane, a), of_b = anticlockwise(plane, b);
   const auto parted_by_edge_of = [&](const Corners& one, const Corners& other) {
     for (std::size_t k = 0; k < 3; ++k)
@@ -81,7 +73,6 @@ bool meet_in_plane(const Corners& a, const Corners& b) {
 /// one runs from the corner into the other or along its edge.
 bool meet_around_corner_in_plane(const Corners& a, const Corners& b) {
   const InPlane plane(a);
-  if (plane.is_flat() || InPlane(b).is_flat()) return false;
   const Corners of_a = anticlockwise(plane, a), of_b = anticlockwise(plane, b);
   const auto holds_edge_of = [&](const Corners& one, const Corners& other) {
     return std::any_of(other.begin() + 1, other.end(), [&](const Vec3& x) {
@@ -100,8 +91,8 @@ bool meet_apart(const Corners& a, const Corners& b) {
   if (of_a == kInPlane || of_b == kInPlane) return of_a == of_b && meet_in_plane(a, b);
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t next = (k + 1) % 3;
-    if (segment_meets(a[k], a[next], of_a[k], of_a[next], b) ||
-        segment_meets(b[k], b[next], of_b[k], of_b[next], a))
+    if (segment_meets_triangle(a[k], a[next], of_a[k], of_a[next], b[0], b[1], b[2]) ||
+        segment_meets_triangle(b[k], b[next], of_b[k], of_b[next], a[0], a[1], a[2]))
       return true;
   }
   return false;
@@ -112,18 +103,18 @@ bool meet_around_corner(const Corners& a, const Corners& b) {
   const int first = orient3d(b[0], b[1], b[2], a[1]), second = orient3d(b[0], b[1], b[2], a[2]);
   if (first * second > 0) return false;
   if (first == 0 && second == 0) return meet_around_corner_in_plane(a, b);
-  return segment_meets(a[1], a[2], first, second, b) ||
-         segment_meets(b[1], b[2], orient3d(a[0], a[1], a[2], b[1]), orient3d(a[0], a[1], a[2], b[2]), a);
+  return segment_meets_triangle(a[1], a[2], first, second, b[0], b[1], b[2]) ||
+         segment_meets_triangle(b[1], b[2], a[0], a[1], a[2]);
 }
 
 /// With a common edge (a[0], a[1]) they cover each other where one folds onto the other.
 bool meet_along_edge(const Corners& a, const Corners& b) {
   if (orient3d(a[0], a[1], a[2], b[2]) != 0) return false;
   const InPlane plane(a);
-  return !plane.is_flat() && plane.left_of(a[0], a[1], b[2]) > 0;
+  return plane.left_of(a[0], a[1], b[2]) > 0;
 }
 
-/// @param shared  How many corners they have in common, in front.
+/// Of triangles with an area. @param shared  How many corners they have in common, in front.
 bool meet(const Corners& a, const Corners& b, std::size_t shared) {
   switch (shared) {
     case 0:
@@ -154,30 +145,6 @@ std::size_t bring_shared_to_front(std::array<std::uint32_t, 3>& a, std::array<st
   return shared;
 }
 
-/// Sheets of a closed surface: triangles that hang together by corners.
-class Sheets {
- public:
-  Sheets(std::size_t points, std::span<const std::array<std::uint32_t, 3>> triangles) : parent_(points) {
-    std::iota(parent_.begin(), parent_.end(), 0U);
-    for (const auto& [a, b, c] : triangles) {
-      unite(a, b);
-      unite(a, c);
-    }
-  }
-  /// Of a point: the lowest point of its sheet.
-  [[nodiscard]] std::uint32_t of(std::uint32_t point) {
-    while (parent_[point] != point) point = parent_[point] = parent_[parent_[point]];
-    return point;
-  }
-
- private:
-  void unite(std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t x = of(a), y = of(b);
-    parent_[std::max(x, y)] = std::min(x, y);
-  }
-  std::vector<std::uint32_t> parent_;
-};
-
 /// What a triangle adds to how often a closed surface winds around p, seen along the ray from p towards
 /// larger x: +1 or -1 if the ray goes through it, out of or into what is inside. Edges and corners of
 /// triangles count once, by the half-open rule.
@@ -197,13 +164,17 @@ int winding_ahead(const Corners& t, const Vec3& p) {
 
 std::vector<Vec3> find_doubled_places(std::span<const Vec3> points,
                                       std::span<const std::array<std::uint32_t, 3>> triangles) {
-  Sheets sheets(points.size(), triangles);
+  DisjointSets sheets(points.size());  // Triangles that hang together by corners.
+  for (const auto& [a, b, c] : triangles) {
+    sheets.merge(a, b);
+    sheets.merge(a, c);
+  }
   std::map<std::uint32_t, double> flux;  // Six volumes of each sheet, by its lowest point.
   double largest_x = -std::numeric_limits<double>::infinity();
   const Vec3 origin = triangles.empty() ? Vec3(Vec3::Zero()) : points[triangles[0][0]];
   for (const auto& [a, b, c] : triangles) {
     const Vec3 u = points[a] - origin, v = points[b] - origin, w = points[c] - origin;
-    flux[sheets.of(a)] += u.dot(v.cross(w));
+    flux[sheets.find(a)] += u.dot(v.cross(w));
     largest_x = std::max({largest_x, points[a].x(), points[b].x(), points[c].x()});
   }
   std::vector<Vec3> doubled;
@@ -213,7 +184,7 @@ std::vector<Vec3> find_doubled_places(std::span<const Vec3> points,
     const Vec3& p = points[lowest];
     int others = 0;
     for (const std::uint32_t t : tree.overlapping(p, Vec3(largest_x, p.y(), p.z())))
-      if (const auto& [a, b, c] = triangles[t]; sheets.of(a) != lowest)
+      if (const auto& [a, b, c] = triangles[t]; sheets.find(a) != lowest)
         others += winding_ahead({points[a], points[b], points[c]}, p);
     if (others != (six_volumes > 0 ? 0 : 1)) doubled.push_back(p);
   }

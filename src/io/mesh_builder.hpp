@@ -16,6 +16,7 @@
 #include "cell_blocks.hpp"
 #include "file_fault.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 
 namespace lumesh::io {
 
@@ -109,7 +110,7 @@ class MeshBuilder {
 
   /// Other programs' files have names only.
   static PatchKind kind_of(const std::string& name) {
-    return name.starts_with("inlet") || name.starts_with("outlet") ? PatchKind::kOpening : PatchKind::kWall;
+    return is_opening_name(name) ? PatchKind::kOpening : PatchKind::kWall;
   }
 
   /// Files without labels say 0 everywhere.

@@ -53,7 +53,7 @@ class Fitter {
   /// stay positively oriented; then betters what is around them as fit_and_improve() does.
   void bring_within_cuts(int rounds, int sweeps, double good_enough);
 
-  /// Brings what still is beyond onto cut planes somewhere on the way to the middle of the vertices around,
+  /// Brings what still is beyond onto cut planes somewhere around,
   /// where that keeps tetrahedra positively oriented and the surface from crossing itself.
   void squeeze_within_cuts();
 

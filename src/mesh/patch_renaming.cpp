@@ -12,6 +12,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 
 namespace lumesh {
 namespace {
@@ -61,11 +62,27 @@ const NamedOpening& opening_near(const Vec3& place, std::span<const NamedOpening
   return *nearest;
 }
 
-/// However they are spelt.
-bool is_opening_name(std::string name) {
+/// However it is spelt.
+bool is_name_for_opening(std::string name) {
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return name.starts_with("inlet") || name.starts_with("outlet");
+  return is_opening_name(name);
+}
+
+std::vector<std::string> names_of(const MeshInfo& info) {
+  std::vector<std::string> names;
+  for (const Patch& patch : info.patches) names.push_back(patch.name);
+  return names;
+}
+
+bool has_patch(const MeshInfo& info, const std::string& name) {
+  return std::any_of(info.patches.begin(), info.patches.end(),
+                     [&](const Patch& patch) { return patch.name == name; });
+}
+
+std::string text_of_missing(const MeshInfo& info, const PatchRenaming& renaming) {
+  return fmt::format("the mesh has no patch {} to call {}; it has {}", renaming.patch, renaming.name,
+                     fmt::join(names_of(info), ", "));
 }
 
 }  // namespace
@@ -88,26 +105,24 @@ PatchRenaming renaming_from(std::string_view text) {
   return renaming;
 }
 
+std::vector<PatchRenaming> renamings_from(std::span<const std::string> texts) {
+  std::vector<PatchRenaming> renamings;
+  for (const std::string& text : texts) renamings.push_back(renaming_from(text));
+  return renamings;
+}
+
 std::vector<NamedOpening> named_openings(const MeshView& mesh) {
   const std::vector<Patch>& patches = mesh.info->patches;
   std::vector<double> area(patches.size(), 0);
   std::vector<Vec3> moment(patches.size(), Vec3::Zero());
-  const auto add = [&](std::int32_t patch, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  for_each_patch_triangle(mesh, [&](const Cell<3>& t, std::int32_t patch) {
     const auto p = static_cast<std::size_t>(patch);
     if (p >= patches.size() || patches[p].kind != PatchKind::kOpening) return;
+    const auto& [a, b, c] = t;
     const double size = triangle_area(mesh.points[a], mesh.points[b], mesh.points[c]);
     area[p] += size;
     moment[p] += size / 3 * (mesh.points[a] + mesh.points[b] + mesh.points[c]);
-  };
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    add(mesh.triangle_patches[t], a, b, c);
-  }
-  for (std::size_t q = 0; q < mesh.quadrilaterals.size(); ++q) {
-    const auto& [a, b, c, d] = mesh.quadrilaterals[q];
-    add(mesh.quadrilateral_patches[q], a, b, c);
-    add(mesh.quadrilateral_patches[q], a, c, d);
-  }
+  });
   std::vector<NamedOpening> openings;
   for (std::size_t p = 0; p < patches.size(); ++p)
     if (area[p] > 0)
@@ -124,7 +139,7 @@ std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
     if (renaming.near_mm) renaming.patch = opening_near(*renaming.near_mm, openings).name;
     const bool is_there = std::any_of(openings.begin(), openings.end(),
                                       [&](const NamedOpening& o) { return o.name == renaming.patch; });
-    if (!is_there && is_opening_name(renaming.patch))
+    if (!is_there && is_name_for_opening(renaming.patch))
       throw Error(ErrorKind::kBadInput, fmt::format("there is no {} to call {}; {}", renaming.patch,
                                                     renaming.name, list_of(openings)));
     if (!meant.insert(renaming.patch).second)
@@ -135,17 +150,11 @@ std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
 }
 
 void rename_patches(MeshInfo& info, std::span<const PatchRenaming> renamings) {
-  std::vector<std::string> names;
-  for (const Patch& patch : info.patches) names.push_back(patch.name);
+  std::vector<std::string> names = names_of(info);
   for (const PatchRenaming& renaming : renamings) {
     const auto at = std::find_if(info.patches.begin(), info.patches.end(),
                                  [&](const Patch& patch) { return patch.name == renaming.patch; });
-    if (at == info.patches.end()) {
-      std::vector<std::string> known;
-      for (const Patch& patch : info.patches) known.push_back(patch.name);
-      throw Error(ErrorKind::kBadInput, fmt::format("the mesh has no patch {} to call {}; it has {}",
-                                                    renaming.patch, renaming.name, fmt::join(known, ", ")));
-    }
+    if (at == info.patches.end()) throw Error(ErrorKind::kBadInput, text_of_missing(info, renaming));
     names[static_cast<std::size_t>(at - info.patches.begin())] = renaming.name;
   }
   std::set<std::string> seen;
@@ -154,10 +163,26 @@ void rename_patches(MeshInfo& info, std::span<const PatchRenaming> renamings) {
       throw Error(ErrorKind::kBadInput, fmt::format("two patches would be called {}", name));
   for (std::size_t p = 0; p < names.size(); ++p) {
     Patch& patch = info.patches[p];
-    const bool is_new_opening = patch.name != names[p] && is_opening_name(names[p]);
+    const bool is_new_opening = patch.name != names[p] && is_name_for_opening(names[p]);
     if (patch.kind == PatchKind::kWall && is_new_opening) patch.kind = PatchKind::kOpening;
     patch.name = names[p];
   }
+}
+
+std::vector<std::string> rename_found(MeshInfo& info, std::span<const PatchRenaming> renamings) {
+  std::vector<PatchRenaming> found;
+  std::vector<std::string> missing;
+  for (const PatchRenaming& renaming : renamings) {
+    if (has_patch(info, renaming.patch))
+      found.push_back(renaming);
+    else
+      missing.push_back(text_of_missing(info, renaming));
+    // The ring that layers make of an opening is called after it.
+    if (const std::string ring = renaming.patch + "_layer"; has_patch(info, ring))
+      found.push_back({ring, {}, renaming.name + "_layer"});
+  }
+  rename_patches(info, found);
+  return missing;
 }
 
 }  // namespace lumesh

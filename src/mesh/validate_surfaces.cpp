@@ -2,9 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <numeric>
-
 #include "face_table.hpp"
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "validate_impl.hpp"
 
@@ -26,24 +25,6 @@ struct SurfaceEdge {
   std::uint32_t face;
   std::uint32_t corner;
   auto operator<=>(const SurfaceEdge&) const = default;
-};
-
-/// Disjoint sets with path halving; the lowest member represents its set.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t x) {
-    while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
-    return x;
-  }
-  void unite(std::uint32_t x, std::uint32_t y) {
-    x = find(x);
-    y = find(y);
-    parent_[std::max(x, y)] = std::min(x, y);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
 };
 
 std::vector<SurfaceFace> surface_faces(const TetMesh& mesh) {
@@ -109,10 +90,10 @@ void join_at_edges(const std::vector<SurfaceFace>& faces, DisjointSets& surfaces
       continue;
     }
     const SurfaceEdge& other = edges[i + 1];
-    surfaces.unite(edge.face, other.face);
+    surfaces.merge(edge.face, other.face);
     // The two faces run along the edge in opposite directions: the end of one is the start of the other.
-    corners.unite(3 * edge.face + edge.corner, 3 * other.face + (other.corner + 1) % 3);
-    corners.unite(3 * edge.face + (edge.corner + 1) % 3, 3 * other.face + other.corner);
+    corners.merge(3 * edge.face + edge.corner, 3 * other.face + (other.corner + 1) % 3);
+    corners.merge(3 * edge.face + (edge.corner + 1) % 3, 3 * other.face + other.corner);
   }
   merge(report, findings);
 }

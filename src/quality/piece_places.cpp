@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "pieces.hpp"
 #include "rows_of_tetrahedron.hpp"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cell_faces.hpp"
+#include "lumesh/core/disjoint_sets.hpp"
 
 namespace lumesh::quality {
 

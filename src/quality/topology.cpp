@@ -2,6 +2,7 @@
 #include <array>
 
 #include "cell_faces.hpp"
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/quality/surface.hpp"

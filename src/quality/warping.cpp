@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/image/simple_point.hpp"
 #include "pieces.hpp"
 #include "rows_of_tetrahedron.hpp"

@@ -7,13 +7,20 @@
 
 namespace lumesh {
 
-/// Whether the closed segment (p, q) and the closed triangle (a, b, c) meet; not if they lie in one plane.
-[[nodiscard]] inline bool segment_meets_triangle(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b,
-                                                 const Vec3& c) {
-  const int at_p = orient3d(a, b, c, p), at_q = orient3d(a, b, c, q);
+/// Whether the closed segment (p, q) and the closed triangle (a, b, c) meet, not if they lie in one plane,
+/// where the sides of the triangle's plane on which the ends lie, orient3d(a, b, c, p) and orient3d(a, b, c,
+/// q), are known.
+[[nodiscard]] inline bool segment_meets_triangle(const Vec3& p, const Vec3& q, int at_p, int at_q,
+                                                 const Vec3& a, const Vec3& b, const Vec3& c) {
   if (at_p * at_q > 0 || (at_p == 0 && at_q == 0)) return false;
   const int ab = orient3d(p, q, a, b), bc = orient3d(p, q, b, c), ca = orient3d(p, q, c, a);
   return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
+}
+
+/// Whether the closed segment (p, q) and the closed triangle (a, b, c) meet; not if they lie in one plane.
+[[nodiscard]] inline bool segment_meets_triangle(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b,
+                                                 const Vec3& c) {
+  return segment_meets_triangle(p, q, orient3d(a, b, c, p), orient3d(a, b, c, q), a, b, c);
 }
 
 /// Whether two closed triangles meet; not if they lie in one plane.

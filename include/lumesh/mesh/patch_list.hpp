@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lumesh/mesh/mixed_mesh.hpp"
@@ -20,6 +21,11 @@ namespace lumesh {
   int next = 2;
   while (is_taken(wanted + "_" + std::to_string(next))) ++next;
   return wanted + "_" + std::to_string(next);
+}
+
+/// Whether files that say no more of a patch than its name mean an opening by it.
+[[nodiscard]] inline bool is_opening_name(std::string_view name) {
+  return name.starts_with("inlet") || name.starts_with("outlet");
 }
 
 /// Name of the patch between two labels, the lower one first.

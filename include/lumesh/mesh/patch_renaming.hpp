@@ -20,9 +20,11 @@ struct PatchRenaming {
 
 /// Of "outlet_2=left_ica", or with a place in mm, "12.5,40,-3=left_ica".
 /// @throws Error{kUsage} if the text is none, or the name has other characters than letters, digits, '_', '-'
-/// and
-/// '.', or does not begin with a letter or '_': solvers take such names only.
+/// and '.', or does not begin with a letter or '_': solvers take such names only.
 [[nodiscard]] PatchRenaming renaming_from(std::string_view text);
+
+/// The same of several texts.
+[[nodiscard]] std::vector<PatchRenaming> renamings_from(std::span<const std::string> texts);
 
 /// An opening that renamings may mean.
 struct NamedOpening {
@@ -46,5 +48,9 @@ struct NamedOpening {
 /// @param renamings  With patches.
 /// @throws Error{kBadInput} if a patch is not there, or two would have one name; nothing is changed then.
 void rename_patches(MeshInfo& info, std::span<const PatchRenaming> renamings);
+
+/// rename_patches() of what is there, with the rings PATCH_layer that layers make of openings.
+/// @return A line for each patch that is not there.
+[[nodiscard]] std::vector<std::string> rename_found(MeshInfo& info, std::span<const PatchRenaming> renamings);
 
 }  // namespace lumesh
