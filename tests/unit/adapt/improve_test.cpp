@@ -157,18 +157,18 @@ TEST(Improve, LeavesAGoodMeshAlone) {
   EXPECT_EQ(surface_of(mesh), surface);
 }
 
-/// Vertices that slide keep to the sphere, not to the triangles, which stand 0.003 below it in their middles.
+/// Vertices that slide keep to the sphere, not to the triangles, which stand 0.005 below it in their middles.
 TEST(Improve, WhatSlidesStaysOnTheSmoothSurface) {
   TetMesh mesh = fixtures::ball(3);
   Context context;
-  adapt(mesh, fixtures::uniform_field(0.15), operators::shapes_of_patches(mesh), {}, context);
+  adapt(mesh, fixtures::uniform_field(0.2), operators::shapes_of_patches(mesh), {}, context);
   const auto surface = surface_of(mesh);
-  improve(mesh, {.min_dihedral_deg = 50, .max_dihedral_deg = 95, .passes = 8}, context);
+  improve(mesh, {.min_dihedral_deg = 50, .max_dihedral_deg = 95, .passes = 3}, context);
   ASSERT_TRUE(validate(mesh).ok()) << validate(mesh).text();
   EXPECT_FALSE(surface_of(mesh) == surface);
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
     if (mesh.dimension(VertexId(v)) == VertexDimension::kSurface) {
-      EXPECT_NEAR(mesh.point(VertexId(v)).norm(), 1, 5e-4);
+      EXPECT_NEAR(mesh.point(VertexId(v)).norm(), 1, 1e-3);
     }
 }
 
