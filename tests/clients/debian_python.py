@@ -9,7 +9,6 @@ DEBIAN_PYTHON = "/usr/bin/python3"
 PACKAGES = {"vtkmodules": "python3-vtk9", "meshio": "python3-meshio", "h5py": "python3-h5py", "numpy": "python3-numpy"}
 
 
-
 def missing_packages(packages):
     missing = [package for module, package in packages.items() if importlib.util.find_spec(module) is None]
     return missing + ([] if shutil.which("gmsh") else ["gmsh"])
@@ -18,12 +17,12 @@ def missing_packages(packages):
 def run_here_or_under_debian(more=None):
     """Returns if everything is here; else starts the script again under Debian's Python, or skips it.
 
-    more: modules that scripts/packages.sh does not install, with their packages."""
+    more: modules of the solvers' packages, with these."""
     missing = missing_packages(PACKAGES | (more or {}))
     if not missing:
         return
     if os.path.realpath(sys.executable) != os.path.realpath(DEBIAN_PYTHON) and os.access(DEBIAN_PYTHON, os.X_OK):
         os.execv(DEBIAN_PYTHON, [DEBIAN_PYTHON, *sys.argv])
-    remedy = "scripts/packages.sh test" if set(missing) & set([*PACKAGES.values(), "gmsh"]) else "apt-get"
-    print(f"SKIP: the Debian packages {', '.join(missing)} are missing; {remedy} installs them")
+    group = "test" if set(missing) & set([*PACKAGES.values(), "gmsh"]) else "solvers"
+    print(f"SKIP: the Debian packages {', '.join(missing)} are missing; scripts/packages.sh {group} installs them")
     sys.exit(SKIPPED)

@@ -3,7 +3,11 @@ import json
 import logging
 import os
 import pathlib
+import tempfile
 
+# What dolfinx compiles goes here: the home of who runs the tests may be closed to writing.
+_compiled_forms = tempfile.TemporaryDirectory(prefix="lumesh_fenics_cache_")
+os.environ["XDG_CACHE_HOME"] = _compiled_forms.name
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # MUMPS is slower with threads that wait for each other.
 
 import numpy as np

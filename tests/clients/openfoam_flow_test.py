@@ -90,6 +90,6 @@ class LayersTest(unittest.TestCase):
 
 if __name__ == "__main__":
     if foam_case.missing("checkMesh", "simpleFoam"):
-        print("SKIP: OpenFOAM is missing; the Debian package openfoam has it (0.4 GB installed)")
+        print("SKIP: OpenFOAM is missing; scripts/packages.sh solvers installs it")
         sys.exit(SKIPPED)
     unittest.main(verbosity=2)
