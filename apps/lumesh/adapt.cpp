@@ -1,6 +1,7 @@
 #include "lumesh/adapt/adapt.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 #include <cmath>
@@ -19,6 +20,7 @@
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
+#include "lumesh/io/text_file.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
@@ -87,12 +89,9 @@ AdaptedBoundary boundary_of(const AdaptCommand& command, const std::optional<Kep
 void check_options(const AdaptCommand& command) {
   command.options.validate();
   check_volume_output(command.output_path);
-  const ImageSelection& selection = command.selection;
-  if (command.image_path.empty() && (!selection.labels.empty() || selection.threshold ||
-                                     !selection.probabilities.empty() || selection.largest_component))
+  if (command.image_path.empty() && !command.selection.takes_all())
     throw Error(ErrorKind::kUsage,
-                "--labels, --threshold, --probabilities and --largest-component say what of --image to take; "
-                "give it");
+                fmt::format("{} say what of --image to take; give it", fmt::join(kSelectionOptions, ", ")));
   if (!command.metric_output_path.empty() && !is_metric_file(command.metric_output_path))
     throw Error(ErrorKind::kUsage,
                 "--metric-output " + command.metric_output_path + ": must be .sol or .solb");
@@ -148,7 +147,7 @@ void run(AdaptCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
-  const LongRun long_run(context, command.run, command.time_limit_s);
+  LongRun long_run(context, command.run, command.time_limit_s);
   check_options(command);
   check_output_folders({command.output_path, command.metric_output_path, command.json_path});
   check_inputs_stay(
@@ -175,6 +174,8 @@ void run(AdaptCommand command) {
   const BoundaryFaces faces = mesh.boundary_faces();
   const MixedMesh whole =
       kept ? context.phase("put back", [&] { return kept->put_back(mesh); }) : MixedMesh();
+  command.output_path = long_run.begin_writing(command.output_path, report.complete);
+  command.metric_output_path = long_run.begin_writing(command.metric_output_path, report.complete);
   context.phase("write", [&] {
     const MeshView view = kept ? whole.view() : mesh.view(faces);
     write_mesh(command.output_path, view);
@@ -182,7 +183,7 @@ void run(AdaptCommand command) {
   });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    report::write_file(command.json_path, report_json(report, context, elapsed.count()).dump(2) + "\n");
+    write_text_file(command.json_path, report_json(report, context, elapsed.count()).dump(2) + "\n");
   warn_of_many_vertices(mesh, report, context);
   print_counts(command.run, report.by_thread);
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
@@ -38,7 +39,8 @@ void check(const CenterlineCommand& command) {
   };
   if (!is_mesh) refuse("--voxel");
   if (is_mesh)
-    for (const char* option : {"--labels", "--threshold", "--largest-component"}) refuse(option);
+    for (const char* option : kSelectionOptions)
+      if (command.self->get_option_no_throw(option) != nullptr) refuse(option);
   command.options.validate();
   check_output_folders({command.output_path});
   check_inputs_stay({command.output_path}, {command.input_path});
@@ -71,6 +73,7 @@ void print_summary(const CenterlineCommand& command, const Polylines& lines, dou
 
 void run(const CenterlineCommand& command) {
   const auto start = std::chrono::steady_clock::now();
+  const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
   check(command);

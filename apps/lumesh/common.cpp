@@ -84,6 +84,8 @@ void add_selection_options(CLI::App& command, ImageSelection& selection, const s
       "--threshold", selection.threshold,
       "Voxels at or above become label 1, the rest background; their values place the boundary "
       "between voxels");
+  command.add_option("--below", selection.below, "The same for voxels at or below, where the object is dark")
+      ->excludes("--threshold");
   command.add_flag("--largest-component", selection.largest_component,
                    verb + " the largest connected piece of the image only");
 }
@@ -94,7 +96,8 @@ void add_probabilities_option(CLI::App& command, ImageSelection& selection) {
           "--probabilities", selection.probabilities,
           "Image of the object's probability, 0 to 1, on the label image's grid: its values place the "
           "boundary between voxels")
-      ->excludes("--threshold");
+      ->excludes("--threshold")
+      ->excludes("--below");
 }
 
 std::vector<CutPlane> planes_from(const PlaneNumbers& numbers) {
@@ -167,10 +170,16 @@ void check_surface_output(const std::string& path) {
 void check_inputs_stay(std::initializer_list<std::string> outputs,
                        std::initializer_list<std::string> inputs) {
   std::error_code ignored;  // Of files that do not exist, which is told when they are read.
+  // All files of a folder are read, as of a DICOM series.
+  const auto is_read = [&](const std::filesystem::path& output, const std::string& input) {
+    if (std::filesystem::is_regular_file(input, ignored))
+      return std::filesystem::equivalent(output, input, ignored);
+    return std::filesystem::is_directory(input, ignored) && std::filesystem::exists(output, ignored) &&
+           std::filesystem::equivalent(std::filesystem::absolute(output).parent_path(), input, ignored);
+  };
   for (const std::string& output : outputs)
     for (const std::string& input : inputs)
-      if (!output.empty() && std::filesystem::is_regular_file(input, ignored) &&
-          std::filesystem::equivalent(output, input, ignored))
+      if (!output.empty() && !input.empty() && is_read(output, input))
         throw Error(ErrorKind::kUsage,
                     output + ": is read as input and would be replaced; name another output");
 }

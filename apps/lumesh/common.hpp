@@ -21,6 +21,10 @@
 
 namespace lumesh::cli {
 
+/// Which voxels of an image count; add_selection_options() and add_probabilities_option() make them.
+inline constexpr std::array kSelectionOptions = {"--labels", "--threshold", "--below", "--probabilities",
+                                                 "--largest-component"};
+
 /// Image files that read_image() takes, for help texts.
 inline constexpr const char* kImageFormats =
     "(.nii[.gz], .nrrd, .nhdr, .mha, .mhd, .gipl[.gz], DICOM folder)";

@@ -15,6 +15,7 @@
 #include "lumesh/adapt/improve.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
 #include "sizing_options.hpp"
@@ -106,7 +107,7 @@ void run(DelaunayCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
-  const LongRun long_run(context, command.run, command.time_limit_s);
+  LongRun long_run(context, command.run, command.time_limit_s);
   check_options(command);
   const std::string& input_path = command.input.path;
   SizingInput sizes = context.phase("read", [&] { return SizingInput(command.sizing, context); });
@@ -133,6 +134,9 @@ void run(DelaunayCommand command) {
   mesh.info().provenance = provenance_of(*command.self, input_path);
   const std::vector<std::string> without_name = rename_found(mesh.info(), renamings);
   const BoundaryFaces faces = mesh.boundary_faces();
+  const bool is_complete = result.report.complete && (!improved || improved->complete);
+  command.mesh_path = long_run.begin_writing(command.mesh_path, is_complete);
+  command.surface_path = long_run.begin_writing(command.surface_path, is_complete);
   context.phase("write", [&] {
     MeshView view = mesh.view(faces);
     view.metric = {};  // What improvement works with says nothing.
@@ -140,6 +144,7 @@ void run(DelaunayCommand command) {
     if (!command.surface_path.empty()) write_surface(command.surface_path, view);
   });
   for (const std::string& note : result.report.notes) context.warn(note);
+  if (!given.closed_vessels.empty()) context.warn(given.closed_vessels);
   if (given.shape && command.input.cut_planes.empty())
     for (const std::string& line : context.phase("check", [&] { return differences(*given.shape, mesh); }))
       context.warn(line);
@@ -148,9 +153,8 @@ void run(DelaunayCommand command) {
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    report::write_file(command.json_path, report_json(result.report, improved, mesh, context).dump(2) + "\n");
+    write_text_file(command.json_path, report_json(result.report, improved, mesh, context).dump(2) + "\n");
   print_summary(command, mesh, faces, openings, improved, context, elapsed.count());
-  const bool is_complete = result.report.complete && (!improved || improved->complete);
   require_sound(command.mesh_path, mesh.view(faces), context, long_run.reason(is_complete));
   long_run.check_complete(is_complete, command.mesh_path + " holds the best mesh so far");
   require_openings(command.openings, command.mesh_path, openings, without_name);
@@ -158,9 +162,16 @@ void run(DelaunayCommand command) {
 
 void add_rule_options(CLI::App& sub, DelaunayCommand& command) {
   DelaunayOptions& o = command.options;
-  sub.add_option("--delta", o.delta_mm,
-                 "Spacing of points on surfaces in mm: no place of a surface is farther from one (R1)")
-      ->required();
+  CLI::Option* const edge =
+      sub.add_option("--edge-length", o.edge_length_mm,
+                     "Of edges on surfaces in mm; default 2.5 voxels, as for the lattice")
+          ->check(positive_number());
+  sub.add_option(
+         "--delta", o.delta_mm,
+         "Instead: spacing of points on surfaces in mm, 1/1.3 of the edges' length: no place of a surface "
+         "is farther from one (R1)")
+      ->check(positive_number())
+      ->excludes(edge);
   sub.add_option("--size", o.size_mm,
                  "Largest edge length inside in mm (R5); default 1.3 delta, as on surfaces")
       ->check(positive_number());
@@ -211,7 +222,7 @@ void add_delaunay_command(CLI::App& program) {
   add_time_limit_option(*sub, command->time_limit_s);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
-  sub->footer("Example: lumesh delaunay case1.nrrd -o case1.vtu --delta 1.2");
+  sub->footer("Example: lumesh delaunay case1.nrrd -o case1.vtu --edge-length 1.5");
   sub->callback([command] { run(*command); });
 }
 

@@ -4,6 +4,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/pipeline/vessel_ends.hpp"
 
 namespace lumesh::cli {
 
@@ -47,9 +48,8 @@ void check_domain_options(const CLI::App& command, const DomainInput& input) {
                                                  is_surface ? "a surface" : "an image"));
   };
   if (!is_surface) return refuse("--feature-angle");
-  for (const char* option :
-       {"--labels", "--threshold", "--probabilities", "--largest-component", "--cut-plane", "--boundary"})
-    refuse(option);
+  for (const char* option : kSelectionOptions) refuse(option);
+  for (const char* option : {"--cut-plane", "--boundary"}) refuse(option);
 }
 
 void add_opening_options(CLI::App& command, OpeningOptions& options) {
@@ -77,8 +77,12 @@ void require_openings(const OpeningOptions& options, const std::string& path,
                     doubts.size() > 1 ? fmt::format("; {} openings are wrong in all", doubts.size()) : ""));
 }
 
+std::string closed_vessels(const LabelImage& image, const Domain& domain, Context& context) {
+  return context.phase("ends", [&] { return closed_vessel_warning(image, find_openings(domain), context); });
+}
+
 OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain, Context& context) {
-  if (domain.cut_planes().empty()) return {};
+  if (domain.cut_planes().empty() && domain.flat_ends().empty()) return {};
   OpeningsCompared compared =
       context.phase("openings", [&] { return compare_openings(mesh, find_openings(domain)); });
   for (const std::string& doubt : doubts_about(compared)) context.warn(doubt);
@@ -88,7 +92,7 @@ OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain, Co
 std::string opening_text(const OpeningsCompared& openings, const std::string& patch) {
   for (const OpeningInMesh& o : openings.openings)
     if (o.patches == patch)
-      return fmt::format("  {:.4g} mm² (image {:.4g})", o.mesh_area_mm2, o.opening.area_mm2);
+      return fmt::format("  {:.4g} mm² (input {:.4g})", o.mesh_area_mm2, o.opening.area_mm2);
   return "";
 }
 
@@ -96,7 +100,7 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
   if (is_mesh_file(input.path)) {
     const MixedMesh surface = context.phase("read", [&] { return read_surface(input.path); });
     return naming(input.path, [&] {
-      return DomainRead{context.phase("domain", [&] { return domain_of(surface, input.surface); }), {}};
+      return DomainRead{context.phase("domain", [&] { return domain_of(surface, input.surface); })};
     });
   }
   const LabelImage image =
@@ -107,7 +111,8 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
   std::unique_ptr<Domain> domain = naming(input.path, [&] {
     return context.phase("domain", [&] { return std::make_unique<ImageDomain>(image, options); });
   });
-  return {std::move(domain), context.phase("shape", [&] { return shape_of(image); })};
+  std::string closed = closed_vessels(image, *domain, context);
+  return {std::move(domain), context.phase("shape", [&] { return shape_of(image); }), std::move(closed)};
 }
 
 }  // namespace lumesh::cli

@@ -33,7 +33,8 @@ void check_domain_options(const CLI::App& command, const DomainInput& input);
 
 struct DomainRead {
   std::unique_ptr<Domain> domain;
-  std::optional<ImageShape> shape;  ///< Of an image.
+  std::optional<ImageShape> shape = {};  ///< Of an image.
+  std::string closed_vessels = {};       ///< A line, if all its vessels end inside.
 };
 
 /// @throws Error{kBadInput} that names the file.
@@ -51,7 +52,10 @@ void add_opening_options(CLI::App& command, OpeningOptions& options);
 /// @throws Error{kBadInput} as with_patches().
 [[nodiscard]] std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, const Domain& domain);
 
-/// The openings of a mesh against its domain's; warns of those that are wrong. Empty without cut planes.
+/// A line for an image whose vessels all end inside, else nothing.
+[[nodiscard]] std::string closed_vessels(const LabelImage& image, const Domain& domain, Context& context);
+
+/// The openings of a mesh against its domain's; warns of those that are wrong.
 [[nodiscard]] OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain, Context& context);
 
 /// @param without_name  Lines of rename_found().

@@ -8,11 +8,13 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "long_run.hpp"
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
+#include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/evaluation.hpp"
 #include "lumesh/report/html.hpp"
@@ -84,25 +86,25 @@ void require_angles(const EvaluateCommand& command, const quality::Evaluation& e
 
 void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
                    const quality::Evaluation& evaluation, Context& context) {
-  if (!command.json_path.empty()) report::write_file(command.json_path, report::evaluation_json(evaluation));
+  if (!command.json_path.empty()) write_text_file(command.json_path, report::evaluation_json(evaluation));
   if (command.report_path.empty() && command.picture_path.empty()) return;
   if (!command.report_path.empty()) {
     const report::ReportPictures pictures =
         context.phase("pictures", [&] { return report::draw_report_pictures(mesh); });
     const std::string title = std::filesystem::path(command.mesh_path).filename().string();
     context.phase("report", [&] {
-      report::write_file(command.report_path, report::report_html(title, evaluation, pictures));
+      write_text_file(command.report_path, report::report_html(title, evaluation, pictures));
     });
   }
   if (!command.picture_path.empty()) {
     constexpr report::Colour kPaper = {250, 250, 248};
     const report::SurfacePicture surface = report::draw_surface(mesh, report::surface_for_pictures(mesh));
-    report::write_file(command.picture_path,
-                       report::encode_png(report::on_background(surface.picture, kPaper)));
+    write_text_file(command.picture_path, report::encode_png(report::on_background(surface.picture, kPaper)));
   }
 }
 
 void run(const EvaluateCommand& command) {
+  const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   check_output_folders({command.json_path, command.report_path, command.picture_path});
   check_inputs_stay({command.json_path, command.report_path, command.picture_path},

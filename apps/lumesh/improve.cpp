@@ -14,6 +14,7 @@
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
 #include "metric_input.hpp"
@@ -72,7 +73,7 @@ void run(ImproveCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
-  const LongRun long_run(context, command.run, command.time_limit_s);
+  LongRun long_run(context, command.run, command.time_limit_s);
   command.options.validate();
   check_volume_output(command.output_path);
   check_output_folders({command.output_path, command.json_path});
@@ -94,11 +95,11 @@ void run(ImproveCommand command) {
       kept ? context.phase("put back", [&] { return kept->put_back(mesh); }) : MixedMesh();
   MeshView view = kept ? whole.view() : mesh.view(faces);
   if (!command.options.sizes) view.metric = {};  // What improvement works with says nothing.
+  command.output_path = long_run.begin_writing(command.output_path, report.complete);
   context.phase("write", [&] { write_mesh(command.output_path, view); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    report::write_file(command.json_path,
-                       report_json(report, command.options, elapsed.count()).dump(2) + "\n");
+    write_text_file(command.json_path, report_json(report, command.options, elapsed.count()).dump(2) + "\n");
   print_counts(command.run, report.by_thread);
   say(command.run,
       "{}: {} tetrahedra, dihedral angles {:.2f} to {:.2f} degrees (before: {:.2f} to {:.2f}), {} tetrahedra "

@@ -4,16 +4,21 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/image/crossings.hpp"
+#include "lumesh/image/grey_values.hpp"
 #include "lumesh/image/topology.hpp"
+#include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/pipeline/vessel_ends.hpp"
 
 namespace lumesh::cli {
 
@@ -56,27 +61,62 @@ json describe_image(const LabelImage& image) {
                json::array({list(f.direction.col(0)), list(f.direction.col(1)), list(f.direction.col(2))})},
               {"frame", "LPS"},
               {"labels", json::array()}};
-  for (const LabelTopology& t : label_topology(image))
-    all["labels"].push_back({{"label", t.label},
-                             {"voxels", t.voxel_count},
-                             {"volume_mm3", tidy(t.volume_mm3)},
-                             {"components", t.component_count},
-                             {"euler", t.euler_number}});
+  for (const LabelTopology& t : label_topology(image)) {
+    json label = {{"label", t.label}};
+    if (const auto name = image.label_names().find(t.label); name != image.label_names().end())
+      label["name"] = name->second;
+    label.update({{"voxels", t.voxel_count},
+                  {"volume_mm3", tidy(t.volume_mm3)},
+                  {"components", t.component_count},
+                  {"euler", t.euler_number}});
+    all["labels"].push_back(std::move(label));
+  }
   const CrossingCounts counts = count_crossings(image);
   all["boundary"] = {{"faces", counts.faces}, {"placed_by_values", counts.crossed}};
   return all;
 }
 
+/// Counts of values in 16 ranges of one width.
+json describe_grey_values(const NumberImage& image) {
+  constexpr std::size_t kRanges = 16, kBinsInRange = GreyValues::kBins / kRanges;
+  const GreyValues grey = grey_values(std::span<const float>(image.values));
+  const double threshold = grey.otsu_threshold();
+  json all = {
+      {"kind", "grey values"},
+      {"size_voxels", json::array({image.frame.size.x(), image.frame.size.y(), image.frame.size.z()})},
+      {"spacing_mm", list(image.frame.spacing_mm)},
+      {"least", short_number(grey.least)},
+      {"most", short_number(grey.most)},
+      {"otsu_threshold", short_number(threshold)},
+      {"percent_at_or_above", short_number(100 * grey.share_from(threshold))},
+      {"histogram", json::array()}};
+  for (std::size_t r = 0; r < kRanges; ++r) {
+    const auto first = grey.bins.begin() + static_cast<std::ptrdiff_t>(r * kBinsInRange);
+    all["histogram"].push_back(
+        {{"from", short_number(grey.least + static_cast<double>(r * kBinsInRange) * grey.bin_width())},
+         {"voxels", std::accumulate(first, first + kBinsInRange, std::size_t{0})}});
+  }
+  return all;
+}
+
 /// Named as meshes of the image have them.
-json describe_openings(const LabelImage& image) {
+json describe_openings(std::span<const Opening> openings) {
   json list_of = json::array();
-  for (const Opening& opening : find_openings(ImageDomain(image, {})))
-    list_of.push_back({{"name", opening_name(list_of.size())},
+  for (const Opening& opening : openings)
+    list_of.push_back({{"name", opening.name},
                        {"label", opening.label},
                        {"area_mm2", short_number(opening.area_mm2)},
                        {"radius_mm", short_number(opening.radius_mm())},
                        {"centre_mm", list(opening.centre_mm)},
                        {"normal", list(opening.normal)}});
+  return list_of;
+}
+
+/// Where vessels end inside the image, with what cuts them square.
+json describe_ends(std::span<const VesselEnd> ends) {
+  json list_of = json::array();
+  for (const VesselEnd& end : ends)
+    list_of.push_back({{"radius_mm", short_number(end.radius_mm)}, {"cut_plane", cut_plane_text(end.cut)}});
   return list_of;
 }
 
@@ -121,7 +161,9 @@ void add_openings(const LabelImage& image, json& all, Context& context) {
   const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };
   if (image.values().size() > kMostLabels) return leave_out(fmt::format("more than {} labels", kMostLabels));
   try {
-    all["openings"] = describe_openings(image);
+    const std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+    all["openings"] = describe_openings(openings);
+    all["vessel_ends"] = describe_ends(vessel_ends(image, openings, context));
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;
     leave_out(error.what());
@@ -129,7 +171,7 @@ void add_openings(const LabelImage& image, json& all, Context& context) {
 }
 
 void print_value(const std::string& name, const json& value) {
-  fmt::print("{:<18}{}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
+  fmt::print("{:<19} {}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
 }
 
 void print_text(const json& all) {
@@ -148,17 +190,28 @@ void print_text(const json& all) {
   }
 }
 
+json describe_image_file(const InfoCommand& command, Context& context) {
+  try {
+    const LabelImage image =
+        context.phase("read", [&] { return read_selected_image(command.path, command.selection, context); });
+    json all = context.phase("labels", [&] { return describe_image(image); });
+    context.phase("openings", [&] { add_openings(image, all, context); });
+    return all;
+  } catch (const NotLabels& grey) {
+    context.warn(grey.what());
+    return describe_grey_values(read_number_image(command.path, context));
+  }
+}
+
 void run(const InfoCommand& command) {
+  const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
   json all;
   if (is_mesh_file(command.path)) {
     all = describe_mesh(context.phase("read", [&] { return read_mesh(command.path); }));
   } else {
-    const LabelImage image =
-        context.phase("read", [&] { return read_selected_image(command.path, command.selection, context); });
-    all = context.phase("labels", [&] { return describe_image(image); });
-    context.phase("openings", [&] { add_openings(image, all, context); });
+    all = describe_image_file(command, context);
   }
   if (command.run.quiet > 0 && command.as_json == 0) return;
   if (command.as_json > 0) {

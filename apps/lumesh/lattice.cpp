@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "domain_input.hpp"
+#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -83,6 +84,7 @@ void print_summary(const LatticeCommand& command, const LatticeResult& result,
 
 void run(const LatticeCommand& command) {
   const auto start = std::chrono::steady_clock::now();
+  const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
   check_surface_output(command.surface_path);
@@ -99,6 +101,7 @@ void run(const LatticeCommand& command) {
     return context.phase("domain", [&] { return ImageDomain(image, domain_options); });
   });
   const std::vector<PatchRenaming> renamings = renamings_for(command.openings, domain);
+  const std::string closed = closed_vessels(image, domain, context);
   LatticeResult result = mesh_lattice(image, domain, options, context);
   const std::vector<std::string> without_name = rename_found(result.mesh.info, renamings);
   result.mesh.info.provenance = provenance_of(*command.self, command.image_path);
@@ -107,6 +110,7 @@ void run(const LatticeCommand& command) {
     if (!command.surface_path.empty()) write_surface(command.surface_path, result.mesh.view());
   });
   for (const std::string& note : result.report.notes) context.warn(note);
+  if (!closed.empty()) context.warn(closed);
   const OpeningsCompared openings = checked_openings(result.mesh.view(), domain, context);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (command.run.quiet == 0) print_summary(command, result, openings, context, elapsed.count());
@@ -125,7 +129,8 @@ void add_lattice_command(CLI::App& program) {
   sub->add_option("-o,--output", command->mesh_path, std::string("Mesh to write ") + kVolumeFormats)
       ->required();
   sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
-  sub->add_option("--spacing", o.spacing_mm, "Lattice spacing at the boundary in mm; default 2.5 voxels")
+  sub->add_option("--edge-length,--spacing", o.spacing_mm,
+                  "Of edges on surfaces, which is the lattice's spacing there, in mm; default 2.5 voxels")
       ->check(positive_number());
   sub->add_option("--fidelity", o.fidelity,
                   "0.1 to 0.98: the spacing is at most 4 (1 - F) times the local half thickness")

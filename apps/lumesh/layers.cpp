@@ -9,8 +9,10 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/pipeline/layer_label.hpp"
@@ -20,6 +22,8 @@
 namespace lumesh::cli {
 
 namespace {
+
+constexpr double kLeastComplete = 0.5;  // Of the area; less and the request was not met.
 
 struct LayersCommand {
   const CLI::App* self = nullptr;
@@ -63,15 +67,16 @@ void write_reports(const LayersCommand& command, const MixedMesh& mesh, LayerRep
   if (command.json_path.empty() && command.report_path.empty()) return;
   const report::LayersOfMesh layers =
       context.phase("measures", [&] { return report::measure_layers(mesh.view(), std::move(report)); });
-  if (!command.json_path.empty()) report::write_file(command.json_path, report::layers_json(layers));
+  if (!command.json_path.empty()) write_text_file(command.json_path, report::layers_json(layers));
   if (command.report_path.empty()) return;
   const report::LayerPictures pictures =
       context.phase("pictures", [&] { return report::draw_layer_shares(layers.report.surface); });
   const std::string title = std::filesystem::path(command.output_path).filename().string();
-  report::write_file(command.report_path, report::layers_html(title, layers, pictures, mesh.info.provenance));
+  write_text_file(command.report_path, report::layers_html(title, layers, pictures, mesh.info.provenance));
 }
 
 void run(const LayersCommand& command) {
+  const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
   LayerOptions options = options_of(command);
@@ -90,9 +95,17 @@ void run(const LayersCommand& command) {
   say(command.run, "{}: {} layers, {} cells on {} tetrahedra, {:.1f} % of the area complete\n",
       command.output_path, result.report.layers, result.report.cells,
       result.mesh.view().cell_count() - result.report.cells, 100 * result.report.complete());
+  const double complete = result.report.complete();
   write_reports(command, result.mesh, std::move(result.report), context);
   const MeshView before = input.view();
   require_sound(command.output_path, result.mesh.view(), context, "", &before);
+  if (complete < kLeastComplete)
+    throw Error(
+        ErrorKind::kNotReached,
+        fmt::format(
+            "{}: {:.1f} % of the area has layers of the thickness asked for; ask for thinner ones, or "
+            "--relative-to radius",
+            command.output_path, 100 * complete));
 }
 
 void add_height_options(CLI::App& command, LayersCommand& target) {
@@ -160,8 +173,10 @@ void add_layers_command(CLI::App& program) {
       "--blc", [command] { command->cells = "prisms"; }, "AFLR's name of --cells prisms");
   add_fixed_options(*sub);
   sub->add_option("--label", command->label,
-                  "Label of the layers: NAME=NUMBER, NAME or NUMBER; default: wall, inward layer, "
+                  "Label of the layers: NAME=NUMBER, NAME or NUMBER; default: vessel_wall, inward layer, "
                   "the next free number");
+  sub->add_flag("--split-openings", command->options.splits_openings,
+                "The ring of layers around an opening becomes a patch of its own, OPENING_layer");
   sub->add_option("--json", command->json_path, "Write what was achieved as JSON");
   sub->add_option("--report", command->report_path, "Write it as a page with pictures (.html)");
   add_threads_option(*sub, command->run);

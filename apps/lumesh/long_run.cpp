@@ -4,6 +4,8 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 
 #include "lumesh/core/error.hpp"
 
@@ -23,7 +25,27 @@ void print_progress(double share, double elapsed_s) {
   std::fflush(stderr);
 }
 
+/// Files that were being written: OutputFile names them TARGET.part-PROCESS-NUMBER.
+void remove_unfinished_files() {
+  namespace fs = std::filesystem;
+  const std::string mark = fmt::format(".part-{}-", ::getpid());
+  std::error_code failed;
+  for (const fs::directory_entry& open : fs::directory_iterator("/proc/self/fd", failed)) {
+    const fs::path file = fs::read_symlink(open.path(), failed);
+    if (!failed && file.filename().string().find(mark) != std::string::npos) fs::remove(file, failed);
+  }
+}
+
+[[noreturn]] void give_up() {
+  fmt::print(stderr, "lumesh: error: interrupted; nothing was written\n");
+  std::fflush(stderr);
+  remove_unfinished_files();
+  std::_Exit(static_cast<int>(ErrorKind::kTimeLimit));
+}
+
 }  // namespace
+
+Interruptible::Interruptible() : stopper_({.patience_s = 0, .give_up = give_up}) {}
 
 void add_time_limit_option(CLI::App& command, double& limit_s) {
   command
@@ -33,13 +55,22 @@ void add_time_limit_option(CLI::App& command, double& limit_s) {
 }
 
 LongRun::LongRun(Context& context, const RunOptions& options, double limit_s)
-    : limit_s_(limit_s), stopper_(limit_s) {
+    : limit_s_(limit_s), stopper_({.limit_s = limit_s, .patience_s = 0.8, .give_up = give_up}) {
   context.stop_by(stopper_.token());
+  context.report_results_to([this] { stopper_.finish(); });
   if (options.quiet > 0 || options.verbose > 0 || ::isatty(STDERR_FILENO) == 0) return;
   context.report_progress_to([start = std::chrono::steady_clock::now()](double share) {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     if (share > 0) print_progress(share, elapsed.count());
   });
+}
+
+std::string LongRun::begin_writing(const std::string& path, bool complete) {
+  stopper_.finish();
+  if (path.empty()) return path;
+  const std::filesystem::path target(path);
+  if (complete || !std::filesystem::is_regular_file(target)) return path;
+  return (target.parent_path() / target.stem()).string() + ".partial" + target.extension().string();
 }
 
 std::string LongRun::reason(bool complete) const {

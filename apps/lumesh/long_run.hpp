@@ -1,5 +1,5 @@
 #pragma once
-/// @file What commands that may run for minutes share: a time limit, Ctrl-C, progress.
+/// @file What commands share that take their time: Ctrl-C, a time limit, progress.
 
 #include <limits>
 #include <string>
@@ -12,11 +12,28 @@ namespace lumesh::cli {
 /// --time-limit in seconds.
 void add_time_limit_option(CLI::App& command, double& limit_s);
 
+/// Ends the program within a second of the first Ctrl-C or SIGTERM, with exit code 4 and a line; nothing of
+/// files that were being written is left. Make it before the first parallel work.
+class Interruptible {
+ public:
+  Interruptible();
+
+ private:
+  parallel::Stopper stopper_;
+};
+
 /// While it lives, the context is cancelled when the time is up or on Ctrl-C, and a terminal shows how much
-/// of the work is done. Make it before the first parallel work.
+/// of the work is done. Work that does not end in good order within a second of Ctrl-C, and has not begun to
+/// write results, ends as in Interruptible. Make it before the first parallel work.
 class LongRun {
  public:
   LongRun(Context& context, const RunOptions& options, double limit_s);
+  LongRun(const LongRun&) = delete;
+  LongRun& operator=(const LongRun&) = delete;
+
+  /// Where to write what there is, from now on: the path, but beside it if the run is not complete and
+  /// another result is there already.
+  [[nodiscard]] std::string begin_writing(const std::string& path, bool complete);
 
   /// Why a run is not complete, for the beginning of a line; empty if it is.
   [[nodiscard]] std::string reason(bool complete) const;

@@ -8,8 +8,10 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
@@ -73,6 +75,7 @@ std::string report_json(const MergeReport& report, const std::vector<std::string
 }
 
 void run(MergeCommand command) {
+  const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
   check_volume_output(command.output_path);
@@ -89,7 +92,7 @@ void run(MergeCommand command) {
   context.phase("check", [&] { warn_of_problems(mesh, command.output_path, context); });
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view()); });
   const MergeReport& report = result.report;
-  if (!command.json_path.empty()) report::write_file(command.json_path, report_json(report, command.paths));
+  if (!command.json_path.empty()) write_text_file(command.json_path, report_json(report, command.paths));
   for (const MergeReport::Renumbered& label : report.renumbered)
     say(command.run, "{}: label {}{} is label {} now\n", command.paths[label.part], label.from,
         label.name.empty() ? "" : " (" + label.name + ")", label.to);

@@ -5,6 +5,7 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "keep_option.hpp"
+#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
@@ -39,6 +40,7 @@ MixedMesh with_metric(const MixedMesh& whole, const KeptCells& kept, const TetMe
 }
 
 void run(MetricCommand command) {
+  const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
   check_output_folders({command.output_path});

@@ -116,8 +116,7 @@ void add_source_options(CLI::App& command, MetricSources& sources) {
       ->needs(curvature);
   add_selection_options(command, sources.selection, "With --image: take");
   add_probabilities_option(command, sources.selection);
-  for (const char* option : {"--labels", "--threshold", "--probabilities", "--largest-component"})
-    command.get_option(option)->needs("--image");
+  for (const char* option : kSelectionOptions) command.get_option(option)->needs("--image");
   CLI::Option* const edges = command
                                  .add_option("--edges-per-radius", sources.edges_per_radius,
                                              "Edges along an arc as long as its radius of curvature")

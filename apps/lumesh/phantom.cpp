@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/image/topology.hpp"
@@ -81,6 +82,7 @@ void print_summary(const PhantomCommand& command, const Phantom& phantom, const 
 }
 
 void run(const PhantomCommand& command) {
+  const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   const std::filesystem::path parameters =
       command.parameters_path.empty() ? parameters_beside(command.image_path) : command.parameters_path;

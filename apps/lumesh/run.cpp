@@ -48,10 +48,13 @@ void print_prediction(const RunOptions& run, const CasePrediction& prediction) {
       static_cast<double>(prediction.free_memory_bytes) / 1e9);
 }
 
-void require_sound(const CaseResult& result, const std::string& besides) {
+void require_good(const CaseResult& result, const std::string& besides) {
   if (!result.faults.empty())
     throw Error(ErrorKind::kNotReached, fmt::format("{}{}: the mesh is invalid: {}; do not use it", besides,
                                                     result.folder, fmt::join(result.faults, "; ")));
+  if (!result.without_name.empty())
+    throw Error(ErrorKind::kNotReached,
+                fmt::format("{}{}: {}", besides, result.folder, result.without_name.front()));
 }
 
 void run(const RunCommand& command) {
@@ -69,7 +72,7 @@ void run(const RunCommand& command) {
   const CaseResult result = run_case(c, command.resumes, context);
   say(command.run, "{}: {} in {:.1f} s, {:.2g} GB at the peak\n", result.folder, c.name,
       result.report.seconds, static_cast<double>(result.report.peak_memory_bytes) / 1e9);
-  require_sound(result, long_run.reason(result.complete));
+  require_good(result, long_run.reason(result.complete));
   long_run.check_complete(result.complete, result.folder + " holds the best mesh so far");
 }
 

@@ -82,6 +82,7 @@ void set_patches(TetMesh& mesh, const Domain& domain) {
     });
   PatchAssignment named = name_patches(triangles, mesh.points(), domain);
   mesh.info().patches = std::move(named.patches);
+  mesh.info().label_names = std::move(named.label_names);
   if (has_interfaces) mesh.enable_interfaces();
   parallel::for_each_index(faces.size(), [&](std::size_t i) {
     const auto& [t, f, outside] = faces[i];

@@ -26,9 +26,11 @@ void DelaunayOptions::validate() const {
   const auto check = [](bool good, const char* message) {
     if (!good) throw Error(ErrorKind::kUsage, message);
   };
-  if (!(std::isfinite(delta_mm) && delta_mm > 0))
+  if (!(std::isfinite(delta_mm) && delta_mm >= 0))
     throw Error(ErrorKind::kBadInput,
                 fmt::format("delta must be a positive number of mm, but is {}", delta_mm));
+  check(std::isfinite(edge_length_mm) && edge_length_mm >= 0,
+        "the edge length must be a positive number of mm");
   check(std::isfinite(size_mm) && size_mm >= 0, "the size must be a positive number of mm");
   check(std::isfinite(surface_distance_mm) && surface_distance_mm >= 0,
         "the surface distance must be a positive number of mm");
@@ -41,15 +43,15 @@ void DelaunayOptions::validate() const {
 namespace {
 
 /// @throws Error{kBadInput} for a delta of which the object is too small.
-void check_fits(const DelaunayOptions& options, const Box3& box) {
+void check_fits(double delta_mm, const Box3& box) {
   const double largest = box.sizes().maxCoeff();
   if (!(largest > 0)) throw Error(ErrorKind::kBadInput, "there is nothing to mesh");
-  if (options.delta_mm > largest)
+  if (delta_mm > largest)
     throw Error(
         ErrorKind::kBadInput,
         fmt::format("delta ({:g} mm) is larger than the object, which is {:.4g} mm long; choose one a "
                     "good deal smaller",
-                    options.delta_mm, largest));
+                    delta_mm, largest));
 }
 
 /// What is less than the seeds of the whole lattice.
@@ -91,10 +93,11 @@ TetMesh hull_around(Box3 box, std::span<const Vec3> outer) {
 }
 
 delaunay::Spacing spacing_of(const Domain& domain, const DelaunayOptions& options) {
-  const double size_mm = options.size_mm > 0 ? options.size_mm : delaunay::kEdgePerSpacing * options.delta_mm;
+  const double delta_mm = delaunay_delta_mm(options, domain);
+  const double size_mm = options.size_mm > 0 ? options.size_mm : delaunay::kEdgePerSpacing * delta_mm;
   const double surface_distance_mm =
       options.surface_distance_mm > 0 ? options.surface_distance_mm : std::numeric_limits<double>::infinity();
-  return {domain, options.delta_mm, size_mm, surface_distance_mm, options.sizing};
+  return {domain, delta_mm, size_mm, surface_distance_mm, options.sizing};
 }
 
 /// However flat tetrahedra become: slivers are left to improvement.
@@ -109,11 +112,19 @@ std::size_t settle_in(const Domain& domain, const DelaunayOptions& options, TetM
 
 }  // namespace
 
+double delaunay_delta_mm(const DelaunayOptions& options, const Domain& domain) {
+  constexpr double kUsualEdge = 2.5;  // In units of the resolution, as in the lattice.
+  if (options.delta_mm > 0) return options.delta_mm;
+  const double edge_mm =
+      options.edge_length_mm > 0 ? options.edge_length_mm : kUsualEdge * domain.resolution_mm();
+  return edge_mm / delaunay::kEdgePerSpacing;
+}
+
 DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options, Context& context) {
   options.validate();
   const delaunay::Spacing spacing = spacing_of(domain, options);
   const Box3 box = domain.bounds_mm();
-  check_fits(options, box);
+  check_fits(delaunay_delta_mm(options, domain), box);
   delaunay::check_memory(spacing);
   auto seeds = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
   thin_out(seeds, options.seeding, box);

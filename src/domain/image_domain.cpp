@@ -20,7 +20,7 @@ bool is_background(const LabelImage::Index* row, std::size_t width) {
 }  // namespace
 
 ImageDomain::ImageDomain(const LabelImage& image, const ImageDomainOptions& options)
-    : field_(image, options.field), labels_(image.values()) {
+    : field_(image, options.field), labels_(image.values()), label_names_(image.label_names()) {
   const ImageFrame& f = image.frame();
   index_from_mm_ = f.spacing_mm.cwiseInverse().asDiagonal() * f.direction.transpose();
   voxel_size_mm_ = std::cbrt(f.voxel_volume_mm3());

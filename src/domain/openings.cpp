@@ -11,6 +11,7 @@
 
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "opening_names.hpp"
 
 namespace lumesh {
 namespace {
@@ -164,6 +165,7 @@ class PlaneOpenings {
       const Opening found = measure(coarse, of_part);
       if (found.area_mm2 >= kLeastArea * voxel_face_mm2(domain_, plane_.normal)) openings.push_back(found);
     }
+    mark_rims(openings);
     return openings;
   }
 
@@ -278,12 +280,22 @@ std::vector<OpeningPatch> opening_patches(const MeshView& mesh) {
 
 std::vector<Opening> find_openings(const Domain& domain) {
   std::vector<Opening> all;
+  for (const FlatEnd& end : domain.flat_ends())
+    all.push_back({.label = 1,
+                   .area_mm2 = end.area_mm2,
+                   .centre_mm = end.centre_mm,
+                   .normal = end.normal,
+                   .box_mm = end.box_mm,
+                   .voxel_mm = domain.resolution_mm(),
+                   .name = end.name});
+  if (!all.empty()) return all;
   for (std::size_t cut = 0; cut < domain.cut_planes().size(); ++cut) {
     const std::vector<Opening> more = PlaneOpenings(domain, cut).find();
     all.insert(all.end(), more.begin(), more.end());
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const Opening& a, const Opening& b) { return a.area_mm2 > b.area_mm2; });
+  name_openings(PatchNaming(domain.label_names()), all);
   return all;
 }
 
@@ -300,14 +312,9 @@ std::vector<RimPlace> find_rim_places(const Domain& domain, double step_mm) {
   return places;
 }
 
-std::string opening_name(std::size_t number) {
-  return number == 0 ? "inlet_1" : fmt::format("outlet_{}", number);
-}
-
 std::vector<NamedOpening> named_openings(std::span<const Opening> openings) {
   std::vector<NamedOpening> result;
-  for (std::size_t i = 0; i < openings.size(); ++i)
-    result.push_back({opening_name(i), openings[i].centre_mm, openings[i].radius_mm()});
+  for (const Opening& o : openings) result.push_back({o.name, o.centre_mm, o.radius_mm(), o.is_rim});
   return result;
 }
 
@@ -367,11 +374,11 @@ std::vector<std::string> doubts_about(const OpeningsCompared& compared) {
     const Vec3& p = o.opening.centre_mm;
     if (o.patches.empty())
       lines.push_back(
-          fmt::format("an opening of {:.4g} mm² at ({:.1f}, {:.1f}, {:.1f}) mm is missing in the mesh",
-                      o.opening.area_mm2, p.x(), p.y(), p.z()));
+          fmt::format("{}, an opening of {:.4g} mm² at ({:.1f}, {:.1f}, {:.1f}) mm, is missing in the mesh",
+                      o.opening.name, o.opening.area_mm2, p.x(), p.y(), p.z()));
     else if (is_wrong(o))
       lines.push_back(fmt::format(
-          "{} has {:.4g} mm², {:.1f} % {} than the image's {:.4g} mm² at ({:.1f}, {:.1f}, {:.1f}) mm",
+          "{} has {:.4g} mm², {:.1f} % {} than the input's {:.4g} mm² at ({:.1f}, {:.1f}, {:.1f}) mm",
           o.patches, o.mesh_area_mm2, std::abs(o.change_percent()), o.change_percent() < 0 ? "less" : "more",
           o.opening.area_mm2, p.x(), p.y(), p.z()));
   }

@@ -8,8 +8,10 @@
 #include <string>
 #include <unordered_map>
 
-#include "lumesh/domain/openings.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/mesh/patch_renaming.hpp"
+#include "opening_names.hpp"
 
 namespace lumesh {
 
@@ -107,7 +109,7 @@ void name_by_domain(std::span<const BoundaryTriangle> boundary, const Domain& do
 
 /// Walls and interfaces.
 void name_by_materials(std::span<const BoundaryTriangle> boundary, const Domain& domain,
-                       PatchAssignment& result) {
+                       const PatchNaming& naming, PatchAssignment& result) {
   std::set<Material> labels;
   std::map<std::pair<Material, Material>, std::int32_t> number;
   const auto pair_of = [](const BoundaryTriangle& t) {
@@ -123,13 +125,10 @@ void name_by_materials(std::span<const BoundaryTriangle> boundary, const Domain&
     const Label second = domain.label_of(pair.second);
     patch = static_cast<std::int32_t>(result.patches.size());
     if (pair.first == 0) {
-      result.patches.push_back({labels.size() == 1 ? "wall" : "wall_" + std::to_string(second),
-                                PatchKind::kWall,
-                                {second, kBackground}});
+      result.patches.push_back(
+          {naming.wall(second, labels.size() == 1), PatchKind::kWall, {second, kBackground}});
     } else {
-      result.patches.push_back({"interface_" + std::to_string(first) + "_" + std::to_string(second),
-                                PatchKind::kInterface,
-                                {first, second}});
+      result.patches.push_back({naming.between(first, second), PatchKind::kInterface, {first, second}});
     }
   }
   for (std::size_t i = 0; i < boundary.size(); ++i)
@@ -140,8 +139,8 @@ void name_by_materials(std::span<const BoundaryTriangle> boundary, const Domain&
 /// Openings of the mesh by those of the domain, so that their numbers do not depend on the mesh.
 class OpeningNames {
  public:
-  OpeningNames(const Domain& domain, PatchAssignment& result)
-      : domain_(domain), result_(result), openings_(find_openings(domain)) {}
+  OpeningNames(const Domain& domain, const PatchNaming& naming, PatchAssignment& result)
+      : domain_(domain), naming_(naming), result_(result), openings_(find_openings(domain)) {}
 
   void name(std::span<const OpeningGroups::Group> groups) {
     std::map<std::size_t, std::vector<const OpeningGroups::Group*>> by_number;
@@ -173,8 +172,15 @@ class OpeningNames {
   }
   [[nodiscard]] std::int32_t add(const OpeningGroups::Group& group, std::size_t number) {
     result_.patches.push_back(
-        {opening_name(number), PatchKind::kOpening, {domain_.label_of(group.inside), kBackground}});
+        {name_of(number), PatchKind::kOpening, {domain_.label_of(group.inside), kBackground}});
     return static_cast<std::int32_t>(result_.patches.size()) - 1;
+  }
+  /// Those that the domain does not know are counted on.
+  [[nodiscard]] std::string name_of(std::size_t number) const {
+    if (number < openings_.size()) return openings_[number].name;
+    const auto rims =
+        std::count_if(openings_.begin(), openings_.end(), [](const Opening& o) { return o.is_rim; });
+    return opening_name(number - static_cast<std::size_t>(rims));
   }
   /// Of the group's label; a new one where the mesh has none.
   [[nodiscard]] std::int32_t wall_of(const OpeningGroups::Group& group) {
@@ -182,7 +188,7 @@ class OpeningNames {
     for (std::size_t p = 0; p < result_.patches.size(); ++p)
       if (result_.patches[p].kind == PatchKind::kWall && result_.patches[p].labels[0] == label)
         return static_cast<std::int32_t>(p);
-    result_.patches.push_back({"wall_" + std::to_string(label), PatchKind::kWall, {label, kBackground}});
+    result_.patches.push_back({naming_.wall(label, false), PatchKind::kWall, {label, kBackground}});
     return static_cast<std::int32_t>(result_.patches.size()) - 1;
   }
   void set(const OpeningGroups::Group& group, std::int32_t patch) {
@@ -190,18 +196,19 @@ class OpeningNames {
   }
 
   const Domain& domain_;
+  const PatchNaming& naming_;
   PatchAssignment& result_;
   std::vector<Opening> openings_;
 };
 
 void name_openings(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions,
-                   const Domain& domain, PatchAssignment& result) {
+                   const Domain& domain, const PatchNaming& naming, PatchAssignment& result) {
   std::vector<std::uint32_t> members;
   for (std::uint32_t i = 0; i < boundary.size(); ++i)
     if (result.of_triangle[i] == kUnnamed) members.push_back(i);
   if (members.empty()) return;
   const OpeningGroups groups(boundary, positions, std::move(members));
-  OpeningNames(domain, result).name(groups.groups());
+  OpeningNames(domain, naming, result).name(groups.groups());
 }
 
 /// Openings are flat: what a mesher could not bring into its plane is wall.
@@ -223,14 +230,44 @@ std::vector<BoundaryTriangle> with_flat_openings(std::span<const BoundaryTriangl
 
 }  // namespace
 
+PatchNaming::PatchNaming(const std::map<Label, std::string>& label_names) {
+  std::map<std::string, int> count;
+  for (const auto& [label, name] : label_names) ++count[patch_word(name)];
+  for (const auto& [label, name] : label_names) {
+    const std::string word = patch_word(name);
+    const bool is_number = std::all_of(word.begin(), word.end(), [](char c) { return c >= '0' && c <= '9'; });
+    if (!is_number && count[word] == 1) words_[label] = word;
+  }
+}
+
+std::string PatchNaming::word(Label label) const {
+  const auto at = words_.find(label);
+  return at != words_.end() ? at->second : std::to_string(label);
+}
+
+std::string PatchNaming::wall(Label label, bool is_only) const {
+  return is_only ? "wall" : "wall_" + word(label);
+}
+
+std::string PatchNaming::between(Label a, Label b) const {
+  return words_.empty() ? name_between(a, b)
+                        : "interface_" + word(std::min(a, b)) + "_" + word(std::max(a, b));
+}
+
+std::string PatchNaming::label(Label label) const {
+  return words_.contains(label) ? word(label) : "label_" + std::to_string(label);
+}
+
 PatchAssignment name_patches(std::span<const BoundaryTriangle> given, std::span<const Vec3> positions,
                              const Domain& domain) {
   const std::vector<BoundaryTriangle> boundary = with_flat_openings(given, positions, domain);
   PatchAssignment result;
+  result.label_names = domain.label_names();
+  const PatchNaming naming(result.label_names);
   result.of_triangle.assign(boundary.size(), kUnnamed);
   name_by_domain(boundary, domain, result);
-  name_by_materials(boundary, domain, result);
-  name_openings(boundary, positions, domain, result);
+  name_by_materials(boundary, domain, naming, result);
+  name_openings(boundary, positions, domain, naming, result);
   return result;
 }
 

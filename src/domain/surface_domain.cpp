@@ -9,8 +9,10 @@
 #include "closed_surface.hpp"
 #include "distance_octree.hpp"
 #include "feature_regions.hpp"
+#include "flat_regions.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "opening_names.hpp"
 #include "surface_feet.hpp"
 
 namespace lumesh {
@@ -68,6 +70,55 @@ struct SurfaceDomain::Parts {
     patches.assign(view.patch_info.begin(), view.patch_info.end());
     const std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
     has_named_patches = used.size() > 1;
+    name_regions();
+  }
+
+  /// The patch of each region, and the ends among them.
+  void name_regions() {
+    const std::vector<surfaces::RegionShape> shapes = surfaces::region_shapes(surface, regions);
+    const auto flat =
+        std::count_if(shapes.begin(), shapes.end(), [](const auto& s) { return s.is_flat_end; });
+    const bool is_one_wall = static_cast<std::size_t>(flat) + 1 == shapes.size();
+    for (std::uint32_t r = 0; r < regions.count(); ++r) {  // By falling area.
+      Patch patch{"", PatchKind::kWall, {1, kBackground}};
+      const bool is_end = shapes[r].is_flat_end;
+      if (has_named_patches) {
+        patch.name = name_of_file(r);
+        const bool is_called_wall = patch.name.find("wall") != std::string::npos;
+        if (is_opening_of_file(r) || (is_end && !is_called_wall)) patch.kind = PatchKind::kOpening;
+      } else if (is_end) {
+        patch = {opening_name(ends.size()), PatchKind::kOpening, {1, kBackground}};
+      } else {
+        patch.name = is_one_wall ? "wall" : "patch_" + std::to_string(r + 1);
+      }
+      if (patch.kind == PatchKind::kOpening) add_end(patch.name, shapes[r]);
+      of_region.push_back(std::move(patch));
+    }
+  }
+  /// Regions of one name are one end.
+  void add_end(const std::string& name, const surfaces::RegionShape& shape) {
+    const auto at =
+        std::find_if(ends.begin(), ends.end(), [&](const FlatEnd& end) { return end.name == name; });
+    if (at == ends.end()) {
+      ends.push_back({name, shape.area_mm2, shape.centre_mm, shape.normal, shape.box_mm});
+      return;
+    }
+    at->area_mm2 += shape.area_mm2;
+    at->box_mm.extend(shape.box_mm);
+  }
+  [[nodiscard]] const Patch* patch_of_file(std::uint32_t region) const {
+    const std::int32_t number = regions.patches[region];
+    const bool is_known = number >= 0 && static_cast<std::size_t>(number) < patches.size();
+    return is_known ? &patches[static_cast<std::size_t>(number)] : nullptr;
+  }
+  [[nodiscard]] std::string name_of_file(std::uint32_t region) const {
+    const Patch* const known = patch_of_file(region);
+    return known != nullptr && !known->name.empty() ? known->name
+                                                    : "patch_" + std::to_string(regions.patches[region]);
+  }
+  [[nodiscard]] bool is_opening_of_file(std::uint32_t region) const {
+    const Patch* const known = patch_of_file(region);
+    return known != nullptr && known->kind == PatchKind::kOpening;
   }
 
   /// The foot of x, quicker with what a cube of the octree knows.
@@ -96,6 +147,8 @@ struct SurfaceDomain::Parts {
   double resolution_mm;
   std::vector<Patch> patches;
   bool has_named_patches = false;
+  std::vector<Patch> of_region;
+  std::vector<FlatEnd> ends;
 };
 
 SurfaceDomain::SurfaceDomain(const SurfaceView& surface, const SurfaceDomainOptions& options) {
@@ -198,17 +251,12 @@ double SurfaceDomain::resolution_mm() const {
 std::optional<Patch> SurfaceDomain::patch_between(Material inside, Material outside) const {
   if (inside == outside || (inside != kInside && outside != kInside)) return std::nullopt;
   const std::uint32_t region = region_of(inside == kInside ? outside : inside);
-  if (!parts_->has_named_patches) {
-    if (parts_->regions.count() == 1) return std::nullopt;
-    return Patch{"patch_" + std::to_string(region + 1), PatchKind::kWall, {1, kBackground}};
-  }
-  const std::int32_t number = parts_->regions.patches[region];
-  if (number < 0 || static_cast<std::size_t>(number) >= parts_->patches.size() ||
-      parts_->patches[static_cast<std::size_t>(number)].name.empty())
-    return Patch{"patch_" + std::to_string(number), PatchKind::kWall, {1, kBackground}};
-  const Patch& given = parts_->patches[static_cast<std::size_t>(number)];
-  return Patch{
-      given.name, given.kind == PatchKind::kOpening ? given.kind : PatchKind::kWall, {1, kBackground}};
+  if (!parts_->has_named_patches && parts_->regions.count() == 1) return std::nullopt;
+  return parts_->of_region[region];
+}
+
+std::span<const FlatEnd> SurfaceDomain::flat_ends() const {
+  return parts_->ends;
 }
 
 std::uint32_t SurfaceDomain::region_count() const {

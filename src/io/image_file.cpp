@@ -35,13 +35,50 @@ io::RawImage read_raw(const fs::path& path, Context& context) {
   return io::read_with_itk(path, context);
 }
 
+void check_options(const ImageReadOptions& options) {
+  const bool has_level = options.threshold || options.below;
+  if (options.threshold && options.below)
+    throw Error(ErrorKind::kUsage, "--threshold and --below exclude each other: give one of them");
+  if (!options.labels.empty() && has_level)
+    throw Error(ErrorKind::kUsage, "labels and a threshold exclude each other: give one of them");
+  for (const std::optional<double>& level : {options.threshold, options.below})
+    if (level && !std::isfinite(*level))
+      throw Error(ErrorKind::kUsage, "the threshold must be a finite number");
+  if (has_level && !options.probabilities.empty())
+    throw Error(ErrorKind::kUsage, "a threshold and probabilities exclude each other: give one of them");
+}
+
+/// So that what is dark becomes bright.
+io::RawImage negative_of(const io::RawImage& raw) {
+  io::RawImage negative{raw.frame, io::VoxelType::kFloat, nullptr, {}};
+  const std::size_t count = raw.frame.voxel_count();
+  negative.voxels = std::make_unique_for_overwrite<std::byte[]>(count * sizeof(float));
+  auto* const out = reinterpret_cast<float*>(negative.voxels.get());
+  io::visit_voxels(raw, [&](auto voxels) {
+    parallel::for_each_index(count, [&](std::size_t i) { out[i] = -static_cast<float>(voxels[i]); });
+  });
+  return negative;
+}
+
+/// Of those that are there.
+void name_labels(const std::map<Label, std::string>& names, LabelImage& image) {
+  for (const Label label : image.values())
+    if (const auto at = names.find(label); label != kBackground && at != names.end())
+      image.label_names()[label] = at->second;
+}
+
 /// The image without its file of probabilities.
 LabelImage read_labels(const fs::path& path, const ImageReadOptions& options, Context& context) {
-  const io::RawImage raw = read_raw(path, context);
+  io::RawImage raw = read_raw(path, context);
   ImageReadOptions taken = options;
-  if (options.labels.empty() && !options.threshold && io::are_probabilities(raw))
+  if (options.below) {
+    raw = negative_of(raw);
+    taken.threshold = -*options.below;
+  }
+  if (options.labels.empty() && !taken.threshold && io::are_probabilities(raw))
     taken.threshold = io::kEvenProbability;
   LabelImage image = io::number_labels(raw, path, taken);
+  if (!taken.threshold) name_labels(raw.label_names, image);
   if (taken.threshold && options.probabilities.empty()) io::place_by_threshold(raw, *taken.threshold, image);
   return image;
 }
@@ -49,12 +86,7 @@ LabelImage read_labels(const fs::path& path, const ImageReadOptions& options, Co
 }  // namespace
 
 LabelImage read_image(const fs::path& path, const ImageReadOptions& options, Context& context) {
-  if (!options.labels.empty() && options.threshold)
-    throw Error(ErrorKind::kUsage, "labels and a threshold exclude each other: give one of them");
-  if (options.threshold && !std::isfinite(*options.threshold))
-    throw Error(ErrorKind::kUsage, "the threshold must be a finite number");
-  if (options.threshold && !options.probabilities.empty())
-    throw Error(ErrorKind::kUsage, "a threshold and probabilities exclude each other: give one of them");
+  check_options(options);
   check_readable(path);
   if (!options.probabilities.empty()) check_readable(options.probabilities);
   LabelImage image = read_labels(path, options, context);

@@ -5,9 +5,11 @@
 #include <itkGiplImageIO.h>
 #include <itkImage.h>
 #include <itkImageSeriesReader.h>
+#include <itkMetaDataObject.h>
 #include <itkNrrdImageIO.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <iostream>
 
@@ -110,6 +112,25 @@ ImageHeader read_header(const fs::path& path, itk::ImageIOBase& io) {
   return header;
 }
 
+/// Of 3D Slicer's segmentations (.seg.nrrd): Segment0_Name:=…, Segment0_LabelValue:=….
+std::map<Label, std::string> segment_names(const itk::ImageIOBase& io) {
+  constexpr std::string_view kName = "_Name";
+  const itk::MetaDataDictionary& fields = io.GetMetaDataDictionary();
+  std::map<Label, std::string> names;
+  for (const std::string& key : fields.GetKeys()) {
+    if (!key.starts_with("Segment") || !key.ends_with(kName)) continue;
+    std::string name, value;
+    const std::string segment = key.substr(0, key.size() - kName.size());
+    if (!itk::ExposeMetaData(fields, key, name) ||
+        !itk::ExposeMetaData(fields, segment + "_LabelValue", value))
+      continue;
+    Label label = kBackground;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), label);
+    if (error == std::errc() && end == value.data() + value.size() && label > 0) names[label] = name;
+  }
+  return names;
+}
+
 itk::ImageIOBase::Pointer make_reader(const fs::path& path) {
   const QuietStreams quiet;
   const std::string name = path.string();
@@ -136,10 +157,13 @@ void read_to_the_end(const fs::path& path, itk::ImageIOBase& io, std::byte* voxe
 }
 
 RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& context) {
-  const ImageHeader header = read_header(path, io);
+  ImageHeader header = read_header(path, io);
+  const bool is_nrrd = dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
+  header.has_spacing = !is_nrrd || nrrd_has_spacing(path);
   RawImage image;
   image.frame = checked_frame(path, header, context);
   image.type = header.type;
+  image.label_names = segment_names(io);
   // Detached data files are not looked at here.
   const std::string extension = path.extension().string();
   const bool detached = extension == ".nhdr";

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <type_traits>
 
 #include "file_fault.hpp"
+#include "lumesh/image/grey_values.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "raw_image.hpp"
 
@@ -70,6 +72,20 @@ ValueSet<Voxel> merge(ValueSet<Voxel> a, ValueSet<Voxel> b) {
   return a;
 }
 
+/// What to do with an image that is none of labels.
+template <class Voxel>
+[[noreturn]] void fail_as_grey(std::span<const Voxel> voxels, const fs::path& path, const std::string& why) {
+  const GreyValues grey = grey_values(voxels);
+  const double threshold = grey.otsu_threshold();
+  throw NotLabels(
+      ErrorKind::kBadInput,
+      fmt::format(
+          "{}: {}; its values are from {:.6g} to {:.6g}: mesh what is at or above one by --threshold "
+          "VALUE, at or below one by --below VALUE ({:.4g} parts them best, {:.1f} % are at or above; "
+          "lumesh info shows the histogram)",
+          path.string(), why, grey.least, grey.most, threshold, 100 * grey.share_from(threshold)));
+}
+
 template <class Voxel>
 std::vector<Voxel> find_values(std::span<const Voxel> voxels, const fs::path& path) {
   const ValueSet<Voxel> set = parallel::reduce_blocks(
@@ -79,30 +95,24 @@ std::vector<Voxel> find_values(std::span<const Voxel> voxels, const fs::path& pa
       },
       [](ValueSet<Voxel> a, ValueSet<Voxel> b) { return merge(std::move(a), std::move(b)); });
   if (set.not_a_number) fail(path, "has voxels that are not numbers (NaN); replace them before meshing");
-  if (set.fractional)
-    fail(
-        path,
-        "has voxels with fractions, so it is no label image; give --threshold VALUE to mesh all voxels at or "
-        "above a value");
+  if (set.fractional) fail_as_grey(voxels, path, "has voxels with fractions, so it is no label image");
   const auto background = std::count(set.values.begin(), set.values.end(), Voxel{0});
   if (set.values.size() - static_cast<std::size_t>(background) > kMostLabels)
-    fail(path,
-         fmt::format("has more than {} different labels; give --threshold VALUE if it is a grey-value image",
-                     kMostLabels));
+    fail_as_grey(voxels, path, fmt::format("has more than {} different labels", kMostLabels));
   return set.values;
 }
 
 /// The file's labels in ascending order with 0 in front, checked.
 template <class Voxel>
-std::vector<Label> labels_from_values(const std::vector<Voxel>& values, const fs::path& path) {
+std::vector<Label> labels_from_values(std::span<const Voxel> voxels, const fs::path& path) {
+  const std::vector<Voxel> values = find_values(voxels, path);
   std::vector<Label> labels = {kBackground};
   for (const Voxel value : values) {
     if constexpr (std::is_signed_v<Voxel>)
       if (value < 0)
-        fail(path,
-             fmt::format("has the negative label {}; labels are positive: renumber them, or give --threshold "
-                         "VALUE",
-                         static_cast<double>(value)));
+        fail_as_grey(
+            voxels, path,
+            fmt::format("has the negative label {}, and labels are positive", static_cast<double>(value)));
     if (static_cast<double>(value) > static_cast<double>(std::numeric_limits<Label>::max()))
       fail(path, fmt::format("has the label {}; labels must be below 2^31: renumber them",
                              static_cast<double>(value)));
@@ -151,8 +161,9 @@ void map_voxels(std::span<const Voxel> voxels, const std::vector<Label>& labels,
 }
 
 template <class Voxel>
-LabelImage threshold_voxels(std::span<const Voxel> voxels, const ImageFrame& frame, double threshold,
-                            const fs::path& path) {
+LabelImage threshold_voxels(std::span<const Voxel> voxels, const ImageFrame& frame,
+                            const ImageReadOptions& options, const fs::path& path) {
+  const double threshold = *options.threshold;
   LabelImage image(frame, {kBackground, 1});
   struct Seen {
     bool inside = false;
@@ -175,19 +186,62 @@ LabelImage threshold_voxels(std::span<const Voxel> voxels, const ImageFrame& fra
         return Seen{a.inside || b.inside, a.not_a_number || b.not_a_number};
       });
   if (seen.not_a_number) fail(path, "has voxels that are not numbers (NaN); replace them before meshing");
+  if (!seen.inside && options.below)
+    fail(path, fmt::format("no voxel is at or below {}; raise --below", *options.below));
   if (!seen.inside)
     fail(path, fmt::format("no voxel is at or above the threshold {}; lower --threshold", threshold));
   return image;
 }
 
+/// As grey values do, unlike labels: along an axis, of the neighbours that are both in the object.
+bool neighbours_mostly_differ(const LabelImage& image) {
+  constexpr std::size_t kFewLabels = 32;
+  if (image.values().size() <= kFewLabels) return false;
+  struct Pairs {
+    std::array<std::size_t, 3> all = {}, different = {};
+  };
+  const Eigen::Matrix<std::size_t, 3, 1> size = image.frame().size.cast<std::size_t>();
+  const std::array<std::size_t, 3> step = {1, size.x(), size.x() * size.y()};
+  const Pairs pairs = parallel::reduce_blocks(
+      size.y() * size.z(), 256, Pairs{},
+      [&](std::size_t begin, std::size_t end) {
+        Pairs block;
+        for (std::size_t row = begin; row < end; ++row) {
+          const std::array<std::size_t, 3> last = {size.x() - 1, row % size.y() + 1 < size.y() ? size.x() : 0,
+                                                   row / size.y() + 1 < size.z() ? size.x() : 0};
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::size_t i = row * size.x(); i < row * size.x() + last[axis]; ++i) {
+              const LabelImage::Index a = image.voxels()[i], b = image.voxels()[i + step[axis]];
+              block.all[axis] += static_cast<std::size_t>(a != 0 && b != 0);
+              block.different[axis] += static_cast<std::size_t>(a != 0 && b != 0 && a != b);
+            }
+        }
+        return block;
+      },
+      [](Pairs a, const Pairs& b) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          a.all[axis] += b.all[axis];
+          a.different[axis] += b.different[axis];
+        }
+        return a;
+      });
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (2 * pairs.different[axis] > pairs.all[axis]) return true;
+  return false;
+}
+
 template <class Voxel>
 LabelImage number_typed(std::span<const Voxel> voxels, const ImageFrame& frame, const fs::path& path,
                         const ImageReadOptions& options) {
-  if (options.threshold) return threshold_voxels(voxels, frame, *options.threshold, path);
-  std::vector<Label> labels = labels_from_values(find_values(voxels, path), path);
+  if (options.threshold) return threshold_voxels(voxels, frame, options, path);
+  std::vector<Label> labels = labels_from_values(voxels, path);
   if (!options.labels.empty()) labels = keep_labels(labels, options.labels, path);
   LabelImage image(frame, labels);
   map_voxels(voxels, labels, image);
+  if (options.labels.empty() && neighbours_mostly_differ(image))
+    fail_as_grey(voxels, path,
+                 fmt::format("has {} different values, and neighbours mostly differ: these are no labels",
+                             labels.size() - 1));
   return image;
 }
 

@@ -189,26 +189,76 @@ double unit_mm(int units) {
   }
 }
 
+void place_by_sform(const NiftiHeader& header, ImageHeader& image) {
+  for (int row = 0; row < 3; ++row) {
+    const auto r = static_cast<std::size_t>(row);
+    for (int column = 0; column < 3; ++column)
+      image.direction(row, column) = header.sform(r, static_cast<std::size_t>(column));
+    image.origin_mm[row] = header.sform(r, 3);
+  }
+  const Vec3 lengths = image.direction.colwise().norm();
+  image.spacing_mm = lengths;
+  for (int i = 0; i < 3; ++i) image.direction.col(i) /= lengths[i];
+}
+
+void place_by_qform(const NiftiHeader& header, ImageHeader& image) {
+  image.direction = quaternion_axes(header);
+  image.origin_mm = Vec3(header.qform(3), header.qform(4), header.qform(5));
+}
+
+/// How far a corner of the image is from where another placement has it, in voxels.
+double furthest_corner(const ImageHeader& a, const ImageHeader& b) {
+  double furthest_mm = 0;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    Vec3 index;
+    for (unsigned i = 0; i < 3; ++i)
+      index[i] = (corner >> i & 1U) != 0 ? static_cast<double>(a.size.at(i) - 1) : 0.0;
+    const auto at = [&](const ImageHeader& h) {
+      return h.origin_mm + h.direction * index.cwiseProduct(h.spacing_mm);
+    };
+    furthest_mm = std::max(furthest_mm, (at(a) - at(b)).norm());
+  }
+  return furthest_mm / a.spacing_mm.minCoeff();
+}
+
+std::string text_of(const Vec3& v) {
+  return fmt::format("{:.4g} x {:.4g} x {:.4g}", v.x(), v.y(), v.z());
+}
+
+/// Programs differ in what they take.
+/// @param by_qform  With the sizes of pixdim, and the qform's place if there is one.
+void warn_of_conflict(const fs::path& path, const ImageHeader& by_sform, const ImageHeader& by_qform,
+                      bool has_qform, Context& context) {
+  constexpr double kSameSize = 0.01, kSamePlace = 0.5;  // Relative; voxels.
+  const Vec3 ratio = by_sform.spacing_mm.cwiseQuotient(by_qform.spacing_mm);
+  if (!((ratio - Vec3::Ones()).cwiseAbs().maxCoeff() <= kSameSize))
+    return context.warn(
+        fmt::format("{}: has voxels of {} by its sform and {} by its pixdim; the sform's are taken",
+                    path.string(), text_of(by_sform.spacing_mm), text_of(by_qform.spacing_mm)));
+  const double apart = has_qform ? furthest_corner(by_sform, by_qform) : 0;
+  if (!(apart <= kSamePlace))
+    context.warn(
+        fmt::format("{}: its sform and qform place it differently, by {:.3g} voxels at a corner; the "
+                    "sform is taken",
+                    path.string(), apart));
+}
+
 /// Position and axes, from the sform if there is one, else from the qform, else axes along R, A, S.
-ImageHeader place(const fs::path& path, const NiftiHeader& header) {
+ImageHeader place(const fs::path& path, const NiftiHeader& header, Context& context) {
   ImageHeader image;
   image.size = volume_size(path, header);
   image.type = voxel_type(path, header.data_type());
   for (int i = 0; i < 3; ++i) image.spacing_mm[i] = header.pixel_size(static_cast<std::size_t>(i) + 1);
   const bool spacing_good = image.spacing_mm.allFinite() && (image.spacing_mm.array() > 0).all();
+  ImageHeader by_qform = image;
+  place_by_qform(header, by_qform);
   if (header.sform_code() > 0) {
-    for (int row = 0; row < 3; ++row) {
-      const auto r = static_cast<std::size_t>(row);
-      for (int column = 0; column < 3; ++column)
-        image.direction(row, column) = header.sform(r, static_cast<std::size_t>(column));
-      image.origin_mm[row] = header.sform(r, 3);
-    }
-    const Vec3 lengths = image.direction.colwise().norm();
-    if (spacing_good) image.spacing_mm = lengths;
-    for (int i = 0; i < 3; ++i) image.direction.col(i) /= lengths[i];
+    const Vec3 pixel_sizes = image.spacing_mm;
+    place_by_sform(header, image);
+    if (!spacing_good) image.spacing_mm = pixel_sizes;  // These are refused below.
+    if (spacing_good) warn_of_conflict(path, image, by_qform, header.qform_code() > 0, context);
   } else if (header.qform_code() > 0) {
-    image.direction = quaternion_axes(header);
-    image.origin_mm = Vec3(header.qform(3), header.qform(4), header.qform(5));
+    image = by_qform;
   }
   image.direction.topRows<2>() *= -1;  // RAS to LPS.
   image.origin_mm.head<2>() *= -1;
@@ -256,7 +306,7 @@ RawImage read_nifti(const fs::path& path, Context& context) {
   }();
   if (header.magic().substr(0, 2) == "ni")
     fail(path, "keeps its voxels in a second file; save it as one .nii file");
-  const ImageHeader placed = place(path, header);
+  const ImageHeader placed = place(path, header, context);
   RawImage image;
   image.frame = checked_frame(path, placed, context);
   image.type = placed.type;

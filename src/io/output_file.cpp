@@ -1,6 +1,7 @@
 #include "output_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -50,6 +51,10 @@ OutputFile::OutputFile(const fs::path& target) : target_(target) {
     ::unlink(temporary_.c_str());
     fail("cannot be replaced", reason);
   }
+  // Who was kept from reading it is kept from what replaces it.
+  struct stat before = {};
+  if (!direct && ::stat(target_.c_str(), &before) == 0)
+    static_cast<void>(::fchmod(descriptor_, before.st_mode & (S_IRWXU | S_IRWXG | S_IRWXO)));
 }
 
 OutputFile::~OutputFile() {

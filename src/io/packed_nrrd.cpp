@@ -53,6 +53,18 @@ bool gzip_follows(std::istream& in, std::size_t voxel_bytes) {
 
 }  // namespace
 
+bool nrrd_has_spacing(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string text;
+  while (std::getline(in, text)) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (text.empty() || text == "\r") return false;
+    if (is_field(text, "spacings") || is_field(text, "spacedirections"))
+      return text.find_first_of("0123456789") != std::string::npos;
+  }
+  return false;
+}
+
 bool unpack_nrrd(const fs::path& path, std::size_t voxel_bytes, std::span<std::byte> voxels) {
   std::ifstream in(path, std::ios::binary);
   if (!gzip_follows(in, voxel_bytes)) return false;

@@ -53,6 +53,18 @@ Mat3 nearest_orthonormal(const fs::path& path, const Mat3& direction, Context& c
   return repaired;
 }
 
+/// Vessels are between a few mm and a body's length.
+void warn_of_size(const fs::path& path, const ImageHeader& header, const ImageFrame& frame,
+                  Context& context) {
+  constexpr double kLeastMm = 1, kMostMm = 4000;
+  const double longest_mm = frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).maxCoeff();
+  if (!header.has_spacing)
+    context.warn(path.string() + ": says nothing of the size of voxels; taken as 1 mm");
+  else if (longest_mm < kLeastMm || longest_mm > kMostMm)
+    context.warn(fmt::format("{}: is {:.3g} mm long; is its spacing in {}? lumesh takes it as mm",
+                             path.string(), longest_mm, longest_mm < kLeastMm ? "metres" : "micrometres"));
+}
+
 }  // namespace
 
 void swap_bytes(RawImage& image) {
@@ -83,6 +95,7 @@ ImageFrame checked_frame(const fs::path& path, const ImageHeader& header, Contex
   frame.spacing_mm = header.spacing_mm;
   frame.origin_mm = header.origin_mm;
   frame.direction = nearest_orthonormal(path, header.direction, context);
+  warn_of_size(path, header, frame, context);
   return frame;
 }
 

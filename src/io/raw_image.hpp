@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -35,6 +36,7 @@ enum class VoxelType : std::uint8_t {
 struct ImageHeader {
   std::array<std::int64_t, 3> size = {0, 0, 0};
   Vec3 spacing_mm = Vec3::Ones();
+  bool has_spacing = true;  ///< False where the file says nothing of it.
   Vec3 origin_mm = Vec3::Zero();
   Mat3 direction = Mat3::Identity();  ///< Columns of about unit length, not yet orthonormal.
   VoxelType type = VoxelType::kUInt8;
@@ -43,7 +45,8 @@ struct ImageHeader {
 struct RawImage {
   ImageFrame frame;
   VoxelType type = VoxelType::kUInt8;
-  std::unique_ptr<std::byte[]> voxels;  ///< In this machine's byte order.
+  std::unique_ptr<std::byte[]> voxels;            ///< In this machine's byte order.
+  std::map<Label, std::string> label_names = {};  ///< What the file calls its labels.
 };
 
 /// Calls `visit` with a value of the type, and returns what it returns: auto visit(auto example).
@@ -87,7 +90,7 @@ decltype(auto) visit_voxels(const RawImage& image, Visit&& visit) {
 }
 
 /// A frame that keeps ImageFrame's promises, or Error. Repairs directions that are slightly off, with a
-/// warning.
+/// warning; warns of images without spacing, and of those so small or large that it is not in mm.
 [[nodiscard]] ImageFrame checked_frame(const std::filesystem::path& path, const ImageHeader& header,
                                        Context& context);
 
@@ -105,6 +108,9 @@ decltype(auto) visit_voxels(const RawImage& image, Visit&& visit) {
 /// ITK then reads it, or says what is wrong.
 [[nodiscard]] bool unpack_nrrd(const std::filesystem::path& path, std::size_t voxel_bytes,
                                std::span<std::byte> voxels);
+
+/// Whether the header of an NRRD file says how large voxels are; ITK takes 1 mm where it does not.
+[[nodiscard]] bool nrrd_has_spacing(const std::filesystem::path& path);
 
 /// NIfTI 1 and 2 in one file, plain or gzip. Read here because ITK 5.2 refuses images whose direction cosines
 /// are not orthonormal, and copies the voxels once more.

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -12,6 +13,8 @@
 #include <sstream>
 
 #include "file_fault.hpp"
+#include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/mesh/patch_renaming.hpp"
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
 
@@ -46,14 +49,28 @@ class SurfaceBuilder {
   explicit SurfaceBuilder(const std::filesystem::path& path) : path_(path) {}
 
   void add(const std::array<Vec3, 3>& corners) {
+    if (solids_.empty()) begin_solid("");  // Of a damaged file.
     Cell<3> triangle;
     for (std::size_t i = 0; i < 3; ++i) triangle[i] = number(corners[i]);
     mesh_.triangles.push_back(triangle);
-    mesh_.triangle_patches.push_back(0);
+    mesh_.triangle_patches.push_back(static_cast<std::int32_t>(solids_.size()) - 1);
   }
+  /// What follows belongs to it; solids of one name are one.
+  void begin_solid(const std::string& name) { solids_.push_back(name); }
+  /// One patch "wall", or one for each solid where there are several.
   MixedMesh finish() {
     if (mesh_.triangles.empty()) fail_damaged(path_, "holds no triangle");
-    mesh_.info.patches = {{"wall", PatchKind::kWall, {}}};
+    std::vector<std::int32_t> patch_of;
+    for (std::string& name : solids_) {
+      if (solids_.size() == 1 || name.empty()) name = "wall";
+      const auto at = std::find_if(mesh_.info.patches.begin(), mesh_.info.patches.end(),
+                                   [&](const Patch& patch) { return patch.name == name; });
+      patch_of.push_back(static_cast<std::int32_t>(at - mesh_.info.patches.begin()));
+      if (at == mesh_.info.patches.end())
+        mesh_.info.patches.push_back(
+            {name, is_opening_name(name) ? PatchKind::kOpening : PatchKind::kWall, {}});
+    }
+    for (std::int32_t& patch : mesh_.triangle_patches) patch = patch_of[static_cast<std::size_t>(patch)];
     return std::move(mesh_);
   }
 
@@ -68,11 +85,13 @@ class SurfaceBuilder {
 
   const std::filesystem::path& path_;
   MixedMesh mesh_;
+  std::vector<std::string> solids_;
   std::map<std::array<double, 3>, std::uint32_t> numbers_;
 };
 
 MixedMesh parse_binary(const std::filesystem::path& path, const std::string& bytes, std::size_t facets) {
   SurfaceBuilder surface(path);
+  surface.begin_solid("");
   for (std::size_t f = 0; f < facets; ++f) {
     std::array<float, 9> numbers;
     std::memcpy(numbers.data(), bytes.data() + kHeaderBytes + 4 + f * kFacetBytes + 12, sizeof(numbers));
@@ -92,6 +111,11 @@ MixedMesh parse_text(const std::filesystem::path& path, const std::string& text)
   bool is_complete = false;
   for (std::string word; in >> word;) {
     for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (word == "solid" || word == "endsolid") {
+      std::string name;  // It may hold any words.
+      std::getline(in, name);
+      if (word == "solid") surface.begin_solid(patch_word(name));
+    }
     is_complete = word == "endsolid" || (is_complete && word != "facet");
     if ((word == "outer" || word == "endsolid") && corner != 3) fail_damaged(path, "a facet is damaged");
     if (word == "outer") corner = 0;

@@ -111,13 +111,13 @@ void read_faces(const VtkXmlReader& file, const char* name, const char* patch_na
 }
 
 /// A face must not name a patch that the file does not describe.
-void complete_patches(const VtkXmlReader& file, MixedMesh& mesh) {
+void complete_patches(const VtkXmlReader& file, MixedMesh& mesh, const std::string& unnamed = "patch_") {
   std::int32_t last = -1;
   for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches}) {
     for (const std::int32_t p : *patches) last = std::max(last, checked_patch(file, p));
   }
   while (static_cast<std::int32_t>(mesh.info.patches.size()) <= last)
-    mesh.info.patches.push_back({"patch_" + std::to_string(mesh.info.patches.size()), PatchKind::kWall, {}});
+    mesh.info.patches.push_back({unnamed + std::to_string(mesh.info.patches.size()), PatchKind::kWall, {}});
 }
 
 void read_info(const VtkXmlReader& file, MixedMesh& mesh) {
@@ -185,6 +185,20 @@ MixedMesh read_vtu(const std::filesystem::path& path) {
   return mesh;
 }
 
+namespace {
+
+/// Ours, SimVascular's, or VMTK's number of the patch of each polygon, and what patches without a name are
+/// called.
+std::pair<pugi::xml_node, std::string> patch_array(const VtkXmlReader& file) {
+  const pugi::xml_node cells = file.piece().child("CellData");
+  for (const auto& [array, unnamed] :
+       {std::pair{"patch", "patch_"}, {"ModelFaceID", "face_"}, {"CellEntityIds", "face_"}})
+    if (const pugi::xml_node found = VtkXmlReader::find_array(cells, array)) return {found, unnamed};
+  return {pugi::xml_node(), "patch_"};
+}
+
+}  // namespace
+
 MixedMesh read_vtp_surface(const std::filesystem::path& path) {
   const VtkXmlReader file(path, "PolyData");
   MixedMesh mesh;
@@ -194,7 +208,7 @@ MixedMesh read_vtp_surface(const std::filesystem::path& path) {
   const auto connectivity =
       file.integers(VtkXmlReader::find_array(polys, "connectivity"), "polygon connectivity");
   const auto offsets = file.integers(VtkXmlReader::find_array(polys, "offsets"), "polygon offsets");
-  const pugi::xml_node patch = VtkXmlReader::find_array(file.piece().child("CellData"), "patch");
+  const auto [patch, unnamed] = patch_array(file);
   const auto patches = patch ? file.integers(patch, "patch") : std::vector<std::int64_t>(offsets.size(), 0);
   if (patches.size() < offsets.size()) file.fail("does not hold as many patches as polygons");
   std::int64_t begin = 0;
@@ -209,7 +223,7 @@ MixedMesh read_vtp_surface(const std::filesystem::path& path) {
              checked_patch(file, patches[p]), mesh);
     begin = end;
   }
-  complete_patches(file, mesh);
+  complete_patches(file, mesh, unnamed);
   return mesh;
 }
 

@@ -30,6 +30,7 @@ MixedMesh to_mixed_mesh(WorkMesh& mesh, const BoundaryModel& boundary, const Ima
   });
   PatchAssignment patches = name_patches(boundary.triangles, out.points, domain);
   out.info.patches = std::move(patches.patches);
+  out.info.label_names = std::move(patches.label_names);
   out.triangle_patches = std::move(patches.of_triangle);
   out.triangles.resize(boundary.triangles.size());
   parallel::for_each_index(out.triangles.size(),

@@ -56,11 +56,11 @@ class LayerBuilder {
     out_.triangles.clear();
     out_.triangle_patches.clear();
     const std::span<const Label> labels = mesh_.labels();
-    const bool is_new = std::find(labels.begin(), labels.end(), label_) == labels.end();
+    is_new_label_ = std::find(labels.begin(), labels.end(), label_) == labels.end();
     if (!options_.label_name.empty())
       out_.info.label_names[label_] = options_.label_name;
-    else if (is_new)
-      out_.info.label_names[label_] = free_label_name(is_inward_ ? "layer" : "wall");
+    else if (is_new_label_)
+      out_.info.label_names[label_] = free_label_name(is_inward_ ? "layer" : "vessel_wall");
   }
   [[nodiscard]] std::string free_label_name(const std::string& usual) const {
     const auto is_taken = [&](const auto& entry) { return entry.second == usual; };
@@ -179,11 +179,15 @@ class LayerBuilder {
     const bool is_ring =
         edge.patch >= 0 && surface_.planes[edge.a].count > 0 &&
         mesh_.info().patches[static_cast<std::size_t>(edge.patch)].kind == PatchKind::kOpening;
-    const std::string of = is_ring ? mesh_.info().patches[static_cast<std::size_t>(edge.patch)].name : "";
-    const std::int32_t patch = is_ring
-                                   ? patch_named(of + "_layer", PatchKind::kOpening, {label_, kBackground})
-                                   : patch_named("layer_side", PatchKind::kWall, {label_, kBackground});
+    const std::int32_t patch = is_ring ? patch_of_ring(edge.patch)
+                                       : patch_named("layer_side", PatchKind::kWall, {label_, kBackground});
     for (int k = 0; k < layers_; ++k) add_side(edge, k, patch);
+  }
+  std::int32_t patch_of_ring(std::int32_t opening) {
+    const bool is_wall_around = !is_inward_ && is_new_label_;
+    if (!options_.splits_openings && !is_wall_around) return opening;
+    const std::string& of = mesh_.info().patches[static_cast<std::size_t>(opening)].name;
+    return patch_named(of + "_layer", PatchKind::kOpening, {label_, kBackground});
   }
   void add_side(const RimEdge& edge, int k, std::int32_t patch) {
     const std::uint32_t a = point(edge.a, k - 1), b = point(edge.b, k - 1), up_a = point(edge.a, k),
@@ -209,6 +213,7 @@ class LayerBuilder {
   const Columns& columns_;
   const LayerOptions& options_;
   bool is_inward_;
+  bool is_new_label_ = true;
   Label label_;
   int layers_;
   std::vector<std::uint32_t> first_;  // Of each column's own points.

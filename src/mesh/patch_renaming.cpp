@@ -7,6 +7,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -20,10 +21,11 @@ namespace {
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
+bool is_in_names(char c) {
+  return is_letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '.';
+}
 bool is_name(std::string_view text) {
-  return !text.empty() && is_letter(text.front()) && std::all_of(text.begin(), text.end(), [](char c) {
-    return is_letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '.';
-  });
+  return !text.empty() && is_letter(text.front()) && std::all_of(text.begin(), text.end(), is_in_names);
 }
 
 /// "x,y,z".
@@ -53,7 +55,9 @@ std::string list_of(std::span<const NamedOpening> openings) {
 
 const NamedOpening& opening_near(const Vec3& place, std::span<const NamedOpening> openings) {
   constexpr double kRadii = 2;
-  const auto off = [&](const NamedOpening& o) { return (o.centre_mm - place).norm(); };
+  const auto off = [&](const NamedOpening& o) {
+    return o.is_rim ? std::numeric_limits<double>::infinity() : (o.centre_mm - place).norm();
+  };
   const auto nearest = std::min_element(openings.begin(), openings.end(),
                                         [&](const auto& a, const auto& b) { return off(a) < off(b); });
   if (nearest == openings.end() || off(*nearest) > kRadii * nearest->radius_mm)
@@ -86,6 +90,16 @@ std::string text_of_missing(const MeshInfo& info, const PatchRenaming& renaming)
 }
 
 }  // namespace
+
+std::string patch_word(std::string_view text) {
+  std::string word;
+  for (const char c : text) {
+    const char taken = is_in_names(c) ? c : '_';
+    if (taken != '_' || (!word.empty() && word.back() != '_')) word += taken;
+  }
+  if (!word.empty() && word.back() == '_') word.pop_back();
+  return word;
+}
 
 PatchRenaming renaming_from(std::string_view text) {
   const std::size_t equals = text.rfind('=');
@@ -126,7 +140,8 @@ std::vector<NamedOpening> named_openings(const MeshView& mesh) {
   std::vector<NamedOpening> openings;
   for (std::size_t p = 0; p < patches.size(); ++p)
     if (area[p] > 0)
-      openings.push_back({patches[p].name, moment[p] / area[p], std::sqrt(area[p] / std::numbers::pi)});
+      openings.push_back({patches[p].name, moment[p] / area[p], std::sqrt(area[p] / std::numbers::pi),
+                          is_rim_name(patches[p].name)});
   return openings;
 }
 

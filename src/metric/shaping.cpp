@@ -113,17 +113,18 @@ double shape_to_limits(TetMesh& mesh, std::span<const SymTensor> wanted, const M
   const BoundarySizes* const boundary = sizes ? &*sizes : nullptr;
   if (limits.complexity == 0) return assign_limited(mesh, wanted, 1, limits, boundary);
   // From the scale that would be right without limits, what they change can only be made up for in one
-  // direction: a complexity that does not change any more is the nearest there is.
+  // direction: a complexity that hardly changes any more is the nearest there is.
   ScaleSearch search(std::log(complexity(mesh, wanted) / limits.complexity) / 3);
   double seen = assign_limited(mesh, wanted, std::exp(search.guess()), limits, boundary);
   constexpr int kMostTries = 20;
-  constexpr double kTolerance = 1e-3, kNoChange = 1e-6;
+  constexpr double kTolerance = 1e-3;
+  constexpr double kHardly = 0.02;  // Of the exponent of sizes, which is -3 without limits.
   for (int i = 0; i < kMostTries; ++i) {
-    const double before = seen;
+    const double before = seen, last = search.guess();
     if (std::abs(before / limits.complexity - 1) < kTolerance) break;
     search.improve(std::log(before / limits.complexity));
     seen = assign_limited(mesh, wanted, std::exp(search.guess()), limits, boundary);
-    if (std::abs(seen / before - 1) < kNoChange) break;
+    if (std::abs(std::log(seen / before)) < kHardly * std::abs(search.guess() - last)) break;
   }
   return seen;
 }

@@ -8,7 +8,7 @@
 namespace lumesh::parallel {
 namespace {
 
-constexpr int kExitCode = 4;  // Of the program, when the second signal comes.
+constexpr int kExitCode = 4;  // Of the program, when it gives up.
 
 sigset_t watched_signals() {
   sigset_t signals;
@@ -20,11 +20,11 @@ sigset_t watched_signals() {
 
 }  // namespace
 
-Stopper::Stopper(double limit_s) {
+Stopper::Stopper(Options options) : options_(std::move(options)) {
   // Threads made from now on inherit this: the watcher alone takes signals.
   const sigset_t signals = watched_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  watcher_ = std::jthread([this, limit_s](const std::stop_token& over) { watch(limit_s, over); });
+  watcher_ = std::jthread([this](const std::stop_token& over) { watch(over); });
 }
 
 Stopper::~Stopper() {
@@ -34,18 +34,29 @@ Stopper::~Stopper() {
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
-void Stopper::watch(double limit_s, const std::stop_token& over) {
+void Stopper::watch(const std::stop_token& over) {
   constexpr timespec kLook = {0, 20'000'000};  // 20 ms
-  const auto start = std::chrono::steady_clock::now();
+  const auto seconds = [start = std::chrono::steady_clock::now()] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
   const sigset_t signals = watched_signals();
+  double give_up_s = std::numeric_limits<double>::infinity();
+  int count = 0;
   while (!over.stop_requested()) {
     if (sigtimedwait(&signals, nullptr, &kLook) > 0) {
-      if (source_.stop_requested()) std::_Exit(kExitCode);
-      stop(Reason::kSignal);
+      if (++count > 1) give_up();
+      if (options_.on_signal) options_.on_signal();
+      if (!source_.stop_requested()) stop(Reason::kSignal);
+      give_up_s = seconds() + options_.patience_s;
     }
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    if (elapsed.count() > limit_s && !source_.stop_requested()) stop(Reason::kTime);
+    if (seconds() > give_up_s && !finishes_.load()) give_up();
+    if (seconds() > options_.limit_s && !source_.stop_requested()) stop(Reason::kTime);
   }
+}
+
+void Stopper::give_up() const {
+  if (options_.give_up) options_.give_up();
+  std::_Exit(kExitCode);
 }
 
 void Stopper::stop(Reason reason) {

@@ -22,18 +22,17 @@ void check_input(const Case& c) {
   if (!input.surface.empty() && c.mesher == Mesher::kLattice)
     refuse("the lattice mesher takes images; for [input] surface set mesher = \"delaunay\"");
   const ImageSelection& selection = input.selection;
-  if (!input.surface.empty() &&
-      (!input.cut_planes.empty() || !selection.labels.empty() || selection.threshold ||
-       !selection.probabilities.empty() || selection.largest_component))
+  if (!input.surface.empty() && (!input.cut_planes.empty() || !selection.takes_all()))
     refuse(
-        "[input] labels, threshold, probabilities, largest_component and cut_planes are for images; leave "
-        "them "
-        "out with surface");
-  if (selection.threshold && !selection.probabilities.empty())
-    refuse("[input] threshold and probabilities exclude each other; give one of them");
+        "[input] labels, threshold, below, probabilities, largest_component and cut_planes are for images; "
+        "leave them out with surface");
+  if (selection.threshold && selection.below)
+    refuse("[input] threshold and below exclude each other; give one of them");
+  if (selection.has_level() && !selection.probabilities.empty())
+    refuse("[input] threshold or below and probabilities exclude each other; give one of them");
   if (input.phantom.empty()) return;
-  if (selection.threshold || !selection.probabilities.empty())
-    refuse("[input] threshold and probabilities are for images; leave them out with phantom");
+  if (selection.has_level() || !selection.probabilities.empty())
+    refuse("[input] threshold, below and probabilities are for images; leave them out with phantom");
   try {
     static_cast<void>(phantom_kind_from_name(input.phantom));
   } catch (const Error& unknown) {
@@ -108,8 +107,6 @@ void check_output(const Case& c) {
 
 void check_case(const Case& c) {
   check_input(c);
-  if (c.mesher == Mesher::kDelaunay && !(c.delaunay.delta_mm > 0))
-    refuse("[delaunay] delta is missing: the spacing of points on surfaces in mm");
   if (c.mesher == Mesher::kLattice && (!c.sizes.points.empty() || !c.sizes.plugin.empty()))
     refuse("[delaunay] size_points and sizing are for mesher = \"delaunay\"");
   if (!c.sizes.points.empty() && !(c.sizes.floor_mm > 0))

@@ -49,6 +49,7 @@ void add_input_keys(KeyList& list, InputKeys& input) {
   list.key("labels", &input.selection.labels, "Labels of the image to mesh; empty: all");
   list.key("threshold", &input.selection.threshold,
            "Voxels at or above become label 1, the rest background; their values place the boundary");
+  list.key("below", &input.selection.below, "The same for voxels at or below");
   list.key("probabilities", FilePath{&input.selection.probabilities, {}},
            "Image of the object's probability, 0 to 1, on the image's grid, which places the boundary");
   list.key("largest_component", &input.selection.largest_component, "Only the largest connected piece");
@@ -62,7 +63,7 @@ void add_input_keys(KeyList& list, InputKeys& input) {
 
 void add_lattice_keys(KeyList& list, LatticeOptions& o) {
   list.section("lattice");
-  list.number("spacing", &o.spacing_mm, 0, kAny, "Lattice spacing at the boundary in mm; 0: 2.5 voxels");
+  list.number("spacing", &o.spacing_mm, 0, kAny, "Lattice spacing at the boundary in mm; 0: edge_length");
   list.number("fidelity", &o.fidelity, 0.1, 0.98,
               "The spacing is at most 4 (1 - fidelity) times the half thickness");
   list.number("coarsening", &o.coarsening, 0, 4, "Times the spacing may double inside");
@@ -76,7 +77,7 @@ void add_lattice_keys(KeyList& list, LatticeOptions& o) {
 void add_delaunay_keys(KeyList& list, Case& c) {
   DelaunayOptions& o = c.delaunay;
   list.section("delaunay");
-  list.number("delta", &o.delta_mm, 0, kAny, "Spacing of points on surfaces in mm; has to be given");
+  list.number("delta", &o.delta_mm, 0, kAny, "Spacing of points on surfaces in mm; 0: edge_length / 1.3");
   list.number("size", &o.size_mm, 0, kAny, "Largest edge length inside in mm; 0: 1.3 delta");
   list.number("surface_distance", &o.surface_distance_mm, 0, kAny,
               "How far triangles may stand off a bent surface, in mm; 0: delta decides");
@@ -176,6 +177,8 @@ void add_layer_keys(KeyList& list, LayerKeys& layers) {
   list.number("thickness", &o.thickness, 0, kAny,
               "Of all layers, met exactly by the growth; 0: what the count makes");
   list.choice("cells", o.cells, {"prisms", "tetrahedra"}, "Prisms, or three tetrahedra for each");
+  list.key("split_openings", &o.splits_openings,
+           "The ring of layers around an opening becomes a patch of its own");
   list.key("label", &layers.label,
            "Label of the layers: NAME=NUMBER, NAME or NUMBER; empty: the next free one");
 }
@@ -209,6 +212,8 @@ void add_output_keys(KeyList& list, Case& c) {
 std::vector<Key> keys_of(Case& c) {
   KeyList list;
   list.choice("mesher", c.mesher, {"lattice", "delaunay"}, "What makes the first mesh");
+  list.number("edge_length", &c.edge_length_mm, 0, kAny,
+              "Of edges on surfaces of the first mesh, in mm; 0: 2.5 voxels");
   add_input_keys(list, c.input);
   add_lattice_keys(list, c.lattice);
   add_delaunay_keys(list, c);

@@ -11,6 +11,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/io/sha256.hpp"
+#include "lumesh/io/text_file.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
@@ -93,8 +94,8 @@ void Checkpoints::keep(const std::string& stage, const CaseState& state, const r
     const BoundaryFaces faces = state.mesh.boundary_faces();
     write_mesh(file, state.view(faces));
   }
-  report::write_file(notes_of(file), report::stage_notes_json(report));
-  report::write_file(std::filesystem::path(file) += ".key", key_line(key, file));
+  write_text_file(notes_of(file), report::stage_notes_json(report));
+  write_text_file(std::filesystem::path(file) += ".key", key_line(key, file));
 }
 
 void Checkpoints::load(const std::string& stage, CaseState& state, report::StageReport& report) const {

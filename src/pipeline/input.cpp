@@ -37,8 +37,8 @@ void append_line(Polylines& lines, const std::vector<Vec3>& points) {
 
 LabelImage read_selected_image(const std::filesystem::path& path, const ImageSelection& selection,
                                Context& context) {
-  LabelImage image =
-      read_image(path, {selection.labels, selection.threshold, selection.probabilities}, context);
+  LabelImage image = read_image(
+      path, {selection.labels, selection.threshold, selection.below, selection.probabilities}, context);
   if (selection.largest_component) keep_largest_component(image, ComponentScope::kUnion);
   return image;
 }

@@ -3,12 +3,14 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
+#include "lumesh/io/text_file.hpp"
 #include "lumesh/quality/faults.hpp"
 
 namespace lumesh::pipeline {
@@ -87,6 +89,15 @@ std::filesystem::path folder_of(const Case& c) {
                                  : std::filesystem::path(c.output.folder);
 }
 
+std::filesystem::path folder_of_results(const CaseState& state) {
+  const std::filesystem::path folder = folder_of(state.c);
+  const std::vector<std::string>& meshes = state.c.output.meshes;
+  const bool has_results = std::any_of(meshes.begin(), meshes.end(), [&](const std::string& name) {
+    return std::filesystem::exists(folder / name);
+  });
+  return state.is_complete || !has_results ? folder : folder / "partial";
+}
+
 void check_inputs(const Case& c) {
   for (const auto& [key, path] : {std::pair{"[input] image", c.input.image},
                                   {"[input] surface", c.input.surface},
@@ -136,9 +147,9 @@ void prepare_folder(const Case& c) {
   }
 }
 
-std::vector<report::OutputFile> write_meshes(const CaseState& state) {
+std::vector<report::OutputFile> write_meshes(const CaseState& state, const std::filesystem::path& folder) {
   const OutputKeys& output = state.c.output;
-  const std::filesystem::path folder = folder_of(state.c);
+  make_folder(folder);
   const BoundaryFaces faces = state.layered ? BoundaryFaces() : state.mesh.boundary_faces();
   const MeshView view = state.layered ? state.layered->view() : state.view(faces);
   std::vector<report::OutputFile> files;
@@ -150,7 +161,7 @@ std::vector<report::OutputFile> write_meshes(const CaseState& state) {
     state.context.phase("write", [&] { write_surface(folder / output.surface, view); });
     files.push_back({output.surface, "its boundary"});
   }
-  report::write_file(folder / kEffectiveCase, text_of_case(state));
+  write_text_file(folder / kEffectiveCase, text_of_case(state));
   files.push_back({kEffectiveCase, "the case with every setting that was in force; `lumesh run` takes it"});
   return files;
 }
@@ -175,11 +186,9 @@ void write_stage_files(const CaseState& state, const std::string& stage,
   }
 }
 
-void write_report(const Case& c, const report::CaseReport& report) {
-  const std::filesystem::path folder = folder_of(c);
-  if (!c.output.json.empty()) report::write_file(folder / c.output.json, report::case_report_json(report));
-  if (!c.output.report.empty())
-    report::write_file(folder / c.output.report, report::case_report_html(report));
+void write_report(const Case& c, const std::filesystem::path& folder, const report::CaseReport& report) {
+  if (!c.output.json.empty()) write_text_file(folder / c.output.json, report::case_report_json(report));
+  if (!c.output.report.empty()) write_text_file(folder / c.output.report, report::case_report_html(report));
 }
 
 }  // namespace lumesh::pipeline

@@ -18,6 +18,9 @@ void describe_layers(const CaseState& state, report::StageReport& stage);
 
 /// Where the files of a case go.
 [[nodiscard]] std::filesystem::path folder_of(const Case& c);
+/// Where results go: that folder, but one named "partial" in it if the run did not end and results of another
+/// one are there.
+[[nodiscard]] std::filesystem::path folder_of_results(const CaseState& state);
 
 /// All names of files that a case writes.
 [[nodiscard]] std::vector<std::string> names_of_files(const Case& c);
@@ -31,7 +34,8 @@ void check_inputs(const Case& c);
 void prepare_folder(const Case& c);
 
 /// The mesh in all formats that are wanted, its surface, and the case as it was run; each with what it is.
-[[nodiscard]] std::vector<report::OutputFile> write_meshes(const CaseState& state);
+[[nodiscard]] std::vector<report::OutputFile> write_meshes(const CaseState& state,
+                                                           const std::filesystem::path& folder);
 /// Of the mesh that write_meshes() writes.
 [[nodiscard]] std::vector<std::string> faults_of_written(const CaseState& state);
 /// The first mesh or the centerline, if files of the stages are wanted.
@@ -39,6 +43,6 @@ void write_stage_files(const CaseState& state, const std::string& stage,
                        std::vector<report::OutputFile>& files);
 
 /// The page and the numbers. Not of themselves: times of what is written here are not in them.
-void write_report(const Case& c, const report::CaseReport& report);
+void write_report(const Case& c, const std::filesystem::path& folder, const report::CaseReport& report);
 
 }  // namespace lumesh::pipeline

@@ -84,7 +84,7 @@ class CaseRun {
       describe_mesh(state_, last);
     describing_s_ += seconds_since(start);
   }
-  void name_patches() { name_patches_of_case(state_, result_.report.stages.back()); }
+  void name_patches() { result_.without_name = name_patches_of_case(state_, result_.report.stages.back()); }
   void draw_centerline() {
     if (centerline_stage_ == kNone || state_.c.output.report.empty()) return;
     const auto start = std::chrono::steady_clock::now();
@@ -95,7 +95,11 @@ class CaseRun {
 
   CaseResult finish() {
     const auto start = std::chrono::steady_clock::now();
-    for (report::OutputFile& file : write_meshes(state_)) result_.report.files.push_back(std::move(file));
+    state_.context.results_follow();
+    const std::filesystem::path folder = folder_of_results(state_);
+    result_.folder = folder.string();
+    for (report::OutputFile& file : write_meshes(state_, folder))
+      result_.report.files.push_back(std::move(file));
     // What evaluate found no problem in has no faults; of mixed cells it looks at less.
     const std::optional<quality::Evaluation>& last = result_.report.stages.back().evaluation;
     if (state_.layered || !last || last->problem_count > 0) result_.faults = faults_of_written(state_);
@@ -112,7 +116,7 @@ class CaseRun {
     if (!report.stages.back().pictures.empty())
       report.pictures.push_back(report.stages.back().pictures.front());
     const auto writing = std::chrono::steady_clock::now();
-    write_report(state_.c, report);
+    write_report(state_.c, folder, report);
     say("report", describing_s_ + seconds_since(writing),
         state_.c.output.report.empty() ? "measures" : "measures, pictures, " + state_.c.output.report);
     return std::move(result_);

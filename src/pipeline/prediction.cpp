@@ -76,6 +76,7 @@ class Prediction {
   void read_input() {
     report::StageReport stage;
     pipeline::read_input(state_, stage);
+    find_named_openings(state_);
     step("input: " + state_.input_name, 0, 0);
     if (state_.image) object_ = sample_object(*state_.image, kPlaces);
     base_bytes_ = static_cast<double>(peak_memory_bytes());
@@ -91,7 +92,7 @@ class Prediction {
     const Case& c = state_.c;
     if (c.mesher == Mesher::kLattice) {
       const double voxels = static_cast<double>(state_.image->voxels().size());
-      first_tets_ = estimated_tetrahedra(*state_.image, *state_.domain_of_image(), c.lattice);
+      first_tets_ = estimated_tetrahedra(*state_.image, *state_.domain_of_image(), c.lattice_options());
       step("first mesh, by the lattice", kDomainPerVoxel * voxels + per_core(kLatticePerTet * first_tets_),
            first_tets_);
     } else {
@@ -154,12 +155,13 @@ class Prediction {
     if (c.metric.is_wanted() && c.boundary.boundary == BoundaryMode::kAdapt)
       return on_area(kAdaptedTriangles, last_tets_);
     if (c.mesher == Mesher::kLattice) return on_area(kLatticeTriangles, first_tets_);
-    return kDelaunayTriangles * outside.area_mm2 / (c.delaunay.delta_mm * c.delaunay.delta_mm);
+    return kDelaunayTriangles * outside.area_mm2 /
+           std::pow(delaunay_delta_mm(c.delaunay_options(), state_.domain()), 2);
   }
   double tets_of_delaunay() {
     const Domain& domain = state_.domain();
     const std::unique_ptr<Sizing> sizing = sizing_of(state_, domain);
-    DelaunayOptions options = state_.c.delaunay;
+    DelaunayOptions options = state_.c.delaunay_options();
     options.sizing = sizing.get();
     return estimated_tetrahedra(domain, options);
   }

@@ -4,8 +4,10 @@
 #include <algorithm>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/domain/patch_names.hpp"
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/layers/layers.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/pipeline/layer_label.hpp"
 #include "stages.hpp"
 
@@ -27,18 +29,12 @@ std::vector<std::string> patches_of_surface(const Domain& domain) {
 std::vector<std::string> patches_of_image(const LabelImage& image) {
   std::vector<Label> labels = image.values();
   std::erase(labels, kBackground);
-  if (labels.size() == 1) return {"wall"};
+  const PatchNaming naming(image.label_names());
   std::vector<std::string> names;
-  for (const Label label : labels) names.push_back(fmt::format("wall_{}", label));
+  for (const Label label : labels) names.push_back(naming.wall(label, labels.size() == 1));
   for (std::size_t i = 0; i < labels.size(); ++i)
-    for (std::size_t j = i + 1; j < labels.size(); ++j)
-      names.push_back(fmt::format("interface_{}_{}", labels[i], labels[j]));
+    for (std::size_t j = i + 1; j < labels.size(); ++j) names.push_back(naming.between(labels[i], labels[j]));
   return names;
-}
-
-/// Of openings of images, whose number only the mesh tells.
-bool is_opening(const std::string& name) {
-  return name.starts_with("inlet_") || name.starts_with("outlet_");
 }
 
 void check_patches(CaseState& state) {
@@ -46,7 +42,8 @@ void check_patches(CaseState& state) {
   const std::vector<std::string> possible =
       state.image ? patches_of_image(*state.image) : patches_of_surface(state.domain());
   for (const std::string& name : state.c.layers.options.patches) {
-    if ((state.image && is_opening(name)) ||
+    // How many openings there are only the mesh tells.
+    if ((state.image && is_opening_name(name)) ||
         std::find(possible.begin(), possible.end(), name) != possible.end())
       continue;
     std::string known;

@@ -5,8 +5,10 @@
 #include "lumesh/delaunay/built_in_sizings.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/delaunay/sizing_plugin.hpp"
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/pipeline/image_shape.hpp"
+#include "lumesh/pipeline/vessel_ends.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
@@ -15,7 +17,8 @@ namespace {
 void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
   stage.what =
       "A first mesh of good shapes on a lattice that is fitted to the image: what the metric is given on.";
-  LatticeResult result = mesh_lattice(*state.image, *state.domain_of_image(), state.c.lattice, state.context);
+  LatticeResult result =
+      mesh_lattice(*state.image, *state.domain_of_image(), state.c.lattice_options(), state.context);
   for (const std::string& note : result.report.notes) stage.warnings.push_back(note);
   state.mesh = state.context.phase("build", [&] { return TetMesh::build(result.mesh.view()); });
 }
@@ -43,7 +46,7 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
   const Domain& domain = state.domain();
   const std::unique_ptr<Sizing> sizing =
       state.context.phase("sizes", [&] { return sizing_of(state, domain); });
-  DelaunayOptions options = state.c.delaunay;
+  DelaunayOptions options = state.c.delaunay_options();
   options.sizing = sizing.get();
   options.team.threads = state.threads();
   DelaunayResult result =
@@ -76,6 +79,11 @@ std::unique_ptr<Sizing> sizing_of(const CaseState& state, const Domain& domain) 
 }
 
 void make_mesh(CaseState& state, report::StageReport& stage) {
+  if (state.image)
+    if (std::string warning =
+            closed_vessel_warning(*state.image, find_openings(state.domain()), state.context);
+        !warning.empty())
+      stage.warnings.push_back(std::move(warning));
   if (state.c.mesher == Mesher::kLattice)
     mesh_by_lattice(state, stage);
   else

@@ -12,12 +12,14 @@ void find_named_openings(CaseState& state) {
   });
 }
 
-void name_patches_of_case(CaseState& state, report::StageReport& last) {
+std::vector<std::string> name_patches_of_case(CaseState& state, report::StageReport& last) {
   MeshInfo& info = state.layered ? state.layered->info : state.mesh.info();
-  for (std::string& missing : rename_found(info, state.renamings)) {
-    state.context.warn(missing);
-    last.warnings.push_back(std::move(missing));
+  const std::vector<std::string> missing = rename_found(info, state.renamings);
+  for (const std::string& line : missing) {
+    state.context.warn(line);
+    last.warnings.push_back(line);
   }
+  return missing;
 }
 
 }  // namespace lumesh::pipeline

@@ -30,8 +30,8 @@ void check_layers(CaseState& state);
 /// Finds the openings that the case names, before anything is meshed. @throws Error{kBadInput} as
 /// with_patches().
 void find_named_openings(CaseState& state);
-/// Gives the patches of the last mesh their names.
-void name_patches_of_case(CaseState& state, report::StageReport& last);
+/// Gives the patches of the last mesh their names; returns a line for each name whose patch is not there.
+[[nodiscard]] std::vector<std::string> name_patches_of_case(CaseState& state, report::StageReport& last);
 
 /// Reads the points and velocities that the case names, and sees whether they will do, so far as can be said
 /// before the centerline is there.

@@ -1,8 +1,6 @@
 #include <png.h>
 
 #include <cstdio>
-#include <fstream>
-#include <system_error>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/report/picture.hpp"
@@ -42,28 +40,6 @@ Picture on_background(const Picture& picture, Colour background) {
     result.rgba[i + 3] = 255;
   }
   return result;
-}
-
-void write_file(const std::filesystem::path& path, std::string_view content) {
-  std::filesystem::path beside = path;
-  beside += ".part";
-  std::error_code ignored;
-  {
-    std::ofstream out(beside, std::ios::binary);
-    out.write(content.data(), static_cast<std::streamsize>(content.size()));
-    out.flush();
-    if (!out) {
-      out.close();
-      std::filesystem::remove(beside, ignored);
-      throw Error(ErrorKind::kBadInput,
-                  path.string() + ": cannot be written; check the folder, its permissions and free space");
-    }
-  }
-  std::error_code failed;
-  std::filesystem::rename(beside, path, failed);
-  if (!failed) return;
-  std::filesystem::remove(beside, ignored);
-  throw Error(ErrorKind::kBadInput, path.string() + ": cannot be written: " + failed.message());
 }
 
 }  // namespace lumesh::report

@@ -4,10 +4,13 @@
 Usage: commands_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input, 3 request not reached.
 """
 import json
+import math
 import pathlib
 import re
+import signal
 import subprocess
 import sys
+import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
@@ -51,10 +54,10 @@ class OptionsTest(CommandTest):
 
     def test_a_spacing_that_is_no_positive_number_is_named(self):
         for value in ("abc", "1e999", "0", "1mm", "inf", "nan"):
-            for command in (["lattice", self.image], ["phantom", "sphere"]):
+            for command, option in ((["lattice", self.image], "--edge-length"), (["phantom", "sphere"], "--spacing")):
                 with self.subTest([*command, value]):
-                    result = self.run_lumesh(*command, "-o", self.folder / "out.vtu", "--spacing", value)
-                    self.assert_refused(result, USAGE, "--spacing", f'"{value}" is not a positive number')
+                    result = self.run_lumesh(*command, "-o", self.folder / "out.vtu", option, value)
+                    self.assert_refused(result, USAGE, option, f'"{value}" is not a positive number')
 
     def test_a_cut_plane_without_a_direction_is_refused_everywhere(self):
         self.make_mesh()
@@ -284,6 +287,49 @@ class NameTest(CommandTest):
         self.assertEqual(result.returncode, NOT_REACHED)
         self.assertIn("no patch vall to call x; it has wall", result.stderr)
         self.assertTrue(self.mesh.exists())
+
+
+class EdgeLengthTest(CommandTest):
+    def wall_edge(self, *command):
+        """Edge of the equilateral triangle that has the mean area of those of the wall."""
+        self.run_well(*command, "-o", self.mesh)
+        self.run_well("evaluate", self.mesh, "--json", self.json)
+        wall = next(p for p in json.loads(self.json.read_text())["boundary"]["patches"] if p["name"] == "wall")
+        return math.sqrt(4 / math.sqrt(3) * wall["area_mm2"] / wall["faces"])
+
+    def test_it_is_the_same_in_both_meshers_and_their_default(self):
+        labels = [1 if (i - 15.3) ** 2 + (j - 15.1) ** 2 < 144 else 0 for k in range(30) for j in range(31) for i in range(31)]
+        tube = nrrd.write(self.folder / "tube.nrrd", [31, 31, 30], labels)
+        for options, edge in (((), 2.5), (("--edge-length", 4), 4)):
+            with self.subTest(options=options):
+                lattice, delaunay = (self.wall_edge(mesher, tube, *options) for mesher in ("lattice", "delaunay"))
+                self.assertAlmostEqual(lattice / delaunay, 1, delta=0.1)
+                self.assertAlmostEqual(lattice / edge, 0.87, delta=0.1)  # Edges that differ in length make smaller triangles.
+
+
+class SignalTest(CommandTest):
+    def test_one_signal_ends_every_command_and_leaves_nothing_behind(self):
+        big = self.folder / "big.nrrd"
+        self.run_well("phantom", "carotid", "-o", big, "--size", 256, 256, 254, "--spacing", 2)
+        good = self.folder / "good.vtu"
+        good.write_bytes(b"what was there")
+        before = {path.name for path in self.folder.iterdir()}
+        for command in (("lattice", big, "--spacing", 1.5), ("delaunay", big, "--delta", 1), ("evaluate", self.image, "--image", big)):
+            for which in (signal.SIGTERM, signal.SIGINT):
+                with self.subTest(command[0], signal=which), subprocess.Popen(
+                        [LUMESH, *map(str, command), *(("-o", str(good)) if command[0] != "evaluate" else ())],
+                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+                    time.sleep(0.4)
+                    if process.poll() is not None:
+                        continue  # On a fast machine.
+                    process.send_signal(which)
+                    sent = time.monotonic()
+                    errors = process.communicate(timeout=60)[1]
+                    self.assertLess(time.monotonic() - sent, 3)  # A second, and what a busy machine adds.
+                    self.assertEqual(process.returncode, 4, errors)
+                    self.assertEqual(errors.splitlines()[-1], "lumesh: error: interrupted; nothing was written")
+        self.assertEqual(good.read_bytes(), b"what was there")
+        self.assertEqual({path.name for path in self.folder.iterdir()}, before)
 
 
 class ProgressTest(CommandTest):

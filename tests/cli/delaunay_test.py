@@ -309,7 +309,7 @@ class RefusalsTest(DelaunayTest):
         stl = write_stl(self.folder / "ball.stl", sphere(RADIUS, 6))
         for delta in (0, -1, "nan", "inf"):
             with self.subTest(delta):
-                self.refused(BAD_INPUT, "delta", delta=delta)
+                self.refused(USAGE, "delta", delta=delta)
         self.refused(BAD_INPUT, "ball.nrrd", "larger than the object", delta=100)
         self.refused(BAD_INPUT, "ball.stl", "larger than the object", delta=100, source=stl)
         self.refused(USAGE, "--seeding", options=("--seeding", "none"))
@@ -331,7 +331,7 @@ class RefusalsTest(DelaunayTest):
     def test_a_mesh_that_is_there_stays_when_the_input_is_bad(self):
         self.mesh()
         before = self.out.read_bytes()
-        for options in (("--delta", -1), ("--delta", 100), ("--delta", DELTA, "--sizing", self.folder / "none.so"),
+        for options in (("--delta", 100), ("--delta", DELTA, "--sizing", self.folder / "none.so"),
                         ("--delta", DELTA, "--label-size", "7=1")):
             result = self.run_lumesh("delaunay", self.ball, "-o", self.out, *options)
             self.assertEqual(result.returncode, BAD_INPUT, result.stderr)

@@ -60,7 +60,7 @@ class KeepTest(MeshTest):
         kept = sum(self.cells(mesh, 2).values())  # prisms, and what stands where columns end
         for size, least, most in ((0.3, 30000, 60000), (1.2, 4000, 10000)):
             with self.subTest(size):
-                result = self.run_well("adapt", self.sized(mesh, "wall", size), "--keep", "wall", "-o", self.out)
+                result = self.run_well("adapt", self.sized(mesh, "vessel_wall", size), "--keep", "vessel_wall", "-o", self.out)
                 found = self.assert_keeps(mesh, self.out, 2)
                 self.assertGreater(found["prisms"], 0.98 * kept)
                 self.assertIn(f"with {kept} cells as they were", result.stdout)
@@ -82,21 +82,21 @@ class KeepTest(MeshTest):
 
     def test_a_complexity_is_met_beside_what_is_kept(self):
         mesh = self.layered("--cells", "prisms")
-        result = self.run_well("adapt", self.sized(mesh, "wall", 0.5), "--keep", "wall", "--complexity", 5000, "-o", self.out)
+        result = self.run_well("adapt", self.sized(mesh, "vessel_wall", 0.5), "--keep", "vessel_wall", "--complexity", 5000, "-o", self.out)
         self.assertAlmostEqual(float(re.search(r"complexity (\d+)", result.stdout)[1]) / 5000, 1, delta=0.025)
         self.assert_keeps(mesh, self.out, 2)
 
     def test_improve_keeps_cells_too(self):
         mesh = self.layered("--cells", "prisms")
-        result = self.run_well("improve", mesh, "--keep", "wall", "-o", self.out)
+        result = self.run_well("improve", mesh, "--keep", "vessel_wall", "-o", self.out)
         after, before = map(int, re.search(r"(\d+) tetrahedra outside the targets \(before: (\d+)\)", result.stdout).groups())
         self.assertLess(after, before / 2)
         self.assert_keeps(mesh, self.out, 2)
 
     def test_every_number_of_threads_gives_the_same_file(self):
-        mesh, files = self.sized(self.layered("--cells", "prisms"), "wall", 0.4), set()
+        mesh, files = self.sized(self.layered("--cells", "prisms"), "vessel_wall", 0.4), set()
         for threads in (1, 2, 8):
-            self.run_well("adapt", mesh, "--keep", "wall", "--threads", threads, "-o", self.out)
+            self.run_well("adapt", mesh, "--keep", "vessel_wall", "--threads", threads, "-o", self.out)
             files.add(self.out.read_bytes())
         self.assertEqual(len(files), 1)
 
@@ -117,11 +117,11 @@ class KeepTest(MeshTest):
         mesh = self.layered("--cells", "prisms")
         adapt = ("adapt", mesh, "--analytic", "linear", "-o", self.out)
         self.assert_refused(self.run_lumesh(*adapt), BAD_INPUT, "other than tetrahedra", "--keep")
-        self.assert_refused(self.run_lumesh(*adapt, "--keep", "door"), BAD_INPUT, "door", "labels present: 1, 2 (wall)")
-        self.assert_refused(self.run_lumesh(*adapt, "--keep", "1,wall"), BAD_INPUT, "all labels are kept")
+        self.assert_refused(self.run_lumesh(*adapt, "--keep", "door"), BAD_INPUT, "door", "labels present: 1, 2 (vessel_wall)")
+        self.assert_refused(self.run_lumesh(*adapt, "--keep", "1,vessel_wall"), BAD_INPUT, "all labels are kept")
         self.assert_refused(self.run_lumesh(*adapt, "--keep", "1"), BAD_INPUT, "label 2", "other than tetrahedra")
-        self.assert_refused(self.run_lumesh("adapt", mesh, "--keep", "wall", "-o", self.out), BAD_INPUT, "no metric")
-        self.assert_refused(self.run_lumesh("metric", mesh, "--keep", "wall", "--hessian", "p", "-o", self.out), USAGE, "--hessian")
+        self.assert_refused(self.run_lumesh("adapt", mesh, "--keep", "vessel_wall", "-o", self.out), BAD_INPUT, "no metric")
+        self.assert_refused(self.run_lumesh("metric", mesh, "--keep", "vessel_wall", "--hessian", "p", "-o", self.out), USAGE, "--hessian")
 
 
 if __name__ == "__main__":

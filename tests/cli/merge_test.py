@@ -39,7 +39,7 @@ class MergeTest(MeshTest):
         return volumes, areas, [found[key] for key in ("tetrahedra", "prisms", "pyramids", "vertices", "components")]
 
     def test_layers_taken_off_and_put_back_are_the_same_mesh(self):
-        for options, label in ((("--cells", "prisms"), "wall"), (("--side", "inward"), "layer")):
+        for options, label in ((("--cells", "prisms"), "vessel_wall"), (("--side", "inward"), "layer")):
             with self.subTest(label):
                 whole = self.layered(*options)
                 layers, rest = self.part(whole, label, "layers.vtu"), self.part(whole, 1, "rest.vtu")
@@ -49,12 +49,12 @@ class MergeTest(MeshTest):
                     self.assertEqual(self.summary(self.out), self.summary(whole))
                     told = json.loads(numbers.read_text())
                     self.assertEqual(told["farthest"], 0)
-                    interface = {"wall": "wall", "layer": "layer_inner"}[label]
+                    interface = {"vessel_wall": "wall", "layer": "layer_inner"}[label]
                     self.assertAlmostEqual(told["shared_area"], self.summary(whole)[1][interface], places=5)
 
     def test_a_file_in_single_precision_joins_one_in_double(self):
         whole = self.layered()
-        layers, rest = self.part(whole, "wall", "layers.mesh"), self.part(whole, 1, "rest.mesh")
+        layers, rest = self.part(whole, "vessel_wall", "layers.mesh"), self.part(whole, 1, "rest.mesh")
         points, tetrahedra, triangles = read_medit(layers)
         write_medit(layers, [tuple(map(single, p)) for p in points], tetrahedra, triangles)
         numbers = self.folder / "merge.json"

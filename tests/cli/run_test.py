@@ -117,7 +117,7 @@ class RunTest(CaseTest):
         missing = [opening for opening in last["openings"] if not opening["patches"]]
         self.assertEqual(len([w for w in last["warnings"] if "is missing in the mesh" in w]), len(missing))
         wrong = sum(opening["wrong"] for opening in last["openings"]) - len(missing)
-        self.assertEqual(len([w for w in last["warnings"] if "than the image's" in w]), wrong)
+        self.assertEqual(len([w for w in last["warnings"] if "than the input's" in w]), wrong)
         evaluated = self.folder / "a.json"
         self.run_well("evaluate", self.out / "a.vtu", "--json", evaluated)
         self.assertEqual(json.loads(evaluated.read_text())["metric_edge_length"], last["metric_edge_length"])

@@ -60,7 +60,7 @@ class TaggedMesh:
         named = {entry["tag"]: entry["name"] for entry in self.names["facet_tags"]}
         openings = self.facets("opening")
         first = named[openings[0]]
-        inlets = [tag for tag in openings if named[tag] in (first, f"{first}_layer")]
+        inlets = [tag for tag in openings if named[tag] == first]
         return inlets, [tag for tag in openings if tag not in inlets]
 
 

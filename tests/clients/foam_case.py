@@ -138,7 +138,7 @@ class PolyMesh:
 def first_layer_heights(mesh, layers, patch="wall"):
     """For each triangle of the patch with a stack of as many prisms on it: its area, how far the three upper corners of the first
     prism are from its plane, and the corners of the last are; in metres."""
-    layer = set(mesh.zone("cellZones", "layer") or mesh.zone("cellZones", "wall"))
+    layer = set(mesh.zone("cellZones", "layer") or mesh.zone("cellZones", "vessel_wall"))
     found = []
     for face in mesh.patches.get(patch) or mesh.zone("faceZones", patch):
         plane, area = mesh.centre_and_area(face)
@@ -158,7 +158,7 @@ def where_bad(folder):
     """Of each set of faces that checkMesh wrote: how many lie between which cells, such as "layer prism | core tetrahedron", and the
     place of one in mm."""
     mesh, found = PolyMesh(folder), {}
-    layer = set(mesh.zone("cellZones", "layer") or mesh.zone("cellZones", "wall"))
+    layer = set(mesh.zone("cellZones", "layer") or mesh.zone("cellZones", "vessel_wall"))
     for path in sorted((mesh.folder / "sets").glob("*Faces")):
         for face in mesh.marked(path.name):
             cells = [mesh.owner[face]] + mesh.neighbour[face:face + 1]
@@ -199,10 +199,10 @@ def velocities(mesh, patch, speed):
 
 
 def prepare_flow(case, mesh, inlet, speed, iterations=2000, residual=1e-6, start=None, **schemes):
-    """Laminar blood that comes in through the patches `inlet` and `inlet_layer` with a speed, goes out of the other openings at
+    """Laminar blood that comes in through the patch `inlet` with a speed, goes out of the other openings at
     p = 0, and sticks to the rest. start: velocities and pressures over density of all cells to begin with, else at rest."""
     schemes = SECOND_ORDER | schemes | {"iterations": iterations, "residual": residual}
-    inlets = [name for name in mesh.patches if name in (inlet, f"{inlet}_layer")]
+    inlets = [name for name in mesh.patches if name == inlet]
     outlets = [name for name in mesh.patches if name.startswith(("inlet", "outlet")) and name not in inlets]
     walls = [name for name in mesh.patches if name not in inlets + outlets]
     dictionary(case.folder / "system/controlDict", FLOW_CONTROL.format(**schemes))

@@ -41,6 +41,11 @@ class Context {
   void progress(double share) const {
     if (on_progress_) on_progress_(share);
   }
+  /// Has `sink` called when all that is left is to write results, which must not be lost.
+  void report_results_to(std::function<void()> sink) { on_results_ = std::move(sink); }
+  void results_follow() const {
+    if (on_results_) on_results_();
+  }
   void stop_by(std::stop_token stop) { stop_ = std::move(stop); }
   [[nodiscard]] bool cancelled() const { return stop_.stop_requested(); }
 
@@ -69,6 +74,7 @@ class Context {
   MessageSink on_warning_;
   PhaseSink on_phase_;
   std::function<void(double)> on_progress_;
+  std::function<void()> on_results_;
   std::stop_token stop_;
   std::vector<PhaseTime> phases_;
 };

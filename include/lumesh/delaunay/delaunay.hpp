@@ -22,9 +22,11 @@ enum class Seeding : std::uint8_t {
 };
 
 struct DelaunayOptions {
-  double delta_mm = 0;  ///< > 0: no place of a surface is farther from a point of the mesh on it. Points
-                        ///< stand about this far apart, closer where parts are thin or sizes ask for it.
-  double size_mm = 0;   ///< Largest wanted edge length inside; 0: that of the surface, 1.3 delta.
+  double delta_mm = 0;  ///< No place of a surface is farther from a point of the mesh on it. Points stand
+                        ///< about this far apart, closer where parts are thin or sizes ask for it. 0: such
+                        ///< that edges of surfaces have edge_length_mm.
+  double edge_length_mm = 0;  ///< 0: 2.5 times the domain's resolution.
+  double size_mm = 0;         ///< Largest wanted edge length inside; 0: that of the surface, 1.3 delta.
   /// > 0: where surfaces bend, points stand so close that flat triangles are no farther off than about this.
   /// 0: delta alone says how close.
   double surface_distance_mm = 0;
@@ -41,6 +43,9 @@ struct DelaunayOptions {
   /// @throws Error{kUsage} that names the field.
   void validate() const;
 };
+
+/// delta_mm, or what stands for it.
+[[nodiscard]] double delaunay_delta_mm(const DelaunayOptions& options, const Domain& domain);
 
 /// What one round of refinement found and did.
 struct DelaunayRound {

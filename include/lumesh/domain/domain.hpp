@@ -5,8 +5,10 @@
 #include <array>
 #include <initializer_list>
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/domain/cut_plane.hpp"
@@ -71,6 +73,15 @@ struct BoundaryPoint {
   std::array<Material, 2> materials = {0, 0};  ///< inside, outside; two materials name the patch.
 };
 
+/// A part of a closed surface where a vessel was cut off.
+struct FlatEnd {
+  std::string name;  ///< Of its patch.
+  double area_mm2 = 0;
+  Vec3 centre_mm = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();  ///< Unit, out of the object.
+  Box3 box_mm;
+};
+
 /// Space divided into materials, in mm. Const calls from any thread; most cost well under a microsecond.
 class Domain {
  public:
@@ -120,6 +131,8 @@ class Domain {
     return surroundings(point_mm).material;
   }
   [[nodiscard]] virtual Label label_of(Material m) const = 0;
+  /// What the input calls its labels; may be empty or partial.
+  [[nodiscard]] virtual std::map<Label, std::string> label_names() const { return {}; }
   /// Number of the labels with the background; materials from there on are openings.
   [[nodiscard]] virtual Material label_count() const = 0;
   [[nodiscard]] virtual Material material_count() const = 0;
@@ -128,6 +141,8 @@ class Domain {
   [[nodiscard]] virtual std::optional<Patch> patch_between(Material /*inside*/, Material /*outside*/) const {
     return std::nullopt;
   }
+  /// Those of a closed surface, by falling area; none of others, which have cut_planes().
+  [[nodiscard]] virtual std::span<const FlatEnd> flat_ends() const { return {}; }
   /// What cuts the object off, unit normals; none where openings are no planes. Else the materials from
   /// label_count() on are what lies beyond each.
   [[nodiscard]] virtual std::span<const CutPlane> cut_planes() const { return {}; }

@@ -56,6 +56,7 @@ class ImageDomain final : public Domain {
   [[nodiscard]] Label label_of(Material m) const override {
     return m < labels_.size() ? labels_[m] : kBackground;
   }
+  [[nodiscard]] std::map<Label, std::string> label_names() const override { return label_names_; }
   [[nodiscard]] Material label_count() const override { return static_cast<Material>(labels_.size()); }
   [[nodiscard]] Material material_count() const override {
     return static_cast<Material>(labels_.size() + cuts_.size());
@@ -82,6 +83,7 @@ class ImageDomain final : public Domain {
 
   LabelField field_;
   std::vector<Label> labels_;
+  std::map<Label, std::string> label_names_;
   std::vector<CutPlane> cuts_;  // unit normals
   Mat3 index_from_mm_ = Mat3::Identity();
   double voxel_size_mm_ = 1;

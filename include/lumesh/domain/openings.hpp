@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,12 +25,23 @@ struct OpeningSquares {
   int columns, rows;
   std::vector<std::uint8_t> is_inside;
 
-  [[nodiscard]] bool hold(const Vec3& point_mm) const {
+  [[nodiscard]] std::size_t square(int column, int row) const {
+    return static_cast<std::size_t>(column) +
+           static_cast<std::size_t>(columns) * static_cast<std::size_t>(row);
+  }
+  /// The square that holds a place, if the grid does.
+  [[nodiscard]] std::optional<std::size_t> square_at(const Vec3& point_mm) const {
     const Vec3 off = point_mm - first_mm;
     const double column = std::round(off.dot(u) / step_mm), row = std::round(off.dot(v) / step_mm);
-    if (!(column >= 0 && column < columns && row >= 0 && row < rows)) return false;
-    return is_inside[static_cast<std::size_t>(column) +
-                     static_cast<std::size_t>(columns) * static_cast<std::size_t>(row)] != 0;
+    if (!(column >= 0 && column < columns && row >= 0 && row < rows)) return std::nullopt;
+    return square(static_cast<int>(column), static_cast<int>(row));
+  }
+  [[nodiscard]] bool hold(const Vec3& point_mm) const {
+    const std::optional<std::size_t> at = square_at(point_mm);
+    return at && is_inside[*at] != 0;
+  }
+  [[nodiscard]] Vec3 centre_of(int column, int row) const {
+    return first_mm + step_mm * (column * u + row * v);
   }
 };
 
@@ -44,16 +56,21 @@ struct Opening {
   double voxel_mm = 1;  ///< The resolution within the plane: what is nearer than this may belong to it.
   /// Where it is: squares of its plane; null if that is not known.
   std::shared_ptr<const OpeningSquares> squares = nullptr;
+  /// Of a wall: it surrounds openings of other labels that are larger than it together.
+  bool is_rim = false;
+  std::string name = {};  ///< Of its patch in meshes, see find_openings().
 
   /// Of the circle with the same area.
   [[nodiscard]] double radius_mm() const { return std::sqrt(area_mm2 / std::numbers::pi); }
 };
 
-/// The openings of a domain by falling area, so that the first is the inlet where names follow their order;
-/// none if it has no cut planes. Areas are right to about 0.2 %, those of openings of a voxel or two to 1 %.
-/// A part smaller than half of voxel_face_mm2() is none: a wall that grazes the border. Threads: parallel
-/// inside, the same bits for every thread count. Cost: about 0.1 us for each voxel of the cut planes that may
-/// hold the object, and 2 ms per opening.
+/// The openings of a domain by falling area: its flat_ends(), or the parts of its cut planes; none if it has
+/// neither. The first is "inlet_1", the others are "outlet_1", "outlet_2", …, rims of walls "wall_rim_1", …;
+/// where these belong to several labels, the label is in the name: "outlet_2_label_5", or what the image
+/// calls it. Areas are right to about 0.2 %, those of openings of a voxel or two to 1 %. A part smaller than
+/// half of voxel_face_mm2() is none: a wall that grazes the border. Threads: parallel inside, the same bits
+/// for every thread count. Cost: about 0.1 us for each voxel of the cut planes that may hold the object, and
+/// 2 ms per opening.
 [[nodiscard]] std::vector<Opening> find_openings(const Domain& domain);
 
 /// A place near the rim of an opening: in the cut plane, within `step_mm` of where a label ends there.
@@ -66,10 +83,7 @@ struct RimPlace {
 /// size.
 [[nodiscard]] std::vector<RimPlace> find_rim_places(const Domain& domain, double step_mm);
 
-/// The patch of an opening, by its place among those of find_openings().
-[[nodiscard]] std::string opening_name(std::size_t number);
-
-/// The same with their names, as renamings need them.
+/// The same as renamings need them.
 [[nodiscard]] std::vector<NamedOpening> named_openings(std::span<const Opening> openings);
 
 /// Area of the voxel's section along a plane.

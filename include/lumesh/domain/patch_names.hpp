@@ -3,13 +3,34 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
+
+/// Names of the patches of labels.
+class PatchNaming {
+ public:
+  /// @param label_names  What the input calls its labels; characters that solvers do not take become '_'.
+  explicit PatchNaming(const std::map<Label, std::string>& label_names);
+
+  /// "wall" of the only label, else "wall_3", or with the label's name "wall_LICA".
+  [[nodiscard]] std::string wall(Label label, bool is_only) const;
+  /// "interface_1_3", the lower number first.
+  [[nodiscard]] std::string between(Label a, Label b) const;
+  /// "label_3", or its name.
+  [[nodiscard]] std::string label(Label label) const;
+
+ private:
+  [[nodiscard]] std::string word(Label label) const;
+
+  std::map<Label, std::string> words_;  // Each once.
+};
 
 /// One face between two materials; points out of `inside`.
 struct BoundaryTriangle {
@@ -22,13 +43,13 @@ struct BoundaryTriangle {
 
 struct PatchAssignment {
   std::vector<Patch> patches;
+  std::map<Label, std::string> label_names;  ///< Of the domain.
   std::vector<std::int32_t> of_triangle;
 };
 
-/// What the domain calls them (Domain::patch_between()); else "wall" (or "wall_L" where there are several
-/// labels), "interface_A_B", and one patch for each opening: the largest is "inlet_1", the others "outlet_1",
-/// "outlet_2", … by falling area. Openings are those of the domain (find_openings()), so that the same one
-/// has the same name in every mesh; what is none of them and smaller than a voxel's face is wall, and so are
+/// What the domain calls them (Domain::patch_between()); else as PatchNaming has it, and one patch for each
+/// opening. Openings and their names are those of the domain (find_openings()), so that the same one has the
+/// same name in every mesh; what is none of them and smaller than a voxel's face is wall, and so are
 /// triangles with a corner more than a quarter of a voxel off the plane: openings are flat. Connected
 /// openings of a mesh that the domain does not know, as where it has no cut planes, come last.
 [[nodiscard]] PatchAssignment name_patches(std::span<const BoundaryTriangle> boundary,

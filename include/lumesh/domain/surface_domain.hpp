@@ -66,9 +66,14 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] Label label_of(Material m) const override { return m == kInside ? 1 : kBackground; }
   [[nodiscard]] Material label_count() const override { return 2; }
   [[nodiscard]] Material material_count() const override { return region_count() + 1; }
-  /// Those of the file if it has several, else "patch_1", "patch_2", … by falling area; none for a surface of
-  /// one region only.
+  /// Those of the file if it has several, else "inlet_1", "outlet_1", … for flat ends and "wall" for the
+  /// rest, or "patch_1", "patch_2", … where that is several regions; none for a surface of one region only.
   [[nodiscard]] std::optional<Patch> patch_between(Material inside, Material outside) const override;
+
+  /// Regions in one plane, within 5 % of their radius, that end at one closed curve on a bent region. Where
+  /// the file has several patches, flat ones are ends too, but those called wall; and so is what it calls an
+  /// inlet or outlet.
+  [[nodiscard]] std::span<const FlatEnd> flat_ends() const override;
 
   [[nodiscard]] std::uint32_t region_count() const;
   /// Sum of the regions' areas, and what they enclose.

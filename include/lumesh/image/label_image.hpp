@@ -2,6 +2,7 @@
 /// @file A segmented image: one label per voxel and the frame that places it in space.
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -71,12 +72,16 @@ class LabelImage {
   /// without a face, as of labels that were taken out since, mean nothing.
   [[nodiscard]] const std::vector<FaceCrossing>& crossings() const { return crossings_; }
   [[nodiscard]] std::vector<FaceCrossing>& crossings() { return crossings_; }
+  /// What the file calls its labels; may be empty or partial.
+  [[nodiscard]] const std::map<Label, std::string>& label_names() const { return label_names_; }
+  [[nodiscard]] std::map<Label, std::string>& label_names() { return label_names_; }
 
  private:
   ImageFrame frame_;
   std::vector<Label> values_ = {kBackground};
   std::vector<Index> voxels_;
   std::vector<FaceCrossing> crossings_;
+  std::map<Label, std::string> label_names_;
 };
 
 }  // namespace lumesh

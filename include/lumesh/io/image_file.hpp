@@ -7,18 +7,26 @@
 #include <vector>
 
 #include "lumesh/core/context.hpp"
+#include "lumesh/core/error.hpp"
 #include "lumesh/core/types.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
+
+/// Of an image of grey values that is read as if they were labels.
+class NotLabels : public Error {
+ public:
+  using Error::Error;
+};
 
 /// What to keep of an image that is read.
 struct ImageReadOptions {
   std::vector<Label> labels = {};  ///< Keep these only, the rest becomes background; empty = all.
   /// Voxels >= threshold become label 1, the rest background; excludes `labels`.
   std::optional<double> threshold = {};
+  std::optional<double> below = {};  ///< The same for voxels <= below; excludes `labels` and `threshold`.
   /// Image of the probability of the object (all labels together) on the same grid, which says where its
-  /// boundary runs between the voxels; empty: none. Excludes `threshold`.
+  /// boundary runs between the voxels; empty: none. Excludes `threshold` and `below`.
   std::filesystem::path probabilities = {};
 };
 
@@ -30,12 +38,17 @@ struct ImageReadOptions {
 /// fractions, all from 0 to 1: probabilities, which are taken as if the threshold were 0.5. Where there are
 /// values besides labels (with a threshold, or probabilities), they set the image's crossings. Direction
 /// cosines that are not orthonormal are replaced by the nearest orthonormal ones: with a warning when no
-/// voxel axis turns by more than 3 degrees, else refused. A 4-D image with one volume is taken as 3-D.
+/// voxel axis turns by more than 3 degrees, else refused. A 4-D image with one volume is taken as 3-D. Labels
+/// have the names that 3D Slicer gives its segments (.seg.nrrd).
 ///
-/// @throws Error{kBadInput} for every fault of the file (missing, truncated, 2-D, spacing, labels, NaN); the
-/// message is one line with the file, the fault and the remedy. Error{kMemory} if the voxels do not fit in
-/// memory; Error{kUsage} if both options are set. Memory: the file's voxels in their own type plus 2 bytes a
-/// voxel. Threads: same result for every number of them.
+/// More than 32 different whole numbers of which neighbours mostly differ are grey values, unless
+/// `labels` are given.
+///
+/// @throws NotLabels for grey values, with their range and a threshold; Error{kBadInput} for every fault of
+/// the file (missing, truncated, 2-D, spacing, labels, NaN); the message is one line with the file, the fault
+/// and the remedy. Error{kMemory} if the voxels do not fit in memory; Error{kUsage} if options are set that
+/// exclude each other. Memory: the file's voxels in their own type plus 2 bytes a voxel. Threads: same result
+/// for every number of them.
 [[nodiscard]] LabelImage read_image(const std::filesystem::path& path, const ImageReadOptions& options,
                                     Context& context);
 

@@ -44,8 +44,11 @@ struct LayerOptions {
   double thickness = 0;      ///< Of all layers together, met exactly; 0: as the count makes it.
   HeightScale scale = HeightScale::kAbsolute;
   LayerCells cells = LayerCells::kTetrahedra;
-  Label label = 0;              ///< Of the layers, also one that is there; 0: one more than the largest.
-  std::string label_name = {};  ///< Empty: its own, or of a new one "wall" outwards, "layer" inwards.
+  Label label = 0;  ///< Of the layers, also one that is there; 0: one more than the largest.
+  /// Whether the ring of layers around an opening is a patch of its own, OPENING_layer. Else it belongs to
+  /// the opening, but where layers outwards have a label that the mesh has not: these are a wall around it.
+  bool splits_openings = false;
+  std::string label_name = {};  ///< Empty: its own, or of a new one "vessel_wall" outwards, "layer" inwards.
 
   void validate() const;  ///< Throws Error{kBadInput} that names the field.
 };

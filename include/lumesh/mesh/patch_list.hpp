@@ -23,9 +23,14 @@ namespace lumesh {
   return wanted + "_" + std::to_string(next);
 }
 
+/// Whether a patch is where a wall, no lumen, is cut.
+[[nodiscard]] inline bool is_rim_name(std::string_view name) {
+  return name.starts_with("wall_rim");
+}
+
 /// Whether files that say no more of a patch than its name mean an opening by it.
 [[nodiscard]] inline bool is_opening_name(std::string_view name) {
-  return name.starts_with("inlet") || name.starts_with("outlet");
+  return name.starts_with("inlet") || name.starts_with("outlet") || is_rim_name(name);
 }
 
 /// Name of the patch between two labels, the lower one first.

@@ -11,6 +11,10 @@
 
 namespace lumesh {
 
+/// The text as a part of a name that solvers take: '_' for other characters than letters, digits, '_', '-'
+/// and '.'; none at its ends.
+[[nodiscard]] std::string patch_word(std::string_view text);
+
 /// A patch and the name that it is to have.
 struct PatchRenaming {
   std::string patch;                 ///< Its name so far; empty if a place says which opening is meant.
@@ -31,6 +35,7 @@ struct NamedOpening {
   std::string name;
   Vec3 centre_mm = Vec3::Zero();
   double radius_mm = 0;  ///< Of the circle with its area.
+  bool is_rim = false;   ///< Of a wall, around the opening that a place there means.
 };
 
 /// Those of a mesh: its patches of PatchKind::kOpening.

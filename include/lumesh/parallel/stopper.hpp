@@ -2,20 +2,29 @@
 /// @file Ends long work in good order when its time is up or the user interrupts the program.
 
 #include <atomic>
+#include <functional>
 #include <limits>
 #include <stop_token>
 #include <thread>
 
 namespace lumesh::parallel {
 
-/// Watches the clock and the signals SIGINT and SIGTERM, and asks whoever holds the token to stop. A second
-/// signal ends the program at once. One at a time; make it before other threads start, so that signals come
-/// here.
+/// Watches the clock and the signals SIGINT and SIGTERM, and asks whoever holds the token to stop. One at a
+/// time; make it before other threads start, so that signals come here.
 class Stopper {
  public:
   enum class Reason { kNone, kTime, kSignal };
 
-  explicit Stopper(double limit_s = std::numeric_limits<double>::infinity());
+  struct Options {
+    double limit_s = std::numeric_limits<double>::infinity();
+    /// After a signal the work may take so long to end in good order, unless finish() was called; then, and
+    /// at a second signal, `give_up` is called by the watching thread.
+    double patience_s = std::numeric_limits<double>::infinity();
+    std::function<void()> on_signal = {};  ///< When the first one comes.
+    std::function<void()> give_up = {};    ///< Ends the program; empty: exit code 4 without a word.
+  };
+
+  explicit Stopper(Options options);
   /// Signals do again what they did before.
   ~Stopper();
   Stopper(const Stopper&) = delete;
@@ -23,13 +32,18 @@ class Stopper {
 
   [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
   [[nodiscard]] Reason reason() const { return reason_.load(); }
+  /// What is left to do is to write results: it may take its time.
+  void finish() { finishes_.store(true); }
 
  private:
-  void watch(double limit_s, const std::stop_token& over);
+  void watch(const std::stop_token& over);
   void stop(Reason reason);
+  void give_up() const;
 
+  Options options_;
   std::stop_source source_;
   std::atomic<Reason> reason_ = Reason::kNone;
+  std::atomic<bool> finishes_ = false;
   std::jthread watcher_;
 };
 

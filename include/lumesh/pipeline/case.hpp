@@ -103,6 +103,8 @@ struct Case {
   std::string file;  ///< Empty if it was not read.
   InputKeys input;
   Mesher mesher = Mesher::kLattice;
+  double edge_length_mm =
+      0;  ///< On surfaces, where the mesher's own options say nothing of it; 0: 2.5 voxels.
   LatticeOptions lattice;
   DelaunayOptions delaunay;
   SizeKeys sizes;
@@ -117,6 +119,17 @@ struct Case {
   OutputKeys output;
   RunKeys run;
 
+  /// Those of the meshers, with the edge length.
+  [[nodiscard]] LatticeOptions lattice_options() const {
+    LatticeOptions options = lattice;
+    if (!(options.spacing_mm > 0)) options.spacing_mm = edge_length_mm;
+    return options;
+  }
+  [[nodiscard]] DelaunayOptions delaunay_options() const {
+    DelaunayOptions options = delaunay;
+    options.edge_length_mm = edge_length_mm;
+    return options;
+  }
   [[nodiscard]] bool needs_centerline() const {
     return centerline.is_wanted || metric.points == "centerline" || sizes.points == "centerline";
   }

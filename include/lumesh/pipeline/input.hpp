@@ -21,8 +21,14 @@ namespace lumesh {
 struct ImageSelection {
   std::vector<Label> labels;        ///< These only; all if empty.
   std::optional<double> threshold;  ///< Voxels at or above become label 1, the rest background.
+  std::optional<double> below;      ///< The same for voxels at or below.
   std::string probabilities;        ///< Image that places the object's boundary between voxels; empty: none.
   bool largest_component = false;   ///< Only the largest connected piece of all labels together.
+
+  [[nodiscard]] bool has_level() const { return threshold || below; }
+  [[nodiscard]] bool takes_all() const {
+    return labels.empty() && !has_level() && probabilities.empty() && !largest_component;
+  }
 };
 
 /// @throws Error{kBadInput} that names the file.

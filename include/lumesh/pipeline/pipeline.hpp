@@ -13,9 +13,10 @@ namespace lumesh {
 
 struct CaseResult {
   report::CaseReport report;
-  std::string folder;               ///< Where the files are.
-  std::vector<std::string> faults;  ///< Of the mesh that was written (quality::find_faults()).
-  bool complete = true;             ///< False if the context was cancelled: files hold the best mesh so far.
+  std::string folder;                     ///< Where the files are.
+  std::vector<std::string> faults;        ///< Of the mesh that was written (quality::find_faults()).
+  std::vector<std::string> without_name;  ///< A line for each name of the case whose patch the mesh lacks.
+  bool complete = true;  ///< False if the context was cancelled: files hold the best mesh so far.
 };
 
 /// Runs the stages that the case asks for, one after the other: input, centerline, first mesh, metric,

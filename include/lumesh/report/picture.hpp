@@ -156,8 +156,4 @@ inline constexpr double kLowestColouredQuality = 0.2;
 /// PNG file bytes.
 [[nodiscard]] std::string encode_png(const Picture& picture);
 
-/// Writes a file beside its target and renames it when complete.
-/// @throws Error{kBadInput} if it cannot be written; nothing is left behind then.
-void write_file(const std::filesystem::path& path, std::string_view content);
-
 }  // namespace lumesh::report

@@ -249,7 +249,7 @@ TEST(DelaunayMesh, SaysWhatItLacksBeforeItBegins) {
 
 TEST(DelaunayMesh, RefusesOptionsOutOfRange) {
   const LabelImage image = ball(5);
-  EXPECT_THROW((void)meshed(image, {.delta_mm = 0}), Error);
+  EXPECT_THROW((void)meshed(image, {.edge_length_mm = -1}), Error);
   EXPECT_THROW((void)meshed(image, {.delta_mm = NAN}), Error);
   EXPECT_THROW((void)meshed(image, {.delta_mm = 1, .size_mm = -1}), Error);
   EXPECT_THROW((void)meshed(image, {.delta_mm = 1, .radius_edge = 1}), Error);

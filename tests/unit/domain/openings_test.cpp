@@ -68,6 +68,45 @@ TEST(FindOpenings, TellsSeveralApartByFallingArea) {
   for (std::size_t i = 5; i < openings.size(); ++i) EXPECT_LT(openings[i].area_mm2, 5) << "the ball's tip";
 }
 
+/// Of the five largest.
+std::vector<std::string> names_in(const LabelImage& image) {
+  std::vector<std::string> names;
+  for (const Opening& o : find_openings(ImageDomain(image, {}))) names.push_back(o.name);
+  names.resize(5);
+  return names;
+}
+
+TEST(FindOpenings, NamesWithSeveralLabelsHaveTheLabelOrWhatTheImageCallsIt) {
+  LabelImage image = several();
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(names_in(image), (Names{"inlet_1_label_1", "outlet_1_label_1", "outlet_2_label_1",
+                                    "outlet_3_label_2", "outlet_4_label_2"}));
+  image.label_names() = {{1, "left ICA (C7)"}, {2, "2"}};
+  EXPECT_EQ(names_in(image), (Names{"inlet_1_left_ICA_C7", "outlet_1_left_ICA_C7", "outlet_2_left_ICA_C7",
+                                    "outlet_3_label_2", "outlet_4_label_2"}));
+}
+
+/// A tube of radius 6 along z with a wall, or with something in it, of the given radius around its axis.
+LabelImage tube_with(double radius) {
+  return fixtures::voxels_of(fixtures::frame_of({30, 30, 16}), {0, 1, 2}, [&](const Vec3& p) {
+    const double off = std::hypot(p.x() - 14.3, p.y() - 14.6);
+    if (radius < 6 && off < radius) return 2;
+    return off < 6 ? 1 : off < radius ? 2 : 0;
+  });
+}
+
+TEST(FindOpenings, RimsOfWallsAreNoOutlets) {
+  const auto openings = find_openings(ImageDomain(tube_with(7.7), {}));
+  std::vector<std::string> of_lumen, of_wall;
+  for (const Opening& o : openings) (o.label == 1 ? of_lumen : of_wall).push_back(o.name);
+  EXPECT_EQ(of_lumen, (std::vector<std::string>{"inlet_1", "outlet_1"}));
+  EXPECT_EQ(of_wall, (std::vector<std::string>{"wall_rim_1", "wall_rim_2"}));
+}
+
+TEST(FindOpenings, WhatLiesInALumenMakesNoRimOfIt) {
+  for (const Opening& o : find_openings(ImageDomain(tube_with(2.4), {}))) EXPECT_FALSE(o.is_rim) << o.name;
+}
+
 TEST(FindOpenings, GivesTheSameBitsForEveryNumberOfThreads) {
   const LabelImage image = several();
   const auto found = [&](int threads) {
@@ -102,9 +141,10 @@ MixedMesh square(const std::string& name, const Vec3& centre, double edge) {
 
 TEST(CompareOpenings, SaysWhatIsMissingWrongOrNone) {
   const Box3 box(Vec3(4, 4, 23.5), Vec3(16, 16, 23.5));
-  const std::vector<Opening> openings = {
+  std::vector<Opening> openings = {
       {1, 100, Vec3(10, 10, 23.5), Vec3::UnitZ(), box},
       {1, 40, Vec3(40, 10, 23.5), Vec3::UnitZ(), Box3(Vec3(37, 7, 23.5), Vec3(43, 13, 23.5))}};
+  openings[1].name = "outlet_1";
   const MixedMesh good = square("inlet_1", Vec3(10, 10, 23.5), 10);
   const OpeningsCompared one = compare_openings(good.view(), openings);
   EXPECT_EQ(one.openings[0].patches, "inlet_1");
@@ -112,12 +152,13 @@ TEST(CompareOpenings, SaysWhatIsMissingWrongOrNone) {
   EXPECT_FALSE(is_wrong(one.openings[0]));
   EXPECT_TRUE(is_wrong(one.openings[1]));
   ASSERT_EQ(doubts_about(one).size(), 1U);
-  EXPECT_EQ(doubts_about(one)[0], "an opening of 40 mm² at (40.0, 10.0, 23.5) mm is missing in the mesh");
+  EXPECT_EQ(doubts_about(one)[0],
+            "outlet_1, an opening of 40 mm² at (40.0, 10.0, 23.5) mm, is missing in the mesh");
 
   const MixedMesh small = square("outlet_9", Vec3(40, 10, 23.5), 6);
   const std::vector<std::string> doubts = doubts_about(compare_openings(small.view(), openings));
   ASSERT_EQ(doubts.size(), 2U);
-  EXPECT_EQ(doubts[1], "outlet_9 has 36 mm², 10.0 % less than the image's 40 mm² at (40.0, 10.0, 23.5) mm");
+  EXPECT_EQ(doubts[1], "outlet_9 has 36 mm², 10.0 % less than the input's 40 mm² at (40.0, 10.0, 23.5) mm");
 
   const MixedMesh elsewhere = square("outlet_1", Vec3(25, 30, 23.5), 6);
   const OpeningsCompared none = compare_openings(elsewhere.view(), openings);
@@ -150,8 +191,8 @@ TEST(NamePatches, FollowsTheOpeningsOfTheDomain) {
   const auto name_of = [&](std::size_t t) {
     return named.patches[static_cast<std::size_t>(named.of_triangle[t])].name;
   };
-  EXPECT_TRUE(name_of(0) == "outlet_3" || name_of(0) == "outlet_4") << name_of(0);
-  EXPECT_TRUE(name_of(1) == "inlet_1" || name_of(1) == "outlet_1") << name_of(1);
+  EXPECT_TRUE(name_of(0) == "outlet_3_label_2" || name_of(0) == "outlet_4_label_2") << name_of(0);
+  EXPECT_TRUE(name_of(1) == "inlet_1_label_1" || name_of(1) == "outlet_1_label_1") << name_of(1);
   EXPECT_EQ(name_of(2), name_of(1));
   EXPECT_EQ(named.patches[static_cast<std::size_t>(named.of_triangle[3])].kind, PatchKind::kWall);
   positions[triangles[2].vertices[0]].z() -= 0.2;

@@ -6,11 +6,14 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numbers>
 #include <random>
 #include <set>
 
 #include "fixtures/surfaces.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/domain/patch_names.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -237,6 +240,88 @@ TEST(SurfaceDomain, ShellsWithinShellsAreCavities) {
   EXPECT_EQ(domain.material_at({0, 0, 0}), kInside);
   EXPECT_EQ(domain.material_at({5, 0, 0}), kInside);
   EXPECT_FALSE(domain.is_meshed(domain.material_at({3.7, 0, 0})));
+}
+
+/// A tube along z of the given radii at its ends, closed by fans around a middle.
+TriangleSoup capped_tube(double radius, double end_radius, double tilt) {
+  constexpr std::uint32_t kAround = 24, kAlong = 12;
+  TriangleSoup soup;
+  for (std::uint32_t k = 0; k <= kAlong; ++k)
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      const double share = static_cast<double>(k) / kAlong, angle = 2 * std::numbers::pi * i / kAround;
+      const double r = radius + share * (end_radius - radius), x = r * std::cos(angle);
+      soup.points.emplace_back(x, r * std::sin(angle), 8 * share + tilt * share * x);
+    }
+  const auto at = [](std::uint32_t k, std::uint32_t i) { return k * kAround + i % kAround; };
+  for (std::uint32_t k = 0; k < kAlong; ++k)
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      soup.triangles.push_back({at(k, i), at(k, i + 1), at(k + 1, i)});
+      soup.triangles.push_back({at(k, i + 1), at(k + 1, i + 1), at(k + 1, i)});
+    }
+  const auto low = static_cast<std::uint32_t>(soup.points.size());
+  soup.points.emplace_back(0, 0, 0), soup.points.emplace_back(0, 0, 8);
+  for (std::uint32_t i = 0; i < kAround; ++i) {
+    soup.triangles.push_back({at(0, i + 1), at(0, i), low});
+    soup.triangles.push_back({at(kAlong, i), at(kAlong, i + 1), low + 1});
+  }
+  return soup;
+}
+
+TEST(SurfaceDomain, FlatEndsOfTubesAreOpenings) {
+  for (const double tilt : {0.0, 0.5}) {
+    const SurfaceDomain domain(capped_tube(2, 1.5, tilt).view());
+    const std::vector<Opening> openings = find_openings(domain);
+    ASSERT_EQ(openings.size(), 2U) << tilt;
+    EXPECT_EQ(openings[0].name, "inlet_1");
+    EXPECT_EQ(openings[1].name, "outlet_1");
+    const double polygon =
+        12 * std::sin(2 * std::numbers::pi / 24);  // Area of 24 corners on the unit circle.
+    EXPECT_NEAR(openings[0].area_mm2, 4 * polygon, 1e-9);
+    EXPECT_NEAR(openings[1].area_mm2, 2.25 * polygon * std::sqrt(1 + tilt * tilt), 1e-9);
+    EXPECT_LT((openings[1].centre_mm - Vec3(0, 0, 8)).norm(), 1e-9);
+    EXPECT_NEAR(openings[1].normal.dot(Vec3(-tilt, 0, 1).normalized()), 1, 1e-9);
+    std::map<std::string, PatchKind> kinds;
+    for (Material m = 0; m < domain.material_count(); ++m)
+      if (const auto patch = domain.patch_between(1, m)) kinds[patch->name] = patch->kind;
+    EXPECT_EQ(kinds, (std::map<std::string, PatchKind>{{"wall", PatchKind::kWall},
+                                                       {"inlet_1", PatchKind::kOpening},
+                                                       {"outlet_1", PatchKind::kOpening}}));
+  }
+}
+
+TEST(SurfaceDomain, FlatEndsKeepTheNamesOfTheFile) {
+  TriangleSoup tube = capped_tube(2, 1.5, 0);
+  tube.patches.assign(tube.triangles.size(), 0);
+  for (std::size_t t = tube.triangles.size() - 48; t < tube.triangles.size(); ++t)
+    tube.patches[t] = t % 2 == 0 ? 1 : 2;
+  const std::vector<Patch> info = {
+      {"vessel", PatchKind::kWall, {}}, {"ica", PatchKind::kWall, {}}, {"end_wall", PatchKind::kWall, {}}};
+  const SurfaceDomain domain({tube.points, tube.triangles, tube.patches, info});
+  ASSERT_EQ(domain.flat_ends().size(), 1U);
+  EXPECT_EQ(domain.flat_ends()[0].name, "ica");
+}
+
+TEST(SurfaceDomain, SidesOfABoxAndRingsAreNoEnds) {
+  EXPECT_TRUE(SurfaceDomain(unit_cube_surface().view()).flat_ends().empty());
+  // A thick-walled tube: its ends are rings.
+  TriangleSoup walls = capped_tube(2, 2, 0);
+  const TriangleSoup inner = capped_tube(1, 1, 0).reversed();
+  const auto keep_sides = [](TriangleSoup soup) {
+    soup.triangles.resize(soup.triangles.size() - 48);
+    return soup;
+  };
+  TriangleSoup both = keep_sides(walls);
+  const auto first = static_cast<std::uint32_t>(both.points.size());
+  both.append(keep_sides(inner));
+  for (std::uint32_t i = 0; i < 24; ++i)
+    for (const std::uint32_t k : {0U, 12U * 24U}) {
+      const std::uint32_t a = k + i, b = k + (i + 1) % 24, c = first + a, d = first + b;
+      if (k == 0)
+        both.triangles.push_back({b, a, c}), both.triangles.push_back({b, c, d});
+      else
+        both.triangles.push_back({a, b, c}), both.triangles.push_back({b, d, c});
+    }
+  EXPECT_TRUE(SurfaceDomain(both.view()).flat_ends().empty());
 }
 
 TEST(SurfaceDomain, NamesPatchesAsTheFileOrByAreaAndWallWhereThereIsOne) {

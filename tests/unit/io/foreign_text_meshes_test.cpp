@@ -173,6 +173,24 @@ TEST_F(MeditFile, ThatLumeshCannotRead) {
   expect_refused("a.mesh", "MeshVersionFormatted 2\nDimension 3\nVertices\n1\n0 nan 0 0\nEnd\n", "finite");
 }
 
+TEST_F(ForeignText, FaceIdsOfSimVascularAndVmtkArePatches) {
+  for (const std::string array : {"ModelFaceID", "CellEntityIds"}) {
+    const MixedMesh mesh =
+        read("a.vtp",
+             "<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\"><PolyData><Piece "
+             "NumberOfPoints=\"4\" "
+             "NumberOfPolys=\"2\"><Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" "
+             "format=\"ascii\">0 0 0 1 0 "
+             "0 0 1 0 0 0 1</DataArray></Points><Polys><DataArray type=\"Int64\" Name=\"connectivity\" "
+             "format=\"ascii\">0 1 2 0 1 3</DataArray><DataArray type=\"Int64\" Name=\"offsets\" "
+             "format=\"ascii\">3 "
+             "6</DataArray></Polys><CellData><DataArray type=\"Int32\" Name=\"" +
+                 array + "\" format=\"ascii\">2 1</DataArray></CellData></Piece></PolyData></VTKFile>");
+    EXPECT_EQ(mesh.triangle_patches, (std::vector<std::int32_t>{2, 1}));
+    EXPECT_EQ(mesh.info.patches.at(2).name, "face_2");
+  }
+}
+
 using StlFile = ForeignText;
 
 TEST_F(StlFile, InTextMergesEqualCorners) {
@@ -191,6 +209,19 @@ TEST_F(StlFile, InTextWithSeveralSolidsInCapitals) {
       "SOLID\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 1 "
       "0\nENDLOOP\nENDFACET\nENDSOLID\n";
   EXPECT_EQ(read("a.stl", solid + solid).triangles.size(), 2U);
+}
+
+TEST_F(StlFile, SolidsArePatches) {
+  const auto solid = [](const std::string& name, const std::string& z) {
+    return "solid " + name + "\n facet normal 0 0 1\n outer loop\n vertex 0 0 " + z + "\n vertex 1 0 " + z +
+           "\n vertex 0 1 " + z + "\n endloop\n endfacet\nendsolid " + name + "\n";
+  };
+  const MixedMesh mesh = read("a.stl", solid("inlet_ica", "0") + solid("my wall", "1") + solid("solid", "2") +
+                                           solid("inlet_ica", "3"));
+  ASSERT_EQ(patch_names(mesh), (std::vector<std::string>{"inlet_ica", "my_wall", "solid"}));
+  EXPECT_EQ(mesh.triangle_patches, (std::vector<std::int32_t>{0, 1, 2, 0}));
+  EXPECT_EQ(mesh.info.patches[0].kind, PatchKind::kOpening);
+  EXPECT_EQ(patch_names(read("b.stl", solid("aorta", "0"))), std::vector<std::string>{"wall"});
 }
 
 std::string binary_stl(const std::string& header, std::uint32_t count, const std::vector<float>& numbers) {

@@ -64,12 +64,11 @@ double volume_of(const MixedMesh& mesh, Label label) {
 
 double area_of(const MixedMesh& mesh, const std::string& patch) {
   double area = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Cell<3>& c = mesh.triangles[t];
-    if (mesh.info.patches[static_cast<std::size_t>(mesh.triangle_patches[t])].name == patch)
+  for_each_patch_triangle(mesh.view(), [&](const Cell<3>& c, std::int32_t p) {
+    if (mesh.info.patches[static_cast<std::size_t>(p)].name == patch)
       area +=
           0.5 * (mesh.points[c[1]] - mesh.points[c[0]]).cross(mesh.points[c[2]] - mesh.points[c[0]]).norm();
-  }
+  });
   return area;
 }
 
@@ -194,6 +193,32 @@ TEST(Layers, EndFlushInThePlaneOfOpenings) {
     if (patch.name.ends_with("_layer")) {
       EXPECT_NEAR(area_of(result.mesh, patch.name) / (kPi * (13 * 13 - 10 * 10)), 1, 0.03) << patch.name;
     }
+}
+
+/// Layers of the lumen itself end in its openings, which stay one patch each.
+TEST(Layers, OfTheLumenBelongToItsOpenings) {
+  const TetMesh mesh = tube();
+  const double section = area_of(grown(mesh, {.first_height = 1, .count = 1}).mesh, "inlet_1");
+  for (const LayerCells cells : {LayerCells::kTetrahedra, LayerCells::kPrisms}) {
+    const auto opening_of = [&](LayerOptions options) {
+      options.cells = cells;
+      const LayerResult result = grown(mesh, options);
+      expect_conforming(result.mesh);
+      const bool has_ring = std::any_of(result.mesh.info.patches.begin(), result.mesh.info.patches.end(),
+                                        [](const Patch& patch) { return patch.name == "inlet_1_layer"; });
+      return std::pair(area_of(result.mesh, "inlet_1"), has_ring);
+    };
+    const auto inward = opening_of({.side = LayerSide::kInward, .first_height = 0.5, .count = 2});
+    EXPECT_NEAR(inward.first / section, 1, 1e-9);
+    EXPECT_FALSE(inward.second);
+    const auto split =
+        opening_of({.side = LayerSide::kInward, .first_height = 0.5, .count = 2, .splits_openings = true});
+    EXPECT_LT(split.first / section, 0.9);
+    EXPECT_TRUE(split.second);
+    const auto outward = opening_of({.first_height = 1, .growth = 1, .count = 3, .label = 1});
+    EXPECT_NEAR(outward.first / (kPi * 13 * 13), 1, 0.03);
+    EXPECT_FALSE(outward.second);
+  }
 }
 
 TEST(Layers, OfPrismsConformAndHaveTheirQuadrilateralsInRings) {

@@ -30,6 +30,19 @@ TEST(PatchRenaming, PlacesMeanTheNearestOpening) {
   EXPECT_EQ(found[1].patch, "inlet_1");
 }
 
+TEST(PatchRenaming, APlaceMeansTheOpeningNotTheRimOfTheWallAroundIt) {
+  const std::vector<NamedOpening> openings = {{"wall_rim_1", {0, 0, 0}, 4, true}, {"inlet_1", {0, 0, 0}, 3}};
+  EXPECT_EQ(with_patches({renaming_from("0,1,0=aorta")}, openings)[0].patch, "inlet_1");
+  EXPECT_EQ(with_patches({renaming_from("wall_rim_1=cut")}, openings)[0].patch, "wall_rim_1");
+}
+
+TEST(PatchWord, HasOnlyWhatSolversTake) {
+  EXPECT_EQ(patch_word("left ICA (C7)"), "left_ICA_C7");
+  EXPECT_EQ(patch_word("Ärtery/2"), "rtery_2");
+  EXPECT_EQ(patch_word("R-MCA.M1"), "R-MCA.M1");
+  EXPECT_EQ(patch_word(" ?"), "");
+}
+
 TEST(PatchRenaming, WhatNoOpeningIsMeantByIsRefusedWithTheOpeningsThatThereAre) {
   for (const char* wrong : {"13,0,0=far", "outlet_2=none", "Outlet1=none"}) {
     try {

@@ -129,8 +129,8 @@ TEST_F(CaseFile, RefusesWhatContradictsItself) {
             "a.toml: [output] a.vtu is named for two files; give each its own name");
   EXPECT_EQ(refusal("[input]\nimage = \"a.nrrd\"\n[metric]\nvelocity = \"phantom\"\n"),
             "a.toml: [metric] velocity = \"phantom\" needs [input] phantom");
-  EXPECT_EQ(refusal("mesher = \"delaunay\"\n" + head),
-            "a.toml: [delaunay] delta is missing: the spacing of points on surfaces in mm");
+  EXPECT_EQ(refusal("[input]\nimage = \"a.nrrd\"\nthreshold = 1\nbelow = 2\n"),
+            "a.toml: [input] threshold and below exclude each other; give one of them");
 }
 
 TEST_F(CaseFile, ReadsLayersWithTheNamesOfTheOptions) {

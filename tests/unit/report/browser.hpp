@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "lumesh/report/picture.hpp"
@@ -20,7 +21,7 @@ inline bool opened_in_browser(const std::string& html, const std::string& name) 
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("lumesh_browser_" + name + "_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
-  write_file(folder / "report.html", html);
+  std::ofstream(folder / "report.html", std::ios::binary) << html;
   const int status = std::system(("'" + script.string() + "' '" + (folder / "report.html").string() + "' '" +
                                   (folder / "shot.png").string() + "'")
                                      .c_str());

@@ -343,24 +343,5 @@ TEST(Html, OpensInAHeadlessBrowserWithEveryPictureDecoded) {
   if (!opened_in_browser(html, "mesh")) GTEST_SKIP() << "chromium is not installed";
 }
 
-TEST(WriteFile, ReplacesTheTargetAndLeavesNothingBehindOnFailure) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("lumesh_report_test_" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
-  write_file(folder / "a.txt", "one");
-  write_file(folder / "a.txt", "two");
-  std::ifstream in(folder / "a.txt");
-  std::stringstream text;
-  text << in.rdbuf();
-  EXPECT_EQ(text.str(), "two");
-  std::filesystem::create_directories(folder / "occupied" / "inside");
-  EXPECT_THROW(write_file(folder / "occupied", "x"), Error);
-  EXPECT_THROW(write_file(folder / "missing" / "b.txt", "x"), Error);
-  std::size_t files = 0;
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder)) ++files;
-  EXPECT_EQ(files, 2u);  // a.txt and the folder
-  std::filesystem::remove_all(folder);
-}
-
 }  // namespace
 }  // namespace lumesh::report

@@ -1,0 +1,31 @@
+#pragma once
+/// @file What the values of an image are that has no labels.
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <span>
+
+namespace lumesh {
+
+/// How often which values occur; those that are not finite are left out.
+struct GreyValues {
+  static constexpr std::size_t kBins = 256;
+
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  std::size_t count = 0;
+  std::array<std::size_t, kBins> bins = {};  ///< Of equal width, from least to most.
+
+  [[nodiscard]] double bin_width() const { return (most - least) / static_cast<double>(kBins); }
+  /// Parts darker from brighter values so that the two groups differ most (Otsu 1979,
+  /// doi:10.1109/TSMC.1979.4310076), to a bin.
+  [[nodiscard]] double otsu_threshold() const;
+  /// Share of the values at or above a value, to a bin.
+  [[nodiscard]] double share_from(double value) const;
+};
+
+/// Two passes over the values. Threads: same result for every number of them.
+template <class Value>
+[[nodiscard]] GreyValues grey_values(std::span<const Value> values);
+
+}  // namespace lumesh

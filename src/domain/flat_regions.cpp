@@ -1,0 +1,92 @@
+#include "flat_regions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "lumesh/geometry/triangle.hpp"
+
+namespace lumesh::surfaces {
+namespace {
+
+constexpr double kMostBent = 0.05;  // Of the radius: how far corners of a flat region are off its plane.
+
+void add_triangles(const ClosedSurface& surface, const FeatureRegions& regions,
+                   std::vector<RegionShape>& shapes) {
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+    RegionShape& own = shapes[regions.of_triangle[t]];
+    const Vec3 &a = surface.corner(t, 0), &b = surface.corner(t, 1), &c = surface.corner(t, 2);
+    const double area = triangle_area(a, b, c);
+    own.area_mm2 += area;
+    own.normal += area * surface.normals[t];
+    own.centre_mm += area / 3 * (a + b + c);
+    own.box_mm.extend(a), own.box_mm.extend(b), own.box_mm.extend(c);
+  }
+  for (RegionShape& own : shapes) {
+    own.normal.normalize();
+    own.centre_mm /= own.area_mm2;
+  }
+}
+
+std::vector<bool> flat_regions(const ClosedSurface& surface, const FeatureRegions& regions,
+                               const std::vector<RegionShape>& shapes) {
+  std::vector<bool> is_flat(shapes.size(), true);
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+    const std::uint32_t region = regions.of_triangle[t];
+    const RegionShape& own = shapes[region];
+    const double most_mm = kMostBent * std::sqrt(own.area_mm2 / std::numbers::pi);
+    for (std::size_t i = 0; i < 3; ++i)
+      if (std::abs(own.normal.dot(surface.corner(t, i) - own.centre_mm)) > most_mm) is_flat[region] = false;
+  }
+  return is_flat;
+}
+
+/// Where a region ends: each vertex with the next one, anticlockwise.
+struct Rim {
+  std::map<std::uint32_t, std::uint32_t> next;
+  bool is_on_bent = false;
+
+  [[nodiscard]] bool is_one_curve() const {
+    if (next.empty()) return false;
+    const std::uint32_t start = next.begin()->first;
+    std::size_t length = 0;
+    std::uint32_t at = start;
+    do {
+      const auto found = next.find(at);
+      if (found == next.end() || ++length > next.size()) return false;
+      at = found->second;
+    } while (at != start);
+    return length == next.size();
+  }
+};
+
+std::vector<Rim> rims_of(const ClosedSurface& surface, const FeatureRegions& regions,
+                         const std::vector<bool>& is_flat) {
+  std::vector<Rim> rims(is_flat.size());
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+    const std::uint32_t region = regions.of_triangle[t];
+    if (!is_flat[region]) continue;
+    for (std::size_t s = 0; s < 3; ++s) {
+      const std::uint32_t other = regions.of_triangle[surface.neighbours[t][s]];
+      if (other == region) continue;
+      rims[region].is_on_bent = rims[region].is_on_bent || !is_flat[other];
+      rims[region].next[surface.triangles[t][s]] = surface.triangles[t][(s + 1) % 3];
+    }
+  }
+  return rims;
+}
+
+}  // namespace
+
+std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const FeatureRegions& regions) {
+  std::vector<RegionShape> shapes(regions.count());
+  add_triangles(surface, regions, shapes);
+  const std::vector<bool> is_flat = flat_regions(surface, regions, shapes);
+  const std::vector<Rim> rims = rims_of(surface, regions, is_flat);
+  for (std::size_t r = 0; r < shapes.size(); ++r)
+    shapes[r].is_flat_end = is_flat[r] && rims[r].is_on_bent && rims[r].is_one_curve();
+  return shapes;
+}
+
+}  // namespace lumesh::surfaces

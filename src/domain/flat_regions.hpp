@@ -1,0 +1,23 @@
+#pragma once
+// Regions of a closed surface where a vessel was cut off.
+
+#include <vector>
+
+#include "closed_surface.hpp"
+#include "feature_regions.hpp"
+
+namespace lumesh::surfaces {
+
+struct RegionShape {
+  double area_mm2 = 0;
+  Vec3 centre_mm = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();  // The mean, out of the object.
+  Box3 box_mm;
+  bool is_flat_end = false;  // In one plane, ends at one closed curve, beside a region that is bent.
+};
+
+/// Of every region.
+[[nodiscard]] std::vector<RegionShape> region_shapes(const ClosedSurface& surface,
+                                                     const FeatureRegions& regions);
+
+}  // namespace lumesh::surfaces

@@ -1,0 +1,23 @@
+#pragma once
+// Names of openings, and which of them are rims of walls.
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lumesh/domain/openings.hpp"
+#include "lumesh/domain/patch_names.hpp"
+
+namespace lumesh {
+
+/// Sets is_rim of the openings of one cut plane.
+void mark_rims(std::span<Opening> openings);
+
+/// "inlet_1" for the first, "outlet_1", … for the others.
+[[nodiscard]] std::string opening_name(std::size_t number);
+
+/// Sets the names of all openings, in their order.
+void name_openings(const PatchNaming& naming, std::span<Opening> openings);
+
+}  // namespace lumesh

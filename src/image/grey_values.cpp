@@ -1,0 +1,93 @@
+#include "lumesh/image/grey_values.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr std::size_t kValuesPerBlock = std::size_t{1} << 18;
+
+GreyValues sum(GreyValues a, const GreyValues& b) {
+  a.least = std::min(a.least, b.least);
+  a.most = std::max(a.most, b.most);
+  a.count += b.count;
+  for (std::size_t i = 0; i < GreyValues::kBins; ++i) a.bins[i] += b.bins[i];
+  return a;
+}
+
+/// Calls visit(result, value) for all finite values, and adds up the results of blocks.
+template <class Value, class Visit>
+GreyValues visit_finite(std::span<const Value> values, const Visit& visit) {
+  return parallel::reduce_blocks(
+      values.size(), kValuesPerBlock, GreyValues{},
+      [&](std::size_t begin, std::size_t end) {
+        GreyValues result;
+        for (std::size_t i = begin; i < end; ++i)
+          if (const auto value = static_cast<double>(values[i]); std::isfinite(value)) visit(result, value);
+        return result;
+      },
+      sum);
+}
+
+}  // namespace
+
+double GreyValues::otsu_threshold() const {
+  double all = 0;
+  for (std::size_t i = 0; i < kBins; ++i) all += static_cast<double>(i) * static_cast<double>(bins[i]);
+  double below = 0, moment = 0, best = -1;
+  std::size_t first = 0, last = 0;  // Between groups far apart all are equally good.
+  for (std::size_t i = 0; i + 1 < kBins; ++i) {
+    below += static_cast<double>(bins[i]);
+    moment += static_cast<double>(i) * static_cast<double>(bins[i]);
+    const double above = static_cast<double>(count) - below;
+    if (below == 0 || above == 0) continue;
+    const double apart = moment / below - (all - moment) / above;
+    const double between = below * above * apart * apart;  // The variance between the groups, scaled.
+    if (between > best) best = between, first = i + 1;
+    if (between == best) last = i + 1;
+  }
+  return least + 0.5 * static_cast<double>(first + last) * bin_width();
+}
+
+double GreyValues::share_from(double value) const {
+  if (count == 0) return 0;
+  std::size_t from = 0;
+  for (std::size_t i = 0; i < kBins; ++i)
+    if (least + (static_cast<double>(i) + 0.5) * bin_width() >= value) from += bins[i];
+  return static_cast<double>(from) / static_cast<double>(count);
+}
+
+template <class Value>
+GreyValues grey_values(std::span<const Value> values) {
+  const GreyValues range = visit_finite(values, [](GreyValues& result, double value) {
+    result.least = std::min(result.least, value);
+    result.most = std::max(result.most, value);
+    ++result.count;
+  });
+  const double per_bin =
+      range.most > range.least ? static_cast<double>(GreyValues::kBins) / (range.most - range.least) : 0;
+  GreyValues result = visit_finite(values, [&](GreyValues& block, double value) {
+    ++block.bins[std::min(GreyValues::kBins - 1, static_cast<std::size_t>((value - range.least) * per_bin))];
+  });
+  result.least = range.least;
+  result.most = range.most;
+  result.count = range.count;
+  return result;
+}
+
+template GreyValues grey_values(std::span<const std::uint8_t>);
+template GreyValues grey_values(std::span<const std::int8_t>);
+template GreyValues grey_values(std::span<const std::uint16_t>);
+template GreyValues grey_values(std::span<const std::int16_t>);
+template GreyValues grey_values(std::span<const std::uint32_t>);
+template GreyValues grey_values(std::span<const std::int32_t>);
+template GreyValues grey_values(std::span<const std::uint64_t>);
+template GreyValues grey_values(std::span<const std::int64_t>);
+template GreyValues grey_values(std::span<const float>);
+template GreyValues grey_values(std::span<const double>);
+
+}  // namespace lumesh

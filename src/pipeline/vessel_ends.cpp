@@ -1,0 +1,89 @@
+#include "lumesh/pipeline/vessel_ends.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "lumesh/centerline/centerline.hpp"
+#include "lumesh/core/error.hpp"
+
+namespace lumesh {
+namespace {
+
+/// Nothing where nothing is longer than wide.
+Polylines lines_in(const LabelImage& image, const Context& context) {
+  Context quiet;  // What it warns of, other stages say.
+  if (context.cancelled()) return {};
+  try {
+    return extract_centerline(image, {}, quiet);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    return {};
+  }
+}
+
+/// A vessel is a good deal longer than wide.
+bool is_vessel(const Polylines& lines, const std::vector<std::uint32_t>& line) {
+  constexpr double kRadii = 4;
+  double length_mm = 0, radius_mm = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    radius_mm = std::max(radius_mm, lines.scalars.at("radius")[line[i]]);
+    if (i > 0) length_mm += (lines.points[line[i]] - lines.points[line[i - 1]]).norm();
+  }
+  return length_mm > kRadii * radius_mm;
+}
+
+bool is_at_opening(const Vec3& place, double radius_mm, const Opening& opening) {
+  const Vec3 off = place - opening.centre_mm;
+  return std::abs(off.dot(opening.normal)) < radius_mm + opening.voxel_mm &&
+         off.norm() < 2 * (radius_mm + opening.radius_mm());
+}
+
+}  // namespace
+
+std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Opening> openings,
+                                   Context& context) {
+  const Polylines lines = lines_in(image, context);
+  std::vector<int> uses(lines.points.size(), 0);
+  for (const auto& line : lines.lines)
+    for (const std::uint32_t p : line) ++uses[p];
+  std::vector<VesselEnd> ends;
+  const auto look_at = [&](std::uint32_t tip, std::uint32_t behind) {
+    const Vec3& place = lines.points[tip];
+    const double radius_mm = lines.scalars.at("radius")[tip];
+    const bool is_open = std::any_of(openings.begin(), openings.end(), [&](const Opening& opening) {
+      return is_at_opening(place, radius_mm, opening);
+    });
+    const Vec3 way = place - lines.points[behind];
+    if (uses[tip] == 1 && !is_open && way.norm() > 0) ends.push_back({radius_mm, {place, way.normalized()}});
+  };
+  for (const auto& line : lines.lines) {
+    if (line.size() < 2 || line.front() == line.back() || !is_vessel(lines, line)) continue;
+    const std::size_t back = std::min<std::size_t>(4, line.size() - 1);  // About a radius.
+    look_at(line.front(), line[back]);
+    look_at(line.back(), line[line.size() - 1 - back]);
+  }
+  std::stable_sort(ends.begin(), ends.end(),
+                   [](const VesselEnd& a, const VesselEnd& b) { return a.radius_mm > b.radius_mm; });
+  return ends;
+}
+
+std::string cut_plane_text(const CutPlane& plane) {
+  const Vec3 &p = plane.point_mm, n = plane.normal + Vec3::Zero();  // No -0.
+  return fmt::format("{:.6g} {:.6g} {:.6g} {:.4g} {:.4g} {:.4g}", p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
+}
+
+std::string closed_vessel_warning(const LabelImage& image, std::span<const Opening> openings,
+                                  Context& context) {
+  if (!openings.empty()) return "";
+  const std::vector<VesselEnd> ends = vessel_ends(image, openings, context);
+  if (ends.empty()) return "";
+  return fmt::format(
+      "no vessel leaves the image, so the mesh has no openings; {} {} inside: cut {} square with --cut-plane "
+      "{} "
+      "(lumesh info lists all)",
+      ends.size(), ends.size() == 1 ? "ends" : "end", ends.size() == 1 ? "it" : "the widest",
+      cut_plane_text(ends.front().cut));
+}
+
+}  // namespace lumesh

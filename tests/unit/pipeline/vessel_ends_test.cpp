@@ -1,0 +1,74 @@
+#include "lumesh/pipeline/vessel_ends.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "fixtures/images.hpp"
+#include "lumesh/domain/image_domain.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr double kRadius = 5.2;
+
+/// A tube along a slanted axis, with flat ends inside the image or beyond it.
+LabelImage slanted_tube(double from, double to) {
+  const Vec3 start(15, 16, 20), axis = Vec3(0.2, 0.1, 1).normalized();
+  return fixtures::voxels_of(fixtures::frame_of({40, 36, 80}), {0, 1}, [=](const Vec3& p) {
+    const double along = (p - start).dot(axis);
+    return along > from && along < to && (p - start - along * axis).norm() < kRadius ? 1 : 0;
+  });
+}
+
+std::vector<Opening> openings_of(const LabelImage& image) {
+  return find_openings(ImageDomain(image, {}));
+}
+
+TEST(VesselEnds, AreFoundWhereThereIsNoOpening) {
+  Context context;
+  const LabelImage closed = slanted_tube(-10, 45), open = slanted_tube(-100, 100),
+                   half = slanted_tube(-100, 40);
+  EXPECT_EQ(vessel_ends(closed, openings_of(closed), context).size(), 2U);
+  EXPECT_TRUE(vessel_ends(open, openings_of(open), context).empty());
+  const std::vector<VesselEnd> ends = vessel_ends(half, openings_of(half), context);
+  ASSERT_EQ(ends.size(), 1U);
+  EXPECT_NEAR(ends[0].radius_mm, kRadius, 0.5);
+  EXPECT_GT(ends[0].cut.normal.dot(Vec3(0.2, 0.1, 1).normalized()), 0.99);
+}
+
+/// Those that are cut as the ends say have the vessel's section.
+TEST(VesselEnds, TheirPlanesCutSquare) {
+  Context context;
+  const LabelImage image = slanted_tube(-10, 45);
+  ImageDomainOptions options;
+  for (const VesselEnd& end : vessel_ends(image, {}, context)) {
+    CutPlane plane;
+    std::istringstream text(cut_plane_text(end.cut));
+    for (int i = 0; i < 3; ++i) text >> plane.point_mm[i];
+    for (int i = 0; i < 3; ++i) text >> plane.normal[i];
+    options.cut_planes.push_back(plane);
+  }
+  const std::vector<Opening> openings = find_openings(ImageDomain(image, options));
+  ASSERT_EQ(openings.size(), 2U);
+  for (const Opening& o : openings) EXPECT_NEAR(o.area_mm2 / (std::numbers::pi * kRadius * kRadius), 1, 0.03);
+}
+
+TEST(VesselEnds, ClosedVesselsAreWarnedOfAndOthersNot) {
+  Context context;
+  const LabelImage closed = slanted_tube(-10, 45), half = slanted_tube(-100, 40);
+  EXPECT_NE(
+      closed_vessel_warning(closed, {}, context).find("2 end inside: cut the widest square with --cut-plane"),
+      std::string::npos)
+      << closed_vessel_warning(closed, {}, context);
+  EXPECT_EQ(closed_vessel_warning(half, openings_of(half), context), "");
+  const LabelImage ball = fixtures::voxels_of(fixtures::frame_of({24, 24, 24}), {0, 1}, [](const Vec3& p) {
+    return (p - Vec3::Constant(11.6)).norm() < 8 ? 1 : 0;
+  });
+  EXPECT_EQ(closed_vessel_warning(ball, {}, context), "") << "no vessel";
+}
+
+}  // namespace
+}  // namespace lumesh
