@@ -67,8 +67,8 @@ void print_summary(const CenterlineCommand& command, const Polylines& lines, dou
     for (std::size_t i = 1; i < line.size(); ++i)
       length_mm += (lines.points[line[i]] - lines.points[line[i - 1]]).norm();
   const auto [least, most] = std::ranges::minmax(lines.scalars.at("radius"));
-  fmt::print("{}: {} lines, {} points, length {:.5g} mm, radius {:.3g} to {:.3g} mm, {:.2f} s\n",
-             command.output_path, lines.lines.size(), lines.points.size(), length_mm, least, most, seconds);
+  print_out("{}: {} lines, {} points, length {:.5g} mm, radius {:.3g} to {:.3g} mm, {:.2f} s\n",
+            command.output_path, lines.lines.size(), lines.points.size(), length_mm, least, most, seconds);
 }
 
 void run(const CenterlineCommand& command) {

@@ -21,10 +21,6 @@ namespace lumesh::cli {
 namespace {
 
 /// A line that must not throw, whatever has become of stderr.
-void print_line(const std::string& line) {
-  std::fputs(line.c_str(), stderr);
-}
-
 template <class Number>
 std::optional<Number> parsed(std::string_view text) {
   Number number{};
@@ -68,14 +64,13 @@ void add_verbosity_options(CLI::App& command, RunOptions& options) {
 Context make_context(const RunOptions& options) {
   Context context({}, print_warning);
   if (options.verbose > 0)
-    context.report_phases_to([](const PhaseTime& phase) {
-      print_line(fmt::format("lumesh: {} took {:.2f} s\n", phase.name, phase.seconds));
-    });
+    context.report_phases_to(
+        [](const PhaseTime& phase) { print_error("lumesh: {} took {:.2f} s\n", phase.name, phase.seconds); });
   return context;
 }
 
 void print_warning(std::string_view text) {
-  print_line(fmt::format("lumesh: warning: {}\n", text));
+  print_error("lumesh: warning: {}\n", text);
 }
 
 void add_selection_options(CLI::App& command, ImageSelection& selection, const std::string& verb) {

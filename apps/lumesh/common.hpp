@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cstdio>
 #include <initializer_list>
 #include <map>
 #include <optional>
@@ -44,10 +45,21 @@ void add_threads_option(CLI::App& command, RunOptions& options);
 void add_verbosity_options(CLI::App& command, RunOptions& options);
 /// Warnings go to stderr; with -v so does each phase as it ends, with its time.
 [[nodiscard]] Context make_context(const RunOptions& options);
+/// Prints to stdout, or to stderr. What cannot be printed is lost: results matter more; the end of main()
+/// looks whether stdout took all.
+template <class... Args>
+void print_out(fmt::format_string<Args...> format, Args&&... args) {
+  std::fputs(fmt::format(format, std::forward<Args>(args)...).c_str(), stdout);
+}
+template <class... Args>
+void print_error(fmt::format_string<Args...> format, Args&&... args) {
+  std::fputs(fmt::format(format, std::forward<Args>(args)...).c_str(), stderr);
+}
+
 /// Prints to stdout unless -q was given.
 template <class... Args>
 void say(const RunOptions& options, fmt::format_string<Args...> format, Args&&... args) {
-  if (options.quiet == 0) fmt::print(format, std::forward<Args>(args)...);
+  if (options.quiet == 0) print_out(format, std::forward<Args>(args)...);
 }
 
 /// One warning line on stderr.

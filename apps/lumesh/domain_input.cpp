@@ -99,6 +99,7 @@ std::string opening_text(const OpeningsCompared& openings, const std::string& pa
 DomainRead read_domain(const DomainInput& input, Context& context) {
   if (is_mesh_file(input.path)) {
     const MixedMesh surface = context.phase("read", [&] { return read_surface(input.path); });
+    warn_of_unit(surface, input.path, context);
     return naming(input.path, [&] {
       return DomainRead{context.phase("domain", [&] { return domain_of(surface, input.surface); })};
     });

@@ -171,7 +171,7 @@ void add_openings(const LabelImage& image, json& all, Context& context) {
 }
 
 void print_value(const std::string& name, const json& value) {
-  fmt::print("{:<19} {}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
+  print_out("{:<19} {}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
 }
 
 void print_text(const json& all) {
@@ -180,12 +180,12 @@ void print_text(const json& all) {
       print_value(name, value);
       continue;
     }
-    fmt::print("{}\n", name);
+    print_out("{}\n", name);
     for (const json& item : value) {
       std::string line;
       for (const auto& [key, entry] : item.items())
         line += fmt::format("  {} {}", key, entry.is_string() ? entry.get<std::string>() : entry.dump());
-      fmt::print("{}\n", line);
+      print_out("{}\n", line);
     }
   }
 }
@@ -215,7 +215,7 @@ void run(const InfoCommand& command) {
   }
   if (command.run.quiet > 0 && command.as_json == 0) return;
   if (command.as_json > 0) {
-    fmt::print("{}\n", all.dump(2));
+    print_out("{}\n", all.dump(2));
   } else {
     print_text(all);
   }

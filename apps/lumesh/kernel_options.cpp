@@ -87,13 +87,12 @@ void add_counts_json(nlohmann::ordered_json& report, const operators::ExecutionC
 void print_counts(const RunOptions& run, const operators::ExecutionCounts& counts) {
   if (run.verbose == 0) return;
   for (const auto& [name, count] : named_counts(counts.of_all_threads()))
-    fmt::print(stderr, "lumesh: {}: {} applied, {} rejected, {} contended\n", name, count.applied,
-               count.rejected, count.contended);
+    print_error("lumesh: {}: {} applied, {} rejected, {} contended\n", name, count.applied, count.rejected,
+                count.contended);
   for (std::size_t thread = 0; thread < counts.by_thread.size(); ++thread) {
     const operators::OperatorCount count = counts.by_thread[thread].of_all();
     const parallel::HandOvers& got = counts.hand_overs[thread];
-    fmt::print(
-        stderr,
+    print_error(
         "lumesh: thread {}: {} applied, {} rejected, {} contended; handed over to it: {} local, {} remote\n",
         thread, count.applied, count.rejected, count.contended, got.local, got.remote);
   }

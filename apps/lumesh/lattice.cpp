@@ -67,19 +67,19 @@ std::map<Label, double> parse_label_fidelity(const LatticeCommand& command, cons
 void print_summary(const LatticeCommand& command, const LatticeResult& result,
                    const OpeningsCompared& openings, const Context& context, double seconds) {
   const MixedMesh& mesh = result.mesh;
-  fmt::print("{}: {} tetrahedra, ", command.mesh_path, mesh.tetrahedra.size());
+  print_out("{}: {} tetrahedra, ", command.mesh_path, mesh.tetrahedra.size());
   if (command.options.cells == LatticeCells::kMixed)
-    fmt::print("{} hexahedra, {} pyramids, ", mesh.hexahedra.size(), mesh.pyramids.size());
-  fmt::print("{} vertices, {} boundary triangles\n", mesh.points.size(), mesh.triangles.size());
+    print_out("{} hexahedra, {} pyramids, ", mesh.hexahedra.size(), mesh.pyramids.size());
+  print_out("{} vertices, {} boundary triangles\n", mesh.points.size(), mesh.triangles.size());
   for (std::size_t p = 0; p < mesh.info.patches.size(); ++p) {
     const auto faces =
         std::count(mesh.triangle_patches.begin(), mesh.triangle_patches.end(), static_cast<int>(p));
     const std::string& name = mesh.info.patches[p].name;
-    fmt::print("  patch {:<20} {:>8} triangles{}\n", name, faces, opening_text(openings, name));
+    print_out("  patch {:<20} {:>8} triangles{}\n", name, faces, opening_text(openings, name));
   }
-  fmt::print("  time");
-  for (const PhaseTime& phase : context.phases()) fmt::print("  {} {:.2f}", phase.name, phase.seconds);
-  fmt::print("  total {:.2f} s\n", seconds);
+  print_out("  time");
+  for (const PhaseTime& phase : context.phases()) print_out("  {} {:.2f}", phase.name, phase.seconds);
+  print_out("  total {:.2f} s\n", seconds);
 }
 
 void run(const LatticeCommand& command) {

@@ -16,11 +16,10 @@ namespace {
 /// One line that is written again and again, and at last removed.
 void print_progress(double share, double elapsed_s) {
   if (share >= 1) {
-    fmt::print(stderr, "\r{:50}\r", "");
+    print_error("\r{:50}\r", "");
   } else {
-    fmt::print(stderr, "\r{:<50}",
-               fmt::format("lumesh: {:.0f} % done, about {:.0f} s left", 100 * share,
-                           elapsed_s / share - elapsed_s));
+    print_error("\r{:<50}", fmt::format("lumesh: {:.0f} % done, about {:.0f} s left", 100 * share,
+                                        elapsed_s / share - elapsed_s));
   }
   std::fflush(stderr);
 }
@@ -37,7 +36,7 @@ void remove_unfinished_files() {
 }
 
 [[noreturn]] void give_up() {
-  fmt::print(stderr, "lumesh: error: interrupted; nothing was written\n");
+  print_error("lumesh: error: interrupted; nothing was written\n");
   std::fflush(stderr);
   remove_unfinished_files();
   std::_Exit(static_cast<int>(ErrorKind::kTimeLimit));

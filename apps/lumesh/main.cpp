@@ -3,7 +3,11 @@
 #include <malloc.h>
 #endif
 
+#include <poll.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <limits>
 #include <new>
@@ -19,7 +23,7 @@ namespace {
 constexpr int kInternalError = 70;
 
 int report_error(const char* message, int code) {
-  fmt::print(stderr, "lumesh: error: {}\n", message);
+  lumesh::cli::print_error("lumesh: error: {}\n", message);
   return code;
 }
 
@@ -44,10 +48,17 @@ void check_command(const CLI::App& program, const std::string& word) {
   throw lumesh::Error(lumesh::ErrorKind::kUsage, message + ")");
 }
 
+/// As after `lumesh … | head -1`: whoever read has what they wanted.
+bool reader_has_gone() {
+  pollfd out = {STDOUT_FILENO, POLLOUT, 0};
+  return poll(&out, 1, 0) > 0 && (out.revents & POLLERR) != 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   keep_freed_memory();
+  std::signal(SIGPIPE, SIG_IGN);  // Results are written though nobody reads what is said of them.
   CLI::App program{"lumesh: from segmented images of blood vessels to meshes for simulation", "lumesh"};
   program.set_version_flag("--version", std::string("lumesh ") + lumesh::kVersion);
   program.require_subcommand(1);
@@ -82,7 +93,7 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     return report_error(error.what(), kInternalError);
   }
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+  if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && !reader_has_gone())
     return report_error("cannot write to the standard output",
                         static_cast<int>(lumesh::ErrorKind::kBadInput));
   return 0;

@@ -73,12 +73,12 @@ void write_lines(const std::string& path, const Polylines& lines, const PhantomC
 void print_summary(const PhantomCommand& command, const Phantom& phantom, const LabelImage& image) {
   const Index3& size = phantom.spec().size;
   const Vec3& spacing = phantom.spec().spacing_mm;
-  fmt::print("{}: {} x {} x {} voxels of {:g} x {:g} x {:g} mm\n", command.image_path, size.x(), size.y(),
-             size.z(), spacing.x(), spacing.y(), spacing.z());
+  print_out("{}: {} x {} x {} voxels of {:g} x {:g} x {:g} mm\n", command.image_path, size.x(), size.y(),
+            size.z(), spacing.x(), spacing.y(), spacing.z());
   for (const LabelTopology& label : label_topology(image))
-    fmt::print("  label {}: {} voxels, {:.6g} mm3 (truth {:.6g}), components {}, Euler number {}\n",
-               label.label, label.voxel_count, label.volume_mm3, phantom.volume_mm3(label.label),
-               label.component_count, label.euler_number);
+    print_out("  label {}: {} voxels, {:.6g} mm3 (truth {:.6g}), components {}, Euler number {}\n",
+              label.label, label.voxel_count, label.volume_mm3, phantom.volume_mm3(label.label),
+              label.component_count, label.euler_number);
 }
 
 void run(const PhantomCommand& command) {

@@ -157,9 +157,12 @@ void read_to_the_end(const fs::path& path, itk::ImageIOBase& io, std::byte* voxe
 }
 
 RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& context) {
-  ImageHeader header = read_header(path, io);
   const bool is_nrrd = dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
-  header.has_spacing = !is_nrrd || nrrd_has_spacing(path);
+  const NrrdNotes notes = is_nrrd ? nrrd_notes(path) : NrrdNotes{true, 1};  // Before ITK reads it.
+  ImageHeader header = read_header(path, io);
+  header.has_spacing = notes.has_spacing;
+  header.spacing_mm *= notes.unit_mm;
+  header.origin_mm *= notes.unit_mm;
   RawImage image;
   image.frame = checked_frame(path, header, context);
   image.type = header.type;

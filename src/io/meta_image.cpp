@@ -147,7 +147,7 @@ ImageHeader place(const fs::path& path, const MetaHeader& header) {
   return image;
 }
 
-/// Inflates zlib or gzip data into `out`; returns the bytes that came.
+/// Inflates zlib or gzip data into `out`; returns the bytes that came, none if their checksum is wrong.
 std::size_t inflate_all(std::ifstream& in, std::byte* out, std::size_t bytes) {
   constexpr std::size_t kChunk = std::size_t{1} << 18;
   constexpr int kAnyHeader = 15 + 32;
@@ -169,8 +169,22 @@ std::size_t inflate_all(std::ifstream& in, std::byte* out, std::size_t bytes) {
     code = inflate(&stream, Z_NO_FLUSH);
     done += room - stream.avail_out;
   }
+  // The checksum stands behind the last byte.
+  std::byte beyond{};
+  while (code == Z_OK && done == bytes && (stream.avail_in > 0 || in)) {
+    if (stream.avail_in == 0) {
+      in.read(chunk.data(), kChunk);
+      stream.next_in = reinterpret_cast<Bytef*>(chunk.data());
+      stream.avail_in = static_cast<uInt>(in.gcount());
+      if (stream.avail_in == 0) break;
+    }
+    stream.next_out = reinterpret_cast<Bytef*>(&beyond);
+    stream.avail_out = 1;
+    code = inflate(&stream, Z_NO_FLUSH);
+    if (stream.avail_out == 0) break;  // There is more than the header says.
+  }
   inflateEnd(&stream);
-  return done;
+  return code == Z_DATA_ERROR ? 0 : done;
 }
 
 /// Where the voxels are.

@@ -44,6 +44,14 @@ class GzipInput {
     }
     return done;
   }
+  /// After all that was wanted: whether the checksum behind it is wrong.
+  [[nodiscard]] bool has_wrong_checksum() {
+    std::byte beyond{};
+    int code = Z_OK;
+    const bool ended = ::gzread(file_, &beyond, 1) <= 0;
+    static_cast<void>(::gzerror(file_, &code));
+    return ended && code == Z_DATA_ERROR;
+  }
 
  private:
   fs::path path_;
@@ -317,6 +325,8 @@ RawImage read_nifti(const fs::path& path, Context& context) {
   const std::size_t width = voxel_bytes(image.type);
   if (input.read(image.voxels.get(), count * width) != count * width)
     fail(path, "is truncated or damaged: it holds fewer voxels than its header says; copy it again");
+  if (input.has_wrong_checksum())
+    fail(path, "is damaged: its compressed voxels are not what was written; copy it again");
   if (header.swapped()) swap_bytes(image);
   const double slope = header.slope();
   const bool scaled = std::isfinite(slope) && slope != 0 && (slope != 1 || header.intercept() != 0);

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "file_fault.hpp"
 #include "raw_image.hpp"
 
 namespace lumesh::io {
@@ -30,6 +31,17 @@ bool is_field(std::string_view line, std::string_view field) {
 
 bool holds(std::string_view line, std::string_view word) {
   return line.find(word) != std::string_view::npos;
+}
+
+/// Of a line such as: space units: "m" "m" "m".
+double unit_mm(std::string_view line) {
+  const std::size_t begin = line.find('"'), end = line.find('"', begin + 1);
+  if (begin == std::string_view::npos || end == std::string_view::npos) return 1;
+  const std::string_view unit = line.substr(begin + 1, end - begin - 1);
+  if (unit == "m" || unit == "meter" || unit == "meters") return 1000;
+  if (unit == "cm") return 10;
+  if (unit == "um" || unit == "micron" || unit == "microns" || unit == "micrometer") return 0.001;
+  return 1;
 }
 
 /// Reads the header; true if it says that one gzip stream in this machine's byte order follows.
@@ -53,16 +65,22 @@ bool gzip_follows(std::istream& in, std::size_t voxel_bytes) {
 
 }  // namespace
 
-bool nrrd_has_spacing(const fs::path& path) {
+NrrdNotes nrrd_notes(const fs::path& path) {
+  constexpr std::size_t kLongestLine = 8000;
   std::ifstream in(path, std::ios::binary);
+  NrrdNotes notes;
   std::string text;
-  while (std::getline(in, text)) {
+  while (std::getline(in, text) && !text.empty() && text != "\r") {
+    if (text.size() > kLongestLine) fail(path, "has a damaged header (a very long line); save it again");
     std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-    if (text.empty() || text == "\r") return false;
+    const bool has_digits = text.find_first_of("0123456789") != std::string::npos;
     if (is_field(text, "spacings") || is_field(text, "spacedirections"))
-      return text.find_first_of("0123456789") != std::string::npos;
+      notes.has_spacing = notes.has_spacing || has_digits;
+    if (is_field(text, "spaceunits")) notes.unit_mm = unit_mm(text);
+    if (is_field(text, "datafile") && holds(text, "%"))
+      fail(path, "keeps its voxels in files named by a pattern; save it as one .nrrd file");
   }
-  return false;
+  return notes;
 }
 
 bool unpack_nrrd(const fs::path& path, std::size_t voxel_bytes, std::span<std::byte> voxels) {
@@ -71,8 +89,13 @@ bool unpack_nrrd(const fs::path& path, std::size_t voxel_bytes, std::span<std::b
   const std::vector<char> packed((std::istreambuf_iterator<char>(in)), {});
   const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> inflater(
       libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
-  return inflater && libdeflate_gzip_decompress(inflater.get(), packed.data(), packed.size(), voxels.data(),
-                                                voxels.size(), nullptr) == LIBDEFLATE_SUCCESS;
+  if (!inflater) return false;
+  const libdeflate_result result = libdeflate_gzip_decompress(inflater.get(), packed.data(), packed.size(),
+                                                              voxels.data(), voxels.size(), nullptr);
+  // Or its checksum is wrong, which ITK would not see.
+  if (result == LIBDEFLATE_BAD_DATA)
+    fail(path, "is damaged: its compressed voxels are not what was written; copy it again");
+  return result == LIBDEFLATE_SUCCESS;
 }
 
 }  // namespace lumesh::io

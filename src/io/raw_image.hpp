@@ -109,8 +109,14 @@ decltype(auto) visit_voxels(const RawImage& image, Visit&& visit) {
 [[nodiscard]] bool unpack_nrrd(const std::filesystem::path& path, std::size_t voxel_bytes,
                                std::span<std::byte> voxels);
 
-/// Whether the header of an NRRD file says how large voxels are; ITK takes 1 mm where it does not.
-[[nodiscard]] bool nrrd_has_spacing(const std::filesystem::path& path);
+/// What the header of an NRRD file says that ITK does not look at.
+struct NrrdNotes {
+  bool has_spacing = false;  ///< ITK takes 1 mm where it is missing.
+  double unit_mm = 1;        ///< By "space units".
+};
+/// @throws Error{kBadInput} for headers that the library behind ITK reads beyond its memory: lines of more
+/// than 8,000 characters, and lists of data files by a pattern.
+[[nodiscard]] NrrdNotes nrrd_notes(const std::filesystem::path& path);
 
 /// NIfTI 1 and 2 in one file, plain or gzip. Read here because ITK 5.2 refuses images whose direction cosines
 /// are not orthonormal, and copies the voxels once more.

@@ -122,10 +122,18 @@ void refuse_far_points(std::span<const Vec3> places, std::span<const Vec3> point
   const bool is_near = std::any_of(points.begin(), points.end(), [&](const Vec3& p) {
     return box.squaredExteriorDistance(p) <= reach * reach;
   });
-  if (is_near) return;
-  throw Error(ErrorKind::kBadInput,
-              fmt::format("all points lie far from the mesh, {} against {}; check unit and frame of both",
-                          text_of(bounding_box(points)), text_of(box)));
+  // Many points fill what they are of, at least in part: so small or large a box is that of metres beside
+  // millimetres.
+  constexpr std::size_t kMany = 100;
+  constexpr double kOtherUnit = 100;
+  const double extent = bounding_box(points).sizes().norm();
+  const bool has_other_unit =
+      reach > 0 && points.size() >= kMany && (extent * kOtherUnit < reach || extent > kOtherUnit * reach);
+  if (is_near && !has_other_unit) return;
+  throw Error(ErrorKind::kBadInput, fmt::format("{}, {} against {}; check unit and frame of both",
+                                                is_near ? "the points have another unit than the mesh"
+                                                        : "all points lie far from the mesh",
+                                                text_of(bounding_box(points)), text_of(box)));
 }
 
 }  // namespace lumesh::metric

@@ -98,6 +98,18 @@ MixedMesh read_surface(const std::filesystem::path& path) {
   return mesh;
 }
 
+void warn_of_unit(const MixedMesh& surface, const std::filesystem::path& path, const Context& context) {
+  constexpr double kLeastMm = 1, kMostMm = 4000;
+  if (surface.points.empty()) return;
+  Box3 box;
+  for (const Vec3& p : surface.points) box.extend(p);
+  const double longest_mm = box.sizes().maxCoeff();
+  if (longest_mm >= kLeastMm && longest_mm <= kMostMm) return;
+  context.warn(
+      fmt::format("{}: is {:.3g} mm long; is it in {}? lumesh takes coordinates as mm: scale it first",
+                  path.string(), longest_mm, longest_mm < kLeastMm ? "metres" : "micrometres"));
+}
+
 std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface, const SurfaceDomainOptions& options) {
   return std::make_unique<SurfaceDomain>(
       SurfaceView{surface.points, surface.triangles, surface.triangle_patches, surface.info.patches},

@@ -30,11 +30,13 @@ void make_phantom(CaseState& state) {
 void read_file(CaseState& state) {
   const InputKeys& input = state.c.input;
   state.input_name = input.image.empty() ? input.surface : input.image;
-  if (input.image.empty())
+  if (input.image.empty()) {
     state.surface = state.context.phase("read", [&] { return read_surface(input.surface); });
-  else
+    warn_of_unit(*state.surface, input.surface, state.context);
+  } else {
     state.image = state.context.phase(
         "read", [&] { return read_selected_image(input.image, input.selection, state.context); });
+  }
   state.input_sha256 = state.context.phase("hash", [&] { return file_sha256(state.input_name); });
 }
 

@@ -332,6 +332,19 @@ class SignalTest(CommandTest):
         self.assertEqual({path.name for path in self.folder.iterdir()}, before)
 
 
+class OutputTest(CommandTest):
+    def test_a_mesh_is_written_though_nobody_reads_what_is_said(self):
+        command = f"'{LUMESH}' lattice '{self.image}' -o '{self.mesh}'"
+        for words, code in ((f"{command} | true; exit ${{PIPESTATUS[0]}}", 0), (f"{command} >&- 2>&-", None), (f"{command} >/dev/full", 2)):
+            with self.subTest(words):
+                self.mesh.unlink(missing_ok=True)
+                result = subprocess.run(["bash", "-c", words], capture_output=True, text=True, timeout=60, check=False)
+                self.assertTrue(self.mesh.exists())
+                self.assertLess(result.returncode, 64)
+                if code is not None:
+                    self.assertEqual(result.returncode, code, result.stderr)
+
+
 class ProgressTest(CommandTest):
     def test_verbose_tells_each_step_with_its_time(self):
         result = self.make_mesh("-v")

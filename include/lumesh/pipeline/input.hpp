@@ -62,6 +62,9 @@ struct Flow {
 /// @throws Error{kBadInput} that names the file if it cannot be read or holds a volume.
 [[nodiscard]] MixedMesh read_surface(const std::filesystem::path& path);
 
+/// Warns of a surface so small or large that its coordinates are hardly mm.
+void warn_of_unit(const MixedMesh& surface, const std::filesystem::path& path, const Context& context);
+
 /// Its inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.
 [[nodiscard]] std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface,
                                                        const SurfaceDomainOptions& options);

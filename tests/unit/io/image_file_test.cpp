@@ -174,6 +174,48 @@ TEST_F(ImageFile, KeepsTheNamesOfSlicersSegments) {
   EXPECT_EQ(image.label_names(), (std::map<Label, std::string>{{2, "left ICA"}}));
 }
 
+/// The format's checksum tells, where inflating alone succeeds.
+TEST_F(ImageFile, DamagedCompressedVoxelsAreSeen) {
+  const std::string voxels = bytes_of(sixty_voxels());
+  const auto fault_of = [&](const std::string& name, const std::string& content) {
+    return fixtures::error_of([&] { (void)read(name, content); });
+  };
+  const auto flipped = [](std::string packed, std::size_t from_end) {
+    packed[packed.size() - from_end] = static_cast<char>(packed[packed.size() - from_end] ^ 0x21);
+    return packed;
+  };
+  const std::string nrrd =
+      "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 4 5\nspacings: 1 1 1\nencoding: gzip\n\n";
+  EXPECT_NO_THROW((void)read("good.nrrd", nrrd + deflated(voxels)));
+  EXPECT_NE(fault_of("a.nrrd", nrrd + flipped(deflated(voxels), 8)).find("damaged"), std::string::npos);
+  // Larger than what zlib reads at once: else it does not look like NIfTI.
+  const std::string nifti =
+      NiftiBytes{.dimensions = {3, 100, 100, 100, 1, 1, 1, 1}}.with(std::string(1000000, '\1'));
+  EXPECT_NO_THROW((void)read("good.nii.gz", deflated(nifti)));
+  const std::string of_nifti = fault_of("a.nii.gz", flipped(deflated(nifti), 8));
+  EXPECT_NE(of_nifti.find("damaged"), std::string::npos) << of_nifti;
+  const std::string meta =
+      "ObjectType = Image\nNDims = 3\nDimSize = 3 4 5\nElementSpacing = 1 1 1\nCompressedData = True\n"
+      "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n";
+  EXPECT_NO_THROW((void)read("good.mha", meta + zlib_packed(voxels)));
+  EXPECT_NE(fault_of("a.mha", meta + flipped(zlib_packed(voxels), 4)).find("damaged"), std::string::npos);
+}
+
+TEST_F(ImageFile, UnitsOfNrrdAreFollowedAndWhatBreaksItsLibraryIsRefused) {
+  const std::string voxels = bytes_of(sixty_voxels());
+  NrrdText nrrd;
+  nrrd.frame += "space units: \"cm\" \"cm\" \"cm\"\n";
+  EXPECT_EQ(read("cm.nrrd", nrrd.with(voxels)).frame().spacing_mm, Vec3(10, 10, 10));
+  NrrdText longest;
+  longest.extra = "# " + std::string(100000, 'x') + "\n";
+  EXPECT_NE(fixtures::error_of([&] { (void)read("long.nrrd", longest.with(voxels)); }).find("very long line"),
+            std::string::npos);
+  NrrdText files;
+  files.extra = "data file: %9999d 1 5 1\n";
+  EXPECT_NE(fixtures::error_of([&] { (void)read("files.nhdr", files.with("")); }).find("named by a pattern"),
+            std::string::npos);
+}
+
 TEST_F(ImageFile, WarnsOfSpacingThatIsNotThereOrNotInMillimetres) {
   const auto warning = [&](const std::string& name, const std::string& content) {
     warnings_.clear();

@@ -170,6 +170,12 @@ TEST(VelocityMetric, RefusesWhatIsNoFlow) {
   for (Vec3& p : far) p += Vec3(100, 0, 0);
   EXPECT_NE(fault_of_samples(far, std::vector<Vec3>(50, Vec3::UnitX())).find("far from the mesh"),
             std::string::npos);
+  const std::vector<Vec3> many = places_in_box(200, 1);
+  std::vector<Vec3> in_metres = many;
+  for (Vec3& p : in_metres) p *= 1e-3;
+  EXPECT_NE(fault_of_samples(in_metres, std::vector<Vec3>(200, Vec3::UnitX())).find("another unit"),
+            std::string::npos);
+  EXPECT_EQ(fault_of_samples(many, std::vector<Vec3>(200, Vec3::UnitX())), "");
   EXPECT_THROW((void)metric_from_velocity(points, {points, points}, {.k = 2}), Error);
   EXPECT_THROW((void)metric_from_velocity(points, {points, points}, {.most_stretch = 0.5}), Error);
 }
