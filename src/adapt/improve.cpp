@@ -166,7 +166,12 @@ namespace {
 
 template <class Execution>
 void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, ImproveReport& report) {
+  // Where targets are out of reach, points would be put in for ever.
+  constexpr int kPatience = 8;
+  constexpr double kMany = 0.01;  // Of all tetrahedra.
   Improver<Execution> run(mesh, options);
+  std::uint64_t fewest = report.after.tets_outside;
+  int passes_without = 0;
   for (int pass = 0; pass < options.passes && report.after.tets_outside > 0 && !context.cancelled(); ++pass) {
     const auto start = std::chrono::steady_clock::now();
     const operators::OperatorCounts counted = run.counts();
@@ -180,6 +185,9 @@ void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, 
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     row.seconds = elapsed.count();
     if (row.counts.applied() == 0) break;
+    passes_without = row.angles.tets_outside < fewest ? 0 : passes_without + 1;
+    fewest = std::min(fewest, row.angles.tets_outside);
+    if (passes_without >= kPatience && static_cast<double>(fewest) > kMany * row.tets) break;
   }
   report.by_thread = run.by_thread();
   report.complete = !context.cancelled();

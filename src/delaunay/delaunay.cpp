@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "carving.hpp"
 #include "crossed_rims.hpp"
 #include "estimate.hpp"
 #include "flat_tets.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/delaunay/built_in_sizings.hpp"
 #include "lumesh/operators/delaunay_kernel.hpp"
 #include "lumesh/operators/settling.hpp"
 #include "out_of_bounds.hpp"
@@ -92,12 +94,42 @@ TetMesh hull_around(Box3 box, std::span<const Vec3> outer) {
   return operators::triangulation_around(box.center(), 0.5 * box.diagonal().norm());
 }
 
-delaunay::Spacing spacing_of(const Domain& domain, const DelaunayOptions& options) {
+/// The sizes that are asked for, but no faster growth from the boundary than shapes can follow: with a much
+/// larger size inside nothing would be there for small parts to be found by, nor for angles to become good
+/// on.
+class GradedSizing final : public Sizing {
+ public:
+  GradedSizing(const Domain& domain, double edge_mm, const Sizing* asked)
+      : graded_(size_from_boundary(domain, {.at_boundary_mm = edge_mm, .growth = kGrowth})), asked_(asked) {}
+
+  [[nodiscard]] double size_at(const Vec3& point_mm, Label label) const override {
+    const double size_mm = graded_->size_at(point_mm, label);
+    return asked_ == nullptr ? size_mm : std::min(size_mm, asked_->size_at(point_mm, label));
+  }
+  [[nodiscard]] bool wants_finer(const std::array<Vec3, 4>& corners_mm) const override {
+    return asked_ != nullptr && asked_->wants_finer(corners_mm);
+  }
+
+ private:
+  static constexpr double kGrowth = 0.6;
+  std::unique_ptr<Sizing> graded_;
+  const Sizing* asked_;
+};
+
+/// None unless the size inside is much larger than the edges of surfaces.
+std::unique_ptr<Sizing> graded_sizing(const Domain& domain, const DelaunayOptions& options) {
+  constexpr double kMuchLarger = 5;
+  const double edge_mm = delaunay::kEdgePerSpacing * delaunay_delta_mm(options, domain);
+  if (options.size_mm <= kMuchLarger * edge_mm || domain.bounds_mm().isEmpty()) return nullptr;
+  return std::make_unique<GradedSizing>(domain, edge_mm, options.sizing);
+}
+
+delaunay::Spacing spacing_of(const Domain& domain, const DelaunayOptions& options, const Sizing* graded) {
   const double delta_mm = delaunay_delta_mm(options, domain);
   const double size_mm = options.size_mm > 0 ? options.size_mm : delaunay::kEdgePerSpacing * delta_mm;
   const double surface_distance_mm =
       options.surface_distance_mm > 0 ? options.surface_distance_mm : std::numeric_limits<double>::infinity();
-  return {domain, delta_mm, size_mm, surface_distance_mm, options.sizing};
+  return {domain, delta_mm, size_mm, surface_distance_mm, graded != nullptr ? graded : options.sizing};
 }
 
 /// However flat tetrahedra become: slivers are left to improvement.
@@ -122,7 +154,8 @@ double delaunay_delta_mm(const DelaunayOptions& options, const Domain& domain) {
 
 DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options, Context& context) {
   options.validate();
-  const delaunay::Spacing spacing = spacing_of(domain, options);
+  const std::unique_ptr<Sizing> graded = graded_sizing(domain, options);
+  const delaunay::Spacing spacing = spacing_of(domain, options, graded.get());
   const Box3 box = domain.bounds_mm();
   check_fits(delaunay_delta_mm(options, domain), box);
   delaunay::check_memory(spacing);
@@ -162,7 +195,8 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
 
 double estimated_tetrahedra(const Domain& domain, const DelaunayOptions& options) {
   options.validate();
-  return delaunay::estimated_tets(spacing_of(domain, options));
+  const std::unique_ptr<Sizing> graded = graded_sizing(domain, options);
+  return delaunay::estimated_tets(spacing_of(domain, options, graded.get()));
 }
 
 }  // namespace lumesh

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -229,6 +230,22 @@ TEST(DelaunayMesh, StoppedEarlyItIsValidAndSaysSo) {
   const DelaunayResult result = mesh_delaunay(ImageDomain(ball(11), {}), {.delta_mm = 1.5}, context);
   expect_valid(result.mesh);
   EXPECT_FALSE(result.report.complete);
+}
+
+/// However large tetrahedra may be inside, small parts are found.
+TEST(DelaunayMesh, AMuchLargerSizeInsideLosesNoPart) {
+  const LabelImage image = voxels_of(frame_of({56, 40, 40}), {0, 1}, [](const Vec3& p) {
+    return (p - Vec3(17.3, 18.6, 18.2)).norm() < 15 || (p - Vec3(45.2, 26.3, 9.4)).norm() < 5.3 ? 1 : 0;
+  });
+  const double volume = static_cast<double>(std::count(image.voxels().begin(), image.voxels().end(), 1));
+  for (const double size_mm : {9.0, 20.0, 60.0, 500.0}) {
+    const TetMesh mesh = meshed(image, {.delta_mm = 1, .size_mm = size_mm}).mesh;
+    expect_valid(mesh);
+    const std::vector<LabelShape> shapes = label_shapes(mesh);
+    ASSERT_EQ(shapes.size(), 1U) << size_mm;
+    EXPECT_EQ(shapes[0].components, 2U) << size_mm;
+    EXPECT_NEAR(volumes_of(mesh)[1] / volume, 1, 0.01) << size_mm;
+  }
 }
 
 ErrorKind kind_of_failure(const LabelImage& image, const DelaunayOptions& options) {
