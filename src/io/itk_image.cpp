@@ -10,9 +10,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 #include <cstring>
 #include <iostream>
+#include <sstream>
 
+#include "dicom_slices.hpp"
 #include "file_fault.hpp"
 #include "raw_image.hpp"
 
@@ -202,10 +205,40 @@ std::vector<std::string> series_files(const fs::path& path) {
   return {path.string()};
 }
 
+/// Numbers with backslashes between them.
+std::vector<double> numbers_of(const itk::MetaDataDictionary& fields, const char* key) {
+  std::string text;
+  std::vector<double> numbers;
+  if (!itk::ExposeMetaData(fields, key, text)) return numbers;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, '\\');) numbers.push_back(std::strtod(part.c_str(), nullptr));
+  return numbers;
+}
+
+/// Those that say where they are.
+std::vector<DicomSlice> slices_of(const std::vector<std::string>& files) {
+  const QuietStreams quiet;
+  std::vector<DicomSlice> slices;
+  for (const std::string& file : files) {
+    const auto io = itk::GDCMImageIO::New();
+    io->SetFileName(file);
+    io->ReadImageInformation();
+    const itk::MetaDataDictionary& fields = io->GetMetaDataDictionary();
+    const std::vector<double> place = numbers_of(fields, "0020|0032"), axes = numbers_of(fields, "0020|0037"),
+                              pixel = numbers_of(fields, "0028|0030");
+    if (place.size() != 3 || axes.size() != 6 || pixel.size() != 2) continue;
+    slices.push_back({fs::path(file).filename().string(), Vec3(place[0], place[1], place[2]),
+                      Vec3(axes[0], axes[1], axes[2]), Vec3(axes[3], axes[4], axes[5]),
+                      Vec3(pixel[0], pixel[1], 0)});
+  }
+  return slices;
+}
+
 /// Slices sorted by position; voxels as float, which holds every 16-bit value with its rescale slope.
 RawImage read_dicom_series(const fs::path& path, Context& context) {
   using Image = itk::Image<float, 3>;
   const std::vector<std::string> files = series_files(path);
+  check_slices(path, slices_of(files));
   const auto reader = itk::ImageSeriesReader<Image>::New();
   reader->SetImageIO(itk::GDCMImageIO::New());
   reader->SetFileNames(files);

@@ -6,6 +6,7 @@
 
 #include "file_fault.hpp"
 #include "mesh_formats.hpp"
+#include "utf8.hpp"
 
 namespace lumesh {
 
@@ -51,8 +52,9 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh, cons
   refuse(path, ".vtp or .stl for a boundary");
 }
 
-MixedMesh read_mesh(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
+namespace {
+
+MixedMesh read_by_extension(const std::filesystem::path& path) {
   const std::string extension = lower_extension(path);
   if (extension == ".vtu") return io::read_vtu(path);
   if (extension == ".vtk" || extension == ".vtk.gz") return io::read_legacy_vtk(path);
@@ -62,6 +64,16 @@ MixedMesh read_mesh(const std::filesystem::path& path) {
   if (extension == ".stl") return io::read_stl(path);
   if (extension == ".vtp") return io::read_vtp_surface(path);
   refuse(path, ".vtu, .vtk, .mesh, .meshb, .msh, .stl or .vtp");
+}
+
+}  // namespace
+
+MixedMesh read_mesh(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
+  MixedMesh mesh = read_by_extension(path);
+  for (Patch& patch : mesh.info.patches) patch.name = io::as_utf8(std::move(patch.name));
+  for (auto& [label, name] : mesh.info.label_names) name = io::as_utf8(std::move(name));
+  return mesh;
 }
 
 bool is_mesh_file(const std::filesystem::path& path) {

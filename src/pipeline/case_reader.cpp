@@ -1,5 +1,12 @@
 #include <fmt/core.h>
+
+#include <stdexcept>
+// The parser asserts what a text may break, such as "[.a]": an exception instead.
+#define TOML_ASSERT(expr) ((expr) ? static_cast<void>(0) : throw std::logic_error("unexpected character"))
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wterminate"
 #include <toml++/toml.h>
+#pragma GCC diagnostic pop
 
 #include <cmath>
 #include <fstream>
@@ -50,6 +57,8 @@ class CaseReader {
       return toml::parse(text, name_);
     } catch (const toml::parse_error& error) {
       refuse(error.source(), std::string(error.description()));
+    } catch (const std::logic_error& broken) {
+      throw Error(ErrorKind::kBadInput, fmt::format("{}: is no TOML ({})", name_, broken.what()));
     }
   }
 

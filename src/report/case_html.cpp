@@ -78,12 +78,28 @@ std::string case_header(const CaseReport& report) {
     html += "<span class=\"badge bad\">the last mesh is invalid</span>";
   else
     html += "<span class=\"badge\">complete</span>";
-  std::size_t warnings = 0;
+  // What measures say of earlier meshes is over with these.
+  std::size_t warnings = last != nullptr ? last->evaluation->warnings.size() : 0;
   for (const StageReport& stage : report.stages) warnings += stage.warnings.size();
   html += fmt::format("<p>From the image to the mesh in {} {}, {}", report.stages.size(),
                       report.stages.size() == 1 ? "step" : "steps", duration(report.seconds));
   if (warnings > 0) html += fmt::format("; {} {}", warnings, warnings == 1 ? "warning" : "warnings");
   return html + ".</p></header>\n";
+}
+
+std::string angles_tile(double smallest_deg, double largest_deg, const std::string& of) {
+  return tile(fmt::format("{:.1f}° – {:.1f}°", smallest_deg, largest_deg), "dihedral angles" + of);
+}
+
+/// How good a mesh with layers is: its two parts.
+std::string parts_tiles(const LayersOfMesh& layers) {
+  const TetrahedronStatistics& core = layers.core.tetrahedra;
+  return angles_tile(core.smallest_dihedral_deg.value, core.largest_dihedral_deg.value,
+                     " besides the layers; good between 10° and 165°") +
+         angles_tile(
+             layers.shapes.smallest_dihedral_deg, layers.shapes.largest_dihedral_deg,
+             fmt::format(" of the layers, which are flat by design (longest edge to height {:.3g} at most)",
+                         layers.shapes.largest_aspect));
 }
 
 /// How good a mesh is. @param aside  Which one, where it is not the last.
@@ -96,13 +112,12 @@ std::string quality_tiles(const Evaluation& e, const std::string& aside) {
     html += tile(fmt::format("{:.2f}", e.metric->mean_mean_ratio),
                  fmt::format("quality on average{}, 1 is best (worst {:.2f}; good from 0.1)", aside,
                              e.metric->smallest_mean_ratio.value));
-  } else {
+  } else if (aside.empty()) {
     html += tile(fmt::format("{:.2f}", t.mean_mean_ratio),
-                 fmt::format("quality on average{}, 1 is best (worst {:.2f}; good from 0.1)", aside,
+                 fmt::format("quality on average, 1 is best (worst {:.2f}; good from 0.1)",
                              t.smallest_mean_ratio.value));
-    html +=
-        tile(fmt::format("{:.1f}° – {:.1f}°", t.smallest_dihedral_deg.value, t.largest_dihedral_deg.value),
-             "dihedral angles" + aside + "; good between 10° and 165°");
+    html += angles_tile(t.smallest_dihedral_deg.value, t.largest_dihedral_deg.value,
+                        "; good between 10° and 165°");
   }
   if (e.image && e.image->distances)
     html += tile(fmt::format("{:.2f}", e.image->distances->mesh_to_image_mm.mean / e.image->voxel_size_mm),
@@ -128,6 +143,7 @@ std::string case_tiles(const CaseReport& report) {
   std::string html = "<div class=\"tiles\">";
   if (const StageReport* last = last_evaluated(report)) {
     html += size_tiles(*last);
+    if (last->layers) html += parts_tiles(*last->layers);
     if (const StageReport* plain = last_without_layers(report))
       html += quality_tiles(*plain->evaluation, last->layers ? ", before the layers" : "");
   }

@@ -211,6 +211,20 @@ TEST_F(StlFile, InTextWithSeveralSolidsInCapitals) {
   EXPECT_EQ(read("a.stl", solid + solid).triangles.size(), 2U);
 }
 
+TEST_F(ForeignText, NamesInLatin1BecomeUtf8) {
+  const auto named = [&](const std::string& name) {
+    return read("a.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"" + name +
+                             "\"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 "
+                             "1\n$EndNodes\n$Elements\n2\n1 "
+                             "2 2 1 1 1 2 3\n2 4 2 1 1 1 2 3 4\n$EndElements\n")
+        .info.patches.at(0)
+        .name;
+  };
+  EXPECT_EQ(named("Ausla\xDF"), "Ausla\u00DF");
+  EXPECT_EQ(named("Ausla\u00DF \u2192 \U0001F600"), "Ausla\u00DF \u2192 \U0001F600");
+  EXPECT_EQ(named("\xC0\xAF"), "\u00C0\u00AF") << "an overlong form is none";
+}
+
 TEST_F(StlFile, SolidsArePatches) {
   const auto solid = [](const std::string& name, const std::string& z) {
     return "solid " + name + "\n facet normal 0 0 1\n outer loop\n vertex 0 0 " + z + "\n vertex 1 0 " + z +

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 #include "lumesh/core/error.hpp"
 
@@ -129,8 +130,37 @@ TEST_F(CaseFile, RefusesWhatContradictsItself) {
             "a.toml: [output] a.vtu is named for two files; give each its own name");
   EXPECT_EQ(refusal("[input]\nimage = \"a.nrrd\"\n[metric]\nvelocity = \"phantom\"\n"),
             "a.toml: [metric] velocity = \"phantom\" needs [input] phantom");
+  for (const char* text :
+       {"[.a]\nx = 1\n", "[# x\n", ".=1\n", "[[\n", "a..b = 1\n", "= 1\n", "[a\n", "\x01 = 2\n"})
+    EXPECT_EQ(refusal(text).substr(0, 7), "a.toml:") << text;
   EXPECT_EQ(refusal("[input]\nimage = \"a.nrrd\"\nthreshold = 1\nbelow = 2\n"),
             "a.toml: [input] threshold and below exclude each other; give one of them");
+}
+
+/// Whatever stands in a file: a case, or one line.
+TEST_F(CaseFile, RandomChangesAreReadOrRefused) {
+  const std::string good =
+      "mesher = \"lattice\"\n[input]\nphantom = \"torus\" # a ring\n[lattice]\nspacing = 2.5\n[layers]\n"
+      "patch = [\"wall\",\n 'inlet_1']\nfirst_height = 1e-1\n[a.b]\nc = { d = 2020-01-01, e = 0xff }\n";
+  constexpr std::uint64_t kSeed = 7;
+  std::mt19937_64 random(kSeed);
+  const std::string alphabet = "[]{}.=\"'#,\n\r\t \\x0b1eE+-_:u\x01\xff";
+  for (int i = 0; i < 4000; ++i) {
+    std::string text = good;
+    for (std::size_t n = 1 + random() % 4; n > 0; --n) {
+      const std::size_t at = random() % text.size();
+      if (random() % 3 == 0)
+        text.erase(at, 1 + random() % 8);
+      else
+        text.insert(at, 1, alphabet[random() % alphabet.size()]);
+    }
+    try {
+      (void)read(text);
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos)
+          << "seed " << kSeed << ": " << error.what();
+    }
+  }
 }
 
 TEST_F(CaseFile, ReadsLayersWithTheNamesOfTheOptions) {
