@@ -133,6 +133,7 @@ AdaptReport adapt_as_told(AdaptCommand& command, metric::MetricField& field, con
                           TetMesh& mesh, Context& context) {
   command.options.execution = command.kernel.execution_kind();
   command.options.team = command.kernel.team(command.run.threads);
+  command.options.keep_within = boundary.keep_within();
   if (command.reconnection == "original") command.options.reconnection = Reconnection::kOriginal;
   if (command.placement == "centroid") command.options.placement = PointPlacement::kCentroid;
   const AdaptReport report =

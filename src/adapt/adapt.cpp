@@ -239,7 +239,7 @@ AdaptReport adapt_once(TetMesh& mesh, const metric::MetricField& field, const op
 /// Vertices of patches that keep their volume come to stand over them; no tetrahedron falls below a mean
 /// ratio of 0.4 or, where it was near or below that, loses more than a tenth of it. Sheets of the outside
 /// that have come to cross each other are drawn apart.
-void settle(TetMesh& mesh, const operators::PatchShapes& shapes) {
+void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators::KeepWithin& keep_within) {
   const auto is_any = [&](auto property) { return std::any_of(shapes.begin(), shapes.end(), property); };
   // Within planes and frozen surfaces the outside stays where it is.
   if (!is_any([](const auto& shape) { return shape.freedom == operators::PatchFreedom::kCurved; })) return;
@@ -253,7 +253,8 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes) {
     return ratio >= std::min<double>(kFloor, kKept * mesh.quality(t));
   };
   if (is_any([](const auto& shape) { return shape.keeps_volume; }))
-    operators::settle(mesh, operators::places_on_shapes(shapes), {.may_become = may_become});
+    operators::settle(mesh, operators::places_on_shapes(shapes),
+                      {.may_become = may_become, .keep_within = keep_within});
   operators::draw_apart(mesh, shapes);
   metric::measure_qualities(mesh);
 }
@@ -263,7 +264,7 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes) {
 AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
                   const AdaptOptions& options, Context& context) {
   AdaptReport report = adapt_once(mesh, field, shapes, options, context);
-  context.phase("settling", [&] { settle(mesh, shapes); });
+  context.phase("settling", [&] { settle(mesh, shapes, options.keep_within); });
   return report;
 }
 
@@ -285,7 +286,7 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
     report.complexity = next.complexity;
     report.complete = next.complete;
   }
-  context.phase("settling", [&] { settle(mesh, shapes); });
+  context.phase("settling", [&] { settle(mesh, shapes, options.keep_within); });
   return report;
 }
 

@@ -6,7 +6,8 @@
 
 namespace lumesh {
 
-AdaptedBoundary::AdaptedBoundary(TetMesh& mesh, const BoundaryOptions& options, Context& context) {
+AdaptedBoundary::AdaptedBoundary(TetMesh& mesh, const BoundaryOptions& options, Context& context)
+    : image_(options.image) {
   constexpr double kNoCreases = 180, kTolerance = 1e-10;
   origins_ = context.phase("creases", [&] {
     return operators::cut_patches_at_creases(mesh,
@@ -24,6 +25,10 @@ AdaptedBoundary::AdaptedBoundary(TetMesh& mesh, const BoundaryOptions& options, 
   if (options.is_frozen || !options.image) return;
   patches_on_image_ =
       context.phase("surfaces", [&] { return operators::follow_image(mesh, options.image, shapes_); });
+}
+
+operators::KeepWithin AdaptedBoundary::keep_within() const {
+  return image_ ? operators::within_cuts_of(*image_) : operators::KeepWithin();
 }
 
 void AdaptedBoundary::restore_patches(TetMesh& mesh) const {

@@ -10,28 +10,30 @@ namespace {
 
 constexpr int kExitCode = 4;  // Of the program, when it gives up.
 
+/// What is ignored stays so, as under nohup or in the background of a script.
 sigset_t watched_signals() {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action = {};
+    sigaction(signal, nullptr, &action);
+    if (action.sa_handler != SIG_IGN) sigaddset(&signals, signal);
+  }
   return signals;
 }
 
 }  // namespace
 
-Stopper::Stopper(Options options) : options_(std::move(options)) {
+Stopper::Stopper(Options options) : options_(std::move(options)), signals_(watched_signals()) {
   // Threads made from now on inherit this: the watcher alone takes signals.
-  const sigset_t signals = watched_signals();
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
   watcher_ = std::jthread([this](const std::stop_token& over) { watch(over); });
 }
 
 Stopper::~Stopper() {
   watcher_.request_stop();
   watcher_.join();
-  const sigset_t signals = watched_signals();
-  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
 }
 
 void Stopper::watch(const std::stop_token& over) {
@@ -39,11 +41,10 @@ void Stopper::watch(const std::stop_token& over) {
   const auto seconds = [start = std::chrono::steady_clock::now()] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
-  const sigset_t signals = watched_signals();
   double give_up_s = std::numeric_limits<double>::infinity();
   int count = 0;
   while (!over.stop_requested()) {
-    if (sigtimedwait(&signals, nullptr, &kLook) > 0) {
+    if (sigtimedwait(&signals_, nullptr, &kLook) > 0) {
       if (++count > 1) give_up();
       if (options_.on_signal) options_.on_signal();
       if (!source_.stop_requested()) stop(Reason::kSignal);

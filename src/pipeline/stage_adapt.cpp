@@ -52,6 +52,7 @@ void adapt_mesh(CaseState& state, report::StageReport& stage) {
   const AdaptedBoundary boundary = boundary_of(state);
   AdaptOptions options = state.c.adapt;
   options.team.threads = state.threads();
+  options.keep_within = boundary.keep_within();
   const AdaptReport report =
       wanted > 0 ? adapt_to_complexity(state.mesh, field, boundary.shapes(), wanted, options, state.context)
                  : adapt(state.mesh, field, boundary.shapes(), options, state.context);

@@ -15,7 +15,8 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from cube import cube, write_medit, write_sol
-from program import BAD_INPUT, LUMESH, MEMORY, TIME_LIMIT, USAGE, MeshTest
+import nrrd
+from program import BAD_INPUT, LUMESH, MEMORY, TIME_LIMIT, USAGE, MeshTest, take_signals
 
 
 def write_cube(path, n, one_patch=False):
@@ -200,10 +201,30 @@ class AdaptTest(MeshTest):
                                  "-o", self.out)
         self.assert_ended_early(result.returncode, result.stderr, "time limit of 1.5 s")
 
+    def test_an_adapted_wall_stays_within_the_image(self):
+        """A vessel that grazes the border, whose wall went 0.19 mm beyond it."""
+        start, end, radius = (-3, 3.44, 17.57), (33, 1.24, 24.77), 3.861
+        axis = [b - a for a, b in zip(start, end)]
+        length2 = sum(x * x for x in axis)
+
+        def is_inside(*voxel):
+            off = [x - a for x, a in zip(voxel, start)]
+            along = sum(o * x for o, x in zip(off, axis)) / length2
+            return sum((o - along * x) ** 2 for o, x in zip(off, axis)) < radius ** 2
+
+        image, first, sized = self.folder / "graze.nrrd", self.folder / "first.vtu", self.folder / "sized.vtu"
+        nrrd.write(image, [30] * 3, [int(is_inside(i, j, k)) for k in range(30) for j in range(30) for i in range(30)])
+        self.run_well("delaunay", image, "--delta", 1.2, "-o", first)
+        self.run_well("metric", first, "--curvature", "--max-size", 6, "--min-size", 0.8, "-o", sized)
+        self.run_well("adapt", sized, "--allow-pieces", "--image", image, "-o", self.out)
+        low, high = json.loads(self.run_well("info", self.out, "--json").stdout)["box"]
+        self.assertGreater(min(low), -0.5 - 1e-6)
+        self.assertLess(max(high), 29.5 + 1e-6)
+
     def test_an_interrupt_ends_it_within_a_second(self):
         self.out.write_bytes(b"what was there")
         with subprocess.Popen([LUMESH, "adapt", self.cube, "--analytic", "polar-2", "--complexity", "500000", "-o", self.out],
-                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=take_signals) as process:
             time.sleep(1.5)
             process.send_signal(signal.SIGINT)
             sent = time.monotonic()

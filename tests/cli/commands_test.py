@@ -15,7 +15,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import nrrd
-from program import BAD_INPUT, LUMESH, NOT_REACHED, USAGE, ProgramTest
+from program import BAD_INPUT, LUMESH, NOT_REACHED, USAGE, ProgramTest, take_signals
 
 SIZE = 24
 
@@ -318,7 +318,7 @@ class SignalTest(CommandTest):
             for which in (signal.SIGTERM, signal.SIGINT):
                 with self.subTest(command[0], signal=which), subprocess.Popen(
                         [LUMESH, *map(str, command), *(("-o", str(good)) if command[0] != "evaluate" else ())],
-                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=take_signals) as process:
                     time.sleep(0.4)
                     if process.poll() is not None:
                         continue  # On a fast machine.
@@ -330,6 +330,12 @@ class SignalTest(CommandTest):
                     self.assertEqual(errors.splitlines()[-1], "lumesh: error: interrupted; nothing was written")
         self.assertEqual(good.read_bytes(), b"what was there")
         self.assertEqual({path.name for path in self.folder.iterdir()}, before)
+
+    def test_what_nohup_ignores_stays_ignored(self):
+        words = f"trap '' HUP; '{LUMESH}' lattice '{self.image}' -o '{self.mesh}' --spacing 0.3 & sleep 0.2; kill -HUP $!; wait $!"
+        result = subprocess.run(["bash", "-c", words], capture_output=True, text=True, timeout=120, check=False)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertTrue(self.mesh.exists())
 
 
 class OutputTest(CommandTest):

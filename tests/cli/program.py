@@ -1,6 +1,7 @@
 """What the tests of the program share: a folder of their own, running it, and how it must refuse."""
 import json
 import pathlib
+import signal
 import shutil
 import subprocess
 import sys
@@ -9,6 +10,12 @@ import unittest
 
 USAGE, BAD_INPUT, NOT_REACHED, TIME_LIMIT, MEMORY = 1, 2, 3, 4, 5
 LUMESH = str(pathlib.Path(sys.argv.pop(1)).resolve())
+
+
+def take_signals():
+    """For preexec_fn: what the tests themselves were told to ignore, as in the background of a script, lumesh is not."""
+    for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(which, signal.SIG_DFL)
 
 
 class ProgramTest(unittest.TestCase):

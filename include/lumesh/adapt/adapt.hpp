@@ -12,6 +12,7 @@
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/operators/operators.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
+#include "lumesh/operators/settling.hpp"
 #include "lumesh/parallel/team.hpp"
 
 namespace lumesh {
@@ -42,6 +43,8 @@ struct AdaptOptions {
   Reconnection reconnection = Reconnection::kOptimised;
   ExecutionKind execution = ExecutionKind::kOrdered;
   parallel::TeamOptions team = {};
+  operators::KeepWithin keep_within =
+      {};  ///< Where vertices of curved patches may be in the end; null: everywhere.
 
   /// @throws Error{kUsage} that names the field.
   void validate() const;

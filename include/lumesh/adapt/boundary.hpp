@@ -9,6 +9,7 @@
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
+#include "lumesh/operators/settling.hpp"
 
 namespace lumesh {
 
@@ -31,6 +32,8 @@ class AdaptedBoundary {
   [[nodiscard]] const operators::PatchShapes& shapes() const { return shapes_; }
   /// Patches that follow the image.
   [[nodiscard]] std::size_t patches_on_image() const { return patches_on_image_; }
+  /// Within the image, if there is one. Good as long as this is.
+  [[nodiscard]] operators::KeepWithin keep_within() const;
   /// Joins what was cut at creases: `mesh` has the patches again that it had.
   void restore_patches(TetMesh& mesh) const;
 
@@ -38,6 +41,7 @@ class AdaptedBoundary {
   std::vector<PatchId> origins_;
   operators::PatchShapes shapes_;
   std::size_t patches_on_image_ = 0;
+  std::shared_ptr<const ImageDomain> image_;
 };
 
 }  // namespace lumesh

@@ -2,6 +2,7 @@
 /// @file Ends long work in good order when its time is up or the user interrupts the program.
 
 #include <atomic>
+#include <csignal>
 #include <functional>
 #include <limits>
 #include <stop_token>
@@ -9,8 +10,9 @@
 
 namespace lumesh::parallel {
 
-/// Watches the clock and the signals SIGINT and SIGTERM, and asks whoever holds the token to stop. One at a
-/// time; make it before other threads start, so that signals come here.
+/// Watches the clock and the signals SIGINT, SIGTERM and SIGHUP, but those that are ignored (nohup), and asks
+/// whoever holds the token to stop. One at a time; make it before other threads start, so that signals come
+/// here.
 class Stopper {
  public:
   enum class Reason { kNone, kTime, kSignal };
@@ -41,6 +43,7 @@ class Stopper {
   void give_up() const;
 
   Options options_;
+  sigset_t signals_;
   std::stop_source source_;
   std::atomic<Reason> reason_ = Reason::kNone;
   std::atomic<bool> finishes_ = false;
