@@ -13,6 +13,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import debian_python
 
 debian_python.run_here_or_under_debian({"dolfinx": "python3-dolfinx"})
+debian_python.skip_unless_fenics_runs()
 
 import numpy as np
 import tubes

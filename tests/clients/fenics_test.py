@@ -12,6 +12,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import debian_python
 
 debian_python.run_here_or_under_debian({"dolfinx": "python3-dolfinx"})
+debian_python.skip_unless_fenics_runs()
 
 from fenics_mesh import Stokes, TaggedMesh
 from solver_meshes import Meshes

@@ -11,8 +11,18 @@ BLOOD_M2_S = 3.3e-6
 SECONDS = 1800
 
 
+def foam_environment():
+    return os.environ | {"WM_PROJECT_DIR": os.environ.get("WM_PROJECT_DIR", DEBIAN_PROJECT_DIR)}
+
+
+def runs(program):
+    """Whether it is here and starts, which MPI may keep it from in a container."""
+    return shutil.which(program) is not None and subprocess.run(
+        [program, "-help"], capture_output=True, check=False, env=foam_environment()).returncode == 0
+
+
 def missing(*programs):
-    return [program for program in programs if shutil.which(program) is None]
+    return [program for program in programs if not runs(program)]
 
 
 def run(*command, **options):
@@ -37,8 +47,7 @@ class Case:
         dictionary(self.folder / "system/fvSolution")
 
     def foam(self, *command):
-        project = os.environ.get("WM_PROJECT_DIR", DEBIAN_PROJECT_DIR)
-        return run(*command, cwd=self.folder, env=os.environ | {"WM_PROJECT_DIR": project})
+        return run(*command, cwd=self.folder, env=foam_environment())
 
 
 def check_mesh(case):

@@ -91,6 +91,6 @@ class LayersTest(unittest.TestCase):
 
 if __name__ == "__main__":
     if foam_case.missing("checkMesh", "simpleFoam"):
-        print("SKIP: OpenFOAM is missing; scripts/packages.sh solvers installs it")
+        print("SKIP: OpenFOAM is missing or does not run; scripts/packages.sh solvers installs it")
         sys.exit(SKIPPED)
     unittest.main(verbosity=2)

@@ -80,6 +80,6 @@ class OpenFoamTest(unittest.TestCase):
 
 if __name__ == "__main__":
     if foam_case.missing("checkMesh"):
-        print("SKIP: OpenFOAM's checkMesh is missing; scripts/packages.sh solvers installs it")
+        print("SKIP: OpenFOAM's checkMesh is missing or does not run; scripts/packages.sh solvers installs it")
         sys.exit(SKIPPED)
     unittest.main(verbosity=2)
