@@ -176,6 +176,7 @@ void run(AdaptCommand command) {
   const MixedMesh whole =
       kept ? context.phase("put back", [&] { return kept->put_back(mesh); }) : MixedMesh();
   command.output_path = long_run.begin_writing(command.output_path, report.complete);
+  command.json_path = long_run.begin_writing(command.json_path, report.complete);
   command.metric_output_path = long_run.begin_writing(command.metric_output_path, report.complete);
   context.phase("write", [&] {
     const MeshView view = kept ? whole.view() : mesh.view(faces);

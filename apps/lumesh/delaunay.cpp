@@ -137,6 +137,7 @@ void run(DelaunayCommand command) {
   const bool is_complete = result.report.complete && (!improved || improved->complete);
   command.mesh_path = long_run.begin_writing(command.mesh_path, is_complete);
   command.surface_path = long_run.begin_writing(command.surface_path, is_complete);
+  command.json_path = long_run.begin_writing(command.json_path, is_complete);
   context.phase("write", [&] {
     MeshView view = mesh.view(faces);
     view.metric = {};  // What improvement works with says nothing.

@@ -96,6 +96,7 @@ void run(ImproveCommand command) {
   MeshView view = kept ? whole.view() : mesh.view(faces);
   if (!command.options.sizes) view.metric = {};  // What improvement works with says nothing.
   command.output_path = long_run.begin_writing(command.output_path, report.complete);
+  command.json_path = long_run.begin_writing(command.json_path, report.complete);
   context.phase("write", [&] { write_mesh(command.output_path, view); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())

@@ -29,14 +29,16 @@ void remove_unfinished_files() {
   namespace fs = std::filesystem;
   const std::string mark = fmt::format(".part-{}-", ::getpid());
   std::error_code failed;
-  for (const fs::directory_entry& open : fs::directory_iterator("/proc/self/fd", failed)) {
-    const fs::path file = fs::read_symlink(open.path(), failed);
-    if (!failed && file.filename().string().find(mark) != std::string::npos) fs::remove(file, failed);
+  fs::directory_iterator open("/proc/self/fd", failed);
+  for (; !failed && open != fs::directory_iterator(); open.increment(failed)) {
+    std::error_code ignored;
+    const fs::path file = fs::read_symlink(open->path(), ignored);
+    if (!ignored && file.filename().string().find(mark) != std::string::npos) fs::remove(file, ignored);
   }
 }
 
 [[noreturn]] void give_up() {
-  print_error("lumesh: error: interrupted; nothing was written\n");
+  print_error("lumesh: error: interrupted; no unfinished file is left\n");
   std::fflush(stderr);
   remove_unfinished_files();
   std::_Exit(static_cast<int>(ErrorKind::kTimeLimit));
@@ -66,10 +68,24 @@ LongRun::LongRun(Context& context, const RunOptions& options, double limit_s)
 
 std::string LongRun::begin_writing(const std::string& path, bool complete) {
   stopper_.finish();
-  if (path.empty()) return path;
-  const std::filesystem::path target(path);
-  if (complete || !std::filesystem::is_regular_file(target)) return path;
-  return (target.parent_path() / target.stem()).string() + ".partial" + target.extension().string();
+  namespace fs = std::filesystem;
+  const fs::path target(path);
+  const bool is_case = target.extension() == ".foam";  // Its mesh is the folder constant/polyMesh beside it.
+  const bool is_there =
+      is_case ? fs::exists(target.parent_path() / "constant" / "polyMesh") : fs::exists(target);
+  if (path.empty() || complete || !is_there || fs::is_character_file(target) || fs::is_fifo(target))
+    return path;
+  for (int number = 1;; ++number) {
+    const std::string word = number == 1 ? "partial" : fmt::format("partial-{}", number);
+    const fs::path folder = target.parent_path() / word;
+    const fs::path free =
+        is_case || fs::is_directory(target)
+            ? folder / target.filename()
+            : target.parent_path() / (target.stem().string() + "." + word + target.extension().string());
+    if (fs::exists(is_case || fs::is_directory(target) ? folder : free)) continue;
+    if (is_case || fs::is_directory(target)) fs::create_directories(folder);
+    return free.string();
+  }
 }
 
 std::string LongRun::reason(bool complete) const {

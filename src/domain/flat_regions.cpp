@@ -45,7 +45,7 @@ std::vector<bool> flat_regions(const ClosedSurface& surface, const FeatureRegion
 /// Where a region ends: each vertex with the next one, anticlockwise.
 struct Rim {
   std::map<std::uint32_t, std::uint32_t> next;
-  bool is_on_bent = false;
+  bool is_on_bent = true;  // All around.
 
   [[nodiscard]] bool is_one_curve() const {
     if (next.empty()) return false;
@@ -70,7 +70,7 @@ std::vector<Rim> rims_of(const ClosedSurface& surface, const FeatureRegions& reg
     for (std::size_t s = 0; s < 3; ++s) {
       const std::uint32_t other = regions.of_triangle[surface.neighbours[t][s]];
       if (other == region) continue;
-      rims[region].is_on_bent = rims[region].is_on_bent || !is_flat[other];
+      rims[region].is_on_bent = rims[region].is_on_bent && !is_flat[other];
       rims[region].next[surface.triangles[t][s]] = surface.triangles[t][(s + 1) % 3];
     }
   }

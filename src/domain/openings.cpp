@@ -287,6 +287,7 @@ std::vector<Opening> find_openings(const Domain& domain) {
                    .normal = end.normal,
                    .box_mm = end.box_mm,
                    .voxel_mm = domain.resolution_mm(),
+                   .is_of_surface = true,
                    .name = end.name});
   if (!all.empty()) return all;
   for (std::size_t cut = 0; cut < domain.cut_planes().size(); ++cut) {
@@ -360,7 +361,7 @@ OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening>
       OpeningInMesh& found = result.openings[at];
       found.patches += (found.patches.empty() ? "" : " + ") + patch.name;
       found.mesh_area_mm2 += patches[p].area_mm2;
-    } else if (openings.empty() || has_label(openings, patch.labels[0])) {
+    } else if (openings.empty() || (!openings[0].is_of_surface && has_label(openings, patch.labels[0]))) {
       result.others.push_back(
           patch.name);  // What grows on the object, as layers do, has openings of its own.
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "closed_surface.hpp"
@@ -78,6 +79,14 @@ struct SurfaceDomain::Parts {
     const std::vector<surfaces::RegionShape> shapes = surfaces::region_shapes(surface, regions);
     const auto flat =
         std::count_if(shapes.begin(), shapes.end(), [](const auto& s) { return s.is_flat_end; });
+    // A patch of the file is an end if all of it is.
+    std::map<std::int32_t, bool> is_flat_patch;
+    std::map<std::int32_t, int> region_counts;
+    for (std::uint32_t r = 0; r < regions.count(); ++r) {
+      const auto [at, is_new] = is_flat_patch.try_emplace(regions.patches[r], true);
+      at->second = at->second && shapes[r].is_flat_end;
+      ++region_counts[regions.patches[r]];
+    }
     const bool is_one_wall = static_cast<std::size_t>(flat) + 1 == shapes.size();
     for (std::uint32_t r = 0; r < regions.count(); ++r) {  // By falling area.
       Patch patch{"", PatchKind::kWall, {1, kBackground}};
@@ -85,26 +94,19 @@ struct SurfaceDomain::Parts {
       if (has_named_patches) {
         patch.name = name_of_file(r);
         const bool is_called_wall = patch.name.find("wall") != std::string::npos;
-        if (is_opening_of_file(r) || (is_end && !is_called_wall)) patch.kind = PatchKind::kOpening;
+        const bool is_flat = is_flat_patch.at(regions.patches[r]) && !is_called_wall;
+        if (is_opening_of_file(r) || is_flat) patch.kind = PatchKind::kOpening;
       } else if (is_end) {
         patch = {opening_name(ends.size()), PatchKind::kOpening, {1, kBackground}};
       } else {
         patch.name = is_one_wall ? "wall" : "patch_" + std::to_string(r + 1);
       }
-      if (patch.kind == PatchKind::kOpening) add_end(patch.name, shapes[r]);
+      const bool is_one_region = !has_named_patches || region_counts.at(regions.patches[r]) == 1;
+      if (patch.kind == PatchKind::kOpening && is_end && is_one_region)
+        ends.push_back(
+            {patch.name, shapes[r].area_mm2, shapes[r].centre_mm, shapes[r].normal, shapes[r].box_mm});
       of_region.push_back(std::move(patch));
     }
-  }
-  /// Regions of one name are one end.
-  void add_end(const std::string& name, const surfaces::RegionShape& shape) {
-    const auto at =
-        std::find_if(ends.begin(), ends.end(), [&](const FlatEnd& end) { return end.name == name; });
-    if (at == ends.end()) {
-      ends.push_back({name, shape.area_mm2, shape.centre_mm, shape.normal, shape.box_mm});
-      return;
-    }
-    at->area_mm2 += shape.area_mm2;
-    at->box_mm.extend(shape.box_mm);
   }
   [[nodiscard]] const Patch* patch_of_file(std::uint32_t region) const {
     const std::int32_t number = regions.patches[region];

@@ -68,8 +68,9 @@ GreyValues grey_values(std::span<const Value> values) {
     result.most = std::max(result.most, value);
     ++result.count;
   });
-  const double per_bin =
+  const double per_bin_wanted =
       range.most > range.least ? static_cast<double>(GreyValues::kBins) / (range.most - range.least) : 0;
+  const double per_bin = std::isfinite(per_bin_wanted) ? per_bin_wanted : 0;
   GreyValues result = visit_finite(values, [&](GreyValues& block, double value) {
     ++block.bins[std::min(GreyValues::kBins - 1, static_cast<std::size_t>((value - range.least) * per_bin))];
   });

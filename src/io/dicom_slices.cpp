@@ -11,10 +11,11 @@
 namespace lumesh::io {
 namespace {
 
-constexpr double kSameDirection = 1e-3;            // Of unit vectors.
-constexpr double kSameSize = 1e-3;                 // Relative.
-constexpr double kEven = 0.02, kRoundedMm = 0.02;  // Of the spacing, and what files round places to.
-constexpr double kMostTilted = 0.01;               // Sideways, of the way along the normal: 0.6 degrees.
+constexpr double kSameDirection = 1e-3;  // Of unit vectors.
+constexpr double kSameSize = 1e-3;       // Relative.
+constexpr double kEven = 0.02, kRoundedMm = 0.02,
+                 kMostRounded = 0.2;  // Of the spacing, and what files round places to.
+constexpr double kMostTilted = 0.01;  // Sideways, of the way along the normal: 0.6 degrees.
 
 void check_alike(const std::filesystem::path& path, const DicomSlice& first, const DicomSlice& other) {
   if ((first.along_row - other.along_row).norm() > kSameDirection ||
@@ -41,8 +42,13 @@ void check_slices(const std::filesystem::path& path, std::vector<DicomSlice> sli
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
                    sorted.end());
   const double usual = sorted[sorted.size() / 2];
+  if (!(usual > 0))
+    fail(path,
+         fmt::format(
+             "several slices lie in one place, such as {} and {}: this is no volume, or one at several times",
+             slices[0].file, slices[1].file));
   for (std::size_t i = 0; i < gaps.size(); ++i)
-    if (std::abs(gaps[i] - usual) > kEven * usual + kRoundedMm)
+    if (std::abs(gaps[i] - usual) > std::max(kEven * usual, std::min(kRoundedMm, kMostRounded * usual)))
       fail(path, fmt::format(
                      "slices are not evenly spaced: {:.4g} mm between {} and {}, {:.4g} mm elsewhere; is one "
                      "missing? Resample the series",

@@ -73,7 +73,7 @@ LabelImage read_labels(const fs::path& path, const ImageReadOptions& options, Co
   ImageReadOptions taken = options;
   if (options.below) {
     raw = negative_of(raw);
-    taken.threshold = -*options.below;
+    taken.threshold = -static_cast<double>(static_cast<float>(*options.below));
   }
   if (options.labels.empty() && !taken.threshold && io::are_probabilities(raw))
     taken.threshold = io::kEvenProbability;

@@ -18,6 +18,7 @@
 #include "dicom_slices.hpp"
 #include "file_fault.hpp"
 #include "raw_image.hpp"
+#include "utf8.hpp"
 
 namespace lumesh::io {
 
@@ -129,7 +130,7 @@ std::map<Label, std::string> segment_names(const itk::ImageIOBase& io) {
       continue;
     Label label = kBackground;
     const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), label);
-    if (error == std::errc() && end == value.data() + value.size() && label > 0) names[label] = name;
+    if (error == std::errc() && end == value.data() + value.size() && label > 0) names[label] = as_utf8(name);
   }
   return names;
 }

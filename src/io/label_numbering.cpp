@@ -193,7 +193,7 @@ LabelImage threshold_voxels(std::span<const Voxel> voxels, const ImageFrame& fra
   return image;
 }
 
-/// As grey values do, unlike labels: along an axis, of the neighbours that are both in the object.
+/// As grey values do, unlike labels: along two axes or more, of the neighbours that are both in the object.
 bool neighbours_mostly_differ(const LabelImage& image) {
   constexpr std::size_t kFewLabels = 32;
   if (image.values().size() <= kFewLabels) return false;
@@ -225,9 +225,9 @@ bool neighbours_mostly_differ(const LabelImage& image) {
         }
         return a;
       });
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (2 * pairs.different[axis] > pairs.all[axis]) return true;
-  return false;
+  int axes = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) axes += 2 * pairs.different[axis] > pairs.all[axis] ? 1 : 0;
+  return axes >= 2;
 }
 
 template <class Voxel>
@@ -240,7 +240,8 @@ LabelImage number_typed(std::span<const Voxel> voxels, const ImageFrame& frame, 
   map_voxels(voxels, labels, image);
   if (options.labels.empty() && neighbours_mostly_differ(image))
     fail_as_grey(voxels, path,
-                 fmt::format("has {} different values, and neighbours mostly differ: these are no labels",
+                 fmt::format("has {} different values, and neighbours mostly differ: these are hardly labels "
+                             "(else name them by --labels)",
                              labels.size() - 1));
   return image;
 }

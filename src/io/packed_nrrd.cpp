@@ -44,6 +44,14 @@ double unit_mm(std::string_view line) {
   return 1;
 }
 
+/// Of names of files by their numbers, such as "slice%03d.raw".
+bool is_pattern(std::string_view text) {
+  std::size_t at = text.find('%');
+  if (at == std::string_view::npos) return false;
+  at = text.find_first_not_of("0123456789", at + 1);
+  return at != std::string_view::npos && text[at] == 'd';
+}
+
 /// Reads the header; true if it says that one gzip stream in this machine's byte order follows.
 bool gzip_follows(std::istream& in, std::size_t voxel_bytes) {
   bool packed = false;
@@ -77,7 +85,7 @@ NrrdNotes nrrd_notes(const fs::path& path) {
     if (is_field(text, "spacings") || is_field(text, "spacedirections"))
       notes.has_spacing = notes.has_spacing || has_digits;
     if (is_field(text, "spaceunits")) notes.unit_mm = unit_mm(text);
-    if (is_field(text, "datafile") && holds(text, "%"))
+    if (is_field(text, "datafile") && is_pattern(text))
       fail(path, "keeps its voxels in files named by a pattern; save it as one .nrrd file");
   }
   return notes;

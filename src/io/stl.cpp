@@ -56,13 +56,15 @@ class SurfaceBuilder {
     mesh_.triangle_patches.push_back(static_cast<std::int32_t>(solids_.size()) - 1);
   }
   /// What follows belongs to it; solids of one name are one.
-  void begin_solid(const std::string& name) { solids_.push_back(name); }
+  void begin_solid(const std::string& name) {
+    solids_.push_back(name.empty() ? "solid_" + std::to_string(solids_.size() + 1) : name);
+  }
   /// One patch "wall", or one for each solid where there are several.
   MixedMesh finish() {
     if (mesh_.triangles.empty()) fail_damaged(path_, "holds no triangle");
     std::vector<std::int32_t> patch_of;
     for (std::string& name : solids_) {
-      if (solids_.size() == 1 || name.empty()) name = "wall";
+      if (solids_.size() == 1) name = "wall";
       const auto at = std::find_if(mesh_.info.patches.begin(), mesh_.info.patches.end(),
                                    [&](const Patch& patch) { return patch.name == name; });
       patch_of.push_back(static_cast<std::int32_t>(at - mesh_.info.patches.begin()));
@@ -114,7 +116,8 @@ MixedMesh parse_text(const std::filesystem::path& path, const std::string& text)
     if (word == "solid" || word == "endsolid") {
       std::string name;  // It may hold any words.
       std::getline(in, name);
-      if (word == "solid") surface.begin_solid(patch_word(name));
+      const bool has_name = name.find_first_not_of(" \t\r") != std::string::npos;
+      if (word == "solid") surface.begin_solid(has_name ? patch_word(name) : "wall");
     }
     is_complete = word == "endsolid" || (is_complete && word != "facet");
     if ((word == "outer" || word == "endsolid") && corner != 3) fail_damaged(path, "a facet is damaged");

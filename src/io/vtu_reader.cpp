@@ -209,7 +209,10 @@ MixedMesh read_vtp_surface(const std::filesystem::path& path) {
       file.integers(VtkXmlReader::find_array(polys, "connectivity"), "polygon connectivity");
   const auto offsets = file.integers(VtkXmlReader::find_array(polys, "offsets"), "polygon offsets");
   const auto [patch, unnamed] = patch_array(file);
-  const auto patches = patch ? file.integers(patch, "patch") : std::vector<std::int64_t>(offsets.size(), 0);
+  auto patches = patch ? file.integers(patch, "patch") : std::vector<std::int64_t>(offsets.size(), 0);
+  const auto is_odd = [](std::int64_t id) { return id < 0 || id > 1000000; };
+  if (unnamed != "patch_" && std::any_of(patches.begin(), patches.end(), is_odd))
+    patches.assign(patches.size(), 0);  // Numbers of other programs that are none of patches.
   if (patches.size() < offsets.size()) file.fail("does not hold as many patches as polygons");
   std::int64_t begin = 0;
   for (std::size_t p = 0; p < offsets.size(); ++p) {

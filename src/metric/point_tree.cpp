@@ -125,7 +125,7 @@ void refuse_far_points(std::span<const Vec3> places, std::span<const Vec3> point
   // Many points fill what they are of, at least in part: so small or large a box is that of metres beside
   // millimetres.
   constexpr std::size_t kMany = 100;
-  constexpr double kOtherUnit = 100;
+  constexpr double kOtherUnit = 500;
   const double extent = bounding_box(points).sizes().norm();
   const bool has_other_unit =
       reach > 0 && points.size() >= kMany && (extent * kOtherUnit < reach || extent > kOtherUnit * reach);

@@ -16,21 +16,30 @@ Polylines lines_in(const LabelImage& image, const Context& context) {
   if (context.cancelled()) return {};
   try {
     return extract_centerline(image, {}, quiet);
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::kBadInput) throw;
+  } catch (const Error&) {
     return {};
   }
 }
 
 /// A vessel is a good deal longer than wide.
 bool is_vessel(const Polylines& lines, const std::vector<std::uint32_t>& line) {
-  constexpr double kRadii = 4;
+  constexpr double kRadii = 2;
   double length_mm = 0, radius_mm = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
     radius_mm = std::max(radius_mm, lines.scalars.at("radius")[line[i]]);
     if (i > 0) length_mm += (lines.points[line[i]] - lines.points[line[i - 1]]).norm();
   }
   return length_mm > kRadii * radius_mm;
+}
+
+/// Whether a branch leaves another line there.
+bool is_on_another(const Polylines& lines, const std::vector<std::uint32_t>& line, std::uint32_t tip) {
+  const double near_mm = 0.5 * lines.scalars.at("radius")[tip];
+  return std::any_of(lines.lines.begin(), lines.lines.end(), [&](const auto& other) {
+    return &other != &line && std::any_of(other.begin(), other.end(), [&](std::uint32_t p) {
+      return (lines.points[p] - lines.points[tip]).norm() < near_mm;
+    });
+  });
 }
 
 bool is_at_opening(const Vec3& place, double radius_mm, const Opening& opening) {
@@ -44,9 +53,6 @@ bool is_at_opening(const Vec3& place, double radius_mm, const Opening& opening) 
 std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Opening> openings,
                                    Context& context) {
   const Polylines lines = lines_in(image, context);
-  std::vector<int> uses(lines.points.size(), 0);
-  for (const auto& line : lines.lines)
-    for (const std::uint32_t p : line) ++uses[p];
   std::vector<VesselEnd> ends;
   const auto look_at = [&](std::uint32_t tip, std::uint32_t behind) {
     const Vec3& place = lines.points[tip];
@@ -55,13 +61,13 @@ std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Open
       return is_at_opening(place, radius_mm, opening);
     });
     const Vec3 way = place - lines.points[behind];
-    if (uses[tip] == 1 && !is_open && way.norm() > 0) ends.push_back({radius_mm, {place, way.normalized()}});
+    if (!is_open && way.norm() > 0) ends.push_back({radius_mm, {place, way.normalized()}});
   };
   for (const auto& line : lines.lines) {
     if (line.size() < 2 || line.front() == line.back() || !is_vessel(lines, line)) continue;
     const std::size_t back = std::min<std::size_t>(4, line.size() - 1);  // About a radius.
-    look_at(line.front(), line[back]);
-    look_at(line.back(), line[line.size() - 1 - back]);
+    if (!is_on_another(lines, line, line.front())) look_at(line.front(), line[back]);
+    if (!is_on_another(lines, line, line.back())) look_at(line.back(), line[line.size() - 1 - back]);
   }
   std::stable_sort(ends.begin(), ends.end(),
                    [](const VesselEnd& a, const VesselEnd& b) { return a.radius_mm > b.radius_mm; });

@@ -56,9 +56,10 @@ struct Opening {
   double voxel_mm = 1;  ///< The resolution within the plane: what is nearer than this may belong to it.
   /// Where it is: squares of its plane; null if that is not known.
   std::shared_ptr<const OpeningSquares> squares = nullptr;
-  /// Of a wall: it surrounds openings of other labels that are larger than it together.
+  /// Of a wall: it surrounds openings of other labels that have a quarter of its area or more together.
   bool is_rim = false;
-  std::string name = {};  ///< Of its patch in meshes, see find_openings().
+  bool is_of_surface = false;  ///< One of flat_ends(): others may be openings, too.
+  std::string name = {};       ///< Of its patch in meshes, see find_openings().
 
   /// Of the circle with the same area.
   [[nodiscard]] double radius_mm() const { return std::sqrt(area_mm2 / std::numbers::pi); }

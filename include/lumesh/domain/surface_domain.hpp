@@ -70,9 +70,8 @@ class SurfaceDomain final : public Domain {
   /// rest, or "patch_1", "patch_2", … where that is several regions; none for a surface of one region only.
   [[nodiscard]] std::optional<Patch> patch_between(Material inside, Material outside) const override;
 
-  /// Regions in one plane, within 5 % of their radius, that end at one closed curve on a bent region. Where
-  /// the file has several patches, flat ones are ends too, but those called wall; and so is what it calls an
-  /// inlet or outlet.
+  /// Regions in one plane, within 5 % of their radius, that end at one closed curve on bent regions. Where
+  /// the file has several patches, those are ends that are one such region, but for those called wall.
   [[nodiscard]] std::span<const FlatEnd> flat_ends() const override;
 
   [[nodiscard]] std::uint32_t region_count() const;

@@ -25,7 +25,9 @@ namespace lumesh {
 
 /// Whether a patch is where a wall, no lumen, is cut.
 [[nodiscard]] inline bool is_rim_name(std::string_view name) {
-  return name.starts_with("wall_rim");
+  constexpr std::string_view kRim = "wall_rim_";
+  return name.starts_with(kRim) && name.size() > kRim.size() && name[kRim.size()] >= '0' &&
+         name[kRim.size()] <= '9';
 }
 
 /// Whether files that say no more of a patch than its name mean an opening by it.

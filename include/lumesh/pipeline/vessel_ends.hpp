@@ -20,7 +20,7 @@ struct VesselEnd {
 };
 
 /// Ends of centerlines that lie at no opening, by falling radius: vessels that were segmented so far only,
-/// and bulges; of lines more than four times as long as their largest radius. None where there is no
+/// and bulges; of lines more than twice as long as their largest radius. None where there is no
 /// centerline. Of the largest piece. Cost and threads: as extract_centerline().
 [[nodiscard]] std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Opening> openings,
                                                  Context& context);

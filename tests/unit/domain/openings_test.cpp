@@ -96,15 +96,17 @@ LabelImage tube_with(double radius) {
 }
 
 TEST(FindOpenings, RimsOfWallsAreNoOutlets) {
-  const auto openings = find_openings(ImageDomain(tube_with(7.7), {}));
-  std::vector<std::string> of_lumen, of_wall;
-  for (const Opening& o : openings) (o.label == 1 ? of_lumen : of_wall).push_back(o.name);
-  EXPECT_EQ(of_lumen, (std::vector<std::string>{"inlet_1", "outlet_1"}));
-  EXPECT_EQ(of_wall, (std::vector<std::string>{"wall_rim_1", "wall_rim_2"}));
+  for (const double radius : {7.7, 10.0}) {  // The thicker wall has more area than the lumen.
+    std::vector<std::string> of_lumen, of_wall;
+    for (const Opening& o : find_openings(ImageDomain(tube_with(radius), {})))
+      (o.label == 1 ? of_lumen : of_wall).push_back(o.name);
+    EXPECT_EQ(of_lumen, (std::vector<std::string>{"inlet_1", "outlet_1"})) << radius;
+    EXPECT_EQ(of_wall, (std::vector<std::string>{"wall_rim_1", "wall_rim_2"})) << radius;
+  }
 }
 
 TEST(FindOpenings, WhatLiesInALumenMakesNoRimOfIt) {
-  for (const Opening& o : find_openings(ImageDomain(tube_with(2.4), {}))) EXPECT_FALSE(o.is_rim) << o.name;
+  for (const Opening& o : find_openings(ImageDomain(tube_with(2.2), {}))) EXPECT_FALSE(o.is_rim) << o.name;
 }
 
 TEST(FindOpenings, GivesTheSameBitsForEveryNumberOfThreads) {

@@ -37,6 +37,8 @@ TEST(DicomSlices, WhatMakesNoGridIsRefused) {
   std::vector<DicomSlice> twice = series();
   twice.push_back(twice.front());
   EXPECT_NE(fault_of(twice).find("not evenly spaced: 0 mm between s3 and s3"), std::string::npos);
+  std::vector<DicomSlice> cine(5, series().front());
+  EXPECT_NE(fault_of(cine).find("lie in one place"), std::string::npos);
   std::vector<DicomSlice> tilted = series();
   for (DicomSlice& slice : tilted) slice.position_mm += 0.1 * (slice.file[1] - '0') * slice.along_column;
   EXPECT_NE(fault_of(tilted).find("tilted gantry"), std::string::npos);

@@ -39,6 +39,19 @@ TEST(VesselEnds, AreFoundWhereThereIsNoOpening) {
   EXPECT_GT(ends[0].cut.normal.dot(Vec3(0.2, 0.1, 1).normalized()), 0.99);
 }
 
+/// Where a branch leaves its parent, no vessel ends.
+TEST(VesselEnds, AForkHasNone) {
+  Context context;
+  const LabelImage fork = fixtures::voxels_of(fixtures::frame_of({60, 24, 60}), {0, 1}, [](const Vec3& p) {
+    const double across = p.y() - 11.6, up = p.z() - 30;
+    const double trunk = std::hypot(p.x() - 29.4, across);
+    const double arms = std::hypot(std::abs(p.x() - 29.4) - 0.8 * up, across);
+    return (up < 0 && trunk < 5) || (up > -2 && arms < 4.2) ? 1 : 0;
+  });
+  EXPECT_EQ(openings_of(fork).size(), 3U);
+  EXPECT_TRUE(vessel_ends(fork, openings_of(fork), context).empty());
+}
+
 /// Those that are cut as the ends say have the vessel's section.
 TEST(VesselEnds, TheirPlanesCutSquare) {
   Context context;
