@@ -121,6 +121,19 @@ TEST(SurfaceMesh, ATurnedCubeKeepsItsEdgesAndCorners) {
   expect_edges_of_cube(mesh, turn);
 }
 
+/// Points of hollow walls, regions of their own, stand over them as those of the outer one do.
+TEST(SurfaceMesh, AShellKeepsItsVolume) {
+  fixtures::TriangleSoup shell = fixtures::icosphere(4, 2);
+  shell.append(fixtures::icosphere(4, 1).reversed());
+  const SurfaceDomain domain(shell.view());
+  double volume = 0;
+  const TetMesh mesh = mesh_of(domain, 0.3);
+  for (std::uint32_t t = 0; t < mesh.tet_count(); ++t)
+    volume += tetrahedron_volume(mesh.corner(TetId(t), 0), mesh.corner(TetId(t), 1), mesh.corner(TetId(t), 2),
+                                 mesh.corner(TetId(t), 3));
+  EXPECT_NEAR(volume / domain.volume_mm3(), 1, 2e-3);
+}
+
 TEST(SurfaceMesh, ABallOfTrianglesIsABall) {
   const auto ball = fixtures::icosphere(4, 2);
   const TetMesh mesh = mesh_of(SurfaceDomain(ball.view()), 0.2);
