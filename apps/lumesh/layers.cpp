@@ -23,8 +23,6 @@ namespace lumesh::cli {
 
 namespace {
 
-constexpr double kLeastComplete = 0.5;  // Of the area; less and the request was not met.
-
 struct LayersCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, json_path, report_path;
@@ -95,17 +93,11 @@ void run(const LayersCommand& command) {
   say(command.run, "{}: {} layers, {} cells on {} tetrahedra, {:.1f} % of the area complete\n",
       command.output_path, result.report.layers, result.report.cells,
       result.mesh.view().cell_count() - result.report.cells, 100 * result.report.complete());
-  const double complete = result.report.complete();
+  const std::string shortfall = result.report.shortfall();
   write_reports(command, result.mesh, std::move(result.report), context);
   const MeshView before = input.view();
   require_sound(command.output_path, result.mesh.view(), context, "", &before);
-  if (complete < kLeastComplete)
-    throw Error(
-        ErrorKind::kNotReached,
-        fmt::format(
-            "{}: {:.1f} % of the area has layers of the thickness asked for; ask for thinner ones, or "
-            "--relative-to radius",
-            command.output_path, 100 * complete));
+  if (!shortfall.empty()) throw Error(ErrorKind::kNotReached, command.output_path + ": " + shortfall);
 }
 
 void add_height_options(CLI::App& command, LayersCommand& target) {

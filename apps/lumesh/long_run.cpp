@@ -71,20 +71,18 @@ std::string LongRun::begin_writing(const std::string& path, bool complete) {
   namespace fs = std::filesystem;
   const fs::path target(path);
   const bool is_case = target.extension() == ".foam";  // Its mesh is the folder constant/polyMesh beside it.
-  const bool is_there =
-      is_case ? fs::exists(target.parent_path() / "constant" / "polyMesh") : fs::exists(target);
-  if (path.empty() || complete || !is_there || fs::is_character_file(target) || fs::is_fifo(target))
-    return path;
+  const fs::path result = is_case ? target.parent_path() / "constant" / "polyMesh" : target;
+  const bool is_folder = fs::is_directory(result);
+  if (complete || !(is_folder || fs::is_regular_file(result))) return path;
   for (int number = 1;; ++number) {
     const std::string word = number == 1 ? "partial" : fmt::format("partial-{}", number);
-    const fs::path folder = target.parent_path() / word;
-    const fs::path free =
-        is_case || fs::is_directory(target)
-            ? folder / target.filename()
-            : target.parent_path() / (target.stem().string() + "." + word + target.extension().string());
-    if (fs::exists(is_case || fs::is_directory(target) ? folder : free)) continue;
-    if (is_case || fs::is_directory(target)) fs::create_directories(folder);
-    return free.string();
+    const std::string beside =
+        is_folder ? word : fmt::format("{}.{}{}", target.stem().string(), word, target.extension().string());
+    const fs::path free = target.parent_path() / beside;
+    if (fs::exists(free)) continue;
+    if (!is_folder) return free.string();
+    fs::create_directories(free);
+    return (free / target.filename()).string();
   }
 }
 

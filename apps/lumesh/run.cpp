@@ -52,15 +52,10 @@ void require_good(const CaseResult& result, const std::string& besides) {
   if (!result.faults.empty())
     throw Error(ErrorKind::kNotReached, fmt::format("{}{}: the mesh is invalid: {}; do not use it", besides,
                                                     result.folder, fmt::join(result.faults, "; ")));
-  constexpr double kLeastComplete = 0.5;  // As in `lumesh layers`.
   const std::optional<report::LayersOfMesh>& layers = result.report.stages.back().layers;
-  if (layers && layers->report.complete() < kLeastComplete)
-    throw Error(
-        ErrorKind::kNotReached,
-        fmt::format(
-            "{}{}: {:.1f} % of the area has layers of the thickness asked for; ask for thinner ones, or "
-            "relative_to = \"radius\"",
-            besides, result.folder, 100 * layers->report.complete()));
+  const std::string shortfall = layers ? layers->report.shortfall() : "";
+  if (!shortfall.empty())
+    throw Error(ErrorKind::kNotReached, fmt::format("{}{}: {}", besides, result.folder, shortfall));
   if (!result.without_name.empty())
     throw Error(ErrorKind::kNotReached,
                 fmt::format("{}{}: {}", besides, result.folder, result.without_name.front()));

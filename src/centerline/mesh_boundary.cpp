@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/triangle_mesh.hpp"
@@ -48,22 +48,6 @@ Boundary given_boundary(const MeshView& mesh) {
   return boundary;
 }
 
-/// Sets of points that are joined.
-class PointSets {
- public:
-  explicit PointSets(std::size_t points) : parent_(points) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t root(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::size_t a, std::size_t b) { parent_[root(a)] = root(b); }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
 using DirectedEdge = std::array<std::uint32_t, 2>;
 
 /// Edges of one triangle only.
@@ -88,10 +72,10 @@ std::vector<DirectedEdge> open_edges(const Boundary& boundary) {
 /// Adds a fan of triangles to each hole, from the middle of its edges. @return Number of holes.
 std::size_t close_holes(Boundary& boundary) {
   const std::vector<DirectedEdge> edges = open_edges(boundary);
-  PointSets sets(boundary.points.size());
-  for (const DirectedEdge& edge : edges) sets.join(edge[0], edge[1]);
-  std::map<std::size_t, std::vector<DirectedEdge>> holes;
-  for (const DirectedEdge& edge : edges) holes[sets.root(edge[0])].push_back(edge);
+  DisjointSets sets(boundary.points.size());
+  for (const DirectedEdge& edge : edges) sets.merge(edge[0], edge[1]);
+  std::map<std::uint32_t, std::vector<DirectedEdge>> holes;
+  for (const DirectedEdge& edge : edges) holes[sets.find(edge[0])].push_back(edge);
   for (const auto& [root, rim] : holes) {
     Vec3 middle = Vec3::Zero();
     for (const DirectedEdge& edge : rim)
@@ -113,12 +97,12 @@ class CapFinder {
   /// @param outwards  1 if the boundary's triangles point out of it, else -1.
   std::vector<Cap> find(double outwards) {
     for_each_opening([&](std::size_t t) {
-      for (std::size_t n = 1; n < 3; ++n) sets_.join(boundary_.triangles[t][n], boundary_.triangles[t][0]);
+      for (std::size_t n = 1; n < 3; ++n) sets_.merge(boundary_.triangles[t][n], boundary_.triangles[t][0]);
     });
-    std::map<std::size_t, std::size_t> number;
+    std::map<std::uint32_t, std::size_t> number;
     std::vector<Cap> caps;
     for_each_opening([&](std::size_t t) {
-      const auto [at, added] = number.try_emplace(sets_.root(boundary_.triangles[t][0]), caps.size());
+      const auto [at, added] = number.try_emplace(sets_.find(boundary_.triangles[t][0]), caps.size());
       if (added) caps.emplace_back();
       caps[at->second].triangles.push_back(t);
     });
@@ -150,7 +134,7 @@ class CapFinder {
   }
 
   const Boundary& boundary_;
-  PointSets sets_;  // Of points that triangles of openings join.
+  DisjointSets sets_;  // Of points that triangles of openings join.
 };
 
 }  // namespace

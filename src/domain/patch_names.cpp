@@ -8,8 +8,8 @@
 #include <string>
 #include <unordered_map>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/geometry/triangle.hpp"
-#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "opening_names.hpp"
 
@@ -30,9 +30,7 @@ class OpeningGroups {
   /// @param members  The triangles of openings.
   OpeningGroups(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions,
                 std::vector<std::uint32_t> members)
-      : members_(std::move(members)) {
-    parent_.resize(members_.size());
-    for (std::uint32_t i = 0; i < parent_.size(); ++i) parent_[i] = i;
+      : members_(std::move(members)), sets_(members_.size()) {
     join(boundary);
     group(boundary, positions);
   }
@@ -41,11 +39,6 @@ class OpeningGroups {
   [[nodiscard]] const std::vector<Group>& groups() const { return groups_; }
 
  private:
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-
   void join(std::span<const BoundaryTriangle> boundary) {
     struct EdgeOf {
       std::uint64_t edge;
@@ -58,7 +51,7 @@ class OpeningGroups {
       for (std::size_t e = 0; e < 3; ++e) {
         const auto [low, high] = std::minmax(t.vertices[e], t.vertices[(e + 1) % 3]);
         const auto [at, added] = first.try_emplace({std::uint64_t{low} << 32 | high, t.inside, t.outside}, i);
-        if (!added) parent_[root(i)] = root(at->second);
+        if (!added) sets_.merge(i, at->second);
       }
     }
   }
@@ -66,7 +59,7 @@ class OpeningGroups {
   void group(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions) {
     std::map<std::uint32_t, std::size_t> number;
     for (std::uint32_t i = 0; i < members_.size(); ++i) {
-      const auto [at, added] = number.try_emplace(root(i), groups_.size());
+      const auto [at, added] = number.try_emplace(sets_.find(i), groups_.size());
       if (added) groups_.emplace_back();
       Group& group = groups_[at->second];
       const BoundaryTriangle& t = boundary[members_[i]];
@@ -83,7 +76,7 @@ class OpeningGroups {
   }
 
   std::vector<std::uint32_t> members_;
-  std::vector<std::uint32_t> parent_;
+  DisjointSets sets_;  // Of members.
   std::vector<Group> groups_;
 };
 
@@ -250,8 +243,7 @@ std::string PatchNaming::wall(Label label, bool is_only) const {
 }
 
 std::string PatchNaming::between(Label a, Label b) const {
-  return words_.empty() ? name_between(a, b)
-                        : "interface_" + word(std::min(a, b)) + "_" + word(std::max(a, b));
+  return "interface_" + word(std::min(a, b)) + "_" + word(std::max(a, b));
 }
 
 std::string PatchNaming::label(Label label) const {

@@ -12,6 +12,7 @@
 
 #include "file_fault.hpp"
 #include "lumesh/core/memory.hpp"
+#include "lumesh/io/unit_doubt.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::io {
@@ -53,16 +54,13 @@ Mat3 nearest_orthonormal(const fs::path& path, const Mat3& direction, Context& c
   return repaired;
 }
 
-/// Vessels are between a few mm and a body's length.
 void warn_of_size(const fs::path& path, const ImageHeader& header, const ImageFrame& frame,
                   Context& context) {
-  constexpr double kLeastMm = 1, kMostMm = 4000;
-  const double longest_mm = frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).maxCoeff();
+  const std::string doubt = unit_doubt(frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).maxCoeff());
   if (!header.has_spacing)
     context.warn(path.string() + ": says nothing of the size of voxels; taken as 1 mm");
-  else if (longest_mm < kLeastMm || longest_mm > kMostMm)
-    context.warn(fmt::format("{}: is {:.3g} mm long; is its spacing in {}? lumesh takes it as mm",
-                             path.string(), longest_mm, longest_mm < kLeastMm ? "metres" : "micrometres"));
+  else if (!doubt.empty())
+    context.warn(path.string() + ": " + doubt);
 }
 
 }  // namespace

@@ -85,6 +85,15 @@ double LayerReport::complete() const {
   return area > 0 ? sum / area : 0;
 }
 
+std::string LayerReport::shortfall() const {
+  constexpr double kLeast = 0.5;
+  if (complete() >= kLeast) return "";
+  return fmt::format(
+      "{:.1f} % of the area has layers of the thickness asked for; ask for thinner ones, or relative to the "
+      "radius",
+      100 * complete());
+}
+
 namespace {
 
 /// Layers thicker than the whole mesh are a slip, mostly of units.

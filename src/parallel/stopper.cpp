@@ -46,7 +46,6 @@ void Stopper::watch(const std::stop_token& over) {
   while (!over.stop_requested()) {
     if (sigtimedwait(&signals_, nullptr, &kLook) > 0) {
       if (++count > 1) give_up();
-      if (options_.on_signal) options_.on_signal();
       if (!source_.stop_requested()) stop(Reason::kSignal);
       give_up_s = seconds() + options_.patience_s;
     }

@@ -3,11 +3,13 @@
 #include <fmt/core.h>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/point_data_file.hpp"
 #include "lumesh/io/points_file.hpp"
+#include "lumesh/io/unit_doubt.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
 
 namespace lumesh {
@@ -99,15 +101,9 @@ MixedMesh read_surface(const std::filesystem::path& path) {
 }
 
 void warn_of_unit(const MixedMesh& surface, const std::filesystem::path& path, const Context& context) {
-  constexpr double kLeastMm = 1, kMostMm = 4000;
   if (surface.points.empty()) return;
-  Box3 box;
-  for (const Vec3& p : surface.points) box.extend(p);
-  const double longest_mm = box.sizes().maxCoeff();
-  if (longest_mm >= kLeastMm && longest_mm <= kMostMm) return;
-  context.warn(
-      fmt::format("{}: is {:.3g} mm long; is it in {}? lumesh takes coordinates as mm: scale it first",
-                  path.string(), longest_mm, longest_mm < kLeastMm ? "metres" : "micrometres"));
+  const std::string doubt = unit_doubt(bounding_box(surface.points).sizes().maxCoeff());
+  if (!doubt.empty()) context.warn(path.string() + ": " + doubt);
 }
 
 std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface, const SurfaceDomainOptions& options) {

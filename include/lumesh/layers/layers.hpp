@@ -101,6 +101,8 @@ struct LayerReport {
   std::uint64_t cells = 0;                ///< Of the layers.
   LayerShares surface;                    ///< Of all patches together.
   [[nodiscard]] double complete() const;  ///< Share of the area of all patches.
+  /// A line if that is less than half: the request was not met.
+  [[nodiscard]] std::string shortfall() const;
 };
 
 /// Height of each layer of a complete column, from the surface on, in mm or times the scale.

@@ -22,8 +22,7 @@ class Stopper {
     /// After a signal the work may take so long to end in good order, unless finish() was called; then, and
     /// at a second signal, `give_up` is called by the watching thread.
     double patience_s = std::numeric_limits<double>::infinity();
-    std::function<void()> on_signal = {};  ///< When the first one comes.
-    std::function<void()> give_up = {};    ///< Ends the program; empty: exit code 4 without a word.
+    std::function<void()> give_up = {};  ///< Ends the program; empty: exit code 4 without a word.
   };
 
   explicit Stopper(Options options);

@@ -2,7 +2,6 @@
 #include "lumesh/io/image_file.hpp"
 
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -10,55 +9,22 @@
 #include <cstring>
 
 #include "../src/io/raw_image.hpp"
-#include "image_bytes.hpp"
-#include "io_fixtures.hpp"
+#include "image_reading.hpp"
 #include "lumesh/io/sha256.hpp"
 
 namespace lumesh {
 namespace {
 
 using fixtures::bytes_of;
+using fixtures::deflated;
 using fixtures::NiftiBytes;
 using fixtures::NrrdText;
 using fixtures::sixty_voxels;
 using fixtures::TemporaryFolder;
 using fixtures::write_file;
+using fixtures::zlib_packed;
 
-/// As MetaIO packs voxels.
-std::string zlib_packed(const std::string& text) {
-  std::string out(text.size() + 1024, '\0');
-  uLongf bytes = out.size();
-  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(out.data()), &bytes,
-                     reinterpret_cast<const Bytef*>(text.data()), text.size()),
-            Z_OK);
-  out.resize(bytes);
-  return out;
-}
-
-std::string deflated(const std::string& text) {
-  std::string out(text.size() + 1024, '\0');
-  z_stream stream = {};
-  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string in = text;
-  stream.next_in = reinterpret_cast<Bytef*>(in.data());
-  stream.avail_in = static_cast<uInt>(in.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
-
-class ImageFile : public testing::Test {
- protected:
-  LabelImage read(const std::string& name, const std::string& content, const ImageReadOptions& options = {}) {
-    return read_image(write_file(folder_ / name, content), options, context_);
-  }
-  TemporaryFolder folder_;
-  std::vector<std::string> warnings_;
-  Context context_{{}, [this](std::string_view text) { warnings_.emplace_back(text); }};
-};
+class ImageFile : public fixtures::ImageReading {};
 
 TEST_F(ImageFile, NumbersLabelsInAscendingOrderAfterBackground) {
   std::vector<std::int16_t> voxels(60, 300);
@@ -108,157 +74,6 @@ TEST_F(ImageFile, ThresholdIsInclusive) {
   EXPECT_EQ(image.values(), (std::vector<Label>{0, 1}));
   EXPECT_EQ(std::count(image.voxels().begin(), image.voxels().end(), 1), 1);
   EXPECT_EQ(image.voxels()[7], 1);
-}
-
-TEST_F(ImageFile, BelowTakesWhatIsDarkAndPlacesItsBoundary) {
-  std::vector<float> voxels(60, 9.5F);
-  voxels[20] = 4, voxels[21] = 4.5F;
-  const LabelImage image = read("a.nrrd", NrrdText{.type = "float"}.with(bytes_of(voxels)), {.below = 4.5});
-  EXPECT_EQ(std::count(image.voxels().begin(), image.voxels().end(), 1), 2);
-  EXPECT_EQ(image.voxels()[20], 1);
-  EXPECT_EQ(image.voxels()[21], 1);
-  const auto crossing = std::find_if(image.crossings().begin(), image.crossings().end(),
-                                     [](const FaceCrossing& c) { return c.voxel == 20 - 3 && c.axis == 1; });
-  ASSERT_NE(crossing, image.crossings().end());
-  EXPECT_NEAR(crossing->fraction, 5 / 5.5, 1e-6);  // From 9.5 down to 4.5 of 9.5 to 4.
-  EXPECT_THROW(read("b.nrrd", NrrdText{}.with(bytes_of(sixty_voxels())), {.threshold = 1, .below = 2}),
-               Error);
-  EXPECT_THROW(read("c.nrrd", NrrdText{}.with(bytes_of(sixty_voxels())), {.labels = {1}, .below = 2}), Error);
-}
-
-TEST_F(ImageFile, GreyValuesAreAskedBackWithAThreshold) {
-  const auto refusal = [&](const std::string& content) {
-    try {
-      read("grey.nrrd", content);
-    } catch (const NotLabels& grey) {
-      EXPECT_EQ(grey.kind(), ErrorKind::kBadInput);
-      return std::string(grey.what());
-    }
-    ADD_FAILURE() << "taken for labels";
-    return std::string();
-  };
-  std::vector<float> fractions(60, 10.25F);
-  fractions[3] = 200;
-  const std::string of_fractions = refusal(NrrdText{.type = "float"}.with(bytes_of(fractions)));
-  EXPECT_NE(of_fractions.find("from 10.25 to 200"), std::string::npos) << of_fractions;
-  EXPECT_NE(of_fractions.find("1.7 % are at or above"), std::string::npos) << of_fractions;
-  std::vector<std::int16_t> hounsfield(60, -1000);
-  hounsfield[5] = 300;
-  EXPECT_NE(refusal(NrrdText{.type = "int16"}.with(bytes_of(hounsfield))).find("--threshold"),
-            std::string::npos);
-  std::vector<std::uint8_t> ramp(60);
-  for (std::size_t i = 0; i < ramp.size(); ++i) ramp[i] = static_cast<std::uint8_t>(i + 1);
-  const std::string of_ramp = refusal(NrrdText{}.with(bytes_of(ramp)));
-  EXPECT_NE(of_ramp.find("60 different values"), std::string::npos) << of_ramp;
-  EXPECT_EQ(read("ramp.nrrd", NrrdText{}.with(bytes_of(ramp)), {.labels = {7, 8}}).values(),
-            (std::vector<Label>{0, 7, 8}))
-      << "labels that are asked for by name";
-}
-
-TEST_F(ImageFile, ManyLabelsInBlocksAreLabels) {
-  std::vector<std::uint8_t> voxels;
-  for (int k = 0; k < 6; ++k)
-    for (int j = 0; j < 20; ++j)
-      for (int i = 0; i < 12; ++i)
-        voxels.push_back(static_cast<std::uint8_t>(1 + i / 3 + 4 * (j / 4) + 20 * (k / 3)));
-  EXPECT_EQ(read("a.nrrd", NrrdText{.sizes = "12 20 6"}.with(bytes_of(voxels))).values().size(), 41U);
-}
-
-TEST_F(ImageFile, KeepsTheNamesOfSlicersSegments) {
-  NrrdText nrrd;
-  nrrd.extra =
-      "Segment0_ID:=Segment_1\nSegment0_LabelValue:=2\nSegment0_Layer:=0\nSegment0_Name:=left ICA\n"
-      "Segment1_LabelValue:=5\nSegment1_Name:=gone\nSegment2_Name:=no value\nSegment3_LabelValue:=x\n"
-      "Segment3_Name:=wrong value\n";
-  const LabelImage image = read("a.seg.nrrd", nrrd.with(bytes_of(sixty_voxels())));
-  EXPECT_EQ(image.label_names(), (std::map<Label, std::string>{{2, "left ICA"}}));
-}
-
-/// The format's checksum tells, where inflating alone succeeds.
-TEST_F(ImageFile, DamagedCompressedVoxelsAreSeen) {
-  const std::string voxels = bytes_of(sixty_voxels());
-  const auto fault_of = [&](const std::string& name, const std::string& content) {
-    return fixtures::error_of([&] { (void)read(name, content); });
-  };
-  const auto flipped = [](std::string packed, std::size_t from_end) {
-    packed[packed.size() - from_end] = static_cast<char>(packed[packed.size() - from_end] ^ 0x21);
-    return packed;
-  };
-  const std::string nrrd =
-      "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 4 5\nspacings: 1 1 1\nencoding: gzip\n\n";
-  EXPECT_NO_THROW((void)read("good.nrrd", nrrd + deflated(voxels)));
-  EXPECT_NE(fault_of("a.nrrd", nrrd + flipped(deflated(voxels), 8)).find("damaged"), std::string::npos);
-  // Larger than what zlib reads at once: else it does not look like NIfTI.
-  const std::string nifti =
-      NiftiBytes{.dimensions = {3, 100, 100, 100, 1, 1, 1, 1}}.with(std::string(1000000, '\1'));
-  EXPECT_NO_THROW((void)read("good.nii.gz", deflated(nifti)));
-  const std::string of_nifti = fault_of("a.nii.gz", flipped(deflated(nifti), 8));
-  EXPECT_NE(of_nifti.find("damaged"), std::string::npos) << of_nifti;
-  const std::string meta =
-      "ObjectType = Image\nNDims = 3\nDimSize = 3 4 5\nElementSpacing = 1 1 1\nCompressedData = True\n"
-      "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n";
-  EXPECT_NO_THROW((void)read("good.mha", meta + zlib_packed(voxels)));
-  EXPECT_NE(fault_of("a.mha", meta + flipped(zlib_packed(voxels), 4)).find("damaged"), std::string::npos);
-}
-
-TEST_F(ImageFile, UnitsOfNrrdAreFollowedAndWhatBreaksItsLibraryIsRefused) {
-  const std::string voxels = bytes_of(sixty_voxels());
-  NrrdText nrrd;
-  nrrd.frame += "space units: \"cm\" \"cm\" \"cm\"\n";
-  EXPECT_EQ(read("cm.nrrd", nrrd.with(voxels)).frame().spacing_mm, Vec3(10, 10, 10));
-  NrrdText longest;
-  longest.extra = "# " + std::string(100000, 'x') + "\n";
-  EXPECT_NE(fixtures::error_of([&] { (void)read("long.nrrd", longest.with(voxels)); }).find("very long line"),
-            std::string::npos);
-  NrrdText files;
-  files.extra = "data file: %9999d 1 5 1\n";
-  EXPECT_NE(fixtures::error_of([&] { (void)read("files.nhdr", files.with("")); }).find("named by a pattern"),
-            std::string::npos);
-}
-
-TEST_F(ImageFile, WarnsOfSpacingThatIsNotThereOrNotInMillimetres) {
-  const auto warning = [&](const std::string& name, const std::string& content) {
-    warnings_.clear();
-    read(name, content);
-    return warnings_.empty() ? std::string() : warnings_.front();
-  };
-  const std::string voxels = bytes_of(sixty_voxels());
-  NrrdText nrrd;
-  EXPECT_EQ(warning("good.nrrd", nrrd.with(voxels)), "");
-  nrrd.frame = "";
-  EXPECT_NE(warning("none.nrrd", nrrd.with(voxels)).find("says nothing of the size of voxels"),
-            std::string::npos);
-  nrrd.frame = "spacings: 0.0005 0.0005 0.0005\n";
-  EXPECT_NE(warning("metres.nrrd", nrrd.with(voxels)).find("in metres?"), std::string::npos);
-  nrrd.frame = "spacings: 900 900 900\n";
-  EXPECT_NE(warning("micrometres.nrrd", nrrd.with(voxels)).find("in micrometres?"), std::string::npos);
-  EXPECT_NE(warning("none.mha",
-                    "ObjectType = Image\nNDims = 3\nDimSize = 3 4 5\nElementType = MET_UCHAR\n"
-                    "ElementDataFile = LOCAL\n" +
-                        voxels)
-                .find("says nothing of the size of voxels"),
-            std::string::npos);
-}
-
-TEST_F(ImageFile, WarnsWhereSformAndQformDiffer) {
-  const std::string voxels = bytes_of(sixty_voxels());
-  const auto warnings_of = [&](const NiftiBytes& nifti) {
-    warnings_.clear();
-    read("a.nii", nifti.with(voxels));
-    return warnings_;
-  };
-  NiftiBytes nifti;
-  nifti.qform_code = 1;
-  EXPECT_TRUE(warnings_of(nifti).empty());
-  nifti.qform[3] = 3;  // Offset by 3 voxels.
-  ASSERT_EQ(warnings_of(nifti).size(), 1U);
-  EXPECT_NE(warnings_[0].find("by 3 voxels at a corner; the sform is taken"), std::string::npos)
-      << warnings_[0];
-  nifti.qform_code = 0;
-  EXPECT_TRUE(warnings_of(nifti).empty()) << "there is no qform";
-  nifti.pixel_size[2] = 2;
-  ASSERT_EQ(warnings_of(nifti).size(), 1U);
-  EXPECT_NE(warnings_[0].find("1 x 2 x 1 by its pixdim"), std::string::npos) << warnings_[0];
 }
 
 TEST_F(ImageFile, PlacesNrrdVoxelsByItsDirections) {
