@@ -118,7 +118,7 @@ void run(DelaunayCommand command) {
   command.options.seeding = seeding_of(command.seeding);
   command.options.sizing = sizing.get();
   command.options.team = command.kernel.team(command.run.threads);
-  const std::vector<PatchRenaming> renamings = renamings_for(command.openings, domain);
+  const std::vector<PatchRenaming> renamings = renamings_for(command.openings, given.openings);
   DelaunayResult result = naming(input_path, [&] { return mesh_delaunay(domain, command.options, context); });
   TetMesh& mesh = result.mesh;
   std::optional<ImproveReport> improved;
@@ -149,7 +149,7 @@ void run(DelaunayCommand command) {
   if (given.shape && command.input.cut_planes.empty())
     for (const std::string& line : context.phase("check", [&] { return differences(*given.shape, mesh); }))
       context.warn(line);
-  const OpeningsCompared openings = checked_openings(mesh.view(faces), domain, context);
+  const OpeningsCompared openings = checked_openings(mesh.view(faces), domain, given.openings, context);
   if (sizing)
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;

@@ -59,11 +59,10 @@ void add_opening_options(CLI::App& command, OpeningOptions& options) {
       "Exit with 3, after the mesh was written, if an opening is missing or its area is more than 5 % off");
 }
 
-std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, const Domain& domain) {
+std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, std::span<const Opening> openings) {
   if (options.names.empty()) return {};
-  return naming("--name", [&] {
-    return with_patches(renamings_from(options.names), named_openings(find_openings(domain)));
-  });
+  return naming("--name",
+                [&] { return with_patches(renamings_from(options.names), named_openings(openings)); });
 }
 
 void require_openings(const OpeningOptions& options, const std::string& path,
@@ -77,14 +76,10 @@ void require_openings(const OpeningOptions& options, const std::string& path,
                     doubts.size() > 1 ? fmt::format("; {} openings are wrong in all", doubts.size()) : ""));
 }
 
-std::string closed_vessels(const LabelImage& image, const Domain& domain, Context& context) {
-  return context.phase("ends", [&] { return closed_vessel_warning(image, find_openings(domain), context); });
-}
-
-OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain, Context& context) {
+OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain,
+                                  std::span<const Opening> openings, Context& context) {
   if (domain.cut_planes().empty() && domain.flat_ends().empty()) return {};
-  OpeningsCompared compared =
-      context.phase("openings", [&] { return compare_openings(mesh, find_openings(domain)); });
+  OpeningsCompared compared = context.phase("openings", [&] { return compare_openings(mesh, openings); });
   for (const std::string& doubt : doubts_about(compared)) context.warn(doubt);
   return compared;
 }
@@ -101,7 +96,10 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
     const MixedMesh surface = context.phase("read", [&] { return read_surface(input.path); });
     warn_of_unit(surface, input.path, context);
     return naming(input.path, [&] {
-      return DomainRead{context.phase("domain", [&] { return domain_of(surface, input.surface); })};
+      std::unique_ptr<Domain> domain =
+          context.phase("domain", [&] { return domain_of(surface, input.surface); });
+      std::vector<Opening> openings = find_openings(*domain);
+      return DomainRead{std::move(domain), std::move(openings)};
     });
   }
   const LabelImage image =
@@ -112,8 +110,12 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
   std::unique_ptr<Domain> domain = naming(input.path, [&] {
     return context.phase("domain", [&] { return std::make_unique<ImageDomain>(image, options); });
   });
-  std::string closed = closed_vessels(image, *domain, context);
-  return {std::move(domain), context.phase("shape", [&] { return shape_of(image); }), std::move(closed)};
+  DomainRead read{std::move(domain)};
+  read.openings = context.phase("openings", [&] { return find_openings(*read.domain); });
+  read.closed_vessels =
+      context.phase("ends", [&] { return closed_vessel_warning(image, read.openings, context); });
+  read.shape = context.phase("shape", [&] { return shape_of(image); });
+  return read;
 }
 
 }  // namespace lumesh::cli

@@ -33,6 +33,7 @@ void check_domain_options(const CLI::App& command, const DomainInput& input);
 
 struct DomainRead {
   std::unique_ptr<Domain> domain;
+  std::vector<Opening> openings = {};    ///< Of the domain.
   std::optional<ImageShape> shape = {};  ///< Of an image.
   std::string closed_vessels = {};       ///< A line, if all its vessels end inside.
 };
@@ -50,13 +51,12 @@ void add_opening_options(CLI::App& command, OpeningOptions& options);
 
 /// The names as patches of a mesh of the domain are to get them; known before it is made.
 /// @throws Error{kBadInput} as with_patches().
-[[nodiscard]] std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, const Domain& domain);
-
-/// A line for an image whose vessels all end inside, else nothing.
-[[nodiscard]] std::string closed_vessels(const LabelImage& image, const Domain& domain, Context& context);
+[[nodiscard]] std::vector<PatchRenaming> renamings_for(const OpeningOptions& options,
+                                                       std::span<const Opening> openings);
 
 /// The openings of a mesh against its domain's; warns of those that are wrong.
-[[nodiscard]] OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain, Context& context);
+[[nodiscard]] OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain,
+                                                std::span<const Opening> openings, Context& context);
 
 /// @param without_name  Lines of rename_found().
 /// @throws Error{kNotReached} if a patch that has a name by the user is missing, or if the user is strict and

@@ -13,6 +13,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/pipeline/vessel_ends.hpp"
 
 namespace lumesh::cli {
 
@@ -100,8 +101,10 @@ void run(const LatticeCommand& command) {
   const ImageDomain domain = naming(command.image_path, [&] {
     return context.phase("domain", [&] { return ImageDomain(image, domain_options); });
   });
-  const std::vector<PatchRenaming> renamings = renamings_for(command.openings, domain);
-  const std::string closed = closed_vessels(image, domain, context);
+  const std::vector<Opening> openings = context.phase("openings", [&] { return find_openings(domain); });
+  const std::vector<PatchRenaming> renamings = renamings_for(command.openings, openings);
+  const std::string closed =
+      context.phase("ends", [&] { return closed_vessel_warning(image, openings, context); });
   LatticeResult result = mesh_lattice(image, domain, options, context);
   const std::vector<std::string> without_name = rename_found(result.mesh.info, renamings);
   result.mesh.info.provenance = provenance_of(*command.self, command.image_path);
@@ -111,11 +114,11 @@ void run(const LatticeCommand& command) {
   });
   for (const std::string& note : result.report.notes) context.warn(note);
   if (!closed.empty()) context.warn(closed);
-  const OpeningsCompared openings = checked_openings(result.mesh.view(), domain, context);
+  const OpeningsCompared compared = checked_openings(result.mesh.view(), domain, openings, context);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  if (command.run.quiet == 0) print_summary(command, result, openings, context, elapsed.count());
+  if (command.run.quiet == 0) print_summary(command, result, compared, context, elapsed.count());
   require_sound(command.mesh_path, result.mesh.view(), context);
-  require_openings(command.openings, command.mesh_path, openings, without_name);
+  require_openings(command.openings, command.mesh_path, compared, without_name);
 }
 
 }  // namespace
