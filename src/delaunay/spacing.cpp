@@ -68,7 +68,7 @@ double Spacing::thickness(const Vec3& x, const Vec3& direction, Material of, dou
   const double least_step = 0.3 * domain_->resolution_mm();
   for (double t = least_step; t < most;) {
     const Domain::Surroundings there = domain_->surroundings(x + t * direction);
-    if (domain_->is_cut(there.material)) return most;
+    if (domain_->is_beyond_opening(there.material)) return most;
     if (there.material != of && (domain_->is_meshed(there.material) || domain_->is_meshed(of))) return t;
     t += std::max(0.95 * there.clearance_mm, least_step);
   }
@@ -83,7 +83,7 @@ std::size_t Spacing::HashOfPlace::operator()(const Place& place) const {
 }
 
 double Spacing::spacing_of_shape(const Vec3& x, Material first, Material second) const {
-  if (domain_->is_cut(first) || domain_->is_cut(second)) return delta_mm_;
+  if (domain_->is_beyond_opening(first) || domain_->is_beyond_opening(second)) return delta_mm_;
   const auto cube_of = [&](int axis) { return static_cast<std::int32_t>(std::floor(x[axis] / cube_mm_)); };
   const Place place{{cube_of(0), cube_of(1), cube_of(2)}, {std::min(first, second), std::max(first, second)}};
   return measured_.get(place, [&] { return static_cast<float>(measured_spacing(place)); });

@@ -257,6 +257,10 @@ std::optional<Patch> SurfaceDomain::patch_between(Material inside, Material outs
   return parts_->of_region[region];
 }
 
+bool SurfaceDomain::is_beyond_opening(Material m) const {
+  return m != kInside && parts_->of_region[region_of(m)].kind == PatchKind::kOpening;
+}
+
 std::span<const FlatEnd> SurfaceDomain::flat_ends() const {
   return parts_->ends;
 }

@@ -86,13 +86,6 @@ class Votes {
   std::size_t faces_ = 0;
 };
 
-/// What lies beyond a cut, unless the domain knows it as a wall, as of a closed surface in several regions.
-bool is_opening(const Domain& domain, const Pair& pair) {
-  if (!domain.is_cut(pair[1])) return false;
-  const std::optional<Patch> known = domain.patch_between(pair[0], pair[1]);
-  return !known || known->kind != PatchKind::kWall;
-}
-
 /// The boundary that each patch is; none for openings, and for patches that are several.
 std::vector<std::optional<Pair>> boundaries_of_patches(const TetMesh& mesh, const Domain& domain) {
   const BoundaryFaces faces = mesh.boundary_faces();
@@ -112,7 +105,7 @@ std::vector<std::optional<Pair>> boundaries_of_patches(const TetMesh& mesh, cons
   std::vector<std::optional<Pair>> pairs;
   for (const Votes& patch : votes) {
     const auto pair = patch.clear_winner();
-    pairs.push_back(pair && is_opening(domain, *pair) ? std::nullopt : pair);
+    pairs.push_back(pair && domain.is_beyond_opening((*pair)[1]) ? std::nullopt : pair);
   }
   return pairs;
 }

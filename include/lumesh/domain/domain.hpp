@@ -179,6 +179,9 @@ class Domain {
   /// True for materials that the mesh is made of.
   [[nodiscard]] bool is_meshed(Material m) const { return m > 0 && m < label_count(); }
   [[nodiscard]] bool is_cut(Material m) const { return m >= label_count(); }
+  /// True for what lies beyond an opening. Closed surfaces in several regions know walls among their outer
+  /// materials.
+  [[nodiscard]] virtual bool is_beyond_opening(Material m) const { return is_cut(m); }
 };
 
 }  // namespace lumesh

@@ -134,6 +134,22 @@ TEST(SurfaceMesh, AShellKeepsItsVolume) {
   EXPECT_NEAR(volume / domain.volume_mm3(), 1, 2e-3);
 }
 
+/// Both sides of a thin wall have triangles no larger than it is thick, whichever side comes first.
+TEST(SurfaceMesh, AThinShellIsAsFineInsideAsOutside) {
+  constexpr double kOuter = 2, kInner = 1.75, kThick = kOuter - kInner;
+  const fixtures::TriangleSoup outer = fixtures::icosphere(4, kOuter),
+                               inner = fixtures::icosphere(4, kInner).reversed();
+  const double area = 4 * std::numbers::pi * (kOuter * kOuter + kInner * kInner);
+  const double of_triangle = std::sqrt(3) / 4 * kThick * kThick;
+  for (const auto& [first, second] : {std::pair{outer, inner}, {inner, outer}}) {
+    fixtures::TriangleSoup shell = first;
+    shell.append(second);
+    EXPECT_GT(
+        static_cast<double>(mesh_of(SurfaceDomain(shell.view()), 0.5).boundary_faces().triangles.size()),
+        area / of_triangle);
+  }
+}
+
 TEST(SurfaceMesh, ABallOfTrianglesIsABall) {
   const auto ball = fixtures::icosphere(4, 2);
   const TetMesh mesh = mesh_of(SurfaceDomain(ball.view()), 0.2);
