@@ -95,22 +95,42 @@ void add_probabilities_option(CLI::App& command, ImageSelection& selection) {
       ->excludes("--below");
 }
 
-std::vector<CutPlane> planes_from(const PlaneNumbers& numbers) {
-  std::vector<CutPlane> planes;
-  for (const std::vector<double>& v : numbers) {
+ImageCuts cuts_from(const CutOptions& options) {
+  ImageCuts cuts;
+  for (const std::vector<double>& v : options.planes) {
     const bool finite = std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
     if (!finite || (v[3] == 0 && v[4] == 0 && v[5] == 0))
       throw Error(ErrorKind::kUsage, "--cut-plane needs a finite point and a normal that is not zero");
-    planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
+    cuts.planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
   }
-  return planes;
+  for (const std::string& text : options.places) {
+    const std::optional<Vec3> place = place_from(text);
+    if (!place)
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("--cut-at {}: write a place in mm as X,Y,Z, such as 12.5,-40,8", text));
+    cuts.places_mm.push_back(*place);
+  }
+  return cuts;
 }
 
-void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::string& meaning) {
+LabelImage read_cut_image(const std::string& path, const ImageSelection& selection, const CutOptions& options,
+                          std::vector<CutPlane>& planes, Context& context) {
+  const ImageCuts cuts = cuts_from(options);  // Before time is spent on the image.
+  LabelImage image = context.phase("read", [&] { return read_selected_image(path, selection, context); });
+  planes = naming(path, [&] { return context.phase("cuts", [&] { return cut_off(image, cuts, context); }); });
+  return image;
+}
+
+void add_cut_options(CLI::App& command, CutOptions& options, const std::string& meaning) {
   command
-      .add_option("--cut-plane", planes,
+      .add_option("--cut-plane", options.planes,
                   "Point and normal in mm, x y z nx ny nz: " + meaning + "; may be repeated")
       ->type_size(6);
+  command
+      .add_option("--cut-at", options.places,
+                  "Place in mm, X,Y,Z: the vessel there, and no other, is cut square to its axis, and its "
+                  "smaller part goes; may be repeated")
+      ->allow_extra_args(false);
 }
 
 void add_name_option(CLI::App& command, std::vector<std::string>& names) {

@@ -14,10 +14,10 @@
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
+#include "lumesh/pipeline/image_cuts.hpp"
 #include "lumesh/pipeline/input.hpp"
 
 namespace lumesh::cli {
@@ -71,11 +71,22 @@ void add_selection_options(CLI::App& command, ImageSelection& selection, const s
 /// --probabilities, of commands that ask where the boundary runs.
 void add_probabilities_option(CLI::App& command, ImageSelection& selection);
 
-/// Planes as they come from the command line: x y z nx ny nz each.
-using PlaneNumbers = std::vector<std::vector<double>>;
-void add_cut_plane_option(CLI::App& command, PlaneNumbers& planes, const std::string& meaning);
+/// What of an image is cut off, as it comes from the command line.
+struct CutOptions {
+  std::vector<std::vector<double>> planes;  ///< x y z nx ny nz each.
+  std::vector<std::string> places;          ///< "X,Y,Z" each.
+};
+/// --cut-plane and --cut-at. @param meaning  Of the plane's side, such as "cut off the normal's side".
+void add_cut_options(CLI::App& command, CutOptions& options, const std::string& meaning);
+inline constexpr std::array kCutOptions = {"--cut-plane", "--cut-at"};
 /// @throws Error{kUsage} unless every number is finite and no normal is zero.
-[[nodiscard]] std::vector<CutPlane> planes_from(const PlaneNumbers& numbers);
+[[nodiscard]] ImageCuts cuts_from(const CutOptions& options);
+
+/// An image without what is cut off. @param planes  What cuts it, for its domain.
+/// @throws Error{kBadInput} that names the file.
+[[nodiscard]] LabelImage read_cut_image(const std::string& path, const ImageSelection& selection,
+                                        const CutOptions& options, std::vector<CutPlane>& planes,
+                                        Context& context);
 
 /// --name, of commands that make meshes; texts for renaming_from().
 void add_name_option(CLI::App& command, std::vector<std::string>& names);

@@ -146,7 +146,7 @@ void run(DelaunayCommand command) {
   });
   for (const std::string& note : result.report.notes) context.warn(note);
   if (!given.closed_vessels.empty()) context.warn(given.closed_vessels);
-  if (given.shape && command.input.cut_planes.empty())
+  if (given.shape)
     for (const std::string& line : context.phase("check", [&] { return differences(*given.shape, mesh); }))
       context.warn(line);
   const OpeningsCompared openings = checked_openings(mesh.view(faces), domain, given.openings, context);

@@ -29,7 +29,7 @@ void add_domain_options(CLI::App& command, DomainInput& input) {
       ->required();
   add_selection_options(command, input.selection, "Mesh");
   add_probabilities_option(command, input.selection);
-  add_cut_plane_option(command, input.cut_planes, "cut off what lies on the normal's side");
+  add_cut_options(command, input.cuts, "cut off what lies on the normal's side");
   add_boundary_option(command, input.image.field);
   command
       .add_option("--feature-angle", input.surface.feature_angle_deg,
@@ -38,7 +38,7 @@ void add_domain_options(CLI::App& command, DomainInput& input) {
 }
 
 void check_domain_options(const CLI::App& command, const DomainInput& input) {
-  static_cast<void>(planes_from(input.cut_planes));
+  static_cast<void>(cuts_from(input.cuts));
   input.surface.validate();
   const bool is_surface = is_mesh_file(input.path);
   const auto refuse = [&](const char* option) {
@@ -49,14 +49,16 @@ void check_domain_options(const CLI::App& command, const DomainInput& input) {
   };
   if (!is_surface) return refuse("--feature-angle");
   for (const char* option : kSelectionOptions) refuse(option);
-  for (const char* option : {"--cut-plane", "--boundary"}) refuse(option);
+  for (const char* option : kCutOptions) refuse(option);
+  refuse("--boundary");
 }
 
 void add_opening_options(CLI::App& command, OpeningOptions& options) {
   add_name_option(command, options.names);
-  command.add_flag(
-      "--strict", options.is_strict,
-      "Exit with 3, after the mesh was written, if an opening is missing or its area is more than 5 % off");
+  command.add_flag("--strict", options.is_strict,
+                   "Exit with 3, after the mesh was written, if there is no opening, or one is missing or "
+                   "its area is more "
+                   "than 5 % off");
 }
 
 std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, std::span<const Opening> openings) {
@@ -68,6 +70,9 @@ std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, std::spa
 void require_openings(const OpeningOptions& options, const std::string& path,
                       const OpeningsCompared& openings, const std::vector<std::string>& without_name) {
   if (!without_name.empty()) throw Error(ErrorKind::kNotReached, path + ": " + without_name.front());
+  if (options.is_strict && openings.openings.empty())
+    throw Error(ErrorKind::kNotReached,
+                path + ": has no opening; --cut-at makes one (lumesh info lists where vessels end)");
   const std::vector<std::string> doubts = doubts_about(openings);
   if (options.is_strict && !doubts.empty())
     throw Error(
@@ -102,10 +107,9 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
       return DomainRead{std::move(domain), std::move(openings)};
     });
   }
-  const LabelImage image =
-      context.phase("read", [&] { return read_selected_image(input.path, input.selection, context); });
   ImageDomainOptions options = input.image;
-  options.cut_planes = planes_from(input.cut_planes);
+  const LabelImage image =
+      read_cut_image(input.path, input.selection, input.cuts, options.cut_planes, context);
   // The domain first: it refuses noise, whose shape takes long to tell.
   std::unique_ptr<Domain> domain = naming(input.path, [&] {
     return context.phase("domain", [&] { return std::make_unique<ImageDomain>(image, options); });
@@ -114,7 +118,7 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
   read.openings = context.phase("openings", [&] { return find_openings(*read.domain); });
   read.closed_vessels =
       context.phase("ends", [&] { return closed_vessel_warning(image, read.openings, context); });
-  read.shape = context.phase("shape", [&] { return shape_of(image); });
+  if (options.cut_planes.empty()) read.shape = context.phase("shape", [&] { return shape_of(image); });
   return read;
 }
 

@@ -17,7 +17,7 @@ namespace lumesh::cli {
 struct DomainInput {
   std::string path;
   ImageSelection selection;
-  PlaneNumbers cut_planes;
+  CutOptions cuts;
   ImageDomainOptions image;
   SurfaceDomainOptions surface;
 };
@@ -34,7 +34,7 @@ void check_domain_options(const CLI::App& command, const DomainInput& input);
 struct DomainRead {
   std::unique_ptr<Domain> domain;
   std::vector<Opening> openings = {};    ///< Of the domain.
-  std::optional<ImageShape> shape = {};  ///< Of an image.
+  std::optional<ImageShape> shape = {};  ///< Of an image that is not cut.
   std::string closed_vessels = {};       ///< A line, if all its vessels end inside.
 };
 

@@ -28,7 +28,7 @@ namespace {
 struct EvaluateCommand {
   std::string mesh_path, image_path, centerline_path, reference_path, json_path, report_path, picture_path;
   ImageSelection selection;
-  PlaneNumbers cut_planes;
+  CutOptions cuts;
   std::vector<double> required_dihedral_deg;
   std::size_t times = 0;
   RunOptions run;
@@ -112,16 +112,17 @@ void run(const EvaluateCommand& command) {
                      command.centerline_path, command.reference_path});
   if (!command.centerline_path.empty() && command.image_path.empty())
     throw Error(ErrorKind::kUsage, "--centerline is for the comparison with an image; give --image, too");
+  if (!command.reference_path.empty() && !command.cuts.places.empty())
+    throw Error(ErrorKind::kUsage,
+                "--reference is of the whole object, which --cut-at is not; leave one of them out");
   Context context = make_context(command.run);
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);
   quality::EvaluationInput input;
-  input.cut_planes = planes_from(command.cut_planes);
   std::vector<std::string> warnings;
   LabelImage image;
   if (!command.image_path.empty()) {
-    image = context.phase(
-        "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
+    image = read_cut_image(command.image_path, command.selection, command.cuts, input.cut_planes, context);
     input.image = &image;
     warnings = context.phase("provenance", [&] {
       return doubts_about_image(command.image_path, command.mesh_path, mesh.info,
@@ -160,7 +161,7 @@ void add_evaluate_command(CLI::App& program) {
   sub->add_option("--image", command->image_path, "Label image the mesh was made from");
   add_selection_options(*sub, command->selection, "Take");
   add_probabilities_option(*sub, command->selection);
-  add_cut_plane_option(*sub, command->cut_planes, "as given when the mesh was made");
+  add_cut_options(*sub, command->cuts, "as given when the mesh was made");
   sub->add_option("--centerline", command->centerline_path,
                   "Axes of the vessels (.vtp, by lumesh centerline), or none; default: found in the image");
   sub->add_option("--reference", command->reference_path,

@@ -29,6 +29,7 @@ using json = nlohmann::ordered_json;
 struct InfoCommand {
   std::string path;
   ImageSelection selection;
+  CutOptions cuts;
   std::size_t as_json = 0;
   RunOptions run;
 };
@@ -112,11 +113,11 @@ json describe_openings(std::span<const Opening> openings) {
   return list_of;
 }
 
-/// Where vessels end inside the image, with what cuts them square.
+/// Where vessels end inside the image, with the places to cut them at.
 json describe_ends(std::span<const VesselEnd> ends) {
   json list_of = json::array();
   for (const VesselEnd& end : ends)
-    list_of.push_back({{"radius_mm", short_number(end.radius_mm)}, {"cut_plane", cut_plane_text(end.cut)}});
+    list_of.push_back({{"radius_mm", short_number(end.radius_mm)}, {"cut_at", cut_place_text(end)}});
   return list_of;
 }
 
@@ -156,12 +157,12 @@ json describe_mesh(MixedMesh mesh) {
 }
 
 /// Not of an image with very many labels, or of noise: they are not worth the time.
-void add_openings(const LabelImage& image, json& all, Context& context) {
+void add_openings(const LabelImage& image, const std::vector<CutPlane>& cuts, json& all, Context& context) {
   constexpr std::size_t kMostLabels = 200;
   const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };
   if (image.values().size() > kMostLabels) return leave_out(fmt::format("more than {} labels", kMostLabels));
   try {
-    const std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+    const std::vector<Opening> openings = find_openings(ImageDomain(image, {{}, cuts}));
     all["openings"] = describe_openings(openings);
     all["vessel_ends"] = describe_ends(vessel_ends(image, openings, context));
   } catch (const Error& error) {
@@ -192,10 +193,10 @@ void print_text(const json& all) {
 
 json describe_image_file(const InfoCommand& command, Context& context) {
   try {
-    const LabelImage image =
-        context.phase("read", [&] { return read_selected_image(command.path, command.selection, context); });
+    std::vector<CutPlane> cuts;
+    const LabelImage image = read_cut_image(command.path, command.selection, command.cuts, cuts, context);
     json all = context.phase("labels", [&] { return describe_image(image); });
-    context.phase("openings", [&] { add_openings(image, all, context); });
+    context.phase("openings", [&] { add_openings(image, cuts, all, context); });
     return all;
   } catch (const NotLabels& grey) {
     context.warn(grey.what());
@@ -229,6 +230,7 @@ void add_info_command(CLI::App& program) {
   sub->add_option("file", command->path, std::string("Image ") + kImageFormats + " or mesh")->required();
   add_selection_options(*sub, command->selection, "Look at");
   add_probabilities_option(*sub, command->selection);
+  add_cut_options(*sub, command->cuts, "say what openings there are without what lies on the normal's side");
   sub->add_flag("--json", command->as_json, "Print JSON");
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);

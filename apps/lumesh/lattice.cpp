@@ -25,7 +25,7 @@ struct LatticeCommand {
   std::string mesh_path;
   std::string surface_path;
   ImageSelection selection;
-  PlaneNumbers cut_planes;
+  CutOptions cuts;
   std::vector<std::string> label_fidelity;
   OpeningOptions openings;
   LatticeOptions options;
@@ -92,10 +92,9 @@ void run(const LatticeCommand& command) {
   check_output_folders({command.mesh_path, command.surface_path});
   check_inputs_stay({command.mesh_path, command.surface_path},
                     {command.image_path, command.selection.probabilities});
-  const LabelImage image = context.phase(
-      "read", [&] { return read_selected_image(command.image_path, command.selection, context); });
   ImageDomainOptions domain_options = command.domain;
-  domain_options.cut_planes = planes_from(command.cut_planes);
+  const LabelImage image =
+      read_cut_image(command.image_path, command.selection, command.cuts, domain_options.cut_planes, context);
   LatticeOptions options = command.options;
   options.label_fidelity = parse_label_fidelity(command, image);
   const ImageDomain domain = naming(command.image_path, [&] {
@@ -156,7 +155,7 @@ void add_lattice_command(CLI::App& program) {
       "Hexahedra and pyramids where the lattice is regular, tetrahedra elsewhere");
   add_selection_options(*sub, command->selection, "Mesh");
   add_probabilities_option(*sub, command->selection);
-  add_cut_plane_option(*sub, command->cut_planes, "cut off what lies on the normal's side");
+  add_cut_options(*sub, command->cuts, "cut off what lies on the normal's side");
   add_boundary_option(*sub, command->domain.field);
   add_opening_options(*sub, command->openings);
   add_threads_option(*sub, command->run);

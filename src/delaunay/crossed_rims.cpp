@@ -48,7 +48,7 @@ bool is_within_cuts(const TetMesh& mesh, const Domain& domain, TetId t) {
   for (const CutPlane& cut : domain.cut_planes()) {
     int on_it = 0;
     for (int k = 0; k < 4; ++k) {
-      const double beyond_mm = cut.normal.dot(mesh.corner(t, k) - cut.point_mm);
+      const double beyond_mm = cut.beyond_mm(mesh.corner(t, k));
       if (beyond_mm > touch_mm || mesh.vertex(t, k).value < 4) return false;
       on_it += beyond_mm >= -touch_mm ? 1 : 0;
     }

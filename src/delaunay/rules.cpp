@@ -189,14 +189,13 @@ std::optional<Wish> Rules::wish_of_crossed_opening(TetId t, const Circumsphere& 
   const double touch_mm = 1e-2 * domain_.resolution_mm();
   std::optional<Wish> best;
   for (const CutPlane& cut : domain_.cut_planes()) {
-    if (std::abs(cut.normal.dot(sphere.centre - cut.point_mm)) > sphere.radius) continue;
+    if (std::abs(cut.height(sphere.centre)) > sphere.radius) continue;
     for (const auto& [i, j] : kTetEdges) {
-      const double at_i = cut.normal.dot(mesh_.corner(t, i) - cut.point_mm),
-                   at_j = cut.normal.dot(mesh_.corner(t, j) - cut.point_mm);
+      const double at_i = cut.height(mesh_.corner(t, i)), at_j = cut.height(mesh_.corner(t, j));
       if (std::min(at_i, at_j) > -touch_mm || std::max(at_i, at_j) < touch_mm) continue;
       const Vec3 x = mesh_.corner(t, i) + at_i / (at_i - at_j) * (mesh_.corner(t, j) - mesh_.corner(t, i));
       const Material m = domain_.material_at(x - touch_mm * cut.normal);
-      if (!domain_.is_meshed(m)) continue;
+      if (!domain_.is_meshed(m) || cut.beyond_mm(x + touch_mm * cut.normal) <= 0) continue;
       // The thinner the object is below, the nearer points of the opening may be to its wall.
       const double depth_mm = -std::min(at_i, at_j);
       const double spacing = std::min(spacing_.delta_mm(), 2 * depth_mm);

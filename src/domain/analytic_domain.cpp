@@ -89,7 +89,7 @@ FieldSample AnalyticDomain::depth(const Vec3& x, Material m) const {
   if (m == 0) return {};
   if (!is_cut(m)) return bodies_[m - 1].shape(x);
   const CutPlane& plane = cut_plane(m);
-  return {plane.normal.dot(x - plane.point_mm), plane.normal};
+  return {plane.height(x), plane.normal};
 }
 
 Domain::Surroundings AnalyticDomain::surroundings(const Vec3& point_mm) const {

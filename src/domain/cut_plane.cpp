@@ -1,6 +1,7 @@
 #include "lumesh/domain/cut_plane.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lumesh/parallel/loops.hpp"
 
@@ -11,7 +12,7 @@ namespace {
 double kept_share(const ImageFrame& frame, std::span<const CutPlane> planes, const Vec3& centre_mm) {
   double share = 1;
   for (const CutPlane& plane : planes) {
-    const double beyond = plane.normal.dot(centre_mm - plane.point_mm);
+    const double beyond = plane.beyond_mm(centre_mm);
     const double width = (frame.direction.transpose() * plane.normal).cwiseAbs().dot(frame.spacing_mm);
     share *= std::clamp(0.5 - beyond / width, 0.0, 1.0);
   }
@@ -20,6 +21,13 @@ double kept_share(const ImageFrame& frame, std::span<const CutPlane> planes, con
 }
 
 }  // namespace
+
+double CutPlane::beyond_mm(const Vec3& x) const {
+  const double above = height(x);
+  if (std::isinf(radius_mm)) return above;
+  const double off_axis_mm = (x - point_mm - above * normal).norm();
+  return std::min({above, radius_mm - off_axis_mm, depth_mm - above});
+}
 
 std::vector<double> count_kept_voxels(const LabelImage& image, std::span<const CutPlane> planes) {
   const ImageFrame& frame = image.frame();

@@ -30,7 +30,8 @@ ImageDomain::ImageDomain(const LabelImage& image, const ImageDomainOptions& opti
   for (const CutPlane& plane : options.cut_planes) {
     if (!(plane.normal.norm() > 0) || !plane.normal.allFinite() || !plane.point_mm.allFinite())
       throw Error(ErrorKind::kUsage, "a cut plane needs a finite point and a normal that is not zero");
-    cuts_.push_back({plane.point_mm, plane.normal.normalized()});
+    cuts_.push_back(plane);
+    cuts_.back().normal.normalize();
   }
 }
 
@@ -83,7 +84,7 @@ void ImageDomain::add_border_cuts(const LabelImage& image) {
 ImageDomain::CutDistance ImageDomain::furthest_cut(const Vec3& point_mm) const {
   CutDistance furthest;
   for (std::size_t c = 0; c < cuts_.size(); ++c) {
-    const double beyond = cuts_[c].normal.dot(point_mm - cuts_[c].point_mm);
+    const double beyond = cuts_[c].beyond_mm(point_mm);
     if (beyond > furthest.beyond_mm) furthest = {c, beyond};
   }
   return furthest;
@@ -109,10 +110,10 @@ double ImageDomain::clearance_limit_mm() const {
 MaterialSet ImageDomain::materials_near(const Vec3& point_mm, double reach_mm) const {
   // Beyond cut planes there is only what the farthest of them cuts off, and others that are hardly nearer.
   double beyond_mm = 0;
-  for (const CutPlane& cut : cuts_) beyond_mm = std::max(beyond_mm, cut.normal.dot(point_mm - cut.point_mm));
+  for (const CutPlane& cut : cuts_) beyond_mm = std::max(beyond_mm, cut.beyond_mm(point_mm));
   MaterialSet near = beyond_mm > reach_mm ? MaterialSet() : labels_near(point_mm, reach_mm);
   for (std::size_t c = 0; c < cuts_.size(); ++c)
-    if (cuts_[c].normal.dot(point_mm - cuts_[c].point_mm) >= beyond_mm - reach_mm)
+    if (cuts_[c].beyond_mm(point_mm) >= beyond_mm - reach_mm)
       near.insert(static_cast<Material>(labels_.size() + c));
   return near;
 }
@@ -165,12 +166,12 @@ FieldSample ImageDomain::separation(const Vec3& point_mm, Material first, Materi
     FieldSample result;
     if (is_cut(first)) {
       const CutPlane& plane = cut_plane(first);
-      result.value += plane.normal.dot(point_mm - plane.point_mm);
+      result.value += plane.height(point_mm);
       result.gradient += plane.normal;
     }
     if (is_cut(second)) {
       const CutPlane& plane = cut_plane(second);
-      result.value -= plane.normal.dot(point_mm - plane.point_mm);
+      result.value -= plane.height(point_mm);
       result.gradient -= plane.normal;
     }
     return result;

@@ -213,9 +213,7 @@ std::vector<BoundaryTriangle> with_flat_openings(std::span<const BoundaryTriangl
   for (BoundaryTriangle& face : faces) {
     if (!domain.is_cut(face.outside)) continue;
     const CutPlane& plane = domain.cut_plane(face.outside);
-    const auto is_off = [&](std::uint32_t v) {
-      return std::abs(plane.normal.dot(positions[v] - plane.point_mm)) > most_off_mm;
-    };
+    const auto is_off = [&](std::uint32_t v) { return std::abs(plane.height(positions[v])) > most_off_mm; };
     if (std::any_of(face.vertices.begin(), face.vertices.end(), is_off)) face.outside = 0;
   }
   return faces;

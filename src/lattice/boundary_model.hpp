@@ -26,9 +26,7 @@ struct BoundaryModel {
     for (const Material m : set)
       if (domain.is_cut(m)) body(domain.cut_plane(m));
   };
-  for_each_own([&](const CutPlane& own) {
-    place -= std::max(0.0, own.normal.dot(place - own.point_mm)) * own.normal;
-  });
+  for_each_own([&](const CutPlane& own) { place -= std::max(0.0, own.height(place)) * own.normal; });
   Vec3 move = domain.within_cuts(place) - place;
   for_each_own([&](const CutPlane& own) { move -= own.normal.dot(move) * own.normal; });
   return place + move;

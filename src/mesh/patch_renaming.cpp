@@ -28,22 +28,6 @@ bool is_name(std::string_view text) {
   return !text.empty() && is_letter(text.front()) && std::all_of(text.begin(), text.end(), is_in_names);
 }
 
-/// "x,y,z".
-std::optional<Vec3> place_from(std::string_view text) {
-  Vec3 place;
-  const char* at = text.data();
-  const char* const end = text.data() + text.size();
-  for (int axis = 0; axis < 3; ++axis) {
-    while (at != end && *at == ' ') ++at;
-    const auto [next, error] = std::from_chars(at, end, place[axis]);
-    const bool is_last = axis == 2;
-    if (error != std::errc() || (is_last ? next != end : next == end || *next != ',')) return std::nullopt;
-    at = next + 1;
-  }
-  if (!place.allFinite()) return std::nullopt;
-  return place;
-}
-
 std::string list_of(std::span<const NamedOpening> openings) {
   if (openings.empty()) return "there are no openings";
   std::vector<std::string> texts;
@@ -90,6 +74,21 @@ std::string text_of_missing(const MeshInfo& info, const PatchRenaming& renaming)
 }
 
 }  // namespace
+
+std::optional<Vec3> place_from(std::string_view text) {
+  Vec3 place;
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    while (at != end && *at == ' ') ++at;
+    const auto [next, error] = std::from_chars(at, end, place[axis]);
+    const bool is_last = axis == 2;
+    if (error != std::errc() || (is_last ? next != end : next == end || *next != ',')) return std::nullopt;
+    at = next + 1;
+  }
+  if (!place.allFinite()) return std::nullopt;
+  return place;
+}
 
 std::string patch_word(std::string_view text) {
   std::string word;

@@ -22,10 +22,10 @@ void check_input(const Case& c) {
   if (!input.surface.empty() && c.mesher == Mesher::kLattice)
     refuse("the lattice mesher takes images; for [input] surface set mesher = \"delaunay\"");
   const ImageSelection& selection = input.selection;
-  if (!input.surface.empty() && (!input.cut_planes.empty() || !selection.takes_all()))
+  if (!input.surface.empty() && (!input.cuts.none() || !selection.takes_all()))
     refuse(
-        "[input] labels, threshold, below, probabilities, largest_component and cut_planes are for images; "
-        "leave them out with surface");
+        "[input] labels, threshold, below, probabilities, largest_component, cut_planes and cut_at are for "
+        "images; leave them out with surface");
   if (selection.threshold && selection.below)
     refuse("[input] threshold and below exclude each other; give one of them");
   if (selection.has_level() && !selection.probabilities.empty())

@@ -53,8 +53,10 @@ void add_input_keys(KeyList& list, InputKeys& input) {
   list.key("probabilities", FilePath{&input.selection.probabilities, {}},
            "Image of the object's probability, 0 to 1, on the image's grid, which places the boundary");
   list.key("largest_component", &input.selection.largest_component, "Only the largest connected piece");
-  list.key("cut_planes", &input.cut_planes,
+  list.key("cut_planes", &input.cuts.planes,
            "Planes [x, y, z, nx, ny, nz] in mm that cut off their normal's side");
+  list.key("cut_at", &input.cuts.places_mm,
+           "Places [x, y, z] in mm: the vessel there is cut square to its axis, and its smaller part goes");
   list.choice("boundary", input.field.fidelity, {"smooth", "exact"},
               "Voxels that noise explains better may change side, or every one keeps its side");
   list.number("feature_angle", &input.feature_angle_deg, 1, 180,

@@ -25,9 +25,9 @@ struct FilePath {
   std::vector<std::string> words;
 };
 
-using KeyTarget =
-    std::variant<bool*, int*, std::size_t*, double*, std::optional<double>*, std::string*, std::vector<int>*,
-                 std::vector<std::string>*, std::vector<CutPlane>*, Index3*, Vec3*, Choice, FilePath>;
+using KeyTarget = std::variant<bool*, int*, std::size_t*, double*, std::optional<double>*, std::string*,
+                               std::vector<int>*, std::vector<std::string>*, std::vector<CutPlane>*,
+                               std::vector<Vec3>*, Index3*, Vec3*, Choice, FilePath>;
 
 struct Key {
   std::string section;  ///< Empty: before the first one.

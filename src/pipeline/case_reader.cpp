@@ -192,6 +192,14 @@ class CaseReader {
       if (target->back().normal.isZero(0)) refuse(key, item, "has a plane whose normal is zero");
     }
   }
+  void set(const Key& key, const toml::node& node, std::vector<Vec3>* target) const {
+    target->clear();
+    for (const toml::node& item : array_of(key, node, 0, "a list of places, such as [[10, 20.5, 30]]")) {
+      const toml::array& numbers = array_of(key, item, 3, "a list of places of three numbers each, x y z");
+      target->emplace_back(number_of(key, numbers[0]), number_of(key, numbers[1]),
+                           number_of(key, numbers[2]));
+    }
+  }
   void set(const Key& key, const toml::node& node, Index3* target) const {
     const toml::array& numbers = array_of(key, node, 3, "three whole numbers, such as [256, 256, 254]");
     for (int i = 0; i < 3; ++i) (*target)[i] = integer_of<int>(key, numbers[static_cast<std::size_t>(i)]);

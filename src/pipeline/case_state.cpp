@@ -23,7 +23,7 @@ const Domain& CaseState::domain() {
 const std::shared_ptr<const ImageDomain>& CaseState::domain_of_image() {
   if (image_domain) return image_domain;
   ImageDomainOptions options;
-  options.cut_planes = c.input.cut_planes;
+  options.cut_planes = cut_planes;
   options.field = c.input.field;
   image_domain = naming(input_name, [&] {
     return context.phase("domain", [&] { return std::make_shared<const ImageDomain>(*image, options); });

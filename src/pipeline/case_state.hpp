@@ -23,7 +23,8 @@ struct CaseState {
   Context& context;
 
   std::string input_name, input_sha256;
-  std::optional<LabelImage> image;
+  std::optional<LabelImage> image;   ///< Without what is cut off.
+  std::vector<CutPlane> cut_planes;  ///< Of the image.
   std::optional<Phantom> phantom;
   std::optional<MixedMesh> surface;  ///< Where there is no image.
   std::shared_ptr<const SurfaceDomain> surface_domain =

@@ -50,6 +50,9 @@ struct ValueText {
       return list_of(std::array{p[0], p[1], p[2], n[0], n[1], n[2]}, number);
     });
   }
+  std::string operator()(const std::vector<Vec3>* v) const {
+    return list_of(*v, [](const Vec3& p) { return list_of(std::array{p[0], p[1], p[2]}, number); });
+  }
   std::string operator()(const Index3* v) const {
     return fmt::format("[{}, {}, {}]", (*v)[0], (*v)[1], (*v)[2]);
   }

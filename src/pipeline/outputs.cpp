@@ -46,9 +46,10 @@ void describe_mesh(const CaseState& state, report::StageReport& stage) {
   const MeshView view = state.view(faces);
   quality::EvaluationInput input;
   input.image = state.image ? &*state.image : nullptr;
-  input.phantom = state.phantom ? &*state.phantom : nullptr;
+  const bool is_whole = state.c.input.cuts.places_mm.empty();
+  input.phantom = state.phantom && is_whole ? &*state.phantom : nullptr;
   input.domain = state.image_domain.get();
-  input.cut_planes = state.c.input.cut_planes;
+  input.cut_planes = state.cut_planes;
   input.kernel = &state.mesh;
   // Lines of a surface have no voxels beside them.
   if (state.image && !state.centerline.lines.empty()) input.axes = &state.centerline;

@@ -73,7 +73,10 @@ void read_input(CaseState& state, report::StageReport& stage) {
     make_phantom(state);
   stage.figures.push_back({"Input", state.input_name});
   naming(state.input_name, [&] {
-    if (state.image) describe_image(*state.image, stage);
+    if (!state.image) return;
+    state.cut_planes =
+        state.context.phase("cuts", [&] { return cut_off(*state.image, state.c.input.cuts, state.context); });
+    describe_image(*state.image, stage);
   });
   read_sources(state);
   check_layers(state);

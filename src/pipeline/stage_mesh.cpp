@@ -57,7 +57,7 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
   if (sizing)
     for (const std::string& warning : sizing->warnings()) stage.warnings.push_back(warning);
   if (state.c.improves && state.is_complete) improve_angles(state, result.report, stage);
-  if (state.image && state.c.input.cut_planes.empty())
+  if (state.image && state.cut_planes.empty())
     for (const std::string& line :
          state.context.phase("check", [&] { return differences(shape_of(*state.image), state.mesh); }))
       stage.warnings.push_back(line);

@@ -54,29 +54,27 @@ std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Open
                                    Context& context) {
   const Polylines lines = lines_in(image, context);
   std::vector<VesselEnd> ends;
-  const auto look_at = [&](std::uint32_t tip, std::uint32_t behind) {
+  const auto look_at = [&](std::uint32_t tip) {
     const Vec3& place = lines.points[tip];
     const double radius_mm = lines.scalars.at("radius")[tip];
     const bool is_open = std::any_of(openings.begin(), openings.end(), [&](const Opening& opening) {
       return is_at_opening(place, radius_mm, opening);
     });
-    const Vec3 way = place - lines.points[behind];
-    if (!is_open && way.norm() > 0) ends.push_back({radius_mm, {place, way.normalized()}});
+    if (!is_open) ends.push_back({radius_mm, place});
   };
   for (const auto& line : lines.lines) {
     if (line.size() < 2 || line.front() == line.back() || !is_vessel(lines, line)) continue;
-    const std::size_t back = std::min<std::size_t>(4, line.size() - 1);  // About a radius.
-    if (!is_on_another(lines, line, line.front())) look_at(line.front(), line[back]);
-    if (!is_on_another(lines, line, line.back())) look_at(line.back(), line[line.size() - 1 - back]);
+    for (const std::uint32_t tip : {line.front(), line.back()})
+      if (!is_on_another(lines, line, tip)) look_at(tip);
   }
   std::stable_sort(ends.begin(), ends.end(),
                    [](const VesselEnd& a, const VesselEnd& b) { return a.radius_mm > b.radius_mm; });
   return ends;
 }
 
-std::string cut_plane_text(const CutPlane& plane) {
-  const Vec3 &p = plane.point_mm, n = plane.normal + Vec3::Zero();  // No -0.
-  return fmt::format("{:.6g} {:.6g} {:.6g} {:.4g} {:.4g} {:.4g}", p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
+std::string cut_place_text(const VesselEnd& end) {
+  const Vec3 p = end.place_mm + Vec3::Zero();  // No -0.
+  return fmt::format("{:.6g},{:.6g},{:.6g}", p.x(), p.y(), p.z());
 }
 
 std::string closed_vessel_warning(const LabelImage& image, std::span<const Opening> openings,
@@ -85,11 +83,10 @@ std::string closed_vessel_warning(const LabelImage& image, std::span<const Openi
   const std::vector<VesselEnd> ends = vessel_ends(image, openings, context);
   if (ends.empty()) return "";
   return fmt::format(
-      "no vessel leaves the image, so the mesh has no openings; {} {} inside: cut {} square with --cut-plane "
-      "{} "
+      "no vessel leaves the image, so the mesh has no openings; {} {} inside: cut {} square with --cut-at {} "
       "(lumesh info lists all)",
       ends.size(), ends.size() == 1 ? "ends" : "end", ends.size() == 1 ? "it" : "the widest",
-      cut_plane_text(ends.front().cut));
+      cut_place_text(ends.front()));
 }
 
 }  // namespace lumesh

@@ -155,8 +155,7 @@ class Domain {
   /// How far a point lies beyond the cut plane that it is farthest beyond; negative within all.
   [[nodiscard]] double beyond_cuts_mm(const Vec3& point_mm) const {
     double farthest_mm = -std::numeric_limits<double>::infinity();
-    for (const CutPlane& plane : cut_planes())
-      farthest_mm = std::max(farthest_mm, plane.normal.dot(point_mm - plane.point_mm));
+    for (const CutPlane& plane : cut_planes()) farthest_mm = std::max(farthest_mm, plane.beyond_mm(point_mm));
     return farthest_mm;
   }
   /// Whether a cut plane removes the point.
@@ -168,9 +167,8 @@ class Domain {
     for (int round = 0; round < kRounds && is_beyond; ++round) {
       is_beyond = false;
       for (const CutPlane& plane : cut_planes()) {
-        const double off = plane.normal.dot(point_mm - plane.point_mm);
-        if (off <= 0) continue;
-        point_mm -= off * plane.normal;
+        if (plane.beyond_mm(point_mm) <= 0) continue;
+        point_mm -= plane.height(point_mm) * plane.normal;
         is_beyond = true;
       }
     }

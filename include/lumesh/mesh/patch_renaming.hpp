@@ -15,6 +15,9 @@ namespace lumesh {
 /// and '.'; none at its ends.
 [[nodiscard]] std::string patch_word(std::string_view text);
 
+/// A place written as "x,y,z"; none if it is anything else, or not finite.
+[[nodiscard]] std::optional<Vec3> place_from(std::string_view text);
+
 /// A patch and the name that it is to have.
 struct PatchRenaming {
   std::string patch;                 ///< Its name so far; empty if a place says which opening is meant.

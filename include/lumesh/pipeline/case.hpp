@@ -13,6 +13,7 @@
 #include "lumesh/image/phantom.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/layers/layers.hpp"
+#include "lumesh/pipeline/image_cuts.hpp"
 #include "lumesh/pipeline/input.hpp"
 
 namespace lumesh {
@@ -31,7 +32,7 @@ struct InputKeys {
   std::string phantom;         ///< "carotid", "bifurcation", …
   PhantomSpec phantom_spec;    ///< Size, spacing and noise of the phantom.
   ImageSelection selection;
-  std::vector<CutPlane> cut_planes;
+  ImageCuts cuts;
   LabelFieldOptions field;  ///< How the image's voxels bind the boundary.
   double feature_angle_deg = 40;
 };

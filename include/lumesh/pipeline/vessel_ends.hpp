@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "lumesh/core/context.hpp"
-#include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/image/label_image.hpp"
 
@@ -14,9 +13,8 @@ namespace lumesh {
 
 struct VesselEnd {
   double radius_mm = 0;
-  /// Square to the centerline, through the centre of the last ball that fits into the vessel; what lies
-  /// beyond it goes. It is a whole plane: another vessel that it meets would be cut, too.
-  CutPlane cut;
+  Vec3 place_mm =
+      Vec3::Zero();  ///< The centre of the last ball that fits into the vessel: a place to cut it.
 };
 
 /// Ends of centerlines that lie at no opening, by falling radius: vessels that were segmented so far only,
@@ -25,8 +23,8 @@ struct VesselEnd {
 [[nodiscard]] std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Opening> openings,
                                                  Context& context);
 
-/// "x y z nx ny nz" with enough digits, as the option --cut-plane takes it.
-[[nodiscard]] std::string cut_plane_text(const CutPlane& plane);
+/// "x,y,z", as the option --cut-at takes it.
+[[nodiscard]] std::string cut_place_text(const VesselEnd& end);
 
 /// A line for an image none of whose vessels has an opening, but which has vessel ends; empty otherwise.
 [[nodiscard]] std::string closed_vessel_warning(const LabelImage& image, std::span<const Opening> openings,

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include "io_fixtures.hpp"
 
 namespace lumesh::io {

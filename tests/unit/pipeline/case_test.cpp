@@ -68,8 +68,8 @@ meshes = ["a.vtu", "a.msh"]
   EXPECT_EQ(c.mesher, Mesher::kDelaunay);
   EXPECT_EQ(c.input.image, (folder_ / "images/a.nrrd").string()) << "relative to the case file";
   EXPECT_EQ(c.input.selection.labels, (std::vector<Label>{1, 3}));
-  ASSERT_EQ(c.input.cut_planes.size(), 1U);
-  EXPECT_EQ(c.input.cut_planes[0].normal, Vec3(0, 0, -1));
+  ASSERT_EQ(c.input.cuts.planes.size(), 1U);
+  EXPECT_EQ(c.input.cuts.planes[0].normal, Vec3(0, 0, -1));
   EXPECT_EQ(c.delaunay.delta_mm, 0.5);
   EXPECT_EQ(c.metric.neighbours, 30);
   EXPECT_TRUE(c.needs_centerline());
@@ -228,6 +228,7 @@ image = 'an image.nrrd'
 threshold = 0.1
 phantom_spacing = [1, 2, 3]
 cut_planes = [[0, 0, 10.125, 0.3333333333333333, 0, -1], [1, 2, 3, 4, 5, 6]]
+cut_at = [[1, -2.5, 0.1]]
 [metric]
 points = "centerline"
 gradation = 1.3
@@ -237,7 +238,8 @@ execution = "speculative"
   const std::string text = case_text(c);
   const Case again = read(text);
   EXPECT_EQ(case_text(again), text);
-  EXPECT_EQ(again.input.cut_planes[0].normal.x(), 0.3333333333333333);
+  EXPECT_EQ(again.input.cuts.planes[0].normal.x(), 0.3333333333333333);
+  EXPECT_EQ(again.input.cuts.places_mm, (std::vector<Vec3>{{1, -2.5, 0.1}}));
   EXPECT_EQ(again.input.selection.threshold, 0.1);
   EXPECT_EQ(again.adapt.execution, ExecutionKind::kSpeculative);
 }

@@ -4,10 +4,10 @@
 
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
 #include "fixtures/images.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/pipeline/image_cuts.hpp"
 
 namespace lumesh {
 namespace {
@@ -36,7 +36,6 @@ TEST(VesselEnds, AreFoundWhereThereIsNoOpening) {
   const std::vector<VesselEnd> ends = vessel_ends(half, openings_of(half), context);
   ASSERT_EQ(ends.size(), 1U);
   EXPECT_NEAR(ends[0].radius_mm, kRadius, 0.5);
-  EXPECT_GT(ends[0].cut.normal.dot(Vec3(0.2, 0.1, 1).normalized()), 0.99);
 }
 
 /// Where a branch leaves its parent, no vessel ends.
@@ -52,28 +51,28 @@ TEST(VesselEnds, AForkHasNone) {
   EXPECT_TRUE(vessel_ends(fork, openings_of(fork), context).empty());
 }
 
-/// Those that are cut as the ends say have the vessel's section.
-TEST(VesselEnds, TheirPlanesCutSquare) {
+/// Those that are cut where the ends say have the vessel's section, square to its axis.
+TEST(VesselEnds, TheirPlacesCutSquare) {
   Context context;
-  const LabelImage image = slanted_tube(-10, 45);
+  LabelImage image = slanted_tube(-10, 45);
+  ImageCuts cuts;
+  for (const VesselEnd& end : vessel_ends(image, {}, context))
+    cuts.places_mm.push_back(place_from(cut_place_text(end)).value());
   ImageDomainOptions options;
-  for (const VesselEnd& end : vessel_ends(image, {}, context)) {
-    CutPlane plane;
-    std::istringstream text(cut_plane_text(end.cut));
-    for (int i = 0; i < 3; ++i) text >> plane.point_mm[i];
-    for (int i = 0; i < 3; ++i) text >> plane.normal[i];
-    options.cut_planes.push_back(plane);
-  }
+  options.cut_planes = cut_off(image, cuts, context);
   const std::vector<Opening> openings = find_openings(ImageDomain(image, options));
   ASSERT_EQ(openings.size(), 2U);
-  for (const Opening& o : openings) EXPECT_NEAR(o.area_mm2 / (std::numbers::pi * kRadius * kRadius), 1, 0.03);
+  for (const Opening& o : openings) {
+    EXPECT_NEAR(o.area_mm2 / (std::numbers::pi * kRadius * kRadius), 1, 0.02);
+    EXPECT_GT(std::abs(o.normal.dot(Vec3(0.2, 0.1, 1).normalized())), 0.998);
+  }
 }
 
 TEST(VesselEnds, ClosedVesselsAreWarnedOfAndOthersNot) {
   Context context;
   const LabelImage closed = slanted_tube(-10, 45), half = slanted_tube(-100, 40);
   EXPECT_NE(
-      closed_vessel_warning(closed, {}, context).find("2 end inside: cut the widest square with --cut-plane"),
+      closed_vessel_warning(closed, {}, context).find("2 end inside: cut the widest square with --cut-at"),
       std::string::npos)
       << closed_vessel_warning(closed, {}, context);
   EXPECT_EQ(closed_vessel_warning(half, openings_of(half), context), "");

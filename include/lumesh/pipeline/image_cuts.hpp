@@ -1,0 +1,29 @@
+#pragma once
+/// @file What of an image is cut off before it is meshed.
+
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/core/types.hpp"
+#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/image/label_image.hpp"
+
+namespace lumesh {
+
+struct ImageCuts {
+  std::vector<CutPlane> planes;  ///< As they are, through everything.
+  std::vector<Vec3> places_mm;   ///< Each cuts the one vessel there, square to its axis.
+
+  [[nodiscard]] bool none() const { return planes.empty() && places_mm.empty(); }
+};
+
+/// Cuts the vessels at the places, each at the nearest point of the centerlines, as cut_off_vessel() does;
+/// several at one vessel one after the other.
+///
+/// @param image  Loses what lies beyond.
+/// @return Those and the whole planes, for ImageDomainOptions.
+/// @throws Error{kBadInput} for a place that is farther from any axis than twice the vessel's radius there,
+/// and as extract_centerline() and cut_off_vessel() do. Cost and threads: without places none, else as these.
+[[nodiscard]] std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context& context);
+
+}  // namespace lumesh
