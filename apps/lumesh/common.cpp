@@ -133,6 +133,15 @@ void add_cut_options(CLI::App& command, CutOptions& options, const std::string& 
       ->allow_extra_args(false);
 }
 
+CLI::Option* add_cells_per_diameter_option(CLI::App& command, double& cells) {
+  return command
+      .add_option(
+          "--cells-per-diameter", cells,
+          "At least so many edges along the diameter of each vessel, 1 to 25; where that leaves edges longer "
+          "than --edge-length, this counts")
+      ->check(CLI::Range(1.0, 25.0));
+}
+
 void add_name_option(CLI::App& command, std::vector<std::string>& names) {
   command
       .add_option(

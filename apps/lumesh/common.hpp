@@ -88,6 +88,9 @@ inline constexpr std::array kCutOptions = {"--cut-plane", "--cut-at"};
                                         const CutOptions& options, std::vector<CutPlane>& planes,
                                         Context& context);
 
+/// --cells-per-diameter of both meshers; 0: not asked for.
+CLI::Option* add_cells_per_diameter_option(CLI::App& command, double& cells);
+
 /// --name, of commands that make meshes; texts for renaming_from().
 void add_name_option(CLI::App& command, std::vector<std::string>& names);
 

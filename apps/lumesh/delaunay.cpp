@@ -114,7 +114,7 @@ void run(DelaunayCommand command) {
   const DomainRead given = read_domain(command.input, context);
   const Domain& domain = *given.domain;
   const std::unique_ptr<Sizing> sizing =
-      context.phase("sizes", [&] { return std::move(sizes).on(domain, input_path); });
+      context.phase("sizes", [&] { return std::move(sizes).on(given, command.input); });
   command.options.seeding = seeding_of(command.seeding);
   command.options.sizing = sizing.get();
   command.options.team = command.kernel.team(command.run.threads);
@@ -173,6 +173,7 @@ void add_rule_options(CLI::App& sub, DelaunayCommand& command) {
          "is farther from one (R1)")
       ->check(positive_number())
       ->excludes(edge);
+  add_cells_per_diameter_option(sub, command.input.cells_per_diameter);
   sub.add_option("--size", o.size_mm,
                  "Largest edge length inside in mm (R5); default 1.3 delta, as on surfaces")
       ->check(positive_number());

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/pipeline/vessel_ends.hpp"
@@ -103,8 +104,11 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
     return naming(input.path, [&] {
       std::unique_ptr<Domain> domain =
           context.phase("domain", [&] { return domain_of(surface, input.surface); });
-      std::vector<Opening> openings = find_openings(*domain);
-      return DomainRead{std::move(domain), std::move(openings)};
+      DomainRead read{std::move(domain)};
+      read.openings = find_openings(*read.domain);
+      if (input.cells_per_diameter > 0)
+        read.axes = context.phase("axes", [&] { return extract_centerline(surface.view(), {}, context); });
+      return read;
     });
   }
   ImageDomainOptions options = input.image;
@@ -116,6 +120,9 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
   });
   DomainRead read{std::move(domain)};
   read.openings = context.phase("openings", [&] { return find_openings(*read.domain); });
+  if (input.cells_per_diameter > 0)
+    read.axes = context.phase(
+        "axes", [&] { return naming(input.path, [&] { return extract_centerline(image, {}, context); }); });
   read.closed_vessels =
       context.phase("ends", [&] { return closed_vessel_warning(image, read.openings, context); });
   if (options.cut_planes.empty()) read.shape = context.phase("shape", [&] { return shape_of(image); });

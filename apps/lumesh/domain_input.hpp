@@ -20,6 +20,7 @@ struct DomainInput {
   CutOptions cuts;
   ImageDomainOptions image;
   SurfaceDomainOptions surface;
+  double cells_per_diameter = 0;  ///< Axes are wanted, if > 0.
 };
 
 /// --boundary: how an image's voxels bind.
@@ -35,6 +36,7 @@ struct DomainRead {
   std::unique_ptr<Domain> domain;
   std::vector<Opening> openings = {};    ///< Of the domain.
   std::optional<ImageShape> shape = {};  ///< Of an image that is not cut.
+  Polylines axes = {};                   ///< Where they are wanted.
   std::string closed_vessels = {};       ///< A line, if all its vessels end inside.
 };
 

@@ -26,6 +26,7 @@ struct LatticeCommand {
   std::string surface_path;
   ImageSelection selection;
   CutOptions cuts;
+  double cells_per_diameter = 0;
   std::vector<std::string> label_fidelity;
   OpeningOptions openings;
   LatticeOptions options;
@@ -96,6 +97,8 @@ void run(const LatticeCommand& command) {
   const LabelImage image =
       read_cut_image(command.image_path, command.selection, command.cuts, domain_options.cut_planes, context);
   LatticeOptions options = command.options;
+  if (command.cells_per_diameter > 0)
+    options.fidelity = LatticeOptions::fidelity_of_cells(command.cells_per_diameter);
   options.label_fidelity = parse_label_fidelity(command, image);
   const ImageDomain domain = naming(command.image_path, [&] {
     return context.phase("domain", [&] { return ImageDomain(image, domain_options); });
@@ -134,9 +137,11 @@ void add_lattice_command(CLI::App& program) {
   sub->add_option("--edge-length,--spacing", o.spacing_mm,
                   "Of edges on surfaces, which is the lattice's spacing there, in mm; default 2.5 voxels")
       ->check(positive_number());
-  sub->add_option("--fidelity", o.fidelity,
-                  "0.1 to 0.98: the spacing is at most 4 (1 - F) times the local half thickness")
-      ->capture_default_str();
+  CLI::Option* const fidelity =
+      sub->add_option("--fidelity", o.fidelity,
+                      "0.1 to 0.98: the spacing is at most 4 (1 - F) times the local half thickness")
+          ->capture_default_str();
+  add_cells_per_diameter_option(*sub, command->cells_per_diameter)->excludes(fidelity);
   sub->add_option("--label-fidelity", command->label_fidelity, "Fidelity of single labels, such as 2=0.9");
   sub->add_option("--coarsening", o.coarsening, "Times the spacing may double inside, 0 to 4")
       ->capture_default_str();

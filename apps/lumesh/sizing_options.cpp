@@ -109,9 +109,11 @@ SizingInput::SizingInput(SizingOptions options, Context& context)
   if (!options_.mesh_path.empty()) parts_.push_back(read_size_mesh(options_.mesh_path));
 }
 
-std::unique_ptr<Sizing> SizingInput::on(const Domain& domain, const std::string& input_path) && {
+std::unique_ptr<Sizing> SizingInput::on(const DomainRead& read, const DomainInput& input) && {
+  const Domain& domain = *read.domain;
+  if (input.cells_per_diameter > 0) parts_.push_back(size_from_axes(read.axes, input.cells_per_diameter));
   if (!sizes_of_labels_.empty()) {
-    refuse_missing_labels(sizes_of_labels_, domain, input_path);
+    refuse_missing_labels(sizes_of_labels_, domain, input.path);
     parts_.push_back(size_per_label(sizes_of_labels_));
   }
   if (!points_.empty()) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "domain_input.hpp"
 #include "lumesh/core/context.hpp"
 #include "lumesh/delaunay/built_in_sizings.hpp"
 
@@ -31,10 +32,9 @@ class SizingInput {
   SizingInput(SizingOptions options, Context& context);
 
   /// The smallest of all sizes that are wanted; null if none are.
-  /// @param domain  Has to live as long as the result. @param input_path  What it was made from, for
-  /// messages.
+  /// @param read  Its domain has to live as long as the result. @param input  What it was read from.
   /// @throws Error{kBadInput} for a label that the domain has not.
-  [[nodiscard]] std::unique_ptr<Sizing> on(const Domain& domain, const std::string& input_path) &&;
+  [[nodiscard]] std::unique_ptr<Sizing> on(const DomainRead& read, const DomainInput& input) &&;
 
  private:
   SizingOptions options_;

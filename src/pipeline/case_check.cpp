@@ -40,6 +40,16 @@ void check_input(const Case& c) {
   }
 }
 
+/// What is set for the mesher that is not taken would be set for nothing.
+void refuse_other_mesher(const Case& c) {
+  const bool is_lattice = c.mesher == Mesher::kLattice;
+  const std::string other = is_lattice ? "delaunay" : "lattice";
+  if (section_text(c, other) != section_text(Case(), other))
+    refuse(fmt::format(
+        "[{0}] is for mesher = \"{0}\", and the mesher is {1}; set mesher or leave the section out", other,
+        is_lattice ? "lattice" : "delaunay"));
+}
+
 void check_metric(const Case& c) {
   const MetricKeys& m = c.metric;
   if (m.largest_mm > 0 && m.smallest_mm > m.largest_mm)
@@ -107,8 +117,9 @@ void check_output(const Case& c) {
 
 void check_case(const Case& c) {
   check_input(c);
-  if (c.mesher == Mesher::kLattice && (!c.sizes.points.empty() || !c.sizes.plugin.empty()))
-    refuse("[delaunay] size_points and sizing are for mesher = \"delaunay\"");
+  refuse_other_mesher(c);
+  if (c.cells_per_diameter > 0 && c.cells_per_diameter < 1)
+    refuse(fmt::format("cells_per_diameter must be at least 1, or 0; not {:g}", c.cells_per_diameter));
   if (!c.sizes.points.empty() && !(c.sizes.floor_mm > 0))
     refuse("[delaunay] size_points needs size_floor, the least size in mm");
   if (c.sizes.ceiling_mm > 0 && c.sizes.ceiling_mm < c.sizes.floor_mm)

@@ -213,9 +213,12 @@ void add_output_keys(KeyList& list, Case& c) {
 
 std::vector<Key> keys_of(Case& c) {
   KeyList list;
-  list.choice("mesher", c.mesher, {"lattice", "delaunay"}, "What makes the first mesh");
+  list.choice("mesher", c.mesher, {"lattice", "delaunay"},
+              "What makes the first mesh; delaunay also of surfaces and with sizes");
   list.number("edge_length", &c.edge_length_mm, 0, kAny,
               "Of edges on surfaces of the first mesh, in mm; 0: 2.5 voxels");
+  list.number("cells_per_diameter", &c.cells_per_diameter, 0, 25,
+              "At least so many edges along the diameter of each vessel, too; 0: no such wish");
   add_input_keys(list, c.input);
   add_lattice_keys(list, c.lattice);
   add_delaunay_keys(list, c);

@@ -124,12 +124,13 @@ std::map<std::string, std::string> stage_keys(const CaseState& state) {
                                 (state.image ? content_of(*state.image) : "") + section_text(c, "input"));
   keys["centerline"] = key(input + section_text(c, "centerline"));
   const bool lattice = c.mesher == Mesher::kLattice;
-  const bool sized_by_line = c.sizes.points == "centerline", metric_by_line = c.metric.points == "centerline";
+  const bool sized_by_line = c.sizes_by_centerline(), metric_by_line = c.metric.points == "centerline";
   const std::string plugin = c.sizes.plugin.substr(0, c.sizes.plugin.find(':'));
   // Speculative improvement of angles depends on chance.
   const bool by_chance = !lattice && c.adapt.execution == ExecutionKind::kSpeculative;
   keys["mesh"] = key(input + section_text(c, "") + section_text(c, lattice ? "lattice" : "delaunay") +
-                     (sized_by_line ? keys["centerline"] : hash_of(c.sizes.points)) +
+                     (sized_by_line ? keys["centerline"] : "") +
+                     (c.sizes.points == "centerline" ? "" : hash_of(c.sizes.points)) +
                      (plugin.empty() ? "" : hash_of(plugin)) + (by_chance ? "speculative" : ""));
   const bool frozen = limits_of(c).keeps_boundary;  // It imposes sizes.
   keys["metric"] = key(keys["mesh"] + section_text(c, "metric") +

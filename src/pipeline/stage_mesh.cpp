@@ -69,6 +69,8 @@ std::unique_ptr<Sizing> sizing_of(const CaseState& state, const Domain& domain) 
   const SizeKeys& sizes = state.c.sizes;
   std::vector<std::unique_ptr<Sizing>> parts;
   if (!sizes.plugin.empty()) parts.push_back(std::make_unique<PluginSizing>(sizes.plugin));
+  if (state.c.cells_per_diameter > 0)
+    parts.push_back(size_from_axes(state.centerline, state.c.cells_per_diameter));
   if (!sizes.points.empty()) {
     PointSizeOptions options{.factor = sizes.factor, .floor_mm = sizes.floor_mm};
     if (sizes.ceiling_mm > 0) options.ceiling_mm = sizes.ceiling_mm;

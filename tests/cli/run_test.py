@@ -13,7 +13,9 @@ from html.parser import HTMLParser
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from program import BAD_INPUT, TIME_LIMIT, USAGE, ProgramTest
 
-CASE = """
+CASE = """\
+mesher = "lattice"
+
 [input]
 phantom = "carotid"
 phantom_size = [128, 128, 127]

@@ -11,6 +11,7 @@
 #include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/image/label_image.hpp"
+#include "lumesh/mesh/polylines.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh {
@@ -66,6 +67,11 @@ struct SizeImage {
 /// @param background  Compact. @param sizes_mm  One per vertex, > 0 and finite.
 /// Cost of a call: about 1 us; 1 us more outside the mesh.
 [[nodiscard]] std::unique_ptr<Sizing> size_from_mesh(TetMesh background, std::span<const double> sizes_mm);
+
+/// So many edges along the diameter of the vessel: 2 r / cells, with the radius r at the nearest point of an
+/// axis. A sac has the size of the vessel that it hangs on. Cost of a call: about 0.2 us.
+/// @param axes  With the scalar "radius" in mm, as extract_centerline() makes them; at least one point.
+[[nodiscard]] std::unique_ptr<Sizing> size_from_axes(const Polylines& axes, double cells_per_diameter);
 
 /// The smallest of several, finer if any wants it, with the warnings of all. None at all: no wish anywhere.
 [[nodiscard]] std::unique_ptr<Sizing> combined_size(std::vector<std::unique_ptr<Sizing>> parts);

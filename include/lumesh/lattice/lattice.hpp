@@ -25,6 +25,10 @@ struct LatticeOptions {
   double spacing_mm = 0;  ///< Lattice spacing at the boundary where the object is thick; 0 means 2.5 voxels.
   double fidelity =
       0.5;  ///< In [0.1, 0.98]: the spacing is at most 4 (1 - fidelity) times the local half thickness.
+  /// The fidelity at which so many edges go along the diameter of a vessel.
+  [[nodiscard]] static double fidelity_of_cells(double cells_per_diameter) {
+    return 1 - 0.5 / cells_per_diameter;
+  }
   std::map<Label, double> label_fidelity;  ///< The same for single labels; others take `fidelity`.
   int coarsening = 1;      ///< How many times the spacing may double away from boundaries, in [0, 4].
   int max_refinement = 3;  ///< How many times it may halve in thin parts, in [0, 5].

@@ -103,9 +103,11 @@ struct Case {
   std::string name;  ///< The file's name without its extension.
   std::string file;  ///< Empty if it was not read.
   InputKeys input;
-  Mesher mesher = Mesher::kLattice;
+  Mesher mesher = Mesher::kDelaunay;
   double edge_length_mm =
       0;  ///< On surfaces, where the mesher's own options say nothing of it; 0: 2.5 voxels.
+  double cells_per_diameter =
+      0;  ///< Edges along the diameter of vessels; 0: as many as edge_length_mm makes.
   LatticeOptions lattice;
   DelaunayOptions delaunay;
   SizeKeys sizes;
@@ -124,6 +126,7 @@ struct Case {
   [[nodiscard]] LatticeOptions lattice_options() const {
     LatticeOptions options = lattice;
     if (!(options.spacing_mm > 0)) options.spacing_mm = edge_length_mm;
+    if (cells_per_diameter > 0) options.fidelity = LatticeOptions::fidelity_of_cells(cells_per_diameter);
     return options;
   }
   [[nodiscard]] DelaunayOptions delaunay_options() const {
@@ -131,8 +134,12 @@ struct Case {
     options.edge_length_mm = edge_length_mm;
     return options;
   }
+  /// Whether the mesher takes sizes from it.
+  [[nodiscard]] bool sizes_by_centerline() const {
+    return sizes.points == "centerline" || (mesher == Mesher::kDelaunay && cells_per_diameter > 0);
+  }
   [[nodiscard]] bool needs_centerline() const {
-    return centerline.is_wanted || metric.points == "centerline" || sizes.points == "centerline";
+    return centerline.is_wanted || metric.points == "centerline" || sizes_by_centerline();
   }
 };
 

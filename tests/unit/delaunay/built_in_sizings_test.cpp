@@ -122,6 +122,21 @@ TEST(BuiltInSizing, DistanceToTheBoundaryOfABallIsItsRadiusLessTheDistanceToItsC
   EXPECT_EQ(sizing->size_at(centre, kAny), 5);
 }
 
+TEST(BuiltInSizing, AxesGiveSoManyCellsAcrossTheirVessel) {
+  Polylines axes;
+  for (int i = 0; i <= 20; ++i) axes.points.push_back({0.5 * i, 0, 0}), axes.scalars["radius"].push_back(2);
+  for (int i = 0; i <= 20; ++i)
+    axes.points.push_back({0.5 * i, 10, 0}), axes.scalars["radius"].push_back(0.5);
+  const auto size = size_from_axes(axes, 8);
+  EXPECT_DOUBLE_EQ(size->size_at({4.1, 1.9, 0.1}, 1), 0.5);
+  EXPECT_DOUBLE_EQ(size->size_at({4.1, 9.6, 0.1}, 1), 0.125);
+  EXPECT_DOUBLE_EQ(size->size_at({30, 9.6, 0.1}, 1), 0.125) << "beyond its end";
+  EXPECT_THROW(static_cast<void>(size_from_axes(axes, 0)), Error);
+  axes.scalars["radius"][3] = 0;
+  EXPECT_THROW(static_cast<void>(size_from_axes(axes, 8)), Error);
+  EXPECT_THROW(static_cast<void>(size_from_axes({}, 8)), Error);
+}
+
 TEST(BuiltInSizing, AnImageOfALinearFunctionGivesThatFunction) {
   SizeImage image;
   image.frame.size = {5, 4, 3};

@@ -94,6 +94,10 @@ TEST_F(CaseFile, NamesLineAndNearestWordOfAnUnknownKey) {
             "a.toml:4: unknown key \"complexty\" in [metric]; did you mean \"complexity\"?");
   EXPECT_EQ(refusal("[inptu]\nphantom = \"torus\"\n"),
             "a.toml:1: unknown section \"inptu\"; did you mean \"input\"?");
+  EXPECT_EQ(refusal("[input]\nphantom = \"torus\"\n[lattice]\nspacing = 2\n"),
+            "a.toml: [lattice] is for mesher = \"lattice\", and the mesher is delaunay; set mesher or leave "
+            "the section "
+            "out");
   EXPECT_EQ(refusal("messer = \"lattice\"\n"), "a.toml:1: unknown key \"messer\"; did you mean \"mesher\"?");
 }
 
