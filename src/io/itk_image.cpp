@@ -1,7 +1,6 @@
 // The only file that includes ITK.
 #include <fmt/format.h>
 #include <itkGDCMImageIO.h>
-#include <itkGDCMSeriesFileNames.h>
 #include <itkGiplImageIO.h>
 #include <itkImage.h>
 #include <itkImageSeriesReader.h>
@@ -10,11 +9,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdlib>
 #include <cstring>
 #include <iostream>
-#include <sstream>
 
+#include "dicom_series.hpp"
 #include "dicom_slices.hpp"
 #include "file_fault.hpp"
 #include "raw_image.hpp"
@@ -135,17 +133,15 @@ std::map<Label, std::string> segment_names(const itk::ImageIOBase& io) {
   return names;
 }
 
+/// Null if it is of no such format.
 itk::ImageIOBase::Pointer make_reader(const fs::path& path) {
   const QuietStreams quiet;
   const std::string name = path.string();
   const itk::ImageIOBase::Pointer candidates[] = {itk::NrrdImageIO::New().GetPointer(),
-                                                  itk::GiplImageIO::New().GetPointer(),
-                                                  itk::GDCMImageIO::New().GetPointer()};
+                                                  itk::GiplImageIO::New().GetPointer()};
   for (const auto& candidate : candidates)
     if (candidate->CanReadFile(name.c_str())) return candidate;
-  fail(path,
-       "is not an image lumesh can read; it takes NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage "
-       "(.mha, .mhd), GIPL and DICOM");
+  return nullptr;
 }
 
 /// Some readers leave the rest of the buffer as it is when the file ends early, and return as if all were
@@ -185,61 +181,22 @@ RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& contex
   return image;
 }
 
+/// The files of a series whose slices make a grid.
 std::vector<std::string> series_files(const fs::path& path) {
-  const QuietStreams quiet;
-  const bool is_folder = fs::is_directory(path);
-  const auto names = itk::GDCMSeriesFileNames::New();
-  names->SetDirectory(is_folder ? path.string() : fs::absolute(path).parent_path().string());
-  const std::vector<std::string> all = names->GetSeriesUIDs();
-  if (all.empty()) fail(path, "holds no DICOM series");
-  if (is_folder) {
-    if (all.size() > 1)
-      fail(path,
-           fmt::format("holds {} DICOM series; name one file of the series you want instead", all.size()));
-    return names->GetFileNames(all.front());
-  }
-  for (const std::string& series : all) {
-    std::vector<std::string> files = names->GetFileNames(series);
-    const auto same = [&](const std::string& file) { return fs::equivalent(file, path); };
-    if (std::any_of(files.begin(), files.end(), same)) return files;
-  }
-  return {path.string()};
-}
-
-/// Numbers with backslashes between them.
-std::vector<double> numbers_of(const itk::MetaDataDictionary& fields, const char* key) {
-  std::string text;
-  std::vector<double> numbers;
-  if (!itk::ExposeMetaData(fields, key, text)) return numbers;
-  std::istringstream in(text);
-  for (std::string part; std::getline(in, part, '\\');) numbers.push_back(std::strtod(part.c_str(), nullptr));
-  return numbers;
-}
-
-/// Those that say where they are.
-std::vector<DicomSlice> slices_of(const std::vector<std::string>& files) {
-  const QuietStreams quiet;
+  std::vector<std::string> files;
   std::vector<DicomSlice> slices;
-  for (const std::string& file : files) {
-    const auto io = itk::GDCMImageIO::New();
-    io->SetFileName(file);
-    io->ReadImageInformation();
-    const itk::MetaDataDictionary& fields = io->GetMetaDataDictionary();
-    const std::vector<double> place = numbers_of(fields, "0020|0032"), axes = numbers_of(fields, "0020|0037"),
-                              pixel = numbers_of(fields, "0028|0030");
-    if (place.size() != 3 || axes.size() != 6 || pixel.size() != 2) continue;
-    slices.push_back({fs::path(file).filename().string(), Vec3(place[0], place[1], place[2]),
-                      Vec3(axes[0], axes[1], axes[2]), Vec3(axes[3], axes[4], axes[5]),
-                      Vec3(pixel[0], pixel[1], 0)});
+  for (const DicomFile& file : dicom_series(path)) {
+    files.push_back(file.path.string());
+    if (file.slice) slices.push_back(*file.slice);
   }
-  return slices;
+  check_slices(path, std::move(slices));
+  return files;
 }
 
-/// Slices sorted by position; voxels as float, which holds every 16-bit value with its rescale slope.
+/// Voxels as float, which holds every 16-bit value with its rescale slope.
 RawImage read_dicom_series(const fs::path& path, Context& context) {
   using Image = itk::Image<float, 3>;
   const std::vector<std::string> files = series_files(path);
-  check_slices(path, slices_of(files));
   const auto reader = itk::ImageSeriesReader<Image>::New();
   reader->SetImageIO(itk::GDCMImageIO::New());
   reader->SetFileNames(files);
@@ -273,9 +230,11 @@ RawImage read_with_itk(const fs::path& path, Context& context) {
   itk::Object::SetGlobalWarningDisplay(false);  // ITK prints to stderr; faults reach us as exceptions anyway.
   try {
     if (fs::is_directory(path)) return read_dicom_series(path, context);
-    const itk::ImageIOBase::Pointer io = make_reader(path);
-    const bool dicom = dynamic_cast<itk::GDCMImageIO*>(io.GetPointer()) != nullptr;
-    return dicom ? read_dicom_series(path, context) : read_single(path, *io, context);
+    if (const itk::ImageIOBase::Pointer io = make_reader(path)) return read_single(path, *io, context);
+    if (read_dicom_file(path)) return read_dicom_series(path, context);
+    fail(path,
+         "is not an image lumesh can read; it takes NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage "
+         "(.mha, .mhd), GIPL and DICOM");
   } catch (const itk::ExceptionObject& fault) {
     fail(path, fmt::format("is damaged or incomplete ({}); save it again", one_line(fault)));
   }
