@@ -33,6 +33,13 @@ bool holds(std::string_view line, std::string_view word) {
   return line.find(word) != std::string_view::npos;
 }
 
+/// A comment, a note "key:=value" or what the image is of.
+bool is_free_text(std::string_view line) {
+  const std::size_t colon = line.find(':');
+  return line.starts_with('#') || line.starts_with("content:") ||
+         (colon != std::string_view::npos && line.substr(colon).starts_with(":="));
+}
+
 /// Of a line such as: space units: "m" "m" "m".
 double unit_mm(std::string_view line) {
   const std::size_t begin = line.find('"'), end = line.find('"', begin + 1);
@@ -74,12 +81,13 @@ bool gzip_follows(std::istream& in, std::size_t voxel_bytes) {
 }  // namespace
 
 NrrdNotes nrrd_notes(const fs::path& path) {
-  constexpr std::size_t kLongestLine = 8000;
+  constexpr std::size_t kLongestText = 8000, kLongestField = 500;  // Teem's messages quote fields.
   std::ifstream in(path, std::ios::binary);
   NrrdNotes notes;
   std::string text;
   while (std::getline(in, text) && !text.empty() && text != "\r") {
-    if (text.size() > kLongestLine) fail(path, "has a damaged header (a very long line); save it again");
+    if (text.size() > (is_free_text(text) ? kLongestText : kLongestField))
+      fail(path, "has a damaged header (a very long line); save it again");
     std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
     const bool has_digits = text.find_first_of("0123456789") != std::string::npos;
     if (is_field(text, "spacings") || is_field(text, "spacedirections"))

@@ -119,6 +119,14 @@ TEST_F(ImageNotes, UnitsOfNrrdAreFollowedAndWhatBreaksItsLibraryIsRefused) {
   longest.extra = "# " + std::string(100000, 'x') + "\n";
   EXPECT_NE(fixtures::error_of([&] { (void)read("long.nrrd", longest.with(voxels)); }).find("very long line"),
             std::string::npos);
+  NrrdText unparsed;  // Teem quotes the line in 1,024 bytes.
+  unparsed.extra = "kinds: " + std::string(1100, 'x') + "\n";
+  EXPECT_NE(
+      fixtures::error_of([&] { (void)read("kinds.nrrd", unparsed.with(voxels)); }).find("very long line"),
+      std::string::npos);
+  NrrdText noted;
+  noted.extra = "note:=" + std::string(3000, 'x') + "\n";
+  EXPECT_NO_THROW((void)read("noted.nrrd", noted.with(voxels)));
   NrrdText files;
   files.extra = "data file: %9999d 1 5 1\n";
   EXPECT_NE(fixtures::error_of([&] { (void)read("files.nhdr", files.with("")); }).find("named by a pattern"),
