@@ -1,10 +1,8 @@
 #include <fmt/core.h>
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 
 #include "commands.hpp"
 #include "common.hpp"
@@ -33,14 +31,6 @@ struct EvaluateCommand {
   std::size_t times = 0;
   RunOptions run;
 };
-
-std::string read_text(const std::string& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw Error(ErrorKind::kBadInput, path + ": cannot be read; check the path");
-  return text.str();
-}
 
 /// Axes of the vessels: of the file, or of the image; no lines where they are not wanted or there are none.
 Polylines axes_of(const EvaluateCommand& command, const LabelImage& image, Context& context) {
@@ -135,7 +125,7 @@ void run(const EvaluateCommand& command) {
   if (!axes.lines.empty()) input.axes = &axes;
   std::optional<Phantom> phantom;
   if (!command.reference_path.empty()) {
-    phantom.emplace(phantom_spec_from_json(read_text(command.reference_path)));
+    phantom.emplace(phantom_spec_from_json(read_text_file(command.reference_path)));
     input.phantom = &*phantom;
   }
   quality::Evaluation evaluation =

@@ -2,10 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+
 namespace lumesh::io {
 
 void fail(const std::filesystem::path& path, std::string_view what, ErrorKind kind) {
   throw Error(kind, fmt::format("{}: {}", path.string(), what));
+}
+
+void check_file(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (!fs::exists(status)) fail(path, "no such file; check the path");
+  if (fs::is_directory(status)) fail(path, "is a folder; give the name of a file");
+  if (!fs::is_regular_file(status)) fail(path, "is not a regular file");
+  if (!std::ifstream(path, std::ios::binary))
+    fail(path, "cannot be opened for reading; check its permissions");
 }
 
 }  // namespace lumesh::io

@@ -12,4 +12,8 @@ namespace lumesh::io {
 [[noreturn]] void fail(const std::filesystem::path& path, std::string_view what,
                        ErrorKind kind = ErrorKind::kBadInput);
 
+/// @throws Error{kBadInput} unless it is a regular file that can be opened: devices never end, and pipes may
+/// never begin.
+void check_file(const std::filesystem::path& path);
+
 }  // namespace lumesh::io

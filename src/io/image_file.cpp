@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "file_fault.hpp"
 #include "lumesh/core/error.hpp"
@@ -17,14 +16,10 @@ namespace {
 namespace fs = std::filesystem;
 using io::fail;
 
-void check_readable(const fs::path& path) {
+void check_image(const fs::path& path) {
   std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  if (!fs::exists(status)) fail(path, "no such file; check the path");
-  if (fs::is_directory(status)) return;
-  if (!fs::is_regular_file(status)) fail(path, "is not a regular file");
-  if (!std::ifstream(path, std::ios::binary))
-    fail(path, "cannot be opened for reading; check its permissions");
+  if (fs::is_directory(path, ignored)) return;
+  io::check_file(path);
   if (fs::file_size(path, ignored) == 0) fail(path, "is empty; copy it again");
 }
 
@@ -87,8 +82,8 @@ LabelImage read_labels(const fs::path& path, const ImageReadOptions& options, Co
 
 LabelImage read_image(const fs::path& path, const ImageReadOptions& options, Context& context) {
   check_options(options);
-  check_readable(path);
-  if (!options.probabilities.empty()) check_readable(options.probabilities);
+  check_image(path);
+  if (!options.probabilities.empty()) check_image(options.probabilities);
   LabelImage image = read_labels(path, options, context);
   if (!options.probabilities.empty())
     io::place_by_probabilities(read_raw(options.probabilities, context), options.probabilities, context,
@@ -97,7 +92,7 @@ LabelImage read_image(const fs::path& path, const ImageReadOptions& options, Con
 }
 
 NumberImage read_number_image(const fs::path& path, Context& context) {
-  check_readable(path);
+  check_image(path);
   const io::RawImage raw = read_raw(path, context);
   NumberImage image{raw.frame, std::vector<float>(raw.frame.voxel_count())};
   io::visit_voxels(raw, [&](auto voxels) {

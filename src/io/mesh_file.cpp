@@ -69,7 +69,7 @@ MixedMesh read_by_extension(const std::filesystem::path& path) {
 }  // namespace
 
 MixedMesh read_mesh(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
+  io::check_file(path);
   MixedMesh mesh = read_by_extension(path);
   for (Patch& patch : mesh.info.patches) patch.name = io::as_utf8(std::move(patch.name));
   for (auto& [label, name] : mesh.info.label_names) name = io::as_utf8(std::move(name));

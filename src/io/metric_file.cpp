@@ -211,14 +211,14 @@ void write_binary(const std::filesystem::path& path, std::span<const SymTensor> 
 
 std::vector<SymTensor> read_metric(const std::filesystem::path& path, std::size_t expected_count) {
   const Encoding encoding = encoding_of(path);
-  if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
+  io::check_file(path);
   if (encoding == Encoding::kText) return FieldReader<TextSource>(path, expected_count).read();
   return FieldReader<ByteSource>(path, expected_count).read();
 }
 
 std::vector<double> read_solution(const std::filesystem::path& path, std::size_t expected_count) {
   const Encoding encoding = encoding_of(path);
-  if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
+  io::check_file(path);
   if (encoding == Encoding::kText) return FieldReader<TextSource>(path, expected_count).read_numbers();
   return FieldReader<ByteSource>(path, expected_count).read_numbers();
 }

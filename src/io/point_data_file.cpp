@@ -211,7 +211,7 @@ const auto& array_named(const Arrays& arrays, const std::string& name, const std
 }  // namespace
 
 PointData read_point_data(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
+  io::check_file(path);
   PointData data = read_any_data(path);
   if (data.points.empty()) io::fail(path, "holds no points");
   return data;

@@ -91,7 +91,7 @@ MixedMesh read_any(const std::filesystem::path& path) {
 }  // namespace
 
 MixedMesh read_points(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) io::fail(path, "no such file; check the path");
+  io::check_file(path);
   MixedMesh cloud = read_any(path);
   if (cloud.points.empty()) io::fail(path, "holds no points");
   return cloud;

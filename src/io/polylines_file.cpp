@@ -73,6 +73,7 @@ void write_polylines(const std::filesystem::path& path, const Polylines& lines, 
 }
 
 Polylines read_polylines(const std::filesystem::path& path) {
+  io::check_file(path);
   const io::VtkXmlReader file(path, "PolyData");
   Polylines lines;
   const std::vector<double> xyz =

@@ -84,8 +84,8 @@ std::string sha256_of(std::istream& in) {
 
 std::string file_sha256(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path)) return "";  // a DICOM series has no single hash
+  io::check_file(path);
   std::ifstream in(path, std::ios::binary);
-  if (!in) io::fail(path, "cannot be opened for reading; check the path");
   return sha256_of(in);
 }
 

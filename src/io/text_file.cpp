@@ -1,6 +1,7 @@
 #include "lumesh/io/text_file.hpp"
 
 #include "output_file.hpp"
+#include "text_scanner.hpp"
 
 namespace lumesh {
 
@@ -8,6 +9,10 @@ void write_text_file(const std::filesystem::path& path, std::string_view content
   io::OutputFile file(path);
   file.write(content);
   file.commit();
+}
+
+std::string read_text_file(const std::filesystem::path& path) {
+  return io::read_whole_file(path);
 }
 
 }  // namespace lumesh

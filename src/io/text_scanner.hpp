@@ -18,6 +18,7 @@ namespace lumesh::io {
 
 /// The whole file in memory; throws Error{kBadInput} if it cannot be read.
 inline std::string read_whole_file(const std::filesystem::path& path) {
+  check_file(path);
   std::error_code code;
   const auto bytes = std::filesystem::file_size(path, code);
   std::ifstream file(path, std::ios::binary);

@@ -9,13 +9,13 @@
 #pragma GCC diagnostic pop
 
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <sstream>
 
 #include "case_keys.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/nearest_word.hpp"
+#include "lumesh/io/text_file.hpp"
 
 namespace lumesh {
 namespace pipeline {
@@ -237,15 +237,6 @@ class CaseReader {
   std::filesystem::path folder_;
 };
 
-std::string text_of_file(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in || std::filesystem::is_directory(path))
-    throw Error(ErrorKind::kBadInput, path.string() + ": cannot be read; check the path");
-  return text.str();
-}
-
 bool is_text(const KeyTarget& target) {
   return std::holds_alternative<std::string*>(target) || std::holds_alternative<FilePath>(target);
 }
@@ -293,7 +284,7 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> s
   c.name = path.stem().string();
   c.file = path.string();
   const std::vector<pipeline::Key> keys = pipeline::keys_of(c);
-  pipeline::CaseReader(c.file, true, path.parent_path()).read(pipeline::text_of_file(path), keys);
+  pipeline::CaseReader(c.file, true, path.parent_path()).read(read_text_file(path), keys);
   for (const std::string& setting : settings) pipeline::read_setting(setting, keys);
   naming(c.file, [&] { pipeline::check_case(c); });
   return c;

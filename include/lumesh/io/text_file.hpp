@@ -1,7 +1,8 @@
 #pragma once
-/// @file Pages, numbers and pictures to files, as safely as meshes.
+/// @file Texts of files; pages, numbers and pictures to files, as safely as meshes.
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace lumesh {
@@ -10,5 +11,8 @@ namespace lumesh {
 /// pipes are written directly. A file that is there keeps its permissions.
 /// @throws Error{kBadInput} if it cannot be written; nothing is left behind then.
 void write_text_file(const std::filesystem::path& path, std::string_view content);
+
+/// @throws Error{kBadInput} if it is no regular file, cannot be read, or is empty.
+[[nodiscard]] std::string read_text_file(const std::filesystem::path& path);
 
 }  // namespace lumesh
