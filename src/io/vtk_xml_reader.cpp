@@ -11,11 +11,14 @@
 #include <limits>
 
 #include "file_fault.hpp"
+#include "lumesh/core/memory.hpp"
 #include "vtk_xml_writer.hpp"
 
 namespace lumesh::io {
 
 namespace {
+
+constexpr std::uint64_t kBestRatio = 1100;  // zlib cannot do better than 1032 : 1
 
 /// Decodes base64; padding may stand in the middle, where two encoded parts meet.
 std::string decode_base64(std::string_view text) {
@@ -149,12 +152,23 @@ std::uint64_t VtkXmlReader::header_word(std::string_view raw, std::size_t index,
   return word;
 }
 
+void VtkXmlReader::check_size(std::uint64_t bytes, const char* what) const {
+  unpacked_bytes_ += bytes;
+  if (unpacked_bytes_ > kBestRatio * content_.size())
+    fail(fmt::format(
+        "holds more in its arrays, up to {}, than a file of its size can; several are the same data", what));
+  constexpr std::uint64_t kLarge = 64U << 20U, kMostPerByte = 9;  // 8-bit numbers and what they become.
+  if (bytes > kLarge && kMostPerByte * bytes > available_memory_bytes())
+    io::fail(path_, fmt::format("unpacking {} needs more memory than there is", what), ErrorKind::kMemory);
+}
+
 /// Length or block header, then the bytes.
 std::vector<unsigned char> VtkXmlReader::unpack(std::string_view raw, const char* what) const {
   const auto cut_off = [&] { fail(fmt::format("the data of {} are cut off or damaged", what)); };
   if (!packed_) {
     const std::uint64_t size = header_word(raw, 0, what);
     if (size > raw.size() - header_bytes_) cut_off();
+    check_size(size, what);
     const char* first = raw.data() + header_bytes_;
     return {first, first + size};
   }
@@ -162,12 +176,12 @@ std::vector<unsigned char> VtkXmlReader::unpack(std::string_view raw, const char
   if (blocks == 0) return {};
   const std::uint64_t block_bytes = header_word(raw, 1, what);
   const std::uint64_t last_bytes = header_word(raw, 2, what);
-  constexpr std::uint64_t kBestRatio = 1100;  // zlib cannot do better than 1032 : 1
   if (blocks > raw.size() / header_bytes_ || last_bytes > block_bytes ||
       ((blocks > 1 || last_bytes == 0) && block_bytes > kBestRatio * raw.size()))
     cut_off();
   const std::uint64_t total = (blocks - 1) * block_bytes + (last_bytes > 0 ? last_bytes : block_bytes);
   if (total > kBestRatio * raw.size()) cut_off();
+  check_size(total, what);
   std::vector<unsigned char> out(total);
   std::size_t from = (3 + blocks) * header_bytes_;
   std::size_t to = 0;

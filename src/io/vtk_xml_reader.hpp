@@ -36,6 +36,8 @@ class VtkXmlReader {
   [[nodiscard]] std::vector<unsigned char> bytes(const pugi::xml_node& array, const char* what) const;
   [[nodiscard]] std::vector<unsigned char> unpack(std::string_view raw, const char* what) const;
   [[nodiscard]] std::uint64_t header_word(std::string_view raw, std::size_t index, const char* what) const;
+  /// Of an array that is about to be unpacked.
+  void check_size(std::uint64_t bytes, const char* what) const;
   template <class Value>
   [[nodiscard]] std::vector<Value> values(const pugi::xml_node& array, const char* what) const;
   void split_appended();
@@ -47,6 +49,7 @@ class VtkXmlReader {
   bool appended_is_base64_ = false;
   bool packed_ = false;  ///< zlib blocks.
   std::size_t header_bytes_ = 4;
+  mutable std::uint64_t unpacked_bytes_ = 0;  ///< Of all arrays so far.
   pugi::xml_document document_;
   pugi::xml_node dataset_;
   pugi::xml_node piece_;

@@ -88,7 +88,7 @@ void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
 }
 
 std::int32_t checked_patch(const VtkXmlReader& file, std::int64_t patch) {
-  constexpr std::int64_t kLargest = 1'000'000;
+  constexpr std::int64_t kLargest = 65'534;  // As many patches as meshes that change can have.
   if (patch < 0 || patch > kLargest) file.fail("a boundary face has no valid patch");
   return static_cast<std::int32_t>(patch);
 }

@@ -12,7 +12,7 @@ namespace lumesh {
 /// @throws Error{kBadInput} if it cannot be written; nothing is left behind then.
 void write_text_file(const std::filesystem::path& path, std::string_view content);
 
-/// @throws Error{kBadInput} if it is no regular file, cannot be read, or is empty.
+/// @throws Error{kBadInput} if it is no regular file or cannot be read.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& path);
 
 }  // namespace lumesh
