@@ -215,10 +215,8 @@ void check_output_folders(std::initializer_list<std::string> paths) {
       throw Error(ErrorKind::kUsage, path + ": is named for two outputs; give each its own file");
   for (std::filesystem::path path : paths) {
     if (path.empty()) continue;
-    if (is_mesh_folder(path)) {
-      check_mesh_folder(path);
-      if (!path.has_filename()) path = path.parent_path();  // A slash at the end.
-    }
+    check_mesh_folder(path);
+    if (is_mesh_folder(path) && !path.has_filename()) path = path.parent_path();  // A slash at the end.
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
     std::error_code ignored;
     if (!std::filesystem::is_directory(folder, ignored))

@@ -280,7 +280,22 @@ class FoamWriter {
   UsedPoints points_;
   CaseFiles files_;
 };
+void check_foam_case(const fs::path& path) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  std::error_code ignored;
+  if (fs::exists(path, ignored) || !fs::exists(folder / "constant/polyMesh/faces", ignored)) return;
+  std::set<std::string> others;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (lower_extension(entry.path()) == ".foam") others.insert(entry.path().filename().string());
+  if (others.empty()) return;  // A mesh of OpenFOAM's own tools, which replace each other's, too.
+  fail(path, fmt::format(
+                 "would replace the mesh of {0}, since a folder has one constant/polyMesh; write {0} again, "
+                 "or into another folder",
+                 *others.begin()));
+}
 
+
+  check_foam_case(path);
 }  // namespace
 
 void write_foam(const fs::path& path, const MeshView& mesh) {

@@ -98,7 +98,8 @@ bool is_mesh_folder(const std::filesystem::path& path) {
 }
 
 void check_mesh_folder(const std::filesystem::path& path) {
-  io::check_simvascular_folder(path);
+  if (is_mesh_folder(path)) io::check_simvascular_folder(path);
+  if (lower_extension(path) == ".foam") io::check_foam_case(path);
 }
 
 bool is_surface_file(const std::filesystem::path& path) {

@@ -22,7 +22,10 @@ void write_legacy_vtk(const std::filesystem::path& path, const MeshView& mesh,
 void write_medit_ascii(const std::filesystem::path& path, const MeshView& mesh);
 void write_medit_binary(const std::filesystem::path& path, const MeshView& mesh);
 void write_gmsh(const std::filesystem::path& path, const MeshView& mesh, MshVersion version);
+/// Refuses a folder that has the mesh of another .foam file.
 void write_foam(const std::filesystem::path& path, const MeshView& mesh);
+/// The same before there is a mesh.
+void check_foam_case(const std::filesystem::path& path);
 void write_stl(const std::filesystem::path& path, const MeshView& mesh);
 /// For FEniCS: NAME.xdmf with NAME.h5, NAME_facets.xdmf with NAME_facets.h5, NAME_tags.json. Tetrahedra only.
 void write_xdmf(const std::filesystem::path& path, const MeshView& mesh);

@@ -1,5 +1,8 @@
 #include <fmt/core.h>
 
+#include <filesystem>
+#include <set>
+
 #include "case_keys.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
@@ -97,6 +100,13 @@ void check_output(const Case& c) {
           fmt::format("[output] meshes: {} has an unknown format; use .vtu, .vtk, .mesh, .meshb, .msh, "
                       ".foam, .xdmf or NAME-mesh-complete",
                       name));
+  std::set<std::filesystem::path> folders_of_foam;
+  for (const std::filesystem::path name : c.output.meshes)
+    if (name.extension() == ".foam" && !folders_of_foam.insert(name.parent_path()).second)
+      refuse(
+          fmt::format("[output] meshes: {} would replace the mesh of another .foam, since a folder has one "
+                      "constant/polyMesh; name one of them",
+                      name.string()));
   if (!c.output.surface.empty() && !is_surface_file(c.output.surface))
     refuse(fmt::format("[output] surface: {} has an unknown format; use .vtp or .stl", c.output.surface));
   if (!c.output.report.empty() && !c.output.report.ends_with(".html"))

@@ -128,12 +128,10 @@ void prepare_folder(const Case& c) {
   make_folder(folder);
   if (c.run.checkpoints) make_folder(folder / "checkpoints");
   for (const std::string& name : names_of_files(c)) {
-    if (is_mesh_folder(name)) {
-      check_mesh_folder(folder / name);
-    } else if (std::filesystem::is_directory(folder / name)) {
+    check_mesh_folder(folder / name);
+    if (!is_mesh_folder(name) && std::filesystem::is_directory(folder / name))
       throw Error(ErrorKind::kBadInput,
                   (folder / name).string() + ": is a folder; set another name in [output]");
-    }
     for (const std::string& input :
          {c.file, c.input.image, c.input.surface, c.metric.points, c.metric.velocity, c.sizes.points,
           c.sizes.plugin.substr(0, c.sizes.plugin.find(':'))}) {

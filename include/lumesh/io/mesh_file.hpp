@@ -63,8 +63,8 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 [[nodiscard]] bool is_mixed_volume_file(const std::filesystem::path& path);
 /// True for a file name under which write_mesh() makes a folder, and replaces one that holds a mesh.
 [[nodiscard]] bool is_mesh_folder(const std::filesystem::path& path);
-/// @throws Error{kBadInput} if write_mesh() would refuse to replace what stands under the name of a folder: a
-/// file, or a folder in which something else lies, too.
+/// @throws Error{kBadInput} if write_mesh() would refuse to replace what is there: under the name of a folder
+/// a file, or more than a mesh; beside a .foam file the mesh of another one.
 void check_mesh_folder(const std::filesystem::path& path);
 /// Whether write_surface() knows the extension.
 [[nodiscard]] bool is_surface_file(const std::filesystem::path& path);

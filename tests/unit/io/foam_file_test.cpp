@@ -230,6 +230,17 @@ class FoamFileFault : public FoamFile {
 
 TEST_F(FoamFileFault, ASurfaceHasNoCells) {
   MixedMesh mesh;
+TEST_F(FoamFile, TheMeshOfAnotherNameInTheFolderStays) {
+  write(shuffled_block(4));
+  const std::string faces = text_of("faces");
+  const std::string text = error_of([&] { write_mesh(folder_ / "other.foam", every_cell_shape().view()); });
+  EXPECT_NE(text.find("other.foam: would replace the mesh of case.foam"), std::string::npos) << text;
+  EXPECT_EQ(text_of("faces"), faces);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "other.foam"));
+  std::filesystem::remove(folder_ / "case.foam");  // As of blockMesh.
+  EXPECT_NO_THROW(write_mesh(folder_ / "other.foam", every_cell_shape().view()));
+}
+
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.triangles = {{0, 1, 2}};
   mesh.triangle_patches = {0};

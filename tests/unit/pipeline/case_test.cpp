@@ -209,6 +209,7 @@ TEST_F(CaseFile, RefusesLayersThatCannotBe) {
   begins(prisms + "[\"a.vtu\", \"a.xdmf\"]\n", "a.toml: [output] meshes: a.xdmf holds tetrahedra only");
   begins(prisms + "[\"b-mesh-complete\"]\n",
          "a.toml: [output] meshes: b-mesh-complete holds tetrahedra only");
+  begins(prisms + "[\"a.foam\", \"b.foam\"]\n", "a.toml: [output] meshes: b.foam would replace the mesh of");
   EXPECT_EQ(refusal(head + prisms + "[\"a.foam\", \"a.msh\", \"a.meshb\"]\n"), "accepted");
 }
 
