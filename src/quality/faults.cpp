@@ -11,6 +11,7 @@
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/surface.hpp"
+#include "validity.hpp"
 
 namespace lumesh::quality {
 
@@ -54,9 +55,12 @@ class Faults {
   /// What follows needs numbers.
   bool look_at_points() {
     const auto bad =
-        std::find_if(mesh_.points.begin(), mesh_.points.end(), [](const Vec3& x) { return !x.allFinite(); });
+        std::find_if(mesh_.points.begin(), mesh_.points.end(), [](const Vec3& x) { return !is_place(x); });
     if (bad == mesh_.points.end()) return true;
-    lines_.push_back(fmt::format("point {} has a coordinate that is not finite", bad - mesh_.points.begin()));
+    const auto number = bad - mesh_.points.begin();
+    lines_.push_back(bad->allFinite()
+                         ? fmt::format("point {} lies beyond {:g}, {}", number, kFarthest, at(*bad))
+                         : fmt::format("point {} has a coordinate that is not finite", number));
     return false;
   }
 

@@ -1,5 +1,9 @@
 #include "validity.hpp"
 
+#include <fmt/core.h>
+
+#include <algorithm>
+
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/validate.hpp"
 
@@ -13,10 +17,8 @@ void add_problem(Evaluation& evaluation, std::uint64_t count, const std::string&
   evaluation.problem_count += count;
 }
 
-}  // namespace
-
-void find_problems(const MeshView& mesh, const TetMesh* kernel, const MeshSurface& surface,
-                   Evaluation& evaluation) {
+void find_cell_problems(const MeshView& mesh, const TetMesh* kernel, const MeshSurface& surface,
+                        Evaluation& evaluation) {
   if (mesh.cell_count() == mesh.tetrahedra.size()) {
     const ValidationReport report = kernel != nullptr ? validate(*kernel) : validate(mesh);
     evaluation.problems = report.problems;
@@ -33,6 +35,17 @@ void find_problems(const MeshView& mesh, const TetMesh* kernel, const MeshSurfac
     add_problem(evaluation, label.surface.non_manifold_edges, "non-manifold edges" + of_label);
     add_problem(evaluation, label.surface.non_manifold_vertices, "non-manifold vertices" + of_label);
   }
+}
+
+}  // namespace
+
+void find_problems(const MeshView& mesh, const TetMesh* kernel, const MeshSurface& surface,
+                   Evaluation& evaluation) {
+  find_cell_problems(mesh, kernel, surface, evaluation);
+  const auto far = std::count_if(mesh.points.begin(), mesh.points.end(),
+                                 [](const Vec3& x) { return x.allFinite() && !is_place(x); });
+  add_problem(evaluation, static_cast<std::uint64_t>(far),
+              fmt::format("points beyond {:g}, where volumes and angles are hardly numbers", kFarthest));
 }
 
 }  // namespace lumesh::quality

@@ -54,6 +54,18 @@ TEST(Faults, ATurnedCellIsFound) {
       << faults[0];
 }
 
+TEST(Faults, PointsBeyondEveryBodyAreFound) {
+  for (const double far : {1e18, -1e300}) {
+    MixedMesh mesh = wall_only();
+    add_tetrahedron(mesh, {0, 0, 0});
+    mesh.points[3].z() = far;
+    mesh.points[0].z() = far > 0 ? 0 : 1;
+    const std::vector<std::string> faults = find_faults(mesh.view());
+    ASSERT_EQ(faults.size(), 1u);
+    EXPECT_EQ(faults[0].find("point 3 lies beyond 1e+12, at (0, 0, "), 0u) << faults[0];
+  }
+}
+
 TEST(Faults, CellsThatShareAFaceOnOneSideAreFound) {
   MixedMesh mesh = wall_only();
   add_tetrahedron(mesh, {0, 0, 0});
