@@ -42,7 +42,11 @@ std::string given_options(const CLI::App& command) {
     if (option->count() == 0 || option->get_positional()) continue;
     all += (all.empty() ? "" : " ") + name;
     if (option->get_items_expected_max() == 0) continue;
-    for (const std::string& value : option->results()) all += " " + value;
+    char between = ' ';
+    for (const std::string& value : option->results()) {
+      all += between + value;
+      if (option->get_delimiter() != '\0') between = option->get_delimiter();  // Lists are one word.
+    }
   }
   return all;
 }
@@ -74,7 +78,9 @@ void print_warning(std::string_view text) {
 }
 
 void add_selection_options(CLI::App& command, ImageSelection& selection, const std::string& verb) {
-  command.add_option("--labels", selection.labels, verb + " these labels only")->delimiter(',');
+  command.add_option("--labels", selection.labels, verb + " these labels only")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command.add_option(
       "--threshold", selection.threshold,
       "Voxels at or above become label 1, the rest background; their values place the boundary "

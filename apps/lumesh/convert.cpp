@@ -72,7 +72,8 @@ void add_convert_command(CLI::App& program) {
          "--only-labels", command->only_labels,
          "Take the cells of these labels only, by names or numbers; what lay between them and others "
          "is on the outside then")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   sub->add_option("--surface", command->surface, "Also write the boundary alone (.vtp, .stl)");
   sub->add_option("--msh-version", command->msh_version, "Gmsh format")
       ->check(CLI::IsMember({"4.1", "2.2"}))

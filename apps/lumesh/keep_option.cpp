@@ -10,7 +10,8 @@ CLI::Option* add_keep_option(CLI::App& command, std::vector<std::string>& labels
       .add_option("--keep", labels,
                   "Cells of these labels (names or numbers) stay exactly as they are, whatever their shape: "
                   "layers or a wall")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
 }
 
 std::optional<KeptCells> kept_cells(const std::vector<std::string>& labels, MixedMesh& mesh,

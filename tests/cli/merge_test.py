@@ -10,6 +10,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import nrrd
 from cube import cube, read_medit, write_medit
 from program import BAD_INPUT, USAGE, MeshTest
 
@@ -79,6 +80,17 @@ class MergeTest(MeshTest):
         result = self.run_well("merge", lower, upper, "-o", self.out, "--equal-labels", "apart")
         self.assertIn("upper.mesh: label 1 is label 2 now", result.stdout)
         self.assertEqual(self.summary(self.out)[0], {1: 1, 2: 1})
+
+    def test_labels_end_where_the_names_of_files_begin(self):
+        one, copy = self.folder / "one.mesh", self.folder / "copy.mesh"
+        write_medit(one, *cube(2))
+        self.run_well("convert", "--only-labels", 1, one, copy)
+        self.assertEqual(self.summary(copy), self.summary(one))
+        image = nrrd.write(self.folder / "two.nrrd", [16] * 3, [max(a, 2 * b) for a, b in zip(nrrd.ball(16, 6), nrrd.ball(16, 3))])
+        self.run_well("info", "--labels", 1, image)
+        self.assert_refused(self.run_lumesh("convert", "--only-labels", "1,7", one, copy), BAD_INPUT, "label 7")
+        self.run_well("lattice", "--labels", "1,2", image, "-o", copy)
+        self.assertIn('"options":"--labels 1,2"', copy.read_text())  # As it can be given again.
 
     def test_every_number_of_threads_gives_the_same_file(self):
         lower, upper, files = self.folder / "lower.mesh", self.folder / "upper.mesh", []
