@@ -44,16 +44,18 @@ void DelaunayOptions::validate() const {
 
 namespace {
 
-/// @throws Error{kBadInput} for a delta of which the object is too small.
-void check_fits(double delta_mm, const Box3& box) {
-  const double largest = box.sizes().maxCoeff();
+/// @throws Error{kBadInput} for a delta, or what stands for it, of which the object is too small.
+void check_fits(const DelaunayOptions& options, const Domain& domain) {
+  const double largest = domain.bounds_mm().sizes().maxCoeff();
   if (!(largest > 0)) throw Error(ErrorKind::kBadInput, "there is nothing to mesh");
-  if (delta_mm > largest)
-    throw Error(
-        ErrorKind::kBadInput,
-        fmt::format("delta ({:g} mm) is larger than the object, which is {:.4g} mm long; choose one a "
-                    "good deal smaller",
-                    delta_mm, largest));
+  const double delta_mm = delaunay_delta_mm(options, domain);
+  if (delta_mm <= largest) return;
+  const bool is_edge = !(options.delta_mm > 0);
+  throw Error(ErrorKind::kBadInput,
+              fmt::format("{} ({:g} mm) is larger than the object, which is {:.4g} mm long; choose one a "
+                          "good deal smaller",
+                          is_edge ? "the edge length" : "delta",
+                          is_edge ? delaunay::kEdgePerSpacing * delta_mm : delta_mm, largest));
 }
 
 /// What is less than the seeds of the whole lattice.
@@ -157,7 +159,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   const std::unique_ptr<Sizing> graded = graded_sizing(domain, options);
   const delaunay::Spacing spacing = spacing_of(domain, options, graded.get());
   const Box3 box = domain.bounds_mm();
-  check_fits(delaunay_delta_mm(options, domain), box);
+  check_fits(options, domain);
   delaunay::check_memory(spacing);
   auto seeds = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
   thin_out(seeds, options.seeding, box);

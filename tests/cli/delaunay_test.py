@@ -312,6 +312,8 @@ class RefusalsTest(DelaunayTest):
                 self.refused(USAGE, "delta", delta=delta)
         self.refused(BAD_INPUT, "ball.nrrd", "larger than the object", delta=100)
         self.refused(BAD_INPUT, "ball.stl", "larger than the object", delta=100, source=stl)
+        self.assert_refused(self.run_lumesh("delaunay", self.ball, "-o", self.out, "--edge-length", 100), BAD_INPUT,
+                            "ball.nrrd: the edge length (100 mm) is larger than the object")
         self.refused(USAGE, "--seeding", options=("--seeding", "none"))
 
     def test_an_input_is_never_replaced_by_an_output(self):
