@@ -24,66 +24,27 @@ struct Grid {
   [[nodiscard]] double beyond_mm(const Cap& cap) const { return std::max(cap.radius, 4 * voxel_mm()); }
 };
 
-Grid grid_around(const Boundary& boundary, const CenterlineOptions& options) {
-  double volume = 0, area = 0;
-  Vec3 low = boundary.corner(0, 0), high = low;
-  const Vec3 base = low;
-  for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
-    const Vec3 normal = boundary.area_vector(t);
-    volume += normal.dot(boundary.corner(t, 0) - base) / 3;
-    if (boundary.is_opening[t] == 0) area += normal.norm();
-    for (std::size_t n = 0; n < 3; ++n) {
-      low = low.cwiseMin(boundary.corner(t, n));
-      high = high.cwiseMax(boundary.corner(t, n));
-    }
-  }
-  const double extent = (high - low).maxCoeff();
-  if (!(std::abs(volume) > 1e-9 * extent * extent * extent) || !(area > 0))
-    throw Error(ErrorKind::kBadInput, "the boundary of the mesh encloses nothing; is its surface closed?");
-  Grid grid;
-  grid.caps = caps_of(boundary, volume > 0 ? 1 : -1);
-  volume = std::abs(volume);
-  // A tube's volume is half its radius times its area.
-  double voxel = std::max(2 * volume / area / 8, std::cbrt(volume / kMostVoxels));
-  if (options.voxel_mm > 0) voxel = options.voxel_mm;
-  if (volume / (voxel * voxel * voxel) > 1e9 || extent / voxel > 30000)
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("voxels of {:g} mm are too small for a mesh of {:g} mm; give larger ones", voxel,
-                            extent));
-  grid.frame.spacing_mm.setConstant(voxel);
-  double margin = kMargin * voxel;
-  for (const Cap& cap : grid.caps) margin = std::max(margin, kMargin * voxel + grid.beyond_mm(cap));
-  // The shift keeps rows of voxels off corners and edges at round coordinates.
-  grid.frame.origin_mm = low - Vec3::Constant(margin) + voxel * Vec3(0.3141, 0.2718, 0.1414);
-  grid.frame.size =
-      ((high + Vec3::Constant(margin) - grid.frame.origin_mm) / voxel).array().ceil().cast<int>() + 1;
-  return grid;
-}
-
 /// Rows of voxels along x through the boundary: which voxels lie between an entry and the next exit.
 class RowFiller {
  public:
   RowFiller(const Boundary& boundary, const ImageFrame& frame) : boundary_(boundary), frame_(frame) {}
 
   [[nodiscard]] std::vector<Index3> voxels() const {
-    std::vector<Crossing> crossings = parallel::collect<Crossing>(
-        boundary_.triangles.size(), [&](std::size_t t, std::vector<Crossing>& out) { cross(t, out); });
-    parallel::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
-      return a.row != b.row ? a.row < b.row : a.x < b.x;
-    });
     std::vector<Index3> voxels;
-    for (std::size_t c = 0; c + 1 < crossings.size();) {
-      if (crossings[c].row != crossings[c + 1].row) {
-        ++c;  // An entry without an exit: the boundary is not closed there.
-        continue;
-      }
-      const auto j = static_cast<int>(crossings[c].row % static_cast<std::size_t>(frame_.size.y()));
-      const auto k = static_cast<int>(crossings[c].row / static_cast<std::size_t>(frame_.size.y()));
-      const auto last = static_cast<int>(std::floor(crossings[c + 1].x));
-      for (int i = static_cast<int>(std::ceil(crossings[c].x)); i <= last; ++i) voxels.emplace_back(i, j, k);
-      c += 2;
-    }
+    for_each_stretch([&](std::size_t row, double entry, double exit) {
+      const auto j = static_cast<int>(row % static_cast<std::size_t>(frame_.size.y()));
+      const auto k = static_cast<int>(row / static_cast<std::size_t>(frame_.size.y()));
+      const auto last = static_cast<int>(std::floor(exit));
+      for (int i = static_cast<int>(std::ceil(entry)); i <= last; ++i) voxels.emplace_back(i, j, k);
+    });
     return voxels;
+  }
+
+  /// However triangles are turned.
+  [[nodiscard]] double volume_mm3() const {
+    double voxels = 0;
+    for_each_stretch([&](std::size_t, double entry, double exit) { voxels += exit - entry; });
+    return voxels * frame_.voxel_volume_mm3();
   }
 
  private:
@@ -91,6 +52,24 @@ class RowFiller {
     std::size_t row;
     double x;  ///< In voxels.
   };
+
+  /// body(row, entry, exit), in order.
+  template <class Body>
+  void for_each_stretch(const Body& body) const {
+    std::vector<Crossing> crossings = parallel::collect<Crossing>(
+        boundary_.triangles.size(), [&](std::size_t t, std::vector<Crossing>& out) { cross(t, out); });
+    parallel::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
+      return a.row != b.row ? a.row < b.row : a.x < b.x;
+    });
+    for (std::size_t c = 0; c + 1 < crossings.size();) {
+      if (crossings[c].row != crossings[c + 1].row) {
+        ++c;  // An entry without an exit: the boundary is not closed there.
+        continue;
+      }
+      body(crossings[c].row, crossings[c].x, crossings[c + 1].x);
+      c += 2;
+    }
+  }
 
   /// Side of a row at (y, z) of the projected edge: the same number for both triangles at the edge.
   [[nodiscard]] static bool is_left(const Vec3& a, const Vec3& b, double y, double z) {
@@ -122,6 +101,57 @@ class RowFiller {
   const Boundary& boundary_;
   const ImageFrame& frame_;
 };
+
+/// The shift keeps rows of voxels off corners and edges at round coordinates.
+ImageFrame frame_around(const Vec3& low, const Vec3& high, double margin, double voxel) {
+  ImageFrame frame;
+  frame.spacing_mm.setConstant(voxel);
+  frame.origin_mm = low - Vec3::Constant(margin) + voxel * Vec3(0.3141, 0.2718, 0.1414);
+  frame.size = ((high + Vec3::Constant(margin) - frame.origin_mm) / voxel).array().ceil().cast<int>() + 1;
+  return frame;
+}
+
+/// From rows through the boundary where they find much more than the sum over its triangles: some of these
+/// are turned to the wrong side then.
+double sound_volume(const Boundary& boundary, double sum, const Vec3& low, const Vec3& high) {
+  constexpr double kRows = 200, kMuchMore = 1.5;
+  const double voxel = (high - low).maxCoeff() / kRows;
+  const double of_rows = RowFiller(boundary, frame_around(low, high, voxel, voxel)).volume_mm3();
+  return of_rows > kMuchMore * std::abs(sum) ? of_rows : std::abs(sum);
+}
+
+Grid grid_around(const Boundary& boundary, const CenterlineOptions& options) {
+  double volume = 0, area = 0;
+  Vec3 low = boundary.corner(0, 0), high = low;
+  const Vec3 base = low;
+  for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+    const Vec3 normal = boundary.area_vector(t);
+    volume += normal.dot(boundary.corner(t, 0) - base) / 3;
+    if (boundary.is_opening[t] == 0) area += normal.norm();
+    for (std::size_t n = 0; n < 3; ++n) {
+      low = low.cwiseMin(boundary.corner(t, n));
+      high = high.cwiseMax(boundary.corner(t, n));
+    }
+  }
+  const double extent = (high - low).maxCoeff();
+  Grid grid;
+  grid.caps = caps_of(boundary, volume > 0 ? 1 : -1);
+  volume = extent > 0 ? sound_volume(boundary, volume, low, high) : 0;
+  if (!(volume > 1e-9 * extent * extent * extent) || !(area > 0))
+    throw Error(ErrorKind::kBadInput, "the boundary of the mesh encloses nothing; is its surface closed?");
+  // A tube's volume is half its radius times its area.
+  double voxel = std::max(2 * volume / area / 8, std::cbrt(volume / kMostVoxels));
+  if (options.voxel_mm > 0) voxel = options.voxel_mm;
+  if (volume / (voxel * voxel * voxel) > 1e9 || extent / voxel > 30000)
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("voxels of {:g} mm are too small for a mesh of {:g} mm; give larger ones", voxel,
+                            extent));
+  grid.frame.spacing_mm.setConstant(voxel);
+  double margin = kMargin * voxel;
+  for (const Cap& cap : grid.caps) margin = std::max(margin, kMargin * voxel + grid.beyond_mm(cap));
+  grid.frame = frame_around(low, high, margin, voxel);
+  return grid;
+}
 
 /// Voxels of the prisms that stand on the triangles of a cap, outside.
 void go_on_beyond(const Cap& cap, const Boundary& boundary, const Grid& grid, std::vector<Index3>& voxels) {

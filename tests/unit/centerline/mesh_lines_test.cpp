@@ -109,6 +109,18 @@ TEST(MeshLines, AreThoseOfTheSurfaceTurnedInsideOut) {
   EXPECT_NEAR(height_range(lines).second, kLength, 1e-6);
 }
 
+TEST(MeshLines, HaveTheSameVoxelsWhereTrianglesAreTurnedToEitherSide) {
+  MixedMesh mesh = closed_tube();
+  mesh.triangle_patches.assign(mesh.triangles.size(), kWallPatch);
+  Context context;
+  const Polylines sound = extract_centerline(mesh.view(), {}, context);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (t % 7 < 3) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);  // A seventh of the volume is left.
+  const Polylines lines = extract_centerline(mesh.view(), {}, context);
+  expect_axis(lines);
+  EXPECT_NEAR(static_cast<double>(lines.points.size()), static_cast<double>(sound.points.size()), 2);
+}
+
 TEST(MeshLines, OfATorusAreItsCircle) {
   const fixtures::TriangleSoup torus = fixtures::torus_surface(10, 3, 96, 32);
   MixedMesh mesh;
