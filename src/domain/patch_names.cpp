@@ -10,7 +10,7 @@
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/geometry/triangle.hpp"
-#include "lumesh/mesh/patch_renaming.hpp"
+#include "lumesh/mesh/patch_words.hpp"
 #include "opening_names.hpp"
 
 namespace lumesh {

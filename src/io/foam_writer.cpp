@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "file_fault.hpp"
-#include "foam_words.hpp"
+#include "lumesh/mesh/patch_words.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
@@ -197,12 +197,11 @@ class FoamWriter {
                [&](Text& text, std::size_t f) { append_line(text, poly_.neighbours[f]); });
   }
 
-  [[nodiscard]] std::string patch_name(std::int32_t patch) const {
-    if (patch == kNoPatch) return "unnamed";
+  [[nodiscard]] std::string add_patch(std::int32_t patch, PatchWords& words) const {
+    if (patch == kNoPatch) return words.add("unnamed", "");
     const auto index = static_cast<std::size_t>(patch);
     const auto& patches = mesh_.info->patches;
-    const std::string name = index < patches.size() ? patches[index].name : std::string();
-    return name.empty() ? fmt::format("patch_{}", patch) : name;
+    return words.add(index < patches.size() ? patches[index].name : "", fmt::format("patch_{}", patch));
   }
 
   [[nodiscard]] bool is_wall(std::int32_t patch) const {
@@ -215,9 +214,9 @@ class FoamWriter {
     MeshInfo info = *mesh_.info;
     info.unit = "m";
     file.print("// {}\n\n{}\n(\n", info_to_json(info), poly_.patches.size());
-    FoamWords words;
+    PatchWords words;
     std::vector<std::string> names;
-    for (const PolyPatch& patch : poly_.patches) names.push_back(words.add(patch_name(patch.patch)));
+    for (const PolyPatch& patch : poly_.patches) names.push_back(add_patch(patch.patch, words));
     // All walls at once are the group "wall", unless that would also be the name of one patch.
     const bool has_group = !words.contains("wall");
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -238,12 +237,11 @@ class FoamWriter {
       for (const Label label : block.tags) zones[label].push_back(cell++);
     write_header(file, "regIOobject", "cellZones");
     file.print("{}\n(\n", zones.size());
-    FoamWords words;
+    PatchWords words;
+    std::map<Label, std::string> names = label_words(mesh_.info->label_names);
     for (const auto& zone : zones) {
-      const auto name = mesh_.info->label_names.find(zone.first);
-      const bool is_named = name != mesh_.info->label_names.end() && !name->second.empty();
       file.print("{}\n{{\n    type cellZone;\n    cellLabels List<label>\n",
-                 words.add(is_named ? name->second : fmt::format("label_{}", zone.first)));
+                 words.add(names[zone.first], fmt::format("label_{}", zone.first)));
       const std::vector<std::size_t>& cells = zone.second;
       write_list(file, cells.size(), [&](Text& text, std::size_t i) { append_line(text, cells[i]); });
       file.print(";\n}}\n");
@@ -254,10 +252,9 @@ class FoamWriter {
   void write_face_zones(OutputFile& file) {
     write_header(file, "regIOobject", "faceZones");
     file.print("{}\n(\n", poly_.zones.size());
-    FoamWords words;
+    PatchWords words;
     for (const PolyZone& zone : poly_.zones) {
-      file.print("{}\n{{\n    type faceZone;\n    faceLabels List<label>\n",
-                 words.add(patch_name(zone.patch)));
+      file.print("{}\n{{\n    type faceZone;\n    faceLabels List<label>\n", add_patch(zone.patch, words));
       write_list(file, zone.faces.size(),
                  [&](Text& text, std::size_t i) { append_line(text, zone.faces[i]); });
       file.print(";\n    flipMap List<bool>\n");
@@ -280,6 +277,9 @@ class FoamWriter {
   UsedPoints points_;
   CaseFiles files_;
 };
+
+}  // namespace
+
 void check_foam_case(const fs::path& path) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
   std::error_code ignored;
@@ -294,11 +294,8 @@ void check_foam_case(const fs::path& path) {
                  *others.begin()));
 }
 
-
-  check_foam_case(path);
-}  // namespace
-
 void write_foam(const fs::path& path, const MeshView& mesh) {
+  check_foam_case(path);
   FoamWriter(path, mesh).write();
 }
 

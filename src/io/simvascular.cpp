@@ -5,15 +5,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <numeric>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "face_owners.hpp"
 #include "file_fault.hpp"
+#include "lumesh/mesh/patch_words.hpp"
 #include "mesh_formats.hpp"
 #include "output_folder.hpp"
 #include "tetrahedra_only.hpp"
@@ -121,15 +120,9 @@ void write_faces(const fs::path& path, const FaceFile& file) {
 /// and no two alike.
 std::vector<std::string> file_names(const std::vector<Patch>& patches) {
   std::vector<std::string> names;
-  std::set<std::string> taken;
-  for (std::size_t p = 0; p < patches.size(); ++p) {
-    std::string name = patches[p].name.empty() ? fmt::format("patch_{}", p + 1) : patches[p].name;
-    for (char& c : name)
-      if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-') c = '_';
-    std::string free = name;
-    for (int n = 2; !taken.insert(free).second; ++n) free = fmt::format("{}_{}", name, n);
-    names.push_back(free + ".vtp");
-  }
+  PatchWords words;
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    names.push_back(words.add(patches[p].name, fmt::format("patch_{}", p + 1)) + ".vtp");
   return names;
 }
 

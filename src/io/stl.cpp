@@ -14,7 +14,7 @@
 
 #include "file_fault.hpp"
 #include "lumesh/mesh/patch_list.hpp"
-#include "lumesh/mesh/patch_renaming.hpp"
+#include "lumesh/mesh/patch_words.hpp"
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
 

@@ -14,18 +14,14 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/mesh/patch_words.hpp"
 
 namespace lumesh {
 namespace {
 
-bool is_letter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-}
-bool is_in_names(char c) {
-  return is_letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '.';
-}
 bool is_name(std::string_view text) {
-  return !text.empty() && is_letter(text.front()) && std::all_of(text.begin(), text.end(), is_in_names);
+  return !text.empty() && std::string_view("0123456789-.").find(text.front()) == std::string_view::npos &&
+         patch_word(text) == text;
 }
 
 std::string list_of(std::span<const NamedOpening> openings) {
@@ -88,16 +84,6 @@ std::optional<Vec3> place_from(std::string_view text) {
   }
   if (!place.allFinite()) return std::nullopt;
   return place;
-}
-
-std::string patch_word(std::string_view text) {
-  std::string word;
-  for (const char c : text) {
-    const char taken = is_in_names(c) ? c : '_';
-    if (taken != '_' || (!word.empty() && word.back() != '_')) word += taken;
-  }
-  if (!word.empty() && word.back() == '_') word.pop_back();
-  return word;
 }
 
 PatchRenaming renaming_from(std::string_view text) {

@@ -11,10 +11,6 @@
 
 namespace lumesh {
 
-/// The text as a part of a name that solvers take: '_' for other characters than letters, digits, '_', '-'
-/// and '.'; none at its ends.
-[[nodiscard]] std::string patch_word(std::string_view text);
-
 /// A place written as "x,y,z"; none if it is anything else, or not finite.
 [[nodiscard]] std::optional<Vec3> place_from(std::string_view text);
 

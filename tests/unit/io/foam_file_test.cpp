@@ -103,7 +103,7 @@ TEST_F(FoamFile, GroupsTheWallsUnlessOneHasTheNameOfTheGroup) {
 TEST_F(FoamFile, HoldsLabelsAsCellZones) {
   const FoamCase written = write(every_cell_shape());
   EXPECT_EQ(names(written.cell_zones),
-            (std::vector<std::string>{"lumen", "label_2", "label_3", "clot__old_____new_"}));
+            (std::vector<std::string>{"lumen", "label_2", "label_3", "clot_old_new"}));
   const std::vector<std::size_t> cells = {3, 1, 2, 0};
   for (std::size_t i = 0; i < cells.size(); ++i)
     EXPECT_EQ(written.cell_zones[i].lists.at("cellLabels"), std::vector<std::size_t>{cells[i]});
@@ -155,7 +155,17 @@ TEST_F(FoamFile, MakesWordsOfNames) {
   mesh.info.patches[0].name = "1st $wall; {a} \"b\"";
   mesh.info.patches[1].name = "a b";
   mesh.info.patches[2].name = "a/b";
-  EXPECT_EQ(names(write(mesh).patches), (std::vector<std::string>{"_1st__wall___a___b_", "a_b", "a_b_2"}));
+  EXPECT_EQ(names(write(mesh).patches), (std::vector<std::string>{"_1st_wall_a_b", "a_b", "a_b_2"}));
+}
+
+TEST_F(FoamFile, ZonesAreCleanedAsPatchesAreWhicheverLabelsTheMeshHas) {
+  MixedMesh mesh = every_cell_shape();
+  mesh.info.label_names = {{1, "Gefäß"}, {2, "a/b"}, {3, "a_b"}, {5, "left (ICA)"}, {7, "left ICA"}};
+  for (int i = 0; i < 2; ++i) mesh.info.patches[static_cast<std::size_t>(i)].name = i == 0 ? "Gefäß" : "Gef";
+  const FoamCase written = write(mesh);
+  EXPECT_EQ(names(written.cell_zones), (std::vector<std::string>{"Gef", "a_b", "a_b_2", "left_ICA_2"}));
+  EXPECT_EQ(written.patches[0].name, "Gef");
+  EXPECT_EQ(written.patches[1].name, "Gef_2");
 }
 
 TEST_F(FoamFile, KeepsPointsToTheLastBitAndLeavesOutThoseOfNoCell) {
@@ -220,16 +230,6 @@ TEST_F(FoamFile, ReplacesAnEarlierMeshAndNothingElse) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "constant/polyMesh"), {}), 8);
 }
 
-class FoamFileFault : public FoamFile {
- protected:
-  void expect_refused(const MixedMesh& mesh, const std::string& reason) {
-    EXPECT_NE(error_of([&] { write(mesh); }).find(reason), std::string::npos);
-    EXPECT_EQ(folder_.file_count(), 0U) << "something is left behind";
-  }
-};
-
-TEST_F(FoamFileFault, ASurfaceHasNoCells) {
-  MixedMesh mesh;
 TEST_F(FoamFile, TheMeshOfAnotherNameInTheFolderStays) {
   write(shuffled_block(4));
   const std::string faces = text_of("faces");
@@ -241,6 +241,16 @@ TEST_F(FoamFile, TheMeshOfAnotherNameInTheFolderStays) {
   EXPECT_NO_THROW(write_mesh(folder_ / "other.foam", every_cell_shape().view()));
 }
 
+class FoamFileFault : public FoamFile {
+ protected:
+  void expect_refused(const MixedMesh& mesh, const std::string& reason) {
+    EXPECT_NE(error_of([&] { write(mesh); }).find(reason), std::string::npos);
+    EXPECT_EQ(folder_.file_count(), 0U) << "something is left behind";
+  }
+};
+
+TEST_F(FoamFileFault, ASurfaceHasNoCells) {
+  MixedMesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.triangles = {{0, 1, 2}};
   mesh.triangle_patches = {0};

@@ -114,7 +114,7 @@ TEST(SimVascularFolder, HoldsTheVolumeTheExteriorAndEachPatch) {
   EXPECT_EQ(files_in(folder / "x-mesh-complete"),
             (std::set<std::string>{"mesh-complete.mesh.vtu", "mesh-complete.exterior.vtp",
                                    "walls_combined.vtp", "mesh-surfaces", "mesh-surfaces/wall.vtp",
-                                   "mesh-surfaces/___wall_of__5_.vtp", "mesh-surfaces/inlet.vtp",
+                                   "mesh-surfaces/_wall_of_5.vtp", "mesh-surfaces/inlet.vtp",
                                    "mesh-interfaces", "mesh-interfaces/interface_5_1.vtp"}));
 }
 
@@ -185,6 +185,17 @@ TEST(SimVascularFolder, PatchesOfTheSameNameGetAFileEach) {
   write_mesh(folder / "mesh-complete", mesh.view());
   const auto names = files_in(folder / "mesh-complete/mesh-surfaces");
   EXPECT_EQ(names, (std::set<std::string>{"wall.vtp", "wall_2.vtp", "patch_4.vtp"}));
+}
+
+TEST(SimVascularFolder, NamesAreCleanedAsForOpenFoam) {
+  const TemporaryFolder folder;
+  MixedMesh mesh = two_tetrahedra();
+  const std::array<const char*, 4> called = {"Gefäßwand (außen)", "a.b", "a/b", "a b"};
+  for (std::size_t p = 0; p < called.size(); ++p) mesh.info.patches.at(p).name = called.at(p);
+  write_mesh(folder / "mesh-complete", mesh.view());
+  std::set<std::string> names = files_in(folder / "mesh-complete/mesh-surfaces");
+  names.merge(files_in(folder / "mesh-complete/mesh-interfaces"));
+  EXPECT_EQ(names, (std::set<std::string>{"Gef_wand_au_en.vtp", "a.b.vtp", "a_b.vtp", "a_b_2.vtp"}));
 }
 
 TEST(SimVascularFolder, OtherShapesAndStrayFacesAreRefused) {

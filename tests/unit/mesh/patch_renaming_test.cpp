@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/patch_words.hpp"
 
 namespace lumesh {
 namespace {
@@ -36,11 +37,29 @@ TEST(PatchRenaming, APlaceMeansTheOpeningNotTheRimOfTheWallAroundIt) {
   EXPECT_EQ(with_patches({renaming_from("wall_rim_1=cut")}, openings)[0].patch, "wall_rim_1");
 }
 
+TEST(PatchWords, AreEachOnceAndBeginAsWordsDo) {
+  PatchWords words;
+  for (const auto& [name, word] :
+       {std::pair("a/b", "a_b"), std::pair("a b", "a_b_2"), std::pair("a_b_2", "a_b_2_2"),
+        std::pair("1st", "_1st"), std::pair(".hidden", "hidden"), std::pair("動脈", "patch_3"),
+        std::pair("", "patch_3_2")})
+    EXPECT_EQ(words.add(name, "patch_3"), word);
+}
+
+TEST(PatchWords, OfLabelsDependOnTheirNamesAlone) {
+  const std::map<Label, std::string> names = {{1, "a/b"}, {2, "a_b_2"},   {3, "a_b"}, {4, "rim_1"},
+                                              {5, "7"},   {6, "label_9"}, {9, "?"},   {10, "Gefäß"}};
+  const std::map<Label, std::string> words = {{1, "a_b"}, {2, "a_b_2"}, {3, "a_b_3"}, {10, "Gef"}};
+  EXPECT_EQ(label_words(names), words);
+}
+
 TEST(PatchWord, HasOnlyWhatSolversTake) {
   EXPECT_EQ(patch_word("left ICA (C7)"), "left_ICA_C7");
   EXPECT_EQ(patch_word("Ärtery/2"), "rtery_2");
   EXPECT_EQ(patch_word("R-MCA.M1"), "R-MCA.M1");
   EXPECT_EQ(patch_word(" ?"), "");
+  EXPECT_EQ(patch_word("Gefäß äußere Wand"), "Gef_u_ere_Wand");
+  for (const char* taken : {"a__b", "_1st", "wall-2.1_"}) EXPECT_EQ(patch_word(taken), taken);
 }
 
 TEST(PatchRenaming, WhatNoOpeningIsMeantByIsRefusedWithTheOpeningsThatThereAre) {
