@@ -221,15 +221,8 @@ std::vector<BoundaryTriangle> with_flat_openings(std::span<const BoundaryTriangl
 
 }  // namespace
 
-PatchNaming::PatchNaming(const std::map<Label, std::string>& label_names) {
-  std::map<std::string, int> count;
-  for (const auto& [label, name] : label_names) ++count[patch_word(name)];
-  for (const auto& [label, name] : label_names) {
-    const std::string word = patch_word(name);
-    const bool is_number = std::all_of(word.begin(), word.end(), [](char c) { return c >= '0' && c <= '9'; });
-    if (!is_number && count[word] == 1) words_[label] = word;
-  }
-}
+PatchNaming::PatchNaming(const std::map<Label, std::string>& label_names)
+    : words_(label_words(label_names)) {}
 
 std::string PatchNaming::word(Label label) const {
   const auto at = words_.find(label);
@@ -241,7 +234,17 @@ std::string PatchNaming::wall(Label label, bool is_only) const {
 }
 
 std::string PatchNaming::between(Label a, Label b) const {
-  return "interface_" + word(std::min(a, b)) + "_" + word(std::max(a, b));
+  const std::string name = word(std::min(a, b)) + "_" + word(std::max(a, b));
+  // Of other labels, too, such as a_b and c for a and b_c: numbers tell them apart.
+  const auto is_word = [&](const std::string& text) {
+    return (!text.empty() && text.find_first_not_of("0123456789") == std::string::npos) ||
+           std::any_of(words_.begin(), words_.end(), [&](const auto& one) { return one.second == text; });
+  };
+  int readings = 0;
+  for (std::size_t at = name.find('_'); at != std::string::npos; at = name.find('_', at + 1))
+    readings += is_word(name.substr(0, at)) && is_word(name.substr(at + 1)) ? 1 : 0;
+  return "interface_" +
+         (readings > 1 ? std::to_string(std::min(a, b)) + "_" + std::to_string(std::max(a, b)) : name);
 }
 
 std::string PatchNaming::label(Label label) const {
