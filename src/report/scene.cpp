@@ -10,22 +10,28 @@ namespace {
 using quality::kOutside;
 using quality::MeshSurface;
 
-constexpr std::size_t kMostLegendItems = 14;
-constexpr Colour kWallColour = {208, 103, 91};
-constexpr std::array<Colour, 6> kOpeningColours = {
-    {{59, 130, 196}, {47, 165, 142}, {224, 160, 58}, {138, 99, 184}, {124, 152, 52}, {194, 85, 143}}};
-constexpr std::array<Colour, 12> kDistinctColours = {{{208, 103, 91},
-                                                      {91, 143, 208},
-                                                      {224, 176, 74},
-                                                      {107, 179, 138},
-                                                      {154, 120, 194},
-                                                      {217, 139, 74},
-                                                      {92, 181, 196},
-                                                      {196, 109, 155},
-                                                      {155, 176, 77},
-                                                      {138, 127, 116},
-                                                      {77, 111, 176},
-                                                      {176, 88, 77}}};
+constexpr std::size_t kMostLegendItems = 60;
+/// Each two differ by 0.13 in OKLab (Ottosson 2020) at least, also to eyes without red or without green cones
+/// (Machado et al. 2009, doi:10.1109/TVCG.2009.113, severity 1): found by exchanging one after the other for
+/// the colour that is farthest from the rest. The first is that of walls.
+constexpr std::array<Colour, 13> kDistinctColours = {{{208, 103, 91},
+                                                      {60, 75, 195},
+                                                      {255, 210, 0},
+                                                      {0, 210, 165},
+                                                      {90, 15, 120},
+                                                      {75, 240, 255},
+                                                      {165, 60, 0},
+                                                      {105, 120, 240},
+                                                      {120, 0, 30},
+                                                      {90, 150, 180},
+                                                      {255, 135, 30},
+                                                      {90, 90, 120},
+                                                      {15, 195, 255}}};
+constexpr Colour kWallColour = kDistinctColours[0];
+/// Of an opening; they repeat, without that of walls.
+Colour opening_colour(std::size_t index) {
+  return kDistinctColours[1 + index % (kDistinctColours.size() - 1)];
+}
 
 constexpr std::array<Colour, 9> kViridis = {{{68, 1, 84},
                                              {71, 44, 122},
@@ -45,9 +51,7 @@ Palette::Palette(const MeshView& mesh, const MeshSurface& surface) : mesh_(mesh)
   std::sort(labels_.begin(), labels_.end());
   std::size_t openings = 0;
   for (const Patch& patch : mesh.info->patches)
-    patch_colours_.push_back(patch.kind == PatchKind::kOpening
-                                 ? kOpeningColours[openings++ % kOpeningColours.size()]
-                                 : kWallColour);
+    patch_colours_.push_back(patch.kind == PatchKind::kOpening ? opening_colour(openings++) : kWallColour);
 }
 
 Colour Palette::of(Label label, std::int32_t patch) const {
