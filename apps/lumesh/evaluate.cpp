@@ -89,7 +89,7 @@ void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
   if (!command.picture_path.empty()) {
     constexpr report::Colour kPaper = {250, 250, 248};
     const report::SurfacePicture surface = report::draw_surface(mesh, report::surface_for_pictures(mesh));
-    write_text_file(command.picture_path, report::encode_png(report::on_background(surface.picture, kPaper)));
+    write_text_file(command.picture_path, report::encode_png(report::with_names(surface, kPaper)));
   }
 }
 

@@ -73,12 +73,14 @@ ViewAngles best_view(std::span<const Vec3> points) {
   return best;
 }
 
-void frame_points(Camera& camera, std::span<const Vec3> points, int width) {
+void frame_points(Camera& camera, std::span<const Vec3> points, int width, const Margins& margins) {
   const Extent extent = extent_on_screen(camera, points);
   const Vec3 size = (extent.high - extent.low).cwiseMax(1e-9), middle = (extent.low + extent.high) / 2;
   camera.width = width;
   camera.height = static_cast<int>(std::clamp(size.y() / size.x(), 0.45, 1.0) * width);
-  camera.pixels_per_mm = 0.92 * std::min(camera.width / size.x(), camera.height / size.y());
+  const double widest = std::min(0.92 * camera.width, camera.width - 2 * margins.beside),
+               highest = std::min(0.92 * camera.height, camera.height - 2 * margins.above);
+  camera.pixels_per_mm = std::min(widest / size.x(), highest / size.y());
   camera.centre_mm = middle.x() * camera.right + middle.y() * camera.up + middle.z() * camera.toward;
 }
 

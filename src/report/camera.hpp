@@ -42,7 +42,14 @@ struct ViewAngles {
 };
 [[nodiscard]] ViewAngles best_view(std::span<const Vec3> points);
 
-/// Sets centre, scale and size so that the points fill the picture.
-void frame_points(Camera& camera, std::span<const Vec3> points, int width);
+/// What stays empty at both sides of a picture, and above and below, in pixels.
+struct Margins {
+  double beside = 0;
+  double above = 0;
+};
+
+/// Sets centre, scale and size so that the points fill the picture. Margins make the object smaller, not the
+/// picture larger.
+void frame_points(Camera& camera, std::span<const Vec3> points, int width, const Margins& margins = {});
 
 }  // namespace lumesh::report

@@ -154,7 +154,7 @@ std::string case_tiles(const CaseReport& report) {
 
 std::string picture_html(const NamedPicture& named) {
   if (named.picture.width == 0) return "<p class=\"note\">" + escaped(named.caption) + "</p>";
-  std::string html = "<figure>" + image_tag(named.picture, named.caption) + "<figcaption>" +
+  std::string html = "<figure>" + image_tag(named.picture, named.names, named.caption) + "<figcaption>" +
                      escaped(named.caption) + "</figcaption>" + legend_html(named.legend);
   if (named.scale) html += scale_html(*named.scale);
   return html + "</figure>\n";

@@ -61,7 +61,7 @@ std::string tiles(const Evaluation& e) {
 
 std::string surface_section(const SurfacePicture& surface) {
   if (surface.picture.width == 0) return "";
-  return section("Surface", "<figure>" + image_tag(surface.picture, "Surface of the mesh") +
+  return section("Surface", "<figure>" + image_tag(surface.picture, surface.names, "Surface of the mesh") +
                                 legend_html(surface.legend) + "</figure>");
 }
 

@@ -2,6 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "lumesh/core/version.hpp"
 #include "page_style.hpp"
 
@@ -59,6 +62,39 @@ std::string image_tag(const Picture& picture, const std::string& description) {
   return fmt::format("<img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,", picture.width,
                      picture.height, escaped(description)) +
          base64(encode_png(picture)) + "\">";
+}
+
+namespace {
+
+/// An arrow from the border of the text to the opening.
+std::string arrow_path(const PictureLabel& label, double letter) {
+  const double x = label.from[0] - label.at[0], y = label.from[1] - label.at[1];
+  const double scale = letter / std::max(std::hypot(x, y), 1e-9);
+  const auto tip = [&](double side) {
+    return fmt::format("{:.1f},{:.1f}", label.at[0] + scale * (0.55 * x - side * y),
+                       label.at[1] + scale * (0.55 * y + side * x));
+  };
+  const std::string at = fmt::format("{:.1f},{:.1f}", label.at[0], label.at[1]);
+  return fmt::format("<path d=\"M{}L{}L{}\"/><path{} d=\"M{}L{:.1f},{:.1f}\"/>", tip(-0.22), at, tip(0.22),
+                     label.is_hidden ? " class=\"hidden\"" : "", at, label.from[0], label.from[1]);
+}
+
+}  // namespace
+
+std::string image_tag(const Picture& picture, const PictureLabels& names, const std::string& description) {
+  const std::string image = image_tag(picture, description);
+  if (names.labels.empty()) return image;
+  std::string arrows, texts;
+  for (const PictureLabel& label : names.labels) {
+    arrows += arrow_path(label, names.letter_pixels);
+    texts +=
+        fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>", (label.low[0] + label.high[0]) / 2,
+                    (label.low[1] + label.high[1]) / 2 + 0.33 * names.letter_pixels, escaped(label.text));
+  }
+  return fmt::format(
+      "<div class=\"picture\">{0}<svg class=\"names\" viewBox=\"0 0 {1} {2}\" style=\"--letter:{3:.1f}px\">"
+      "<g class=\"halo\">{4}</g><g>{4}</g>{5}</svg></div>",
+      image, picture.width, picture.height, names.letter_pixels, arrows, texts);
 }
 
 std::string legend_html(const std::vector<LegendItem>& legend) {

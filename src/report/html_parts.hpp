@@ -28,6 +28,9 @@ namespace lumesh::report {
 
 /// @param description  Plain text, for those who cannot see it.
 [[nodiscard]] std::string image_tag(const Picture& picture, const std::string& description);
+/// With names over it as text, in the colours of the page.
+[[nodiscard]] std::string image_tag(const Picture& picture, const PictureLabels& names,
+                                    const std::string& description);
 [[nodiscard]] std::string legend_html(const std::vector<LegendItem>& legend);
 [[nodiscard]] std::string scale_html(const ColourScale& scale);
 

@@ -49,6 +49,10 @@ td.key { color: var(--soft); width: 15em; vertical-align: top; }
 td.worse { color: var(--bad); font-weight: 600; }
 td.group { padding-top: 14px; font-weight: 600; }
 .note { color: var(--soft); font-size: 13px; margin: 12px 0 0; }
+.picture { position: relative; } figure .names { position: absolute; inset: 0; height: 100%; pointer-events: none; }
+.names text { font: 600 var(--letter) ui-monospace, "DejaVu Sans Mono", monospace; text-anchor: middle; fill: var(--ink); stroke: var(--card); stroke-width: calc(0.25 * var(--letter)); stroke-linejoin: round; paint-order: stroke; }
+.names path { fill: none; stroke: var(--ink); stroke-width: calc(0.085 * var(--letter)); stroke-linecap: round; } .names .halo path { stroke: var(--card); stroke-width: calc(0.28 * var(--letter)); }
+.names .hidden { stroke-dasharray: calc(0.25 * var(--letter)); }
 svg { display: block; width: 100%; height: auto; }
 svg text { fill: var(--soft); font-size: 12px; font-family: inherit; font-variant-numeric: tabular-nums; }
 svg .bar { fill: var(--bar); } svg .bar.far { fill: var(--bar-far); } svg .axis { stroke: var(--line); }

@@ -19,12 +19,13 @@ std::string plane_words(const CutPicture& cut) {
 }  // namespace
 
 NamedPicture captioned(SurfacePicture drawn, std::string caption) {
-  return {std::move(caption), std::move(drawn.picture), std::move(drawn.legend), std::move(drawn.scale), {}};
+  return {std::move(caption),     std::move(drawn.picture), std::move(drawn.legend),
+          std::move(drawn.scale), std::move(drawn.names),   {}};
 }
 
 NamedPicture captioned(CutPicture drawn, std::string caption) {
   const CutWindow window = {drawn.point_mm, drawn.normal, drawn.width_mm};
-  return {std::move(caption), std::move(drawn.picture), {}, std::move(drawn.scale), window};
+  return {std::move(caption), std::move(drawn.picture), {}, std::move(drawn.scale), {}, window};
 }
 
 std::vector<NamedPicture> draw_stage_pictures(const MeshView& mesh, const std::optional<CutWindow>& window,

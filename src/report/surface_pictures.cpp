@@ -8,6 +8,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/curvature.hpp"
+#include "name_labels.hpp"
 #include "scene.hpp"
 #include "tubes.hpp"
 
@@ -264,12 +265,17 @@ MeshSurface surface_for_pictures(const MeshView& mesh) {
 }
 
 SurfacePicture draw_surface(const MeshView& mesh, const MeshSurface& surface, const PictureOptions& options) {
-  const Camera camera = best_camera(surface_points(mesh, surface), options.width);
+  const std::vector<Vec3> points = surface_points(mesh, surface);
+  const std::vector<OpeningMark> openings = opening_marks(mesh, surface);
+  Camera camera = best_camera(points, options.width);
+  frame_points(camera, points, options.width, margins_for(openings, letter_pixels(camera)));
   const Palette palette(mesh, surface);
   const std::vector<ScreenTriangle> triangles =
       facing_triangles(mesh, surface, camera, Finish::kLit,
                        [&](std::size_t i) { return palette.of(surface.labels[i][0], surface.patches[i]); });
-  return {rasterise(triangles, camera.width, camera.height, options.supersampling), palette.legend()};
+  Picture picture = rasterise(triangles, camera.width, camera.height, options.supersampling);
+  PictureLabels names = place_names(openings, camera, picture, triangles);
+  return {std::move(picture), palette.legend(), {}, std::move(names)};
 }
 
 SurfacePicture draw_surface_values(const MeshView& mesh, const MeshSurface& surface,

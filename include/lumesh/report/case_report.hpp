@@ -31,6 +31,7 @@ struct NamedPicture {
   Picture picture;
   std::vector<LegendItem> legend;
   std::optional<ColourScale> scale = {};
+  PictureLabels names = {};
   std::optional<CutWindow> window = {};  ///< Of a cut: which part of which plane it shows.
 };
 

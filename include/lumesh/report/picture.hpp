@@ -1,6 +1,7 @@
 #pragma once
 /// @file Pictures of meshes, drawn in software: no display, no graphics library.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -43,10 +44,28 @@ struct ColourScale {
   std::string high;  ///< Such as "1 (regular)".
   std::vector<Colour> stops;
 };
+/// In pixels from the upper left corner of a picture.
+using PixelPlace = std::array<double, 2>;
+
+/// The name of an opening beside it and an arrow to it.
+struct PictureLabel {
+  std::string text;
+  PixelPlace at = {};      ///< The point of the arrow, in the middle of the opening.
+  PixelPlace from = {};    ///< Its end, on the border of the text.
+  PixelPlace low = {};     ///< Upper left corner of the text.
+  PixelPlace high = {};    ///< Lower right corner.
+  bool is_hidden = false;  ///< Something is in front of the opening, or it faces away.
+};
+struct PictureLabels {
+  std::vector<PictureLabel> labels;
+  double letter_pixels = 0;  ///< Height of a line; a letter is kLetterWidth of it wide, whichever it is.
+};
+inline constexpr double kLetterWidth = 0.6;
 struct SurfacePicture {
   Picture picture;
   std::vector<LegendItem> legend;
   std::optional<ColourScale> scale = {};
+  PictureLabels names = {};
 };
 struct CutPicture {
   Picture picture;
@@ -63,8 +82,9 @@ struct PictureOptions {
 };
 
 /// The surface of the mesh against the outside, coloured by patch (one label) or by label (several), seen
-/// from where the object spreads most, the patient's head up. Transparent background. Threads: parallel
-/// inside, same pixels for every thread count. Cost: about 0.5 s for 100k triangles.
+/// from where the object spreads most, the patient's head up. Transparent background. The largest openings,
+/// up to 40, get names around the object that do not overlap; they are not in the pixels, see with_names().
+/// Threads: parallel inside, same pixels for every thread count. Cost: about 0.5 s for 100k triangles.
 [[nodiscard]] SurfacePicture draw_surface(const MeshView& mesh, const quality::MeshSurface& surface,
                                           const PictureOptions& options = {});
 
@@ -152,6 +172,9 @@ inline constexpr double kLowestColouredQuality = 0.2;
 
 /// The picture on a plain background.
 [[nodiscard]] Picture on_background(const Picture& picture, Colour background);
+
+/// The picture on a plain background with its names written into it.
+[[nodiscard]] Picture with_names(const SurfacePicture& drawn, Colour background);
 
 /// PNG file bytes.
 [[nodiscard]] std::string encode_png(const Picture& picture);
