@@ -30,21 +30,22 @@ void run(const RenameCommand& command) {
   context.phase("write", [&] { write_mesh(command.to, mesh.view()); });
   warn_of_faults(command.from, mesh.view());
   for (const PatchRenaming& renaming : renamings)
-    say(command.run, "{}: {} is {} now\n", command.to, renaming.patch, renaming.name);
+    say(command.run, "{}: {} is {}{} now\n", command.to, renaming.patch, renaming.name,
+        renaming.kind ? fmt::format(", kind {},", renaming.kind->word()) : "");
 }
 
 }  // namespace
 
 void add_rename_command(CLI::App& program) {
   const auto command = std::make_shared<RenameCommand>();
-  CLI::App* sub = program.add_subcommand("rename", "Give patches of a mesh other names");
+  CLI::App* sub = program.add_subcommand("rename", "Give patches of a mesh other names and kinds");
   sub->add_option("from", command->from, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("-o,--output", command->to, std::string("Mesh to write ") + kVolumeFormats)->required();
   add_name_option(*sub, command->names);
   sub->get_option("--name")->required();
   add_verbosity_options(*sub, command->run);
   sub->footer(
-      "Example: lumesh rename case1.vtu -o named.vtu --name inlet_1=aorta --name 12.5,40,-3=left_ica");
+      "Example: lumesh rename case1.vtu -o named.vtu --name inlet_1=aorta:inlet --name 12.5,40,-3=left_ica");
   sub->callback([command] { run(*command); });
 }
 

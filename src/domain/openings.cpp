@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "opening_names.hpp"
 
@@ -267,7 +268,7 @@ std::vector<OpeningPatch> opening_patches(const MeshView& mesh) {
   std::vector<OpeningPatch> patches(mesh.info->patches.size());
   const auto patch_at = [&](std::int32_t p) -> OpeningPatch* {
     const auto at = static_cast<std::size_t>(p);
-    return at < patches.size() && mesh.info->patches[at].kind == PatchKind::kOpening ? &patches[at] : nullptr;
+    return at < patches.size() && is_plane(mesh.info->patches[at].kind) ? &patches[at] : nullptr;
   };
   for_each_patch_triangle(mesh, [&](const Cell<3>& t, std::int32_t p) {
     if (OpeningPatch* patch = patch_at(p))

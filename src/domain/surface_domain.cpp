@@ -13,6 +13,7 @@
 #include "flat_regions.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "opening_names.hpp"
 #include "surface_feet.hpp"
 
@@ -96,6 +97,7 @@ struct SurfaceDomain::Parts {
         const bool is_called_wall = patch.name.find("wall") != std::string::npos;
         const bool is_flat = is_flat_patch.at(regions.patches[r]) && !is_called_wall;
         if (is_opening_of_file(r) || is_flat) patch.kind = PatchKind::kOpening;
+        keep_kind_of_file(r, patch);
       } else if (is_end) {
         patch = {opening_name(ends.size()), PatchKind::kOpening, {1, kBackground}};
       } else {
@@ -117,6 +119,13 @@ struct SurfaceDomain::Parts {
     const Patch* const known = patch_of_file(region);
     return known != nullptr && !known->name.empty() ? known->name
                                                     : "patch_" + std::to_string(regions.patches[region]);
+  }
+  /// What only users say.
+  void keep_kind_of_file(std::uint32_t region, Patch& patch) const {
+    const Patch* const known = patch_of_file(region);
+    if (known == nullptr) return;
+    if (known->kind == PatchKind::kSymmetry) patch.kind = PatchKind::kSymmetry;
+    patch.flow = known->flow;
   }
   [[nodiscard]] bool is_opening_of_file(std::uint32_t region) const {
     const Patch* const known = patch_of_file(region);

@@ -204,9 +204,12 @@ class FoamWriter {
     return words.add(index < patches.size() ? patches[index].name : "", fmt::format("patch_{}", patch));
   }
 
-  [[nodiscard]] bool is_wall(std::int32_t patch) const {
+  [[nodiscard]] std::string_view type_of(std::int32_t patch) const {
     const auto index = static_cast<std::size_t>(patch);
-    return index < mesh_.info->patches.size() && mesh_.info->patches[index].kind == PatchKind::kWall;
+    if (index >= mesh_.info->patches.size()) return "patch";
+    const PatchKind kind = mesh_.info->patches[index].kind;
+    if (kind == PatchKind::kSymmetry) return "symmetry";
+    return kind == PatchKind::kWall ? "wall" : "patch";
   }
 
   void write_boundary(OutputFile& file) {
@@ -221,9 +224,9 @@ class FoamWriter {
     const bool has_group = !words.contains("wall");
     for (std::size_t i = 0; i < names.size(); ++i) {
       const PolyPatch& patch = poly_.patches[i];
-      const bool wall = is_wall(patch.patch);
-      file.print("    {}\n    {{\n        type            {};\n", names[i], wall ? "wall" : "patch");
-      if (wall && has_group) file.print("        inGroups        1(wall);\n");
+      const std::string_view type = type_of(patch.patch);
+      file.print("    {}\n    {{\n        type            {};\n", names[i], type);
+      if (type == "wall" && has_group) file.print("        inGroups        1(wall);\n");
       file.print("        nFaces          {};\n        startFace       {};\n    }}\n", patch.count,
                  patch.first);
     }

@@ -109,9 +109,7 @@ class MeshBuilder {
   }
 
   /// Other programs' files have names only.
-  static PatchKind kind_of(const std::string& name) {
-    return is_opening_name(name) ? PatchKind::kOpening : PatchKind::kWall;
-  }
+  static PatchKind kind_of(const std::string& name) { return kind_of_name(name); }
 
   /// Files without labels say 0 everywhere.
   void give_default_label() {

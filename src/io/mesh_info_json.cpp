@@ -9,20 +9,28 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<const char*, 3> kKindNames = {"wall", "opening", "interface"};
+constexpr std::array<const char*, 4> kKindNames = {"wall", "opening", "interface", "symmetry"};
+constexpr std::array<const char*, 3> kFlowNames = {"opening", "inlet", "outlet"};
 
-PatchKind kind_from_name(const std::string& name) {
+const char* name_of_kind(const Patch& patch) {
+  return patch.kind == PatchKind::kOpening ? kFlowNames.at(static_cast<std::size_t>(patch.flow))
+                                           : kKindNames.at(static_cast<std::size_t>(patch.kind));
+}
+
+void set_kind(Patch& patch, const std::string& name) {
   for (std::size_t i = 0; i < kKindNames.size(); ++i)
-    if (name == kKindNames[i]) return static_cast<PatchKind>(i);
-  return PatchKind::kWall;
+    if (name == kKindNames[i]) patch.kind = static_cast<PatchKind>(i);
+  for (std::size_t i = 1; i < kFlowNames.size(); ++i)
+    if (name == kFlowNames[i]) {
+      patch.kind = PatchKind::kOpening;
+      patch.flow = static_cast<FlowSide>(i);
+    }
 }
 
 json patches_to_json(const std::vector<Patch>& patches) {
   json all = json::array();
   for (const Patch& patch : patches)
-    all.push_back({{"name", patch.name},
-                   {"kind", kKindNames.at(static_cast<std::size_t>(patch.kind))},
-                   {"labels", patch.labels}});
+    all.push_back({{"name", patch.name}, {"kind", name_of_kind(patch)}, {"labels", patch.labels}});
   return all;
 }
 
@@ -45,10 +53,11 @@ MeshInfo info_from_json(std::string_view text) {
     MeshInfo info;
     info.unit = all.value("unit", info.unit);
     info.frame = all.value("frame", info.frame);
-    for (const json& patch : all.value("patches", json::array()))
-      info.patches.push_back({patch.value("name", std::string()),
-                              kind_from_name(patch.value("kind", std::string())),
+    for (const json& patch : all.value("patches", json::array())) {
+      info.patches.push_back({patch.value("name", std::string()), PatchKind::kWall,
                               patch.value("labels", std::array<Label, 2>{})});
+      set_kind(info.patches.back(), patch.value("kind", std::string()));
+    }
     for (const auto& [label, name] : all.value("label_names", std::map<std::string, std::string>()))
       info.label_names[std::stoi(label)] = name;
     info.provenance = all.value("provenance", info.provenance);

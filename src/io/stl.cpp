@@ -68,9 +68,7 @@ class SurfaceBuilder {
       const auto at = std::find_if(mesh_.info.patches.begin(), mesh_.info.patches.end(),
                                    [&](const Patch& patch) { return patch.name == name; });
       patch_of.push_back(static_cast<std::int32_t>(at - mesh_.info.patches.begin()));
-      if (at == mesh_.info.patches.end())
-        mesh_.info.patches.push_back(
-            {name, is_opening_name(name) ? PatchKind::kOpening : PatchKind::kWall, {}});
+      if (at == mesh_.info.patches.end()) mesh_.info.patches.push_back({name, kind_of_name(name), {}});
     }
     for (std::int32_t& patch : mesh_.triangle_patches) patch = patch_of[static_cast<std::size_t>(patch)];
     return std::move(mesh_);

@@ -176,9 +176,8 @@ class LayerBuilder {
   /// The faces of the layers over an edge of the rim, seen from outside anticlockwise.
   void add_side(const RimEdge& edge) {
     if (!has_length(edge.a) && !has_length(edge.b)) return;
-    const bool is_ring =
-        edge.patch >= 0 && surface_.planes[edge.a].count > 0 &&
-        mesh_.info().patches[static_cast<std::size_t>(edge.patch)].kind == PatchKind::kOpening;
+    const bool is_ring = edge.patch >= 0 && surface_.planes[edge.a].count > 0 &&
+                         is_plane(mesh_.info().patches[static_cast<std::size_t>(edge.patch)].kind);
     const std::int32_t patch = is_ring ? patch_of_ring(edge.patch)
                                        : patch_named("layer_side", PatchKind::kWall, {label_, kBackground});
     for (int k = 0; k < layers_; ++k) add_side(edge, k, patch);
@@ -186,8 +185,10 @@ class LayerBuilder {
   std::int32_t patch_of_ring(std::int32_t opening) {
     const bool is_wall_around = !is_inward_ && is_new_label_;
     if (!options_.splits_openings && !is_wall_around) return opening;
-    const std::string& of = mesh_.info().patches[static_cast<std::size_t>(opening)].name;
-    return patch_named(of + "_layer", PatchKind::kOpening, {label_, kBackground});
+    const Patch& of = mesh_.info().patches[static_cast<std::size_t>(opening)];
+    const std::int32_t ring = patch_named(of.name + "_layer", of.kind, {label_, kBackground});
+    out_.info.patches[static_cast<std::size_t>(ring)].flow = of.flow;
+    return ring;
   }
   void add_side(const RimEdge& edge, int k, std::int32_t patch) {
     const std::uint32_t a = point(edge.a, k - 1), b = point(edge.b, k - 1), up_a = point(edge.a, k),

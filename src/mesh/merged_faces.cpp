@@ -129,7 +129,8 @@ class FaceMerger {
     std::vector<Patch>& patches = mesh_.info.patches;
     const auto [place, is_new] =
         by_name_.try_emplace({wanted.name, wanted.kind}, static_cast<std::int32_t>(patches.size()));
-    if (is_new) patches.push_back({free_patch_name(patches, wanted.name), wanted.kind, wanted.labels});
+    if (is_new)
+      patches.push_back({free_patch_name(patches, wanted.name), wanted.kind, wanted.labels, wanted.flow});
     return place->second;
   }
 

@@ -4,12 +4,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -24,12 +26,54 @@ bool is_name(std::string_view text) {
          patch_word(text) == text;
 }
 
+constexpr std::array<std::pair<std::string_view, GivenKind>, 4> kKinds = {{
+    {"inlet", {PatchKind::kOpening, FlowSide::kInlet}},
+    {"outlet", {PatchKind::kOpening, FlowSide::kOutlet}},
+    {"wall", {PatchKind::kWall, FlowSide::kUnknown}},
+    {"symmetry", {PatchKind::kSymmetry, FlowSide::kUnknown}},
+}};
+
+std::optional<GivenKind> given_kind(std::string_view word) {
+  for (const auto& [known, kind] : kKinds)
+    if (known == word) return kind;
+  return std::nullopt;
+}
+
+/// Of a name, however it is spelt.
+PatchKind kind_meant_by(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return kind_of_name(name);
+}
+
+/// Whether the name says something else.
+bool contradicts(const std::string& name, const GivenKind& kind) {
+  const PatchKind meant = kind_meant_by(name);
+  if (meant == PatchKind::kWall) return false;
+  if (meant != kind.kind) return true;
+  const char first = static_cast<char>(std::tolower(static_cast<unsigned char>(name.front())));
+  return (first == 'i' && kind.flow == FlowSide::kOutlet) || (first == 'o' && kind.flow == FlowSide::kInlet);
+}
+
+/// "7.1mm2".
+std::optional<double> area_from(std::string_view text) {
+  double area = 0;
+  const auto [next, error] = std::from_chars(text.data(), text.data() + text.size(), area);
+  const std::string_view unit(next, static_cast<std::size_t>(text.data() + text.size() - next));
+  if (error != std::errc() || unit != "mm2" || !(area > 0) || !std::isfinite(area)) return std::nullopt;
+  return area;
+}
+
+double area_of(const NamedOpening& opening) {
+  return std::numbers::pi * opening.radius_mm * opening.radius_mm;
+}
+
 std::string list_of(std::span<const NamedOpening> openings) {
   if (openings.empty()) return "there are no openings";
   std::vector<std::string> texts;
   for (const NamedOpening& o : openings)
-    texts.push_back(fmt::format("{} at ({:.1f}, {:.1f}, {:.1f})", o.name, o.centre_mm.x(), o.centre_mm.y(),
-                                o.centre_mm.z()));
+    texts.push_back(fmt::format("{} at ({:.1f}, {:.1f}, {:.1f}) of {:.3g} mm2", o.name, o.centre_mm.x(),
+                                o.centre_mm.y(), o.centre_mm.z(), area_of(o)));
   return fmt::format("there are {}", fmt::join(texts, ", "));
 }
 
@@ -46,11 +90,21 @@ const NamedOpening& opening_near(const Vec3& place, std::span<const NamedOpening
   return *nearest;
 }
 
-/// However it is spelt.
-bool is_name_for_opening(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return is_opening_name(name);
+const NamedOpening& opening_of_area(double area, std::span<const NamedOpening> openings) {
+  constexpr double kTolerance = 0.1;
+  const NamedOpening* found = nullptr;
+  int count = 0;
+  for (const NamedOpening& o : openings) {
+    if (o.is_rim || std::abs(area_of(o) - area) > kTolerance * area) continue;
+    found = &o;
+    ++count;
+  }
+  if (count != 1)
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("{} within 10 % of {:g} mm2; {}",
+                            count == 0 ? "no opening is" : fmt::format("{} openings are", count), area,
+                            list_of(openings)));
+  return *found;
 }
 
 std::vector<std::string> names_of(const MeshInfo& info) {
@@ -59,14 +113,36 @@ std::vector<std::string> names_of(const MeshInfo& info) {
   return names;
 }
 
-bool has_patch(const MeshInfo& info, const std::string& name) {
-  return std::any_of(info.patches.begin(), info.patches.end(),
-                     [&](const Patch& patch) { return patch.name == name; });
+const Patch* patch_called(const MeshInfo& info, const std::string& name) {
+  const auto at = std::find_if(info.patches.begin(), info.patches.end(),
+                               [&](const Patch& patch) { return patch.name == name; });
+  return at == info.patches.end() ? nullptr : &*at;
+}
+
+bool takes_kind(const Patch& patch, const PatchRenaming& renaming) {
+  return !renaming.kind || patch.kind != PatchKind::kInterface;
+}
+
+std::string text_of_interface(const PatchRenaming& renaming) {
+  return fmt::format("{} lies between two labels and is no {}", renaming.patch, renaming.kind->word());
 }
 
 std::string text_of_missing(const MeshInfo& info, const PatchRenaming& renaming) {
   return fmt::format("the mesh has no patch {} to call {}; it has {}", renaming.patch, renaming.name,
                      fmt::join(names_of(info), ", "));
+}
+
+void set_name_and_kind(const PatchRenaming& renaming, Patch& patch) {
+  const PatchKind meant = kind_meant_by(renaming.name);
+  if (renaming.kind) {
+    patch.kind = renaming.kind->kind;
+    patch.flow = renaming.kind->flow;
+  } else if (patch.name != renaming.name && meant != PatchKind::kWall &&
+             patch.kind != PatchKind::kInterface) {
+    patch.kind = meant;
+    patch.flow = FlowSide::kUnknown;
+  }
+  patch.name = renaming.name;
 }
 
 }  // namespace
@@ -90,18 +166,36 @@ PatchRenaming renaming_from(std::string_view text) {
   const std::size_t equals = text.rfind('=');
   const std::string_view patch = text.substr(0, equals);
   PatchRenaming renaming;
-  if (equals != std::string_view::npos) renaming.name = std::string(text.substr(equals + 1));
+  const std::string_view wanted =
+      equals == std::string_view::npos ? std::string_view() : text.substr(equals + 1);
+  const std::size_t colon = wanted.find(':');
+  renaming.name = std::string(wanted.substr(0, colon));
+  if (colon != std::string_view::npos) renaming.kind = given_kind(wanted.substr(colon + 1));
   renaming.near_mm = place_from(patch);
+  renaming.area_mm2 = area_from(patch);
   // Whoever writes commas means a place.
   const bool is_wrong_place = !renaming.near_mm && patch.find_first_of(",;") != std::string_view::npos;
-  if (patch.empty() || is_wrong_place || !is_name(renaming.name))
+  const bool is_wrong_kind = colon != std::string_view::npos && !renaming.kind;
+  if (patch.empty() || is_wrong_place || is_wrong_kind || !is_name(renaming.name))
     throw Error(
         ErrorKind::kUsage,
-        fmt::format("\"{}\": write PATCH=NAME or X,Y,Z=NAME (a place in mm near an opening), with a name of "
-                    "letters, digits, '_', '-' and '.'",
-                    text));
-  if (!renaming.near_mm) renaming.patch = std::string(patch);
+        fmt::format(
+            "\"{}\": write PATCH=NAME, X,Y,Z=NAME (mm) or AREAmm2=NAME, with a name of letters, digits, "
+            "'_', '-' and '.', and :inlet, :outlet, :wall or :symmetry behind it where wanted",
+            text));
+  if (renaming.kind && contradicts(renaming.name, *renaming.kind))
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("\"{}\": files that have names only would not take {} for {}; choose another name", text,
+                    renaming.name, renaming.kind->word()));
+  if (!renaming.near_mm && !renaming.area_mm2) renaming.patch = std::string(patch);
   return renaming;
+}
+
+std::string_view GivenKind::word() const {
+  for (const auto& [word, known] : kKinds)
+    if (known.kind == kind && known.flow == flow) return word;
+  return "opening";
 }
 
 std::vector<PatchRenaming> renamings_from(std::span<const std::string> texts) {
@@ -137,9 +231,10 @@ std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
     if (!names.insert(renaming.name).second)
       throw Error(ErrorKind::kBadInput, fmt::format("two patches would be called {}", renaming.name));
     if (renaming.near_mm) renaming.patch = opening_near(*renaming.near_mm, openings).name;
+    if (renaming.area_mm2) renaming.patch = opening_of_area(*renaming.area_mm2, openings).name;
     const bool is_there = std::any_of(openings.begin(), openings.end(),
                                       [&](const NamedOpening& o) { return o.name == renaming.patch; });
-    if (!is_there && is_name_for_opening(renaming.patch))
+    if (!is_there && kind_meant_by(renaming.patch) == PatchKind::kOpening)
       throw Error(ErrorKind::kBadInput, fmt::format("there is no {} to call {}; {}", renaming.patch,
                                                     renaming.name, list_of(openings)));
     if (!meant.insert(renaming.patch).second)
@@ -150,36 +245,34 @@ std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
 }
 
 void rename_patches(MeshInfo& info, std::span<const PatchRenaming> renamings) {
-  std::vector<std::string> names = names_of(info);
+  std::vector<Patch> patches = info.patches;
   for (const PatchRenaming& renaming : renamings) {
-    const auto at = std::find_if(info.patches.begin(), info.patches.end(),
-                                 [&](const Patch& patch) { return patch.name == renaming.patch; });
-    if (at == info.patches.end()) throw Error(ErrorKind::kBadInput, text_of_missing(info, renaming));
-    names[static_cast<std::size_t>(at - info.patches.begin())] = renaming.name;
+    const Patch* const patch = patch_called(info, renaming.patch);
+    if (patch == nullptr) throw Error(ErrorKind::kBadInput, text_of_missing(info, renaming));
+    if (!takes_kind(*patch, renaming)) throw Error(ErrorKind::kBadInput, text_of_interface(renaming));
+    set_name_and_kind(renaming, patches[static_cast<std::size_t>(patch - info.patches.data())]);
   }
   std::set<std::string> seen;
-  for (const std::string& name : names)
-    if (!seen.insert(name).second)
-      throw Error(ErrorKind::kBadInput, fmt::format("two patches would be called {}", name));
-  for (std::size_t p = 0; p < names.size(); ++p) {
-    Patch& patch = info.patches[p];
-    const bool is_new_opening = patch.name != names[p] && is_name_for_opening(names[p]);
-    if (patch.kind == PatchKind::kWall && is_new_opening) patch.kind = PatchKind::kOpening;
-    patch.name = names[p];
-  }
+  for (const Patch& patch : patches)
+    if (!seen.insert(patch.name).second)
+      throw Error(ErrorKind::kBadInput, fmt::format("two patches would be called {}", patch.name));
+  info.patches = std::move(patches);
 }
 
 std::vector<std::string> rename_found(MeshInfo& info, std::span<const PatchRenaming> renamings) {
   std::vector<PatchRenaming> found;
   std::vector<std::string> missing;
   for (const PatchRenaming& renaming : renamings) {
-    if (has_patch(info, renaming.patch))
-      found.push_back(renaming);
-    else
+    const Patch* const patch = patch_called(info, renaming.patch);
+    if (patch == nullptr)
       missing.push_back(text_of_missing(info, renaming));
+    else if (!takes_kind(*patch, renaming))
+      missing.push_back(text_of_interface(renaming));
+    else
+      found.push_back(renaming);
     // The ring that layers make of an opening is called after it.
-    if (const std::string ring = renaming.patch + "_layer"; has_patch(info, ring))
-      found.push_back({ring, {}, renaming.name + "_layer"});
+    if (const std::string ring = renaming.patch + "_layer"; patch_called(info, ring) != nullptr)
+      found.push_back({.patch = ring, .name = renaming.name + "_layer", .kind = renaming.kind});
   }
   rename_patches(info, found);
   return missing;

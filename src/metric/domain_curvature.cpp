@@ -7,6 +7,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/metric/curvature_metric.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -24,12 +25,12 @@ Material material_of(const Domain& domain, Label label) {
   return 0;
 }
 
-/// All that is not an opening; ascending.
+/// All that is no opening and no plane of symmetry; ascending.
 std::vector<Place> boundary_places(const TetMesh& mesh, const Domain& domain) {
   const BoundaryFaces faces = mesh.boundary_faces();
   std::vector<Place> places;
   for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
-    if (mesh.info().patches[static_cast<std::size_t>(faces.patches[f])].kind == PatchKind::kOpening) continue;
+    if (is_plane(mesh.info().patches[static_cast<std::size_t>(faces.patches[f])].kind)) continue;
     const auto& [inside, outside] = faces.tets[f];
     const Material in = material_of(domain, mesh.label(inside));
     const Material out = outside.valid() ? material_of(domain, mesh.label(outside)) : 0;

@@ -188,7 +188,9 @@ void add_layer_keys(KeyList& list, LayerKeys& layers) {
 void add_opening_keys(KeyList& list, OpeningKeys& openings) {
   list.section("openings");
   list.key("names", &openings.names,
-           "\"PATCH=NAME\", such as \"outlet_2=left_ica\", or \"X,Y,Z=NAME\" for the one near a place in mm");
+           "\"PATCH=NAME\", such as \"outlet_2=left_ica\", \"X,Y,Z=NAME\" for the one near a place in mm, "
+           "\"AREAmm2=NAME\" for the one of about that area; NAME:KIND makes it an inlet, outlet, wall or "
+           "symmetry");
 }
 
 void add_output_keys(KeyList& list, Case& c) {

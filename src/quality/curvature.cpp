@@ -7,6 +7,7 @@
 
 #include "bucket_sort.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::quality {
@@ -30,7 +31,7 @@ ByVertex<Corner> outer_corners(const MeshView& mesh, const MeshSurface& surface)
     if (surface.labels[t][1] != kOutside) continue;
     const std::int32_t patch = surface.patches[t];
     const bool known = patch >= 0 && static_cast<std::size_t>(patch) < patches.size();
-    const bool opening = known && patches[static_cast<std::size_t>(patch)].kind == PatchKind::kOpening;
+    const bool opening = known && is_plane(patches[static_cast<std::size_t>(patch)].kind);
     const auto& [a, b, c] = surface.triangles[t];
     for (const auto& [v, next, last] : {Cell<3>{a, b, c}, Cell<3>{b, c, a}, Cell<3>{c, a, b}})
       corners.push_back({v, next, last, opening ? 1U : 0U});

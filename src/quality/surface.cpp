@@ -8,6 +8,7 @@
 
 #include "cell_faces.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 
 namespace lumesh::quality {
 
@@ -161,12 +162,13 @@ std::vector<PatchSummary> summarise_patches(const MeshView& mesh, const MeshSurf
     PatchSummary summary;
     summary.name = p < named ? mesh.info->patches[p].name : "(none)";
     summary.kind = p < named ? mesh.info->patches[p].kind : PatchKind::kWall;
+    summary.flow = p < named ? mesh.info->patches[p].flow : FlowSide::kUnknown;
     summary.faces = fits[p].faces;
     summary.area_mm2 = fits[p].area;
     summary.smallest_angle_deg = std::acos(fits[p].largest_cosine) * 180 / std::numbers::pi;
     if (fits[p].area > 0) summary.centre_mm = fits[p].centre / fits[p].area;
     if (fits[p].normal.norm() > 1e-6 * fits[p].area) summary.normal = fits[p].normal.normalized();
-    if (p < named && summary.kind == PatchKind::kOpening)
+    if (p < named && is_plane(summary.kind))
       summary.flatness_mm = flatness(mesh, surface, static_cast<std::int32_t>(p));
     result.push_back(std::move(summary));
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "html_parts.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "numbers.hpp"
 
 namespace lumesh::report {
@@ -232,7 +233,7 @@ std::string boundary_section(const Evaluation& e) {
   Table table = {{"patch", "triangles", "area mm²", "smallest angle", "centre mm", "normal", "flat within"}};
   for (const PatchSummary& p : e.patches) {
     if (table.size() > kMostRows) break;
-    const bool opening = p.kind == PatchKind::kOpening;
+    const bool opening = is_plane(p.kind);
     table.push_back({escaped(p.name), grouped(p.faces), five_digits(p.area_mm2),
                      fmt::format("{:.1f}°", p.smallest_angle_deg), opening ? place_text(p.centre_mm) : "",
                      opening ? direction_text(p.normal) : "", opening ? flatness_text(p.flatness_mm) : ""});

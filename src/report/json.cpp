@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/report/summary.hpp"
 
 namespace lumesh::report {
@@ -251,22 +252,24 @@ Json to_json(const LabelEvaluation& label, const Evaluation& e) {
   return json;
 }
 
-const char* kind_name(PatchKind kind) {
-  if (kind == PatchKind::kOpening) return "opening";
-  return kind == PatchKind::kInterface ? "interface" : "wall";
+const char* kind_name(const PatchSummary& patch) {
+  if (patch.kind == PatchKind::kOpening && patch.flow == FlowSide::kInlet) return "inlet";
+  if (patch.kind == PatchKind::kOpening && patch.flow == FlowSide::kOutlet) return "outlet";
+  constexpr std::array<const char*, 4> kNames = {"wall", "opening", "interface", "symmetry"};
+  return kNames.at(static_cast<std::size_t>(patch.kind));
 }
 
 Json patches_json(const std::vector<PatchSummary>& patches) {
   Json json = Json::array();
   for (const PatchSummary& p : patches) {
     Json patch = {{"name", p.name},
-                  {"kind", kind_name(p.kind)},
+                  {"kind", kind_name(p)},
                   {"faces", p.faces},
                   {"area_mm2", p.area_mm2},
                   {"smallest_angle_deg", p.smallest_angle_deg},
                   {"centre_mm", point(p.centre_mm)},
                   {"normal", point(p.normal)}};
-    if (p.kind == PatchKind::kOpening) patch["flatness_mm"] = p.flatness_mm;
+    if (is_plane(p.kind)) patch["flatness_mm"] = p.flatness_mm;
     json.push_back(patch);
   }
   return json;

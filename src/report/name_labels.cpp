@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 
 namespace lumesh::report {
 
@@ -233,7 +234,7 @@ void for_each_opening_triangle(const MeshView& mesh, const quality::MeshSurface&
     const std::int32_t patch = surface.patches[i];
     if (surface.labels[i][1] != quality::kOutside || patch < 0) continue;
     if (static_cast<std::size_t>(patch) >= patches.size() ||
-        patches[static_cast<std::size_t>(patch)].kind != PatchKind::kOpening)
+        !is_plane(patches[static_cast<std::size_t>(patch)].kind))
       continue;
     const auto& [a, b, c] = surface.triangles[i];
     const Vec3 middle = (mesh.points[a] + mesh.points[b] + mesh.points[c]) / 3;

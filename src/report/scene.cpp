@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lumesh/mesh/patch_list.hpp"
+
 namespace lumesh::report {
 
 namespace {
@@ -51,7 +53,7 @@ Palette::Palette(const MeshView& mesh, const MeshSurface& surface) : mesh_(mesh)
   std::sort(labels_.begin(), labels_.end());
   std::size_t openings = 0;
   for (const Patch& patch : mesh.info->patches)
-    patch_colours_.push_back(patch.kind == PatchKind::kOpening ? opening_colour(openings++) : kWallColour);
+    patch_colours_.push_back(is_plane(patch.kind) ? opening_colour(openings++) : kWallColour);
 }
 
 Colour Palette::of(Label label, std::int32_t patch) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/report/summary.hpp"
 #include "numbers.hpp"
 
@@ -86,8 +87,7 @@ std::string boundary_text(const Evaluation& e) {
     const PatchSummary& p = e.patches[i];
     text += fmt::format("  {:<12} {:>8} faces {:>10} mm²   angles from {:.1f}°", p.name, grouped(p.faces),
                         five_digits(p.area_mm2), p.smallest_angle_deg);
-    if (p.kind == PatchKind::kOpening)
-      text += fmt::format("   flat within {:.2g} mm", std::max(p.flatness_mm, 1e-3));
+    if (is_plane(p.kind)) text += fmt::format("   flat within {:.2g} mm", std::max(p.flatness_mm, 1e-3));
     text += "\n";
   }
   if (e.patches.size() > kMostLabels)

@@ -276,6 +276,35 @@ class NameTest(CommandTest):
         self.mesh = other
         self.assertEqual((self.patches()["vessel"], self.patches()["left_ica"]), ("opening", "wall"))
 
+    def test_kinds_reach_the_files_and_stay(self):
+        tube = self.make_tube()
+        self.run_well("lattice", tube, "-o", self.mesh, "--name", "8,8,-0.5=left_ica:inlet", "--name", "8,8,16.5=middle:symmetry",
+                      "--strict")
+        kinds = {"left_ica": "inlet", "middle": "symmetry", "wall": "wall"}
+        self.assertEqual(self.patches(), kinds)
+        made = self.mesh
+        for later in (["convert"], ["improve"], ["layers", "--side", "inward", "--first-height", "0.1", "--count", "2"]):
+            self.mesh = self.folder / f"{later[0]}.msh"
+            self.run_well(*later, made, *(["-o"] if later[0] != "convert" else []), self.mesh)
+            self.assertEqual({name: kind for name, kind in self.patches().items() if name in kinds}, kinds, later[0])
+        self.run_well("convert", made, self.folder / "case.foam")
+        boundary = (self.folder / "constant" / "polyMesh" / "boundary").read_text()
+        for name, kind in (("left_ica", "patch"), ("middle", "symmetry"), ("wall", "wall")):
+            self.assertRegex(boundary, rf"{name}\s*{{\s*type\s+{kind};")
+        other = self.folder / "other.vtu"
+        said = self.run_well("rename", made, "-o", other, "--name", "middle=stump:wall").stdout
+        self.assertIn("middle is stump, kind wall, now", said)
+        self.mesh = other
+        self.assertEqual(self.patches()["stump"], "wall")
+        self.assert_refused(self.run_lumesh("rename", made, "-o", other, "--name", "wall=outlet_1:wall"), USAGE, "another name")
+
+    def test_an_opening_may_be_meant_by_its_area(self):
+        tube = self.make_tube()
+        known = json.loads(self.run_well("info", tube, "--json").stdout)
+        areas = [opening["area_mm2"] for opening in known["openings"]]
+        result = self.run_lumesh("lattice", tube, "-o", self.mesh, "--name", f"{areas[0]:.3f}mm2=x")
+        self.assert_refused(result, BAD_INPUT, "2 openings are within 10 %")  # Both ends of the tube.
+
     def test_an_opening_that_is_not_there_is_refused_before_the_work(self):
         tube = self.make_tube()
         for name in ("outlet_5=x", "8,8,40=x"):

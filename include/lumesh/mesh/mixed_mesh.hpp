@@ -19,6 +19,14 @@ enum class PatchKind : std::uint8_t {
   kWall,       ///< Surface of the object against the background.
   kOpening,    ///< Flat cap where a vessel is cut (inlet or outlet).
   kInterface,  ///< Surface between two labels of the mesh.
+  kSymmetry,   ///< Plane in which the flow is mirrored; only users say so.
+};
+
+/// Which way the flow goes through an opening.
+enum class FlowSide : std::uint8_t {
+  kUnknown,  ///< Its name may tell.
+  kInlet,
+  kOutlet,
 };
 
 /// A named set of boundary faces.
@@ -26,6 +34,7 @@ struct Patch {
   std::string name;  ///< Such as "wall", "inlet_1", "interface_1_2".
   PatchKind kind = PatchKind::kWall;
   std::array<Label, 2> labels = {kBackground, kBackground};  ///< The two sides; a side outside the mesh is 0.
+  FlowSide flow = FlowSide::kUnknown;                        ///< Of an opening, where users say so.
 };
 
 /// What is known about a mesh besides its geometry; written into every format that can hold it.

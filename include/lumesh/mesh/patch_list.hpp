@@ -30,9 +30,20 @@ namespace lumesh {
          name[kRim.size()] <= '9';
 }
 
-/// Whether files that say no more of a patch than its name mean an opening by it.
+/// Whether files that say no more of a patch than its name mean an opening by it; see kind_of_name().
 [[nodiscard]] inline bool is_opening_name(std::string_view name) {
   return name.starts_with("inlet") || name.starts_with("outlet") || is_rim_name(name);
+}
+
+/// What such files mean by a name.
+[[nodiscard]] inline PatchKind kind_of_name(std::string_view name) {
+  if (is_opening_name(name)) return PatchKind::kOpening;
+  return name.starts_with("symmetry") ? PatchKind::kSymmetry : PatchKind::kWall;
+}
+
+/// Whether patches of a kind are planes that end the object, no surface of it.
+[[nodiscard]] constexpr bool is_plane(PatchKind kind) {
+  return kind == PatchKind::kOpening || kind == PatchKind::kSymmetry;
 }
 
 /// Name of the patch between two labels, the lower one first.

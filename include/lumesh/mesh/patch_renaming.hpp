@@ -1,5 +1,6 @@
 #pragma once
-/// @file Names that users give to patches, such as those that a solver's boundary conditions stand on.
+/// @file Names and kinds that users give to patches, such as those that a solver's boundary conditions stand
+/// on.
 
 #include <optional>
 #include <span>
@@ -14,16 +15,28 @@ namespace lumesh {
 /// A place written as "x,y,z"; none if it is anything else, or not finite.
 [[nodiscard]] std::optional<Vec3> place_from(std::string_view text);
 
-/// A patch and the name that it is to have.
-struct PatchRenaming {
-  std::string patch;                 ///< Its name so far; empty if a place says which opening is meant.
-  std::optional<Vec3> near_mm = {};  ///< Near the centre of an opening.
-  std::string name;
+/// What users say that a patch is: "inlet", "outlet", "wall" or "symmetry".
+struct GivenKind {
+  PatchKind kind = PatchKind::kWall;
+  FlowSide flow = FlowSide::kUnknown;
+
+  [[nodiscard]] std::string_view word() const;
 };
 
-/// Of "outlet_2=left_ica", or with a place in mm, "12.5,40,-3=left_ica".
+/// A patch and the name that it is to have.
+struct PatchRenaming {
+  std::string patch;  ///< Its name so far; empty if a place or an area says which opening is meant.
+  std::optional<Vec3> near_mm = {};     ///< Near the centre of an opening.
+  std::optional<double> area_mm2 = {};  ///< About that of an opening.
+  std::string name;
+  std::optional<GivenKind> kind = {};  ///< Else it follows from the name, see rename_patches().
+};
+
+/// Of "outlet_2=left_ica", or with a place in mm, "12.5,40,-3=left_ica", or with an area, "7.1mm2=left_ica".
+/// Behind the name may stand a kind: "outlet_2=left_ica:inlet".
 /// @throws Error{kUsage} if the text is none, or the name has other characters than letters, digits, '_', '-'
-/// and '.', or does not begin with a letter or '_': solvers take such names only.
+/// and '.', or does not begin with a letter or '_': solvers take such names only; or if the kind is none, or
+/// not that which files that say no more than names mean by the name (kind_of_name()).
 [[nodiscard]] PatchRenaming renaming_from(std::string_view text);
 
 /// The same of several texts.
@@ -40,21 +53,23 @@ struct NamedOpening {
 /// Those of a mesh: its patches of PatchKind::kOpening.
 [[nodiscard]] std::vector<NamedOpening> named_openings(const MeshView& mesh);
 
-/// Puts the openings that places mean into renamings.
-/// @throws Error{kBadInput} if no opening's centre is within twice its radius of a place; if a name that
-/// begins with inlet or outlet is none of these; if two renamings mean one patch or give one name. The text
-/// lists the openings.
+/// Puts the openings that places and areas mean into renamings.
+/// @throws Error{kBadInput} if no opening's centre is within twice its radius of a place; if not exactly one
+/// opening has an area within 10 % of the one given; if a name that begins with inlet or outlet is none of
+/// these; if two renamings mean one patch or give one name. The text lists the openings.
 [[nodiscard]] std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
                                                       std::span<const NamedOpening> openings);
 
-/// Renames all at once, so that names may be swapped. What was a wall and gets a name that begins with inlet
-/// or outlet is an opening from then on, as in files that say no more of patches than their names.
+/// Renames all at once, so that names may be swapped. A patch has the kind given from then on; without one,
+/// a new name that begins with inlet, outlet or symmetry gives it, as in files that say no more of patches
+/// than their names. Interfaces keep theirs.
 /// @param renamings  With patches.
-/// @throws Error{kBadInput} if a patch is not there, or two would have one name; nothing is changed then.
+/// @throws Error{kBadInput} if a patch is not there, two would have one name, or an interface is given a
+/// kind; nothing is changed then.
 void rename_patches(MeshInfo& info, std::span<const PatchRenaming> renamings);
 
 /// rename_patches() of what is there, with the rings PATCH_layer that layers make of openings.
-/// @return A line for each patch that is not there.
+/// @return A line for each patch that is not there, or is given a kind and lies between two labels.
 [[nodiscard]] std::vector<std::string> rename_found(MeshInfo& info, std::span<const PatchRenaming> renamings);
 
 }  // namespace lumesh

@@ -84,6 +84,7 @@ struct SolidTopology {
 struct PatchSummary {
   std::string name;
   PatchKind kind = PatchKind::kWall;
+  FlowSide flow = FlowSide::kUnknown;
   std::uint64_t faces = 0;
   double area_mm2 = 0;
   Vec3 centre_mm = Vec3::Zero();

@@ -342,6 +342,9 @@ TEST(SurfaceDomain, NamesPatchesAsTheFileOrByAreaAndWallWhereThereIsOne) {
   const SurfaceDomain domain({box.points, box.triangles, box.patches, info});
   EXPECT_EQ(names_of(domain), (std::vector<std::string>{"wall", "wall", "wall", "wall", "in", "patch_7"}));
   EXPECT_EQ(domain.patch_between(1, 5)->kind, PatchKind::kOpening);
+  const std::vector<Patch> mirrored = {{"wall", PatchKind::kWall, {}}, {"in", PatchKind::kSymmetry, {}}};
+  EXPECT_EQ(SurfaceDomain({box.points, box.triangles, box.patches, mirrored}).patch_between(1, 5)->kind,
+            PatchKind::kSymmetry);
   const std::vector<BoundaryTriangle> faces = {
       {{0, 1, 2}, 1, 0}, {{0, 1, 3}, 1, 3}, {{0, 2, 3}, 1, 6}, {{1, 2, 3}, 1, 5}};
   const PatchAssignment named = name_patches(faces, box.points, domain);

@@ -90,6 +90,14 @@ TEST_F(FoamFile, HoldsThePatchesWithTheirKindsAndAreas) {
   }
 }
 
+TEST_F(FoamFile, HasAPlaneOfSymmetryAsSuch) {
+  MixedMesh mesh = every_cell_shape();
+  mesh.info.patches[1].kind = PatchKind::kSymmetry;
+  const FoamCase written = write(mesh);
+  EXPECT_EQ(written.patches[1].texts.at("type"), "symmetry");
+  EXPECT_FALSE(written.patches[1].texts.contains("inGroups"));
+}
+
 TEST_F(FoamFile, GroupsTheWallsUnlessOneHasTheNameOfTheGroup) {
   MixedMesh mesh = every_cell_shape();
   EXPECT_FALSE(write(mesh).patches[0].texts.contains("inGroups"));

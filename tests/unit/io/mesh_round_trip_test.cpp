@@ -66,6 +66,20 @@ TEST_P(MeshInfoRoundTrip, KeepsNamesFrameAndProvenance) {
   }
 }
 
+TEST_P(MeshInfoRoundTrip, KeepsKindsThatUsersGave) {
+  MixedMesh mesh = every_cell_shape();
+  mesh.info.patches[0].kind = PatchKind::kSymmetry;
+  mesh.info.patches[1].kind = mesh.info.patches[2].kind = PatchKind::kOpening;
+  mesh.info.patches[1].flow = FlowSide::kInlet;
+  mesh.info.patches[2].flow = FlowSide::kOutlet;
+  const MeshInfo back = write_and_read(mesh).info;
+  ASSERT_EQ(back.patches.size(), mesh.info.patches.size());
+  for (std::size_t i = 0; i < mesh.info.patches.size(); ++i) {
+    EXPECT_EQ(back.patches[i].kind, mesh.info.patches[i].kind);
+    EXPECT_EQ(back.patches[i].flow, mesh.info.patches[i].flow);
+  }
+}
+
 TEST_P(MeshInfoRoundTrip, KeepsAPatchWithoutFaces) {
   MixedMesh mesh = every_cell_shape();
   mesh.info.patches.insert(mesh.info.patches.begin(), Patch{"empty", PatchKind::kOpening, {1, 0}});

@@ -221,6 +221,18 @@ TEST(Layers, OfTheLumenBelongToItsOpenings) {
   }
 }
 
+TEST(Layers, EndAtAPlaneOfSymmetryAsAtAnOpening) {
+  TetMesh mesh = tube();
+  for (Patch& patch : mesh.info().patches)
+    if (patch.name == "inlet_1") patch.kind = PatchKind::kSymmetry;
+  const LayerResult result =
+      grown(mesh, {.side = LayerSide::kInward, .first_height = 0.5, .count = 2, .splits_openings = true});
+  const auto ring = std::find_if(result.mesh.info.patches.begin(), result.mesh.info.patches.end(),
+                                 [](const Patch& patch) { return patch.name == "inlet_1_layer"; });
+  ASSERT_NE(ring, result.mesh.info.patches.end());
+  EXPECT_EQ(ring->kind, PatchKind::kSymmetry);
+}
+
 TEST(Layers, OfPrismsConformAndHaveTheirQuadrilateralsInRings) {
   const TetMesh mesh = tube();
   const LayerResult result = grown(mesh, {.first_height = 1, .count = 2, .cells = LayerCells::kPrisms});

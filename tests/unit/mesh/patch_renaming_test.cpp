@@ -23,12 +23,39 @@ TEST(PatchRenaming, IsReadFromTexts) {
   EXPECT_EQ(*renaming_from("1, 2, 3=x").near_mm, Vec3(1, 2, 3));
 }
 
+TEST(PatchRenaming, KindsAreReadBehindNames) {
+  const auto kind = [](const char* text) { return renaming_from(text).kind.value(); };
+  EXPECT_FALSE(renaming_from("outlet_2=left_ica").kind);
+  EXPECT_EQ(renaming_from("outlet_2=left_ica:inlet").name, "left_ica");
+  EXPECT_EQ(kind("outlet_2=left_ica:inlet").kind, PatchKind::kOpening);
+  EXPECT_EQ(kind("outlet_2=left_ica:inlet").flow, FlowSide::kInlet);
+  EXPECT_EQ(kind("1,2,3=left_ica:outlet").flow, FlowSide::kOutlet);
+  EXPECT_EQ(kind("outlet_2=stump:wall").kind, PatchKind::kWall);
+  EXPECT_EQ(kind("wall=middle:symmetry").kind, PatchKind::kSymmetry);
+  for (const char* word : {"inlet", "outlet", "wall", "symmetry"})
+    EXPECT_EQ(kind((std::string("a=b:") + word).c_str()).word(), word);
+  for (const char* wrong : {"a=b:", "a=b:door", "a=:wall", "a=b:Inlet", "a=outlet_1:wall", "a=Inlet:outlet",
+                            "a=outlet:inlet", "a=symmetry_1:wall", "a=inlet_1:symmetry"})
+    EXPECT_THROW((void)renaming_from(wrong), Error) << wrong;
+  EXPECT_NO_THROW((void)renaming_from("outlet_1=outlet_1:outlet"));
+}
+
 const std::vector<NamedOpening> kTwo = {{"inlet_1", {0, 0, 0}, 3}, {"outlet_1", {10, 0, 0}, 1}};
 
 TEST(PatchRenaming, PlacesMeanTheNearestOpening) {
   const auto found = with_patches({renaming_from("9,1,0=left"), renaming_from("0,4,0=aorta")}, kTwo);
   EXPECT_EQ(found[0].patch, "outlet_1");
   EXPECT_EQ(found[1].patch, "inlet_1");
+}
+
+TEST(PatchRenaming, AnAreaMeansTheOnlyOpeningOfAboutThatArea) {
+  EXPECT_EQ(*renaming_from("28.3mm2=aorta").area_mm2, 28.3);
+  EXPECT_EQ(with_patches({renaming_from("27mm2=aorta:inlet")}, kTwo)[0].patch, "inlet_1");  // 9 pi
+  EXPECT_EQ(with_patches({renaming_from("3.2mm2=left")}, kTwo)[0].patch, "outlet_1");       // pi
+  EXPECT_EQ(renaming_from("28.3=x").patch, "28.3") << "an area has a unit";
+  const std::vector<NamedOpening> alike = {{"inlet_1", {0, 0, 0}, 3}, {"outlet_1", {9, 0, 0}, 2.95}};
+  EXPECT_THROW((void)with_patches({renaming_from("28mm2=x")}, alike), Error) << "either";
+  EXPECT_THROW((void)with_patches({renaming_from("10mm2=x")}, kTwo), Error) << "none";
 }
 
 TEST(PatchRenaming, APlaceMeansTheOpeningNotTheRimOfTheWallAroundIt) {
@@ -103,6 +130,30 @@ TEST(PatchRenaming, WallsWithNamesOfOpeningsAreOpenings) {
   EXPECT_EQ(info.patches[0].kind, PatchKind::kOpening);
   EXPECT_EQ(info.patches[1].kind, PatchKind::kWall);
   EXPECT_EQ(info.patches[2].kind, PatchKind::kWall) << "what is not renamed stays";
+}
+
+TEST(PatchRenaming, KindsThatUsersGiveAreThoseOfThePatches) {
+  MeshInfo info;
+  info.patches = {{"wall", PatchKind::kWall, {1, 0}},
+                  {"outlet_1", PatchKind::kOpening, {1, 0}},
+                  {"outlet_1_layer", PatchKind::kOpening, {2, 0}},
+                  {"outlet_2", PatchKind::kOpening, {1, 0}},
+                  {"interface_1_2", PatchKind::kInterface, {1, 2}}};
+  const std::vector<std::string> texts = {"wall=middle:symmetry", "outlet_1=left_ica:inlet",
+                                          "outlet_2=stump:wall"};
+  EXPECT_TRUE(rename_found(info, renamings_from(texts)).empty());
+  EXPECT_EQ(info.patches[0].kind, PatchKind::kSymmetry);
+  EXPECT_EQ(info.patches[1].kind, PatchKind::kOpening);
+  EXPECT_EQ(info.patches[1].flow, FlowSide::kInlet);
+  EXPECT_EQ(info.patches[2].name, "left_ica_layer");
+  EXPECT_EQ(info.patches[2].flow, FlowSide::kInlet) << "the ring of layers is part of the opening";
+  EXPECT_EQ(info.patches[3].kind, PatchKind::kWall);
+  rename_patches(info, std::vector{renaming_from("left_ica=outlet_9"), renaming_from("stump=symmetry")});
+  EXPECT_EQ(info.patches[1].flow, FlowSide::kUnknown) << "the new name says so";
+  EXPECT_EQ(info.patches[3].kind, PatchKind::kSymmetry) << "the name says so";
+  EXPECT_THROW(rename_patches(info, std::vector{renaming_from("interface_1_2=a:wall")}), Error);
+  EXPECT_EQ(rename_found(info, std::vector{renaming_from("interface_1_2=a:wall")}).size(), 1u);
+  EXPECT_EQ(info.patches[4].name, "interface_1_2") << "nothing changed";
 }
 
 TEST(PatchRenaming, OpeningsOfAMeshHaveTheirCentresAndRadii) {
