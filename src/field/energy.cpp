@@ -18,7 +18,7 @@ namespace {
   const Lanes xx = dx - (u.o - u.xm), yy = dy - (u.o - u.ym), zz = dz - (u.o - u.zm);
   const Lanes dx_y = u.xy - u.y1, dx_z = u.xz - u.z1;  // the difference along x, one further along y, z
   const Lanes xy = dx_y - dx, xz = dx_z - dx, yz = (u.yz - u.z1) - dy;
-  const auto weighted = [&](const Lanes& row, float weight) {
+  const auto weighted = [&](const Lanes& row, float weight) __attribute__((always_inline)) {
     return keep_numbers(row) * (stiffness * weight);
   };
   const Lanes xxx = weighted(((u.x2 - u.x1) - dx) - xx, w.xxx);
@@ -55,7 +55,9 @@ namespace {
 /// out = the sums of weights times squared coefficients.
 [[gnu::always_inline]] inline void add_difference_squares(const Stencil& u, const DifferenceWeights& w,
                                                           const Lanes& stiffness, Stencil& out) {
-  const auto weight = [&](const Lanes& row, float value) { return keep(stiffness * value, row == row); };
+  const auto weight = [&](const Lanes& row, float value) __attribute__((always_inline)) {
+    return keep(stiffness * value, row == row);
+  };
   const Lanes xxx = weight(u.x2 + u.xm + u.o + u.x1, w.xxx), yyy = weight(u.y2 + u.ym + u.o + u.y1, w.yyy),
               zzz = weight(u.z2 + u.zm + u.o + u.z1, w.zzz);
   const Lanes x = u.o + u.x1, y = u.o + u.y1, z = u.o + u.z1;
@@ -160,7 +162,9 @@ class ShiftedSums {
 [[gnu::always_inline]] inline void add_shifted(const std::array<std::int32_t, kRowCount>& rows, int segment,
                                                std::size_t n, ShiftedSums& sums, float* y) {
   using S = ShiftedSums;
-  const auto at = [&](std::size_t part, std::ptrdiff_t shift) { return load(sums.at(part, n) + shift); };
+  const auto at = [&](std::size_t part, std::ptrdiff_t shift) __attribute__((always_inline)) {
+    return load(sums.at(part, n) + shift);
+  };
   const auto row = [&](std::size_t r) { return sums.row_of(y, rows[r]); };
   add_to(y + static_cast<std::ptrdiff_t>(segment) * kLanes,
          (at(S::kO, 0) + at(S::kX1, -1)) + (at(S::kX2, -2) + at(S::kXm, 1)));

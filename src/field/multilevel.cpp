@@ -37,7 +37,9 @@ NodeRange nodes_over(int fine) {
 
 [[gnu::always_inline]] inline Lanes weigh_five(const std::int32_t* segments, int stride,
                                                const LaneArray& values) {
-  const auto at = [&](int i) { return load(values.at(segments[i * stride])); };
+  const auto at = [&](int i) __attribute__((always_inline)) {
+    return load(values.at(segments[i * stride]));
+  };
   return 0.75F * at(2) + (0.5F * (at(1) + at(3)) + 0.125F * (at(0) + at(4)));
 }
 
@@ -64,9 +66,15 @@ struct TransferLoops {
   static LUMESH_WIDE_LOOPS void spread(Transfer& t, const LaneArray& coarse, int begin, int end) {
     for (int s = begin; s < end; ++s) {
       const auto& from = t.spread_[static_cast<std::size_t>(s)];
-      const auto at = [&](std::size_t n) { return load(coarse.at(from[n])); };
-      const auto three = [&](std::size_t n) { return 0.75F * at(n + 1) + 0.125F * (at(n) + at(n + 2)); };
-      const auto two = [&](std::size_t n) { return 0.5F * (at(n) + at(n + 1)); };
+      const auto at = [&](std::size_t n) __attribute__((always_inline)) {
+        return load(coarse.at(from[n]));
+      };
+      const auto three = [&](std::size_t n) __attribute__((always_inline)) {
+        return 0.75F * at(n + 1) + 0.125F * (at(n) + at(n + 2));
+      };
+      const auto two = [&](std::size_t n) __attribute__((always_inline)) {
+        return 0.5F * (at(n) + at(n + 1));
+      };
       Lanes v;
       switch (t.parity_[static_cast<std::size_t>(s)]) {
         case 0:

@@ -81,7 +81,7 @@ Lanes Transfer::load_fine(int segment) const {
   using Four = float __attribute__((vector_size(16)));
   constexpr std::int32_t kShift = 4;
   const float* const from = half_way_.data() + offset_[static_cast<std::size_t>(segment)];
-  const auto four = [](const float* p) {
+  const auto four = [](const float* p) __attribute__((always_inline)) {
     Four v;
     std::memcpy(&v, p, sizeof v);
     return v;
