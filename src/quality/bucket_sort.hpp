@@ -6,26 +6,34 @@
 #include <span>
 #include <vector>
 
+#include "lumesh/core/uninitialised.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::quality {
 
-/// Items sorted by their key vertex first, then by operator<=>. Dealing them by vertex first makes many small
-/// sorts of one big one: linear cost, and parallel.
+/// Items sorted by their key vertex first, then by operator<=>. They are dealt to ranges of vertices, within
+/// these to single vertices, whose few items are then sorted: linear cost, and parallel throughout. Memory:
+/// that of the items, once.
 template <class Item>
 class ByVertex {
  public:
+  /// @param visit  visit(source, take) calls take(item) for each item of one of the sources; it is asked
+  /// twice.
+  template <class Visit, class KeyVertex>
+  ByVertex(std::size_t source_count, std::size_t vertex_count, const Visit& visit,
+           const KeyVertex& key_vertex)
+      : begin_(vertex_count + 1, 0),
+        per_range_(std::max(kLeastPerRange, vertex_count / kMostRanges + 1)),
+        ranges_((vertex_count + per_range_ - 1) / per_range_) {
+    deal_to_ranges(source_count, visit, key_vertex);
+    parallel::for_each_index(
+        ranges_, [&](std::size_t r) { deal_to_vertices(r, key_vertex); }, 1);
+  }
   template <class KeyVertex>
   ByVertex(const std::vector<Item>& items, std::size_t vertex_count, const KeyVertex& key_vertex)
-      : begin_(vertex_count + 1, 0), items_(items.size()) {
-    for (const Item& item : items) ++begin_[key_vertex(item) + 1];
-    for (std::size_t v = 0; v < vertex_count; ++v) begin_[v + 1] += begin_[v];
-    std::vector<std::uint64_t> next(begin_.begin(), begin_.end() - 1);
-    for (const Item& item : items) items_[next[key_vertex(item)]++] = item;
-    parallel::for_each_index(vertex_count, [&](std::size_t v) {
-      std::sort(items_.begin() + begin_[v], items_.begin() + begin_[v + 1]);
-    });
-  }
+      : ByVertex(
+            items.size(), vertex_count, [&](std::size_t i, const auto& take) { take(items[i]); },
+            key_vertex) {}
 
   [[nodiscard]] std::size_t vertex_count() const { return begin_.size() - 1; }
   [[nodiscard]] std::span<const Item> of(std::size_t vertex) const {
@@ -33,8 +41,58 @@ class ByVertex {
   }
 
  private:
+  static constexpr std::size_t kLeastPerRange = 1024, kMostRanges = 1024;
+  static constexpr std::size_t kLeastBlock = 8192, kMostBlocks = 256;
+
+  /// Blocks of sources count what they have for each range, and then write it to places of their own.
+  template <class Visit, class KeyVertex>
+  void deal_to_ranges(std::size_t source_count, const Visit& visit, const KeyVertex& key_vertex) {
+    const std::size_t block = std::max(kLeastBlock, source_count / kMostBlocks + 1);
+    const std::size_t blocks = (source_count + block - 1) / block;
+    std::vector<std::uint64_t> places(blocks * ranges_, 0);
+    const auto for_each_item = [&](const auto& body) {
+      parallel::for_each_block(source_count, block, [&](std::size_t b, std::size_t begin, std::size_t end) {
+        std::uint64_t* const of_block = places.data() + b * ranges_;
+        for (std::size_t source = begin; source < end; ++source)
+          visit(source, [&](const Item& item) { body(of_block[key_vertex(item) / per_range_], item); });
+      });
+    };
+    for_each_item([](std::uint64_t& count, const Item&) { ++count; });
+    std::uint64_t total = 0;
+    for (std::size_t r = 0; r < ranges_; ++r) {
+      begin_[r * per_range_] = total;
+      for (std::size_t b = 0; b < blocks; ++b) {
+        const std::uint64_t count = places[b * ranges_ + r];
+        places[b * ranges_ + r] = total;
+        total += count;
+      }
+    }
+    begin_.back() = total;
+    items_.resize(total);
+    for_each_item([&](std::uint64_t& place, const Item& item) { items_[place++] = item; });
+  }
+
+  template <class KeyVertex>
+  void deal_to_vertices(std::size_t range, const KeyVertex& key_vertex) {
+    const std::size_t first = range * per_range_, last = std::min(first + per_range_, vertex_count());
+    const std::uint64_t from = begin_[first], to = begin_[last];
+    const std::vector<Item> dealt(items_.begin() + static_cast<std::ptrdiff_t>(from),
+                                  items_.begin() + static_cast<std::ptrdiff_t>(to));
+    std::vector<std::uint64_t> next(last - first + 1, 0);
+    for (const Item& item : dealt) ++next[key_vertex(item) - first + 1];
+    next[0] = from;
+    for (std::size_t v = 1; v < next.size(); ++v) next[v] += next[v - 1];
+    // Without the first, which the range before reads.
+    std::copy(next.begin() + 1, next.end() - 1, begin_.begin() + static_cast<std::ptrdiff_t>(first) + 1);
+    for (const Item& item : dealt) items_[next[key_vertex(item) - first]++] = item;
+    for (std::size_t v = first; v < last; ++v)
+      std::sort(items_.begin() + static_cast<std::ptrdiff_t>(begin_[v]),
+                items_.begin() + static_cast<std::ptrdiff_t>(next[v - first]));
+  }
+
   std::vector<std::uint64_t> begin_;
-  std::vector<Item> items_;
+  UninitialisedVector<Item> items_;
+  std::size_t per_range_, ranges_;  // Of vertices.
 };
 
 /// Calls visit(run) for each run of neighbours in `items` that are `same`.

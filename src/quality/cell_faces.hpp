@@ -34,12 +34,12 @@ inline CellFace make_cell_face(Cell<3> corners, std::uint32_t cell) {
 
 inline ByVertex<CellFace> collect_faces(const MeshView& mesh) {
   const AllCells cells(mesh);
-  const std::vector<CellFace> faces =
-      parallel::collect<CellFace>(cells.size(), [&](std::size_t cell, std::vector<CellFace>& out) {
-        for (const Cell<3>& corners : cells.triangles(cell))
-          out.push_back(make_cell_face(corners, static_cast<std::uint32_t>(cell)));
-      });
-  return {faces, mesh.points.size(), [](const CellFace& face) { return face.corners[0]; }};
+  return {cells.size(), mesh.points.size(),
+          [&](std::size_t cell, const auto& take) {
+            for (const Cell<3>& corners : cells.triangles(cell))
+              take(make_cell_face(corners, static_cast<std::uint32_t>(cell)));
+          },
+          [](const CellFace& face) { return face.corners[0]; }};
 }
 
 inline bool same_corners(const CellFace& a, const CellFace& b) {

@@ -27,9 +27,9 @@ using CornersByVertex = ByVertex<std::uint32_t>;
 CornersByVertex corners_by_vertex(const MeshView& mesh) {
   const std::size_t count = 4 * mesh.tetrahedra.size();
   LUMESH_ASSERT(count <= std::numeric_limits<std::uint32_t>::max());
-  std::vector<std::uint32_t> corners(count);
-  parallel::for_each_index(count, [&](std::size_t i) { corners[i] = static_cast<std::uint32_t>(i); });
-  return {corners, mesh.points.size(), [&](std::uint32_t c) { return mesh.tetrahedra[c / 4][c % 4]; }};
+  return {count, mesh.points.size(),
+          [](std::size_t c, const auto& take) { take(static_cast<std::uint32_t>(c)); },
+          [&](std::uint32_t c) { return mesh.tetrahedra[c / 4][c % 4]; }};
 }
 
 /// What the tetrahedra need of the metric, per point.
