@@ -2,10 +2,12 @@
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/image/crossings.hpp"
 #include "lumesh/image/selection.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/sha256.hpp"
+#include "lumesh/pipeline/vessel_ends.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
@@ -63,6 +65,15 @@ void describe_image(const LabelImage& image, report::StageReport& stage) {
     throw Error(ErrorKind::kBadInput, "has no voxel that is not background; check labels and threshold");
 }
 
+/// Where no vessel has an opening, the mesh's stage says so.
+void warn_of_dead_ends(CaseState& state, report::StageReport& stage) {
+  if (!state.image) return;
+  const std::vector<Opening> openings = find_openings(state.domain());
+  if (openings.empty()) return;
+  if (std::string warning = dead_end_warning(vessel_ends(state.centerline, openings)); !warning.empty())
+    stage.warnings.push_back(std::move(warning));
+}
+
 }  // namespace
 
 void read_input(CaseState& state, report::StageReport& stage) {
@@ -92,6 +103,7 @@ void make_centerline(CaseState& state, report::StageReport& stage) {
                        : extract_centerline(state.surface->view(), options, state.context);
   });
   check_centerline_points(state);
+  warn_of_dead_ends(state, stage);
   double length_mm = 0;
   for (const auto& line : state.centerline.lines)
     for (std::size_t i = 1; i < line.size(); ++i)

@@ -44,15 +44,14 @@ bool is_on_another(const Polylines& lines, const std::vector<std::uint32_t>& lin
 
 bool is_at_opening(const Vec3& place, double radius_mm, const Opening& opening) {
   const Vec3 off = place - opening.centre_mm;
-  return std::abs(off.dot(opening.normal)) < radius_mm + opening.voxel_mm &&
+  // Beyond it is the stump of a vessel that was cut.
+  return off.dot(opening.normal) > -(radius_mm + opening.voxel_mm) &&
          off.norm() < 2 * (radius_mm + opening.radius_mm());
 }
 
 }  // namespace
 
-std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Opening> openings,
-                                   Context& context) {
-  const Polylines lines = lines_in(image, context);
+std::vector<VesselEnd> vessel_ends(const Polylines& lines, std::span<const Opening> openings) {
   std::vector<VesselEnd> ends;
   const auto look_at = [&](std::uint32_t tip) {
     const Vec3& place = lines.points[tip];
@@ -70,6 +69,21 @@ std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Open
   std::stable_sort(ends.begin(), ends.end(),
                    [](const VesselEnd& a, const VesselEnd& b) { return a.radius_mm > b.radius_mm; });
   return ends;
+}
+
+std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Opening> openings,
+                                   Context& context) {
+  return vessel_ends(lines_in(image, context), openings);
+}
+
+std::string dead_end_warning(std::span<const VesselEnd> ends) {
+  if (ends.empty()) return "";
+  const bool is_one = ends.size() == 1;
+  return fmt::format(
+      "{} inside the image and {} closed there, {} {:.3g} mm in radius; to open it: cut_at = [[{}]] in "
+      "[input]",
+      is_one ? "1 vessel ends" : fmt::format("{} vessels end", ends.size()), is_one ? "is" : "are",
+      is_one ? "about" : "the widest", ends.front().radius_mm, cut_place_text(ends.front()));
 }
 
 std::string cut_place_text(const VesselEnd& end) {

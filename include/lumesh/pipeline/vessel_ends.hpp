@@ -8,6 +8,7 @@
 #include "lumesh/core/context.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/image/label_image.hpp"
+#include "lumesh/mesh/polylines.hpp"
 
 namespace lumesh {
 
@@ -18,13 +19,19 @@ struct VesselEnd {
 };
 
 /// Ends of centerlines that lie at no opening, by falling radius: vessels that were segmented so far only,
-/// and bulges; of lines more than twice as long as their largest radius. None where there is no
-/// centerline. Of the largest piece. Cost and threads: as extract_centerline().
+/// and bulges; of lines more than twice as long as their largest radius.
+/// @param lines  With the scalar "radius" in mm.
+[[nodiscard]] std::vector<VesselEnd> vessel_ends(const Polylines& lines, std::span<const Opening> openings);
+/// The same of the largest piece of an image; none where there is no centerline. Cost and threads: as
+/// extract_centerline().
 [[nodiscard]] std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Opening> openings,
                                                  Context& context);
 
 /// "x,y,z", as the option --cut-at takes it.
 [[nodiscard]] std::string cut_place_text(const VesselEnd& end);
+
+/// A line that says how a case opens the widest one; empty without any.
+[[nodiscard]] std::string dead_end_warning(std::span<const VesselEnd> ends);
 
 /// A line for an image none of whose vessels has an opening, but which has vessel ends; empty otherwise.
 [[nodiscard]] std::string closed_vessel_warning(const LabelImage& image, std::span<const Opening> openings,

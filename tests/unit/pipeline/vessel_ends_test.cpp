@@ -68,6 +68,28 @@ TEST(VesselEnds, TheirPlacesCutSquare) {
   }
 }
 
+/// The stump behind a cut is no end.
+TEST(VesselEnds, AVesselThatIsCutThereHasNone) {
+  Context context;
+  LabelImage image = slanted_tube(-100, 40);
+  ImageDomainOptions options;
+  options.cut_planes =
+      cut_off(image, {{}, {Vec3(15, 16, 20) + 25 * Vec3(0.2, 0.1, 1).normalized()}}, context);
+  const std::vector<Opening> openings = find_openings(ImageDomain(image, options));
+  ASSERT_EQ(openings.size(), 2U);
+  EXPECT_TRUE(vessel_ends(image, openings, context).empty());
+  EXPECT_EQ(dead_end_warning({}), "");
+}
+
+TEST(VesselEnds, ADeadEndBesideOpeningsIsToldWithThePlace) {
+  Context context;
+  const LabelImage half = slanted_tube(-100, 40);
+  const std::vector<VesselEnd> ends = vessel_ends(half, openings_of(half), context);
+  ASSERT_EQ(ends.size(), 1U);
+  EXPECT_EQ(dead_end_warning(ends).find("1 vessel ends inside the image and is closed there"), 0U);
+  EXPECT_NE(dead_end_warning(ends).find("cut_at = [[" + cut_place_text(ends[0]) + "]]"), std::string::npos);
+}
+
 TEST(VesselEnds, ClosedVesselsAreWarnedOfAndOthersNot) {
   Context context;
   const LabelImage closed = slanted_tube(-10, 45), half = slanted_tube(-100, 40);
