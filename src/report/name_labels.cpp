@@ -303,12 +303,13 @@ PictureLabels place_names(const std::vector<OpeningMark>& marks, const Camera& c
   PictureLabels result = {{}, letter};
   std::vector<Box> taken;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto& [box, from, cost] = *names[i].chosen;
+    const auto& chosen = *names[i].chosen;
+    const Box& box = chosen.box;
     if (std::any_of(taken.begin(), taken.end(), [&](const Box& other) { return other.touches(box); }))
       continue;
     taken.push_back(box);
     result.labels.push_back(
-        {marks[i].name, names[i].at, from, box.low, box.high, is_hidden(marks[i], camera, triangles)});
+        {marks[i].name, names[i].at, chosen.from, box.low, box.high, is_hidden(marks[i], camera, triangles)});
   }
   return result;
 }
