@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
@@ -335,6 +336,14 @@ std::optional<DicomSlice> slice_of(const fs::path& path, const Walk& walk) {
   const std::vector<double> place = numbers_of(walk.text(kPosition)),
                             axes = numbers_of(walk.text(kOrientation)),
                             pixel = numbers_of(walk.text(kPixelSize));
+  const std::string size = walk.text(kPixelSize);
+  const auto is_good = [](double x) { return std::isfinite(x) && x > 0; };
+  if (!size.empty() && (pixel.size() != 2 || !std::all_of(pixel.begin(), pixel.end(), is_good)))
+    fail(path, fmt::format("has a pixel spacing of \"{}\"; two numbers above 0 are needed", size));
+  const auto is_finite = [](double x) { return std::isfinite(x); };
+  if (!std::all_of(place.begin(), place.end(), is_finite) ||
+      !std::all_of(axes.begin(), axes.end(), is_finite))
+    fail(path, "has a place or directions that are no finite numbers");
   if (place.size() != 3 || axes.size() != 6 || pixel.size() != 2) return std::nullopt;
   return DicomSlice{path.filename().string(), Vec3(place[0], place[1], place[2]),
                     Vec3(axes[0], axes[1], axes[2]), Vec3(axes[3], axes[4], axes[5]),
@@ -388,7 +397,9 @@ std::optional<DicomFile> read_dicom_file(const fs::path& path) {
                    media_class.empty() ? walk.text(kClass) : media_class,
                    walk.has_pixels(),
                    integer_of(walk.text(kNumber)),
-                   slice_of(path, walk)};
+                   slice_of(path, walk),
+                   integer_of(walk.text(kFrames)).value_or(1) <= 1,
+                   !walk.text(kPixelSize).empty()};
 }
 
 }  // namespace lumesh::io

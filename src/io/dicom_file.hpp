@@ -19,6 +19,8 @@ struct DicomFile {
   bool has_pixels = false;
   std::optional<int> number;        ///< In the series.
   std::optional<DicomSlice> slice;  ///< Of files that say where they are.
+  bool is_single = true;            ///< Holds one slice, not a stack that says such things elsewhere.
+  bool has_pixel_size = false;
 };
 
 /// None if the file is no DICOM. Cost: one pass over its elements, without the values.

@@ -181,25 +181,32 @@ RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& contex
   return image;
 }
 
-/// The files of a series whose slices make a grid.
-std::vector<std::string> series_files(const fs::path& path) {
+struct SeriesFiles {
   std::vector<std::string> files;
+  bool have_pixel_sizes = true, have_places = true;
+};
+
+/// The files of a series whose slices make a grid.
+SeriesFiles series_files(const fs::path& path) {
+  SeriesFiles series;
   std::vector<DicomSlice> slices;
   for (const DicomFile& file : dicom_series(path)) {
-    files.push_back(file.path.string());
+    series.files.push_back(file.path.string());
     if (file.slice) slices.push_back(*file.slice);
+    series.have_pixel_sizes = series.have_pixel_sizes && (file.has_pixel_size || !file.is_single);
+    series.have_places = series.have_places && (file.slice || !file.is_single);
   }
   check_slices(path, std::move(slices));
-  return files;
+  return series;
 }
 
 /// Voxels as float, which holds every 16-bit value with its rescale slope.
 RawImage read_dicom_series(const fs::path& path, Context& context) {
   using Image = itk::Image<float, 3>;
-  const std::vector<std::string> files = series_files(path);
+  const SeriesFiles series = series_files(path);
   const auto reader = itk::ImageSeriesReader<Image>::New();
   reader->SetImageIO(itk::GDCMImageIO::New());
-  reader->SetFileNames(files);
+  reader->SetFileNames(series.files);
   {
     const QuietStreams quiet;
     reader->UpdateOutputInformation();
@@ -213,6 +220,9 @@ RawImage read_dicom_series(const fs::path& path, Context& context) {
     header.origin_mm[i] = output->GetOrigin()[i];
     for (unsigned row = 0; row < 3; ++row) header.direction(row, i) = output->GetDirection()(row, i);
   }
+  header.has_spacing = series.have_pixel_sizes;
+  if (series.have_pixel_sizes && !series.have_places)
+    context.warn(path.string() + ": slices do not say where they lie; their order and distance are guesses");
   RawImage image;
   image.type = VoxelType::kFloat;
   image.frame = checked_frame(path, header, context);

@@ -14,7 +14,8 @@ struct DicomBytes {
   std::string sop_class = "1.2.840.10008.5.1.4.1.1.2";  ///< CT.
   bool has_types = true;                                ///< Explicit VR.
   bool has_pixels = true;
-  std::string further = {};  ///< Elements between the header and the pixels.
+  std::string pixel_size = "1\\1";  ///< Empty: left out.
+  std::string further = {};         ///< Elements between the header and the pixels.
 
   static std::string number(std::size_t value, int bytes) {
     std::string text;
@@ -46,7 +47,8 @@ struct DicomBytes {
                        add(0x20, 0x32, "DS", "0\\0\\" + std::to_string(k)) +
                        add(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0") + add(0x28, 2, "US", number(1, 2)) +
                        add(0x28, 4, "CS", "MONOCHROME2") + add(0x28, 0x10, "US", number(10, 2)) +
-                       add(0x28, 0x11, "US", number(6, 2)) + add(0x28, 0x30, "DS", "1\\1") +
+                       add(0x28, 0x11, "US", number(6, 2)) +
+                       (pixel_size.empty() ? std::string() : add(0x28, 0x30, "DS", pixel_size)) +
                        add(0x28, 0x100, "US", number(16, 2)) + add(0x28, 0x101, "US", number(16, 2)) +
                        add(0x28, 0x102, "US", number(15, 2)) + add(0x28, 0x103, "US", number(0, 2));
     data += further;

@@ -114,5 +114,21 @@ TEST_F(DicomSeries, FewerPixelsThanRowsAndColumnsSayAreRefused) {
             std::string::npos);
 }
 
+TEST_F(DicomSeries, APixelSpacingThatIsNoneIsRefusedAndAMissingOneIsTold) {
+  for (const char* size : {"0\\0.5", "nan\\0.5", "0.5", "a\\b", "-1\\1"}) {
+    DicomBytes slice;
+    slice.pixel_size = size;
+    write_series(slice);
+    EXPECT_NE(refusal(folder_.path()).find("has a pixel spacing of"), std::string::npos) << size;
+  }
+  DicomBytes bare;
+  bare.pixel_size = "";
+  write_series(bare);
+  std::string told;
+  Context context({}, [&](std::string_view text) { told += text; });
+  static_cast<void>(read_image(folder_.path(), {}, context));
+  EXPECT_NE(told.find("says nothing of the size of voxels"), std::string::npos) << told;
+}
+
 }  // namespace
 }  // namespace lumesh
