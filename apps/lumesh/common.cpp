@@ -143,9 +143,13 @@ CLI::Option* add_cells_per_diameter_option(CLI::App& command, double& cells) {
   return command
       .add_option(
           "--cells-per-diameter", cells,
-          "At least so many edges along the diameter of each vessel, 1 to 25; where that leaves edges longer "
-          "than --edge-length, this counts")
-      ->check(CLI::Range(1.0, 25.0));
+          "About so many edges along the diameter of each vessel, 1 to 25, or more where --edge-length is "
+          "shorter")
+      ->check([](const std::string& text) {
+        const std::optional<double> number = number_from(text);
+        const bool good = number && *number >= 1 && *number <= 25;
+        return good ? std::string() : fmt::format("\"{}\" is not a number from 1 to 25", text);
+      });
 }
 
 void add_name_option(CLI::App& command, std::vector<std::string>& names) {
@@ -216,10 +220,27 @@ void check_inputs_stay(std::initializer_list<std::string> outputs,
                     output + ": is read as input and would be replaced; name another output");
 }
 
+namespace {
+
+/// Where an output goes: links are followed.
+std::filesystem::path target_of(const std::filesystem::path& path) {
+  std::error_code failed;
+  const std::filesystem::path target = std::filesystem::weakly_canonical(path, failed);
+  if (failed) throw Error(ErrorKind::kBadInput, path.string() + ": cannot be written: " + failed.message());
+  if (std::filesystem::is_regular_file(target, failed) && std::filesystem::is_symlink(path, failed) &&
+      target.extension() != path.extension())
+    throw Error(ErrorKind::kBadInput,
+                path.string() + ": is a link to " + target.string() +
+                    ", a file of another kind, which would be replaced; remove the link");
+  return target;
+}
+
+}  // namespace
+
 void check_output_folders(std::initializer_list<std::string> paths) {
   std::set<std::filesystem::path> named;
   for (const std::string& path : paths)
-    if (!path.empty() && !named.insert(std::filesystem::absolute(path).lexically_normal()).second)
+    if (!path.empty() && !named.insert(target_of(std::filesystem::absolute(path).lexically_normal())).second)
       throw Error(ErrorKind::kUsage, path + ": is named for two outputs; give each its own file");
   for (std::filesystem::path path : paths) {
     if (path.empty()) continue;

@@ -193,10 +193,12 @@ void print_text(const json& all) {
 
 json describe_image_file(const InfoCommand& command, Context& context) {
   try {
-    std::vector<CutPlane> cuts;
-    const LabelImage image = read_cut_image(command.path, command.selection, command.cuts, cuts, context);
+    const ImageCuts cuts = cuts_from(command.cuts);
+    LabelImage image =
+        context.phase("read", [&] { return read_selected_image(command.path, command.selection, context); });
     json all = context.phase("labels", [&] { return describe_image(image); });
-    context.phase("openings", [&] { add_openings(image, cuts, all, context); });
+    const std::vector<CutPlane> planes = naming(command.path, [&] { return cut_off(image, cuts, context); });
+    context.phase("openings", [&] { add_openings(image, planes, all, context); });
     return all;
   } catch (const NotLabels& grey) {
     context.warn(grey.what());

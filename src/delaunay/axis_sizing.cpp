@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
 #include <nanoflann.hpp>
+#include <utility>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/delaunay/built_in_sizings.hpp"
@@ -24,28 +28,64 @@ struct AxisPoints {
   }
 };
 
-class AxisSizing final : public Sizing {
+/// The points of axes whose radii are alike, within a factor of kRatio.
+class PointsOfARadius {
  public:
-  AxisSizing(const Polylines& axes, double cells_per_diameter)
-      : points_(axes.points), adaptor_{&points_}, tree_(3, adaptor_) {
-    for (const double radius_mm : axes.scalars.at("radius"))
-      sizes_mm_.push_back(2 * radius_mm / cells_per_diameter);
-  }
+  static constexpr double kRatio = 1.25;
 
-  [[nodiscard]] double size_at(const Vec3& point_mm, Label /*label*/) const override {
-    std::uint32_t nearest = 0;
+  PointsOfARadius(std::vector<Vec3> points, std::vector<double> radii_mm)
+      : points_(std::move(points)), radii_mm_(std::move(radii_mm)), adaptor_{&points_}, tree_(3, adaptor_) {}
+  PointsOfARadius(const PointsOfARadius&) = delete;
+  PointsOfARadius& operator=(const PointsOfARadius&) = delete;
+
+  struct Nearest {
+    double radii = std::numeric_limits<double>::infinity();  ///< How many of its radii it is away.
+    double radius_mm = 0;
+  };
+  [[nodiscard]] Nearest nearest(const Vec3& x) const {
+    std::uint32_t at = 0;
     double square = 0;
-    tree_.knnSearch(point_mm.data(), 1, &nearest, &square);
-    return sizes_mm_[nearest];
+    tree_.knnSearch(x.data(), 1, &at, &square);
+    return {std::sqrt(square) / radii_mm_[at], radii_mm_[at]};
   }
 
  private:
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, AxisPoints>,
                                                    AxisPoints, 3, std::uint32_t>;
   std::vector<Vec3> points_;
-  std::vector<double> sizes_mm_;
+  std::vector<double> radii_mm_;
   AxisPoints adaptor_;
   Tree tree_;
+};
+
+/// By the axis that is the fewest of its radii away: where a thin branch begins, within its parent, the
+/// parent counts.
+class AxisSizing final : public Sizing {
+ public:
+  AxisSizing(const Polylines& axes, double cells_per_diameter) : per_radius_(2 / cells_per_diameter) {
+    std::map<int, std::pair<std::vector<Vec3>, std::vector<double>>> of_radius;
+    const std::vector<double>& radii_mm = axes.scalars.at("radius");
+    for (std::size_t i = 0; i < axes.points.size(); ++i) {
+      auto& [points, radii] =
+          of_radius[static_cast<int>(std::floor(std::log(radii_mm[i]) / std::log(PointsOfARadius::kRatio)))];
+      points.push_back(axes.points[i]);
+      radii.push_back(radii_mm[i]);
+    }
+    for (auto& [number, group] : of_radius)
+      groups_.push_back(std::make_unique<PointsOfARadius>(std::move(group.first), std::move(group.second)));
+  }
+
+  [[nodiscard]] double size_at(const Vec3& point_mm, Label /*label*/) const override {
+    PointsOfARadius::Nearest best;
+    for (const auto& group : groups_)
+      if (const PointsOfARadius::Nearest found = group->nearest(point_mm); found.radii < best.radii)
+        best = found;
+    return per_radius_ * best.radius_mm;
+  }
+
+ private:
+  double per_radius_;
+  std::vector<std::unique_ptr<const PointsOfARadius>> groups_;
 };
 
 }  // namespace

@@ -81,6 +81,7 @@ AnalyticDomain::AnalyticDomain(std::vector<AnalyticBody> bodies, AnalyticDomainO
   for (CutPlane& plane : options_.cut_planes) {
     check(plane.normal.norm() > 0 && plane.normal.allFinite() && plane.point_mm.allFinite(),
           "a cut plane needs a finite point and a normal that is not zero");
+    check(!plane.is_bounded(), "cut planes of formulas go through everything");
     plane.normal.normalize();
   }
 }

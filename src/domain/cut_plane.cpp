@@ -24,7 +24,7 @@ double kept_share(const ImageFrame& frame, std::span<const CutPlane> planes, con
 
 double CutPlane::beyond_mm(const Vec3& x) const {
   const double above = height(x);
-  if (std::isinf(radius_mm)) return above;
+  if (!is_bounded()) return above;
   const double off_axis_mm = (x - point_mm - above * normal).norm();
   return std::min({above, radius_mm - off_axis_mm, depth_mm - above});
 }

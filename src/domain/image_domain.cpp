@@ -32,6 +32,7 @@ ImageDomain::ImageDomain(const LabelImage& image, const ImageDomainOptions& opti
       throw Error(ErrorKind::kUsage, "a cut plane needs a finite point and a normal that is not zero");
     cuts_.push_back(plane);
     cuts_.back().normal.normalize();
+    has_bounded_cuts_ = has_bounded_cuts_ || plane.is_bounded();
   }
 }
 
@@ -81,9 +82,10 @@ void ImageDomain::add_border_cuts(const LabelImage& image) {
   }
 }
 
-ImageDomain::CutDistance ImageDomain::furthest_cut(const Vec3& point_mm) const {
+ImageDomain::CutDistance ImageDomain::furthest_cut(const Vec3& point_mm, bool is_bounded) const {
   CutDistance furthest;
   for (std::size_t c = 0; c < cuts_.size(); ++c) {
+    if (cuts_[c].is_bounded() != is_bounded) continue;
     const double beyond = cuts_[c].beyond_mm(point_mm);
     if (beyond > furthest.beyond_mm) furthest = {c, beyond};
   }
@@ -91,16 +93,23 @@ ImageDomain::CutDistance ImageDomain::furthest_cut(const Vec3& point_mm) const {
 }
 
 Domain::Surroundings ImageDomain::surroundings(const Vec3& point_mm) const {
-  const CutDistance cut = furthest_cut(point_mm);
+  const CutDistance cut = furthest_cut(point_mm, false);
   if (cut.beyond_mm > 0) return {static_cast<Material>(labels_.size() + cut.cut), cut.beyond_mm};
   const LabelField::Winner winner = field_.winner(frame().to_index(point_mm));
-  return {winner.label, std::min(-cut.beyond_mm, winner.depth * unit_mm_)};
+  const double clearance_mm = std::min(-cut.beyond_mm, winner.depth * unit_mm_);
+  if (!has_bounded_cuts_ || winner.label == 0) return {winner.label, clearance_mm};
+  const CutDistance stump = furthest_cut(point_mm, true);
+  const Material m = stump.beyond_mm > 0 ? static_cast<Material>(labels_.size() + stump.cut) : winner.label;
+  return {m, std::min(clearance_mm, std::abs(stump.beyond_mm))};
 }
 
 Material ImageDomain::material_at(const Vec3& point_mm) const {
-  const CutDistance cut = furthest_cut(point_mm);
+  const CutDistance cut = furthest_cut(point_mm, false);
   if (cut.beyond_mm > 0) return static_cast<Material>(labels_.size() + cut.cut);
-  return field_.label_at(frame().to_index(point_mm));
+  const Material label = field_.label_at(frame().to_index(point_mm));
+  if (!has_bounded_cuts_ || label == 0) return label;
+  const CutDistance stump = furthest_cut(point_mm, true);
+  return stump.beyond_mm > 0 ? static_cast<Material>(labels_.size() + stump.cut) : label;
 }
 
 double ImageDomain::clearance_limit_mm() const {
@@ -109,12 +118,31 @@ double ImageDomain::clearance_limit_mm() const {
 
 MaterialSet ImageDomain::materials_near(const Vec3& point_mm, double reach_mm) const {
   // Beyond cut planes there is only what the farthest of them cuts off, and others that are hardly nearer.
-  double beyond_mm = 0;
-  for (const CutPlane& cut : cuts_) beyond_mm = std::max(beyond_mm, cut.beyond_mm(point_mm));
+  const double beyond_mm = std::max(0.0, furthest_cut(point_mm, false).beyond_mm);
   MaterialSet near = beyond_mm > reach_mm ? MaterialSet() : labels_near(point_mm, reach_mm);
+  if (has_bounded_cuts_) near = with_stumps(near, point_mm, reach_mm);
   for (std::size_t c = 0; c < cuts_.size(); ++c)
-    if (cuts_[c].beyond_mm(point_mm) >= beyond_mm - reach_mm)
+    if (!cuts_[c].is_bounded() && cuts_[c].height(point_mm) >= beyond_mm - reach_mm)
       near.insert(static_cast<Material>(labels_.size() + c));
+  return near;
+}
+
+/// A bounded cut takes the place of the object beyond its plane; near the plane there is either.
+MaterialSet ImageDomain::with_stumps(const MaterialSet& labels, const Vec3& point_mm, double reach_mm) const {
+  MaterialSet near = labels;
+  for (std::size_t c = 0; c < cuts_.size(); ++c) {
+    const double beyond_mm = cuts_[c].is_bounded() ? cuts_[c].beyond_mm(point_mm) : -reach_mm - 1;
+    if (beyond_mm < -reach_mm) continue;
+    const bool has_object =
+        std::any_of(labels.begin(), labels.end(), [&](Material m) { return is_meshed(m); });
+    if (!has_object) continue;
+    if (beyond_mm > reach_mm) {
+      near = MaterialSet();
+      for (const Material m : labels)
+        if (!is_meshed(m)) near.insert(m);
+    }
+    near.insert(static_cast<Material>(labels_.size() + c));
+  }
   return near;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "lumesh/core/error.hpp"
@@ -25,8 +26,9 @@ class VesselCut {
         is_in_section_(image.voxels().size(), false),
         part_(image.voxels().size(), Side::kNone) {}
 
-  CutPlane make() {
+  CutVessel make(double radius_mm) {
     find_section();
+    check_section(radius_mm);
     std::vector<Index3> above = start_of(Side::kAbove), below = start_of(Side::kBelow);
     flood(above, Side::kAbove);
     flood(below, Side::kBelow);
@@ -38,7 +40,7 @@ class VesselCut {
       throw Error(ErrorKind::kBadInput, place_text() + " ends there: nothing would be cut off");
     bound(above.front());
     remove(above);
-    return plane_;
+    return {plane_, section_mm2()};
   }
 
  private:
@@ -47,6 +49,7 @@ class VesselCut {
   [[nodiscard]] double off_axis_mm(const Index3& v) const {
     return (centre_of(v) - plane_.point_mm - height_of(v) * plane_.normal).norm();
   }
+  [[nodiscard]] Index3 middle() const { return frame_.to_index(plane_.point_mm).array().round().cast<int>(); }
   [[nodiscard]] bool is_object(const Index3& v) const { return frame_.contains(v) && image_.at(v) != 0; }
   [[nodiscard]] bool is_in_plane(const Index3& v) const { return std::abs(height_of(v)) <= 0.5 * layer_mm_; }
   [[nodiscard]] Side side_of(const Index3& v) const { return height_of(v) > 0 ? Side::kAbove : Side::kBelow; }
@@ -57,10 +60,10 @@ class VesselCut {
   }
 
   template <class Visit>
-  static void for_each_in_cube(const Index3& middle, int reach, const Visit& visit) {
-    for (int k = -reach; k <= reach; ++k)
-      for (int j = -reach; j <= reach; ++j)
-        for (int i = -reach; i <= reach; ++i) visit(Index3(middle + Index3(i, j, k)));
+  static void for_each_in_box(const Index3& low, const Index3& high, const Visit& visit) {
+    for (int k = low.z(); k <= high.z(); ++k)
+      for (int j = low.y(); j <= high.y(); ++j)
+        for (int i = low.x(); i <= high.x(); ++i) visit(Index3(i, j, k));
   }
   template <class Visit>
   void for_each_neighbour(const Index3& at, const Visit& visit) const {
@@ -69,18 +72,18 @@ class VesselCut {
         if (const Index3 v = at + step * Index3::Unit(axis); is_object(v)) visit(v);
   }
 
-  /// Voxels that the plane passes through, joined through faces, edges or corners, from the nearest on.
+  /// Voxels that the plane passes through, joined through faces, from the nearest on.
   void find_section() {
     constexpr int kReach = 2;  // Voxels.
     std::optional<Index3> first;
     double nearest_mm = std::numeric_limits<double>::infinity();
-    for_each_in_cube(frame_.to_index(plane_.point_mm).array().round().cast<int>(), kReach,
-                     [&](const Index3& v) {
-                       const double off_mm = (centre_of(v) - plane_.point_mm).norm();
-                       if (!is_object(v) || !is_in_plane(v) || off_mm >= nearest_mm) return;
-                       first = v;
-                       nearest_mm = off_mm;
-                     });
+    const Index3 reach = Index3::Constant(kReach);
+    for_each_in_box(middle() - reach, middle() + reach, [&](const Index3& v) {
+      const double off_mm = (centre_of(v) - plane_.point_mm).norm();
+      if (!is_object(v) || !is_in_plane(v) || off_mm >= nearest_mm) return;
+      first = v;
+      nearest_mm = off_mm;
+    });
     if (!first) throw Error(ErrorKind::kBadInput, place_text() + " is none: all is background there");
     const auto add = [&](const Index3& v) {
       is_in_section_[frame_.offset(v)] = true;
@@ -88,10 +91,36 @@ class VesselCut {
       section_mm_ = std::max(section_mm_, off_axis_mm(v));
     };
     add(*first);
+    // A layer of this thickness is joined through faces.
     for (std::size_t s = 0; s < section_.size(); ++s)
-      for_each_in_cube(Index3(section_[s]), 1, [&](const Index3& v) {
-        if (is_object(v) && is_in_plane(v) && !is_in_section_[frame_.offset(v)]) add(v);
+      for_each_neighbour(Index3(section_[s]), [&](const Index3& v) {
+        if (is_in_plane(v) && !is_in_section_[frame_.offset(v)]) add(v);
       });
+  }
+
+  /// The plane's layer of voxels is as thick as layer_mm_.
+  [[nodiscard]] double section_mm2() const {
+    return static_cast<double>(section_.size()) * frame_.voxel_volume_mm3() / layer_mm_;
+  }
+
+  /// In a fork, a bulge or a vessel that runs along the plane there is no section of one vessel.
+  void check_section(double radius_mm) const {
+    constexpr double kWidest = 3;
+    const double of_vessel = std::numbers::pi * radius_mm * radius_mm;
+    const double area = section_mm2(), of_voxel = frame_.voxel_volume_mm3() / layer_mm_;
+    if (area > kWidest * of_vessel + 4 * of_voxel)
+      throw Error(
+          ErrorKind::kBadInput,
+          fmt::format(
+              "{} has a section of {:.3g} mm² across its axis, {:.1f} times that of its radius there, "
+              "{:.3g} mm: it forks or bulges; cut elsewhere, or give a plane with --cut-plane",
+              place_text(), area, area / of_vessel, radius_mm));
+    const Index3 last = frame_.size - Index3::Ones();
+    for (const Index3& v : section_)
+      if ((v.array() == 0).any() || (v.array() == last.array()).any())
+        throw Error(
+            ErrorKind::kBadInput,
+            place_text() + " leaves the image within the section across its axis; cut further inside");
   }
 
   /// Voxels of the section and beside it.
@@ -117,45 +146,55 @@ class VesselCut {
         const bool is_cut = is_in_section_[frame_.offset(at)] || is_in_section_[frame_.offset(v)];
         if (part(v) == side || (is_cut && side_of(at) != side_of(v))) return;
         if (part(v) != Side::kNone)
-          throw Error(ErrorKind::kBadInput,
-                      place_text() +
-                          " is part of a loop, so that a cut there leaves one piece; cut its other end, too, "
-                          "or give a whole plane with --cut-plane");
+          throw Error(
+              ErrorKind::kBadInput,
+              place_text() +
+                  " is part of a loop, which a cut there leaves in one piece; give a plane that cuts both "
+                  "arms with --cut-plane");
         part(v) = side;
         voxels.push_back(v);
       });
     }
   }
 
-  /// The cylinder holds the stump with a margin, and nothing of what stays.
+  /// The cylinder holds the stump. What stays keeps away from it by more than a mesher's cells may be long.
   void bound(const Index3& gone) {
-    const Side part_that_goes = part(gone);
-    const double least_radius_mm = section_mm_ + voxel_mm_, least_depth_mm = 3 * layer_mm_;
-    plane_.radius_mm = section_mm_ + 3 * voxel_mm_;
-    plane_.depth_mm = 7 * layer_mm_;
-    const int reach =
-        static_cast<int>(std::ceil((plane_.radius_mm + plane_.depth_mm) / frame_.spacing_mm.minCoeff()));
-    for_each_in_cube(frame_.to_index(plane_.point_mm).array().round().cast<int>(), reach,
-                     [&](const Index3& v) {
-                       if (!is_object(v) || part(v) == part_that_goes || plane_.beyond_mm(centre_of(v)) < 0)
-                         return;
-                       const double radius_mm = off_axis_mm(v) - voxel_mm_;
-                       if (radius_mm >= least_radius_mm)
-                         plane_.radius_mm = std::min(plane_.radius_mm, radius_mm);
-                       else
-                         plane_.depth_mm = std::min(plane_.depth_mm, height_of(v) - voxel_mm_);
-                     });
+    const Side side_that_goes = part(gone);
+    const double margin_mm = kMargin * voxel_mm_;
+    const double stump_mm = section_mm_ + kBeside * voxel_mm_;
+    plane_.radius_mm = stump_mm + kAir * voxel_mm_;
+    plane_.depth_mm = kDepth * layer_mm_;
+    const double least_depth_mm = kLeastDepth * layer_mm_;
+    const double reach_mm = plane_.radius_mm + plane_.depth_mm + 2 * margin_mm;
+    const Index3 reach = (reach_mm * frame_.spacing_mm.cwiseInverse()).array().ceil().cast<int>();
+    const Index3 low = (middle() - reach).cwiseMax(0),
+                 high = (middle() + reach).cwiseMin(frame_.size - Index3::Ones());
+    for_each_in_box(low, high, [&](const Index3& v) {
+      if (!is_object(v) || part(v) == side_that_goes) return;
+      const double height = height_of(v);
+      if (height <= 0.5 * layer_mm_ || off_axis_mm(v) > stump_mm + margin_mm) return;
+      plane_.depth_mm = std::min(plane_.depth_mm, height - margin_mm);
+    });
     if (plane_.depth_mm < least_depth_mm)
       throw Error(ErrorKind::kBadInput,
-                  place_text() + " has another one within two voxels beside it; cut elsewhere");
+                  fmt::format("{} has another one beside it, less than {:.2g} mm away; cut elsewhere",
+                              place_text(), (kBeside + kMargin) * voxel_mm_));
   }
 
   void remove(const std::vector<Index3>& voxels) {
-    const double stump_radius_mm = std::min(section_mm_ + voxel_mm_, plane_.radius_mm - voxel_mm_);
-    const double stump_depth_mm = plane_.depth_mm - 2 * layer_mm_;
-    for (const Index3& v : voxels)
-      if (height_of(v) > stump_depth_mm || off_axis_mm(v) > stump_radius_mm) image_.at(v) = 0;
+    const double stump_radius_mm = section_mm_ + kBeside * voxel_mm_;
+    const double stump_depth_mm = plane_.depth_mm - kAir * layer_mm_;
+    for (const Index3& v : voxels) {
+      const bool is_behind = height_of(v) <= 0 && !is_in_section_[frame_.offset(v)];  // It came back.
+      if (is_behind || height_of(v) > stump_depth_mm || off_axis_mm(v) > stump_radius_mm) image_.at(v) = 0;
+    }
   }
+
+  // Of the cylinder, in layers of voxels.
+  static constexpr double kDepth = 6.5, kLeastDepth = 4.5;
+  // In voxels: how much wider than the section the stump may be, the air around it, and how far what stays is
+  // off.
+  static constexpr double kBeside = 1, kAir = 1.5, kMargin = 2.5;
 
   LabelImage& image_;
   const ImageFrame frame_;
@@ -170,8 +209,8 @@ class VesselCut {
 
 }  // namespace
 
-CutPlane cut_off_vessel(LabelImage& image, const CutPlane& plane) {
-  return VesselCut(image, plane).make();
+CutVessel cut_off_vessel(LabelImage& image, const CutPlane& plane, double radius_mm) {
+  return VesselCut(image, plane).make(radius_mm);
 }
 
 }  // namespace lumesh

@@ -60,7 +60,8 @@ std::optional<double> area_from(std::string_view text) {
   double area = 0;
   const auto [next, error] = std::from_chars(text.data(), text.data() + text.size(), area);
   const std::string_view unit(next, static_cast<std::size_t>(text.data() + text.size() - next));
-  if (error != std::errc() || unit != "mm2" || !(area > 0) || !std::isfinite(area)) return std::nullopt;
+  if (error != std::errc() || (unit != "mm2" && unit != "mm²") || !(area > 0) || !std::isfinite(area))
+    return std::nullopt;
   return area;
 }
 

@@ -220,7 +220,8 @@ std::vector<Key> keys_of(Case& c) {
   list.number("edge_length", &c.edge_length_mm, 0, kAny,
               "Of edges on surfaces of the first mesh, in mm; 0: 2.5 voxels");
   list.number("cells_per_diameter", &c.cells_per_diameter, 0, 25,
-              "At least so many edges along the diameter of each vessel, too; 0: no such wish");
+              "About so many edges along the diameter of each vessel, or more where edge_length is shorter; "
+              "0: no such wish");
   add_input_keys(list, c.input);
   add_lattice_keys(list, c.lattice);
   add_delaunay_keys(list, c);

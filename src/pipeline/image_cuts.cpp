@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
+#include <optional>
+#include <span>
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
@@ -12,7 +15,7 @@ namespace lumesh {
 namespace {
 
 struct AxisPlace {
-  double off_mm = std::numeric_limits<double>::infinity();
+  double off_radii = std::numeric_limits<double>::infinity();
   double radius_mm = 0;
   CutPlane across;  ///< Square to the axis.
 };
@@ -27,6 +30,7 @@ Vec3 direction_at(const Polylines& lines, const std::vector<std::uint32_t>& line
   return lines.points[line[middle + half]] - lines.points[line[middle - half]];
 }
 
+/// The vessel that the place is the fewest radii off.
 AxisPlace nearest_axis(const Polylines& lines, const Vec3& place_mm) {
   AxisPlace nearest;
   for (const auto& line : lines.lines) {
@@ -35,31 +39,95 @@ AxisPlace nearest_axis(const Polylines& lines, const Vec3& place_mm) {
       const double along =
           std::clamp((place_mm - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-300), 0.0, 1.0);
       const Vec3 foot = a + along * (b - a);
-      const double off_mm = (place_mm - foot).norm();
-      if (off_mm >= nearest.off_mm) continue;
       const std::size_t at = along < 0.5 ? i : i + 1;
-      nearest = {off_mm, lines.scalars.at("radius")[line[at]], {foot, direction_at(lines, line, at)}};
+      const double radius_mm = lines.scalars.at("radius")[line[at]];
+      const double off_radii = (place_mm - foot).norm() / radius_mm;
+      if (off_radii < nearest.off_radii)
+        nearest = {off_radii, radius_mm, {foot, direction_at(lines, line, at)}};
     }
   }
   return nearest;
+}
+
+std::string place_text(const Vec3& place) {
+  return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", place.x(), place.y(), place.z());
+}
+
+/// The nearest voxel of the object, if one is near.
+std::optional<Index3> object_voxel_near(const LabelImage& image, const Vec3& place_mm) {
+  constexpr int kReach = 3;
+  const ImageFrame& frame = image.frame();
+  const Vec3 at = frame.to_index(place_mm);
+  if (!(at.array().abs() < 1e6).all()) return std::nullopt;
+  const Index3 middle = at.array().round().cast<int>();
+  std::optional<Index3> nearest;
+  double nearest_mm = std::numeric_limits<double>::infinity();
+  for (int k = -kReach; k <= kReach; ++k)
+    for (int j = -kReach; j <= kReach; ++j)
+      for (int i = -kReach; i <= kReach; ++i) {
+        const Index3 v = middle + Index3(i, j, k);
+        if (!frame.contains(v) || image.at(v) == 0) continue;
+        const double off_mm = (frame.to_physical(v.cast<double>()) - place_mm).norm();
+        if (off_mm < nearest_mm) nearest = v, nearest_mm = off_mm;
+      }
+  return nearest;
+}
+
+/// The axes of the piece that a voxel belongs to, of voxels joined through faces.
+Polylines axes_of_piece(const LabelImage& image, const Index3& voxel) {
+  LabelImage piece(image.frame(), {kBackground, 1});
+  std::vector<Index3> reached = {voxel};
+  piece.at(voxel) = 1;
+  for (std::size_t s = 0; s < reached.size(); ++s) {
+    const Index3 at = reached[s];
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int step : {-1, 1}) {
+        const Index3 v = at + step * Index3::Unit(axis);
+        if (!image.frame().contains(v) || image.at(v) == 0 || piece.at(v) != 0) continue;
+        piece.at(v) = 1;
+        reached.push_back(v);
+      }
+  }
+  Context quiet;
+  return extract_centerline(piece, {}, quiet);
+}
+
+CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> before, Context& context) {
+  const std::optional<Index3> voxel = object_voxel_near(image, place);
+  if (!voxel)
+    throw Error(ErrorKind::kBadInput, "no vessel runs at " + place_text(place) + ": all is background there");
+  const AxisPlace found = nearest_axis(axes_of_piece(image, *voxel), place);
+  if (found.off_radii > 2)
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format(
+            "no vessel runs at {}: the nearest axis is {:.2g} radii away; lumesh centerline writes the "
+            "axes",
+            place_text(place), found.off_radii));
+  const Vec3& foot = found.across.point_mm;
+  const bool is_gone = std::any_of(before.begin(), before.end(), [&](const CutPlane& plane) {
+    return plane.is_bounded() && (plane.beyond_mm(foot) > 0 || plane.beyond_mm(place) > 0);
+  });
+  if (is_gone)
+    throw Error(ErrorKind::kBadInput, "the vessel at " + place_text(place) + " is cut off already");
+  const CutVessel cut = cut_off_vessel(image, found.across, found.radius_mm);
+  constexpr double kWide = 1.5;
+  const double of_vessel = std::numbers::pi * found.radius_mm * found.radius_mm;
+  if (cut.section_mm2 > kWide * of_vessel)
+    context.warn(fmt::format(
+        "the cut at {} has a section of {:.3g} mm², {:.1f} times that of the vessel's radius there, "
+        "{:.3g} mm: look whether it forks or bulges there",
+        place_text(place), cut.section_mm2, cut.section_mm2 / of_vessel, found.radius_mm));
+  return cut.plane;
 }
 
 }  // namespace
 
 std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context& context) {
   std::vector<CutPlane> planes = cuts.planes;
-  if (cuts.places_mm.empty()) return planes;
-  const Polylines axes = extract_centerline(image, {}, context);
   for (const Vec3& place : cuts.places_mm) {
-    const AxisPlace found = nearest_axis(axes, place);
-    if (found.off_mm > 2 * found.radius_mm)
-      throw Error(
-          ErrorKind::kBadInput,
-          fmt::format(
-              "no vessel runs at ({:.1f}, {:.1f}, {:.1f}) mm: the nearest axis is {:.3g} mm away; lumesh "
-              "centerline writes the axes",
-              place.x(), place.y(), place.z(), found.off_mm));
-    planes.push_back(cut_off_vessel(image, found.across));
+    if (context.cancelled()) break;
+    planes.push_back(cut_at(image, place, planes, context));
   }
   return planes;
 }

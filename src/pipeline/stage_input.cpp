@@ -70,7 +70,9 @@ void warn_of_dead_ends(CaseState& state, report::StageReport& stage) {
   if (!state.image) return;
   const std::vector<Opening> openings = find_openings(state.domain());
   if (openings.empty()) return;
-  if (std::string warning = dead_end_warning(vessel_ends(state.centerline, openings)); !warning.empty())
+  if (std::string warning = dead_end_warning(
+          vessel_ends(state.centerline, state.image->frame().spacing_mm.maxCoeff(), openings));
+      !warning.empty())
     stage.warnings.push_back(std::move(warning));
 }
 

@@ -63,6 +63,15 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
       stage.warnings.push_back(line);
 }
 
+void warn_of_closed_vessels(CaseState& state, report::StageReport& stage) {
+  const std::vector<Opening> openings = find_openings(state.domain());
+  if (!openings.empty()) return;
+  const std::vector<VesselEnd> ends = vessel_ends(*state.image, openings, state.context);
+  if (!ends.empty())
+    stage.warnings.push_back("no vessel leaves the image, so the mesh has no openings; " +
+                             dead_end_warning(ends));
+}
+
 }  // namespace
 
 std::unique_ptr<Sizing> sizing_of(const CaseState& state, const Domain& domain) {
@@ -81,11 +90,7 @@ std::unique_ptr<Sizing> sizing_of(const CaseState& state, const Domain& domain) 
 }
 
 void make_mesh(CaseState& state, report::StageReport& stage) {
-  if (state.image)
-    if (std::string warning =
-            closed_vessel_warning(*state.image, find_openings(state.domain()), state.context);
-        !warning.empty())
-      stage.warnings.push_back(std::move(warning));
+  if (state.image) warn_of_closed_vessels(state, stage);
   if (state.c.mesher == Mesher::kLattice)
     mesh_by_lattice(state, stage);
   else

@@ -51,7 +51,8 @@ bool is_at_opening(const Vec3& place, double radius_mm, const Opening& opening) 
 
 }  // namespace
 
-std::vector<VesselEnd> vessel_ends(const Polylines& lines, std::span<const Opening> openings) {
+std::vector<VesselEnd> vessel_ends(const Polylines& lines, double least_radius_mm,
+                                   std::span<const Opening> openings) {
   std::vector<VesselEnd> ends;
   const auto look_at = [&](std::uint32_t tip) {
     const Vec3& place = lines.points[tip];
@@ -59,7 +60,7 @@ std::vector<VesselEnd> vessel_ends(const Polylines& lines, std::span<const Openi
     const bool is_open = std::any_of(openings.begin(), openings.end(), [&](const Opening& opening) {
       return is_at_opening(place, radius_mm, opening);
     });
-    if (!is_open) ends.push_back({radius_mm, place});
+    if (!is_open && radius_mm >= least_radius_mm) ends.push_back({radius_mm, place});
   };
   for (const auto& line : lines.lines) {
     if (line.size() < 2 || line.front() == line.back() || !is_vessel(lines, line)) continue;
@@ -73,7 +74,7 @@ std::vector<VesselEnd> vessel_ends(const Polylines& lines, std::span<const Openi
 
 std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Opening> openings,
                                    Context& context) {
-  return vessel_ends(lines_in(image, context), openings);
+  return vessel_ends(lines_in(image, context), image.frame().spacing_mm.maxCoeff(), openings);
 }
 
 std::string dead_end_warning(std::span<const VesselEnd> ends) {

@@ -301,6 +301,21 @@ class BadInputTest(ProgramTest):
         self.assertEqual(result.returncode, USAGE, result.stderr)
         self.assert_nothing_written()
 
+    def test_an_output_that_is_a_link_to_a_file_of_another_kind_is_refused(self):
+        image, mesh = self.folder / "ball.nrrd", self.folder / "ball.vtu"
+        nrrd.write(image, [16] * 3, nrrd.ball(16, 5))
+        self.run_well("lattice", image, "-o", mesh)
+        before = mesh.read_bytes()
+        (self.folder / "link.vtk").symlink_to("ball.vtu")
+        (self.folder / "link.stl").symlink_to("ball.vtu")
+        (self.folder / "a.vtu").symlink_to("b.vtu")
+        (self.folder / "b.vtu").symlink_to("a.vtu")
+        self.assert_refused(self.run_lumesh("convert", mesh, self.folder / "link.vtk"), BAD_INPUT, "link.vtk", "another kind")
+        result = self.run_lumesh("lattice", image, "-o", self.folder / "other.vtu", "--surface", self.folder / "link.stl")
+        self.assert_refused(result, BAD_INPUT, "link.stl", "another kind")
+        self.assert_refused(self.run_lumesh("lattice", image, "-o", self.folder / "a.vtu"), BAD_INPUT, "a.vtu")
+        self.assertEqual(mesh.read_bytes(), before)
+
 
 class HelpTest(unittest.TestCase):
     def test_every_command_has_help_with_an_example(self):

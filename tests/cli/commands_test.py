@@ -335,7 +335,7 @@ class EdgeLengthTest(CommandTest):
                 self.assertAlmostEqual(lattice / delaunay, 1, delta=0.1)
                 self.assertAlmostEqual(lattice / edge, 0.87, delta=0.1)  # Edges that differ in length make smaller triangles.
 
-    def test_cells_per_diameter_are_at_least_what_was_asked_for(self):
+    def test_cells_per_diameter_are_about_what_was_asked_for(self):
         labels = [1 if (i - 15.3) ** 2 + (j - 15.1) ** 2 < 100 else 0 for k in range(40) for j in range(31) for i in range(31)]
         tube = nrrd.write(self.folder / "tube.nrrd", [31, 31, 40], labels)
         for mesher in ("lattice", "delaunay"):
@@ -346,6 +346,9 @@ class EdgeLengthTest(CommandTest):
                     self.assertGreater(edge, 0.3 * 20 / cells)
         result = self.run_lumesh("lattice", tube, "-o", self.mesh, "--cells-per-diameter", 4, "--fidelity", 0.6)
         self.assert_refused(result, USAGE, "--cells-per-diameter", "--fidelity")
+        for value in ("nan", "0.5", "26", "x"):
+            result = self.run_lumesh("lattice", tube, "-o", self.mesh, "--cells-per-diameter", value)
+            self.assert_refused(result, USAGE, "--cells-per-diameter", "1 to 25")
 
 
 class SignalTest(CommandTest):

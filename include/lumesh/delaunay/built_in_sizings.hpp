@@ -68,8 +68,8 @@ struct SizeImage {
 /// Cost of a call: about 1 us; 1 us more outside the mesh.
 [[nodiscard]] std::unique_ptr<Sizing> size_from_mesh(TetMesh background, std::span<const double> sizes_mm);
 
-/// So many edges along the diameter of the vessel: 2 r / cells, with the radius r at the nearest point of an
-/// axis. A sac has the size of the vessel that it hangs on. Cost of a call: about 0.2 us.
+/// So many edges along the diameter of the vessel: 2 r / cells, with the radius r of the axis that is the
+/// fewest of its radii away. A sac has the size of the vessel that it hangs on. Cost of a call: about 1 us.
 /// @param axes  With the scalar "radius" in mm, as extract_centerline() makes them; at least one point.
 [[nodiscard]] std::unique_ptr<Sizing> size_from_axes(const Polylines& axes, double cells_per_diameter);
 

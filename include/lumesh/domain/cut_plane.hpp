@@ -11,13 +11,15 @@
 namespace lumesh {
 
 /// A plane that cuts the object off: what lies on the side of the normal is removed. With a radius and a
-/// depth it removes what lies in the cylinder that stands on the plane alone, so that it cuts one vessel.
+/// depth it removes only what of the object lies in the cylinder that stands on the plane, so that it cuts
+/// one vessel.
 struct CutPlane {
   Vec3 point_mm = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();  ///< Need not be of unit length but with a radius, must not be zero.
   double radius_mm = std::numeric_limits<double>::infinity();  ///< Around the point.
   double depth_mm = std::numeric_limits<double>::infinity();   ///< From the plane along the normal.
 
+  [[nodiscard]] bool is_bounded() const { return radius_mm < std::numeric_limits<double>::infinity(); }
   /// How far a point is beyond the plane; in mm where the normal is of unit length.
   [[nodiscard]] double height(const Vec3& x) const { return normal.dot(x - point_mm); }
   /// How deep a point is within what is removed; negative outside. The normal is of unit length.
@@ -29,16 +31,22 @@ struct CutPlane {
 [[nodiscard]] std::vector<double> count_kept_voxels(const LabelImage& image,
                                                     std::span<const CutPlane> planes);
 
+struct CutVessel {
+  CutPlane plane;          ///< For ImageDomainOptions: bounded, with the unit normal towards what went.
+  double section_mm2 = 0;  ///< By voxels.
+};
+
 /// Cuts one vessel of an image at a plane that it goes through: of the two parts that the vessel's section
 /// there parts, the one with fewer voxels goes, but for a stump of a few voxels beyond the plane by which the
 /// boundary is prolonged straight.
 ///
 /// @param image  Voxels that become background lose their labels here.
 /// @param plane  Its point lies in the vessel; its normal points to either side.
-/// @return The plane for ImageDomainOptions: bounded, with the unit normal towards what went.
-/// @throws Error{kBadInput} if no voxel of the object is within two voxels of the point, if the parts hang
+/// @param radius_mm  Of the vessel there.
+/// @throws Error{kBadInput} if no voxel of the object is within two voxels of the point, if the section is
+/// more than three times as large as a circle of that radius or meets the image's border, if the parts hang
 /// together elsewhere, or if another vessel is too near beside the section. Cost: linear in the voxels of the
 /// object, and a byte for each voxel of the image.
-[[nodiscard]] CutPlane cut_off_vessel(LabelImage& image, const CutPlane& plane);
+[[nodiscard]] CutVessel cut_off_vessel(LabelImage& image, const CutPlane& plane, double radius_mm);
 
 }  // namespace lumesh

@@ -71,13 +71,16 @@ class ImageDomain final : public Domain {
   [[nodiscard]] std::array<Index3, 2> object_box() const { return object_box_; }
 
  private:
-  /// The cut plane that the point is furthest beyond, or nearest to; how far, in mm. None without cut planes.
+  /// The cut plane, of those with or without a bound, that the point is furthest beyond, or nearest to; how
+  /// far, in mm. None without any.
   struct CutDistance {
     std::size_t cut = 0;
     double beyond_mm = -1e300;
   };
-  [[nodiscard]] CutDistance furthest_cut(const Vec3& point_mm) const;
+  [[nodiscard]] CutDistance furthest_cut(const Vec3& point_mm, bool is_bounded) const;
   [[nodiscard]] MaterialSet labels_near(const Vec3& point_mm, double reach_mm) const;
+  [[nodiscard]] MaterialSet with_stumps(const MaterialSet& labels, const Vec3& point_mm,
+                                        double reach_mm) const;
   void find_object_box(const LabelImage& image);
   void add_border_cuts(const LabelImage& image);
 
@@ -85,6 +88,7 @@ class ImageDomain final : public Domain {
   std::vector<Label> labels_;
   std::map<Label, std::string> label_names_;
   std::vector<CutPlane> cuts_;  // unit normals
+  bool has_bounded_cuts_ = false;
   Mat3 index_from_mm_ = Mat3::Identity();
   double voxel_size_mm_ = 1;
   double unit_mm_ = 1;  // of the field: the smallest edge of a voxel

@@ -17,13 +17,14 @@ struct ImageCuts {
   [[nodiscard]] bool none() const { return planes.empty() && places_mm.empty(); }
 };
 
-/// Cuts the vessels at the places, each at the nearest point of the centerlines, as cut_off_vessel() does;
-/// several at one vessel one after the other.
+/// Cuts the vessels at the places, as cut_off_vessel() does, one after the other: each at the point of the
+/// centerlines of its piece that is the fewest radii away.
 ///
 /// @param image  Loses what lies beyond.
 /// @return Those and the whole planes, for ImageDomainOptions.
-/// @throws Error{kBadInput} for a place that is farther from any axis than twice the vessel's radius there,
-/// and as extract_centerline() and cut_off_vessel() do. Cost and threads: without places none, else as these.
+/// @throws Error{kBadInput} for a place without the object within three voxels, or more than two radii from
+/// any axis, or beyond a cut before it; and as extract_centerline() and cut_off_vessel() do. Cost and
+/// threads: for each place as these.
 [[nodiscard]] std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context& context);
 
 }  // namespace lumesh

@@ -20,10 +20,11 @@ struct VesselEnd {
 
 /// Ends of centerlines that lie at no opening, by falling radius: vessels that were segmented so far only,
 /// and bulges; of lines more than twice as long as their largest radius.
-/// @param lines  With the scalar "radius" in mm.
-[[nodiscard]] std::vector<VesselEnd> vessel_ends(const Polylines& lines, std::span<const Opening> openings);
-/// The same of the largest piece of an image; none where there is no centerline. Cost and threads: as
-/// extract_centerline().
+/// @param lines  With the scalar "radius" in mm. @param least_radius_mm  Thinner ones are left out.
+[[nodiscard]] std::vector<VesselEnd> vessel_ends(const Polylines& lines, double least_radius_mm,
+                                                 std::span<const Opening> openings);
+/// The same of the largest piece of an image, but for ends less than a voxel in radius; none where there is
+/// no centerline. Cost and threads: as extract_centerline().
 [[nodiscard]] std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Opening> openings,
                                                  Context& context);
 

@@ -130,7 +130,13 @@ TEST(BuiltInSizing, AxesGiveSoManyCellsAcrossTheirVessel) {
   const auto size = size_from_axes(axes, 8);
   EXPECT_DOUBLE_EQ(size->size_at({4.1, 1.9, 0.1}, 1), 0.5);
   EXPECT_DOUBLE_EQ(size->size_at({4.1, 9.6, 0.1}, 1), 0.125);
-  EXPECT_DOUBLE_EQ(size->size_at({30, 9.6, 0.1}, 1), 0.125) << "beyond its end";
+  EXPECT_DOUBLE_EQ(size->size_at({10.4, 9.6, 0.1}, 1), 0.125) << "beyond its end";
+  // A branch that begins within its parent.
+  for (int i = 0; i <= 10; ++i)
+    axes.points.push_back({5, 0.5 * i, 0}), axes.scalars["radius"].push_back(0.25);
+  const auto forked = size_from_axes(axes, 8);
+  EXPECT_DOUBLE_EQ(forked->size_at({5.3, 0.6, 0}, 1), 0.5) << "in the parent";
+  EXPECT_DOUBLE_EQ(forked->size_at({5.1, 4.8, 0}, 1), 0.0625) << "in the branch";
   EXPECT_THROW(static_cast<void>(size_from_axes(axes, 0)), Error);
   axes.scalars["radius"][3] = 0;
   EXPECT_THROW(static_cast<void>(size_from_axes(axes, 8)), Error);

@@ -67,24 +67,99 @@ TEST(ImageCuts, APlaneThatMeetsAnotherVesselLeavesItAlone) {
   EXPECT_EQ(find_openings(domain).size(), 2U);
 }
 
-TEST(ImageCuts, WhatCannotBeCutIsRefusedWithThePlace) {
+/// Voxel centres in the plane of the cut are no other vessel.
+TEST(ImageCuts, AStraightTubeIsCutAtTheCentresOfItsVoxels) {
   Context context;
-  LabelImage image = fork(true);
-  const auto message = [&](const Vec3& place) {
-    try {
-      static_cast<void>(cut_off(image, {{}, {place}}, context));
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
-      return std::string(error.what());
-    }
-    return std::string();
+  for (const double x : {20.0, 20.5, 20.03, 31.0}) {
+    LabelImage tube = fixtures::voxels_of(fixtures::frame_of({60, 31, 31}), {0, 1}, [](const Vec3& p) {
+      return std::hypot(p.y() - 15, p.z() - 15) < 6 ? 1 : 0;
+    });
+    ImageDomainOptions options;
+    options.cut_planes = cut_off(tube, {{}, {{x, 15, 15}}}, context);
+    const std::vector<Opening> openings = find_openings(ImageDomain(tube, options));
+    ASSERT_EQ(openings.size(), 2U) << x;
+    for (const Opening& o : openings) EXPECT_NEAR(o.area_mm2, std::numbers::pi * 36, 3) << x;
+  }
+}
+
+/// A place says which vessel is meant, also in a smaller piece and beside a thicker one.
+TEST(ImageCuts, TheVesselThatThePlaceIsInIsCut) {
+  Context context;
+  const auto pair = [] {
+    return fixtures::voxels_of(fixtures::frame_of({60, 44, 31}), {0, 1}, [](const Vec3& p) {
+      const bool thick = std::hypot(p.y() - 13, p.z() - 15) < 8,
+                 thin = std::hypot(p.y() - 32, p.z() - 15) < 3.2;
+      return thick || (thin && p.x() > 4) ? 1 : 0;
+    });
   };
-  EXPECT_NE(message({60, 3, 10}).find("no vessel runs at (60.0, 3.0, 10.0) mm"), std::string::npos);
+  LabelImage image = pair();
+  ImageDomainOptions options;
+  options.cut_planes = cut_off(image, {{}, {{20, 32, 15}}}, context);
+  const ImageDomain thin(image, options);
+  EXPECT_EQ(thin.label_at({8, 32, 15}), 0);
+  EXPECT_EQ(thin.label_at({40, 32, 15}), 1);
+  EXPECT_EQ(thin.label_at({8, 13, 15}), 1);
+  LabelImage other = pair();
+  options.cut_planes = cut_off(other, {{}, {{20, 20, 15}}}, context);
+  const ImageDomain thick(other, options);
+  EXPECT_EQ(thick.label_at({8, 32, 15}), 1) << "near the thin one, but within the thick one";
+  EXPECT_EQ(thick.label_at({8, 13, 15}), 0);
+}
+
+std::string refusal(LabelImage image, const std::vector<Vec3>& places) {
+  Context context;
+  try {
+    static_cast<void>(cut_off(image, {{}, places}, context));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ImageCuts, SectionsOfMoreThanOneVesselAreRefused) {
+  std::string told;
+  Context context({}, [&](std::string_view text) { told += text; });
+  LabelImage forked = fork(true);
+  static_cast<void>(cut_off(forked, {{}, {{14.2, 12.7, 33}}}, context));
+  EXPECT_NE(told.find("look whether it forks"), std::string::npos) << told;
+  const LabelImage sac = fixtures::voxels_of(fixtures::frame_of({60, 44, 44}), {0, 1}, [](const Vec3& p) {
+    const bool tube = std::hypot(p.y() - 21.6, p.z() - 10.3) < 3;
+    return tube || (p - Vec3(30.2, 21.6, 24)).norm() < 13 ? 1 : 0;
+  });
+  EXPECT_NE(refusal(sac, {{30, 21.6, 10}}).find("forks or bulges"), std::string::npos)
+      << refusal(sac, {{30, 21.6, 10}});
+  const LabelImage oblique = fixtures::voxels_of(fixtures::frame_of({50, 31, 50}), {0, 1}, [](const Vec3& p) {
+    return std::hypot(p.y() - 15, (p.z() - p.x()) / std::sqrt(2)) < 5 ? 1 : 0;
+  });
+  EXPECT_NE(refusal(oblique, {{46, 15, 46}}).find("leaves the image"), std::string::npos);
+  EXPECT_EQ(refusal(oblique, {{36, 15, 36}}), "");
+  EXPECT_NE(refusal(oblique, {{36, 15, 36}, {38, 15, 38}}).find("is cut off already"), std::string::npos);
+}
+
+/// The legs of a U, two voxels apart: an opening would touch the other leg.
+TEST(ImageCuts, AVesselCloseBesideIsRefused) {
+  const auto legs = [](double apart) {
+    return fixtures::voxels_of(fixtures::frame_of({70, 44, 21}), {0, 1}, [=](const Vec3& p) {
+      const double z = p.z() - 10.2, low = 10.3, high = low + apart, middle = 0.5 * (low + high);
+      const bool in_legs = p.x() < 40 && (std::hypot(p.y() - low, z) < 5 || std::hypot(p.y() - high, z) < 5);
+      const bool in_bend =
+          p.x() >= 40 && std::hypot(std::hypot(p.x() - 40, p.y() - middle) - 0.5 * apart, z) < 5;
+      return in_legs || in_bend ? 1 : 0;
+    });
+  };
+  EXPECT_NE(refusal(legs(12.5), {{20, 10.3, 10.2}}).find("another one beside it"), std::string::npos);
+  EXPECT_EQ(refusal(legs(18), {{20, 10.3, 10.2}}), "");
+}
+
+TEST(ImageCuts, WhatCannotBeCutIsRefusedWithThePlace) {
+  EXPECT_NE(refusal(fork(true), {{60, 3, 10}}).find("no vessel runs at (60.0, 3.0, 10.0) mm"),
+            std::string::npos);
   LabelImage ring = fixtures::voxels_of(fixtures::frame_of({60, 60, 16}), {0, 1}, [](const Vec3& p) {
     return std::hypot(std::hypot(p.x() - 29.3, p.y() - 29.6) - 20, p.z() - 7.7) < 4 ? 1 : 0;
   });
   try {
-    static_cast<void>(cut_off_vessel(ring, {{49.3, 29.6, 7.7}, {0, 1, 0}}));
+    static_cast<void>(cut_off_vessel(ring, {{49.3, 29.6, 7.7}, {0, 1, 0}}, 4));
     FAIL() << "a ring cut once is one piece";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("part of a loop"), std::string::npos) << error.what();
