@@ -109,6 +109,7 @@ void run(const EvaluateCommand& command) {
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);
   quality::EvaluationInput input;
+  input.cut_planes = cuts_from(command.cuts).planes;  // Of a phantom without an image, too.
   std::vector<std::string> warnings;
   LabelImage image;
   if (!command.image_path.empty()) {
@@ -152,6 +153,7 @@ void add_evaluate_command(CLI::App& program) {
   add_selection_options(*sub, command->selection, "Take");
   add_probabilities_option(*sub, command->selection);
   add_cut_options(*sub, command->cuts, "as given when the mesh was made");
+  sub->get_option("--cut-at")->needs("--image");
   sub->add_option("--centerline", command->centerline_path,
                   "Axes of the vessels (.vtp, by lumesh centerline), or none; default: found in the image");
   sub->add_option("--reference", command->reference_path,

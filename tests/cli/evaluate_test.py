@@ -131,6 +131,17 @@ class EvaluateTest(ProgramTest):
         self.assertIn("voxels kept", result.stdout)
         self.assertNotIn("narrowest sections", result.stdout)
 
+    def test_a_phantom_is_cut_without_an_image_too(self):
+        plane = ("--cut-plane", 32, 32, 35, 0, 0, 1)
+        sphere, mesh = self.folder / "sphere.nrrd", self.folder / "sphere.vtu"
+        self.run_well("phantom", "sphere", "-o", sphere)
+        self.run_well("lattice", sphere, "-o", mesh, *plane)
+        self.run_well("evaluate", mesh, "--reference", self.folder / "sphere.phantom.json", *plane, "--json", self.json)
+        reference = json.loads(self.json.read_text())["labels"][0]["reference"]
+        self.assertLess(reference["surface_distance_mm"]["max"], 1)
+        self.assertLess(reference["truth_to_mesh_mm"]["max"], 1)
+        self.assert_refused(self.run_lumesh("evaluate", mesh, "--cut-at", "32,32,35"), USAGE, "--cut-at", "--image")
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)
