@@ -51,6 +51,19 @@ std::string given_options(const CLI::App& command) {
   return all;
 }
 
+/// Where an output goes: links are followed.
+std::filesystem::path target_of(const std::filesystem::path& path) {
+  std::error_code failed;
+  const std::filesystem::path target = std::filesystem::weakly_canonical(path, failed);
+  if (failed) throw Error(ErrorKind::kBadInput, path.string() + ": cannot be written: " + failed.message());
+  if (std::filesystem::is_regular_file(target, failed) && std::filesystem::is_symlink(path, failed) &&
+      target.extension() != path.extension())
+    throw Error(ErrorKind::kBadInput,
+                path.string() + ": is a link to " + target.string() +
+                    ", a file of another kind, which would be replaced; remove the link");
+  return target;
+}
+
 }  // namespace
 
 void add_threads_option(CLI::App& command, RunOptions& options) {
@@ -219,23 +232,6 @@ void check_inputs_stay(std::initializer_list<std::string> outputs,
         throw Error(ErrorKind::kUsage,
                     output + ": is read as input and would be replaced; name another output");
 }
-
-namespace {
-
-/// Where an output goes: links are followed.
-std::filesystem::path target_of(const std::filesystem::path& path) {
-  std::error_code failed;
-  const std::filesystem::path target = std::filesystem::weakly_canonical(path, failed);
-  if (failed) throw Error(ErrorKind::kBadInput, path.string() + ": cannot be written: " + failed.message());
-  if (std::filesystem::is_regular_file(target, failed) && std::filesystem::is_symlink(path, failed) &&
-      target.extension() != path.extension())
-    throw Error(ErrorKind::kBadInput,
-                path.string() + ": is a link to " + target.string() +
-                    ", a file of another kind, which would be replaced; remove the link");
-  return target;
-}
-
-}  // namespace
 
 void check_output_folders(std::initializer_list<std::string> paths) {
   std::set<std::filesystem::path> named;

@@ -5,28 +5,14 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <nanoflann.hpp>
 #include <utility>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/delaunay/built_in_sizings.hpp"
+#include "lumesh/metric/point_tree.hpp"
 
 namespace lumesh {
 namespace {
-
-/// As nanoflann wants to see points.
-struct AxisPoints {
-  const std::vector<Vec3>* points;
-
-  [[nodiscard]] std::size_t kdtree_get_point_count() const { return points->size(); }
-  [[nodiscard]] double kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return (*points)[i][static_cast<int>(axis)];
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box& /*box*/) const {
-    return false;
-  }
-};
 
 /// The points of axes whose radii are alike, within a factor of kRatio.
 class PointsOfARadius {
@@ -34,9 +20,7 @@ class PointsOfARadius {
   static constexpr double kRatio = 1.25;
 
   PointsOfARadius(std::vector<Vec3> points, std::vector<double> radii_mm)
-      : points_(std::move(points)), radii_mm_(std::move(radii_mm)), adaptor_{&points_}, tree_(3, adaptor_) {}
-  PointsOfARadius(const PointsOfARadius&) = delete;
-  PointsOfARadius& operator=(const PointsOfARadius&) = delete;
+      : points_(std::move(points)), radii_mm_(std::move(radii_mm)), tree_(points_) {}
 
   struct Nearest {
     double radii = std::numeric_limits<double>::infinity();  ///< How many of its radii it is away.
@@ -44,18 +28,14 @@ class PointsOfARadius {
   };
   [[nodiscard]] Nearest nearest(const Vec3& x) const {
     std::uint32_t at = 0;
-    double square = 0;
-    tree_.knnSearch(x.data(), 1, &at, &square);
-    return {std::sqrt(square) / radii_mm_[at], radii_mm_[at]};
+    tree_.nearest(x, {&at, 1});
+    return {(points_[at] - x).norm() / radii_mm_[at], radii_mm_[at]};
   }
 
  private:
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, AxisPoints>,
-                                                   AxisPoints, 3, std::uint32_t>;
   std::vector<Vec3> points_;
   std::vector<double> radii_mm_;
-  AxisPoints adaptor_;
-  Tree tree_;
+  metric::PointTree tree_;
 };
 
 /// By the axis that is the fewest of its radii away: where a thin branch begins, within its parent, the

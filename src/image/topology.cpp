@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cavities.hpp"
+#include "lumesh/core/assert.hpp"
 #include "lumesh/image/runs.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "run_sets.hpp"
@@ -150,6 +151,20 @@ std::vector<Component> list_components(const LabelImage& image, const RunImage& 
   return components;
 }
 
+/// Turns the runs that `is_kept(root)` refuses into background. @return Number of their voxels.
+template <class IsKept>
+std::size_t keep_runs(LabelImage& image, const RunImage& runs, RunSets& sets, const IsKept& is_kept) {
+  std::size_t removed = 0;
+  for_each_run(runs, [&](std::uint32_t r, int j, int k) {
+    if (is_kept(sets.root(r))) return;
+    const Run& run = runs.runs[r];
+    auto* row = image.voxels().data() + image.frame().offset({0, j, k});
+    std::fill(row + run.begin, row + run.end, LabelImage::Index{0});
+    removed += static_cast<std::size_t>(run.end - run.begin);
+  });
+  return removed;
+}
+
 }  // namespace
 
 std::vector<LabelTopology> label_topology(const LabelImage& image) {
@@ -192,15 +207,17 @@ std::size_t keep_largest_component(LabelImage& image, ComponentScope scope) {
     if (component.run_label != last) kept[component.root] = 1;  // the first of its label is the largest
     last = component.run_label;
   }
-  std::size_t removed = 0;
-  for_each_run(runs, [&](std::uint32_t r, int j, int k) {
-    if (kept[sets.root(r)] != 0) return;
-    const Run& run = runs.runs[r];
-    auto* row = image.voxels().data() + image.frame().offset({0, j, k});
-    std::fill(row + run.begin, row + run.end, LabelImage::Index{0});
-    removed += static_cast<std::size_t>(run.end - run.begin);
-  });
-  return removed;
+  return keep_runs(image, runs, sets, [&](std::uint32_t root) { return kept[root] != 0; });
+}
+
+std::size_t keep_component_of(LabelImage& image, const Index3& voxel, ComponentScope scope) {
+  const RunImage runs = image::find_runs(image, run_labels(scope));
+  RunSets sets = connect(runs);
+  const std::span<const Run> row = runs.of_row(runs.row(voxel.y(), voxel.z()));
+  const auto own = std::find_if(row.begin(), row.end(), [&](const Run& run) { return voxel.x() < run.end; });
+  LUMESH_ASSERT(own != row.end() && own->begin <= voxel.x());
+  const std::uint32_t root = sets.root(static_cast<std::uint32_t>(&*own - runs.runs.data()));
+  return keep_runs(image, runs, sets, [&](std::uint32_t r) { return r == root; });
 }
 
 }  // namespace lumesh

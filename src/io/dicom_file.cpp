@@ -333,10 +333,9 @@ std::vector<double> numbers_of(const std::string& text) {
 }
 
 std::optional<DicomSlice> slice_of(const fs::path& path, const Walk& walk) {
-  const std::vector<double> place = numbers_of(walk.text(kPosition)),
-                            axes = numbers_of(walk.text(kOrientation)),
-                            pixel = numbers_of(walk.text(kPixelSize));
   const std::string size = walk.text(kPixelSize);
+  const std::vector<double> place = numbers_of(walk.text(kPosition)),
+                            axes = numbers_of(walk.text(kOrientation)), pixel = numbers_of(size);
   const auto is_good = [](double x) { return std::isfinite(x) && x > 0; };
   if (!size.empty() && (pixel.size() != 2 || !std::all_of(pixel.begin(), pixel.end(), is_good)))
     fail(path, fmt::format("has a pixel spacing of \"{}\"; two numbers above 0 are needed", size));

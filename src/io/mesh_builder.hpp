@@ -101,15 +101,12 @@ class MeshBuilder {
         patch_of[tag] = static_cast<std::int32_t>(mesh_.info.patches.size());
         const auto found = patch_names_.find(tag);
         const std::string name = found == patch_names_.end() ? fmt::format("patch_{}", tag) : found->second;
-        mesh_.info.patches.push_back({name, kind_of(name), {}});
+        mesh_.info.patches.push_back({name, kind_of_name(name), {}});
       }
     }
     for (auto* faces : {&mesh_.triangle_patches, &mesh_.quadrilateral_patches})
       for (std::int32_t& tag : *faces) tag = patch_of.at(tag);
   }
-
-  /// Other programs' files have names only.
-  static PatchKind kind_of(const std::string& name) { return kind_of_name(name); }
 
   /// Files without labels say 0 everywhere.
   void give_default_label() {

@@ -3,34 +3,27 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "lumesh/mesh/patch_list.hpp"
+
 namespace lumesh::io {
 
 namespace {
 
 using nlohmann::json;
 
-constexpr std::array<const char*, 4> kKindNames = {"wall", "opening", "interface", "symmetry"};
-constexpr std::array<const char*, 3> kFlowNames = {"opening", "inlet", "outlet"};
-
-const char* name_of_kind(const Patch& patch) {
-  return patch.kind == PatchKind::kOpening ? kFlowNames.at(static_cast<std::size_t>(patch.flow))
-                                           : kKindNames.at(static_cast<std::size_t>(patch.kind));
-}
-
-void set_kind(Patch& patch, const std::string& name) {
-  for (std::size_t i = 0; i < kKindNames.size(); ++i)
-    if (name == kKindNames[i]) patch.kind = static_cast<PatchKind>(i);
-  for (std::size_t i = 1; i < kFlowNames.size(); ++i)
-    if (name == kFlowNames[i]) {
-      patch.kind = PatchKind::kOpening;
-      patch.flow = static_cast<FlowSide>(i);
+void set_kind(Patch& patch, const std::string& word) {
+  for (const PatchKindWord& known : kPatchKindWords)
+    if (word == known.word) {
+      patch.kind = known.kind;
+      patch.flow = known.flow;
     }
 }
 
 json patches_to_json(const std::vector<Patch>& patches) {
   json all = json::array();
   for (const Patch& patch : patches)
-    all.push_back({{"name", patch.name}, {"kind", name_of_kind(patch)}, {"labels", patch.labels}});
+    all.push_back(
+        {{"name", patch.name}, {"kind", kind_word(patch.kind, patch.flow)}, {"labels", patch.labels}});
   return all;
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -26,16 +25,11 @@ bool is_name(std::string_view text) {
          patch_word(text) == text;
 }
 
-constexpr std::array<std::pair<std::string_view, GivenKind>, 4> kKinds = {{
-    {"inlet", {PatchKind::kOpening, FlowSide::kInlet}},
-    {"outlet", {PatchKind::kOpening, FlowSide::kOutlet}},
-    {"wall", {PatchKind::kWall, FlowSide::kUnknown}},
-    {"symmetry", {PatchKind::kSymmetry, FlowSide::kUnknown}},
-}};
-
+/// Interfaces are not the users' to make, and of openings they say which.
 std::optional<GivenKind> given_kind(std::string_view word) {
-  for (const auto& [known, kind] : kKinds)
-    if (known == word) return kind;
+  if (word == "opening" || word == "interface") return std::nullopt;
+  for (const PatchKindWord& known : kPatchKindWords)
+    if (known.word == word) return GivenKind{known.kind, known.flow};
   return std::nullopt;
 }
 
@@ -194,9 +188,7 @@ PatchRenaming renaming_from(std::string_view text) {
 }
 
 std::string_view GivenKind::word() const {
-  for (const auto& [word, known] : kKinds)
-    if (known.kind == kind && known.flow == flow) return word;
-  return "opening";
+  return kind_word(kind, flow);
 }
 
 std::vector<PatchRenaming> renamings_from(std::span<const std::string> texts) {

@@ -9,8 +9,8 @@
 #include "ellipsoid_search.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/metric/point_tree.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "point_tree.hpp"
 
 namespace lumesh::metric {
 

@@ -1,4 +1,4 @@
-#include "point_tree.hpp"
+#include "lumesh/metric/point_tree.hpp"
 
 #include <fmt/format.h>
 

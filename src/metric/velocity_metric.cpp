@@ -11,9 +11,9 @@
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/metric/point_tree.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "point_tree.hpp"
 
 namespace lumesh::metric {
 

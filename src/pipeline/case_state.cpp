@@ -20,6 +20,11 @@ const Domain& CaseState::domain() {
   return *surface_domain;
 }
 
+const std::vector<Opening>& CaseState::openings() {
+  if (!found_openings) found_openings = find_openings(domain());
+  return *found_openings;
+}
+
 const std::shared_ptr<const ImageDomain>& CaseState::domain_of_image() {
   if (image_domain) return image_domain;
   ImageDomainOptions options;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/metric_field.hpp"
@@ -30,6 +31,7 @@ struct CaseState {
   std::shared_ptr<const SurfaceDomain> surface_domain =
       nullptr;                                                ///< Once a stage has needed it, as the next.
   std::shared_ptr<const ImageDomain> image_domain = nullptr;  ///< Once a stage has needed it.
+  std::optional<std::vector<Opening>> found_openings = {};    ///< Once a stage has needed them.
   Polylines centerline;
   std::vector<Vec3> read_metric_points, read_size_points;  ///< Of files; empty where there is none.
   Flow flow;                                               ///< Where velocities are asked for.
@@ -42,6 +44,8 @@ struct CaseState {
   [[nodiscard]] int threads() const;
   /// What is meshed: the image's domain, or that of the surface; made when it is first asked for.
   [[nodiscard]] const Domain& domain();
+  /// Of the domain; found when they are first asked for.
+  [[nodiscard]] const std::vector<Opening>& openings();
   /// The domain of the image.
   [[nodiscard]] const std::shared_ptr<const ImageDomain>& domain_of_image();
   /// Around which the metric, and the sizes of the Delaunay mesher, are made: of a file or the centerline.

@@ -10,6 +10,7 @@
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/image/topology.hpp"
 
 namespace lumesh {
 namespace {
@@ -73,23 +74,11 @@ std::optional<Index3> object_voxel_near(const LabelImage& image, const Vec3& pla
   return nearest;
 }
 
-/// The axes of the piece that a voxel belongs to, of voxels joined through faces.
-Polylines axes_of_piece(const LabelImage& image, const Index3& voxel) {
-  LabelImage piece(image.frame(), {kBackground, 1});
-  std::vector<Index3> reached = {voxel};
-  piece.at(voxel) = 1;
-  for (std::size_t s = 0; s < reached.size(); ++s) {
-    const Index3 at = reached[s];
-    for (int axis = 0; axis < 3; ++axis)
-      for (const int step : {-1, 1}) {
-        const Index3 v = at + step * Index3::Unit(axis);
-        if (!image.frame().contains(v) || image.at(v) == 0 || piece.at(v) != 0) continue;
-        piece.at(v) = 1;
-        reached.push_back(v);
-      }
-  }
+/// The axes of the piece that a voxel belongs to.
+Polylines axes_of_piece(LabelImage image, const Index3& voxel) {
+  keep_component_of(image, voxel, ComponentScope::kUnion);
   Context quiet;
-  return extract_centerline(piece, {}, quiet);
+  return extract_centerline(image, {}, quiet);
 }
 
 CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> before, Context& context) {
@@ -125,10 +114,7 @@ CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> 
 
 std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context& context) {
   std::vector<CutPlane> planes = cuts.planes;
-  for (const Vec3& place : cuts.places_mm) {
-    if (context.cancelled()) break;
-    planes.push_back(cut_at(image, place, planes, context));
-  }
+  for (const Vec3& place : cuts.places_mm) planes.push_back(cut_at(image, place, planes, context));
   return planes;
 }
 

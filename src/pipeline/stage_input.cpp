@@ -2,7 +2,6 @@
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/domain/openings.hpp"
 #include "lumesh/image/crossings.hpp"
 #include "lumesh/image/selection.hpp"
 #include "lumesh/image/topology.hpp"
@@ -67,13 +66,10 @@ void describe_image(const LabelImage& image, report::StageReport& stage) {
 
 /// Where no vessel has an opening, the mesh's stage says so.
 void warn_of_dead_ends(CaseState& state, report::StageReport& stage) {
-  if (!state.image) return;
-  const std::vector<Opening> openings = find_openings(state.domain());
-  if (openings.empty()) return;
-  if (std::string warning = dead_end_warning(
-          vessel_ends(state.centerline, state.image->frame().spacing_mm.maxCoeff(), openings));
-      !warning.empty())
-    stage.warnings.push_back(std::move(warning));
+  if (!state.image || state.openings().empty()) return;
+  const double voxel_mm = state.image->frame().spacing_mm.maxCoeff();
+  const std::vector<VesselEnd> ends = vessel_ends(state.centerline, voxel_mm, state.openings());
+  if (!ends.empty()) stage.warnings.push_back(dead_end_warning(ends));
 }
 
 }  // namespace

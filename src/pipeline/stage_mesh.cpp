@@ -5,7 +5,6 @@
 #include "lumesh/delaunay/built_in_sizings.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/delaunay/sizing_plugin.hpp"
-#include "lumesh/domain/openings.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/pipeline/image_shape.hpp"
 #include "lumesh/pipeline/vessel_ends.hpp"
@@ -64,12 +63,9 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
 }
 
 void warn_of_closed_vessels(CaseState& state, report::StageReport& stage) {
-  const std::vector<Opening> openings = find_openings(state.domain());
-  if (!openings.empty()) return;
-  const std::vector<VesselEnd> ends = vessel_ends(*state.image, openings, state.context);
-  if (!ends.empty())
-    stage.warnings.push_back("no vessel leaves the image, so the mesh has no openings; " +
-                             dead_end_warning(ends));
+  if (!state.openings().empty()) return;
+  const std::vector<VesselEnd> ends = vessel_ends(*state.image, {}, state.context);
+  if (!ends.empty()) stage.warnings.push_back(kNoOpenings + dead_end_warning(ends));
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 #include "lumesh/core/error.hpp"
-#include "lumesh/domain/openings.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
@@ -7,8 +6,7 @@ namespace lumesh::pipeline {
 void find_named_openings(CaseState& state) {
   if (state.c.openings.names.empty()) return;
   naming("[openings] names", [&] {
-    state.renamings =
-        with_patches(renamings_from(state.c.openings.names), named_openings(find_openings(state.domain())));
+    state.renamings = with_patches(renamings_from(state.c.openings.names), named_openings(state.openings()));
   });
 }
 

@@ -97,11 +97,9 @@ std::string closed_vessel_warning(const LabelImage& image, std::span<const Openi
   if (!openings.empty()) return "";
   const std::vector<VesselEnd> ends = vessel_ends(image, openings, context);
   if (ends.empty()) return "";
-  return fmt::format(
-      "no vessel leaves the image, so the mesh has no openings; {} {} inside: cut {} square with --cut-at {} "
-      "(lumesh info lists all)",
-      ends.size(), ends.size() == 1 ? "ends" : "end", ends.size() == 1 ? "it" : "the widest",
-      cut_place_text(ends.front()));
+  return kNoOpenings + fmt::format("{} {} inside: cut {} square with --cut-at {} (lumesh info lists all)",
+                                   ends.size(), ends.size() == 1 ? "ends" : "end",
+                                   ends.size() == 1 ? "it" : "the widest", cut_place_text(ends.front()));
 }
 
 }  // namespace lumesh

@@ -252,18 +252,11 @@ Json to_json(const LabelEvaluation& label, const Evaluation& e) {
   return json;
 }
 
-const char* kind_name(const PatchSummary& patch) {
-  if (patch.kind == PatchKind::kOpening && patch.flow == FlowSide::kInlet) return "inlet";
-  if (patch.kind == PatchKind::kOpening && patch.flow == FlowSide::kOutlet) return "outlet";
-  constexpr std::array<const char*, 4> kNames = {"wall", "opening", "interface", "symmetry"};
-  return kNames.at(static_cast<std::size_t>(patch.kind));
-}
-
 Json patches_json(const std::vector<PatchSummary>& patches) {
   Json json = Json::array();
   for (const PatchSummary& p : patches) {
     Json patch = {{"name", p.name},
-                  {"kind", kind_name(p)},
+                  {"kind", kind_word(p.kind, p.flow)},
                   {"faces", p.faces},
                   {"area_mm2", p.area_mm2},
                   {"smallest_angle_deg", p.smallest_angle_deg},

@@ -73,4 +73,7 @@ struct VoxelComponent {
 /// @return Number of voxels that became background.
 std::size_t keep_largest_component(LabelImage& image, ComponentScope scope);
 
+/// The same outside the component of one voxel, which is not background.
+std::size_t keep_component_of(LabelImage& image, const Index3& voxel, ComponentScope scope);
+
 }  // namespace lumesh

@@ -1,7 +1,8 @@
 #pragma once
-/// @file Lists of patches in which a name stands once.
+/// @file Lists of patches in which a name stands once, and what names and words say of patches.
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +45,28 @@ namespace lumesh {
 /// Whether patches of a kind are planes that end the object, no surface of it.
 [[nodiscard]] constexpr bool is_plane(PatchKind kind) {
   return kind == PatchKind::kOpening || kind == PatchKind::kSymmetry;
+}
+
+/// What files and users call a kind of patch, and which way the flow goes through it.
+struct PatchKindWord {
+  std::string_view word;
+  PatchKind kind;
+  FlowSide flow = FlowSide::kUnknown;
+};
+inline constexpr std::array<PatchKindWord, 6> kPatchKindWords = {{
+    {"wall", PatchKind::kWall},
+    {"opening", PatchKind::kOpening},
+    {"interface", PatchKind::kInterface},
+    {"symmetry", PatchKind::kSymmetry},
+    {"inlet", PatchKind::kOpening, FlowSide::kInlet},
+    {"outlet", PatchKind::kOpening, FlowSide::kOutlet},
+}};
+
+/// The word for a kind; the flow counts for openings only.
+[[nodiscard]] constexpr std::string_view kind_word(PatchKind kind, FlowSide flow) {
+  for (const PatchKindWord& known : kPatchKindWords)
+    if (known.kind == kind && (kind != PatchKind::kOpening || known.flow == flow)) return known.word;
+  return {};
 }
 
 /// Name of the patch between two labels, the lower one first.

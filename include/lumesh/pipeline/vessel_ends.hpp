@@ -31,6 +31,9 @@ struct VesselEnd {
 /// "x,y,z", as the option --cut-at takes it.
 [[nodiscard]] std::string cut_place_text(const VesselEnd& end);
 
+/// What begins the warning of an image whose vessels all end inside.
+inline constexpr const char* kNoOpenings = "no vessel leaves the image, so the mesh has no openings; ";
+
 /// A line that says how a case opens the widest one; empty without any.
 [[nodiscard]] std::string dead_end_warning(std::span<const VesselEnd> ends);
 

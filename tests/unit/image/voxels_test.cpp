@@ -225,6 +225,10 @@ TEST(Components, OnlyTheLargestOfEachLabelOrOfTheUnionStays) {
   EXPECT_EQ(keep_largest_component(whole, ComponentScope::kUnion), 3U);
   EXPECT_EQ(whole.label_at({0, 0, 0}), 4);
   EXPECT_EQ(whole.label_at({8, 0, 0}), 0);
+  LabelImage smaller = make();
+  EXPECT_EQ(keep_component_of(smaller, {8, 0, 0}, ComponentScope::kUnion), 6U);
+  EXPECT_EQ(smaller.label_at({0, 0, 0}), 0);
+  EXPECT_EQ(smaller.label_at({9, 0, 0}), 4);
 }
 
 TEST(Selection, KeepsTheNamedLabelsAndForgetsTheOthers) {
