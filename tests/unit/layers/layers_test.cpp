@@ -11,10 +11,8 @@
 #include <stop_token>
 #include <string_view>
 
-#include "fixtures/images.hpp"
+#include "layer_fixtures.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/domain/image_domain.hpp"
-#include "lumesh/lattice/lattice.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -22,114 +20,17 @@
 namespace lumesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
-TetMesh meshed(const LabelImage& image) {
-  const ImageDomain domain(image, {});
-  Context context;
-  return TetMesh::build(mesh_lattice(image, domain, {}, context).mesh.view());
-}
-
-TetMesh ball(double radius_mm) {
-  const int size = static_cast<int>(2 * radius_mm) + 8;
-  const Vec3 centre = Vec3::Constant(0.5 * (size - 1));
-  return meshed(fixtures::voxels_of(fixtures::frame_of({size, size, size}), {0, 1},
-                                    [&](const Vec3& p) { return (p - centre).norm() < radius_mm ? 1 : 0; }));
-}
-
-constexpr double kTubeRadius = 10;
-
-/// Along z, open at both ends.
-TetMesh tube() {
-  return meshed(fixtures::voxels_of(fixtures::frame_of({40, 40, 50}), {0, 1}, [](const Vec3& p) {
-    return std::hypot(p.x() - 19.5, p.y() - 19.5) < kTubeRadius ? 1 : 0;
-  }));
-}
-
-LayerResult grown(const TetMesh& mesh, const LayerOptions& options) {
-  Context context;
-  return grow_layers(mesh, options, context);
-}
-
-MixedMesh copy_of(const TetMesh& mesh) {
-  const BoundaryFaces faces = mesh.boundary_faces();
-  return copy_of(mesh.view(faces));
-}
-
-double volume_of(const MixedMesh& mesh, Label label) {
-  for (const LabelBoundary& one : validate(mesh.view()).labels)
-    if (one.label == label) return one.volume;
-  return 0;
-}
-
-double area_of(const MixedMesh& mesh, const std::string& patch) {
-  double area = 0;
-  for_each_patch_triangle(mesh.view(), [&](const Cell<3>& c, std::int32_t p) {
-    if (mesh.info.patches[static_cast<std::size_t>(p)].name == patch)
-      area +=
-          0.5 * (mesh.points[c[1]] - mesh.points[c[0]]).cross(mesh.points[c[2]] - mesh.points[c[0]]).norm();
-  });
-  return area;
-}
-
-/// Faces of cells of every shape that no other cell has, by their sorted corners.
-class Faces {
- public:
-  explicit Faces(const MixedMesh& mesh) {
-    for (const Cell<4>& c : mesh.tetrahedra)
-      for (const auto& [i, j, k] : {std::array{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}})
-        add({at(c, i), at(c, j), at(c, k)});
-    for (const Cell<5>& c : mesh.pyramids) {
-      add({c[0], c[1], c[2], c[3]});
-      for (int i = 0; i < 4; ++i) add({at(c, i), at(c, (i + 1) % 4), c[4]});
-    }
-    for (const Cell<6>& c : mesh.prisms) {
-      add({c[0], c[1], c[2]}), add({c[3], c[4], c[5]});
-      for (int i = 0; i < 3; ++i) add({at(c, i), at(c, (i + 1) % 3), at(c, 3 + (i + 1) % 3), at(c, 3 + i)});
-    }
-  }
-  [[nodiscard]] int times(std::vector<std::uint32_t> face) const {
-    std::sort(face.begin(), face.end());
-    const auto found = times_.find(face);
-    return found == times_.end() ? 0 : found->second;
-  }
-  [[nodiscard]] std::size_t on_the_outside() const {
-    return static_cast<std::size_t>(
-        std::count_if(times_.begin(), times_.end(), [](const auto& one) { return one.second == 1; }));
-  }
-  [[nodiscard]] bool are_at_most_two() const {
-    return std::all_of(times_.begin(), times_.end(), [](const auto& one) { return one.second <= 2; });
-  }
-
- private:
-  template <class Any>
-  static std::uint32_t at(const Any& c, int i) {
-    return c[static_cast<std::size_t>(i)];
-  }
-  void add(std::vector<std::uint32_t> face) {
-    std::sort(face.begin(), face.end());
-    ++times_[face];
-  }
-  std::map<std::vector<std::uint32_t>, int> times_;
-};
-
-/// Every face is shared by two cells or lies on the outside with a patch; interfaces between.
-void expect_conforming(const MixedMesh& mesh) {
-  const Faces faces(mesh);
-  EXPECT_TRUE(faces.are_at_most_two());
-  std::size_t outside = 0;
-  const auto look = [&](const auto& cells, const std::vector<std::int32_t>& patches) {
-    for (std::size_t f = 0; f < cells.size(); ++f) {
-      const bool between =
-          mesh.info.patches[static_cast<std::size_t>(patches[f])].kind == PatchKind::kInterface;
-      ASSERT_EQ(faces.times({cells[f].begin(), cells[f].end()}), between ? 2 : 1);
-      outside += between ? 0 : 1;
-    }
-  };
-  look(mesh.triangles, mesh.triangle_patches);
-  look(mesh.quadrilaterals, mesh.quadrilateral_patches);
-  EXPECT_EQ(outside, faces.on_the_outside());
-}
+using fixtures::area_of;
+using fixtures::ball;
+using fixtures::copy_of;
+using fixtures::expect_conforming;
+using fixtures::Faces;
+using fixtures::grown;
+using fixtures::kPi;
+using fixtures::kTubeRadius;
+using fixtures::meshed;
+using fixtures::tube;
+using fixtures::volume_of;
 
 TEST(Layers, OnABallFillAShell) {
   const double radius = 15, thickness = 3;
@@ -397,24 +298,6 @@ TEST(Layers, AreTheSameWhoeverCancels) {
   EXPECT_EQ(wanted.tetrahedra, found.tetrahedra);
 }
 
-/// One layer after the other: names of patches and labels stay apart, and each label as it was.
-TEST(Layers, OnLayersKeepNamesAndLabelsApart) {
-  const LayerResult first = grown(tube(), {.first_height = 0.4, .count = 2});
-  const LayerResult second = grown(TetMesh::build(first.mesh.view()), {.first_height = 0.4, .count = 2});
-  const ValidationReport report = validate(second.mesh.view());
-  ASSERT_TRUE(report.ok()) << report.text();
-  std::set<std::string> names;
-  for (const Patch& patch : second.mesh.info.patches)
-    EXPECT_TRUE(names.insert(patch.name).second) << patch.name;
-  EXPECT_NE(second.mesh.info.label_names.at(2), second.mesh.info.label_names.at(3));
-  const LayerResult within = grown(TetMesh::build(second.mesh.view()),
-                                   {.side = LayerSide::kInward, .into = 3, .first_height = 0.1, .count = 1});
-  ASSERT_TRUE(validate(within.mesh.view()).ok());
-  for (const Label label : {1, 2})
-    EXPECT_NEAR(volume_of(within.mesh, label), volume_of(second.mesh, label), 1e-9);
-  EXPECT_NEAR(volume_of(within.mesh, 3) + volume_of(within.mesh, 4), volume_of(second.mesh, 3), 1e-6);
-}
-
 /// Two vessels that touch in a point without sharing it.
 TEST(Layers, InwardsVerticesAtOnePlaceAreRefused) {
   MixedMesh both = copy_of(ball(5));
@@ -445,81 +328,6 @@ TEST(Layers, InwardsVerticesAtOnePlaceAreRefused) {
     EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
     EXPECT_NE(std::string(error.what()).find("two vertices of the surface lie at"), std::string::npos);
   }
-}
-
-/// A lumen of label 1 in a wall of label 2, along z, open at both ends.
-constexpr double kWallRadius = 15;
-TetMesh tube_in_tube() {
-  return meshed(fixtures::voxels_of(fixtures::frame_of({40, 40, 50}), {0, 1, 2}, [](const Vec3& p) {
-    const double r = std::hypot(p.x() - 19.5, p.y() - 19.5);
-    return r < kTubeRadius ? 1 : r < kWallRadius ? 2 : 0;
-  }));
-}
-
-/// Name of a patch between two labels, 0: nothing.
-std::string patch_between(const MeshInfo& info, Label a, Label b) {
-  for (const Patch& patch : info.patches)
-    if (patch.kind != PatchKind::kOpening &&
-        std::minmax(patch.labels[0], patch.labels[1]) == std::minmax(a, b))
-      return patch.name;
-  return "none";
-}
-
-TEST(Layers, OnPatchesBetweenLabelsGrowIntoEither) {
-  const TetMesh mesh = tube_in_tube();
-  const MixedMesh before = copy_of(mesh);
-  const std::string between = patch_between(mesh.info(), 1, 2), outside = patch_between(mesh.info(), 0, 2);
-  struct Case {
-    std::string patch;
-    Label into;
-  };
-  for (const Case& one : {Case{between, 1}, Case{between, 2}, Case{outside, 2}}) {
-    SCOPED_TRACE(one.patch + " into " + std::to_string(one.into));
-    const LayerResult result = grown(mesh, {.patches = {one.patch},
-                                            .side = LayerSide::kInward,
-                                            .into = one.into,
-                                            .first_height = 0.15,
-                                            .count = 3});
-    const ValidationReport report = validate(result.mesh.view());
-    ASSERT_TRUE(report.ok()) << report.text();
-    expect_conforming(result.mesh);
-    EXPECT_GT(result.report.complete(), 0.85);  // Between labels, the coarse lattice's surface has kinks.
-    const Label other = 3 - one.into;
-    EXPECT_NEAR(volume_of(result.mesh, other) / volume_of(before, other), 1, 1e-12);
-    EXPECT_NEAR((volume_of(result.mesh, one.into) + volume_of(result.mesh, 3)) / volume_of(before, one.into),
-                1, 1e-4);
-    const double thickness = 0.15 * (1 + 1.2 + 1.44);
-    const double radius = one.patch == between ? kTubeRadius : kWallRadius;
-    const double middle =
-        one.patch == between && one.into == 2 ? radius + thickness / 2 : radius - thickness / 2;
-    const double area = area_of(before, one.patch), length = 50;
-    EXPECT_NEAR(area / (2 * kPi * radius * length), 1, 0.07) << "kinks between labels make it larger";
-    EXPECT_NEAR(volume_of(result.mesh, 3) / (area * middle / radius * thickness), 1, 0.04);
-    const double bare = area_of(result.mesh, one.patch + "_bare");
-    EXPECT_NEAR(area_of(result.mesh, one.patch) + bare, area, 1e-9 * area);
-    EXPECT_LT(bare, 0.06 * area);
-  }
-}
-
-TEST(Layers, BetweenLabelsAskInto) {
-  const TetMesh mesh = tube_in_tube();
-  const std::string between = patch_between(mesh.info(), 1, 2), outside = patch_between(mesh.info(), 0, 2);
-  const auto fault = [&](const LayerOptions& options) -> std::string {
-    try {
-      grown(mesh, options);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "accepted";
-  };
-  for (const LayerSide side : {LayerSide::kOutward, LayerSide::kInward})
-    EXPECT_NE(fault({.patches = {between}, .side = side, .first_height = 0.3, .count = 3})
-                  .find("between labels 1, 2 and has no free side"),
-              std::string::npos);
-  EXPECT_NE(
-      fault({.patches = {outside}, .side = LayerSide::kInward, .into = 1, .first_height = 0.3, .count = 3})
-          .find("is not at label 1; it is at 2"),
-      std::string::npos);
 }
 
 TEST(Layers, ThickerThanTheVesselLeaveRoomWithin) {

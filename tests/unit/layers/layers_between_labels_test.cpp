@@ -1,0 +1,120 @@
+// Layers on patches between labels, and on layers.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <string>
+
+#include "layer_fixtures.hpp"
+#include "lumesh/core/error.hpp"
+
+namespace lumesh {
+namespace {
+
+using fixtures::area_of;
+using fixtures::copy_of;
+using fixtures::expect_conforming;
+using fixtures::grown;
+using fixtures::kPi;
+using fixtures::kTubeRadius;
+using fixtures::meshed;
+using fixtures::tube;
+using fixtures::volume_of;
+
+/// One layer after the other: names of patches and labels stay apart, and each label as it was.
+TEST(Layers, OnLayersKeepNamesAndLabelsApart) {
+  const LayerResult first = grown(tube(), {.first_height = 0.4, .count = 2});
+  const LayerResult second = grown(TetMesh::build(first.mesh.view()), {.first_height = 0.4, .count = 2});
+  const ValidationReport report = validate(second.mesh.view());
+  ASSERT_TRUE(report.ok()) << report.text();
+  std::set<std::string> names;
+  for (const Patch& patch : second.mesh.info.patches)
+    EXPECT_TRUE(names.insert(patch.name).second) << patch.name;
+  EXPECT_NE(second.mesh.info.label_names.at(2), second.mesh.info.label_names.at(3));
+  const LayerResult within = grown(TetMesh::build(second.mesh.view()),
+                                   {.side = LayerSide::kInward, .into = 3, .first_height = 0.1, .count = 1});
+  ASSERT_TRUE(validate(within.mesh.view()).ok());
+  for (const Label label : {1, 2})
+    EXPECT_NEAR(volume_of(within.mesh, label), volume_of(second.mesh, label), 1e-9);
+  EXPECT_NEAR(volume_of(within.mesh, 3) + volume_of(within.mesh, 4), volume_of(second.mesh, 3), 1e-6);
+}
+
+/// A lumen of label 1 in a wall of label 2, along z, open at both ends.
+constexpr double kWallRadius = 15;
+TetMesh tube_in_tube() {
+  return meshed(fixtures::voxels_of(fixtures::frame_of({40, 40, 50}), {0, 1, 2}, [](const Vec3& p) {
+    const double r = std::hypot(p.x() - 19.5, p.y() - 19.5);
+    return r < kTubeRadius ? 1 : r < kWallRadius ? 2 : 0;
+  }));
+}
+
+/// Name of a patch between two labels, 0: nothing.
+std::string patch_between(const MeshInfo& info, Label a, Label b) {
+  for (const Patch& patch : info.patches)
+    if (patch.kind != PatchKind::kOpening &&
+        std::minmax(patch.labels[0], patch.labels[1]) == std::minmax(a, b))
+      return patch.name;
+  return "none";
+}
+
+TEST(Layers, OnPatchesBetweenLabelsGrowIntoEither) {
+  const TetMesh mesh = tube_in_tube();
+  const MixedMesh before = copy_of(mesh);
+  const std::string between = patch_between(mesh.info(), 1, 2), outside = patch_between(mesh.info(), 0, 2);
+  struct Case {
+    std::string patch;
+    Label into;
+  };
+  for (const Case& one : {Case{between, 1}, Case{between, 2}, Case{outside, 2}}) {
+    SCOPED_TRACE(one.patch + " into " + std::to_string(one.into));
+    const LayerResult result = grown(mesh, {.patches = {one.patch},
+                                            .side = LayerSide::kInward,
+                                            .into = one.into,
+                                            .first_height = 0.15,
+                                            .count = 3});
+    const ValidationReport report = validate(result.mesh.view());
+    ASSERT_TRUE(report.ok()) << report.text();
+    expect_conforming(result.mesh);
+    EXPECT_GT(result.report.complete(), 0.85);  // Between labels, the coarse lattice's surface has kinks.
+    const Label other = 3 - one.into;
+    EXPECT_NEAR(volume_of(result.mesh, other) / volume_of(before, other), 1, 1e-12);
+    EXPECT_NEAR((volume_of(result.mesh, one.into) + volume_of(result.mesh, 3)) / volume_of(before, one.into),
+                1, 1e-4);
+    const double thickness = 0.15 * (1 + 1.2 + 1.44);
+    const double radius = one.patch == between ? kTubeRadius : kWallRadius;
+    const double middle =
+        one.patch == between && one.into == 2 ? radius + thickness / 2 : radius - thickness / 2;
+    const double area = area_of(before, one.patch), length = 50;
+    EXPECT_NEAR(area / (2 * kPi * radius * length), 1, 0.07) << "kinks between labels make it larger";
+    EXPECT_NEAR(volume_of(result.mesh, 3) / (area * middle / radius * thickness), 1, 0.04);
+    const double bare = area_of(result.mesh, one.patch + "_bare");
+    EXPECT_NEAR(area_of(result.mesh, one.patch) + bare, area, 1e-9 * area);
+    EXPECT_LT(bare, 0.06 * area);
+  }
+}
+
+TEST(Layers, BetweenLabelsAskInto) {
+  const TetMesh mesh = tube_in_tube();
+  const std::string between = patch_between(mesh.info(), 1, 2), outside = patch_between(mesh.info(), 0, 2);
+  const auto fault = [&](const LayerOptions& options) -> std::string {
+    try {
+      grown(mesh, options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  for (const LayerSide side : {LayerSide::kOutward, LayerSide::kInward})
+    EXPECT_NE(fault({.patches = {between}, .side = side, .first_height = 0.3, .count = 3})
+                  .find("between labels 1, 2 and has no free side"),
+              std::string::npos);
+  EXPECT_NE(
+      fault({.patches = {outside}, .side = LayerSide::kInward, .into = 1, .first_height = 0.3, .count = 3})
+          .find("is not at label 1; it is at 2"),
+      std::string::npos);
+}
+
+}  // namespace
+}  // namespace lumesh
