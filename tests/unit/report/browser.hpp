@@ -16,8 +16,7 @@ namespace lumesh::report {
 
 /// Opens the page with scripts/check_report.sh; false if there is no browser here.
 inline bool opened_in_browser(const std::string& html, const std::string& name) {
-  const std::filesystem::path script =
-      std::filesystem::path(__FILE__).parent_path() / "../../../scripts/check_report.sh";
+  const std::filesystem::path script = LUMESH_CHECK_REPORT;
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("lumesh_browser_" + name + "_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
