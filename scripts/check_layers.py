@@ -31,7 +31,8 @@ adapt: operators
 layers: adapt
 quality: mesh domain metric
 report: quality layers
-pipeline: lattice delaunay adapt layers centerline io quality report
+stages: lattice delaunay adapt layers centerline io quality
+pipeline: stages report
 apps: pipeline
 """
 

@@ -13,6 +13,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -27,20 +28,16 @@ struct CenterlineCommand {
 };
 
 /// Refuses before work what could not be done.
-void check(const CenterlineCommand& command) {
+void check(CenterlineCommand& command) {
   if (!command.output_path.ends_with(".vtp"))
     throw Error(ErrorKind::kUsage, command.output_path + ": unknown format of lines; use .vtp");
   const bool is_mesh = is_mesh_file(command.input_path);
-  const auto refuse = [&](const char* option) {
-    if (command.self->get_option(option)->count() > 0)
-      throw Error(ErrorKind::kUsage, fmt::format("{} is for {}, and {} is {}; leave it out", option,
-                                                 is_mesh ? "images" : "meshes", command.input_path,
-                                                 is_mesh ? "a mesh" : "an image"));
-  };
-  if (!is_mesh) refuse("--voxel");
   if (is_mesh)
-    for (const char* option : kSelectionOptions)
-      if (command.self->get_option_no_throw(option) != nullptr) refuse(option);
+    require_not_given(*command.self, options_of(command.selection),
+                      fmt::format("is for images, and {} is a mesh", command.input_path));
+  else if (command.self->get_option("--voxel")->count() > 0)
+    throw Error(ErrorKind::kUsage,
+                fmt::format("--voxel is for meshes, and {} is an image; leave it out", command.input_path));
   command.options.validate();
   check_output_folders({command.output_path});
   check_inputs_stay({command.output_path}, {command.input_path});
@@ -71,7 +68,7 @@ void print_summary(const CenterlineCommand& command, const Polylines& lines, dou
             command.output_path, lines.lines.size(), lines.points.size(), length_mm, least, most, seconds);
 }
 
-void run(const CenterlineCommand& command) {
+void run(CenterlineCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
@@ -92,7 +89,6 @@ void add_centerline_command(CLI::App& program) {
   const auto command = std::make_shared<CenterlineCommand>();
   CLI::App* sub = program.add_subcommand("centerline", "Find the axes of vessels and their radii");
   command->self = sub;
-  CenterlineOptions& o = command->options;
   sub->add_option(
          "input", command->input_path,
          std::string("Label image ") + kImageFormats +
@@ -100,15 +96,8 @@ void add_centerline_command(CLI::App& program) {
       ->required();
   sub->add_option("-o,--output", command->output_path, "Lines to write, with radius and branch (.vtp)")
       ->required();
-  sub->add_option("--spacing", o.spacing_mm, "Of the points in mm; default a quarter of the radius there")
-      ->check(positive_number());
-  sub->add_option("--shortest-tip", o.shortest_tip,
-                  "Vessels that end inside are left out if shorter than this many radii, 0.5 to 100")
-      ->capture_default_str();
-  sub->add_option("--voxel", o.voxel_mm,
-                  "Meshes: voxels they are searched in, in mm; default an eighth of the mean radius")
-      ->check(positive_number());
-  add_selection_options(*sub, command->selection, "Use");
+  add_options_of(*sub, command->options);
+  add_options(*sub, options_of(command->selection), "", {"probabilities"});
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh centerline case1.nrrd -o case1_lines.vtp");

@@ -19,5 +19,6 @@ void add_metric_command(CLI::App& program);
 void add_phantom_command(CLI::App& program);
 void add_rename_command(CLI::App& program);
 void add_run_command(CLI::App& program);
+void add_options_command(CLI::App& program);
 
 }  // namespace lumesh::cli

@@ -15,6 +15,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/sha256.hpp"
 #include "lumesh/quality/faults.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -76,10 +77,13 @@ void add_verbosity_options(CLI::App& command, RunOptions& options) {
   CLI::Option* const verbose =
       command.add_flag("-v,--verbose", options.verbose, "Say on stderr when each step ends, and its time");
   command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->excludes(verbose);
+  options.command = &command;
 }
 
 Context make_context(const RunOptions& options) {
-  Context context({}, print_warning);
+  Context context({}, [command = options.command](std::string_view text) {
+    print_warning(command == nullptr ? std::string(text) : with_flags(text, *command));
+  });
   if (options.verbose > 0)
     context.report_phases_to(
         [](const PhaseTime& phase) { print_error("lumesh: {} took {:.2f} s\n", phase.name, phase.seconds); });
@@ -90,79 +94,11 @@ void print_warning(std::string_view text) {
   print_error("lumesh: warning: {}\n", text);
 }
 
-void add_selection_options(CLI::App& command, ImageSelection& selection, const std::string& verb) {
-  command.add_option("--labels", selection.labels, verb + " these labels only")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  command.add_option(
-      "--threshold", selection.threshold,
-      "Voxels at or above become label 1, the rest background; their values place the boundary "
-      "between voxels");
-  command.add_option("--below", selection.below, "The same for voxels at or below, where the object is dark")
-      ->excludes("--threshold");
-  command.add_flag("--largest-component", selection.largest_component,
-                   verb + " the largest connected piece of the image only");
-}
-
-void add_probabilities_option(CLI::App& command, ImageSelection& selection) {
-  command
-      .add_option(
-          "--probabilities", selection.probabilities,
-          "Image of the object's probability, 0 to 1, on the label image's grid: its values place the "
-          "boundary between voxels")
-      ->excludes("--threshold")
-      ->excludes("--below");
-}
-
-ImageCuts cuts_from(const CutOptions& options) {
-  ImageCuts cuts;
-  for (const std::vector<double>& v : options.planes) {
-    const bool finite = std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
-    if (!finite || (v[3] == 0 && v[4] == 0 && v[5] == 0))
-      throw Error(ErrorKind::kUsage, "--cut-plane needs a finite point and a normal that is not zero");
-    cuts.planes.push_back({Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
-  }
-  for (const std::string& text : options.places) {
-    const std::optional<Vec3> place = place_from(text);
-    if (!place)
-      throw Error(ErrorKind::kUsage,
-                  fmt::format("--cut-at {}: write a place in mm as X,Y,Z, such as 12.5,-40,8", text));
-    cuts.places_mm.push_back(*place);
-  }
-  return cuts;
-}
-
-LabelImage read_cut_image(const std::string& path, const ImageSelection& selection, const CutOptions& options,
+LabelImage read_cut_image(const std::string& path, const ImageSelection& selection, const ImageCuts& cuts,
                           std::vector<CutPlane>& planes, Context& context) {
-  const ImageCuts cuts = cuts_from(options);  // Before time is spent on the image.
   LabelImage image = context.phase("read", [&] { return read_selected_image(path, selection, context); });
   planes = naming(path, [&] { return context.phase("cuts", [&] { return cut_off(image, cuts, context); }); });
   return image;
-}
-
-void add_cut_options(CLI::App& command, CutOptions& options, const std::string& meaning) {
-  command
-      .add_option("--cut-plane", options.planes,
-                  "Point and normal in mm, x y z nx ny nz: " + meaning + "; may be repeated")
-      ->type_size(6);
-  command
-      .add_option("--cut-at", options.places,
-                  "Place in mm, X,Y,Z: the vessel there, and no other, is cut square to its axis, and its "
-                  "smaller part goes; may be repeated")
-      ->allow_extra_args(false);
-}
-
-CLI::Option* add_cells_per_diameter_option(CLI::App& command, double& cells) {
-  return command
-      .add_option(
-          "--cells-per-diameter", cells,
-          "About so many edges along the diameter of each vessel, 1 to 25, or more where --edge-length is "
-          "shorter")
-      ->check([](const std::string& text) {
-        const std::optional<double> number = number_from(text);
-        const bool good = number && *number >= 1 && *number <= 25;
-        return good ? std::string() : fmt::format("\"{}\" is not a number from 1 to 25", text);
-      });
 }
 
 void add_name_option(CLI::App& command, std::vector<std::string>& names) {
@@ -184,24 +120,16 @@ void add_name_option(CLI::App& command, std::vector<std::string>& names) {
 }
 
 CLI::Validator positive_number() {
-  return number_above(0, "a positive number", "POSITIVE");
-}
-
-CLI::Validator number_above(double least, const std::string& wanted, const std::string& name) {
-  return {[least, wanted](const std::string& text) {
+  return {[](const std::string& text) {
             const std::optional<double> number = number_from(text);
-            const bool good = number && std::isfinite(*number) && *number > least;
-            return good ? std::string() : fmt::format("\"{}\" is not {}", text, wanted);
+            const bool good = number && std::isfinite(*number) && *number > 0;
+            return good ? std::string() : fmt::format("\"{}\" is not a positive number", text);
           },
-          name};
+          "POSITIVE"};
 }
 
 std::optional<double> number_from(std::string_view text) {
   return parsed<double>(text);
-}
-
-std::optional<int> integer_from(std::string_view text) {
-  return parsed<int>(text);
 }
 
 void check_volume_output(const std::string& path) {

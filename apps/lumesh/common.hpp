@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <cstdio>
 #include <initializer_list>
 #include <map>
@@ -17,14 +16,10 @@
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
-#include "lumesh/pipeline/image_cuts.hpp"
-#include "lumesh/pipeline/input.hpp"
+#include "lumesh/stages/image_cuts.hpp"
+#include "lumesh/stages/input.hpp"
 
 namespace lumesh::cli {
-
-/// Which voxels of an image count; add_selection_options() and add_probabilities_option() make them.
-inline constexpr std::array kSelectionOptions = {"--labels", "--threshold", "--below", "--probabilities",
-                                                 "--largest-component"};
 
 /// Image files that read_image() takes, for help texts.
 inline constexpr const char* kImageFormats =
@@ -39,6 +34,8 @@ struct RunOptions {
   int threads = 0;
   std::size_t verbose = 0;
   std::size_t quiet = 0;
+  const CLI::App* command =
+      nullptr;  ///< Whose names of options warnings use; add_verbosity_options() sets it.
 };
 void add_threads_option(CLI::App& command, RunOptions& options);
 /// -v and -q.
@@ -65,43 +62,20 @@ void say(const RunOptions& options, fmt::format_string<Args...> format, Args&&..
 /// One warning line on stderr.
 void print_warning(std::string_view text);
 
-/// --labels, --threshold and --largest-component. `verb` begins their help, such as "Mesh".
-void add_selection_options(CLI::App& command, ImageSelection& selection, const std::string& verb);
-
-/// --probabilities, of commands that ask where the boundary runs.
-void add_probabilities_option(CLI::App& command, ImageSelection& selection);
-
-/// What of an image is cut off, as it comes from the command line.
-struct CutOptions {
-  std::vector<std::vector<double>> planes;  ///< x y z nx ny nz each.
-  std::vector<std::string> places;          ///< "X,Y,Z" each.
-};
-/// --cut-plane and --cut-at. @param meaning  Of the plane's side, such as "cut off the normal's side".
-void add_cut_options(CLI::App& command, CutOptions& options, const std::string& meaning);
-inline constexpr std::array kCutOptions = {"--cut-plane", "--cut-at"};
-/// @throws Error{kUsage} unless every number is finite and no normal is zero.
-[[nodiscard]] ImageCuts cuts_from(const CutOptions& options);
-
 /// An image without what is cut off. @param planes  What cuts it, for its domain.
 /// @throws Error{kBadInput} that names the file.
 [[nodiscard]] LabelImage read_cut_image(const std::string& path, const ImageSelection& selection,
-                                        const CutOptions& options, std::vector<CutPlane>& planes,
+                                        const ImageCuts& cuts, std::vector<CutPlane>& planes,
                                         Context& context);
-
-/// --cells-per-diameter of both meshers; 0: not asked for.
-CLI::Option* add_cells_per_diameter_option(CLI::App& command, double& cells);
 
 /// --name, of commands that make meshes; texts for renaming_from().
 void add_name_option(CLI::App& command, std::vector<std::string>& names);
 
 /// Accepts what is a finite number above 0, and says so otherwise.
 [[nodiscard]] CLI::Validator positive_number();
-/// The same above another bound; `wanted` is what it says is not there, `name` stands in the help.
-[[nodiscard]] CLI::Validator number_above(double least, const std::string& wanted, const std::string& name);
 
 /// The whole text as a number; none if it is anything else.
 [[nodiscard]] std::optional<double> number_from(std::string_view text);
-[[nodiscard]] std::optional<int> integer_from(std::string_view text);
 
 /// @throws Error{kUsage} unless the name ends as those of files that hold tetrahedra.
 void check_volume_output(const std::string& path);

@@ -1,5 +1,3 @@
-#include "lumesh/delaunay/delaunay.hpp"
-
 #include <fmt/core.h>
 
 #include <chrono>
@@ -12,13 +10,12 @@
 #include "domain_input.hpp"
 #include "kernel_options.hpp"
 #include "long_run.hpp"
-#include "lumesh/adapt/improve.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/report/picture.hpp"
-#include "sizing_options.hpp"
+#include "lumesh/stages/delaunay_stage.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -29,13 +26,8 @@ struct DelaunayCommand {
   std::string mesh_path, surface_path, json_path;
   DomainInput input;
   OpeningOptions openings;
-  DelaunayOptions options;
-  std::string seeding = "lattice";
-  SizingOptions sizing;
-  ImproveOptions improvement;
-  bool skips_improvement = false;
+  DelaunayRequest request;
   double time_limit_s = std::numeric_limits<double>::infinity();
-  KernelOptions kernel;
   RunOptions run;
 };
 
@@ -68,21 +60,16 @@ nlohmann::ordered_json report_json(const DelaunayReport& report, const std::opti
 }
 
 /// What can be said before anything is read.
-void check_options(const DelaunayCommand& command) {
-  command.options.validate();
-  command.improvement.validate();
+void check_options(DelaunayCommand& command) {
+  command.request.validate();
   check_domain_options(*command.self, command.input);
   check_volume_output(command.mesh_path);
   check_surface_output(command.surface_path);
-  const SizingOptions& sizes = command.sizing;
+  const SizeRequest& sizes = command.request.sizes;
   check_output_folders({command.mesh_path, command.surface_path, command.json_path});
   check_inputs_stay({command.mesh_path, command.surface_path, command.json_path},
-                    {command.input.path, command.input.selection.probabilities, sizes.points_path,
-                     sizes.image_path, sizes.mesh_path, sizes.plugin});
-}
-
-Seeding seeding_of(const std::string& name) {
-  return name == "few" ? Seeding::kFew : name == "surface" ? Seeding::kSurface : Seeding::kLattice;
+                    {command.input.path, command.input.selection.probabilities, sizes.points, sizes.image,
+                     sizes.mesh, sizes.plugin_path()});
 }
 
 void print_summary(const DelaunayCommand& command, const TetMesh& mesh, const BoundaryFaces& faces,
@@ -110,31 +97,23 @@ void run(DelaunayCommand command) {
   LongRun long_run(context, command.run, command.time_limit_s);
   check_options(command);
   const std::string& input_path = command.input.path;
-  SizingInput sizes = context.phase("read", [&] { return SizingInput(command.sizing, context); });
+  SizeData sizes = context.phase("read", [&] { return SizeData(command.request.sizes, context); });
+  command.input.needs_axes = command.request.sizes.needs_axes();
   const DomainRead given = read_domain(command.input, context);
   const Domain& domain = *given.domain;
-  const std::unique_ptr<Sizing> sizing =
-      context.phase("sizes", [&] { return std::move(sizes).on(given, command.input); });
-  command.options.seeding = seeding_of(command.seeding);
-  command.options.sizing = sizing.get();
-  command.options.team = command.kernel.team(command.run.threads);
+  const std::unique_ptr<Sizing> sizing = naming(input_path, [&] {
+    return context.phase("sizes", [&] { return std::move(sizes).on(domain, given.axes); });
+  });
+  command.request.improvement.team.threads = threads_of(command.run);
   const std::vector<PatchRenaming> renamings = renamings_for(command.openings, given.openings);
-  DelaunayResult result = naming(input_path, [&] { return mesh_delaunay(domain, command.options, context); });
-  TetMesh& mesh = result.mesh;
-  std::optional<ImproveReport> improved;
-  if (!command.skips_improvement) {
-    command.improvement.execution = command.kernel.execution_kind();
-    command.improvement.team = command.options.team;
-    command.improvement.place = operators::places_in_domain(mesh, domain);
-    command.improvement.keep_within = operators::within_cuts_of(domain);
-    command.improvement.lift = command.options.lift;
-    command.improvement.settles_all = result.report.held_back > 0;
-    context.phase("improvement", [&] { improved = improve(mesh, command.improvement, context); });
-  }
+  DelaunayMesh made =
+      naming(input_path, [&] { return make_delaunay_mesh(domain, command.request, sizing.get(), context); });
+  TetMesh& mesh = made.mesh;
+  const std::optional<ImproveReport>& improved = made.improved;
   mesh.info().provenance = provenance_of(*command.self, input_path);
   const std::vector<std::string> without_name = rename_found(mesh.info(), renamings);
   const BoundaryFaces faces = mesh.boundary_faces();
-  const bool is_complete = result.report.complete && (!improved || improved->complete);
+  const bool is_complete = made.is_complete;
   command.mesh_path = long_run.begin_writing(command.mesh_path, is_complete);
   command.surface_path = long_run.begin_writing(command.surface_path, is_complete);
   command.json_path = long_run.begin_writing(command.json_path, is_complete);
@@ -144,7 +123,7 @@ void run(DelaunayCommand command) {
     write_mesh(command.mesh_path, view);
     if (!command.surface_path.empty()) write_surface(command.surface_path, view);
   });
-  for (const std::string& note : result.report.notes) context.warn(note);
+  for (const std::string& note : made.report.notes) context.warn(note);
   if (!given.closed_vessels.empty()) context.warn(given.closed_vessels);
   if (given.shape)
     for (const std::string& line : context.phase("check", [&] { return differences(*given.shape, mesh); }))
@@ -154,55 +133,11 @@ void run(DelaunayCommand command) {
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_text_file(command.json_path, report_json(result.report, improved, mesh, context).dump(2) + "\n");
+    write_text_file(command.json_path, report_json(made.report, improved, mesh, context).dump(2) + "\n");
   print_summary(command, mesh, faces, openings, improved, context, elapsed.count());
   require_sound(command.mesh_path, mesh.view(faces), context, long_run.reason(is_complete));
   long_run.check_complete(is_complete, command.mesh_path + " holds the best mesh so far");
   require_openings(command.openings, command.mesh_path, openings, without_name);
-}
-
-void add_rule_options(CLI::App& sub, DelaunayCommand& command) {
-  DelaunayOptions& o = command.options;
-  CLI::Option* const edge =
-      sub.add_option("--edge-length", o.edge_length_mm,
-                     "Of edges on surfaces in mm; default 2.5 voxels, as for the lattice")
-          ->check(positive_number());
-  sub.add_option(
-         "--delta", o.delta_mm,
-         "Instead: spacing of points on surfaces in mm, 1/1.3 of the edges' length: no place of a surface "
-         "is farther from one (R1)")
-      ->check(positive_number())
-      ->excludes(edge);
-  add_cells_per_diameter_option(sub, command.input.cells_per_diameter);
-  sub.add_option("--size", o.size_mm,
-                 "Largest edge length inside in mm (R5); default 1.3 delta, as on surfaces")
-      ->check(positive_number());
-  sub.add_option("--surface-distance", o.surface_distance_mm,
-                 "How far flat boundary triangles may stand off a bent surface, about, in mm: where it bends "
-                 "more, points stand closer, down to a third of delta")
-      ->check(positive_number());
-  sub.add_option("--lift", o.lift,
-                 "Where points of bent surfaces stand, 0 to 1: over them by this share of the triangles' "
-                 "sagitta; 1 keeps the volume, 0 leaves points on the surface")
-      ->capture_default_str();
-  sub.add_option("--seeding", command.seeding,
-                 "What refinement begins with: points of a lattice inside and of all surfaces; of surfaces "
-                 "only; or few of them, so that the rules do all the rest")
-      ->check(CLI::IsMember({"lattice", "surface", "few"}))
-      ->capture_default_str();
-  sub.add_option("--radius-edge", o.radius_edge,
-                 "Largest circumradius of tetrahedra in units of their shortest edge (R4), at least 1.5")
-      ->capture_default_str();
-  sub.add_option("--facet-angle", o.facet_angle_deg,
-                 "Smallest angle of boundary triangles in degrees, before improvement (R3), 0 to 30")
-      ->capture_default_str();
-  sub.add_flag("--no-improve", command.skips_improvement,
-               "Leave slivers in: no swaps and moves after refinement");
-  sub.add_option("--min-dihedral", command.improvement.min_dihedral_deg,
-                 "Improvement raises smaller dihedral angles, in degrees, 1 to 60")
-      ->capture_default_str();
-  sub.add_option("--max-dihedral", command.improvement.max_dihedral_deg, "And lowers larger ones, 90 to 179")
-      ->capture_default_str();
 }
 
 }  // namespace
@@ -214,13 +149,18 @@ void add_delaunay_command(CLI::App& program) {
   command->self = sub;
   sub->add_option("-o,--output", command->mesh_path, std::string("Mesh to write ") + kVolumeFormats)
       ->required();
-  add_rule_options(*sub, *command);
-  add_sizing_options(*sub, command->sizing);
+  add_options_of(*sub, command->request);
+  OptionList cells, execution;
+  describe_cells_per_diameter(cells, command->request.sizes.cells_per_diameter);
+  add_options(*sub, cells);
+  ImproveOptions& improvement = command->request.improvement;
+  describe_execution(execution, improvement.execution, improvement.team);
+  add_options(*sub, execution);
+  add_topology_option(*sub, improvement.team);
   sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
   sub->add_option("--json", command->json_path, "Write times, rounds and angles as JSON");
   add_domain_options(*sub, command->input);
   add_opening_options(*sub, command->openings);
-  add_kernel_options(*sub, command->kernel);
   add_time_limit_option(*sub, command->time_limit_s);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);

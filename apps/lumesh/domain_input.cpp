@@ -5,22 +5,10 @@
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
-#include "lumesh/pipeline/vessel_ends.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
-
-void add_boundary_option(CLI::App& command, LabelFieldOptions& options) {
-  command
-      .add_option_function<std::string>(
-          "--boundary",
-          [&options](const std::string& word) {
-            options.fidelity = word == "exact" ? BoundaryFidelity::kExact : BoundaryFidelity::kSmooth;
-          },
-          "smooth: voxels that noise explains better may change side; exact: every voxel's centre keeps its "
-          "side")
-      ->check(CLI::IsMember({"smooth", "exact"}))
-      ->default_str("smooth");
-}
 
 void add_domain_options(CLI::App& command, DomainInput& input) {
   command
@@ -28,30 +16,21 @@ void add_domain_options(CLI::App& command, DomainInput& input) {
           "image", input.path,
           std::string("Label image ") + kImageFormats + ", or closed surface (.stl, .vtp, .mesh, .msh)")
       ->required();
-  add_selection_options(command, input.selection, "Mesh");
-  add_probabilities_option(command, input.selection);
-  add_cut_options(command, input.cuts, "cut off what lies on the normal's side");
-  add_boundary_option(command, input.image.field);
-  command
-      .add_option("--feature-angle", input.surface.feature_angle_deg,
-                  "Of a surface: edges are kept where it turns by more than this, in degrees, up to 180")
-      ->capture_default_str();
+  add_options_of(command, input.selection);
+  add_options_of(command, input.cuts);
+  add_options_of(command, input.image.field);
+  add_options_of(command, input.surface);
 }
 
-void check_domain_options(const CLI::App& command, const DomainInput& input) {
-  static_cast<void>(cuts_from(input.cuts));
+void check_domain_options(const CLI::App& command, DomainInput& input) {
   input.surface.validate();
   const bool is_surface = is_mesh_file(input.path);
-  const auto refuse = [&](const char* option) {
-    if (command.get_option(option)->count() > 0)
-      throw Error(ErrorKind::kUsage, fmt::format("{} is for {}, and {} is {}; leave it out", option,
-                                                 is_surface ? "images" : "surfaces", input.path,
-                                                 is_surface ? "a surface" : "an image"));
-  };
-  if (!is_surface) return refuse("--feature-angle");
-  for (const char* option : kSelectionOptions) refuse(option);
-  for (const char* option : kCutOptions) refuse(option);
-  refuse("--boundary");
+  const std::string reason = is_surface ? fmt::format("is for images, and {} is a surface", input.path)
+                                        : fmt::format("is for surfaces, and {} is an image", input.path);
+  if (!is_surface) return require_not_given(command, options_of(input.surface), reason);
+  require_not_given(command, options_of(input.selection), reason);
+  require_not_given(command, options_of(input.cuts), reason);
+  require_not_given(command, options_of(input.image.field), reason);
 }
 
 void add_opening_options(CLI::App& command, OpeningOptions& options) {
@@ -106,7 +85,7 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
           context.phase("domain", [&] { return domain_of(surface, input.surface); });
       DomainRead read{std::move(domain)};
       read.openings = find_openings(*read.domain);
-      if (input.cells_per_diameter > 0)
+      if (input.needs_axes)
         read.axes = context.phase("axes", [&] { return extract_centerline(surface.view(), {}, context); });
       return read;
     });
@@ -120,7 +99,7 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
   });
   DomainRead read{std::move(domain)};
   read.openings = context.phase("openings", [&] { return find_openings(*read.domain); });
-  if (input.cells_per_diameter > 0)
+  if (input.needs_axes)
     read.axes = context.phase(
         "axes", [&] { return naming(input.path, [&] { return extract_centerline(image, {}, context); }); });
   read.closed_vessels =

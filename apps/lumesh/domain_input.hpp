@@ -10,27 +10,24 @@
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/domain/surface_domain.hpp"
-#include "lumesh/pipeline/image_shape.hpp"
+#include "lumesh/stages/image_shape.hpp"
 
 namespace lumesh::cli {
 
 struct DomainInput {
   std::string path;
   ImageSelection selection;
-  CutOptions cuts;
+  ImageCuts cuts;
   ImageDomainOptions image;
   SurfaceDomainOptions surface;
-  double cells_per_diameter = 0;  ///< Axes are wanted, if > 0.
+  bool needs_axes = false;
 };
-
-/// --boundary: how an image's voxels bind.
-void add_boundary_option(CLI::App& command, LabelFieldOptions& options);
 
 /// The positional argument, and the options of images and of surfaces.
 void add_domain_options(CLI::App& command, DomainInput& input);
 
 /// @throws Error{kUsage} for options that do not suit the input, before it is read.
-void check_domain_options(const CLI::App& command, const DomainInput& input);
+void check_domain_options(const CLI::App& command, DomainInput& input);
 
 struct DomainRead {
   std::unique_ptr<Domain> domain;

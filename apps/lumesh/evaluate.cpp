@@ -18,6 +18,7 @@
 #include "lumesh/report/html.hpp"
 #include "lumesh/report/picture.hpp"
 #include "lumesh/report/summary.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -26,7 +27,7 @@ namespace {
 struct EvaluateCommand {
   std::string mesh_path, image_path, centerline_path, reference_path, json_path, report_path, picture_path;
   ImageSelection selection;
-  CutOptions cuts;
+  ImageCuts cuts;
   std::vector<double> required_dihedral_deg;
   std::size_t times = 0;
   RunOptions run;
@@ -102,14 +103,14 @@ void run(const EvaluateCommand& command) {
                      command.centerline_path, command.reference_path});
   if (!command.centerline_path.empty() && command.image_path.empty())
     throw Error(ErrorKind::kUsage, "--centerline is for the comparison with an image; give --image, too");
-  if (!command.reference_path.empty() && !command.cuts.places.empty())
+  if (!command.reference_path.empty() && !command.cuts.places_mm.empty())
     throw Error(ErrorKind::kUsage,
                 "--reference is of the whole object, which --cut-at is not; leave one of them out");
   Context context = make_context(command.run);
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);
   quality::EvaluationInput input;
-  input.cut_planes = cuts_from(command.cuts).planes;  // Of a phantom without an image, too.
+  input.cut_planes = command.cuts.planes;  // Of a phantom without an image, too.
   std::vector<std::string> warnings;
   LabelImage image;
   if (!command.image_path.empty()) {
@@ -150,9 +151,8 @@ void add_evaluate_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("evaluate", "Measure a mesh, by itself and against its image");
   sub->add_option("mesh", command->mesh_path, "Mesh (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("--image", command->image_path, "Label image the mesh was made from");
-  add_selection_options(*sub, command->selection, "Take");
-  add_probabilities_option(*sub, command->selection);
-  add_cut_options(*sub, command->cuts, "as given when the mesh was made");
+  add_options_of(*sub, command->selection);
+  add_options_of(*sub, command->cuts);
   sub->get_option("--cut-at")->needs("--image");
   sub->add_option("--centerline", command->centerline_path,
                   "Axes of the vessels (.vtp, by lumesh centerline), or none; default: found in the image");

@@ -17,7 +17,8 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
-#include "metric_input.hpp"
+#include "lumesh/stages/metric_input.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -26,12 +27,10 @@ namespace {
 struct ImproveCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, metric_path, json_path;
-  std::string boundary = "slide";
   std::vector<std::string> keep;
   bool ignores_sizes = false;
   double time_limit_s = std::numeric_limits<double>::infinity();
   ImproveOptions options;
-  KernelOptions kernel;
   RunOptions run;
 };
 
@@ -84,9 +83,7 @@ void run(ImproveCommand command) {
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(changing, command.mesh_path); });
   command.options.sizes = sizes_of(command, changing, mesh, context);
   if (kept) command.options.frozen_patches = kept->frozen_patches();
-  command.options.execution = command.kernel.execution_kind();
-  command.options.team = command.kernel.team(command.run.threads);
-  command.options.slide = command.boundary == "slide";
+  command.options.team.threads = threads_of(command.run);
 
   const ImproveReport report = improve(mesh, command.options, context);
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
@@ -119,7 +116,6 @@ void add_improve_command(CLI::App& program) {
   const auto command = std::make_shared<ImproveCommand>();
   CLI::App* sub = program.add_subcommand("improve", "Raise the worst dihedral angles of a tetrahedral mesh");
   command->self = sub;
-  ImproveOptions& o = command->options;
   sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("-o,--output", command->output_path, std::string("Mesh to write ") + kVolumeFormats)
       ->required();
@@ -128,18 +124,10 @@ void add_improve_command(CLI::App& program) {
       "Sizes that edges are to keep to (.sol, .solb), the same in all directions; default: the mesh's own");
   sub->add_flag("--ignore-sizes", command->ignores_sizes, "Leave out the metric that the mesh carries")
       ->excludes("--metric");
-  sub->add_option("--min-dihedral", o.min_dihedral_deg, "Raise smaller dihedral angles, in degrees, 1 to 60")
-      ->capture_default_str();
-  sub->add_option("--max-dihedral", o.max_dihedral_deg, "Lower larger ones, in degrees, 90 to 179")
-      ->capture_default_str();
-  sub->add_option("--passes", o.passes, "Passes at most, >= 0")->capture_default_str();
-  sub->add_option("--boundary", command->boundary,
-                  "slide: vertices may move along their patch where nothing else helps; frozen: they stay")
-      ->check(CLI::IsMember({"slide", "frozen"}))
-      ->capture_default_str();
+  add_options_of(*sub, command->options);
+  add_topology_option(*sub, command->options.team);
   add_keep_option(*sub, command->keep)->excludes("--metric");
   sub->add_option("--json", command->json_path, "Write angles and counts of operators per pass as JSON");
-  add_kernel_options(*sub, command->kernel);
   add_time_limit_option(*sub, command->time_limit_s);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);

@@ -18,7 +18,8 @@
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/pipeline/vessel_ends.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -29,7 +30,7 @@ using json = nlohmann::ordered_json;
 struct InfoCommand {
   std::string path;
   ImageSelection selection;
-  CutOptions cuts;
+  ImageCuts cuts;
   std::size_t as_json = 0;
   RunOptions run;
 };
@@ -193,11 +194,11 @@ void print_text(const json& all) {
 
 json describe_image_file(const InfoCommand& command, Context& context) {
   try {
-    const ImageCuts cuts = cuts_from(command.cuts);
     LabelImage image =
         context.phase("read", [&] { return read_selected_image(command.path, command.selection, context); });
     json all = context.phase("labels", [&] { return describe_image(image); });
-    const std::vector<CutPlane> planes = naming(command.path, [&] { return cut_off(image, cuts, context); });
+    const std::vector<CutPlane> planes =
+        naming(command.path, [&] { return cut_off(image, command.cuts, context); });
     context.phase("openings", [&] { add_openings(image, planes, all, context); });
     return all;
   } catch (const NotLabels& grey) {
@@ -230,9 +231,8 @@ void add_info_command(CLI::App& program) {
   const auto command = std::make_shared<InfoCommand>();
   CLI::App* sub = program.add_subcommand("info", "Say what an image or a mesh holds");
   sub->add_option("file", command->path, std::string("Image ") + kImageFormats + " or mesh")->required();
-  add_selection_options(*sub, command->selection, "Look at");
-  add_probabilities_option(*sub, command->selection);
-  add_cut_options(*sub, command->cuts, "say what openings there are without what lies on the normal's side");
+  add_options_of(*sub, command->selection);
+  add_options_of(*sub, command->cuts);
   sub->add_flag("--json", command->as_json, "Print JSON");
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);

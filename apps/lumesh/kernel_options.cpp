@@ -35,37 +35,14 @@ parallel::HandOvers sum_of(const std::vector<parallel::HandOvers>& all) {
 
 }  // namespace
 
-ExecutionKind KernelOptions::execution_kind() const {
-  return execution == "speculative" ? ExecutionKind::kSpeculative : ExecutionKind::kOrdered;
-}
-
-parallel::TeamOptions KernelOptions::team(int threads) const {
-  using enum parallel::Balance;
-  return {threads > 0 ? threads : parallel::available_threads(),
-          balance == "none"         ? kNone
-          : balance == "first-idle" ? kFirstIdle
-          : balance == "stealing"   ? kStealing
-                                    : kHierarchical,
-          pin, topology};
-}
-
-void add_kernel_options(CLI::App& command, KernelOptions& options) {
+void add_topology_option(CLI::App& command, parallel::TeamOptions& team) {
   command
-      .add_option("--execution", options.execution,
-                  "ordered: the same mesh for every number of threads; speculative: threads try and give way")
-      ->check(CLI::IsMember({"ordered", "speculative"}))
-      ->capture_default_str();
-  command
-      .add_option(
-          "--balance", options.balance,
-          "Who gives work to idle threads: nobody; the busy to the one that idles longest, or to the nearest "
-          "by NUMA distance; or they take it by chance")
-      ->check(CLI::IsMember({"none", "first-idle", "hierarchical", "stealing"}))
-      ->capture_default_str();
-  command.add_flag("--pin", options.pin, "Keep every thread on its processor");
-  // For measurements: not in the help.
-  command.add_option("--topology", options.topology, "Balance as on this machine, as hwloc describes it")
+      .add_option("--topology", team.synthetic_topology, "Balance as on this machine, as hwloc describes it")
       ->group("");
+}
+
+int threads_of(const RunOptions& run) {
+  return run.threads > 0 ? run.threads : parallel::available_threads();
 }
 
 nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts) {

@@ -3,24 +3,17 @@
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "common.hpp"
 #include "lumesh/adapt/adapt.hpp"
 
 namespace lumesh::cli {
 
-struct KernelOptions {
-  std::string execution = "ordered", balance = "hierarchical", topology;
-  bool pin = false;
+/// --topology, for measurements; not in the help.
+void add_topology_option(CLI::App& command, parallel::TeamOptions& team);
 
-  [[nodiscard]] ExecutionKind execution_kind() const;
-  /// `threads` as the user gave them: 0 stands for all cores.
-  [[nodiscard]] parallel::TeamOptions team(int threads) const;
-};
-
-/// --execution, --balance and --pin.
-void add_kernel_options(CLI::App& command, KernelOptions& options);
+/// Threads as the user gave them: 0 stands for all cores.
+[[nodiscard]] int threads_of(const RunOptions& run);
 
 /// Applied, rejected and contended of every operator.
 [[nodiscard]] nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts);

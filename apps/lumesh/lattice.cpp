@@ -13,7 +13,9 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/pipeline/vessel_ends.hpp"
+#include "lumesh/stages/size_request.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -25,9 +27,8 @@ struct LatticeCommand {
   std::string mesh_path;
   std::string surface_path;
   ImageSelection selection;
-  CutOptions cuts;
+  ImageCuts cuts;
   double cells_per_diameter = 0;
-  std::vector<std::string> label_fidelity;
   OpeningOptions openings;
   LatticeOptions options;
   ImageDomainOptions domain;
@@ -45,25 +46,13 @@ std::string label_list(const LabelImage& image) {
   return list;
 }
 
-/// --label-fidelity as given, checked against the labels of the image.
-std::map<Label, double> parse_label_fidelity(const LatticeCommand& command, const LabelImage& image) {
-  std::map<Label, double> result;
-  for (const std::string& pair : command.label_fidelity) {
-    const std::size_t equals = pair.find('=');
-    const bool is_pair = equals != std::string::npos;
-    const auto label = integer_from(pair.substr(0, equals));
-    const auto value = number_from(is_pair ? pair.substr(equals + 1) : "");
-    if (!label || !value)
-      throw Error(ErrorKind::kUsage,
-                  "--label-fidelity \"" + pair + "\": write LABEL=VALUE, such as 2=0.9, once for each label");
-    const std::vector<Label>& present = image.values();
-    if (*label == kBackground || !std::binary_search(present.begin(), present.end(), *label))
-      throw Error(ErrorKind::kBadInput, "--label-fidelity \"" + pair + "\": " + command.image_path +
-                                            " has no label " + std::to_string(*label) + " to mesh; it has " +
-                                            label_list(image));
-    result[*label] = *value;
-  }
-  return result;
+void require_labels(const LatticeCommand& command, const LabelImage& image) {
+  const std::vector<Label>& present = image.values();
+  for (const auto& entry : command.options.label_fidelity)
+    if (entry.first == kBackground || !std::binary_search(present.begin(), present.end(), entry.first))
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{}: {} has no label {} to mesh; it has {}", option_name("label_fidelity"),
+                              command.image_path, entry.first, label_list(image)));
 }
 
 void print_summary(const LatticeCommand& command, const LatticeResult& result,
@@ -99,7 +88,7 @@ void run(const LatticeCommand& command) {
   LatticeOptions options = command.options;
   if (command.cells_per_diameter > 0)
     options.fidelity = LatticeOptions::fidelity_of_cells(command.cells_per_diameter);
-  options.label_fidelity = parse_label_fidelity(command, image);
+  require_labels(command, image);
   const ImageDomain domain = naming(command.image_path, [&] {
     return context.phase("domain", [&] { return ImageDomain(image, domain_options); });
   });
@@ -129,39 +118,21 @@ void add_lattice_command(CLI::App& program) {
   const auto command = std::make_shared<LatticeCommand>();
   CLI::App* sub = program.add_subcommand("lattice", "Mesh a segmented image on a body-centred cubic lattice");
   command->self = sub;
-  LatticeOptions& o = command->options;
   sub->add_option("image", command->image_path, std::string("Label image ") + kImageFormats)->required();
   sub->add_option("-o,--output", command->mesh_path, std::string("Mesh to write ") + kVolumeFormats)
       ->required();
   sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
-  sub->add_option("--edge-length,--spacing", o.spacing_mm,
-                  "Of edges on surfaces, which is the lattice's spacing there, in mm; default 2.5 voxels")
-      ->check(positive_number());
-  CLI::Option* const fidelity =
-      sub->add_option("--fidelity", o.fidelity,
-                      "0.1 to 0.98: the spacing is at most 4 (1 - F) times the local half thickness")
-          ->capture_default_str();
-  add_cells_per_diameter_option(*sub, command->cells_per_diameter)->excludes(fidelity);
-  sub->add_option("--label-fidelity", command->label_fidelity, "Fidelity of single labels, such as 2=0.9");
-  sub->add_option("--coarsening", o.coarsening, "Times the spacing may double inside, 0 to 4")
-      ->capture_default_str();
-  sub->add_option("--max-refinement", o.max_refinement, "Times it may halve in thin parts, 0 to 5")
-      ->capture_default_str();
-  sub->add_option("--max-tetrahedra", o.max_tetrahedra, "Give up refinement of thin parts to stay near this")
-      ->check(positive_number())
-      ->capture_default_str();
-  sub->add_option("--min-dihedral", o.min_dihedral_deg, "Floor of the dihedral angles in degrees, 1 to 25")
-      ->capture_default_str();
-  sub->add_option("--max-dihedral", o.max_dihedral_deg,
-                  "Ceiling of the dihedral angles in degrees, 130 to 175")
-      ->capture_default_str();
+  add_options_of(*sub, command->options);
+  OptionList cells;
+  describe_cells_per_diameter(cells, command->cells_per_diameter);
+  add_options(*sub, cells);
+  sub->get_option("--cells-per-diameter")->excludes("--fidelity");
   sub->add_flag_callback(
       "--mixed", [command] { command->options.cells = LatticeCells::kMixed; },
       "Hexahedra and pyramids where the lattice is regular, tetrahedra elsewhere");
-  add_selection_options(*sub, command->selection, "Mesh");
-  add_probabilities_option(*sub, command->selection);
-  add_cut_options(*sub, command->cuts, "cut off what lies on the normal's side");
-  add_boundary_option(*sub, command->domain.field);
+  add_options_of(*sub, command->selection);
+  add_options_of(*sub, command->cuts);
+  add_options_of(*sub, command->domain.field);
   add_opening_options(*sub, command->openings);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "lumesh/core/error.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -49,10 +50,11 @@ void remove_unfinished_files() {
 Interruptible::Interruptible() : stopper_({.patience_s = 0, .give_up = give_up}) {}
 
 void add_time_limit_option(CLI::App& command, double& limit_s) {
-  command
-      .add_option("--time-limit", limit_s,
-                  "Stop after so many seconds, write the best mesh so far and exit with 4")
-      ->check(positive_number());
+  OptionList list;
+  list.number("time_limit", limit_s, above(0), "Stop then, write the best mesh so far and exit with 4")
+      .in("s")
+      .zero("none", std::numeric_limits<double>::infinity());
+  add_options(command, list);
 }
 
 LongRun::LongRun(Context& context, const RunOptions& options, double limit_s)

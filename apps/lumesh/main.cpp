@@ -17,6 +17,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/nearest_word.hpp"
 #include "lumesh/core/version.hpp"
+#include "option_adapter.hpp"
 
 namespace {
 
@@ -46,6 +47,12 @@ void check_command(const CLI::App& program, const std::string& word) {
   if (!nearest.empty()) message += "; did you mean \"" + nearest + "\"?";
   for (const std::string& name : known) message += (name == known.front() ? " (commands: " : ", ") + name;
   throw lumesh::Error(lumesh::ErrorKind::kUsage, message + ")");
+}
+
+/// With options as the command that runs has them.
+std::string message_of(const lumesh::Error& error, CLI::App& program) {
+  const std::vector<CLI::App*> commands = program.get_subcommands();
+  return commands.empty() ? error.what() : lumesh::cli::with_flags(error.what(), *commands.front());
 }
 
 /// As after `lumesh … | head -1`: whoever read has what they wanted.
@@ -79,6 +86,7 @@ int main(int argc, char** argv) {
   lumesh::cli::add_convert_command(program);
   lumesh::cli::add_rename_command(program);
   lumesh::cli::add_run_command(program);
+  lumesh::cli::add_options_command(program);
   try {
     if (argc > 1) check_command(program, argv[1]);
     program.parse(argc, argv);
@@ -86,7 +94,7 @@ int main(int argc, char** argv) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
     return report_error(error.what(), static_cast<int>(lumesh::ErrorKind::kUsage));
   } catch (const lumesh::Error& error) {
-    return report_error(error.what(), static_cast<int>(error.kind()));
+    return report_error(message_of(error, program).c_str(), static_cast<int>(error.kind()));
   } catch (const std::bad_alloc&) {
     return report_error("out of memory; ask for a coarser mesh or crop the image",
                         static_cast<int>(lumesh::ErrorKind::kMemory));

@@ -1,18 +1,21 @@
-#include <fmt/core.h>
-
 #include <memory>
 
 #include "commands.hpp"
 #include "common.hpp"
 #include "keep_option.hpp"
 #include "long_run.hpp"
+#include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/domain/image_domain.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
+#include "lumesh/io/point_data_file.hpp"
 #include "lumesh/metric/shaping.hpp"
+#include "lumesh/metric/sources.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "metric_input.hpp"
-#include "metric_sources.hpp"
+#include "lumesh/stages/input.hpp"
+#include "lumesh/stages/metric_input.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -20,11 +23,63 @@ namespace {
 
 struct MetricCommand {
   const CLI::App* self = nullptr;
-  std::string output_path;
-  MetricSources sources;
-  metric::MetricLimits limits;
+  std::string mesh_path, output_path;
+  metric::MetricRequest request;
+  std::string image_path;    ///< Whose boundary bends; none: the mesh's own.
+  ImageSelection selection;  ///< Of that image.
   std::vector<std::string> keep;
   RunOptions run;
+};
+
+/// What the sources are made from: the mesh that gets the metric, and files.
+class MeshSources final : public metric::SourceData {
+ public:
+  MeshSources(const MetricCommand& command, const MixedMesh& input, const TetMesh& mesh, Context& context)
+      : command_(command), input_(input), mesh_(mesh), context_(context) {}
+
+  std::vector<SymTensor> tensors(const std::string& name) override {
+    if (name.empty() && input_.metric.empty())
+      throw Error(ErrorKind::kBadInput,
+                  command_.mesh_path +
+                      ": carries no metric; give what it is to be made of: --points, --velocity, "
+                      "--hessian, --curvature, --metric or --analytic");
+    return metric_of(input_, command_.mesh_path, name);
+  }
+  std::vector<Vec3> points(const std::string& name) override {
+    return context_.phase("read points", [&] {
+      return name == "centerline" ? extract_centerline(input_.view(), {}, context_).points
+                                  : read_points_in(mesh_.info(), name);
+    });
+  }
+  metric::Flow flow(const std::string& name, const std::string& array) override {
+    return context_.phase("read velocity", [&] { return read_flow_in(mesh_.info(), name, array); });
+  }
+  std::vector<double> solution(const std::string& name) override {
+    return context_.phase("read solution", [&] {
+      if (is_metric_file(name)) return read_solution(name, mesh_.vertex_count());
+      const PointData data = read_point_data(command_.mesh_path);
+      return naming(command_.mesh_path, [&] { return scalars_named(data, name); });
+    });
+  }
+  std::shared_ptr<const Domain> boundary() override {
+    const std::string& path = command_.image_path;
+    if (path.empty()) return nullptr;
+    if (frame_factors(mesh_.info(), MeshInfo()) != Vec3::Ones())
+      throw Error(ErrorKind::kBadInput,
+                  command_.mesh_path + ": does not stand in LPS and mm, as images do; bring it there first");
+    const LabelImage image =
+        context_.phase("read image", [&] { return read_selected_image(path, command_.selection, context_); });
+    return naming(path, [&] {
+      return context_.phase("domain",
+                            [&] { return std::make_shared<const ImageDomain>(image, ImageDomainOptions{}); });
+    });
+  }
+
+ private:
+  const MetricCommand& command_;
+  const MixedMesh& input_;
+  const TetMesh& mesh_;
+  Context& context_;
 };
 
 /// The mesh with the metric of its part that is free to change; kept cells have the one they carry, or that
@@ -48,17 +103,18 @@ void run(MetricCommand command) {
   if (!alone && !command.output_path.ends_with(".vtu") && !command.output_path.ends_with(".vtk"))
     throw Error(ErrorKind::kUsage,
                 command.output_path + ": only .vtu, .vtk, .sol and .solb files carry a metric");
-  command.limits.validate();
-  const std::string& mesh_path = command.sources.mesh_path;
+  command.request.validate();
+  const std::string& mesh_path = command.mesh_path;
   MixedMesh input = context.phase("read", [&] { return read_mesh(mesh_path); });
   const std::optional<KeptCells> kept = kept_cells(command.keep, input, mesh_path);
   const MixedMesh& changing = changing_part(input, kept);
-  if (kept) command.limits.kept_patches = kept->frozen_patches();
+  metric::MetricLimits limits = command.request.limits_for(false);
+  if (kept) limits.kept_patches = kept->frozen_patches();
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(changing, mesh_path); });
-  const std::vector<SymTensor> wanted =
-      wanted_metric(command.sources, changing, mesh, command.limits, context);
+  MeshSources data(command, changing, mesh, context);
+  const std::vector<SymTensor> wanted = metric::requested_metric(mesh, command.request, data, context);
   const double complexity =
-      context.phase("limits", [&] { return metric::shape_metric(mesh, wanted, command.limits); });
+      context.phase("limits", [&] { return metric::shape_metric(mesh, wanted, limits); });
   mesh.info().provenance = provenance_of(*command.self, mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   const MixedMesh whole = kept ? with_metric(input, *kept, mesh) : MixedMesh();
@@ -69,25 +125,10 @@ void run(MetricCommand command) {
     else
       write_mesh(command.output_path, view);
   });
-  if (const std::string unmet = metric::unmet_complexity(complexity, command.limits); !unmet.empty())
+  if (const std::string unmet = metric::unmet_complexity(complexity, limits); !unmet.empty())
     context.warn(unmet);
   say(command.run, "{}: metric of {} vertices, complexity {:.4g} on this mesh\n", command.output_path,
       mesh.vertex_count(), complexity);
-}
-
-void add_limit_options(CLI::App& command, metric::MetricLimits& limits) {
-  command.add_option("--min-size", limits.smallest_mm, "No size below this, in mm")->check(positive_number());
-  command.add_option("--max-size", limits.largest_mm, "No size above this, in mm")->check(positive_number());
-  command
-      .add_option("--max-aspect", limits.most_aspect,
-                  "The largest size of a tensor is at most so many times its smallest")
-      ->check(number_above(1, "a number greater than 1", "> 1"));
-  add_gradation_option(command, limits.growth);
-  command.add_flag("--frozen-boundary", limits.keeps_boundary,
-                   "For adapt --boundary frozen: near the boundary, sizes go over to those of its triangles");
-  command
-      .add_option("--complexity", limits.complexity, "Scale the sizes so that the mesh sees this complexity")
-      ->check(positive_number());
 }
 
 }  // namespace
@@ -96,13 +137,17 @@ void add_metric_command(CLI::App& program) {
   const auto command = std::make_shared<MetricCommand>();
   CLI::App* sub = program.add_subcommand("metric", "Give every vertex of a mesh a metric tensor");
   command->self = sub;
-  sub->add_option("mesh", command->sources.mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")
-      ->required();
+  sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
   sub->add_option("-o,--output", command->output_path,
                   "Mesh with the metric to write (.vtu, .vtk), or the metric alone (.sol, .solb)")
       ->required();
-  add_source_options(*sub, command->sources);
-  add_limit_options(*sub, command->limits);
+  add_options_of(*sub, command->request);
+  sub->add_option("--image", command->image_path,
+                  "Label image the mesh was made of, whose boundary's curvature is taken instead")
+      ->needs("--curvature");
+  add_options_of(*sub, command->selection);
+  const OptionList of_image = options_of(command->selection);
+  for (const Option& option : of_image.all()) sub->get_option(flag_of(option.name))->needs("--image");
   // Their rows are those of all points.
   add_keep_option(*sub, command->keep)->excludes("--metric")->excludes("--hessian");
   add_threads_option(*sub, command->run);

@@ -14,7 +14,7 @@
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/pipeline/input.hpp"
+#include "lumesh/stages/input.hpp"
 #include "phantom_files.hpp"
 
 namespace lumesh::cli {

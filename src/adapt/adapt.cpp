@@ -10,7 +10,6 @@
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/operators/crossings.hpp"
 #include "lumesh/operators/settling.hpp"
-#include "option_range.hpp"
 #include "passes.hpp"
 
 namespace lumesh {
@@ -209,21 +208,6 @@ AdaptReport adapt_by(TetMesh& mesh, const metric::MetricField& field, const oper
 
 }  // namespace
 
-void AdaptOptions::validate() const {
-  check_range("split above", split_above, 1, 3);
-  check_range("collapse below", collapse_below, 0.1, 0.8);
-  check_range("least length", least_length, 0.1, 0.8);
-  constexpr double kMostOfSplit = 0.6;  // Half an edge that was split should not be collapsed again.
-  if (collapse_below > kMostOfSplit * split_above)
-    throw Error(ErrorKind::kUsage,
-                fmt::format("collapse below {:g} would undo what split above {:g} does; it may "
-                            "be {:g} at most",
-                            collapse_below, split_above, kMostOfSplit * split_above));
-  check_range("reconnect below", reconnect_below, 0, 1);
-  check_range("quality passes", quality_passes, 0, 1000);
-  check_range("smoothing passes", smoothing_passes, 0, 1000);
-}
-
 namespace {
 
 AdaptReport adapt_once(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
@@ -236,25 +220,48 @@ AdaptReport adapt_once(TetMesh& mesh, const metric::MetricField& field, const op
   return adapt_by<operators::OrderedExecution>(mesh, field, shapes, options, context);
 }
 
+/// Which vertices stand where they may not be.
+std::vector<bool> vertices_outside(const TetMesh& mesh, const operators::KeepWithin& keep_within) {
+  constexpr double kMoved = 1e-9;  // Of the coordinates: what rounding does.
+  std::vector<bool> outside(mesh.vertex_count(), false);
+  if (!keep_within) return outside;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec3& p = mesh.points()[v];
+    outside[v] = (keep_within(p) - p).norm() > kMoved * (1 + p.norm());
+  }
+  return outside;
+}
+
 /// Vertices of patches that keep their volume come to stand over them; no tetrahedron falls below a mean
-/// ratio of 0.4 or, where it was near or below that, loses more than a tenth of it. Sheets of the outside
-/// that have come to cross each other are drawn apart.
+/// ratio of 0.4 or, where it was near or below that, loses more than a tenth of it. What is still outside of
+/// the image then comes within, as long as no tetrahedron falls below a mean ratio of 0.02. Sheets of the
+/// outside that have come to cross each other are drawn apart.
 void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators::KeepWithin& keep_within) {
   const auto is_any = [&](auto property) { return std::any_of(shapes.begin(), shapes.end(), property); };
   // Within planes and frozen surfaces the outside stays where it is.
   if (!is_any([](const auto& shape) { return shape.freedom == operators::PatchFreedom::kCurved; })) return;
-  constexpr double kFloor = 0.4, kKept = 0.9;
+  constexpr double kFloor = 0.4, kKept = 0.9, kFloorOfOutside = 0.02;
+  std::vector<bool> outside(mesh.vertex_count(), false);
   const operators::MayBecome may_become = [&](std::size_t i, const std::array<Vec3, 4>& /*before*/,
                                               const std::array<Vec3, 4>& after) {
     const TetId t(static_cast<std::uint32_t>(i));
     const auto log = [&](int k) -> const SymTensor& { return mesh.log_metric(mesh.vertex(t, k)); };
     const double ratio =
         metric::mean_ratio(after[0], after[1], after[2], after[3], log(0), log(1), log(2), log(3));
-    return ratio >= std::min<double>(kFloor, kKept * mesh.quality(t));
+    const Cell<4>& corners = mesh.tets()[i];
+    const bool comes_within =
+        std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return outside[v]; });
+    return ratio >= std::min<double>(comes_within ? kFloorOfOutside : kFloor, kKept * mesh.quality(t));
   };
-  if (is_any([](const auto& shape) { return shape.keeps_volume; }))
-    operators::settle(mesh, operators::places_on_shapes(shapes),
-                      {.may_become = may_become, .keep_within = keep_within});
+  if (is_any([](const auto& shape) { return shape.keeps_volume; })) {
+    const operators::SettlingRules rules{.may_become = may_become, .keep_within = keep_within};
+    operators::settle(mesh, operators::places_on_shapes(shapes), rules);
+    outside = vertices_outside(mesh, keep_within);
+    if (std::find(outside.begin(), outside.end(), true) != outside.end()) {
+      metric::measure_qualities(mesh);
+      operators::settle(mesh, operators::places_on_shapes(shapes), rules);
+    }
+  }
   operators::draw_apart(mesh, shapes);
   metric::measure_qualities(mesh);
 }

@@ -12,7 +12,6 @@
 #include "lumesh/operators/ordered_execution.hpp"
 #include "lumesh/operators/speculative_execution.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "option_range.hpp"
 
 namespace lumesh {
 namespace {
@@ -121,12 +120,6 @@ class Improver {
 };
 
 }  // namespace
-
-void ImproveOptions::validate() const {
-  check_range("min dihedral", min_dihedral_deg, 1, 60);
-  check_range("max dihedral", max_dihedral_deg, 90, 179);
-  check_range("passes", passes, 0, 1000);
-}
 
 DihedralRange dihedral_range(const TetMesh& mesh, const ImproveOptions& options) {
   constexpr std::size_t kBlock = 4096;

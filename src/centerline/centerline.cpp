@@ -46,17 +46,6 @@ Polylines lines_of(const Lumen& lumen, const CenterlineOptions& options, Context
 
 }  // namespace
 
-void CenterlineOptions::validate() const {
-  const auto check = [](std::string_view field, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw Error(ErrorKind::kUsage,
-                  fmt::format("{} must be from {:g} to {:g}, not {:g}", field, low, high, value));
-  };
-  check("the spacing of points", spacing_mm, 0, 1e6);
-  check("the shortest tip", shortest_tip, 0.5, 100);
-  check("the size of voxels", voxel_mm, 0, 1e6);
-}
-
 Polylines extract_centerline(const LabelImage& image, const CenterlineOptions& options, Context& context) {
   options.validate();
   const Lumen lumen = context.phase("lumen", [&] { return centerline::lumen_of_image(image, context); });

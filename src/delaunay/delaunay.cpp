@@ -24,24 +24,6 @@
 
 namespace lumesh {
 
-void DelaunayOptions::validate() const {
-  const auto check = [](bool good, const char* message) {
-    if (!good) throw Error(ErrorKind::kUsage, message);
-  };
-  if (!(std::isfinite(delta_mm) && delta_mm >= 0))
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("delta must be a positive number of mm, but is {}", delta_mm));
-  check(std::isfinite(edge_length_mm) && edge_length_mm >= 0,
-        "the edge length must be a positive number of mm");
-  check(std::isfinite(size_mm) && size_mm >= 0, "the size must be a positive number of mm");
-  check(std::isfinite(surface_distance_mm) && surface_distance_mm >= 0,
-        "the surface distance must be a positive number of mm");
-  check(radius_edge >= 1.5, "the radius-edge bound must be at least 1.5");
-  check(facet_angle_deg >= 0 && facet_angle_deg <= 30, "the facet angle must lie in [0, 30] degrees");
-  check(lift >= 0 && lift <= 1, "the lift must lie in [0, 1]");
-  check(max_rounds >= 1, "there must be at least one round");
-}
-
 namespace {
 
 /// @throws Error{kBadInput} for a delta, or what stands for it, of which the object is too small.
@@ -187,11 +169,11 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   if (result.report.pinched_vertices > 0)
     result.report.notes.push_back(fmt::format(
         "at {} vertices parts would have touched in a point or an edge only: tetrahedra there changed "
-        "their label; a smaller --delta leaves fewer",
+        "their label; a smaller `delta` leaves fewer",
         result.report.pinched_vertices));
   if (result.mesh.tet_count() == 0)
     throw Error(ErrorKind::kBadInput,
-                "nothing of the object is left; choose a smaller --delta, or other cut planes");
+                "nothing of the object is left; choose a smaller `delta`, or other cut planes");
   return result;
 }
 

@@ -63,7 +63,7 @@ void check_memory(const Spacing& spacing) {
   throw Error(
       ErrorKind::kMemory,
       fmt::format("about {:.3g} million tetrahedra would need {:.3g} GB of memory and {:.3g} GB are free; "
-                  "choose a larger --delta or --size",
+                  "choose a larger `delta` or `size`",
                   tets / 1e6, tets * kBytesEach / 1e9, free_bytes / 1e9));
 }
 

@@ -57,7 +57,7 @@ void* open_library(const std::filesystem::path& path) {
   std::error_code fault;
   if (!std::filesystem::is_regular_file(path, fault))
     refuse_plugin(path,
-                  "there is no such file; --sizing takes the path of a shared library, then :options if any");
+                  "there is no such file; `sizing` takes the path of a shared library, then :options if any");
   // RTLD_NODELETE: threads and destructors that the plugin left behind would otherwise run code that is gone.
   const std::filesystem::path whole = std::filesystem::absolute(path);
   void* handle = dlopen(whole.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);

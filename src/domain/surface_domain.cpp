@@ -12,6 +12,7 @@
 #include "feature_regions.hpp"
 #include "flat_regions.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "opening_names.hpp"
@@ -55,9 +56,14 @@ double least_cube(const ClosedSurface& surface, const Box3& box) {
 
 }  // namespace
 
+void SurfaceDomainOptions::describe(OptionList& list) {
+  list.number("feature_angle", feature_angle_deg, {.min = 0, .max = 180, .excludes_min = true},
+              "Of a surface: edges where it turns by more are kept")
+      .in("degrees");
+}
+
 void SurfaceDomainOptions::validate() const {
-  if (!(feature_angle_deg > 0 && feature_angle_deg <= 180))
-    throw Error(ErrorKind::kUsage, "the feature angle must lie in (0, 180] degrees");
+  require_ranges_of(*this);
 }
 
 struct SurfaceDomain::Parts {

@@ -113,7 +113,7 @@ class VesselCut {
           ErrorKind::kBadInput,
           fmt::format(
               "{} has a section of {:.3g} mm² across its axis, {:.1f} times that of its radius there, "
-              "{:.3g} mm: it forks or bulges; cut elsewhere, or give a plane with --cut-plane",
+              "{:.3g} mm: it forks or bulges; cut elsewhere, or give a plane with `cut_plane`",
               place_text(), area, area / of_vessel, radius_mm));
     const Index3 last = frame_.size - Index3::Ones();
     for (const Index3& v : section_)
@@ -150,7 +150,7 @@ class VesselCut {
               ErrorKind::kBadInput,
               place_text() +
                   " is part of a loop, which a cut there leaves in one piece; give a plane that cuts both "
-                  "arms with --cut-plane");
+                  "arms with `cut_plane`");
         part(v) = side;
         voxels.push_back(v);
       });

@@ -33,7 +33,7 @@ io::RawImage read_raw(const fs::path& path, Context& context) {
 void check_options(const ImageReadOptions& options) {
   const bool has_level = options.threshold || options.below;
   if (options.threshold && options.below)
-    throw Error(ErrorKind::kUsage, "--threshold and --below exclude each other: give one of them");
+    throw Error(ErrorKind::kUsage, "`threshold` and `below` exclude each other: give one of them");
   if (!options.labels.empty() && has_level)
     throw Error(ErrorKind::kUsage, "labels and a threshold exclude each other: give one of them");
   for (const std::optional<double>& level : {options.threshold, options.below})

@@ -80,8 +80,8 @@ template <class Voxel>
   throw NotLabels(
       ErrorKind::kBadInput,
       fmt::format(
-          "{}: {}; its values are from {:.6g} to {:.6g}: mesh what is at or above one by --threshold "
-          "VALUE, at or below one by --below VALUE ({:.4g} parts them best, {:.1f} % are at or above; "
+          "{}: {}; its values are from {:.6g} to {:.6g}: mesh what is at or above one by `threshold` "
+          "VALUE, at or below one by `below` VALUE ({:.4g} parts them best, {:.1f} % are at or above; "
           "lumesh info shows the histogram)",
           path.string(), why, grey.least, grey.most, threshold, 100 * grey.share_from(threshold)));
 }
@@ -187,9 +187,9 @@ LabelImage threshold_voxels(std::span<const Voxel> voxels, const ImageFrame& fra
       });
   if (seen.not_a_number) fail(path, "has voxels that are not numbers (NaN); replace them before meshing");
   if (!seen.inside && options.below)
-    fail(path, fmt::format("no voxel is at or below {}; raise --below", *options.below));
+    fail(path, fmt::format("no voxel is at or below {}; raise `below`", *options.below));
   if (!seen.inside)
-    fail(path, fmt::format("no voxel is at or above the threshold {}; lower --threshold", threshold));
+    fail(path, fmt::format("no voxel is at or above the threshold {}; lower `threshold`", threshold));
   return image;
 }
 
@@ -241,7 +241,7 @@ LabelImage number_typed(std::span<const Voxel> voxels, const ImageFrame& frame, 
   if (options.labels.empty() && neighbours_mostly_differ(image))
     fail_as_grey(voxels, path,
                  fmt::format("has {} different values, and neighbours mostly differ: these are hardly labels "
-                             "(else name them by --labels)",
+                             "(else name them by `labels`)",
                              labels.size() - 1));
   return image;
 }

@@ -12,7 +12,7 @@ void require_tetrahedra(const std::filesystem::path& path, const MeshView& mesh,
   const std::size_t others = mesh.cell_count() - mesh.tetrahedra.size();
   if (others > 0)
     fail(path, fmt::format("{} reads tetrahedra only, and {} of the {} cells are of other shapes; mesh "
-                           "without --mixed",
+                           "without hexahedra and pyramids",
                            reader, others, mesh.cell_count()));
   if (mesh.tetrahedra.empty())
     fail(path, fmt::format("{} reads tetrahedra, and the mesh has none; convert a volume mesh", reader));

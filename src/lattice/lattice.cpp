@@ -118,16 +118,16 @@ void note_shortcomings(const LatticeOptions& options, LatticeReport& report) {
   if (report.levels_given_up > 0)
     report.notes.push_back("thin parts are refined " + std::to_string(report.levels_given_up) +
                            " levels less than wanted, to stay near " +
-                           std::to_string(options.max_tetrahedra) + " tetrahedra; raise --max-tetrahedra");
+                           std::to_string(options.max_tetrahedra) + " tetrahedra; raise `max_tetrahedra`");
   if (report.non_manifold_vertices > 0)
     report.notes.push_back(
         "a label's boundary is not a manifold at " + std::to_string(report.non_manifold_vertices) +
-        (report.non_manifold_vertices == 1 ? " vertex" : " vertices") + "; try another --spacing");
+        (report.non_manifold_vertices == 1 ? " vertex" : " vertices") + "; try another `edge_length`");
   if (report.missed_points > 0)
     report.notes.push_back("the surface and the image's boundary are up to " +
                            decimals(report.furthest_miss_mm, 2) + " mm apart (" +
                            std::to_string(report.missed_points) + " points are off by more than 1.25 voxels" +
-                           "); a smaller --spacing or higher --fidelity helps");
+                           "); a smaller `edge_length` or higher `fidelity` helps");
 }
 
 /// Labels that are too thin for the lattice fill another volume than their voxels.
@@ -152,15 +152,16 @@ void note_volumes(const WorkMesh& mesh, const ImageDomain& domain, const std::ve
   std::string note = "label " + std::to_string(label) + " fills " + decimals(100 * std::abs(worst), 1) +
                      (worst < 0 ? " % less" : " % more") + " than its voxels";
   if (count > 1) note += ", the worst of " + std::to_string(count) + " labels that are more than 5 % off";
-  report.notes.push_back(note + "; a smaller --spacing or higher --fidelity helps");
+  report.notes.push_back(note + "; a smaller `edge_length` or higher `fidelity` helps");
 }
 
 void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDomain& domain,
                     const LatticeOptions& options, const std::vector<double>& voxels, Context& context,
                     LatticeResult& result) {
   if (built.mesh.tets.empty())
-    throw Error(ErrorKind::kBadInput,
-                "the object is too small for the lattice; choose a smaller --spacing or a higher --fidelity");
+    throw Error(
+        ErrorKind::kBadInput,
+        "the object is too small for the lattice; choose a smaller `edge_length` or a higher `fidelity`");
   const FitOptions fit_options{options.min_dihedral_deg, options.max_dihedral_deg,
                                context.phase("probes", [&] { return boundary_probes(image, domain); })};
   const FitReport fit = context.phase(
@@ -168,10 +169,10 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
   result.report.missed_points = fit.missed_points;
   result.report.furthest_miss_mm = fit.furthest_miss_mm;
   if (fit.vertices_beyond > 0)
-    result.report.notes.push_back(std::to_string(fit.vertices_beyond) +
-                                  (fit.vertices_beyond == 1 ? " vertex lies" : " vertices lie") + " up to " +
-                                  decimals(fit.furthest_beyond_mm, 3) +
-                                  " mm beyond the image's border or a cut plane; another --spacing helps");
+    result.report.notes.push_back(
+        std::to_string(fit.vertices_beyond) + (fit.vertices_beyond == 1 ? " vertex lies" : " vertices lie") +
+        " up to " + decimals(fit.furthest_beyond_mm, 3) +
+        " mm beyond the image's border or a cut plane; another `edge_length` helps");
   note_shortcomings(options, result.report);
   note_volumes(built.mesh, domain, voxels, result.report);
   result.mesh = to_mixed_mesh(built.mesh, built.boundary, domain);
@@ -180,22 +181,6 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
 }
 
 }  // namespace
-
-void LatticeOptions::validate() const {
-  const auto check = [](bool good, const char* message) {
-    if (!good) throw Error(ErrorKind::kUsage, message);
-  };
-  check(std::isfinite(spacing_mm) && spacing_mm >= 0, "the lattice spacing must be a positive number of mm");
-  check(fidelity >= 0.1 && fidelity <= 0.98, "the fidelity must lie in [0.1, 0.98]");
-  for (const auto& [label, value] : label_fidelity)
-    check(value >= 0.1 && value <= 0.98, "the fidelity of a label must lie in [0.1, 0.98]");
-  check(coarsening >= 0 && coarsening <= 4, "the coarsening must lie in [0, 4]");
-  check(max_refinement >= 0 && max_refinement <= 5, "the refinement limit must lie in [0, 5]");
-  check(min_dihedral_deg >= 1 && min_dihedral_deg <= 25,
-        "the smallest dihedral angle must lie in [1, 25] degrees");
-  check(max_dihedral_deg >= 130 && max_dihedral_deg <= 175,
-        "the largest dihedral angle must lie in [130, 175] degrees");
-}
 
 LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
                            Context& context) {

@@ -367,7 +367,7 @@ LatticeFrame make_lattice_frame(const ImageDomain& domain, double coarsest_mm, i
   }
   if ((frame.cells.cast<double>() * (2.0 * frame.step(0))).maxCoeff() >= 1 << (bcc::kBits - 1))
     throw Error(ErrorKind::kMemory,
-                "the lattice spacing is too small for the size of the object; choose a larger --spacing");
+                "the lattice spacing is too small for the size of the object; choose a larger `edge_length`");
   const Vec3 spare = frame.cells.cast<double>() * coarsest_mm - extent;
   frame.origin_mm = image.to_physical(corner) - frame.axes * (0.5 * spare);
   return frame;

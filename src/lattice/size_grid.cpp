@@ -91,7 +91,7 @@ void SizeGrid::keep_within(std::size_t most_tetrahedra, std::size_t object_voxel
     throw Error(
         ErrorKind::kMemory,
         fmt::format("about {:.2g} tetrahedra would need {:.2g} GB of memory and {:.2g} GB are free; choose a "
-                    "larger --spacing",
+                    "larger `edge_length`",
                     predicted_, predicted_ * kBytesEach / 1e9, free_bytes / 1e9));
   }
   for (std::uint8_t& cell : wanted_) {

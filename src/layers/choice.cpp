@@ -62,7 +62,7 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
     std::string known;
     for (std::size_t p = 0; p < chosen.size(); ++p)
       if (is_at_label(p)) known += " " + info.patches[p].name;
-    refuse(fmt::format("there is no wall for layers{}; name patches with --patch, of:{}",
+    refuse(fmt::format("there is no wall for layers{}; name patches with `patch`, of:{}",
                        options.into == 0 ? "" : fmt::format(" at label {}", label_list({options.into}, info)),
                        known));
   }
@@ -91,7 +91,7 @@ Choice choice_of(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOpt
     if (!sides[p].has_inner_faces || (options.side == LayerSide::kInward && options.into != 0)) continue;
     refuse(
         fmt::format("patch {} lies between labels {} and has no free side; layers grow into one of them with "
-                    "--side inward and --into LABEL",
+                    "`side` inward and `into` LABEL",
                     info.patches[p].name, label_list(sides[p].labels, info)));
   }
   if (options.side == LayerSide::kOutward) return choice;
@@ -99,7 +99,7 @@ Choice choice_of(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOpt
   choice.into = options.into;
   if (options.into == 0 && at_chosen.size() > 1)
     refuse(fmt::format(
-        "layers grow into one label at a time, but the patches are at {}; say which with --into LABEL",
+        "layers grow into one label at a time, but the patches are at {}; say which with `into` LABEL",
         label_list(at_chosen, info)));
   if (options.into == 0 && !at_chosen.empty()) choice.into = *at_chosen.begin();
   return choice;

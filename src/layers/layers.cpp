@@ -27,7 +27,7 @@ Label label_of_layers(const TetMesh& mesh, Label wanted) {
   Label largest = 0;
   for (const Label label : mesh.labels()) largest = std::max(largest, label);
   if (largest == std::numeric_limits<Label>::max())
-    throw Error(ErrorKind::kBadInput, "no label is free above the largest; give the layers one with --label");
+    throw Error(ErrorKind::kBadInput, "no label is free above the largest; give the layers one with `label`");
   return largest + 1;
 }
 
@@ -38,26 +38,6 @@ std::vector<double> differences_of(const std::vector<double>& sums) {
 }
 
 }  // namespace
-
-void LayerOptions::validate() const {
-  const auto check = [](bool good, const char* message) {
-    if (!good) throw Error(ErrorKind::kBadInput, message);
-  };
-  check(std::isfinite(first_height) && first_height > 0, "the first height must be a number above 0");
-  check(count >= 0 && count <= 200, "the number of layers must lie between 1 and 200");
-  check(constant_layers >= 1 && constant_layers <= 200,
-        "the number of layers of constant growth must lie between 1 and 200");
-  check(std::isfinite(thickness) && thickness >= 0, "the thickness must be a number above 0");
-  check(count > 0 || thickness > 0, "give the number of layers or their thickness");
-  check(std::isfinite(growth) && growth > 0, "the growth must be a number above 0");
-  check(growth >= 1 || count > 0, "a growth below 1 needs the number of layers");
-  check(growth_rise >= 1 && std::isfinite(growth_rise), "the rise of the growth must be 1 or more");
-  check(std::isfinite(most_growth) && most_growth > 0, "the largest growth must be a number above 0");
-  if (thickness > 0 && thickness < first_height)
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("the thickness {:g} of all layers is less than the first height {:g}", thickness,
-                            first_height));
-}
 
 std::vector<double> layer_heights(const LayerOptions& options) {
   options.validate();
@@ -127,7 +107,7 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choic
   const LayerSurface surface =
       context.phase("surface", [&] { return surface_of(mesh, faces, choice, is_inward); });
   if (surface.triangles.empty())
-    throw Error(ErrorKind::kBadInput, "no patch for layers has a triangle; name one with --patch");
+    throw Error(ErrorKind::kBadInput, "no patch for layers has a triangle; name one with `patch`");
   const std::vector<double> heights = height_schedule(options);
   const Directions directions = context.phase("directions", [&] { return marching_directions(surface); });
   Growth growth{surface, directions, heights};

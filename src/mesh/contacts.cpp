@@ -183,7 +183,7 @@ void check_surfaces_match(std::span<const PartSurface> parts, const JoinedPoints
       throw Error(
           ErrorKind::kBadInput,
           fmt::format("{} faces of {} lie on {} but differ from its own (points, diagonals, or farther "
-                      "apart than {:.3g}), as at {}; remesh one, or --allow-gaps",
+                      "apart than {:.3g}), as at {}; remesh one, or `allow_gaps`",
                       faults.size(), parts[from].name, parts[to].name, joined.tolerance,
                       place_text(middle_of(joined.points, faults.front()))));
     }

@@ -9,6 +9,7 @@
 
 #include "boundary_sizes.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/metric/gradation.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -132,16 +133,13 @@ double shape_to_limits(TetMesh& mesh, std::span<const SymTensor> wanted, const M
 }  // namespace
 
 void MetricLimits::validate() const {
-  const auto refuse = [](const char* what) { throw Error(ErrorKind::kUsage, what); };
-  if (!(smallest_mm >= 0) || !std::isfinite(smallest_mm)) refuse("the smallest size must be 0 or more");
-  if (!(largest_mm > 0)) refuse("the largest size must be above 0");
-  if (!(most_aspect >= 1)) refuse("the largest aspect must be 1 or more");
-  if (!(growth == 0 || (growth > 1 && std::isfinite(growth)))) refuse("gradation must be greater than 1");
-  if (!(complexity >= 0) || !std::isfinite(complexity)) refuse("the complexity must be 0 or more");
+  require_ranges_of(*this);
+  if (!(growth == 0 || (growth > 1 && std::isfinite(growth))))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{} must be greater than 1, or 0, not {:g}", option_name("gradation"), growth));
   if (smallest_mm > largest_mm)
-    throw Error(
-        ErrorKind::kBadInput,
-        fmt::format("the smallest size, {} mm, is greater than the largest, {} mm", smallest_mm, largest_mm));
+    throw Error(ErrorKind::kBadInput, fmt::format("{} {:g} is larger than {} {:g}", option_name("min_size"),
+                                                  smallest_mm, option_name("max_size"), largest_mm));
 }
 
 double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const MetricLimits& limits) {

@@ -24,7 +24,7 @@ Team::Team(const TeamOptions& options)
   } catch (const std::system_error&) {
     stop();
     throw Error(ErrorKind::kMemory, "the system does not give " + std::to_string(threads) +
-                                        " threads; ask for fewer with --threads");
+                                        " threads; ask for fewer with `threads`");
   }
 }
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <set>
 
-#include "case_keys.hpp"
+#include "case_sections.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "outputs.hpp"
@@ -29,10 +29,6 @@ void check_input(const Case& c) {
     refuse(
         "[input] labels, threshold, below, probabilities, largest_component, cut_planes and cut_at are for "
         "images; leave them out with surface");
-  if (selection.threshold && selection.below)
-    refuse("[input] threshold and below exclude each other; give one of them");
-  if (selection.has_level() && !selection.probabilities.empty())
-    refuse("[input] threshold or below and probabilities exclude each other; give one of them");
   if (input.phantom.empty()) return;
   if (selection.has_level() || !selection.probabilities.empty())
     refuse("[input] threshold, below and probabilities are for images; leave them out with phantom");
@@ -53,19 +49,51 @@ void refuse_other_mesher(const Case& c) {
         is_lattice ? "lattice" : "delaunay"));
 }
 
+/// Names of the keys of a section that a file or the command line gives, but for those whose value is the
+/// default: case_text() writes all.
+std::set<std::string> given_in(const CaseSection& section, const CaseSection& defaults,
+                               const std::set<std::string>& given) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < section.options.all().size(); ++i) {
+    const Option& key = section.options.all()[i];
+    if (given.contains(section.name + "." + key.name) &&
+        key.value_text() != defaults.options.all()[i].value_text())
+      names.insert(key.name);
+  }
+  return names;
+}
+
+/// Options that exclude or need one another, by their descriptions.
+void check_given(const Case& c, const std::set<std::string>& given) {
+  Case copy = c, untouched;
+  const std::vector<CaseSection> sections = sections_of(copy), defaults = sections_of(untouched);
+  for (std::size_t s = 0; s < sections.size(); ++s) {
+    const CaseSection& section = sections[s];
+    const std::set<std::string> names = given_in(section, defaults[s], given);
+    const auto has = [&](const std::string& name) { return names.contains(name); };
+    const std::string head = section.name.empty() ? "" : "[" + section.name + "] ";
+    for (const Option& key : section.options.all()) {
+      if (!has(key.name)) continue;
+      for (const std::string& other : key.excluded)
+        if (has(other))
+          refuse(fmt::format("{}{} and {} exclude each other; give one of them", head, key.name, other));
+      for (const std::string& other : key.needed)
+        if (!has(other)) refuse(fmt::format("{}{} needs {}", head, key.name, other));
+    }
+  }
+}
+
 void check_metric(const Case& c) {
-  const MetricKeys& m = c.metric;
-  if (m.largest_mm > 0 && m.smallest_mm > m.largest_mm)
-    refuse(fmt::format("[metric] min_size {:g} is larger than max_size {:g}", m.smallest_mm, m.largest_mm));
-  if (m.gradation != 0 && m.gradation <= 1)
-    refuse(
-        fmt::format("[metric] gradation must be greater than 1, such as 1.5, or 0; not {:g}", m.gradation));
-  if (m.largest_aspect != 0 && m.largest_aspect < 1)
-    refuse(fmt::format("[metric] max_aspect must be at least 1, or 0; not {:g}", m.largest_aspect));
-  if (m.velocity == "phantom" && c.input.phantom.empty())
+  const metric::MetricRequest& m = c.metric;
+  if (m.source<metric::VelocitySource>().velocity == "phantom" && c.input.phantom.empty())
     refuse("[metric] velocity = \"phantom\" needs [input] phantom");
-  if (m.complexity > 0 && !m.is_wanted())
-    refuse("[metric] complexity has nothing to scale; give points, velocity or curvature");
+  if (m.source<metric::TensorSource>().is_wanted() || m.source<metric::HessianSource>().is_wanted())
+    refuse(
+        "[metric] metric and hessian have a value for each vertex of a mesh that is there; use `lumesh "
+        "metric` and "
+        "`lumesh adapt` on that mesh");
+  if (m.limits.complexity > 0 && !m.has_source())
+    refuse("[metric] complexity has nothing to scale; give points, velocity, curvature or analytic");
 }
 
 void check_layer_keys(const Case& c) {
@@ -77,12 +105,7 @@ void check_layer_keys(const Case& c) {
           "leave out count, thickness, patches and label, too");
     return;
   }
-  try {
-    static_cast<void>(layer_heights(o));
-  } catch (const Error& contradiction) {
-    refuse(std::string("[layers] ") + contradiction.what());
-  }
-  static_cast<void>(layer_options_of(c));
+  static_cast<void>(layer_heights(c.layers.with_label()));
   if (o.cells == LayerCells::kTetrahedra) return;
   for (const std::string& name : c.output.meshes)
     if (!is_mixed_volume_file(name))
@@ -90,6 +113,18 @@ void check_layer_keys(const Case& c) {
           "[output] meshes: {} holds tetrahedra only, not the prisms of [layers]; use .vtu, .vtk, "
           ".mesh, .meshb, .msh or .foam, or set [layers] cells = \"tetrahedra\"",
           name));
+}
+
+/// The section's own checks, with its keys and as bad input.
+template <class Check>
+void check_section(const std::string& section, const Check& check) {
+  try {
+    check();
+  } catch (const Error& error) {
+    std::string message = with_case_keys(error.what(), {section});
+    if (message.find("[" + section + "]") == std::string::npos) message = "[" + section + "] " + message;
+    throw Error(ErrorKind::kBadInput, message);
+  }
 }
 
 void check_output(const Case& c) {
@@ -125,28 +160,20 @@ void check_output(const Case& c) {
 
 }  // namespace
 
-void check_case(const Case& c) {
+void check_case(const Case& c, const std::set<std::string>& given) {
   check_input(c);
+  check_given(c, given);
   refuse_other_mesher(c);
-  if (c.cells_per_diameter > 0 && c.cells_per_diameter < 1)
-    refuse(fmt::format("cells_per_diameter must be at least 1, or 0; not {:g}", c.cells_per_diameter));
-  if (!c.sizes.points.empty() && !(c.sizes.floor_mm > 0))
-    refuse("[delaunay] size_points needs size_floor, the least size in mm");
-  if (c.sizes.ceiling_mm > 0 && c.sizes.ceiling_mm < c.sizes.floor_mm)
-    refuse("[delaunay] size_ceiling is less than size_floor");
+  check_section("lattice", [&] { c.lattice.validate(); });
+  check_section("delaunay", [&] { c.delaunay.validate(); });
+  check_section("centerline", [&] { c.centerline.options.validate(); });
+  check_section("metric", [&] { c.metric.validate(); });
   check_metric(c);
-  try {
-    c.adapt.validate();
-  } catch (const Error& contradiction) {
-    refuse(std::string("[adapt] ") + contradiction.what());
-  }
+  check_section("adapt", [&] { c.adapt.validate(); });
   check_output(c);
-  check_layer_keys(c);
-  try {
-    static_cast<void>(renamings_from(c.openings.names));
-  } catch (const Error& wrong) {
-    refuse(std::string("[openings] names: ") + wrong.what());
-  }
+  check_section("layers", [&] { check_layer_keys(c); });
+  check_section("openings",
+                [&] { naming("names", [&] { static_cast<void>(renamings_from(c.openings.names)); }); });
 }
 
 }  // namespace lumesh::pipeline

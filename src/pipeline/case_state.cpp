@@ -14,8 +14,7 @@ const Domain& CaseState::domain() {
   if (!surface) return *domain_of_image();
   if (!surface_domain)
     surface_domain = naming(input_name, [&] {
-      return context.phase(
-          "domain", [&] { return domain_of(*surface, {.feature_angle_deg = c.input.feature_angle_deg}); });
+      return context.phase("domain", [&] { return domain_of(*surface, c.input.of_surface); });
     });
   return *surface_domain;
 }
@@ -34,14 +33,6 @@ const std::shared_ptr<const ImageDomain>& CaseState::domain_of_image() {
     return context.phase("domain", [&] { return std::make_shared<const ImageDomain>(*image, options); });
   });
   return image_domain;
-}
-
-const std::vector<Vec3>& CaseState::metric_points() const {
-  return c.metric.points == "centerline" ? centerline.points : read_metric_points;
-}
-
-const std::vector<Vec3>& CaseState::size_points() const {
-  return c.sizes.points == "centerline" ? centerline.points : read_size_points;
 }
 
 MeshView CaseState::view(const BoundaryFaces& faces) const {

@@ -12,8 +12,8 @@
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/pipeline/case.hpp"
-#include "lumesh/pipeline/input.hpp"
 #include "lumesh/quality/evaluation.hpp"
+#include "lumesh/stages/input.hpp"
 
 namespace lumesh::pipeline {
 
@@ -33,8 +33,6 @@ struct CaseState {
   std::shared_ptr<const ImageDomain> image_domain = nullptr;  ///< Once a stage has needed it.
   std::optional<std::vector<Opening>> found_openings = {};    ///< Once a stage has needed them.
   Polylines centerline;
-  std::vector<Vec3> read_metric_points, read_size_points;  ///< Of files; empty where there is none.
-  Flow flow;                                               ///< Where velocities are asked for.
   TetMesh mesh;                      ///< The first mesh, then the same with its metric, then the adapted one.
   std::optional<MixedMesh> layered;  ///< The mesh with its boundary layers, once it has them.
   std::vector<PatchRenaming> renamings;  ///< What patches are to be called in the end.
@@ -48,9 +46,6 @@ struct CaseState {
   [[nodiscard]] const std::vector<Opening>& openings();
   /// The domain of the image.
   [[nodiscard]] const std::shared_ptr<const ImageDomain>& domain_of_image();
-  /// Around which the metric, and the sizes of the Delaunay mesher, are made: of a file or the centerline.
-  [[nodiscard]] const std::vector<Vec3>& metric_points() const;
-  [[nodiscard]] const std::vector<Vec3>& size_points() const;
   /// The mesh with these faces of its own, and with its metric if that means anything.
   [[nodiscard]] MeshView view(const BoundaryFaces& faces) const;
   /// What every file says of its making.

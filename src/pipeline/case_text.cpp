@@ -1,6 +1,6 @@
 #include <fmt/core.h>
 
-#include "case_keys.hpp"
+#include "case_sections.hpp"
 
 namespace lumesh {
 namespace pipeline {
@@ -32,48 +32,52 @@ std::string list_of(const Items& items, const Text& text) {
   return "[" + list + "]";
 }
 
-/// Empty for what has no value.
+/// Empty for what has no value. Zero stands for what is not given (Option::zero).
 struct ValueText {
+  const Option& option;
+
   std::string operator()(const bool* v) const { return *v ? "true" : "false"; }
-  std::string operator()(const int* v) const { return std::to_string(*v); }
-  std::string operator()(const std::size_t* v) const { return std::to_string(*v); }
-  std::string operator()(const double* v) const { return number(*v); }
-  std::string operator()(const std::optional<double>* v) const { return *v ? number(**v) : ""; }
   std::string operator()(const std::string* v) const { return toml_text(*v); }
   std::string operator()(const std::vector<int>* v) const {
     return list_of(*v, [](int i) { return std::to_string(i); });
   }
   std::string operator()(const std::vector<std::string>* v) const { return list_of(*v, toml_text); }
-  std::string operator()(const std::vector<CutPlane>* v) const {
-    return list_of(*v, [](const CutPlane& plane) {
-      const Vec3 &p = plane.point_mm, &n = plane.normal;
-      return list_of(std::array{p[0], p[1], p[2], n[0], n[1], n[2]}, number);
-    });
+  std::string operator()(const std::map<int, double>* v) const {
+    return list_of(*v, [](const auto& pair) { return fmt::format("'{}={}'", pair.first, pair.second); });
   }
-  std::string operator()(const std::vector<Vec3>* v) const {
-    return list_of(*v, [](const Vec3& p) { return list_of(std::array{p[0], p[1], p[2]}, number); });
+  std::string operator()(const OptionWord& word) const { return toml_text(word.words[word.get()]); }
+  std::string operator()(const OptionPath& file) const { return toml_text(*file.path); }
+  std::string operator()(const OptionRows& rows) const {
+    const auto row_text = [](const std::vector<double>& row) { return list_of(row, number); };
+    const std::vector<std::vector<double>> values = rows.get();
+    return rows.is_single ? row_text(values.front()) : list_of(values, row_text);
   }
-  std::string operator()(const Index3* v) const {
-    return fmt::format("[{}, {}, {}]", (*v)[0], (*v)[1], (*v)[2]);
+  std::string operator()(const auto* /*number*/) const {
+    const std::optional<double> value = option.number();
+    return value ? number(*value) : "";
   }
-  std::string operator()(const Vec3* v) const {
-    return list_of(std::array{(*v)[0], (*v)[1], (*v)[2]}, number);
-  }
-  std::string operator()(const Choice& choice) const { return toml_text(choice.words[choice.get()]); }
-  std::string operator()(const FilePath& file) const { return toml_text(*file.path); }
 };
+
+/// What a key means, as a comment behind it.
+std::string comment_of(const Option& key) {
+  const std::string values = key.domain_text();
+  return key.meaning + (values.empty() ? "" : "; " + values) +
+         (key.zero_text ? "; 0: " + *key.zero_text : "");
+}
 
 }  // namespace
 
 std::string section_text(const Case& wanted, const std::string& section) {
   Case c = wanted;
   std::string text;
-  for (const Key& key : keys_of(c)) {
-    if (key.section != section) continue;
-    const std::string value = std::visit(ValueText{}, key.target);
-    const std::string line =
-        value.empty() ? fmt::format("# {} =", key.name) : fmt::format("{} = {}", key.name, value);
-    text += fmt::format("{:<32} # {}\n", line, key.meaning);
+  for (const CaseSection& one : sections_of(c)) {
+    if (one.name != section) continue;
+    for (const Option& key : one.options.all()) {
+      const std::string value = std::visit(ValueText{key}, key.target);
+      const std::string line =
+          value.empty() ? fmt::format("# {} =", key.name) : fmt::format("{} = {}", key.name, value);
+      text += fmt::format("{:<32} # {}\n", line, comment_of(key));
+    }
   }
   return text;
 }
@@ -82,13 +86,10 @@ std::string section_text(const Case& wanted, const std::string& section) {
 
 std::string case_text(const Case& wanted) {
   Case c = wanted;
-  std::string text = pipeline::section_text(wanted, "");
-  std::string section;
-  for (const pipeline::Key& key : pipeline::keys_of(c)) {
-    if (key.section == section) continue;
-    section = key.section;
-    text += fmt::format("\n[{}]  # {}\n{}", section, pipeline::section_meaning(section),
-                        pipeline::section_text(wanted, section));
+  std::string text;
+  for (const CaseSection& section : sections_of(c)) {
+    if (!section.name.empty()) text += fmt::format("\n[{}]  # {}\n", section.name, section.meaning);
+    text += pipeline::section_text(wanted, section.name);
   }
   return text;
 }

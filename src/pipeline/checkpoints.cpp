@@ -5,7 +5,7 @@
 #include <bit>
 #include <fstream>
 
-#include "case_keys.hpp"
+#include "case_sections.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/mesh_file.hpp"
@@ -124,20 +124,25 @@ std::map<std::string, std::string> stage_keys(const CaseState& state) {
                                 (state.image ? content_of(*state.image) : "") + section_text(c, "input"));
   keys["centerline"] = key(input + section_text(c, "centerline"));
   const bool lattice = c.mesher == Mesher::kLattice;
-  const bool sized_by_line = c.sizes_by_centerline(), metric_by_line = c.metric.points == "centerline";
-  const std::string plugin = c.sizes.plugin.substr(0, c.sizes.plugin.find(':'));
+  const std::string mesher = lattice ? "lattice" : "delaunay";
+  const auto files_of = [&](const std::string& section) {
+    std::string hashes;
+    for (const CaseFileRead& file : files_read_by(c))
+      if (file.key.starts_with("[" + section + "]")) hashes += hash_of(file.path);
+    return hashes;
+  };
+  const bool sized_by_line = !lattice && c.delaunay_request().sizes.needs_axes();
+  const bool metric_by_line = c.metric.source<metric::PointSource>().points == "centerline";
   // Speculative improvement of angles depends on chance.
-  const bool by_chance = !lattice && c.adapt.execution == ExecutionKind::kSpeculative;
-  keys["mesh"] = key(input + section_text(c, "") + section_text(c, lattice ? "lattice" : "delaunay") +
-                     (sized_by_line ? keys["centerline"] : "") +
-                     (c.sizes.points == "centerline" ? "" : hash_of(c.sizes.points)) +
-                     (plugin.empty() ? "" : hash_of(plugin)) + (by_chance ? "speculative" : ""));
-  const bool frozen = limits_of(c).keeps_boundary;  // It imposes sizes.
-  keys["metric"] = key(keys["mesh"] + section_text(c, "metric") +
-                       (metric_by_line ? keys["centerline"] : hash_of(c.metric.points)) +
-                       hash_of(c.metric.velocity) + (frozen ? "frozen" : ""));
+  const bool by_chance = !lattice && c.adapt.adapt.execution == ExecutionKind::kSpeculative;
+  keys["mesh"] =
+      key(input + section_text(c, "") + section_text(c, mesher) + (sized_by_line ? keys["centerline"] : "") +
+          files_of(mesher) + (by_chance ? "speculative" : ""));
+  const bool frozen = c.metric.limits_for(c.adapt.boundary.is_frozen).keeps_boundary;  // It imposes sizes.
+  keys["metric"] = key(keys["mesh"] + section_text(c, "metric") + (metric_by_line ? keys["centerline"] : "") +
+                       files_of("metric") + (frozen ? "frozen" : ""));
   keys["adapted"] = key(keys["metric"] + section_text(c, "adapt"));
-  keys["layers"] = key(keys[c.metric.is_wanted() ? "adapted" : "mesh"] + section_text(c, "layers"));
+  keys["layers"] = key(keys[c.metric.has_source() ? "adapted" : "mesh"] + section_text(c, "layers"));
   return keys;
 }
 

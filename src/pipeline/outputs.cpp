@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "case_sections.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/mesh_file.hpp"
@@ -37,7 +38,7 @@ std::vector<std::string> names_of_files(const Case& c) {
        {c.output.surface, c.output.report, c.output.json, std::string(kEffectiveCase)})
     if (!name.empty()) names.push_back(name);
   if (c.output.stages && c.needs_centerline()) names.emplace_back("centerline.vtp");
-  if (c.output.stages && c.metric.is_wanted()) names.emplace_back("first.vtu");
+  if (c.output.stages && c.metric.has_source()) names.emplace_back("first.vtu");
   return names;
 }
 
@@ -100,14 +101,9 @@ std::filesystem::path folder_of_results(const CaseState& state) {
 }
 
 void check_inputs(const Case& c) {
-  for (const auto& [key, path] : {std::pair{"[input] image", c.input.image},
-                                  {"[input] surface", c.input.surface},
-                                  {"[metric] points", c.metric.points},
-                                  {"[metric] velocity", c.metric.velocity},
-                                  {"[delaunay] size_points", c.sizes.points},
-                                  {"[delaunay] sizing", c.sizes.plugin.substr(0, c.sizes.plugin.find(':'))}})
-    if (!path.empty() && path != "centerline" && path != "phantom" && !std::filesystem::exists(path))
-      throw Error(ErrorKind::kBadInput, fmt::format("{}: no such file; check {}", path, key));
+  for (const CaseFileRead& file : files_read_by(c))
+    if (!std::filesystem::exists(file.path))
+      throw Error(ErrorKind::kBadInput, fmt::format("{}: no such file; check {}", file.path, file.key));
 }
 
 namespace {
@@ -127,14 +123,14 @@ void prepare_folder(const Case& c) {
   const std::filesystem::path folder = folder_of(c);
   make_folder(folder);
   if (c.run.checkpoints) make_folder(folder / "checkpoints");
+  std::vector<std::string> inputs = {c.file};
+  for (const CaseFileRead& file : files_read_by(c)) inputs.push_back(file.path);
   for (const std::string& name : names_of_files(c)) {
     check_mesh_folder(folder / name);
     if (!is_mesh_folder(name) && std::filesystem::is_directory(folder / name))
       throw Error(ErrorKind::kBadInput,
                   (folder / name).string() + ": is a folder; set another name in [output]");
-    for (const std::string& input :
-         {c.file, c.input.image, c.input.surface, c.metric.points, c.metric.velocity, c.sizes.points,
-          c.sizes.plugin.substr(0, c.sizes.plugin.find(':'))}) {
+    for (const std::string& input : inputs) {
       std::error_code ignored;  // Of files that do not exist, which is told when they are read.
       const bool is_run_again = input == c.file && name == kEffectiveCase;
       if (!is_run_again && std::filesystem::is_regular_file(input, ignored) &&

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <ctime>
 
-#include "case_words.hpp"
+#include "case_sections.hpp"
 #include "checkpoints.hpp"
 #include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/error.hpp"
@@ -42,7 +42,7 @@ class CaseRun {
   void read_input() {
     stage("input", "Input", [&](report::StageReport& report) {
       pipeline::read_input(state_, report);
-      check_fits_memory(state_.c.metric.complexity);  // Before the time for a mesh is spent.
+      check_fits_memory(state_.c.metric.limits.complexity);  // Before the time for a mesh is spent.
       find_named_openings(state_);
     });
     if (state_.c.run.checkpoints) keys_ = stage_keys(state_);
@@ -147,12 +147,12 @@ class CaseRun {
     try {
       make(report);
     } catch (const Error& error) {
-      throw Error(error.kind(), in_case_words(error.what(), sections));
+      throw Error(error.kind(), with_case_keys(error.what(), sections));
     }
     report.seconds = seconds_since(start);
     add_steps(report, phases);
     for (std::string& warning : report.warnings) {
-      warning = in_case_words(warning, sections);
+      warning = with_case_keys(warning, sections);
       state_.context.warn(warning);
     }
     say(name, report.seconds, counts_line(report));
@@ -218,14 +218,14 @@ CaseResult run_case(const Case& c, bool resumes, Context& context) {
   if (c.needs_centerline()) run.make_centerline();
   run.change_mesh("mesh", "First mesh", pipeline::make_mesh);
   run.draw_centerline();
-  if (c.metric.is_wanted()) {
+  if (c.metric.has_source()) {
     run.change_mesh("metric", "Metric", pipeline::make_metric);
     run.keep_first_mesh();
     run.describe("first");
     run.change_mesh("adapted", "Adapted mesh", pipeline::adapt_mesh);
   }
   if (c.layers.is_wanted()) {
-    run.describe(c.metric.is_wanted() ? "adapted" : "first");
+    run.describe(c.metric.has_source() ? "adapted" : "first");
     run.change_mesh("layers", "Boundary layers", pipeline::make_layers);
   }
   run.name_patches();

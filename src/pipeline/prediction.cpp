@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "case_words.hpp"
+#include "case_sections.hpp"
 #include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
@@ -97,9 +97,10 @@ class Prediction {
            first_tets_);
     } else {
       first_tets_ = tets_of_delaunay();
-      step(c.improves ? "first mesh, by Delaunay refinement, and better angles"
-                      : "first mesh, by Delaunay refinement",
-           per_core((kDelaunayPerTet + (c.improves ? kImprovementPerTet : 0)) * first_tets_), first_tets_);
+      step(c.delaunay.improves ? "first mesh, by Delaunay refinement, and better angles"
+                               : "first mesh, by Delaunay refinement",
+           per_core((kDelaunayPerTet + (c.delaunay.improves ? kImprovementPerTet : 0)) * first_tets_),
+           first_tets_);
     }
     last_tets_ = first_tets_;
   }
@@ -115,7 +116,7 @@ class Prediction {
     check_fits_memory(complexity);
   }
   void grow_layers() {
-    const LayerOptions options = layer_options_of(state_.c);
+    const LayerOptions options = state_.c.layers.with_label();
     const std::size_t layers = layer_heights(options).size();
     const bool are_prisms = options.cells == LayerCells::kPrisms,
                is_inward = options.side == LayerSide::kInward;
@@ -152,16 +153,15 @@ class Prediction {
     const auto on_area = [&](double factor, double tets) {
       return factor * outside.area_mm2 * std::pow(tets / outside.volume_mm3, 2.0 / 3);
     };
-    if (c.metric.is_wanted() && c.boundary.boundary == BoundaryMode::kAdapt)
-      return on_area(kAdaptedTriangles, last_tets_);
+    if (c.metric.has_source() && !c.adapt.boundary.is_frozen) return on_area(kAdaptedTriangles, last_tets_);
     if (c.mesher == Mesher::kLattice) return on_area(kLatticeTriangles, first_tets_);
     return kDelaunayTriangles * outside.area_mm2 /
-           std::pow(delaunay_delta_mm(c.delaunay_options(), state_.domain()), 2);
+           std::pow(delaunay_delta_mm(c.delaunay_request().delaunay, state_.domain()), 2);
   }
   double tets_of_delaunay() {
     const Domain& domain = state_.domain();
     const std::unique_ptr<Sizing> sizing = sizing_of(state_, domain);
-    DelaunayOptions options = state_.c.delaunay_options();
+    DelaunayOptions options = state_.c.delaunay_request().delaunay;
     options.sizing = sizing.get();
     return estimated_tetrahedra(domain, options);
   }
@@ -188,12 +188,12 @@ CasePrediction predict_case(const Case& c, Context& context) {
     prediction.read_input();
     if (c.needs_centerline()) prediction.make_centerline();
     prediction.make_mesh();
-    if (c.metric.is_wanted()) prediction.adapt();
+    if (c.metric.has_source()) prediction.adapt();
     if (c.layers.is_wanted()) prediction.grow_layers();
     return prediction.finish();
   } catch (const Error& error) {
     const std::string mesher = c.mesher == Mesher::kLattice ? "lattice" : "delaunay";
-    throw Error(error.kind(), pipeline::in_case_words(error.what(), {mesher, "input"}));
+    throw Error(error.kind(), pipeline::with_case_keys(error.what(), {mesher, "input"}));
   }
 }
 

@@ -6,7 +6,7 @@
 #include "lumesh/image/selection.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/sha256.hpp"
-#include "lumesh/pipeline/vessel_ends.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
@@ -94,8 +94,7 @@ void read_input(CaseState& state, report::StageReport& stage) {
 
 void make_centerline(CaseState& state, report::StageReport& stage) {
   stage.what = "The axes of the vessels, from opening to opening, with the radius of the vessel along them.";
-  CenterlineOptions options;
-  options.spacing_mm = state.c.centerline.spacing_mm;
+  const CenterlineOptions& options = state.c.centerline.options;
   state.centerline = naming(state.input_name, [&] {
     return state.image ? extract_centerline(*state.image, options, state.context)
                        : extract_centerline(state.surface->view(), options, state.context);

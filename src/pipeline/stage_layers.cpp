@@ -8,7 +8,6 @@
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/layers/layers.hpp"
 #include "lumesh/mesh/patch_list.hpp"
-#include "lumesh/pipeline/layer_label.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
@@ -54,11 +53,17 @@ void check_patches(CaseState& state) {
   }
 }
 
-void check_into(const CaseState& state) {
-  const Label into = state.c.layers.options.into;
+/// The label that layers grow into, by its name or number; the background where the case names none.
+Label label_grown_into(const CaseState& state) {
+  const std::string& into = state.c.layers.into;
+  if (into.empty()) return kBackground;
   std::vector<Label> labels = state.image ? state.image->values() : std::vector<Label>{1};
   std::erase(labels, kBackground);
-  if (into == 0 || std::find(labels.begin(), labels.end(), into) != labels.end()) return;
+  for (const Label label : labels)
+    if (into == std::to_string(label)) return label;
+  if (state.image)
+    for (const auto& [label, name] : state.image->label_names())
+      if (into == name && std::find(labels.begin(), labels.end(), label) != labels.end()) return label;
   throw Error(ErrorKind::kBadInput, fmt::format("[layers] into: there will be no label {}; there will be: {}",
                                                 into, fmt::join(labels, ", ")));
 }
@@ -103,24 +108,18 @@ void add_layer_figures(const LayerResult& result, report::StageReport& stage) {
 
 }  // namespace
 
-LayerOptions layer_options_of(const Case& c) {
-  LayerOptions options = c.layers.options;
-  naming(fmt::format("[layers] label \"{}\"", c.layers.label),
-         [&] { take_layer_label(c.layers.label, options); });
-  return options;
-}
-
 void check_layers(CaseState& state) {
   if (!state.c.layers.is_wanted()) return;
   naming(state.c.file.empty() ? "the case" : state.c.file, [&] {
     check_patches(state);
-    check_into(state);
+    static_cast<void>(label_grown_into(state));
     check_thickness(state);
   });
 }
 
 void make_layers(CaseState& state, report::StageReport& stage) {
-  const LayerOptions options = layer_options_of(state.c);
+  LayerOptions options = state.c.layers.with_label();
+  options.into = label_grown_into(state);
   stage.what = options.side == LayerSide::kInward
                    ? "Thin cells along the wall, for the flow: the mesh gives way, and all of it fills what "
                      "the mesh filled."

@@ -1,94 +1,77 @@
-#include <fmt/core.h>
-
 #include "lumesh/core/error.hpp"
-#include "lumesh/metric/curvature_metric.hpp"
-#include "lumesh/metric/point_metric.hpp"
 #include "lumesh/metric/shaping.hpp"
-#include "lumesh/metric/velocity_metric.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
 namespace {
 
-std::vector<SymTensor> from_points(const CaseState& state, std::span<const Vec3> places) {
-  const MetricKeys& keys = state.c.metric;
-  return naming(keys.points, [&] {
-    return metric::metric_from_points(places, state.metric_points(), {.k = keys.neighbours});
-  });
-}
+/// What a case's sources are made from: files, and what its other stages made.
+class CaseSources final : public metric::SourceData {
+ public:
+  explicit CaseSources(CaseState& state) : state_(state) {}
 
-std::vector<SymTensor> from_velocity(const CaseState& state, std::span<const Vec3> places) {
-  const MetricKeys& keys = state.c.metric;
-  return naming(keys.velocity, [&] {
-    return metric::metric_from_velocity(places, {state.flow.points, state.flow.velocities},
-                                        {.k = keys.velocity_neighbours});
-  });
-}
+  std::vector<SymTensor> tensors(const std::string& /*name*/) override {
+    throw Error(ErrorKind::kUsage, "a case has no mesh before it makes one, whose tensors could be read");
+  }
+  std::vector<Vec3> points(const std::string& name) override {
+    return name == "centerline" ? state_.centerline.points : read_points_in(MeshInfo(), name);
+  }
+  metric::Flow flow(const std::string& name, const std::string& array) override {
+    return name == "phantom" ? flow_of(*state_.phantom) : read_flow_in(MeshInfo(), name, array);
+  }
+  std::vector<double> solution(const std::string& name) override {
+    throw Error(ErrorKind::kUsage,
+                name + ": a case has no mesh before it makes one, whose solution could be read");
+  }
+  std::shared_ptr<const Domain> boundary() override {
+    return state_.image ? state_.domain_of_image() : nullptr;
+  }
 
-std::vector<SymTensor> from_curvature(CaseState& state) {
-  metric::CurvatureOptions options;
-  if (state.c.metric.largest_mm > 0) options.largest_mm = state.c.metric.largest_mm;
-  if (!state.image) return metric::metric_from_curvature(state.mesh, options);
-  return naming(state.input_name,
-                [&] { return metric::metric_from_curvature(state.mesh, *state.domain_of_image(), options); });
-}
+ private:
+  CaseState& state_;
+};
 
 }  // namespace
 
 metric::MetricLimits limits_of(const Case& c) {
-  const MetricKeys& keys = c.metric;
-  metric::MetricLimits limits;
-  limits.smallest_mm = keys.smallest_mm;
-  if (keys.largest_mm > 0) limits.largest_mm = keys.largest_mm;
-  if (keys.largest_aspect > 0) limits.most_aspect = keys.largest_aspect;
-  limits.growth = keys.gradation;
-  limits.keeps_boundary = keys.frozen_sizes && c.boundary.boundary == BoundaryMode::kFrozen;
-  limits.complexity = keys.complexity;
-  return limits;
+  return c.metric.limits_for(c.adapt.boundary.is_frozen);
 }
 
 void read_sources(CaseState& state) {
   const Case& c = state.c;
-  const auto is_file = [](const std::string& name) { return !name.empty() && name != "centerline"; };
-  if (is_file(c.metric.points)) state.read_metric_points = read_points_in(MeshInfo(), c.metric.points);
-  if (is_file(c.sizes.points)) state.read_size_points = read_points_in(MeshInfo(), c.sizes.points);
-  if (c.metric.velocity == "phantom")
-    state.flow = flow_of(*state.phantom);
-  else if (!c.metric.velocity.empty())
-    state.flow = read_flow_in(MeshInfo(), c.metric.velocity, c.metric.velocity_array);
-  // At no place they ask for nothing, but refuse what they cannot be made of.
-  if (is_file(c.metric.points)) static_cast<void>(from_points(state, {}));
-  if (!c.metric.velocity.empty()) static_cast<void>(from_velocity(state, {}));
+  if (c.mesher == Mesher::kDelaunay) static_cast<void>(SizeData(c.delaunay_request().sizes, state.context));
+  // At no place sources ask for nothing, but refuse what they cannot be made from.
+  metric::MetricRequest request = c.metric;
+  std::string& points = request.source<metric::PointSource>().points;
+  if (points == "centerline") points.clear();
+  CaseSources data(state);
+  static_cast<void>(metric::requested_at({}, request, data));
 }
 
-void check_centerline_points(const CaseState& state) {
-  if (state.c.metric.points == "centerline") static_cast<void>(from_points(state, {}));
+void check_centerline_points(CaseState& state) {
+  const auto& source = state.c.metric.source<metric::PointSource>();
+  CaseSources data(state);
+  if (source.points == "centerline") static_cast<void>(source.at({}, data));
 }
 
 std::vector<std::vector<SymTensor>> wanted_at(CaseState& state, std::span<const Vec3> places) {
-  const MetricKeys& keys = state.c.metric;
-  std::vector<std::vector<SymTensor>> wanted;
-  if (!keys.points.empty())
-    wanted.push_back(state.context.phase("points", [&] { return from_points(state, places); }));
-  if (!keys.velocity.empty())
-    wanted.push_back(state.context.phase("velocity", [&] { return from_velocity(state, places); }));
-  return wanted;
+  CaseSources data(state);
+  return metric::requested_at(places, state.c.metric, data);
 }
 
 void make_metric(CaseState& state, report::StageReport& stage) {
   stage.what = "How large and how stretched the elements are to be, as a tensor at every vertex.";
-  std::vector<std::vector<SymTensor>> sources = wanted_at(state, state.mesh.points());
-  if (state.c.metric.curvature)
-    sources.push_back(state.context.phase("curvature", [&] { return from_curvature(state); }));
+  CaseSources data(state);
   const std::vector<SymTensor> wanted =
-      metric::intersected(state.mesh, std::move(sources), state.c.metric.complexity);
-  const double complexity = state.context.phase(
-      "shaping", [&] { return metric::shape_metric(state.mesh, wanted, limits_of(state.c)); });
+      metric::requested_metric(state.mesh, state.c.metric, data, state.context);
+  const metric::MetricLimits limits = limits_of(state.c);
+  const double complexity =
+      state.context.phase("shaping", [&] { return metric::shape_metric(state.mesh, wanted, limits); });
   state.has_metric = true;
   stage.figures.push_back({"Vertices", std::uint64_t{state.mesh.vertex_count()}});
   stage.figures.push_back(
       {"Complexity", complexity, "", "about half the number of vertices of the adapted mesh"});
-  const std::string unmet = metric::unmet_complexity(complexity, limits_of(state.c));
+  const std::string unmet = metric::unmet_complexity(complexity, limits);
   if (!unmet.empty()) stage.warnings.push_back(unmet);
 }
 

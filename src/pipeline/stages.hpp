@@ -14,7 +14,7 @@ void make_centerline(CaseState& state, report::StageReport& stage);
 /// The first mesh, by the lattice or by Delaunay refinement.
 void make_mesh(CaseState& state, report::StageReport& stage);
 /// What the case says of sizes for the Delaunay mesher; null if nothing.
-[[nodiscard]] std::unique_ptr<Sizing> sizing_of(const CaseState& state, const Domain& domain);
+[[nodiscard]] std::unique_ptr<Sizing> sizing_of(CaseState& state, const Domain& domain);
 /// A tensor for every vertex of the mesh, from all sources that are wanted.
 void make_metric(CaseState& state, report::StageReport& stage);
 /// Adapts the mesh to the metric that it carries.
@@ -22,8 +22,6 @@ void adapt_mesh(CaseState& state, report::StageReport& stage);
 
 /// Grows boundary layers on the mesh, or within it.
 void make_layers(CaseState& state, report::StageReport& stage);
-/// What the case says of layers. @throws Error{kBadInput} for a label that is none.
-[[nodiscard]] LayerOptions layer_options_of(const Case& c);
 /// Refuses layers that cannot be, so far as the input tells. @throws Error{kBadInput}.
 void check_layers(CaseState& state);
 
@@ -37,11 +35,13 @@ void find_named_openings(CaseState& state);
 /// before the centerline is there.
 void read_sources(CaseState& state);
 /// Sees whether the centerline has enough points for what is to be made of it.
-void check_centerline_points(const CaseState& state);
-[[nodiscard]] metric::MetricLimits limits_of(const Case& c);
+void check_centerline_points(CaseState& state);
 
-/// What points and velocities, as far as they are wanted, ask for at any places; a list for each.
+/// What sources of the metric that need no mesh, as far as they are wanted, ask for at any places; a list for
+/// each.
 [[nodiscard]] std::vector<std::vector<SymTensor>> wanted_at(CaseState& state, std::span<const Vec3> places);
+/// The limits of the metric.
+[[nodiscard]] metric::MetricLimits limits_of(const Case& c);
 
 /// What of a stage's figures stands on its progress line: "316,142 tetrahedra, 63,412 vertices".
 [[nodiscard]] std::string counts_line(const report::StageReport& stage);

@@ -125,7 +125,7 @@ std::string places_text(const std::vector<TopologyPlace>& places) {
                         p.z(), in_words(places[i]));
   }
   if (places.size() > kMostPlaces)
-    text += fmt::format("  … {} more places; --json lists all\n", places.size() - kMostPlaces);
+    text += fmt::format("  … {} more places, which the JSON lists\n", places.size() - kMostPlaces);
   return text;
 }
 

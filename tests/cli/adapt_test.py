@@ -180,10 +180,10 @@ class AdaptTest(MeshTest):
     def test_metric_options_that_cannot_be_are_refused(self):
         metric = ("metric", self.cube, "-o", self.out)
         self.assert_refused(self.run_lumesh(*metric), BAD_INPUT, "cube.mesh", "no metric")
-        for growth in (1, 0, -3, "nan"):
+        for growth in (1, -3, "nan"):
             self.assert_refused(self.run_lumesh(*metric, "--analytic", "linear", "--gradation", growth), USAGE, "gradation")
         self.assert_refused(self.run_lumesh(*metric, "--analytic", "linear", "--min-size", 2, "--max-size", 1), BAD_INPUT,
-                            "smallest size")
+                            "--min-size")
         self.assert_refused(self.run_lumesh("adapt", self.cube, "--analytic", "linear", "--gradation", 2, "-o", self.out), USAGE,
                             "--gradation")
 
@@ -215,11 +215,13 @@ class AdaptTest(MeshTest):
         image, first, sized = self.folder / "graze.nrrd", self.folder / "first.vtu", self.folder / "sized.vtu"
         nrrd.write(image, [30] * 3, [int(is_inside(i, j, k)) for k in range(30) for j in range(30) for i in range(30)])
         self.run_well("delaunay", image, "--delta", 1.2, "-o", first)
-        self.run_well("metric", first, "--curvature", "--max-size", 6, "--min-size", 0.8, "-o", sized)
-        self.run_well("adapt", sized, "--allow-pieces", "--image", image, "-o", self.out)
-        low, high = json.loads(self.run_well("info", self.out, "--json").stdout)["box"]
-        self.assertGreater(min(low), -0.5 - 1e-6)
-        self.assertLess(max(high), 29.5 + 1e-6)
+        for gradation in (0, 1.2, 1.3, 1.5, 2):
+            self.run_well("metric", first, "--curvature", "--max-size", 6, "--min-size", 0.8, "--gradation", gradation, "-o", sized)
+            errors = self.run_well("adapt", sized, "--allow-pieces", "--image", image, "-o", self.out).stderr
+            low, high = json.loads(self.run_well("info", self.out, "--json").stdout)["box"]
+            is_within = min(low) > -0.5 - 1e-6 and max(high) < 29.5 + 1e-6
+            self.assertTrue(is_within or "beyond the image's border" in errors, (gradation, low, high, errors))
+            self.assertGreater(min(low), -0.75, "of 1.5, 0.41 mm beyond before it was brought back")
 
     def test_an_interrupt_ends_it_within_a_second(self):
         self.out.write_bytes(b"what was there")
@@ -306,7 +308,7 @@ class AdaptTest(MeshTest):
                             "tetrahedra", "GB", "complexity of")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "cubic"), USAGE, "cubic")
         self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--feature-angle", 0), USAGE, "--feature-angle")
-        self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--collapse-below", 7), USAGE, "collapse below")
+        self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", "--collapse-below", 7), USAGE, "--collapse-below")
         for option in ("--execution", "--balance", "--topology"):
             self.assert_refused(self.run_lumesh(*adapt, "--analytic", "linear", option, "eager"), USAGE, "eager")
         self.assert_refused(self.run_lumesh("adapt", self.folder / "none.mesh", "-o", self.out), BAD_INPUT, "none.mesh")

@@ -92,7 +92,7 @@ class CenterlineTest(ProgramTest):
         stl = self.folder / "tube.stl"
         for arguments, word in (((self.image, "-o", self.folder / "lines.vtu"), ".vtp"),
                                 ((self.image, "-o", self.out, "--spacing", "0"), "--spacing"),
-                                ((self.image, "-o", self.out, "--shortest-tip", "0.1"), "shortest tip"),
+                                ((self.image, "-o", self.out, "--shortest-tip", "0.1"), "--shortest-tip"),
                                 ((self.image, "-o", self.out, "--voxel", "1"), "--voxel"),
                                 ((stl, "-o", self.out, "--labels", "1"), "--labels"),
                                 ((stl, "-o", self.out, "--threshold", "1"), "--threshold"),

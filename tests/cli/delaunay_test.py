@@ -146,7 +146,7 @@ class SizesTest(DelaunayTest):
         self.refused(BAD_INPUT, "label 2", source=image, options=("--labels", 1, "--label-size", "2=1"))
         for text in ("1", "1=", "=1", "1=x", "x=1", "1=0", "1=-1", "1=nan", "1=inf", "1=1=1"):
             self.refused(USAGE, "--label-size", f'"{text}"', options=("--label-size", text))
-        self.refused(USAGE, "two sizes", options=("--label-size", "1=1", "--label-size", "1=2"))
+        self.refused(USAGE, "given twice", options=("--label-size", "1=1", "--label-size", "1=2"))
 
     def test_points_of_every_kind_of_file_make_the_mesh_finer_around_them(self):
         x, y, z = MIDDLE - RADIUS, MIDDLE, MIDDLE
@@ -301,7 +301,7 @@ class SurfacesTest(DelaunayTest):
                         ("--cut-plane", 0, 0, 0, 0, 0, 1)):
             self.refused(USAGE, options[0], "ball.stl", source=stl, options=options)
         self.refused(USAGE, "--feature-angle", "ball.nrrd", options=("--feature-angle", 30))
-        self.refused(USAGE, "feature angle", source=stl, options=("--feature-angle", 0))
+        self.refused(USAGE, "--feature-angle", source=stl, options=("--feature-angle", 0))
 
 
 class RefusalsTest(DelaunayTest):

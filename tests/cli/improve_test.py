@@ -129,7 +129,7 @@ class ImproveTest(MeshTest):
 
     def test_what_cannot_be_improved_is_refused(self):
         improve = ("improve", self.rough, "-o", self.out)
-        self.assert_refused(self.run_lumesh(*improve, "--min-dihedral", 80), USAGE, "min dihedral")
+        self.assert_refused(self.run_lumesh(*improve, "--min-dihedral", 80), USAGE, "--min-dihedral")
         self.assert_refused(self.run_lumesh(*improve, "--boundary", "liquid"), USAGE, "liquid")
         self.assert_refused(self.run_lumesh(*improve, "--passes", -1), USAGE, "passes")
         self.assert_refused(self.run_lumesh("improve", self.folder / "none.mesh", "-o", self.out), BAD_INPUT, "none.mesh")

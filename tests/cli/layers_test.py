@@ -102,18 +102,19 @@ class LayersTest(MeshTest):
     def test_refuses_what_cannot_be(self):
         refused = [
             (["--first-height", 1, "--count", 2, "--patch", "door"], "no patch door"),
-            (["--first-height", 0, "--count", 2], "first height"),
-            (["--first-height", -1, "--count", 2], "first height"),
             (["--first-height", 1e9, "--count", 2], "more than the surface is wide"),
             (["--first-height", 0.1], "number of layers or their thickness"),
             (["--first-height", 0.1, "--growth", 0.9, "--thickness", 1], "growth below 1"),
-            (["--first-height", 0.1, "--count", 1000], "between 1 and 200"),
             (["--first-height", 0.1, "--count", 2, "--label", "wall=x"], "NAME=NUMBER"),
         ]
         for arguments, words in refused:
             with self.subTest(arguments):
                 self.assert_refused(self.run_lumesh("layers", self.mesh, "-o", self.out, *arguments), BAD_INPUT, words)
-        self.assert_refused(self.run_lumesh("layers", self.mesh, "-o", self.out, "--count", 2), USAGE, "--first-height")
+        for arguments, words in ((["--count", 2], "--first-height"),
+                                 (["--first-height", 0, "--count", 2], "--first-height: must be greater than 0"),
+                                 (["--first-height", -1, "--count", 2], "--first-height: must be greater than 0"),
+                                 (["--first-height", 0.1, "--count", 1000], "between 1 and 200")):
+            self.assert_refused(self.run_lumesh("layers", self.mesh, "-o", self.out, *arguments), USAGE, words)
         _, _, triangles = cube(2)
         points, _, _ = cube(2)
         surface = self.folder / "surface.mesh"

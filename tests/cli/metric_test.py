@@ -82,7 +82,7 @@ class PointsTest(MetricCommandTest):
         self.refused(BAD_INPUT, "--points", self.folder / "none.csv", None, "none.csv", "no such file")
 
     def test_options_that_contradict_are_refused(self):
-        self.refused(BAD_INPUT, "--points", self.line, "--min-size", 2, "--max-size", 1, None, "smallest size, 2 mm", "1 mm")
+        self.refused(BAD_INPUT, "--points", self.line, "--min-size", 2, "--max-size", 1, None, "--min-size 2", "--max-size 1")
         self.refused(USAGE, "--points", self.line, "--max-aspect", 0.5, None, "--max-aspect")
         self.refused(USAGE, "--points", self.line, "--k", 0, None, "--k")
         self.refused(USAGE, "--k", 20, None, "--k")
@@ -110,7 +110,7 @@ class VelocityTest(MetricCommandTest):
         for speed in (0, 3):
             flow = self.write_flow(lambda x, y, z, speed=speed: (0, speed, 0))
             for k in (3, 20):
-                for xx, _, yy, _, _, zz in self.tensors("--velocity", flow, "--k", k):
+                for xx, _, yy, _, _, zz in self.tensors("--velocity", flow, "--velocity-k", k):
                     self.assertAlmostEqual(xx / yy, 1)
                     self.assertAlmostEqual(xx / zz, 1)
 
@@ -140,7 +140,7 @@ class VelocityTest(MetricCommandTest):
         few = self.write_flow(lambda x, y, z: (1, 0, 0), name="few.csv")
         self.refused(BAD_INPUT, "--velocity", few, None, "few.csv", "9 different points", "20")
         self.refused(BAD_INPUT, "--velocity", self.write_csv([("x", "y", "z"), (0, 0, 0)]), None, "no vectors", "none")
-        self.refused(USAGE, "--velocity", far, "--k", 2, None, "k must be at least 3")
+        self.refused(USAGE, "--velocity", far, "--velocity-k", 2, None, "--velocity-k", "between 3")
         self.refused(USAGE, "--velocity-array", "u", None, "--velocity")
 
 

@@ -178,7 +178,7 @@ class RunTest(CaseTest):
         few = float(next(line for line in bounded.splitlines() if "adapted mesh" in line).split("about ")[-1].split()[0])
         self.assertLess(few, 5000)
         words = self.run_lumesh("run", self.case, "--dry-run", "--set", "lattice.spacing=1e-7")
-        self.assertIn("[lattice] spacing", words.stderr)
+        self.assertIn("[lattice] edge_length", words.stderr)
         line = next(line for line in result.stdout.splitlines() if "adapted mesh" in line)
         predicted = float(line.split("about ")[-1].split()[0])
         self.run_case()
@@ -217,9 +217,9 @@ class RunTest(CaseTest):
             ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"one.csv\"\n", "one.csv"),
             ("[input]\nphantom = \"sphere\"\n[metric]\nvelocity = \"one.csv\"\n", "one.csv"),
             ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"two.csv\"\nk = 5\n", "two.csv: has only 2 different points"),
-            ("[input]\nphantom = \"sphere\"\n[adapt]\nboundary = -1\n", "must be one of \"frozen\", \"adapt\""),
-            ("[input]\nphantom = \"sphere\"\n[adapt]\nboundary = 5\n", "must be one of \"frozen\", \"adapt\""),
-            ("[input]\nphantom = \"sphere\"\n[adapt]\nsplit_above = 1\ncollapse_below = 0.8\n", "[adapt] collapse below"),
+            ("[input]\nphantom = \"sphere\"\n[adapt]\nboundary = -1\n", "must be one of \"adapt\", \"frozen\""),
+            ("[input]\nphantom = \"sphere\"\n[adapt]\nboundary = 5\n", "must be one of \"adapt\", \"frozen\""),
+            ("[input]\nphantom = \"sphere\"\n[adapt]\nsplit_above = 1\ncollapse_below = 0.8\n", "[adapt] collapse_below"),
         ]
         (self.folder / "two.csv").write_text("1 2 3\n4 5 6\n")
         (self.folder / "one.csv").write_text("1 2 3\n")
@@ -356,10 +356,10 @@ class LayersTest(CaseTest):
 
     def test_refuses_bad_layers_before_any_mesh(self):
         refused = [
-            (["layers.first_height=-1"], "[layers] first_height must be at least 0"),
+            (["layers.first_height=-1"], "[layers] first_height must be greater than 0"),
             (["layers.first_height=0"], "[layers] first_height is missing"),
-            (["layers.count=0"], "[layers] give the number of layers or their thickness"),
-            (["layers.count=999"], "[layers] count must lie between 0 and 200"),
+            (["layers.count=0"], "the number of layers or their thickness is missing; give [layers] count"),
+            (["layers.count=999"], "[layers] count must lie between 1 and 200"),
             (["layers.first_hight=1"], "did you mean \"first_height\"?"),
             (["layers.label=a=b"], "write NAME=NUMBER"),
             (["layers.side=up"], "must be one of \"outward\", \"inward\""),

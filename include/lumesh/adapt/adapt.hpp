@@ -17,6 +17,8 @@
 
 namespace lumesh {
 
+class OptionList;
+
 /// Which tetrahedra of low quality are tried anew in each sweep of reconnection.
 enum class Reconnection : std::uint8_t {
   kOriginal,   ///< All.
@@ -30,22 +32,23 @@ enum class PointPlacement : std::uint8_t {
   kCentroid,  ///< On the centroids of tetrahedra with long edges, else on these (mpp 5).
 };
 
-/// Lengths and qualities (mean ratios) are those of the metric. In brackets the paper's names.
+/// Options of adapt(); describe() says what each means and which values it takes.
 struct AdaptOptions {
-  double split_above = std::numbers::sqrt2;  ///< Edges longer than this are split, 1 to 3 (cdff).
-  double collapse_below = 0.7;               ///< Edges shorter than this are collapsed, 0.1 to 0.8.
-  double least_length = 0.6;                 ///< From a new point to those around it, 0.1 to 0.8 (cdfn).
-  int quality_passes = 2;                    ///< Of reconnection, smoothing, collapse, split, >= 0 (nqual).
-  int smoothing_passes = 1;                  ///< At the end of each of them, >= 0 (nsmth).
-  double reconnect_below = 0.6;              ///< Quality of the tetrahedra to reconnect, 0 to 1.
+  double split_above = std::numbers::sqrt2;
+  double collapse_below = 0.7;
+  double least_length = 0.6;
+  int quality_passes = 2;
+  int smoothing_passes = 1;
+  double reconnect_below = 0.6;
 
-  PointPlacement placement = PointPlacement::kEdge;  ///< (mpp).
+  PointPlacement placement = PointPlacement::kEdge;
   Reconnection reconnection = Reconnection::kOptimised;
   ExecutionKind execution = ExecutionKind::kOrdered;
   parallel::TeamOptions team = {};
   operators::KeepWithin keep_within =
       {};  ///< Where vertices of curved patches may be in the end; null: everywhere.
 
+  void describe(OptionList& list);
   /// @throws Error{kUsage} that names the field.
   void validate() const;
 };

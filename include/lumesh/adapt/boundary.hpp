@@ -13,6 +13,8 @@
 
 namespace lumesh {
 
+class OptionList;
+
 struct BoundaryOptions {
   bool is_frozen = false;                    ///< Keeps every vertex and triangle of the boundary.
   std::vector<PatchId> frozen_patches = {};  ///< Keeps these alone, with the curves they end in.
@@ -20,6 +22,8 @@ struct BoundaryOptions {
   /// What curved patches follow, where they lie near its boundary; null: the smooth surface of the mesh
   /// itself.
   std::shared_ptr<const ImageDomain> image = nullptr;
+
+  void describe(OptionList& list);
 };
 
 /// What adapt() works with, and what is to be undone afterwards.

@@ -15,10 +15,13 @@
 
 namespace lumesh {
 
+class OptionList;
+
+/// Options of improve(); describe() says what those mean that are not commented here.
 struct ImproveOptions {
-  double min_dihedral_deg = 22;   ///< Tetrahedra with a smaller dihedral angle are worked on, 1 to 60.
-  double max_dihedral_deg = 145;  ///< And those with a larger one, 90 to 179.
-  int passes = 50;                ///< At most, >= 0.
+  double min_dihedral_deg = 22;
+  double max_dihedral_deg = 145;
+  int passes = 50;
   std::vector<PatchId> frozen_patches = {};  ///< On these nothing slides.
   bool slide = true;  ///< Vertices inside patches may move along them where nothing else helps.
   /// If given, edges keep to these sizes: no vertex is moved or put in so that one becomes shorter than 0.6
@@ -34,6 +37,9 @@ struct ImproveOptions {
   ExecutionKind execution = ExecutionKind::kOrdered;
   parallel::TeamOptions team = {};
 
+  /// The targets of the angles, which other stages that end with an improvement have, too.
+  void describe_targets(OptionList& list);
+  void describe(OptionList& list);
   /// @throws Error{kUsage} that names the field.
   void validate() const;
 };

@@ -14,13 +14,15 @@
 
 namespace lumesh {
 
-struct CenterlineOptions {
-  double spacing_mm = 0;    ///< Between points of a line, > 0; 0: a quarter of the radius there.
-  double shortest_tip = 2;  ///< Vessels that end inside the object are left out if their part outside their
-                            ///< parent is shorter than this many of their radii, in [0.5, 100].
-  double voxel_mm = 0;  ///< Meshes: edge of the voxels they are searched in, > 0; 0: an eighth of the mean
-                        ///< radius, or as much more as keeps them below four million.
+class OptionList;
 
+/// Options of extract_centerline(); describe() says what each means and which values it takes.
+struct CenterlineOptions {
+  double spacing_mm = 0;
+  double shortest_tip = 2;
+  double voxel_mm = 0;
+
+  void describe(OptionList& list);
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
 };
 

@@ -21,25 +21,23 @@ enum class Seeding : std::uint8_t {
   kFew,      ///< A few points of surfaces: all the rest is left to the rules.
 };
 
+class OptionList;
+
+/// Options of mesh_delaunay(); describe() says what those mean that are not commented here.
 struct DelaunayOptions {
-  double delta_mm = 0;  ///< No place of a surface is farther from a point of the mesh on it. Points stand
-                        ///< about this far apart, closer where parts are thin or sizes ask for it. 0: such
-                        ///< that edges of surfaces have edge_length_mm.
-  double edge_length_mm = 0;  ///< 0: 2.5 times the domain's resolution.
-  double size_mm = 0;         ///< Largest wanted edge length inside; 0: that of the surface, 1.3 delta.
-  /// > 0: where surfaces bend, points stand so close that flat triangles are no farther off than about this.
-  /// 0: delta alone says how close.
-  double surface_distance_mm = 0;
-  double radius_edge = 2;  ///< Largest circumradius of a tetrahedron in units of its shortest edge, >= 1.5.
-  double facet_angle_deg = 30;  ///< Smallest angle of boundary triangles, 0 to 30.
-  /// 1: points of bent surfaces stand over them so that flat triangles between them keep the volume; 0: on
-  /// them. See operators/settling.hpp.
-  double lift = 1;
+  double delta_mm = 0;             ///< 0: such that edges of surfaces have edge_length_mm.
+  double edge_length_mm = 0;       ///< 0: 2.5 times the domain's resolution.
+  double size_mm = 0;              ///< 0: that of the surface, 1.3 delta.
+  double surface_distance_mm = 0;  ///< 0: delta alone says how close points stand.
+  double radius_edge = 2;
+  double facet_angle_deg = 30;
+  double lift = 1;  ///< See operators/settling.hpp.
   Seeding seeding = Seeding::kLattice;
   const Sizing* sizing = nullptr;  ///< Further wishes for edge lengths; outlives the call.
   int max_rounds = 120;            ///< Of refinement, >= 1.
   parallel::TeamOptions team = {};
 
+  void describe(OptionList& list);
   /// @throws Error{kUsage} that names the field.
   void validate() const;
 };

@@ -21,9 +21,12 @@ struct SurfaceView {
   std::span<const Patch> patch_info{};      ///< Name and kind of the patches; may have fewer.
 };
 
+class OptionList;
+
 struct SurfaceDomainOptions {
   double feature_angle_deg = 40;  ///< Edges whose triangles' normals differ by more are kept; (0, 180].
 
+  void describe(OptionList& list);
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
 };
 

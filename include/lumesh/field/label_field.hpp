@@ -26,8 +26,12 @@ enum class BoundaryFidelity : std::uint8_t {
   kExact,   ///< Every voxel's centre keeps its side.
 };
 
+class OptionList;
+
 struct LabelFieldOptions {
   BoundaryFidelity fidelity = BoundaryFidelity::kSmooth;
+
+  void describe(OptionList& list);
 };
 
 /// Value of a function and its gradient: of the label field with respect to the voxel index.

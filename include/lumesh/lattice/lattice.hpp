@@ -21,24 +21,26 @@ enum class LatticeCells {
            ///< else.
 };
 
+class OptionList;
+
+/// Options of mesh_lattice(); describe() says what each means and which values it takes.
 struct LatticeOptions {
-  double spacing_mm = 0;  ///< Lattice spacing at the boundary where the object is thick; 0 means 2.5 voxels.
-  double fidelity =
-      0.5;  ///< In [0.1, 0.98]: the spacing is at most 4 (1 - fidelity) times the local half thickness.
+  double spacing_mm = 0;  ///< 0: 2.5 voxels.
+  double fidelity = 0.5;
   /// The fidelity at which so many edges go along the diameter of a vessel.
   [[nodiscard]] static double fidelity_of_cells(double cells_per_diameter) {
     return 1 - 0.5 / cells_per_diameter;
   }
-  std::map<Label, double> label_fidelity;  ///< The same for single labels; others take `fidelity`.
-  int coarsening = 1;      ///< How many times the spacing may double away from boundaries, in [0, 4].
-  int max_refinement = 3;  ///< How many times it may halve in thin parts, in [0, 5].
-  std::size_t max_tetrahedra =
-      1'500'000;  ///< Refinement of thin parts is given up, level by level, to stay near this.
-  /// No tetrahedron falls below this, but for single ones where a vertex would leave the image; in [1, 25].
+  std::map<Label, double> label_fidelity;  ///< Labels without an entry take `fidelity`.
+  int coarsening = 1;
+  int max_refinement = 3;
+  std::size_t max_tetrahedra = 1'500'000;
   double min_dihedral_deg = 15;
-  double max_dihedral_deg = 150;  ///< None rises above this, but for the same; in [130, 175].
+  double max_dihedral_deg = 150;
   LatticeCells cells = LatticeCells::kTetrahedra;
 
+  /// Without the cells.
+  void describe(OptionList& list);
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
 };
 

@@ -30,18 +30,21 @@ enum class HeightScale : std::uint8_t {
   kEdge,      ///< The mean length of the surface's edges around.
 };
 
+class OptionList;
+
+/// Options of grow_layers(); describe() says what those mean that are not commented here.
 struct LayerOptions {
-  std::vector<std::string> patches = {};  ///< On which layers grow; empty: all walls.
+  std::vector<std::string> patches = {};  ///< Empty: all walls.
   LayerSide side = LayerSide::kOutward;
   Label into = kBackground;  ///< Inwards, where a mesh has several labels: the one that gives way; 0: the
                              ///< only one at the patches.
-  double first_height = 0;   ///< Of the layer next to the surface, > 0; in mm, or times the scale.
-  double growth = 1.2;       ///< Height of each layer through that before, >= 1 where count is 0.
-  double growth_rise = 1;    ///< Factor of the growth itself per layer, after the first ones, >= 1.
-  int constant_layers = 5;   ///< So many layers have one growth, before it rises, 1 to 200.
-  double most_growth = 1.5;  ///< Bound of the growth that rises.
-  int count = 0;             ///< Of layers, 1 to 200; 0: as many as the thickness asks for.
-  double thickness = 0;      ///< Of all layers together, met exactly; 0: as the count makes it.
+  double first_height = 0;   ///< > 0 for grow_layers(); in mm, or times the scale.
+  double growth = 1.2;
+  double growth_rise = 1;
+  int constant_layers = 5;
+  double most_growth = 1.5;
+  int count = 0;         ///< 0: as many as the thickness asks for.
+  double thickness = 0;  ///< 0: as the count makes it.
   HeightScale scale = HeightScale::kAbsolute;
   LayerCells cells = LayerCells::kTetrahedra;
   Label label = 0;  ///< Of the layers, also one that is there; 0: one more than the largest.
@@ -50,7 +53,9 @@ struct LayerOptions {
   bool splits_openings = false;
   std::string label_name = {};  ///< Empty: its own, or of a new one "vessel_wall" outwards, "layer" inwards.
 
-  void validate() const;  ///< Throws Error{kBadInput} that names the field.
+  /// Without the labels.
+  void describe(OptionList& list);
+  void validate() const;  ///< Throws Error that names the field.
 };
 
 /// Why a column of layers is thinner than was asked for.

@@ -9,19 +9,25 @@
 
 #include "lumesh/mesh/tet_mesh.hpp"
 
+namespace lumesh {
+class OptionList;
+}
+
 namespace lumesh::metric {
 
+/// Limits of sizes; describe() says what those mean that are not commented here.
 struct MetricLimits {
-  double smallest_mm = 0;                                       ///< No size below, >= 0.
-  double largest_mm = std::numeric_limits<double>::infinity();  ///< No size above, > 0.
-  double most_aspect =
-      std::numeric_limits<double>::infinity();  ///< Largest to smallest size of a tensor, >= 1.
-  double growth = 0;                            ///< GradationOptions::growth; 0: sizes grow as they do.
+  double smallest_mm = 0;
+  double largest_mm = std::numeric_limits<double>::infinity();
+  double most_aspect = std::numeric_limits<double>::infinity();
+  double growth = 0;            ///< GradationOptions::growth; 0: sizes grow as they do.
   bool keeps_boundary = false;  ///< Near the boundary, sizes along it go over to those of its own triangles,
                                 ///< as a boundary that is not adapted wants it; before all bounds.
   std::vector<PatchId> kept_patches = {};  ///< The same for these patches alone.
   double complexity = 0;  ///< Scale all sizes until the mesh sees it; 0: sizes stay as they are.
 
+  /// Without the growth, whose default depends on the sources.
+  void describe(OptionList& list);
   /// Throws Error{kUsage} that names a field out of its range, and Error{kBadInput} for bounds that
   /// contradict one another.
   void validate() const;

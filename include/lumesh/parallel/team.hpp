@@ -13,6 +13,10 @@
 
 #include "lumesh/parallel/topology.hpp"
 
+namespace lumesh {
+class OptionList;
+}
+
 namespace lumesh::parallel {
 
 /// Who gets work from whom. Every task has a home, the thread that it belongs to at first.
@@ -29,6 +33,9 @@ struct TeamOptions {
   bool pin = false;
   std::string synthetic_topology =
       {};  ///< Topology::synthetic(): balance as if on that machine, pin nothing.
+
+  /// Without the threads and the topology.
+  void describe(OptionList& list);
 };
 
 /// Tasks that a thread got from others, of its own NUMA node and of other ones.

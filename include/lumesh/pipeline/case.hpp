@@ -7,24 +7,20 @@
 #include <string>
 #include <vector>
 
-#include "lumesh/adapt/adapt.hpp"
-#include "lumesh/adapt/improve.hpp"
-#include "lumesh/delaunay/delaunay.hpp"
+#include "lumesh/centerline/centerline.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/image/phantom.hpp"
 #include "lumesh/lattice/lattice.hpp"
-#include "lumesh/layers/layers.hpp"
-#include "lumesh/pipeline/image_cuts.hpp"
-#include "lumesh/pipeline/input.hpp"
+#include "lumesh/metric/sources.hpp"
+#include "lumesh/stages/adapt_stage.hpp"
+#include "lumesh/stages/delaunay_stage.hpp"
+#include "lumesh/stages/image_cuts.hpp"
+#include "lumesh/stages/input.hpp"
+#include "lumesh/stages/layer_request.hpp"
 
 namespace lumesh {
 
 enum class Mesher : std::uint8_t { kLattice, kDelaunay };
-
-/// What the boundary does while the mesh is adapted.
-enum class BoundaryMode : std::uint8_t {
-  kFrozen,  ///< It stays as it is.
-  kAdapt,   ///< It is adapted along the boundary of the image, or of the input's smooth surface.
-};
 
 /// What is meshed: an image, a closed surface, or a phantom, of which one is named.
 struct InputKeys {
@@ -34,53 +30,22 @@ struct InputKeys {
   ImageSelection selection;
   ImageCuts cuts;
   LabelFieldOptions field;  ///< How the image's voxels bind the boundary.
-  double feature_angle_deg = 40;
+  SurfaceDomainOptions of_surface;
+
+  void describe(OptionList& list);
 };
 
 struct CenterlineKeys {
   bool is_wanted = false;  ///< It is also made where another stage needs it.
-  double spacing_mm = 0;   ///< 0: follows the radius.
-};
+  CenterlineOptions options;
 
-/// Sizes for the Delaunay mesher besides its own.
-struct SizeKeys {
-  std::string points;  ///< A path, or "centerline".
-  double factor = 1, floor_mm = 0, ceiling_mm = 0;
-  std::string plugin;
-};
-
-struct MetricKeys {
-  std::string points;  ///< A path, or "centerline"; empty: none.
-  int neighbours = 40;
-  std::string velocity;  ///< A path, or "phantom"; empty: none.
-  std::string velocity_array;
-  int velocity_neighbours = 20;
-  bool curvature = false;
-  double smallest_mm = 0, largest_mm = 0;  ///< 0: no bound.
-  double largest_aspect = 0;               ///< 0: no bound.
-  bool frozen_sizes = true;  ///< metric::MetricLimits::keeps_boundary, where the boundary is frozen.
-  double gradation = 1.5;    ///< 0: none.
-  double complexity = 0;     ///< 0: as the sources say.
-
-  [[nodiscard]] bool is_wanted() const { return !points.empty() || !velocity.empty() || curvature; }
-};
-
-struct AdaptKeys {
-  BoundaryMode boundary = BoundaryMode::kAdapt;
-  double feature_angle_deg = 40;
-  bool allows_pieces = false;
-};
-
-/// Boundary layers of the last mesh.
-struct LayerKeys {
-  LayerOptions options;  ///< Without the label.
-  std::string label;     ///< "NAME=NUMBER", "NAME" or "NUMBER"; empty: LayerOptions' own.
-
-  [[nodiscard]] bool is_wanted() const { return options.first_height > 0; }
+  void describe(OptionList& list);
 };
 
 struct OpeningKeys {
   std::vector<std::string> names;  ///< Texts for renaming_from().
+
+  void describe(OptionList& list);
 };
 
 struct OutputKeys {
@@ -90,12 +55,16 @@ struct OutputKeys {
   std::string surface;
   std::string report = "report.html", json = "report.json";
   bool stages = false;  ///< Also files of the first mesh and the centerline.
+
+  void describe(OptionList& list);
 };
 
 struct RunKeys {
   int threads = 0;          ///< 0: all cores.
   double time_limit_s = 0;  ///< 0: none.
   bool checkpoints = false;
+
+  void describe(OptionList& list);
 };
 
 /// Lengths are millimetres. Options of the stages are those of the stages themselves.
@@ -104,43 +73,23 @@ struct Case {
   std::string file;  ///< Empty if it was not read.
   InputKeys input;
   Mesher mesher = Mesher::kDelaunay;
-  double edge_length_mm =
-      0;  ///< On surfaces, where the mesher's own options say nothing of it; 0: 2.5 voxels.
-  double cells_per_diameter =
-      0;  ///< Edges along the diameter of vessels; 0: as many as edge_length_mm makes.
+  double edge_length_mm = 0;  ///< On surfaces, where the mesher's own options say nothing of it.
+  double cells_per_diameter = 0;
   LatticeOptions lattice;
-  DelaunayOptions delaunay;
-  SizeKeys sizes;
-  ImproveOptions improvement;
-  bool improves = true;
+  DelaunayRequest delaunay;  ///< Its execution and team are those of adapt.
   CenterlineKeys centerline;
-  MetricKeys metric;
-  AdaptKeys boundary;
-  AdaptOptions adapt;
-  LayerKeys layers;
+  metric::MetricRequest metric;
+  AdaptRequest adapt;
+  LayerRequest layers;
   OpeningKeys openings;
   OutputKeys output;
   RunKeys run;
 
-  /// Those of the meshers, with the edge length.
-  [[nodiscard]] LatticeOptions lattice_options() const {
-    LatticeOptions options = lattice;
-    if (!(options.spacing_mm > 0)) options.spacing_mm = edge_length_mm;
-    if (cells_per_diameter > 0) options.fidelity = LatticeOptions::fidelity_of_cells(cells_per_diameter);
-    return options;
-  }
-  [[nodiscard]] DelaunayOptions delaunay_options() const {
-    DelaunayOptions options = delaunay;
-    options.edge_length_mm = edge_length_mm;
-    return options;
-  }
-  /// Whether the mesher takes sizes from it.
-  [[nodiscard]] bool sizes_by_centerline() const {
-    return sizes.points == "centerline" || (mesher == Mesher::kDelaunay && cells_per_diameter > 0);
-  }
-  [[nodiscard]] bool needs_centerline() const {
-    return centerline.is_wanted || metric.points == "centerline" || sizes_by_centerline();
-  }
+  /// The lattice's options with the edge length and the cells of the case.
+  [[nodiscard]] LatticeOptions lattice_options() const;
+  /// The same for the Delaunay mesher, with the execution of adapt.
+  [[nodiscard]] DelaunayRequest delaunay_request() const;
+  [[nodiscard]] bool needs_centerline() const;
 };
 
 /// Reads a case file (TOML 1.0). Relative paths in it are relative to its folder; in the result all are
@@ -153,5 +102,16 @@ struct Case {
 
 /// The case as a TOML file with every key and what it means: read_case() of it gives the same case.
 [[nodiscard]] std::string case_text(const Case& wanted);
+
+/// One section of case files: its name, empty for the keys before the first one, what it is about, and its
+/// keys.
+struct CaseSection {
+  std::string name, meaning;
+  OptionList options;
+};
+
+/// All sections of a case, in the order in which they are written. @param c  Lives longer: the options point
+/// into it.
+[[nodiscard]] std::vector<CaseSection> sections_of(Case& c);
 
 }  // namespace lumesh

@@ -70,12 +70,12 @@ meshes = ["a.vtu", "a.msh"]
   EXPECT_EQ(c.input.selection.labels, (std::vector<Label>{1, 3}));
   ASSERT_EQ(c.input.cuts.planes.size(), 1U);
   EXPECT_EQ(c.input.cuts.planes[0].normal, Vec3(0, 0, -1));
-  EXPECT_EQ(c.delaunay.delta_mm, 0.5);
-  EXPECT_EQ(c.metric.neighbours, 30);
+  EXPECT_EQ(c.delaunay.delaunay.delta_mm, 0.5);
+  EXPECT_EQ(c.metric.source<metric::PointSource>().options.k, 30);
   EXPECT_TRUE(c.needs_centerline());
-  EXPECT_EQ(c.boundary.boundary, BoundaryMode::kFrozen);
-  EXPECT_EQ(c.adapt.quality_passes, 7) << "the paper's name of the key";
-  EXPECT_EQ(c.adapt.smoothing_passes, AdaptOptions{}.smoothing_passes);
+  EXPECT_TRUE(c.adapt.boundary.is_frozen);
+  EXPECT_EQ(c.adapt.adapt.quality_passes, 7) << "the paper's name of the key";
+  EXPECT_EQ(c.adapt.adapt.smoothing_passes, AdaptOptions{}.smoothing_passes);
   EXPECT_EQ(c.output.meshes, (std::vector<std::string>{"a.vtu", "a.msh"}));
 }
 
@@ -83,8 +83,8 @@ TEST_F(CaseFile, SettingsOfTheCommandLineGoFirst) {
   const Case c =
       read("[input]\nphantom = \"torus\"\n[metric]\nk = 30\n",
            {"metric.k=12", "metric.points=centerline", "output.meshes=[\"b.msh\"]", "run.checkpoints=true"});
-  EXPECT_EQ(c.metric.neighbours, 12);
-  EXPECT_EQ(c.metric.points, "centerline");
+  EXPECT_EQ(c.metric.source<metric::PointSource>().options.k, 12);
+  EXPECT_EQ(c.metric.source<metric::PointSource>().points, "centerline");
   EXPECT_EQ(c.output.meshes, std::vector<std::string>{"b.msh"});
   EXPECT_TRUE(c.run.checkpoints);
 }
@@ -106,16 +106,17 @@ TEST_F(CaseFile, RefusesWrongTypesAndRangesWithTheLine) {
   EXPECT_EQ(refusal(head + "[metric]\nk = \"40\"\n"), "a.toml:4: [metric] k must be a whole number");
   EXPECT_EQ(refusal(head + "[metric]\nk = 40.5\n"), "a.toml:4: [metric] k must be a whole number");
   EXPECT_EQ(refusal(head + "[metric]\nk = 0\n"),
-            "a.toml:4: [metric] k must lie between 1 and 10000; 0 does not");
-  EXPECT_EQ(refusal(head + "[metric]\ncomplexity = nan\n"), "a.toml:4: [metric] complexity must be finite");
+            "a.toml:4: [metric] k must lie between 1 and 10000, not at 0");
+  EXPECT_EQ(refusal(head + "[metric]\ncomplexity = nan\n"),
+            "a.toml:4: [metric] complexity must be greater than 0, or 0, not nan");
   EXPECT_EQ(refusal(head + "[metric]\ncomplexity = -1\n"),
-            "a.toml:4: [metric] complexity must be at least 0, not -1");
+            "a.toml:4: [metric] complexity must be greater than 0, or 0, not -1");
   EXPECT_EQ(refusal(head + "[metric]\ncurvature = 1\n"),
             "a.toml:4: [metric] curvature must be true or false");
   EXPECT_EQ(refusal(head + "[adapt]\nboundary = \"froze\"\n"),
-            "a.toml:4: [adapt] boundary must be one of \"frozen\", \"adapt\", not \"froze\"");
+            "a.toml:4: [adapt] boundary must be one of \"adapt\", \"frozen\", not \"froze\"");
   EXPECT_EQ(refusal(head + "[lattice]\nfidelity = 2\n"),
-            "a.toml:4: [lattice] fidelity must lie between 0.1 and 0.98; 2 does not");
+            "a.toml:4: [lattice] fidelity must lie between 0.1 and 0.98, not at 2");
   EXPECT_EQ(refusal("input = 3\n"), "a.toml:1: input is a section; write [input] in a line of its own");
   EXPECT_EQ(refusal("[input]\nphantom = [\n"),
             "a.toml:2: Error while parsing array: encountered end-of-file");
@@ -127,7 +128,7 @@ TEST_F(CaseFile, RefusesWhatContradictsItself) {
             "a.toml: [input] needs one of image, surface and phantom, not 2 of them");
   const std::string head = "[input]\nphantom = \"torus\"\n";
   EXPECT_EQ(refusal(head + "[metric]\npoints = \"centerline\"\nmin_size = 2\nmax_size = 1\n"),
-            "a.toml: [metric] min_size 2 is larger than max_size 1");
+            "a.toml: [metric] min_size 2 is larger than [metric] max_size 1");
   EXPECT_EQ(refusal(head + "[adapt]\nnqual = 3\nquality_passes = 4\n"),
             "a.toml:4: nqual is another name of [adapt] quality_passes, which is given, too; leave one out");
   EXPECT_EQ(refusal(head + "[output]\nmeshes = [\"a.vtu\", \"a.vtu\"]\n"),
@@ -194,14 +195,17 @@ TEST_F(CaseFile, RefusesLayersThatCannotBe) {
     EXPECT_EQ(message.substr(0, words.size()), words);
   };
   begins("count = 3\n", "a.toml: [layers] first_height is missing");
-  begins("first_height = 0.1\n", "a.toml: [layers] give the number of layers or their thickness");
+  begins("first_height = 0.1\n",
+         "a.toml: the number of layers or their thickness is missing; give [layers] count or [layers] "
+         "thickness");
   begins("first_height = 0.1\ngrowth = 0.9\nthickness = 1\n",
-         "a.toml: [layers] a growth below 1 needs the number of layers");
+         "a.toml: a growth below 1 needs the number of layers, [layers] count");
   begins("first_height = 0.1\ncount = 2\nlabel = \"wall=x\"\n",
          "a.toml: [layers] label \"wall=x\": \"x\" is no whole number");
   begins("first_height = 0.1\ncount = 2\nlabel = \"-1\"\n",
          "a.toml: [layers] label \"-1\": labels are above 0");
-  begins("first_height = 0.1\ncount = 201\n", "a.toml:5: [layers] count must lie between 0 and 200");
+  begins("first_height = 0.1\ncount = 201\n",
+         "a.toml:5: [layers] count must lie between 1 and 200, or 0, not at 201");
   begins("first_height = 0.1\ncount = 2\ncells = \"hexes\"\n",
          "a.toml:6: [layers] cells must be one of \"prisms\", \"tetrahedra\"");
   begins("first_heigth = 0.1\n", "a.toml:4: unknown key \"first_heigth\" in [layers]; did you mean");
@@ -246,7 +250,7 @@ execution = "speculative"
   EXPECT_EQ(again.input.cuts.planes[0].normal.x(), 0.3333333333333333);
   EXPECT_EQ(again.input.cuts.places_mm, (std::vector<Vec3>{{1, -2.5, 0.1}}));
   EXPECT_EQ(again.input.selection.threshold, 0.1);
-  EXPECT_EQ(again.adapt.execution, ExecutionKind::kSpeculative);
+  EXPECT_EQ(again.adapt.adapt.execution, ExecutionKind::kSpeculative);
 }
 
 }  // namespace

@@ -52,10 +52,10 @@ TEST_F(WholeCase, WithoutASourceOfSizesTheFirstMeshIsTheLast) {
 }
 
 TEST_F(WholeCase, AlongTheCenterlineElementsAreStretchedAlongTheRing) {
-  case_.metric.points = "centerline";
-  case_.metric.neighbours = 20;
-  case_.metric.largest_aspect = 4;
-  case_.metric.complexity = 1500;
+  case_.metric.source<metric::PointSource>().points = "centerline";
+  case_.metric.source<metric::PointSource>().options.k = 20;
+  case_.metric.limits.most_aspect = 4;
+  case_.metric.limits.complexity = 1500;
   const CaseResult result = run();
   const quality::Evaluation& e = *result.report.stages.back().evaluation;
   EXPECT_TRUE(e.valid());
@@ -78,9 +78,9 @@ TEST_F(WholeCase, AlongTheCenterlineElementsAreStretchedAlongTheRing) {
 }
 
 TEST_F(WholeCase, AFrozenBoundaryStaysAsItIs) {
-  case_.metric.points = "centerline";
-  case_.metric.complexity = 1500;
-  case_.boundary.boundary = BoundaryMode::kFrozen;
+  case_.metric.source<metric::PointSource>().points = "centerline";
+  case_.metric.limits.complexity = 1500;
+  case_.adapt.boundary.is_frozen = true;
   case_.output.stages = true;
   run();
   const TetMesh first = TetMesh::build(read_mesh(folder_ / "first.vtu").view()), last = mesh();
@@ -101,17 +101,17 @@ TEST_F(WholeCase, RoughVesselsOfTwoVoxelsAreAdaptedWithoutEverOverlapping) {
   case_.input.phantom = "bifurcation";
   case_.input.phantom_spec.size = Index3(24, 18, 22);
   case_.input.phantom_spec.spacing_mm.setZero();
-  case_.boundary.allows_pieces = true;
-  case_.metric.velocity = "phantom";
-  case_.metric.complexity = 3000;
+  case_.adapt.allows_pieces = true;
+  case_.metric.source<metric::VelocitySource>().velocity = "phantom";
+  case_.metric.limits.complexity = 3000;
   const CaseResult result = run();
   const quality::Evaluation& e = *result.report.stages.back().evaluation;
   EXPECT_TRUE(e.valid()) << (e.problems.empty() ? "" : e.problems.front());
 }
 
 TEST_F(WholeCase, PredictsTheNumberOfTetrahedra) {
-  case_.metric.points = "centerline";
-  case_.metric.complexity = 1500;
+  case_.metric.source<metric::PointSource>().points = "centerline";
+  case_.metric.limits.complexity = 1500;
   Context context;
   const CasePrediction prediction = predict_case(case_, context);
   EXPECT_FALSE(std::filesystem::exists(folder_));

@@ -1,4 +1,4 @@
-#include "lumesh/pipeline/image_shape.hpp"
+#include "lumesh/stages/image_shape.hpp"
 
 #include <fmt/core.h>
 
@@ -51,7 +51,7 @@ std::string lost_pieces(const ImageShape& image, const TetMesh& mesh) {
                         piece.label, middle.x(), middle.y(), middle.z(), piece.voxel_count);
   }
   if (lost == 0) return {};
-  return fmt::format("{} piece{} of labels not in the mesh: {}{}; a smaller --delta keeps more", lost,
+  return fmt::format("{} piece{} of labels not in the mesh: {}{}; a smaller `delta` keeps more", lost,
                      lost == 1 ? "" : "s", list, lost > kMostListed ? "; ..." : "");
 }
 
@@ -72,8 +72,8 @@ std::string other_shapes(const ImageShape& image, const TetMesh& mesh) {
   }
   if (others == 0) return {};
   return fmt::format(
-      "{} label{} in the mesh differ{} from the image's voxels: {}{}; --boundary exact keeps more details of "
-      "about a voxel, a smaller --delta larger ones",
+      "{} label{} in the mesh differ{} from the image's voxels: {}{}; `boundary` exact keeps more details of "
+      "about a voxel, a smaller `delta` larger ones",
       others, others == 1 ? "" : "s", others == 1 ? "s" : "", list, others > kMostListed ? "; ..." : "");
 }
 
@@ -100,7 +100,7 @@ std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
   }
   if (others == 0) return {};
   return fmt::format(
-      "label {} fills {:.1f} % {} than its voxels{}; a smaller --delta or --boundary exact may help", label,
+      "label {} fills {:.1f} % {} than its voxels{}; a smaller `delta` or `boundary` exact may help", label,
       100 * std::abs(worst), worst < 0 ? "less" : "more",
       others > 1 ? fmt::format(", the worst of {} labels that are more than 5 % off", others) : "");
 }

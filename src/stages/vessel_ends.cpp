@@ -1,4 +1,4 @@
-#include "lumesh/pipeline/vessel_ends.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
 
 #include <fmt/core.h>
 
@@ -97,7 +97,7 @@ std::string closed_vessel_warning(const LabelImage& image, std::span<const Openi
   if (!openings.empty()) return "";
   const std::vector<VesselEnd> ends = vessel_ends(image, openings, context);
   if (ends.empty()) return "";
-  return kNoOpenings + fmt::format("{} {} inside: cut {} square with --cut-at {} (lumesh info lists all)",
+  return kNoOpenings + fmt::format("{} {} inside: cut {} square with `cut_at` {} (lumesh info lists all)",
                                    ends.size(), ends.size() == 1 ? "ends" : "end",
                                    ends.size() == 1 ? "it" : "the widest", cut_place_text(ends.front()));
 }

@@ -10,11 +10,15 @@
 
 namespace lumesh {
 
+class OptionList;
+
 struct ImageCuts {
   std::vector<CutPlane> planes;  ///< As they are, through everything.
   std::vector<Vec3> places_mm;   ///< Each cuts the one vessel there, square to its axis.
 
   [[nodiscard]] bool none() const { return planes.empty() && places_mm.empty(); }
+
+  void describe(OptionList& list);
 };
 
 /// Cuts the vessels at the places, as cut_off_vessel() does, one after the other: each at the point of the

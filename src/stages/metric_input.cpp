@@ -1,33 +1,16 @@
-#include "metric_input.hpp"
+#include "lumesh/stages/metric_input.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 
-#include "common.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/metric/gradation.hpp"
 #include "lumesh/metric/tensor.hpp"
 
-namespace lumesh::cli {
-
-void add_metric_options(CLI::App& command, std::string& metric_path, std::string& formula) {
-  CLI::Option* const metric = command.add_option(
-      "-m,--metric", metric_path, "Metric of the mesh's vertices (.sol, .solb); default: the mesh's own");
-  command
-      .add_option("--analytic", formula,
-                  "Take the metric from this formula of the UGAWG benchmark, in the mesh's unit")
-      ->check(CLI::IsMember({"linear", "polar-1", "polar-2"}))
-      ->excludes(metric);
-}
-
-CLI::Option* add_gradation_option(CLI::App& command, double& growth) {
-  return command
-      .add_option("--gradation", growth,
-                  "Sizes grow at most by this factor per edge of unit length, such as 1.5")
-      ->check(number_above(1, "a number greater than 1", "> 1"));
-}
+namespace lumesh {
 
 TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
   if (mesh.tetrahedra.empty())
@@ -38,8 +21,8 @@ TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
   if (!mesh.hexahedra.empty() || !mesh.pyramids.empty() || !mesh.prisms.empty())
     throw Error(ErrorKind::kBadInput,
                 path +
-                    ": has cells other than tetrahedra, which cannot be changed; make it without --mixed, "
-                    "or keep their labels, where the command has --keep");
+                    ": has cells other than tetrahedra, which cannot be changed; make it of tetrahedra only, "
+                    "or keep their labels, where the command has `keep`");
   return naming(path, [&] {
     TetMesh built = TetMesh::build(mesh.view());
     for (std::uint32_t v = 0; v < built.vertex_count(); ++v)
@@ -56,9 +39,9 @@ std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_
   std::vector<SymTensor> tensors =
       metric_path.empty() ? mesh.metric : read_metric(metric_path, mesh.points.size());
   if (tensors.empty())
-    throw Error(
-        ErrorKind::kBadInput,
-        mesh_path + ": carries no metric; make one with `lumesh metric`, or give --metric or --analytic");
+    throw Error(ErrorKind::kBadInput, mesh_path +
+                                          ": carries no metric; make one with `lumesh metric`, or give " +
+                                          option_name("metric") + " or " + option_name("analytic"));
   for (std::size_t i = 0; i < tensors.size(); ++i)
     if (!metric::is_metric(tensors[i]))
       throw Error(ErrorKind::kBadInput,
@@ -75,14 +58,7 @@ bool are_isotropic(const std::vector<SymTensor>& tensors) {
   });
 }
 
-metric::MetricField field_of(const MetricSource& source, const MixedMesh& input, const TetMesh& mesh,
-                             double gradation) {
-  if (!source.formula.empty())
-    return metric::MetricField::analytic(*metric::analytic_kind_from(source.formula));
-  return background_field(mesh, metric_of(input, source.mesh_path, source.metric_path), gradation);
-}
-
-metric::MetricField background_field(const TetMesh& mesh, const std::vector<SymTensor>& tensors,
+metric::MetricField background_field(const TetMesh& mesh, std::span<const SymTensor> tensors,
                                      double gradation) {
   TetMesh background = TetMesh::build(mesh.points(), mesh.tets(), mesh.labels());
   background.enable_metric();
@@ -92,4 +68,4 @@ metric::MetricField background_field(const TetMesh& mesh, const std::vector<SymT
   return metric::MetricField::on_background(std::move(background));
 }
 
-}  // namespace lumesh::cli
+}  // namespace lumesh

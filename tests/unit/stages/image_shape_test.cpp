@@ -1,4 +1,4 @@
-#include "lumesh/pipeline/image_shape.hpp"
+#include "lumesh/stages/image_shape.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "lumesh/pipeline/input.hpp"
+#include "lumesh/stages/input.hpp"
 
 #include <fmt/core.h>
 
@@ -10,7 +10,6 @@
 #include "lumesh/io/point_data_file.hpp"
 #include "lumesh/io/points_file.hpp"
 #include "lumesh/io/unit_doubt.hpp"
-#include "lumesh/mesh/label_shapes.hpp"
 
 namespace lumesh {
 namespace {
@@ -78,9 +77,10 @@ std::vector<Vec3> read_points_in(const MeshInfo& frame, const std::filesystem::p
   return std::move(cloud.points);
 }
 
-Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path, const std::string& array) {
+metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path,
+                          const std::string& array) {
   PointData data = read_point_data(path);
-  Flow flow;
+  metric::Flow flow;
   flow.velocities = naming(path.string(), [&] { return vectors_named(data, array, "velocity"); });
   flow.points = std::move(data.points);
   const Vec3 factors = frame_factors(data.info, frame);
@@ -112,14 +112,6 @@ std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface, const Surface
       options);
 }
 
-void refuse_pieces(const TetMesh& mesh, const std::string& mender, const std::string& consent) {
-  const std::uint32_t pieces = count_pieces(mesh);
-  if (pieces > 1)
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("has {} pieces that no face joins; make it of the largest one ({}), or give {}",
-                            pieces, mender, consent));
-}
-
 Polylines centerline_of(const Phantom& phantom) {
   Polylines lines;
   for (const PhantomCurve& curve : phantom.centerline()) {
@@ -141,7 +133,7 @@ Polylines velocity_of(const Phantom& phantom) {
   return lines;
 }
 
-Flow flow_of(const Phantom& phantom) {
+metric::Flow flow_of(const Phantom& phantom) {
   Polylines lines = velocity_of(phantom);
   return {std::move(lines.points), std::move(lines.vectors["velocity"])};
 }

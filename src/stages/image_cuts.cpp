@@ -1,4 +1,4 @@
-#include "lumesh/pipeline/image_cuts.hpp"
+#include "lumesh/stages/image_cuts.hpp"
 
 #include <fmt/core.h>
 

@@ -14,8 +14,11 @@
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/polylines.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/metric/source_data.hpp"
 
 namespace lumesh {
+
+class OptionList;
 
 /// Which voxels of an image count.
 struct ImageSelection {
@@ -29,6 +32,9 @@ struct ImageSelection {
   [[nodiscard]] bool takes_all() const {
     return labels.empty() && !has_level() && probabilities.empty() && !largest_component;
   }
+
+  /// @param has_probabilities  Whether the boundary's place matters, not only the voxels.
+  void describe(OptionList& list, bool has_probabilities = true);
 };
 
 /// @throws Error{kBadInput} that names the file.
@@ -48,15 +54,10 @@ void bring_to(MixedMesh& mesh, const MeshInfo& frame);
 /// @throws Error{kBadInput} that names the file.
 [[nodiscard]] std::vector<Vec3> read_points_in(const MeshInfo& frame, const std::filesystem::path& path);
 
-/// Samples of a flow.
-struct Flow {
-  std::vector<Vec3> points, velocities;  ///< Of the same length; the velocities' unit is their own.
-};
-
 /// The same for points with a velocity each.
 /// @param array  Name of the array; empty: "velocity", or the only one.
-[[nodiscard]] Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path,
-                                const std::string& array);
+[[nodiscard]] metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path,
+                                        const std::string& array);
 
 /// A surface of triangles, in mm (LPS).
 /// @throws Error{kBadInput} that names the file if it cannot be read or holds a volume.
@@ -69,16 +70,11 @@ void warn_of_unit(const MixedMesh& surface, const std::filesystem::path& path, c
 [[nodiscard]] std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface,
                                                        const SurfaceDomainOptions& options);
 
-/// Pieces that no face joins are often forgotten specks of a segmentation.
-/// @param mender  What makes it of one piece. @param consent  What would take it as it is.
-/// @throws Error{kBadInput} if the mesh has several, without a name.
-void refuse_pieces(const TetMesh& mesh, const std::string& mender, const std::string& consent);
-
 /// Axes of a phantom's vessels, with the arrays `radius` (mm) and `branch`.
 [[nodiscard]] Polylines centerline_of(const Phantom& phantom);
 /// Streamlines of a phantom's flow, with the array `velocity` (m/s).
 [[nodiscard]] Polylines velocity_of(const Phantom& phantom);
 /// The points of these streamlines as samples.
-[[nodiscard]] Flow flow_of(const Phantom& phantom);
+[[nodiscard]] metric::Flow flow_of(const Phantom& phantom);
 
 }  // namespace lumesh

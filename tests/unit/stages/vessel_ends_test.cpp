@@ -1,4 +1,4 @@
-#include "lumesh/pipeline/vessel_ends.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "fixtures/images.hpp"
 #include "lumesh/domain/image_domain.hpp"
-#include "lumesh/pipeline/image_cuts.hpp"
+#include "lumesh/stages/image_cuts.hpp"
 
 namespace lumesh {
 namespace {
@@ -94,7 +94,7 @@ TEST(VesselEnds, ClosedVesselsAreWarnedOfAndOthersNot) {
   Context context;
   const LabelImage closed = slanted_tube(-10, 45), half = slanted_tube(-100, 40);
   EXPECT_NE(
-      closed_vessel_warning(closed, {}, context).find("2 end inside: cut the widest square with --cut-at"),
+      closed_vessel_warning(closed, {}, context).find("2 end inside: cut the widest square with `cut_at`"),
       std::string::npos)
       << closed_vessel_warning(closed, {}, context);
   EXPECT_EQ(closed_vessel_warning(half, openings_of(half), context), "");

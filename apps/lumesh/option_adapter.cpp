@@ -1,0 +1,248 @@
+#include "option_adapter.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common.hpp"
+#include "lumesh/core/error.hpp"
+
+namespace lumesh::cli {
+namespace {
+
+bool is_list(const OptionTarget& target) {
+  return std::holds_alternative<std::vector<int>*>(target) ||
+         std::holds_alternative<std::vector<std::string>*>(target) ||
+         std::holds_alternative<std::map<int, double>*>(target) ||
+         (std::holds_alternative<OptionRows>(target) && !std::get<OptionRows>(target).is_single);
+}
+
+/// "Longer edges are split; metric length, between 1 and 3".
+std::string help_of(const Option& option) {
+  const std::string values = option.domain_text();
+  return option.meaning + (values.empty() ? "" : "; " + values) +
+         (is_list(option.target) ? "; may be repeated" : "");
+}
+
+[[noreturn]] void refuse(const Option& option, const std::string& complaint) {
+  throw CLI::ValidationError(flag_of(option.name), complaint);
+}
+
+/// The text as a number in the option's range. 0 for what is not given is taken only where another value is
+/// the default: elsewhere leaving the option out says the same, and a 0 is a slip.
+/// @param is_given_by_default  Whether the option has a value of its own without the command line.
+template <class Number>
+Number number_in_range(const Option& option, const std::string& text, bool is_given_by_default = false) {
+  const std::optional<double> number = number_from(text);
+  if (!number) refuse(option, fmt::format("\"{}\" is not a number", text));
+  if (std::is_integral_v<Number> && *number != std::floor(*number))
+    refuse(option, fmt::format("\"{}\" is not a whole number", text));
+  Option strict = option;
+  if (!is_given_by_default) strict.zero_text.reset();
+  const std::string complaint = strict.complaint(*number);
+  if (!complaint.empty()) refuse(option, complaint);
+  if (std::is_integral_v<Number> &&
+      std::abs(*number) > static_cast<double>(std::numeric_limits<Number>::max()))
+    refuse(option, fmt::format("is too large a number: {}", text));
+  return static_cast<Number>(*number == 0 && option.zero_text ? option.zero_value : *number);
+}
+
+/// The numbers of "X,Y,Z".
+std::vector<double> row_from(const Option& option, const std::string& text, std::size_t width) {
+  std::vector<double> row;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::optional<double> number = number_from(std::string_view(text).substr(begin, end - begin));
+    if (!number || !std::isfinite(*number)) break;
+    row.push_back(*number);
+    begin = end + 1;
+  }
+  if (row.size() != width || begin <= text.size())
+    refuse(option, fmt::format("\"{}\" is not {} numbers with commas between them, such as {}", text, width,
+                               std::get<OptionRows>(option.target).example));
+  return row;
+}
+
+/// Makes the option of the command line for each kind of target.
+class Adder {
+ public:
+  Adder(CLI::App& command, const Option& option) : command_(command), option_(option) {}
+
+  CLI::Option* operator()(bool* target) const {
+    const bool otherwise = !*target;
+    return command_.add_flag_callback(
+        flags_of(option_), [target, otherwise] { *target = otherwise; }, help_of(option_));
+  }
+  CLI::Option* operator()(int* target) const { return number(target, "INT"); }
+  CLI::Option* operator()(std::size_t* target) const { return number(target, "INT"); }
+  CLI::Option* operator()(double* target) const { return number(target, "NUMBER"); }
+  CLI::Option* operator()(std::optional<double>* target) const {
+    return text([target](const Option& o,
+                         const std::string& value) { *target = number_in_range<double>(o, value, true); },
+                "NUMBER")
+        ->default_str(option_.default_text);
+  }
+  CLI::Option* operator()(std::string* target) const {
+    return text([target](const Option&, const std::string& value) { *target = value; }, "TEXT");
+  }
+  CLI::Option* operator()(const OptionPath& path) const {
+    return text([target = path.path](const Option&, const std::string& value) { *target = value; }, "FILE");
+  }
+  CLI::Option* operator()(const OptionWord& word) const {
+    CLI::Option* const made = text(
+        [word](const Option& o, const std::string& value) {
+          const std::optional<std::size_t> index = word.index_of(value);
+          if (!index) refuse(o, word.complaint(value));
+          word.set(*index);
+        },
+        fmt::format("{}", fmt::join(word.words, "|")));
+    return made->default_str(word.words[word.get()]);
+  }
+  CLI::Option* operator()(std::vector<int>* target) const {
+    return list([target](const Option& o,
+                         const std::string& value) { target->push_back(number_in_range<int>(o, value)); },
+                "INT,...")
+        ->delimiter(',');
+  }
+  CLI::Option* operator()(std::vector<std::string>* target) const {
+    return list([target](const Option&, const std::string& value) { target->push_back(value); }, "TEXT");
+  }
+  CLI::Option* operator()(std::map<int, double>* target) const {
+    return list(
+        [target](const Option& o, const std::string& value) {
+          const std::string complaint = add_label_number(value, o, *target);
+          if (!complaint.empty()) refuse(o, complaint);
+        },
+        "LABEL=NUMBER");
+  }
+  CLI::Option* operator()(const OptionRows& rows) const {
+    constexpr std::size_t kMaxInOneWord = 3;
+    return rows.width > kMaxInOneWord ? rows_of_words(rows) : rows_of_commas(rows);
+  }
+
+ private:
+  using Take = std::function<void(const Option&, const std::string&)>;
+
+  template <class Number>
+  CLI::Option* number(Number* target, const char* type) const {
+    const bool is_given = option_.number() != std::optional(0.0);
+    return text(
+               [target, is_given](const Option& o, const std::string& value) {
+                 *target = number_in_range<Number>(o, value, is_given);
+               },
+               type)
+        ->default_str(option_.value_text());
+  }
+  CLI::Option* text(const Take& take, const std::string& type) const {
+    return command_
+        .add_option_function<std::string>(
+            flags_of(option_), [option = option_, take](const std::string& value) { take(option, value); },
+            help_of(option_))
+        ->type_name(type);
+  }
+  CLI::Option* list(const Take& take, const std::string& type) const {
+    return command_
+        .add_option_function<std::vector<std::string>>(
+            flags_of(option_),
+            [option = option_, take](const std::vector<std::string>& values) {
+              for (const std::string& value : values) take(option, value);
+            },
+            help_of(option_))
+        ->allow_extra_args(false)
+        ->type_name(type);
+  }
+  void set_rows(const OptionRows& rows, const std::vector<std::vector<double>>& values) const {
+    try {
+      rows.set(values);
+    } catch (const Error& senseless) {
+      refuse(option_, senseless.what());
+    }
+  }
+  CLI::Option* rows_of_words(const OptionRows& rows) const {
+    return command_
+        .add_option_function<std::vector<std::vector<double>>>(
+            flags_of(option_),
+            [self = *this, rows](const std::vector<std::vector<double>>& values) {
+              for (const std::vector<double>& row : values)
+                if (!std::all_of(row.begin(), row.end(), [](double x) { return std::isfinite(x); }))
+                  refuse(self.option_, "needs finite numbers");
+              self.set_rows(rows, values);
+            },
+            help_of(option_))
+        ->type_size(static_cast<int>(rows.width));
+  }
+  CLI::Option* rows_of_commas(const OptionRows& rows) const {
+    return command_
+        .add_option_function<std::vector<std::string>>(
+            flags_of(option_),
+            [self = *this, rows](const std::vector<std::string>& values) {
+              std::vector<std::vector<double>> numbers;
+              for (const std::string& value : values)
+                numbers.push_back(row_from(self.option_, value, rows.width));
+              self.set_rows(rows, numbers);
+            },
+            help_of(option_))
+        ->allow_extra_args(false)
+        ->type_name("X,Y,Z");
+  }
+
+  CLI::App& command_;
+  Option option_;
+};
+
+}  // namespace
+
+std::string flag_of(std::string_view name) {
+  std::string flag = "--" + std::string(name);
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
+
+std::string flags_of(const Option& option) {
+  const auto* const target = std::get_if<bool*>(&option.target);
+  if (target != nullptr && **target) return flag_of("no_" + option.name);
+  std::vector<std::string> flags = {flag_of(option.name)};
+  for (const std::string& alias : option.aliases)
+    flags.insert(alias.size() == 1 ? flags.begin() : flags.end(),
+                 alias.size() == 1 ? "-" + alias : flag_of(alias));
+  if (is_list(option.target)) std::reverse(flags.begin(), flags.end());
+  return fmt::format("{}", fmt::join(flags, ","));
+}
+
+void add_options(CLI::App& command, const OptionList& list, const std::string& group,
+                 std::initializer_list<std::string_view> without) {
+  std::vector<std::pair<const Option*, CLI::Option*>> made;
+  for (const Option& option : list.all()) {
+    if (std::find(without.begin(), without.end(), option.name) != without.end()) continue;
+    made.emplace_back(&option, std::visit(Adder(command, option), option.target));
+    if (!group.empty()) made.back().second->group(group);
+  }
+  const auto called = [&](const std::string& name) { return command.get_option_no_throw(flag_of(name)); };
+  for (const auto& [option, flag] : made) {
+    for (const std::string& other : option->excluded)
+      if (CLI::Option* const excluded = called(other)) flag->excludes(excluded);
+    for (const std::string& other : option->needed)
+      if (CLI::Option* const needed = called(other)) flag->needs(needed);
+  }
+}
+
+void require_not_given(const CLI::App& command, const OptionList& list, const std::string& reason) {
+  for (const Option& option : list.all()) {
+    const CLI::Option* const flag = command.get_option_no_throw(flag_of(option.name));
+    if (flag != nullptr && flag->count() > 0)
+      throw Error(ErrorKind::kUsage, fmt::format("{} {}; leave it out", option_name(option.name), reason));
+  }
+}
+
+std::string with_flags(std::string_view message, const CLI::App& command) {
+  return with_spelled_options(message, [&](std::string_view name) {
+    const std::string flag = flag_of(name);
+    return command.get_option_no_throw(flag) == nullptr ? "" : flag;
+  });
+}
+
+}  // namespace lumesh::cli

@@ -1,0 +1,70 @@
+#include <fmt/core.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "lumesh/pipeline/case.hpp"
+#include "option_adapter.hpp"
+
+namespace lumesh::cli {
+namespace {
+
+nlohmann::ordered_json option_json(const Option& option) {
+  nlohmann::ordered_json json = {{"name", option.name}, {"aliases", option.aliases}};
+  if (!option.unit.empty()) json["unit"] = option.unit;
+  if (const std::string range = option.range.text(); !range.empty()) json["range"] = range;
+  if (const auto* const word = std::get_if<OptionWord>(&option.target)) json["words"] = word->words;
+  json["default"] = option.value_text();
+  if (option.zero_text) json["zero"] = *option.zero_text;
+  json["meaning"] = option.meaning;
+  json["flags"] = flags_of(option);
+  return json;
+}
+
+nlohmann::ordered_json sections_json() {
+  Case c;
+  nlohmann::ordered_json json;
+  for (const CaseSection& section : sections_of(c)) {
+    nlohmann::ordered_json& options = json[section.name.empty() ? "case" : section.name];
+    for (const Option& option : section.options.all()) options.push_back(option_json(option));
+  }
+  // A stage that cases have as a part of others only.
+  ImproveOptions improvement;
+  const OptionList of_improve = options_of(improvement);
+  for (const Option& option : of_improve.all()) json["improve"].push_back(option_json(option));
+  return json;
+}
+
+void print_sections() {
+  Case c;
+  for (const CaseSection& section : sections_of(c)) {
+    if (!section.name.empty()) print_out("\n[{}]  {}\n", section.name, section.meaning);
+    for (const Option& option : section.options.all()) {
+      const std::string values = option.domain_text();
+      print_out("  {:<20} {}{}; default {}\n", option.name, option.meaning,
+                values.empty() ? "" : "; " + values, option.value_text());
+    }
+  }
+}
+
+}  // namespace
+
+void add_options_command(CLI::App& program) {
+  const auto as_json = std::make_shared<bool>(false);
+  CLI::App* sub =
+      program.add_subcommand("options", "List all options of all stages, as case files name them");
+  sub->add_flag("--json", *as_json,
+                "Print JSON: name, aliases, unit, range, words, default, meaning of each");
+  sub->footer("Example: lumesh options");
+  sub->callback([as_json] {
+    if (*as_json)
+      print_out("{}\n", sections_json().dump(2));
+    else
+      print_sections();
+  });
+}
+
+}  // namespace lumesh::cli

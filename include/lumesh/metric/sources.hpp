@@ -1,0 +1,129 @@
+#pragma once
+/// @file The sources that a metric is made of. A new source is a struct of this kind in files of its own, and
+/// its name in MetricSources.
+
+#include <concepts>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/metric/analytic.hpp"
+#include "lumesh/metric/curvature_metric.hpp"
+#include "lumesh/metric/hessian_metric.hpp"
+#include "lumesh/metric/point_metric.hpp"
+#include "lumesh/metric/shaping.hpp"
+#include "lumesh/metric/source_data.hpp"
+#include "lumesh/metric/velocity_metric.hpp"
+
+namespace lumesh::metric {
+
+/// One formula of the UGAWG benchmark.
+struct AnalyticSource {
+  std::optional<AnalyticKind> formula;
+
+  void describe(OptionList& list);
+  [[nodiscard]] bool is_wanted() const { return formula.has_value(); }
+  [[nodiscard]] std::vector<SymTensor> at(std::span<const Vec3> places, SourceData& data) const;
+};
+
+/// Tensors of a file.
+struct TensorSource {
+  std::string file;
+
+  void describe(OptionList& list);
+  [[nodiscard]] bool is_wanted() const { return !file.empty(); }
+  [[nodiscard]] std::vector<SymTensor> on(const TetMesh& mesh, SourceData& data,
+                                          const MetricLimits& limits) const;
+};
+
+/// metric_from_points().
+struct PointSource {
+  std::string points;
+  PointMetricOptions options;
+
+  void describe(OptionList& list);
+  [[nodiscard]] bool is_wanted() const { return !points.empty(); }
+  [[nodiscard]] std::vector<SymTensor> at(std::span<const Vec3> places, SourceData& data) const;
+};
+
+/// metric_from_velocity().
+struct VelocitySource {
+  std::string velocity, array;
+  VelocityMetricOptions options;
+
+  void describe(OptionList& list);
+  [[nodiscard]] bool is_wanted() const { return !velocity.empty(); }
+  [[nodiscard]] std::vector<SymTensor> at(std::span<const Vec3> places, SourceData& data) const;
+};
+
+/// metric_from_hessian().
+struct HessianSource {
+  std::string field;
+  HessianMetricOptions options;
+
+  void describe(OptionList& list);
+  [[nodiscard]] bool is_wanted() const { return !field.empty(); }
+  [[nodiscard]] std::vector<SymTensor> on(const TetMesh& mesh, SourceData& data,
+                                          const MetricLimits& limits) const;
+};
+
+/// metric_from_curvature().
+struct CurvatureSource {
+  bool curvature = false;
+  CurvatureOptions options;
+
+  void describe(OptionList& list);
+  [[nodiscard]] bool is_wanted() const { return curvature; }
+  [[nodiscard]] std::vector<SymTensor> on(const TetMesh& mesh, SourceData& data,
+                                          const MetricLimits& limits) const;
+};
+
+/// A source whose tensors depend on places alone. @throws Error{kBadInput} that names what it is made from.
+template <class Source>
+concept PlaceSource = requires(const Source& source, std::span<const Vec3> places, SourceData& data) {
+  { source.at(places, data) } -> std::same_as<std::vector<SymTensor>>;
+};
+
+using MetricSources =
+    std::tuple<AnalyticSource, TensorSource, PointSource, VelocitySource, HessianSource, CurvatureSource>;
+
+/// All that a metric is made of.
+struct MetricRequest {
+  MetricSources sources;
+  std::optional<double> gradation;  ///< MetricLimits::growth; none: of sources that need it.
+  MetricLimits limits;
+  /// MetricLimits::keeps_boundary; none: where the stage that adapts keeps its boundary.
+  std::optional<bool> frozen_sizes;
+
+  void describe(OptionList& list);
+  /// @throws Error{kUsage} that names the option.
+  void validate() const;
+  [[nodiscard]] bool has_source() const;
+  /// The limits, with the gradation and the sizes along a boundary that stays. @param is_frozen  Whether the
+  /// boundary will stay.
+  [[nodiscard]] MetricLimits limits_for(bool is_frozen) const;
+  template <class Source>
+  [[nodiscard]] const Source& source() const {
+    return std::get<Source>(sources);
+  }
+  template <class Source>
+  [[nodiscard]] Source& source() {
+    return std::get<Source>(sources);
+  }
+};
+
+/// The intersection of what the sources ask for; the mesh's own metric where there is none. Several sources
+/// have no common scale: where a complexity is wanted, each is scaled to it first.
+/// @return One tensor per vertex, without limits. @throws what the sources throw. Parallel inside, bitwise
+/// identical for every thread count.
+[[nodiscard]] std::vector<SymTensor> requested_metric(const TetMesh& mesh, const MetricRequest& request,
+                                                      SourceData& data, Context& context);
+
+/// What the sources that need no mesh ask for at some places, source by source.
+[[nodiscard]] std::vector<std::vector<SymTensor>> requested_at(std::span<const Vec3> places,
+                                                               const MetricRequest& request,
+                                                               SourceData& data);
+
+}  // namespace lumesh::metric

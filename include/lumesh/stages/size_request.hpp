@@ -1,0 +1,54 @@
+#pragma once
+/// @file Sizes from place to place for the Delaunay mesher, besides its own.
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/delaunay/built_in_sizings.hpp"
+
+namespace lumesh {
+
+class OptionList;
+
+struct SizeRequest {
+  std::map<Label, double> label_sizes;
+  std::string points;  ///< A path, or "centerline"; empty: none.
+  PointSizeOptions point_sizes;
+  BoundarySizeOptions boundary;  ///< Not wanted while the size there is 0.
+  std::string image, mesh;       ///< Paths.
+  std::string plugin;            ///< PATH[:OPTIONS].
+  double cells_per_diameter = 0;
+
+  /// Without cells_per_diameter, which both meshers have.
+  void describe(OptionList& list);
+  /// @throws Error{kUsage} that names the option.
+  void validate() const;
+  [[nodiscard]] bool needs_axes() const { return points == "centerline" || cells_per_diameter > 0; }
+  /// The path of the plugin, without its options.
+  [[nodiscard]] std::string plugin_path() const { return plugin.substr(0, plugin.find(':')); }
+};
+
+/// Edges along the diameter of vessels, an option of both meshers.
+void describe_cells_per_diameter(OptionList& list, double& cells);
+
+/// What the request names, once its files are read.
+class SizeData {
+ public:
+  /// @throws Error that names option or file, before anything large is read.
+  SizeData(SizeRequest request, Context& context);
+
+  /// The smallest of all sizes that are wanted; null if none are.
+  /// @param domain  Lives as long as the result. @param axes  Where the request needs them.
+  /// @throws Error{kBadInput} for a label that the domain has not, which does not name the input.
+  [[nodiscard]] std::unique_ptr<Sizing> on(const Domain& domain, const Polylines& axes) &&;
+
+ private:
+  SizeRequest request_;
+  std::vector<Vec3> points_;
+  std::vector<std::unique_ptr<Sizing>> parts_;
+};
+
+}  // namespace lumesh

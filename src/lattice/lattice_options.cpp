@@ -1,0 +1,38 @@
+#include "lumesh/core/option.hpp"
+#include "lumesh/lattice/lattice.hpp"
+
+namespace lumesh {
+
+void LatticeOptions::describe(OptionList& list) {
+  list.number("edge_length", spacing_mm, above(0),
+              "Edge of the lattice's cubes, and so of triangles, at boundaries where the object is thick; a "
+              "voxel "
+              "counts as the geometric mean of its edges")
+      .in("mm")
+      .alias("spacing")
+      .zero("2.5 voxels");
+  list.number("fidelity", fidelity, between(0.1, 0.98),
+              "At a boundary the spacing is at most 4 (1 - fidelity) times the local half thickness, in "
+              "vessels at most "
+              "0.8 of their radius; edges, tips and clefts get half of the spacing at most");
+  list.of_labels("label_fidelity", label_fidelity, between(0.1, 0.98),
+                 "The fidelity of single labels; never given up for max_tetrahedra");
+  list.number("coarsening", coarsening, between(0, 4),
+              "Times that the spacing may double away from boundaries");
+  list.number("max_refinement", max_refinement, between(0, 5),
+              "Times that the spacing may halve in thin parts");
+  list.number("max_tetrahedra", max_tetrahedra, at_least(1),
+              "Refinement of thin parts is given up level by level until the prediction is below");
+  list.number("min_dihedral", min_dihedral_deg, between(1, 25),
+              "Floor of the dihedral angles, but for single ones where a vertex would leave the image")
+      .in("degrees");
+  list.number("max_dihedral", max_dihedral_deg, between(130, 175),
+              "Ceiling of the dihedral angles, but for the same")
+      .in("degrees");
+}
+
+void LatticeOptions::validate() const {
+  require_ranges_of(*this);
+}
+
+}  // namespace lumesh

@@ -1,0 +1,205 @@
+#include "lumesh/metric/sources.hpp"
+
+#include <limits>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::metric {
+namespace {
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+template <class Sources, class Do>
+void for_each_source(Sources& sources, const Do& act) {
+  std::apply([&](auto&... source) { (act(source), ...); }, sources);
+}
+
+template <class Source>
+std::vector<SymTensor> tensors_of(const Source& source, const TetMesh& mesh, SourceData& data,
+                                  const MetricLimits& limits) {
+  if constexpr (PlaceSource<Source>)
+    return source.at(mesh.points(), data);
+  else
+    return source.on(mesh, data, limits);
+}
+
+}  // namespace
+
+void AnalyticSource::describe(OptionList& list) {
+  using Formula = std::optional<AnalyticKind>;
+  list.choice("analytic", formula,
+              {{"none", Formula()},
+               {"linear", Formula(AnalyticKind::kLinear)},
+               {"polar-1", Formula(AnalyticKind::kPolar1)},
+               {"polar-2", Formula(AnalyticKind::kPolar2)}},
+              "A formula of the UGAWG benchmark, made for the unit cube")
+      .in("the mesh's unit")
+      .excludes("metric");
+}
+
+std::vector<SymTensor> AnalyticSource::at(std::span<const Vec3> places, SourceData& /*data*/) const {
+  std::vector<SymTensor> tensors(places.size());
+  parallel::for_each_index(tensors.size(),
+                           [&](std::size_t i) { tensors[i] = analytic_metric(*formula, places[i]).metric; });
+  return tensors;
+}
+
+void TensorSource::describe(OptionList& list) {
+  list.path("metric", file, "Tensors of the mesh's vertices (.sol, .solb); none: those that the mesh carries")
+      .in("1/mm²")
+      .alias("m");
+}
+
+std::vector<SymTensor> TensorSource::on(const TetMesh& /*mesh*/, SourceData& data,
+                                        const MetricLimits& /*limits*/) const {
+  return data.tensors(file);
+}
+
+void PointSource::describe(OptionList& list) {
+  list.path("points", points,
+            "Ellipsoids around the k points nearest to each vertex, of a file (.vtp, .vtu, .vtk, meshes, "
+            ".csv, .txt, "
+            ".xyz), or of the centerline",
+            {"centerline"});
+  list.number("k", options.k, between(1, 10000), "Points nearest to a vertex that count").needs("points");
+}
+
+std::vector<SymTensor> PointSource::at(std::span<const Vec3> places, SourceData& data) const {
+  const std::vector<Vec3> set = data.points(points);
+  return naming(points, [&] { return metric_from_points(places, set, options); });
+}
+
+void VelocitySource::describe(OptionList& list) {
+  list.path("velocity", velocity,
+            "Stretch along the flow where it shears: samples of a velocity (.vtp, .vtu, .vtk, .csv, .txt, "
+            ".dat), or the "
+            "phantom's",
+            {"phantom"});
+  list.text("velocity_array", array,
+            "Point array that holds it; none: velocity, or the only vectors there are")
+      .needs("velocity");
+  list.number("velocity_k", options.k, between(3, 10000),
+              "Samples nearest to a vertex that count; 3 is the paper's")
+      .needs("velocity");
+}
+
+std::vector<SymTensor> VelocitySource::at(std::span<const Vec3> places, SourceData& data) const {
+  const Flow flow = data.flow(velocity, array);
+  return naming(velocity, [&] {
+    return metric_from_velocity(places, {flow.points, flow.velocities}, options);
+  });
+}
+
+void HessianSource::describe(OptionList& list) {
+  list.text("hessian", field,
+            "Low interpolation error of this solution: a point array of the mesh's file, or a .sol or .solb "
+            "file with a "
+            "number per vertex");
+  list.number("norm", options.norm, {.min = 1, .includes_infinity = true}, "p of the Lp norm of that error")
+      .needs("hessian");
+}
+
+std::vector<SymTensor> HessianSource::on(const TetMesh& mesh, SourceData& data,
+                                         const MetricLimits& /*limits*/) const {
+  const std::vector<double> values = data.solution(field);
+  return naming(field, [&] { return metric_from_hessian(mesh, values, options); });
+}
+
+void CurvatureSource::describe(OptionList& list) {
+  list.flag("curvature", curvature, "Fine where the boundary and interfaces bend");
+  list.number("edges_per_radius", options.edges_per_radius, above(0),
+              "Edges along an arc as long as its radius of curvature")
+      .needs("curvature");
+  list.number("chord_height", options.chord_mm, above(0),
+              "Instead: how far the middle of an edge may stand off its arc")
+      .in("mm")
+      .zero("as edges_per_radius says")
+      .needs("curvature")
+      .excludes("edges_per_radius");
+}
+
+std::vector<SymTensor> CurvatureSource::on(const TetMesh& mesh, SourceData& data,
+                                           const MetricLimits& limits) const {
+  CurvatureOptions bounded = options;
+  bounded.largest_mm = limits.largest_mm;
+  const std::shared_ptr<const Domain> domain = data.boundary();
+  return domain ? metric_from_curvature(mesh, *domain, bounded) : metric_from_curvature(mesh, bounded);
+}
+
+void MetricLimits::describe(OptionList& list) {
+  list.number("min_size", smallest_mm, above(0), "No size below this").in("mm").zero("no bound");
+  list.number("max_size", largest_mm, above(0), "No size above this").in("mm").zero("no bound", kUnbounded);
+  list.number("max_aspect", most_aspect, at_least(1),
+              "The largest size of a tensor is at most so many times its smallest; the larger ones become "
+              "smaller")
+      .zero("no bound", kUnbounded);
+  list.number("complexity", complexity, above(0),
+              "Sizes are scaled so that this mesh sees the complexity, about half the vertices of the "
+              "adapted one, with "
+              "all limits in force")
+      .zero("as the sources say");
+}
+
+void MetricRequest::describe(OptionList& list) {
+  for_each_source(sources, [&](auto& source) { source.describe(list); });
+  list.number("gradation", gradation, above(1),
+              "Sizes grow at most by this factor from one edge of unit length to the next; they only become "
+              "smaller")
+      .zero("no bound")
+      .by_default("1.5; no bound where the metric is a formula, a file's or the mesh's own");
+  limits.describe(list);
+  using Choice = std::optional<bool>;
+  list.choice("frozen_sizes", frozen_sizes,
+              {{"auto", Choice()}, {"on", Choice(true)}, {"off", Choice(false)}},
+              "Near the boundary, sizes go over to those of its triangles, as a boundary that is not adapted "
+              "wants it; "
+              "auto: where run keeps the boundary",
+              {{"true", "auto"}, {"false", "off"}});
+}
+
+void MetricRequest::validate() const {
+  require_ranges_of(*this);
+  limits.validate();
+}
+
+bool MetricRequest::has_source() const {
+  bool has = false;
+  for_each_source(sources, [&](const auto& source) { has = has || source.is_wanted(); });
+  return has;
+}
+
+MetricLimits MetricRequest::limits_for(bool is_frozen) const {
+  constexpr double kGradation = 1.5;
+  MetricLimits result = limits;
+  const bool is_made = source<PointSource>().is_wanted() || source<VelocitySource>().is_wanted() ||
+                       source<HessianSource>().is_wanted() || source<CurvatureSource>().is_wanted();
+  result.growth = gradation.value_or(is_made ? kGradation : 0);
+  result.keeps_boundary = frozen_sizes.value_or(is_frozen);
+  return result;
+}
+
+std::vector<SymTensor> requested_metric(const TetMesh& mesh, const MetricRequest& request, SourceData& data,
+                                        Context& context) {
+  std::vector<std::vector<SymTensor>> wanted;
+  for_each_source(request.sources, [&](const auto& source) {
+    if (source.is_wanted())
+      wanted.push_back(
+          context.phase("sources", [&] { return tensors_of(source, mesh, data, request.limits); }));
+  });
+  if (wanted.empty()) return data.tensors("");
+  return intersected(mesh, std::move(wanted), request.limits.complexity);
+}
+
+std::vector<std::vector<SymTensor>> requested_at(std::span<const Vec3> places, const MetricRequest& request,
+                                                 SourceData& data) {
+  std::vector<std::vector<SymTensor>> wanted;
+  for_each_source(request.sources, [&]<class Source>(const Source& source) {
+    if constexpr (PlaceSource<Source>)
+      if (source.is_wanted()) wanted.push_back(source.at(places, data));
+  });
+  return wanted;
+}
+
+}  // namespace lumesh::metric

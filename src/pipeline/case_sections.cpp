@@ -1,0 +1,169 @@
+#include "case_sections.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lumesh/core/error.hpp"
+
+namespace lumesh {
+namespace {
+
+/// Three numbers; a number alone stands for all of them.
+template <class Vector>
+OptionRows three_numbers(Vector& target, std::string example) {
+  using Number = typename Vector::Scalar;
+  return {3, std::move(example), true,
+          [&target] {
+            const Vec3 v = target.template cast<double>();
+            return std::vector<std::vector<double>>{{v[0], v[1], v[2]}};
+          },
+          [&target](const auto& rows) {
+            for (int i = 0; i < 3; ++i) {
+              const double value = rows[0][static_cast<std::size_t>(i)];
+              if (std::is_integral_v<Number> && value != std::floor(value))
+                throw Error(ErrorKind::kUsage, "must be whole numbers");
+              target[i] = static_cast<Number>(value);
+            }
+          }};
+}
+
+}  // namespace
+
+void InputKeys::describe(OptionList& list) {
+  list.path("image", image, "Label image: NIfTI, NRRD, MetaImage, GIPL, DICOM folder");
+  list.path("surface", surface, "Or a closed surface: .stl, .vtp, .mesh, .msh");
+  list.text("phantom", phantom, "Or a synthetic image: carotid, bifurcation, layered, sphere, torus");
+  list.rows("phantom_size", three_numbers(phantom_spec.size, "256, 256, 254"),
+            "Voxels of the phantom; 0: the kind's default");
+  list.rows("phantom_spacing", three_numbers(phantom_spec.spacing_mm, "0.5, 0.5, 0.6"),
+            "Size of the phantom's voxels; 0: the kind's default")
+      .in("mm");
+  list.number("phantom_noise", phantom_spec.noise_voxels, between(0, 2),
+              "How far the phantom's boundary moves")
+      .in("voxels");
+  selection.describe(list);
+  cuts.describe(list);
+  field.describe(list);
+  of_surface.describe(list);
+}
+
+void CenterlineKeys::describe(OptionList& list) {
+  list.flag("make", is_wanted, "Make the centerline even if no stage needs it");
+  options.describe(list);
+}
+
+void OpeningKeys::describe(OptionList& list) {
+  list.texts("names", names,
+             "PATCH=NAME, such as outlet_2=left_ica, X,Y,Z=NAME for the opening near a place in mm, "
+             "AREAmm2=NAME for "
+             "the one of about that area; NAME:KIND makes it an inlet, outlet, wall or symmetry")
+      .alias("name");
+}
+
+void OutputKeys::describe(OptionList& list) {
+  list.path("folder", folder, "Where all files go; none: a folder of the case's name");
+  list.texts("meshes", meshes,
+             "The last mesh, in the format of each name: .vtu, .vtk, .mesh, .meshb, .msh, .foam, .xdmf, "
+             "NAME-mesh-complete");
+  list.text("surface", surface, "The boundary of the last mesh: .vtp, .stl; none: not written");
+  list.text("report", report, "Report with plots and pictures (.html); none: not written");
+  list.text("json", json, "All numbers (.json); none: not written");
+  list.flag("stages", stages, "Write the centerline and the first mesh with its metric, too");
+}
+
+void RunKeys::describe(OptionList& list) {
+  list.number("threads", threads, between(0, 4096), "Threads; 0: all cores");
+  list.number("time_limit", time_limit_s, above(0), "Time after which the best mesh so far is written")
+      .in("s")
+      .zero("none");
+  list.flag("checkpoints", checkpoints, "Keep what every stage leaves, for `lumesh run --resume`");
+}
+
+std::vector<CaseSection> sections_of(Case& c) {
+  std::vector<CaseSection> sections(1);
+  OptionList& first = sections.front().options;
+  first.choice("mesher", c.mesher, {{"lattice", Mesher::kLattice}, {"delaunay", Mesher::kDelaunay}},
+               "What makes the first mesh; delaunay also of surfaces and with sizes");
+  first.number("edge_length", c.edge_length_mm, above(0), "Edges on surfaces of the first mesh")
+      .in("mm")
+      .zero("2.5 voxels");
+  describe_cells_per_diameter(first, c.cells_per_diameter);
+  const auto add = [&](std::string name, std::string meaning, auto& described) {
+    sections.push_back({std::move(name), std::move(meaning), options_of(described)});
+  };
+  add("input", "What is meshed: one of image, surface, phantom", c.input);
+  add("lattice", "The first mesh, with mesher = \"lattice\"", c.lattice);
+  add("delaunay", "The first mesh, with mesher = \"delaunay\"", c.delaunay);
+  add("centerline", "Axes of the vessels with their radii", c.centerline);
+  add("metric", "Sizes and directions of the elements; without a source the first mesh is the last",
+      c.metric);
+  add("adapt", "Adaptation of the first mesh to the metric", c.adapt);
+  add("layers", "Boundary layers of the last mesh; without first_height there are none", c.layers);
+  add("openings", "Names of patches in the files", c.openings);
+  add("output", "Files", c.output);
+  add("run", "How it runs", c.run);
+  return sections;
+}
+
+LatticeOptions Case::lattice_options() const {
+  LatticeOptions options = lattice;
+  if (!(options.spacing_mm > 0)) options.spacing_mm = edge_length_mm;
+  if (cells_per_diameter > 0) options.fidelity = LatticeOptions::fidelity_of_cells(cells_per_diameter);
+  return options;
+}
+
+DelaunayRequest Case::delaunay_request() const {
+  DelaunayRequest request = delaunay;
+  if (!(request.delaunay.edge_length_mm > 0)) request.delaunay.edge_length_mm = edge_length_mm;
+  request.sizes.cells_per_diameter = cells_per_diameter;
+  request.improvement.execution = adapt.adapt.execution;
+  request.improvement.team = adapt.adapt.team;
+  return request;
+}
+
+bool Case::needs_centerline() const {
+  return centerline.is_wanted || metric.source<metric::PointSource>().points == "centerline" ||
+         (mesher == Mesher::kDelaunay && delaunay_request().sizes.needs_axes());
+}
+
+namespace pipeline {
+
+std::string key_called(std::string_view option, const std::vector<std::string>& sections) {
+  Case any;
+  const std::vector<CaseSection> all = sections_of(any);
+  const auto rank = [&](const CaseSection& s) { return std::find(sections.begin(), sections.end(), s.name); };
+  const CaseSection* best = nullptr;
+  std::string name;
+  for (const CaseSection& section : all)
+    for (const Option& key : section.options.all())
+      if (key.is_called(option) && (best == nullptr || rank(section) < rank(*best))) {
+        best = &section;
+        name = key.name;
+      }
+  return best == nullptr || best->name.empty() ? name : "[" + best->name + "] " + name;
+}
+
+std::vector<CaseFileRead> files_read_by(const Case& c) {
+  Case copy = c;
+  std::vector<CaseFileRead> files;
+  for (const CaseSection& section : sections_of(copy))
+    for (const Option& key : section.options.all()) {
+      const auto* const file = std::get_if<OptionPath>(&key.target);
+      if (file == nullptr || file->path == &copy.output.folder || file->path->empty() ||
+          std::find(file->words.begin(), file->words.end(), *file->path) != file->words.end())
+        continue;
+      const bool is_plugin = file->path == &copy.delaunay.sizes.plugin;
+      files.push_back({fmt::format("[{}] {}", section.name, key.name),
+                       is_plugin ? copy.delaunay.sizes.plugin_path() : *file->path});
+    }
+  return files;
+}
+
+std::string with_case_keys(const std::string& message, const std::vector<std::string>& sections) {
+  return with_spelled_options(message, [&](std::string_view name) { return key_called(name, sections); });
+}
+
+}  // namespace pipeline
+}  // namespace lumesh

@@ -1,0 +1,81 @@
+#include "lumesh/stages/layer_request.hpp"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <charconv>
+#include <optional>
+#include <set>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/mesh/parts.hpp"
+
+namespace lumesh {
+namespace {
+
+std::optional<Label> whole_number(const std::string& text) {
+  Label number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, fault] = std::from_chars(text.data(), end, number);
+  return fault == std::errc() && stop == end ? std::optional(number) : std::nullopt;
+}
+
+/// Takes "wall=2", "wall" or "2" into the options; an empty text says nothing.
+void take_layer_label(const std::string& text, LayerOptions& options) {
+  if (text.empty()) return;
+  const std::size_t equals = text.find('=');
+  const bool has_both = equals != std::string::npos;
+  const std::string number = has_both ? text.substr(equals + 1) : text;
+  const std::optional<Label> label = whole_number(number);
+  if (label && *label <= 0) throw Error(ErrorKind::kBadInput, "labels are above 0");
+  if (label) options.label = *label;
+  const bool looks_like_number =
+      !number.empty() && number.find_first_not_of("+-.0123456789") == std::string::npos;
+  if (equals == 0) throw Error(ErrorKind::kBadInput, "the name is missing; write NAME=NUMBER");
+  if (!label && (has_both || looks_like_number))
+    throw Error(ErrorKind::kBadInput, fmt::format("\"{}\" is no whole number; write NAME=NUMBER", number));
+  if (!label || has_both) options.label_name = text.substr(0, equals);
+}
+
+Label label_called(const MixedMesh& mesh, const std::string& name) {
+  const std::set<Label> labels = labels_called(mesh, std::array{name});
+  if (labels.size() > 1)
+    throw Error(ErrorKind::kBadInput, fmt::format("several labels are called {}; give a number", name));
+  return *labels.begin();
+}
+
+}  // namespace
+
+void LayerRequest::describe(OptionList& list) {
+  options.describe(list);
+  list.text("into", into,
+            "Inwards, in a mesh of several labels: the one that is deformed, by name or number; none: the "
+            "only one at "
+            "the patches");
+  list.text("label", label,
+            "Label of the layers: NAME=NUMBER, NAME or NUMBER; none: vessel_wall (inwards layer), the next "
+            "free number. "
+            "That of the mesh beside them makes one region of both");
+}
+
+void LayerRequest::validate() const {
+  with_label().validate();
+  if (!into.empty() && options.side == LayerSide::kOutward)
+    throw Error(ErrorKind::kUsage, fmt::format("{} says which label is deformed; it needs {} inward",
+                                               option_name("into"), option_name("side")));
+}
+
+LayerOptions LayerRequest::with_label() const {
+  LayerOptions result = options;
+  naming(fmt::format("{} \"{}\"", option_name("label"), label), [&] { take_layer_label(label, result); });
+  return result;
+}
+
+LayerOptions LayerRequest::resolved(const MixedMesh& mesh) const {
+  LayerOptions result = with_label();
+  if (!into.empty()) result.into = naming(option_name("into"), [&] { return label_called(mesh, into); });
+  return result;
+}
+
+}  // namespace lumesh

@@ -1,0 +1,155 @@
+#include "lumesh/stages/size_request.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/delaunay/sizing_plugin.hpp"
+#include "lumesh/io/image_file.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/stages/input.hpp"
+#include "lumesh/stages/metric_input.hpp"
+
+namespace lumesh {
+namespace {
+
+void require_labels(const std::map<Label, double>& sizes, const Domain& domain) {
+  std::map<Label, bool> present;
+  std::string list;
+  for (Material m = 1; m < domain.label_count(); ++m) {
+    present[domain.label_of(m)] = true;
+    constexpr Material kMaxListed = 20;
+    if (m <= kMaxListed) list += fmt::format("{}{}", m == 1 ? "" : ", ", domain.label_of(m));
+    if (m == kMaxListed + 1) list += ", ...";
+  }
+  for (const auto& entry : sizes)
+    if (!present.contains(entry.first))
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{} names label {}, which is not there to be meshed; labels: {}",
+                              option_name("label_size"), entry.first, list));
+}
+
+/// A file of sizes beside a mesh whose format holds none, as Medit's programs want it; "" if there is none.
+std::string solution_beside(const std::filesystem::path& mesh_path) {
+  for (const char* extension : {".sol", ".solb"}) {
+    std::filesystem::path path = mesh_path;
+    path.replace_extension(extension);
+    if (std::filesystem::exists(path)) return path.string();
+  }
+  return {};
+}
+
+/// Edge lengths in mm that tensors of the same size in all directions want.
+std::vector<double> lengths_of(const std::vector<SymTensor>& tensors, const std::string& path) {
+  if (!are_isotropic(tensors))
+    throw Error(ErrorKind::kBadInput,
+                path + ": wants stretched elements; give sizes that are the same in all directions");
+  std::vector<double> lengths;
+  lengths.reserve(tensors.size());
+  for (const SymTensor& t : tensors) lengths.push_back(1 / std::sqrt((t.xx + t.yy + t.zz) / 3));
+  return lengths;
+}
+
+std::unique_ptr<Sizing> read_size_mesh(const std::string& path) {
+  MixedMesh mesh = read_mesh(path);
+  std::vector<double> sizes = std::move(mesh.sizes_mm);
+  if (sizes.empty()) {
+    const std::string solution = mesh.metric.empty() ? solution_beside(path) : "";
+    if (mesh.metric.empty() && solution.empty())
+      throw Error(ErrorKind::kBadInput, path +
+                                            ": carries no sizes; give it the point array size (.vtu, .vtk) "
+                                            "in mm, a metric, or a .sol file of its name");
+    sizes = lengths_of(metric_of(mesh, path, solution), solution.empty() ? path : solution);
+  }
+  bring_to_lps_mm(mesh);
+  return naming(path, [&] { return size_from_mesh(tetrahedra_of(mesh, path), sizes); });
+}
+
+std::unique_ptr<Sizing> read_size_image(const std::string& path, Context& context) {
+  NumberImage image = read_number_image(path, context);
+  return naming(path, [&] { return size_from_image({image.frame, std::move(image.values)}); });
+}
+
+}  // namespace
+
+void SizeRequest::describe(OptionList& list) {
+  list.of_labels("label_size", label_sizes, above(0), "Size inside a label").in("mm");
+  list.path(
+          "size_points", points,
+          "Sizes grow with the distance to these points: a file (.vtp, .vtk, .vtu, .csv, .txt, .xyz), or the "
+          "centerline",
+          {"centerline"})
+      .needs("size_floor");
+  list.number("size_factor", point_sizes.factor, above(0),
+              "Size per distance to the nearest of the size_points")
+      .needs("size_points");
+  list.number("size_floor", point_sizes.floor_mm, above(0),
+              "Least of these sizes, which the points themselves have")
+      .in("mm")
+      .zero("not given")
+      .needs("size_points");
+  list.number("size_ceiling", point_sizes.ceiling_mm, above(0), "Largest of these sizes")
+      .in("mm")
+      .zero("no bound", kNoSizeWish)
+      .needs("size_points");
+  list.number("size_boundary", boundary.at_boundary_mm, above(0),
+              "Size at walls, interfaces and openings, growing inwards")
+      .in("mm")
+      .zero("none");
+  list.number("size_growth", boundary.growth, at_least(0), "Growth of that size per distance from them")
+      .needs("size_boundary");
+  list.path("size_image", image, "Image of sizes in mm; 0: no wish");
+  list.path("size_mesh", mesh,
+            "Mesh of tetrahedra with sizes at its points: array size, metric, or a .sol file beside it");
+  list.path("sizing", plugin, "Sizes that a shared library says, PATH[:OPTIONS]: docs/sizing.md");
+}
+
+void SizeRequest::validate() const {
+  require_ranges_of(*this);
+  if (!points.empty() && !(point_sizes.floor_mm > 0))
+    throw Error(ErrorKind::kUsage, fmt::format("{} needs {}, the least size in mm",
+                                               option_name("size_points"), option_name("size_floor")));
+  if (point_sizes.ceiling_mm < point_sizes.floor_mm)
+    throw Error(ErrorKind::kUsage,
+                option_name("size_ceiling") + " must not be less than " + option_name("size_floor"));
+}
+
+void describe_cells_per_diameter(OptionList& list, double& cells) {
+  list.number("cells_per_diameter", cells, between(1, 25),
+              "About so many edges along the diameter of each vessel, or more where the edge length is "
+              "shorter. The "
+              "diameter is that of the axis that is the fewest of its radii away: a sac gets the size of its "
+              "vessel")
+      .zero("none");
+}
+
+SizeData::SizeData(SizeRequest request, Context& context) : request_(std::move(request)) {
+  request_.validate();
+  if (!request_.plugin.empty()) parts_.push_back(std::make_unique<PluginSizing>(request_.plugin));
+  if (!request_.points.empty() && request_.points != "centerline")
+    points_ = read_points_in(MeshInfo(), request_.points);
+  if (!request_.image.empty()) parts_.push_back(read_size_image(request_.image, context));
+  if (!request_.mesh.empty()) parts_.push_back(read_size_mesh(request_.mesh));
+}
+
+std::unique_ptr<Sizing> SizeData::on(const Domain& domain, const Polylines& axes) && {
+  if (request_.cells_per_diameter > 0) parts_.push_back(size_from_axes(axes, request_.cells_per_diameter));
+  if (!request_.label_sizes.empty()) {
+    require_labels(request_.label_sizes, domain);
+    parts_.push_back(size_per_label(request_.label_sizes));
+  }
+  if (!request_.points.empty()) {
+    request_.point_sizes.region_mm = domain.bounds_mm();
+    parts_.push_back(naming(request_.points, [&] {
+      return size_from_points(request_.points == "centerline" ? axes.points : points_, request_.point_sizes);
+    }));
+  }
+  if (request_.boundary.at_boundary_mm > 0) parts_.push_back(size_from_boundary(domain, request_.boundary));
+  return parts_.empty() ? nullptr : combined_size(std::move(parts_));
+}
+
+}  // namespace lumesh
