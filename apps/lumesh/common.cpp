@@ -187,11 +187,15 @@ std::map<std::string, std::string> provenance_of(const CLI::App& command, const 
                                                  const std::map<std::string, std::string>& before) {
   const auto input = before.find("input"), hash = before.find("input_sha256");
   const bool known = input != before.end() && hash != before.end();
-  return {{"program", std::string("lumesh ") + kVersion},
-          {"command", command.get_name()},
-          {"options", given_options(command)},
-          {"input", known ? input->second : input_path},
-          {"input_sha256", known ? hash->second : file_sha256(input_path)}};
+  std::map<std::string, std::string> result = {
+      {"program", std::string("lumesh ") + kVersion},
+      {"command", command.get_name()},
+      {"options", given_options(command)},
+      {"input", known ? input->second : input_path},
+      {"input_sha256", known ? hash->second : file_sha256(input_path)}};
+  const std::vector<std::string> cuts = cut_options(known ? before : result);
+  if (!cuts.empty()) result[kCutsKey] = fmt::format("{}", fmt::join(cuts, " "));
+  return result;
 }
 
 std::vector<std::string> doubts_about_image(const std::string& image_path, const std::string& mesh_path,
@@ -204,6 +208,16 @@ std::vector<std::string> doubts_about_image(const std::string& image_path, const
   return {fmt::format("{}: is not the file that {} was made from{} (SHA-256 {:.8}, not {:.8}); {}",
                       image_path, mesh_path, input == info.provenance.end() ? "" : ", " + input->second,
                       found, made_from->second, consequence)};
+}
+
+std::vector<std::string> doubts_about_cuts(const CutOptions& given, const std::string& mesh_path,
+                                           const MeshInfo& info) {
+  const std::vector<std::string> made_with = cut_options(info.provenance);
+  if (given.planes.size() + given.places.size() >= made_with.size()) return {};
+  return {fmt::format(
+      "{}: was made of an image that was cut, and sizes are those of the cut image only if the same cuts are "
+      "given: {}",
+      mesh_path, fmt::join(made_with, " "))};
 }
 
 void require_sound(const std::string& path, const MeshView& mesh, Context& context,

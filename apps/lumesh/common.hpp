@@ -106,6 +106,10 @@ void check_inputs_stay(std::initializer_list<std::string> outputs, std::initiali
                                                           const std::string& mesh_path, const MeshInfo& info,
                                                           std::string_view consequence);
 
+/// A line if fewer cuts are given than the mesh was made with, else nothing.
+[[nodiscard]] std::vector<std::string> doubts_about_cuts(const CutOptions& given,
+                                                         const std::string& mesh_path, const MeshInfo& info);
+
 /// Looks at a mesh that was written, quickly.
 /// @param besides  What else has to be said then.
 /// @param made_from  The mesh that it was made from, if any, which may have had faults before.

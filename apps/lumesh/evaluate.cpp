@@ -120,6 +120,8 @@ void run(const EvaluateCommand& command) {
       return doubts_about_image(command.image_path, command.mesh_path, mesh.info,
                                 "distances and volumes may mean nothing");
     });
+    for (std::string& doubt : doubts_about_cuts(command.cuts, command.mesh_path, mesh.info))
+      warnings.push_back(std::move(doubt));
   }
   for (const std::string& warning : warnings) context.warn(warning);
   Polylines axes;

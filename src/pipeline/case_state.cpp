@@ -1,5 +1,7 @@
 #include "case_state.hpp"
 
+#include <fmt/ranges.h>
+
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/parallel/ordered_tasks.hpp"
@@ -47,6 +49,8 @@ MeshInfo CaseState::info() const {
                      {"command", "run"},
                      {"input", input_name},
                      {"input_sha256", input_sha256}};
+  if (!c.input.cuts.none())
+    info.provenance[kCutsKey] = fmt::format("{}", fmt::join(cut_options(c.input.cuts), " "));
   return info;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 #include <span>
+#include <sstream>
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
@@ -111,6 +112,38 @@ CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> 
 }
 
 }  // namespace
+
+std::vector<std::string> cut_options(const ImageCuts& cuts) {
+  std::vector<std::string> options;
+  for (const CutPlane& plane : cuts.planes) {
+    const Vec3 &p = plane.point_mm, &n = plane.normal;
+    options.push_back(fmt::format("--cut-plane {} {} {} {} {} {}", p.x(), p.y(), p.z(), n.x(), n.y(), n.z()));
+  }
+  for (const Vec3& p : cuts.places_mm)
+    options.push_back(fmt::format("--cut-at {},{},{}", p.x(), p.y(), p.z()));
+  return options;
+}
+
+std::vector<std::string> cut_options(const std::map<std::string, std::string>& provenance) {
+  auto text = provenance.find(kCutsKey);
+  if (text == provenance.end()) text = provenance.find("options");
+  if (text == provenance.end()) return {};
+  std::vector<std::string> options;
+  std::istringstream words(text->second);
+  std::string option;
+  std::size_t wanted = 0, values = 0;  // Of one cut; values of several may follow one option.
+  for (std::string word; words >> word;) {
+    if (word.starts_with("--")) {
+      option = word;
+      wanted = option == "--cut-at" ? 1 : option == "--cut-plane" ? 6 : 0;
+      values = 0;
+    } else if (wanted > 0) {
+      if (values++ % wanted == 0) options.push_back(option);
+      options.back() += " " + word;
+    }
+  }
+  return options;
+}
 
 std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context& context) {
   std::vector<CutPlane> planes = cuts.planes;

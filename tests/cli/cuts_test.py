@@ -63,6 +63,21 @@ class CutsTest(ProgramTest):
                     self.assertLess(abs(opening["change_percent"]), 2)
                 self.assertLess(abs(report["labels"][0]["volume_error_percent"]), 2)
 
+    def test_evaluate_asks_for_the_cuts_that_the_mesh_was_made_with(self):
+        place, plane = f"30,10.6,{TUBES['high']}", ("12", "0", "0", "-1", "0", "0")
+        mesh, coarse = self.folder / "cut.vtu", self.folder / "coarse.vtu"
+        self.run_well("lattice", self.image, "-o", mesh, "--edge-length", "1.5", "--cut-at", place, "--cut-plane", *plane)
+        self.run_well("improve", mesh, "-o", coarse)
+        hint = f"--cut-plane {' '.join(plane)}", f"--cut-at {place}"
+        for made in (mesh, coarse):
+            for given in ((), ("--cut-at", place)):
+                told = self.run_well("evaluate", made, "--image", self.image, *given).stderr
+                self.assertIn("the same cuts", told)
+                for option in hint:
+                    self.assertIn(option, told)
+            told = self.run_well("evaluate", made, "--image", self.image, "--cut-at", place, "--cut-plane", *plane).stderr
+            self.assertNotIn("the same cuts", told)
+
     def test_a_case_file_cuts_as_the_option_does(self):
         case = self.folder / "case.toml"
         case.write_text(f'edge_length = 1.5\n[input]\nimage = "pair.nrrd"\ncut_at = [[30, 10.6, {TUBES["high"]}]]\n'
@@ -70,6 +85,8 @@ class CutsTest(ProgramTest):
         self.run_well("run", case)
         patches = json.loads(self.run_well("info", self.folder / "out/mesh.vtu", "--json").stdout)["patches"]
         self.assertEqual(sum(p["name"].startswith(("inlet", "outlet")) for p in patches), 3)
+        told = self.run_well("evaluate", self.folder / "out/mesh.vtu", "--image", self.image).stderr
+        self.assertIn(f"the same cuts are given: --cut-at 30,10.6,{TUBES['high']}", told)
         self.assertIn("cut_at = [[30", (self.folder / "out/effective.toml").read_text())
 
     def test_places_that_are_none_are_refused(self):

@@ -1,6 +1,9 @@
 #pragma once
 /// @file What of an image is cut off before it is meshed.
 
+#include <map>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "lumesh/core/context.hpp"
@@ -30,5 +33,13 @@ struct ImageCuts {
 /// any axis, or beyond a cut before it; and as extract_centerline() and cut_off_vessel() do. Cost and
 /// threads: for each place as these.
 [[nodiscard]] std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context& context);
+
+/// Each cut as the command line takes it: "--cut-at 1,2,3", "--cut-plane 1 2 3 0 0 1".
+[[nodiscard]] std::vector<std::string> cut_options(const ImageCuts& cuts);
+/// What cuts the image that a mesh was made from, in the same words. @param provenance  Of the mesh: "cuts",
+/// else what "options" says of them.
+[[nodiscard]] std::vector<std::string> cut_options(const std::map<std::string, std::string>& provenance);
+/// The key of that in provenances; its value has the cuts one after the other.
+inline constexpr const char* kCutsKey = "cuts";
 
 }  // namespace lumesh
