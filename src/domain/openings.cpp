@@ -255,7 +255,9 @@ struct OpeningPatch {
   double area_mm2 = 0;
   Vec3 area_normal = Vec3::Zero();
   std::vector<Vec3> centres_mm;  // Of its triangles.
+  static constexpr double kFlat = 0.99;
 
+  [[nodiscard]] bool is_flat() const { return area_normal.norm() > kFlat * area_mm2; }
   void add(const Vec3& a, const Vec3& b, const Vec3& c) {
     const Vec3 normal = 0.5 * triangle_area_normal(a, b, c);
     area_mm2 += normal.norm();
@@ -356,12 +358,16 @@ OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening>
   for (std::size_t p = 0; p < patches.size(); ++p) {
     if (!(patches[p].area_mm2 > 0)) continue;
     const Patch& patch = mesh.info->patches[p];
+    const bool is_opening = patch.kind == PatchKind::kOpening;
+    if (!is_opening && !patches[p].is_flat()) continue;  // What users call symmetry need not be a plane.
     const std::size_t at = opening_of_places(openings, patch.labels[0], patches[p].centres_mm,
                                              patches[p].area_normal.normalized());
     if (at < openings.size()) {
       OpeningInMesh& found = result.openings[at];
       found.patches += (found.patches.empty() ? "" : " + ") + patch.name;
       found.mesh_area_mm2 += patches[p].area_mm2;
+    } else if (!is_opening) {
+      continue;
     } else if (openings.empty() || (!openings[0].is_of_surface && has_label(openings, patch.labels[0]))) {
       result.others.push_back(
           patch.name);  // What grows on the object, as layers do, has openings of its own.

@@ -276,6 +276,12 @@ class NameTest(CommandTest):
         self.mesh = other
         self.assertEqual((self.patches()["vessel"], self.patches()["left_ica"]), ("opening", "wall"))
 
+    def test_a_wall_that_is_called_symmetry_is_no_opening(self):
+        made = self.run_well("lattice", self.make_tube(), "-o", self.mesh, "--name", "wall=wall:symmetry",
+                             "--name", "8,8,16.5=middle:symmetry", "--strict")
+        self.assertNotIn("warning", made.stderr)
+        self.assertEqual(self.patches()["middle"], "symmetry")
+
     def test_kinds_reach_the_files_and_stay(self):
         tube = self.make_tube()
         self.run_well("lattice", tube, "-o", self.mesh, "--name", "8,8,-0.5=left_ica:inlet", "--name", "8,8,16.5=middle:symmetry",

@@ -111,7 +111,7 @@ struct OpeningsCompared {
   std::vector<std::string> others;      ///< Openings of the mesh that are none of the domain.
 };
 
-/// @param mesh  Of the domain; its openings and planes of symmetry are looked at.
+/// @param mesh  Of the domain; its openings are looked at, and its planes of symmetry: those may be openings.
 [[nodiscard]] OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening> openings);
 
 /// More than this and an opening's area is wrong.

@@ -168,6 +168,27 @@ TEST(CompareOpenings, SaysWhatIsMissingWrongOrNone) {
   EXPECT_EQ(doubts_about(none).size(), 3U);
 }
 
+TEST(CompareOpenings, WallsThatAreCalledSymmetryAreNone) {
+  const std::vector<Opening> openings = {
+      {1, 100, Vec3(10, 10, 23.5), Vec3::UnitZ(), Box3(Vec3(4, 4, 23.5), Vec3(16, 16, 23.5))}};
+  // A lid over the opening, bent up behind it: its middle looks as the opening does, and part of it lies
+  // there.
+  MixedMesh mesh = square("inlet_1", Vec3(10, 10, 23.5), 10);
+  mesh.points.insert(mesh.points.end(), {{15, 5, 29}, {15, 15, 29}});
+  mesh.triangles.insert(mesh.triangles.end(), {{1, 2, 4}, {2, 5, 4}, {0, 1, 2}});
+  mesh.triangle_patches.insert(mesh.triangle_patches.end(), {1, 1, 1});
+  mesh.info.patches.push_back({"wall", PatchKind::kSymmetry, {1, kBackground}});
+  // A true plane of symmetry elsewhere.
+  mesh.points.insert(mesh.points.end(), {{30, 0, 0}, {30, 9, 0}, {30, 0, 9}});
+  mesh.triangles.push_back({6, 7, 8});
+  mesh.triangle_patches.push_back(2);
+  mesh.info.patches.push_back({"middle", PatchKind::kSymmetry, {1, kBackground}});
+  const OpeningsCompared compared = compare_openings(mesh.view(), openings);
+  EXPECT_TRUE(compared.others.empty());
+  EXPECT_EQ(compared.openings[0].patches, "inlet_1");
+  EXPECT_TRUE(doubts_about(compared).empty());
+}
+
 /// Two pieces of one opening have one name, a sliver elsewhere on the border is wall, and a missing opening
 /// keeps its number.
 TEST(NamePatches, FollowsTheOpeningsOfTheDomain) {
