@@ -5,6 +5,7 @@
 #include <deque>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -55,10 +56,10 @@ void write_list(OutputFile& file, std::size_t count, const Append& append) {
 }
 
 void write_header(OutputFile& file, std::string_view content, std::string_view object,
-                  const std::string& note = {}) {
+                  const std::string& note = {}, std::string_view location = "constant/polyMesh") {
   file.print("FoamFile\n{{\n    version     2.0;\n    format      ascii;\n    class       {};\n", content);
   if (!note.empty()) file.print("    note        \"{}\";\n", note);
-  file.print("    location    \"constant/polyMesh\";\n    object      {};\n}}\n\n", object);
+  file.print("    location    \"{}\";\n    object      {};\n}}\n\n", location, object);
 }
 
 /// A folder that goes away again if nothing stays in it.
@@ -88,8 +89,14 @@ class CaseFiles {
   explicit CaseFiles(const fs::path& foam_file)
       : foam_file_(foam_file),
         constant_(foam_file.parent_path() / "constant"),
-        poly_mesh_(constant_.path() / "polyMesh") {}
+        poly_mesh_(constant_.path() / "polyMesh") {
+    const fs::path system = foam_file.parent_path() / "system";
+    if (!fs::exists(fs::symlink_status(system))) system_.emplace(system);
+  }
   OutputFile& add(const char* name) { return files_.emplace_back(poly_mesh_.path() / name); }
+  /// Whether the user has no settings there yet, which would be theirs to change.
+  [[nodiscard]] bool wants_settings() const { return system_.has_value(); }
+  OutputFile& add_setting(const char* name) { return files_.emplace_back(system_->path() / name); }
   void commit() {
     // A full disk must be found before the first file is replaced.
     for (OutputFile& file : files_) file.flush();
@@ -101,8 +108,26 @@ class CaseFiles {
   OutputFile foam_file_;  ///< Empty: ParaView and others find the case by its name.
   NewFolder constant_;
   NewFolder poly_mesh_;
+  std::optional<NewFolder> system_;
   std::deque<OutputFile> files_;
 };
+
+/// Without these no program of OpenFOAM looks at a mesh. What solvers need besides is the user's to say.
+void write_settings(CaseFiles& files) {
+  constexpr std::pair<const char*, const char*> kSettings[] = {
+      {"controlDict",
+       "startFrom       startTime;\nstartTime       0;\nstopAt          endTime;\nendTime         1;\n"
+       "deltaT          1;\nwriteControl    timeStep;\nwriteInterval   1;\n"},
+      {"fvSchemes",
+       "ddtSchemes {}\ngradSchemes {}\ndivSchemes {}\nlaplacianSchemes {}\ninterpolationSchemes {}\n"
+       "snGradSchemes {}\n"},
+      {"fvSolution", "solvers {}\n"}};
+  for (const auto& [name, content] : kSettings) {
+    OutputFile& file = files.add_setting(name);
+    write_header(file, "dictionary", name, {}, "system");
+    file.write(content);
+  }
+}
 
 /// How many of the mesh's units are a metre.
 double units_per_metre(const fs::path& path, const std::string& unit) {
@@ -152,6 +177,7 @@ class FoamWriter {
     write_cell_zones(files_.add("cellZones"));
     write_face_zones(files_.add("faceZones"));
     write_point_zones(files_.add("pointZones"));
+    if (files_.wants_settings()) write_settings(files_);
     files_.commit();
   }
 

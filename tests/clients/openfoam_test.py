@@ -50,6 +50,14 @@ class OpenFoamTest(unittest.TestCase):
         volume = float(re.search(r"Total volume = (\S+?)\.? ", said)[1])
         self.assertAlmostEqual(volume * 1e9 / case.volume_mm3(), 1, places=5)
 
+    def test_a_case_opens_as_it_was_written(self):
+        run(LUMESH, "phantom", "torus", "--size", "32", "32", "16", "-o", self.root / "a.nrrd")
+        run(LUMESH, "lattice", self.root / "a.nrrd", "-o", self.root / "case.foam")
+        environment = foam_case.foam_environment()
+        self.assert_mesh_ok(run("checkMesh", "-case", self.root, cwd="/", env=environment))
+        run("foamToVTK", "-case", self.root, "-constant", cwd="/", env=environment)
+        self.assertTrue(list((self.root / "VTK").iterdir()))
+
     def test_tetrahedra_of_a_bifurcation(self):
         case = Case(self.root / "tetrahedra", ["bifurcation"])
         said = case.foam("checkMesh")

@@ -234,8 +234,22 @@ TEST_F(FoamFile, ReplacesAnEarlierMeshAndNothingElse) {
   EXPECT_EQ(fixtures::read_file(folder_ / "constant/transportProperties"), "nu 3.3e-6;");
   EXPECT_NE(text_of("pointZones").find("\n0\n(\n)\n"), std::string::npos);
   EXPECT_EQ(std::filesystem::file_size(folder_ / "case.foam"), 0U);
-  EXPECT_EQ(folder_.file_count(), 2U) << "the case's name and constant";
+  EXPECT_EQ(folder_.file_count(), 3U) << "the case's name, constant and system";
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "constant/polyMesh"), {}), 8);
+}
+
+TEST_F(FoamFile, HasSettingsWithoutWhichNoProgramOpensItUnlessTheUserHasSome) {
+  const std::filesystem::path system = folder_.path() / "system";
+  write(every_cell_shape());
+  for (const char* name : {"controlDict", "fvSchemes", "fvSolution"}) {
+    fixtures::FoamText text(system / name);
+    EXPECT_FALSE(text.is_at_end()) << name;
+  }
+  std::filesystem::remove(system / "fvSchemes");
+  std::ofstream(system / "controlDict") << "mine";
+  write(every_cell_shape());
+  EXPECT_EQ(fixtures::read_file(system / "controlDict"), "mine");
+  EXPECT_FALSE(std::filesystem::exists(system / "fvSchemes"));
 }
 
 TEST_F(FoamFile, TheMeshOfAnotherNameInTheFolderStays) {
