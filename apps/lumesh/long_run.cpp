@@ -38,11 +38,21 @@ void remove_unfinished_files() {
   }
 }
 
-[[noreturn]] void give_up() {
-  print_error("lumesh: error: interrupted; no unfinished file is left\n");
+[[noreturn]] void end_with(std::string_view what_is_left) {
+  print_error("lumesh: error: interrupted; {}\n", what_is_left);
   std::fflush(stderr);
   remove_unfinished_files();
   std::_Exit(static_cast<int>(ErrorKind::kTimeLimit));
+}
+
+[[noreturn]] void give_up(bool /*finishes*/) {
+  end_with("no unfinished file is left");
+}
+
+/// While results are being written, the mesh may be there by now.
+[[noreturn]] void give_up_long_run(bool writes) {
+  if (writes) give_up(writes);
+  end_with("no mesh was written, and no unfinished file is left");
 }
 
 }  // namespace
@@ -58,7 +68,7 @@ void add_time_limit_option(CLI::App& command, double& limit_s) {
 }
 
 LongRun::LongRun(Context& context, const RunOptions& options, double limit_s)
-    : limit_s_(limit_s), stopper_({.limit_s = limit_s, .patience_s = 0.8, .give_up = give_up}) {
+    : limit_s_(limit_s), stopper_({.limit_s = limit_s, .patience_s = 0.8, .give_up = give_up_long_run}) {
   context.stop_by(stopper_.token());
   context.report_results_to([this] { stopper_.finish(); });
   if (options.quiet > 0 || options.verbose > 0 || ::isatty(STDERR_FILENO) == 0) return;

@@ -30,6 +30,7 @@ class Adapter {
           return shape.freedom == operators::PatchFreedom::kCurved;
         })) {
     insertion_.least_length = options.least_length;
+    execution_.stop_by([&context] { return context.cancelled(); });
   }
 
   /// Where most vertices are to go, it is faster to begin anew with few of them, and better: points put in

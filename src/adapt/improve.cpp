@@ -44,7 +44,7 @@ template <class Execution>
 class Improver {
  public:
   using Kernel = typename Execution::Kernel;  // clang 14 wants the word.
-  Improver(TetMesh& mesh, const ImproveOptions& options)
+  Improver(TetMesh& mesh, const ImproveOptions& options, const Context& context)
       : mesh_(mesh),
         field_(options.sizes ? *options.sizes : metric::MetricField::uniform(1)),
         shapes_(operators::all_frozen(mesh)),
@@ -55,6 +55,7 @@ class Improver {
                     surface_ ? &*surface_ : nullptr},
                    options.team) {
     if (options.sizes) keep_sizes();
+    execution_.stop_by([&context] { return context.cancelled(); });
   }
 
   void pass() {
@@ -162,7 +163,7 @@ void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, 
   // Where targets are out of reach, points would be put in for ever.
   constexpr int kPatience = 8;
   constexpr double kMany = 0.01;  // Of all tetrahedra.
-  Improver<Execution> run(mesh, options);
+  Improver<Execution> run(mesh, options, context);
   std::uint64_t fewest = report.after.tets_outside;
   int passes_without = 0;
   for (int pass = 0; pass < options.passes && report.after.tets_outside > 0 && !context.cancelled(); ++pass) {

@@ -123,7 +123,10 @@ void OrderedExecution::over_urgent(const std::vector<std::uint32_t>& items, cons
   const std::uint32_t first_stamp = 2 * next_run_;
   std::vector<Made> made(partition_.buckets);
   run_buckets([&](Kernel& kernel, std::uint32_t bucket, std::uint32_t run) {
-    for (const UrgentItem& one : lists.of(bucket)) step(kernel, one.item, first_stamp);
+    for (const UrgentItem& one : lists.of(bucket)) {
+      if (is_told_to_stop_()) break;
+      step(kernel, one.item, first_stamp);
+    }
     made[bucket] = what_was_made(kernel, run);
   });
   const TetMesh& mesh = subject_.mesh;
@@ -161,7 +164,10 @@ void OrderedExecution::over_vertices(const std::function<void(Kernel&, VertexId)
   Lists<std::uint32_t> lists =
       lists_by_bucket(vertices_, [&](std::uint32_t v) { return subject_.mesh.lock_word(VertexId(v)); });
   run_buckets([&](Kernel& kernel, std::uint32_t bucket, std::uint32_t /*run*/) {
-    for (const std::uint32_t v : lists.of(bucket)) step(kernel, VertexId(v));
+    for (const std::uint32_t v : lists.of(bucket)) {
+      if (is_told_to_stop_()) break;
+      step(kernel, VertexId(v));
+    }
   });
 }
 

@@ -57,7 +57,7 @@ void SpeculativeExecution::run_buckets(std::vector<Item>& items, const Attempt& 
     parallel::Backoff backoff;
     std::size_t contended = 0;
     for (const Item& item : mine) {
-      if (attempt(kernel, item)) {
+      if (is_told_to_stop_() || attempt(kernel, item)) {
         backoff.won();
       } else {
         mine[contended++] = item;

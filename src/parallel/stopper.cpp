@@ -55,7 +55,7 @@ void Stopper::watch(const std::stop_token& over) {
 }
 
 void Stopper::give_up() const {
-  if (options_.give_up) options_.give_up();
+  if (options_.give_up) options_.give_up(finishes_.load());
   std::_Exit(kExitCode);
 }
 

@@ -238,7 +238,10 @@ class AdaptTest(MeshTest):
         partial = self.out.with_suffix(".partial" + self.out.suffix)
         self.assertEqual({path.name for path in self.folder.iterdir() if path.name.startswith(self.out.stem)} - {partial.name},
                          {self.out.name})
-        if "no unfinished file" not in errors:
+        if "no mesh was written" in errors:  # On a very slow machine.
+            self.assertFalse(partial.exists())
+        else:
+            self.assertIn(f"{partial} holds the best mesh so far", errors)
             self.assertTrue(self.evaluate(partial)["valid"])
 
     def test_a_frozen_surface_stays(self):

@@ -79,7 +79,7 @@ struct AdaptReport {
 ///                Labels and patches stay.
 /// @param shapes  One per patch: what its vertices stay on while it is adapted, or that it is kept as it is
 ///                (operators::shapes_of_patches()).
-/// Where the context is cancelled, it ends after the sweep that runs and leaves a valid mesh: the best so
+/// Where the context is cancelled, it ends within the sweep that runs and leaves a valid mesh: the best so
 /// far.
 /// @throws Error{kBadInput} if the mesh is empty.
 /// Sources: Loseille, Menier and Alauzet 2015, doi:10.1016/j.proeng.2015.10.122 (cavities);

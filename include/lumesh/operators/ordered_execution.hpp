@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lumesh/operators/operators.hpp"
@@ -41,6 +42,10 @@ class OrderedExecution {
   /// Calls step(kernel, vertex) for every live vertex. The step must not add or free elements.
   void over_vertices(const std::function<void(Kernel&, VertexId)>& step);
 
+  /// Has sweeps leave out all that is left once `is_told` says so, which is asked before each step, on any
+  /// thread. The mesh stays valid; which steps were made is a matter of chance then.
+  void stop_by(std::function<bool()> is_told) { is_told_to_stop_ = std::move(is_told); }
+
   [[nodiscard]] ExecutionCounts counts() const;
 
  private:
@@ -71,6 +76,7 @@ class OrderedExecution {
   Subject subject_;
   parallel::Team team_;
   std::vector<Kernel> kernels_;  // One per thread.
+  std::function<bool()> is_told_to_stop_ = [] { return false; };
   Partition partition_;
   bool is_cut_ = false;              // Nothing was run since.
   parallel::TaskOrder order_;        // Of the buckets.

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "lumesh/operators/operators.hpp"
@@ -41,6 +42,10 @@ class SpeculativeExecution {
   /// must not add or free elements.
   void over_vertices(const std::function<void(Kernel&, VertexId)>& step);
 
+  /// Has sweeps leave out all that is left once `is_told` says so, which is asked before each step, on any
+  /// thread. The mesh stays valid; which steps were made is a matter of chance then.
+  void stop_by(std::function<bool()> is_told) { is_told_to_stop_ = std::move(is_told); }
+
   [[nodiscard]] ExecutionCounts counts() const;
 
  private:
@@ -54,8 +59,9 @@ class SpeculativeExecution {
   Subject subject_;
   parallel::Team team_;
   std::vector<Kernel> kernels_;  // One per thread.
-  std::uint32_t epoch_ = 0;      // Of the sweep; goes on when the mesh is reordered.
-  std::uint32_t stamp_ = 0;      // Of what the sweep makes; all earlier ones are lower.
+  std::function<bool()> is_told_to_stop_ = [] { return false; };
+  std::uint32_t epoch_ = 0;  // Of the sweep; goes on when the mesh is reordered.
+  std::uint32_t stamp_ = 0;  // Of what the sweep makes; all earlier ones are lower.
 };
 
 }  // namespace lumesh::operators

@@ -22,7 +22,8 @@ class Stopper {
     /// After a signal the work may take so long to end in good order, unless finish() was called; then, and
     /// at a second signal, `give_up` is called by the watching thread.
     double patience_s = std::numeric_limits<double>::infinity();
-    std::function<void()> give_up = {};  ///< Ends the program; empty: exit code 4 without a word.
+    /// Ends the program; empty: exit code 4 without a word. Told whether finish() was called.
+    std::function<void(bool finishes)> give_up = {};
   };
 
   explicit Stopper(Options options);

@@ -55,6 +55,23 @@ TEST(OrderedExecution, VisitsEachTetrahedronThatIsUrgentMostUrgentFirst) {
   EXPECT_EQ(std::set(visited.begin(), visited.end()).size(), visited.size());
 }
 
+TEST(OrderedExecution, LeavesTheRestOfASweepOutOnceItIsToldToStop) {
+  SweepBench bench(6);
+  OrderedExecution execution(bench.subject(), {.threads = 2});
+  std::atomic<int> steps = 0;
+  execution.stop_by([&] { return steps >= 20; });
+  const auto work = [&](OrderedExecution::Kernel& kernel, TetId t) {
+    fixtures::try_operator(kernel, bench.mesh, t, 0, 1, steps++ % 4, {.least_length = 0.2}, {});
+  };
+  execution.over_tets([](TetId) { return 1.0; }, work);
+  EXPECT_GE(steps, 20);
+  EXPECT_LE(steps, 21) << "both threads";
+  execution.over_vertices([&](OrderedExecution::Kernel&, VertexId) { ++steps; });
+  EXPECT_LE(steps, 21);
+  const ValidationReport report = validate(bench.mesh);
+  EXPECT_TRUE(report.ok()) << report.text();
+}
+
 /// What operators made may lie across buckets that did not meet before: nobody can hold that until the mesh
 /// is cut anew. The last and worst tetrahedra of a mesh were such.
 TEST(OrderedExecution, CanHoldEveryTetrahedronOnceTheMeshIsCutAnew) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <vector>
 
 #include "fixtures/sweeps.hpp"
@@ -42,6 +44,22 @@ TEST_P(SpeculativeExecutionOnThreads, GivesEachItemItsTurnUntilItNoLongerContend
   for (const std::uint8_t turns : vertices) ASSERT_EQ(turns, 1);
   for (std::uint32_t v = 0; v < bench.mesh.vertex_count(); ++v)
     ASSERT_EQ(bench.mesh.lock_word(VertexId(v)), parallel::kFreeWord);
+}
+
+TEST_P(SpeculativeExecutionOnThreads, LeavesTheRestOfASweepOutOnceItIsToldToStop) {
+  SweepBench bench(6);
+  SpeculativeExecution execution(bench.subject(), GetParam());
+  std::atomic<int> steps = 0;
+  execution.stop_by([&] { return steps >= 20; });
+  execution.over_tets([](TetId) { return 1.0; },
+                      [&](SpeculativeExecution::Kernel& kernel, TetId t) {
+                        fixtures::try_operator(kernel, bench.mesh, t, 0, 1, steps++ % 4,
+                                               {.least_length = 0.2}, {});
+                      });
+  EXPECT_GE(steps, 20);
+  EXPECT_LT(steps, 20 + std::max(1, GetParam().threads));
+  const ValidationReport report = validate(bench.mesh);
+  EXPECT_TRUE(report.ok()) << report.text();
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, SpeculativeExecutionOnThreads, testing::ValuesIn(fixtures::some_teams()),
