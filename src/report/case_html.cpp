@@ -56,6 +56,11 @@ std::string with_unit(const std::string& number, const std::string& unit) {
   return number + (unit == "°" ? "" : " ") + escaped(unit);
 }
 
+/// Such as the path of a file, which may be long.
+bool is_words(const Figure& figure) {
+  return std::holds_alternative<std::string>(figure.value);
+}
+
 std::string figure_value(const Figure& figure) {
   if (const auto* count = std::get_if<std::uint64_t>(&figure.value))
     return with_unit(grouped(*count), figure.unit);
@@ -289,11 +294,12 @@ std::string pictures_html(const std::vector<NamedPicture>& pictures) {
 
 std::string figures_html(const StageReport& stage) {
   if (stage.figures.empty() && stage.steps.empty()) return "";
-  std::string numbers = "<table>";
+  std::string numbers = "<table class=\"numbers\">";
   for (const Figure& figure : stage.figures)
     numbers += "<tr><td>" + escaped(figure.name) +
                (figure.note.empty() ? "" : " <span class=\"aside\">" + escaped(figure.note) + "</span>") +
-               "</td><td>" + figure_value(figure) + "</td></tr>\n";
+               "</td><td class=\"" + (is_words(figure) ? "words" : "value") + "\">" + figure_value(figure) +
+               "</td></tr>\n";
   std::string steps = "<table>";
   for (const PhaseTime& step : stage.steps)
     steps += "<tr><td>" + escaped(step.name) + "</td><td>" + duration(step.seconds) + "</td></tr>\n";

@@ -83,6 +83,22 @@ std::string topology_places(const std::vector<TopologyPlace>& places) {
   return table_html(table);
 }
 
+/// Of the patches that an opening is, joined by " + "; each once.
+std::string kinds_of(const Evaluation& e, const std::string& patches) {
+  constexpr std::string_view kBetween = " + ";
+  std::string kinds;
+  for (std::size_t at = 0; at <= patches.size();) {
+    const std::size_t end = std::min(patches.find(kBetween, at), patches.size());
+    const std::string name = patches.substr(at, end - at);
+    at = end + kBetween.size();
+    for (const PatchSummary& p : e.patches)
+      if (const std::string kind(kind_word(p.kind, p.flow));
+          p.name == name && kinds.find(kind) == std::string::npos)
+        kinds += (kinds.empty() ? "" : ", ") + kind;
+  }
+  return kinds;
+}
+
 }  // namespace
 
 std::string labels_section(const Evaluation& e) {
@@ -164,15 +180,15 @@ std::string kept_section(const Evaluation& e) {
 
 std::string openings_section(const Evaluation& e) {
   if (!e.openings || (e.openings->openings.empty() && e.openings->others.empty())) return "";
-  Table table = {{"opening", "mesh mm²", "image mm²", "change", "radius mm", "at mm", "outwards"}};
+  Table table = {{"opening", "kind", "mesh mm²", "image mm²", "change", "radius mm", "at mm", "outwards"}};
   for (const OpeningInMesh& o : e.openings->openings)
-    table.push_back({o.patches.empty() ? "none" : escaped(o.patches), five_digits(o.mesh_area_mm2),
-                     five_digits(o.opening.area_mm2),
+    table.push_back({o.patches.empty() ? "none" : escaped(o.patches), kinds_of(e, o.patches),
+                     five_digits(o.mesh_area_mm2), five_digits(o.opening.area_mm2),
                      marked(!is_wrong(o), fmt::format("{:+.1f} %", o.change_percent())),
                      five_digits(o.opening.radius_mm()), place_text(o.opening.centre_mm),
                      direction_text(o.opening.normal)});
   for (const std::string& name : e.openings->others)
-    table.push_back({escaped(name), "", marked(false, "none"), "", "", "", ""});
+    table.push_back({escaped(name), kinds_of(e, name), "", marked(false, "none"), "", "", "", ""});
   return section(
       "Openings",
       table_html(table) +
@@ -230,13 +246,15 @@ std::string reference_section(const Evaluation& e) {
 
 std::string boundary_section(const Evaluation& e) {
   const SurfaceTopology& b = e.boundary;
-  Table table = {{"patch", "triangles", "area mm²", "smallest angle", "centre mm", "normal", "flat within"}};
+  Table table = {
+      {"patch", "kind", "triangles", "area mm²", "smallest angle", "centre mm", "normal", "flat within"}};
   for (const PatchSummary& p : e.patches) {
     if (table.size() > kMostRows) break;
     const bool opening = is_plane(p.kind);
-    table.push_back({escaped(p.name), grouped(p.faces), five_digits(p.area_mm2),
-                     fmt::format("{:.1f}°", p.smallest_angle_deg), opening ? place_text(p.centre_mm) : "",
-                     opening ? direction_text(p.normal) : "", opening ? flatness_text(p.flatness_mm) : ""});
+    table.push_back({escaped(p.name), std::string(kind_word(p.kind, p.flow)), grouped(p.faces),
+                     five_digits(p.area_mm2), fmt::format("{:.1f}°", p.smallest_angle_deg),
+                     opening ? place_text(p.centre_mm) : "", opening ? direction_text(p.normal) : "",
+                     opening ? flatness_text(p.flatness_mm) : ""});
   }
   std::string note = fmt::format("{}, {}; {} {} of genus {}, {} triangles.", b.closed() ? "Closed" : "Open",
                                  b.manifold() ? "manifold" : "not manifold", b.components.size(),

@@ -168,6 +168,23 @@ class Surroundings {
   const Cover& cover_;
 };
 
+/// The point of an arrow whose opening is hidden: where the line to it comes to the object, a letter from its
+/// end or more.
+PixelPlace point_outside(const PixelPlace& at, const PixelPlace& from, double letter,
+                         const Picture& picture) {
+  const double length = std::hypot(at[0] - from[0], at[1] - from[1]);
+  for (double along = letter; along < length; ++along) {
+    const PixelPlace p = {from[0] + along / length * (at[0] - from[0]),
+                          from[1] + along / length * (at[1] - from[1])};
+    const int x = std::clamp(static_cast<int>(p[0]), 0, picture.width - 1),
+              y = std::clamp(static_cast<int>(p[1]), 0, picture.height - 1);
+    const auto pixel =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x);
+    if (picture.rgba[4 * pixel + 3] == 255) return p;
+  }
+  return at;
+}
+
 /// Gives each name the best of its places beside the others, until none moves any more.
 void choose_places(std::vector<Name>& names) {
   constexpr int kMostSweeps = 10;
@@ -308,8 +325,9 @@ PictureLabels place_names(const std::vector<OpeningMark>& marks, const Camera& c
     if (std::any_of(taken.begin(), taken.end(), [&](const Box& other) { return other.touches(box); }))
       continue;
     taken.push_back(box);
-    result.labels.push_back(
-        {marks[i].name, names[i].at, chosen.from, box.low, box.high, is_hidden(marks[i], camera, triangles)});
+    const bool hidden = is_hidden(marks[i], camera, triangles);
+    const PixelPlace at = hidden ? point_outside(names[i].at, chosen.from, letter, picture) : names[i].at;
+    result.labels.push_back({marks[i].name, at, chosen.from, box.low, box.high, hidden});
   }
   return result;
 }

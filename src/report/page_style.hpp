@@ -45,6 +45,7 @@ th:first-child, td:first-child { text-align: left; }
 tr:last-child td { border-bottom: 0; }
 th:last-child, td:last-child { padding-right: 0; }
 td.text { text-align: left; white-space: normal; overflow-wrap: anywhere; }
+.numbers td { white-space: normal; } .numbers td.value { white-space: nowrap; } .numbers td.words { overflow-wrap: anywhere; }
 td.key { color: var(--soft); width: 15em; vertical-align: top; }
 td.worse { color: var(--bad); font-weight: 600; }
 td.group { padding-top: 14px; font-weight: 600; }
@@ -66,7 +67,7 @@ a { color: inherit; text-decoration-color: var(--accent); text-underline-offset:
 .aside { color: var(--soft); font-size: 13px; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 9px 22px; margin: 0; } dt { font-weight: 600; max-width: 14em; } dd { margin: 0; }
 pre { margin: 0; font: 12.5px/1.5 ui-monospace, "DejaVu Sans Mono", monospace; white-space: pre-wrap; overflow-wrap: anywhere; } code { font: 13px ui-monospace, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; white-space: normal; }
-.warnings { border-left: 4px solid var(--accent); } .warnings p { margin: 0 0 6px; }
+.warnings { border-left: 4px solid var(--accent); } .warnings p { margin: 0 0 6px; overflow-wrap: anywhere; }
 .plot figcaption { margin: 0 0 4px; }
 section > .plot { margin-bottom: 18px; }
 footer { color: var(--soft); font-size: 13px; margin-top: 30px; }

@@ -50,7 +50,8 @@ using PixelPlace = std::array<double, 2>;
 /// The name of an opening beside it and an arrow to it.
 struct PictureLabel {
   std::string text;
-  PixelPlace at = {};      ///< The point of the arrow, in the middle of the opening.
+  PixelPlace at = {};      ///< The point of the arrow: in the middle of the opening; of a hidden one, where
+                           ///< the line to it comes to the object.
   PixelPlace from = {};    ///< Its end, on the border of the text.
   PixelPlace low = {};     ///< Upper left corner of the text.
   PixelPlace high = {};    ///< Lower right corner.

@@ -141,6 +141,31 @@ TEST(CaseReportHtml, OpensWithTheLastMeshAndTheTimes) {
   EXPECT_EQ(html.find("stopped early: the mesh is what was there after"), std::string::npos);
 }
 
+TEST(CaseReportHtml, LongWordsOfAStageWrapAndNumbersDoNot) {
+  CaseReport report = two_meshes();
+  report.stages[0].figures.push_back({"Input", "/home/someone/images/of/vessels/a_long_name.nrrd"});
+  const std::string page = case_report_html(report);
+  EXPECT_NE(page.find("<td class=\"words\">/home/someone/"), std::string::npos);
+  EXPECT_NE(page.find("<td class=\"value\">1.25 mm"), std::string::npos);
+  EXPECT_NE(page.find("td.words { overflow-wrap: anywhere; }"), std::string::npos);
+}
+
+TEST(CaseReportHtml, TellsTheKindsOfOpenings) {
+  CaseReport report = two_meshes();
+  quality::Evaluation& e = *report.stages[1].evaluation;
+  e.patches = {{.name = "left", .kind = PatchKind::kOpening, .flow = FlowSide::kInlet},
+               {.name = "right", .kind = PatchKind::kOpening, .flow = FlowSide::kOutlet},
+               {.name = "half", .kind = PatchKind::kSymmetry},
+               {.name = "vessel", .kind = PatchKind::kWall}};
+  e.openings.emplace();
+  for (const char* name : {"left", "left + right", "half", ""}) e.openings->openings.push_back({{}, name, 1});
+  const std::string page = case_report_html(report);
+  for (const char* row :
+       {"<td>left</td><td>inlet</td>", "<td>left + right</td><td>inlet, outlet</td>",
+        "<td>half</td><td>symmetry</td>", "<td>none</td><td></td>", "<td>vessel</td><td>wall</td>"})
+    EXPECT_NE(page.find(row), std::string::npos) << row;
+}
+
 TEST(CaseReportHtml, SaysThatARunStopped) {
   CaseReport report = two_meshes();
   report.complete = false;

@@ -88,6 +88,23 @@ TEST(Names, ArrowsComeFromOutsideToTheOpening) {
   }
 }
 
+TEST(Names, ArrowsToHiddenOpeningsEndAtTheObject) {
+  const SurfacePicture surface = drawn(cube_with_openings(24));
+  const Picture& picture = surface.picture;
+  int long_ones = 0;
+  for (const PictureLabel& label : surface.names.labels) {
+    if (!label.is_hidden) continue;
+    const double length = std::hypot(label.at[0] - label.from[0], label.at[1] - label.from[1]);
+    for (double along = 1.1 * surface.names.letter_pixels; along < length - 2; ++along) {
+      ++long_ones;
+      const auto x = static_cast<std::size_t>(label.from[0] + along / length * (label.at[0] - label.from[0]));
+      const auto y = static_cast<std::size_t>(label.from[1] + along / length * (label.at[1] - label.from[1]));
+      EXPECT_LT(picture.rgba[4 * (y * static_cast<std::size_t>(picture.width) + x) + 3], 255) << label.text;
+    }
+  }
+  EXPECT_GT(long_ones, 0);
+}
+
 TEST(Names, ThereAreNoneWithoutOpenings) {
   const SurfacePicture surface = drawn(cube_with_openings(0));
   EXPECT_TRUE(surface.names.labels.empty());
