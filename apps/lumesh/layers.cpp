@@ -34,11 +34,8 @@ void check_cells(const LayersCommand& command) {
                                        ".foam, or --cells tetrahedra");
 }
 
-void write_reports(const LayersCommand& command, const MixedMesh& mesh, LayerReport report,
+void write_reports(const LayersCommand& command, const MixedMesh& mesh, const report::LayersOfMesh& layers,
                    Context& context) {
-  if (command.json_path.empty() && command.report_path.empty()) return;
-  const report::LayersOfMesh layers =
-      context.phase("measures", [&] { return report::measure_layers(mesh.view(), std::move(report)); });
   if (!command.json_path.empty()) write_text_file(command.json_path, report::layers_json(layers));
   if (command.report_path.empty()) return;
   const report::LayerPictures pictures =
@@ -62,13 +59,21 @@ void run(const LayersCommand& command) {
   LayerResult result = naming(command.mesh_path, [&] { return grow_layers(mesh, options, context); });
   result.mesh.info.provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   context.phase("write", [&] { write_mesh(command.output_path, result.mesh.view()); });
-  say(command.run, "{}", report::coverage_text(result.report));
-  say(command.run, "{}: {} layers, {} cells on {} tetrahedra, {:.1f} % of the area complete\n",
-      command.output_path, result.report.layers, result.report.cells,
-      result.mesh.view().cell_count() - result.report.cells, 100 * result.report.complete());
   const std::string shortfall = result.report.shortfall();
-  write_reports(command, result.mesh, std::move(result.report), context);
   const MeshView before = input.view();
+  const report::LayersOfMesh layers = context.phase("measures", [&] {
+    const quality::TetrahedronStatistics of_input = quality::measure(before).tetrahedra;
+    return report::measure_layers(result.mesh.view(), std::move(result.report),
+                                  of_input.smallest_dihedral_deg.value);
+  });
+  say(command.run, "{}", report::coverage_text(layers.report));
+  say(command.run,
+      "{}: {} layers, {} cells on {} tetrahedra, {:.1f} % of the area complete, dihedral angles beside from "
+      "{:.1f} degrees on\n",
+      command.output_path, layers.report.layers, layers.report.cells, layers.core.tetrahedra.count,
+      100 * layers.report.complete(), layers.core.tetrahedra.smallest_dihedral_deg.value);
+  if (const std::string flat = layers.flat_cells_beside(); !flat.empty()) context.warn(flat);
+  write_reports(command, result.mesh, layers, context);
   require_sound(command.output_path, result.mesh.view(), context, "", &before);
   if (!shortfall.empty()) throw Error(ErrorKind::kNotReached, command.output_path + ": " + shortfall);
 }

@@ -60,11 +60,20 @@ void describe_mesh(const CaseState& state, report::StageReport& stage) {
     stage.pictures = state.context.phase("pictures", [&] { return report::draw_stage_pictures(view); });
 }
 
-void describe_layers(const CaseState& state, report::StageReport& stage) {
+void describe_layers(const CaseState& state, const std::optional<quality::Evaluation>& before,
+                     report::StageReport& stage) {
   const MeshView view = state.layered->view();
   stage.evaluation =
       state.context.phase("measures", [&] { return quality::evaluate(view, {}, state.context); });
-  stage.layers = report::measure_layers(view, std::move(stage.layers->report));
+  const double least_before_deg = before ? before->statistics.tetrahedra.smallest_dihedral_deg.value : 180;
+  stage.layers = report::measure_layers(view, std::move(stage.layers->report), least_before_deg);
+  stage.figures.push_back({"Smallest dihedral angle beside the layers",
+                           stage.layers->core.tetrahedra.smallest_dihedral_deg.value, "°",
+                           before ? fmt::format("before: {:.2f}", least_before_deg) : ""});
+  if (const std::string flat = stage.layers->flat_cells_beside(); !flat.empty()) {
+    state.context.warn(flat);
+    stage.warnings.push_back(flat);
+  }
   if (state.c.output.report.empty()) return;
   state.context.phase("pictures", [&] {
     stage.pictures = report::draw_stage_pictures(view);

@@ -10,8 +10,10 @@ namespace lumesh::pipeline {
 void describe_mesh(const CaseState& state, report::StageReport& stage);
 
 /// The same of the mesh with its boundary layers, core and layers apart, and what they achieved. The image is
-/// not asked: the surface that was made of it is that of the mesh before.
-void describe_layers(const CaseState& state, report::StageReport& stage);
+/// not asked: the surface that was made of it is that of the mesh before. Warns of cells that they left flat.
+/// @param before  Of the mesh before, if it was looked at.
+void describe_layers(const CaseState& state, const std::optional<quality::Evaluation>& before,
+                     report::StageReport& stage);
 
 /// The centerline in the surface of the mesh.
 [[nodiscard]] report::NamedPicture picture_of_centerline(const CaseState& state);

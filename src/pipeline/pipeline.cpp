@@ -79,7 +79,7 @@ class CaseRun {
     last.mesh_name = mesh_name;
     if (last.evaluation) return;  // No stage has changed the mesh since.
     if (last.layers)
-      describe_layers(state_, last);
+      describe_layers(state_, result_.report.stages[result_.report.stages.size() - 2].evaluation, last);
     else
       describe_mesh(state_, last);
     describing_s_ += seconds_since(start);

@@ -81,6 +81,8 @@ std::string case_header(const CaseReport& report) {
             escaped(report.stages.empty() ? "" : report.stages.back().name) + "</span>";
   else if (last != nullptr && !last->evaluation->valid())
     html += "<span class=\"badge bad\">the last mesh is invalid</span>";
+  else if (last != nullptr && last->layers && !last->layers->flat_cells_beside().empty())
+    html += "<span class=\"badge bad\">complete, with flat cells beside the layers</span>";
   else
     html += "<span class=\"badge\">complete</span>";
   // What measures say of earlier meshes is over with these.

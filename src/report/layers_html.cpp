@@ -20,6 +20,12 @@ std::string degrees(double low, double high) {
   return fmt::format("{:.1f}° to {:.1f}°", low, high);
 }
 
+std::string angles_of_core(const LayersOfMesh& layers) {
+  const quality::TetrahedronStatistics& core = layers.core.tetrahedra;
+  return (layers.flat_cells_beside().empty() ? "" : "!") +
+         degrees(core.smallest_dihedral_deg.value, core.largest_dihedral_deg.value);
+}
+
 Table patches_table(const LayerReport& report) {
   Table table = {
       {"patch", "area mm²", "layers", "wanted mm", "mean mm", "least mm", "complete", "with layers", "bare"}};
@@ -113,17 +119,16 @@ std::string parts_section(const LayersOfMesh& layers) {
   const quality::TetrahedronStatistics& core = layers.core.tetrahedra;
   const quality::MeshStatistics& own = layers.layers;
   const auto mixed = [&](std::uint64_t count) { return count > 0 ? grouped(count) : std::string("–"); };
-  Table table = {
-      {"", "core", "layers"},
-      {"tetrahedra", grouped(core.count), mixed(own.tetrahedra.count)},
-      {"prisms", "–", mixed(own.prisms)},
-      {"pyramids", "–", mixed(own.pyramids)},
-      {"dihedral angles", degrees(core.smallest_dihedral_deg.value, core.largest_dihedral_deg.value),
-       degrees(layers.shapes.smallest_dihedral_deg, layers.shapes.largest_dihedral_deg)},
-      {"mean ratio, average and worst",
-       fmt::format("{:.3f}, {:.3f}", core.mean_mean_ratio, core.smallest_mean_ratio.value), "–"},
-      {"longest edge per least height, average and most", "–",
-       fmt::format("{:.1f}, {:.1f}", layers.shapes.mean_aspect, layers.shapes.largest_aspect)}};
+  Table table = {{"", "core", "layers"},
+                 {"tetrahedra", grouped(core.count), mixed(own.tetrahedra.count)},
+                 {"prisms", "–", mixed(own.prisms)},
+                 {"pyramids", "–", mixed(own.pyramids)},
+                 {"dihedral angles", angles_of_core(layers),
+                  degrees(layers.shapes.smallest_dihedral_deg, layers.shapes.largest_dihedral_deg)},
+                 {"mean ratio, average and worst",
+                  fmt::format("{:.3f}, {:.3f}", core.mean_mean_ratio, core.smallest_mean_ratio.value), "–"},
+                 {"longest edge per least height, average and most", "–",
+                  fmt::format("{:.1f}, {:.1f}", layers.shapes.mean_aspect, layers.shapes.largest_aspect)}};
   if (own.prisms + own.pyramids > 0)
     table.push_back({"scaled Jacobian, worst", "–", fmt::format("{:.3f}", own.smallest_scaled_jacobian)});
   return section("Core and layers apart",
@@ -136,6 +141,7 @@ std::string layers_html(const std::string& title, const LayersOfMesh& layers, co
                         const std::map<std::string, std::string>& provenance) {
   std::string html = page_begin(title, "layers report");
   html += "<header><h1>" + escaped(title) + "</h1><p>Boundary layers and what became of them.</p></header>\n";
+  if (const std::string flat = layers.flat_cells_beside(); !flat.empty()) html += warnings_html({flat});
   html += layers_tiles(layers) + coverage_section(layers.report);
   html += pair(picture_card(pictures.front, "From where the surface spreads most."),
                picture_card(pictures.back, "From the opposite side."));

@@ -17,10 +17,23 @@ std::uint64_t used_points(const MeshView& mesh) {
 
 }  // namespace
 
-LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report) {
+std::string LayersOfMesh::flat_cells_beside() const {
+  const quality::Extreme& least = core.tetrahedra.smallest_dihedral_deg;
+  if (core.tetrahedra.count == 0 || least.value >= std::min(kFlatDihedralDeg, least_before_deg)) return "";
+  const Vec3& p = least.centre_mm;
+  return fmt::format(
+      "{} of the tetrahedra beside the layers have dihedral angles below {:g} degrees, the smallest {:.2g} "
+      "at "
+      "({:.1f}, {:.1f}, {:.1f}) mm; solvers may fail there: thinner or fewer layers, or lumesh improve on "
+      "the "
+      "mesh before",
+      core.tetrahedra.below_5_deg, kFlatDihedralDeg, least.value, p.x(), p.y(), p.z());
+}
+
+LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report, double least_before_deg) {
   const quality::LayeredParts parts = quality::parts_of(mesh, report.cells);
   LayersOfMesh layers = {std::move(report), quality::measure(parts.core), quality::measure(parts.layers),
-                         quality::measure_flat_cells(parts.layers)};
+                         quality::measure_flat_cells(parts.layers), least_before_deg};
   layers.core.vertices = used_points(parts.core);
   return layers;
 }

@@ -17,11 +17,20 @@ struct LayersOfMesh {
   quality::MeshStatistics core = {};    ///< Of the tetrahedra that the layers stand on or lie around.
   quality::MeshStatistics layers = {};  ///< Of the layers' own cells.
   quality::FlatCellShapes shapes = {};  ///< Of the same.
+  double least_before_deg = 180;        ///< Dihedral angle of the mesh without layers.
+
+  /// A line with the place if the tetrahedra beside the layers have dihedral angles below 5 degrees that the
+  /// mesh had not before, else none: layers do not mend what gave way to them in a bad shape.
+  [[nodiscard]] std::string flat_cells_beside() const;
 };
+/// Dihedral angles below this are few in good meshes, and solvers may fail at them.
+inline constexpr double kFlatDihedralDeg = 5;
 
 /// @param mesh    LayerResult::mesh, or what was read of a file of it.
 /// @param report  LayerResult::report.
-[[nodiscard]] LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report);
+/// @param least_before_deg  Smallest dihedral angle of the mesh without layers, if that is known.
+[[nodiscard]] LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report,
+                                          double least_before_deg = 180);
 
 /// A table with a row for each patch, reasons and worst places below it; lines of at most 100 columns.
 [[nodiscard]] std::string coverage_text(const LayerReport& report);

@@ -78,6 +78,28 @@ TEST(LayersReport, TellsTheSameInTextJsonAndPage) {
   if (!opened_in_browser(html, "layers")) GTEST_SKIP() << "chromium is not installed";
 }
 
+TEST(LayersReport, MarksCellsThatTheLayersLeftFlat) {
+  MixedMesh mesh = layered_tetrahedron();
+  mesh.points[3] = {0.3, 0.3, -0.02};  // Dihedral angles at its base of about atan(0.02 / 0.3).
+  const double least_deg = std::atan(0.02 / 0.3) * 180 / M_PI;
+  const LayersOfMesh layers = measure_layers(mesh.view(), coverage(), 30);
+  const std::string line = layers.flat_cells_beside();
+  EXPECT_NE(line.find("the smallest 3.8 at (0.3, 0.3, -0.0) mm"), std::string::npos) << line;
+  EXPECT_NEAR(layers.core.tetrahedra.smallest_dihedral_deg.value, least_deg, 0.01);
+  const LayerPictures pictures = draw_layer_shares(layers.report.surface, {.width = 80});
+  const std::string html = layers_html("a", layers, pictures, {});
+  EXPECT_NE(html.find(line), std::string::npos);
+  EXPECT_NE(html.find("<td class=\"worse\">3.8°"), std::string::npos);
+  CaseReport report;
+  report.stages.emplace_back();
+  report.stages[0].evaluation.emplace();
+  report.stages[0].layers = layers;
+  EXPECT_EQ(case_report_html(report).find("<span class=\"badge\">complete"), std::string::npos);
+  report.stages[0].layers->least_before_deg = 2;  // They were as flat before.
+  EXPECT_EQ(report.stages[0].layers->flat_cells_beside(), "");
+  EXPECT_NE(case_report_html(report).find("<span class=\"badge\">complete"), std::string::npos);
+}
+
 TEST(LayersReport, NotesOfAStageKeepItBitByBit) {
   StageReport stage;
   stage.what = "layers";
