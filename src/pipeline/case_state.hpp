@@ -38,6 +38,7 @@ struct CaseState {
   std::vector<PatchRenaming> renamings;  ///< What patches are to be called in the end.
   bool has_metric = false;               ///< Whether the metric of the mesh means anything.
   bool is_complete = true;               ///< False once a stage ended early.
+  bool has_earlier_results = false;      ///< Whether the case's folder held results when the run began.
 
   [[nodiscard]] int threads() const;
   /// What is meshed: the image's domain, or that of the surface; made when it is first asked for.

@@ -18,6 +18,9 @@ namespace lumesh::pipeline {
 namespace {
 
 constexpr const char* kEffectiveCase = "effective.toml";
+constexpr const char* kCenterlineFile = "centerline.vtp";
+constexpr const char* kFirstFile = "first.vtu";
+constexpr const char* kPartial = "partial";
 
 /// For another run: where it writes, and how long it may take, is its own matter.
 std::string text_of_case(const CaseState& state) {
@@ -37,8 +40,8 @@ std::vector<std::string> names_of_files(const Case& c) {
   for (const std::string& name :
        {c.output.surface, c.output.report, c.output.json, std::string(kEffectiveCase)})
     if (!name.empty()) names.push_back(name);
-  if (c.output.stages && c.needs_centerline()) names.emplace_back("centerline.vtp");
-  if (c.output.stages && c.metric.has_source()) names.emplace_back("first.vtu");
+  if (c.output.stages && c.needs_centerline()) names.emplace_back(kCenterlineFile);
+  if (c.output.stages && c.metric.has_source()) names.emplace_back(kFirstFile);
   return names;
 }
 
@@ -100,13 +103,15 @@ std::filesystem::path folder_of(const Case& c) {
                                  : std::filesystem::path(c.output.folder);
 }
 
+bool has_results(const Case& c) {
+  const std::vector<std::string> names = names_of_files(c);
+  return std::any_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return std::filesystem::exists(folder_of(c) / name); });
+}
+
 std::filesystem::path folder_of_results(const CaseState& state) {
   const std::filesystem::path folder = folder_of(state.c);
-  const std::vector<std::string>& meshes = state.c.output.meshes;
-  const bool has_results = std::any_of(meshes.begin(), meshes.end(), [&](const std::string& name) {
-    return std::filesystem::exists(folder / name);
-  });
-  return state.is_complete || !has_results ? folder : folder / "partial";
+  return state.is_complete || !state.has_earlier_results ? folder : folder / kPartial;
 }
 
 void check_inputs(const Case& c) {
@@ -179,15 +184,31 @@ std::vector<std::string> faults_of_written(const CaseState& state) {
 void write_stage_files(const CaseState& state, const std::string& stage,
                        std::vector<report::OutputFile>& files) {
   if (!state.c.output.stages) return;
-  const std::filesystem::path folder = folder_of(state.c);
+  const std::filesystem::path folder =
+      state.has_earlier_results ? folder_of(state.c) / kPartial : folder_of(state.c);
+  make_folder(folder);
   if (stage == "centerline") {
-    write_polylines(folder / "centerline.vtp", state.centerline, state.info());
-    files.push_back({"centerline.vtp", "the centerline with its radius"});
+    write_polylines(folder / kCenterlineFile, state.centerline, state.info());
+    files.push_back({kCenterlineFile, "the centerline with its radius"});
   } else {
     const BoundaryFaces faces = state.mesh.boundary_faces();
-    write_mesh(folder / "first.vtu", state.view(faces));
-    files.push_back({"first.vtu", state.has_metric ? "the first mesh with its metric" : "the first mesh"});
+    write_mesh(folder / kFirstFile, state.view(faces));
+    files.push_back({kFirstFile, state.has_metric ? "the first mesh with its metric" : "the first mesh"});
   }
+}
+
+void settle_stage_files(const CaseState& state, const std::vector<report::OutputFile>& files) {
+  if (!state.has_earlier_results || !state.is_complete) return;
+  const std::filesystem::path folder = folder_of(state.c);
+  for (const report::OutputFile& file : files) {
+    std::error_code failed;
+    std::filesystem::rename(folder / kPartial / file.path, folder / file.path, failed);
+    if (failed)
+      throw Error(ErrorKind::kBadInput, (folder / file.path).string() + ": cannot be replaced by that in " +
+                                            kPartial + ": " + failed.message());
+  }
+  std::error_code is_in_use;
+  if (!files.empty()) std::filesystem::remove(folder / kPartial, is_in_use);
 }
 
 void write_report(const Case& c, const std::filesystem::path& folder, const report::CaseReport& report) {

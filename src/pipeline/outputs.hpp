@@ -20,6 +20,8 @@ void describe_layers(const CaseState& state, const std::optional<quality::Evalua
 
 /// Where the files of a case go.
 [[nodiscard]] std::filesystem::path folder_of(const Case& c);
+/// Whether files are there that the case writes.
+[[nodiscard]] bool has_results(const Case& c);
 /// Where results go: that folder, but one named "partial" in it if the run did not end and results of another
 /// one are there.
 [[nodiscard]] std::filesystem::path folder_of_results(const CaseState& state);
@@ -40,9 +42,12 @@ void prepare_folder(const Case& c);
                                                            const std::filesystem::path& folder);
 /// Of the mesh that write_meshes() writes.
 [[nodiscard]] std::vector<std::string> faults_of_written(const CaseState& state);
-/// The first mesh or the centerline, if files of the stages are wanted.
+/// The first mesh or the centerline, if files of the stages are wanted; into the folder "partial" while
+/// nobody knows whether the run ends and those of another one are there.
 void write_stage_files(const CaseState& state, const std::string& stage,
                        std::vector<report::OutputFile>& files);
+/// Puts these into the place of those of another run, once the run has ended.
+void settle_stage_files(const CaseState& state, const std::vector<report::OutputFile>& files);
 
 /// The page and the numbers. Not of themselves: times of what is written here are not in them.
 void write_report(const Case& c, const std::filesystem::path& folder, const report::CaseReport& report);

@@ -37,6 +37,7 @@ class CaseRun {
       : state_(c, context),
         checkpoints_(c.run.checkpoints ? folder_of(c) / "checkpoints" : std::filesystem::path(), resumes) {
     result_.folder = folder_of(c).string();
+    state_.has_earlier_results = has_results(c);
   }
 
   void read_input() {
@@ -98,8 +99,9 @@ class CaseRun {
     state_.context.results_follow();
     const std::filesystem::path folder = folder_of_results(state_);
     result_.folder = folder.string();
-    for (report::OutputFile& file : write_meshes(state_, folder))
-      result_.report.files.push_back(std::move(file));
+    std::vector<report::OutputFile> meshes = write_meshes(state_, folder);
+    settle_stage_files(state_, result_.report.files);
+    for (report::OutputFile& file : meshes) result_.report.files.push_back(std::move(file));
     // What evaluate found no problem in has no faults; of mixed cells it looks at less.
     const std::optional<quality::Evaluation>& last = result_.report.stages.back().evaluation;
     if (state_.layered || !last || last->problem_count > 0) result_.faults = faults_of_written(state_);

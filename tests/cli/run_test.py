@@ -207,6 +207,23 @@ class RunTest(CaseTest):
         self.assertFalse(self.numbers()["complete"])
         self.run_well("evaluate", self.out / "a.vtu")
 
+    def test_a_run_that_is_stopped_leaves_the_files_of_another_one(self):
+        stages = "output.stages=true"
+        self.run_case("--set", stages)
+        files = {path: path.read_bytes() for path in self.out.iterdir()}
+        self.assertTrue({"first.vtu", "centerline.vtp"} <= {path.name for path in files})
+        result = self.run_lumesh("run", self.case, "-o", self.out, "--set", stages, "--set", "centerline.spacing=1.7", "--set",
+                                 "metric.complexity=900000", "--time-limit", "1.5")
+        self.assertEqual(result.returncode, TIME_LIMIT, result.stderr)
+        for path, content in files.items():
+            self.assertTrue(path.read_bytes() == content, path.name)
+        self.run_well("evaluate", self.out / "partial" / "a.vtu")
+        # One that ends replaces them.
+        self.run_case("--set", stages, "--set", "centerline.spacing=1.7")
+        for name in ("first.vtu", "centerline.vtp", "a.vtu"):
+            self.assertFalse((self.out / name).read_bytes() == files[self.out / name], name)
+        self.assertFalse((self.out / "partial" / "first.vtu").exists())
+
     def test_refuses_bad_cases_in_one_line(self):
         refused = [
             ("[input]\nphantom = \"carotid\"\n[metric]\ncomplexty = 5\n", "case.toml:4: unknown key \"complexty\""),
