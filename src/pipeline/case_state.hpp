@@ -35,7 +35,7 @@ struct CaseState {
   Polylines centerline;
   TetMesh mesh;                      ///< The first mesh, then the same with its metric, then the adapted one.
   std::optional<MixedMesh> layered;  ///< The mesh with its boundary layers, once it has them.
-  std::vector<PatchRenaming> renamings;  ///< What patches are to be called in the end.
+  std::vector<PatchRenaming> renamings;  ///< What patches are to be called; none once they are.
   bool has_metric = false;               ///< Whether the metric of the mesh means anything.
   bool is_complete = true;               ///< False once a stage ended early.
   bool has_earlier_results = false;      ///< Whether the case's folder held results when the run began.

@@ -33,6 +33,13 @@ std::string text_of_case(const CaseState& state) {
       kVersion, state.c.name, state.input_name, state.input_sha256, case_text(again));
 }
 
+/// What it says of its patches, under the names that the user gives: the stages go by their own.
+MeshInfo info_with_given_names(const CaseState& state) {
+  MeshInfo info = state.mesh.info();
+  static_cast<void>(rename_found(info, state.renamings));  // What is missing is said of the last mesh.
+  return info;
+}
+
 }  // namespace
 
 std::vector<std::string> names_of_files(const Case& c) {
@@ -47,7 +54,9 @@ std::vector<std::string> names_of_files(const Case& c) {
 
 void describe_mesh(const CaseState& state, report::StageReport& stage) {
   const BoundaryFaces faces = state.mesh.boundary_faces();
-  const MeshView view = state.view(faces);
+  const MeshInfo info = info_with_given_names(state);
+  MeshView view = state.view(faces);
+  view.info = &info;
   quality::EvaluationInput input;
   input.image = state.image ? &*state.image : nullptr;
   const bool is_whole = state.c.input.cuts.places_mm.empty();
@@ -89,7 +98,9 @@ void describe_layers(const CaseState& state, const std::optional<quality::Evalua
 
 report::NamedPicture picture_of_centerline(const CaseState& state) {
   const BoundaryFaces faces = state.mesh.boundary_faces();
-  const MeshView view = state.view(faces);
+  const MeshInfo info = info_with_given_names(state);
+  MeshView view = state.view(faces);
+  view.info = &info;
   report::SurfacePicture drawn = state.context.phase("pictures", [&] {
     return report::draw_surface_with_lines(view, report::surface_for_pictures(view), state.centerline,
                                            {.scalar = "radius", .scalar_name = "radius, mm"});
@@ -192,7 +203,10 @@ void write_stage_files(const CaseState& state, const std::string& stage,
     files.push_back({kCenterlineFile, "the centerline with its radius"});
   } else {
     const BoundaryFaces faces = state.mesh.boundary_faces();
-    write_mesh(folder / kFirstFile, state.view(faces));
+    const MeshInfo info = info_with_given_names(state);
+    MeshView view = state.view(faces);
+    view.info = &info;
+    write_mesh(folder / kFirstFile, view);
     files.push_back({kFirstFile, state.has_metric ? "the first mesh with its metric" : "the first mesh"});
   }
 }

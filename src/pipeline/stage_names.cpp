@@ -1,7 +1,28 @@
+#include <algorithm>
+#include <utility>
+
 #include "lumesh/core/error.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
+namespace {
+
+/// After the patches themselves, where these took the names.
+void rename_coverages(std::span<const PatchRenaming> renamings, const MeshInfo& info, LayerReport& report) {
+  const auto has_patch = [&](const std::string& name) {
+    return std::any_of(info.patches.begin(), info.patches.end(),
+                       [&](const Patch& patch) { return patch.name == name; });
+  };
+  for (LayerCoverage& coverage : report.patches) {
+    const auto of_patch =
+        std::find_if(renamings.begin(), renamings.end(), [&](const PatchRenaming& renaming) {
+          return renaming.patch == coverage.patch && has_patch(renaming.name);
+        });
+    if (of_patch != renamings.end()) coverage.patch = of_patch->name;
+  }
+}
+
+}  // namespace
 
 void find_named_openings(CaseState& state) {
   if (state.c.openings.names.empty()) return;
@@ -12,7 +33,9 @@ void find_named_openings(CaseState& state) {
 
 std::vector<std::string> name_patches_of_case(CaseState& state, report::StageReport& last) {
   MeshInfo& info = state.layered ? state.layered->info : state.mesh.info();
-  const std::vector<std::string> missing = rename_found(info, state.renamings);
+  const std::vector<PatchRenaming> renamings = std::exchange(state.renamings, {});  // They may swap names.
+  const std::vector<std::string> missing = rename_found(info, renamings);
+  if (last.layers) rename_coverages(renamings, info, last.layers->report);
   for (const std::string& line : missing) {
     state.context.warn(line);
     last.warnings.push_back(line);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "lumesh/core/error.hpp"
@@ -107,6 +108,46 @@ TEST_F(WholeCase, RoughVesselsOfTwoVoxelsAreAdaptedWithoutEverOverlapping) {
   const CaseResult result = run();
   const quality::Evaluation& e = *result.report.stages.back().evaluation;
   EXPECT_TRUE(e.valid()) << (e.problems.empty() ? "" : e.problems.front());
+}
+
+TEST_F(WholeCase, PatchesHaveTheNamesGivenInTheNumbersOfAllStagesAndInAllFiles) {
+  case_.input.phantom = "bifurcation";
+  case_.input.phantom_spec = {};
+  case_.input.phantom_spec.size = Index3(32, 24, 30);
+  case_.openings.names = {"inlet_1=trunk:inlet", "outlet_1=outlet_2", "outlet_2=outlet_1", "wall=vessel"};
+  case_.metric.points = "centerline";
+  case_.metric.complexity = 1500;
+  case_.layers.options.first_height = 0.1;
+  case_.layers.options.count = 2;
+  case_.layers.options.side = LayerSide::kInward;
+  case_.output.stages = true;
+  const CaseResult result = run();
+  EXPECT_TRUE(result.without_name.empty());
+  const auto area_of = [](const quality::Evaluation& e, const std::string& name) {
+    const auto at =
+        std::find_if(e.patches.begin(), e.patches.end(), [&](const auto& p) { return p.name == name; });
+    return at == e.patches.end() ? 0 : at->area_mm2;
+  };
+  int described = 0;
+  for (const report::StageReport& stage : result.report.stages) {
+    if (!stage.evaluation) continue;
+    SCOPED_TRACE(stage.name);
+    ++described;
+    for (const std::string name : {"trunk", "outlet_1", "outlet_2", "vessel"})
+      EXPECT_GT(area_of(*stage.evaluation, name), 0) << name;
+    EXPECT_GT(area_of(*stage.evaluation, "outlet_2"), area_of(*stage.evaluation, "outlet_1")) << "swapped";
+    EXPECT_EQ(area_of(*stage.evaluation, "wall"), 0);
+    for (const OpeningInMesh& o : stage.evaluation->openings->openings)
+      EXPECT_EQ(o.patches == "trunk", o.opening.name == "inlet_1") << o.patches;
+  }
+  EXPECT_EQ(described, 3);
+  EXPECT_EQ(result.report.stages.back().layers->report.patches.at(0).patch, "vessel");
+  for (const char* file : {"first.vtu", "mesh.vtu"}) {
+    const MeshInfo info = read_mesh(folder_ / file).info;
+    EXPECT_TRUE(std::any_of(info.patches.begin(), info.patches.end(), [](const Patch& p) {
+      return p.name == "trunk" && p.flow == FlowSide::kInlet;
+    })) << file;
+  }
 }
 
 TEST_F(WholeCase, PredictsTheNumberOfTetrahedra) {
