@@ -114,11 +114,18 @@ json describe_openings(std::span<const Opening> openings) {
   return list_of;
 }
 
-/// Where vessels end inside the image, with the places to cut them at.
+/// Where vessels end inside the image, with the places to cut them at, or why they cannot be cut.
 json describe_ends(std::span<const VesselEnd> ends) {
   json list_of = json::array();
-  for (const VesselEnd& end : ends)
-    list_of.push_back({{"radius_mm", short_number(end.radius_mm)}, {"cut_at", cut_place_text(end)}});
+  for (const VesselEnd& end : ends) {
+    json& one = list_of.emplace_back(json{{"radius_mm", short_number(end.radius_mm)}});
+    if (end.cut_mm) {
+      one["cut_at"] = cut_place_text(*end.cut_mm);
+    } else {
+      one["end_at"] = cut_place_text(end.place_mm);
+      one["cannot_be_cut"] = end.refusal;
+    }
+  }
   return list_of;
 }
 
@@ -165,7 +172,7 @@ void add_openings(const LabelImage& image, const std::vector<CutPlane>& cuts, js
   try {
     const std::vector<Opening> openings = find_openings(ImageDomain(image, {{}, cuts}));
     all["openings"] = describe_openings(openings);
-    all["vessel_ends"] = describe_ends(vessel_ends(image, openings, context));
+    all["vessel_ends"] = describe_ends(vessel_ends(image, cuts, openings, ~std::size_t{0}, context));
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;
     leave_out(error.what());

@@ -68,7 +68,8 @@ void describe_image(const LabelImage& image, report::StageReport& stage) {
 void warn_of_dead_ends(CaseState& state, report::StageReport& stage) {
   if (!state.image || state.openings().empty()) return;
   const double voxel_mm = state.image->frame().spacing_mm.maxCoeff();
-  const std::vector<VesselEnd> ends = vessel_ends(state.centerline, voxel_mm, state.openings());
+  std::vector<VesselEnd> ends = vessel_ends(state.centerline, voxel_mm, state.openings());
+  try_cuts(*state.image, state.centerline, state.cut_planes, 1, ends);
   if (!ends.empty()) stage.warnings.push_back(dead_end_warning(ends));
 }
 

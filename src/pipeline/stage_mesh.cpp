@@ -47,7 +47,7 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
 
 void warn_of_closed_vessels(CaseState& state, report::StageReport& stage) {
   if (!state.openings().empty()) return;
-  const std::vector<VesselEnd> ends = vessel_ends(*state.image, {}, state.context);
+  const std::vector<VesselEnd> ends = vessel_ends(*state.image, {}, {}, 1, state.context);
   if (!ends.empty()) stage.warnings.push_back(kNoOpenings + dead_end_warning(ends));
 }
 

@@ -82,11 +82,9 @@ Polylines axes_of_piece(LabelImage image, const Index3& voxel) {
   return extract_centerline(image, {}, quiet);
 }
 
-CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> before, Context& context) {
-  const std::optional<Index3> voxel = object_voxel_near(image, place);
-  if (!voxel)
-    throw Error(ErrorKind::kBadInput, "no vessel runs at " + place_text(place) + ": all is background there");
-  const AxisPlace found = nearest_axis(axes_of_piece(image, *voxel), place);
+/// @throws Error{kBadInput} if no vessel runs there any more.
+AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const CutPlane> before) {
+  const AxisPlace found = nearest_axis(lines, place);
   if (found.off_radii > 2)
     throw Error(
         ErrorKind::kBadInput,
@@ -100,6 +98,14 @@ CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> 
   });
   if (is_gone)
     throw Error(ErrorKind::kBadInput, "the vessel at " + place_text(place) + " is cut off already");
+  return found;
+}
+
+CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> before, Context& context) {
+  const std::optional<Index3> voxel = object_voxel_near(image, place);
+  if (!voxel)
+    throw Error(ErrorKind::kBadInput, "no vessel runs at " + place_text(place) + ": all is background there");
+  const AxisPlace found = axis_at(axes_of_piece(image, *voxel), place, before);
   const CutVessel cut = cut_off_vessel(image, found.across, found.radius_mm);
   constexpr double kWide = 1.5;
   const double of_vessel = std::numbers::pi * found.radius_mm * found.radius_mm;
@@ -112,6 +118,19 @@ CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> 
 }
 
 }  // namespace
+
+std::string refusal_of_cut(const LabelImage& image, const Polylines& lines, std::span<const CutPlane> before,
+                           const Vec3& place_mm) {
+  try {
+    const AxisPlace found = axis_at(lines, place_mm, before);
+    LabelImage cut = image;
+    static_cast<void>(cut_off_vessel(cut, found.across, found.radius_mm));
+    return "";
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    return error.what();
+  }
+}
 
 std::vector<std::string> cut_options(const ImageCuts& cuts) {
   std::vector<std::string> options;

@@ -6,6 +6,8 @@
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/patch_renaming.hpp"
+#include "lumesh/stages/image_cuts.hpp"
 
 namespace lumesh {
 namespace {
@@ -42,6 +44,20 @@ bool is_on_another(const Polylines& lines, const std::vector<std::uint32_t>& lin
   });
 }
 
+/// Points of a line, one radius and two from its end on.
+std::vector<Vec3> places_up(const Polylines& lines, std::span<const std::uint32_t> from_tip,
+                            double radius_mm) {
+  constexpr std::size_t kMost = 2;
+  std::vector<Vec3> places;
+  double length_mm = 0;
+  for (std::size_t i = 1; i < from_tip.size() && places.size() < kMost; ++i) {
+    const Vec3& at = lines.points[from_tip[i]];
+    length_mm += (at - lines.points[from_tip[i - 1]]).norm();
+    if (length_mm >= static_cast<double>(places.size() + 1) * radius_mm) places.push_back(at);
+  }
+  return places;
+}
+
 bool is_at_opening(const Vec3& place, double radius_mm, const Opening& opening) {
   const Vec3 off = place - opening.centre_mm;
   // Beyond it is the stump of a vessel that was cut.
@@ -54,52 +70,101 @@ bool is_at_opening(const Vec3& place, double radius_mm, const Opening& opening) 
 std::vector<VesselEnd> vessel_ends(const Polylines& lines, double least_radius_mm,
                                    std::span<const Opening> openings) {
   std::vector<VesselEnd> ends;
-  const auto look_at = [&](std::uint32_t tip) {
+  const auto look_at = [&](std::span<const std::uint32_t> from_tip) {
+    const std::uint32_t tip = from_tip.front();
     const Vec3& place = lines.points[tip];
     const double radius_mm = lines.scalars.at("radius")[tip];
     const bool is_open = std::any_of(openings.begin(), openings.end(), [&](const Opening& opening) {
       return is_at_opening(place, radius_mm, opening);
     });
-    if (!is_open && radius_mm >= least_radius_mm) ends.push_back({radius_mm, place});
+    if (!is_open && radius_mm >= least_radius_mm)
+      ends.push_back({radius_mm, place, places_up(lines, from_tip, radius_mm)});
   };
   for (const auto& line : lines.lines) {
     if (line.size() < 2 || line.front() == line.back() || !is_vessel(lines, line)) continue;
-    for (const std::uint32_t tip : {line.front(), line.back()})
-      if (!is_on_another(lines, line, tip)) look_at(tip);
+    const std::vector<std::uint32_t> reversed(line.rbegin(), line.rend());
+    for (const auto* from_tip : {&line, &reversed})
+      if (!is_on_another(lines, line, from_tip->front())) look_at(*from_tip);
   }
   std::stable_sort(ends.begin(), ends.end(),
                    [](const VesselEnd& a, const VesselEnd& b) { return a.radius_mm > b.radius_mm; });
   return ends;
 }
 
-std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Opening> openings,
-                                   Context& context) {
-  return vessel_ends(lines_in(image, context), image.frame().spacing_mm.maxCoeff(), openings);
+void try_cuts(const LabelImage& image, const Polylines& lines, std::span<const CutPlane> cuts,
+              std::size_t enough, std::vector<VesselEnd>& ends) {
+  std::size_t count = 0;
+  for (VesselEnd& end : ends) {
+    if (count == enough) return;
+    std::vector<Vec3> places = {end.place_mm};
+    places.insert(places.end(), end.farther_mm.begin(), end.farther_mm.end());
+    for (const Vec3& place : places) {
+      const Vec3 as_told = place_from(cut_place_text(place)).value();  // A digit may matter.
+      const std::string refusal = refusal_of_cut(image, lines, cuts, as_told);
+      if (end.refusal.empty()) end.refusal = refusal;
+      if (!refusal.empty()) continue;
+      end.cut_mm = place;
+      end.refusal.clear();
+      ++count;
+      break;
+    }
+  }
 }
+
+std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const CutPlane> cuts,
+                                   std::span<const Opening> openings, std::size_t enough, Context& context) {
+  const Polylines lines = lines_in(image, context);
+  std::vector<VesselEnd> ends = vessel_ends(lines, image.frame().spacing_mm.maxCoeff(), openings);
+  try_cuts(image, lines, cuts, enough, ends);
+  return ends;
+}
+
+namespace {
+
+const VesselEnd* first_to_cut(std::span<const VesselEnd> ends) {
+  const auto first =
+      std::find_if(ends.begin(), ends.end(), [](const VesselEnd& end) { return end.cut_mm.has_value(); });
+  return first == ends.end() ? nullptr : &*first;
+}
+
+}  // namespace
 
 std::string dead_end_warning(std::span<const VesselEnd> ends) {
   if (ends.empty()) return "";
   const bool is_one = ends.size() == 1;
-  return fmt::format(
-      "{} inside the image and {} closed there, {} {:.3g} mm in radius; to open it: cut_at = [[{}]] in "
-      "[input]",
-      is_one ? "1 vessel ends" : fmt::format("{} vessels end", ends.size()), is_one ? "is" : "are",
-      is_one ? "about" : "the widest", ends.front().radius_mm, cut_place_text(ends.front()));
+  const VesselEnd* const to_cut = first_to_cut(ends);
+  const std::string remedy =
+      to_cut == nullptr
+          ? fmt::format("it cannot be cut: {}", ends.front().refusal)
+          : fmt::format("to open {}: cut_at = [[{}]] in [input]",
+                        to_cut == ends.data()
+                            ? "it"
+                            : fmt::format("that of {:.3g} mm, the widest that can be cut", to_cut->radius_mm),
+                        cut_place_text(*to_cut->cut_mm));
+  return fmt::format("{} inside the image and {} closed there, {} {:.3g} mm in radius; {}",
+                     is_one ? "1 vessel ends" : fmt::format("{} vessels end", ends.size()),
+                     is_one ? "is" : "are", is_one ? "about" : "the widest", ends.front().radius_mm, remedy);
 }
 
-std::string cut_place_text(const VesselEnd& end) {
-  const Vec3 p = end.place_mm + Vec3::Zero();  // No -0.
+std::string cut_place_text(const Vec3& place_mm) {
+  const Vec3 p = place_mm + Vec3::Zero();  // No -0.
   return fmt::format("{:.6g},{:.6g},{:.6g}", p.x(), p.y(), p.z());
 }
 
 std::string closed_vessel_warning(const LabelImage& image, std::span<const Opening> openings,
                                   Context& context) {
   if (!openings.empty()) return "";
-  const std::vector<VesselEnd> ends = vessel_ends(image, openings, context);
+  const std::vector<VesselEnd> ends = vessel_ends(image, {}, openings, 1, context);
   if (ends.empty()) return "";
-  return kNoOpenings + fmt::format("{} {} inside: cut {} square with `cut_at` {} (lumesh info lists all)",
-                                   ends.size(), ends.size() == 1 ? "ends" : "end",
-                                   ends.size() == 1 ? "it" : "the widest", cut_place_text(ends.front()));
+  const std::string begin =
+      kNoOpenings + fmt::format("{} {} inside: ", ends.size(), ends.size() == 1 ? "ends" : "end");
+  const VesselEnd* const to_cut = first_to_cut(ends);
+  if (to_cut == nullptr) return begin + "none can be cut with `cut_at` (lumesh info says why)";
+  return begin + fmt::format("cut {} square with `cut_at` {} (lumesh info lists all)",
+                             ends.size() == 1        ? "it"
+                             : to_cut == ends.data() ? "the widest"
+                                                     : "one",
+                             cut_place_text(*to_cut->cut_mm));
 }
 
 }  // namespace lumesh

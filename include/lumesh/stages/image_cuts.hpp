@@ -2,6 +2,7 @@
 /// @file What of an image is cut off before it is meshed.
 
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "lumesh/core/types.hpp"
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/image/label_image.hpp"
+#include "lumesh/mesh/polylines.hpp"
 
 namespace lumesh {
 
@@ -33,6 +35,12 @@ struct ImageCuts {
 /// any axis, or beyond a cut before it; and as extract_centerline() and cut_off_vessel() do. Cost and
 /// threads: for each place as these.
 [[nodiscard]] std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context& context);
+
+/// Why cut_off() would refuse to cut at a place; empty if it would not.
+/// @param lines  Through the vessel there, with the scalar "radius" in mm. @param before  What cuts the image
+/// already. Cost: a copy of the image, and as cut_off_vessel().
+[[nodiscard]] std::string refusal_of_cut(const LabelImage& image, const Polylines& lines,
+                                         std::span<const CutPlane> before, const Vec3& place_mm);
 
 /// Each cut as the command line takes it: "--cut-at 1,2,3", "--cut-plane 1 2 3 0 0 1".
 [[nodiscard]] std::vector<std::string> cut_options(const ImageCuts& cuts);

@@ -1,6 +1,7 @@
 #pragma once
 /// @file Vessels that end inside an image, where no mesh will have an opening.
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,8 +15,10 @@ namespace lumesh {
 
 struct VesselEnd {
   double radius_mm = 0;
-  Vec3 place_mm =
-      Vec3::Zero();  ///< The centre of the last ball that fits into the vessel: a place to cut it.
+  Vec3 place_mm = Vec3::Zero();       ///< The centre of the last ball that fits into the vessel.
+  std::vector<Vec3> farther_mm = {};  ///< On the axis, one radius and two up the vessel, where it is as long.
+  std::optional<Vec3> cut_mm = {};    ///< Where it can be cut: the first of these; none if nobody has tried.
+  std::string refusal = {};           ///< Why it cannot be, if it was tried.
 };
 
 /// Ends of centerlines that lie at no opening, by falling radius: vessels that were segmented so far only,
@@ -23,21 +26,30 @@ struct VesselEnd {
 /// @param lines  With the scalar "radius" in mm. @param least_radius_mm  Thinner ones are left out.
 [[nodiscard]] std::vector<VesselEnd> vessel_ends(const Polylines& lines, double least_radius_mm,
                                                  std::span<const Opening> openings);
+/// Tries where the ends can be cut, one alone at a time.
+/// @param lines  Those of the ends. @param cuts  Of the image so far. @param enough  No more than so many
+/// that can be. Cost: up to three times refusal_of_cut() for each end.
+void try_cuts(const LabelImage& image, const Polylines& lines, std::span<const CutPlane> cuts,
+              std::size_t enough, std::vector<VesselEnd>& ends);
+
 /// The same of the largest piece of an image, but for ends less than a voxel in radius; none where there is
-/// no centerline. Cost and threads: as extract_centerline().
-[[nodiscard]] std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const Opening> openings,
+/// no centerline. Cuts are tried at `enough` of them. Cost and threads: as extract_centerline() and
+/// try_cuts().
+[[nodiscard]] std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const CutPlane> cuts,
+                                                 std::span<const Opening> openings, std::size_t enough,
                                                  Context& context);
 
 /// "x,y,z", as the option --cut-at takes it.
-[[nodiscard]] std::string cut_place_text(const VesselEnd& end);
+[[nodiscard]] std::string cut_place_text(const Vec3& place_mm);
 
 /// What begins the warning of an image whose vessels all end inside.
 inline constexpr const char* kNoOpenings = "no vessel leaves the image, so the mesh has no openings; ";
 
-/// A line that says how a case opens the widest one; empty without any.
+/// A line that says how a case opens the widest one that can be cut; empty without any.
 [[nodiscard]] std::string dead_end_warning(std::span<const VesselEnd> ends);
 
-/// A line for an image none of whose vessels has an opening, but which has vessel ends; empty otherwise.
+/// A line for an image none of whose vessels has an opening, but which has vessel ends; empty otherwise. No
+/// cuts were made.
 [[nodiscard]] std::string closed_vessel_warning(const LabelImage& image, std::span<const Opening> openings,
                                                 Context& context);
 
