@@ -85,6 +85,7 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
           context.phase("domain", [&] { return domain_of(surface, input.surface); });
       DomainRead read{std::move(domain)};
       read.openings = find_openings(*read.domain);
+      read.closed_vessels = closed_surface_warning(*read.domain);
       if (input.needs_axes)
         read.axes = context.phase("axes", [&] { return extract_centerline(surface.view(), {}, context); });
       return read;

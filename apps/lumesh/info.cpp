@@ -164,6 +164,32 @@ json describe_mesh(MixedMesh mesh) {
   return all;
 }
 
+/// Of the flat ends of a closed surface; not of a very large one: that is not worth the time.
+void add_openings_of_surface(const std::string& path, json& all, Context& context) {
+  constexpr std::size_t kMostTriangles = 1'000'000;
+  const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };
+  try {
+    const MixedMesh surface = read_surface(path);
+    if (surface.triangles.size() > kMostTriangles)
+      return leave_out(fmt::format("more than {} triangles", kMostTriangles));
+    const std::unique_ptr<SurfaceDomain> domain = domain_of(surface, {});
+    all["openings"] = describe_openings(find_openings(*domain));
+    const std::string warning = closed_surface_warning(*domain);
+    if (!warning.empty()) context.warn(warning);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    leave_out(error.what());
+  }
+}
+
+json describe_mesh_file(const InfoCommand& command, Context& context) {
+  const MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.path); });
+  json all = describe_mesh(mesh);
+  if (mesh.view().cell_count() == 0 && mesh.triangles.size() + mesh.quadrilaterals.size() > 0)
+    context.phase("openings", [&] { add_openings_of_surface(command.path, all, context); });
+  return all;
+}
+
 /// Not of an image with very many labels, or of noise: they are not worth the time.
 void add_openings(const LabelImage& image, const std::vector<CutPlane>& cuts, json& all, Context& context) {
   constexpr std::size_t kMostLabels = 200;
@@ -218,12 +244,8 @@ void run(const InfoCommand& command) {
   const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
-  json all;
-  if (is_mesh_file(command.path)) {
-    all = describe_mesh(context.phase("read", [&] { return read_mesh(command.path); }));
-  } else {
-    all = describe_image_file(command, context);
-  }
+  const json all = is_mesh_file(command.path) ? describe_mesh_file(command, context)
+                                              : describe_image_file(command, context);
   if (command.run.quiet > 0 && command.as_json == 0) return;
   if (command.as_json > 0) {
     print_out("{}\n", all.dump(2));

@@ -46,6 +46,11 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
 }
 
 void warn_of_closed_vessels(CaseState& state, report::StageReport& stage) {
+  if (!state.image) {
+    const std::string line = closed_surface_warning(state.domain());
+    if (!line.empty()) stage.warnings.push_back(line);
+    return;
+  }
   if (!state.openings().empty()) return;
   const std::vector<VesselEnd> ends = vessel_ends(*state.image, {}, {}, 1, state.context);
   if (!ends.empty()) stage.warnings.push_back(kNoOpenings + dead_end_warning(ends));
@@ -59,7 +64,7 @@ std::unique_ptr<Sizing> sizing_of(CaseState& state, const Domain& domain) {
 }
 
 void make_mesh(CaseState& state, report::StageReport& stage) {
-  if (state.image) warn_of_closed_vessels(state, stage);
+  warn_of_closed_vessels(state, stage);
   if (state.c.mesher == Mesher::kLattice)
     mesh_by_lattice(state, stage);
   else

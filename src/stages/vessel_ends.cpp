@@ -6,6 +6,7 @@
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/stages/image_cuts.hpp"
 
@@ -165,6 +166,16 @@ std::string closed_vessel_warning(const LabelImage& image, std::span<const Openi
                              : to_cut == ends.data() ? "the widest"
                                                      : "one",
                              cut_place_text(*to_cut->cut_mm));
+}
+
+std::string closed_surface_warning(const Domain& domain) {
+  constexpr Material kInside = 1;
+  for (Material outside = 0; outside < domain.material_count(); ++outside) {
+    const std::optional<Patch> patch = domain.patch_between(kInside, outside);
+    if (outside != kInside && patch && is_plane(patch->kind)) return "";
+  }
+  return "the surface has no flat end, so the mesh has no openings; cut the vessels off flat before, with "
+         "edges around the ends that are sharper than --feature-angle, or mesh their image with --cut-at";
 }
 
 }  // namespace lumesh

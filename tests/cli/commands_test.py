@@ -276,6 +276,32 @@ class NameTest(CommandTest):
         self.mesh = other
         self.assertEqual((self.patches()["vessel"], self.patches()["left_ica"]), ("opening", "wall"))
 
+    def test_surfaces_have_openings_at_their_flat_ends(self):
+        tube, surface = self.make_tube(), self.folder / "tube.stl"
+        self.run_well("lattice", tube, "-o", self.mesh, "--surface", surface)
+        of_image = json.loads(self.run_well("info", tube, "--json").stdout)["openings"]
+        of_surface = self.run_well("info", surface, "--json")
+        self.assertNotIn("warning", of_surface.stderr)
+        of_surface = json.loads(of_surface.stdout)["openings"]
+        self.assertEqual([o["name"] for o in of_surface], ["inlet_1", "outlet_1"])
+        self.assertEqual(sorted(o["centre_mm"][2] for o in of_surface), sorted(o["centre_mm"][2] for o in of_image))
+        for opening in of_surface:
+            self.assertAlmostEqual(opening["area_mm2"] / of_image[0]["area_mm2"], 1, delta=0.02)
+            self.assertAlmostEqual(abs(opening["normal"][2]), 1, places=6)
+            self.assertAlmostEqual(math.pi * opening["radius_mm"] ** 2, opening["area_mm2"], delta=0.01)
+        self.assertRegex(self.run_well("info", surface).stdout, r"openings\n  name inlet_1 .*\n  name outlet_1 ")
+
+    def test_a_closed_surface_is_said_to_have_no_opening(self):
+        image, surface, case = self.folder / "ball.nrrd", self.folder / "ball.stl", self.folder / "case.toml"
+        self.run_well("phantom", "sphere", "--size", 24, 24, 24, "-o", image)
+        self.run_well("lattice", image, "-o", self.mesh, "--surface", surface)
+        case.write_text('mesher = "delaunay"\n[input]\nsurface = "ball.stl"\n[delaunay]\ndelta = 2\n')
+        for command, remedy in ((("info", surface), "--feature-angle"), (("delaunay", surface, "--delta", 2, "-o", self.mesh), "--feature-angle"),
+                                (("run", case, "-o", self.folder / "out"), "feature_angle")):
+            told = self.run_well(*command).stderr
+            self.assertIn("the surface has no flat end, so the mesh has no openings", told)
+            self.assertIn(remedy, told)
+
     def test_a_wall_that_is_called_symmetry_is_no_opening(self):
         made = self.run_well("lattice", self.make_tube(), "-o", self.mesh, "--name", "wall=wall:symmetry",
                              "--name", "8,8,16.5=middle:symmetry", "--strict")

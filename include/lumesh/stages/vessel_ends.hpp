@@ -1,5 +1,5 @@
 #pragma once
-/// @file Vessels that end inside an image, where no mesh will have an opening.
+/// @file Vessels that end inside an image, and surfaces without ends, where no mesh will have an opening.
 
 #include <optional>
 #include <span>
@@ -52,5 +52,8 @@ inline constexpr const char* kNoOpenings = "no vessel leaves the image, so the m
 /// cuts were made.
 [[nodiscard]] std::string closed_vessel_warning(const LabelImage& image, std::span<const Opening> openings,
                                                 Context& context);
+
+/// A line for a closed surface without a flat end, of which a mesh has no opening; empty otherwise.
+[[nodiscard]] std::string closed_surface_warning(const Domain& domain);
 
 }  // namespace lumesh
