@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <unordered_set>
 
@@ -26,6 +27,52 @@ bool may_rather_go(const TetMesh& mesh, VertexId v, VertexId w, bool first) {
   return precedes(mesh.point(v), mesh.point(w)) == first;
 }
 
+/// Vertices of rims that may not go: without them a rim would have edges longer than it is to have.
+class NeededRims {
+ public:
+  NeededRims(const TetMesh& mesh, const Spacing& spacing) : mesh_(mesh), spacing_(spacing) {}
+
+  [[nodiscard]] bool need(VertexId v) const {
+    constexpr double kMostEdge = 1.45;  // Of the spacing: eight around a circle.
+    const Domain& domain = spacing_.domain();
+    if (v.value < 4 || mesh_.dimension(v) != VertexDimension::kCurve || domain.cut_planes().empty())
+      return false;
+    const MaterialSet curve = touched_by(v);
+    if (!std::any_of(curve.begin(), curve.end(), [&](Material m) { return domain.is_cut(m); })) return false;
+    const double wanted = spacing_.curve_spacing_at(mesh_.point(v), curve, spacing_.delta_mm());
+    return wanted < spacing_.delta_mm() && gap_without(v, curve) > kMostEdge * wanted;
+  }
+
+ private:
+  [[nodiscard]] MaterialSet touched_by(VertexId v) const {
+    constexpr double kTouch = 1e-2;  // Of the resolution.
+    const Domain& domain = spacing_.domain();
+    return domain.materials_near(mesh_.point(v), kTouch * domain.resolution_mm());
+  }
+
+  /// The distance between the vertices before and after one on its curve; infinite if it has none.
+  [[nodiscard]] double gap_without(VertexId v, const MaterialSet& curve) const {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    std::vector<Vec3> ways;  // To the others, the nearest first.
+    VertexStar star;
+    std::unordered_set<std::uint32_t> seen = {v.value};
+    for (const TetId t : star.gather(mesh_, v))
+      for (const std::uint32_t w : mesh_.tet(t))
+        if (w >= 4 && mesh_.dimension(VertexId(w)) <= VertexDimension::kCurve && seen.insert(w).second &&
+            touched_by(VertexId(w)).contains_all(curve))
+          ways.emplace_back(mesh_.point(VertexId(w)) - mesh_.point(v));
+    std::sort(ways.begin(), ways.end(), [](const Vec3& a, const Vec3& b) {
+      return a.squaredNorm() != b.squaredNorm() ? a.squaredNorm() < b.squaredNorm() : precedes(a, b);
+    });
+    for (const Vec3& way : ways)
+      if (way.dot(ways.front()) < 0) return (way - ways.front()).norm();
+    return kNone;
+  }
+
+  const TetMesh& mesh_;
+  const Spacing& spacing_;
+};
+
 /// The corners of a face in an order that does not depend on their numbers.
 std::array<VertexId, 3> corners_by_place(const TetMesh& mesh, TetId t, int f) {
   const Cell<3> face = mesh.face_corners(t, f);
@@ -36,7 +83,8 @@ std::array<VertexId, 3> corners_by_place(const TetMesh& mesh, TetId t, int f) {
 }
 
 /// The vertex of a face that is to go; invalid if none may.
-VertexId superfluous_vertex(const TetMesh& mesh, const std::array<VertexId, 3>& v, bool first) {
+VertexId superfluous_vertex(const TetMesh& mesh, const NeededRims& rims, const std::array<VertexId, 3>& v,
+                            bool first) {
   constexpr double kCosineOfFlat = -0.64;  // 130 degrees.
   for (const VertexId w : v)
     if (mesh.dimension(w) == VertexDimension::kVolume) return w;
@@ -48,20 +96,24 @@ VertexId superfluous_vertex(const TetMesh& mesh, const std::array<VertexId, 3>& 
     if (edge2(k) > edge2(longest)) longest = k;
     if (edge2(k) < edge2(shortest)) shortest = k;
   }
-  const auto stays = [&](VertexId w) { return mesh.dimension(w) < VertexDimension::kCurve; };
+  const auto stays = [&](VertexId w) { return mesh.dimension(w) < VertexDimension::kCurve || rims.need(w); };
   const Vec3 &a = mesh.point(v[longest]), to_b = mesh.point(v[(longest + 1) % 3]) - a,
              to_c = mesh.point(v[(longest + 2) % 3]) - a;
   const VertexId middle = v[longest];
   if (to_b.dot(to_c) < kCosineOfFlat * to_b.norm() * to_c.norm() && !stays(middle)) return middle;
   const VertexId one = v[(shortest + 1) % 3], other = v[(shortest + 2) % 3];
   const VertexId gone = may_rather_go(mesh, one, other, first) ? one : other;
-  return stays(gone) ? VertexId() : gone;
+  const VertexId rest = gone == one ? other : one;
+  if (!stays(gone)) return gone;
+  // Another vertex of a rim may go where this one may not.
+  return mesh.dimension(rest) == mesh.dimension(gone) && !stays(rest) ? rest : VertexId();
 }
 
 }  // namespace
 
-std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& rules, double least_angle_deg,
-                                            bool first) {
+std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& rules, const Spacing& spacing,
+                                            double least_angle_deg, bool first) {
+  const NeededRims rims(mesh, spacing);
   const double most_cosine = std::cos(least_angle_deg * std::numbers::pi / 180);
   auto found = parallel::collect<Candidate>(
       mesh.tet_slots(),
@@ -77,7 +129,7 @@ std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& ru
           const double cosine =
               cosine_of_smallest_angle(mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]));
           if (!is_off && !(cosine > most_cosine)) continue;
-          if (const VertexId gone = superfluous_vertex(mesh, v, first); gone.valid())
+          if (const VertexId gone = superfluous_vertex(mesh, rims, v, first); gone.valid())
             out.push_back({cosine, gone});
         }
       },

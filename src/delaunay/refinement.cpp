@@ -148,7 +148,8 @@ std::size_t Refinement::clear() {
   constexpr double kLeastAngleDeg = 25;
   constexpr int kMostClearings = 8;  // Some come back, whatever is taken out.
   if (clearings_ == kMostClearings) return 0;
-  std::vector<VertexId> gone = vertices_of_bad_faces(mesh_, rules_, kLeastAngleDeg, clearings_++ % 2 == 0);
+  std::vector<VertexId> gone =
+      vertices_of_bad_faces(mesh_, rules_, spacing_, kLeastAngleDeg, clearings_++ % 2 == 0);
   for (const VertexId v : pinched())
     if (v.value >= 4 && mesh_.dimension(v) == VertexDimension::kSurface) gone.push_back(v);
   std::sort(gone.begin(), gone.end());

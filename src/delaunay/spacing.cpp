@@ -27,6 +27,8 @@ double largest_fall(const Domain& domain, const Vec3& x, const Vec3& gradient, d
   return (std::abs(mean) + std::hypot(0.5 * (a - c), b)) / slope;
 }
 
+constexpr double kLeastOfResolution = 0.5;  // What shapes make points denser to.
+
 }  // namespace
 
 double Spacing::size_at(const Vec3& x, Material m) const {
@@ -59,7 +61,8 @@ double Spacing::curve_spacing_at(const Vec3& x, const MaterialSet& set, double s
         least = std::min(least, kPerWidth * width);
       }
   }
-  return std::max(least, std::min(spacing, least_for_shapes()));
+  // However large delta is: the number of edges around is what an opening's area hangs on.
+  return std::max(least, std::min({spacing, delta_mm_, kLeastOfResolution * domain_->resolution_mm()}));
 }
 
 /// How far from x a material, or the outside as a whole, reaches along a direction, if less than `most`. What
@@ -90,7 +93,7 @@ double Spacing::spacing_of_shape(const Vec3& x, Material first, Material second)
 }
 
 double Spacing::least_for_shapes() const {
-  constexpr double kLeastOfDelta = 0.33, kLeastOfResolution = 0.5;
+  constexpr double kLeastOfDelta = 0.33;
   return std::max(kLeastOfDelta * delta_mm_,
                   std::min(delta_mm_, kLeastOfResolution * domain_->resolution_mm()));
 }

@@ -107,9 +107,10 @@ TEST_F(Numbering, OfTheTwoTriangulationsDiffers) {
 
 TEST_F(Numbering, DoesNotDecideWhichVerticesOfBadFacesGo) {
   for (const bool first : {true, false}) {
-    const auto gone = one_.places(vertices_of_bad_faces(one_.mesh, one_.rules, 25, first));
+    const auto gone = one_.places(vertices_of_bad_faces(one_.mesh, one_.rules, one_.spacing, 25, first));
     EXPECT_GT(gone.size(), 100U);
-    EXPECT_EQ(gone, other_.places(vertices_of_bad_faces(other_.mesh, other_.rules, 25, first)));
+    EXPECT_EQ(gone,
+              other_.places(vertices_of_bad_faces(other_.mesh, other_.rules, other_.spacing, 25, first)));
   }
 }
 

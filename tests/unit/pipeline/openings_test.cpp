@@ -126,6 +126,31 @@ TEST(Openings, HaveTheVesselsSectionInEveryMesherAtEverySize) {
   }
 }
 
+TEST(Openings, OfThinVesselsHaveEightEdgesAroundHoweverCoarseTheRestIs) {
+  std::mt19937_64 random(7);
+  for (const double radius : {1.6, 1.8, 2.2, 2.6}) {
+    const LabelImage image = image_of(random_tube(radius, random));
+    const ImageDomain domain(image, {});
+    const double section = section_of(domain, -0.5 + 1e-6);
+    for (const double delta : {3.0, 4.6}) {
+      SCOPED_TRACE("radius " + std::to_string(radius) + ", delta " + std::to_string(delta));
+      Context context;
+      DelaunayOptions options;
+      options.delta_mm = delta;
+      const TetMesh mesh = mesh_delaunay(domain, options, context).mesh;
+      EXPECT_TRUE(validate(mesh).ok());
+      const auto openings = openings_of(mesh);
+      ASSERT_EQ(openings.size(), 2U);
+      double nearest = 0;
+      for (const auto& [name, opening] : openings) {
+        EXPECT_GE(opening.edges_around, 8) << name;
+        if (std::abs(opening.area - section) < std::abs(nearest - section)) nearest = opening.area;
+      }
+      EXPECT_NEAR(nearest / section, 1, 0.05);
+    }
+  }
+}
+
 TEST(Openings, HaveTheSameNamesInEveryMesherAtEverySize) {
   // Two of nearly the same size leave through one face, a third one through another, and one ends inside.
   const LabelImage image = fixtures::voxels_of(fixtures::frame_of({48, 40, 30}), {0, 1}, [](const Vec3& p) {
