@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "run_sets.hpp"
+#include "lumesh/core/disjoint_sets.hpp"
 
 namespace lumesh::image {
 
@@ -31,17 +31,17 @@ class Gaps {
   }
 
   [[nodiscard]] std::size_t count_enclosed() const {
-    RunSets sets(sets_);
+    DisjointSets sets(sets_);
     for (int k = 0; k < slices_; ++k)
       for (int j = 0; j < rows_; ++j) {
         if (j == 0 || k == 0 || j + 1 == rows_ || k + 1 == slices_)
-          for (const Gap& gap : row(j, k)) sets.join(kOutsideSet, gap.set);
+          for (const Gap& gap : row(j, k)) sets.merge(kOutsideSet, gap.set);
         if (j > 0) join(row(j, k), row(j - 1, k), sets);
         for (int beside = std::max(0, j - 1); k > 0 && beside <= std::min(j + 1, rows_ - 1); ++beside)
           join(row(j, k), row(beside, k - 1), sets);
       }
     std::size_t roots = 0;
-    for (std::uint32_t set = 0; set < sets_; ++set) roots += sets.root(set) == set ? 1 : 0;
+    for (std::uint32_t set = 0; set < sets_; ++set) roots += sets.find(set) == set ? 1 : 0;
     return roots - 1;
   }
 
@@ -65,10 +65,10 @@ class Gaps {
   }
 
   /// Gaps touch if they share an i or have neighbouring ones: corners join the background.
-  static void join(std::span<const Gap> first, std::span<const Gap> second, RunSets& sets) {
+  static void join(std::span<const Gap> first, std::span<const Gap> second, DisjointSets& sets) {
     for (std::size_t a = 0, b = 0; a < first.size() && b < second.size();) {
       if (first[a].begin <= second[b].end && second[b].begin <= first[a].end)
-        sets.join(first[a].set, second[b].set);
+        sets.merge(first[a].set, second[b].set);
       if (first[a].end < second[b].end)
         ++a;
       else

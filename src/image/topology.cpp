@@ -4,9 +4,9 @@
 
 #include "cavities.hpp"
 #include "lumesh/core/assert.hpp"
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/image/runs.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "run_sets.hpp"
 
 namespace lumesh {
 
@@ -14,13 +14,13 @@ namespace {
 
 using image::Run;
 using image::RunImage;
-using image::RunSets;
 
-RunSets connect(const RunImage& runs) {
-  RunSets sets(runs.runs.size());
+DisjointSets connect(const RunImage& runs) {
+  DisjointSets sets(runs.runs.size());
   const auto join_rows = [&](std::size_t a, std::size_t b) {
     image::for_each_overlap(runs.of_row(a), runs.of_row(b), [&](std::size_t x, std::size_t y, const Run&) {
-      sets.join(runs.first[a] + static_cast<std::uint32_t>(x), runs.first[b] + static_cast<std::uint32_t>(y));
+      sets.merge(runs.first[a] + static_cast<std::uint32_t>(x),
+                 runs.first[b] + static_cast<std::uint32_t>(y));
     });
   };
   for (int k = 0; k < runs.size.z(); ++k) {
@@ -94,12 +94,12 @@ std::vector<std::int64_t> euler_numbers(const RunImage& runs, std::size_t label_
 std::vector<LabelTopology> describe(const RunImage& runs, std::size_t label_count, double voxel_volume_mm3) {
   std::vector<LabelTopology> result(label_count);
   for (LabelTopology& entry : result) entry.box = kEmptyBox;
-  RunSets sets = connect(runs);
+  DisjointSets sets = connect(runs);
   for_each_run(runs, [&](std::uint32_t r, int j, int k) {
     const Run& run = runs.runs[r];
     LabelTopology& entry = result[run.label];
     entry.voxel_count += static_cast<std::size_t>(run.end - run.begin);
-    entry.component_count += sets.root(r) == r ? 1 : 0;
+    entry.component_count += sets.find(r) == r ? 1 : 0;
     grow(entry.box, run, j, k);
   });
   const std::vector<std::int64_t> euler = euler_numbers(runs, label_count);
@@ -129,12 +129,12 @@ struct Component {
 };
 
 /// All components in the order of voxel_components().
-std::vector<Component> list_components(const LabelImage& image, const RunImage& runs, RunSets& sets) {
+std::vector<Component> list_components(const LabelImage& image, const RunImage& runs, DisjointSets& sets) {
   std::vector<Component> components;
   std::vector<std::uint32_t> of_root(runs.runs.size());
   for_each_run(runs, [&](std::uint32_t r, int j, int k) {
     const Run& run = runs.runs[r];
-    const std::uint32_t root = sets.root(r);
+    const std::uint32_t root = sets.find(r);
     if (root == r) {  // roots come first in memory, so this is also the component's first voxel
       of_root[r] = static_cast<std::uint32_t>(components.size());
       const Index3 first(run.begin, j, k);
@@ -153,10 +153,10 @@ std::vector<Component> list_components(const LabelImage& image, const RunImage& 
 
 /// Turns the runs that `is_kept(root)` refuses into background. @return Number of their voxels.
 template <class IsKept>
-std::size_t keep_runs(LabelImage& image, const RunImage& runs, RunSets& sets, const IsKept& is_kept) {
+std::size_t keep_runs(LabelImage& image, const RunImage& runs, DisjointSets& sets, const IsKept& is_kept) {
   std::size_t removed = 0;
   for_each_run(runs, [&](std::uint32_t r, int j, int k) {
-    if (is_kept(sets.root(r))) return;
+    if (is_kept(sets.find(r))) return;
     const Run& run = runs.runs[r];
     auto* row = image.voxels().data() + image.frame().offset({0, j, k});
     std::fill(row + run.begin, row + run.end, LabelImage::Index{0});
@@ -185,7 +185,7 @@ LabelTopology union_topology(const LabelImage& image) {
 
 std::vector<VoxelComponent> voxel_components(const LabelImage& image, ComponentScope scope) {
   const RunImage runs = image::find_runs(image, run_labels(scope));
-  RunSets sets = connect(runs);
+  DisjointSets sets = connect(runs);
   std::vector<VoxelComponent> result;
   for (const Component& component : list_components(image, runs, sets)) result.push_back(component.shown);
   return result;
@@ -200,7 +200,7 @@ std::vector<VoxelComponent> small_components(const LabelImage& image, std::size_
 
 std::size_t keep_largest_component(LabelImage& image, ComponentScope scope) {
   const RunImage runs = image::find_runs(image, run_labels(scope));
-  RunSets sets = connect(runs);
+  DisjointSets sets = connect(runs);
   std::vector<char> kept(runs.runs.size(), 0);
   LabelImage::Index last = 0;
   for (const Component& component : list_components(image, runs, sets)) {
@@ -212,11 +212,11 @@ std::size_t keep_largest_component(LabelImage& image, ComponentScope scope) {
 
 std::size_t keep_component_of(LabelImage& image, const Index3& voxel, ComponentScope scope) {
   const RunImage runs = image::find_runs(image, run_labels(scope));
-  RunSets sets = connect(runs);
+  DisjointSets sets = connect(runs);
   const std::span<const Run> row = runs.of_row(runs.row(voxel.y(), voxel.z()));
   const auto own = std::find_if(row.begin(), row.end(), [&](const Run& run) { return voxel.x() < run.end; });
   LUMESH_ASSERT(own != row.end() && own->begin <= voxel.x());
-  const std::uint32_t root = sets.root(static_cast<std::uint32_t>(&*own - runs.runs.data()));
+  const std::uint32_t root = sets.find(static_cast<std::uint32_t>(&*own - runs.runs.data()));
   return keep_runs(image, runs, sets, [&](std::uint32_t r) { return r == root; });
 }
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
@@ -103,12 +103,10 @@ bool lies_on(const FaceCorners& face, std::span<const Cell<4>> own, const FreeSu
 
 /// The part with the lowest number that shared faces join to each.
 std::vector<std::uint32_t> joined_groups(std::size_t count, std::span<const Contact> contacts) {
+  DisjointSets groups(count);
+  for (const Contact& contact : contacts) groups.merge(contact.parts[0], contact.parts[1]);
   std::vector<std::uint32_t> group(count);
-  std::iota(group.begin(), group.end(), 0U);
-  for (const Contact& contact : contacts) {
-    const auto [low, high] = std::minmax(group[contact.parts[0]], group[contact.parts[1]]);
-    if (low != high) std::replace(group.begin(), group.end(), std::uint32_t(high), std::uint32_t(low));
-  }
+  for (std::uint32_t part = 0; part < count; ++part) group[part] = groups.find(part);
   return group;
 }
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -101,12 +101,7 @@ std::vector<Side> sorted_sides(std::span<const Cell<3>> triangles) {
 /// For each triangle the number of the smooth piece it belongs to: the lowest triangle of the piece.
 std::vector<std::uint32_t> smooth_pieces(std::span<const Vec3> points, const BoundaryFaces& faces,
                                          double feature_angle_deg) {
-  std::vector<std::uint32_t> piece(faces.triangles.size());
-  std::iota(piece.begin(), piece.end(), 0u);
-  const auto root_of = [&](std::uint32_t t) {
-    while (piece[t] != t) t = piece[t] = piece[piece[t]];
-    return t;
-  };
+  DisjointSets pieces(faces.triangles.size());
   const double least_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
   const std::vector<Side> sides = sorted_sides(faces.triangles);
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
@@ -117,10 +112,10 @@ std::vector<std::uint32_t> smooth_pieces(std::span<const Vec3> points, const Bou
     const std::uint32_t s = sides[begin].triangle, t = sides[begin + 1].triangle;
     const Vec3 n = area_vector(points, faces.triangles[s]), m = area_vector(points, faces.triangles[t]);
     if (faces.patches[s] != faces.patches[t] || n.dot(m) < least_cosine * n.norm() * m.norm()) continue;
-    const auto [low, high] = std::minmax({root_of(s), root_of(t)});
-    piece[high] = low;
+    pieces.merge(s, t);
   }
-  for (std::uint32_t t = 0; t < piece.size(); ++t) piece[t] = root_of(t);
+  std::vector<std::uint32_t> piece(faces.triangles.size());
+  for (std::uint32_t t = 0; t < piece.size(); ++t) piece[t] = pieces.find(t);
   return piece;
 }
 

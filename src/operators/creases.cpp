@@ -3,47 +3,27 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh::operators {
 namespace {
 
-/// Faces joined to sets, the lowest of each its name.
-class FaceSets {
- public:
-  explicit FaceSets(std::size_t count) : parents_(count) {
-    std::iota(parents_.begin(), parents_.end(), std::size_t{0});
-  }
-  [[nodiscard]] std::size_t find(std::size_t face) {
-    while (parents_[face] != face) face = parents_[face] = parents_[parents_[face]];
-    return face;
-  }
-  void join(std::size_t a, std::size_t b) {
-    const std::size_t root_a = find(a), root_b = find(b);
-    parents_[std::max(root_a, root_b)] = std::min(root_a, root_b);
-  }
-
- private:
-  std::vector<std::size_t> parents_;
-};
-
 bool is_between_labels(const BoundaryFaces& faces, std::size_t face) {
   return faces.tets[face][1].valid();
 }
 
 /// The sets of faces of one patch that reach each other over edges without crease.
-FaceSets smooth_parts(const TetMesh& mesh, const BoundaryFaces& faces, double angle_deg) {
+DisjointSets smooth_parts(const TetMesh& mesh, const BoundaryFaces& faces, double angle_deg) {
   struct Side {
-    std::uint32_t a, b;
-    std::size_t face;
+    std::uint32_t a, b, face;
     auto operator<=>(const Side&) const = default;
   };
   std::vector<Side> sides;
   std::vector<Vec3> normals(faces.triangles.size());
-  for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
+  for (std::uint32_t i = 0; i < faces.triangles.size(); ++i) {
     if (is_between_labels(faces, i)) continue;
     const Cell<3>& v = faces.triangles[i];
     normals[i] =
@@ -54,15 +34,15 @@ FaceSets smooth_parts(const TetMesh& mesh, const BoundaryFaces& faces, double an
     }
   }
   std::sort(sides.begin(), sides.end());
-  FaceSets sets(faces.triangles.size());
+  DisjointSets sets(faces.triangles.size());
   const double least_cosine = std::cos(angle_deg * std::numbers::pi / 180);
   for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
     for (next = i + 1; next < sides.size() && sides[next].a == sides[i].a && sides[next].b == sides[i].b;)
       ++next;
     for (std::size_t k = i + 1; k < next; ++k) {
-      const std::size_t one = sides[i].face, other = sides[k].face;
+      const std::uint32_t one = sides[i].face, other = sides[k].face;
       if (faces.patches[one] == faces.patches[other] && normals[one].dot(normals[other]) >= least_cosine)
-        sets.join(one, other);
+        sets.merge(one, other);
     }
   }
   return sets;
@@ -72,17 +52,17 @@ FaceSets smooth_parts(const TetMesh& mesh, const BoundaryFaces& faces, double an
 
 std::vector<PatchId> cut_patches_at_creases(TetMesh& mesh, double angle_deg) {
   const BoundaryFaces faces = mesh.boundary_faces();
-  FaceSets sets = smooth_parts(mesh, faces, angle_deg);
+  DisjointSets sets = smooth_parts(mesh, faces, angle_deg);
   MeshInfo info = mesh.info();
   std::vector<PatchId> origins(info.patches.size());
   for (std::uint32_t p = 0; p < origins.size(); ++p) origins[p] = PatchId(p);
   // The first part of a patch keeps its number, the others get new ones.
   std::vector<bool> has_part(origins.size(), false);
   std::vector<std::int32_t> part_of = faces.patches;
-  for (std::size_t i = 0; i < part_of.size(); ++i) {
+  for (std::uint32_t i = 0; i < part_of.size(); ++i) {
     if (is_between_labels(faces, i)) continue;
     const auto patch = static_cast<std::size_t>(faces.patches[i]);
-    if (const std::size_t first = sets.find(i); first < i) {
+    if (const std::uint32_t first = sets.find(i); first < i) {
       part_of[i] = part_of[first];
     } else if (!has_part[patch]) {
       has_part[patch] = true;
