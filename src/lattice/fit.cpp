@@ -43,6 +43,13 @@ void add_beyond_cuts(const WorkMesh& mesh, const BoundaryModel& boundary, const 
   }
 }
 
+void level_openings(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& setting) {
+  build_stars(mesh);
+  VertexTargets none;
+  const VertexBlocks all_stay;
+  Fitter(mesh, boundary, none, setting, all_stay).level_openings();
+}
+
 }  // namespace
 
 FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
@@ -79,6 +86,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   const std::vector<Vec3> mended_mm = mesh.positions;
   settle_wall(mesh, boundary, domain, setting.limits);
   undo_crossings(mesh, boundary, domain, mended_mm, setting.limits);
+  level_openings(mesh, boundary, setting);
   FitReport report = report_on(missed, finder.missed_distances_mm(mesh, boundary), domain.voxel_size_mm());
   add_beyond_cuts(mesh, boundary, domain, report);
   return report;

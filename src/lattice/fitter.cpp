@@ -17,7 +17,25 @@ namespace lumesh {
 namespace {
 
 constexpr double kThere = 0.02;  // voxels from its target at which a vertex counts as arrived
+constexpr double kLevel = 1e-4;  // voxels from its cut plane at which a vertex counts as in it
 constexpr double kParts[] = {1.0, 0.7, 0.4, 0.2, 0.1};  // of the way to its target that are tried
+
+/// A place brought into the cut planes of a vertex of this set.
+Vec3 onto_cuts(const ImageDomain& domain, const MaterialSet& set, Vec3 place) {
+  for (int round = 0; round < 3; ++round)  // Planes are square to each other or nearly so.
+    for (const Material m : set)
+      if (domain.is_cut(m)) place -= domain.cut_plane(m).height(place) * domain.cut_plane(m).normal;
+  return place;
+}
+
+/// How far a vertex of this set is from the cut plane that it belongs in, at most.
+double off_cuts_mm(const ImageDomain& domain, const MaterialSet& set, const Vec3& place) {
+  double off_mm = 0;
+  if (!is_on_cut(domain, set)) return off_mm;
+  for (const Material m : set)
+    if (domain.is_cut(m)) off_mm = std::max(off_mm, std::abs(domain.cut_plane(m).height(place)));
+  return off_mm;
+}
 
 }  // namespace
 
@@ -118,6 +136,115 @@ void Fitter::squeeze_within_cuts() {
       mesh_.positions[v] = before;
     }
   }
+}
+
+void Fitter::level_openings() {
+  std::optional<SurfaceTree> tree;  // Made if there is anything to do.
+  double moved_mm = 0;
+  for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+    if (off_cuts_mm(domain_, boundary_.sets[v], mesh_.positions[v]) <= kLevel * domain_.voxel_size_mm())
+      continue;
+    if (!tree) tree.emplace(mesh_, boundary_);
+    for (const Vec3& place : places_in_cuts(v)) {
+      const std::optional<double> way_mm = level_vertex(v, place, *tree, moved_mm);
+      if (!way_mm) continue;
+      moved_mm = std::max(moved_mm, *way_mm);
+      break;
+    }
+  }
+}
+
+/// Takes a vertex to a place and lets what is within two rings of it give way; all stays if angles or the
+/// surface do not allow that.
+/// @return How far anything has moved.
+std::optional<double> Fitter::level_vertex(std::uint32_t v, const Vec3& place, const SurfaceTree& tree,
+                                           double moved_mm) {
+  constexpr int kSweeps = 4;
+  constexpr double kGood = 0.3;
+  const std::vector<std::uint32_t> near = two_rings(v);
+  std::vector<Vec3> before;
+  for (const std::uint32_t w : near) before.push_back(mesh_.positions[w]);
+  const double enough = std::min(floor_, worst_angles(near));
+  const auto put_back = [&] {
+    for (std::size_t i = 0; i < near.size(); ++i) mesh_.positions[near[i]] = before[i];
+    return std::nullopt;
+  };
+  if (!put_if_valid(v, place)) return std::nullopt;
+  for (int s = 0; s < kSweeps && worst_angles(near) < enough; ++s)
+    for (const std::uint32_t w : near) improve_vertex(w, kGood);
+  if (worst_angles(near) < enough) return put_back();
+  double way_mm = 0;
+  std::vector<std::uint32_t> triangles;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    way_mm = std::max(way_mm, (mesh_.positions[near[i]] - before[i]).norm());
+    const auto around = surface_.triangles(near[i]);
+    if (mesh_.positions[near[i]] != before[i])
+      triangles.insert(triangles.end(), around.begin(), around.end());
+  }
+  std::sort(triangles.begin(), triangles.end());
+  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  if (crosses_at(mesh_, boundary_, domain_, tree, std::max(moved_mm, way_mm), triangles)) return put_back();
+  return way_mm;
+}
+
+/// The vertex, and those at most two edges away, ascending.
+std::vector<std::uint32_t> Fitter::two_rings(std::uint32_t v) const {
+  std::vector<std::uint32_t> near = {v};
+  for (int ring = 0; ring < 2; ++ring) {
+    std::vector<std::uint32_t> more;
+    for (const std::uint32_t w : near)
+      for (const std::uint32_t t : mesh_.star(w))
+        more.insert(more.end(), mesh_.tets[t].begin(), mesh_.tets[t].end());
+    std::sort(more.begin(), more.end());
+    more.erase(std::unique(more.begin(), more.end()), more.end());
+    near = std::move(more);
+  }
+  return near;
+}
+
+/// The worst angle quality around any of some vertices.
+double Fitter::worst_angles(std::span<const std::uint32_t> vertices) const {
+  double worst = 2;
+  for (const std::uint32_t w : vertices)
+    worst = std::min(worst, StarQuality(mesh_, w).worst(mesh_.positions[w], -2));
+  return worst;
+}
+
+/// Places to try in the cut planes of a vertex: those that its star allows, the nearest to where it belongs
+/// first; where it allows none, those that others may give way for: the nearest, and that of the best angles.
+std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v) const {
+  constexpr int kDirections = 16;
+  const MaterialSet& set = boundary_.sets[v];
+  const Vec3 x = mesh_.positions[v], middle = onto_cuts(domain_, set, x);
+  StarQuality star(mesh_, v);
+  const Score now = score(v, star, x, -2);
+  const double edge = (x - mesh_.positions[other_corner(v)]).norm();
+  const double enough = std::min(floor_, now.angles);
+  std::vector<std::pair<double, Vec3>> places;
+  std::pair<double, Vec3> best{0, middle};
+  const auto consider = [&](const Vec3& wish) {
+    const Vec3 y = onto_cuts(domain_, set, wish);
+    if (off_cuts_mm(domain_, set, y) > kLevel * domain_.voxel_size_mm()) return;
+    const Score then = score(v, star, y, -2);
+    if (then.angles > best.first) best = {then.angles, y};
+    if (then.angles < enough || then.facing < std::min(floor_, now.facing)) return;
+    const std::optional<Vec3> on = on_boundary(v, y);
+    places.emplace_back(on ? (*on - y).norm() : edge, y);
+  };
+  const CutPlane& plane = domain_.cut_plane(set[set.size() - 1]);
+  const Vec3 first = plane.normal.unitOrthogonal(), second = plane.normal.cross(first);
+  consider(middle);
+  for (const double reach : {0.08, 0.16, 0.3, 0.5, 0.8})
+    for (int n = 0; n < kDirections; ++n) {
+      const double angle = 2 * std::numbers::pi * n / kDirections;
+      consider(middle + reach * edge * (std::cos(angle) * first + std::sin(angle) * second));
+    }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Vec3> result;
+  for (const auto& place : places) result.push_back(place.second);
+  if (result.empty()) result = {middle, best.second};
+  return result;
 }
 
 /// Where a vertex may be tried: on its way to the middle of the vertices around, then all around these

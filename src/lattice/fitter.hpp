@@ -57,6 +57,10 @@ class Fitter {
   /// where that keeps tetrahedra positively oriented and the surface from crossing itself.
   void squeeze_within_cuts();
 
+  /// Brings vertices of openings that an angle's limit has kept short of their cut plane into it, at the
+  /// places nearest to their curves that the limits allow, where the surface does not come to cross itself.
+  void level_openings();
+
   /// Draws the surface to misses; only what is around these moves.
   void draw_to_tips(const std::vector<Miss>& missed, int sweeps);
   /// The same more thoroughly, with what is near moving along.
@@ -96,6 +100,11 @@ class Fitter {
   [[nodiscard]] double distance_to_target(std::uint32_t v) const;
   [[nodiscard]] Score score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough) const;
   [[nodiscard]] double facing(std::uint32_t v, const Vec3& x) const;
+  std::optional<double> level_vertex(std::uint32_t v, const Vec3& place, const SurfaceTree& tree,
+                                     double moved_mm);
+  [[nodiscard]] std::vector<std::uint32_t> two_rings(std::uint32_t v) const;
+  [[nodiscard]] double worst_angles(std::span<const std::uint32_t> vertices) const;
+  [[nodiscard]] std::vector<Vec3> places_in_cuts(std::uint32_t v) const;
   bool put_if_valid(std::uint32_t v, const Vec3& place);
   void carry_vertex(std::uint32_t v, const Vec3& place);
   void fit_vertex(std::uint32_t v, double floor);

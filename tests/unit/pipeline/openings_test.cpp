@@ -151,6 +151,45 @@ TEST(Openings, OfThinVesselsHaveEightEdgesAroundHoweverCoarseTheRestIs) {
   }
 }
 
+/// How far vertices of openings are from the image's border along z, at most.
+double off_border(const MeshView& mesh) {
+  double off = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Patch& patch = mesh.info->patches[static_cast<std::size_t>(mesh.triangle_patches[i])];
+    if (patch.kind != PatchKind::kOpening) continue;
+    for (const std::uint32_t v : mesh.triangles[i]) {
+      const double z = mesh.points[v].z();
+      off = std::max(off, std::min(std::abs(z + 0.5), std::abs(z - (kSize - 0.5))));
+    }
+  }
+  return off;
+}
+
+TEST(Openings, OfTheLatticeAreFlatWhereVesselsSlant) {
+  for (const double radius : {2.3, 4.1}) {
+    for (const double tilt_deg : {25.0, 40.0}) {
+      for (const double turn : {0.4, 2.9}) {
+        const double tilt = tilt_deg * std::numbers::pi / 180;
+        const Tube tube{Vec3(18.2, 17.7, -0.5),
+                        {std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt)},
+                        radius};
+        // It ends inside, so that it leaves through one face.
+        const LabelImage image =
+            fixtures::voxels_of(fixtures::frame_of({kSize, kSize, kSize}), {0, 1},
+                                [&](const Vec3& x) { return tube.holds(x) && x.z() < 12 ? 1 : 0; });
+        const ImageDomain domain(image, {});
+        for (const double spacing : {1.5, 2.5, 4.0}) {
+          Context context;
+          LatticeOptions options;
+          options.spacing_mm = spacing;
+          EXPECT_LT(off_border(mesh_lattice(image, domain, options, context).mesh.view()), 1e-3)
+              << "radius " << radius << ", " << tilt_deg << " degrees, spacing " << spacing;
+        }
+      }
+    }
+  }
+}
+
 TEST(Openings, HaveTheSameNamesInEveryMesherAtEverySize) {
   // Two of nearly the same size leave through one face, a third one through another, and one ends inside.
   const LabelImage image = fixtures::voxels_of(fixtures::frame_of({48, 40, 30}), {0, 1}, [](const Vec3& p) {
