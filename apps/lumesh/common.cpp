@@ -210,10 +210,10 @@ std::vector<std::string> doubts_about_image(const std::string& image_path, const
                       found, made_from->second, consequence)};
 }
 
-std::vector<std::string> doubts_about_cuts(const CutOptions& given, const std::string& mesh_path,
+std::vector<std::string> doubts_about_cuts(const ImageCuts& given, const std::string& mesh_path,
                                            const MeshInfo& info) {
   const std::vector<std::string> made_with = cut_options(info.provenance);
-  if (given.planes.size() + given.places.size() >= made_with.size()) return {};
+  if (given.planes.size() + given.places_mm.size() >= made_with.size()) return {};
   return {fmt::format(
       "{}: was made of an image that was cut, and sizes are those of the cut image only if the same cuts are "
       "given: {}",

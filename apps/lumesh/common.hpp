@@ -107,8 +107,8 @@ void check_inputs_stay(std::initializer_list<std::string> outputs, std::initiali
                                                           std::string_view consequence);
 
 /// A line if fewer cuts are given than the mesh was made with, else nothing.
-[[nodiscard]] std::vector<std::string> doubts_about_cuts(const CutOptions& given,
-                                                         const std::string& mesh_path, const MeshInfo& info);
+[[nodiscard]] std::vector<std::string> doubts_about_cuts(const ImageCuts& given, const std::string& mesh_path,
+                                                         const MeshInfo& info);
 
 /// Looks at a mesh that was written, quickly.
 /// @param besides  What else has to be said then.

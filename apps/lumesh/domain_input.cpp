@@ -5,6 +5,7 @@
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 #include "option_adapter.hpp"
 
@@ -100,6 +101,7 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
   });
   DomainRead read{std::move(domain)};
   read.openings = context.phase("openings", [&] { return find_openings(*read.domain); });
+  for (const std::string& doubt : doubts_about_sections(image, read.openings)) context.warn(doubt);
   if (input.needs_axes)
     read.axes = context.phase(
         "axes", [&] { return naming(input.path, [&] { return extract_centerline(image, {}, context); }); });

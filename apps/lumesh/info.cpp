@@ -18,6 +18,7 @@
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 #include "option_adapter.hpp"
 
@@ -197,6 +198,7 @@ void add_openings(const LabelImage& image, const std::vector<CutPlane>& cuts, js
   if (image.values().size() > kMostLabels) return leave_out(fmt::format("more than {} labels", kMostLabels));
   try {
     const std::vector<Opening> openings = find_openings(ImageDomain(image, {{}, cuts}));
+    for (const std::string& doubt : doubts_about_sections(image, openings)) context.warn(doubt);
     all["openings"] = describe_openings(openings);
     all["vessel_ends"] = describe_ends(vessel_ends(image, cuts, openings, ~std::size_t{0}, context));
   } catch (const Error& error) {

@@ -13,6 +13,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/size_request.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 #include "option_adapter.hpp"
@@ -93,6 +94,7 @@ void run(const LatticeCommand& command) {
     return context.phase("domain", [&] { return ImageDomain(image, domain_options); });
   });
   const std::vector<Opening> openings = context.phase("openings", [&] { return find_openings(domain); });
+  for (const std::string& doubt : doubts_about_sections(image, openings)) context.warn(doubt);
   const std::vector<PatchRenaming> renamings = renamings_for(command.openings, openings);
   const std::string closed =
       context.phase("ends", [&] { return closed_vessel_warning(image, openings, context); });

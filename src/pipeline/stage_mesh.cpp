@@ -3,6 +3,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/stages/image_shape.hpp"
+#include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 #include "stages.hpp"
 
@@ -65,6 +66,9 @@ std::unique_ptr<Sizing> sizing_of(CaseState& state, const Domain& domain) {
 
 void make_mesh(CaseState& state, report::StageReport& stage) {
   warn_of_closed_vessels(state, stage);
+  if (state.image)
+    for (std::string& doubt : doubts_about_sections(*state.image, state.openings()))
+      stage.warnings.push_back(std::move(doubt));
   if (state.c.mesher == Mesher::kLattice)
     mesh_by_lattice(state, stage);
   else

@@ -115,8 +115,8 @@ TEST_F(WholeCase, PatchesHaveTheNamesGivenInTheNumbersOfAllStagesAndInAllFiles) 
   case_.input.phantom_spec = {};
   case_.input.phantom_spec.size = Index3(32, 24, 30);
   case_.openings.names = {"inlet_1=trunk:inlet", "outlet_1=outlet_2", "outlet_2=outlet_1", "wall=vessel"};
-  case_.metric.points = "centerline";
-  case_.metric.complexity = 1500;
+  case_.metric.source<metric::PointSource>().points = "centerline";
+  case_.metric.limits.complexity = 1500;
   case_.layers.options.first_height = 0.1;
   case_.layers.options.count = 2;
   case_.layers.options.side = LayerSide::kInward;

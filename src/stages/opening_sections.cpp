@@ -1,0 +1,142 @@
+#include "lumesh/stages/opening_sections.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "lumesh/core/disjoint_sets.hpp"
+
+namespace lumesh {
+namespace {
+
+/// Voxel faces of one label that hang together on one side of the image.
+struct Section {
+  Label label = kBackground;
+  std::vector<Vec3> centres_mm;  ///< Of the faces.
+  double face_mm2 = 0;
+  Vec3 normal = Vec3::UnitX();  ///< Out of the image.
+
+  [[nodiscard]] double area_mm2() const { return face_mm2 * static_cast<double>(centres_mm.size()); }
+  [[nodiscard]] Vec3 centre_mm() const {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& p : centres_mm) sum += p;
+    return sum / static_cast<double>(centres_mm.size());
+  }
+};
+
+/// The sections on one side: the first or last layer along an axis.
+void add_sections(const LabelImage& image, int axis, bool is_last, std::vector<Section>& sections) {
+  const ImageFrame& frame = image.frame();
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const auto columns = static_cast<std::uint32_t>(frame.size[u]),
+             rows = static_cast<std::uint32_t>(frame.size[v]);
+  const auto voxel = [&](std::uint32_t column, std::uint32_t row) {
+    Index3 at;
+    at[axis] = is_last ? frame.size[axis] - 1 : 0;
+    at[u] = static_cast<int>(column);
+    at[v] = static_cast<int>(row);
+    return at;
+  };
+  DisjointSets sets(std::size_t{columns} * rows);
+  for (std::uint32_t row = 0; row < rows; ++row)
+    for (std::uint32_t column = 0; column < columns; ++column) {
+      const std::uint32_t face = column + columns * row;
+      const LabelImage::Index label = image.at(voxel(column, row));
+      if (label == 0) continue;
+      if (column > 0 && image.at(voxel(column - 1, row)) == label) sets.merge(face, face - 1);
+      if (row > 0 && image.at(voxel(column, row - 1)) == label) sets.merge(face, face - columns);
+    }
+  std::map<std::uint32_t, Section> by_set;
+  for (std::uint32_t row = 0; row < rows; ++row)
+    for (std::uint32_t column = 0; column < columns; ++column) {
+      const Index3 at = voxel(column, row);
+      if (image.at(at) == 0) continue;
+      Section& section = by_set[sets.find(column + columns * row)];
+      Vec3 centre = at.cast<double>();
+      centre[axis] += is_last ? 0.5 : -0.5;
+      section.label = image.label_at(at);
+      section.centres_mm.push_back(frame.to_physical(centre));
+      section.face_mm2 = frame.spacing_mm[u] * frame.spacing_mm[v];
+      section.normal = frame.direction.col(axis) * (is_last ? 1 : -1);
+    }
+  for (auto& entry : by_set) sections.push_back(std::move(entry.second));
+}
+
+/// The opening that holds most faces of a section; none if none holds any.
+std::optional<std::size_t> opening_of(const Section& section, std::span<const Opening> openings) {
+  std::optional<std::size_t> best;
+  std::size_t most = 0;
+  for (std::size_t i = 0; i < openings.size(); ++i) {
+    constexpr double kAlike = 0.999;
+    const Opening& o = openings[i];
+    if (o.label != section.label || !o.squares || o.normal.dot(section.normal) < kAlike) continue;
+    const auto held =
+        static_cast<std::size_t>(std::count_if(section.centres_mm.begin(), section.centres_mm.end(),
+                                               [&](const Vec3& p) { return o.squares->hold(p); }));
+    if (held <= most) continue;
+    most = held;
+    best = i;
+  }
+  return best;
+}
+
+/// What the voxels say of one opening.
+struct Voxels {
+  double area_mm2 = 0, face_mm2 = 0;
+  std::size_t sections = 0;  ///< Of some faces.
+};
+
+std::string place_text(const Vec3& p) {
+  return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z());
+}
+
+std::string doubt_of(const Opening& opening, const Voxels& voxels) {
+  constexpr double kShare = 0.1, kVoxels = 0.7;
+  if (voxels.sections > 1)
+    return fmt::format(
+        "{} at {} joins {} sections that are separate in the voxels; the image is too coarse there, or "
+        "cut them apart with {}",
+        opening.name, place_text(opening.centre_mm), voxels.sections, "`cut_plane`");
+  const double off = opening.area_mm2 - voxels.area_mm2;
+  if (std::abs(off) <= kShare * voxels.area_mm2 + kVoxels * std::sqrt(voxels.area_mm2 * voxels.face_mm2))
+    return "";
+  return fmt::format(
+      "{} at {} has {:.4g} mm², {:.0f} % {} than its {:.4g} mm² of voxel faces; cut it a few voxels "
+      "further in with {}, or try `boundary` exact",
+      opening.name, place_text(opening.centre_mm), opening.area_mm2, 100 * std::abs(off) / voxels.area_mm2,
+      off > 0 ? "more" : "less", voxels.area_mm2, "`cut_plane`");
+}
+
+}  // namespace
+
+std::vector<std::string> doubts_about_sections(const LabelImage& image, std::span<const Opening> openings) {
+  constexpr std::size_t kFaces = 8;  // Fewer may be a wall that grazes the border.
+  std::vector<Section> sections;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool is_last : {false, true}) add_sections(image, axis, is_last, sections);
+  std::vector<Voxels> of_openings(openings.size());
+  std::vector<std::string> doubts;
+  for (const Section& section : sections) {
+    const std::optional<std::size_t> opening = opening_of(section, openings);
+    if (opening) {
+      Voxels& voxels = of_openings[*opening];
+      voxels.area_mm2 += section.area_mm2();
+      voxels.face_mm2 = section.face_mm2;
+      if (section.centres_mm.size() >= kFaces) ++voxels.sections;
+    } else if (section.centres_mm.size() >= kFaces) {
+      doubts.push_back(fmt::format("the section of {} voxel faces of label {} at {} is in no opening",
+                                   section.centres_mm.size(), section.label,
+                                   place_text(section.centre_mm())));
+    }
+  }
+  for (std::size_t i = 0; i < openings.size(); ++i)
+    if (of_openings[i].area_mm2 > 0)
+      if (std::string doubt = doubt_of(openings[i], of_openings[i]); !doubt.empty())
+        doubts.push_back(std::move(doubt));
+  return doubts;
+}
+
+}  // namespace lumesh

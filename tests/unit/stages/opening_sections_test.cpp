@@ -1,0 +1,70 @@
+// Openings at the border against the voxels there: what is right is not doubted, what is wrong is told.
+#include "lumesh/stages/opening_sections.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "fixtures/images.hpp"
+#include "lumesh/domain/image_domain.hpp"
+
+namespace lumesh {
+namespace {
+
+/// Two tubes along z through the whole image, one slanted.
+LabelImage two_tubes(double radius, double slant) {
+  return fixtures::voxels_of(fixtures::frame_of({64, 40, 30}), {0, 1}, [=](const Vec3& p) {
+    const auto is_in = [&](const Vec3& start, const Vec3& axis) {
+      const Vec3 off = p - start;
+      return (off - off.dot(axis) * axis).norm() < radius;
+    };
+    return is_in(Vec3(16, 20, 0), Vec3::UnitZ()) || is_in(Vec3(46, 20, 15), Vec3(slant, 0.1, 1).normalized())
+               ? 1
+               : 0;
+  });
+}
+
+TEST(OpeningSections, ThoseOfTubesAreNotDoubted) {
+  for (const double radius : {1.7, 2.3, 3.1, 5.2, 9.0})
+    for (const double slant : {0.0, 0.4}) {
+      const LabelImage image = two_tubes(radius, slant);
+      const std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+      EXPECT_EQ(openings.size(), 4U) << radius;
+      EXPECT_EQ(doubts_about_sections(image, openings), std::vector<std::string>()) << radius << " " << slant;
+    }
+}
+
+TEST(OpeningSections, AreasSectionsAndGapsThatAreWrongAreTold) {
+  const LabelImage image = two_tubes(5.2, 0);
+  std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+  ASSERT_EQ(openings.size(), 4U);
+  openings[1].area_mm2 *= 1.5;
+  std::vector<std::string> doubts = doubts_about_sections(image, openings);
+  ASSERT_EQ(doubts.size(), 1U);
+  EXPECT_NE(doubts[0].find(openings[1].name), std::string::npos) << doubts[0];
+  EXPECT_NE(doubts[0].find("% more than its"), std::string::npos) << doubts[0];
+  openings.erase(openings.begin() + 1);
+  doubts = doubts_about_sections(image, openings);
+  ASSERT_EQ(doubts.size(), 1U);
+  EXPECT_NE(doubts[0].find("is in no opening"), std::string::npos) << doubts[0];
+}
+
+TEST(OpeningSections, AnOpeningThatJoinsTwoIsTold) {
+  const LabelImage image = two_tubes(5.2, 0);
+  std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+  std::erase_if(openings, [](const Opening& o) { return o.normal.z() < 0; });
+  ASSERT_EQ(openings.size(), 2U);
+  OpeningSquares all = *openings[0].squares;
+  all.first_mm -= 60 * (all.u + all.v);
+  all.columns = all.rows = static_cast<int>(180 / all.step_mm);
+  all.is_inside.assign(static_cast<std::size_t>(all.columns) * static_cast<std::size_t>(all.rows), 1);
+  openings[0].squares = std::make_shared<const OpeningSquares>(all);
+  openings.resize(1);
+  bool is_told = false;
+  for (const std::string& doubt : doubts_about_sections(image, openings))
+    is_told = is_told || doubt.find("joins 2 sections") != std::string::npos;
+  EXPECT_TRUE(is_told);
+}
+
+}  // namespace
+}  // namespace lumesh
