@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "file_fault.hpp"
+#include "lumesh/core/base64.hpp"
 #include "lumesh/core/memory.hpp"
 #include "vtk_xml_writer.hpp"
 
@@ -19,38 +20,6 @@ namespace lumesh::io {
 namespace {
 
 constexpr std::uint64_t kBestRatio = 1100;  // zlib cannot do better than 1032 : 1
-
-/// Decodes base64; padding may stand in the middle, where two encoded parts meet.
-std::string decode_base64(std::string_view text) {
-  static constexpr auto kValue = [] {
-    std::array<signed char, 256> value{};
-    value.fill(-1);
-    constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (std::size_t i = 0; i < kDigits.size(); ++i)
-      value[static_cast<unsigned char>(kDigits[i])] = static_cast<signed char>(i);
-    return value;
-  }();
-  std::string out;
-  out.reserve(text.size() / 4 * 3);
-  unsigned bits = 0;
-  int held = 0;
-  for (const char c : text) {
-    if (c == '=') {
-      bits = 0;
-      held = 0;
-      continue;
-    }
-    const signed char digit = kValue[static_cast<unsigned char>(c)];
-    if (digit < 0) continue;  // white space
-    bits = bits << 6U | static_cast<unsigned>(digit);
-    held += 6;
-    if (held >= 8) {
-      held -= 8;
-      out.push_back(static_cast<char>(bits >> static_cast<unsigned>(held) & 0xffU));
-    }
-  }
-  return out;
-}
 
 template <class Stored, class Value>
 bool convert_all(const std::vector<unsigned char>& bytes, std::vector<Value>& out) {

@@ -3,12 +3,12 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <memory>
 #include <string>
 
 #include "lumesh/core/assert.hpp"
+#include "lumesh/core/base64.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "mesh_info_json.hpp"
@@ -25,57 +25,35 @@ class Base64Stream {
  public:
   explicit Base64Stream(OutputFile& file) : file_(file) {}
 
-  void write(const unsigned char* data, std::size_t bytes) {
-    while (bytes > 0 && held_ > 0) {
-      group_[held_++] = *data++;
-      --bytes;
-      if (held_ == 3) emit_held();
+  void write(std::string_view bytes) {
+    if (!held_.empty()) {
+      const std::size_t missing = std::min(kGroup - held_.size(), bytes.size());
+      held_ += bytes.substr(0, missing);
+      bytes.remove_prefix(missing);
+      if (held_.size() < kGroup) return;
+      finish();
     }
-    text_.clear();
-    for (; bytes >= 3; bytes -= 3, data += 3) append(data);
-    file_.write(text_);
-    for (; bytes > 0; --bytes) group_[held_++] = *data++;
-    if (held_ == 3) emit_held();
+    const std::size_t whole = bytes.size() / kGroup * kGroup;
+    file_.write(encode_base64(bytes.substr(0, whole)));
+    held_ = bytes.substr(whole);
   }
   void finish() {
-    if (held_ == 0) return;
-    const std::size_t used = held_;
-    std::fill(group_.begin() + static_cast<std::ptrdiff_t>(used), group_.end(),
-              static_cast<unsigned char>(0));
-    text_.clear();
-    append(group_.data());
-    for (std::size_t i = used + 1; i < 4; ++i) text_[i] = '=';
-    file_.write(text_);
-    held_ = 0;
+    file_.write(encode_base64(held_));
+    held_.clear();
   }
 
  private:
-  void emit_held() {
-    text_.clear();
-    append(group_.data());
-    file_.write(text_);
-    held_ = 0;
-  }
-  void append(const unsigned char* three) {
-    static constexpr std::string_view kDigits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const unsigned bits = (unsigned{three[0]} << 16U) | (unsigned{three[1]} << 8U) | three[2];
-    const std::array<char, 4> four = {kDigits[bits >> 18U], kDigits[(bits >> 12U) & 63U],
-                                      kDigits[(bits >> 6U) & 63U], kDigits[bits & 63U]};
-    text_.append(four.data(), four.size());
-  }
-
+  static constexpr std::size_t kGroup = 3;  // Bytes that become letters together.
   OutputFile& file_;
-  std::array<unsigned char, 3> group_ = {};
-  std::size_t held_ = 0;
-  std::string text_;
+  std::string held_;
 };
 
-std::vector<unsigned char> compress_block(const std::vector<std::byte>& raw) {
+std::string compress_block(const std::vector<std::byte>& raw) {
   uLongf bytes = compressBound(static_cast<uLong>(raw.size()));
-  std::vector<unsigned char> packed(bytes);
-  const int code = compress2(packed.data(), &bytes, reinterpret_cast<const Bytef*>(raw.data()),
-                             static_cast<uLong>(raw.size()), kCompressionLevel);
+  std::string packed(bytes, '\0');
+  const int code =
+      compress2(reinterpret_cast<Bytef*>(packed.data()), &bytes, reinterpret_cast<const Bytef*>(raw.data()),
+                static_cast<uLong>(raw.size()), kCompressionLevel);
   LUMESH_ASSERT(code == Z_OK);
   packed.resize(bytes);
   packed.shrink_to_fit();
@@ -133,7 +111,7 @@ void VtkXmlWriter::array(const XmlArray& shape, const Fill& fill) {
   const std::size_t tuple_bytes = xml_type_bytes(shape.type) * shape.components;
   // A multiple of 8 tuples, so that readers may decode blocks one by one into any type.
   const std::size_t block = std::max<std::size_t>(8, kTargetBlockBytes / tuple_bytes / 8 * 8);
-  std::vector<std::vector<unsigned char>> packed((shape.tuples + block - 1) / block);
+  std::vector<std::string> packed((shape.tuples + block - 1) / block);
   parallel::for_each_block(shape.tuples, block, [&](std::size_t b, std::size_t begin, std::size_t end) {
     std::vector<std::byte> raw((end - begin) * tuple_bytes);
     fill(begin, end, raw.data());
@@ -142,12 +120,10 @@ void VtkXmlWriter::array(const XmlArray& shape, const Fill& fill) {
   const std::size_t last = shape.tuples % block * tuple_bytes;
   std::vector<std::uint64_t> header = {packed.size(), packed.empty() ? 0 : block * tuple_bytes, last};
   for (const auto& bytes : packed) header.push_back(bytes.size());
-  Base64Stream header_stream(file_);
-  header_stream.write(reinterpret_cast<const unsigned char*>(header.data()),
-                      header.size() * sizeof(header[0]));
-  header_stream.finish();
+  file_.write(
+      encode_base64({reinterpret_cast<const char*>(header.data()), header.size() * sizeof(header[0])}));
   Base64Stream stream(file_);
-  for (const auto& bytes : packed) stream.write(bytes.data(), bytes.size());
+  for (const auto& bytes : packed) stream.write(bytes);
   stream.finish();
   print("\n</DataArray>\n");
 }

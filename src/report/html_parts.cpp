@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lumesh/core/base64.hpp"
 #include "lumesh/core/version.hpp"
 #include "page_style.hpp"
 
@@ -23,21 +24,6 @@ std::string escaped(std::string_view text) {
       out += "&quot;";
     else
       out.push_back(c);
-  }
-  return out;
-}
-
-std::string base64(std::string_view bytes) {
-  static constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t j = 0; j < 3; ++j)
-      group = group << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0u);
-    for (std::size_t j = 0; j < 4; ++j)
-      out.push_back(i + j <= bytes.size() ? kDigits[group >> (18 - 6 * j) & 63] : '=');
   }
   return out;
 }
@@ -61,7 +47,7 @@ std::string plot_html(const std::string& caption, const std::string& svg) {
 std::string image_tag(const Picture& picture, const std::string& description) {
   return fmt::format("<img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,", picture.width,
                      picture.height, escaped(description)) +
-         base64(encode_png(picture)) + "\">";
+         encode_base64(encode_png(picture)) + "\">";
 }
 
 namespace {

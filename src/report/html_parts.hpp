@@ -12,7 +12,6 @@ namespace lumesh::report {
 
 /// Text with <, >, &, and quotes made harmless.
 [[nodiscard]] std::string escaped(std::string_view text);
-[[nodiscard]] std::string base64(std::string_view bytes);
 
 /// From the first line of the file to the begin of what is to be read; both arguments are plain text.
 [[nodiscard]] std::string page_begin(const std::string& title, const std::string& kind);

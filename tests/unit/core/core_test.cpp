@@ -1,11 +1,15 @@
 // What every module shares: errors, context, memory, typed indices, assertions.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <sstream>
+#include <string_view>
 #include <thread>
 #include <type_traits>
+#include <utility>
 
 #include "lumesh/core/assert.hpp"
+#include "lumesh/core/base64.hpp"
 #include "lumesh/core/context.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
@@ -94,6 +98,28 @@ TEST(Memory, SomeIsAvailableAndLessThanAnyMachineHas) {
   constexpr std::uint64_t kMebibyte = 1ULL << 20;
   EXPECT_GT(available_memory_bytes(), 16 * kMebibyte);
   EXPECT_LT(available_memory_bytes(), kMebibyte * kMebibyte * 1024) << "a pebibyte";
+}
+
+// The vectors of RFC 4648, section 10.
+TEST(Base64, EncodesAndDecodesTheVectorsOfItsStandard) {
+  const std::array<std::pair<std::string_view, std::string_view>, 7> vectors = {{{"", ""},
+                                                                                 {"f", "Zg=="},
+                                                                                 {"fo", "Zm8="},
+                                                                                 {"foo", "Zm9v"},
+                                                                                 {"foob", "Zm9vYg=="},
+                                                                                 {"fooba", "Zm9vYmE="},
+                                                                                 {"foobar", "Zm9vYmFy"}}};
+  for (const auto& [bytes, text] : vectors) {
+    EXPECT_EQ(encode_base64(bytes), text);
+    EXPECT_EQ(decode_base64(text), bytes);
+  }
+  EXPECT_EQ(encode_base64("\xfb\xff\xfe"), "+//+");
+  EXPECT_EQ(decode_base64("+//+"), "\xfb\xff\xfe");
+}
+
+TEST(Base64, DecodesPartsThatMeetAndTextInLines) {
+  EXPECT_EQ(decode_base64("Zg==Zm8="), "ffo");
+  EXPECT_EQ(decode_base64(" Zm\n9v\t"), "foo");
 }
 
 TEST(Id, IsInvalidUntilSetAndCannotBeMixedUp) {
