@@ -12,7 +12,7 @@ build_packages=(
   libinsighttoolkit5-dev             # images: NRRD, GIPL, DICOM
   libcgal-dev libgmp-dev libmpfr-dev # exact predicates
   libeigen3-dev libtbb-dev libfmt-dev nlohmann-json3-dev libpugixml-dev libcli11-dev zlib1g-dev
-  libdeflate-dev libpng-dev libhwloc-dev libhdf5-dev
+  libssl-dev libdeflate-dev libpng-dev libhwloc-dev libhdf5-dev
   libnanoflann-dev libtomlplusplus-dev # nearest neighbours, case files
 )
 # What tests the program and its files: the test framework and the programs that open what lumesh writes.

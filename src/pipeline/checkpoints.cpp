@@ -1,9 +1,10 @@
 #include "checkpoints.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
-#include <bit>
 #include <fstream>
+#include <iterator>
+#include <span>
 
 #include "case_sections.hpp"
 #include "lumesh/core/error.hpp"
@@ -38,32 +39,26 @@ std::string key_line(const std::string& key, const std::filesystem::path& file) 
   return key + " " + file_sha256(file) + " " + file_sha256(notes_of(file)) + "\n";
 }
 
-/// A number for the voxels and their frame, which tells other contents of images of several files: FNV-1a of
-/// each slice, and of those.
+/// A hash of the voxels and their frame, which tells other contents of images of several files: of each
+/// slice, and of those.
 std::string content_of(const LabelImage& image) {
-  const auto mix = [](std::uint64_t hash, std::uint64_t value) { return (hash ^ value) * 0x100000001B3ull; };
-  constexpr std::uint64_t kStart = 0xCBF29CE484222325ull;
   const ImageFrame& frame = image.frame();
   const auto slice = static_cast<std::size_t>(frame.size.x()) * static_cast<std::size_t>(frame.size.y());
-  std::vector<std::uint64_t> of_slices(static_cast<std::size_t>(frame.size.z()), kStart);
-  parallel::for_each_block(image.voxels().size(), slice,
-                           [&](std::size_t k, std::size_t begin, std::size_t end) {
-                             for (std::size_t v = begin; v < end; ++v)
-                               of_slices[k] = mix(of_slices[k], image.voxels()[v]);
-                           });
-  std::uint64_t hash = kStart;
-  for (const std::uint64_t of_slice : of_slices) hash = mix(hash, of_slice);
+  std::vector<std::string> parts(static_cast<std::size_t>(frame.size.z()));
+  parallel::for_each_block(
+      image.voxels().size(), slice, [&](std::size_t k, std::size_t begin, std::size_t end) {
+        const auto bytes = std::as_bytes(std::span(image.voxels()).subspan(begin, end - begin));
+        parts[k] = text_sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+      });
+  std::string crossings;
   for (const FaceCrossing& crossing : image.crossings())
-    hash =
-        mix(mix(mix(hash, crossing.voxel), crossing.axis), std::bit_cast<std::uint32_t>(crossing.fraction));
-  for (const Label label : image.values()) hash = mix(hash, static_cast<std::uint64_t>(label));
-  for (const double x : frame.direction.reshaped()) hash = mix(hash, std::bit_cast<std::uint64_t>(x));
-  for (int axis = 0; axis < 3; ++axis) {
-    hash = mix(hash, static_cast<std::uint64_t>(frame.size[axis]));
-    hash = mix(hash, std::bit_cast<std::uint64_t>(frame.spacing_mm[axis]));
-    hash = mix(hash, std::bit_cast<std::uint64_t>(frame.origin_mm[axis]));
-  }
-  return fmt::format("{:016x}", hash);
+    fmt::format_to(std::back_inserter(crossings), "{} {} {:a}\n", crossing.voxel, crossing.axis,
+                   crossing.fraction);
+  parts.push_back(text_sha256(crossings));
+  parts.push_back(fmt::format("{} {} {:a} {:a} {:a}", fmt::join(image.values(), " "),
+                              fmt::join(frame.size, " "), fmt::join(frame.direction.reshaped(), " "),
+                              fmt::join(frame.spacing_mm, " "), fmt::join(frame.origin_mm, " ")));
+  return text_sha256(fmt::format("{}", fmt::join(parts, " ")));
 }
 
 }  // namespace

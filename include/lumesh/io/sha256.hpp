@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace lumesh {
 
@@ -11,6 +12,6 @@ namespace lumesh {
 [[nodiscard]] std::string file_sha256(const std::filesystem::path& path);
 
 /// Of a text.
-[[nodiscard]] std::string text_sha256(const std::string& text);
+[[nodiscard]] std::string text_sha256(std::string_view text);
 
 }  // namespace lumesh
