@@ -185,9 +185,7 @@ void go_on_beyond(const Cap& cap, const Boundary& boundary, const Grid& grid, st
 void tidy(std::vector<Index3>& voxels, const ImageFrame& frame) {
   std::erase_if(voxels, [&](const Index3& v) { return !frame.contains(v); });
   const auto before = [&](const Index3& a, const Index3& b) { return frame.offset(a) < frame.offset(b); };
-  if (!std::is_sorted(voxels.begin(), voxels.end(), before))
-    parallel::sort(voxels.begin(), voxels.end(), before);
-  voxels.erase(std::unique(voxels.begin(), voxels.end()), voxels.end());
+  if (!std::is_sorted(voxels.begin(), voxels.end(), before)) parallel::sort_unique(voxels, before);
 }
 
 /// Places the wall between voxels by its distance from them. Beyond a cap it goes on as at the cap.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::delaunay {
@@ -127,8 +128,7 @@ struct NearestPoints::Builder {
 
 NearestPoints::NearestPoints(std::span<const Vec3> points, const Box3& region, DistanceRange range)
     : range_(range), points_(points.begin(), points.end()) {
-  std::sort(points_.begin(), points_.end(), precedes);
-  points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
+  sort_unique(points_, precedes);
   Box3 box = bounding_box(points_);
   const Vec3 around = Vec3::Constant(0.1 * box.diagonal().norm() + 1e-3);
   box = Box3(box.min() - around, box.max() + around).merged(region);

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "bad_faces.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -86,8 +87,7 @@ std::vector<VertexId> Refinement::newly_pinched(std::span<const TetId> fresh) {
   for (const TetId t : fresh)
     for (const std::uint32_t v : mesh_.tet(t))
       if (v >= 4) suspects.emplace_back(v);
-  std::sort(suspects.begin(), suspects.end());
-  suspects.erase(std::unique(suspects.begin(), suspects.end()), suspects.end());
+  sort_unique(suspects);
   std::erase_if(*pinched_, [&](VertexId v) {
     return !mesh_.alive(v) || std::binary_search(suspects.begin(), suspects.end(), v);
   });
@@ -139,8 +139,7 @@ std::vector<VertexId> Refinement::crowding(std::span<const VertexId> made,
               if (w >= 4 && gives_way(VertexId(w))) out.emplace_back(w);
         }
       });
-  parallel::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  parallel::sort_unique(found);
   return found;
 }
 
@@ -152,8 +151,7 @@ std::size_t Refinement::clear() {
       vertices_of_bad_faces(mesh_, rules_, spacing_, kLeastAngleDeg, clearings_++ % 2 == 0);
   for (const VertexId v : pinched())
     if (v.value >= 4 && mesh_.dimension(v) == VertexDimension::kSurface) gone.push_back(v);
-  std::sort(gone.begin(), gone.end());
-  gone.erase(std::unique(gone.begin(), gone.end()), gone.end());
+  sort_unique(gone);
   execution_.remove(gone, stamp_);
   has_changed_ |= !gone.empty();
   return gone.size();

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -161,8 +162,7 @@ class Mending {
     const auto comes_before = [&](VertexId a, VertexId b) {
       return precedes(mesh_.point(a), mesh_.point(b));
     };
-    std::sort(changed_.begin(), changed_.end(), comes_before);
-    changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+    sort_unique(changed_, comes_before);
     return std::exchange(changed_, {});
   }
 

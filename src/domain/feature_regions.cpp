@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh::surfaces {
@@ -154,8 +155,7 @@ void RegionBorders::find_corners(const ClosedSurface& surface, const FeatureRegi
       meeting.push_back({surface.triangles[t][(s + 1) % 3], mine});
     }
   }
-  std::sort(meeting.begin(), meeting.end());
-  meeting.erase(std::unique(meeting.begin(), meeting.end()), meeting.end());
+  sort_unique(meeting);
   for (std::size_t begin = 0, end = 0; begin < meeting.size(); begin = end) {
     while (end < meeting.size() && meeting[end][0] == meeting[begin][0]) ++end;
     if (end - begin < 3) continue;

@@ -1,8 +1,8 @@
 #include "face_data.hpp"
 
-#include <algorithm>
 #include <cmath>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/core/wide.hpp"
 #include "segment_loops.hpp"
 #include "stencil.hpp"
@@ -148,8 +148,7 @@ void DampedFaces::damp(FitState& state) {
     for (int lane = 0; outlier != 0 && lane < kLanes; ++lane)
       if (Band::has(outlier, lane)) add_faces_of(state.band, s * kLanes + lane, damped);
   }
-  std::sort(damped.begin(), damped.end());
-  damped.erase(std::unique(damped.begin(), damped.end()), damped.end());
+  sort_unique(damped);
   for (const int at : damped) {
     Saved saved{at, {}};
     for (std::uint8_t p = 0; p < FaceWeights::kPartCount; ++p) {

@@ -8,6 +8,7 @@
 #include "fit.hpp"
 #include "label_pairs.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/tasks.hpp"
@@ -119,8 +120,7 @@ class LabelFieldBuilder {
               if (bricks.empty() || bricks.back() != b) bricks.push_back(b);
             }
       }
-      std::sort(bricks.begin(), bricks.end());
-      bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+      sort_unique(bricks);
     }
     f_.brick_of_.resize(count);
     for (std::size_t b = 0; b < count; ++b) {

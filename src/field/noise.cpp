@@ -7,6 +7,7 @@
 
 #include "label_pairs.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::field {
@@ -30,17 +31,12 @@ struct Tally {
   std::vector<std::uint32_t> pairs;   // Ascending, each once.
 };
 
-void keep_unique(std::vector<std::uint32_t>& keys) {
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-}
-
 Tally add(Tally all, const Tally& more) {
   all.object += more.object;
   all.alone += more.alone;
   if (all.pairs.size() > kMostPairs) return all;  // They are refused.
   all.pairs.insert(all.pairs.end(), more.pairs.begin(), more.pairs.end());
-  keep_unique(all.pairs);
+  sort_unique(all.pairs);
   return all;
 }
 
@@ -55,10 +51,10 @@ class SliceScan {
     for (std::size_t j = 0; j < size_.y() && unique <= kMostPairs; ++j) {
       for (std::size_t i = 0; i < size_.x(); ++i) look_at_voxel(i, j, k, tally);
       if (tally.pairs.size() < 2 * unique + 4096) continue;
-      keep_unique(tally.pairs);
+      sort_unique(tally.pairs);
       unique = tally.pairs.size();
     }
-    keep_unique(tally.pairs);
+    sort_unique(tally.pairs);
     return tally;
   }
 

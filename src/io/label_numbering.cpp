@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "file_fault.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/image/grey_values.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "raw_image.hpp"
@@ -31,12 +32,6 @@ struct ValueSet {
   bool not_a_number = false;
   bool fractional = false;
 };
-
-template <class Voxel>
-void sort_unique(std::vector<Voxel>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-}
 
 template <class Voxel>
 ValueSet<Voxel> values_of_block(const Voxel* begin, const Voxel* end) {

@@ -12,6 +12,7 @@
 
 #include "face_owners.hpp"
 #include "file_fault.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/mesh/patch_words.hpp"
 #include "mesh_formats.hpp"
 #include "output_folder.hpp"
@@ -80,8 +81,7 @@ FaceFile gather_faces(const MeshView& mesh, const std::vector<FaceOwner>& owners
   std::vector<std::uint32_t> used;
   for (const std::uint32_t t : triangles)
     used.insert(used.end(), owners[t].outward.begin(), owners[t].outward.end());
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
+  sort_unique(used);
   for (const std::uint32_t v : used) {
     file.points.push_back(mesh.points[v]);
     file.node_ids.push_back(static_cast<std::int32_t>(v) + 1);

@@ -4,6 +4,7 @@
 #include <bit>
 #include <utility>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/relaxed.hpp"
 

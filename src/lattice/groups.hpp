@@ -13,13 +13,6 @@
 
 namespace lumesh {
 
-/// Ascending and each once.
-template <class Item>
-void sort_unique(std::vector<Item>& items) {
-  std::sort(items.begin(), items.end());
-  items.erase(std::unique(items.begin(), items.end()), items.end());
-}
-
 /// For each owner the numbers of its items.
 struct Groups {
   struct Range {

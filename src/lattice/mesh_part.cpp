@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <unordered_set>
 
+#include "lumesh/core/sort_unique.hpp"
+
 namespace lumesh {
 
 namespace {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -255,11 +256,10 @@ class MissedTips {
       const Corners3 p = corners(boundary_.triangles[i].vertices);
       return ((p[0] + p[1] + p[2]) / 3 - probe.position_mm).squaredNorm();
     };
-    std::sort(found.begin(), found.end(), [&](std::uint32_t a, std::uint32_t b) {
+    sort_unique(found, [&](std::uint32_t a, std::uint32_t b) {
       const double da = distance2(a), db = distance2(b);
       return da != db ? da < db : a < b;
     });
-    found.erase(std::unique(found.begin(), found.end()), found.end());
     return found;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "surface_stars.hpp"
 

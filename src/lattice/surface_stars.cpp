@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh::layers {
@@ -56,8 +57,7 @@ LayerCoverage coverage_of_patch(const LayerSurface& surface, const Directions& d
   for (double* share : {&c.wanted_mm, &c.achieved_mm, &c.complete, &c.bare}) *share /= c.area_mm2;
   for (double& share : c.limited) share /= c.area_mm2;
   c.layered = 1 - c.bare;
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sort_unique(vertices);
   c.worst = worst_places(surface, columns, std::move(vertices));
   return c;
 }
@@ -67,8 +67,7 @@ LayerCoverage coverage_of_patch(const LayerSurface& surface, const Directions& d
 std::vector<LayerCoverage> coverage_of(const TetMesh& mesh, const LayerSurface& surface,
                                        const Directions& directions, const Columns& columns, int layers) {
   std::vector<std::int32_t> patches = surface.patches;
-  std::sort(patches.begin(), patches.end());
-  patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
+  sort_unique(patches);
   std::vector<LayerCoverage> all;
   for (const std::int32_t patch : patches) {
     all.push_back(coverage_of_patch(surface, directions, columns, patch));

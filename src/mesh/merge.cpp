@@ -28,8 +28,7 @@ PartSurface surface_of(const MergePart& part) {
     surface.labels.push_back(sides.label(side));
     surface.points.insert(surface.points.end(), face.begin(), face.end());
   }
-  parallel::sort(surface.points.begin(), surface.points.end());
-  surface.points.erase(std::unique(surface.points.begin(), surface.points.end()), surface.points.end());
+  parallel::sort_unique(surface.points);
   return surface;
 }
 

@@ -246,8 +246,7 @@ struct TetMesh::Assembly {
     std::transform(open_faces.begin(), open_faces.end(), pairs.begin(), [](const OpenFace& open) {
       return Pair{open.outside, open.inside};
     });
-    parallel::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    parallel::sort_unique(pairs);
     const auto walls =
         std::count_if(pairs.begin(), pairs.end(), [](const Pair& p) { return p[0] == kBackground; });
     mesh.info_.patches.clear();

@@ -4,6 +4,7 @@
 
 #include "face_table.hpp"
 #include "lumesh/core/disjoint_sets.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "validate_impl.hpp"
 
@@ -130,8 +131,7 @@ void count_labels(const TetMesh& mesh, ValidationReport& report) {
   for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
     if (mesh.alive(TetId(t)) && (labels.empty() || labels.back() != mesh.label(TetId(t))))
       labels.push_back(mesh.label(TetId(t)));
-  std::sort(labels.begin(), labels.end());
-  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  sort_unique(labels);
   for (const Label label : labels) report.labels.push_back({.label = label});
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
     const TetId t(i);

@@ -132,8 +132,7 @@ SmoothSurface take_apart(const TetMesh& mesh, double feature_angle_deg) {
   std::vector<std::array<std::uint32_t, 2>> corners;  // Vertex and piece.
   for (std::size_t t = 0; t < piece.size(); ++t)
     for (const std::uint32_t v : faces.triangles[t]) corners.push_back({v, piece[t]});
-  parallel::sort(corners.begin(), corners.end());
-  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  parallel::sort_unique(corners);
   SmoothSurface surface;
   for (const auto& corner : corners) {
     surface.points.push_back(mesh.points()[corner[0]]);

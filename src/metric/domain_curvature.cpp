@@ -37,8 +37,7 @@ std::vector<Place> boundary_places(const TetMesh& mesh, const Domain& domain) {
     if (in == out) continue;
     for (const std::uint32_t v : faces.triangles[f]) places.push_back({v, in, out});
   }
-  parallel::sort(places.begin(), places.end());
-  places.erase(std::unique(places.begin(), places.end()), places.end());
+  parallel::sort_unique(places);
   return places;
 }
 

@@ -97,10 +97,9 @@ std::vector<Vec3> distinct_by_place(std::span<const Vec3> points) {
       throw Error(ErrorKind::kBadInput, fmt::format("point {}, counted from 0, is not finite", i));
   std::vector<Vec3> sorted(points.begin(), points.end());
   for (Vec3& p : sorted) p += Vec3::Zero();  // -0 becomes 0: equal points have the same bits.
-  parallel::sort(sorted.begin(), sorted.end(), [](const Vec3& a, const Vec3& b) {
+  parallel::sort_unique(sorted, [](const Vec3& a, const Vec3& b) {
     return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]);
   });
-  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
   return sorted;
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -20,8 +21,7 @@ class VertexNeighbours {
 
   /// @param edges  Each as from << 32 | to, in any order, any number of times.
   VertexNeighbours(std::size_t vertices, std::vector<std::uint64_t> edges) {
-    parallel::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    parallel::sort_unique(edges);
     starts_.assign(vertices + 1, 0);
     items_.reserve(edges.size());
     for (const std::uint64_t edge : edges) {
@@ -45,8 +45,7 @@ class VertexNeighbours {
       ring.clear();
       for (; reached < found.size(); ++reached)
         for (const std::uint32_t w : of(found[reached])) ring.push_back(w);
-      std::sort(ring.begin(), ring.end());
-      ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+      sort_unique(ring);
       std::vector<std::uint32_t> before(found);
       std::sort(before.begin(), before.end());
       std::set_difference(ring.begin(), ring.end(), before.begin(), before.end(), std::back_inserter(found));

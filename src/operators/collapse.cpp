@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "scratch.hpp"
 #include "surface_rules.hpp"
 
@@ -73,8 +74,7 @@ void edges_of_link(const TetMesh& mesh, VertexId centre, std::span<const TetId> 
       if (contains(ends, far[k]) && contains(ends, far[(k + 1) % 3]))
         edges.push_back(edge_key(far[k], far[(k + 1) % 3]));
   }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  sort_unique(edges);
 }
 
 /// The link condition: nothing joins `from` and `to`, vertex or edge, but what lies around their edge. Else

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lumesh/core/assert.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
@@ -144,8 +145,7 @@ class DrawingApart {
     for (const SelfCrossing& crossing : crossings)
       for (const std::uint32_t face : {crossing.first, crossing.second})
         vertices.insert(vertices.end(), outside_[face].begin(), outside_[face].end());
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sort_unique(vertices);
     return vertices;
   }
 

@@ -128,8 +128,7 @@ parallel::TaskGraph neighbours_of(TetMesh& mesh, const std::vector<std::uint32_t
           }
         }
       });
-  parallel::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  parallel::sort_unique(pairs);
   return graph_of(pairs, buckets);
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -285,8 +286,7 @@ class Settling {
       });
       too_far.insert(too_far.end(), of_faces.begin(), of_faces.end());
       if (too_far.empty()) return;
-      std::sort(too_far.begin(), too_far.end());
-      too_far.erase(std::unique(too_far.begin(), too_far.end()), too_far.end());
+      sort_unique(too_far);
       changed_.assign(points_.size(), 0);
       for (const std::uint32_t v : too_far) {
         ++halvings_[v];

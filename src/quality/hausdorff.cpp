@@ -57,8 +57,7 @@ std::vector<std::array<std::int32_t, 3>> corners_of(std::span<const VoxelFace> f
       corner[v] += (c & 2) ? 1 : -1;
     }
   });
-  parallel::sort(corners.begin(), corners.end());
-  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  parallel::sort_unique(corners);
   return corners;
 }
 

@@ -10,6 +10,7 @@
 #include "extremes.hpp"
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -149,8 +150,7 @@ MetricStatistics measure_edges(const MeshView& mesh, const CornersByVertex& corn
           for (const std::uint32_t corner : corners.of(v))
             for (const std::uint32_t other : mesh.tetrahedra[corner / 4])
               if (other > v) above.push_back(other);
-          std::sort(above.begin(), above.end());
-          above.erase(std::unique(above.begin(), above.end()), above.end());
+          sort_unique(above);
           for (const std::uint32_t w : above) {
             const double length =
                 metric::edge_length(mesh.points[v], mesh.metric[v], mesh.points[w], mesh.metric[w]);

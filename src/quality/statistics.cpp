@@ -6,6 +6,7 @@
 
 #include "cells.hpp"
 #include "extremes.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -168,8 +169,7 @@ double smallest_scaled_jacobian(const MeshView& mesh) {
 std::vector<Label> labels_in_use(const AllCells& cells) {
   auto merge = [](std::vector<Label> all, const std::vector<Label>& more) {
     all.insert(all.end(), more.begin(), more.end());
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
+    sort_unique(all);
     return all;
   };
   return parallel::reduce_blocks(

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cell_faces.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 
@@ -123,8 +124,7 @@ double flatness(const MeshView& mesh, const MeshSurface& surface, std::int32_t p
   for (std::size_t i = 0; i < surface.triangles.size(); ++i)
     if (surface.patches[i] == patch)
       vertices.insert(vertices.end(), surface.triangles[i].begin(), surface.triangles[i].end());
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sort_unique(vertices);
   Vec3 mean = Vec3::Zero();
   for (const std::uint32_t v : vertices) mean += mesh.points[v] / static_cast<double>(vertices.size());
   Mat3 scatter = Mat3::Zero();

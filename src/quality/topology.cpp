@@ -3,6 +3,7 @@
 
 #include "cell_faces.hpp"
 #include "lumesh/core/disjoint_sets.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/quality/surface.hpp"
@@ -117,8 +118,7 @@ class SurfaceWalk {
     std::vector<std::uint32_t> seen;
     for (const std::uint64_t corner : corners)
       seen.push_back(component_[static_cast<std::uint32_t>(corner) / 3]);
-    std::sort(seen.begin(), seen.end());
-    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+    sort_unique(seen);
     for (const std::uint32_t component : seen) ++result_.components[component].euler;
     if (ring_length(static_cast<std::uint32_t>(corners[0])) == corners.size()) return;
     ++result_.non_manifold_vertices;
@@ -272,8 +272,7 @@ std::vector<SolidTopology> analyse_solids(const MeshView& mesh) {
   std::vector<Label> found;
   for (std::size_t i = 0; i < cells.size(); ++i)
     if (found.empty() || found.back() != cells.label(i)) found.push_back(cells.label(i));
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  sort_unique(found);
   std::vector<SolidTopology> labels;
   for (const Label label : found) labels.push_back({label, 0, 0});
   SolidTopology all{kOutside, 0, 0};

@@ -133,8 +133,7 @@ std::vector<VoxelFace> boundary_voxels(std::span<const VoxelFace> faces) {
     const Index3 v = faces[i].voxel();
     centres[i] = {2 * v.x(), 2 * v.y(), 2 * v.z()};
   });
-  parallel::sort(centres.begin(), centres.end());
-  centres.erase(std::unique(centres.begin(), centres.end()), centres.end());
+  parallel::sort_unique(centres);
   std::vector<VoxelFace> points;
   points.reserve(centres.size());
   for (const auto& centre : centres) points.push_back({centre, 3, 0, 0});

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "lumesh/core/disjoint_sets.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/image/simple_point.hpp"
 #include "pieces.hpp"
 #include "rows_of_tetrahedron.hpp"
@@ -311,8 +312,7 @@ class Warping {
         for (const auto& [x, y, z] : kBeside)
           if (const std::uint32_t piece = piece_[grid_.at(p + Index3(x, y, z))]; piece != kNoPiece)
             found.push_back(sets.find(piece));
-      std::sort(found.begin(), found.end());
-      found.erase(std::unique(found.begin(), found.end()), found.end());
+      sort_unique(found);
       for (const std::uint32_t piece : found) sets.merge(found.front(), piece);
       const std::int64_t joined = 1 - static_cast<std::int64_t>(found.size());
       cluster.of_pieces = filled ? joined : -joined;

@@ -74,6 +74,13 @@ void sort(Iterator begin, Iterator end, Less less = {}) {
   tbb::parallel_sort(begin, end, less);
 }
 
+/// As lumesh::sort_unique().
+template <class Items, class... Less>
+void sort_unique(Items& items, const Less&... less) {
+  parallel::sort(items.begin(), items.end(), less...);
+  items.erase(std::unique(items.begin(), items.end()), items.end());
+}
+
 /// Runs both functions, possibly at the same time.
 template <class First, class Second>
 void invoke_both(First&& first, Second&& second) {
