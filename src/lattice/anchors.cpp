@@ -37,25 +37,25 @@ class SparsePoints {
 }  // namespace
 
 std::vector<std::uint32_t> set_anchors(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                       const ImageDomain& domain, const std::vector<Miss>& misses,
+                                       const ImageDomain& domain, const std::vector<Deviation>& deviations,
                                        std::vector<std::optional<Vec3>>& anchors_mm) {
   std::vector<std::uint32_t> changed;
   const double apart_mm = kApartVoxels * domain.voxel_size_mm();
   SparsePoints taken(apart_mm);
-  for (const Miss& miss : misses) {
-    const Vec3& probe = miss.probe.position_mm;
-    const auto& [first, second] = miss.probe.materials;
-    if (!miss.drawable || !taken.add(probe)) continue;
+  for (const Deviation& deviation : deviations) {
+    const Vec3& probe = deviation.probe.position_mm;
+    const auto& [first, second] = deviation.probe.materials;
+    if (!deviation.is_attractable || !taken.add(probe)) continue;
     std::optional<std::uint32_t> best;
-    double least = 0;
-    for (const std::uint32_t v : boundary.triangles[miss.triangle].vertices) {
+    double smallest = 0;
+    for (const std::uint32_t v : boundary.triangles[deviation.triangle].vertices) {
       const MaterialSet& set = boundary.sets[v];
       if (set.size() != 2 || set[0] != first || set[1] != second) continue;
       if (anchors_mm[v] && (*anchors_mm[v] - probe).norm() > apart_mm) continue;  // needed elsewhere
       const double distance = (mesh.positions[v] - probe).norm();
-      if (best && distance >= least) continue;
+      if (best && distance >= smallest) continue;
       best = v;
-      least = distance;
+      smallest = distance;
     }
     if (!best) continue;
     const std::optional<Vec3> place = domain.project(probe, boundary.sets[*best], 2 * domain.voxel_size_mm());

@@ -75,7 +75,7 @@ GreenChildren green_children(const Corners& t, unsigned split_edges) {
   }
   std::size_t apex = 0;
   while (kFaceMasks[apex] != split_edges) ++apex;
-  Corners middle = t;  // corner i of the face gives way to the midpoint of the edge opposite to it
+  Corners middle = t;  // corner i of the face becomes the midpoint of the edge opposite to it
   for (std::size_t corner = 0; corner < 4; ++corner) {
     if (corner == apex) continue;
     Corners child = t;

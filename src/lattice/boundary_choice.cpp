@@ -29,7 +29,7 @@ int size_of(Mask mask) {
          std::popcount(static_cast<std::uint64_t>(mask >> 64));
 }
 
-constexpr int kMendRounds = 16;  // clean images need one or two
+constexpr int kRepairRounds = 16;  // clean images need one or two
 constexpr int kMergeRounds =
     60;  // until then what still is in the way goes to a neighbouring label, later it is dropped
 constexpr int kMaxRounds = 200;  // dropping always ends; the limit is there for safety
@@ -122,12 +122,12 @@ class BoundaryChooser {
 
   BoundaryChoice run() {
     queue_boundary();
-    smooth_out_spikes();
+    relabel_exposed();
     std::vector<std::uint32_t> bad = non_manifold_vertices();
     for (int round = 0; round < kMaxRounds && !bad.empty(); ++round) {
       touched_ = bad;
-      for (const std::uint32_t v : bad) round < kMendRounds ? mend(v, round) : erode(v, round);
-      if (round < kMendRounds) smooth_out_spikes();
+      for (const std::uint32_t v : bad) round < kRepairRounds ? repair(v, round) : erode(v, round);
+      if (round < kRepairRounds) relabel_exposed();
       bad = still_bad();
     }
     result_.non_manifold_vertices = bad.size();
@@ -197,63 +197,64 @@ class BoundaryChooser {
     for (const std::uint32_t t : first) enqueue(t);
   }
 
-  struct Wish {
+  struct Relabelling {
     std::uint32_t tet = 0;
     Material to = 0;
     double depth = 0;  // of its centroid inside its own material, in units of its longest edge
   };
 
-  /// Round by round: of the tetrahedra that want to change, those that come first at all of their vertices
-  /// try.
-  void smooth_out_spikes() {
+  /// Round by round, an independent set of the tetrahedra to be relabelled is tried: those of the highest
+  /// priority at all of their vertices.
+  void relabel_exposed() {
     while (!queue_.empty()) {
       const std::vector<std::uint32_t> now = std::exchange(queue_, {});
-      const auto wishes = parallel::collect<Wish>(
+      const auto relabellings = parallel::collect<Relabelling>(
           now.size(),
           [&](std::size_t i, auto& out) {
             queued_[now[i]] = 0;
-            const Wish wish = wish_of(now[i]);
-            if (wish.to != mesh_.materials[now[i]]) out.push_back(wish);
+            const Relabelling relabelling = relabelling_of(now[i]);
+            if (relabelling.to != mesh_.materials[now[i]]) out.push_back(relabelling);
           },
           256);
       ++round_;
-      fulfil(wishes);
+      relabel_independent(relabellings);
     }
   }
 
-  void fulfil(const std::vector<Wish>& wishes) {
-    const auto for_each_wish = [&](const auto& body) {
+  void relabel_independent(const std::vector<Relabelling>& relabellings) {
+    const auto for_each_relabelling = [&](const auto& body) {
       parallel::for_each_index(
-          wishes.size(), [&](std::size_t i) { body(i, wishes[i]); }, 64);
+          relabellings.size(), [&](std::size_t i) { body(i, relabellings[i]); }, 64);
     };
-    for_each_wish([&](std::size_t, const Wish& w) {
+    for_each_relabelling([&](std::size_t, const Relabelling& w) {
       for (const std::uint32_t v : mesh_.tets[w.tet]) parallel::raise_to(claim_[v], priority(w));
     });
     enum class Outcome : std::uint8_t { kLater, kRefused, kDone };
-    std::vector<Outcome> outcome(wishes.size(), Outcome::kLater);
-    for_each_wish([&](std::size_t i, const Wish& w) {
+    std::vector<Outcome> outcome(relabellings.size(), Outcome::kLater);
+    for_each_relabelling([&](std::size_t i, const Relabelling& w) {
       const Corner4& c = mesh_.tets[w.tet];
       const bool first =
           std::all_of(c.begin(), c.end(), [&](std::uint32_t v) { return claim_[v] == priority(w); });
       // No other that comes first shares a vertex with it, so nobody else looks at its material.
       if (first) outcome[i] = try_change(w.tet, w.to) ? Outcome::kDone : Outcome::kRefused;
     });
-    for (std::size_t i = 0; i < wishes.size(); ++i) {
-      if (outcome[i] == Outcome::kDone) note_change(wishes[i].tet);
-      if (outcome[i] == Outcome::kLater) enqueue(wishes[i].tet);
+    for (std::size_t i = 0; i < relabellings.size(); ++i) {
+      if (outcome[i] == Outcome::kDone) note_change(relabellings[i].tet);
+      if (outcome[i] == Outcome::kLater) enqueue(relabellings[i].tet);
     }
   }
 
   /// The shallowest come first; different for different tetrahedra, and higher in each round than in those
   /// before.
-  [[nodiscard]] std::uint64_t priority(const Wish& wish) const {
-    const double shallow = std::clamp((kDeepest - wish.depth) / 2, 0.0, 0.999);
-    return std::uint64_t{round_} << 44 | static_cast<std::uint64_t>(4096 * shallow) << 32 | wish.tet;
+  [[nodiscard]] std::uint64_t priority(const Relabelling& relabelling) const {
+    const double shallow = std::clamp((kDeepest - relabelling.depth) / 2, 0.0, 0.999);
+    return std::uint64_t{round_} << 44 | static_cast<std::uint64_t>(4096 * shallow) << 32 | relabelling.tet;
   }
 
-  /// A spike wants the material around it: three faces or more, or two towards the outside. A tetrahedron
-  /// with two faces on the boundary would have to open to nearly 180 degrees once the boundary is smooth.
-  [[nodiscard]] Wish wish_of(std::uint32_t t) const {
+  /// An exposed tetrahedron shall take the material around it: that of three faces or more, or of two towards
+  /// the outside. A tetrahedron with two faces on the boundary would have to open to nearly 180 degrees once
+  /// the boundary is smooth.
+  [[nodiscard]] Relabelling relabelling_of(std::uint32_t t) const {
     const Material own = mesh_.materials[t];
     Material other = own;
     int faces = 0;
@@ -269,14 +270,14 @@ class BoundaryChooser {
       }
     }
     const int enough = domain_.is_meshed(own) && !domain_.is_meshed(other) ? 2 : 3;
-    Wish wish{t, own};
-    if (faces < enough || changes_[t] >= kMaxChanges) return wish;
+    Relabelling relabelling{t, own};
+    if (faces < enough || changes_[t] >= kMaxChanges) return relabelling;
     const double longest = mesh_.longest_edge_mm(t);
     const Vec3 centroid = mesh_.centroid(t);
     const FieldSample here = domain_.separation(centroid, own, other);
-    wish.depth = here.value / longest;
-    if (near_boundary(here, centroid, longest, own, other)) wish.to = other;
-    return wish;
+    relabelling.depth = here.value / longest;
+    if (near_boundary(here, centroid, longest, own, other)) relabelling.to = other;
+    return relabelling;
   }
 
   /// Guards thin vessels: only tetrahedra that the boundary passes close by may change sides, and where the
@@ -314,7 +315,7 @@ class BoundaryChooser {
   /// material around, and keeps what leaves the fewest bad vertices. Where nothing helps, later rounds make
   /// any of the changes (a pseudo-random one, the same in every run), which breaks deadlocks between
   /// neighbours.
-  void mend(std::uint32_t vertex, int round) {
+  void repair(std::uint32_t vertex, int round) {
     const Star star(mesh_, vertex);
     if (star.too_large() || manifold_at(vertex)) return;
     const std::vector<Change> options = possible_changes(star);
@@ -337,7 +338,7 @@ class BoundaryChooser {
     apply(star, *best);
   }
 
-  /// Where mending goes in circles, as with labels one tetrahedron thick: takes the offending label away from
+  /// Where repairs go in circles, as with labels one tetrahedron thick: takes the offending label away from
   /// around the vertex, its smaller parts if it is in pieces, all of it if it encloses something.
   void erode(std::uint32_t vertex, int round) {
     const Star star(mesh_, vertex);
@@ -348,7 +349,7 @@ class BoundaryChooser {
       by_size.emplace_back(size_of(star.of_material(m)), m);
       left &= ~star.of_material(m);
     }
-    std::sort(by_size.begin(), by_size.end());  // the smallest gives way
+    std::sort(by_size.begin(), by_size.end());  // the smallest is taken away
     const Material largest = by_size.back().second;
     const bool has_outside = object_part(star) != star.all();
     for (const auto& [count, m] : by_size) {

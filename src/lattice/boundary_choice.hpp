@@ -1,6 +1,6 @@
 #pragma once
 // The choice of the boundary: tetrahedra change their material until every label's boundary is a manifold
-// surface without spikes and pits, so that it can be fitted to the image.
+// surface without exposed single tetrahedra and pits, so that it can be fitted to the image.
 
 #include "work_mesh.hpp"
 
@@ -8,8 +8,8 @@ namespace lumesh {
 
 struct BoundaryChoice {
   std::size_t relabelled = 0;
-  std::size_t non_manifold_vertices =
-      0;  ///< Left over; 0 unless the image is degenerate at the lattice's scale.
+  /// Vertices that are not manifold in the end; 0 unless the image is degenerate at the lattice's scale.
+  std::size_t non_manifold_vertices = 0;
 };
 
 /// Works on mesh.materials alone. A label's boundary is manifold when around every vertex both the label's

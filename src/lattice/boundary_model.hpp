@@ -9,7 +9,7 @@
 
 namespace lumesh {
 
-/// What the fit needs to know of the boundary.
+/// The boundary as the fit sees it.
 struct BoundaryModel {
   std::vector<BoundaryTriangle> triangles;
   std::vector<MaterialSet> sets;  ///< Per vertex: materials that meet there; fewer than two inside.

@@ -32,7 +32,7 @@ class OuterSurroundings {
  private:
   const ImageDomain& domain_;
   std::size_t known_;             // Vertices that the part shared with the whole mesh at first.
-  std::vector<Triangle> around_;  // Of those, by the part's numbers; others follow by place.
+  std::vector<Triangle> around_;  // Triangles; corners by the part's numbers, then those of others_mm_.
   std::vector<Vec3> others_mm_;
 };
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "crossings.hpp"
+#include "defects.hpp"
+#include "exposed_tetrahedra.hpp"
 #include "fitter.hpp"
 #include "offsets.hpp"
-#include "spikes.hpp"
-#include "spots.hpp"
 #include "vertex_blocks.hpp"
 #include "wall.hpp"
 
@@ -14,19 +14,21 @@ namespace lumesh {
 
 namespace {
 
-/// @param misses  Of which the triangles count; the probes' distances are given.
-FitReport report_on(const std::vector<Miss>& misses, const std::vector<double>& distances_mm,
+/// @param deviations    Those of outlier triangles count.
+/// @param distances_mm  Distances of the deviating probes from the surface.
+FitReport report_on(const std::vector<Deviation>& deviations, const std::vector<double>& distances_mm,
                     double voxel_mm) {
-  constexpr double kFar = 1.25;  // voxels; more than what spots are mended to, so that few meshes are blamed
+  constexpr double kFar =
+      1.25;  // voxels; more than what defects are repaired to, so that few meshes are blamed
   FitReport report;
   const auto add = [&](double off_mm) {
     if (off_mm <= kFar * voxel_mm) return;
-    ++report.missed_points;
-    report.furthest_miss_mm = std::max(report.furthest_miss_mm, off_mm);
+    ++report.deviating_points;
+    report.furthest_deviation_mm = std::max(report.furthest_deviation_mm, off_mm);
   };
   for (const double distance_mm : distances_mm) add(distance_mm);
-  for (const Miss& miss : misses) {
-    if (miss.stray) add(miss.off_mm);
+  for (const Deviation& deviation : deviations) {
+    if (deviation.is_outlier) add(deviation.off_mm);
   }
   return report;
 }
@@ -54,14 +56,14 @@ void level_openings(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& s
 
 FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
                         const ImageDomain& domain, const FitOptions& options) {
-  constexpr double kGood = 0.3;       // angle quality of 30 degrees nearly
-  constexpr double kTipVoxels = 1.1;  // what is further from the surface is drawn to
+  constexpr double kGood = 0.3;              // angle quality of 30 degrees nearly
+  constexpr double kProtrusionVoxels = 1.1;  // probes further from the surface attract it
   const FitSetting setting{image, domain, {options.min_dihedral_deg, options.max_dihedral_deg}};
   VertexTargets targets;
   std::vector<Vec3> lattice_mm = mesh.positions;
   VertexBlocks blocks = make_vertex_blocks(mesh, vertices_near_boundary(mesh, boundary));
   Fitter(mesh, boundary, targets, setting, blocks).approach(4);
-  const std::vector<std::uint32_t> kept = peel_spikes(mesh, boundary, domain);
+  const std::vector<std::uint32_t> kept = remove_exposed(mesh, boundary, domain);
   keep_vertices(blocks, kept);
   for (std::size_t v = 0; v < kept.size(); ++v) lattice_mm[v] = lattice_mm[kept[v]];
   lattice_mm.resize(kept.size());
@@ -70,8 +72,9 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   targets = {};
   Fitter fitter(mesh, boundary, targets, setting, blocks);
   fitter.approach(1);
-  MissFinder finder(domain, options.probes);
-  fitter.draw_to_tips(finder.find_missed_probes(mesh, boundary, kTipVoxels * domain.voxel_size_mm()), 3);
+  DeviationFinder finder(domain, options.probes);
+  fitter.attract_to_protrusions(
+      finder.find_probe_deviations(mesh, boundary, kProtrusionVoxels * domain.voxel_size_mm()), 3);
   targets.offset_mm = fitter.averaged(sag_offsets_mm(mesh, boundary, domain));
   fitter.fit(2);
   fitter.fit_and_improve(4, kGood);
@@ -82,12 +85,13 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   fitter.squeeze_within_cuts();
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
-  const std::vector<Miss> missed = mend_spots(whole, setting, finder, options.probes.size());
-  const std::vector<Vec3> mended_mm = mesh.positions;
+  const std::vector<Deviation> deviations = repair_defects(whole, setting, finder, options.probes.size());
+  const std::vector<Vec3> repaired_mm = mesh.positions;
   settle_wall(mesh, boundary, domain, setting.limits);
-  undo_crossings(mesh, boundary, domain, mended_mm, setting.limits);
+  undo_crossings(mesh, boundary, domain, repaired_mm, setting.limits);
   level_openings(mesh, boundary, setting);
-  FitReport report = report_on(missed, finder.missed_distances_mm(mesh, boundary), domain.voxel_size_mm());
+  FitReport report =
+      report_on(deviations, finder.deviating_probe_distances_mm(mesh, boundary), domain.voxel_size_mm());
   add_beyond_cuts(mesh, boundary, domain, report);
   return report;
 }

@@ -125,8 +125,8 @@ void Fitter::squeeze_within_cuts() {
     const Vec3 before = mesh_.positions[v];
     if (within_cuts(domain_, boundary_.sets[v], before) == before) continue;
     if (!tree) tree.emplace(mesh_, boundary_);
-    for (const Vec3& wish : wishes_around(v)) {
-      const Vec3 place = within_cuts(domain_, boundary_.sets[v], wish);
+    for (const Vec3& candidate : candidates_around(v)) {
+      const Vec3 place = within_cuts(domain_, boundary_.sets[v], candidate);
       if (!put_if_valid(v, place)) continue;
       const double way_mm = (place - before).norm();
       if (!crosses_at(mesh_, boundary_, domain_, *tree, std::max(moved_mm, way_mm), surface_.triangles(v))) {
@@ -249,31 +249,31 @@ std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v) const {
 
 /// Where a vertex may be tried: on its way to the middle of the vertices around, then all around these
 /// places.
-std::vector<Vec3> Fitter::wishes_around(std::uint32_t v) const {
+std::vector<Vec3> Fitter::candidates_around(std::uint32_t v) const {
   const Vec3 own = mesh_.positions[v], way = mean_of_star(v) - own;
-  std::vector<Vec3> wishes;
-  for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) wishes.emplace_back(own + part * way);
+  std::vector<Vec3> candidates;
+  for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) candidates.emplace_back(own + part * way);
   const double edge = (own - mesh_.positions[other_corner(v)]).norm();
   for (const double part : {0.0, 0.5, 1.0})
     for (const double reach : {0.15, 0.3, 0.6})
       for (int n = 0; n < 27; ++n) {
         const Index3 direction(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
         if (n != 13)
-          wishes.emplace_back(own + part * way + reach * edge * direction.cast<double>().normalized());
+          candidates.emplace_back(own + part * way + reach * edge * direction.cast<double>().normalized());
       }
-  return wishes;
+  return candidates;
 }
 
-void Fitter::draw_to_tips(const std::vector<Miss>& missed, int sweeps) {
-  wake_anchored(missed);
+void Fitter::attract_to_protrusions(const std::vector<Deviation>& deviations, int sweeps) {
+  wake_anchored(deviations);
   const VertexBlocks near = two_rings_awake();
   for (int s = 0; s < sweeps; ++s) sweep(near, [&](std::uint32_t v) { fit_vertex(v, floor_); });
 }
 
-void Fitter::draw_to(const std::vector<Miss>& missed, int sweeps, double good_enough) {
-  wake_anchored(missed);
-  for (const Miss& miss : missed) {
-    for (const std::uint32_t v : boundary_.triangles[miss.triangle].vertices) wake_star(v);
+void Fitter::attract_to(const std::vector<Deviation>& deviations, int sweeps, double good_enough) {
+  wake_anchored(deviations);
+  for (const Deviation& deviation : deviations) {
+    for (const std::uint32_t v : boundary_.triangles[deviation.triangle].vertices) wake_star(v);
   }
   improve(two_rings_awake(), sweeps, good_enough);
 }
@@ -320,10 +320,10 @@ void Fitter::wake_star(std::uint32_t v) {
   }
 }
 
-/// Sends vertices to misses; only what is around these waits then.
-void Fitter::wake_anchored(const std::vector<Miss>& missed) {
+/// Sends vertices to deviating probes; only the stars around these vertices wait then.
+void Fitter::wake_anchored(const std::vector<Deviation>& deviations) {
   std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
-  for (const std::uint32_t v : set_anchors(mesh_, boundary_, domain_, missed, targets_.anchors_mm))
+  for (const std::uint32_t v : set_anchors(mesh_, boundary_, domain_, deviations, targets_.anchors_mm))
     wake_star(v);
 }
 
@@ -400,16 +400,16 @@ double Fitter::facing(std::uint32_t v, const Vec3& x) const {
   const Vec3 towards_first = domain_.separation(x, set[0], set[1]).gradient;
   const double slope = towards_first.norm();
   if (!(slope > 0.1)) return 1;
-  double least = 1;
+  double smallest = 1;
   for (const std::uint32_t i : surface_.triangles(v)) {
     const BoundaryTriangle& t = boundary_.triangles[i];
     const std::size_t at = t.vertices[0] == v ? 0 : (t.vertices[1] == v ? 1 : 2);
     const Vec3 n =
         (mesh_.positions[t.vertices[(at + 1) % 3]] - x).cross(mesh_.positions[t.vertices[(at + 2) % 3]] - x);
     const double outwards = (t.inside == set[0] ? -1 : 1) * n.dot(towards_first);
-    least = std::min(least, outwards / (n.norm() * slope));
+    smallest = std::min(smallest, outwards / (n.norm() * slope));
   }
-  return least;
+  return smallest;
 }
 
 /// Where several materials were to meet but do not, as at a vessel that ends just before a cut plane: the
@@ -480,8 +480,8 @@ void Fitter::fit_if_away(std::uint32_t v) {
   if (constrained(v) && distance_to_target(v) > kThere * domain_.voxel_size_mm()) fit_vertex(v, floor_);
 }
 
-/// Looks for a better place by compass search, on the boundary if the vertex is bound to it. Vertices at
-/// tips stay there.
+/// Looks for a better place by compass search, on the boundary if the vertex is bound to it. Anchored
+/// vertices stay.
 void Fitter::improve_vertex(std::uint32_t v, double good_enough) {
   if (targets_.anchors_mm[v]) return;
   const Vec3 x = mesh_.positions[v];
@@ -489,18 +489,18 @@ void Fitter::improve_vertex(std::uint32_t v, double good_enough) {
   const Score now = score(v, star, x, -2);
   double best_total = now.total();
   if (best_total >= good_enough) return;
-  const double least_angles = std::min(floor_, now.angles);
+  const double min_angles = std::min(floor_, now.angles);
   Vec3 best = x;
   const bool bound = constrained(v);
-  const auto consider = [&](const Vec3& wish) {
-    Vec3 y = wish;
+  const auto consider = [&](const Vec3& candidate) {
+    Vec3 y = candidate;
     if (bound) {
-      const std::optional<Vec3> p = on_boundary(v, wish);
+      const std::optional<Vec3> p = on_boundary(v, candidate);
       if (!p) return false;
       y = *p;
     }
-    const Score then = score(v, star, y, std::max(best_total, least_angles));
-    if (then.angles < least_angles || then.total() <= best_total) return false;
+    const Score then = score(v, star, y, std::max(best_total, min_angles));
+    if (then.angles < min_angles || then.total() <= best_total) return false;
     best_total = then.total();
     best = y;
     return true;

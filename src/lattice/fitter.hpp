@@ -4,23 +4,23 @@
 #include <optional>
 #include <vector>
 
-#include "misses.hpp"
+#include "deviations.hpp"
 #include "star_quality.hpp"
 #include "surface_stars.hpp"
 #include "vertex_blocks.hpp"
 
 namespace lumesh {
 
-/// What a fit follows; all of it must stay.
+/// Input of a fit; all of it must outlive the fit.
 struct FitSetting {
   const LabelImage& image;
   const ImageDomain& domain;
   AngleLimits limits;
 };
 
-/// Where vertices shall be, other than on the nearest boundary.
+/// Places of vertices other than on the nearest boundary.
 struct VertexTargets {
-  std::vector<double> offset_mm;                ///< How far beside the boundary.
+  std::vector<double> offset_mm;                ///< Distance from the boundary.
   std::vector<std::optional<Vec3>> anchors_mm;  ///< Places that the surface passes by, anchors.hpp.
 
   void resize(std::size_t vertices) {
@@ -30,7 +30,7 @@ struct VertexTargets {
 };
 
 /// Moves the vertices of some blocks; others stay. Tetrahedra keep a positive volume and, once they have
-/// them, dihedral angles within the limits. Same bits for every thread count.
+/// them, dihedral angles within the limits. Bitwise identical for every thread count.
 class Fitter {
  public:
   /// All that is given must stay, and the mesh's and boundary's topology the same.
@@ -50,21 +50,21 @@ class Fitter {
                   double good_enough);
 
   /// Brings vertices that an angle's limit has held back beyond cut planes onto these, wherever tetrahedra
-  /// stay positively oriented; then betters what is around them as fit_and_improve() does.
+  /// stay positively oriented; then improves their stars as fit_and_improve() does.
   void bring_within_cuts(int rounds, int sweeps, double good_enough);
 
-  /// Brings what still is beyond onto cut planes somewhere around,
-  /// where that keeps tetrahedra positively oriented and the surface from crossing itself.
+  /// Brings vertices that are still beyond cut planes onto these somewhere around, where that keeps
+  /// tetrahedra positively oriented and the surface from crossing itself.
   void squeeze_within_cuts();
 
   /// Brings vertices of openings that an angle's limit has kept short of their cut plane into it, at the
   /// places nearest to their curves that the limits allow, where the surface does not come to cross itself.
   void level_openings();
 
-  /// Draws the surface to misses; only what is around these moves.
-  void draw_to_tips(const std::vector<Miss>& missed, int sweeps);
-  /// The same more thoroughly, with what is near moving along.
-  void draw_to(const std::vector<Miss>& missed, int sweeps, double good_enough);
+  /// Attracts the surface to deviating probes; only vertices around these move.
+  void attract_to_protrusions(const std::vector<Deviation>& deviations, int sweeps);
+  /// As attract_to_protrusions(), more thoroughly: vertices near by move along.
+  void attract_to(const std::vector<Deviation>& deviations, int sweeps, double good_enough);
 
   /// Each boundary vertex's value averaged with its neighbours' of the same boundary: what single triangles
   /// in an odd position say counts less.
@@ -86,12 +86,12 @@ class Fitter {
   void improve(const VertexBlocks& blocks, int sweeps, double good_enough);
   void try_all_again();
   void wake_star(std::uint32_t v);
-  void wake_anchored(const std::vector<Miss>& missed);
+  void wake_anchored(const std::vector<Deviation>& deviations);
   [[nodiscard]] VertexBlocks two_rings_awake();
 
   [[nodiscard]] bool constrained(std::uint32_t v) const { return boundary_.sets[v].size() >= 2; }
   [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const;
-  [[nodiscard]] std::vector<Vec3> wishes_around(std::uint32_t v) const;
+  [[nodiscard]] std::vector<Vec3> candidates_around(std::uint32_t v) const;
   [[nodiscard]] Vec3 mean_of_surface(std::uint32_t v) const;
   [[nodiscard]] std::uint32_t other_corner(std::uint32_t v) const;
   [[nodiscard]] std::optional<Vec3> on_boundary(std::uint32_t v, const Vec3& near) const;

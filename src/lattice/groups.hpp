@@ -18,7 +18,7 @@ struct Groups {
   struct Range {
     std::uint32_t begin = 0, end = 0;
   };
-  std::vector<Range> ranges;  ///< Of each owner in `items`.
+  std::vector<Range> ranges;  ///< Range of each owner in `items`.
   UninitialisedVector<std::uint32_t> items;
   [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t owner) const {
     const auto [begin, end] = ranges[owner];

@@ -9,8 +9,8 @@ namespace lumesh {
 /// Turns cubes of the lattice into hexahedra wherever a vertex inside one label still has the regular star of
 /// 24 tetrahedra: the vertex goes, its eight nearest neighbours become the corners. Across each of the six
 /// squares the four tetrahedra become one pyramid, or nothing if a hexahedron lies on the other side too. The
-/// lattice consists of two interleaved grids; in each connected regular region the grid whose vertices make
-/// more hexahedra gives way. Space that was filled stays filled, the mesh stays conforming, boundary
+/// lattice consists of two interleaved grids; in each connected regular region the vertices of the grid that
+/// makes more hexahedra go. Space that was filled stays filled, the mesh stays conforming, boundary
 /// triangles stay.
 ///
 /// @param mesh  Tetrahedra of a lattice, positively oriented; changed in place.

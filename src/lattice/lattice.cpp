@@ -123,11 +123,11 @@ void note_shortcomings(const LatticeOptions& options, LatticeReport& report) {
     report.notes.push_back(
         "a label's boundary is not a manifold at " + std::to_string(report.non_manifold_vertices) +
         (report.non_manifold_vertices == 1 ? " vertex" : " vertices") + "; try another `edge_length`");
-  if (report.missed_points > 0)
-    report.notes.push_back("the surface and the image's boundary are up to " +
-                           decimals(report.furthest_miss_mm, 2) + " mm apart (" +
-                           std::to_string(report.missed_points) + " points are off by more than 1.25 voxels" +
-                           "); a smaller `edge_length` or higher `fidelity` helps");
+  if (report.deviating_points > 0)
+    report.notes.push_back(
+        "the surface and the image's boundary are up to " + decimals(report.furthest_deviation_mm, 2) +
+        " mm apart (" + std::to_string(report.deviating_points) + " points are off by more than 1.25 voxels" +
+        "); a smaller `edge_length` or higher `fidelity` helps");
 }
 
 /// Labels that are too thin for the lattice fill another volume than their voxels.
@@ -166,8 +166,8 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
                                context.phase("probes", [&] { return boundary_probes(image, domain); })};
   const FitReport fit = context.phase(
       "fit", [&] { return fit_to_domain(built.mesh, built.boundary, image, domain, fit_options); });
-  result.report.missed_points = fit.missed_points;
-  result.report.furthest_miss_mm = fit.furthest_miss_mm;
+  result.report.deviating_points = fit.deviating_points;
+  result.report.furthest_deviation_mm = fit.furthest_deviation_mm;
   if (fit.vertices_beyond > 0)
     result.report.notes.push_back(
         std::to_string(fit.vertices_beyond) + (fit.vertices_beyond == 1 ? " vertex lies" : " vertices lie") +

@@ -12,7 +12,7 @@ struct MeshPart {
   WorkMesh mesh;  ///< Without neighbours.
   BoundaryModel boundary;
   VertexTargets targets;
-  std::vector<Vec3> lattice_mm;     ///< Where the first vertices were in the lattice.
+  std::vector<Vec3> lattice_mm;     ///< Places of the first vertices in the lattice.
   std::vector<std::uint8_t> fixed;  ///< Flag per vertex: tetrahedra outside the part share it.
   /// The numbers in the whole mesh; those of the part begin with these, in the same order.
   std::vector<std::uint32_t> vertices, tets, triangles;
@@ -26,13 +26,13 @@ struct WholeMesh {
   WorkMesh& mesh;
   BoundaryModel& boundary;
   VertexTargets& targets;
-  std::vector<Vec3> lattice_mm;               ///< Where vertices were before the fit.
-  std::vector<std::uint32_t> gone;            ///< Tetrahedra that are no more, but keep their number.
-  std::vector<std::uint32_t> gone_triangles;  ///< The same of the boundary.
+  std::vector<Vec3> lattice_mm;               ///< Places of the vertices before the fit.
+  std::vector<std::uint32_t> gone;            ///< Removed tetrahedra, which keep their number.
+  std::vector<std::uint32_t> gone_triangles;  ///< Removed boundary triangles, which keep theirs.
 };
 
-/// The tetrahedra at the vertices within a radius, as far as these hang together with a boundary there, and
-/// the boundary triangles with such a vertex.
+/// The tetrahedra at the vertices within a radius that are connected to a boundary there, and the boundary
+/// triangles with such a vertex.
 /// @param tree  Has the triangles with a vertex within the radius.
 [[nodiscard]] MeshPart cut_out(const WholeMesh& whole, const SurfaceTree& tree, const Vec3& centre_mm,
                                double radius_mm);

@@ -19,8 +19,8 @@ namespace lumesh {
 /// Even shifts of the boundaries between two materials, the lower first, towards the second, in mm.
 using Shifts = std::map<std::pair<Material, Material>, double>;
 
-/// By which the triangles would lie as much on one side of the domain's boundary as on the other, so that
-/// labels have the volume that it encloses.
+/// Shifts by which the triangles would lie as much on one side of the domain's boundary as on the other, so
+/// that labels have the volume that this boundary encloses.
 [[nodiscard]] Shifts mean_sags_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
                                   const ImageDomain& domain);
 

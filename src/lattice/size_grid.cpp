@@ -16,7 +16,7 @@ namespace lumesh {
 
 namespace {
 
-constexpr int kRidgeCount = 11;  // of the 27 voxels around; fewer on edges, at tips and in clefts
+constexpr int kRidgeCount = 11;  // of the 27 voxels around; fewer on edges, at ends and in clefts
 constexpr double kEdgesAround = 8;
 
 /// Edge of which so many go around an ellipse with these widths.
@@ -36,9 +36,9 @@ SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const Lat
     : image_(image),
       domain_(domain),
       coarsest_mm_(coarsest_mm),
-      least_level_(options.coarsening),
-      most_level_(options.coarsening + options.max_refinement),
-      cap_(most_level_),
+      min_level_(options.coarsening),
+      max_level_(options.coarsening + options.max_refinement),
+      cap_(max_level_),
       cells_((image.frame().size + Index3::Constant(kCell - 1)) / kCell) {
   for (const Label label : image.values()) {
     const auto own = options.label_fidelity.find(label);
@@ -79,10 +79,10 @@ double SizeGrid::predict(int cap, double object_mm3) const {
   return per_mm3 * (object_mm3 + 0.75 * cell_mm3 * sum);
 }
 
-void SizeGrid::keep_within(std::size_t most_tetrahedra, std::size_t object_voxels) {
+void SizeGrid::keep_within(std::size_t max_tetrahedra, std::size_t object_voxels) {
   const double object_mm3 = static_cast<double>(object_voxels) * image_.frame().voxel_volume_mm3();
   predicted_ = predict(cap_, object_mm3);
-  while (predicted_ > static_cast<double>(most_tetrahedra) && cap_ > least_level_)
+  while (predicted_ > static_cast<double>(max_tetrahedra) && cap_ > min_level_)
     predicted_ = predict(--cap_, object_mm3);
   constexpr double kBytesEach =
       900;  // measured: lattice, numbering and fit together, per tetrahedron of the mesh
@@ -126,7 +126,7 @@ int SizeGrid::voxel_level(const Index3& voxel) const {
   }
   if (!boundary) return -1;
   const double factor = thickness_factor_[own];
-  const double widest_mm = coarsest_mm_ / std::exp2(least_level_);
+  const double widest_mm = coarsest_mm_ / std::exp2(min_level_);
   const double chord_limit_mm = std::max(1.01 * widest_mm / factor, width_for_edge(widest_mm));
   const std::optional<Vec3> inwards = inwards_at(voxel, own);
   const double chord =
@@ -134,9 +134,9 @@ int SizeGrid::voxel_level(const Index3& voxel) const {
   double allowed_mm = factor * chord;
   if (own != 0 && inwards && chord < chord_limit_mm)
     allowed_mm = std::min(allowed_mm, edge_around_section_mm(voxel, *inwards, chord, own, chord_limit_mm));
-  int level = least_level_;
-  while (level < most_level_ && coarsest_mm_ / std::exp2(level) > allowed_mm) ++level;
-  if (level == least_level_ && level < most_level_ && same_label_count(image_, voxel) <= kRidgeCount) ++level;
+  int level = min_level_;
+  while (level < max_level_ && coarsest_mm_ / std::exp2(level) > allowed_mm) ++level;
+  if (level == min_level_ && level < max_level_ && same_label_count(image_, voxel) <= kRidgeCount) ++level;
   return level;
 }
 

@@ -10,7 +10,7 @@
 
 namespace lumesh {
 
-/// Least refinement level wanted near each boundary, on a grid of 2^3 voxels. The thickness of a label at a
+/// Lowest refinement level wanted near each boundary, on a grid of 2^3 voxels. The thickness of a label at a
 /// boundary voxel is the chord through the label along the field's normal; the background's counts
 /// as well, so that two vessels side by side are kept apart.
 class SizeGrid {
@@ -23,7 +23,7 @@ class SizeGrid {
   /// Tetrahedra the object will get, roughly (within a factor of two).
   [[nodiscard]] double predicted_tetrahedra() const { return predicted_; }
   /// Levels given up to stay within LatticeOptions::max_tetrahedra.
-  [[nodiscard]] int levels_given_up() const { return most_level_ - cap_; }
+  [[nodiscard]] int levels_given_up() const { return max_level_ - cap_; }
 
   /// Largest level wanted by a boundary within `radius_mm` of the point; -1 where there is no boundary.
   [[nodiscard]] int level_wanted(const Vec3& point_mm, double radius_mm) const;
@@ -61,14 +61,14 @@ class SizeGrid {
   [[nodiscard]] double shortest_run_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const;
   /// Notes what a voxel at a boundary wants. Cells never reach across bricks.
   void note_voxel(const Index3& voxel);
-  void keep_within(std::size_t most_tetrahedra, std::size_t object_voxels);
+  void keep_within(std::size_t max_tetrahedra, std::size_t object_voxels);
   [[nodiscard]] double predict(int cap, double object_mm3) const;
 
   const LabelImage& image_;
   const ImageDomain& domain_;
   double coarsest_mm_;
-  int least_level_;
-  int most_level_;
+  int min_level_;
+  int max_level_;
   int cap_;
   double predicted_ = 0;
   std::vector<std::uint8_t> firm_;        // per label: kFirm or 0

@@ -1,5 +1,5 @@
 #pragma once
-// Where lattice edges were split, so that only leaves near by must be looked at again.
+// Marks where lattice edges were split, so that only leaves near by must be looked at again.
 
 #include <algorithm>
 #include <cstdint>
@@ -19,9 +19,9 @@ namespace lumesh {
 class SplitMarks {
  public:
   explicit SplitMarks(const LatticeFrame& frame) : frame_(frame) {
-    constexpr std::size_t kMostCubes = std::size_t{1} << 23;
+    constexpr std::size_t kMaxCubes = std::size_t{1} << 23;
     while (static_cast<int>(grids_.size()) < frame.levels &&
-           (grids_.empty() || 8 * grids_.back().marks.size() <= kMostCubes))
+           (grids_.empty() || 8 * grids_.back().marks.size() <= kMaxCubes))
       grids_.push_back(Grid(frame.cells * (1 << grids_.size())));
   }
 
@@ -41,7 +41,7 @@ class SplitMarks {
   }
 
   /// An edge of a leaf was split; it concerns leaves of the same level and of coarser ones.
-  /// @param middle  Of the leaf or of the edge.
+  /// @param middle  Midpoint of the leaf or of the edge.
   void note(bcc::Key middle, int level) { noted_.push_back({middle, level}); }
 
   /// Replaces the marks by those of the edges noted since the last time.

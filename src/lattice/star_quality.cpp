@@ -97,8 +97,8 @@ StarQuality::StarQuality(const WorkMesh& mesh, std::uint32_t vertex) {
 }
 
 double StarQuality::worst(const Vec3& x, double enough) {
-  const double most = signed_square(1 - enough / 4);
-  const double least = signed_square(enough - 1);
+  const double max_cosine = signed_square(1 - enough / 4);
+  const double min_cosine = signed_square(enough - 1);
   double largest = -1;
   double smallest = 1;
   Extremes extremes;
@@ -114,7 +114,7 @@ double StarQuality::worst(const Vec3& x, double enough) {
       std::swap(order_[g], order_[0]);
       return kInverted;
     }
-    if (largest > most || smallest < least) {
+    if (largest > max_cosine || smallest < min_cosine) {
       std::swap(order_[g], order_[0]);
       break;
     }

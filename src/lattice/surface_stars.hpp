@@ -1,5 +1,5 @@
 #pragma once
-// Which boundary vertices and triangles surround each boundary vertex.
+// Boundary vertices and triangles around each boundary vertex.
 
 #include <span>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Which vertices move at the same time.
+// Blocks of vertices that move at the same time.
 
 #include <array>
 #include <vector>
@@ -28,7 +28,7 @@ struct VertexBlocks {
 [[nodiscard]] VertexBlocks make_vertex_blocks(const WorkMesh& mesh,
                                               const std::vector<std::uint32_t>& vertices);
 
-/// Those that `chosen` accepts.
+/// The blocks' vertices that `chosen` accepts.
 template <class Chosen>
 [[nodiscard]] VertexBlocks pick_vertices(const VertexBlocks& blocks, const Chosen& chosen) {
   VertexBlocks picked;

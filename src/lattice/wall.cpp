@@ -38,7 +38,7 @@ NumberedBoundaries numbered(const BoundaryModel& boundary) {
 void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
                  const AngleLimits& limits) {
   const NumberedBoundaries boundaries = numbered(boundary);
-  const double most_mm = 0.25 * domain.voxel_size_mm();
+  const double max_mm = 0.25 * domain.voxel_size_mm();
   Shifts shifts;
   const operators::PlaceOnPatch place = [&](PatchId patch, const Vec3& near) -> std::optional<SurfacePoint> {
     const auto& [inside, outside] = boundaries.sides[patch.value];
@@ -47,7 +47,7 @@ void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomai
     if (!found) return std::nullopt;
     const auto shift = shifts.find(std::minmax(inside, outside));
     if (shift != shifts.end()) found->point += (inside < outside ? 1 : -1) * shift->second * found->normal;
-    return (found->point - near).norm() <= most_mm ? found : std::nullopt;
+    return (found->point - near).norm() <= max_mm ? found : std::nullopt;
   };
   constexpr double kMarginDeg = 0.5;  // So that the extreme angles hardly change.
   const operators::SettlingRules rules{

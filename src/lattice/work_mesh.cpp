@@ -104,14 +104,14 @@ UninitialisedVector<std::uint32_t> order_by_corners(const UninitialisedVector<Co
     ascending[t] = tets[t];
     std::sort(ascending[t].begin(), ascending[t].end());
   });
-  Groups by_least = group_by_owner(tets.size(), vertex_count,
-                                   [&](std::size_t t) { return std::span(ascending[t].data(), 1); });
-  parallel::for_each_index(by_least.ranges.size(), [&](std::size_t v) {
-    const auto [begin, end] = by_least.ranges[v];
-    std::sort(by_least.items.begin() + begin, by_least.items.begin() + end,
+  Groups by_lowest = group_by_owner(tets.size(), vertex_count,
+                                    [&](std::size_t t) { return std::span(ascending[t].data(), 1); });
+  parallel::for_each_index(by_lowest.ranges.size(), [&](std::size_t v) {
+    const auto [begin, end] = by_lowest.ranges[v];
+    std::sort(by_lowest.items.begin() + begin, by_lowest.items.begin() + end,
               [&](std::uint32_t a, std::uint32_t b) { return ascending[a] < ascending[b]; });
   });
-  return std::move(by_least.items);
+  return std::move(by_lowest.items);
 }
 
 }  // namespace
@@ -182,13 +182,13 @@ void build_stars(WorkMesh& mesh) {
 
 namespace {
 
-/// A face of a tetrahedron, listed at the least of its vertices.
+/// A face of a tetrahedron, listed at its lowest vertex.
 struct ListedFace {
   std::uint64_t others;  // the two other vertices
   std::uint32_t tet, corner;
 };
 
-/// The faces of which the vertex is the least; both sides of one come one after the other.
+/// The faces of which the vertex is the lowest; both sides of one come one after the other.
 void list_faces(const WorkMesh& mesh, std::uint32_t v, std::vector<ListedFace>& faces) {
   faces.clear();
   for (const std::uint32_t t : mesh.star(v)) {
@@ -196,15 +196,15 @@ void list_faces(const WorkMesh& mesh, std::uint32_t v, std::vector<ListedFace>& 
     for (std::uint32_t opposite = 0; opposite < 4; ++opposite) {
       if (corners[opposite] == v) continue;
       std::uint32_t low = 0, high = 0;
-      bool least = true;
+      bool lowest = true;
       for (std::uint32_t c = 0; c < 4; ++c) {
         if (c == opposite || corners[c] == v) continue;
-        least &= corners[c] > v;
+        lowest &= corners[c] > v;
         low = high;
         high = corners[c];
       }
       if (low > high) std::swap(low, high);
-      if (least) faces.push_back({std::uint64_t{high} << 32 | low, t, opposite});
+      if (lowest) faces.push_back({std::uint64_t{high} << 32 | low, t, opposite});
     }
   }
   std::sort(faces.begin(), faces.end(),

@@ -63,7 +63,7 @@ struct WorkMesh {
                                       const ImageDomain& domain);
 
 [[nodiscard]] double longest_edge_mm(const WorkMesh& mesh);
-/// What the tetrahedra of each material fill.
+/// Volumes of the tetrahedra of each material.
 [[nodiscard]] std::vector<double> material_volumes_mm3(const WorkMesh& mesh, std::size_t materials);
 
 /// Fills stars from tets.

@@ -14,7 +14,7 @@
 
 namespace lumesh {
 
-/// Which cells the mesh is made of.
+/// Shapes of the cells.
 enum class LatticeCells {
   kTetrahedra,  ///< Tetrahedra only.
   kMixed,  ///< Hexahedra where the lattice is uniform and of one label, pyramids next to them, tetrahedra
@@ -44,19 +44,19 @@ struct LatticeOptions {
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
 };
 
-/// What happened on the way, for the report.
+/// Figures and notes for the report.
 struct LatticeReport {
   std::size_t lattice_tetrahedra = 0;  ///< Before the boundary was chosen.
   std::size_t relabelled = 0;  ///< Tetrahedra that changed their material to make the boundary manifold.
-  /// Places of the domain's boundary next to voxel faces, and triangles, that are more than 1.25 voxels off.
-  std::size_t missed_points = 0;
-  /// How far at most; a triangle counts as 2.25 of the smallest voxel edges at most.
-  double furthest_miss_mm = 0;
+  /// Points of the domain's boundary next to voxel faces, and triangles, that are more than 1.25 voxels off.
+  std::size_t deviating_points = 0;
+  /// Largest distance of these; a triangle counts as 2.25 of the smallest voxel edges at most.
+  double furthest_deviation_mm = 0;
   std::size_t non_manifold_vertices =
       0;                    ///< Vertices where a label's boundary is not a manifold; 0 but for hard cases.
-  int levels_given_up = 0;  ///< Of the refinement of thin parts, to stay near max_tetrahedra.
+  int levels_given_up = 0;  ///< Refinement levels of thin parts given up to stay near max_tetrahedra.
   std::vector<Label> lost_labels;  ///< Labels without a single tetrahedron.
-  std::vector<std::string> notes;  ///< Such as labels that were lost, with their voxel counts.
+  std::vector<std::string> notes;  ///< Warnings, such as labels that were lost, with their voxel counts.
 };
 
 struct LatticeResult {
@@ -72,12 +72,12 @@ struct LatticeResult {
 /// "outlet_1", …,
 ///                 "interface_A_B".
 /// @throws Error{kBadInput} if nothing can be meshed, Error{kMemory} if the lattice would not fit into
-/// memory. Threads: data-parallel, the same bits for every thread count. Cost: linear in the number of
+/// memory. Threads: data-parallel, bitwise identical for every thread count. Cost: linear in the number of
 /// tetrahedra. Reference: the paper's section 3.1; Molino et al. 2003 for the red-green lattice.
 [[nodiscard]] LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain,
                                          const LatticeOptions& options, Context& context);
 
-/// How many tetrahedra that mesh will have, from the sizes wanted at some places of the object.
+/// Estimated number of tetrahedra of that mesh, from the sizes wanted at some places of the object.
 /// @throws as mesh_lattice() does for its options and the memory.
 [[nodiscard]] double estimated_tetrahedra(const LabelImage& image, const ImageDomain& domain,
                                           const LatticeOptions& options);

@@ -43,8 +43,8 @@ void expect_lattice_tetrahedron(const Corners& t, double half) {
   EXPECT_DOUBLE_EQ(signed_volume(p), 2 * half * half * half / 3) << "a twelfth of the cube";
   AngleRange angles;
   angles.add(p);
-  EXPECT_NEAR(angles.least_deg, 60, 1e-9);
-  EXPECT_NEAR(angles.most_deg, 90, 1e-9);
+  EXPECT_NEAR(angles.min_deg, 60, 1e-9);
+  EXPECT_NEAR(angles.max_deg, 90, 1e-9);
 }
 
 /// Points of the parent drawn at random lie in exactly one child.
@@ -156,8 +156,8 @@ TEST(Bcc, GreenChildrenKeepTheirAnglesBetween30And117Degrees) {
       for (std::size_t i = 0; i < green.count; ++i) all.add(points_of(green.items[i]));
     }
   }
-  EXPECT_NEAR(all.least_deg, 30, 1e-6);
-  EXPECT_NEAR(all.most_deg, 116.5650512, 1e-6);  // 90 degrees + atan(1/2)
+  EXPECT_NEAR(all.min_deg, 30, 1e-6);
+  EXPECT_NEAR(all.max_deg, 116.5650512, 1e-6);  // 90 degrees + atan(1/2)
 }
 
 }  // namespace

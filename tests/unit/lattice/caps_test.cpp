@@ -32,9 +32,9 @@ double area_of(const MixedMesh& mesh, const std::vector<Cell<3>>& triangles) {
 }
 
 /// Vertices of a cap lie in its plane to rounding; on planes that are oblique to the lattice, where an angle
-/// limit may hold a vertex back, all but a share of `most_held_back`, and those within a quarter of a voxel.
+/// limit may hold a vertex back, all but a share of `max_held_back`, and those within a quarter of a voxel.
 void expect_planar(const MixedMesh& mesh, const std::string& patch, const Vec3& point, const Vec3& normal,
-                   double most_held_back = 0) {
+                   double max_held_back = 0) {
   const auto triangles = test::triangles_of(mesh, patch);
   for (const Cell<3>& t : triangles)
     EXPECT_GT(test::area_vector(mesh, t).dot(normal), 0) << "the cap must face outwards";
@@ -45,7 +45,7 @@ void expect_planar(const MixedMesh& mesh, const std::string& patch, const Vec3& 
     held_back += off > 1e-9 ? 1U : 0U;
     EXPECT_LE(off, 0.25);
   }
-  EXPECT_LE(static_cast<double>(held_back), most_held_back * static_cast<double>(vertices.size()));
+  EXPECT_LE(static_cast<double>(held_back), max_held_back * static_cast<double>(vertices.size()));
 }
 
 /// Vertices of wall and cap together: all on the circle where the tube meets the plane.

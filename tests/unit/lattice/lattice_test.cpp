@@ -74,8 +74,8 @@ TEST(Lattice, StrictAngleLimitsHold) {
   options.max_dihedral_deg = 130;
   const MixedMesh mesh = meshed(nested_balls(), options);
   const test::AngleRange angles = test::dihedral_range(mesh);
-  EXPECT_GE(angles.least_deg, 24 - 1e-6);
-  EXPECT_LE(angles.most_deg, 130 + 1e-6);
+  EXPECT_GE(angles.min_deg, 24 - 1e-6);
+  EXPECT_LE(angles.max_deg, 130 + 1e-6);
 }
 
 TEST(Lattice, AThinWallByItselfIsAManifold) {
@@ -180,7 +180,7 @@ TEST(Lattice, TheVolumeIsTheDomainsNotTheNumberOfVoxels) {
   EXPECT_NEAR(volume / truth, 1, 0.004);
 }
 
-/// Flat triangles of a coarse mesh stand off a bent wall. That must not count as if tips were missing:
+/// Flat triangles of a coarse mesh stand off a bent wall. That must not count as if ends were missing:
 /// vertices drawn there would fold the surface.
 TEST(Lattice, ACoarseWallDoesNotFold) {
   const Vec3 axis = Vec3(0.48, 0.36, 0.8), centre(44.5, 45, 44.1);

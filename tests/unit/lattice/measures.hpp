@@ -28,14 +28,14 @@ inline double dihedral_deg(const Vec3& a, const Vec3& b, const Vec3& c, const Ve
 }
 
 struct AngleRange {
-  double least_deg = 180, most_deg = 0;
+  double min_deg = 180, max_deg = 0;
   void add(const std::array<Vec3, 4>& p) {
     constexpr std::size_t kCorners[6][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2},
                                             {1, 2, 0, 3}, {1, 3, 0, 2}, {2, 3, 0, 1}};
     for (const auto& c : kCorners) {
       const double angle = dihedral_deg(p[c[0]], p[c[1]], p[c[2]], p[c[3]]);
-      least_deg = std::min(least_deg, angle);
-      most_deg = std::max(most_deg, angle);
+      min_deg = std::min(min_deg, angle);
+      max_deg = std::max(max_deg, angle);
     }
   }
 };
@@ -93,11 +93,11 @@ inline std::map<Label, double> label_volumes(const MixedMesh& mesh) {
 }
 
 inline double smallest_cell_volume(const MixedMesh& mesh) {
-  double least = 1e300;
-  for (const auto& c : mesh.tetrahedra) least = std::min(least, cell_volume(mesh, c));
-  for (const auto& c : mesh.pyramids) least = std::min(least, cell_volume(mesh, c));
-  for (const auto& c : mesh.hexahedra) least = std::min(least, cell_volume(mesh, c));
-  return least;
+  double smallest = 1e300;
+  for (const auto& c : mesh.tetrahedra) smallest = std::min(smallest, cell_volume(mesh, c));
+  for (const auto& c : mesh.pyramids) smallest = std::min(smallest, cell_volume(mesh, c));
+  for (const auto& c : mesh.hexahedra) smallest = std::min(smallest, cell_volume(mesh, c));
+  return smallest;
 }
 
 /// Every face belongs to two cells that see it from opposite sides, or to one cell and the boundary; every

@@ -25,7 +25,7 @@ TEST(LatticeNotes, AGoodMeshNeedsNone) {
   const LatticeResult result = lattice_of(voxels_of(
       frame_of({48, 48, 48}), {0, 1}, [&](const Vec3& p) { return (p - centre).norm() < 15 ? 1 : 0; }));
   EXPECT_EQ(joined(result.report.notes), "");
-  EXPECT_EQ(result.report.missed_points, 0U);
+  EXPECT_EQ(result.report.deviating_points, 0U);
 }
 
 TEST(LatticeNotes, AVolumeThatIsLostIsSaid) {
@@ -64,13 +64,13 @@ TEST(LatticeNotes, APinThatIsMissedIsSaid) {
   options.spacing_mm = 10;
   options.max_refinement = 0;
   const LatticeResult result = lattice_of(image, options);
-  EXPECT_GT(result.report.missed_points, 0U);
-  const double missed_mm = test::worst_distance_mm(image, result.mesh);
-  ASSERT_GT(missed_mm, 2.5) << "or a triangle may be further off";
+  EXPECT_GT(result.report.deviating_points, 0U);
+  const double off_mm = test::worst_distance_mm(image, result.mesh);
+  ASSERT_GT(off_mm, 2.5) << "or a triangle may be further off";
   const double from_domain_mm =
       test::worst_distance_from_domain_mm(image, ImageDomain(image, {}), result.mesh);
-  EXPECT_NEAR(result.report.furthest_miss_mm, from_domain_mm, 1e-9);
-  EXPECT_NEAR(from_domain_mm, missed_mm, 0.87) << "the pin's end is round in the domain";
+  EXPECT_NEAR(result.report.furthest_deviation_mm, from_domain_mm, 1e-9);
+  EXPECT_NEAR(from_domain_mm, off_mm, 0.87) << "the pin's end is round in the domain";
   EXPECT_NE(joined(result.report.notes).find(" points are off by more than 1.25 voxels"), std::string::npos);
 }
 

@@ -72,18 +72,18 @@ TEST(Refinement, IsConformingAndWithoutHolesAndKeepsItsAngles) {
       for (const bcc::Key corner : face)
         ASSERT_EQ(domain.label_at(lattice.frame.position_mm(corner)), kBackground) << "hole, seed " << seed;
     }
-    double least = 180, most = 0;
+    double smallest = 180, largest = 0;
     for (const bcc::Corners& t : lattice.tetrahedra) {
       std::array<Vec3, 4> p;
       for (std::size_t i = 0; i < 4; ++i) p[i] = lattice.frame.position_mm(t[i]);
       ASSERT_GT(tetrahedron_volume(p[0], p[1], p[2], p[3]), 0);
       for (const double angle : dihedral_angles_deg(p[0], p[1], p[2], p[3])) {
-        least = std::min(least, angle);
-        most = std::max(most, angle);
+        smallest = std::min(smallest, angle);
+        largest = std::max(largest, angle);
       }
     }
-    EXPECT_GE(least, 30 - 1e-6);    // Labelle and Shewchuk 2007, as the green elements of Molino et al. 2003
-    EXPECT_LE(most, 116.6 + 1e-1);  // have them
+    EXPECT_GE(smallest, 30 - 1e-6);  // Labelle and Shewchuk 2007, as the green elements of Molino et al. 2003
+    EXPECT_LE(largest, 116.6 + 1e-1);  // have them
   }
 }
 

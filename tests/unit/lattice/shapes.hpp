@@ -24,8 +24,8 @@ inline ValidationReport expect_good(const MixedMesh& mesh) {
   const ValidationReport report = validate(mesh.view());
   EXPECT_TRUE(report.ok()) << report.text();
   const AngleRange angles = dihedral_range(mesh);
-  EXPECT_GE(angles.least_deg, 14.8);
-  EXPECT_LE(angles.most_deg, 150.2);
+  EXPECT_GE(angles.min_deg, 14.8);
+  EXPECT_LE(angles.max_deg, 150.2);
   EXPECT_GT(smallest_cell_volume(mesh), 0);
   expect_conforming(mesh);
   return report;

@@ -87,7 +87,7 @@ double worst_from_domain_mm(const MixedMesh& mesh, const ImageDomain& domain) {
 
 /// Facets that are 0.4 radii long lean by about 3.3 degrees.
 void expect_smooth_walls(double radius, double flipped_share) {
-  constexpr double kMostDeg = 4;
+  constexpr double kMaxDeg = 4;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
@@ -97,7 +97,7 @@ void expect_smooth_walls(double radius, double flipped_share) {
     options.spacing_mm = 0.4 * radius;
     const MixedMesh mesh = test::meshed(image, options);
     test::expect_good(mesh);
-    EXPECT_LT(normals_off_deg(mesh, tube), kMostDeg);
+    EXPECT_LT(normals_off_deg(mesh, tube), kMaxDeg);
     EXPECT_LT(worst_from_domain_mm(mesh, ImageDomain(image, {})), 0.15) << "voxels, most of it the sagitta";
   }
 }

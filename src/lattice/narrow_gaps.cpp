@@ -1,4 +1,4 @@
-#include "slits.hpp"
+#include "narrow_gaps.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -13,10 +13,10 @@ namespace {
 
 using Edge = std::array<std::uint32_t, 2>;
 
-class Slits {
+class NarrowGaps {
  public:
-  Slits(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
-        const std::vector<std::uint8_t>& fixed, const AngleLimits& limits)
+  NarrowGaps(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
+             const std::vector<std::uint8_t>& fixed, const AngleLimits& limits)
       : mesh_(mesh),
         boundary_(boundary),
         domain_(domain),
@@ -24,10 +24,10 @@ class Slits {
         limits_(limits),
         surface_(boundary, mesh.positions.size()) {}
 
-  /// Closes one of the valleys at the triangles around a miss.
-  bool close_one(const Miss& miss) {
+  /// Closes one of the valleys at the triangles around a deviation.
+  bool close_one(const Deviation& deviation) {
     std::optional<Merge> best;
-    for (const std::uint32_t v : boundary_.triangles[miss.triangle].vertices) {
+    for (const std::uint32_t v : boundary_.triangles[deviation.triangle].vertices) {
       for (const std::uint32_t i : surface_.triangles(v)) {
         for (std::size_t e = 0; e < 3; ++e) {
           const std::optional<Merge> merge = merge_across(i, e);
@@ -218,12 +218,13 @@ class Slits {
 
 }  // namespace
 
-bool close_slit(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
-                const std::vector<Miss>& misses, const std::vector<std::uint8_t>& fixed,
-                const AngleLimits& limits) {
-  Slits slits(mesh, boundary, domain, fixed, limits);
-  return std::any_of(misses.begin(), misses.end(),
-                     [&](const Miss& miss) { return miss.stray && slits.close_one(miss); });
+bool close_gap(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
+               const std::vector<Deviation>& deviations, const std::vector<std::uint8_t>& fixed,
+               const AngleLimits& limits) {
+  NarrowGaps gaps(mesh, boundary, domain, fixed, limits);
+  return std::any_of(deviations.begin(), deviations.end(), [&](const Deviation& deviation) {
+    return deviation.is_outlier && gaps.close_one(deviation);
+  });
 }
 
 }  // namespace lumesh

@@ -1,4 +1,4 @@
-#include "../src/lattice/misses.hpp"
+#include "../src/lattice/deviations.hpp"
 
 #include <gtest/gtest.h>
 
@@ -38,10 +38,10 @@ Surface surface_of(const LabelImage& image, const ImageDomain& domain) {
 using Told = std::tuple<bool, double, double, double, double>;
 
 /// What was found, in an order of its own: which of two equally near triangles is told may differ.
-std::vector<Told> told(const std::vector<Miss>& misses) {
+std::vector<Told> told(const std::vector<Deviation>& deviations) {
   std::vector<Told> all;
-  for (const Miss& m : misses)
-    all.emplace_back(m.stray, m.place_mm.x(), m.place_mm.y(), m.place_mm.z(), m.off_mm);
+  for (const Deviation& m : deviations)
+    all.emplace_back(m.is_outlier, m.place_mm.x(), m.place_mm.y(), m.place_mm.z(), m.off_mm);
   std::sort(all.begin(), all.end());
   return all;
 }
@@ -59,35 +59,35 @@ void change(Surface& s, std::mt19937& random) {
   s.boundary.sets[other.vertices[0]] = {0, 1, 2};
 }
 
-TEST(MissFinder, FindsTheSameWhetherItKnowsTheSurfaceOfBeforeOrNot) {
+TEST(DeviationFinder, FindsTheSameWhetherItKnowsTheSurfaceOfBeforeOrNot) {
   const LabelImage image = halved_ball();
   const ImageDomain domain(image, {});
   Surface s = surface_of(image, domain);
   const std::vector<Probe> probes = boundary_probes(image, domain);
   std::mt19937 random(17);
-  MissFinder knowing(domain, probes);
-  std::size_t found = 0, strays = 0;
+  DeviationFinder knowing(domain, probes);
+  std::size_t found = 0, outliers = 0;
   for (int round = 0; round < 12; ++round) {
     if (round % 4 == 3) {
-      EXPECT_GT(knowing.find(s.mesh, s.boundary, 0.5, 0).size(), 0U);  // stops at the first kind of miss
+      EXPECT_GT(knowing.find(s.mesh, s.boundary, 0.5, 0).size(), 0U);  // stops at the first kind of deviation
       change(s, random);
     }
-    const std::vector<Miss> again = knowing.find(s.mesh, s.boundary, 0.5);
-    MissFinder fresh(domain, probes);
-    const std::vector<Miss> first = fresh.find(s.mesh, s.boundary, 0.5);
+    const std::vector<Deviation> again = knowing.find(s.mesh, s.boundary, 0.5);
+    DeviationFinder fresh(domain, probes);
+    const std::vector<Deviation> first = fresh.find(s.mesh, s.boundary, 0.5);
     ASSERT_EQ(told(again), told(first)) << "round " << round;
     EXPECT_TRUE(std::is_sorted(again.begin(), again.end(),
-                               [](const Miss& a, const Miss& b) { return a.off_mm > b.off_mm; }));
+                               [](const Deviation& a, const Deviation& b) { return a.off_mm > b.off_mm; }));
     found += first.size();
-    strays += static_cast<std::size_t>(
-        std::count_if(first.begin(), first.end(), [](const Miss& m) { return m.stray; }));
+    outliers += static_cast<std::size_t>(
+        std::count_if(first.begin(), first.end(), [](const Deviation& m) { return m.is_outlier; }));
     change(s, random);
   }
-  EXPECT_GT(strays, 20U);
-  EXPECT_GT(found - strays, 20U);
+  EXPECT_GT(outliers, 20U);
+  EXPECT_GT(found - outliers, 20U);
 }
 
-TEST(MissFinder, MeasuresWhatItMissedHoweverFarItIs) {
+TEST(DeviationFinder, MeasuresWhatItMissedHoweverFarItIs) {
   const LabelImage image = halved_ball();
   const ImageDomain domain(image, {});
   const Surface s = surface_of(image, domain);
@@ -95,9 +95,9 @@ TEST(MissFinder, MeasuresWhatItMissedHoweverFarItIs) {
   const Vec3 far(12.6, 12.3, 62.8);                                         // 41 voxels from the ball's pole
   std::vector<Probe> probes(40, Probe{near, {0, 1}});
   probes.push_back({far, {0, 1}});
-  MissFinder finder(domain, probes);
-  (void)finder.find_missed_probes(s.mesh, s.boundary, 1.0);
-  const std::vector<double> distances = finder.missed_distances_mm(s.mesh, s.boundary);
+  DeviationFinder finder(domain, probes);
+  (void)finder.find_probe_deviations(s.mesh, s.boundary, 1.0);
+  const std::vector<double> distances = finder.deviating_probe_distances_mm(s.mesh, s.boundary);
   ASSERT_EQ(distances.size(), 1U);
   EXPECT_NEAR(distances[0], 41, 2) << "the lattice is not fitted yet";
 }

@@ -1,5 +1,6 @@
 #pragma once
-// Tetrahedra with two or three faces on the outer boundary, which keep the boundary from becoming smooth.
+// Exposed tetrahedra, with two or three faces on the outer boundary: they keep the boundary from becoming
+// smooth.
 
 #include "boundary_model.hpp"
 
@@ -8,6 +9,6 @@ namespace lumesh {
 /// Drops tetrahedra with two or three faces towards the same outside material where the two faces are nearly
 /// coplanar or a corner hangs outside the object, if the boundary stays a manifold of the same topology.
 /// @return The vertices that are left, by their old numbers, ascending; those are their new order.
-std::vector<std::uint32_t> peel_spikes(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain);
+std::vector<std::uint32_t> remove_exposed(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain);
 
 }  // namespace lumesh

@@ -1,4 +1,4 @@
-#include "misses.hpp"
+#include "deviations.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace lumesh {
 namespace {
 
 // In voxels.
-constexpr double kAhead = 3;  // how far from a stray triangle the boundary is sought
+constexpr double kAhead = 3;  // how far from an outlier triangle the boundary is sought
 
 // Half diagonals of a voxel, 0.9 voxels for cubic ones: places between voxels are no farther from a boundary
 // that keeps these apart.
@@ -146,7 +146,7 @@ std::vector<Probe> probes_near(const LabelImage& image, const ImageDomain& domai
   return probes;
 }
 
-void MissFinder::note_moved_triangles(const WorkMesh& mesh, const BoundaryModel& boundary) {
+void DeviationFinder::note_moved_triangles(const WorkMesh& mesh, const BoundaryModel& boundary) {
   const std::size_t known = std::min(triangles_.size(), boundary.triangles.size());
   moved_.assign(boundary.triangles.size(), 1);
   parallel::for_each_index(known, [&](std::size_t i) {
@@ -159,8 +159,8 @@ void MissFinder::note_moved_triangles(const WorkMesh& mesh, const BoundaryModel&
   triangles_ = boundary.triangles;
 }
 
-std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                            double limit_mm) {
+std::vector<Deviation> DeviationFinder::probe_deviations(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                                         double limit_mm) {
   const auto is_close = [&](std::uint32_t triangle, const Vec3& p) {
     if (triangle >= boundary.triangles.size()) return false;
     const auto& [a, b, c] = boundary.triangles[triangle].vertices;
@@ -174,8 +174,8 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
     if (!stays && !is_close(last, (*probes_)[i].position_mm)) out.push_back(static_cast<std::uint32_t>(i));
   });
   const SurfaceTree tree = tree_near(mesh, boundary, lost);
-  return parallel::collect_blocks<Miss>(
-      lost.size(), 512, [&](std::size_t begin, std::size_t end, std::vector<Miss>& out) {
+  return parallel::collect_blocks<Deviation>(
+      lost.size(), 512, [&](std::size_t begin, std::size_t end, std::vector<Deviation>& out) {
         std::uint32_t last = SurfaceTree::kNone;
         for (std::size_t n = begin; n < end; ++n) {
           const Probe& probe = (*probes_)[lost[n]];
@@ -184,7 +184,7 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
             const SurfaceTree::Nearest nearest = tree.nearest(probe.position_mm);
             last = nearest.distance_mm > limit_mm ? SurfaceTree::kNone : nearest.triangle;
             const bool is_far = last == SurfaceTree::kNone && nearest.triangle != SurfaceTree::kNone;
-            if (is_far && is_missed(mesh, boundary, tree, probe, nearest))
+            if (is_far && deviates(mesh, boundary, tree, probe, nearest))
               out.push_back({nearest.distance_mm, probe, nearest.triangle, probe.position_mm,
                              nearest.distance_mm, false, true});
           }
@@ -193,10 +193,11 @@ std::vector<Miss> MissFinder::missed_probes(const WorkMesh& mesh, const Boundary
       });
 }
 
-/// Of the triangles at the place of the surface that is nearest to a point, whichever of them is found first.
-double MissFinder::longest_edge_at_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                      const SurfaceTree& tree, const Vec3& point,
-                                      const SurfaceTree::Nearest& nearest) const {
+/// Longest edge of the triangles at the place of the surface that is nearest to a point, whichever of them is
+/// found first.
+double DeviationFinder::longest_edge_at_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                           const SurfaceTree& tree, const Vec3& point,
+                                           const SurfaceTree::Nearest& nearest) const {
   const auto corners = [&](std::uint32_t triangle) {
     const auto& [a, b, c] = boundary.triangles[triangle].vertices;
     return std::array{mesh.positions[a], mesh.positions[b], mesh.positions[c]};
@@ -211,14 +212,14 @@ double MissFinder::longest_edge_at_mm(const WorkMesh& mesh, const BoundaryModel&
 }
 
 /// False if the surface is as far from the probe as flat triangles of their size are.
-bool MissFinder::is_missed(const WorkMesh& mesh, const BoundaryModel& boundary, const SurfaceTree& tree,
-                           const Probe& probe, const SurfaceTree::Nearest& nearest) const {
+bool DeviationFinder::deviates(const WorkMesh& mesh, const BoundaryModel& boundary, const SurfaceTree& tree,
+                               const Probe& probe, const SurfaceTree::Nearest& nearest) const {
   return nearest.distance_mm >
          kSagitta * longest_edge_at_mm(mesh, boundary, tree, probe.position_mm, nearest);
 }
 
-std::vector<double> MissFinder::missed_distances_mm(const WorkMesh& mesh,
-                                                    const BoundaryModel& boundary) const {
+std::vector<double> DeviationFinder::deviating_probe_distances_mm(const WorkMesh& mesh,
+                                                                  const BoundaryModel& boundary) const {
   std::vector<Vec3> places;
   for (std::size_t i = 0; i < probes_->size(); ++i) {
     if (close_[i] == SurfaceTree::kNone) places.push_back((*probes_)[i].position_mm);
@@ -232,8 +233,8 @@ std::vector<double> MissFinder::missed_distances_mm(const WorkMesh& mesh,
 }
 
 /// Of all triangles when most probes are searched, as the first time.
-SurfaceTree MissFinder::tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                  const std::vector<std::uint32_t>& probes) const {
+SurfaceTree DeviationFinder::tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                       const std::vector<std::uint32_t>& probes) const {
   if (probes.size() > probes_->size() / 16) return {mesh, boundary};
   std::vector<Vec3> places;
   places.reserve(probes.size());
@@ -241,25 +242,27 @@ SurfaceTree MissFinder::tree_near(const WorkMesh& mesh, const BoundaryModel& bou
   return {mesh, boundary, places, kNearVoxels * domain_->voxel_size_mm()};
 }
 
-void MissFinder::update_strays(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm) {
-  std::erase_if(strays_,
-                [&](const Miss& m) { return m.triangle >= moved_.size() || moved_[m.triangle] != 0; });
-  const auto found = parallel::collect<Miss>(moved_.size(), [&](std::size_t i, std::vector<Miss>& out) {
-    if (moved_[i] != 0) append_strays(mesh, boundary, static_cast<std::uint32_t>(i), limit_mm, out);
-  });
-  const auto known = static_cast<std::ptrdiff_t>(strays_.size());
-  strays_.insert(strays_.end(), found.begin(), found.end());
-  std::inplace_merge(strays_.begin(), strays_.begin() + known, strays_.end(),
-                     [](const Miss& a, const Miss& b) { return a.triangle < b.triangle; });
+void DeviationFinder::update_outliers(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm) {
+  std::erase_if(outliers_,
+                [&](const Deviation& m) { return m.triangle >= moved_.size() || moved_[m.triangle] != 0; });
+  const auto found =
+      parallel::collect<Deviation>(moved_.size(), [&](std::size_t i, std::vector<Deviation>& out) {
+        if (moved_[i] != 0) append_outliers(mesh, boundary, static_cast<std::uint32_t>(i), limit_mm, out);
+      });
+  const auto known = static_cast<std::ptrdiff_t>(outliers_.size());
+  outliers_.insert(outliers_.end(), found.begin(), found.end());
+  std::inplace_merge(outliers_.begin(), outliers_.begin() + known, outliers_.end(),
+                     [](const Deviation& a, const Deviation& b) { return a.triangle < b.triangle; });
 }
 
-void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& boundary, std::uint32_t triangle,
-                               double limit_mm, std::vector<Miss>& out) const {
+void DeviationFinder::append_outliers(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                      std::uint32_t triangle, double limit_mm,
+                                      std::vector<Deviation>& out) const {
   const BoundaryTriangle& t = boundary.triangles[triangle];
   if (domain_->is_cut(t.outside)) return;
   const auto& [a, b, c] = t.vertices;
   const std::array<Vec3, 3> p = {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
-  const double least_mm = std::max(limit_mm, kSagitta * longest_edge(p));
+  const double min_mm = std::max(limit_mm, kSagitta * longest_edge(p));
   double off_mm = 0;
   Vec3 from = Vec3::Zero();
   const std::array<Vec3, 7> places = {
@@ -271,7 +274,7 @@ void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& bounda
     off_mm = depth_mm;
     from = place;
   }
-  if (std::abs(off_mm) <= least_mm) return;
+  if (std::abs(off_mm) <= min_mm) return;
   const std::array<Material, 2> pair = ascending(t.inside, t.outside);
   const Vec3 outwards = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
   const double ahead_mm = std::copysign(kAhead * domain_->voxel_size_mm(), off_mm);
@@ -285,34 +288,35 @@ void MissFinder::append_strays(const WorkMesh& mesh, const BoundaryModel& bounda
 
 namespace {
 
-void sort_by_distance(std::vector<Miss>& misses) {
-  std::stable_sort(misses.begin(), misses.end(),
-                   [](const Miss& a, const Miss& b) { return a.off_mm > b.off_mm; });
+void sort_by_distance(std::vector<Deviation>& deviations) {
+  std::stable_sort(deviations.begin(), deviations.end(),
+                   [](const Deviation& a, const Deviation& b) { return a.off_mm > b.off_mm; });
 }
 
 }  // namespace
 
-std::vector<Miss> MissFinder::find_missed_probes(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                                 double limit_mm) {
+std::vector<Deviation> DeviationFinder::find_probe_deviations(const WorkMesh& mesh,
+                                                              const BoundaryModel& boundary,
+                                                              double limit_mm) {
   moved_.assign(boundary.triangles.size(), 1);
   triangles_.clear();  // so that find() looks everywhere next time
-  std::vector<Miss> found = missed_probes(mesh, boundary, limit_mm);
+  std::vector<Deviation> found = probe_deviations(mesh, boundary, limit_mm);
   sort_by_distance(found);
   return found;
 }
 
-std::vector<Miss> MissFinder::find(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm,
-                                   std::size_t most_probes) {
+std::vector<Deviation> DeviationFinder::find(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                             double limit_mm, std::size_t max_probes) {
   note_moved_triangles(mesh, boundary);
   positions_ = mesh.positions;
-  std::vector<Miss> found = missed_probes(mesh, boundary, limit_mm);
-  if (found.size() > most_probes) {
-    triangles_.clear();  // so that strays are looked for everywhere next time
+  std::vector<Deviation> found = probe_deviations(mesh, boundary, limit_mm);
+  if (found.size() > max_probes) {
+    triangles_.clear();  // so that outliers are looked for everywhere next time
     sort_by_distance(found);
     return found;
   }
-  update_strays(mesh, boundary, limit_mm);
-  found.insert(found.end(), strays_.begin(), strays_.end());
+  update_outliers(mesh, boundary, limit_mm);
+  found.insert(found.end(), outliers_.begin(), outliers_.end());
   sort_by_distance(found);
   return found;
 }

@@ -1,4 +1,4 @@
-#include "spikes.hpp"
+#include "exposed_tetrahedra.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -23,15 +23,15 @@ Triangle sorted(Triangle t) {
   return t;
 }
 
-class SpikePeeler {
+class ExposedRemoval {
  public:
-  SpikePeeler(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain)
+  ExposedRemoval(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain)
       : mesh_(mesh), boundary_(boundary), domain_(domain), keep_(mesh.tets.size(), 1) {}
 
   std::vector<std::uint32_t> run() {
-    const std::vector<std::uint32_t> spikes = find_spikes();
-    index_boundary(spikes);
-    for (const std::uint32_t t : spikes) try_drop(t);
+    const std::vector<std::uint32_t> exposed = find_exposed();
+    index_boundary(exposed);
+    for (const std::uint32_t t : exposed) try_drop(t);
     std::erase_if(boundary_.triangles, [](const BoundaryTriangle& t) { return t.vertices[0] == kNoTet; });
     return drop_tetrahedra(mesh_, boundary_, keep_);
   }
@@ -41,7 +41,7 @@ class SpikePeeler {
     return static_cast<int>(std::count(mesh_.neighbours[t].begin(), mesh_.neighbours[t].end(), kNoTet));
   }
 
-  [[nodiscard]] std::vector<std::uint32_t> find_spikes() const {
+  [[nodiscard]] std::vector<std::uint32_t> find_exposed() const {
     return parallel::collect<std::uint32_t>(mesh_.tets.size(), [&](std::size_t i, auto& out) {
       const auto t = static_cast<std::uint32_t>(i);
       const int open = open_faces(t);
@@ -50,7 +50,7 @@ class SpikePeeler {
     });
   }
 
-  /// Tips of thin vessels look like spikes too, but the label fills them.
+  /// Tetrahedra at the ends of thin vessels are exposed too, but the label fills them.
   [[nodiscard]] bool deep_inside(std::uint32_t t) const {
     const double depth = domain_.separation(mesh_.centroid(t), mesh_.materials[t], 0).value;
     return depth > 0.3 * mesh_.longest_edge_mm(t);
@@ -95,10 +95,10 @@ class SpikePeeler {
     return false;
   }
 
-  /// Only triangles with an edge between corners of spikes matter.
-  void index_boundary(const std::vector<std::uint32_t>& spikes) {
+  /// Only triangles with an edge between corners of exposed tetrahedra matter.
+  void index_boundary(const std::vector<std::uint32_t>& exposed) {
     std::vector<std::uint8_t> corner(mesh_.positions.size(), 0);
-    for (const std::uint32_t t : spikes) {
+    for (const std::uint32_t t : exposed) {
       for (const std::uint32_t v : mesh_.tets[t]) corner[v] = 1;
     }
     const auto near =
@@ -177,8 +177,9 @@ class SpikePeeler {
 
 }  // namespace
 
-std::vector<std::uint32_t> peel_spikes(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain) {
-  return SpikePeeler(mesh, boundary, domain).run();
+std::vector<std::uint32_t> remove_exposed(WorkMesh& mesh, BoundaryModel& boundary,
+                                          const ImageDomain& domain) {
+  return ExposedRemoval(mesh, boundary, domain).run();
 }
 
 }  // namespace lumesh

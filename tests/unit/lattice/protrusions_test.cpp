@@ -44,7 +44,7 @@ LabelImage rough_ball(std::uint64_t seed, int changes) {
 }
 
 /// Largest distance of the mesh's boundary, sampled, from the faces between label and background.
-double worst_stray_mm(const LabelImage& image, const MixedMesh& mesh) {
+double worst_outlier_mm(const LabelImage& image, const MixedMesh& mesh) {
   std::vector<Vec3> corners;
   std::vector<Cell<3>> faces;
   const Index3 size = image.frame().size;
@@ -76,7 +76,7 @@ double worst_stray_mm(const LabelImage& image, const MixedMesh& mesh) {
   return worst;
 }
 
-TEST(MissedTips, BumpsAndPitsOfOneVoxelAreReachedWhereTheyCount) {
+TEST(ProtrusionGrower, BumpsAndPitsOfOneVoxelAreReachedWhereTheyCount) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const LabelImage image = rough_ball(seed, 60);
@@ -87,15 +87,15 @@ TEST(MissedTips, BumpsAndPitsOfOneVoxelAreReachedWhereTheyCount) {
     // Bumps and pits of one voxel are noise that the domain irons out.
     const ImageDomain domain(image, {});
     EXPECT_LT(test::worst_distance_from_domain_mm(image, domain, mesh), 0.3);
-    EXPECT_LT(worst_stray_mm(image, mesh), 0.7);
+    EXPECT_LT(worst_outlier_mm(image, mesh), 0.7);
     // The ball itself is what the noise leaves.
     for (const Cell<3>& t : mesh.triangles)
       for (const std::uint32_t v : t) EXPECT_NEAR((mesh.points[v] - kBallCentre).norm(), kBallRadius, 0.35);
     // The boundary that keeps every voxel has them.
     const MixedMesh exact = test::meshed(image, {}, kExact);
     test::expect_good(exact);
-    EXPECT_LT(test::worst_distance_mm(image, exact), 1.35) << "voxels; without the tips up to 1.6";
-    EXPECT_LT(worst_stray_mm(image, exact), 0.75);
+    EXPECT_LT(test::worst_distance_mm(image, exact), 1.35) << "voxels; without protrusions up to 1.6";
+    EXPECT_LT(worst_outlier_mm(image, exact), 0.75);
   }
 }
 
@@ -118,7 +118,7 @@ LabelImage tangle(std::uint64_t seed) {
   });
 }
 
-TEST(MissedTips, ThinPlatesAndRodsAreReached) {
+TEST(ProtrusionGrower, ThinPlatesAndRodsAreReached) {
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const LabelImage image = tangle(seed);
@@ -128,15 +128,15 @@ TEST(MissedTips, ThinPlatesAndRodsAreReached) {
     // What sticks out by less than a voxel's width, as rims of plates, the domain rounds; single places deep
     // in the creases between plates and rods are not reached.
     EXPECT_LT(test::worst_distance_from_domain_mm(image, ImageDomain(image, {}), mesh), 1);
-    EXPECT_LT(worst_stray_mm(image, mesh), 1);
+    EXPECT_LT(worst_outlier_mm(image, mesh), 1);
     const MixedMesh exact = test::meshed(image, {}, kExact);
     test::expect_good(exact);
     EXPECT_LT(test::worst_distance_mm(image, exact), 1.25);
-    EXPECT_LT(worst_stray_mm(image, exact), 0.75);
+    EXPECT_LT(worst_outlier_mm(image, exact), 0.75);
   }
 }
 
-TEST(MissedTips, EveryThreadCountGivesTheSameBits) {
+TEST(ProtrusionGrower, EveryThreadCountGivesTheSameBits) {
   for (const LabelImage& image : {rough_ball(7, 60), tangle(7)}) {
     const auto with_threads = [&](int threads) {
       const parallel::ThreadLimit limit(threads);

@@ -1,4 +1,4 @@
-#include "missed_tips.hpp"
+#include "protrusions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,10 +15,10 @@ namespace lumesh {
 
 namespace {
 
-class MissedTips {
+class ProtrusionGrower {
  public:
-  MissedTips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface, const SurfaceTree& tree,
-             const ImageDomain& domain, const TipOptions& options)
+  ProtrusionGrower(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
+                   const SurfaceTree& tree, const ImageDomain& domain, const ProtrusionOptions& options)
       : mesh_(mesh),
         boundary_(boundary),
         surface_(surface),
@@ -29,10 +29,10 @@ class MissedTips {
         fresh_(4 * domain.voxel_size_mm()),
         used_(mesh.positions.size(), 0) {}
 
-  std::size_t run(const std::vector<Miss>& misses) {
-    std::vector<std::vector<Option>> options(misses.size());
+  std::size_t run(const std::vector<Deviation>& deviations) {
+    std::vector<std::vector<Option>> options(deviations.size());
     parallel::for_each_index(
-        misses.size(), [&](std::size_t i) { options[i] = options_for(misses[i]); }, 4);
+        deviations.size(), [&](std::size_t i) { options[i] = options_for(deviations[i]); }, 4);
     std::size_t reached = 0;
     for (const std::vector<Option>& choice : options) {
       const auto best =
@@ -52,9 +52,9 @@ class MissedTips {
     Vec3 probe_mm;
     Vec3 place_mm;     // on the boundary, near the probe
     double before_mm;  // the probe's distance from the surface
-    bool stray;        // the surface runs far inside or outside
+    bool is_outlier;   // the surface runs far inside or outside
   };
-  /// A triangle that shall give way to three, which join its edges to a point: a new vertex where `tet` is
+  /// A triangle to be replaced by three, which join its edges to a point: a new vertex where `tet` is
   /// none, the far vertex of a tetrahedron that changes sides otherwise. Or, with the neighbour across its
   /// edge `shared`, to the other two sides of the tetrahedron that fills the valley between both.
   struct Option {
@@ -67,14 +67,15 @@ class MissedTips {
     std::uint32_t top = kNoTet;  // the neighbour's far corner
   };
 
-  /// What would bring the surface closer to a missed probe, the best first.
-  [[nodiscard]] std::vector<Option> options_for(const Miss& miss) const {
-    const Probe& probe = miss.probe;
+  /// Options that would bring the surface closer to a deviation's probe, the best first.
+  [[nodiscard]] std::vector<Option> options_for(const Deviation& deviation) const {
+    const Probe& probe = deviation.probe;
     const std::optional<Vec3> place = domain_.project(
         probe.position_mm, {probe.materials[0], probe.materials[1]}, 2 * domain_.voxel_size_mm());
-    const Attempt attempt{probe.position_mm, place.value_or(probe.position_mm), miss.distance_mm, miss.stray};
+    const Attempt attempt{probe.position_mm, place.value_or(probe.position_mm), deviation.distance_mm,
+                          deviation.is_outlier};
     std::vector<Option> options;
-    for (const std::uint32_t i : candidates(miss.triangle, probe)) {
+    for (const std::uint32_t i : candidates(deviation.triangle, probe)) {
       if (const std::optional<Option> best = best_at(i, attempt)) options.push_back(*best);
       for (std::size_t e = 0; e < 3; ++e) {
         if (const std::optional<Option> filled = fill_at(i, e, attempt)) options.push_back(*filled);
@@ -103,13 +104,15 @@ class MissedTips {
     }
     std::optional<Option> best;
     for (const double sideways : {0.0, 0.4, 0.8}) {
-      const Vec3 wish = attempt.place_mm + sideways * (middle + height * normal - attempt.place_mm);
+      const Vec3 target = attempt.place_mm + sideways * (middle + height * normal - attempt.place_mm);
       for (const double part : {1.0, 0.85, 0.7, 0.55, 0.4, 0.2, 0.0}) {
-        if (part < 0.3 && !options_.bold) continue;
-        Option option{i, tet, from + part * (wish - from)};
+        if (part < 0.3 && !options_.allows_temporary_deviation) continue;
+        Option option{i, tet, from + part * (target - from)};
         if (domain_.beyond_cut(option.apex)) continue;
         option.distance_mm = distance_mm(p, option, attempt.probe_mm);
-        if (option.distance_mm > (best ? best->distance_mm : (options_.bold ? 1.0 : 0.8) * attempt.before_mm))
+        if (option.distance_mm >
+            (best ? best->distance_mm
+                  : (options_.allows_temporary_deviation ? 1.0 : 0.8) * attempt.before_mm))
           continue;
         if (lies_at_boundary(t, p, option) && angles_good(option) && (tet != kNoTet || !hits_surface(option)))
           best = option;
@@ -139,7 +142,7 @@ class MissedTips {
     option.apex = mesh_.positions[option.top];
     const Corners3 p = corners(t.vertices);
     option.distance_mm = distance_mm(p, option, attempt.probe_mm);
-    const bool useful = attempt.stray
+    const bool useful = attempt.is_outlier
                             ? lies_inside(t, p, option)
                             : option.distance_mm <= 0.8 * attempt.before_mm && lies_at_boundary(t, p, option);
     const bool good = useful && angles_good(option) && !hits_surface(option) &&
@@ -276,8 +279,8 @@ class MissedTips {
   [[nodiscard]] bool angles_good(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const {
     if (!(tetrahedron_volume(a, b, c, d) > 0)) return false;
     const auto angles = dihedral_angles_deg(a, b, c, d);
-    const auto [least, most] = std::minmax_element(angles.begin(), angles.end());
-    return *least >= options_.limits.min_deg && *most <= options_.limits.max_deg;
+    const auto [smallest, largest] = std::minmax_element(angles.begin(), angles.end());
+    return *smallest >= options_.limits.min_deg && *largest <= options_.limits.max_deg;
   }
 
   /// Replaces a boundary triangle by the three that join its edges to a vertex.
@@ -306,13 +309,13 @@ class MissedTips {
 
   /// Of a point from the new triangles.
   [[nodiscard]] static double distance_mm(const Corners3& p, const Option& o, const Vec3& from) {
-    double least2 = std::numeric_limits<double>::infinity();
+    double min2 = std::numeric_limits<double>::infinity();
     for (std::size_t e = 0; e < 3; ++e) {
       if (e == o.shared) continue;
       const Vec3 x = closest_point_on_triangle(from, p[e], p[(e + 1) % 3], o.apex);
-      least2 = std::min(least2, (x - from).squaredNorm());
+      min2 = std::min(min2, (x - from).squaredNorm());
     }
-    return std::sqrt(least2);
+    return std::sqrt(min2);
   }
 
   /// Whether the new triangles stay close to the boundary between their materials, and do not turn their
@@ -323,9 +326,9 @@ class MissedTips {
     const auto off = [&](const Vec3& x) {
       return std::abs(domain_.separation(x, base.inside, base.outside).value) / domain_.voxel_size_mm();
     };
-    constexpr double kTurned = 0.7;  // cosine; at tips the smooth boundary's normals say little
-    const double most = options_.bold ? 1.6 : 0.9;
-    if (o.top == kNoTet && off(apex) > (options_.bold ? 1.6 : 0.6)) return false;
+    constexpr double kTurned = 0.7;  // cosine; at protrusions the smooth boundary's normals say little
+    const double most = options_.allows_temporary_deviation ? 1.6 : 0.9;
+    if (o.top == kNoTet && off(apex) > (options_.allows_temporary_deviation ? 1.6 : 0.6)) return false;
     for (std::size_t e = 0; e < 3; ++e) {
       if (e == o.shared) continue;
       const Vec3& a = p[e];
@@ -365,7 +368,7 @@ class MissedTips {
     const Corners3 p = corners(base);
     const Vec3& apex = o.apex;
     const Corners3 q = corners(other);
-    constexpr double kLeastGap = 0.94;  // cosine of 20 degrees
+    constexpr double kMinGap = 0.94;  // cosine of 20 degrees
     for (std::size_t e = 0; e < 3; ++e) {
       const std::size_t f = (e + 1) % 3;
       // An edge of the cap through the other triangle.
@@ -386,7 +389,7 @@ class MissedTips {
         const Vec3 d = x - p[e];
         return Vec3((d - along * along.dot(d)).normalized());
       };
-      if (away(apex).dot(away(q[k])) > kLeastGap) return true;
+      if (away(apex).dot(away(q[k])) > kMinGap) return true;
       if (tetrahedron_volume(p[0], p[1], p[2], q[k]) > 0 && tetrahedron_volume(p[e], p[f], apex, q[k]) < 0)
         return true;
     }
@@ -435,7 +438,7 @@ class MissedTips {
   const SurfaceStars& surface_;
   const SurfaceTree& tree_;
   const ImageDomain& domain_;
-  const TipOptions& options_;
+  const ProtrusionOptions& options_;
   std::vector<std::uint8_t> keep_;  // per tetrahedron
   TriangleGrid fresh_;              // new triangles
   std::vector<std::uint8_t> used_;  // per vertex: something around it has changed already
@@ -443,16 +446,16 @@ class MissedTips {
 
 }  // namespace
 
-std::size_t reach_missed_tips(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
-                              const ImageDomain& domain, const std::vector<Miss>& misses,
-                              const TipOptions& options) {
+std::size_t grow_protrusions(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
+                             const ImageDomain& domain, const std::vector<Deviation>& deviations,
+                             const ProtrusionOptions& options) {
   std::vector<Vec3> places;
-  for (const Miss& miss : misses) {
-    for (const std::uint32_t v : boundary.triangles[miss.triangle].vertices)
+  for (const Deviation& deviation : deviations) {
+    for (const std::uint32_t v : boundary.triangles[deviation.triangle].vertices)
       places.push_back(mesh.positions[v]);
   }
   const SurfaceTree tree(mesh, boundary, places, kNearVoxels * domain.voxel_size_mm());
-  return MissedTips(mesh, boundary, surface, tree, domain, options).run(misses);
+  return ProtrusionGrower(mesh, boundary, surface, tree, domain, options).run(deviations);
 }
 
 }  // namespace lumesh

@@ -1,5 +1,5 @@
-// Slits are closed by merging vertices: a fan of tetrahedra around an edge with a gap in it.
-#include "../src/lattice/slits.hpp"
+// Narrow gaps are closed by merging vertices: a fan of tetrahedra around an edge with a gap in it.
+#include "../src/lattice/narrow_gaps.hpp"
 
 #include <gtest/gtest.h>
 
@@ -65,12 +65,12 @@ bool close(Fan& fan, const std::vector<std::uint8_t>& fixed) {
   const LabelImage image = fixtures::voxels_of(fixtures::frame_of({8, 8, 8}), {0, 1},
                                                [](const Vec3& p) { return p.norm() < 6 ? 1 : 0; });
   const ImageDomain domain(image, {});
-  const Miss miss{1,   {Vec3::Zero(), {0, 1}}, static_cast<std::uint32_t>(fan.in_gap), Vec3::Zero(), 1, true,
-                  true};
-  return close_slit(fan.mesh, fan.boundary, domain, {miss}, fixed, {15, 150});
+  const Deviation deviation{
+      1, {Vec3::Zero(), {0, 1}}, static_cast<std::uint32_t>(fan.in_gap), Vec3::Zero(), 1, true, true};
+  return close_gap(fan.mesh, fan.boundary, domain, {deviation}, fixed, {15, 150});
 }
 
-TEST(Slits, TheSidesOfANarrowGapAreMerged) {
+TEST(NarrowGaps, TheSidesOfANarrowGapAreMerged) {
   Fan fan = fan_with_gap(40);
   const std::size_t triangles = fan.boundary.triangles.size();
   ASSERT_TRUE(close(fan, {}));
@@ -101,13 +101,13 @@ TEST(Slits, TheSidesOfANarrowGapAreMerged) {
   }
 }
 
-TEST(Slits, AGapOutsideTheLabelStays) {
+TEST(NarrowGaps, AGapOutsideTheLabelStays) {
   Fan fan = fan_with_gap(40);
   for (Vec3& p : fan.mesh.positions) p.z() += 20;  // the label is a ball around the origin
   EXPECT_FALSE(close(fan, {}));
 }
 
-TEST(Slits, WideGapsAndFixedVerticesStay) {
+TEST(NarrowGaps, WideGapsAndFixedVerticesStay) {
   Fan wide = fan_with_gap(100);
   EXPECT_FALSE(close(wide, {}));
   Fan held = fan_with_gap(40);
