@@ -44,9 +44,9 @@ nlohmann::ordered_json report_json(const DelaunayReport& report, const std::opti
   for (const DelaunayRound& round : report.rounds)
     json["rounds"].push_back({{"seconds", round.seconds},
                               {"tetrahedra_looked_at", round.tets_looked_at},
-                              {"surface_wishes", round.surface_wishes},
-                              {"volume_wishes", round.volume_wishes},
-                              {"topology_wishes", round.topology_wishes},
+                              {"surface_wishes", round.surface_candidates},
+                              {"volume_wishes", round.volume_candidates},
+                              {"topology_wishes", round.topology_candidates},
                               {"inserted", round.inserted},
                               {"removed", round.removed}});
   if (improved)

@@ -43,7 +43,7 @@ LUMESH_SIZING_EXPORT int lumesh_sizing_create(const char* options, void** state,
 /// Optional: called once after all others, on one thread, if lumesh_sizing_create() succeeded.
 LUMESH_SIZING_EXPORT void lumesh_sizing_destroy(void* state);
 
-/// Wanted edge length at a point in mm, > 0, or infinity where there is no wish. Any other answer (NaN, 0,
+/// Wanted edge length at a point in mm, > 0, or infinity where any size will do. Any other answer (NaN, 0,
 /// less than 0) counts as infinity, and is reported.
 LUMESH_SIZING_EXPORT double lumesh_size_at(void* state, double x, double y, double z);
 

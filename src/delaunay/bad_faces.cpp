@@ -15,7 +15,7 @@
 namespace lumesh::delaunay {
 namespace {
 
-struct Candidate {
+struct Removal {
   double badness;  // Cosine of the smallest angle.
   VertexId vertex;
 };
@@ -112,12 +112,12 @@ VertexId superfluous_vertex(const TetMesh& mesh, const NeededRims& rims, const s
 }  // namespace
 
 std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& rules, const Spacing& spacing,
-                                            double least_angle_deg, bool first) {
+                                            double min_angle_deg, bool first) {
   const NeededRims rims(mesh, spacing);
-  const double most_cosine = std::cos(least_angle_deg * std::numbers::pi / 180);
-  auto found = parallel::collect<Candidate>(
+  const double max_cosine = std::cos(min_angle_deg * std::numbers::pi / 180);
+  auto found = parallel::collect<Removal>(
       mesh.tet_slots(),
-      [&](std::size_t i, std::vector<Candidate>& out) {
+      [&](std::size_t i, std::vector<Removal>& out) {
         const TetId t(static_cast<std::uint32_t>(i));
         if (!mesh.alive(t)) return;
         for (int f = 0; f < 4; ++f) {
@@ -128,20 +128,20 @@ std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& ru
               v.begin(), v.end(), [&](VertexId w) { return mesh.dimension(w) == VertexDimension::kVolume; });
           const double cosine =
               cosine_of_smallest_angle(mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]));
-          if (!is_off && !(cosine > most_cosine)) continue;
+          if (!is_off && !(cosine > max_cosine)) continue;
           if (const VertexId gone = superfluous_vertex(mesh, rims, v, first); gone.valid())
             out.push_back({cosine, gone});
         }
       },
       4096);
-  std::sort(found.begin(), found.end(), [&](const Candidate& a, const Candidate& b) {
+  std::sort(found.begin(), found.end(), [&](const Removal& a, const Removal& b) {
     return a.badness != b.badness ? a.badness > b.badness
                                   : precedes(mesh.point(a.vertex), mesh.point(b.vertex));
   });
   std::vector<VertexId> chosen;
   std::unordered_set<std::uint32_t> blocked;
   VertexStar star;
-  for (const Candidate& one : found) {
+  for (const Removal& one : found) {
     if (blocked.contains(one.vertex.value)) continue;
     chosen.push_back(one.vertex);
     for (const TetId t : star.gather(mesh, one.vertex))

@@ -8,7 +8,7 @@
 namespace lumesh::delaunay {
 namespace {
 
-constexpr double kMostGridPoints = 2e6;
+constexpr double kMaxGridPoints = 2e6;
 constexpr float kUnknown = std::numeric_limits<float>::infinity();
 
 ValueGrid empty_grid(const Domain& domain) {
@@ -16,7 +16,7 @@ ValueGrid empty_grid(const Domain& domain) {
   // At least two cells around, for sweeps and interpolation.
   const auto volume_with = [&](double spacing) { return (box.sizes().array() + 4 * spacing).prod(); };
   double spacing = domain.resolution_mm();
-  while (volume_with(spacing) > kMostGridPoints * spacing * spacing * spacing) spacing *= 1.05;
+  while (volume_with(spacing) > kMaxGridPoints * spacing * spacing * spacing) spacing *= 1.05;
   const Index3 size = (box.sizes() / spacing).array().ceil().cast<int>() + 5;
   return {box.min() - Vec3::Constant(2 * spacing), spacing, size};
 }
@@ -24,14 +24,14 @@ ValueGrid empty_grid(const Domain& domain) {
 /// Distance to the boundary at a place near it: to first order, by each boundary around. The clearance alone
 /// would be too small across voxels that are longer than wide.
 double distance_near_boundary(const Domain& domain, const Vec3& x, const Domain::Surroundings& around) {
-  constexpr double kLeastSlope = 0.25;  // Fields flatten where boundaries crowd.
-  double least = std::numeric_limits<double>::infinity();
+  constexpr double kMinSlope = 0.25;  // Fields flatten where boundaries lie close together.
+  double smallest = std::numeric_limits<double>::infinity();
   for (const Material other : domain.materials_near(x, domain.clearance_limit_mm())) {
     if (other == around.material) continue;
     const FieldSample f = domain.separation(x, around.material, other);
-    least = std::min(least, std::abs(f.value) / std::max(f.gradient.norm(), kLeastSlope));
+    smallest = std::min(smallest, std::abs(f.value) / std::max(f.gradient.norm(), kMinSlope));
   }
-  return std::isfinite(least) ? std::max(least, around.clearance_mm) : around.clearance_mm;
+  return std::isfinite(smallest) ? std::max(smallest, around.clearance_mm) : around.clearance_mm;
 }
 
 /// Distances near boundaries, kUnknown elsewhere.
@@ -89,12 +89,12 @@ void sweep(ValueGrid& grid, const std::vector<std::uint8_t>& is_known, const Ind
         const Index3 at(place(0, ni), place(1, nj), place(2, nk));
         const std::size_t here = grid.offset(at);
         if (is_known[here] != 0) continue;
-        std::array<double, 3> least = {};
+        std::array<double, 3> smallest = {};
         for (int a = 0; a < 3; ++a)
-          least[a] = std::min(at[a] > 0 ? values[here - strides[a]] : kUnknown,
-                              at[a] + 1 < size[a] ? values[here + strides[a]] : kUnknown);
-        if (std::isinf(std::min({least[0], least[1], least[2]}))) continue;
-        values[here] = std::min(values[here], static_cast<float>(upwind(least, grid.spacing_mm())));
+          smallest[a] = std::min(at[a] > 0 ? values[here - strides[a]] : kUnknown,
+                                 at[a] + 1 < size[a] ? values[here + strides[a]] : kUnknown);
+        if (std::isinf(std::min({smallest[0], smallest[1], smallest[2]}))) continue;
+        values[here] = std::min(values[here], static_cast<float>(upwind(smallest, grid.spacing_mm())));
       }
     }
   }

@@ -91,7 +91,7 @@ class BoundarySizing final : public Sizing {
 class ImageSizing final : public Sizing {
  public:
   explicit ImageSizing(SizeImage image) : image_(std::move(image)) {
-    // "No wish" is 0 here: it drops out of sums.
+    // "Any size" is 0 here: it drops out of sums.
     for (float& size : image_.sizes_mm)
       if (std::isinf(size)) size = 0;
   }
@@ -104,7 +104,7 @@ class ImageSizing final : public Sizing {
       sum += corners.weight(c) * size;
       weight += size > 0 ? corners.weight(c) : 0;
     }
-    return sum > 0 ? sum / weight : kNoSizeWish;
+    return sum > 0 ? sum / weight : kAnySize;
   }
 
  private:
@@ -154,7 +154,7 @@ class CombinedSizing final : public Sizing {
   explicit CombinedSizing(std::vector<std::unique_ptr<Sizing>> parts) : parts_(std::move(parts)) {}
 
   [[nodiscard]] double size_at(const Vec3& point_mm, Label label) const override {
-    double size = kNoSizeWish;
+    double size = kAnySize;
     for (const auto& part : parts_) size = std::min(size, part->size_at(point_mm, label));
     return size;
   }
@@ -219,7 +219,7 @@ std::unique_ptr<Sizing> size_from_image(SizeImage image) {
     const std::ptrdiff_t at = bad - image.sizes_mm.begin(), row = size.x(), slice = row * size.y();
     throw Error(
         ErrorKind::kBadInput,
-        fmt::format("the size image has {:g} at voxel ({}, {}, {}): sizes are mm, > 0, or 0 for no wish",
+        fmt::format("the size image has {:g} at voxel ({}, {}, {}): sizes are mm, > 0, or 0 for any size",
                     *bad, at % row, at % slice / row, at / slice));
   }
   return std::make_unique<ImageSizing>(std::move(image));

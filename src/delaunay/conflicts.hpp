@@ -1,5 +1,5 @@
 #pragma once
-/// @file Which tetrahedra a point would replace, for as long as nobody changes the mesh.
+/// @file Conflict sets: the tetrahedra that a point would replace, for as long as nobody changes the mesh.
 
 #include <cstdint>
 #include <span>
@@ -21,7 +21,8 @@ class ConflictFinder {
   [[nodiscard]] std::size_t slot_of(TetId t) const;
 
   std::vector<TetId> tets_;
-  std::vector<std::uint32_t> table_;  // What is in tets_, by open addressing; its size is a power of two.
+  std::vector<std::uint32_t>
+      table_;  // The elements of tets_, by open addressing; its size is a power of two.
 };
 
 }  // namespace lumesh::delaunay

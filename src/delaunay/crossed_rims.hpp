@@ -10,9 +10,9 @@
 namespace lumesh::delaunay {
 
 /// Near an opening that slants, or whose points stand far apart, the centre of a tetrahedron's circumsphere
-/// may lie beyond the cut plane although the tetrahedron does not: such ones take the material at their own
-/// centre, if that is meshed, as long as this pinches no vertex. Labels of tetrahedra are materials. @return
-/// how many.
+/// may lie beyond the cut plane although the tetrahedron does not: such tetrahedra take the material at their
+/// own centre, if that is meshed, as long as this pinches no vertex. Labels of tetrahedra are materials.
+/// @return Number of relabelled tetrahedra.
 std::size_t relabel_at_cuts(TetMesh& mesh, const Domain& domain);
 
 /// A face between the object and the outside whose corners lie on no common boundary, such as one on the wall
@@ -20,7 +20,7 @@ std::size_t relabel_at_cuts(TetMesh& mesh, const Domain& domain);
 /// of a tetrahedron's circumsphere does not say what the tetrahedron is: that of one inside of such a wedge
 /// lies outside. There, those with all corners on the boundary take the material at their own centre, as long
 /// as this pinches no vertex. One after another, in the order of their places: they are few. Labels of
-/// tetrahedra are materials. @return how many.
+/// tetrahedra are materials. @return Number of relabelled tetrahedra.
 std::size_t relabel_crossed_rims(TetMesh& mesh, const Domain& domain);
 
 }  // namespace lumesh::delaunay

@@ -7,9 +7,9 @@
 #include <limits>
 #include <memory>
 
-#include "carving.hpp"
 #include "crossed_rims.hpp"
 #include "estimate.hpp"
+#include "exterior_removal.hpp"
 #include "flat_tets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/delaunay/built_in_sizings.hpp"
@@ -163,7 +163,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
     delaunay::relabel_out_of_bounds(result.mesh, domain);
     return pinched;
   });
-  context.phase("carving", [&] { delaunay::carve(result.mesh, domain); });
+  context.phase("carving", [&] { delaunay::remove_exterior(result.mesh, domain); });
   result.report.held_back =
       context.phase("settling", [&] { return settle_in(domain, options, result.mesh); });
   if (result.report.pinched_vertices > 0)

@@ -1,4 +1,4 @@
-#include "carving.hpp"
+#include "exterior_removal.hpp"
 
 #include <algorithm>
 #include <array>
@@ -100,7 +100,7 @@ void set_patches(TetMesh& mesh, const Domain& domain) {
 
 }  // namespace
 
-void carve(TetMesh& mesh, const Domain& domain) {
+void remove_exterior(TetMesh& mesh, const Domain& domain) {
   drop_outside(mesh, domain);
   mesh.reorder_along_curve();
   mesh.normalise();

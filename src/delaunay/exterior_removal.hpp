@@ -1,5 +1,5 @@
 #pragma once
-/// @file From a triangulation whose tetrahedra have materials to the mesh of those that are meshed.
+/// @file Exterior removal: from a triangulation of materials to the mesh of those that are meshed.
 
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
@@ -8,6 +8,6 @@ namespace lumesh::delaunay {
 
 /// Frees all but the tetrahedra of meshed materials, gives the faces between materials their patches and
 /// tetrahedra their labels. The mesh is in the order of the curve afterwards.
-void carve(TetMesh& mesh, const Domain& domain);
+void remove_exterior(TetMesh& mesh, const Domain& domain);
 
 }  // namespace lumesh::delaunay

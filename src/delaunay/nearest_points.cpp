@@ -55,9 +55,9 @@ struct NearestPoints::Builder {
   [[nodiscard]] bool beats(std::uint32_t q, std::uint32_t p, const Block& block, double error) const {
     const Vec3 to_q = block.centre - points[q], to_p = block.centre - points[p];
     const double scale = (1 + error) * (1 + error), p2 = scale * to_p.squaredNorm();
-    const double most = to_q.squaredNorm() - p2 + 2 * block.half.dot((to_q - scale * to_p).cwiseAbs());
+    const double bound = to_q.squaredNorm() - p2 + 2 * block.half.dot((to_q - scale * to_p).cwiseAbs());
     constexpr double kRounding = 1e-12;  // Relative to what was subtracted; a tie may keep both.
-    return most < -kRounding * p2;
+    return bound < -kRounding * p2;
   }
 
   [[nodiscard]] std::uint32_t nearest(std::span<const std::uint32_t> from, const Vec3& x) const {
@@ -75,15 +75,15 @@ struct NearestPoints::Builder {
     return kept;
   }
 
-  /// Those of `kept` that stand for all of them within kMostError, or none if it takes more than `most`.
+  /// Those of `kept` that stand for all of them within kMaxError, or none if it takes more than `max_count`.
   [[nodiscard]] std::vector<std::uint32_t> reduced(std::span<const std::uint32_t> kept, std::uint32_t best,
-                                                   const Block& block, std::size_t most) const {
+                                                   const Block& block, std::size_t max_count) const {
     std::vector<std::uint32_t> few = {best};
     for (const std::uint32_t p : kept) {
-      if (p == best || std::any_of(few.begin(), few.end(),
-                                   [&](std::uint32_t q) { return beats(q, p, block, kMostError); }))
+      if (p == best ||
+          std::any_of(few.begin(), few.end(), [&](std::uint32_t q) { return beats(q, p, block, kMaxError); }))
         continue;
-      if (few.size() == most) return {};
+      if (few.size() == max_count) return {};
       few.push_back(p);
     }
     return few;
@@ -92,8 +92,8 @@ struct NearestPoints::Builder {
   void build(std::span<const std::uint32_t> from, const Block& block) {
     const std::uint32_t best = nearest(from, block.centre);
     const double at_centre = (points[best] - block.centre).norm(), reach = block.half.norm();
-    if (at_centre + reach <= range.least || at_centre - reach >= range.largest) {
-      blocks.emplace_back(block, List{at_centre + reach <= range.least ? kNear : kFar, 0});
+    if (at_centre + reach <= range.smallest || at_centre - reach >= range.largest) {
+      blocks.emplace_back(block, List{at_centre + reach <= range.smallest ? kNear : kFar, 0});
       return;
     }
     const std::vector<std::uint32_t> kept = remaining(from, best, block);
@@ -157,24 +157,24 @@ NearestPoints::NearestPoints(std::span<const Vec3> points, const Box3& region, D
 }
 
 double NearestPoints::held(double squared_distance) const {
-  return std::clamp(std::sqrt(squared_distance), range_.least, range_.largest);
+  return std::clamp(std::sqrt(squared_distance), range_.smallest, range_.largest);
 }
 
 double NearestPoints::distance(const Vec3& x) const {
   const Vec3 place = (x - low_).cwiseProduct(cells_per_mm_);
-  double least2 = std::numeric_limits<double>::infinity();
+  double smallest2 = std::numeric_limits<double>::infinity();
   if (!(place.minCoeff() >= 0 && place.maxCoeff() < static_cast<double>(1U << levels_))) {
-    for (const Vec3& p : points_) least2 = std::min(least2, (p - x).squaredNorm());
-    return held(least2);
+    for (const Vec3& p : points_) smallest2 = std::min(smallest2, (p - x).squaredNorm());
+    return held(smallest2);
   }
   const List list =
       cells_[((static_cast<std::size_t>(place.z()) << levels_ | static_cast<std::size_t>(place.y()))
               << levels_) |
              static_cast<std::size_t>(place.x())];
-  if (list.count == 0) return list.first == kNear ? range_.least : range_.largest;
+  if (list.count == 0) return list.first == kNear ? range_.smallest : range_.largest;
   for (std::uint32_t i = 0; i < list.count; ++i)
-    least2 = std::min(least2, (candidates_[list.first + i] - x).squaredNorm());
-  return held(least2);
+    smallest2 = std::min(smallest2, (candidates_[list.first + i] - x).squaredNorm());
+  return held(smallest2);
 }
 
 std::size_t NearestPoints::memory_bytes() const {

@@ -26,7 +26,7 @@ std::vector<std::uint8_t> vertices_out(const TetMesh& mesh, const Domain& domain
 }  // namespace
 
 std::size_t relabel_out_of_bounds(TetMesh& mesh, const Domain& domain) {
-  constexpr int kRounds = 8;  // What mends a vertex may reach beyond again.
+  constexpr int kRounds = 8;  // The repair of a vertex may reach beyond again.
   const std::vector<std::uint8_t> is_out = vertices_out(mesh, domain);
   std::size_t count = 0;
   for (int round = 0; round < kRounds; ++round) {

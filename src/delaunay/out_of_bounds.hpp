@@ -1,5 +1,5 @@
 #pragma once
-/// @file Nothing of the object lies beyond what cuts it off, or where there is none of it.
+/// @file Removal of tetrahedra beyond cut planes and outside the domain's bounds.
 
 #include <cstddef>
 
@@ -9,8 +9,8 @@
 namespace lumesh::delaunay {
 
 /// Gives tetrahedra with a corner beyond a cut plane, or out of Domain::bounds_mm(), to the outside: they
-/// became part of the object where pinched vertices were mended. What that pinches is mended in turn, eight
-/// times at most. Labels of tetrahedra are materials. @return how many.
+/// became part of the object where pinched vertices were repaired. Vertices that this pinches are repaired in
+/// turn, eight times at most. Labels of tetrahedra are materials. @return Number of relabelled tetrahedra.
 std::size_t relabel_out_of_bounds(TetMesh& mesh, const Domain& domain);
 
 }  // namespace lumesh::delaunay

@@ -11,14 +11,14 @@ namespace lumesh::delaunay {
 
 using CornerPlaces = std::array<Vec3, 4>;
 
-/// The first by precedes() first.
+/// Places of the corners, sorted by precedes().
 [[nodiscard]] inline CornerPlaces corner_places(const TetMesh& mesh, TetId t) {
   CornerPlaces corners = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)};
   std::sort(corners.begin(), corners.end(), precedes);
   return corners;
 }
 
-/// A total order: no two tetrahedra have the same corners.
+/// A total order of tetrahedra: no two have the same corners.
 [[nodiscard]] inline bool is_earlier(const CornerPlaces& a, const CornerPlaces& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), precedes);
 }

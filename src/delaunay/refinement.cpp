@@ -56,11 +56,11 @@ std::vector<Circumsphere> Refinement::find_materials(std::span<const TetId> fres
   return spheres;
 }
 
-std::vector<Wish> Refinement::wishes_of(std::span<const TetId> fresh,
-                                        std::span<const Circumsphere> spheres) const {
-  return parallel::collect<Wish>(
+std::vector<Candidate> Refinement::candidates_for(std::span<const TetId> fresh,
+                                                  std::span<const Circumsphere> spheres) const {
+  return parallel::collect<Candidate>(
       fresh.size(),
-      [&](std::size_t i, std::vector<Wish>& out) {
+      [&](std::size_t i, std::vector<Candidate>& out) {
         const TetId t = fresh[i];
         const Circumsphere& sphere = spheres[i];
         for (int f = 0; f < 4; ++f) {
@@ -68,10 +68,10 @@ std::vector<Wish> Refinement::wishes_of(std::span<const TetId> fresh,
           const TetId other = mesh_.link(t, f).tet();
           // Once for each face, from the same side whatever the numbers are.
           if (mesh_.stamp(other) == stamp_ && mesh_.label(other) < mesh_.label(t)) continue;
-          if (const auto wish = rules_.wish_of_face(t, f, sphere)) out.push_back(*wish);
+          if (const auto candidate = rules_.candidate_for_face(t, f, sphere)) out.push_back(*candidate);
         }
-        if (const auto wish = rules_.wish_of_crossed_opening(t, sphere)) out.push_back(*wish);
-        if (const auto wish = rules_.wish_of_tet(t, sphere)) out.push_back(*wish);
+        if (const auto candidate = rules_.candidate_for_crossed_opening(t, sphere)) out.push_back(*candidate);
+        if (const auto candidate = rules_.candidate_for_tet(t, sphere)) out.push_back(*candidate);
       },
       kBlock);
 }
@@ -96,20 +96,20 @@ std::vector<VertexId> Refinement::newly_pinched(std::span<const TetId> fresh) {
   return found;
 }
 
-std::vector<Wish> Refinement::wishes_of_topology(std::span<const VertexId> pinched) const {
-  return parallel::collect_blocks<Wish>(
-      pinched.size(), 16, [&](std::size_t begin, std::size_t end, std::vector<Wish>& out) {
+std::vector<Candidate> Refinement::topology_candidates(std::span<const VertexId> pinched) const {
+  return parallel::collect_blocks<Candidate>(
+      pinched.size(), 16, [&](std::size_t begin, std::size_t end, std::vector<Candidate>& out) {
         VertexStar star;
         for (std::size_t i = begin; i < end; ++i) {
-          std::optional<Wish> best;
+          std::optional<Candidate> best;
           for (const TetId t : star.gather(mesh_, pinched[i])) {
             const Circumsphere sphere = circumsphere(mesh_, t);
             for (int f = 0; f < 4; ++f) {
               if (mesh_.vertex(t, f) == pinched[i] || !rules_.is_boundary(t, f)) continue;
               // From the same side whatever the numbers are: the other tetrahedron is around the vertex, too.
               if (mesh_.label(mesh_.link(t, f).tet()) < mesh_.label(t)) continue;
-              const auto wish = rules_.centre_of_face(t, f, sphere);
-              if (wish && (!best || is_more_urgent(*wish, *best))) best = wish;
+              const auto candidate = rules_.centre_of_face(t, f, sphere);
+              if (candidate && (!best || has_higher_priority(*candidate, *best))) best = candidate;
             }
           }
           if (best) out.push_back(*best);
@@ -118,8 +118,8 @@ std::vector<Wish> Refinement::wishes_of_topology(std::span<const VertexId> pinch
 }
 
 /// Inner vertices too near to new ones of a surface (R6), and those of surfaces to new ones of curves.
-std::vector<VertexId> Refinement::crowding(std::span<const VertexId> made,
-                                           std::span<const Wish> wishes) const {
+std::vector<VertexId> Refinement::encroaching(std::span<const VertexId> made,
+                                              std::span<const Candidate> candidates) const {
   auto found = parallel::collect_blocks<VertexId>(
       made.size(), 64, [&](std::size_t begin, std::size_t end, std::vector<VertexId>& out) {
         VertexStar star;
@@ -127,16 +127,16 @@ std::vector<VertexId> Refinement::crowding(std::span<const VertexId> made,
           const VertexId v = made[i];
           if (!v.valid() || mesh_.dimension(v) == VertexDimension::kVolume) continue;
           constexpr double kNear = 0.5, kNearCurve = 0.3;
-          const auto gives_way = [&](VertexId w) {
+          const auto encroaches = [&](VertexId w) {
             const VertexDimension dimension = mesh_.dimension(w);
             if (dimension <= VertexDimension::kCurve || dimension <= mesh_.dimension(v)) return false;
-            const double least =
-                (dimension == VertexDimension::kVolume ? kNear : kNearCurve) * wishes[i].spacing;
-            return (mesh_.point(w) - mesh_.point(v)).squaredNorm() < least * least;
+            const double min_distance =
+                (dimension == VertexDimension::kVolume ? kNear : kNearCurve) * candidates[i].spacing;
+            return (mesh_.point(w) - mesh_.point(v)).squaredNorm() < min_distance * min_distance;
           };
           for (const TetId t : star.gather(mesh_, v))
             for (const std::uint32_t w : mesh_.tet(t))
-              if (w >= 4 && gives_way(VertexId(w))) out.emplace_back(w);
+              if (w >= 4 && encroaches(VertexId(w))) out.emplace_back(w);
         }
       });
   parallel::sort_unique(found);
@@ -144,11 +144,11 @@ std::vector<VertexId> Refinement::crowding(std::span<const VertexId> made,
 }
 
 std::size_t Refinement::clear() {
-  constexpr double kLeastAngleDeg = 25;
-  constexpr int kMostClearings = 8;  // Some come back, whatever is taken out.
-  if (clearings_ == kMostClearings) return 0;
+  constexpr double kMinAngleDeg = 25;
+  constexpr int kMaxClearings = 8;  // Some come back, whatever is taken out.
+  if (clearings_ == kMaxClearings) return 0;
   std::vector<VertexId> gone =
-      vertices_of_bad_faces(mesh_, rules_, spacing_, kLeastAngleDeg, clearings_++ % 2 == 0);
+      vertices_of_bad_faces(mesh_, rules_, spacing_, kMinAngleDeg, clearings_++ % 2 == 0);
   for (const VertexId v : pinched())
     if (v.value >= 4 && mesh_.dimension(v) == VertexDimension::kSurface) gone.push_back(v);
   sort_unique(gone);
@@ -162,20 +162,21 @@ DelaunayRound Refinement::run_round() {
   DelaunayRound round;
   const std::vector<TetId> fresh = fresh_tets();
   const std::vector<Circumsphere> spheres = find_materials(fresh);
-  std::vector<Wish> wishes = wishes_of(fresh, spheres);
+  std::vector<Candidate> candidates = candidates_for(fresh, spheres);
   round.tets_looked_at = fresh.size();
-  // Shapes first: they mend most of it.
+  // Shapes first: their points repair most pinched vertices.
   constexpr std::uint32_t kFew = 1000;  // One of so many vertices.
-  const auto of_surfaces = std::count_if(
-      wishes.begin(), wishes.end(), [](const Wish& w) { return w.dimension != VertexDimension::kVolume; });
+  const auto of_surfaces = std::count_if(candidates.begin(), candidates.end(), [](const Candidate& w) {
+    return w.dimension != VertexDimension::kVolume;
+  });
   if (pinched_ || of_surfaces <= static_cast<std::ptrdiff_t>(mesh_.vertex_count() / kFew)) {
-    const std::vector<Wish> more = wishes_of_topology(newly_pinched(fresh));
-    wishes.insert(wishes.end(), more.begin(), more.end());
-    round.topology_wishes = more.size();
+    const std::vector<Candidate> more = topology_candidates(newly_pinched(fresh));
+    candidates.insert(candidates.end(), more.begin(), more.end());
+    round.topology_candidates = more.size();
   }
-  for (const Wish& wish : wishes)
-    ++(wish.dimension == VertexDimension::kVolume ? round.volume_wishes : round.surface_wishes);
-  const std::vector<Wish> winners = granting_.granted(mesh_, std::move(wishes), stamp_ + 1);
+  for (const Candidate& candidate : candidates)
+    ++(candidate.dimension == VertexDimension::kVolume ? round.volume_candidates : round.surface_candidates);
+  const std::vector<Candidate> winners = independent_set_.select(mesh_, std::move(candidates), stamp_ + 1);
   ++stamp_;
   std::vector<operators::DelaunayExecution::NewVertex> points(winners.size());
   parallel::for_each_index(points.size(), [&](std::size_t i) {
@@ -187,10 +188,10 @@ DelaunayRound Refinement::run_round() {
   round.inserted = mesh_.vertex_count() - before;
   // Later on, what is taken out could be asked for again, and again.
   constexpr int kRoundsWithRemoval = 12;
-  const std::vector<VertexId> crowded =
-      rounds_++ < kRoundsWithRemoval ? crowding(made, winners) : std::vector<VertexId>();
-  execution_.remove(crowded, stamp_);
-  round.removed = crowded.size();
+  const std::vector<VertexId> encroaching_vertices =
+      rounds_++ < kRoundsWithRemoval ? encroaching(made, winners) : std::vector<VertexId>();
+  execution_.remove(encroaching_vertices, stamp_);
+  round.removed = encroaching_vertices.size();
   has_changed_ = round.inserted + round.removed > 0;
   round.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return round;

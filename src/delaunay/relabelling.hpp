@@ -13,28 +13,29 @@
 
 namespace lumesh::delaunay {
 
-/// A sweep over those that have one to take, in the order of their places; each is asked again when its turn
-/// comes, for those before may have changed its surroundings. Labels of tetrahedra are materials.
-/// @param material_of  Of a living tetrahedron: what it is to be, std::optional<Material>; none if it stays.
+/// A sweep over the tetrahedra that have a material to take, in the order of their places; each is asked
+/// again when its turn comes, for earlier ones may have changed its surroundings. Labels of tetrahedra are
+/// materials.
+/// @param material_of  New material of a living tetrahedron, std::optional<Material>; none if it stays.
 ///   Called from several threads.
-/// @return how many took it.
+/// @return Number of relabelled tetrahedra.
 template <class MaterialOf>
 std::size_t relabel_unless_pinching(TetMesh& mesh, const Domain& domain, const MaterialOf& material_of) {
-  struct Candidate {
+  struct Relabelling {
     TetId tet;
     CornerPlaces corners;
   };
-  auto candidates = parallel::collect<Candidate>(
+  auto candidates = parallel::collect<Relabelling>(
       mesh.tet_slots(),
-      [&](std::size_t i, std::vector<Candidate>& out) {
+      [&](std::size_t i, std::vector<Relabelling>& out) {
         const TetId t(static_cast<std::uint32_t>(i));
         if (mesh.alive(t) && material_of(t)) out.push_back({t, corner_places(mesh, t)});
       },
       8192);
   parallel::sort(candidates.begin(), candidates.end(),
-                 [](const Candidate& a, const Candidate& b) { return is_earlier(a.corners, b.corners); });
+                 [](const Relabelling& a, const Relabelling& b) { return is_earlier(a.corners, b.corners); });
   std::size_t count = 0;
-  for (const Candidate& candidate : candidates) {
+  for (const Relabelling& candidate : candidates) {
     const TetId t = candidate.tet;
     const std::optional<Material> wanted = material_of(t);
     if (!wanted) continue;

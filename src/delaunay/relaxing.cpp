@@ -129,7 +129,7 @@ class Relaxation {
   }
   [[nodiscard]] Vec3 moved(std::size_t i) const {
     if (!is_free(i)) return points_[i];
-    constexpr double kStep = 0.66, kMost = 0.2;  // In spacings.
+    constexpr double kStep = 0.66, kMax = 0.2;  // In spacings.
     const BoundaryCandidate& mine = candidate(i);
     Vec3 push = Vec3::Zero();
     for (std::uint32_t n = starts_[i]; n < starts_[i + 1]; ++n) {
@@ -140,7 +140,7 @@ class Relaxation {
       push += strength * strength / distance * from;
     }
     const double length = kStep * push.norm();
-    return points_[i] + (length > kMost ? kMost / length : 1) * kStep * mine.spacing * push;
+    return points_[i] + (length > kMax ? kMax / length : 1) * kStep * mine.spacing * push;
   }
 
   static constexpr std::size_t kBlock = 256;

@@ -17,8 +17,8 @@ constexpr float kSurfaceFirst = 1e6F;
 
 }  // namespace
 
-bool is_more_urgent(const Wish& a, const Wish& b) {
-  if (a.urgency != b.urgency) return a.urgency > b.urgency;
+bool has_higher_priority(const Candidate& a, const Candidate& b) {
+  if (a.priority != b.priority) return a.priority > b.priority;
   if (a.point != b.point) return precedes(a.point, b.point);
   // Of several faces that ask for the same point: what they ask for is told apart by nothing else that
   // counts.
@@ -100,7 +100,7 @@ std::optional<Rules::DualEdge> Rules::dual_of(TetId t, int face, const Circumsph
                   static_cast<Material>(mesh_.label(behind)), std::max(sphere.radius, theirs.radius)};
 }
 
-std::optional<Wish> Rules::centre_of_face(TetId t, int face, const Circumsphere& sphere) const {
+std::optional<Candidate> Rules::centre_of_face(TetId t, int face, const Circumsphere& sphere) const {
   const auto dual = dual_of(t, face, sphere);
   if (!dual) return std::nullopt;
   const Cell<3> corners = mesh_.face_corners(t, face);
@@ -112,7 +112,7 @@ std::optional<Wish> Rules::centre_of_face(TetId t, int face, const Circumsphere&
   return at_surface(centre, t, *dual, (centre - a).norm(), spacing);
 }
 
-std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& sphere) const {
+std::optional<Candidate> Rules::candidate_for_face(TetId t, int face, const Circumsphere& sphere) const {
   const auto found = dual_of(t, face, sphere);
   if (!found) return std::nullopt;
   const DualEdge& dual = *found;
@@ -128,7 +128,7 @@ std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& s
   const bool is_bad = is_off || cosine_of_smallest_angle(a, b, c) > cosine_of_facet_angle_;
   const double spacing = spacing_.surface_spacing_at(a, dual.mine, dual.other);
   if (!is_off)
-    if (const auto wish = wish_of_crossed_curve(t, dual, {a, b, c}, spacing)) return wish;
+    if (const auto candidate = candidate_for_crossed_curve(t, dual, {a, b, c}, spacing)) return candidate;
   // All of the edge is as near to the corners as its ends.
   if (!is_bad && dual.reach <= spacing) return std::nullopt;
   constexpr double kClose = 0.02;
@@ -140,8 +140,9 @@ std::optional<Wish> Rules::wish_of_face(TetId t, int face, const Circumsphere& s
 
 /// A face with corners on different boundaries cuts off what lies between: there is a curve that it should
 /// not cross.
-std::optional<Wish> Rules::wish_of_crossed_curve(TetId t, const DualEdge& dual,
-                                                 const std::array<Vec3, 3>& corners, double spacing) const {
+std::optional<Candidate> Rules::candidate_for_crossed_curve(TetId t, const DualEdge& dual,
+                                                            const std::array<Vec3, 3>& corners,
+                                                            double spacing) const {
   constexpr double kFar = 2, kOn = 0.03;  // In spacings.
   if (domain_.material_count() <= 2 || domain_.materials_near(corners[0], kFar * spacing).size() <= 2)
     return std::nullopt;
@@ -155,39 +156,39 @@ std::optional<Wish> Rules::wish_of_crossed_curve(TetId t, const DualEdge& dual,
       triple.insert(third);
       const auto x = domain_.project(corner, triple, kFar * spacing);
       if (x && !is_cut_off(domain_, *x))
-        return Wish{*x, t, kSurfaceFirst + static_cast<float>((*x - corner).norm() / spacing),
-                    VertexDimension::kCurve, spacing};
+        return Candidate{*x, t, kSurfaceFirst + static_cast<float>((*x - corner).norm() / spacing),
+                         VertexDimension::kCurve, spacing};
     }
   }
   return std::nullopt;
 }
 
 /// A point on the surface, or on the curve where it ends if that is near.
-std::optional<Wish> Rules::at_surface(const Vec3& place, TetId t, const DualEdge& dual, double radius,
-                                      double spacing) const {
+std::optional<Candidate> Rules::at_surface(const Vec3& place, TetId t, const DualEdge& dual, double radius,
+                                           double spacing) const {
   const MaterialSet set{dual.mine, dual.other};
   auto on_surface = domain_.project(place, set, spacing);
   if (on_surface && is_cut_off(domain_, *on_surface)) on_surface.reset();
-  Wish wish{on_surface.value_or(place), t, kSurfaceFirst + static_cast<float>(radius / spacing),
-            VertexDimension::kSurface, spacing};
-  const MaterialSet near = domain_.materials_near(wish.point, 0.5 * std::min(radius, spacing));
+  Candidate candidate{on_surface.value_or(place), t, kSurfaceFirst + static_cast<float>(radius / spacing),
+                      VertexDimension::kSurface, spacing};
+  const MaterialSet near = domain_.materials_near(candidate.point, 0.5 * std::min(radius, spacing));
   for (const Material third : near) {
     if (set.contains(third)) continue;
     MaterialSet triple = set;
     triple.insert(third);
-    const auto on_curve = domain_.project(wish.point, triple, spacing);
+    const auto on_curve = domain_.project(candidate.point, triple, spacing);
     if (on_curve && !is_cut_off(domain_, *on_curve)) {
-      wish.point = *on_curve;
-      wish.dimension = VertexDimension::kCurve;
+      candidate.point = *on_curve;
+      candidate.dimension = VertexDimension::kCurve;
       break;
     }
   }
-  return wish;
+  return candidate;
 }
 
-std::optional<Wish> Rules::wish_of_crossed_opening(TetId t, const Circumsphere& sphere) const {
+std::optional<Candidate> Rules::candidate_for_crossed_opening(TetId t, const Circumsphere& sphere) const {
   const double touch_mm = 1e-2 * domain_.resolution_mm();
-  std::optional<Wish> best;
+  std::optional<Candidate> best;
   for (const CutPlane& cut : domain_.cut_planes()) {
     if (std::abs(cut.height(sphere.centre)) > sphere.radius) continue;
     for (const auto& [i, j] : kTetEdges) {
@@ -199,14 +200,14 @@ std::optional<Wish> Rules::wish_of_crossed_opening(TetId t, const Circumsphere& 
       // The thinner the object is below, the nearer points of the opening may be to its wall.
       const double depth_mm = -std::min(at_i, at_j);
       const double spacing = std::min(spacing_.delta_mm(), 2 * depth_mm);
-      const Wish wish{x, t, kSurfaceFirst, VertexDimension::kSurface, spacing};
-      if (!best || is_more_urgent(wish, *best)) best = wish;
+      const Candidate candidate{x, t, kSurfaceFirst, VertexDimension::kSurface, spacing};
+      if (!best || has_higher_priority(candidate, *best)) best = candidate;
     }
   }
   return best;
 }
 
-std::optional<Wish> Rules::wish_of_tet(TetId t, const Circumsphere& sphere) const {
+std::optional<Candidate> Rules::candidate_for_tet(TetId t, const Circumsphere& sphere) const {
   const auto mine = static_cast<Material>(mesh_.label(t));
   if (!domain_.is_meshed(mine)) return std::nullopt;
   double shortest2 = std::numeric_limits<double>::infinity();
@@ -221,7 +222,8 @@ std::optional<Wish> Rules::wish_of_tet(TetId t, const Circumsphere& sphere) cons
   const double clearance = domain_.surroundings(sphere.centre).clearance_mm;
   if (clearance < std::min(kMargin * std::min(sphere.radius, largest), domain_.clearance_limit_mm()))
     return std::nullopt;
-  return Wish{sphere.centre, t, static_cast<float>(sphere.radius / largest), VertexDimension::kVolume, 0};
+  return Candidate{sphere.centre, t, static_cast<float>(sphere.radius / largest), VertexDimension::kVolume,
+                   0};
 }
 
 }  // namespace lumesh::delaunay

@@ -15,18 +15,18 @@ struct RuleLimits {
   double facet_angle_deg;
 };
 
-/// A point that a rule asks for.
-struct Wish {
+/// A refinement point (Steiner candidate) that a rule asks for.
+struct Candidate {
   Vec3 point;
-  TetId tet;      ///< Whose it is.
-  float urgency;  ///< Larger first: all of surfaces before those of volumes.
+  TetId tet;       ///< The tetrahedron that it is for.
+  float priority;  ///< Larger first: all of surfaces before those of volumes.
   VertexDimension dimension;
-  double spacing;  ///< Of points of the surface there; 0 inside.
+  double spacing;  ///< Wanted spacing of the surface's points there; 0 inside.
 };
 
-[[nodiscard]] bool is_more_urgent(const Wish& a, const Wish& b);
+[[nodiscard]] bool has_higher_priority(const Candidate& a, const Candidate& b);
 
-/// Of a point where so many materials meet.
+/// Dimension of a point where these materials meet.
 [[nodiscard]] VertexDimension dimension_of(const MaterialSet& materials);
 
 struct Circumsphere {
@@ -44,34 +44,36 @@ class Rules {
   [[nodiscard]] Material material_at(const Circumsphere& sphere) const;
   /// True for a face between materials of which one is meshed: the mesh will have it on its boundary.
   [[nodiscard]] bool is_boundary(TetId t, int face) const;
-  /// What such a face asks for. R1: its place on the surface is farther than the spacing from its corners.
-  /// R3: an angle is too small, a corner is not of the surface, or the face crosses a curve where boundaries
-  /// meet.
-  /// @param sphere  Of t.
-  [[nodiscard]] std::optional<Wish> wish_of_face(TetId t, int face, const Circumsphere& sphere) const;
-  /// R7: an edge from the kept side of a cut plane to beyond it goes through an opening, whose points stand
-  /// too far apart there: where it crosses.
-  [[nodiscard]] std::optional<Wish> wish_of_crossed_opening(TetId t, const Circumsphere& sphere) const;
-  /// Its place on the surface, if that is not too near to its corners.
-  [[nodiscard]] std::optional<Wish> centre_of_face(TetId t, int face, const Circumsphere& sphere) const;
+  /// The point that a boundary face asks for. R1: its centre on the surface is farther than the spacing from
+  /// its corners. R3: an angle is too small, a corner is not of the surface, or the face crosses a curve
+  /// where boundaries meet.
+  /// @param sphere  Circumsphere of t.
+  [[nodiscard]] std::optional<Candidate> candidate_for_face(TetId t, int face,
+                                                            const Circumsphere& sphere) const;
+  /// R7: the crossing of an opening with an edge from the kept side of a cut plane to beyond it, where points
+  /// of the opening stand too far apart.
+  [[nodiscard]] std::optional<Candidate> candidate_for_crossed_opening(TetId t,
+                                                                       const Circumsphere& sphere) const;
+  /// The face's centre on the surface, if that is not too near to its corners.
+  [[nodiscard]] std::optional<Candidate> centre_of_face(TetId t, int face, const Circumsphere& sphere) const;
   /// R4: the circumradius is too large for the shortest edge. R5: for the wanted size; R2 is part of that,
   /// since sizes near surfaces are theirs. Or the sizing wants it finer.
-  [[nodiscard]] std::optional<Wish> wish_of_tet(TetId t, const Circumsphere& sphere) const;
+  [[nodiscard]] std::optional<Candidate> candidate_for_tet(TetId t, const Circumsphere& sphere) const;
 
  private:
   /// An edge between the centres of two circumspheres and the materials there.
   struct DualEdge {
     Vec3 from, to;
     Material mine, other;
-    double reach;  ///< No place of it is farther from the corners.
+    double reach;  ///< Largest distance of any place of the edge from the corners.
   };
   [[nodiscard]] std::optional<DualEdge> dual_of(TetId t, int face, const Circumsphere& sphere) const;
-  [[nodiscard]] std::optional<Wish> wish_of_crossed_curve(TetId t, const DualEdge& dual,
-                                                          const std::array<Vec3, 3>& corners,
-                                                          double spacing) const;
+  [[nodiscard]] std::optional<Candidate> candidate_for_crossed_curve(TetId t, const DualEdge& dual,
+                                                                     const std::array<Vec3, 3>& corners,
+                                                                     double spacing) const;
   [[nodiscard]] Vec3 surface_centre(const DualEdge& dual, double close) const;
-  [[nodiscard]] std::optional<Wish> at_surface(const Vec3& place, TetId t, const DualEdge& dual,
-                                               double radius, double spacing) const;
+  [[nodiscard]] std::optional<Candidate> at_surface(const Vec3& place, TetId t, const DualEdge& dual,
+                                                    double radius, double spacing) const;
 
   const TetMesh& mesh_;
   const Spacing& spacing_;

@@ -19,7 +19,7 @@ constexpr double kConstantPerSize = 1.087;
 constexpr double kSeedSpacing = 0.9;
 
 /// Spacings below this share of the domain's resolution are not looked for.
-constexpr double kLeastSpacing = 0.4;
+constexpr double kMinSpacing = 0.4;
 
 /// From where curves and corners are looked for, in spacings.
 constexpr double kCurveReach = 0.5;
@@ -60,7 +60,7 @@ class LatticeDescent {
       if (!holds_object(low_of(cell), root_mm_) &&
           domain_.may_hold_object(low_of(cell) - Vec3::Constant(root_mm_),
                                   low_of(cell) + Vec3::Constant(2 * root_mm_)))
-        out.push_back(shaken(low_of(cell) + Vec3::Constant(0.5 * root_mm_), root_mm_));
+        out.push_back(perturbed(low_of(cell) + Vec3::Constant(0.5 * root_mm_), root_mm_));
     });
     const auto parts = parallel::collect_parts<Seeds>(
         roots.size(), kRootsPerPart, [&](std::size_t begin, std::size_t end, std::vector<Seeds>& out) {
@@ -85,11 +85,11 @@ class LatticeDescent {
   /// All along the rims of openings: where the wall slants, cells that look for boundaries may see none of
   /// it.
   [[nodiscard]] std::vector<BoundaryCandidate> rim_candidates() const {
-    constexpr double kLeastStep = 0.1, kMostStep = 0.4;  // Voxels.
-    constexpr double kStep = 0.3;                        // Of delta.
+    constexpr double kMinStep = 0.1, kMaxStep = 0.4;  // Voxels.
+    constexpr double kStep = 0.3;                     // Of delta.
     const double voxel_mm = domain_.resolution_mm();
     const std::vector<RimPlace> places = find_rim_places(
-        domain_, std::clamp(kStep * spacing_.delta_mm(), kLeastStep * voxel_mm, kMostStep * voxel_mm));
+        domain_, std::clamp(kStep * spacing_.delta_mm(), kMinStep * voxel_mm, kMaxStep * voxel_mm));
     return parallel::collect<BoundaryCandidate>(places.size(), [&](std::size_t i,
                                                                    std::vector<BoundaryCandidate>& out) {
       const auto& [place, materials] = places[i];
@@ -119,9 +119,9 @@ class LatticeDescent {
     if (!holds_object(low, size)) return false;
     const Domain::Surroundings here = domain_.surroundings(low + Vec3::Constant(0.5 * size));
     if (is_small_enough(low, size)) {
-      constexpr double kMostSpacings = 1.7;
+      constexpr double kMaxSpacings = 1.7;
       const double spacing = boundary_spacing(low, size, here);
-      if (size <= kMostSpacings * spacing) return add_leaf(low, size, here, spacing, out);
+      if (size <= kMaxSpacings * spacing) return add_leaf(low, size, here, spacing, out);
     }
     const bool is_of_one = here.clearance_mm >= kHalfDiagonal * size + kMargin * size;
     if (is_of_one && !domain_.is_meshed(here.material)) return false;
@@ -139,8 +139,8 @@ class LatticeDescent {
   /// The lattice in a cell that is inside as a whole, far from boundaries.
   bool fill(const Vec3& low, double size, Seeds& out) const {
     if (is_small_enough(low, size)) {
-      out.inner.push_back(shaken(low, size));
-      out.inner.push_back(shaken(low + Vec3::Constant(0.5 * size), size));
+      out.inner.push_back(perturbed(low, size));
+      out.inner.push_back(perturbed(low + Vec3::Constant(0.5 * size), size));
     } else {
       for (int child = 0; child < 8; ++child) fill(low_of_child(low, size, child), 0.5 * size, out);
     }
@@ -152,17 +152,17 @@ class LatticeDescent {
     for (int child = 0; child < 8; ++child) {
       if (holds[static_cast<std::size_t>(child)]) continue;
       const Vec3 low_of_it = low_of_child(low, size, child);
-      out.outer.push_back(shaken(low_of_it + Vec3::Constant(0.25 * size), 0.5 * size));
+      out.outer.push_back(perturbed(low_of_it + Vec3::Constant(0.25 * size), 0.5 * size));
       if (is_small_enough(low_of_it, 0.5 * size)) return;
     }
   }
 
   [[nodiscard]] bool is_small_enough(const Vec3& low, double size) const {
-    constexpr double kMostFiner = 4;  // What wants still more is left to the rules: it may have no end.
-    constexpr double kShare = 0.8;    // What is a little too large costs less points if the rules mend it.
-    const double most = std::sqrt(2.0) * wanted_constant(low, size);
-    return size <= most &&
-           (size * kMostFiner <= most || !spacing_.wants_finer(lattice_tet(low, kShare * size)));
+    constexpr double kMaxFiner = 4;  // Finer wants are left to the rules: they may have no end.
+    constexpr double kShare = 0.8;   // Cells a little too large cost fewer points if the rules split them.
+    const double max_size = std::sqrt(2.0) * wanted_constant(low, size);
+    return size <= max_size &&
+           (size * kMaxFiner <= max_size || !spacing_.wants_finer(lattice_tet(low, kShare * size)));
   }
   /// One of the tetrahedra of the lattice in a cell; they are all alike.
   static std::array<Vec3, 4> lattice_tet(const Vec3& low, double size) {
@@ -182,7 +182,7 @@ class LatticeDescent {
       if (const auto x = domain_.project(middle, {here.material, other}, size))
         spacing = std::min(spacing, spacing_.surface_spacing_at(*x, here.material, other));
     }
-    return std::max(spacing, kLeastSpacing * domain_.resolution_mm());
+    return std::max(spacing, kMinSpacing * domain_.resolution_mm());
   }
   [[nodiscard]] static Vec3 low_of_child(const Vec3& low, double size, int child) {
     return low + 0.5 * size * Vec3(child & 1, child >> 1 & 1, child >> 2);
@@ -217,17 +217,17 @@ class LatticeDescent {
                          Seeds& out) const {
     if (!domain_.is_meshed(here.material) || here.clearance_mm < std::min(margin, 0.99 * reach_mm_))
       return false;
-    out.inner.push_back(shaken(place, size));
+    out.inner.push_back(perturbed(place, size));
     return true;
   }
 
   /// A little off the place, so that few of the points are on one plane or sphere.
-  static Vec3 shaken(const Vec3& place, double size) {
-    constexpr double kShake = 1e-3;
+  static Vec3 perturbed(const Vec3& place, double size) {
+    constexpr double kPerturbation = 1e-3;
     std::uint64_t seed = 0x9E3779B97F4A7C15ull;
     for (int axis = 0; axis < 3; ++axis)
       seed = seed * 0xD1342543DE82EF95ull + static_cast<std::uint64_t>(std::llround(place[axis] / size * 64));
-    return place + kShake * size * Vec3(scattered(seed), scattered(seed + 1), scattered(seed + 2));
+    return place + kPerturbation * size * Vec3(scattered(seed), scattered(seed + 1), scattered(seed + 2));
   }
 
   /// What lies on boundaries nearest to a place within a distance.

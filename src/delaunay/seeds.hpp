@@ -11,14 +11,15 @@ namespace lumesh::delaunay {
 /// A point that may become one of a boundary.
 struct BoundaryCandidate {
   Vec3 point;
-  MaterialSet materials;  ///< That meet there: two on a surface, three on a curve, more in a corner.
-  double spacing;         ///< To its like.
+  MaterialSet
+      materials;   ///< Materials that meet there: two on a surface, three on a curve, more in a corner.
+  double spacing;  ///< Wanted distance to other points of the same materials.
 };
 
 struct Seeds {
   std::vector<Vec3> inner;
   std::vector<Vec3> outer;  ///< Coarser, so that no tetrahedron outside reaches past many of the boundary.
-  std::vector<BoundaryCandidate> boundary;  ///< Several for each that is needed.
+  std::vector<BoundaryCandidate> boundary;  ///< Several candidates for each point that is needed.
 };
 
 /// Parallel inside, the same for every thread count.

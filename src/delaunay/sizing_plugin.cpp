@@ -21,7 +21,7 @@ constexpr std::uint64_t kTimedOf =
     1024;  // One call of so many has its time taken, in each copy of the counts:
 constexpr std::uint64_t kFirstTimed = 16;  // not the first, which may still have pages to fetch.
 
-[[noreturn]] void refuse_plugin(const std::filesystem::path& path, const std::string& fault) {
+[[noreturn]] void throw_plugin_error(const std::filesystem::path& path, const std::string& fault) {
   throw Error(ErrorKind::kBadInput, fmt::format("{}: {}", path.string(), fault));
 }
 
@@ -56,13 +56,13 @@ std::string loader_message(const std::filesystem::path& path) {
 void* open_library(const std::filesystem::path& path) {
   std::error_code fault;
   if (!std::filesystem::is_regular_file(path, fault))
-    refuse_plugin(path,
-                  "there is no such file; `sizing` takes the path of a shared library, then :options if any");
+    throw_plugin_error(
+        path, "there is no such file; `sizing` takes the path of a shared library, then :options if any");
   // RTLD_NODELETE: threads and destructors that the plugin left behind would otherwise run code that is gone.
   const std::filesystem::path whole = std::filesystem::absolute(path);
   void* handle = dlopen(whole.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (handle == nullptr)
-    refuse_plugin(
+    throw_plugin_error(
         path, fmt::format("cannot be loaded as a sizing plugin ({}); build it as a shared library for this "
                           "machine, linked with all it needs (see docs/sizing.md)",
                           loader_message(whole)));
@@ -131,12 +131,12 @@ PluginSizing::Library::Library(PluginName name) : path(std::move(name.path)) {
   auto* const version =
       find_function<decltype(lumesh_sizing_abi_version)>(handle, "lumesh_sizing_abi_version");
   if (version == nullptr)
-    refuse_plugin(
+    throw_plugin_error(
         path,
         "does not define lumesh_sizing_abi_version(); a sizing plugin defines it, with C linkage, as "
         "lumesh/sizing.h says");
   if (const int found = version(); found != LUMESH_SIZING_ABI_VERSION)
-    refuse_plugin(
+    throw_plugin_error(
         path,
         fmt::format("is made for version {} of lumesh/sizing.h, and this lumesh has version {}; compile it "
                     "again with the header of this lumesh",
@@ -144,7 +144,7 @@ PluginSizing::Library::Library(PluginName name) : path(std::move(name.path)) {
   size_at = find_function<decltype(lumesh_size_at)>(handle, "lumesh_size_at");
   should_be_adapted = find_function<decltype(lumesh_should_be_adapted)>(handle, "lumesh_should_be_adapted");
   if (size_at == nullptr && should_be_adapted == nullptr)
-    refuse_plugin(
+    throw_plugin_error(
         path,
         "defines neither lumesh_size_at() nor lumesh_should_be_adapted(); a sizing plugin defines at "
         "least one of them, with C linkage");
@@ -154,7 +154,7 @@ PluginSizing::Library::Library(PluginName name) : path(std::move(name.path)) {
 void PluginSizing::Library::create(const std::string& options) {
   auto* const make = find_function<decltype(lumesh_sizing_create)>(handle, "lumesh_sizing_create");
   if (make == nullptr && !options.empty())
-    refuse_plugin(
+    throw_plugin_error(
         path, fmt::format("takes no options (it has no lumesh_sizing_create()); leave out ':{}'", options));
   if (make != nullptr) {
     std::array<char, 1024> message = {};
@@ -162,15 +162,15 @@ void PluginSizing::Library::create(const std::string& options) {
     try {
       result = make(options.c_str(), &state, message.data(), message.size());
     } catch (...) {
-      refuse_plugin(
+      throw_plugin_error(
           path,
-          fmt::format("lumesh_sizing_create() threw an exception ({}); mend the plugin or its options '{}'",
+          fmt::format("lumesh_sizing_create() threw an exception ({}); repair the plugin or its options '{}'",
                       text_of(std::current_exception()), options));
     }
     if (result != 0) {
       std::string said = first_line(message.data(), message.size());
       if (said.empty()) said = fmt::format("lumesh_sizing_create() returned {} without a message", result);
-      refuse_plugin(path, fmt::format("refused its options '{}': {}", options, said));
+      throw_plugin_error(path, fmt::format("refused its options '{}': {}", options, said));
     }
   }
   // Found only now: nothing is destroyed that was not created.
@@ -184,11 +184,11 @@ PluginSizing::~PluginSizing() = default;
 
 /// Counts a call, takes its time now and then, and stops exceptions.
 template <class Call, class Answer>
-Answer PluginSizing::ask(const Vec3& where, Answer no_wish, const Call& call) const {
+Answer PluginSizing::ask(const Vec3& where, Answer no_answer, const Call& call) const {
   using Clock = std::chrono::steady_clock;
   const bool is_timed = counts_.add(kCalls, 1) % kTimedOf == kFirstTimed;
   const Clock::time_point start = is_timed ? Clock::now() : Clock::time_point();
-  Answer answer = no_wish;
+  Answer answer = no_answer;
   try {
     answer = call();
   } catch (...) {

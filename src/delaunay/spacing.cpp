@@ -27,7 +27,7 @@ double largest_fall(const Domain& domain, const Vec3& x, const Vec3& gradient, d
   return (std::abs(mean) + std::hypot(0.5 * (a - c), b)) / slope;
 }
 
-constexpr double kLeastOfResolution = 0.5;  // What shapes make points denser to.
+constexpr double kMinOfResolution = 0.5;  // What shapes make points denser to.
 
 }  // namespace
 
@@ -46,7 +46,7 @@ double Spacing::surface_spacing_at(const Vec3& x, Material first, Material secon
 double Spacing::curve_spacing_at(const Vec3& x, const MaterialSet& set, double spacing) const {
   constexpr double kPerWidth = 0.27;
   const double off_mm = 1e-3 * domain_->resolution_mm();
-  double least = spacing;
+  double smallest = spacing;
   for (const Material cut : set) {
     if (!domain_->is_cut(cut) || domain_->cut_planes().empty()) continue;
     const Vec3& normal = domain_->cut_plane(cut).normal;
@@ -57,25 +57,25 @@ double Spacing::curve_spacing_at(const Vec3& x, const MaterialSet& set, double s
         const Vec3 inwards = gradient - gradient.dot(normal) * normal;
         if (!(inwards.norm() > 0.1 * gradient.norm())) continue;
         const Vec3 direction = inwards.normalized();
-        const double width = thickness(x + off_mm * (direction - normal), direction, m, least / kPerWidth);
-        least = std::min(least, kPerWidth * width);
+        const double width = thickness(x + off_mm * (direction - normal), direction, m, smallest / kPerWidth);
+        smallest = std::min(smallest, kPerWidth * width);
       }
   }
   // However large delta is: the number of edges around is what an opening's area hangs on.
-  return std::max(least, std::min({spacing, delta_mm_, kLeastOfResolution * domain_->resolution_mm()}));
+  return std::max(smallest, std::min({spacing, delta_mm_, kMinOfResolution * domain_->resolution_mm()}));
 }
 
-/// How far from x a material, or the outside as a whole, reaches along a direction, if less than `most`. What
-/// a cut plane ends goes on in truth: beside a slanting opening a vessel is not thin.
-double Spacing::thickness(const Vec3& x, const Vec3& direction, Material of, double most) const {
-  const double least_step = 0.3 * domain_->resolution_mm();
-  for (double t = least_step; t < most;) {
+/// How far from x a material, or the outside as a whole, reaches along a direction, if less than `max_mm`.
+/// What a cut plane ends goes on in truth: beside a slanting opening a vessel is not thin.
+double Spacing::thickness(const Vec3& x, const Vec3& direction, Material of, double max_mm) const {
+  const double min_step = 0.3 * domain_->resolution_mm();
+  for (double t = min_step; t < max_mm;) {
     const Domain::Surroundings there = domain_->surroundings(x + t * direction);
-    if (domain_->is_beyond_opening(there.material)) return most;
+    if (domain_->is_beyond_opening(there.material)) return max_mm;
     if (there.material != of && (domain_->is_meshed(there.material) || domain_->is_meshed(of))) return t;
-    t += std::max(0.95 * there.clearance_mm, least_step);
+    t += std::max(0.95 * there.clearance_mm, min_step);
   }
-  return most;
+  return max_mm;
 }
 
 std::size_t Spacing::HashOfPlace::operator()(const Place& place) const {
@@ -92,10 +92,10 @@ double Spacing::spacing_of_shape(const Vec3& x, Material first, Material second)
   return measured_.get(place, [&] { return static_cast<float>(measured_spacing(place)); });
 }
 
-double Spacing::least_for_shapes() const {
-  constexpr double kLeastOfDelta = 0.33;
-  return std::max(kLeastOfDelta * delta_mm_,
-                  std::min(delta_mm_, kLeastOfResolution * domain_->resolution_mm()));
+double Spacing::min_for_shapes() const {
+  constexpr double kMinOfDelta = 0.33;
+  return std::max(kMinOfDelta * delta_mm_,
+                  std::min(delta_mm_, kMinOfResolution * domain_->resolution_mm()));
 }
 
 /// Looks around from the middle of a cube, moved to the boundary.
@@ -115,7 +115,7 @@ double Spacing::measured_spacing(const Place& place) const {
   if (const Material there = domain_->material_at(x); there != first && there != second) return delta_mm_;
   const double spacing = std::min(spacing_of_thin_parts(x, here.gradient / slope, place),
                                   spacing_of_bends(x, here.gradient, place));
-  return std::max(spacing, least_for_shapes());
+  return std::max(spacing, min_for_shapes());
 }
 
 double Spacing::spacing_of_thin_parts(const Vec3& x, const Vec3& towards_first, const Place& place) const {
@@ -135,16 +135,16 @@ double Spacing::spacing_of_thin_parts(const Vec3& x, const Vec3& towards_first, 
 double Spacing::spacing_of_bends(const Vec3& x, const Vec3& gradient, const Place& place) const {
   constexpr double kCircumradius = 0.75;  // Of triangles with edges of mean length, in spacings.
   if (!std::isfinite(surface_distance_mm_)) return delta_mm_;
-  const double least_radius = 3.5 * domain_->resolution_mm();
+  const double min_radius = 3.5 * domain_->resolution_mm();
   double spacing = delta_mm_;
   // A second look, from nearer, where the surface falls off fast.
   for (int look = 0; look < 2; ++look) {
-    const double radius = std::max(kCircumradius * spacing, least_radius);
+    const double radius = std::max(kCircumradius * spacing, min_radius);
     if (domain_->material_count() > 2 && domain_->materials_near(x, radius).size() > 2) return spacing;
     const double fall = largest_fall(*domain_, x, gradient, radius, place.pair);
     if (fall > 0)
       spacing = std::min(spacing, radius / kCircumradius * std::sqrt(surface_distance_mm_ / fall));
-    if (radius <= least_radius) break;
+    if (radius <= min_radius) break;
   }
   return spacing;
 }

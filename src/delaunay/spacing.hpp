@@ -19,7 +19,7 @@ inline constexpr double kRadiusPerSize = 0.866;
 class Spacing {
  public:
   /// @param delta_mm  Spacing of the points of surfaces. @param surface_distance_mm  How far flat triangles
-  /// may stand off where surfaces bend; infinite: as it comes. @param sizing  May be null.
+  /// may stand off where surfaces bend; infinite: no limit. @param sizing  May be null.
   Spacing(const Domain& domain, double delta_mm, double size_mm, double surface_distance_mm,
           const Sizing* sizing)
       : domain_(&domain),
@@ -38,11 +38,11 @@ class Spacing {
   /// Wanted spacing of points at a place of the boundary between two materials: less where what is meshed, or
   /// a gap, is so thin that points of its two sides would stand for each other, or where the surface bends.
   [[nodiscard]] double surface_spacing_at(const Vec3& x, Material first, Material second) const;
-  /// That of points of a curve where materials meet, beside surfaces that want `spacing`: less at the rims of
-  /// small openings, of whose edges at least eight go around.
+  /// Wanted spacing of points of a curve where materials meet, beside surfaces that want `spacing`: less at
+  /// the rims of small openings, which at least eight edges go around.
   [[nodiscard]] double curve_spacing_at(const Vec3& x, const MaterialSet& set, double spacing) const;
-  /// What surface_spacing_at() does not go below for the sake of shapes.
-  [[nodiscard]] double least_for_shapes() const;
+  /// Lowest spacing that surface_spacing_at() gives for the sake of shapes.
+  [[nodiscard]] double min_for_shapes() const;
   /// True if size_at() is the same everywhere.
   [[nodiscard]] bool is_constant() const { return sizing_ == nullptr; }
   [[nodiscard]] const Domain& domain() const { return *domain_; }
@@ -60,18 +60,18 @@ class Spacing {
     std::size_t operator()(const Place& place) const;
   };
 
-  /// That of thin parts and of bends: of the shape, not of sizes that are asked for.
+  /// Spacing for thin parts and bends: for the shape, not for sizes that are asked for.
   [[nodiscard]] double spacing_of_shape(const Vec3& x, Material first, Material second) const;
   [[nodiscard]] double measured_spacing(const Place& place) const;
   [[nodiscard]] double spacing_of_thin_parts(const Vec3& x, const Vec3& towards_first,
                                              const Place& place) const;
   [[nodiscard]] double spacing_of_bends(const Vec3& x, const Vec3& gradient, const Place& place) const;
-  [[nodiscard]] double thickness(const Vec3& x, const Vec3& direction, Material of, double most) const;
+  [[nodiscard]] double thickness(const Vec3& x, const Vec3& direction, Material of, double max_mm) const;
 
   const Domain* domain_;
   double delta_mm_, size_mm_, surface_distance_mm_, cube_mm_;
   const Sizing* sizing_;
-  /// What has been measured; the same whoever asks first.
+  /// Spacings measured so far; the same whichever thread asks first.
   mutable parallel::ConcurrentMap<Place, float, HashOfPlace> measured_;
 };
 

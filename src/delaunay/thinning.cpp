@@ -50,9 +50,9 @@ class Thinning {
   }
 
   [[nodiscard]] std::vector<std::uint32_t> run() {
-    for (const std::size_t most_materials :
+    for (const std::size_t max_materials :
          {std::size_t{MaterialSet::kCapacity}, std::size_t{3}, std::size_t{2}})
-      for (Level& level : levels_) take_of(level, most_materials);
+      for (Level& level : levels_) take_of(level, max_materials);
     std::vector<std::uint32_t> all;
     for (const Level& level : levels_)
       for (const auto& taken : level.taken) all.insert(all.end(), taken.begin(), taken.end());
@@ -95,7 +95,7 @@ class Thinning {
   }
 
   /// Cubes of one colour are farther apart than anything in them reaches.
-  void take_of(Level& level, std::size_t most_materials) {
+  void take_of(Level& level, std::size_t max_materials) {
     for (int colour = 0; colour < 8; ++colour) {
       parallel::for_each_index(
           level.cubes.size(),
@@ -104,15 +104,15 @@ class Thinning {
             if (((cube.x() & 1) | (cube.y() & 1) << 1 | (cube.z() & 1) << 2) != colour) return;
             for (std::uint32_t i = level.starts[c]; i < level.starts[c + 1]; ++i) {
               const std::size_t materials = candidates_[level.items[i]].materials.size();
-              const bool has_turn = most_materials > 3 ? materials > 3 : materials == most_materials;
-              if (has_turn && !is_crowded(level.items[i])) level.taken[c].push_back(level.items[i]);
+              const bool has_turn = max_materials > 3 ? materials > 3 : materials == max_materials;
+              if (has_turn && !is_encroached(level.items[i])) level.taken[c].push_back(level.items[i]);
             }
           },
           16);
     }
   }
 
-  [[nodiscard]] bool is_crowded(std::uint32_t item) const {
+  [[nodiscard]] bool is_encroached(std::uint32_t item) const {
     const BoundaryCandidate& mine = candidates_[item];
     for (const Level& level : levels_) {
       const double reach = std::min(mine.spacing, 0.5 * level.cube_mm);

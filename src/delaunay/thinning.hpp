@@ -1,5 +1,5 @@
 #pragma once
-/// @file From many candidates to points of boundaries that keep their distance.
+/// @file Thinning: from many candidates to a Poisson-disk subset of points of boundaries.
 
 #include <span>
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace lumesh::delaunay {
 
-/// Indices of candidates of which none is nearer to another than the lesser spacing of both, and to which
-/// none of the rest can be added: corners first, then points of curves, then of surfaces. Parallel inside,
+/// Indices of a maximal set of candidates of which none is nearer to another than the lesser spacing of both:
+/// corners first, then points of curves, then of surfaces. Parallel inside,
 /// the same for every thread count.
 [[nodiscard]] std::vector<std::uint32_t> thinned(std::span<const BoundaryCandidate> candidates);
 

@@ -87,9 +87,9 @@ class StarParts {
       for (int f = 0; f < 4; ++f)
         if (const FaceLink behind = mesh_.link(t, f); !behind.is_boundary() && material_of(behind.tet()) != m)
           ++faces[material_of(behind.tet())];
-    const auto most = std::max_element(faces.begin(), faces.end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
-    return most == faces.end() ? 0 : most->first;
+    const auto most_faces = std::max_element(
+        faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    return most_faces == faces.end() ? 0 : most_faces->first;
   }
 
  private:
@@ -135,15 +135,15 @@ class StarParts {
   std::vector<Material> materials_;
 };
 
-/// Gives tetrahedra around pinched vertices other materials, and knows whose surroundings that changed.
-class Mending {
+/// Gives tetrahedra around pinched vertices other materials, and knows the vertices whose stars that changed.
+class ManifoldRepair {
  public:
-  Mending(TetMesh& mesh, const Domain& domain) : mesh_(mesh), star_(mesh, domain) {}
+  ManifoldRepair(TetMesh& mesh, const Domain& domain) : mesh_(mesh), star_(mesh, domain) {}
 
   [[nodiscard]] bool is_pinched(VertexId v) { return star_.is_pinched(v); }
 
   /// Small parts go to their neighbours.
-  void mend(VertexId v) {
+  void repair(VertexId v) {
     if (!star_.gather(v)) return;
     for (const Material m : std::vector<Material>(star_.materials())) {
       const auto own = star_.parts(m, StarParts::Side::kOf);
@@ -152,7 +152,7 @@ class Mending {
       for (std::size_t i = 1; i < others.size(); ++i) relabel(others[i], m);
     }
   }
-  /// All around it gets one material: what most of it is, or that of the outside.
+  /// The whole star gets one material: the most frequent one, or that of the outside.
   void level(VertexId v, bool takes_outside) {
     if (star_.gather(v)) relabel(star_.tets(), takes_outside ? 0 : star_.most_frequent());
   }
@@ -272,19 +272,19 @@ std::vector<VertexId> pinched_among(const TetMesh& mesh, const Domain& domain,
 }
 
 std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain, std::vector<VertexId> suspects) {
-  // Mending one vertex may pinch another one; giving things to the outside comes to an end.
-  constexpr int kMendingSweeps = 8, kLevellingSweeps = 16;
-  Mending mending(mesh, domain);
+  // The repair of one vertex may pinch another one; giving tetrahedra to the outside comes to an end.
+  constexpr int kRepairSweeps = 8, kLevellingSweeps = 16;
+  ManifoldRepair repair(mesh, domain);
   const std::size_t pinched = suspects.size();
   for (int sweep = 0; !suspects.empty(); ++sweep) {
     for (const VertexId v : suspects) {
-      if (v.value < 4 || !mending.is_pinched(v)) continue;
-      if (sweep < kMendingSweeps)
-        mending.mend(v);
+      if (v.value < 4 || !repair.is_pinched(v)) continue;
+      if (sweep < kRepairSweeps)
+        repair.repair(v);
       else
-        mending.level(v, sweep >= kLevellingSweeps);
+        repair.level(v, sweep >= kLevellingSweeps);
     }
-    suspects = mending.changed();
+    suspects = repair.changed();
   }
   return pinched;
 }

@@ -14,12 +14,12 @@ namespace lumesh::delaunay {
 /// whatever their numbers are.
 [[nodiscard]] std::vector<VertexId> pinched_vertices(const TetMesh& mesh, const Domain& domain);
 
-/// Those of some vertices, each named once, in the order of their places.
+/// The pinched ones of some vertices, each named once, in the order of their places.
 [[nodiscard]] std::vector<VertexId> pinched_among(const TetMesh& mesh, const Domain& domain,
                                                   std::span<const VertexId> suspects);
 
 /// Gives few tetrahedra around pinched vertices other materials until there are no such vertices.
-/// @param suspects  All pinched vertices. @return how many there were.
+/// @param suspects  All pinched vertices. @return Their number.
 std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain, std::vector<VertexId> suspects);
 
 }  // namespace lumesh::delaunay

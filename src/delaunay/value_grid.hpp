@@ -10,7 +10,7 @@
 
 namespace lumesh::delaunay {
 
-/// The eight grid points around a place and what trilinear interpolation gives each. Places outside count as
+/// The eight grid points around a place and their weights in trilinear interpolation. Places outside count as
 /// on the border.
 class WeightedCorners {
  public:
@@ -74,8 +74,8 @@ class ValueGrid {
 };
 
 /// Distances in mm to the nearest boundary between materials, around all that is meshed, on a grid of the
-/// domain's resolution, or of two million points if that is coarser. Parallel inside; the same bits for every
-/// thread count.
+/// domain's resolution, or of two million points if that is coarser. Parallel inside; bitwise identical for
+/// every thread count.
 [[nodiscard]] ValueGrid boundary_distances(const Domain& domain);
 
 }  // namespace lumesh::delaunay

@@ -16,64 +16,65 @@
 
 namespace lumesh {
 
-inline constexpr double kNoSizeWish = std::numeric_limits<double>::infinity();
+inline constexpr double kAnySize = std::numeric_limits<double>::infinity();
 
-/// The same everywhere. Cost of a call: 3 ns.
+/// One size everywhere. Cost of a call: 3 ns.
 [[nodiscard]] std::unique_ptr<Sizing> constant_size(double size_mm);
 
 /// One size per label; labels that are not named get `elsewhere_mm`. Cost of a call: 4 ns.
 [[nodiscard]] std::unique_ptr<Sizing> size_per_label(const std::map<Label, double>& sizes_mm,
-                                                     double elsewhere_mm = kNoSizeWish);
+                                                     double elsewhere_mm = kAnySize);
 
 struct PointSizeOptions {
-  double factor = 1;                ///< Size per distance to the nearest point, > 0.
-  double floor_mm = 0;              ///< Least size, > 0; the points themselves have it.
-  double ceiling_mm = kNoSizeWish;  ///< Largest size, >= floor.
-  Box3 region_mm = {};  ///< Where sizes will be asked (Domain::bounds_mm()); answers elsewhere are
-                        ///< right, but slow far from the points.
+  double factor = 1;             ///< Size per distance to the nearest point, > 0.
+  double floor_mm = 0;           ///< Smallest size, > 0; the points themselves have it.
+  double ceiling_mm = kAnySize;  ///< Largest size, >= floor.
+  Box3 region_mm = {};  ///< Region where sizes will be asked (Domain::bounds_mm()); answers elsewhere
+                        ///< are right, but slow far from the points.
 };
 
-/// Grows with the distance to points, such as those of centerlines or landmarks: factor * distance, at most 1
-/// % more, held within floor and ceiling. Cost of a call: about 60 ns for
-/// 5,000 points (190 ns if places come in random order); of the preparation: 0.7 s.
+/// A size that grows with the distance to points, such as those of centerlines or landmarks: factor *
+/// distance, at most 1 % more, held within floor and ceiling. Cost of a call: about 60 ns for 5,000 points
+/// (190 ns if places come in random order); of the preparation: 0.7 s.
 [[nodiscard]] std::unique_ptr<Sizing> size_from_points(std::span<const Vec3> points_mm,
                                                        const PointSizeOptions& options);
 
 struct BoundarySizeOptions {
   double at_boundary_mm = 0;  ///< Size at the boundary, > 0.
-  double growth = 0.2;        ///< Of the size per distance from it, >= 0.
-  double ceiling_mm = kNoSizeWish;
+  double growth = 0.2;        ///< Growth of the size per distance from the boundary, >= 0.
+  double ceiling_mm = kAnySize;
 };
 
-/// Grows with the distance to the nearest boundary between materials, of which openings are some. Distances
-/// are those of the domain near the boundary; further in, of a grid of at most two million points, a few per
-/// cent off. Reads the domain at construction and later: it has to live as long. Cost of a call: about 140
-/// ns, 320 ns near the boundary.
+/// A size that grows with the distance to the nearest boundary between materials, openings included.
+/// Distances are those of the domain near the boundary; further in, of a grid of at most two million points,
+/// a few per cent off. Reads the domain at construction and later: it has to live as long. Cost of a call:
+/// about 140 ns, 320 ns near the boundary.
 [[nodiscard]] std::unique_ptr<Sizing> size_from_boundary(const Domain& domain,
                                                          const BoundarySizeOptions& options);
 
-/// Sizes at the centres of voxels; 0 or infinity: no wish.
+/// Sizes at the centres of voxels; 0 or infinity: any size.
 struct SizeImage {
   ImageFrame frame;
   std::vector<float> sizes_mm;  ///< frame.voxel_count(), i runs fastest.
 };
 
-/// Trilinear between the voxels' centres, of those that have a wish; outside, that of the border's nearest
-/// place. Cost of a call: up to 160 ns, most of it for memory.
+/// Trilinear interpolation between the centres of voxels with a size; outside, the size at the border's
+/// nearest place. Cost of a call: up to 160 ns, most of it for memory.
 [[nodiscard]] std::unique_ptr<Sizing> size_from_image(SizeImage image);
 
-/// Interpolates sizes at the vertices of a background mesh, geometrically, as all metrics here; outside, that
-/// of the mesh's nearest point.
+/// Sizes at the vertices of a background mesh, interpolated geometrically, as all metrics here; outside, the
+/// size at the mesh's nearest point.
 /// @param background  Compact. @param sizes_mm  One per vertex, > 0 and finite.
 /// Cost of a call: about 1 us; 1 us more outside the mesh.
 [[nodiscard]] std::unique_ptr<Sizing> size_from_mesh(TetMesh background, std::span<const double> sizes_mm);
 
-/// So many edges along the diameter of the vessel: 2 r / cells, with the radius r of the axis that is the
-/// fewest of its radii away. A sac has the size of the vessel that it hangs on. Cost of a call: about 1 us.
+/// A given number of edges along the diameter of the vessel: 2 r / cells, with the radius r of the axis that
+/// is the fewest of its radii away. A sac has the size of the vessel that it hangs on. Cost of a call: about
+/// 1 us.
 /// @param axes  With the scalar "radius" in mm, as extract_centerline() makes them; at least one point.
 [[nodiscard]] std::unique_ptr<Sizing> size_from_axes(const Polylines& axes, double cells_per_diameter);
 
-/// The smallest of several, finer if any wants it, with the warnings of all. None at all: no wish anywhere.
+/// The smallest of several sizes, finer if any wants it, with the warnings of all. None at all: any size.
 [[nodiscard]] std::unique_ptr<Sizing> combined_size(std::vector<std::unique_ptr<Sizing>> parts);
 
 }  // namespace lumesh

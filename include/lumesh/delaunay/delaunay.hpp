@@ -14,11 +14,11 @@
 
 namespace lumesh {
 
-/// What refinement begins with.
+/// The points that refinement begins with.
 enum class Seeding : std::uint8_t {
-  kLattice,  ///< Points of a lattice inside and of all surfaces: what is left to mend is little.
+  kLattice,  ///< Points of a lattice inside and of all surfaces: few points are left to the rules.
   kSurface,  ///< Points of surfaces.
-  kFew,      ///< A few points of surfaces: all the rest is left to the rules.
+  kFew,      ///< A few points of surfaces: all others are left to the rules.
 };
 
 class OptionList;
@@ -33,8 +33,8 @@ struct DelaunayOptions {
   double facet_angle_deg = 30;
   double lift = 1;  ///< See operators/settling.hpp.
   Seeding seeding = Seeding::kLattice;
-  const Sizing* sizing = nullptr;  ///< Further wishes for edge lengths; outlives the call.
-  int max_rounds = 120;            ///< Of refinement, >= 1.
+  const Sizing* sizing = nullptr;  ///< Further wanted edge lengths; outlives the call.
+  int max_rounds = 120;            ///< Limit on refinement rounds, >= 1.
   parallel::TeamOptions team = {};
 
   void describe(OptionList& list);
@@ -42,24 +42,25 @@ struct DelaunayOptions {
   void validate() const;
 };
 
-/// delta_mm, or what stands for it.
+/// delta_mm, or its default.
 [[nodiscard]] double delaunay_delta_mm(const DelaunayOptions& options, const Domain& domain);
 
-/// What one round of refinement found and did.
+/// Counts of one round of refinement.
 struct DelaunayRound {
   double seconds = 0;
   std::uint64_t tets_looked_at = 0;
-  std::uint64_t surface_wishes = 0, volume_wishes = 0, topology_wishes = 0;  ///< Points that rules asked for.
+  std::uint64_t surface_candidates = 0, volume_candidates = 0,
+                topology_candidates = 0;  ///< Points that rules asked for.
   std::uint64_t inserted = 0, removed = 0;
 };
 
 struct DelaunayReport {
   std::uint64_t inner_seeds = 0, outer_seeds = 0, boundary_seeds = 0;
   std::vector<DelaunayRound> rounds;
-  std::uint64_t pinched_vertices =
-      0;  ///< That no point could mend: tetrahedra around them changed their material.
-  std::uint64_t held_back =
-      0;                   ///< Points of surfaces that tetrahedra held back from where they should stand.
+  /// Vertices where no point could make the boundary manifold: tetrahedra around them changed their material.
+  std::uint64_t pinched_vertices = 0;
+  /// Points of surfaces that tetrahedra held back from where they should stand.
+  std::uint64_t held_back = 0;
   bool rules_hold = true;  ///< False if rules still asked for points that could be put in, after max_rounds.
   bool complete = true;    ///< False if it was cancelled before the end.
   std::vector<std::string> notes;
@@ -74,13 +75,13 @@ struct DelaunayResult {
 ///
 /// @return A compact mesh along the Hilbert curve; patches "wall", "inlet_1", "outlet_1", …, "interface_A_B".
 /// @throws Error{kBadInput} if nothing can be meshed, Error{kMemory}.
-/// The same bits for every thread count. Source: Foteinos and Chrisochoides 2014, High quality real-time
+/// Bitwise identical for every thread count. Source: Foteinos and Chrisochoides 2014, High quality real-time
 /// image-to-mesh conversion for finite element simulations, doi:10.1016/j.jpdc.2013.11.002.
 [[nodiscard]] DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options,
                                            Context& context);
 
-/// How many tetrahedra that mesh will have, from a coarse grid of samples: within a factor of two where parts
-/// are not thin.
+/// Estimated number of tetrahedra of that mesh, from a coarse grid of samples: within a factor of two where
+/// parts are not thin.
 [[nodiscard]] double estimated_tetrahedra(const Domain& domain, const DelaunayOptions& options);
 
 }  // namespace lumesh

@@ -1,5 +1,5 @@
 #pragma once
-/// @file How long the edges of a mesh should be.
+/// @file Wanted edge lengths of a mesh.
 
 #include <array>
 #include <map>
@@ -18,11 +18,11 @@ class Sizing {
   Sizing& operator=(const Sizing&) = delete;
   virtual ~Sizing() = default;
 
-  /// Wanted edge length at a point inside a label, > 0, or infinite where there is no wish.
+  /// Wanted edge length at a point inside a label, > 0, or infinite where any size will do.
   [[nodiscard]] virtual double size_at(const Vec3& point_mm, Label label) const = 0;
   /// True if the tetrahedron with these corners is too large for a reason that sizes do not express.
   [[nodiscard]] virtual bool wants_finer(const std::array<Vec3, 4>& /*corners_mm*/) const { return false; }
-  /// What the user should know about the answers so far, one line each. Not while other threads ask.
+  /// Warnings about the answers so far, one line each. Not while other threads ask.
   [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
 };
 

@@ -12,18 +12,18 @@
 
 namespace lumesh {
 
-/// What `--sizing` names.
+/// Path and options of a plugin, as `--sizing` names them.
 struct PluginName {
   std::filesystem::path path;
-  std::string options;  ///< What follows the colon, or "".
+  std::string options;  ///< The text after the colon, or "".
 };
 
 /// Splits "path[:options]" at the first colon before which stands the name of a file that exists, so that
 /// names and options may hold colons; if there is none, at the first colon.
 [[nodiscard]] PluginName split_plugin_name(std::string_view text);
 
-/// A loaded plugin. Its answers are not trusted: one that makes no sense counts as no wish, and so does an
-/// exception; warnings() tells how many there were. Const calls from any thread. Cost: that of the plugin and
+/// A loaded plugin. Its answers are not trusted: one that makes no sense counts as kAnySize, and so does an
+/// exception; warnings() tells their number. Const calls from any thread. Cost: that of the plugin and
 /// about 10 ns for the count.
 class PluginSizing final : public Sizing {
  public:
@@ -38,7 +38,7 @@ class PluginSizing final : public Sizing {
   [[nodiscard]] double size_at(const Vec3& point_mm, Label label) const override;
   /// The plugin's lumesh_should_be_adapted(), or false if it has none.
   [[nodiscard]] bool wants_finer(const std::array<Vec3, 4>& corners_mm) const override;
-  /// On bad answers, exceptions, and calls that take more than 5 us on average.
+  /// Warnings of bad answers, exceptions, and calls that take more than 5 us on average.
   [[nodiscard]] std::vector<std::string> warnings() const override;
 
  private:
@@ -50,7 +50,7 @@ class PluginSizing final : public Sizing {
   };
 
   template <class Call, class Answer>
-  [[nodiscard]] Answer ask(const Vec3& where, Answer no_wish, const Call& call) const;
+  [[nodiscard]] Answer ask(const Vec3& where, Answer no_answer, const Call& call) const;
 
   std::unique_ptr<Library> library_;
   mutable parallel::Counters<kCounts> counts_;

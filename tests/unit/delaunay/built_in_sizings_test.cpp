@@ -36,16 +36,16 @@ std::vector<Vec3> helix(int count) {
 }
 
 double distance_by_trying_all(const std::vector<Vec3>& points, const Vec3& x) {
-  double least = kNoSizeWish;
-  for (const Vec3& p : points) least = std::min(least, (p - x).norm());
-  return least;
+  double smallest = kAnySize;
+  for (const Vec3& p : points) smallest = std::min(smallest, (p - x).norm());
+  return smallest;
 }
 
 TEST(BuiltInSizing, LabelsHaveTheirOwn) {
   const auto sizing = size_per_label({{2, 0.4}, {7, 1.5}});
   EXPECT_EQ(sizing->size_at({1, 2, 3}, 2), 0.4);
   EXPECT_EQ(sizing->size_at({1, 2, 3}, 7), 1.5);
-  EXPECT_EQ(sizing->size_at({1, 2, 3}, 1), kNoSizeWish);
+  EXPECT_EQ(sizing->size_at({1, 2, 3}, 1), kAnySize);
   EXPECT_EQ(size_per_label({{2, 0.4}}, 3)->size_at({1, 2, 3}, 1), 3);
 }
 
@@ -172,7 +172,7 @@ TEST(BuiltInSizing, VoxelsWithoutAWishDoNotCount) {
   const auto sizing = size_from_image(image);
   EXPECT_EQ(sizing->size_at({0, 0, 0}, kAny), 2);
   EXPECT_EQ(sizing->size_at({0.75, 0, 0}, kAny), 2);
-  EXPECT_EQ(sizing->size_at({1.5, 0, 0}, kAny), kNoSizeWish);
+  EXPECT_EQ(sizing->size_at({1.5, 0, 0}, kAny), kAnySize);
 }
 
 TEST(BuiltInSizing, AMeshInterpolatesLogarithmsOfSizes) {
@@ -198,7 +198,7 @@ TEST(BuiltInSizing, TheSmallestOfSeveralCounts) {
   const auto sizing = combined_size(std::move(parts));
   EXPECT_EQ(sizing->size_at({0, 0, 0}, 3), 0.5);
   EXPECT_EQ(sizing->size_at({0, 0, 0}, 1), 2);
-  EXPECT_EQ(combined_size({})->size_at({0, 0, 0}, 1), kNoSizeWish);
+  EXPECT_EQ(combined_size({})->size_at({0, 0, 0}, 1), kAnySize);
 }
 
 TEST(BuiltInSizing, AnswersTheSameOnManyThreads) {

@@ -1,4 +1,4 @@
-#include "../src/delaunay/granting.hpp"
+#include "../src/delaunay/independent_set.hpp"
 
 #include <gtest/gtest.h>
 
@@ -36,17 +36,18 @@ TetId any_of(const TetMesh& mesh) {
 }
 
 double distance_to_nearest(const std::vector<Vec3>& points, const Vec3& x) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Vec3& p : points) least = std::min(least, (p - x).norm());
-  return least;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Vec3& p : points) smallest = std::min(smallest, (p - x).norm());
+  return smallest;
 }
 
 /// Which of the points are joined by an edge.
 std::set<std::array<std::size_t, 2>> neighbours_once_inserted(TetMesh& mesh,
-                                                              const std::vector<Wish>& granted) {
+                                                              const std::vector<Candidate>& selected) {
   std::vector<operators::DelaunayExecution::NewVertex> vertices;
-  for (const Wish& wish : granted) vertices.push_back({wish.point, VertexDimension::kVolume, {}});
-  std::vector<VertexId> made(granted.size());
+  for (const Candidate& candidate : selected)
+    vertices.push_back({candidate.point, VertexDimension::kVolume, {}});
+  std::vector<VertexId> made(selected.size());
   operators::DelaunayExecution(mesh, {}).insert(vertices, 3, made);
   std::map<std::uint32_t, std::size_t> which;
   for (std::size_t i = 0; i < made.size(); ++i) which[made[i].value] = i;
@@ -62,9 +63,9 @@ std::set<std::array<std::size_t, 2>> neighbours_once_inserted(TetMesh& mesh,
   return pairs;
 }
 
-/// Many more wishes than vertices, so that most tetrahedra are claimed many times. Points that replace
+/// Many more candidates than vertices, so that most tetrahedra are claimed many times. Points that replace
 /// nothing in common may come a little nearer.
-TEST(Granting, MakesNoEdgesMuchShorterThanEachPointAloneWould) {
+TEST(IndependentSet, MakesNoEdgesMuchShorterThanEachPointAloneWould) {
   const AnalyticDomain domain = analytic_ball(Vec3::Constant(5), 4);
   const Spacing spacing(domain, 1, 1.3, std::numeric_limits<double>::infinity(), nullptr);
   std::size_t all = 0;
@@ -72,35 +73,36 @@ TEST(Granting, MakesNoEdgesMuchShorterThanEachPointAloneWould) {
     std::mt19937 random(seed);
     const std::vector<Vec3> points = random_points(60, random);
     TetMesh mesh = triangulation_of(points);
-    std::vector<Wish> wishes;
+    std::vector<Candidate> candidates;
     for (const Vec3& p : random_points(300, random))
-      wishes.push_back({p, any_of(mesh), std::uniform_real_distribution<float>(0, 1)(random),
-                        VertexDimension::kVolume, 0});
-    Granting granting(spacing);
-    const std::vector<Wish> granted = granting.granted(mesh, wishes, 2);
-    EXPECT_FALSE(granted.empty());
-    all += granted.size();
-    for (const auto& [one, other] : neighbours_once_inserted(mesh, granted)) {
-      const Wish& second = is_more_urgent(granted[one], granted[other]) ? granted[other] : granted[one];
-      EXPECT_GE((granted[one].point - granted[other].point).norm(),
+      candidates.push_back({p, any_of(mesh), std::uniform_real_distribution<float>(0, 1)(random),
+                            VertexDimension::kVolume, 0});
+    IndependentSet independent_set(spacing);
+    const std::vector<Candidate> selected = independent_set.select(mesh, candidates, 2);
+    EXPECT_FALSE(selected.empty());
+    all += selected.size();
+    for (const auto& [one, other] : neighbours_once_inserted(mesh, selected)) {
+      const Candidate& second =
+          has_higher_priority(selected[one], selected[other]) ? selected[other] : selected[one];
+      EXPECT_GE((selected[one].point - selected[other].point).norm(),
                 0.5 * distance_to_nearest(points, second.point));
     }
   }
   EXPECT_GT(all, 20U * 20);
 }
 
-TEST(Granting, GivesTheMostUrgentOfACrowd) {
+TEST(IndependentSet, SelectsTheHighestPriorityOfACluster) {
   const AnalyticDomain domain = analytic_ball(Vec3::Constant(5), 4);
   const Spacing spacing(domain, 1, 1.3, std::numeric_limits<double>::infinity(), nullptr);
   TetMesh mesh = triangulation_of({{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}, {10, 10, 10}});
-  std::vector<Wish> wishes;
+  std::vector<Candidate> candidates;
   for (int i = 0; i < 5; ++i)
-    wishes.push_back(
+    candidates.push_back(
         {Vec3(5 + 0.01 * i, 5, 5), any_of(mesh), static_cast<float>(i), VertexDimension::kVolume, 0});
-  Granting granting(spacing);
-  const std::vector<Wish> granted = granting.granted(mesh, wishes, 2);
-  ASSERT_EQ(granted.size(), 1U);
-  EXPECT_EQ(granted[0].urgency, 4);
+  IndependentSet independent_set(spacing);
+  const std::vector<Candidate> selected = independent_set.select(mesh, candidates, 2);
+  ASSERT_EQ(selected.size(), 1U);
+  EXPECT_EQ(selected[0].priority, 4);
 }
 
 }  // namespace
