@@ -23,13 +23,13 @@ std::vector<NamedCount> named_counts(const operators::OperatorCounts& counts) {
           {"smoothing", counts.smoothing}};
 }
 
-nlohmann::ordered_json hand_overs_json(const parallel::HandOvers& hand_overs) {
-  return {{"local", hand_overs.local}, {"remote", hand_overs.remote}};
+nlohmann::ordered_json migrations_json(const parallel::TaskMigrations& migrations) {
+  return {{"local", migrations.local}, {"remote", migrations.remote}};
 }
 
-parallel::HandOvers sum_of(const std::vector<parallel::HandOvers>& all) {
-  parallel::HandOvers sum;
-  for (const parallel::HandOvers& one : all) sum += one;
+parallel::TaskMigrations sum_of(const std::vector<parallel::TaskMigrations>& all) {
+  parallel::TaskMigrations sum;
+  for (const parallel::TaskMigrations& one : all) sum += one;
   return sum;
 }
 
@@ -54,11 +54,11 @@ nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts) {
 
 void add_counts_json(nlohmann::ordered_json& report, const operators::ExecutionCounts& counts) {
   report["operators"] = counts_json(counts.of_all_threads());
-  report["hand_overs"] = hand_overs_json(sum_of(counts.hand_overs));
+  report["hand_overs"] = migrations_json(sum_of(counts.migrations));
   report["threads"] = nlohmann::ordered_json::array();
   for (std::size_t thread = 0; thread < counts.by_thread.size(); ++thread)
     report["threads"].push_back({{"operators", counts_json(counts.by_thread[thread])},
-                                 {"hand_overs", hand_overs_json(counts.hand_overs[thread])}});
+                                 {"hand_overs", migrations_json(counts.migrations[thread])}});
 }
 
 void print_counts(const RunOptions& run, const operators::ExecutionCounts& counts) {
@@ -68,9 +68,9 @@ void print_counts(const RunOptions& run, const operators::ExecutionCounts& count
                 count.contended);
   for (std::size_t thread = 0; thread < counts.by_thread.size(); ++thread) {
     const operators::OperatorCount count = counts.by_thread[thread].of_all();
-    const parallel::HandOvers& got = counts.hand_overs[thread];
+    const parallel::TaskMigrations& got = counts.migrations[thread];
     print_error(
-        "lumesh: thread {}: {} applied, {} rejected, {} contended; handed over to it: {} local, {} remote\n",
+        "lumesh: thread {}: {} applied, {} rejected, {} contended; migrated to it: {} local, {} remote\n",
         thread, count.applied, count.rejected, count.contended, got.local, got.remote);
   }
 }

@@ -17,7 +17,7 @@ void add_topology_option(CLI::App& command, parallel::TeamOptions& team);
 
 /// Applied, rejected and contended of every operator.
 [[nodiscard]] nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts);
-/// Adds to a report: "operators", the sum; "threads", what each did and was handed; "hand_overs", the sum.
+/// Adds to a report: "operators", the sum; "threads", what each did and got; "hand_overs", the sum.
 void add_counts_json(nlohmann::ordered_json& report, const operators::ExecutionCounts& counts);
 /// The same on stderr, with -v.
 void print_counts(const RunOptions& run, const operators::ExecutionCounts& counts);

@@ -57,7 +57,7 @@ void remove_unfinished_files() {
 
 }  // namespace
 
-Interruptible::Interruptible() : stopper_({.patience_s = 0, .give_up = give_up}) {}
+Interruptible::Interruptible() : cancellation_({.patience_s = 0, .give_up = give_up}) {}
 
 void add_time_limit_option(CLI::App& command, double& limit_s) {
   OptionList list;
@@ -68,9 +68,9 @@ void add_time_limit_option(CLI::App& command, double& limit_s) {
 }
 
 LongRun::LongRun(Context& context, const RunOptions& options, double limit_s)
-    : limit_s_(limit_s), stopper_({.limit_s = limit_s, .patience_s = 0.8, .give_up = give_up_long_run}) {
-  context.stop_by(stopper_.token());
-  context.report_results_to([this] { stopper_.finish(); });
+    : limit_s_(limit_s), cancellation_({.limit_s = limit_s, .patience_s = 0.8, .give_up = give_up_long_run}) {
+  context.stop_by(cancellation_.token());
+  context.report_results_to([this] { cancellation_.finish(); });
   if (options.quiet > 0 || options.verbose > 0 || ::isatty(STDERR_FILENO) == 0) return;
   context.report_progress_to([start = std::chrono::steady_clock::now()](double share) {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
@@ -79,7 +79,7 @@ LongRun::LongRun(Context& context, const RunOptions& options, double limit_s)
 }
 
 std::string LongRun::begin_writing(const std::string& path, bool complete) {
-  stopper_.finish();
+  cancellation_.finish();
   namespace fs = std::filesystem;
   const fs::path target(path);
   const bool is_case = target.extension() == ".foam";  // Its mesh is the folder constant/polyMesh beside it.
@@ -100,7 +100,7 @@ std::string LongRun::begin_writing(const std::string& path, bool complete) {
 
 std::string LongRun::reason(bool complete) const {
   if (complete) return "";
-  const bool interrupted = stopper_.reason() == parallel::Stopper::Reason::kSignal;
+  const bool interrupted = cancellation_.reason() == parallel::CancellationSource::Reason::kSignal;
   return interrupted ? "interrupted; " : fmt::format("time limit of {} s reached; ", limit_s_);
 }
 

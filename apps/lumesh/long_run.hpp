@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common.hpp"
-#include "lumesh/parallel/stopper.hpp"
+#include "lumesh/parallel/cancellation_source.hpp"
 
 namespace lumesh::cli {
 
@@ -19,7 +19,7 @@ class Interruptible {
   Interruptible();
 
  private:
-  parallel::Stopper stopper_;
+  parallel::CancellationSource cancellation_;
 };
 
 /// While it lives, the context is cancelled when the time is up or on Ctrl-C, and a terminal shows how much
@@ -42,7 +42,7 @@ class LongRun {
 
  private:
   double limit_s_;
-  parallel::Stopper stopper_;
+  parallel::CancellationSource cancellation_;
 };
 
 }  // namespace lumesh::cli

@@ -43,7 +43,7 @@ template <class Lock>
                                         const parallel::Team& team) {
   ExecutionCounts counts;
   for (const Operators<Lock>& kernel : kernels) counts.by_thread.push_back(kernel.counts());
-  counts.hand_overs = team.hand_overs();
+  counts.migrations = team.migrations();
   return counts;
 }
 

@@ -27,10 +27,10 @@ OperatorCounts ExecutionCounts::of_all_threads() const {
 
 ExecutionCounts& ExecutionCounts::operator+=(const ExecutionCounts& other) {
   by_thread.resize(other.by_thread.size());
-  hand_overs.resize(other.hand_overs.size());
+  migrations.resize(other.migrations.size());
   for (std::size_t thread = 0; thread < by_thread.size(); ++thread) {
     by_thread[thread] += other.by_thread[thread];
-    hand_overs[thread] += other.hand_overs[thread];
+    migrations[thread] += other.migrations[thread];
   }
   return *this;
 }

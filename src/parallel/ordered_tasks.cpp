@@ -38,7 +38,7 @@ void run_on_lists(Team& team, int threads, WorkLists& lists, const std::function
       throw;
     }
   });
-  team.add_hand_overs(lists.hand_overs());
+  team.add_migrations(lists.migrations());
 }
 
 int threads_for(const Team& team, std::uint32_t tasks) {
@@ -98,7 +98,7 @@ void run_freely(Team& team, std::uint32_t tasks, const std::function<TaskEnd(std
         continue;
       }
       lists.put_back(task, thread);
-      if (end == TaskEnd::kNothingDone) lists.step_aside(thread);
+      if (end == TaskEnd::kNothingDone) lists.park(thread);
     }
   });
 }

@@ -15,7 +15,7 @@ Team::Team(const TeamOptions& options)
                                                    : Topology::synthetic(options.synthetic_topology)) {
   const int threads = std::max(1, options.threads);
   for (int thread = 0; thread < threads; ++thread) nodes_.push_back(topology_.node_of(thread, threads));
-  hand_overs_.resize(nodes_.size());
+  migrations_.resize(nodes_.size());
   try {
     for (int thread = 1; thread < threads; ++thread) {
       Worker& worker = workers_.emplace_back();
@@ -87,8 +87,8 @@ void Team::run(int count, const std::function<void(int)>& body) {
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
-void Team::add_hand_overs(const std::vector<HandOvers>& more) {
-  for (std::size_t thread = 0; thread < more.size(); ++thread) hand_overs_[thread] += more[thread];
+void Team::add_migrations(const std::vector<TaskMigrations>& more) {
+  for (std::size_t thread = 0; thread < more.size(); ++thread) migrations_[thread] += more[thread];
 }
 
 }  // namespace lumesh::parallel

@@ -9,7 +9,7 @@ WorkLists::WorkLists(const Team& team, int threads, std::uint32_t tasks)
       balance_(team.balance()),
       tasks_(tasks),
       members_(static_cast<std::size_t>(threads)),
-      hand_overs_(static_cast<std::size_t>(threads)),
+      migrations_(static_cast<std::size_t>(threads)),
       idle_(team, threads),
       can_share_(static_cast<std::size_t>(team.topology().nodes()), 0),
       active_(threads),
@@ -28,7 +28,7 @@ void WorkLists::put(RankedTask one, int by) {
   const int home = home_of(one.task);
   const int receiver = home == by || idle_.contains(home) ? home : receiver_instead_of(home, by);
   add_task(receiver, one);
-  if (receiver != home) count_hand_over(home, receiver, 1);
+  if (receiver != home) count_migration(home, receiver, 1);
   if (idle_.contains(receiver)) {
     wake_idle(receiver);
   } else if (balance_ == Balance::kStealing && !idle_.empty()) {
@@ -63,7 +63,7 @@ bool WorkLists::take(int thread, std::uint32_t& task) {
     if (!mine.empty()) break;
     idle_.add(thread);
     --active_;
-    wake_one_aside();
+    wake_one_parked();
     sleep(thread, lock);
   }
   share(thread);
@@ -78,15 +78,15 @@ void WorkLists::done() {
   if (--left_ == 0) {
     wake_all();
   } else {
-    wake_one_aside();
+    wake_one_parked();
   }
 }
 
-void WorkLists::step_aside(int thread) {
+void WorkLists::park(int thread) {
   std::unique_lock lock(mutex_);
-  if (is_over() || (active_ == 1 && aside_.empty())) return;
-  if (active_ == 1) wake_one_aside();  // Somebody goes on: now it is the other's turn.
-  aside_.push_back(thread);
+  if (is_over() || (active_ == 1 && parked_.empty())) return;
+  if (active_ == 1) wake_one_parked();  // Somebody goes on: now it is the other's turn.
+  parked_.push_back(thread);
   --active_;
   sleep(thread, lock);
 }
@@ -111,13 +111,13 @@ void WorkLists::note_tasks(int thread) {
 
 void WorkLists::share(int thread) {
   if (idle_.empty() || !member(thread).can_share) return;
-  if (balance_ == Balance::kFirstIdle) hand_over_half(thread, idle_.first());
+  if (balance_ == Balance::kFirstIdle) migrate_half(thread, idle_.first());
   if (balance_ != Balance::kHierarchical) return;
   // Idle threads of other nodes are left to the busy ones there as long as these have something to give.
   const int own = team_.node_of(thread);
   const int nearest = idle_.nearest(
       own, [&](int node) { return node == own || can_share_[static_cast<std::size_t>(node)] == 0; });
-  if (nearest != IdleThreads::kNobody) hand_over_half(thread, nearest);
+  if (nearest != IdleThreads::kNobody) migrate_half(thread, nearest);
 }
 
 /// From the first thread with tasks, going round from one by chance.
@@ -127,24 +127,24 @@ void WorkLists::steal(int thread) {
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const std::size_t from = (first + i) % members_.size();
     if (members_[from].tasks.empty()) continue;
-    hand_over_half(static_cast<int>(from), thread);
+    migrate_half(static_cast<int>(from), thread);
     return;
   }
 }
 
-void WorkLists::hand_over_half(int from, int to) {
+void WorkLists::migrate_half(int from, int to) {
   std::set<RankedTask>&given = member(from).tasks, &taken = member(to).tasks;
   // A thief has no task, so it also takes a single one; who gives keeps one for itself.
   const std::size_t count = balance_ == Balance::kStealing ? (given.size() + 1) / 2 : given.size() / 2;
   for (std::size_t i = 0; i < count; ++i) taken.insert(given.extract(std::prev(given.end())));
   note_tasks(from);
   note_tasks(to);
-  count_hand_over(from, to, count);
+  count_migration(from, to, count);
   if (idle_.contains(to)) wake_idle(to);
 }
 
-void WorkLists::count_hand_over(int from, int to, std::uint64_t tasks) {
-  HandOvers& counts = hand_overs_[static_cast<std::size_t>(to)];
+void WorkLists::count_migration(int from, int to, std::uint64_t tasks) {
+  TaskMigrations& counts = migrations_[static_cast<std::size_t>(to)];
   (team_.node_of(from) == team_.node_of(to) ? counts.local : counts.remote) += tasks;
 }
 
@@ -155,17 +155,17 @@ void WorkLists::wake_idle(int thread) {
   member(thread).woken.notify_one();
 }
 
-void WorkLists::wake_one_aside() {
-  if (aside_.empty()) return;
-  const int thread = aside_.front();
-  aside_.pop_front();
+void WorkLists::wake_one_parked() {
+  if (parked_.empty()) return;
+  const int thread = parked_.front();
+  parked_.pop_front();
   ++active_;
   member(thread).waits = false;
   member(thread).woken.notify_one();
 }
 
 void WorkLists::wake_all() {
-  while (!aside_.empty()) wake_one_aside();
+  while (!parked_.empty()) wake_one_parked();
   while (!idle_.empty()) wake_idle(idle_.first());
 }
 

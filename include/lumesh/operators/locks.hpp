@@ -63,7 +63,7 @@ class SpeculativeLock {
   [[nodiscard]] bool try_lock(VertexId vertex) {
     std::uint32_t& word = mesh_->lock_word(vertex);
     if (parallel::load_relaxed(word) == owner_) return true;  // Only this thread writes its own number.
-    if (!parallel::try_take(word, owner_)) {
+    if (!parallel::try_acquire(word, owner_)) {
       refused_ = true;
       return false;
     }
@@ -76,14 +76,13 @@ class SpeculativeLock {
   }
   void release_to(std::size_t mark) {
     for (; held_.size() > mark; held_.pop_back())
-      parallel::give_back(mesh_->lock_word(held_.back()),
-                          mesh_->alive(held_.back()) ? parallel::kFreeWord : TetMesh::kNoOwner);
+      parallel::unlock(mesh_->lock_word(held_.back()),
+                       mesh_->alive(held_.back()) ? parallel::kFreeWord : TetMesh::kNoOwner);
   }
   void keep_only(const Cell<4>& vertices) {
     std::erase_if(held_, [&](VertexId held) {
       if (std::find(vertices.begin(), vertices.end(), held.value) != vertices.end()) return false;
-      parallel::give_back(mesh_->lock_word(held),
-                          mesh_->alive(held) ? parallel::kFreeWord : TetMesh::kNoOwner);
+      parallel::unlock(mesh_->lock_word(held), mesh_->alive(held) ? parallel::kFreeWord : TetMesh::kNoOwner);
       return true;
     });
   }

@@ -91,7 +91,7 @@ struct OperatorCounts {
 /// What each thread of an execution did, and how many buckets it got from others.
 struct ExecutionCounts {
   std::vector<OperatorCounts> by_thread;
-  std::vector<parallel::HandOvers> hand_overs;
+  std::vector<parallel::TaskMigrations> migrations;
 
   [[nodiscard]] OperatorCounts of_all_threads() const;
   ExecutionCounts& operator+=(const ExecutionCounts& other);  ///< Of the same number of threads, or none yet.

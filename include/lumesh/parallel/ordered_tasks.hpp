@@ -48,7 +48,7 @@ void run_ordered(Team& team, const TaskGraph& conflicts, const TaskOrder& order,
 enum class TaskEnd : std::uint8_t {
   kDone,
   kSomeLeft,    ///< Some of it contended: it runs again, after the others of its thread.
-  kNothingDone  ///< All of it contended: the same, and its thread steps aside for those in its way.
+  kNothingDone  ///< All of it contended: the same, and its thread is parked while others are in its way.
 };
 
 /// Calls body(task, thread) for tasks 0 to tasks - 1 until each is done; a task is run by one thread at a

@@ -19,11 +19,11 @@ class OptionList;
 
 namespace lumesh::parallel {
 
-/// Who gets work from whom. Every task has a home, the thread that it belongs to at first.
+/// Balancing policies. Every task has a home, the thread that it belongs to at first.
 enum class Balance : std::uint8_t {
   kNone,          ///< Nobody: every thread runs its own tasks.
   kFirstIdle,     ///< A busy thread gives half of its tasks, the coldest, to the thread that idles longest.
-  kHierarchical,  ///< The same, to the idle thread at the least NUMA distance (the paper's algorithm 1).
+  kHierarchical,  ///< The same, to the idle thread at the lowest NUMA distance (the paper's algorithm 1).
   kStealing,      ///< An idle thread takes half of the tasks of another, by chance.
 };
 
@@ -38,11 +38,11 @@ struct TeamOptions {
   void describe(OptionList& list);
 };
 
-/// Tasks that a thread got from others, of its own NUMA node and of other ones.
-struct HandOvers {
+/// Numbers of tasks that migrated to a thread, from its own NUMA node and from other ones.
+struct TaskMigrations {
   std::uint64_t local = 0, remote = 0;
 
-  HandOvers& operator+=(const HandOvers& other) {
+  TaskMigrations& operator+=(const TaskMigrations& other) {
     local += other.local;
     remote += other.remote;
     return *this;
@@ -67,9 +67,9 @@ class Team {
   /// here.
   void run(int count, const std::function<void(int)>& body);
 
-  /// By receiving thread, summed over all that the team has run.
-  [[nodiscard]] const std::vector<HandOvers>& hand_overs() const { return hand_overs_; }
-  void add_hand_overs(const std::vector<HandOvers>& more);
+  /// Task migrations by receiving thread, summed over all runs of the team.
+  [[nodiscard]] const std::vector<TaskMigrations>& migrations() const { return migrations_; }
+  void add_migrations(const std::vector<TaskMigrations>& more);
 
  private:
   struct Worker {
@@ -84,8 +84,8 @@ class Team {
 
   TeamOptions options_;
   Topology topology_;
-  std::vector<int> nodes_;  // Of each thread.
-  std::vector<HandOvers> hand_overs_;
+  std::vector<int> nodes_;  // NUMA node of each thread.
+  std::vector<TaskMigrations> migrations_;
   std::deque<Worker> workers_;  // Of threads 1, 2, ...
   std::mutex mutex_;            // Guards all below, and has_work.
   std::condition_variable all_done_;

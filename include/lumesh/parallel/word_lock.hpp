@@ -1,5 +1,5 @@
 #pragma once
-/// @file Locks of one word each, for those who only try; and how long to leave alone what others hold.
+/// @file Try-locks of one word each, and a backoff between tries.
 
 #include <atomic>
 #include <cstdint>
@@ -9,16 +9,16 @@ namespace lumesh::parallel {
 
 inline constexpr std::uint32_t kFreeWord = 0;
 
-/// Takes a free word for `owner` (not 0). @return false if another holds it.
-[[nodiscard]] inline bool try_take(std::uint32_t& word, std::uint32_t owner) {
+/// Acquires a free word for `owner` (not 0). @return false if another holds it.
+[[nodiscard]] inline bool try_acquire(std::uint32_t& word, std::uint32_t owner) {
   std::uint32_t expected = kFreeWord;
-  // Acquire pairs with the release in give_back(): whoever takes a word sees what was written under it
+  // Acquire pairs with the release in unlock(): whoever acquires a word sees all that was written under it
   // before.
   return std::atomic_ref(word).compare_exchange_strong(expected, owner, std::memory_order_acquire,
                                                        std::memory_order_relaxed);
 }
-/// Gives a word back that the caller holds; `left` other than free keeps it from everybody.
-inline void give_back(std::uint32_t& word, std::uint32_t left = kFreeWord) {
+/// Releases a word that the caller holds; `left` other than free keeps it from everybody.
+inline void unlock(std::uint32_t& word, std::uint32_t left = kFreeWord) {
   std::atomic_ref(word).store(left, std::memory_order_release);
 }
 
@@ -28,8 +28,8 @@ class Backoff {
  public:
   void won() { lost_ = 0; }
   void lost() {
-    constexpr unsigned kMostSpins = 6;
-    if (++lost_ > kMostSpins) {
+    constexpr unsigned kMaxSpins = 6;
+    if (++lost_ > kMaxSpins) {
       std::this_thread::yield();
       return;
     }

@@ -40,15 +40,15 @@ class WorkLists {
   [[nodiscard]] bool take(int thread, std::uint32_t& task);
   /// A task is done, and what follows from it has been put in.
   void done();
-  /// Waits until another thread has finished a task, become idle, or stepped aside as the last active one:
-  /// that wakes one and takes its place. Returns at once if no other is active or aside: somebody always goes
-  /// on.
-  void step_aside(int thread);
+  /// Waits until another thread has finished a task, become idle, or been parked as the last active one: that
+  /// wakes one parked thread and takes its place. Returns at once if no other is active or parked: somebody
+  /// always goes on.
+  void park(int thread);
   /// No more tasks are handed out.
   void end();
 
-  /// By receiving thread.
-  [[nodiscard]] const std::vector<HandOvers>& hand_overs() const { return hand_overs_; }
+  /// Task migrations by receiving thread.
+  [[nodiscard]] const std::vector<TaskMigrations>& migrations() const { return migrations_; }
 
  private:
   struct Member {
@@ -66,11 +66,11 @@ class WorkLists {
   void note_tasks(int thread);
   void share(int thread);
   void steal(int thread);
-  /// Passes the coldest half of the tasks of one thread to another.
-  void hand_over_half(int from, int to);
-  void count_hand_over(int from, int to, std::uint64_t tasks);
+  /// Migrates the coldest half of the tasks of one thread to another.
+  void migrate_half(int from, int to);
+  void count_migration(int from, int to, std::uint64_t tasks);
   void wake_idle(int thread);
-  void wake_one_aside();
+  void wake_one_parked();
   void wake_all();
   void sleep(int thread, std::unique_lock<std::mutex>& lock);
   [[nodiscard]] bool is_over() const { return left_ == 0 || ended_; }
@@ -79,11 +79,11 @@ class WorkLists {
   Balance balance_;
   std::uint32_t tasks_;
   std::deque<Member> members_;
-  std::vector<HandOvers> hand_overs_;
+  std::vector<TaskMigrations> migrations_;
   IdleThreads idle_;
   std::vector<int> can_share_;  // Threads of each node.
-  std::deque<int> aside_;
-  int active_;                // Neither idle nor aside.
+  std::deque<int> parked_;
+  int active_;                // Threads neither idle nor parked.
   std::uint32_t left_;        // Tasks that are not done.
   std::uint32_t rounds_ = 0;  // Last rank of what was put back.
   std::uint64_t random_ = 1;

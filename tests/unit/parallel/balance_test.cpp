@@ -103,15 +103,15 @@ TEST_P(FreeTasks, FinishThoughAllContend) {
   std::vector<std::uint32_t> words(kWords, kFreeWord), written(kWords, 0);
   run_freely(team, kTasks, [&](std::uint32_t task, int thread) {
     const std::uint32_t me = static_cast<std::uint32_t>(thread) + 1, a = task % kWords, b = (a + 1) % kWords;
-    if (!try_take(words[a], me)) return TaskEnd::kNothingDone;
-    const bool both = try_take(words[b], me);
+    if (!try_acquire(words[a], me)) return TaskEnd::kNothingDone;
+    const bool both = try_acquire(words[b], me);
     if (both) {
       ++written[a];  // Plain words: races would show.
       ++written[b];
       if (task % 7 == 0) pretend_to_work(50);
-      give_back(words[b]);
+      unlock(words[b]);
     }
-    give_back(words[a]);
+    unlock(words[a]);
     return both ? TaskEnd::kDone : TaskEnd::kSomeLeft;
   });
   for (const std::uint32_t count : written) EXPECT_EQ(count, 2 * kTasks / kWords);
@@ -128,28 +128,28 @@ TEST_P(FreeTasks, HandOnTheFirstException) {
 
 INSTANTIATE_TEST_SUITE_P(Teams, FreeTasks, testing::ValuesIn(fixtures::teams()), fixtures::team_name);
 
-HandOvers hand_overs_of_uneven_work(Balance balance) {
+TaskMigrations migrations_of_uneven_work(Balance balance) {
   Team team({64, balance, false, fixtures::kEightNodes});
   // Some threads' tasks take ten times as long as others', on every node.
   run_freely(team, 64 * 40, [](std::uint32_t task, int) {
     pretend_to_work(task / 40 * 7919 % 5 == 0 ? 500 : 50);
     return TaskEnd::kDone;
   });
-  HandOvers sum;
-  for (const HandOvers& one : team.hand_overs()) sum += one;
+  TaskMigrations sum;
+  for (const TaskMigrations& one : team.migrations()) sum += one;
   return sum;
 }
 
 TEST(Balance, HierarchyHalvesWhatIsHandedOverToOtherNodes) {
-  const HandOvers first_idle = hand_overs_of_uneven_work(Balance::kFirstIdle);
-  const HandOvers hierarchical = hand_overs_of_uneven_work(Balance::kHierarchical);
+  const TaskMigrations first_idle = migrations_of_uneven_work(Balance::kFirstIdle);
+  const TaskMigrations hierarchical = migrations_of_uneven_work(Balance::kHierarchical);
   RecordProperty("first_idle_remote", static_cast<int>(first_idle.remote));
   RecordProperty("hierarchical_remote", static_cast<int>(hierarchical.remote));
   EXPECT_GT(first_idle.remote, 100u);
   EXPECT_GT(hierarchical.local, hierarchical.remote);
   EXPECT_LE(2 * hierarchical.remote, first_idle.remote);
-  EXPECT_GT(hand_overs_of_uneven_work(Balance::kStealing).remote, 0u);
-  const HandOvers none = hand_overs_of_uneven_work(Balance::kNone);
+  EXPECT_GT(migrations_of_uneven_work(Balance::kStealing).remote, 0u);
+  const TaskMigrations none = migrations_of_uneven_work(Balance::kNone);
   EXPECT_EQ(none.local + none.remote, 0u);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// @file Ends long work in good order when its time is up or the user interrupts the program.
+/// @file A source of cancellation for long work: its time limit, and signals to the program.
 
 #include <atomic>
 #include <csignal>
@@ -10,10 +10,10 @@
 
 namespace lumesh::parallel {
 
-/// Watches the clock and the signals SIGINT, SIGTERM and SIGHUP, but those that are ignored (nohup), and asks
-/// whoever holds the token to stop. One at a time; make it before other threads start, so that signals come
+/// Watches the clock and the signals SIGINT, SIGTERM and SIGHUP, but those that are ignored (nohup), and
+/// requests a stop through its token. One at a time; make it before other threads start, so that signals come
 /// here.
-class Stopper {
+class CancellationSource {
  public:
   enum class Reason { kNone, kTime, kSignal };
 
@@ -26,15 +26,15 @@ class Stopper {
     std::function<void(bool finishes)> give_up = {};
   };
 
-  explicit Stopper(Options options);
+  explicit CancellationSource(Options options);
   /// Signals do again what they did before.
-  ~Stopper();
-  Stopper(const Stopper&) = delete;
-  Stopper& operator=(const Stopper&) = delete;
+  ~CancellationSource();
+  CancellationSource(const CancellationSource&) = delete;
+  CancellationSource& operator=(const CancellationSource&) = delete;
 
   [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
   [[nodiscard]] Reason reason() const { return reason_.load(); }
-  /// What is left to do is to write results: it may take its time.
+  /// Only results are left to be written: that may take its time.
   void finish() { finishes_.store(true); }
 
  private:

@@ -1,4 +1,4 @@
-#include "lumesh/parallel/stopper.hpp"
+#include "lumesh/parallel/cancellation_source.hpp"
 
 #include <chrono>
 #include <csignal>
@@ -24,19 +24,20 @@ sigset_t watched_signals() {
 
 }  // namespace
 
-Stopper::Stopper(Options options) : options_(std::move(options)), signals_(watched_signals()) {
+CancellationSource::CancellationSource(Options options)
+    : options_(std::move(options)), signals_(watched_signals()) {
   // Threads made from now on inherit this: the watcher alone takes signals.
   pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
   watcher_ = std::jthread([this](const std::stop_token& over) { watch(over); });
 }
 
-Stopper::~Stopper() {
+CancellationSource::~CancellationSource() {
   watcher_.request_stop();
   watcher_.join();
   pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
 }
 
-void Stopper::watch(const std::stop_token& over) {
+void CancellationSource::watch(const std::stop_token& over) {
   constexpr timespec kLook = {0, 20'000'000};  // 20 ms
   const auto seconds = [start = std::chrono::steady_clock::now()] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -54,12 +55,12 @@ void Stopper::watch(const std::stop_token& over) {
   }
 }
 
-void Stopper::give_up() const {
+void CancellationSource::give_up() const {
   if (options_.give_up) options_.give_up(finishes_.load());
   std::_Exit(kExitCode);
 }
 
-void Stopper::stop(Reason reason) {
+void CancellationSource::stop(Reason reason) {
   reason_.store(reason);
   source_.request_stop();
 }
