@@ -29,7 +29,7 @@ class Adapter {
         has_curved_patch_(std::any_of(shapes.begin(), shapes.end(), [](const operators::PatchShape& shape) {
           return shape.freedom == operators::PatchFreedom::kCurved;
         })) {
-    insertion_.least_length = options.least_length;
+    insertion_.min_length = options.least_length;
     execution_.stop_by([&context] { return context.cancelled(); });
   }
 
@@ -68,15 +68,15 @@ class Adapter {
   /// longest edges are those that cannot be split.
   void bring_to_unit_length() {
     constexpr double kLevel = 0.5, kSink = 0.6, kNearlyThere = 1.1;
-    constexpr int kMostLevels = 200, kMostSweeps = 3;
+    constexpr int kMaxLevels = 200, kMaxSweeps = 3;
     constexpr double kDry = 1.1;  // Of the vertices before a sweep: so little more is left to the next level.
     double bound = longest_edge(mesh_) / kLevel;
-    for (int level = 0; level < kMostLevels && bound > kNearlyThere * options_.split_above && !stopped();
+    for (int level = 0; level < kMaxLevels && bound > kNearlyThere * options_.split_above && !stopped();
          ++level) {
       bound = std::min(kSink * bound, kLevel * longest_edge(mesh_));
       bound = std::max(bound, options_.split_above);
       if (bound <= options_.split_above) collapse();  // Before, hardly any edge is short.
-      for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+      for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
         const std::uint32_t before = mesh_.vertex_count();
         reorder_if_grown();
         split(bound);
@@ -101,7 +101,7 @@ class Adapter {
             [&] { reconnect(mesh_, execution_, options_.reconnect_below, options_.reconnection, swaps_); });
       for (int i = 0; i < options_.smoothing_passes; ++i)
         phase("smooth", [&] { smooth(execution_, smoothing_); });
-      phase("mend", [&] { mend(); });
+      phase("mend", [&] { improve_worst_tets(); });
       close_pass("quality " + std::to_string(round));
       context_.progress(kShareOfLevels + (1 - kShareOfLevels) * (round + 1) / options_.quality_passes);
     }
@@ -127,14 +127,14 @@ class Adapter {
     if (!stopped()) context_.phase(name, step);
   }
 
-  /// The few worst tetrahedra, as long as something changes. In an ordered execution some of them lie across
-  /// buckets that did not meet when these were cut, and nobody could hold them.
-  void mend() {
-    constexpr int kMostSweeps = 5;
+  /// Improves the few worst tetrahedra, as long as something changes. In an ordered execution some of them
+  /// lie across buckets that did not meet when these were cut, and nobody could hold them.
+  void improve_worst_tets() {
+    constexpr int kMaxSweeps = 5;
     execution_.repartition();
-    for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
       const std::uint64_t before = counts().applied();
-      mend_worst(mesh_, execution_, kBadQuality, swaps_, smoothing_);
+      improve_worst(mesh_, execution_, kBadQuality, swaps_, smoothing_);
       if (counts().applied() == before) break;
     }
   }
@@ -280,11 +280,11 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
                                 const operators::PatchShapes& shapes, double complexity,
                                 const AdaptOptions& options, Context& context) {
   constexpr double kTolerance = 0.02;
-  constexpr int kMostRuns = 4;
+  constexpr int kMaxRuns = 4;
   double seen = context.phase("complexity", [&] { return metric::complexity(field, mesh); });
   AdaptReport report;
   for (int run = 0;
-       run < kMostRuns && (run == 0 || std::abs(seen / complexity - 1) > kTolerance) && report.complete;
+       run < kMaxRuns && (run == 0 || std::abs(seen / complexity - 1) > kTolerance) && report.complete;
        ++run) {
     field.scale_sizes(std::cbrt(seen / complexity));
     AdaptReport next = adapt_once(mesh, field, shapes, options, context);

@@ -18,12 +18,12 @@ void check_fits_memory(double complexity) {
   const double tets = kTetsPerComplexity * complexity;
   const double available = static_cast<double>(available_memory_bytes());
   if (tets < TetMesh::kMaxTets && tets * kBytesPerAdaptedTet < available) return;
-  const double most_tets = std::min<double>(available / kBytesPerAdaptedTet, TetMesh::kMaxTets);
+  const double max_tets = std::min<double>(available / kBytesPerAdaptedTet, TetMesh::kMaxTets);
   throw Error(ErrorKind::kMemory,
               fmt::format("the metric asks for about {:.2g} tetrahedra ({:.2g} GB; {:.2g} GB are free); a "
                           "complexity of {:.1g} would fit",
                           tets, tets * kBytesPerAdaptedTet / 1e9, available / 1e9,
-                          0.5 * most_tets / kTetsPerComplexity));
+                          0.5 * max_tets / kTetsPerComplexity));
 }
 
 }  // namespace lumesh

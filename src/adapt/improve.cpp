@@ -60,10 +60,10 @@ class Improver {
 
   void pass() {
     execution_.repartition();
-    execution_.over_tets(
+    execution_.for_each_tet_by_priority(
         [&](TetId t) {
-          const double urgency = goal_ - mesh_.quality(t);
-          return urgency > 0 && operators::has_changed_since_trial(mesh_, t) ? urgency : 0;
+          const double priority = goal_ - mesh_.quality(t);
+          return priority > 0 && operators::has_changed_since_trial(mesh_, t) ? priority : 0;
         },
         [&](Kernel& kernel, TetId t) { better(kernel, t); });
   }
@@ -72,9 +72,9 @@ class Improver {
 
  private:
   void keep_sizes() {
-    constexpr double kLeast = 0.6;
-    rules_.least_length = kLeast;
-    rules_.most_length = swaps_.most_length = collapse_.most_length = 1 / kLeast;
+    constexpr double kMin = 0.6;
+    rules_.min_length = kMin;
+    rules_.max_length = swaps_.max_length = collapse_.max_length = 1 / kMin;
   }
   static TetMesh& with_qualities(TetMesh& mesh, const metric::MetricField& field,
                                  const operators::ShapeMeasure& measure) {
@@ -113,10 +113,9 @@ class Improver {
   Execution execution_;
   // More faces at once leave twice as many bad angles on one mesh of docs/experiments/improve.md, and help on
   // none.
-  operators::SwapRules swaps_{.most_faces = 2, .repeat = true};  // Vertices move in between.
+  operators::SwapRules swaps_{.max_faces = 2, .repeat = true};  // Vertices move in between.
   // However long edges become, no quality below the worst one before.
-  operators::CollapseRules collapse_{.most_length = std::numeric_limits<double>::infinity(),
-                                     .least_quality = 1};
+  operators::CollapseRules collapse_{.max_length = std::numeric_limits<double>::infinity(), .min_quality = 1};
   operators::AngleRules rules_;
 };
 
@@ -125,8 +124,7 @@ class Improver {
 DihedralRange dihedral_range(const TetMesh& mesh, const ImproveOptions& options) {
   constexpr std::size_t kBlock = 4096;
   const auto cosine = [](double degrees) { return std::cos(degrees * std::numbers::pi / 180); };
-  const double most_cosine = cosine(options.min_dihedral_deg),
-               least_cosine = cosine(options.max_dihedral_deg);
+  const double max_cosine = cosine(options.min_dihedral_deg), min_cosine = cosine(options.max_dihedral_deg);
   struct Tally {
     DihedralCosines extreme{-1, 1};
     std::uint64_t outside = 0;
@@ -142,7 +140,7 @@ DihedralRange dihedral_range(const TetMesh& mesh, const ImproveOptions& options)
               min_max_dihedral(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
           part.extreme.largest_cosine = std::max(part.extreme.largest_cosine, c.largest_cosine);
           part.extreme.smallest_cosine = std::min(part.extreme.smallest_cosine, c.smallest_cosine);
-          part.outside += c.largest_cosine > most_cosine || c.smallest_cosine < least_cosine;
+          part.outside += c.largest_cosine > max_cosine || c.smallest_cosine < min_cosine;
         }
         return part;
       },

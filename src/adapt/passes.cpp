@@ -47,8 +47,8 @@ bool has_rank(const TetMesh& mesh, TetId t, int edge, SplitRank rank) {
   if (rank == SplitRank::kAll) return true;
   const auto [i, j] = kTetEdges[edge];
   const auto dimension = [&](int k) { return mesh.dimension(mesh.vertex(t, k)); };
-  const auto most = rank == SplitRank::kCurves ? VertexDimension::kCurve : VertexDimension::kSurface;
-  if (dimension(i) > most || dimension(j) > most) return false;
+  const auto max_dimension = rank == SplitRank::kCurves ? VertexDimension::kCurve : VertexDimension::kSurface;
+  if (dimension(i) > max_dimension || dimension(j) > max_dimension) return false;
   for (int f = 0; f < 4; ++f)
     if (f != i && f != j && mesh.patch(t, f).valid()) return true;
   return false;
@@ -77,9 +77,9 @@ double length_of(const EndLengths& squared) {
 
 /// An edge much too long is worse than a short one: the point that splits it may come nearer to others.
 operators::InsertionRules rules_for(double length, double longest, operators::InsertionRules rules) {
-  constexpr double kLeast = 0.35;
+  constexpr double kMin = 0.35;
   const double factor = std::min(1.0, metric::kLongestUnit * longest / length);
-  rules.least_length = std::max(std::min(kLeast, rules.least_length), factor * rules.least_length);
+  rules.min_length = std::max(std::min(kMin, rules.min_length), factor * rules.min_length);
   return rules;
 }
 
@@ -123,7 +123,7 @@ void split_long_edges(const operators::Subject& subject, Execution& execution, d
                       double arc_weight, SplitRank rank, PointPlacement placement,
                       const operators::InsertionRules& rules) {
   const bool at_centroids = placement == PointPlacement::kCentroid && rank == SplitRank::kAll;
-  execution.over_tets(
+  execution.for_each_tet_by_priority(
       [&](TetId t) {
         const EdgeList edges = long_edges(subject, t, longest, arc_weight, rank);
         return edges.empty() ? 0 : edges.begin()->length;
@@ -146,7 +146,7 @@ template <class Execution>
 void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shortest,
                           const operators::CollapseRules& rules) {
   const std::vector<float> nearest = nearest_below(mesh, shortest);
-  execution.over_urgent_vertices(
+  execution.for_each_vertex_by_priority(
       [&](VertexId v) {
         return static_cast<float>(shortest) - nearest[v.value];
       },  // 0 where none is shorter.
@@ -156,33 +156,33 @@ void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shor
 template <class Execution>
 void thin_out(const TetMesh& mesh, Execution& execution, const operators::ThinningRules& rules) {
   std::vector<std::uint8_t> kept(mesh.vertex_slots(), 0);
-  execution.over_urgent_vertices([](VertexId /*v*/) { return 1.0; },
-                                 [&](auto& kernel, VertexId v) { kernel.thin_out(v, kept, rules); });
+  execution.for_each_vertex_by_priority([](VertexId /*v*/) { return 1.0; },
+                                        [&](auto& kernel, VertexId v) { kernel.thin_out(v, kept, rules); });
 }
 
 template <class Execution>
 void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
                operators::SwapRules rules) {
   rules.repeat = which == Reconnection::kOriginal;
-  execution.over_tets(
+  execution.for_each_tet_by_priority(
       [&](TetId t) {
-        const double urgency = below - mesh.quality(t);
-        return urgency <= 0 || which == Reconnection::kOriginal ||
+        const double priority = below - mesh.quality(t);
+        return priority <= 0 || which == Reconnection::kOriginal ||
                        operators::has_changed_since_trial(mesh, t, operators::kVerticesOfAnEdge)
-                   ? urgency
+                   ? priority
                    : 0;
       },
       [&](auto& kernel, TetId t) { kernel.reconnect(t, rules); });
 }
 
 template <class Execution>
-void mend_worst(const TetMesh& mesh, Execution& execution, double below, operators::SwapRules swaps,
-                const operators::SmoothingRules& smoothing) {
+void improve_worst(const TetMesh& mesh, Execution& execution, double below, operators::SwapRules swaps,
+                   const operators::SmoothingRules& smoothing) {
   swaps.repeat = true;  // Vertices move in between.
-  execution.over_tets(
+  execution.for_each_tet_by_priority(
       [&](TetId t) {
-        const double urgency = below - mesh.quality(t);
-        return urgency <= 0 || operators::has_changed_since_trial(mesh, t) ? urgency : 0;
+        const double priority = below - mesh.quality(t);
+        return priority <= 0 || operators::has_changed_since_trial(mesh, t) ? priority : 0;
       },
       [&](auto& kernel, TetId t) {
         if (kernel.reconnect(t, swaps) == Outcome::kApplied) return;
@@ -192,7 +192,7 @@ void mend_worst(const TetMesh& mesh, Execution& execution, double below, operato
 
 template <class Execution>
 void smooth(Execution& execution, const operators::SmoothingRules& rules) {
-  execution.over_vertices([&](auto& kernel, VertexId v) { kernel.smooth_vertex(v, rules); });
+  execution.for_each_vertex([&](auto& kernel, VertexId v) { kernel.smooth_vertex(v, rules); });
 }
 
 template void split_long_edges(const operators::Subject&, operators::OrderedExecution&, double, double,
@@ -202,8 +202,8 @@ template void collapse_short_edges(const TetMesh&, operators::OrderedExecution&,
 template void thin_out(const TetMesh&, operators::OrderedExecution&, const operators::ThinningRules&);
 template void reconnect(const TetMesh&, operators::OrderedExecution&, double, Reconnection,
                         operators::SwapRules);
-template void mend_worst(const TetMesh&, operators::OrderedExecution&, double, operators::SwapRules,
-                         const operators::SmoothingRules&);
+template void improve_worst(const TetMesh&, operators::OrderedExecution&, double, operators::SwapRules,
+                            const operators::SmoothingRules&);
 template void smooth(operators::OrderedExecution&, const operators::SmoothingRules&);
 
 template void split_long_edges(const operators::Subject&, operators::SpeculativeExecution&, double, double,
@@ -213,8 +213,8 @@ template void collapse_short_edges(const TetMesh&, operators::SpeculativeExecuti
 template void thin_out(const TetMesh&, operators::SpeculativeExecution&, const operators::ThinningRules&);
 template void reconnect(const TetMesh&, operators::SpeculativeExecution&, double, Reconnection,
                         operators::SwapRules);
-template void mend_worst(const TetMesh&, operators::SpeculativeExecution&, double, operators::SwapRules,
-                         const operators::SmoothingRules&);
+template void improve_worst(const TetMesh&, operators::SpeculativeExecution&, double, operators::SwapRules,
+                            const operators::SmoothingRules&);
 template void smooth(operators::SpeculativeExecution&, const operators::SmoothingRules&);
 
 double longest_edge(const TetMesh& mesh) {

@@ -39,8 +39,8 @@ void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnec
 
 /// Reconnects the tetrahedra whose quality is below `below`, or moves the vertices of those that cannot be.
 template <class Execution>
-void mend_worst(const TetMesh& mesh, Execution& execution, double below, operators::SwapRules swaps,
-                const operators::SmoothingRules& smoothing);
+void improve_worst(const TetMesh& mesh, Execution& execution, double below, operators::SwapRules swaps,
+                   const operators::SmoothingRules& smoothing);
 
 /// Moves every vertex once.
 template <class Execution>

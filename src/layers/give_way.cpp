@@ -237,14 +237,15 @@ void Yielding::mend() {
   constexpr double kShort = 0.6, kPoor = 0.6;
   const std::vector<std::uint8_t> at_short =
       flags_at_tets([&](TetId t) { return has_short_edge(t, kShort); });
-  execution_->over_urgent_vertices([&](VertexId v) { return at_short[v.value] != 0 ? 1.0 : 0.0; },
-                                   [&](auto& kernel, VertexId v) { kernel.collapse_vertex(v, kShort, {}); });
+  execution_->for_each_vertex_by_priority(
+      [&](VertexId v) { return at_short[v.value] != 0 ? 1.0 : 0.0; },
+      [&](auto& kernel, VertexId v) { kernel.collapse_vertex(v, kShort, {}); });
   execution_->repartition();
-  execution_->over_tets([&](TetId t) { return kPoor - mesh_.quality(t); },
-                        [](auto& kernel, TetId t) { kernel.reconnect(t, {}); });
+  execution_->for_each_tet_by_priority([&](TetId t) { return kPoor - mesh_.quality(t); },
+                                       [](auto& kernel, TetId t) { kernel.reconnect(t, {}); });
   const std::vector<std::uint8_t> at_poor = flags_at_tets([&](TetId t) { return mesh_.quality(t) < kPoor; });
-  execution_->over_urgent_vertices([&](VertexId v) { return at_poor[v.value] != 0 ? 1.0 : 0.0; },
-                                   [](auto& kernel, VertexId v) { kernel.smooth_vertex(v, {}); });
+  execution_->for_each_vertex_by_priority([&](VertexId v) { return at_poor[v.value] != 0 ? 1.0 : 0.0; },
+                                          [](auto& kernel, VertexId v) { kernel.smooth_vertex(v, {}); });
   execution_->repartition();
 }
 

@@ -57,8 +57,8 @@ LengthRange lengths_from(const TetMesh& mesh, const Vec3& point, const SymTensor
 }
 
 bool may_follow(const LengthRange& after, const LengthRange& before, const AngleRules& rules) {
-  return after.shortest >= std::min(rules.least_length, before.shortest) &&
-         after.longest <= std::max(rules.most_length, before.longest);
+  return after.shortest >= std::min(rules.min_length, before.shortest) &&
+         after.longest <= std::max(rules.max_length, before.longest);
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ Outcome Operators<Lock>::optimise_held_vertex(VertexId v, const AngleRules& rule
   if (!gather_ball(mesh, v, lock_, scratch_->ball)) return Outcome::kContended;
   const double worst = gather_angles(v);
   Vec3 to = mesh.point(v);
-  const bool better = scratch_->angles.climb(to, rules.most_steps) >= worst + rules.least_gain;
+  const bool better = scratch_->angles.climb(to, rules.max_steps) >= worst + rules.min_gain;
   return better && move_in_angles(v, to, rules) ? Outcome::kApplied : Outcome::kRejected;
 }
 
@@ -95,14 +95,14 @@ Outcome Operators<Lock>::slide_held_vertex(VertexId v, const AngleRules& rules) 
   const SurfaceFan fan(mesh, v, ball);
   scratch_->angles.keep_in_plane(fan.normal());
   Vec3 to = mesh.point(v);
-  if (scratch_->angles.climb(to, rules.most_steps) < worst + rules.least_gain) return Outcome::kRejected;
+  if (scratch_->angles.climb(to, rules.max_steps) < worst + rules.min_gain) return Outcome::kRejected;
   // Where the surface is curved, less of the way may do.
   constexpr int kTries = 6;
   for (int i = 0; i < kTries; ++i, to = 0.5 * (mesh.point(v) + to)) {
     const auto found = subject_.surface->nearest(ball.patches[0], to, fan.edge_length());
     if (found.triangle == TriangleTree::kNone) continue;
     const Vec3 place = subject_.surface->smooth(ball.patches[0], found);
-    if (scratch_->angles.worst_at(place) >= worst + rules.least_gain &&
+    if (scratch_->angles.worst_at(place) >= worst + rules.min_gain &&
         fan.fits(place, *subject_.surface, rules) && move_in_angles(v, place, rules))
       return Outcome::kApplied;
   }
@@ -160,20 +160,20 @@ Outcome Operators<Lock>::insert_for_angles(TetId t, const AngleRules& rules) {
 
 template <class Lock>
 Outcome Operators<Lock>::insert_near_held_tet(TetId t, const AngleRules& rules) {
-  if (!try_hold(t)) return Outcome::kContended;
+  if (!try_lock(t)) return Outcome::kContended;
   int best = -1;
-  double most = 0;
+  double best_quality = 0;
   NewVertex vertex;
   for (int hole = 0; hole < kHoles; ++hole) {
     const double quality = prepare_hole(t, hole, rules, vertex.point);
-    if (quality > most) best = hole, most = quality;
+    if (quality > best_quality) best = hole, best_quality = quality;
   }
   if (best < 0) return Outcome::kRejected;
   prepare_hole(t, best, rules, vertex.point);  // The same as before: nothing has changed.
   vertex.hint = subject_.mesh.metric_hint(subject_.mesh.vertex(t, 0));
   vertex.metric = subject_.field.at(vertex.point, vertex.hint);
   const VertexId v = scratch_->cavity.fill(scratch_->builder, vertex);
-  lock_.adopt(v);
+  lock_.take_ownership(v);
   return Outcome::kApplied;
 }
 
@@ -199,13 +199,13 @@ double Operators<Lock>::prepare_hole(TetId t, int hole, const AngleRules& rules,
   }
   vertex.hint = mesh.metric_hint(mesh.vertex(t, 0));
   vertex.metric = subject_.field.at(vertex.point, vertex.hint);
-  if (enlarged && !cavity.enlarge(mesh, vertex, rules.most_cavity_tets, lock_)) return -1;
-  if (!cavity.carve(mesh, vertex, subject_.shapes)) return -1;
+  if (enlarged && !cavity.enlarge(mesh, vertex, rules.max_cavity_tets, lock_)) return -1;
+  if (!cavity.shrink_to_star_shaped(mesh, vertex, subject_.shapes)) return -1;
   place = vertex.point;
   const double quality = cavity.optimise(mesh, place, scratch_->angles, subject_.measure, rules);
   if (quality < 0 || !rules.bounds_lengths()) return quality;
   const metric::MetricPair there = subject_.field.at(place, vertex.hint);
-  const LengthRange none{rules.least_length, rules.most_length};  // No edge there that could be an excuse.
+  const LengthRange none{rules.min_length, rules.max_length};  // No edge there that could be an excuse.
   return may_follow(lengths_from(mesh, place, there.metric, cavity.hull_vertices()), none, rules) ? quality
                                                                                                   : -1;
 }

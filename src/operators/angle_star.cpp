@@ -12,10 +12,10 @@ namespace {
 
 /// The shortest vector in the convex hull of some. Source: Gilbert 1966, doi:10.1137/0304007.
 Vec3 shortest_combination(const std::vector<Vec3>& vectors) {
-  constexpr int kMostRounds = 60;
+  constexpr int kMaxRounds = 60;
   constexpr double kNearly = 1e-3;
   Vec3 shortest = vectors.front();
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const Vec3* lowest = &vectors.front();
     for (const Vec3& v : vectors)
       if (v.dot(shortest) < lowest->dot(shortest)) lowest = &v;
@@ -68,10 +68,10 @@ void AngleStar::differentiate(const Vec3& x) {
 
 Vec3 AngleStar::ascent_direction(double worst) {
   constexpr double kAsBad = 1.01;
-  // Of flat tetrahedra rounding may leave all terms above the worst quality; then the least of them count.
-  double least = std::numeric_limits<double>::infinity();
-  for (const Term& term : terms_) least = std::min(least, term.value);
-  const double limit = kAsBad * std::max(worst, least);
+  // Of flat tetrahedra rounding may leave all terms above the worst quality; then the lowest of them count.
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Term& term : terms_) smallest = std::min(smallest, term.value);
+  const double limit = kAsBad * std::max(worst, smallest);
   active_.clear();
   for (const Term& term : terms_)
     if (term.value <= limit) active_.push_back(term.gradient);
@@ -80,9 +80,9 @@ Vec3 AngleStar::ascent_direction(double worst) {
 
 /// As far as the terms that are the worst now will stay so, were all of them linear.
 double AngleStar::first_step(const Vec3& direction, double worst) const {
-  constexpr double kMostGain = 0.5;
+  constexpr double kMaxGain = 0.5;
   const double rise = direction.squaredNorm();
-  double step = kMostGain / rise;
+  double step = kMaxGain / rise;
   for (const Term& term : terms_) {
     const double slope = rise - term.gradient.dot(direction);
     if (slope > 1e-3 * rise && term.value > 1.01 * worst) step = std::min(step, (term.value - worst) / slope);
@@ -90,11 +90,11 @@ double AngleStar::first_step(const Vec3& direction, double worst) const {
   return step;
 }
 
-double AngleStar::climb(Vec3& x, int most_steps) {
+double AngleStar::climb(Vec3& x, int max_steps) {
   constexpr int kHalvings = 5;
-  constexpr double kLeastGain = 1e-4;
+  constexpr double kMinGain = 1e-4;
   double worst = worst_at(x);
-  for (int round = 0; round < most_steps && worst > 0; ++round) {
+  for (int round = 0; round < max_steps && worst > 0; ++round) {
     differentiate(x);
     const Vec3 direction = ascent_direction(worst);
     if (!(direction.squaredNorm() > 0)) break;
@@ -106,7 +106,7 @@ double AngleStar::climb(Vec3& x, int most_steps) {
       if (found <= best && best > worst) break;  // It was better farther out.
       if (found > best) best = found, best_place = place;
     }
-    if (best < worst + kLeastGain) break;
+    if (best < worst + kMinGain) break;
     x = best_place;
     worst = best;
   }

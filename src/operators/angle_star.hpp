@@ -22,15 +22,15 @@ class AngleStar {
   /// Climbing keeps to the plane through its start. @param normal  Unit.
   void keep_in_plane(const Vec3& normal) { normal_ = normal; }
 
-  /// Least angle_quality() with the vertex at `x`.
+  /// Lowest angle_quality() with the vertex at `x`.
   [[nodiscard]] double worst_at(const Vec3& x) const;
   /// Climbs from x to a place where the worst quality is as good as it gets nearby; from where some
-  /// tetrahedron is flat or inverted it does not move. Steepest ascent of the least of many functions: along
-  /// the shortest convex combination of the gradients of the worst ones, as far as they are the worst ones.
-  /// Source: Freitag and Ollivier-Gooch 1997,
+  /// tetrahedron is flat or inverted it does not move. Steepest ascent of the minimum of many functions:
+  /// along the shortest convex combination of the gradients of the worst ones, as far as they are the worst
+  /// ones. Source: Freitag and Ollivier-Gooch 1997,
   /// doi:10.1002/(SICI)1097-0207(19971115)40:21<3979::AID-NME251>3.0.CO;2-9.
   /// @return the worst quality there.
-  double climb(Vec3& x, int most_steps);
+  double climb(Vec3& x, int max_steps);
 
  private:
   struct Base {

@@ -1,5 +1,5 @@
 #pragma once
-/// @file What an operator makes and frees, noted for those who plan the next pass.
+/// @file Elements that an operator makes and frees, noted for the planning of the next pass.
 
 #include <vector>
 
@@ -34,7 +34,7 @@ struct Builder {
     tets.push_back(t);
     note_change(v);
   }
-  /// Whoever tried in vain around these vertices may try again.
+  /// Operators that failed around these vertices may try again.
   template <class Vertices>
   void note_change(const Vertices& vertices_around) {
     for (const std::uint32_t v : vertices_around) mesh.set_change_epoch(VertexId(v), epoch);

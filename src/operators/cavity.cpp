@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kAbsorbedEdge =
     0x80000000u;  // With the patch; others hold tetrahedron << 2 | corner.
-constexpr int kMostRounds = 50;
+constexpr int kMaxRounds = 50;
 
 /// True if a face of a patch is replaced by smaller ones with the new vertex: it lies on the same patch, and
 /// where that is curved not on another side of it.
@@ -113,8 +113,8 @@ bool Cavity::take_out_lost_vertices(const TetMesh& mesh, bool& stuck) {
   return changed;
 }
 
-bool Cavity::carve(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes) {
-  for (int round = 0; round < kMostRounds; ++round) {
+bool Cavity::shrink_to_star_shaped(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     bool stuck = false;
     const bool changed =
         take_out_blind_tets(mesh, vertex, shapes, stuck) || (!stuck && take_out_lost_vertices(mesh, stuck));
@@ -144,12 +144,12 @@ bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const PatchSha
   too_near_.clear();
   for (const std::uint32_t w : hull_vertex_list_) {
     const VertexId v(w);
-    if (metric::edge_length(vertex.point, metric, mesh.point(v), mesh.metric(v)) >= rules.least_length)
+    if (metric::edge_length(vertex.point, metric, mesh.point(v), mesh.metric(v)) >= rules.min_length)
       continue;
     if (mesh.dimension(v) <= vertex.dimension) return false;
     if (mesh.dimension(v) == VertexDimension::kVolume) too_near_.push_back(v);
   }
-  if (vertex.dimension == VertexDimension::kVolume && is_near_patch(mesh, vertex, shapes, rules.least_height))
+  if (vertex.dimension == VertexDimension::kVolume && is_near_patch(mesh, vertex, shapes, rules.min_height))
     return false;
   if (is_any_curved(vertex.patches, shapes) &&
       !(absorbs_disc(vertex) && keeps_to_surface(mesh, vertex, shapes)))
@@ -158,12 +158,12 @@ bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const PatchSha
   for (const HullFace& face : hull_)
     if (!face.absorbed)
       shapes_.add(mesh, VertexId(face.corners[0]), VertexId(face.corners[1]), VertexId(face.corners[2]));
-  const double least_cubed = metric::cube(rules.least_quality);
+  const double min_cubed = metric::cube(rules.min_quality);
   const std::span<const double> cubed = shapes_.ratios_cubed_at(vertex.point, vertex.metric.log);
   std::size_t next = 0;
   for (HullFace& face : hull_) {
     if (face.absorbed) continue;
-    if (!(cubed[next] >= least_cubed)) return false;
+    if (!(cubed[next] >= min_cubed)) return false;
     face.quality = static_cast<float>(metric::cube_root(cubed[next++]));
   }
   return has_sphere_as_hull();
@@ -177,8 +177,8 @@ double Cavity::optimise(const TetMesh& mesh, Vec3& place, AngleStar& angles, con
   angles.begin(measure.obtuse_weight);
   for (const HullFace& face : hull_)
     angles.add(at(face.corners[0]), at(face.corners[1]), at(face.corners[2]));
-  const double best = angles.climb(place, rules.most_steps);
-  if (best < worst + rules.least_gain) return -1;
+  const double best = angles.climb(place, rules.max_steps);
+  if (best < worst + rules.min_gain) return -1;
   for (HullFace& face : hull_) {
     const auto [a, b, c] = face.corners;
     if (orient3d(at(a), at(b), at(c), place) <= 0) return -1;
@@ -188,15 +188,14 @@ double Cavity::optimise(const TetMesh& mesh, Vec3& place, AngleStar& angles, con
 }
 
 bool Cavity::is_near_patch(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
-                           double least_height) const {
+                           double min_height) const {
   const MetricFrame frame(vertex.metric.metric, vertex.point);
   const auto at = [&](std::uint32_t v) { return frame(mesh.point(VertexId(v))); };
   return std::any_of(hull_.begin(), hull_.end(), [&](const HullFace& face) {
     if (!face.patch.valid()) return false;
-    if (height_over(at(face.corners[0]), at(face.corners[1]), at(face.corners[2])) < least_height)
-      return true;
+    if (height_over(at(face.corners[0]), at(face.corners[1]), at(face.corners[2])) < min_height) return true;
     const PatchShape& shape = shapes[face.patch.value];  // The face may yet be split and move inwards.
-    return shape.freedom == PatchFreedom::kCurved && depth_below(*shape.surface, vertex) < least_height;
+    return shape.freedom == PatchFreedom::kCurved && depth_below(*shape.surface, vertex) < min_height;
   });
 }
 

@@ -25,7 +25,7 @@ struct NewVertex {
   metric::MetricPair metric;
   TetId hint;
   VertexDimension dimension = VertexDimension::kVolume;
-  std::span<const PatchId> patches;  ///< Those it will lie on.
+  std::span<const PatchId> patches;  ///< Patches that it will lie on.
   VertexId edge_a, edge_b;           ///< The edge that it splits.
 };
 
@@ -36,19 +36,19 @@ class Cavity {
 
   /// Adds neighbours, and theirs, whose circumsphere in the metric of the new vertex holds it; never through
   /// a face with a patch, nor what is not to be locked.
-  /// @return false if that are more than `most` tetrahedra.
+  /// @return false if that are more than `max_tets` tetrahedra.
   template <class Lock>
-  bool enlarge(const TetMesh& mesh, const NewVertex& vertex, int most, Lock& lock);
+  bool enlarge(const TetMesh& mesh, const NewVertex& vertex, int max_tets, Lock& lock);
 
-  /// Takes tetrahedra out until every face of the hull sees the new vertex and none of the old ones is lost.
-  /// @return false if that would take one that must stay.
-  bool carve(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes);
+  /// Removes tetrahedra until the cavity is star-shaped: every face of the hull sees the new vertex, and no
+  /// old vertex is lost. @return false if a tetrahedron would go that must stay.
+  bool shrink_to_star_shaped(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes);
 
-  /// Measures what would be put in. @return false if a rule speaks against it.
+  /// Measures the tetrahedra that would fill the cavity. @return false if a rule speaks against them.
   bool accept(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
               const InsertionRules& rules);
 
-  /// Moves `place`, where the vertex would be, to where the worst angle of what would be put in is best.
+  /// Moves `place`, where the vertex would be, to where the worst angle of the new tetrahedra is best.
   /// @return the worst quality there, or -1 if that is not better than the worst one inside now.
   double optimise(const TetMesh& mesh, Vec3& place, AngleStar& angles, const ShapeMeasure& measure,
                   const AngleRules& rules);
@@ -56,18 +56,18 @@ class Cavity {
   /// Puts the vertex in. Cannot fail but for memory.
   VertexId fill(Builder& builder, const NewVertex& vertex);
 
-  /// Inner vertices nearer than rules.least_length to a new vertex of a surface; known after accept().
+  /// Inner vertices nearer than rules.min_length to a new vertex of a surface; known after accept().
   [[nodiscard]] std::span<const VertexId> too_near() const { return too_near_; }
-  /// Those that a new vertex is joined to; known after carve().
+  /// Vertices that a new one is joined to; known after shrink_to_star_shaped().
   [[nodiscard]] std::span<const std::uint32_t> hull_vertices() const { return hull_vertex_list_; }
 
  private:
   struct HullFace {
     Cell<3> corners;  ///< Positively oriented with a point inside as the fourth.
-    TetId tet;        ///< Inside.
+    TetId tet;        ///< The tetrahedron inside.
     FaceLink behind;
     PatchId patch;  ///< Invalid if there is none.
-    Label label;    ///< Of tet.
+    Label label;    ///< Label of `tet`.
     bool absorbed;  ///< A face of a patch that the new vertex lies on: it is replaced by smaller ones.
     TetId filled;   ///< The new tetrahedron on it.
     float quality;
@@ -84,7 +84,7 @@ class Cavity {
   bool take_out_lost_vertices(const TetMesh& mesh, bool& stuck);
   void keep_inside_only();
   [[nodiscard]] bool is_near_patch(const TetMesh& mesh, const NewVertex& vertex, const PatchShapes& shapes,
-                                   double least_height) const;
+                                   double min_height) const;
   /// True unless the hull touches itself. Where the mesh is embedded that follows from what the new vertex
   /// sees; where a surface that moves has come to overlap itself, it does not.
   [[nodiscard]] bool has_sphere_as_hull();
@@ -111,7 +111,7 @@ class Cavity {
   std::vector<std::uint32_t> hull_vertex_list_;
   LocalMap<std::uint64_t, std::uint32_t> open_edges_;
   std::vector<PatchEdge> interface_edges_;  // Edges of faces between labels inside the hole.
-  std::vector<PatchEdge> rim_;              // Of the absorbed faces; anticlockwise from outside.
+  std::vector<PatchEdge> rim_;              // Rim of the absorbed faces; anticlockwise from outside.
   std::vector<VertexId> too_near_;
   StarShapes shapes_;
 };
@@ -147,7 +147,7 @@ class MetricFrame {
 }
 
 template <class Lock>
-bool Cavity::enlarge(const TetMesh& mesh, const NewVertex& vertex, int most, Lock& lock) {
+bool Cavity::enlarge(const TetMesh& mesh, const NewVertex& vertex, int max_tets, Lock& lock) {
   const MetricFrame frame(vertex.metric.metric, vertex.point);
   for (std::size_t next = 0; next < tets_.size(); ++next) {
     for (int f = 0; f < 4; ++f) {
@@ -163,7 +163,7 @@ bool Cavity::enlarge(const TetMesh& mesh, const NewVertex& vertex, int most, Loc
       if (!holds || !lock.try_lock(mesh.vertex(t, link.face()))) continue;
       place = Place::kInside;
       tets_.push_back(t);
-      if (static_cast<int>(tets_.size()) > most) return false;
+      if (static_cast<int>(tets_.size()) > max_tets) return false;
     }
   }
   return true;

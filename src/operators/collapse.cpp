@@ -96,26 +96,27 @@ bool meet_only_around_edge(const TetMesh& mesh, VertexId from, VertexId to, cons
 /// True if an edge from `to` would be longer than allowed; where `from` has longer ones already, than the
 /// longest.
 bool makes_edge_too_long(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
-                         double most) {
-  double longest_new = most;
+                         double max_length) {
+  double longest_new = max_length;
   for (const std::uint32_t w : ball.neighbours) {
     if (w == to.value) continue;
     // A length lies between those in the metrics of the two ends.
     const Vec3 edge = mesh.point(VertexId(w)) - mesh.point(to);
-    if (std::max(mesh.metric(to).quadratic(edge), mesh.metric(VertexId(w)).quadratic(edge)) > most * most)
+    if (std::max(mesh.metric(to).quadratic(edge), mesh.metric(VertexId(w)).quadratic(edge)) >
+        max_length * max_length)
       longest_new = std::max(longest_new, metric_length(mesh, to, VertexId(w)));
   }
-  return longest_new > most &&
+  return longest_new > max_length &&
          std::none_of(ball.neighbours.begin(), ball.neighbours.end(),
                       [&](std::uint32_t w) { return metric_length(mesh, from, VertexId(w)) >= longest_new; });
 }
 
-/// The neighbours at less than `least_length`, the nearest first; equally near ones by coordinates.
-void neighbours_near(const TetMesh& mesh, VertexId v, const VertexBall& ball, double least_length,
+/// The neighbours at less than `min_length`, the nearest first; equally near ones by coordinates.
+void neighbours_near(const TetMesh& mesh, VertexId v, const VertexBall& ball, double min_length,
                      std::vector<NearVertex>& near) {
   near.clear();
   for (const std::uint32_t w : ball.neighbours)
-    if (const double length = metric_length(mesh, v, VertexId(w)); length < least_length)
+    if (const double length = metric_length(mesh, v, VertexId(w)); length < min_length)
       near.push_back({VertexId(w), length});
   std::sort(near.begin(), near.end(), [&](const NearVertex& a, const NearVertex& b) {
     if (a.length != b.length) return a.length < b.length;
@@ -175,12 +176,12 @@ Outcome Operators<Lock>::collapse_edge(TetId t, int from, int to, const Collapse
 }
 
 template <class Lock>
-Outcome Operators<Lock>::collapse_vertex(VertexId v, double least_length, const CollapseRules& rules) {
+Outcome Operators<Lock>::collapse_vertex(VertexId v, double min_length, const CollapseRules& rules) {
   return on_held(counts_.collapse, v, v, [&] {
     TetMesh& mesh = subject_.mesh;
     if (mesh.dimension(v) == VertexDimension::kCorner) return Outcome::kRejected;
     if (!gather_ball(mesh, v, lock_, scratch_->ball)) return Outcome::kContended;
-    neighbours_near(mesh, v, scratch_->ball, least_length, scratch_->near);
+    neighbours_near(mesh, v, scratch_->ball, min_length, scratch_->near);
     return collapse_gathered_vertex(v, rules);
   });
 }
@@ -195,13 +196,13 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
   float worst = 1;
   for (const TetId x : ball.tets) worst = std::min(worst, mesh.quality(x));
   const double floor =
-      worst < rules.least_quality ? worst : std::max(rules.least_quality, rules.least_relative * worst);
+      worst < rules.min_quality ? worst : std::max(rules.min_quality, rules.min_relative_quality * worst);
   if (subject_.measure.kind == ShapeMeasure::Kind::kMeanRatio) shapes.gather(mesh, v, ball.tets);
   for (const NearVertex& to : scratch_->near) {
     const auto shared = std::find_if(ball.tets.begin(), ball.tets.end(),
                                      [&](TetId x) { return mesh.index_of(x, to.vertex) >= 0; });
     if (shared == ball.tets.end()) continue;
-    if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.most_length)) continue;
+    if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.max_length)) continue;
     if (!measure_after(mesh, subject_.measure, v, to.vertex, ball, shapes, floor, scratch_->qualities))
       continue;
     // Within the ball, which is held.
@@ -249,8 +250,8 @@ Outcome Operators<Lock>::thin_out(VertexId v, std::span<std::uint8_t> kept, cons
     if (is_any_curved(ball.patches, subject_.shapes)) return Outcome::kRejected;
     UniformStar& star = scratch_->uniform;
     star.gather(mesh, v, ball);
-    const double floor_cubed = std::min(star.worst_cubed(), metric::cube(rules.least_quality));
-    for (std::uint32_t place = 0; star.next_nearest(rules.least_length, place);) {
+    const double floor_cubed = std::min(star.worst_cubed(), metric::cube(rules.min_quality));
+    for (std::uint32_t place = 0; star.next_nearest(rules.min_length, place);) {
       const VertexId to(ball.neighbours[place]);
       if (!star.fits_at(place, floor_cubed, scratch_->qualities)) continue;
       if (!are_positive_after(mesh, v, to, ball, scratch_->qualities)) continue;

@@ -35,13 +35,13 @@ DisjointSets smooth_parts(const TetMesh& mesh, const BoundaryFaces& faces, doubl
   }
   std::sort(sides.begin(), sides.end());
   DisjointSets sets(faces.triangles.size());
-  const double least_cosine = std::cos(angle_deg * std::numbers::pi / 180);
+  const double min_cosine = std::cos(angle_deg * std::numbers::pi / 180);
   for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
     for (next = i + 1; next < sides.size() && sides[next].a == sides[i].a && sides[next].b == sides[i].b;)
       ++next;
     for (std::size_t k = i + 1; k < next; ++k) {
       const std::uint32_t one = sides[i].face, other = sides[k].face;
-      if (faces.patches[one] == faces.patches[other] && normals[one].dot(normals[other]) >= least_cosine)
+      if (faces.patches[one] == faces.patches[other] && normals[one].dot(normals[other]) >= min_cosine)
         sets.merge(one, other);
     }
   }

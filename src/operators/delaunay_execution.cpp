@@ -31,8 +31,8 @@ int round_of(std::size_t index, int last) {
 }
 
 std::size_t bucket_size(std::size_t items) {
-  constexpr std::size_t kLeast = 16, kMost = 512, kBuckets = 2000;
-  return std::clamp(items / kBuckets, kLeast, kMost);
+  constexpr std::size_t kMin = 16, kMax = 512, kBuckets = 2000;
+  return std::clamp(items / kBuckets, kMin, kMax);
 }
 
 }  // namespace

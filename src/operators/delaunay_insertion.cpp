@@ -63,7 +63,7 @@ int DelaunayKernel<Lock>::face_towards(TetId t, const Vec3& point, int first) co
 
 template <class Lock>
 TetId DelaunayKernel<Lock>::locate(const Vec3& point, VertexId near) {
-  constexpr std::size_t kMostHeld = 64;
+  constexpr std::size_t kMaxHeld = 64;
   if (!lock_.try_lock(near)) return {};
   TetId t = mesh_->incident_tet(near);
   for (int first = 0;; first = (first + 1) & 3) {  // Turning, so that no direction is preferred for long.
@@ -73,7 +73,7 @@ TetId DelaunayKernel<Lock>::locate(const Vec3& point, VertexId near) {
     LUMESH_DEBUG_ASSERT(!mesh_->link(t, face).is_boundary());
     // Others want to pass, too. This tetrahedron stays held: from one vertex of it the walk could begin again
     // at the other end of what it has crossed, and would then never come by a vertex of many tetrahedra.
-    if (lock_.mark() >= kMostHeld) lock_.keep_only(mesh_->tet(t));
+    if (lock_.mark() >= kMaxHeld) lock_.keep_only(mesh_->tet(t));
     t = mesh_->link(t, face).tet();
   }
 }
@@ -148,7 +148,7 @@ VertexId DelaunayKernel<Lock>::fill_hole(const Vec3& point, VertexDimension dime
   }
   edges.begin(places);
   const VertexId v = mesh.add_vertex(point, owner_, stamp_);
-  lock_.adopt(v);
+  lock_.take_ownership(v);
   mesh.set_dimension(v, dimension);
   for (std::uint32_t i = 0; i < hull.size(); ++i) {
     auto& face = hull[i];

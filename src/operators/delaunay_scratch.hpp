@@ -1,5 +1,5 @@
 #pragma once
-/// @file What DelaunayKernel works with.
+/// @file Working memory of DelaunayKernel.
 
 #include <algorithm>
 #include <bit>
@@ -18,7 +18,7 @@ class HullEdges {
   /// @param vertices  How many are on the outlines; they are known by places below that.
   void begin(std::uint32_t vertices) {
     shift_ = std::max(5, static_cast<int>(std::bit_width(vertices)));
-    is_large_ = vertices > kMostInTable;
+    is_large_ = vertices > kMaxInTable;
     if (is_large_)
       far_.clear();
     else if (table_.size() < std::size_t{1} << 2 * shift_)
@@ -36,7 +36,7 @@ class HullEdges {
   }
 
  private:
-  static constexpr std::uint32_t kMostInTable = 500;
+  static constexpr std::uint32_t kMaxInTable = 500;
   int shift_ = 0;
   bool is_large_ = false;
   std::vector<std::uint32_t> table_;  // By both places; what is not set is not read.

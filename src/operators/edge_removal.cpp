@@ -26,9 +26,9 @@ class RimTriangulation {
         size_(static_cast<int>(ring.rim.size())),
         is_open_(ring.open) {}
 
-  /// @param most_length  Of each new edge between vertices of the rim.
-  /// @return false if none is better than `least`.
-  bool find(double least, double most_length);
+  /// @param max_length  Of each new edge between vertices of the rim.
+  /// @return false if none is better than `min_quality`.
+  bool find(double min_quality, double max_length);
   [[nodiscard]] std::span<const Triangle> triangles() const { return {triangles_.data(), count_}; }
   /// Positive by the exact predicate?
   [[nodiscard]] bool is_positive() const;
@@ -55,16 +55,16 @@ class RimTriangulation {
   bool is_open_;
   // Of the polygon i, i + 1, ..., k closed by an edge: the best worst quality, and the corner of the triangle
   // on that edge.
-  std::array<std::array<double, kMostRing>, kMostRing> best_;
-  std::array<std::array<int, kMostRing>, kMostRing> corner_;
-  std::array<Triangle, kMostRing> triangles_;
+  std::array<std::array<double, kMaxRing>, kMaxRing> best_;
+  std::array<std::array<int, kMaxRing>, kMaxRing> corner_;
+  std::array<Triangle, kMaxRing> triangles_;
   std::size_t count_ = 0;
 };
 
-bool RimTriangulation::find(double least, double most_length) {
+bool RimTriangulation::find(double min_quality, double max_length) {
   const auto is_too_long = [&](int i, int k) {
     const bool is_new = is_open_ || k - i < size_ - 1;
-    return is_new && is_longer_than(most_length, mesh_, VertexId(rim_[i]), VertexId(rim_[k]));
+    return is_new && is_longer_than(max_length, mesh_, VertexId(rim_[i]), VertexId(rim_[k]));
   };
   for (int i = 0; i + 1 < size_; ++i) best_[i][i + 1] = std::numeric_limits<double>::infinity();
   for (int length = 2; length < size_; ++length) {
@@ -73,7 +73,7 @@ bool RimTriangulation::find(double least, double most_length) {
       if (is_too_long(i, k)) continue;
       for (int j = i + 1; j < k; ++j) {
         double worst = std::min(best_[i][j], best_[j][k]);
-        const double needed = std::max(best_[i][k], least);
+        const double needed = std::max(best_[i][k], min_quality);
         if (worst <= needed) continue;
         worst = std::min(worst, cubed(towards_b({i, j, k})));
         if (worst <= needed) continue;
@@ -84,7 +84,7 @@ bool RimTriangulation::find(double least, double most_length) {
       }
     }
   }
-  if (best_[0][size_ - 1] <= least) return false;
+  if (best_[0][size_ - 1] <= min_quality) return false;
   count_ = 0;
   collect(0, size_ - 1);
   return true;
@@ -177,8 +177,8 @@ class RingReplacement {
   const ShapeMeasure& measure_;
   const EdgeRing& ring_;
   int size_;
-  std::array<Side, kMostRing> behind_a_, behind_b_;
-  std::array<std::array<OpenFaces, kMostRing>, kMostRing> open_;
+  std::array<Side, kMaxRing> behind_a_, behind_b_;
+  std::array<std::array<OpenFaces, kMaxRing>, kMaxRing> open_;
 };
 
 /// Whether one of the edges that come to light is one already, elsewhere.
@@ -204,9 +204,9 @@ bool is_flat_tet(const EdgeRing& ring, const PatchShapes& shapes) {
 }
 
 /// True if the edge may go: not one of a curve, nor between labels, nor of a frozen patch.
-bool may_remove(const TetMesh& mesh, const EdgeRing& ring, const PatchShapes& shapes, int most_tets) {
-  const std::size_t most_rim = static_cast<std::size_t>(std::min(most_tets, kMostRing));
-  if (ring.rim.size() < 3 || ring.rim.size() > most_rim) return false;
+bool may_remove(const TetMesh& mesh, const EdgeRing& ring, const PatchShapes& shapes, int max_tets) {
+  const std::size_t max_rim = static_cast<std::size_t>(std::min(max_tets, kMaxRing));
+  if (ring.rim.size() < 3 || ring.rim.size() > max_rim) return false;
   if (ring.patch_faces == 0) return true;
   if (!ring.open || ring.dimension() != VertexDimension::kSurface) return false;
   const Label label = mesh.label(ring.tets[0]);
@@ -227,13 +227,13 @@ Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const
   TetMesh& mesh = subject_.mesh;
   EdgeRing& ring = scratch_->ring;
   if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
-  if (is_flat_tet(ring, subject_.shapes)) return peel_held_tet(t, a, b);
-  if (!may_remove(mesh, ring, subject_.shapes, rules.most_ring_tets)) return Outcome::kRejected;
+  if (is_flat_tet(ring, subject_.shapes)) return remove_held_boundary_sliver(t, a, b);
+  if (!may_remove(mesh, ring, subject_.shapes, rules.max_ring_tets)) return Outcome::kRejected;
   double worst = 1;
   for (const TetId x : ring.tets) worst = std::min<double>(worst, mesh.quality(x));
-  const double least = worst + rules.least_gain;
+  const double min_quality = worst + rules.min_gain;
   RimTriangulation triangulation(mesh, subject_.measure, ring, a, b);
-  if (!triangulation.find(metric::cube(least), rules.most_length) || !triangulation.is_positive() ||
+  if (!triangulation.find(metric::cube(min_quality), rules.max_length) || !triangulation.is_positive() ||
       !keeps_to_surface_across(mesh, ring, a, b, subject_.shapes))
     return Outcome::kRejected;
   switch (makes_edge_twice(mesh, ring, triangulation.triangles(), lock_, scratch_->ball)) {

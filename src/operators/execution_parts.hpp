@@ -1,5 +1,5 @@
 #pragma once
-/// @file What both executions do.
+/// @file Parts of both executions.
 
 #include <vector>
 
@@ -12,13 +12,13 @@ namespace lumesh::operators {
 inline constexpr std::uint32_t kSlotBlock = 1024;  // Slots that a thread takes at a time.
 inline constexpr std::size_t kItemBlock = 4096;    // Of parallel loops.
 
-/// The number of an element and how soon it should have its turn.
-struct UrgentItem {
+/// The number of an element and its priority in a sweep.
+struct PrioritisedItem {
   std::uint32_t item;
-  float urgency;
+  float priority;
 };
-[[nodiscard]] inline bool is_more_urgent(const UrgentItem& a, const UrgentItem& b) {
-  return a.urgency > b.urgency;
+[[nodiscard]] inline bool has_higher_priority(const PrioritisedItem& a, const PrioritisedItem& b) {
+  return a.priority > b.priority;
 }
 
 template <class Lock>

@@ -7,7 +7,7 @@
 namespace lumesh::operators {
 namespace {
 
-constexpr std::size_t kMostRim = kMostFaces + 2;
+constexpr std::size_t kMaxRim = kMaxFaces + 2;
 
 /// Faces that lie between two vertices, `below` and `above`, joined by edges. What is on both sides of them
 /// can be replaced by tetrahedra around a new edge from one vertex to the other, one for each edge of the
@@ -22,10 +22,10 @@ class SandwichedFaces {
     TetId lower, upper;
   };
 
-  /// @param least_cubed  Of the quality of each new tetrahedron: it must be above.
-  SandwichedFaces(const TetMesh& mesh, const ShapeMeasure& measure, Lock& lock, double least_cubed,
-                  std::size_t most_faces)
-      : mesh_(mesh), measure_(measure), lock_(lock), least_cubed_(least_cubed), most_faces_(most_faces) {}
+  /// @param min_cubed  Of the quality of each new tetrahedron: it must be above.
+  SandwichedFaces(const TetMesh& mesh, const ShapeMeasure& measure, Lock& lock, double min_cubed,
+                  std::size_t max_faces)
+      : mesh_(mesh), measure_(measure), lock_(lock), min_cubed_(min_cubed), max_faces_(max_faces) {}
 
   /// Begins with a face of `lower`, whose vertices are held as those of `upper` are, and adds faces next to
   /// it where the rim's tetrahedra would not do.
@@ -46,7 +46,7 @@ class SandwichedFaces {
   [[nodiscard]] std::span<const RimEdge> rim() const { return {rim_.data(), rim_size_}; }
   [[nodiscard]] std::span<const double> cubed() const { return {cubed_.data(), rim_size_}; }
   /// True if a vertex was not to be locked where a face might have been added.
-  [[nodiscard]] bool was_refused() const { return refused_; }
+  [[nodiscard]] bool contended() const { return contended_; }
 
  private:
   void add(TetId lower, TetId upper) {
@@ -59,7 +59,7 @@ class SandwichedFaces {
   bool close_at(const RimEdge& edge) {
     const VertexId u(edge.from), w(edge.to);
     const double cubed = quality_cubed(measure_, mesh_, u, w, below_, above_);
-    if (cubed > least_cubed_ &&
+    if (cubed > min_cubed_ &&
         orient3d(mesh_.point(u), mesh_.point(w), mesh_.point(below_), mesh_.point(above_)) > 0) {
       cubed_[rim_size_] = cubed;
       rim_[rim_size_++] = edge;
@@ -70,12 +70,12 @@ class SandwichedFaces {
       return mesh_.patch(t, face).valid() ? FaceLink() : mesh_.link(t, face);
     };
     const FaceLink lower = behind(edge.lower), upper = behind(edge.upper);
-    if (faces_ == most_faces_ || lower.is_boundary() || upper.is_boundary()) return false;
+    if (faces_ == max_faces_ || lower.is_boundary() || upper.is_boundary()) return false;
     const VertexId far = mesh_.vertex(lower.tet(), lower.face());
     if (mesh_.vertex(upper.tet(), upper.face()) != far || !is_face_between(lower.tet(), upper.tet()))
       return false;
     if (!lock_.try_lock(far)) {
-      refused_ = true;
+      contended_ = true;
       return false;
     }
     add(lower.tet(), upper.tet());
@@ -93,23 +93,23 @@ class SandwichedFaces {
   const TetMesh& mesh_;
   const ShapeMeasure& measure_;
   Lock& lock_;
-  double least_cubed_;
-  std::size_t most_faces_;
+  double min_cubed_;
+  std::size_t max_faces_;
   VertexId below_, above_;
-  std::array<TetId, 2 * kMostFaces> tets_;
+  std::array<TetId, 2 * kMaxFaces> tets_;
   std::size_t faces_ = 0;
-  std::array<RimEdge, kMostRim> rim_;
-  std::array<double, kMostRim> cubed_;
+  std::array<RimEdge, kMaxRim> rim_;
+  std::array<double, kMaxRim> cubed_;
   std::size_t rim_size_ = 0;
-  bool refused_ = false;
+  bool contended_ = false;
 };
 
 /// Puts the tetrahedra around the new edge in the place of those at the faces.
 template <class Lock>
 void replace(Builder& builder, const SandwichedFaces<Lock>& faces) {
   TetMesh& mesh = builder.mesh;
-  std::array<Side, kMostRim> over, under;
-  std::array<TetId, kMostRim> made;
+  std::array<Side, kMaxRim> over, under;
+  std::array<TetId, kMaxRim> made;
   const auto rim = faces.rim();
   for (std::size_t k = 0; k < rim.size(); ++k) {
     const auto& [from, to, opposite, lower, upper] = rim[k];
@@ -140,15 +140,15 @@ Outcome Operators<Lock>::remove_face(TetId t, int face, const SwapRules& rules) 
 template <class Lock>
 Outcome Operators<Lock>::remove_held_face(TetId t, int face, const SwapRules& rules) {
   const TetMesh& mesh = subject_.mesh;
-  if (!try_hold(t)) return Outcome::kContended;
+  if (!try_lock(t)) return Outcome::kContended;
   const FaceLink link = mesh.link(t, face);
   if (link.is_boundary() || mesh.interface_patch(t, face).valid()) return Outcome::kRejected;
   if (!lock_.try_lock(mesh.vertex(link.tet(), link.face()))) return Outcome::kContended;
-  const double least = std::min(mesh.quality(t), mesh.quality(link.tet())) + rules.least_gain;
-  SandwichedFaces faces(mesh, subject_.measure, lock_, metric::cube(least), rules.most_faces);
+  const double min_quality = std::min(mesh.quality(t), mesh.quality(link.tet())) + rules.min_gain;
+  SandwichedFaces faces(mesh, subject_.measure, lock_, metric::cube(min_quality), rules.max_faces);
   if (!faces.find(t, face, link.tet(), link.face()))
-    return faces.was_refused() ? Outcome::kContended : Outcome::kRejected;
-  if (is_longer_than(rules.most_length, mesh, faces.below(), faces.above())) return Outcome::kRejected;
+    return faces.contended() ? Outcome::kContended : Outcome::kRejected;
+  if (is_longer_than(rules.max_length, mesh, faces.below(), faces.above())) return Outcome::kRejected;
   switch (are_joined(mesh, faces.below(), faces.above(), lock_, scratch_->ball)) {
     case Joined::kNotLocked:
       return Outcome::kContended;

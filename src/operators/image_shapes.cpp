@@ -54,9 +54,9 @@ struct Offsets {
   /// A mesh whose triangles enclose what the image's boundary does has its vertices over it, by the sagitta;
   /// another one may have them on it, and encloses less. What both kinds have in common is no reason to move.
   [[nodiscard]] double shift_mm() const {
-    const double least = std::min(std::abs(of_triangles_mm3), std::abs(of_corners_mm3));
+    const double smallest = std::min(std::abs(of_triangles_mm3), std::abs(of_corners_mm3));
     if (!(area_mm2 > 0)) return 0;
-    return (std::abs(of_triangles_mm3) == least ? of_triangles_mm3 : of_corners_mm3) / area_mm2;
+    return (std::abs(of_triangles_mm3) == smallest ? of_triangles_mm3 : of_corners_mm3) / area_mm2;
   }
 };
 

@@ -14,9 +14,11 @@ enum class FaceShape { kFlat, kSmooth, kCreased };
 FaceShape shape_of(const std::array<Vec3, 3>& corners, const std::array<Vec3, 3>& normals) {
   constexpr double kSmooth = 0.9, kFlat = 1 - 1e-14;  // Cosines; of 26 degrees: a full circle of seven edges.
   const Vec3 normal = triangle_normal(corners[0], corners[1], corners[2]);
-  double least = 1;
-  for (const Vec3& n : normals) least = std::min(least, n.dot(normal));
-  return least >= kFlat ? FaceShape::kFlat : least >= kSmooth ? FaceShape::kSmooth : FaceShape::kCreased;
+  double smallest = 1;
+  for (const Vec3& n : normals) smallest = std::min(smallest, n.dot(normal));
+  return smallest >= kFlat     ? FaceShape::kFlat
+         : smallest >= kSmooth ? FaceShape::kSmooth
+                               : FaceShape::kCreased;
 }
 
 }  // namespace

@@ -21,13 +21,13 @@ Vec3 point_on_edge(const TetMesh& mesh, VertexId a, VertexId b, double fraction)
 }
 
 /// True if a vertex that stays is too near to the new one.
-bool is_crowded(const TetMesh& mesh, const NewVertex& vertex, std::span<const std::uint32_t> around,
-                double least_length) {
+bool is_encroaching(const TetMesh& mesh, const NewVertex& vertex, std::span<const std::uint32_t> around,
+                    double min_length) {
   return std::any_of(around.begin(), around.end(), [&](std::uint32_t w) {
     const VertexId v(w);
     return mesh.dimension(v) <= vertex.dimension &&
            metric::edge_length(vertex.point, vertex.metric.metric, mesh.point(v), mesh.metric(v)) <
-               least_length;
+               min_length;
   });
 }
 
@@ -68,7 +68,7 @@ Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double
   vertex.dimension = ring.dimension();
   vertex.patches = ring.patches;
   vertex.edge_a = a, vertex.edge_b = b;
-  if (is_crowded(mesh, vertex, ring.rim, rules.least_length)) return Outcome::kRejected;
+  if (is_encroaching(mesh, vertex, ring.rim, rules.min_length)) return Outcome::kRejected;
   return insert_in_hole(vertex, ring.tets, rules);
 }
 
@@ -76,12 +76,12 @@ template <class Lock>
 Outcome Operators<Lock>::insert_centroid(TetId t, const InsertionRules& rules) {
   const TetMesh& mesh = subject_.mesh;
   return on_held(counts_.insertion, mesh.vertex(t, 0), mesh.vertex(t, 1), [&] {
-    if (!try_hold(t)) return Outcome::kContended;
+    if (!try_lock(t)) return Outcome::kContended;
     NewVertex vertex;
     vertex.point = 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
     vertex.hint = mesh.metric_hint(mesh.vertex(t, 0));
     vertex.metric = subject_.field.at(vertex.point, vertex.hint);
-    if (is_crowded(mesh, vertex, mesh.tet(t), rules.least_length)) return Outcome::kRejected;
+    if (is_encroaching(mesh, vertex, mesh.tet(t), rules.min_length)) return Outcome::kRejected;
     return insert_in_hole(vertex, {&t, 1}, rules);
   });
 }
@@ -93,22 +93,23 @@ Outcome Operators<Lock>::insert_in_hole(const NewVertex& vertex, std::span<const
   const TetMesh& mesh = subject_.mesh;
   Cavity& cavity = scratch_->cavity;
   cavity.begin(around);
-  if (!cavity.enlarge(mesh, vertex, rules.most_cavity_tets, lock_) ||
-      !cavity.carve(mesh, vertex, subject_.shapes) || !cavity.accept(mesh, vertex, subject_.shapes, rules))
+  if (!cavity.enlarge(mesh, vertex, rules.max_cavity_tets, lock_) ||
+      !cavity.shrink_to_star_shaped(mesh, vertex, subject_.shapes) ||
+      !cavity.accept(mesh, vertex, subject_.shapes, rules))
     return Outcome::kRejected;
   const VertexId v = cavity.fill(scratch_->builder, vertex);
-  lock_.adopt(v);
+  lock_.take_ownership(v);
   if (!cavity.too_near().empty()) draw_in_near_vertices(v);
   return Outcome::kApplied;
 }
 
 template <class Lock>
 void Operators<Lock>::draw_in_near_vertices(VertexId into) {
-  const CollapseRules rules{.most_length = 2, .least_quality = 1e-3, .least_relative = 0.3};
+  const CollapseRules rules{.max_length = 2, .min_quality = 1e-3, .min_relative_quality = 0.3};
   TetMesh& mesh = subject_.mesh;
   Scratch& scratch = *scratch_;
-  scratch.crowding.assign(scratch.cavity.too_near().begin(), scratch.cavity.too_near().end());
-  for (const VertexId v : scratch.crowding) {
+  scratch.encroaching.assign(scratch.cavity.too_near().begin(), scratch.cavity.too_near().end());
+  for (const VertexId v : scratch.encroaching) {
     scratch.near.assign(1, {into, 0});
     counts_.collapse.add(gather_ball(mesh, v, lock_, scratch.ball) ? collapse_gathered_vertex(v, rules)
                                                                    : Outcome::kContended);

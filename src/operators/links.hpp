@@ -1,5 +1,5 @@
 #pragma once
-/// @file How new tetrahedra are joined to what was there.
+/// @file Links from new tetrahedra to those around them.
 
 #include "lumesh/mesh/tet_mesh.hpp"
 

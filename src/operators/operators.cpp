@@ -63,13 +63,13 @@ const std::vector<VertexId>& Operators<Lock>::made_vertices() const {
   return scratch_->builder.vertices;
 }
 
-bool has_changed_since_trial(const TetMesh& mesh, TetId t, int least_vertices) {
+bool has_changed_since_trial(const TetMesh& mesh, TetId t, int min_vertices) {
   const std::uint32_t trial = mesh.trial_epoch(t);
   const Cell<4>& v = mesh.tet(t);
   // What changed in the epoch of the trial may have changed after it.
   return trial == 0 || std::count_if(v.begin(), v.end(), [&](std::uint32_t w) {
                          return mesh.change_epoch(VertexId(w)) >= trial;
-                       }) >= least_vertices;
+                       }) >= min_vertices;
 }
 
 template <class Lock>
@@ -111,7 +111,7 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
 }
 
 template <class Lock>
-bool Operators<Lock>::try_hold(TetId t) {
+bool Operators<Lock>::try_lock(TetId t) {
   const Cell<4> v = subject_.mesh.unheld_tet(t);
   return std::none_of(v.begin(), v.end(), [](std::uint32_t corner) { return corner == VertexId::kNone; }) &&
          std::all_of(v.begin(), v.end(),
@@ -124,20 +124,20 @@ template void Operators<NoLock>::begin_run(const NoLock&, std::uint32_t, std::ui
 template const std::vector<TetId>& Operators<NoLock>::made_tets() const;
 template const std::vector<VertexId>& Operators<NoLock>::made_vertices() const;
 template Outcome Operators<NoLock>::reconnect(TetId, const SwapRules&);
-template bool Operators<NoLock>::try_hold(TetId);
+template bool Operators<NoLock>::try_lock(TetId);
 
 template Operators<OrderedLock>::Operators(const Subject&, OrderedLock, int);
 template void Operators<OrderedLock>::begin_run(const OrderedLock&, std::uint32_t, std::uint32_t);
 template const std::vector<TetId>& Operators<OrderedLock>::made_tets() const;
 template const std::vector<VertexId>& Operators<OrderedLock>::made_vertices() const;
 template Outcome Operators<OrderedLock>::reconnect(TetId, const SwapRules&);
-template bool Operators<OrderedLock>::try_hold(TetId);
+template bool Operators<OrderedLock>::try_lock(TetId);
 
 template Operators<SpeculativeLock>::Operators(const Subject&, SpeculativeLock, int);
 template void Operators<SpeculativeLock>::begin_run(const SpeculativeLock&, std::uint32_t, std::uint32_t);
 template const std::vector<TetId>& Operators<SpeculativeLock>::made_tets() const;
 template const std::vector<VertexId>& Operators<SpeculativeLock>::made_vertices() const;
 template Outcome Operators<SpeculativeLock>::reconnect(TetId, const SwapRules&);
-template bool Operators<SpeculativeLock>::try_hold(TetId);
+template bool Operators<SpeculativeLock>::try_lock(TetId);
 
 }  // namespace lumesh::operators

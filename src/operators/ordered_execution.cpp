@@ -102,28 +102,28 @@ void OrderedExecution::run_buckets(
   });
 }
 
-template <class Urgency, class BucketOf, class Step>
-void OrderedExecution::over_urgent(const std::vector<std::uint32_t>& items, const Urgency& urgency,
-                                   const BucketOf& bucket_of, const Step& step) {
-  const auto picked = parallel::collect_blocks<UrgentItem>(
-      items.size(), kItemBlock, [&](std::size_t begin, std::size_t end, std::vector<UrgentItem>& out) {
+template <class Priority, class BucketOf, class Step>
+void OrderedExecution::for_each_by_priority(const std::vector<std::uint32_t>& items, const Priority& priority,
+                                            const BucketOf& bucket_of, const Step& step) {
+  const auto picked = parallel::collect_blocks<PrioritisedItem>(
+      items.size(), kItemBlock, [&](std::size_t begin, std::size_t end, std::vector<PrioritisedItem>& out) {
         for (std::size_t i = begin; i < end; ++i)
-          if (const auto value = static_cast<float>(urgency(items[i])); value > 0)
+          if (const auto value = static_cast<float>(priority(items[i])); value > 0)
             out.push_back({items[i], value});
       });
   if (picked.empty()) return;
-  auto lists = lists_by_bucket(picked, [&](const UrgentItem& one) { return bucket_of(one.item); });
+  auto lists = lists_by_bucket(picked, [&](const PrioritisedItem& one) { return bucket_of(one.item); });
   parallel::for_each_index(
       partition_.buckets,
       [&](std::size_t bucket) {
         const auto list = lists.of(static_cast<std::uint32_t>(bucket));
-        std::stable_sort(list.begin(), list.end(), is_more_urgent);
+        std::stable_sort(list.begin(), list.end(), has_higher_priority);
       },
       1);
   const std::uint32_t first_stamp = 2 * next_run_;
   std::vector<Made> made(partition_.buckets);
   run_buckets([&](Kernel& kernel, std::uint32_t bucket, std::uint32_t run) {
-    for (const UrgentItem& one : lists.of(bucket)) {
+    for (const PrioritisedItem& one : lists.of(bucket)) {
       if (is_told_to_stop_()) break;
       step(kernel, one.item, first_stamp);
     }
@@ -135,24 +135,24 @@ void OrderedExecution::over_urgent(const std::vector<std::uint32_t>& items, cons
   append_made(made);
 }
 
-void OrderedExecution::over_tets(const std::function<double(TetId)>& urgency,
-                                 const std::function<void(Kernel&, TetId)>& step) {
+void OrderedExecution::for_each_tet_by_priority(const std::function<double(TetId)>& priority,
+                                                const std::function<void(Kernel&, TetId)>& step) {
   TetMesh& mesh = subject_.mesh;
-  over_urgent(
-      tets_, [&](std::uint32_t t) { return urgency(TetId(t)); },
+  for_each_by_priority(
+      tets_, [&](std::uint32_t t) { return priority(TetId(t)); },
       [&](std::uint32_t t) { return mesh.lock_word(mesh.vertex(TetId(t), 0)); },
       [&](Kernel& kernel, std::uint32_t item, std::uint32_t first_stamp) {
         // An old stamp says that t is what it was, so that its first vertex is one of this bucket.
         const TetId t(item);
-        if (mesh.stamp(t) < first_stamp && kernel.try_hold(t)) step(kernel, t);
+        if (mesh.stamp(t) < first_stamp && kernel.try_lock(t)) step(kernel, t);
       });
 }
 
-void OrderedExecution::over_urgent_vertices(const std::function<double(VertexId)>& urgency,
-                                            const std::function<void(Kernel&, VertexId)>& step) {
+void OrderedExecution::for_each_vertex_by_priority(const std::function<double(VertexId)>& priority,
+                                                   const std::function<void(Kernel&, VertexId)>& step) {
   TetMesh& mesh = subject_.mesh;
-  over_urgent(
-      vertices_, [&](std::uint32_t v) { return urgency(VertexId(v)); },
+  for_each_by_priority(
+      vertices_, [&](std::uint32_t v) { return priority(VertexId(v)); },
       [&](std::uint32_t v) { return mesh.lock_word(VertexId(v)); },
       [&](Kernel& kernel, std::uint32_t item, std::uint32_t first_stamp) {
         const VertexId v(item);
@@ -160,7 +160,7 @@ void OrderedExecution::over_urgent_vertices(const std::function<double(VertexId)
       });
 }
 
-void OrderedExecution::over_vertices(const std::function<void(Kernel&, VertexId)>& step) {
+void OrderedExecution::for_each_vertex(const std::function<void(Kernel&, VertexId)>& step) {
   Lists<std::uint32_t> lists =
       lists_by_bucket(vertices_, [&](std::uint32_t v) { return subject_.mesh.lock_word(VertexId(v)); });
   run_buckets([&](Kernel& kernel, std::uint32_t bucket, std::uint32_t /*run*/) {

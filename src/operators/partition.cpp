@@ -21,7 +21,7 @@ class Bisection {
   Bisection(const TetMesh& mesh, std::vector<std::uint32_t>& vertices, std::uint32_t bucket_size)
       : mesh_(mesh),
         vertices_(vertices),
-        most_(bucket_size + bucket_size / 2),
+        max_vertices_(bucket_size + bucket_size / 2),
         begins_part_(vertices.size(), 0) {
     if (!vertices.empty()) cut({vertices.data(), vertices.size()});
   }
@@ -33,7 +33,7 @@ class Bisection {
   static constexpr std::size_t kSamples = 1000, kWorthATask = 8192;
 
   void cut(Part part) {
-    if (part.size() <= most_) {
+    if (part.size() <= max_vertices_) {
       begins_part_[static_cast<std::size_t>(part.data() - vertices_.data())] = 1;
       return;
     }
@@ -81,7 +81,7 @@ class Bisection {
 
   const TetMesh& mesh_;
   const std::vector<std::uint32_t>& vertices_;
-  std::size_t most_;
+  std::size_t max_vertices_;
   std::vector<std::uint8_t> begins_part_;
 };
 
@@ -158,8 +158,8 @@ parallel::TaskGraph conflicts_of(const parallel::TaskGraph& neighbours) {
 }  // namespace
 
 std::uint32_t bucket_size_for(std::uint32_t vertices) {
-  constexpr std::uint32_t kLeast = 32, kMost = 256, kBuckets = 4000;
-  return std::clamp(vertices / kBuckets, kLeast, kMost);
+  constexpr std::uint32_t kMin = 32, kMax = 256, kBuckets = 4000;
+  return std::clamp(vertices / kBuckets, kMin, kMax);
 }
 
 Partition partition_vertices(TetMesh& mesh, const std::vector<std::uint32_t>& vertices,

@@ -25,15 +25,15 @@ std::optional<Material> outside_of(const Domain& domain, const TetMesh& mesh, co
   if (domain.label_count() == domain.material_count()) return 0;
   const double near_mm = kNearVoxels * domain.resolution_mm();
   std::optional<Material> best;
-  double least = std::numeric_limits<double>::infinity(), second = least;
+  double smallest = std::numeric_limits<double>::infinity(), second = smallest;
   for (Material m = 0; m < domain.material_count(); ++m) {
     if (domain.is_meshed(m)) continue;
     double off = 0;
     for (const std::uint32_t v : corners)
       off = std::max(off, std::abs(domain.separation_value(mesh.point(VertexId(v)), inside, m)));
-    if (off < least) {
+    if (off < smallest) {
       best = m;
-      second = std::exchange(least, off);
+      second = std::exchange(smallest, off);
     } else {
       second = std::min(second, off);
     }
@@ -70,9 +70,9 @@ class Votes {
   }
   /// The boundary that the patch is, but for single faces that stretch over its rim.
   [[nodiscard]] std::optional<Pair> clear_winner() const {
-    constexpr double kMost = 0.95;
+    constexpr double kMax = 0.95;
     if (of_pairs_.empty() ||
-        static_cast<double>(of_pairs_.front().faces) < kMost * static_cast<double>(faces_))
+        static_cast<double>(of_pairs_.front().faces) < kMax * static_cast<double>(faces_))
       return std::nullopt;
     return of_pairs_.front().pair;
   }

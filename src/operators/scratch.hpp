@@ -51,7 +51,7 @@ struct Operators<Lock>::Scratch {
   Cavity cavity;
   std::vector<float> qualities;
   std::vector<NearVertex> near;
-  std::vector<VertexId> crowding;
+  std::vector<VertexId> encroaching;
   StarShapes shapes;
   UniformStar uniform;
   AngleStar angles;
@@ -63,7 +63,7 @@ template <class Body>
 Outcome Operators<Lock>::on_held(OperatorCount& count, VertexId a, VertexId b, const Body& body) {
   const LockScope scope(lock_);
   Outcome outcome = lock_.try_lock(a) && lock_.try_lock(b) ? body() : Outcome::kContended;
-  if (outcome == Outcome::kRejected && lock_.was_refused()) outcome = Outcome::kContended;
+  if (outcome == Outcome::kRejected && lock_.contended()) outcome = Outcome::kContended;
   count.add(outcome);
   return outcome;
 }
@@ -86,8 +86,8 @@ Outcome Operators<Lock>::on_held(OperatorCount& count, VertexId a, VertexId b, c
 }
 
 /// Measures nothing where there is no bound.
-[[nodiscard]] inline bool is_longer_than(double most, const TetMesh& mesh, VertexId a, VertexId b) {
-  return std::isfinite(most) && metric_length(mesh, a, b) > most;
+[[nodiscard]] inline bool is_longer_than(double max_length, const TetMesh& mesh, VertexId a, VertexId b) {
+  return std::isfinite(max_length) && metric_length(mesh, a, b) > max_length;
 }
 
 }  // namespace lumesh::operators

@@ -171,15 +171,15 @@ class Settling {
 
   /// Where the wall meets the plane of the flat patch, with the wall's normal.
   [[nodiscard]] std::optional<SurfacePoint> place_on_rim(const Rim& rim) const {
-    constexpr int kRounds = 3;            // Newton's.
-    constexpr double kLeastAcross = 0.3;  // Sine of the angle between wall and plane: else it grazes.
+    constexpr int kRounds = 3;          // Newton's.
+    constexpr double kMinAcross = 0.3;  // Sine of the angle between wall and plane: else it grazes.
     SurfacePoint at{points_[rim.vertex], {}};
     for (int round = 0; round < kRounds; ++round) {
       const auto wall = place_(PatchId(static_cast<std::uint32_t>(rim.wall)), at.point);
       if (!wall) return std::nullopt;
       at.normal = wall->normal;
       const Vec3 across = rim.within_plane(wall->normal);
-      if (across.norm() < kLeastAcross) return std::nullopt;
+      if (across.norm() < kMinAcross) return std::nullopt;
       at.point -= (at.point - wall->point).dot(wall->normal) / across.squaredNorm() * across;
     }
     return at;
@@ -223,7 +223,7 @@ class Settling {
       const std::uint32_t v = free_[i];
       if (is_rim(v)) return;
       const double mean = sums[v].area > 0 ? sums[v].sagitta / sums[v].area : 0;
-      targets_[v] = lifted(v, mean, places_[v].normal);
+      targets_[v] = offset_for_volume(v, mean, places_[v].normal);
     });
   }
 
@@ -248,14 +248,14 @@ class Settling {
       const std::uint32_t v = rims_[i].vertex;
       if (!is_free(v)) continue;
       const double mean = sums[i].length > 0 ? sums[i].height / sums[i].length : 0;
-      targets_[v] = lifted(v, mean, outwards_at(v));
+      targets_[v] = offset_for_volume(v, mean, outwards_at(v));
     }
   }
 
   /// The place of a vertex, raised along a unit vector.
-  [[nodiscard]] Vec3 lifted(std::uint32_t v, double height, const Vec3& along) const {
-    constexpr double kMostLift = 0.15;  // Of the edges around; more is a corner, not a bend.
-    const double lift = std::clamp(rules_.lift * height, -kMostLift * edge_[v], kMostLift * edge_[v]);
+  [[nodiscard]] Vec3 offset_for_volume(std::uint32_t v, double height, const Vec3& along) const {
+    constexpr double kMaxOffset = 0.15;  // Of the edges around; more is a corner, not a bend.
+    const double lift = std::clamp(rules_.lift * height, -kMaxOffset * edge_[v], kMaxOffset * edge_[v]);
     const Vec3 target = places_[v].point + lift * along;
     return rules_.keep_within ? rules_.keep_within(target) : target;
   }
@@ -340,7 +340,7 @@ class Settling {
 
   /// True if a triangle faces as the surface does at its corners, or leans hardly more than before.
   [[nodiscard]] bool faces_outwards(std::size_t face) const {
-    constexpr double kLeastFacing = 0.8, kHardly = 0.05;  // Cosines.
+    constexpr double kMinFacing = 0.8, kHardly = 0.05;  // Cosines.
     const Cell<3>& corners = faces_.triangles[face];
     const auto normal_in = [&](std::span<const Vec3> points) {
       return triangle_normal(points[corners[0]], points[corners[1]], points[corners[2]]);
@@ -350,7 +350,7 @@ class Settling {
       return is_free_in(v, face) ? 1 - std::abs(normal.dot(places_[v].normal)) : 0;
     };
     return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
-      return leans(v, after) <= 1 - kLeastFacing || leans(v, after) <= leans(v, normal_in(start_)) + kHardly;
+      return leans(v, after) <= 1 - kMinFacing || leans(v, after) <= leans(v, normal_in(start_)) + kHardly;
     });
   }
 
@@ -399,15 +399,15 @@ double sagitta_of(const std::array<SurfacePoint, 3>& corners) {
 }
 
 MayBecome within_angles(double min_dihedral_deg, double max_dihedral_deg) {
-  const double most = std::cos(min_dihedral_deg * std::numbers::pi / 180),
-               least = std::cos(max_dihedral_deg * std::numbers::pi / 180);
-  return [most, least](std::size_t /*tet*/, const std::array<Vec3, 4>& before,
-                       const std::array<Vec3, 4>& after) {
+  const double max_cosine = std::cos(min_dihedral_deg * std::numbers::pi / 180),
+               min_cosine = std::cos(max_dihedral_deg * std::numbers::pi / 180);
+  return [max_cosine, min_cosine](std::size_t /*tet*/, const std::array<Vec3, 4>& before,
+                                  const std::array<Vec3, 4>& after) {
     const DihedralCosines then = min_max_dihedral(after[0], after[1], after[2], after[3]);
-    if (then.largest_cosine <= most && then.smallest_cosine >= least) return true;
+    if (then.largest_cosine <= max_cosine && then.smallest_cosine >= min_cosine) return true;
     const DihedralCosines now = min_max_dihedral(before[0], before[1], before[2], before[3]);
-    return then.largest_cosine <= std::max(most, now.largest_cosine) &&
-           then.smallest_cosine >= std::min(least, now.smallest_cosine);
+    return then.largest_cosine <= std::max(max_cosine, now.largest_cosine) &&
+           then.smallest_cosine >= std::min(min_cosine, now.smallest_cosine);
   };
 }
 

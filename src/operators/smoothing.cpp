@@ -111,9 +111,9 @@ struct Objective : ShapeSums {
   }
 };
 
-/// Newton's step within the freedom, shortened to `most` in the metric; along the metric's gradient where the
-/// Hessian is not positive.
-Vec3 step_of(const Objective& objective, const Freedom& freedom, const SymTensor& metric, double most) {
+/// Newton's step within the freedom, shortened to `max_step` in the metric; along the metric's gradient where
+/// the Hessian is not positive.
+Vec3 step_of(const Objective& objective, const Freedom& freedom, const SymTensor& metric, double max_step) {
   const auto within = [&](const SymTensor& h) {
     if (freedom.dimensions == 3) return h;
     const Vec3& d = freedom.direction;
@@ -127,10 +127,10 @@ Vec3 step_of(const Objective& objective, const Freedom& freedom, const SymTensor
   };
   const Vec3 slope = freedom.project(-objective.gradient);
   std::optional<Vec3> step = solve_positive(within(objective.hessian), slope);
-  double limit = most;
+  double limit = max_step;
   if (!step) {
     step = solve_positive(within(metric), slope);
-    limit = 0.5 * most;
+    limit = 0.5 * max_step;
     if (!step) return Vec3::Zero();
     *step *= 1e6;  // Its length says nothing; the limit does.
   }
@@ -164,8 +164,8 @@ Outcome Operators<Lock>::smooth_held_vertex(VertexId v, const SmoothingRules& ru
   for (const std::uint32_t w : ball.neighbours)
     before.add_edge(mesh, v, old, VertexId(w), rules.length_weight);
 
-  Vec3 step = step_of(before, freedom, mesh.metric(v), rules.most_step);
-  if (!(mesh.metric(v).quadratic(step) > rules.least_step * rules.least_step)) return Outcome::kRejected;
+  Vec3 step = step_of(before, freedom, mesh.metric(v), rules.max_step);
+  if (!(mesh.metric(v).quadratic(step) > rules.min_step * rules.min_step)) return Outcome::kRejected;
   const double floor = std::min<double>(worst, rules.quality_floor);
   for (int i = 0; i < rules.halvings; ++i, step *= 0.5) {
     const auto place = place_on_patches(old + step, ball.patches, subject_.shapes);

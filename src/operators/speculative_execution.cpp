@@ -13,8 +13,8 @@ namespace {
 
 /// Enough buckets to share among many threads, each worth its overhead.
 std::size_t speculative_bucket_size(std::size_t items) {
-  constexpr std::size_t kLeast = 32, kMost = 256, kBuckets = 4000;
-  return std::clamp(items / kBuckets, kLeast, kMost);
+  constexpr std::size_t kMin = 32, kMax = 256, kBuckets = 4000;
+  return std::clamp(items / kBuckets, kMin, kMax);
 }
 
 /// Calls step and tells whether all it did was to contend.
@@ -70,31 +70,32 @@ void SpeculativeExecution::run_buckets(std::vector<Item>& items, const Attempt& 
   });
 }
 
-template <class Id, class Urgency, class Step>
-void SpeculativeExecution::over_urgent(std::size_t slots, const Urgency& urgency, const Step& step) {
+template <class Id, class Priority, class Step>
+void SpeculativeExecution::for_each_by_priority(std::size_t slots, const Priority& priority,
+                                                const Step& step) {
   TetMesh& mesh = subject_.mesh;
-  auto picked = parallel::collect<UrgentItem>(
+  auto picked = parallel::collect<PrioritisedItem>(
       slots,
-      [&](std::size_t slot, std::vector<UrgentItem>& out) {
+      [&](std::size_t slot, std::vector<PrioritisedItem>& out) {
         const Id id(static_cast<std::uint32_t>(slot));
         if (!mesh.alive(id)) return;
-        if (const auto value = static_cast<float>(urgency(id)); value > 0) out.push_back({id.value, value});
+        if (const auto value = static_cast<float>(priority(id)); value > 0) out.push_back({id.value, value});
       },
       kItemBlock);
   parallel::for_each_block(picked.size(), speculative_bucket_size(picked.size()),
                            [&](std::size_t /*bucket*/, std::size_t begin, std::size_t end) {
                              const std::span bucket = std::span(picked).subspan(begin, end - begin);
-                             std::stable_sort(bucket.begin(), bucket.end(), is_more_urgent);
+                             std::stable_sort(bucket.begin(), bucket.end(), has_higher_priority);
                            });
   ++epoch_;
   ++stamp_;
-  run_buckets(picked, [&](Kernel& kernel, const UrgentItem& one) {
+  run_buckets(picked, [&](Kernel& kernel, const PrioritisedItem& one) {
     const Id id(one.item);
     if (mesh.stamp(id) >= stamp_) return true;
     // What it was may change until its vertices are held. Whoever changes an element holds all its vertices,
     // old or new, while its stamp changes: if one that was read is of another element, the stamp says so by
     // now.
-    const bool held = kernel.try_hold(id);
+    const bool held = kernel.try_lock(id);
     bool again = !held;
     if (held && mesh.stamp(id) < stamp_) again = only_contends(kernel, [&] { step(kernel, id); });
     kernel.release();
@@ -102,17 +103,17 @@ void SpeculativeExecution::over_urgent(std::size_t slots, const Urgency& urgency
   });
 }
 
-void SpeculativeExecution::over_tets(const std::function<double(TetId)>& urgency,
-                                     const std::function<void(Kernel&, TetId)>& step) {
-  over_urgent<TetId>(subject_.mesh.tet_slots(), urgency, step);
+void SpeculativeExecution::for_each_tet_by_priority(const std::function<double(TetId)>& priority,
+                                                    const std::function<void(Kernel&, TetId)>& step) {
+  for_each_by_priority<TetId>(subject_.mesh.tet_slots(), priority, step);
 }
 
-void SpeculativeExecution::over_urgent_vertices(const std::function<double(VertexId)>& urgency,
-                                                const std::function<void(Kernel&, VertexId)>& step) {
-  over_urgent<VertexId>(subject_.mesh.vertex_slots(), urgency, step);
+void SpeculativeExecution::for_each_vertex_by_priority(const std::function<double(VertexId)>& priority,
+                                                       const std::function<void(Kernel&, VertexId)>& step) {
+  for_each_by_priority<VertexId>(subject_.mesh.vertex_slots(), priority, step);
 }
 
-void SpeculativeExecution::over_vertices(const std::function<void(Kernel&, VertexId)>& step) {
+void SpeculativeExecution::for_each_vertex(const std::function<void(Kernel&, VertexId)>& step) {
   TetMesh& mesh = subject_.mesh;
   auto vertices = parallel::collect<std::uint32_t>(
       mesh.vertex_slots(),

@@ -31,18 +31,18 @@ Vec3 SurfaceFan::normal() const {
 }
 
 bool SurfaceFan::fits(const Vec3& to, const InputSurface& surface, const AngleRules& rules) const {
-  constexpr double kLeastCosine = 0.7;  // Of a face's turn.
-  const double deviation = rules.most_deviation * edge_length_;
+  constexpr double kMinCosine = 0.7;  // Of a face's turn.
+  const double deviation = rules.max_deviation * edge_length_;
   const auto is_near = [&](const Vec3& point) {
     return surface.nearest(patch_, point, deviation).triangle != TriangleTree::kNone;
   };
   double retreat = std::numeric_limits<double>::infinity();
   for (const auto& [p, q] : rim_) {
-    if (triangle_normal(to, p, q).dot(triangle_normal(centre_, p, q)) < kLeastCosine) return false;
+    if (triangle_normal(to, p, q).dot(triangle_normal(centre_, p, q)) < kMinCosine) return false;
     if (!is_near(0.5 * (to + p)) || !is_near((to + p + q) / 3)) return false;
     retreat = std::min(retreat, (closest_point_on_triangle(centre_, to, p, q) - centre_).norm());
   }
-  return retreat <= rules.most_retreat * edge_length_;
+  return retreat <= rules.max_retreat * edge_length_;
 }
 
 }  // namespace lumesh::operators

@@ -9,18 +9,18 @@
 namespace lumesh::operators {
 namespace {
 
-constexpr double kMostSlope = 0.21;    // 12 degrees: a full circle of 15 edges.
-constexpr double kMostHeight = 0.5;    // In the metric.
-constexpr double kLeastFacing = 0.05;  // Less is a fold, or nearly one.
+constexpr double kMaxSlope = 0.21;   // 12 degrees: a full circle of 15 edges.
+constexpr double kMaxHeight = 0.5;   // In the metric.
+constexpr double kMinFacing = 0.05;  // Less is a fold, or nearly one.
 
 /// Projects on each surface in turn until none moves the point; planes last, which are to stay exactly flat.
 std::optional<Vec3> place_by_turns(const Vec3& start, std::span<const PatchId> patches,
                                    const PatchShapes& shapes) {
-  constexpr int kMostTurns = 60;
+  constexpr int kMaxTurns = 60;
   constexpr double kArrived = 1e-14;  // Of the coordinates' size.
   const double arrived = kArrived * (1 + start.cwiseAbs().maxCoeff());
   Vec3 point = start;
-  for (int turn = 0; turn < kMostTurns; ++turn) {
+  for (int turn = 0; turn < kMaxTurns; ++turn) {
     const Vec3 before = point;
     for (const PatchId patch : patches)
       if (const PatchShape& shape = shapes[patch.value]; shape.freedom == PatchFreedom::kCurved)
@@ -119,12 +119,12 @@ void SurfaceDeviation::add(const Surface& surface, const TetMesh& mesh, const Ce
 }
 
 bool SurfaceDeviation::is_small() const {
-  return facing >= kLeastFacing && slope <= kMostSlope && height <= kMostHeight;
+  return facing >= kMinFacing && slope <= kMaxSlope && height <= kMaxHeight;
 }
 
 bool SurfaceDeviation::may_follow(const SurfaceDeviation& before) const {
-  return facing >= std::min(kLeastFacing, before.facing) && slope <= std::max(kMostSlope, before.slope) &&
-         height <= std::max(kMostHeight, before.height);
+  return facing >= std::min(kMinFacing, before.facing) && slope <= std::max(kMaxSlope, before.slope) &&
+         height <= std::max(kMaxHeight, before.height);
 }
 
 bool keeps_to_surface_across(const TetMesh& mesh, const EdgeRing& ring, VertexId a, VertexId b,

@@ -1,5 +1,5 @@
 #pragma once
-/// @file What keeps vertices on their patches, and triangles near them.
+/// @file Rules that keep vertices on their patches, and triangles near them.
 ///
 /// A vertex of a curved patch lies on its surface, always. How far its triangles leave the surface is told by
 /// their edges: by the slope of each against the tangent planes at its ends, and by the height of its arc in

@@ -1,5 +1,5 @@
 #pragma once
-/// @file Which edges an operator need not try again.
+/// @file Edges that an operator need not try again.
 
 #include "local_map.hpp"
 #include "lumesh/core/types.hpp"

@@ -40,10 +40,10 @@ double UniformStar::worst_cubed() const {
   return worst;
 }
 
-bool UniformStar::next_nearest(double most, std::uint32_t& place) {
+bool UniformStar::next_nearest(double max_length, std::uint32_t& place) {
   Neighbour* nearest = nullptr;
   for (Neighbour& one : neighbours_) {
-    if (one.given || one.squared_length >= most * most) continue;
+    if (one.given || one.squared_length >= max_length * max_length) continue;
     if (nearest == nullptr || one.squared_length < nearest->squared_length ||
         (one.squared_length == nearest->squared_length &&
          std::lexicographical_compare(one.at.begin(), one.at.end(), nearest->at.begin(), nearest->at.end())))

@@ -17,10 +17,10 @@ class UniformStar {
   /// Cube of the worst mean ratio.
   [[nodiscard]] double worst_cubed() const;
 
-  /// The place in ball.neighbours of the nearest one at less than `most` that was not given yet; equally near
-  /// ones by coordinates.
+  /// The place in ball.neighbours of the nearest one at less than `max_length` that was not given yet;
+  /// equally near ones by coordinates.
   /// @return false if there is none.
-  bool next_nearest(double most, std::uint32_t& place);
+  bool next_nearest(double max_length, std::uint32_t& place);
 
   /// True if no tetrahedron falls below the floor once v is where its neighbour is.
   /// @param qualities  Of them all, in the order of ball.tets; -1 where one vanishes.

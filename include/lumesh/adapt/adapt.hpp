@@ -68,12 +68,12 @@ struct AdaptReport {
   bool complete = true;                  ///< False if the context was cancelled before the end.
 };
 
-/// Adapts `mesh` until its edges have about unit length in `field`, then betters its shapes.
+/// Adapts `mesh` until its edges have about unit length in `field`, then improves its shapes.
 ///
 /// First the mesh is brought to the metric level by level: each level splits the edges longer than a bound,
 /// which sinks from the longest edge's length to split_above, curves first, then surfaces, then the volume.
 /// New points are put in by cavities that are Delaunay in their metric, so that few tetrahedra are left to
-/// mend. Then quality passes reconnect, smooth, collapse and split.
+/// repair. Then quality passes reconnect, smooth, collapse and split.
 ///
 /// @param mesh    Any valid mesh; it becomes the adapted one, compact, with the metric of every vertex.
 ///                Labels and patches stay.

@@ -11,7 +11,7 @@ class OptionList;
 
 /// How threads share a mesh that all of them change.
 enum class ExecutionKind : std::uint8_t {
-  kOrdered,      ///< operators::OrderedExecution: the same bits for every number of threads.
+  kOrdered,      ///< operators::OrderedExecution: bitwise identical for every thread count.
   kSpeculative,  ///< operators::SpeculativeExecution.
 };
 

@@ -13,12 +13,12 @@ namespace lumesh::operators {
 /// cut; vertices and tetrahedra keep their numbers, metrics are lost.
 ///
 /// @param mesh  Compact.
-/// @return of each patch, the one it was a part of.
+/// @return For each patch, the original one that it was a part of.
 /// @throws Error{kBadInput} if there would be more parts than a mesh can have patches.
 [[nodiscard]] std::vector<PatchId> cut_patches_at_creases(TetMesh& mesh, double angle_deg);
 
-/// Makes whole what was cut: `origins` is the answer of cut_patches_at_creases(). The vertices of creases
-/// keep the dimension of a curve.
+/// Joins the parts of cut patches again: `origins` is the answer of cut_patches_at_creases(). The vertices of
+/// creases keep the dimension of a curve.
 void join_patches(TetMesh& mesh, const std::vector<PatchId>& origins);
 
 }  // namespace lumesh::operators

@@ -12,16 +12,16 @@
 namespace lumesh::operators {
 
 struct UndoReport {
-  std::size_t put_back = 0;   ///< Vertices.
+  std::size_t put_back = 0;   ///< Vertices put back.
   std::size_t crossings = 0;  ///< Pairs of faces that still cross, because they did so before.
 };
 
 /// Puts vertices back to earlier places wherever the outside crosses or touches itself, and as many around
-/// them as tetrahedra need to stay positive and what `may_become` allows, compared with what they were there.
-/// @param points  Where vertices are now; of all that the cells name.
+/// them as tetrahedra need to stay positive and as `may_become` allows, compared with their earlier shapes.
+/// @param points  Places of all vertices that the cells name, now.
 /// @param outside  The faces that only one cell has.
 /// @param before  Places of the first vertices that are known to be good; the others stay.
-/// Parallel inside; the same bits for every number of threads. Cost: about 1 us per face of the outside.
+/// Parallel inside; bitwise identical for every thread count. Cost: about 1 us per face of the outside.
 UndoReport undo_crossings(std::span<Vec3> points, std::span<const Cell<4>> tets,
                           std::span<const Cell<3>> outside, std::span<const Vec3> before,
                           const MayBecome& may_become);
@@ -29,11 +29,11 @@ UndoReport undo_crossings(std::span<Vec3> points, std::span<const Cell<4>> tets,
 /// The faces that only one cell has.
 [[nodiscard]] std::vector<Cell<3>> outside_of(const BoundaryFaces& faces);
 
-/// Draws the sheets that cross or touch apart, each into its own cells: their vertices move towards the
-/// middle of the vertices around, step by step, as far as tetrahedra stay positive. Those of planes move
+/// Moves the sheets that cross or touch apart, each into its own cells: their vertices move towards the
+/// middle of the vertices around, step by step, as far as tetrahedra stay positive. Vertices of planes move
 /// within them; those of frozen patches, of curves and corners stay.
 /// @param mesh  Compact.
-/// @param shapes  Of its patches.
+/// @param shapes  Shapes of the mesh's patches.
 /// @return The pairs of faces that still cross.
 std::size_t draw_apart(TetMesh& mesh, const PatchShapes& shapes);
 

@@ -1,8 +1,8 @@
 #pragma once
-/// @file Many vertices put into and taken out of a Delaunay triangulation on many threads.
+/// @file Insertion and removal of many vertices of a Delaunay triangulation on many threads.
 ///
 /// Each thread holds the vertices that it touches, as in SpeculativeExecution. Since the triangulation is
-/// unique (delaunay_kernel.hpp), it is the same for every number of threads and every order; the numbers of
+/// unique (delaunay_kernel.hpp), it is the same for every thread count and every order; the numbers of
 /// its elements are not, before TetMesh::reorder_along_curve().
 
 #include <cstdint>
@@ -25,14 +25,14 @@ class DelaunayExecution {
     VertexDimension dimension = VertexDimension::kVolume;
     VertexId near;  ///< A live vertex near by, or invalid: then those before it in the list should be near.
   };
-  /// Puts all in, in rounds that grow, each along the Hilbert curve. Points at the place of a vertex are left
-  /// out. Everything made gets the stamp.
-  /// @param vertices  Of each new one, the vertex at its place; empty if nobody asks.
+  /// Inserts all points, in rounds that grow, each along the Hilbert curve. Points at the place of a vertex
+  /// are left out. All new elements get the stamp.
+  /// @param vertices  For each point, the vertex at its place; empty if nobody asks.
   /// Cost: about 4 us each on one thread. Source: Amenta, Choi and Rote 2003, Incremental constructions con
   /// BRIO, doi:10.1145/777792.777824.
   void insert(std::span<const NewVertex> points, std::uint32_t stamp, std::span<VertexId> vertices = {});
 
-  /// Takes live vertices out, each named once, none of the hull.
+  /// Removes live vertices, each named once, none of the hull.
   void remove(std::span<const VertexId> vertices, std::uint32_t stamp);
 
   [[nodiscard]] const parallel::Team& team() const { return team_; }
@@ -51,8 +51,8 @@ class DelaunayExecution {
   parallel::Team team_;
   std::vector<DelaunayKernel<NoLock>> alone_;             // One, if there is one thread.
   std::vector<DelaunayKernel<SpeculativeLock>> kernels_;  // Else one per thread.
-  Box3 box_;                                              // Of a grid of vertices to begin searches from.
-  std::vector<std::uint32_t> known_;                      // Per cell, or none.
+  Box3 box_;                                              // Box of a grid of vertices to begin searches from.
+  std::vector<std::uint32_t> known_;                      // A vertex per cell of that grid, or none.
 };
 
 }  // namespace lumesh::operators

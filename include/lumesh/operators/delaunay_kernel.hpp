@@ -1,8 +1,8 @@
 #pragma once
-/// @file Vertices put into and taken out of Delaunay triangulations.
+/// @file Insertion and removal of vertices of Delaunay triangulations.
 ///
-/// The triangulation is that of insphere_perturbed(): every set of points has one and only one, so what comes
-/// out does not depend on the order of insertions and removals, nor on how many threads made them.
+/// The triangulation is that of insphere_perturbed(): every set of points has one and only one, so the result
+/// does not depend on the order of insertions and removals, nor on the number of threads that made them.
 
 #include <cstdint>
 #include <memory>
@@ -20,8 +20,8 @@ namespace lumesh::operators {
 
 struct DelaunayScratch;
 
-/// One thread's working memory for it: make one per thread and keep it. Where others work on the mesh, each
-/// has a lock of its own. New tetrahedra have the label of the background.
+/// Insertion and removal with one thread's working memory: make one per thread and keep it. Where others work
+/// on the mesh, each has a lock of its own. New tetrahedra have the label of the background.
 template <class Lock>
 class DelaunayKernel {
  public:
@@ -30,26 +30,27 @@ class DelaunayKernel {
   DelaunayKernel(DelaunayKernel&&) noexcept;
   ~DelaunayKernel();
 
-  /// The stamp of all that is made from now on.
+  /// Sets the stamp of all elements made from now on.
   void begin_run(std::uint32_t stamp) { stamp_ = stamp; }
 
   struct Insertion {
     Outcome outcome = Outcome::kContended;
     VertexId vertex;  ///< The new one; where a vertex has the same place (kRejected), that one.
   };
-  /// Puts a vertex in: the tetrahedra whose circumsphere holds it give way to those from their hull to it.
+  /// Inserts a vertex: the tetrahedra whose circumsphere holds it are replaced by those from their hull to
+  /// it.
   /// @param point  Inside the hull.
   /// @param near   A live vertex to begin the search from; best one near the point.
   /// Cost: about 3 us where `near` is near. Source: Bowyer 1981, doi:10.1093/comjnl/24.2.162; Watson 1981,
   /// doi:10.1093/comjnl/24.2.167.
   [[nodiscard]] Insertion insert(const Vec3& point, VertexDimension dimension, VertexId near);
 
-  /// Takes a live vertex out, not one of the hull: the hole is filled by the Delaunay tetrahedra of the
+  /// Removes a live vertex, not one of the hull: the cavity is filled by the Delaunay tetrahedra of the
   /// vertices around it, face by face. Cost: about 30 us.
   [[nodiscard]] Outcome remove(VertexId v);
 
-  /// The live tetrahedron that holds a point, or an invalid one if something on the way was not to be locked.
-  /// What was locked on the way is held until release().
+  /// The live tetrahedron that holds a point, or an invalid one if a vertex on the way could not be locked.
+  /// Vertices locked on the way are held until release().
   [[nodiscard]] TetId locate(const Vec3& point, VertexId near);
   void release() { lock_.release_to(0); }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// @file The patches of a mesh as they once were, for vertices that move along them.
+/// @file The input patches of a mesh, for vertices that slide along them.
 
 #include <vector>
 
@@ -29,7 +29,7 @@ class InputSurface {
     std::vector<Cell<3>> triangles;
   };
   std::vector<Part> parts_;             // One per patch.
-  std::vector<Vec3> points_, normals_;  // Of the vertices of the mesh; normals of all faces around.
+  std::vector<Vec3> points_, normals_;  // Points of the mesh's vertices and mean normals of the faces around.
 };
 
 }  // namespace lumesh::operators

@@ -1,7 +1,7 @@
 #pragma once
-/// @file Who may change what. Operators take a lock type as template argument and ask it for every vertex of
-/// every tetrahedron that they change. A tetrahedron may be changed by who holds all its vertices. Who holds
-/// one of them may read it, and cross those of its faces that have a held vertex.
+/// @file Locks of vertices. Operators take a lock type as template argument and ask it for every vertex of
+/// every tetrahedron that they change. A thread that holds all vertices of a tetrahedron may change it. A
+/// thread that holds one of them may read it, and cross those of its faces that have a held vertex.
 
 #include <algorithm>
 #include <cstddef>
@@ -14,23 +14,23 @@
 
 namespace lumesh::operators {
 
-/// For a thread that is alone: it holds everything, always.
+/// The lock of a thread that is alone: it holds everything, always.
 struct NoLock {
   [[nodiscard]] static bool try_lock(VertexId /*vertex*/) { return true; }
-  /// How much is held, and back to that.
+  /// The number of held vertices, and release down to that number.
   [[nodiscard]] static std::size_t mark() { return 0; }
   static void release_to(std::size_t /*mark*/) {}
-  /// Gives back all but these, which are held.
+  /// Releases all vertices but these, which are held.
   static void keep_only(const Cell<4>& /*vertices*/) {}
-  /// True if something was refused, since the last mark(), that may be had another time.
-  [[nodiscard]] static bool was_refused() { return false; }
-  /// Takes over a vertex that its thread has just made.
-  static void adopt(VertexId /*vertex*/) {}
+  /// True if another thread held a vertex asked for since the last mark(): a later try may succeed.
+  [[nodiscard]] static bool contended() { return false; }
+  /// Takes ownership of a vertex that this thread has just made.
+  static void take_ownership(VertexId /*vertex*/) {}
 };
 
-/// For the run of a bucket of a Partition: it holds what lies in its reach until it is done, and nothing
-/// contends. Whose reach a bucket lies in stands in one word per bucket, the number of a run. Words of
-/// buckets outside the reach may change while they are read; they never hold this run's number.
+/// The lock of a run of a bucket of a Partition: it holds all vertices in its reach until the run is done,
+/// and nothing contends. One word per bucket has the number of the run whose reach the bucket lies in. Words
+/// of buckets outside the reach may change while they are read; they never hold this run's number.
 class OrderedLock {
  public:
   OrderedLock() = default;
@@ -41,8 +41,8 @@ class OrderedLock {
   }
   [[nodiscard]] static std::size_t mark() { return 0; }
   static void release_to(std::size_t /*mark*/) {}
-  [[nodiscard]] static bool was_refused() { return false; }
-  void adopt(VertexId vertex) const { parallel::store_relaxed(mesh_->lock_word(vertex), bucket_); }
+  [[nodiscard]] static bool contended() { return false; }
+  void take_ownership(VertexId vertex) const { parallel::store_relaxed(mesh_->lock_word(vertex), bucket_); }
 
  private:
   TetMesh* mesh_ = nullptr;
@@ -50,28 +50,28 @@ class OrderedLock {
   std::uint32_t run_ = 0, bucket_ = 0;
 };
 
-/// For one of many threads that take what they touch by compare-and-swap, and give way where another was
-/// first. The words of the vertices hold the owner's number. Those of freed vertices and of new ones whose
-/// maker has not adopted them yet belong to nobody, so that a thread with an old number of theirs never gets
-/// them.
+/// The lock of one of many threads that acquire the vertices they touch by compare-and-swap, and back off
+/// where another was first. The words of the vertices hold the owner's number. Those of freed vertices and of
+/// new ones whose maker has not taken ownership yet belong to nobody, so that a thread with an old number of
+/// such a vertex never gets it.
 class SpeculativeLock {
  public:
   SpeculativeLock() = default;
-  /// @param owner  Of this thread alone; neither 0 nor TetMesh::kNoOwner.
+  /// @param owner  Number of this thread alone; neither 0 nor TetMesh::kNoOwner.
   SpeculativeLock(TetMesh& mesh, std::uint32_t owner) : mesh_(&mesh), owner_(owner) {}
 
   [[nodiscard]] bool try_lock(VertexId vertex) {
     std::uint32_t& word = mesh_->lock_word(vertex);
     if (parallel::load_relaxed(word) == owner_) return true;  // Only this thread writes its own number.
     if (!parallel::try_acquire(word, owner_)) {
-      refused_ = true;
+      contended_ = true;
       return false;
     }
     held_.push_back(vertex);
     return true;
   }
   [[nodiscard]] std::size_t mark() {
-    refused_ = false;
+    contended_ = false;
     return held_.size();
   }
   void release_to(std::size_t mark) {
@@ -86,8 +86,8 @@ class SpeculativeLock {
       return true;
     });
   }
-  [[nodiscard]] bool was_refused() const { return refused_; }
-  void adopt(VertexId vertex) {
+  [[nodiscard]] bool contended() const { return contended_; }
+  void take_ownership(VertexId vertex) {
     parallel::store_relaxed(mesh_->lock_word(vertex), owner_);
     held_.push_back(vertex);
   }
@@ -95,7 +95,7 @@ class SpeculativeLock {
  private:
   TetMesh* mesh_ = nullptr;
   std::uint32_t owner_ = 0;
-  bool refused_ = false;
+  bool contended_ = false;
   std::vector<VertexId> held_;
 };
 

@@ -26,16 +26,16 @@ namespace lumesh::operators {
 enum class Outcome : std::uint8_t {
   kApplied,
   kRejected,   ///< A rule or the geometry speaks against it.
-  kContended,  ///< Something was not to be locked; it may go another time.
+  kContended,  ///< A vertex could not be locked; a later try may succeed.
 };
 
-/// What operators work on. All of it outlives them.
+/// Mesh, metric and shapes that operators work on. All of it outlives them.
 struct Subject {
   TetMesh& mesh;                          ///< With metrics.
   const metric::MetricField& field;       ///< Gives new and moved vertices their metric.
   const PatchShapes& shapes;              ///< One per patch.
-  ShapeMeasure measure = {};              ///< What the stored quality of every tetrahedron is.
-  const InputSurface* surface = nullptr;  ///< What slide_vertex() moves along; without it, no vertex slides.
+  ShapeMeasure measure = {};              ///< Measure of the stored quality of every tetrahedron.
+  const InputSurface* surface = nullptr;  ///< Surface for slide_vertex(); without it, no vertex slides.
 };
 
 struct OperatorCount {
@@ -88,27 +88,27 @@ struct OperatorCounts {
   [[nodiscard]] std::uint64_t applied() const { return of_all().applied; }
 };
 
-/// What each thread of an execution did, and how many buckets it got from others.
+/// Counts of each thread of an execution, and of the buckets that migrated to it.
 struct ExecutionCounts {
   std::vector<OperatorCounts> by_thread;
   std::vector<parallel::TaskMigrations> migrations;
 
   [[nodiscard]] OperatorCounts of_all_threads() const;
-  ExecutionCounts& operator+=(const ExecutionCounts& other);  ///< Of the same number of threads, or none yet.
+  ExecutionCounts& operator+=(const ExecutionCounts& other);  ///< For equal numbers of threads, or none yet.
 };
 
-/// False if operators failed on t before, and nothing has changed since around its vertices: around at least
-/// `least_vertices` of them. One is what operators ask who look at all around a vertex. Two are asked for
-/// reconnect(), which for the most part looks at tetrahedra that share an edge with t, and whatever changes
-/// is noted at all its vertices: this sees more than the paper's test of face neighbours (its algorithm 2).
-/// What it does not see are faces farther off that multi-face removal would add.
-[[nodiscard]] bool has_changed_since_trial(const TetMesh& mesh, TetId t, int least_vertices = 1);
+/// False if operators failed on t before, and nothing has changed since around at least `min_vertices` of its
+/// vertices. One is enough for operators that look at all tetrahedra around a vertex. Two are asked for
+/// reconnect(), which for the most part looks at tetrahedra that share an edge with t, and a change is noted
+/// at all vertices of a tetrahedron: this sees more than the paper's test of face neighbours (its algorithm
+/// 2), but not faces farther off that multi-face removal would add.
+[[nodiscard]] bool has_changed_since_trial(const TetMesh& mesh, TetId t, int min_vertices = 1);
 inline constexpr int kVerticesOfAnEdge = 2;
 
 struct NewVertex;
 
 /// One thread's operators with their working memory: make one per thread and keep it. Where others work on
-/// the mesh, the tetrahedra that it is given must be held (try_hold()).
+/// the mesh, the tetrahedra that it is given must be held (try_lock()).
 template <class Lock>
 class Operators {
  public:
@@ -116,28 +116,29 @@ class Operators {
   explicit Operators(const Subject& subject, Lock lock = {}, int owner = 0);
   Operators(Operators&&) noexcept = default;
 
-  /// Puts a vertex on edge (corner i, corner j) of t, `fraction` of its metric length from i, and fills the
-  /// hole of all tetrahedra whose circumsphere in the new vertex's metric holds it (insphere test, corrected
-  /// until every face of the hole sees the vertex). Inner vertices too near to a new vertex of a surface are
-  /// drawn into it afterwards. Where it failed since begin_run() it is not tried again, nor counted, before
-  /// both ends saw a change. Sources: Loseille and Alauzet 2009, doi:10.1007/978-3-642-04319-2_33;
-  /// Borouchaki, George et al. 1997, doi:10.1016/S0168-874X(96)00057-1.
+  /// Inserts a vertex on edge (corner i, corner j) of t, `fraction` of its metric length from i, into the
+  /// cavity of all tetrahedra whose circumsphere in the new vertex's metric holds it (insphere test,
+  /// corrected until the cavity is star-shaped). Inner vertices that encroach on a new vertex of a surface
+  /// are collapsed onto it afterwards. An edge where it failed since begin_run() is not tried again, nor
+  /// counted, before both ends saw a change. Sources: Loseille and Alauzet 2009,
+  /// doi:10.1007/978-3-642-04319-2_33; Borouchaki, George et al. 1997, doi:10.1016/S0168-874X(96)00057-1.
   Outcome split_edge(TetId t, int i, int j, double fraction, const InsertionRules& rules);
 
-  /// Puts a vertex on the centroid of t, with the same kind of hole.
+  /// Inserts a vertex at the centroid of t, with the same kind of cavity.
   Outcome insert_centroid(TetId t, const InsertionRules& rules);
 
-  /// Draws corner `from` of t into corner `to`: the tetrahedra around the edge vanish. A vertex of a curve
-  /// stays on it, one of a surface on its patch, corners stay.
+  /// Collapses corner `from` of t onto corner `to`: the tetrahedra around the edge vanish. A vertex of a
+  /// curve stays on it, one of a surface on its patch, corners stay.
   Outcome collapse_edge(TetId t, int from, int to, const CollapseRules& rules);
-  /// Draws v into the nearest neighbour that will do, of those at less than `least_length`.
-  Outcome collapse_vertex(VertexId v, double least_length, const CollapseRules& rules);
+  /// Collapses v onto its nearest admissible neighbour, of those at less than `min_length`.
+  Outcome collapse_vertex(VertexId v, double min_length, const CollapseRules& rules);
 
-  /// Draws v into the nearest neighbour that will do, in haste: where most vertices are to go, all is
-  /// measured in the metric of v alone, and what stays is kept, so that what is left lies evenly. The stored
-  /// qualities are those of that metric: measure_qualities() afterwards. Vertices of curved patches stay.
-  /// @param kept  One per vertex, 0 at the start of a sweep. Those that others were drawn into become 1 and
-  /// stay.
+  /// Collapses v onto its nearest admissible neighbour, with an approximate metric, that of v alone: for
+  /// sweeps in which most vertices go. Vertices that others were collapsed onto stay, so that the rest lies
+  /// evenly. The stored qualities are those of that metric: measure_qualities() afterwards. Vertices of
+  /// curved patches stay.
+  /// @param kept  One per vertex, 0 at the start of a sweep; 1 for vertices that others were collapsed onto,
+  /// which stay.
   Outcome thin_out(VertexId v, std::span<std::uint8_t> kept, const ThinningRules& rules);
 
   /// Replaces the tetrahedra around edge (corner i, corner j) of t by the best ones without it: of all
@@ -148,9 +149,9 @@ class Operators {
   Outcome remove_edge(TetId t, int i, int j, const SwapRules& rules);
 
   /// Replaces t and its neighbour behind `face` by three tetrahedra around a new edge (2-3); where these
-  /// would not do, with the tetrahedra at faces next to it that lie between the same two vertices (multi-face
-  /// removal: 4-4, 6-5 and on, the inverse of edge removal). Every new one is better than the worse of t and
-  /// its neighbour. Source: Shewchuk 2002, as for remove_edge().
+  /// are not admissible, with the tetrahedra at faces next to it that lie between the same two vertices
+  /// (multi-face removal: 4-4, 6-5 and on, the inverse of edge removal). Every new one is better than the
+  /// worse of t and its neighbour. Source: Shewchuk 2002, as for remove_edge().
   Outcome remove_face(TetId t, int face, const SwapRules& rules);
 
   /// Moves a vertex to lessen the sum of 1 / quality around it plus that of its edges' deviation from unit
@@ -162,36 +163,36 @@ class Operators {
   /// of patches stay. Measure: dihedral angles.
   Outcome optimise_vertex(VertexId v, const AngleRules& rules);
 
-  /// The same for a vertex inside a patch: it moves along the patch as that is in Subject::surface, and only
-  /// where the faces around it stay near that and near the vertex's old place.
+  /// As optimise_vertex(), for a vertex inside a patch: it moves along Subject::surface, and only where the
+  /// faces around it stay near that surface and near the vertex's old place.
   Outcome slide_vertex(VertexId v, const AngleRules& rules);
 
-  /// Puts a vertex near t, in the best of several holes, to the place where the worst dihedral angle of what
-  /// fills the hole is best; only if that is better than the worst one before. Holes are what lies around t
-  /// or one of its edges on the same side of all patches, with and without the neighbours whose circumsphere
-  /// holds the middle. Measure: dihedral angles. Source: Klingner and Shewchuk 2007,
+  /// Inserts a vertex near t, in the best of several cavities, at the place where the worst dihedral angle of
+  /// the new tetrahedra is best; only if that is better than the worst one before. The cavities are the
+  /// tetrahedra around t or one of its edges on the same side of all patches, with and without the neighbours
+  /// whose circumsphere holds the middle. Measure: dihedral angles. Source: Klingner and Shewchuk 2007,
   /// doi:10.1007/978-3-540-75103-8_1.
   Outcome insert_for_angles(TetId t, const AngleRules& rules);
 
   [[nodiscard]] const OperatorCounts& counts() const { return counts_; }
 
-  /// Begins a run: the lock to ask from now on, the stamp of what is made, and the epoch of what changes.
-  /// Forgets what was made before, and which edges failed.
+  /// Begins a run: the lock to ask from now on, the stamp of new elements, and the epoch of changes.
+  /// Forgets elements made before, and the edges that failed.
   void begin_run(const Lock& lock, std::uint32_t stamp, std::uint32_t epoch);
-  /// What this run made or changed, in this order; what was freed again or remade has another stamp, and an
-  /// element may stand here twice.
+  /// Elements that this run made or changed, in this order; those freed again or remade have another stamp,
+  /// and an element may stand here twice.
   [[nodiscard]] const std::vector<TetId>& made_tets() const;
   [[nodiscard]] const std::vector<VertexId>& made_vertices() const;
   /// Tries edge removal on every edge of t, then removal of every face, until one is done; unless
   /// rules.repeat, not those that failed since begin_run() and saw no change. Where all were rejected, the
-  /// epoch is noted on t: as long as nothing changes around its edges, trying again is hardly worth it
+  /// epoch is noted on t: as long as nothing changes around its edges, another trial is hardly worth it
   /// (has_changed_since_trial()).
   Outcome reconnect(TetId t, const SwapRules& rules);
-  /// True if all vertices of t can be had: what it is then, it stays. Where it was not held before, its stamp
-  /// tells whether it still is the one that was meant.
-  [[nodiscard]] bool try_hold(TetId t);
-  [[nodiscard]] bool try_hold(VertexId v) { return lock_.try_lock(v); }
-  /// Frees all that is held.
+  /// True if all vertices of t could be locked: t does not change then. Where it was not held before, its
+  /// stamp tells whether it still is the tetrahedron that was meant.
+  [[nodiscard]] bool try_lock(TetId t);
+  [[nodiscard]] bool try_lock(VertexId v) { return lock_.try_lock(v); }
+  /// Releases all held vertices.
   void release() { lock_.release_to(0); }
 
  private:
@@ -206,7 +207,7 @@ class Operators {
   Outcome collapse_gathered_vertex(VertexId v, const CollapseRules& rules);
   void commit_collapse(VertexId from, VertexId to);
   Outcome remove_held_edge(TetId t, VertexId a, VertexId b, const SwapRules& rules);
-  Outcome peel_held_tet(TetId t, VertexId a, VertexId b);
+  Outcome remove_held_boundary_sliver(TetId t, VertexId a, VertexId b);
   Outcome remove_held_face(TetId t, int face, const SwapRules& rules);
   Outcome smooth_held_vertex(VertexId v, const SmoothingRules& rules);
   Outcome optimise_held_vertex(VertexId v, const AngleRules& rules);

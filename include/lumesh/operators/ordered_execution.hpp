@@ -1,11 +1,10 @@
 #pragma once
-/// @file Sweeps of operators over a mesh on many threads, with the same result, bit for bit, on any number of
-/// them.
+/// @file Sweeps of operators over a mesh on many threads, bitwise identical for every thread count.
 ///
 /// Vertices are partitioned into buckets (partition.hpp); a sweep runs the buckets in a fixed partial order,
-/// so that whoever meets has met in that order on every machine. Numbers of new elements depend on which
-/// thread made them; nothing else does, because no order is ever taken from them: the elements have a
-/// sequence of their own, the old ones first and then what each bucket made, by bucket.
+/// so that buckets in conflict run in that order on every machine. Numbers of new elements depend on the
+/// thread that made them; nothing else does, because no order is ever taken from them: the elements have a
+/// sequence of their own, the old ones first and then those that each bucket made, by bucket.
 
 #include <cstdint>
 #include <functional>
@@ -28,19 +27,19 @@ class OrderedExecution {
   /// Orders the mesh along the curve and cuts it into buckets anew. Needed when it has grown much, for
   /// locality and because buckets grow with it.
   void reorder();
-  /// Cuts into buckets anew, if anything was run since.
+  /// Cuts the mesh into buckets anew, if anything was run since.
   void repartition();
 
-  /// Calls step(kernel, tet) for every live tetrahedron whose urgency before the sweep is positive and that
-  /// is still as it was when its turn comes. All its vertices are held then. Within a bucket the most urgent
-  /// come first, equal ones in the order of the sequence.
-  void over_tets(const std::function<double(TetId)>& urgency,
-                 const std::function<void(Kernel&, TetId)>& step);
-  /// The same over vertices, which are held one by one; the step may free them.
-  void over_urgent_vertices(const std::function<double(VertexId)>& urgency,
-                            const std::function<void(Kernel&, VertexId)>& step);
+  /// Calls step(kernel, tet) for every live tetrahedron whose priority before the sweep is positive and that
+  /// is still as it was when its turn comes. All its vertices are held then. Within a bucket those of the
+  /// highest priority come first, equal ones in the order of the sequence.
+  void for_each_tet_by_priority(const std::function<double(TetId)>& priority,
+                                const std::function<void(Kernel&, TetId)>& step);
+  /// As for_each_tet_by_priority(), over vertices, which are held one by one; the step may free them.
+  void for_each_vertex_by_priority(const std::function<double(VertexId)>& priority,
+                                   const std::function<void(Kernel&, VertexId)>& step);
   /// Calls step(kernel, vertex) for every live vertex. The step must not add or free elements.
-  void over_vertices(const std::function<void(Kernel&, VertexId)>& step);
+  void for_each_vertex(const std::function<void(Kernel&, VertexId)>& step);
 
   /// Has sweeps leave out all that is left once `is_told` says so, which is asked before each step, on any
   /// thread. The mesh stays valid; which steps were made is a matter of chance then.
@@ -65,9 +64,9 @@ class OrderedExecution {
 
   template <class Item, class BucketOf>
   [[nodiscard]] Lists<Item> lists_by_bucket(const std::vector<Item>& items, const BucketOf& bucket_of) const;
-  template <class Urgency, class BucketOf, class Step>
-  void over_urgent(const std::vector<std::uint32_t>& items, const Urgency& urgency, const BucketOf& bucket_of,
-                   const Step& step);
+  template <class Priority, class BucketOf, class Step>
+  void for_each_by_priority(const std::vector<std::uint32_t>& items, const Priority& priority,
+                            const BucketOf& bucket_of, const Step& step);
   void run_buckets(const std::function<void(Kernel&, std::uint32_t bucket, std::uint32_t run)>& body);
   void begin_run(Kernel& kernel, std::uint32_t bucket, std::uint32_t run);
   [[nodiscard]] Made what_was_made(const Kernel& kernel, std::uint32_t run);
@@ -78,10 +77,10 @@ class OrderedExecution {
   std::vector<Kernel> kernels_;  // One per thread.
   std::function<bool()> is_told_to_stop_ = [] { return false; };
   Partition partition_;
-  bool is_cut_ = false;              // Nothing was run since.
-  parallel::TaskOrder order_;        // Of the buckets.
-  std::vector<std::uint32_t> runs_;  // Of each bucket: the run whose reach it lies in.
-  std::uint32_t epoch_ = 0;          // Of the sweep; goes on when the mesh is reordered.
+  bool is_cut_ = false;              // Whether nothing was run since the partition.
+  parallel::TaskOrder order_;        // Order of the buckets.
+  std::vector<std::uint32_t> runs_;  // For each bucket, the run whose reach it lies in.
+  std::uint32_t epoch_ = 0;          // Epoch of the sweep; goes on when the mesh is reordered.
   std::uint32_t next_run_ = 1;       // Stamps are twice the run, plus 1 once listed; see what_was_made().
   std::vector<std::uint32_t> tets_, vertices_;  // The sequences.
 };

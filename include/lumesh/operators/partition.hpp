@@ -1,5 +1,5 @@
 #pragma once
-/// @file Buckets of vertices: the units of work of the ordered execution, and what each may change.
+/// @file Buckets of vertices: the units of work of the ordered execution, and the reach of each.
 ///
 /// A run of bucket b may change the tetrahedra whose vertices all lie in b and its neighbour buckets: its
 /// reach. Buckets whose reaches meet are in conflict and run one after the other, in an order that depends on
@@ -20,7 +20,7 @@ struct Partition {
 };
 
 /// Vertices per bucket for a mesh of `vertices`: enough buckets for many threads, each worth its overhead.
-/// Must not depend on the number of threads, or results would.
+/// It must not depend on the thread count, or results would.
 [[nodiscard]] std::uint32_t bucket_size_for(std::uint32_t vertices);
 
 /// Cuts the live vertices into buckets by bisection across the longest extent in the local metric, so that

@@ -1,5 +1,5 @@
 #pragma once
-/// @file How the vertices and faces of each patch may change.
+/// @file Shapes of patches: the changes allowed to the vertices and faces of each.
 
 #include <memory>
 #include <utility>
@@ -15,18 +15,18 @@ class ImageDomain;
 namespace lumesh::operators {
 
 enum class PatchFreedom : std::uint8_t {
-  kFrozen,  ///< Its faces, edges and vertices stay as they are.
+  kFrozen,  ///< The patch's faces, edges and vertices stay as they are.
   kPlane,   ///< A part of a plane: vertices may move, come and go within it.
-  kCurved,  ///< A part of a smooth surface: the same, and every vertex that comes or moves is put on it.
+  kCurved,  ///< A part of a smooth surface: as kPlane, and every vertex that comes or moves is put on it.
 };
 
 struct PatchShape {
   PatchFreedom freedom = PatchFreedom::kFrozen;
-  Vec3 normal = Vec3::Zero();                ///< Of a plane; unit length.
-  double offset = 0;                         ///< Of a plane: normal . point for its points.
-  std::shared_ptr<const Surface> surface{};  ///< Of a curved patch.
-  /// Of a curved patch: in the end its vertices stand over the surface by the sagitta of the triangles
-  /// around, so that these fill what it encloses (settling.hpp).
+  Vec3 normal = Vec3::Zero();                ///< Unit normal of a plane.
+  double offset = 0;                         ///< Offset of a plane: normal . point for its points.
+  std::shared_ptr<const Surface> surface{};  ///< Surface of a curved patch.
+  /// Whether the vertices of a curved patch stand over the surface in the end, by the sagitta of the
+  /// triangles around, so that these have the volume that the surface encloses (settling.hpp).
   bool keeps_volume = false;
   /// Curves where it meets other patches, where their surfaces do not say so by themselves.
   std::vector<std::pair<PatchId, std::shared_ptr<const MeshCurve>>> curves{};
@@ -39,10 +39,10 @@ using PatchShapes = std::vector<PatchShape>;
 /// others are frozen. Where every face lies along a coordinate plane, the normal is exactly an axis.
 [[nodiscard]] PatchShapes planes_where_flat(const TetMesh& mesh, double tolerance = 1e-10);
 
-/// What the smooth surface of a patch keeps of a mesh.
+/// The property of a mesh that the smooth surface of a patch keeps.
 enum class SurfaceKeeps : std::uint8_t {
-  kVertices,  ///< It goes through them: the mesh is one of a surface on which its vertices lie.
-  kVolume,    ///< It encloses what the triangles enclose, and so goes through them rather than their corners:
+  kVertices,  ///< Vertices: the surface goes through them, as where the input was sampled from a surface.
+  kVolume,    ///< Volume: the surface encloses that of the triangles, and passes between their corners:
               ///< whatever the edges become, the mesh keeps its volume.
 };
 
@@ -58,7 +58,7 @@ enum class SurfaceKeeps : std::uint8_t {
 /// stay as they are. Patches of several labels keep the surface of the mesh.
 /// @return the number of patches that follow the image.
 /// @throws Error{kBadInput} if the image lacks a label, or the mesh lies off its boundary for the most part;
-/// the text speaks of the image, whose name is to be put before it.
+/// the text speaks of the image: the caller adds the file name.
 std::size_t follow_image(const TetMesh& mesh, const std::shared_ptr<const ImageDomain>& domain,
                          PatchShapes& shapes);
 

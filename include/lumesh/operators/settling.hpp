@@ -1,7 +1,7 @@
 #pragma once
 /// @file The last step of a mesher: vertices of curved patches come to stand exactly where they should.
 ///
-/// Triangles whose corners lie on a curved surface cut off what bulges: the mean distance of the triangle
+/// Triangles whose corners lie on a curved surface cut off its bulges: the mean distance of the triangle
 /// from the surface is its sagitta, h^2 / (16 R) on a cylinder of radius R for an equilateral triangle of
 /// edges h. A vertex therefore stands over the surface by the mean sagitta of the triangles around it, so
 /// that these lie as much outside of the surface as inside, and the mesh has the volume that the surface
@@ -23,31 +23,32 @@
 
 namespace lumesh::operators {
 
-/// How far the surface through three places with these normals stands over the triangle between them, in the
-/// mean: exact where it is a quadratic function. Negative where it is hollow.
+/// Mean height of the surface through three places with these normals over the triangle between them: exact
+/// where the surface is a quadratic function. Negative where it is hollow.
 [[nodiscard]] double sagitta_of(const std::array<SurfacePoint, 3>& corners);
 
-/// The same for the curve between two places of a plane, with its normals there, and its chord.
+/// Mean height of the curve between two places of a plane, with its normals there, over its chord.
 [[nodiscard]] double mean_arc_height(const SurfacePoint& from, const SurfacePoint& to);
 
-/// The place of a patch's true surface near a point, with the normal; none where that is not known, and for
-/// patches whose vertices are to stay. Called from several threads.
+/// The place of a patch's true surface near a point, with the normal; none where the surface is not known,
+/// and for patches whose vertices are to stay. Called from several threads.
 using PlaceOnPatch = std::function<std::optional<SurfacePoint>(PatchId patch, const Vec3& near)>;
 
-/// Whether a tetrahedron, by its number, may have other corners. Called from several threads; what is flat or
-/// inverted by the exact predicate is refused before it is asked.
+/// Whether a tetrahedron, by its number, may have other corners. Called from several threads; tetrahedra flat
+/// or inverted by the exact predicate are rejected before.
 using MayBecome =
     std::function<bool(std::size_t tet, const std::array<Vec3, 4>& before, const std::array<Vec3, 4>& after)>;
 
 /// Dihedral angles within the limits, or at least no worse than they were.
 [[nodiscard]] MayBecome within_angles(double min_dihedral_deg, double max_dihedral_deg);
 
-/// The place itself if a vertex may be there, else the one to take instead. Called from several threads; what
-/// it refers to must outlive the call.
+/// The place itself if a vertex may be there, else the one to take instead. Called from several threads;
+/// objects that it refers to must outlive the call.
 using KeepWithin = std::function<Vec3(const Vec3& place)>;
 
 struct SettlingRules {
-  /// Of the mean sagitta by which vertices stand over the surface: 1 keeps the volume, 0 leaves them on it.
+  /// Factor of the mean sagitta by which vertices are offset from the surface: 1 keeps the volume, 0 leaves
+  /// them on it.
   double lift = 1;
   MayBecome may_become;
   KeepWithin keep_within = {};                 ///< Null: everywhere.
@@ -55,23 +56,23 @@ struct SettlingRules {
 };
 
 struct SettlingReport {
-  std::size_t vertices = 0;   ///< That have a place.
-  std::size_t held_back = 0;  ///< Of these, farther from it than 1e-3 of the edges around, or put back since.
-  double furthest_off_mm = 0;  ///< From their places.
+  std::size_t vertices = 0;    ///< Vertices that have a place.
+  std::size_t held_back = 0;   ///< Vertices farther from their place than 1e-3 of the edges, or put back.
+  double furthest_off_mm = 0;  ///< Largest distance of a vertex from its place.
 };
 
 /// Carries every vertex inside a patch to its place, unless that is farther away than half the edges around.
-/// Those at the rim of a flat patch that stays, such as an opening, go within its plane to where the other
+/// Vertices at the rim of a flat patch that stays, such as an opening, go within its plane to where the other
 /// patch meets it, and over that curve by the mean height of the arcs beside: the flat patch has the area
 /// that the curve encloses. Vertices of other curves and corners stay. Where a tetrahedron forbids it, its
 /// vertices go half the way, a quarter of it, or stay.
 ///
-/// @param faces  Those that carry patches, each once.
-/// Parallel inside; the same bits for every number of threads. Cost: about 1 us per vertex of a patch for its
+/// @param faces  Faces that carry patches, each once.
+/// Parallel inside; bitwise identical for every thread count. Cost: about 1 us per vertex of a patch for its
 /// place, 0.3 us per tetrahedron there.
 SettlingReport settle(std::span<Vec3> points, std::span<const Cell<4>> tets, const PatchTable& faces,
                       const PlaceOnPatch& place, const SettlingRules& rules);
-/// The same for a mesh, whose outside does not come to cross or touch itself: where it would, vertices go
+/// settle() for a mesh, whose outside does not come to cross or touch itself: where it would, vertices go
 /// back.
 /// @param mesh  Compact.
 SettlingReport settle(TetMesh& mesh, const PlaceOnPatch& place, const SettlingRules& rules);
@@ -79,12 +80,12 @@ SettlingReport settle(TetMesh& mesh, const PlaceOnPatch& place, const SettlingRu
 /// The place near a point where two materials meet; the normal points out of `inside`.
 [[nodiscard]] std::optional<SurfacePoint> place_on_boundary(const Domain& domain, Material inside,
                                                             Material outside, const Vec3& near);
-/// Where the patches of a mesh of a domain run. Openings, and patches that are more than one boundary, stay.
-/// The domain must live as long as the answer.
+/// Places on the boundaries of a domain, for the patches of its mesh. Openings, and patches that are more
+/// than one boundary, stay. The domain must live as long as the answer.
 [[nodiscard]] PlaceOnPatch places_in_domain(const TetMesh& mesh, const Domain& domain);
 /// Domain::within_cuts(). The domain must live as long as the answer.
 [[nodiscard]] KeepWithin within_cuts_of(const Domain& domain);
-/// Those of patches that keep their volume; the others stay. The shapes must live as long as the answer.
+/// Places on patches that keep their volume; the others stay. The shapes must live as long as the answer.
 [[nodiscard]] PlaceOnPatch places_on_shapes(const PatchShapes& shapes);
 
 }  // namespace lumesh::operators

@@ -1,5 +1,5 @@
 #pragma once
-/// @file What the quality of a tetrahedron is, for operators that better it: 1 is perfect, 0 is flat.
+/// @file Quality measures of a tetrahedron, for operators that improve it: 1 is perfect, 0 is flat.
 
 #include <algorithm>
 #include <cmath>
@@ -13,22 +13,24 @@ namespace lumesh::operators {
 /// ratio, optimise_vertex(), slide_vertex() and insert_for_angles() with the angles.
 struct ShapeMeasure {
   enum class Kind : std::uint8_t {
-    kMeanRatio,       ///< In the metric of the vertices.
+    kMeanRatio,       ///< Mean ratio in the metric of the vertices.
     kDihedralAngles,  ///< Sine of the worst dihedral angle, whatever the metric; see angle_quality().
   };
   Kind kind = Kind::kMeanRatio;
-  double obtuse_weight = 1;  ///< Of the sines of obtuse angles, in (0, 1].
+  double obtuse_weight = 1;  ///< Weight of the sines of obtuse angles, in (0, 1].
 };
 
-/// Least sine of the dihedral angles of (a, b, c, d), those of obtuse ones times `obtuse_weight`; negative if
-/// inverted. Source: the biased minimum sine of Klingner and Shewchuk 2007, doi:10.1007/978-3-540-75103-8_1.
+/// Smallest sine of the dihedral angles of (a, b, c, d), those of obtuse ones times `obtuse_weight`; negative
+/// if inverted. Source: the biased minimum sine of Klingner and Shewchuk 2007,
+/// doi:10.1007/978-3-540-75103-8_1.
 [[nodiscard]] inline double angle_quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d,
                                           double obtuse_weight) {
   const DihedralCosines cosines = min_max_dihedral(a, b, c, d);
   const auto sine = [](double cosine) { return std::sqrt(std::max(0.0, 1 - cosine * cosine)); };
-  double least = sine(cosines.largest_cosine);
-  if (cosines.smallest_cosine < 0) least = std::min(least, obtuse_weight * sine(cosines.smallest_cosine));
-  return std::copysign(least, (b - a).cross(c - a).dot(d - a));
+  double smallest = sine(cosines.largest_cosine);
+  if (cosines.smallest_cosine < 0)
+    smallest = std::min(smallest, obtuse_weight * sine(cosines.smallest_cosine));
+  return std::copysign(smallest, (b - a).cross(c - a).dot(d - a));
 }
 
 }  // namespace lumesh::operators

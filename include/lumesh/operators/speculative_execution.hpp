@@ -1,10 +1,10 @@
 #pragma once
-/// @file Sweeps of operators over a mesh on many threads that take the vertices they touch as they go, and
-/// give way where another was first (the paper's model). Which of two neighbours is changed first is left to
+/// @file Sweeps of operators over a mesh on many threads that lock the vertices they touch as they go, and
+/// back off where another was first (the paper's model). Which of two neighbours is changed first is left to
 /// chance: the meshes of two runs differ, alike in quality.
 ///
 /// The items of a sweep are cut into buckets, intervals of their numbers, which follow the Hilbert curve.
-/// Where an item contends it goes to the back; a thread that gets nothing done steps aside until others have
+/// An item that contends goes to the back; a thread that gets nothing done is parked until others have
 /// finished something, but the last active one never waits. Source: Tsolakis, Drakopoulos and Chrisochoides
 /// 2018, Parallel metric-based anisotropic mesh adaptation using speculative execution on shared memory.
 
@@ -30,17 +30,17 @@ class SpeculativeExecution {
   /// Nothing: every sweep has its own buckets.
   void repartition() {}
 
-  /// Calls step(kernel, tet) for every live tetrahedron whose urgency before the sweep is positive and that
+  /// Calls step(kernel, tet) for every live tetrahedron whose priority before the sweep is positive and that
   /// is still as it was when its turn comes, again and again as long as operators only contend. All its
-  /// vertices are held then. Within a bucket the most urgent come first.
-  void over_tets(const std::function<double(TetId)>& urgency,
-                 const std::function<void(Kernel&, TetId)>& step);
-  /// The same over vertices, which are held one by one; the step may free them.
-  void over_urgent_vertices(const std::function<double(VertexId)>& urgency,
-                            const std::function<void(Kernel&, VertexId)>& step);
+  /// vertices are held then. Within a bucket those of the highest priority come first.
+  void for_each_tet_by_priority(const std::function<double(TetId)>& priority,
+                                const std::function<void(Kernel&, TetId)>& step);
+  /// As for_each_tet_by_priority(), over vertices, which are held one by one; the step may free them.
+  void for_each_vertex_by_priority(const std::function<double(VertexId)>& priority,
+                                   const std::function<void(Kernel&, VertexId)>& step);
   /// Calls step(kernel, vertex) for every live vertex, again and again as long as it only contends. The step
   /// must not add or free elements.
-  void over_vertices(const std::function<void(Kernel&, VertexId)>& step);
+  void for_each_vertex(const std::function<void(Kernel&, VertexId)>& step);
 
   /// Has sweeps leave out all that is left once `is_told` says so, which is asked before each step, on any
   /// thread. The mesh stays valid; which steps were made is a matter of chance then.
@@ -53,8 +53,8 @@ class SpeculativeExecution {
   template <class Item, class Attempt>
   void run_buckets(std::vector<Item>& items, const Attempt& attempt);
 
-  template <class Id, class Urgency, class Step>
-  void over_urgent(std::size_t slots, const Urgency& urgency, const Step& step);
+  template <class Id, class Priority, class Step>
+  void for_each_by_priority(std::size_t slots, const Priority& priority, const Step& step);
 
   Subject subject_;
   parallel::Team team_;

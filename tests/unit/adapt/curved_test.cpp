@@ -53,13 +53,13 @@ TEST(AdaptCurved, APipeKeepsItsCylindersPlanesAndCircles) {
   for (const std::int32_t cap : {4, 5}) EXPECT_NEAR(patch_area(mesh, cap) / (0.375 * quarter), 1, 1e-2);
   EXPECT_NEAR(report.labels[0].volume / (0.375 * quarter), 1, 1e-2);
 
-  double mean = 0, least = 1;
+  double mean = 0, smallest = 1;
   for (std::uint32_t t = 0; t < mesh.tet_count(); ++t) {
     mean += mesh.quality(TetId(t)) / mesh.tet_count();
-    least = std::min<double>(least, mesh.quality(TetId(t)));
+    smallest = std::min<double>(smallest, mesh.quality(TetId(t)));
   }
   EXPECT_GT(mean, 0.84);
-  EXPECT_GT(least, 0.2);
+  EXPECT_GT(smallest, 0.2);
 }
 
 /// A ball of size `size` everywhere, adapted.
@@ -95,9 +95,10 @@ TEST(AdaptCurved, AMeshThatIsToKeepItsVolumeDoes) {
     const ValidationReport report = validate(mesh);
     ASSERT_TRUE(report.ok()) << report.text();
     EXPECT_NEAR(report.labels[0].volume / before, 1, 1e-3) << "edges of " << size;
-    float least = 1;
-    for (std::uint32_t t = 0; t < mesh.tet_count(); ++t) least = std::min(least, mesh.quality(TetId(t)));
-    EXPECT_GT(least, 0.3F);
+    float smallest = 1;
+    for (std::uint32_t t = 0; t < mesh.tet_count(); ++t)
+      smallest = std::min(smallest, mesh.quality(TetId(t)));
+    EXPECT_GT(smallest, 0.3F);
   }
 }
 

@@ -104,12 +104,12 @@ TEST(Improve, KeepsLabelsAndTheirInterface) {
 }
 
 /// Edges of tetrahedra, counted once for each, that are shorter or longer than this.
-int edges_outside(const TetMesh& mesh, double least, double most) {
+int edges_outside(const TetMesh& mesh, double min_length, double max_length) {
   int outside = 0;
   for (std::uint32_t t = 0; t < mesh.tet_count(); ++t)
     for (const auto& [i, j] : kTetEdges) {
       const double length = (mesh.corner(TetId(t), i) - mesh.corner(TetId(t), j)).norm();
-      outside += length < least || length > most ? 1 : 0;
+      outside += length < min_length || length > max_length ? 1 : 0;
     }
   return outside;
 }

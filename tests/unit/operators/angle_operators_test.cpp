@@ -42,10 +42,10 @@ struct AngleBench {
     return mesh;
   }
   [[nodiscard]] double worst() const {
-    double least = 1;
+    double smallest = 1;
     for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
-      if (mesh.alive(TetId(t))) least = std::min<double>(least, mesh.quality(TetId(t)));
-    return least;
+      if (mesh.alive(TetId(t))) smallest = std::min<double>(smallest, mesh.quality(TetId(t)));
+    return smallest;
   }
 };
 
@@ -88,15 +88,15 @@ TetMesh octahedron_around(const Vec3& inner) {
 TEST(OptimiseVertex, FindsTheCentreOfAnOctahedron) {
   for (const Vec3& start : {Vec3(0.3, 0.2, 0.1), Vec3(-0.1, 0.5, 0.2), Vec3(0.02, -0.03, 0.7)}) {
     AngleBench bench(octahedron_around(start));
-    EXPECT_EQ(bench.kernel.optimise_vertex(VertexId(6), {.least_gain = 1e-6, .most_steps = 200}),
+    EXPECT_EQ(bench.kernel.optimise_vertex(VertexId(6), {.min_gain = 1e-6, .max_steps = 200}),
               Outcome::kApplied);
     EXPECT_LT(bench.mesh.point(VertexId(6)).norm(), 0.03) << bench.mesh.point(VertexId(6)).transpose();
-    double least = 1;  // Angles near 90 degrees are obtuse or not by chance.
+    double smallest = 1;  // Angles near 90 degrees are obtuse or not by chance.
     for (std::uint32_t t = 0; t < 8; ++t) {
       const auto p = [&](int k) -> const Vec3& { return bench.mesh.corner(TetId(t), k); };
-      least = std::min(least, angle_quality(p(0), p(1), p(2), p(3), 1));
+      smallest = std::min(smallest, angle_quality(p(0), p(1), p(2), p(3), 1));
     }
-    EXPECT_NEAR(least, std::sqrt(2.0 / 3), 0.02);
+    EXPECT_NEAR(smallest, std::sqrt(2.0 / 3), 0.02);
     EXPECT_TRUE(validate(bench.mesh).ok());
   }
 }

@@ -32,8 +32,8 @@ struct CurvedBench {
 };
 
 void random_steps(CurvedBench& bench, int count, std::mt19937& random, Operators<NoLock>& kernel) {
-  const InsertionRules dense{.least_length = 0.3};
-  const CollapseRules loose{.most_length = 4, .least_quality = 0.01, .least_relative = 0.01};
+  const InsertionRules dense{.min_length = 0.3};
+  const CollapseRules loose{.max_length = 4, .min_quality = 0.01, .min_relative_quality = 0.01};
   for (int n = 0; n < count; ++n) {
     const TetId t(static_cast<std::uint32_t>(random() % bench.mesh.tet_slots()));
     if (!bench.mesh.alive(t)) continue;

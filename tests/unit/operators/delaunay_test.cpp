@@ -184,16 +184,16 @@ TEST(DelaunayExecution, EveryThreadCountGivesTheSameBits) {
 }
 
 TEST(DelaunayExecution, ManyMoreThreadsThanCoresFinish) {
-  std::vector<Vec3> crowd;  // All in one place of the mesh, so that they contend.
+  std::vector<Vec3> cluster;  // All in one place of the mesh, so that they contend.
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(0, 1e-3);
-  for (int i = 0; i < 4000; ++i) crowd.emplace_back(unit(random), unit(random), unit(random));
-  TetMesh mesh = made_with(256, crowd);
+  for (int i = 0; i < 4000; ++i) cluster.emplace_back(unit(random), unit(random), unit(random));
+  TetMesh mesh = made_with(256, cluster);
   EXPECT_EQ(mesh.vertex_count(), 4000U - 800U + 4U);
   expect_delaunay(mesh);
 }
 
-/// A flat crowd gives the corners of the hull thousands of tetrahedra each: a search that gives way to others
+/// A flat cluster gives the corners of the hull thousands of tetrahedra each: a search that yields to others
 /// and goes on from one vertex would cross the same ones for ever.
 TEST(DelaunayExecution, SearchesPassVerticesOfManyTetrahedra) {
   std::vector<Vec3> flat;

@@ -78,8 +78,8 @@ TEST_P(RandomOperators, KeepTheMeshValid) {
   Bench bench(given.two_labels ? fixtures::unit_cube_of_two_labels(4) : fixtures::unit_cube(4), given.kind,
               given.size_factor);
   const std::vector<double> before = volumes_by_label(bench.mesh);
-  const InsertionRules dense{.least_length = 0.3};
-  const CollapseRules loose{.most_length = 4, .least_quality = 0.01, .least_relative = 0.01};
+  const InsertionRules dense{.min_length = 0.3};
+  const CollapseRules loose{.max_length = 4, .min_quality = 0.01, .min_relative_quality = 0.01};
   std::mt19937 random(11);
   for (std::uint32_t round = 0; round < 6; ++round) {
     bench.kernel.begin_run({}, 0, round);  // Edges that failed may be tried again.
@@ -150,7 +150,7 @@ TEST(SplitEdge, LeavesFrozenPatchesAlone) {
 
 TEST(CollapseEdge, KeepsCornersAndCurves) {
   Bench bench(fixtures::unit_cube(3), AnalyticKind::kLinear, 20);
-  const CollapseRules loose{.most_length = 100, .least_quality = 1e-6, .least_relative = 0};
+  const CollapseRules loose{.max_length = 100, .min_quality = 1e-6, .min_relative_quality = 0};
   const auto on = [&](VertexDimension from, VertexDimension to) {
     return find_edge(bench.mesh, [&](VertexId a, VertexId b) {
       return bench.mesh.dimension(a) == from && bench.mesh.dimension(b) == to;
@@ -184,7 +184,7 @@ TEST(RemoveEdge, BettersTheWorstQualityAround) {
       corners.insert(mesh.tet(x).begin(), mesh.tet(x).end());
     });
     const float gain = 0.01f;
-    if (bench.kernel.remove_edge(t, 0, 1, {.least_gain = gain}) != Outcome::kApplied) continue;
+    if (bench.kernel.remove_edge(t, 0, 1, {.min_gain = gain}) != Outcome::kApplied) continue;
     ++applied;
     float worst_after = 1;
     for (const VertexId end : {a, b}) {
@@ -237,7 +237,7 @@ TEST(Reconnect, IsNotWorthAnotherTrialUntilSomethingChangesAround) {
   for_each_tet_around(mesh, mesh.vertex(unchanged, 0), [&](TetId x) {
     for (const auto& [i, j] : kTetEdges)
       if (!split && mesh.alive(x) && mesh.index_of(unchanged, mesh.vertex(x, i)) < 0)
-        split = bench.kernel.split_edge(x, i, j, 0.5, {.least_length = 0.1}) == Outcome::kApplied;
+        split = bench.kernel.split_edge(x, i, j, 0.5, {.min_length = 0.1}) == Outcome::kApplied;
   });
   ASSERT_TRUE(split);
   EXPECT_TRUE(!mesh.alive(unchanged) || has_changed_since_trial(mesh, unchanged));
@@ -255,7 +255,7 @@ TEST(Reconnect, FailsAgainWhereNoTetrahedronAtAnEdgeChanged) {
     bench.kernel.begin_run({}, 4 * round + 2, 2 * round);
     for (int i = 0; i < 3; ++i)
       if (const TetId t(static_cast<std::uint32_t>(random() % mesh.tet_slots())); mesh.alive(t))
-        fixtures::try_operator(bench.kernel, mesh, t, 0, 1, random() % 4, {.least_length = 0.3}, {});
+        fixtures::try_operator(bench.kernel, mesh, t, 0, 1, random() % 4, {.min_length = 0.3}, {});
     for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
       const TetId t(i);
       if (!mesh.alive(t) || has_changed_since_trial(mesh, t, kVerticesOfAnEdge)) continue;

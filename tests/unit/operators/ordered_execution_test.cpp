@@ -45,12 +45,12 @@ TEST(OrderedExecution, IsTheSameEveryTime) {
       std::equal(first.mesh.points().begin(), first.mesh.points().end(), second.mesh.points().begin()));
 }
 
-TEST(OrderedExecution, VisitsEachTetrahedronThatIsUrgentMostUrgentFirst) {
+TEST(OrderedExecution, VisitsEachTetrahedronOfPositivePriorityHighestFirst) {
   SweepBench bench(4);
   OrderedExecution execution(bench.subject(), {.threads = 1});
   std::vector<std::uint32_t> visited;
-  execution.over_tets([](TetId t) { return t.value % 2 == 0 ? 1.0 : 0.0; },
-                      [&](OrderedExecution::Kernel&, TetId t) { visited.push_back(t.value); });
+  execution.for_each_tet_by_priority([](TetId t) { return t.value % 2 == 0 ? 1.0 : 0.0; },
+                                     [&](OrderedExecution::Kernel&, TetId t) { visited.push_back(t.value); });
   EXPECT_EQ(visited.size(), bench.mesh.tet_count() / 2);
   EXPECT_EQ(std::set(visited.begin(), visited.end()).size(), visited.size());
 }
@@ -78,16 +78,17 @@ TEST(OrderedExecution, CanHoldEveryTetrahedronOnceTheMeshIsCutAnew) {
   SweepBench bench(8);
   OrderedExecution execution(bench.subject(), {.threads = 2});
   for (std::uint32_t sweep = 0; sweep < 6; ++sweep)
-    execution.over_tets(
+    execution.for_each_tet_by_priority(
         [](TetId) { return 1.0; },
         [&](OrderedExecution::Kernel& kernel, TetId t) {
           const std::uint32_t r = fixtures::random_by_place(bench.mesh, t, sweep);
           const int i = static_cast<int>(r % 4), j = (i + 1 + static_cast<int>(r / 4 % 3)) % 4;
-          fixtures::try_operator(kernel, bench.mesh, t, i, j, r / 16 % 4, {.least_length = 0.2}, {});
+          fixtures::try_operator(kernel, bench.mesh, t, i, j, r / 16 % 4, {.min_length = 0.2}, {});
         });
   const auto held = [&] {
     std::atomic<std::uint32_t> count = 0;
-    execution.over_tets([](TetId) { return 1.0; }, [&](OrderedExecution::Kernel&, TetId) { ++count; });
+    execution.for_each_tet_by_priority([](TetId) { return 1.0; },
+                                       [&](OrderedExecution::Kernel&, TetId) { ++count; });
     return count.load();
   };
   const std::uint32_t before = held();

@@ -32,13 +32,13 @@ TEST_P(SpeculativeExecutionOnThreads, GivesEachItemItsTurnUntilItNoLongerContend
   SweepBench bench(5);
   SpeculativeExecution execution(bench.subject(), GetParam());
   std::vector<std::uint8_t> tets(bench.mesh.tet_count(), 0), vertices(bench.mesh.vertex_count(), 0);
-  execution.over_tets([](TetId t) { return t.value % 2 == 0 ? 1.0 : 0.0; },
-                      [&](SpeculativeExecution::Kernel& kernel, TetId t) {
-                        ++tets[t.value];
-                        EXPECT_TRUE(kernel.try_hold(t));  // Held already.
-                      });
+  execution.for_each_tet_by_priority([](TetId t) { return t.value % 2 == 0 ? 1.0 : 0.0; },
+                                     [&](SpeculativeExecution::Kernel& kernel, TetId t) {
+                                       ++tets[t.value];
+                                       EXPECT_TRUE(kernel.try_lock(t));  // Held already.
+                                     });
   for (std::size_t t = 0; t < tets.size(); ++t) ASSERT_EQ(tets[t], t % 2 == 0 ? 1 : 0);
-  execution.over_vertices([&](SpeculativeExecution::Kernel& kernel, VertexId v) {
+  execution.for_each_vertex([&](SpeculativeExecution::Kernel& kernel, VertexId v) {
     if (kernel.smooth_vertex(v, {}) != Outcome::kContended) ++vertices[v.value];
   });
   for (const std::uint8_t turns : vertices) ASSERT_EQ(turns, 1);
@@ -72,11 +72,11 @@ TEST(SpeculativeLock, NeverGetsAFreedVertexNorOneThatIsNotAdopted) {
   mesh.lock_word(old) = parallel::kFreeWord;
   SpeculativeLock mine(mesh, 1), other(mesh, 2);
   EXPECT_FALSE(other.try_lock(added));
-  mine.adopt(added);
+  mine.take_ownership(added);
   EXPECT_TRUE(mine.try_lock(added));
   EXPECT_TRUE(mine.try_lock(old));
   EXPECT_FALSE(other.try_lock(old));
-  EXPECT_TRUE(other.was_refused());
+  EXPECT_TRUE(other.contended());
   mesh.free_vertex(added);
   mine.release_to(0);
   EXPECT_TRUE(other.try_lock(old));

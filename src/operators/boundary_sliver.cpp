@@ -19,7 +19,7 @@ bool leaves_manifold(const TetMesh& mesh, TetId t, VertexId a, VertexId b, const
 }  // namespace
 
 template <class Lock>
-Outcome Operators<Lock>::peel_held_tet(TetId t, VertexId a, VertexId b) {
+Outcome Operators<Lock>::remove_held_boundary_sliver(TetId t, VertexId a, VertexId b) {
   TetMesh& mesh = subject_.mesh;
   EdgeRing& ring = scratch_->ring;
   const PatchId patch = ring.patches[0];
@@ -39,8 +39,8 @@ Outcome Operators<Lock>::peel_held_tet(TetId t, VertexId a, VertexId b) {
   return Outcome::kApplied;
 }
 
-template Outcome Operators<NoLock>::peel_held_tet(TetId, VertexId, VertexId);
-template Outcome Operators<OrderedLock>::peel_held_tet(TetId, VertexId, VertexId);
-template Outcome Operators<SpeculativeLock>::peel_held_tet(TetId, VertexId, VertexId);
+template Outcome Operators<NoLock>::remove_held_boundary_sliver(TetId, VertexId, VertexId);
+template Outcome Operators<OrderedLock>::remove_held_boundary_sliver(TetId, VertexId, VertexId);
+template Outcome Operators<SpeculativeLock>::remove_held_boundary_sliver(TetId, VertexId, VertexId);
 
 }  // namespace lumesh::operators
