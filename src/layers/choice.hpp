@@ -1,5 +1,5 @@
 #pragma once
-/// @file Which patches layers grow on, and which part of the mesh gives way.
+/// @file The choice of the patches that layers grow on, and of the part of the mesh that is deformed.
 
 #include <cstdint>
 #include <vector>
@@ -11,16 +11,16 @@ namespace lumesh::layers {
 
 struct Choice {
   std::vector<std::uint8_t> layered;  ///< One flag per patch: layers grow on it.
-  std::vector<std::uint8_t> between;  ///< One flag per patch: something else lies behind it and stays.
-  Label into = kBackground;           ///< Inwards: the label that gives way.
+  std::vector<std::uint8_t> between;  ///< One flag per patch: another label lies behind it and stays.
+  Label into = kBackground;           ///< Inwards: the label whose mesh is deformed.
   bool is_part = false;               ///< The mesh has other labels besides.
 
-  /// The same for a part of the mesh.
+  /// The choice for a part of the mesh.
   [[nodiscard]] Choice in_part(const LabelPart& part) const;
 };
 
 /// @throws Error{kBadInput} if a patch is not there, has no free side or is not at the label, or if more than
-/// one label would have to give way.
+/// one label would have to be deformed.
 [[nodiscard]] Choice choice_of(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options);
 
 }  // namespace lumesh::layers

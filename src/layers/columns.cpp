@@ -5,12 +5,12 @@
 #include <limits>
 #include <numbers>
 
-#include "bare.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "prism.hpp"
+#include "unlayered.hpp"
 
 namespace lumesh::layers {
 namespace {
@@ -20,17 +20,17 @@ constexpr double kRadPerDeg = std::numbers::pi / 180;
 /// The prisms over one triangle, as its three columns stand.
 class PrismCheck {
  public:
-  PrismCheck(const Growth& growth, const Columns& columns) : growth_(growth), columns_(columns) {}
+  PrismCheck(const ExtrusionFrame& frame, const Columns& columns) : frame_(frame), columns_(columns) {}
 
   [[nodiscard]] bool is_good(std::uint32_t triangle) const {
-    const Cell<3>& c = growth_.surface.triangles[triangle];
+    const Cell<3>& c = frame_.surface.triangles[triangle];
     const auto has_length = [&](std::size_t k) { return columns_.fraction[c[k]] > 0; };
     if (!has_length(0) && !has_length(1) && !has_length(2)) return true;
     const auto tets = tetrahedra_of_prism(c);
     std::array<Vec3, 3> lower = ends(c, -1);
-    for (int k = 0; k < static_cast<int>(growth_.levels.size()); ++k) {
+    for (int k = 0; k < static_cast<int>(frame_.levels.size()); ++k) {
       const std::array<Vec3, 3> upper = ends(c, k);
-      const double floor_deg = least_angle_deg(c, lower, upper, k);
+      const double floor_deg = min_angle_deg(c, lower, upper, k);
       for (const PrismTet& tet : tets)
         if (has_length(doubled_column(tet)) && !is_good(tet, lower, upper, floor_deg)) return false;
       if (!is_well_shaped(lower, upper)) return false;
@@ -41,8 +41,8 @@ class PrismCheck {
 
  private:
   [[nodiscard]] std::array<Vec3, 3> ends(const Cell<3>& c, int k) const {
-    return {growth_.point(columns_, c[0], k), growth_.point(columns_, c[1], k),
-            growth_.point(columns_, c[2], k)};
+    return {frame_.point(columns_, c[0], k), frame_.point(columns_, c[1], k),
+            frame_.point(columns_, c[2], k)};
   }
   static bool is_good(const PrismTet& tet, const std::array<Vec3, 3>& lower, const std::array<Vec3, 3>& upper,
                       double floor_deg) {
@@ -51,16 +51,16 @@ class PrismCheck {
     };
     if (orient3d(corner(0), corner(1), corner(2), corner(3)) <= 0) return false;
     const DihedralCosines angles = min_max_dihedral(corner(0), corner(1), corner(2), corner(3));
-    const double least = std::cos(floor_deg * kRadPerDeg);
-    return angles.largest_cosine <= least && angles.smallest_cosine >= -least;
+    const double max_cosine = std::cos(floor_deg * kRadPerDeg);
+    return angles.largest_cosine <= max_cosine && angles.smallest_cosine >= -max_cosine;
   }
   /// Cells as flat as the layer itself are what was asked for; much flatter ones, or less than a few degrees,
   /// are not. Nor is a layer much flatter than was wanted.
-  [[nodiscard]] double least_angle_deg(const Cell<3>& c, const std::array<Vec3, 3>& lower,
-                                       const std::array<Vec3, 3>& upper, int k) const {
+  [[nodiscard]] double min_angle_deg(const Cell<3>& c, const std::array<Vec3, 3>& lower,
+                                     const std::array<Vec3, 3>& upper, int k) const {
     constexpr double kFloor = 2.5, kShareOfLayer = 0.3, kHardlyAny = 0.5;
     const auto level = static_cast<std::size_t>(k);
-    const double share = growth_.levels[level] - (k > 0 ? growth_.levels[level - 1] : 0);
+    const double share = frame_.levels[level] - (k > 0 ? frame_.levels[level - 1] : 0);
     double height = std::numeric_limits<double>::infinity(), width = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const double length = (upper[i] - lower[i]).norm();
@@ -71,41 +71,41 @@ class PrismCheck {
     return std::min(kFloor, kShareOfLayer * std::atan2(height, width) / kRadPerDeg);
   }
   static bool is_well_shaped(const std::array<Vec3, 3>& lower, const std::array<Vec3, 3>& upper) {
-    constexpr double kLeastCosine = 0.5, kLeastArea = 0.25, kLeastSlope = 0.35;
+    constexpr double kMinCosine = 0.5, kMinArea = 0.25, kMinSlope = 0.35;
     const Vec3 below = triangle_area_normal(lower[0], lower[1], lower[2]),
                above = triangle_area_normal(upper[0], upper[1], upper[2]);
     const double area_below = below.norm(), area_above = above.norm();
-    if (!(below.dot(above) >= kLeastCosine * area_below * area_above)) return false;
-    if (!(area_above >= kLeastArea * area_below)) return false;
+    if (!(below.dot(above) >= kMinCosine * area_below * area_above)) return false;
+    if (!(area_above >= kMinArea * area_below)) return false;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 side = upper[k] - lower[k];
       if (side.isZero(0)) continue;
       // With this, the corners of a prism are right whatever its diagonals would be.
-      if (!(side.dot(below) >= kLeastSlope * side.norm() * area_below)) return false;
-      if (!(side.dot(above) >= kLeastSlope * side.norm() * area_above)) return false;
+      if (!(side.dot(below) >= kMinSlope * side.norm() * area_below)) return false;
+      if (!(side.dot(above) >= kMinSlope * side.norm() * area_above)) return false;
     }
     return true;
   }
 
-  const Growth& growth_;
+  const ExtrusionFrame& frame_;
   const Columns& columns_;
 };
 
 }  // namespace
 
-void keep_cells_well_shaped(const Growth& growth, Columns& columns) {
+void keep_cells_well_shaped(const ExtrusionFrame& frame, Columns& columns) {
   constexpr double kShorter = 0.75;
   constexpr int kPatientRounds = 60;
-  const LayerSurface& surface = growth.surface;
+  const LayerSurface& surface = frame.surface;
   std::vector<std::uint8_t> is_stale(surface.triangles.size(), 1), is_bad(surface.triangles.size(), 0);
   for (int round = 0;; ++round) {  // Ends: every round shortens, in the end to nothing.
-    const PrismCheck check(growth, columns);
+    const PrismCheck check(frame, columns);
     parallel::for_each_index(is_bad.size(), [&](std::size_t t) {
       if (is_stale[t] != 0) is_bad[t] = check.is_good(static_cast<std::uint32_t>(t)) ? 0 : 1;
     });
     const std::vector<double> before = columns.fraction;
     if (std::find(is_bad.begin(), is_bad.end(), 1) == is_bad.end()) {
-      if (!keep_bare_manifold(surface, columns)) return;
+      if (!make_termination_manifold(surface, columns)) return;
     } else {
       const double factor = round < kPatientRounds ? kShorter : 0;
       parallel::for_each_index(surface.points.size(), [&](std::size_t v) {

@@ -11,17 +11,17 @@ namespace {
 
 constexpr double kComplete = 0.98;  // Of the height wanted.
 
-/// Places where least was achieved, none within the length wanted there of another.
+/// Places of the lowest columns, none within the length wanted there of another.
 std::vector<LayerCoverage::Place> worst_places(const LayerSurface& surface, const Columns& columns,
                                                std::vector<std::uint32_t> vertices) {
-  constexpr std::size_t kMost = 5;
+  constexpr std::size_t kMax = 5;
   std::erase_if(vertices, [&](std::uint32_t v) { return columns.fraction[v] >= kComplete; });
   std::stable_sort(vertices.begin(), vertices.end(), [&](std::uint32_t a, std::uint32_t b) {
     return columns.fraction[a] < columns.fraction[b];
   });
   std::vector<LayerCoverage::Place> worst;
   for (const std::uint32_t v : vertices) {
-    if (worst.size() == kMost) break;
+    if (worst.size() == kMax) break;
     const Vec3& at = surface.points[v];
     const double apart = 2 * columns.wanted_mm[v];
     if (std::none_of(worst.begin(), worst.end(),
@@ -35,7 +35,7 @@ std::vector<LayerCoverage::Place> worst_places(const LayerSurface& surface, cons
 LayerCoverage coverage_of_patch(const LayerSurface& surface, const Directions& directions,
                                 const Columns& columns, std::int32_t patch) {
   LayerCoverage c;
-  c.least_mm = std::numeric_limits<double>::infinity();
+  c.min_mm = std::numeric_limits<double>::infinity();
   std::vector<std::uint32_t> vertices;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     if (surface.patches[t] != patch) continue;
@@ -48,15 +48,15 @@ LayerCoverage coverage_of_patch(const LayerSurface& surface, const Directions& d
       const double wanted = columns.wanted_mm[v] / directions.stretch[v];  // Across the surface.
       c.wanted_mm += third * wanted;
       c.achieved_mm += third * columns.fraction[v] * wanted;
-      c.least_mm = std::min(c.least_mm, columns.fraction[v] * wanted);
+      c.min_mm = std::min(c.min_mm, columns.fraction[v] * wanted);
       c.complete += columns.fraction[v] >= kComplete ? third : 0;
-      c.bare += columns.fraction[v] == 0 ? third : 0;
+      c.unlayered += columns.fraction[v] == 0 ? third : 0;
       if (columns.fraction[v] < kComplete) c.limited[static_cast<std::size_t>(columns.limit[v])] += third;
     }
   }
-  for (double* share : {&c.wanted_mm, &c.achieved_mm, &c.complete, &c.bare}) *share /= c.area_mm2;
+  for (double* share : {&c.wanted_mm, &c.achieved_mm, &c.complete, &c.unlayered}) *share /= c.area_mm2;
   for (double& share : c.limited) share /= c.area_mm2;
-  c.layered = 1 - c.bare;
+  c.layered = 1 - c.unlayered;
   sort_unique(vertices);
   c.worst = worst_places(surface, columns, std::move(vertices));
   return c;

@@ -1,11 +1,11 @@
 #pragma once
-/// @file What the columns of layers achieved, patch by patch.
+/// @file Coverage by the columns of layers, patch by patch.
 
 #include "columns.hpp"
 
 namespace lumesh::layers {
 
-/// One entry for each patch with layers. @param layers  Of every column.
+/// One entry for each patch with layers. @param layers  Number of layers of every column.
 [[nodiscard]] std::vector<LayerCoverage> coverage_of(const TetMesh& mesh, const LayerSurface& surface,
                                                      const Directions& directions, const Columns& columns,
                                                      int layers);

@@ -9,8 +9,8 @@
 namespace lumesh::layers {
 namespace {
 
-constexpr double kLeastVisible = 0.05;  // Of the cosine between a direction and the normals around.
-constexpr double kSharp = 0.7;          // Below this the mean normal is not good enough.
+constexpr double kMinVisible = 0.05;  // Of the cosine between a direction and the normals around.
+constexpr double kSharp = 0.7;        // Below this the mean normal is not good enough.
 
 std::vector<Vec3> normals_of(const LayerSurface& surface) {
   std::vector<Vec3> normals(surface.triangles.size());
@@ -51,10 +51,10 @@ class DirectionFinder {
  private:
   /// Least cosine with the normals around.
   [[nodiscard]] double visible(std::size_t v, const Vec3& direction) const {
-    double least = 1;
+    double smallest = 1;
     for (const std::uint32_t t : surface_.triangles_around.of(v))
-      least = std::min(least, normals_[t].dot(direction));
-    return least;
+      smallest = std::min(smallest, normals_[t].dot(direction));
+    return smallest;
   }
 
   [[nodiscard]] Vec3 first_direction(std::size_t v) const {
@@ -73,7 +73,7 @@ class DirectionFinder {
       const double best_seen = best.isZero(0) ? -1 : visible(v, best);
       if (best_seen > seen) direction = best, seen = best_seen;
     }
-    return seen > kLeastVisible ? direction : Vec3(Vec3::Zero());
+    return seen > kMinVisible ? direction : Vec3(Vec3::Zero());
   }
 
   [[nodiscard]] Vec3 smoothed(std::size_t v, const std::vector<Vec3>& of) const {
@@ -81,9 +81,9 @@ class DirectionFinder {
     Vec3 sum = Vec3::Zero();
     const auto around = surface_.neighbours.of(v);
     for (const std::uint32_t w : around) sum += of[w];
-    const Vec3 wished = surface_.planes[v].project(of[v] + sum / static_cast<double>(around.size()));
-    if (!(wished.norm() > 0.1)) return of[v];
-    const Vec3 direction = wished.normalized();
+    const Vec3 wanted = surface_.planes[v].project(of[v] + sum / static_cast<double>(around.size()));
+    if (!(wanted.norm() > 0.1)) return of[v];
+    const Vec3 direction = wanted.normalized();
     const double before = visible(v, of[v]);
     return visible(v, direction) >= std::min(before, kSharp) ? direction : of[v];
   }
@@ -106,12 +106,12 @@ class DirectionFinder {
 }  // namespace
 
 Vec3 most_normal_direction(std::span<const Vec3> normals) {
-  constexpr int kMostSteps = 200;
+  constexpr int kMaxSteps = 200;
   constexpr double kTolerance = 1e-6;
   if (normals.empty()) return Vec3::Zero();
   Vec3 nearest = Vec3::Zero();
   for (const Vec3& n : normals) nearest += n / static_cast<double>(normals.size());
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const Vec3 farthest =
         *std::min_element(normals.begin(), normals.end(),
                           [&](const Vec3& a, const Vec3& b) { return a.dot(nearest) < b.dot(nearest); });

@@ -1,5 +1,5 @@
 #pragma once
-/// @file Where the columns of layers march: one direction per vertex, seen by all triangles around it.
+/// @file Marching directions of the columns of layers: one per vertex, seen by all triangles around it.
 
 #include <vector>
 
@@ -17,8 +17,8 @@ struct Directions {
 /// planes.
 [[nodiscard]] Directions marching_directions(const LayerSurface& surface);
 
-/// The unit vector whose least scalar product with unit normals is largest; zero where that is not positive.
-/// It is the nearest point of their convex hull to the origin, found by Wolfe's method without its
+/// The unit vector whose smallest scalar product with unit normals is largest; zero where that is not
+/// positive. It is the nearest point of their convex hull to the origin, found by Wolfe's method without its
 /// corrections (Gilbert 1966).
 [[nodiscard]] Vec3 most_normal_direction(std::span<const Vec3> normals);
 

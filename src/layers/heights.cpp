@@ -12,7 +12,7 @@
 namespace lumesh::layers {
 namespace {
 
-constexpr int kMostLayers = 200;
+constexpr int kMaxLayers = 200;
 
 std::vector<double> schedule_with(const LayerOptions& options, double growth, int count) {
   std::vector<double> heights;
@@ -28,14 +28,14 @@ std::vector<double> schedule_with(const LayerOptions& options, double growth, in
 
 /// Layers whose sum comes nearest to the thickness.
 int count_for_thickness(const LayerOptions& options) {
-  const std::vector<double> all = schedule_with(options, options.growth, kMostLayers);
+  const std::vector<double> all = schedule_with(options, options.growth, kMaxLayers);
   const auto above = std::lower_bound(all.begin(), all.end(), options.thickness);
   if (above == all.end())
     throw Error(
         ErrorKind::kBadInput,
         fmt::format("{} layers from a first height of {:g} with growth {:g} are only {:.3g} thick, not {:g}; "
                     "raise one of them",
-                    kMostLayers, options.first_height, options.growth, all.back(), options.thickness));
+                    kMaxLayers, options.first_height, options.growth, all.back(), options.thickness));
   if (above == all.begin()) return 1;
   const bool lower_is_nearer = options.thickness - *(above - 1) < *above - options.thickness;
   return static_cast<int>(above - all.begin()) + (lower_is_nearer ? 0 : 1);
@@ -59,10 +59,10 @@ double growth_for_thickness(const LayerOptions& options, int count) {
 /// field.
 double free_ball(const Vec3& point, const Vec3& direction, const Outside& outside, double side, double most) {
   constexpr double kTouching = 1e-3, kBackwards = 0.2;
-  constexpr int kMostSteps = 20;
+  constexpr int kMaxSteps = 20;
   double radius = most;
   bool is_limited = false;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const TriangleTree::Nearest hit =
         outside.tree.nearest(point + radius * direction, (1 - kTouching) * radius);
     if (hit.triangle == TriangleTree::kNone) break;
@@ -98,11 +98,11 @@ std::vector<double> smoothed(const LayerSurface& surface, std::vector<double> va
 }
 
 /// Each value as low as those around it ask for, which may rise by `slope` along the way.
-void limit_slope(const LayerSurface& surface, double slope, int most_sweeps, std::vector<double>& values) {
+void limit_slope(const LayerSurface& surface, double slope, int max_sweeps, std::vector<double>& values) {
   constexpr double kNoticed = 1e-9;
   std::vector<double> next(values.size());
   std::uint8_t changed = 1;
-  for (int sweep = 0; sweep < most_sweeps && changed != 0; ++sweep) {
+  for (int sweep = 0; sweep < max_sweeps && changed != 0; ++sweep) {
     changed = 0;
     parallel::for_each_index(values.size(), [&](std::size_t v) {
       next[v] = values[v];
@@ -120,7 +120,7 @@ void limit_slope(const LayerSurface& surface, double slope, int most_sweeps, std
 /// What heights are multiples of, at every vertex, in mm.
 std::vector<double> scales_of(const LayerSurface& surface, const Directions& directions, HeightScale scale,
                               double side, const Outside& outside) {
-  constexpr int kSweeps = 10, kMostSweeps = 500;
+  constexpr int kSweeps = 10, kMaxSweeps = 500;
   constexpr double kSlope = 0.5;  // Where a vessel leaves a sac the radius does not jump.
   std::vector<double> values(surface.points.size(), 1);
   if (scale == HeightScale::kAbsolute) return values;
@@ -140,7 +140,7 @@ std::vector<double> scales_of(const LayerSurface& surface, const Directions& dir
         values[v] = sum / static_cast<double>(around.size());
       },
       64);
-  limit_slope(surface, kSlope, kMostSweeps, values);
+  limit_slope(surface, kSlope, kMaxSweeps, values);
   return smoothed(surface, std::move(values), kSweeps);
 }
 
@@ -206,11 +206,11 @@ void keep_from_other_sides(const LayerSurface& surface, const Directions& direct
 
 void smooth_lengths(const LayerSurface& surface, Columns& columns) {
   constexpr double kSlope = 0.6;  // Of lengths per way over the surface.
-  constexpr int kMostSweeps = 60;
+  constexpr int kMaxSweeps = 60;
   std::vector<double> lengths(surface.points.size());
   parallel::for_each_index(lengths.size(), [&](std::size_t v) { lengths[v] = columns.length_mm(v); });
   std::vector<double> shorter = lengths;
-  limit_slope(surface, kSlope, kMostSweeps, shorter);
+  limit_slope(surface, kSlope, kMaxSweeps, shorter);
   parallel::for_each_index(lengths.size(), [&](std::size_t v) {
     if (shorter[v] < lengths[v]) columns.shorten(v, shorter[v], LayerLimit::kNeighbour);
   });

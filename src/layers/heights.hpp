@@ -1,5 +1,5 @@
 #pragma once
-/// @file How high each column of layers may be before any cell is looked at.
+/// @file Heights of the columns of layers, before any cell is looked at.
 
 #include <vector>
 
@@ -13,10 +13,10 @@ namespace lumesh::layers {
 /// @throws Error{kBadInput} if no growth makes the thickness out of these layers.
 [[nodiscard]] std::vector<double> height_schedule(const LayerOptions& options);
 
-/// The outside of a mesh, to ask for what is near.
+/// The outside of a mesh, for queries of near triangles.
 struct Outside {
   TriangleTree tree;
-  std::vector<Vec3> normals;  ///< Of its triangles, out of the mesh.
+  std::vector<Vec3> normals;  ///< Normals of the triangles, out of the mesh.
 
   Outside(const TetMesh& mesh, const BoundaryFaces& faces);
 
@@ -36,7 +36,7 @@ struct Columns {
 };
 
 /// Length of the columns as wanted, for each vertex.
-/// @param thickness  Of all layers, in the unit of the options.
+/// @param thickness  Thickness of all layers, in the unit of the options.
 [[nodiscard]] Columns wanted_columns(const LayerSurface& surface, const Directions& directions,
                                      const LayerOptions& options, double thickness, const Outside& outside);
 

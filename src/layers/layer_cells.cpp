@@ -15,19 +15,19 @@ namespace {
 /// Adds the layers to a copy of the mesh.
 class LayerBuilder {
  public:
-  LayerBuilder(const Footing& footing, const Growth& growth, const Columns& columns,
+  LayerBuilder(const Footing& footing, const ExtrusionFrame& frame, const Columns& columns,
                const LayerOptions& options, Label label)
       : mesh_(footing.mesh),
         faces_(footing.faces),
         choice_(footing.choice),
         vertices_(footing.vertices),
-        growth_(growth),
-        surface_(growth.surface),
+        frame_(frame),
+        surface_(frame.surface),
         columns_(columns),
         options_(options),
         is_inward_(options.side == LayerSide::kInward),
         label_(label),
-        layers_(static_cast<int>(growth.levels.size())) {}
+        layers_(static_cast<int>(frame.levels.size())) {}
 
   MixedMesh build() {
     copy_mesh();
@@ -40,7 +40,7 @@ class LayerBuilder {
 
  private:
   [[nodiscard]] bool has_length(std::uint32_t v) const { return columns_.fraction[v] > 0; }
-  [[nodiscard]] bool is_bare(const Cell<3>& c) const {
+  [[nodiscard]] bool is_unlayered(const Cell<3>& c) const {
     return !has_length(c[0]) && !has_length(c[1]) && !has_length(c[2]);
   }
   /// Number of the upper end of layer k of a column. One end of it is the mesh's own vertex: the lower one,
@@ -73,7 +73,7 @@ class LayerBuilder {
       if (!has_length(v)) continue;
       first_[v] = static_cast<std::uint32_t>(out_.points.size());
       const int first = is_inward_ ? -1 : 0;
-      for (int k = first; k < first + layers_; ++k) out_.points.push_back(growth_.point(columns_, v, k));
+      for (int k = first; k < first + layers_; ++k) out_.points.push_back(frame_.point(columns_, v, k));
     }
   }
 
@@ -85,7 +85,7 @@ class LayerBuilder {
     return place->second;
   }
   /// Faces of the mesh; those under layers are between labels now, if it is another one. Parts of a patch
-  /// that stay bare get a patch of their own, unless nothing is behind it.
+  /// that stay unlayered get a patch of their own, unless nothing is behind it.
   void copy_faces() {
     std::vector<std::uint8_t> at_layers(mesh_.vertex_count(), 0), at_columns(mesh_.vertex_count(), 0);
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
@@ -95,17 +95,18 @@ class LayerBuilder {
     for (std::size_t f = 0; f < faces_.triangles.size(); ++f) {
       const Cell<3>& c = faces_.triangles[f];
       const auto patch = static_cast<std::size_t>(faces_.patches[f]);
-      const bool bare = std::none_of(c.begin(), c.end(), [&](std::uint32_t v) { return at_layers[v] != 0; });
+      const bool unlayered =
+          std::none_of(c.begin(), c.end(), [&](std::uint32_t v) { return at_layers[v] != 0; });
       if (choice_.layered[patch] == 0)
         add_face(c, faces_.patches[f]);
-      else if (bare)
-        add_face(c, patch_of_bare(patch));
+      else if (unlayered)
+        add_face(c, patch_of_unlayered(patch));
       else if (const Label inside = mesh_.label(faces_.tets[f][0]);
                inside != label_)  // Else there is no face.
         add_face(c, patch_under_layers(patch, inside));
     }
   }
-  std::int32_t patch_of_bare(std::size_t patch) {
+  std::int32_t patch_of_unlayered(std::size_t patch) {
     const Patch whole = mesh_.info().patches[patch];
     const bool is_same = is_inward_ && choice_.between[patch] == 0;
     return is_same ? static_cast<std::int32_t>(patch)
@@ -130,7 +131,7 @@ class LayerBuilder {
 
   void add_column(std::uint32_t t) {
     const Cell<3>& c = surface_.triangles[t];
-    if (is_bare(c)) return;
+    if (is_unlayered(c)) return;
     const auto tets = tetrahedra_of_prism(c);
     for (int k = 0; k < layers_; ++k) {
       if (options_.cells == LayerCells::kPrisms)
@@ -209,7 +210,7 @@ class LayerBuilder {
   const BoundaryFaces& faces_;
   const Choice& choice_;
   const std::vector<std::uint32_t>& vertices_;
-  const Growth& growth_;
+  const ExtrusionFrame& frame_;
   const LayerSurface& surface_;
   const Columns& columns_;
   const LayerOptions& options_;
@@ -225,9 +226,9 @@ class LayerBuilder {
 
 }  // namespace
 
-MixedMesh with_layers(const Footing& footing, const Growth& growth, const Columns& columns,
+MixedMesh with_layers(const Footing& footing, const ExtrusionFrame& frame, const Columns& columns,
                       const LayerOptions& options, Label label) {
-  return LayerBuilder(footing, growth, columns, options, label).build();
+  return LayerBuilder(footing, frame, columns, options, label).build();
 }
 
 }  // namespace lumesh::layers

@@ -1,5 +1,5 @@
 #pragma once
-/// @file Cells and faces of the layers over a surface, as a mesh together with what they stand on.
+/// @file Cells and faces of the layers over a surface, as one mesh together with the volume mesh.
 
 #include "columns.hpp"
 #include "lumesh/layers/layers.hpp"
@@ -10,13 +10,13 @@ namespace lumesh::layers {
 struct Footing {
   const TetMesh& mesh;
   const BoundaryFaces& faces;
-  const Choice& choice;                        ///< Of its patches.
-  const std::vector<std::uint32_t>& vertices;  ///< Of the mesh at each column: its lower end, or its upper
-                                               ///< one where layers grow inwards.
+  const Choice& choice;                        ///< Choice of the mesh's patches.
+  const std::vector<std::uint32_t>& vertices;  ///< Vertex of the mesh at each column: its lower end, or its
+                                               ///< upper one where layers grow inwards.
 };
 
-/// The mesh with its layers. @param label  Of the layers.
-[[nodiscard]] MixedMesh with_layers(const Footing& footing, const Growth& growth, const Columns& columns,
-                                    const LayerOptions& options, Label label);
+/// The mesh with its layers. @param label  Label of the layers.
+[[nodiscard]] MixedMesh with_layers(const Footing& footing, const ExtrusionFrame& frame,
+                                    const Columns& columns, const LayerOptions& options, Label label);
 
 }  // namespace lumesh::layers

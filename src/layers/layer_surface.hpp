@@ -1,5 +1,5 @@
 #pragma once
-/// @file The surface that layers grow on: its triangles, what lies around each vertex, and its rim.
+/// @file The surface that layers grow on: its triangles, the star of each vertex, and its rim.
 
 #include <cstdint>
 #include <span>
@@ -26,7 +26,7 @@ struct Lists {
 /// An edge that only one triangle of the surface has, in that triangle's sense.
 struct RimEdge {
   std::uint32_t a = 0, b = 0;
-  std::int32_t patch = -1;  ///< Of the mesh's face on its other side.
+  std::int32_t patch = -1;  ///< Patch of the mesh's face on its other side.
 };
 
 /// Planes that a vertex of the rim may not leave; none elsewhere.
@@ -43,13 +43,15 @@ struct RimPlanes {
 };
 
 struct LayerSurface {
-  std::vector<std::uint32_t> vertices;  ///< Of the mesh, ascending; numbers below are places in this list.
+  std::vector<std::uint32_t>
+      vertices;  ///< Vertices of the mesh, ascending; numbers below are indices in this.
   std::vector<Vec3> points;
   std::vector<Cell<3>> triangles;  ///< Anticlockwise seen from where the layers grow.
   std::vector<std::int32_t> patches;
   std::vector<RimEdge> rim;
   std::vector<RimPlanes> planes;  ///< One per vertex.
-  operators::PatchShapes shapes;  ///< Of the mesh's patches: planes of the flat ones beside the layers.
+  operators::PatchShapes
+      shapes;  ///< Shapes of the mesh's patches: planes of the flat ones beside the layers.
   Lists triangles_around, neighbours;
   std::vector<Cell<3>> others;  ///< The other triangles of the mesh's outside, by vertices of the mesh.
 };

@@ -11,7 +11,7 @@
 
 #include "choice.hpp"
 #include "coverage.hpp"
-#include "give_way.hpp"
+#include "interior_deformation.hpp"
 #include "layer_cells.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/merge.hpp"
@@ -66,8 +66,8 @@ double LayerReport::complete() const {
 }
 
 std::string LayerReport::shortfall() const {
-  constexpr double kLeast = 0.5;
-  if (complete() >= kLeast) return "";
+  constexpr double kMin = 0.5;
+  if (complete() >= kMin) return "";
   return fmt::format(
       "{:.1f} % of the area has layers of the thickness asked for; ask for thinner ones, or relative to the "
       "radius",
@@ -77,11 +77,11 @@ std::string LayerReport::shortfall() const {
 namespace {
 
 /// Layers thicker than the whole mesh are a slip, mostly of units.
-void refuse_huge(const LayerSurface& surface, const Columns& columns, double thickness) {
+void require_fitting_thickness(const LayerSurface& surface, const Columns& columns, double thickness) {
   Vec3 low = surface.points.front(), high = low;
   for (const Vec3& p : surface.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const double least = *std::min_element(columns.wanted_mm.begin(), columns.wanted_mm.end());
-  if (least > (high - low).norm())
+  const double smallest = *std::min_element(columns.wanted_mm.begin(), columns.wanted_mm.end());
+  if (smallest > (high - low).norm())
     throw Error(
         ErrorKind::kBadInput,
         fmt::format("layers {:g} thick are more than the surface is wide ({:.4g} mm); heights are in mm, or "
@@ -91,13 +91,13 @@ void refuse_huge(const LayerSurface& surface, const Columns& columns, double thi
 
 /// Columns as high as can be said before the mesh itself is asked.
 Columns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options,
-                   double thickness, const Growth& growth) {
+                   double thickness, const ExtrusionFrame& frame) {
   const double side = options.side == LayerSide::kInward ? -1 : 1;
   const Outside outside(mesh, faces);
-  Columns columns = wanted_columns(growth.surface, growth.directions, options, thickness, outside);
-  refuse_huge(growth.surface, columns, thickness);
-  keep_from_other_sides(growth.surface, growth.directions, outside, side, columns);
-  smooth_lengths(growth.surface, columns);
+  Columns columns = wanted_columns(frame.surface, frame.directions, options, thickness, outside);
+  require_fitting_thickness(frame.surface, columns, thickness);
+  keep_from_other_sides(frame.surface, frame.directions, outside, side, columns);
+  smooth_lengths(frame.surface, columns);
   return columns;
 }
 
@@ -110,17 +110,17 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choic
     throw Error(ErrorKind::kBadInput, "no patch for layers has a triangle; name one with `patch`");
   const std::vector<double> heights = height_schedule(options);
   const Directions directions = context.phase("directions", [&] { return marching_directions(surface); });
-  Growth growth{surface, directions, heights};
-  for (double& level : growth.levels) level /= heights.back();
+  ExtrusionFrame frame{surface, directions, heights};
+  for (double& level : frame.levels) level /= heights.back();
   Columns columns =
-      context.phase("heights", [&] { return columns_on(mesh, faces, options, heights.back(), growth); });
-  context.phase("shape", [&] { keep_cells_well_shaped(growth, columns); });
-  context.phase("skin", [&] { keep_skin_simple(growth, is_inward ? nullptr : &mesh, columns); });
+      context.phase("heights", [&] { return columns_on(mesh, faces, options, heights.back(), frame); });
+  context.phase("shape", [&] { keep_cells_well_shaped(frame, columns); });
+  context.phase("skin", [&] { keep_skin_simple(frame, is_inward ? nullptr : &mesh, columns); });
   const auto layers_on = [&](const TetMesh& volume, const BoundaryFaces& of_volume,
                              const std::vector<std::uint32_t>& vertices) {
     LayerResult result;
     result.mesh = context.phase("cells", [&] {
-      return with_layers({volume, of_volume, choice, vertices}, growth, columns, options, options.label);
+      return with_layers({volume, of_volume, choice, vertices}, frame, columns, options, options.label);
     });
     result.report.layers = static_cast<int>(heights.size());
     result.report.heights = differences_of(heights);
@@ -132,11 +132,11 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choic
     return result;
   };
   if (!is_inward) return layers_on(mesh, faces, surface.vertices);
-  const Core core = context.phase("room", [&] { return give_way(mesh, faces, growth, columns); });
+  const Core core = context.phase("room", [&] { return deform_interior(mesh, faces, frame, columns); });
   return layers_on(core.mesh, core.mesh.boundary_faces(), core.vertices);
 }
 
-/// Layers within one label of several: that part alone gives way, and keeps its faces against the others.
+/// Layers within one label of several: that part alone is deformed, and keeps its faces against the others.
 LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
                          const LayerOptions& options, Context& context) {
   const MixedMesh whole = copy_of(mesh.view(faces));

@@ -10,10 +10,10 @@ namespace {
 /// The outer skin, the surface under it and the rest of the outside, as triangles in space.
 class Skin {
  public:
-  Skin(const Growth& growth, const Columns& columns)
-      : surface_(growth.surface), layers_(static_cast<int>(growth.levels.size())) {
+  Skin(const ExtrusionFrame& frame, const Columns& columns)
+      : surface_(frame.surface), layers_(static_cast<int>(frame.levels.size())) {
     const std::size_t count = surface_.points.size();
-    for (std::size_t v = 0; v < count; ++v) points_.push_back(growth.point(columns, v, layers_ - 1));
+    for (std::size_t v = 0; v < count; ++v) points_.push_back(frame.point(columns, v, layers_ - 1));
     has_layers_.resize(surface_.triangles.size());
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
       const Cell<3>& c = surface_.triangles[t];
@@ -94,11 +94,11 @@ class Skin {
 
 }  // namespace
 
-void keep_skin_simple(const Growth& growth, const TetMesh* outside, Columns& columns) {
+void keep_skin_simple(const ExtrusionFrame& frame, const TetMesh* outside, Columns& columns) {
   constexpr double kShorter = 0.7;
   constexpr int kPatientRounds = 12;
   for (int round = 0;; ++round) {  // Ends: as for cells.
-    Skin skin(growth, columns);
+    Skin skin(frame, columns);
     if (outside != nullptr) skin.add_outside(*outside);
     const std::vector<std::uint8_t> cuts = skin.columns_that_cut();
     if (std::find(cuts.begin(), cuts.end(), 1) == cuts.end()) return;
@@ -106,8 +106,8 @@ void keep_skin_simple(const Growth& growth, const TetMesh* outside, Columns& col
     parallel::for_each_index(cuts.size(), [&](std::size_t v) {
       if (cuts[v] != 0) columns.shorten(v, factor * columns.length_mm(v), LayerLimit::kSkin);
     });
-    if (round < kPatientRounds) smooth_lengths(growth.surface, columns);
-    keep_cells_well_shaped(growth, columns);
+    if (round < kPatientRounds) smooth_lengths(frame.surface, columns);
+    keep_cells_well_shaped(frame, columns);
   }
 }
 

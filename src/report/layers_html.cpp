@@ -27,13 +27,13 @@ std::string angles_of_core(const LayersOfMesh& layers) {
 }
 
 Table patches_table(const LayerReport& report) {
-  Table table = {
-      {"patch", "area mm²", "layers", "wanted mm", "mean mm", "least mm", "complete", "with layers", "bare"}};
+  Table table = {{"patch", "area mm²", "layers", "wanted mm", "mean mm", "min mm", "complete", "with layers",
+                  "unlayered"}};
   for (const LayerCoverage& c : report.patches)
     table.push_back({escaped(c.patch), five_digits(c.area_mm2), std::to_string(c.layers),
                      fmt::format("{:.4g}", c.wanted_mm), fmt::format("{:.4g}", c.achieved_mm),
-                     fmt::format("{:.4g}", c.least_mm), percent(c.complete), percent(c.layered),
-                     percent(c.bare)});
+                     fmt::format("{:.4g}", c.min_mm), percent(c.complete), percent(c.layered),
+                     percent(c.unlayered)});
   return table;
 }
 

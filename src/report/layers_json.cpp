@@ -21,10 +21,10 @@ LayerJson patch_json(const LayerCoverage& c) {
           {"layers", c.layers},
           {"wanted_mm", c.wanted_mm},
           {"achieved_mm", c.achieved_mm},
-          {"least_mm", c.least_mm},
+          {"least_mm", c.min_mm},
           {"complete", c.complete},
           {"layered", c.layered},
-          {"bare", c.bare},
+          {"bare", c.unlayered},
           {"limited", limited},
           {"worst", worst}};
 }
@@ -52,10 +52,10 @@ LayerCoverage patch_of(const LayerJson& json) {
   for (const auto& [name, value] : {std::pair{"area_mm2", &c.area_mm2},
                                     {"wanted_mm", &c.wanted_mm},
                                     {"achieved_mm", &c.achieved_mm},
-                                    {"least_mm", &c.least_mm},
+                                    {"least_mm", &c.min_mm},
                                     {"complete", &c.complete},
                                     {"layered", &c.layered},
-                                    {"bare", &c.bare}})
+                                    {"bare", &c.unlayered}})
     *value = json.at(name);
   for (std::size_t i = 1; i < kLayerLimits; ++i)
     c.limited[i] = json.at("limited").at(name_of(static_cast<LayerLimit>(i)));

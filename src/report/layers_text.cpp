@@ -40,12 +40,12 @@ LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report, double lea
 
 std::string coverage_text(const LayerReport& report) {
   std::string text =
-      fmt::format("{:<20} {:>10} {:>6} {:>10} {:>10} {:>10} {:>9} {:>7}\n", "patch", "area mm2", "layers",
-                  "wanted mm", "mean mm", "least mm", "complete", "bare");
+      fmt::format("{:<20} {:>10} {:>6} {:>10} {:>10} {:>10} {:>9} {:>9}\n", "patch", "area mm2", "layers",
+                  "wanted mm", "mean mm", "min mm", "complete", "unlayered");
   for (const LayerCoverage& c : report.patches) {
-    text += fmt::format("{:<20} {:>10.5g} {:>6} {:>10.4g} {:>10.4g} {:>10.4g} {:>7.1f} % {:>5.1f} %\n",
-                        c.patch, c.area_mm2, c.layers, c.wanted_mm, c.achieved_mm, c.least_mm,
-                        100 * c.complete, 100 * c.bare);
+    text += fmt::format("{:<20} {:>10.5g} {:>6} {:>10.4g} {:>10.4g} {:>10.4g} {:>7.1f} % {:>7.1f} %\n",
+                        c.patch, c.area_mm2, c.layers, c.wanted_mm, c.achieved_mm, c.min_mm, 100 * c.complete,
+                        100 * c.unlayered);
     for (std::size_t i = 1; i < kLayerLimits; ++i)
       if (c.limited[i] >= 0.0005)
         text += fmt::format("  {:>5.1f} % {}\n", 100 * c.limited[i], name_of(static_cast<LayerLimit>(i)));

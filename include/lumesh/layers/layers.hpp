@@ -17,15 +17,15 @@ enum class LayerCells : std::uint8_t {
   kTetrahedra,  ///< Each prism as three tetrahedra, diagonals from the lower numbered column.
 };
 
-/// Where layers grow.
+/// The side of the surface that layers grow on.
 enum class LayerSide : std::uint8_t {
   kOutward,  ///< Out of the mesh, into free space.
-  kInward,   ///< Into the mesh, which gives way: layers and what is left of it fill what it filled before.
+  kInward,  ///< Into the mesh, which is deformed: layers and the rest of it fill the volume it filled before.
 };
 
-/// What heights are multiples of.
+/// The unit of heights.
 enum class HeightScale : std::uint8_t {
-  kAbsolute,  ///< They are in mm.
+  kAbsolute,  ///< Millimetres.
   kRadius,    ///< The local radius: half the way to the opposite side of the object.
   kEdge,      ///< The mean length of the surface's edges around.
 };
@@ -34,9 +34,9 @@ class OptionList;
 
 /// Options of grow_layers(); describe() says what those mean that are not commented here.
 struct LayerOptions {
-  std::vector<std::string> patches = {};  ///< Empty: all walls.
+  std::vector<std::string> patches = {};  ///< Patches that layers grow on; empty: all walls.
   LayerSide side = LayerSide::kOutward;
-  Label into = kBackground;  ///< Inwards, where a mesh has several labels: the one that gives way; 0: the
+  Label into = kBackground;  ///< Inwards, where a mesh has several labels: the one that is deformed; 0: the
                              ///< only one at the patches.
   double first_height = 0;   ///< > 0 for grow_layers(); in mm, or times the scale.
   double growth = 1.2;
@@ -47,42 +47,42 @@ struct LayerOptions {
   double thickness = 0;  ///< 0: as the count makes it.
   HeightScale scale = HeightScale::kAbsolute;
   LayerCells cells = LayerCells::kTetrahedra;
-  Label label = 0;  ///< Of the layers, also one that is there; 0: one more than the largest.
+  Label label = 0;  ///< Label of the layers, also one that is there; 0: one more than the largest.
   /// Whether the ring of layers around an opening is a patch of its own, OPENING_layer. Else it belongs to
   /// the opening, but where layers outwards have a label that the mesh has not: these are a wall around it.
   bool splits_openings = false;
-  std::string label_name = {};  ///< Empty: its own, or of a new one "vessel_wall" outwards, "layer" inwards.
+  std::string label_name = {};  ///< Empty: the label's own, or "vessel_wall" outwards, "layer" inwards.
 
   /// Without the labels.
   void describe(OptionList& list);
   void validate() const;  ///< Throws Error that names the field.
 };
 
-/// Why a column of layers is thinner than was asked for.
+/// The reason why a column of layers is thinner than was asked for.
 enum class LayerLimit : std::uint8_t {
   kNone,
   kOtherSide,  ///< Another part of the surface is near: the layers of both would meet.
   kRidge,      ///< No direction sees all triangles around.
-  kRim,        ///< Beside a patch that is not flat: it would be cut off.
+  kRim,        ///< The column is beside a patch that is not flat, which it would cut off.
   kShape,      ///< Cells would turn over or become poor.
   kSkin,       ///< The outer skin would cut itself or another part of the surface.
-  kRoom,       ///< The mesh within could not give way as far.
+  kRoom,       ///< The mesh within could not be deformed as far.
   kNeighbour,  ///< Heights change gradually; a column nearby is limited.
 };
 inline constexpr std::size_t kLayerLimits = 8;
 [[nodiscard]] const char* name_of(LayerLimit limit);
 
-/// What was achieved on one patch. A column has all its layers or none: where it is shorter, all of them are
-/// thinner alike.
+/// The layers achieved on one patch. A column has all its layers or none: where it is shorter, all of them
+/// are thinner alike.
 struct LayerCoverage {
   std::string patch;
   double area_mm2 = 0;
-  int layers = 0;                         ///< As wanted, and of every column that is there.
+  int layers = 0;                         ///< Number of layers wanted, and of every column that is there.
   double layered = 0;                     ///< Share of the area with layers, however thin.
   double wanted_mm = 0, achieved_mm = 0;  ///< Thickness, the mean over the area.
-  double least_mm = 0;                    ///< Of all its columns.
+  double min_mm = 0;                      ///< Lowest thickness of its columns.
   double complete = 0;                    ///< Share of the area whose columns have 98 % of the height wanted.
-  double bare = 0;                        ///< Share of the area without layers.
+  double unlayered = 0;                   ///< Share of the area without layers.
   std::array<double, kLayerLimits> limited = {};  ///< Shares of the area by reason, kNone left out.
   struct Place {
     Vec3 at = Vec3::Zero();
@@ -92,26 +92,26 @@ struct LayerCoverage {
   std::vector<Place> worst;  ///< A few, apart from each other.
 };
 
-/// How far the layers came, place by place on the surface that they grew on.
+/// Shares of the thickness achieved, place by place on the surface that layers grew on.
 struct LayerShares {
-  std::vector<Vec3> points;        ///< In mm.
-  std::vector<Cell<3>> triangles;  ///< By their points, anticlockwise seen from outside the mesh.
+  std::vector<Vec3> points;        ///< Points of the surface in mm.
+  std::vector<Cell<3>> triangles;  ///< Indices of points, anticlockwise seen from outside the mesh.
   std::vector<double> of_points;   ///< One per point: share of the thickness wanted, 0 to 1; 0: no layers.
 };
 
 struct LayerReport {
   int layers = 0;
-  std::vector<double> heights;  ///< Of each layer of a complete column, in mm or times the scale.
+  std::vector<double> heights;  ///< Height of each layer of a complete column, in mm or times the scale.
   std::vector<LayerCoverage> patches;
-  std::uint64_t cells = 0;                ///< Of the layers.
-  LayerShares surface;                    ///< Of all patches together.
+  std::uint64_t cells = 0;                ///< Number of cells of the layers.
+  LayerShares surface;                    ///< Shares on all patches together.
   [[nodiscard]] double complete() const;  ///< Share of the area of all patches.
-  /// A line if that is less than half: the request was not met.
+  /// A line if complete() is less than half: the request was not met.
   [[nodiscard]] std::string shortfall() const;
 };
 
 /// Height of each layer of a complete column, from the surface on, in mm or times the scale.
-/// @throws Error{kBadInput} as LayerOptions::validate() does, and if no growth makes the thickness of them.
+/// @throws Error{kBadInput} as LayerOptions::validate() does, and if no growth makes the thickness.
 [[nodiscard]] std::vector<double> layer_heights(const LayerOptions& options);
 
 struct LayerResult {
@@ -120,15 +120,15 @@ struct LayerResult {
 };
 
 /// Grows layers out of a mesh, or into it, so that all of it is one conforming mesh. Outwards the mesh stays
-/// as it is; inwards it gives way: its surface is drawn in along the columns, step by step, the tetrahedra
-/// behind are moved and mended, and layers and mesh together fill exactly what the mesh filled.
+/// as it is; inwards it is deformed: its surface is displaced along the columns, step by step, the tetrahedra
+/// behind are moved and improved, and layers and mesh together fill exactly the volume that the mesh filled.
 ///
 /// Every vertex of the patches gets a direction that sees all triangles around it, smoothed over the surface;
 /// at openings it lies in their plane, so that caps stay planar. Heights shrink smoothly where layers would
 /// meet, turn over or cut themselves: whole columns become shorter, to nothing where need be, and cells taper
 /// there. The mesh is valid whatever is asked for; the report says what was achieved.
 ///
-/// Inwards, layers grow on patches between labels, too: into one of them, all else stays as it is.
+/// Inwards, layers grow on patches between labels, too: into one label, all others stay as they are.
 ///
 /// Patches of the result: those of the input, where a patch with layers becomes an interface (its part
 /// without layers, if any, is "NAME_bare"); the skin "layer_outer"; the rings around openings "NAME_layer";
@@ -136,9 +136,9 @@ struct LayerResult {
 ///
 /// @param mesh  Compact. @throws Error{kBadInput} if a patch is not there, has no free side, or none is named
 /// and there is no wall, if layers would grow into several labels at a time, or inwards if two vertices of
-/// the surface lie at one place. Parallel inside, the same bits for every thread count. Source: algorithms as
-/// in Aubry and Löhner 2009 (most normal normals), Ma, Bae and Choi 2012 (shrinking balls), Marcum and
-/// Gaither (AFLR).
+/// the surface lie at one place. Parallel inside, bitwise identical for every thread count. Source:
+/// algorithms as in Aubry and Löhner 2009 (most normal normals), Ma, Bae and Choi 2012 (shrinking balls),
+/// Marcum and Gaither (AFLR).
 [[nodiscard]] LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context);
 
 }  // namespace lumesh

@@ -26,7 +26,7 @@ TEST(MostNormalDirection, IsNoneWhereNothingSeesAll) {
 TEST(MostNormalDirection, SeesNoLessThanAnyOfManyTriedOnes) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
-  const auto least = [](const std::vector<Vec3>& normals, const Vec3& d) {
+  const auto smallest = [](const std::vector<Vec3>& normals, const Vec3& d) {
     double worst = 1;
     for (const Vec3& n : normals) worst = std::min(worst, n.dot(d));
     return worst;
@@ -35,10 +35,10 @@ TEST(MostNormalDirection, SeesNoLessThanAnyOfManyTriedOnes) {
     std::vector<Vec3> normals;
     for (int i = 0; i < 7; ++i)
       normals.push_back(Vec3(normal(random), normal(random), 1.5 + std::abs(normal(random))).normalized());
-    const double found = least(normals, most_normal_direction(normals));
+    const double found = smallest(normals, most_normal_direction(normals));
     for (int i = 0; i < 300; ++i)
       EXPECT_GE(found + 1e-3,
-                least(normals, Vec3(normal(random), normal(random), normal(random)).normalized()));
+                smallest(normals, Vec3(normal(random), normal(random), normal(random)).normalized()));
   }
 }
 

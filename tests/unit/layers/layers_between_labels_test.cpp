@@ -89,9 +89,9 @@ TEST(Layers, OnPatchesBetweenLabelsGrowIntoEither) {
     const double area = area_of(before, one.patch), length = 50;
     EXPECT_NEAR(area / (2 * kPi * radius * length), 1, 0.07) << "kinks between labels make it larger";
     EXPECT_NEAR(volume_of(result.mesh, 3) / (area * middle / radius * thickness), 1, 0.04);
-    const double bare = area_of(result.mesh, one.patch + "_bare");
-    EXPECT_NEAR(area_of(result.mesh, one.patch) + bare, area, 1e-9 * area);
-    EXPECT_LT(bare, 0.06 * area);
+    const double unlayered = area_of(result.mesh, one.patch + "_bare");
+    EXPECT_NEAR(area_of(result.mesh, one.patch) + unlayered, area, 1e-9 * area);
+    EXPECT_LT(unlayered, 0.06 * area);
   }
 }
 

@@ -200,7 +200,7 @@ TEST(Layers, InATubeFillItWithWhatIsLeft) {
   }
 }
 
-/// As a curved patch, a flat one keeps all its triangles; its rim, where the tube bends, stays bare.
+/// As a curved patch, a flat one keeps all its triangles; its rim, where the tube bends, stays unlayered.
 TEST(Layers, InwardsTheWallKeepsItsTrianglesToTheLastBit) {
   using Place = std::array<double, 3>;
   const auto triangles_of = [](const MeshView& view, std::string_view patch) {
@@ -383,7 +383,7 @@ TEST(Layers, OnRandomShapesAreAlwaysValidAndTellWhatTheyAre) {
     const LayerCoverage& wall = result.report.patches[0];
     EXPECT_GE(wall.complete, 0);
     EXPECT_LE(wall.achieved_mm, wall.wanted_mm * (1 + 1e-12));
-    EXPECT_LE(wall.bare + wall.complete, 1 + 1e-12);
+    EXPECT_LE(wall.unlayered + wall.complete, 1 + 1e-12);
     if (round % 3 == 0)
       expect_conforming(
           grown(mesh, {.side = side, .first_height = height, .count = 2, .cells = LayerCells::kPrisms}).mesh);

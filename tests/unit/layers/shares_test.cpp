@@ -48,7 +48,7 @@ TEST(LayerShares, LieOnTheSurfaceWhicheverSideTheLayersAre) {
     }
     const LayerCoverage& wall = report.patches.at(0);
     EXPECT_EQ(wall.layers, 2);
-    EXPECT_NEAR(wall.layered + wall.bare, 1, 1e-12);
+    EXPECT_NEAR(wall.layered + wall.unlayered, 1, 1e-12);
     EXPECT_NEAR(wall.area_mm2, 96, 1e-9);
   }
 }

@@ -36,7 +36,7 @@ LayerReport coverage() {
   wall.layered = 1;
   wall.wanted_mm = 0.1;
   wall.achieved_mm = 0.25 / 3;
-  wall.least_mm = 0.05;
+  wall.min_mm = 0.05;
   wall.complete = 2.0 / 3;
   wall.limited[static_cast<std::size_t>(LayerLimit::kRidge)] = 1.0 / 3;
   wall.worst = {{{0, 1, 0}, 0.5, LayerLimit::kRidge}};

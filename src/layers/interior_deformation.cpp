@@ -1,4 +1,4 @@
-#include "give_way.hpp"
+#include "interior_deformation.hpp"
 
 #include <fmt/format.h>
 
@@ -95,19 +95,20 @@ constexpr std::uint32_t kNoColumn = ~0u;
 
 }  // namespace
 
-Yielding::Yielding(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth)
-    : growth_(growth),
+InteriorDeformation::InteriorDeformation(const TetMesh& mesh, const BoundaryFaces& faces,
+                                         const ExtrusionFrame& frame)
+    : frame_(frame),
       field_(metric::MetricField::uniform(1)),
       at_first_(dihedral_range(mesh, {})),
       mesh_(copy_of(mesh, faces)) {
   check_places(mesh_);
-  vertices_ = growth.surface.vertices;
+  vertices_ = frame.surface.vertices;
   reached_mm_.assign(vertices_.size(), 0);
   take_sizes(with_sizes(copy_of(mesh, faces), faces));
 }
 
 /// @param sized  The same mesh with the sizes it has.
-void Yielding::take_sizes(TetMesh sized) {
+void InteriorDeformation::take_sizes(TetMesh sized) {
   mesh_.enable_metric();
   parallel::for_each_index(mesh_.vertex_count(), [&](std::size_t i) {
     const VertexId v(static_cast<std::uint32_t>(i));
@@ -119,14 +120,14 @@ void Yielding::take_sizes(TetMesh sized) {
 }
 
 /// Whatever go_to() does makes no vertex: from here on their numbers stay.
-void Yielding::begin() {
+void InteriorDeformation::begin() {
   metric::measure_qualities(mesh_);
-  execution_.emplace(operators::Subject{mesh_, field_, growth_.surface.shapes}, parallel::TeamOptions{});
+  execution_.emplace(operators::Subject{mesh_, field_, frame_.surface.shapes}, parallel::TeamOptions{});
   find_columns();
   followers_ = followers();
 }
 
-void Yielding::go_to(const Columns& columns, int steps) {
+void InteriorDeformation::go_to(const Columns& columns, int steps) {
   if (!execution_) begin();
   for (int step = steps; step > 0; --step) {
     std::vector<double> goals(reached_mm_.size());
@@ -138,17 +139,17 @@ void Yielding::go_to(const Columns& columns, int steps) {
     const std::vector<Vec3> before(mesh_.points().begin(), mesh_.points().end());
     move(goals);
     measure(before);
-    mend();
+    improve_interior();
   }
 }
 
-std::vector<Yielding::Follower> Yielding::followers() const {
+std::vector<InteriorDeformation::Follower> InteriorDeformation::followers() const {
   std::vector<Follower> all(mesh_.vertex_count());
   for (std::uint32_t v = 0; v < all.size(); ++v)
     if (mesh_.dimension(VertexId(v)) != VertexDimension::kVolume) all[v].kind = Follower::kFixed;
   const BoundaryFaces faces = mesh_.boundary_faces();
   for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
-    const operators::PatchShape& shape = growth_.surface.shapes[static_cast<std::size_t>(faces.patches[f])];
+    const operators::PatchShape& shape = frame_.surface.shapes[static_cast<std::size_t>(faces.patches[f])];
     if (shape.freedom != operators::PatchFreedom::kPlane) continue;
     for (const std::uint32_t v : faces.triangles[f])
       if (mesh_.dimension(VertexId(v)) == VertexDimension::kSurface)
@@ -159,12 +160,12 @@ std::vector<Yielding::Follower> Yielding::followers() const {
 }
 
 /// Where all vertices would go: those of columns as told, the others as their neighbours do on average.
-std::vector<Vec3> Yielding::displacements(const std::vector<double>& goals_mm) const {
+std::vector<Vec3> InteriorDeformation::displacements(const std::vector<double>& goals_mm) const {
   constexpr int kSweeps = 60;
   const Lists neighbours = neighbours_of(mesh_);
   std::vector<Vec3> now(mesh_.vertex_slots(), Vec3::Zero());
   for (std::size_t v = 0; v < vertices_.size(); ++v)
-    now[vertices_[v]] = growth_.end(v, goals_mm[v]) - growth_.end(v, reached_mm_[v]);
+    now[vertices_[v]] = frame_.end(v, goals_mm[v]) - frame_.end(v, reached_mm_[v]);
   std::vector<Vec3> next = now;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     parallel::for_each_index(now.size(), [&](std::size_t v) {
@@ -181,7 +182,7 @@ std::vector<Vec3> Yielding::displacements(const std::vector<double>& goals_mm) c
 }
 
 /// Moves everything by as much of its way as keeps all tetrahedra positive.
-void Yielding::move(const std::vector<double>& goals_mm) {
+void InteriorDeformation::move(const std::vector<double>& goals_mm) {
   constexpr int kHalvings = 6;
   const std::vector<Vec3> way = displacements(goals_mm);
   std::vector<std::uint32_t> column(mesh_.vertex_slots(), kNoColumn);
@@ -192,7 +193,7 @@ void Yielding::move(const std::vector<double>& goals_mm) {
     return of_way == 1 ? goals_mm[c] : reached_mm_[c] + of_way * (goals_mm[c] - reached_mm_[c]);
   };
   const auto place = [&](std::uint32_t v) -> Vec3 {
-    if (column[v] != kNoColumn) return growth_.end(column[v], length_of(column[v]));
+    if (column[v] != kNoColumn) return frame_.end(column[v], length_of(column[v]));
     return share[v] == 0 ? mesh_.point(VertexId(v)) : Vec3(mesh_.point(VertexId(v)) + share[v] * way[v]);
   };
   std::vector<Vec3> places(mesh_.vertex_slots());
@@ -220,7 +221,7 @@ void Yielding::move(const std::vector<double>& goals_mm) {
 
 /// Metrics and qualities after a move; no vertex has gone far from where its metric was found.
 /// @param before  Places of the vertices before it: what has not moved keeps its metric.
-void Yielding::measure(std::span<const Vec3> before) {
+void InteriorDeformation::measure(std::span<const Vec3> before) {
   parallel::for_each_index(mesh_.vertex_slots(), [&](std::size_t i) {
     const VertexId v(static_cast<std::uint32_t>(i));
     if (!mesh_.alive(v) || mesh_.point(v) == before[i]) return;
@@ -232,8 +233,8 @@ void Yielding::measure(std::span<const Vec3> before) {
   metric::measure_qualities(mesh_);
 }
 
-/// Betters the mesh within its surface, where it has become poor.
-void Yielding::mend() {
+/// Improves the mesh within its surface, where it has become poor.
+void InteriorDeformation::improve_interior() {
   constexpr double kShort = 0.6, kPoor = 0.6;
   const std::vector<std::uint8_t> at_short =
       flags_at_tets([&](TetId t) { return has_short_edge(t, kShort); });
@@ -250,7 +251,8 @@ void Yielding::mend() {
 }
 
 /// One flag per vertex: whether a tetrahedron around it is such.
-std::vector<std::uint8_t> Yielding::flags_at_tets(const std::function<bool(TetId)>& is_such) const {
+std::vector<std::uint8_t> InteriorDeformation::flags_at_tets(
+    const std::function<bool(TetId)>& is_such) const {
   std::vector<std::uint8_t> flags(mesh_.vertex_slots(), 0);
   parallel::for_each_index(mesh_.tet_slots(), [&](std::size_t i) {
     const TetId t(static_cast<std::uint32_t>(i));
@@ -260,33 +262,33 @@ std::vector<std::uint8_t> Yielding::flags_at_tets(const std::function<bool(TetId
   return flags;
 }
 
-/// In the metric.
-bool Yielding::has_short_edge(TetId t, double least) const {
+/// Whether a tetrahedron has an edge shorter than this in the metric.
+bool InteriorDeformation::has_short_edge(TetId t, double min_length) const {
   return std::any_of(kTetEdges.begin(), kTetEdges.end(), [&](const auto& edge) {
     const VertexId a = mesh_.vertex(t, edge[0]), b = mesh_.vertex(t, edge[1]);
-    return metric::edge_length(mesh_.point(a), mesh_.metric(a), mesh_.point(b), mesh_.metric(b)) < least;
+    return metric::edge_length(mesh_.point(a), mesh_.metric(a), mesh_.point(b), mesh_.metric(b)) < min_length;
   });
 }
 
 /// Vertices of the surface stay where they are to the last bit, which tells them again.
-void Yielding::find_columns() {
+void InteriorDeformation::find_columns() {
   const std::vector<std::pair<Bits, std::uint32_t>> known = surface_vertices_by_place(mesh_);
   for (std::size_t v = 0; v < vertices_.size(); ++v) {
-    const Bits bits = bits_of(growth_.end(v, reached_mm_[v]));
+    const Bits bits = bits_of(frame_.end(v, reached_mm_[v]));
     const auto found = std::lower_bound(known.begin(), known.end(), std::pair{bits, std::uint32_t{0}});
     LUMESH_ASSERT(found != known.end() && found->first == bits);
     vertices_[v] = found->second;
   }
 }
 
-void Yielding::improve() {
-  constexpr double kLeastDeg = 12, kMostDeg = 165;  // A mesh that is stretched on purpose has worse ones.
+void InteriorDeformation::improve() {
+  constexpr double kMinDeg = 12, kMaxDeg = 165;  // A mesh that is stretched on purpose has worse ones.
   constexpr int kPasses = 3;
   Context context;
   execution_.reset();
   lumesh::improve(mesh_,
-                  {.min_dihedral_deg = std::clamp(at_first_.min_deg, 1.0, kLeastDeg),
-                   .max_dihedral_deg = std::clamp(at_first_.max_deg, kMostDeg, 179.0),
+                  {.min_dihedral_deg = std::clamp(at_first_.min_deg, 1.0, kMinDeg),
+                   .max_dihedral_deg = std::clamp(at_first_.max_deg, kMaxDeg, 179.0),
                    .passes = kPasses,
                    .slide = false,
                    .sizes = field_},
@@ -294,7 +296,7 @@ void Yielding::improve() {
   find_columns();
 }
 
-std::vector<std::uint8_t> Yielding::columns_at_poor_tets() const {
+std::vector<std::uint8_t> InteriorDeformation::columns_at_poor_tets() const {
   constexpr double kFloorDeg = 2.5;  // As for the layers' own cells.
   const double floor_deg = std::min({kFloorDeg, at_first_.min_deg, 180 - at_first_.max_deg});
   const double cosine = std::cos(floor_deg * std::numbers::pi / 180);
@@ -311,10 +313,10 @@ std::vector<std::uint8_t> Yielding::columns_at_poor_tets() const {
 namespace {
 
 /// Shortens columns to where the mesh is. False if all are there.
-bool shorten_to_reached(const Yielding& yielding, bool is_patient, Columns& columns) {
+bool shorten_to_reached(const InteriorDeformation& deformation, bool is_patient, Columns& columns) {
   bool any = false;
   for (std::size_t v = 0; v < columns.fraction.size(); ++v) {
-    const double length = columns.length_mm(v), reached = yielding.reached_mm(v);
+    const double length = columns.length_mm(v), reached = deformation.reached_mm(v);
     if (reached == length) continue;
     any = true;
     columns.shorten(v, is_patient ? reached : 0, LayerLimit::kRoom);
@@ -323,9 +325,9 @@ bool shorten_to_reached(const Yielding& yielding, bool is_patient, Columns& colu
 }
 
 /// Shortens columns that make the mesh poor. False if there are none.
-bool shorten_at_poor_tets(const Yielding& yielding, Columns& columns) {
+bool shorten_at_poor_tets(const InteriorDeformation& deformation, Columns& columns) {
   constexpr double kShorter = 0.75;
-  const std::vector<std::uint8_t> is_poor = yielding.columns_at_poor_tets();
+  const std::vector<std::uint8_t> is_poor = deformation.columns_at_poor_tets();
   bool any = false;
   for (std::size_t v = 0; v < is_poor.size(); ++v) {
     if (is_poor[v] == 0 || columns.fraction[v] == 0) continue;
@@ -337,22 +339,23 @@ bool shorten_at_poor_tets(const Yielding& yielding, Columns& columns) {
 
 }  // namespace
 
-Core give_way(const TetMesh& mesh, const BoundaryFaces& faces, const Growth& growth, Columns& columns) {
+Core deform_interior(const TetMesh& mesh, const BoundaryFaces& faces, const ExtrusionFrame& frame,
+                     Columns& columns) {
   constexpr int kSteps = 4, kPatientTries = 6;
-  std::optional<Yielding> yielding(std::in_place, mesh, faces, growth);
+  std::optional<InteriorDeformation> deformation(std::in_place, mesh, faces, frame);
   for (int attempt = 0;; ++attempt) {
     const bool is_patient = attempt < kPatientTries;
-    yielding->go_to(columns, attempt == 0 || !is_patient ? kSteps : kSteps / 2);
+    deformation->go_to(columns, attempt == 0 || !is_patient ? kSteps : kSteps / 2);
     Columns shorter = columns;
-    if (!shorten_to_reached(*yielding, is_patient, shorter)) {
-      yielding->improve();
-      if (!is_patient || !shorten_at_poor_tets(*yielding, shorter)) return std::move(*yielding).core();
+    if (!shorten_to_reached(*deformation, is_patient, shorter)) {
+      deformation->improve();
+      if (!is_patient || !shorten_at_poor_tets(*deformation, shorter)) return std::move(*deformation).core();
     }
-    smooth_lengths(growth.surface, shorter);
-    keep_cells_well_shaped(growth, shorter);
+    smooth_lengths(frame.surface, shorter);
+    keep_cells_well_shaped(frame, shorter);
     columns = std::move(shorter);
     // What cannot be drawn back starts again; then columns only ever go, which ends.
-    if (attempt + 1 >= kPatientTries) yielding.emplace(mesh, faces, growth);
+    if (attempt + 1 >= kPatientTries) deformation.emplace(mesh, faces, frame);
   }
 }
 

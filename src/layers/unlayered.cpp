@@ -1,4 +1,4 @@
-#include "bare.hpp"
+#include "unlayered.hpp"
 
 #include <algorithm>
 
@@ -24,13 +24,13 @@ bool is_between_fans(const LayerSurface& surface, std::uint32_t v) {
   return ends > 2;
 }
 
-class BareCheck {
+class TerminationCheck {
  public:
-  BareCheck(const LayerSurface& surface, const Columns& columns)
-      : surface_(surface), columns_(columns), is_bare_(surface.triangles.size()) {
-    parallel::for_each_index(is_bare_.size(), [&](std::size_t t) {
+  TerminationCheck(const LayerSurface& surface, const Columns& columns)
+      : surface_(surface), columns_(columns), is_unlayered_(surface.triangles.size()) {
+    parallel::for_each_index(is_unlayered_.size(), [&](std::size_t t) {
       const Cell<3>& c = surface.triangles[t];
-      is_bare_[t] = std::all_of(c.begin(), c.end(), [&](std::uint32_t v) { return is_gone(v); }) ? 1 : 0;
+      is_unlayered_[t] = std::all_of(c.begin(), c.end(), [&](std::uint32_t v) { return is_gone(v); }) ? 1 : 0;
     });
   }
 
@@ -40,15 +40,15 @@ class BareCheck {
   [[nodiscard]] bool pinches(std::uint32_t v) const {
     std::size_t layered = 0, changes = 0, layered_ends = 0, ends = 0;
     const auto around = surface_.triangles_around.of(v);
-    for (const std::uint32_t t : around) layered += is_bare_[t] == 0 ? 1 : 0;
+    for (const std::uint32_t t : around) layered += is_unlayered_[t] == 0 ? 1 : 0;
     for (const std::uint32_t w : surface_.neighbours.of(v)) {
-      std::size_t shared = 0, bare = 0;
+      std::size_t shared = 0, unlayered = 0;
       for (const std::uint32_t t : around)
-        if (has(surface_, t, w)) ++shared, bare += is_bare_[t];
-      if (shared == 2 && bare == 0 && is_gone(w)) return true;  // Along the whole edge.
-      changes += shared == 2 && bare == 1 ? 1 : 0;
+        if (has(surface_, t, w)) ++shared, unlayered += is_unlayered_[t];
+      if (shared == 2 && unlayered == 0 && is_gone(w)) return true;  // Along the whole edge.
+      changes += shared == 2 && unlayered == 1 ? 1 : 0;
       ends += shared == 1 ? 1 : 0;
-      layered_ends += shared == 1 && bare == 0 ? 1 : 0;
+      layered_ends += shared == 1 && unlayered == 0 ? 1 : 0;
     }
     if (layered == 0) return false;
     if (ends == 0) return changes != 2;
@@ -58,12 +58,12 @@ class BareCheck {
  private:
   const LayerSurface& surface_;
   const Columns& columns_;
-  std::vector<std::uint8_t> is_bare_;
+  std::vector<std::uint8_t> is_unlayered_;
 };
 
 }  // namespace
 
-bool keep_bare_manifold(const LayerSurface& surface, Columns& columns) {
+bool make_termination_manifold(const LayerSurface& surface, Columns& columns) {
   const std::size_t count = surface.points.size();
   std::vector<std::uint8_t> goes(count);
   parallel::for_each_index(count, [&](std::size_t v) {
@@ -72,7 +72,7 @@ bool keep_bare_manifold(const LayerSurface& surface, Columns& columns) {
     if (goes[v] != 0) columns.shorten(v, 0, LayerLimit::kNeighbour);
   });
   for (bool changed = std::find(goes.begin(), goes.end(), 1) != goes.end();; changed = true) {
-    const BareCheck check(surface, columns);
+    const TerminationCheck check(surface, columns);
     std::vector<std::uint8_t> pinches(count);
     parallel::for_each_index(count, [&](std::size_t v) {
       const auto vertex = static_cast<std::uint32_t>(v);
