@@ -34,11 +34,11 @@ TetId walk_to(const TetMesh& mesh, TetId t, const Vec3& point, Weights& weights)
   for (int step = 0;; ++step) {
     weights = barycentric(mesh, t, point);
     TetId next;
-    double most = 0;
+    double largest = 0;
     for (int f = 0; f < 4; ++f) {
       const FaceLink link = mesh.link(t, f);
-      if (weights[f] >= most || link.is_boundary()) continue;
-      most = weights[f];
+      if (weights[f] >= largest || link.is_boundary()) continue;
+      largest = weights[f];
       next = link.tet();
     }
     if (!next.valid() || step == kLongestWalk) return t;

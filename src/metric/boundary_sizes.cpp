@@ -56,7 +56,7 @@ void BoundarySizes::measure_places(const TetMesh& mesh, const BoundaryFaces& fac
     if (sums[v].triangles == 0) return;
     const double share = 1.0 / sums[v].triangles;
     const EigenSystem system = eigen_system(SymTensor::from(share * sums[v].edge_squares));
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {
       const Vec3 axis = system.axes.col(i);
       // Triangles that lie across an axis, as at creases, say nothing of it.
@@ -67,9 +67,9 @@ void BoundarySizes::measure_places(const TetMesh& mesh, const BoundaryFaces& fac
       }
       const double value = kRegular * extent / system.values[i];
       places_[v].imposed = places_[v].imposed + value * SymTensor::from(axis * axis.transpose());
-      least = std::min(least, value);
+      smallest = std::min(smallest, value);
     }
-    places_[v].least_along = least;
+    places_[v].min_along = smallest;
   });
 }
 
@@ -78,9 +78,9 @@ BoundarySizes::BoundarySizes(const TetMesh& mesh, const BoundaryFaces& faces, do
   constexpr std::size_t kGrain = 64;
   measure_places(mesh, faces);
   const TriangleTree tree(mesh.points(), faces.triangles);
-  feet_.resize(mesh.vertex_count());
+  closest_.resize(mesh.vertex_count());
   parallel::for_each_index(
-      feet_.size(),
+      closest_.size(),
       [&](std::size_t v) {
         const Vec3& point = mesh.points()[v];
         const TriangleTree::Nearest nearest = tree.nearest(point);
@@ -89,21 +89,21 @@ BoundarySizes::BoundarySizes(const TetMesh& mesh, const BoundaryFaces& faces, do
         std::uint32_t closest = corners[0];
         for (const std::uint32_t w : corners)
           if (distance_to(w) < distance_to(closest)) closest = w;
-        feet_[v] = {nearest.distance, closest};
+        closest_[v] = {nearest.distance, closest};
       },
       kGrain);
 }
 
 SymTensor BoundarySizes::met_at(VertexId v, const SymTensor& wanted) const {
-  const Foot& foot = feet_[v.value];
-  const Place& place = places_[foot.vertex];
+  const ClosestPoint& closest = closest_[v.value];
+  const Place& place = places_[closest.vertex];
   // Across the boundary as wanted, but no larger than along it.
-  const double across = std::max(wanted.quadratic(place.across), place.least_along);
+  const double across = std::max(wanted.quadratic(place.across), place.min_along);
   const SymTensor imposed = place.imposed + across * SymTensor::from(place.across * place.across.transpose());
   const double change_mm = (sorted_sizes(imposed) - sorted_sizes(wanted)).cwiseAbs().maxCoeff();
   const double reach_mm = change_mm / (growth_ - 1);
-  if (!(foot.distance < reach_mm)) return wanted;
-  const double share = 1 - foot.distance / reach_mm;
+  if (!(closest.distance < reach_mm)) return wanted;
+  const double share = 1 - closest.distance / reach_mm;
   return exp(share * log(imposed) + (1 - share) * log(wanted));
 }
 

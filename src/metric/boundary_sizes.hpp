@@ -17,26 +17,26 @@ class BoundarySizes {
   /// @param faces   Those of the mesh that are frozen; at least one.
   BoundarySizes(const TetMesh& mesh, const BoundaryFaces& faces, double growth);
 
-  /// What takes the place of the wanted tensor at a vertex.
+  /// The tensor that takes the place of the wanted one at a vertex.
   [[nodiscard]] SymTensor met_at(VertexId v, const SymTensor& wanted) const;
 
  private:
-  /// What the triangles around a vertex of the boundary impose.
+  /// Sizes that the triangles around a vertex of the boundary impose.
   struct Place {
     SymTensor imposed;  ///< 0 along `across`.
     Vec3 across =
-        Vec3::Zero();        ///< The direction in which they leave the size open; 0 where creases leave none.
-    double least_along = 0;  ///< Least eigenvalue of the imposed tensor, but for `across`.
+        Vec3::Zero();      ///< The direction in which they leave the size open; 0 where creases leave none.
+    double min_along = 0;  ///< Smallest eigenvalue of the imposed tensor, but for `across`.
   };
-  struct Foot {
+  struct ClosestPoint {
     double distance = 0;
-    std::uint32_t vertex = 0;  ///< Of the boundary, nearby.
+    std::uint32_t vertex = 0;  ///< Vertex of the boundary, nearby.
   };
   void measure_places(const TetMesh& mesh, const BoundaryFaces& faces);
 
   double growth_;
-  std::vector<Place> places_;  // Of all vertices; nothing for those inside.
-  std::vector<Foot> feet_;     // Of all vertices.
+  std::vector<Place> places_;          // Per vertex; nothing for those inside.
+  std::vector<ClosestPoint> closest_;  // Per vertex.
 };
 
 }  // namespace lumesh::metric

@@ -31,12 +31,12 @@ struct Sample {
 /// until it varies little.
 class DensityIntegral {
  public:
-  /// @param least_halvings  Of every tetrahedron, so that what lies between its corners is seen.
-  DensityIntegral(const MetricField& field, int least_halvings)
-      : field_(field), hint_(field.first_hint()), least_halvings_(least_halvings) {}
+  /// @param min_halvings  Halvings of every tetrahedron, so that sizes between its corners are seen.
+  DensityIntegral(const MetricField& field, int min_halvings)
+      : field_(field), hint_(field.first_hint()), min_halvings_(min_halvings) {}
 
   double over(const std::array<Sample, 4>& corners) {
-    if (least_halvings_ == 0 && spread_of(corners) < kFlat) return integral_of(corners);
+    if (min_halvings_ == 0 && spread_of(corners) < kFlat) return integral_of(corners);
     double sum = 0;
     waiting_.assign(1, {corners, 0});
     while (!waiting_.empty()) {
@@ -44,7 +44,7 @@ class DensityIntegral {
       waiting_.pop_back();
       double middles = 0;
       const Edge edge = most_varying_edge(part, middles);
-      if (part.halvings >= kMostHalvings || (edge.variation < kSmooth && part.halvings >= least_halvings_)) {
+      if (part.halvings >= kMaxHalvings || (edge.variation < kSmooth && part.halvings >= min_halvings_)) {
         sum += integral_of(part, middles);
         continue;
       }
@@ -59,7 +59,7 @@ class DensityIntegral {
   }
 
  private:
-  static constexpr int kMostHalvings = 21;
+  static constexpr int kMaxHalvings = 21;
   static constexpr double kSmooth = 1;  // Of ln density along half an edge.
   static constexpr double kFlat = 0.3;  // Of ln density over a tetrahedron: its corners will do.
   struct Part {
@@ -75,9 +75,9 @@ class DensityIntegral {
   Sample sample(const Vec3& point) { return {point, density_of(field_.at(point, hint_).log)}; }
 
   static double spread_of(const std::array<Sample, 4>& corners) {
-    const auto [least, most] = std::minmax(
+    const auto [smallest, largest] = std::minmax(
         {corners[0].density.log, corners[1].density.log, corners[2].density.log, corners[3].density.log});
-    return most - least;
+    return largest - smallest;
   }
 
   /// Also gives the sum of the densities in the middles of the edges.
@@ -92,7 +92,7 @@ class DensityIntegral {
       middles += middle.density.value;
       // The first halvings go by length alone, so that what lies inside is found.
       const double length = (a.point - b.point).norm();
-      const bool more = part.halvings < least_halvings_ ? length > longest : variation > most.variation;
+      const bool more = part.halvings < min_halvings_ ? length > longest : variation > most.variation;
       if (!more) continue;
       longest = length;
       most = {i, j, variation, middle};
@@ -118,7 +118,7 @@ class DensityIntegral {
 
   const MetricField& field_;
   MetricField::Hint hint_;
-  int least_halvings_;
+  int min_halvings_;
   std::vector<Part> waiting_;
 };
 
@@ -179,11 +179,11 @@ double complexity(const MetricField& field, const TetMesh& domain) {
   const std::vector<Density> densities = densities_at_vertices(
       domain, field.first_hint(),
       [&](VertexId v, MetricField::Hint& hint) { return density_of(field.at(domain.point(v), hint).log); });
-  const int least_halvings = std::clamp(13 - static_cast<int>(std::bit_width(domain.tet_count())), 0, 6);
+  const int min_halvings = std::clamp(13 - static_cast<int>(std::bit_width(domain.tet_count())), 0, 6);
   return parallel::reduce_blocks<double>(
       domain.tet_slots(), kTetsAtOnce, 0.0,
       [&](std::size_t begin, std::size_t end) {
-        DensityIntegral integral(field, least_halvings);
+        DensityIntegral integral(field, min_halvings);
         double sum = 0;
         for (std::size_t i = begin; i < end; ++i) {
           const TetId t(static_cast<std::uint32_t>(i));

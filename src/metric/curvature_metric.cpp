@@ -102,7 +102,7 @@ std::vector<Side> sorted_sides(std::span<const Cell<3>> triangles) {
 std::vector<std::uint32_t> smooth_pieces(std::span<const Vec3> points, const BoundaryFaces& faces,
                                          double feature_angle_deg) {
   DisjointSets pieces(faces.triangles.size());
-  const double least_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
+  const double min_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
   const std::vector<Side> sides = sorted_sides(faces.triangles);
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
     for (end = begin;
@@ -111,7 +111,7 @@ std::vector<std::uint32_t> smooth_pieces(std::span<const Vec3> points, const Bou
     if (end - begin != 2) continue;
     const std::uint32_t s = sides[begin].triangle, t = sides[begin + 1].triangle;
     const Vec3 n = area_vector(points, faces.triangles[s]), m = area_vector(points, faces.triangles[t]);
-    if (faces.patches[s] != faces.patches[t] || n.dot(m) < least_cosine * n.norm() * m.norm()) continue;
+    if (faces.patches[s] != faces.patches[t] || n.dot(m) < min_cosine * n.norm() * m.norm()) continue;
     pieces.merge(s, t);
   }
   std::vector<std::uint32_t> piece(faces.triangles.size());
@@ -178,7 +178,7 @@ SymTensor metric_of_curvature(const SurfaceCurvature& curvature, const Curvature
 std::vector<SurfaceCurvature> fit_curvatures(std::span<const Vec3> points,
                                              std::span<const Cell<3>> triangles) {
   constexpr int kRings = 2;
-  constexpr std::size_t kLeastNeighbours = 12;
+  constexpr std::size_t kMinNeighbours = 12;
   std::vector<std::uint64_t> edges;
   edges.reserve(6 * triangles.size());
   for (const Cell<3>& t : triangles)
@@ -193,7 +193,7 @@ std::vector<SurfaceCurvature> fit_curvatures(std::span<const Vec3> points,
   parallel::for_each_index(
       points.size(),
       [&](std::size_t v) {
-        const std::vector<std::uint32_t> about = neighbours.about(v, kRings, kLeastNeighbours);
+        const std::vector<std::uint32_t> about = neighbours.about(v, kRings, kMinNeighbours);
         if (!about.empty()) curvatures[v] = fitted_curvature(points, normals, v, about);
       },
       64);

@@ -80,9 +80,9 @@ std::vector<SymTensor> metric_from_curvature(const TetMesh& mesh, const Domain& 
   parallel::for_each_index(
       places.size(),
       [&](std::size_t i) {
-        const auto foot = domain.project(mesh.points()[places[i][0]], {places[i][1], places[i][2]},
-                                         kReach * domain.resolution_mm());
-        if (foot) curvatures[i] = curvature_at(domain, *foot, places[i]);
+        const auto closest = domain.project(mesh.points()[places[i][0]], {places[i][1], places[i][2]},
+                                            kReach * domain.resolution_mm());
+        if (closest) curvatures[i] = curvature_at(domain, *closest, places[i]);
       },
       64);
   const auto found = [](const auto& curvature) { return curvature.has_value(); };

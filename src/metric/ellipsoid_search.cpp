@@ -38,9 +38,9 @@ class EllipsoidSearch::Ascent {
   }
 
   Shape<D> run(double tolerance) {
-    constexpr int kMostSteps = 20000, kStepsBetweenRestarts = 64;
+    constexpr int kMaxSteps = 20000, kStepsBetweenRestarts = 64;
     weigh_extreme_points();
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < kMaxSteps; ++step) {
       // Updates of the inverse drift.
       if (step % kStepsBetweenRestarts == 0) invert();
       const auto [nearest, farthest] = extremes();
@@ -201,12 +201,12 @@ void EllipsoidSearch::fill_across(const std::array<int, 3>& kept, Ellipsoid& ell
 Ellipsoid EllipsoidSearch::around(std::span<const Vec3> points) {
   turn_to_principal_axes(points);
   // Below a share of the largest, squares would drown in the rounding of the largest one's.
-  constexpr double kLeastShare = 1e-7;
-  const double least = std::max(options_.floor_mm, kLeastShare * half_range_.maxCoeff());
+  constexpr double kMinShare = 1e-7;
+  const double smallest = std::max(options_.floor_mm, kMinShare * half_range_.maxCoeff());
   std::array<int, 3> kept{};
   std::size_t dimension = 0;
   for (int axis = 2; axis >= 0; --axis)
-    if (half_range_[axis] > least) kept[dimension++] = axis;
+    if (half_range_[axis] > smallest) kept[dimension++] = axis;
   Ellipsoid ellipsoid;
   if (dimension == 3)
     fill_across<3>(kept, ellipsoid);

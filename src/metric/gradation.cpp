@@ -52,7 +52,7 @@ int limit_gradation(TetMesh& mesh, const GradationOptions& options) {
   });
   // From the metrics of the sweep before, so that the order of vertices does not matter.
   std::vector<std::uint8_t> changed(count, 1), changes(count, 0);
-  for (int sweep = 1; sweep <= options.most_sweeps; ++sweep) {
+  for (int sweep = 1; sweep <= options.max_sweeps; ++sweep) {
     std::vector<SymTensor> next(count);
     parallel::for_each_index(count, [&](std::size_t v) {
       changes[v] = 0;
@@ -75,7 +75,7 @@ int limit_gradation(TetMesh& mesh, const GradationOptions& options) {
     changed.swap(changes);
     if (std::none_of(changed.begin(), changed.end(), [](std::uint8_t c) { return c != 0; })) return sweep;
   }
-  return options.most_sweeps;
+  return options.max_sweeps;
 }
 
 }  // namespace lumesh::metric

@@ -42,9 +42,9 @@ SymTensor fitted_hessian(const TetMesh& mesh, std::span<const double> values, st
 }
 
 double largest_of(const std::vector<EigenSystem>& systems) {
-  double most = 0;
-  for (const EigenSystem& system : systems) most = std::max(most, system.values.cwiseAbs().maxCoeff());
-  return most;
+  double largest = 0;
+  for (const EigenSystem& system : systems) largest = std::max(largest, system.values.cwiseAbs().maxCoeff());
+  return largest;
 }
 
 }  // namespace
@@ -60,13 +60,13 @@ std::vector<SymTensor> recover_hessians(const TetMesh& mesh, std::span<const dou
       throw Error(ErrorKind::kBadInput,
                   fmt::format("the value of vertex {}, counted from 0, is not finite", v));
   constexpr int kRings = 2;
-  constexpr std::size_t kLeastNeighbours = 24;  // Of the 9 unknowns, with room for bad layouts.
+  constexpr std::size_t kMinNeighbours = 24;  // Of the 9 unknowns, with room for bad layouts.
   const VertexNeighbours neighbours(mesh);
   std::vector<SymTensor> hessians(values.size());
   parallel::for_each_index(
       values.size(),
       [&](std::size_t v) {
-        hessians[v] = fitted_hessian(mesh, values, v, neighbours.about(v, kRings, kLeastNeighbours));
+        hessians[v] = fitted_hessian(mesh, values, v, neighbours.about(v, kRings, kMinNeighbours));
       },
       64);
   return hessians;
@@ -78,17 +78,17 @@ std::vector<SymTensor> metric_from_hessian(const TetMesh& mesh, std::span<const 
   const std::vector<SymTensor> hessians = recover_hessians(mesh, values);
   std::vector<EigenSystem> systems(hessians.size());
   parallel::for_each_index(systems.size(), [&](std::size_t v) { systems[v] = eigen_system(hessians[v]); });
-  constexpr double kLeastShare = 1e-6;
+  constexpr double kMinShare = 1e-6;
   const double largest = largest_of(systems);
   double range = 0;
   for (const double value : values) range = std::max(range, std::abs(value));
   // What second derivatives this small change across the whole mesh is rounding.
-  const bool is_linear = !(largest * bounding_box(mesh.points()).sizes().squaredNorm() > kLeastShare * range);
+  const bool is_linear = !(largest * bounding_box(mesh.points()).sizes().squaredNorm() > kMinShare * range);
   std::vector<SymTensor> metric(systems.size(), SymTensor::diagonal(1, 1, 1));
   if (!is_linear)
     parallel::for_each_index(metric.size(), [&](std::size_t v) {
       EigenSystem system = systems[v];
-      system.values = (system.values.cwiseAbs() / largest).cwiseMax(kLeastShare);
+      system.values = (system.values.cwiseAbs() / largest).cwiseMax(kMinShare);
       system.values *= std::pow(system.values.prod(), -1 / (2 * options.norm + 3));
       metric[v] = system.tensor();
     });

@@ -71,7 +71,7 @@ std::vector<SymTensor> metric_from_points(std::span<const Vec3> places, std::spa
     throw Error(ErrorKind::kBadInput,
                 fmt::format("has only {} different points, k asks for {}; lower k", set.size(), options.k));
   if (places.empty()) return {};
-  refuse_far_points(places, set);
+  require_near_points(places, set);
   const PointTree tree(set);
   const double floor_mm = options.floor_mm > 0 ? options.floor_mm : median_spacing(set, tree);
   const EllipsoidOptions ellipsoids{options.tolerance, floor_mm};

@@ -115,7 +115,7 @@ double median_spacing(std::span<const Vec3> points, const PointTree& tree) {
   return *middle;
 }
 
-void refuse_far_points(std::span<const Vec3> places, std::span<const Vec3> points) {
+void require_near_points(std::span<const Vec3> places, std::span<const Vec3> points) {
   const Box3 box = bounding_box(places);
   const double reach = box.sizes().norm();
   const bool is_near = std::any_of(points.begin(), points.end(), [&](const Vec3& p) {

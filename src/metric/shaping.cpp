@@ -25,9 +25,10 @@ bool bounds_anything(const MetricLimits& limits) {
 
 /// Within the bounds, and then no more stretched than wanted.
 EigenSystem bounded(EigenSystem system, const MetricLimits& limits) {
-  const double most = 1 / (limits.smallest_mm * limits.smallest_mm);  // Infinite where there is no bound.
-  const double least = 1 / (limits.largest_mm * limits.largest_mm);
-  for (double& value : system.values) value = std::clamp(value, least, most);
+  const double max_value =
+      1 / (limits.smallest_mm * limits.smallest_mm);  // Infinite where there is no bound.
+  const double min_value = 1 / (limits.largest_mm * limits.largest_mm);
+  for (double& value : system.values) value = std::clamp(value, min_value, max_value);
   const double floor = system.values.maxCoeff() / (limits.most_aspect * limits.most_aspect);
   system.values = system.values.cwiseMax(floor);
   return system;
@@ -72,20 +73,20 @@ class ScaleSearch {
   explicit ScaleSearch(double guess) : guess_(guess) {}
 
   [[nodiscard]] double guess() const { return guess_; }
-  /// @param miss  Logarithm of the complexity seen through that wanted, with the guess.
-  void improve(double miss) {
+  /// @param error  Logarithm of the complexity seen over that wanted, with the guess.
+  void improve(double error) {
     // Without bounds the complexity goes as the factor to the power -3; bounds make it change less.
     constexpr double kSteepest = -4, kFlattest = -0.3;
     double slope = -3;
     if (tries_++ > 0 && guess_ != last_guess_)
-      slope = std::clamp((miss - last_miss_) / (guess_ - last_guess_), kSteepest, kFlattest);
-    last_guess_ = std::exchange(guess_, guess_ - miss / slope);
-    last_miss_ = miss;
+      slope = std::clamp((error - last_error_) / (guess_ - last_guess_), kSteepest, kFlattest);
+    last_guess_ = std::exchange(guess_, guess_ - error / slope);
+    last_error_ = error;
   }
 
  private:
   int tries_ = 0;
-  double guess_, last_guess_ = 0, last_miss_ = 0;
+  double guess_, last_guess_ = 0, last_error_ = 0;
 };
 
 /// Faces of the boundary that stay as they are.
@@ -117,10 +118,10 @@ double shape_to_limits(TetMesh& mesh, std::span<const SymTensor> wanted, const M
   // direction: a complexity that hardly changes any more is the nearest there is.
   ScaleSearch search(std::log(complexity(mesh, wanted) / limits.complexity) / 3);
   double seen = assign_limited(mesh, wanted, std::exp(search.guess()), limits, boundary);
-  constexpr int kMostTries = 20;
+  constexpr int kMaxTries = 20;
   constexpr double kTolerance = 1e-3;
   constexpr double kHardly = 0.02;  // Of the exponent of sizes, which is -3 without limits.
-  for (int i = 0; i < kMostTries; ++i) {
+  for (int i = 0; i < kMaxTries; ++i) {
     const double before = seen, last = search.guess();
     if (std::abs(before / limits.complexity - 1) < kTolerance) break;
     search.improve(std::log(before / limits.complexity));

@@ -8,7 +8,7 @@
 namespace lumesh::metric {
 namespace {
 
-constexpr double kMostStretch = 1e30;  // Of eigenvalues: sizes may differ by 10^15.
+constexpr double kMaxStretch = 1e30;  // Of eigenvalues: sizes may differ by 10^15.
 
 template <class Function>
 SymTensor on_eigenvalues(const SymTensor& tensor, const Function& function) {
@@ -28,7 +28,7 @@ bool is_metric(const SymTensor& tensor) {
   for (const double number : {tensor.xx, tensor.xy, tensor.xz, tensor.yy, tensor.yz, tensor.zz})
     if (!std::isfinite(number)) return false;
   const Vec3 values = eigen_system(tensor).values;
-  return values[0] > 0 && values[2] <= kMostStretch * values[0];
+  return values[0] > 0 && values[2] <= kMaxStretch * values[0];
 }
 
 SymTensor from_sizes(const Mat3& axes, const Vec3& sizes_mm) {

@@ -91,7 +91,7 @@ std::vector<VelocityFit> fit(std::span<const Vec3> places, const DistinctSamples
     throw Error(ErrorKind::kBadInput, fmt::format("has only {} different points, k asks for {}; lower k",
                                                   samples.points.size(), k));
   if (places.empty()) return {};
-  refuse_far_points(places, samples.points);
+  require_near_points(places, samples.points);
   const PointTree tree(samples.points);
   const std::vector<std::uint32_t> order = hilbert_order(places);
   std::vector<VelocityFit> fits(places.size());
@@ -140,7 +140,7 @@ SymTensor tensor_of(const VelocityFit& fit, const FlowScale& scale, const Veloci
   const SymTensor round = SymTensor::diagonal(inverse, inverse, inverse);
   const double speed = fit.velocity.norm();
   if (!(speed > 0)) return round;
-  const double stretch = 1 + (options.most_stretch - 1) * share;
+  const double stretch = 1 + (options.max_stretch - 1) * share;
   const Vec3 t = fit.velocity / speed;
   const double less = inverse * (1 / (stretch * stretch) - 1);
   return round + less * SymTensor::from(t * t.transpose());
@@ -151,7 +151,7 @@ SymTensor tensor_of(const VelocityFit& fit, const FlowScale& scale, const Veloci
 void VelocityMetricOptions::validate() const {
   const auto refuse = [](const char* what) { throw Error(ErrorKind::kUsage, what); };
   if (k < 3) refuse("k must be at least 3 to fit the gradient of a velocity");
-  if (!(most_stretch >= 1) || !std::isfinite(most_stretch)) refuse("most_stretch must be 1 or more");
+  if (!(max_stretch >= 1) || !std::isfinite(max_stretch)) refuse("max_stretch must be 1 or more");
   if (!(edge_share > 0) || !std::isfinite(edge_share)) refuse("edge_share must be above 0");
   if (!(coarsest >= 1) || !std::isfinite(coarsest)) refuse("coarsest must be 1 or more");
 }

@@ -38,10 +38,10 @@ class VertexNeighbours {
   /// Vertices within `rings` edges of v or more, until there are `wanted`, without v; v's own neighbours
   /// first.
   [[nodiscard]] std::vector<std::uint32_t> about(std::size_t v, int rings, std::size_t wanted) const {
-    constexpr int kMostRings = 4;
+    constexpr int kMaxRings = 4;
     std::vector<std::uint32_t> found = {static_cast<std::uint32_t>(v)}, ring;
     std::size_t reached = 0;  // Those before it have been looked at.
-    for (int r = 0; r < kMostRings && (r < rings || found.size() <= wanted); ++r) {
+    for (int r = 0; r < kMaxRings && (r < rings || found.size() <= wanted); ++r) {
       ring.clear();
       for (; reached < found.size(); ++reached)
         for (const std::uint32_t w : of(found[reached])) ring.push_back(w);

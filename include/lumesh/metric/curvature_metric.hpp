@@ -35,7 +35,7 @@ struct CurvatureOptions {
 /// the frame of the normal of the triangles around it. Heights are taken along circles (z |p|^2 / rho^2 at
 /// the distance rho from the normal), which makes spheres exact however coarse the mesh is.
 /// @param triangles  Turned alike.
-/// Parallel inside, the same bits for every thread count.
+/// Parallel inside, bitwise identical for every thread count.
 /// Source: osculating quadrics by least squares, Cazals and Pouget 2005, doi:10.1016/j.cagd.2004.09.004.
 [[nodiscard]] std::vector<SurfaceCurvature> fit_curvatures(std::span<const Vec3> points,
                                                            std::span<const Cell<3>> triangles);
@@ -45,7 +45,7 @@ struct CurvatureOptions {
 /// interfaces fall into smooth pieces, at edges between patches and at those sharper than the feature angle;
 /// where pieces meet a vertex gets the intersection of what they want.
 /// @return One tensor per vertex of the compact mesh, per square of its unit.
-/// @throws Error{kUsage} for options out of range. Parallel inside, the same bits for every thread count.
+/// @throws Error{kUsage} for options out of range. Parallel inside, bitwise identical for every thread count.
 [[nodiscard]] std::vector<SymTensor> metric_from_curvature(const TetMesh& mesh,
                                                            const CurvatureOptions& options = {});
 

@@ -11,12 +11,12 @@ struct GradationOptions {
       0.125;                ///< 0: ellipsoids grow as a whole and stay as stretched as they are; 1: every
                             ///< axis grows for itself, so that far away they become round. In [0, 1].
   double tolerance = 0.01;  ///< Sweeps go on while a vertex's ln sqrt(det M) changes by more.
-  int most_sweeps = 100;
+  int max_sweeps = 100;
 };
 
 /// Lessens the sizes of the mesh's metric until none grows faster along an edge than allowed: every vertex's
 /// metric is intersected with its neighbours', grown along the edges between them. Sizes never become larger.
-/// Qualities are not measured anew. Parallel inside, the same bits for every thread count.
+/// Qualities are not measured anew. Parallel inside, bitwise identical for every thread count.
 /// @return the sweeps it took.
 /// @throws Error{kUsage} that names an option out of its range.
 /// Sources: Alauzet 2010, doi:10.1016/j.finel.2009.06.028 (sections on growth in metric, physical and mixed

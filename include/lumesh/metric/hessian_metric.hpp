@@ -21,7 +21,7 @@ struct HessianMetricOptions {
 /// open get 0.
 /// @param values  One per vertex of the compact mesh, finite.
 /// @throws Error{kBadInput} that names the vertex if a value is not finite.
-/// Parallel inside, the same bits for every thread count. Cost: about 10 us per vertex.
+/// Parallel inside, bitwise identical for every thread count. Cost: about 10 us per vertex.
 [[nodiscard]] std::vector<SymTensor> recover_hessians(const TetMesh& mesh, std::span<const double> values);
 
 /// M = c det(|H|)^(-1/(2p + 3)) |H| with the Hessian's eigenvalues made positive and at least 10^-6 of the

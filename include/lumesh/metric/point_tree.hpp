@@ -37,6 +37,6 @@ class PointTree {
 
 /// @throws Error{kBadInput} that says both boxes, unless a point lies about the places: within one diagonal
 /// of their box. Else unit or frame are probably wrong.
-void refuse_far_points(std::span<const Vec3> places, std::span<const Vec3> points);
+void require_near_points(std::span<const Vec3> places, std::span<const Vec3> points);
 
 }  // namespace lumesh::metric

@@ -43,7 +43,7 @@ struct MetricLimits {
 /// @param wanted  One positive definite tensor per vertex in 1/mm^2.
 /// @return The complexity that the mesh sees.
 /// @throws what MetricLimits::validate() and limit_gradation() throw, and Error{kBadInput} if sizes leave the
-/// range of numbers. Parallel inside, the same bits for every thread count. Cost: a search for the scale
+/// range of numbers. Parallel inside, bitwise identical for every thread count. Cost: a search for the scale
 /// takes about four times what one passage takes, of which most is gradation.
 double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const MetricLimits& limits = {});
 

@@ -17,9 +17,9 @@ struct VelocitySamples {
 struct VelocityMetricOptions {
   int k = 20;  ///< Nearest samples that a gradient is fitted to, >= 3. Fewer than 15 do not determine
                ///< it: what they leave open is taken to be 0.
-  double most_stretch = 10;  ///< Size along the flow to size across where the gradient is large, >= 1.
-  double edge_share = 0.2;   ///< Of the speed: how much the velocity changes across an edge there, > 0.
-  double coarsest = 4;       ///< Size across where the gradient vanishes, to that where it is large, >= 1.
+  double max_stretch = 10;  ///< Size along the flow to size across where the gradient is large, >= 1.
+  double edge_share = 0.2;  ///< Of the speed: how much the velocity changes across an edge there, > 0.
+  double coarsest = 4;      ///< Size across where the gradient vanishes, to that where it is large, >= 1.
 
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
 };
@@ -34,13 +34,13 @@ struct VelocityFit {
 /// exp(-2 d^2 / r^2), d a sample's distance and r that of the farthest. Directions in which the samples
 /// hardly extend get no gradient (Tikhonov's term, 10^-6 of the sum of squares), so that three samples give
 /// the solution of least norm. Samples at one place count as one with their mean.
-/// @throws as metric_from_velocity(). Parallel inside, the same bits for every thread count.
+/// @throws as metric_from_velocity(). Parallel inside, bitwise identical for every thread count.
 [[nodiscard]] std::vector<VelocityFit> fit_velocities(std::span<const Vec3> places,
                                                       const VelocitySamples& samples, int k);
 
 /// For every place M = R diag(1/h_t^2, 1/h_n^2, 1/h_n^2) R^T with the first axis along the velocity u and
 ///
-///   h_t / h_n = 1 + (most_stretch - 1) g,   h_n = h_0 min(g^(-1/2), coarsest),   g = min(|G| / G_0, 1),
+///   h_t / h_n = 1 + (max_stretch - 1) g,   h_n = h_0 min(g^(-1/2), coarsest),   g = min(|G| / G_0, 1),
 ///
 /// |G| the Frobenius norm of the velocity's gradient there and G_0 its 95th percentile over the places, so
 /// that neither the unit of the velocity nor a few large gradients matter. h_0 = edge_share U / G_0 with the
@@ -51,8 +51,8 @@ struct VelocityFit {
 /// @return One tensor per place, per square of the coordinates' unit.
 /// @throws Error{kBadInput} if a velocity or a place is not finite, or a speed beyond 10^100 (it names the
 /// sample), there are fewer different samples than k, or none lies within one diagonal of the places' box of
-/// that; the message does not name a file. Error{kUsage} for options out of range. Parallel inside, the same
-/// bits for every thread count. Source of the fit: moving least squares, Lancaster and Salkauskas 1981,
+/// that; the message does not name a file. Error{kUsage} for options out of range. Parallel inside, bitwise
+/// identical for every thread count. Source of the fit: moving least squares, Lancaster and Salkauskas 1981,
 /// doi:10.1090/S0025-5718-1981-0616367-1.
 [[nodiscard]] std::vector<SymTensor> metric_from_velocity(std::span<const Vec3> places,
                                                           const VelocitySamples& samples,

@@ -177,7 +177,7 @@ TEST(VelocityMetric, RefusesWhatIsNoFlow) {
             std::string::npos);
   EXPECT_EQ(fault_of_samples(many, std::vector<Vec3>(200, Vec3::UnitX())), "");
   EXPECT_THROW((void)metric_from_velocity(points, {points, points}, {.k = 2}), Error);
-  EXPECT_THROW((void)metric_from_velocity(points, {points, points}, {.most_stretch = 0.5}), Error);
+  EXPECT_THROW((void)metric_from_velocity(points, {points, points}, {.max_stretch = 0.5}), Error);
 }
 
 }  // namespace
