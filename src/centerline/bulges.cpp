@@ -11,7 +11,7 @@ constexpr double kBulge = 1.4;
 /// How far to look for those, in radii.
 constexpr double kBulgeReach = 4;
 /// A bulge goes on to where the radius is within this of the vessel's.
-constexpr double kFoot = 1.08;
+constexpr double kBase = 1.08;
 
 struct Stretch {
   std::size_t begin;  ///< Last good point before,
@@ -21,14 +21,14 @@ struct Stretch {
 /// Smallest radius within `reach` points before (step -1) or behind (+1) a point, itself included.
 double narrowest(const Tube& tube, std::size_t at, std::ptrdiff_t reach, std::ptrdiff_t step) {
   const auto count = static_cast<std::ptrdiff_t>(tube.size());
-  double least = tube.radii[at];
+  double smallest = tube.radii[at];
   for (std::ptrdiff_t n = 1; n <= reach; ++n) {
     std::ptrdiff_t i = static_cast<std::ptrdiff_t>(at) + n * step;
     if (tube.closed) i = (i % count + count) % count;
     if (i < 0 || i >= count) break;
-    least = std::min(least, tube.radii[static_cast<std::size_t>(i)]);
+    smallest = std::min(smallest, tube.radii[static_cast<std::size_t>(i)]);
   }
-  return least;
+  return smallest;
 }
 
 /// The stretch around the widest point at or after `from` of the first bulge; begin == end if there is none.
@@ -42,8 +42,8 @@ Stretch next_bulge(const Tube& tube, std::size_t from, double gap, double voxel_
     const auto peak_reach = static_cast<std::ptrdiff_t>(kBulgeReach * tube.radii[peak] / gap);
     const double left = narrowest(tube, peak, peak_reach, -1), right = narrowest(tube, peak, peak_reach, 1);
     Stretch stretch{i, i};
-    while (stretch.begin > 0 && tube.radii[stretch.begin] > kFoot * left) --stretch.begin;
-    while (stretch.end + 1 < tube.size() && (stretch.end < peak || tube.radii[stretch.end] > kFoot * right))
+    while (stretch.begin > 0 && tube.radii[stretch.begin] > kBase * left) --stretch.begin;
+    while (stretch.end + 1 < tube.size() && (stretch.end < peak || tube.radii[stretch.end] > kBase * right))
       ++stretch.end;
     // What is near the sac leans towards it.
     const auto lean = static_cast<std::size_t>(0.5 * std::min(left, right) / gap);

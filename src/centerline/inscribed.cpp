@@ -59,8 +59,8 @@ Flattening flattening_at(const Lumen& lumen, const Vec3& centre, double radius, 
     const double wall =
         lumen.ray_by_area(centre, std::cos(turn) * section.across + std::sin(turn) * third, most);
     if (wall >= most) continue;
-    const double miss = (wall - radius) / width;
-    const double weight = 1 / ((1 + miss * miss) * (1 + miss * miss));
+    const double deviation = (wall - radius) / width;
+    const double weight = 1 / ((1 + deviation * deviation) * (1 + deviation * deviation));
     Vec5 row;
     row << 1, std::cos(turn), std::sin(turn), std::cos(2 * turn), std::sin(2 * turn);
     matrix += weight * row * row.transpose();

@@ -14,18 +14,18 @@ constexpr double kSpacing = 0.25;
 /// A branch is fitted from where its own walls are all there: its radius times this outside of its parent.
 constexpr double kMouth = 0.3;
 
-struct Foot {
+struct ClosestPoint {
   std::size_t at = 0;
   double distance = std::numeric_limits<double>::infinity();
 };
 
-Foot nearest_point(const Tube& tube, const Vec3& p) {
-  Foot foot;
+ClosestPoint nearest_point(const Tube& tube, const Vec3& p) {
+  ClosestPoint closest;
   for (std::size_t i = 0; i < tube.size(); ++i) {
     const double distance = (tube.centres[i] - p).norm();
-    if (distance < foot.distance) foot = {i, distance};
+    if (distance < closest.distance) closest = {i, distance};
   }
-  return foot;
+  return closest;
 }
 
 class LineMaker {
@@ -106,8 +106,9 @@ class LineMaker {
     const Tube& outer = tubes_[static_cast<std::size_t>(parent)];
     std::size_t from = 0;
     while (from + 1 < tube.size()) {
-      const Foot foot = nearest_point(outer, tube.centres[from]);
-      if (foot.distance > outer.radii[foot.at] + kMouth * std::min(tube.radii[from], outer.radii[foot.at]))
+      const ClosestPoint closest = nearest_point(outer, tube.centres[from]);
+      if (closest.distance >
+          outer.radii[closest.at] + kMouth * std::min(tube.radii[from], outer.radii[closest.at]))
         break;
       ++from;
     }
@@ -124,8 +125,8 @@ class LineMaker {
       lead_to(path.first, tube);
       tube.reverse();
     }
-    const double least = 0.25 * lumen_.voxel_mm();
-    tube = spacing_mm_ > 0 ? resampled(tube, spacing_mm_) : resampled_by_radius(tube, kSpacing, least);
+    const double min_gap = 0.25 * lumen_.voxel_mm();
+    tube = spacing_mm_ > 0 ? resampled(tube, spacing_mm_) : resampled_by_radius(tube, kSpacing, min_gap);
   }
 
   /// Leads the last end of a tube to where it belongs.
@@ -170,17 +171,17 @@ class LineMaker {
 
   /// The point of another line that a straight way ahead passes nearest to.
   [[nodiscard]] std::size_t aim(const Tube& other, const Vec3& from, const Vec3& along, double radius) const {
-    const Foot nearest = nearest_point(other, from);
+    const ClosestPoint nearest = nearest_point(other, from);
     const double most = 2 * nearest.distance + radius;
     std::size_t best = nearest.at;
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < other.size(); ++i) {
       const Vec3 way = other.centres[i] - from;
       const double ahead = way.dot(along);
       if (ahead <= 0 || way.norm() > most) continue;
-      const double miss = (way - ahead * along).norm();
-      if (miss >= least) continue;
-      least = miss;
+      const double deviation = (way - ahead * along).norm();
+      if (deviation >= smallest) continue;
+      smallest = deviation;
       best = i;
     }
     return best;

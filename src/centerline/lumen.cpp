@@ -222,39 +222,39 @@ double Lumen::inside(const Vec3& position) const {
   return mix(low, high, t.z()) / kWhole;
 }
 
-double Lumen::ray(const Vec3& from, const Vec3& direction, double most_mm) const {
+double Lumen::ray(const Vec3& from, const Vec3& direction, double max_mm) const {
   const double fine = 0.5 * frame_.spacing_mm.minCoeff();
   const double slack = 1.5 * frame_.spacing_mm.maxCoeff();
   double at = 0;
   double before = inside(from);
   if (before < 0.5) return 0;
-  while (at < most_mm) {
+  while (at < max_mm) {
     const std::uint32_t id = voxel_around(from + at * direction);
-    const double clear = id == kNoVoxel ? 0.0 : std::min(wall_mm_[id] - slack, most_mm);
+    const double clear = id == kNoVoxel ? 0.0 : std::min(wall_mm_[id] - slack, max_mm);
     const double step = std::max(fine, clear);
     const double value = inside(from + (at + step) * direction);
-    if (value < 0.5) return std::min(most_mm, at + step * (before - 0.5) / (before - value));
+    if (value < 0.5) return std::min(max_mm, at + step * (before - 0.5) / (before - value));
     before = value;
     at += step;
   }
-  return most_mm;
+  return max_mm;
 }
 
-double Lumen::ray_by_area(const Vec3& from, const Vec3& direction, double most_mm) const {
-  const double wall = ray(from, direction, most_mm);
-  if (refined_ || wall >= most_mm || wall == 0) return wall;
+double Lumen::ray_by_area(const Vec3& from, const Vec3& direction, double max_mm) const {
+  const double wall = ray(from, direction, max_mm);
+  if (refined_ || wall >= max_mm || wall == 0) return wall;
   // The area of a sector is the integral of its share over the square of the radius; interpolation keeps it.
   const double step = 0.25 * frame_.spacing_mm.minCoeff();
   const double first = std::max(0.0, wall - 1.75 * frame_.spacing_mm.maxCoeff());
   double squared = first * first;
   double before = 1;
-  for (double at = first; at < most_mm; at += step) {
+  for (double at = first; at < max_mm; at += step) {
     const double share = inside(from + (at + 0.5 * step) * direction);
     if (share <= 0 || (at > wall && share > before)) break;  // What comes next is another vessel.
     squared += share * ((at + step) * (at + step) - at * at);
     before = share;
   }
-  return std::min(std::sqrt(squared), most_mm);
+  return std::min(std::sqrt(squared), max_mm);
 }
 
 }  // namespace lumesh::centerline

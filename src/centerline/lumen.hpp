@@ -55,11 +55,11 @@ class Lumen {
   [[nodiscard]] std::uint32_t voxel_around(const Vec3& position) const;
   /// How much of a place is inside, 0 to 1, interpolated between voxels: the wall is at one half.
   [[nodiscard]] double inside(const Vec3& position) const;
-  /// Along a unit direction to where inside() falls below one half, at most `most_mm`.
-  [[nodiscard]] double ray(const Vec3& from, const Vec3& direction, double most_mm) const;
+  /// Along a unit direction to where inside() falls below one half, at most `max_mm`.
+  [[nodiscard]] double ray(const Vec3& from, const Vec3& direction, double max_mm) const;
   /// The same, but corrected, where shares are 0 and 1, so that a tube around `from` keeps the area of its
   /// voxels: interpolation moves the wall of tubes a few voxels wide inwards.
-  [[nodiscard]] double ray_by_area(const Vec3& from, const Vec3& direction, double most_mm) const;
+  [[nodiscard]] double ray_by_area(const Vec3& from, const Vec3& direction, double max_mm) const;
 
   /// Replaces the share of voxels next to the wall, of both sides, which is 0 or 1, by share(position), 0
   /// to 1.

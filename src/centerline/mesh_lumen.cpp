@@ -12,7 +12,7 @@ namespace lumesh::centerline {
 
 namespace {
 
-constexpr double kMostVoxels = 4e6;
+constexpr double kMaxVoxels = 4e6;
 constexpr int kMargin = 4;  ///< Voxels around the mesh.
 
 /// Where the mesh's voxels are, and how far beyond its caps vessels go on.
@@ -140,7 +140,7 @@ Grid grid_around(const Boundary& boundary, const CenterlineOptions& options) {
   if (!(volume > 1e-9 * extent * extent * extent) || !(area > 0))
     throw Error(ErrorKind::kBadInput, "the boundary of the mesh encloses nothing; is its surface closed?");
   // A tube's volume is half its radius times its area.
-  double voxel = std::max(2 * volume / area / 8, std::cbrt(volume / kMostVoxels));
+  double voxel = std::max(2 * volume / area / 8, std::cbrt(volume / kMaxVoxels));
   if (options.voxel_mm > 0) voxel = options.voxel_mm;
   if (volume / (voxel * voxel * voxel) > 1e9 || extent / voxel > 30000)
     throw Error(ErrorKind::kBadInput,
@@ -199,10 +199,10 @@ void place_wall(const Boundary& boundary, const Grid& grid, Lumen& lumen) {
     Vec3 p = grid.frame.origin_mm + position;
     for (const Cap& cap : grid.caps) {
       const double height = cap.height(p);
-      const Vec3 foot = p - height * cap.normal;
-      if (height <= 0 || height > grid.beyond_mm(cap) || (foot - cap.middle).norm() > 2 * cap.radius)
+      const Vec3 projection = p - height * cap.normal;
+      if (height <= 0 || height > grid.beyond_mm(cap) || (projection - cap.middle).norm() > 2 * cap.radius)
         continue;
-      p = foot;
+      p = projection;
       break;
     }
     const double distance = std::min(tree.nearest(p, 2 * voxel).distance, 2 * voxel);

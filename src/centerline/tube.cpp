@@ -56,9 +56,9 @@ std::vector<double> lengths_along(const Tube& tube) {
 
 Tube resampled(const Tube& tube, double gap_mm) {
   if (tube.size() < 2) return tube;
-  constexpr double kMostGaps = 1e7;
+  constexpr double kMaxGaps = 1e7;
   const std::vector<double> length = lengths_along(tube);
-  if (length.back() > kMostGaps * gap_mm)
+  if (length.back() > kMaxGaps * gap_mm)
     throw Error(
         ErrorKind::kBadInput,
         fmt::format("a spacing of {:g} mm would make {:.2g} points of a line of {:.3g} mm; give a larger one",
@@ -70,11 +70,11 @@ Tube resampled(const Tube& tube, double gap_mm) {
   return sampled(tube, length, ways);
 }
 
-Tube resampled_by_radius(const Tube& tube, double share, double least_mm) {
+Tube resampled_by_radius(const Tube& tube, double share, double min_mm) {
   if (tube.size() < 2) return tube;
   // The integral of 1 / gap grows by one from point to point.
   const std::vector<double> length = lengths_along(tube);
-  const auto gap_at = [&](std::size_t i) { return std::max(least_mm, share * tube.radii[i % tube.size()]); };
+  const auto gap_at = [&](std::size_t i) { return std::max(min_mm, share * tube.radii[i % tube.size()]); };
   std::vector<double> steps = {0};
   for (std::size_t i = 1; i < length.size(); ++i)
     steps.push_back(steps.back() + (length[i] - length[i - 1]) * 2 / (gap_at(i - 1) + gap_at(i)));

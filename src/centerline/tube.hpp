@@ -33,7 +33,7 @@ struct Tube {
 
 /// Points whose gaps are at most as `gap_at(radius)` says, on a cubic through the given points; ends are
 /// kept.
-[[nodiscard]] Tube resampled_by_radius(const Tube& tube, double share, double least_mm);
+[[nodiscard]] Tube resampled_by_radius(const Tube& tube, double share, double min_mm);
 
 /// Means over `reach_mm` to both sides, less near open ends, which stay.
 [[nodiscard]] Tube averaged(const Tube& tube, double reach_mm);

@@ -101,8 +101,8 @@ class TubeFitter {
       const double wall =
           exact_ ? lumen_.ray_by_area(centre, direction, most) : lumen_.ray(centre, direction, most);
       if (wall >= most) continue;
-      const double miss = (wall - radius) / width;
-      const double fade = 1 + miss * miss;
+      const double deviation = (wall - radius) / width;
+      const double fade = 1 + deviation * deviation;
       Vec4 row;
       row << direction, 1;
       equations.matrix += row * row.transpose() / (fade * fade);

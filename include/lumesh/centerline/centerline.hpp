@@ -36,7 +36,7 @@ struct CenterlineOptions {
 ///         border voxels; other ends at the centre of the last ball that fits. A ring that nothing leaves is
 ///         a line whose last point is its first.
 /// @throws Error{kBadInput} if no voxel is foreground, or nothing is longer than wide. Warns if pieces are
-/// left out. Threads: parallel, the same bits for every number of threads. Cost: a scan of the image, then
+/// left out. Threads: parallel, bitwise identical for every thread count. Cost: a scan of the image, then
 /// linear (but for a logarithm) in the voxels of the object. Memory: about 60 bytes for each of those.
 /// Sources: Sato et al. 2000, doi:10.1109/PCCGA.2000.883951 (paths, TEASAR); Antiga et al. 2003,
 /// doi:10.1109/TMI.2003.812261 (cost by the inscribed radius); Geman and McClure 1987 (weights).

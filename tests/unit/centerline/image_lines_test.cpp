@@ -16,7 +16,7 @@ namespace {
 using fixtures::frame_of;
 using fixtures::voxels_of;
 using test::AxisSample;
-using test::misses;
+using test::deviations;
 using test::samples_of;
 
 const Vec3 kAxis(14.3, 15.6, 0);  // Of a straight vessel along z, in voxels.
@@ -59,10 +59,10 @@ TEST(Centerline, OfACylinderIsItsAxisFromFaceToFaceOfTheImage) {
   const Polylines lines = lines_in(cylinder_image());
   ASSERT_EQ(lines.lines.size(), 1U);
   const std::vector<AxisSample> axis = straight_axis(-0.5, 39.5, kRadius);
-  const test::Misses there = misses(samples_of(lines, 0.25), axis);
-  EXPECT_LT(there.most, 0.25);
+  const test::Deviations there = deviations(samples_of(lines, 0.25), axis);
+  EXPECT_LT(there.largest, 0.25);
   EXPECT_LT(there.radius, 0.02);
-  EXPECT_LT(misses(axis, samples_of(lines, 0.25)).most, 0.35);
+  EXPECT_LT(deviations(axis, samples_of(lines, 0.25)).largest, 0.35);
   const double first = lines.points.front().z(), last = lines.points.back().z();
   EXPECT_NEAR(std::min(first, last), -0.5, 1e-9);
   EXPECT_NEAR(std::max(first, last), 39.5, 1e-9);
@@ -103,9 +103,9 @@ TEST(Centerline, OfHalfARingIsHalfACircle) {
     const double turn = std::numbers::pi * i / 600;
     arc.push_back({centre + ring * Vec3(std::cos(turn), std::sin(turn), 0), tube});
   }
-  EXPECT_LT(misses(samples_of(lines, 0.25), arc).mean, 0.15);
-  EXPECT_LT(misses(samples_of(lines, 0.25), arc).radius, 0.02);
-  EXPECT_LT(misses(arc, samples_of(lines, 0.25)).most, 0.5);
+  EXPECT_LT(deviations(samples_of(lines, 0.25), arc).mean, 0.15);
+  EXPECT_LT(deviations(samples_of(lines, 0.25), arc).radius, 0.02);
+  EXPECT_LT(deviations(arc, samples_of(lines, 0.25)).largest, 0.5);
 }
 
 TEST(Centerline, OfARingClosesWhereItBegan) {
@@ -117,8 +117,8 @@ TEST(Centerline, OfARingClosesWhereItBegan) {
   ASSERT_EQ(lines.lines.size(), 1U);
   EXPECT_EQ(lines.lines[0].front(), lines.lines[0].back());
   const std::vector<AxisSample> truth = samples_of(phantom.centerline(), 0.25);
-  EXPECT_LT(misses(samples_of(lines, 0.25), truth).most, 0.3);
-  EXPECT_LT(misses(truth, samples_of(lines, 0.25)).most, 0.3);
+  EXPECT_LT(deviations(samples_of(lines, 0.25), truth).largest, 0.3);
+  EXPECT_LT(deviations(truth, samples_of(lines, 0.25)).largest, 0.3);
 }
 
 TEST(Centerline, ASideSacMovesNeitherLineNorRadius) {
@@ -127,9 +127,9 @@ TEST(Centerline, ASideSacMovesNeitherLineNorRadius) {
       shape_image({48, 36, 48}, [&](const Vec3& p) { return in_cylinder(p) || (p - sac).norm() < 11; });
   const Polylines lines = lines_in(image);
   ASSERT_EQ(lines.lines.size(), 1U);
-  const test::Misses there = misses(samples_of(lines, 0.25), straight_axis(-0.5, 47.5, kRadius));
+  const test::Deviations there = deviations(samples_of(lines, 0.25), straight_axis(-0.5, 47.5, kRadius));
   EXPECT_LT(there.mean, 0.3);
-  EXPECT_LT(there.most, 0.6);
+  EXPECT_LT(there.largest, 0.6);
   EXPECT_LT(there.radius, 0.03);
 }
 

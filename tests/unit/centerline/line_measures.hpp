@@ -45,15 +45,15 @@ inline std::vector<AxisSample> samples_of(const std::vector<PhantomCurve>& curve
   return samples_of(lines, step);
 }
 
-struct Misses {
+struct Deviations {
   double mean = 0;
-  double most = 0;
+  double largest = 0;
   double radius = 0;  ///< Mean relative difference to the radius of the nearest sample.
 };
 
 /// From each of `from` to the nearest of `to`.
-inline Misses misses(const std::vector<AxisSample>& from, const std::vector<AxisSample>& to) {
-  Misses result;
+inline Deviations deviations(const std::vector<AxisSample>& from, const std::vector<AxisSample>& to) {
+  Deviations result;
   for (const AxisSample& sample : from) {
     const auto nearest =
         std::min_element(to.begin(), to.end(), [&](const AxisSample& a, const AxisSample& b) {
@@ -61,7 +61,7 @@ inline Misses misses(const std::vector<AxisSample>& from, const std::vector<Axis
         });
     const double distance = (nearest->point - sample.point).norm();
     result.mean += distance / static_cast<double>(from.size());
-    result.most = std::max(result.most, distance);
+    result.largest = std::max(result.largest, distance);
     result.radius += std::abs(sample.radius / nearest->radius - 1) / static_cast<double>(from.size());
   }
   return result;

@@ -37,10 +37,10 @@ void expect_near_truth(const PhantomSpec& spec, std::size_t line_count, double m
   const double voxel = std::cbrt(spec.spacing_mm.prod());
   const std::vector<AxisSample> found = test::samples_of(lines, voxel / 2);
   const std::vector<AxisSample> truth = test::samples_of(Phantom(spec).centerline(), voxel / 2);
-  const test::Misses there = test::misses(found, truth);
+  const test::Deviations there = test::deviations(found, truth);
   EXPECT_LT(there.mean, mean * voxel);
   EXPECT_LT(there.radius, radius);
-  EXPECT_LT(test::misses(truth, found).mean, mean * voxel);
+  EXPECT_LT(test::deviations(truth, found).mean, mean * voxel);
 }
 
 TEST(PhantomLines, FollowTheCarotidPastItsSac) {
