@@ -23,7 +23,7 @@ class ByVertex {
   ByVertex(std::size_t source_count, std::size_t vertex_count, const Visit& visit,
            const KeyVertex& key_vertex)
       : begin_(vertex_count + 1, 0),
-        per_range_(std::max(kLeastPerRange, vertex_count / kMostRanges + 1)),
+        per_range_(std::max(kMinPerRange, vertex_count / kMaxRanges + 1)),
         ranges_((vertex_count + per_range_ - 1) / per_range_) {
     deal_to_ranges(source_count, visit, key_vertex);
     parallel::for_each_index(
@@ -41,13 +41,13 @@ class ByVertex {
   }
 
  private:
-  static constexpr std::size_t kLeastPerRange = 1024, kMostRanges = 1024;
-  static constexpr std::size_t kLeastBlock = 8192, kMostBlocks = 256;
+  static constexpr std::size_t kMinPerRange = 1024, kMaxRanges = 1024;
+  static constexpr std::size_t kMinBlock = 8192, kMaxBlocks = 256;
 
   /// Blocks of sources count what they have for each range, and then write it to places of their own.
   template <class Visit, class KeyVertex>
   void deal_to_ranges(std::size_t source_count, const Visit& visit, const KeyVertex& key_vertex) {
-    const std::size_t block = std::max(kLeastBlock, source_count / kMostBlocks + 1);
+    const std::size_t block = std::max(kMinBlock, source_count / kMaxBlocks + 1);
     const std::size_t blocks = (source_count + block - 1) / block;
     std::vector<std::uint64_t> places(blocks * ranges_, 0);
     const auto for_each_item = [&](const auto& body) {

@@ -25,9 +25,9 @@ struct FlatTally {
     shapes.smallest_dihedral_deg = std::min(shapes.smallest_dihedral_deg, degrees);
     shapes.largest_dihedral_deg = std::max(shapes.largest_dihedral_deg, degrees);
   }
-  void add_aspect(double longest_edge, double least_height) {
-    if (!(least_height > 0)) return;
-    const double aspect = longest_edge / least_height;
+  void add_aspect(double longest_edge, double min_height) {
+    if (!(min_height > 0)) return;
+    const double aspect = longest_edge / min_height;
     shapes.mean_aspect += aspect;
     shapes.largest_aspect = std::max(shapes.largest_aspect, aspect);
     ++with_aspect;

@@ -72,7 +72,7 @@ VertexMetrics take_logarithms(const MeshView& mesh, const CornersByVertex& corne
     throw Error(ErrorKind::kBadInput,
                 "the metric at vertex " + std::to_string(refused.first) +
                     " is not finite and positive definite (vertices with such a metric: " +
-                    std::to_string(refused.count) + "); mend the metric");
+                    std::to_string(refused.count) + "); repair the metric");
   return result;
 }
 

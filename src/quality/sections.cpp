@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kFinerSteps = 8;
 constexpr int kParallelPlanes = 5;
-constexpr double kMostReach = 4;  // Of a vessel's section, in radii.
+constexpr double kMaxReach = 4;  // Of a vessel's section, in radii.
 
 /// A place on an axis, and its radius.
 struct Station {
@@ -65,7 +65,7 @@ class Sections {
   [[nodiscard]] Measured measure(const Station& station) const {
     const SectionPlane plane(station.point_mm, station.tangent);
     Measured result = {station};
-    const double limit_mm = kMostReach * (station.radius_mm + voxel_mm_);
+    const double limit_mm = kMaxReach * (station.radius_mm + voxel_mm_);
     const std::optional<VoxelSection> voxels = voxel_section(image_, cuts_, plane, limit_mm);
     if (!voxels || !voxels->is_whole) return result;
     const SurfaceSection of_mesh = surface_.at(plane, limit_mm, voxel_mm_);
@@ -95,7 +95,7 @@ class Sections {
 
   [[nodiscard]] bool leaves_image(const Station& end) const {
     const auto voxels = voxel_section(image_, cuts_, SectionPlane(end.point_mm, end.tangent),
-                                      kMostReach * (end.radius_mm + voxel_mm_));
+                                      kMaxReach * (end.radius_mm + voxel_mm_));
     return !voxels || !voxels->is_whole;
   }
 
@@ -140,7 +140,7 @@ std::vector<Measured> measure_all(const std::vector<Station>& stations, const Me
   return result;
 }
 
-/// The first with the least area of the mesh.
+/// The first place with the smallest area of the mesh.
 std::optional<std::size_t> narrowest(const std::vector<Measured>& measured) {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < measured.size(); ++i)
@@ -168,12 +168,12 @@ std::vector<Station> finer_stations(const std::vector<Station>& stations, std::s
 std::optional<Measured> narrowest_of_branch(const Sections& sections, const std::vector<Station>& stations) {
   std::vector<Measured> single =
       measure_all(stations, [&](const Station& station) { return sections.measure(station); });
-  while (const std::optional<std::size_t> least = narrowest(single)) {
+  while (const std::optional<std::size_t> place = narrowest(single)) {
     const std::vector<Measured> finer =
-        measure_all(finer_stations(stations, *least),
+        measure_all(finer_stations(stations, *place),
                     [&](const Station& station) { return sections.measure_mean(station); });
     if (const std::optional<std::size_t> best = narrowest(finer)) return finer[*best];
-    single[*least].is_whole = false;  // The parallel planes reach beyond the image.
+    single[*place].is_whole = false;  // The parallel planes reach beyond the image.
   }
   return std::nullopt;
 }

@@ -138,32 +138,33 @@ TetrahedronStatistics measure_tetrahedra(const MeshView& mesh) {
 }
 
 /// Least determinant of the three edges that leave a corner, over the product of their lengths.
-double least_scaled_jacobian(std::span<const Vec3> points, std::span<const std::uint32_t> cell) {
-  double least = 1;
+double min_scaled_jacobian(std::span<const Vec3> points, std::span<const std::uint32_t> cell) {
+  double smallest = 1;
   for (const auto& [at, a, b, c] : corners_of_cell(cell.size())) {
     const Vec3& corner = points[cell[at]];
     const Vec3 u = points[cell[a]] - corner, v = points[cell[b]] - corner, w = points[cell[c]] - corner;
     const double lengths = u.norm() * v.norm() * w.norm();
-    least = std::min(least, lengths > 0 ? u.cross(v).dot(w) / lengths : 0);
+    smallest = std::min(smallest, lengths > 0 ? u.cross(v).dot(w) / lengths : 0);
   }
-  return least;
+  return smallest;
 }
 
 template <std::size_t N>
-double least_over_cells(std::span<const Vec3> points, std::span<const Cell<N>> cells) {
+double min_over_cells(std::span<const Vec3> points, std::span<const Cell<N>> cells) {
   return parallel::reduce_blocks(
       cells.size(), kBlock, 1.0,
       [&](std::size_t begin, std::size_t end) {
-        double least = 1;
-        for (std::size_t i = begin; i < end; ++i) least = std::min(least, scaled_jacobian(points, cells[i]));
-        return least;
+        double smallest = 1;
+        for (std::size_t i = begin; i < end; ++i)
+          smallest = std::min(smallest, scaled_jacobian(points, cells[i]));
+        return smallest;
       },
       [](double a, double b) { return std::min(a, b); });
 }
 
 double smallest_scaled_jacobian(const MeshView& mesh) {
-  return std::min({least_over_cells(mesh.points, mesh.hexahedra), least_over_cells(mesh.points, mesh.prisms),
-                   least_over_cells(mesh.points, mesh.pyramids)});
+  return std::min({min_over_cells(mesh.points, mesh.hexahedra), min_over_cells(mesh.points, mesh.prisms),
+                   min_over_cells(mesh.points, mesh.pyramids)});
 }
 
 std::vector<Label> labels_in_use(const AllCells& cells) {
@@ -222,13 +223,13 @@ VolumeTally measure_volumes(const MeshView& mesh) {
 }  // namespace
 
 double scaled_jacobian(std::span<const Vec3> points, const Cell<5>& pyramid) {
-  return least_scaled_jacobian(points, pyramid);
+  return min_scaled_jacobian(points, pyramid);
 }
 double scaled_jacobian(std::span<const Vec3> points, const Cell<6>& prism) {
-  return least_scaled_jacobian(points, prism);
+  return min_scaled_jacobian(points, prism);
 }
 double scaled_jacobian(std::span<const Vec3> points, const Cell<8>& hexahedron) {
-  return least_scaled_jacobian(points, hexahedron);
+  return min_scaled_jacobian(points, hexahedron);
 }
 
 MeshStatistics measure(const MeshView& mesh) {

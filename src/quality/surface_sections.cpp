@@ -32,14 +32,14 @@ bool surrounds(const Outline& loop, const PlanePoint& p) {
 }
 
 double distance_to(const Outline& loop, const PlanePoint& p) {
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < loop.size(); ++i) {
     const PlanePoint a = loop[i] - p, along = loop[(i + 1) % loop.size()] - loop[i];
     const double squared = along.squaredNorm();
     const double t = squared > 0 ? std::clamp(-a.dot(along) / squared, 0.0, 1.0) : 0;
-    least = std::min(least, (a + t * along).norm());
+    smallest = std::min(smallest, (a + t * along).norm());
   }
-  return least;
+  return smallest;
 }
 
 /// What a triangle leaves on a plane: from where the next one begins to where the one before ended. With

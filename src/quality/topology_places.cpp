@@ -35,7 +35,7 @@ std::vector<TopologyPlace> find_topology_places(const MeshView& mesh, const Labe
   for (const TopologyDifference& difference : differences) {
     const bool is_of_pieces =
         difference.handles == 0 && difference.cavities == 0 && difference.components != 0;
-    if (is_of_pieces || ++warped > kMostWarped) continue;
+    if (is_of_pieces || ++warped > kMaxWarped) continue;
     const std::vector<TopologyPlace> more = find_warping_places(mesh, image, difference);
     places.insert(places.end(), more.begin(), more.end());
   }

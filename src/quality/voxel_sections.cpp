@@ -90,15 +90,15 @@ std::optional<Index3> first_voxel(const LabelImage& image, const ImagePlane& pla
   const Index3 own(static_cast<int>(std::lround(index.x())), static_cast<int>(std::lround(index.y())),
                    static_cast<int>(std::lround(index.z())));
   std::optional<Index3> best;
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (int k = -1; k <= 1; ++k)
     for (int j = -1; j <= 1; ++j)
       for (int i = -1; i <= 1; ++i) {
         const Index3 voxel = own + Index3(i, j, k);
         if (!image.frame().contains(voxel) || image.at(voxel) == 0 || !plane.crosses_voxel(voxel)) continue;
         const double distance = (voxel.cast<double>() - index).cwiseProduct(plane.spacing).norm();
-        if (distance >= least) continue;
-        least = distance;
+        if (distance >= smallest) continue;
+        smallest = distance;
         best = voxel;
       }
   return best;

@@ -16,9 +16,9 @@ namespace lumesh::quality {
 namespace {
 
 constexpr std::array<int, 2> kPointsPerVoxel = {2, 4};  // Along each axis.
-constexpr std::size_t kMostClusters = 1000;             // More are noise: it is not looked at more closely.
-constexpr std::size_t kMostBricks = std::size_t{1} << 26;
-constexpr std::size_t kMostPoints = std::size_t{1} << 27;
+constexpr std::size_t kMaxClusters = 1000;              // More are noise: it is not looked at more closely.
+constexpr std::size_t kMaxBricks = std::size_t{1} << 26;
+constexpr std::size_t kMaxPoints = std::size_t{1} << 27;
 
 Index3 step(int n) {  // to one of the 27 around
   return {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
@@ -35,12 +35,12 @@ class PointGrid {
   PointGrid(const Index3& low, const Index3& high) : low_(low) {
     bricks_ = ((high - low).array() + kEdge - 1) / kEdge;
     const Vec3 bricks = bricks_.cast<double>();
-    fits_ = bricks.prod() < static_cast<double>(kMostBricks);
+    fits_ = bricks.prod() < static_cast<double>(kMaxBricks);
     if (fits_) brick_of_.assign(static_cast<std::size_t>(bricks_.prod()), 0);
     points_.resize(kBrick);  // The first one is where nothing is.
   }
 
-  [[nodiscard]] bool fits() const { return fits_ && points_.size() < kMostPoints; }
+  [[nodiscard]] bool fits() const { return fits_ && points_.size() < kMaxPoints; }
   /// Number of the point; makes its brick.
   std::size_t made(const Index3& p) {
     std::uint32_t& brick = brick_of_[brick_at(p)];
@@ -386,7 +386,7 @@ std::vector<TopologyPlace> find_warping_places(const MeshView& mesh, const Label
     Warping warping(mesh, image, difference, points_per_voxel);
     if (!warping.run()) break;
     places = warping.places();
-    if (warping.is_complete() || warping.cluster_count() > kMostClusters) break;
+    if (warping.is_complete() || warping.cluster_count() > kMaxClusters) break;
   }
   return places;
 }

@@ -19,7 +19,8 @@ struct WallCurvature {
 /// Discrete mean curvature at the vertices of the outer surface, by cotangents over mixed areas. Vertices of
 /// openings, their rims among them, and those at open edges have none.
 /// Source: Meyer, Desbrun, Schroeder, Barr 2003, doi:10.1007/978-3-662-05105-4_2, section 3.5.
-/// Threads: parallel inside, the same bits for every thread count. Cost: about 0.5 us per triangle and core.
+/// Threads: parallel inside, bitwise identical for every thread count. Cost: about 0.5 us per triangle and
+/// core.
 [[nodiscard]] WallCurvature wall_curvature(const MeshView& mesh, const MeshSurface& surface);
 
 /// All weighted by area.

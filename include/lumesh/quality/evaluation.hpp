@@ -126,7 +126,7 @@ struct EvaluationInput {
 /// @param mesh  In mm (LPS) as the image. A metric that is not positive definite is warned of, in the
 ///              context and in `warnings`; all other figures are there.
 /// @throws Error{kBadInput} if the mesh has no cells.
-/// Threads: parallel inside, the same bits for every thread count. Phases are timed in the context.
+/// Threads: parallel inside, bitwise identical for every thread count. Phases are timed in the context.
 [[nodiscard]] Evaluation evaluate(const MeshView& mesh, const EvaluationInput& input, Context& context);
 
 }  // namespace lumesh::quality

@@ -55,7 +55,7 @@ struct ImageDistances {
 
 /// Compares a mesh with its image.
 /// @param planes  Cuts made when the mesh was built: image boundary beyond them, and caps on them, are left
-/// out. Threads: parallel inside, the same bits for every thread count. Cost: about 1 us per sample; 60k
+/// out. Threads: parallel inside, bitwise identical for every thread count. Cost: about 1 us per sample; 60k
 /// triangles and 300k voxel faces take 2 s on two cores.
 [[nodiscard]] ImageDistances compare_with_image(const MeshView& mesh, const MeshSurface& surface,
                                                 const LabelImage& image, std::span<const CutPlane> planes);

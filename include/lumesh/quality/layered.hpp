@@ -27,7 +27,7 @@ struct FlatCellShapes {
 };
 
 /// Heights are those of a tetrahedron or pyramid over its largest face, of a prism its volume through the
-/// mean area of its triangles. Hexahedra are left out. Threads: parallel inside, the same bits for every
+/// mean area of its triangles. Hexahedra are left out. Threads: parallel inside, bitwise identical for every
 /// thread count.
 [[nodiscard]] FlatCellShapes measure_flat_cells(const MeshView& mesh);
 

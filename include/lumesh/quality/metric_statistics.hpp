@@ -65,8 +65,8 @@ struct MetricStatistics : EdgeBand {  // Distinct edges: one of many tetrahedra 
 /// @param mesh  With tetrahedra, and a metric for each point in 1/mm^2.
 /// @throws Error{kBadInput} if points and metrics differ in number, or the metric at a vertex of a
 ///         tetrahedron is not finite and positive definite; the message names the first one.
-/// Threads: parallel inside, the same bits for every thread count. Memory: 32 bytes per tetrahedron and 73
-/// per point. Cost: about 0.6 us per tetrahedron and core where neighbours are close in the arrays, five
+/// Threads: parallel inside, bitwise identical for every thread count. Memory: 32 bytes per tetrahedron and
+/// 73 per point. Cost: about 0.6 us per tetrahedron and core where neighbours are close in the arrays, five
 /// times that in random order.
 [[nodiscard]] MetricStatistics measure_in_metric(const MeshView& mesh);
 

@@ -31,7 +31,7 @@ struct LabelReference {
 };
 
 /// @param planes  Cuts made when the mesh was built: caps on them are left out, and volumes are then not
-/// comparable. Threads: parallel inside, the same bits for every thread count. Cost: about 15 phantom
+/// comparable. Threads: parallel inside, bitwise identical for every thread count. Cost: about 15 phantom
 /// distances per triangle, and the phantom's image.
 [[nodiscard]] std::vector<LabelReference> compare_with_phantom(const MeshView& mesh,
                                                                const MeshSurface& surface,

@@ -43,8 +43,8 @@ struct NarrowestSection {
 /// @param planes  Cuts made when the mesh was built.
 /// @return One for each branch that has a whole section, in the order of the lines.
 /// @throws Error{kBadInput} if the axes have no scalar "radius".
-/// Threads: parallel inside, the same bits for every thread count. Cost: about 0.05 ms per plane and core in
-/// vessels a few voxels wide; it grows with the voxels and triangles on a plane.
+/// Threads: parallel inside, bitwise identical for every thread count. Cost: about 0.05 ms per plane and core
+/// in vessels a few voxels wide; it grows with the voxels and triangles on a plane.
 [[nodiscard]] std::vector<NarrowestSection> find_narrowest_sections(const MeshView& mesh,
                                                                     const MeshSurface& surface,
                                                                     const LabelImage& image,

@@ -72,8 +72,8 @@ struct MeshStatistics {
   Vec3 high_mm = Vec3::Zero();
 };
 
-/// Measures every cell. Threads: parallel inside, the same bits for every thread count. Cost: about 0.3 us
-/// per tetrahedron and core.
+/// Measures every cell. Threads: parallel inside, bitwise identical for every thread count. Cost: about 0.3
+/// us per tetrahedron and core.
 [[nodiscard]] MeshStatistics measure(const MeshView& mesh);
 
 /// Least scaled Jacobian over the corners of a cell (of a pyramid: those of its base); 1 for a cube, <= 0 if

@@ -43,7 +43,7 @@ struct TopologyDifference {
 };
 
 /// Handles and cavities are looked for in so many labels only, the first ones.
-inline constexpr std::size_t kMostWarped = 100;
+inline constexpr std::size_t kMaxWarped = 100;
 
 /// The places of all differences, by label; the largest extra and missing pieces first.
 ///

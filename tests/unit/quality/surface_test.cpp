@@ -180,8 +180,8 @@ TEST(Surface, HexahedraAndPyramidsJoinThroughTheirQuadrilaterals) {
 TEST(Surface, PatchesKnowAreaNormalAndFlatness) {
   MixedMesh mesh = cubes(2, [](int, int, int) { return 1; });
   mesh.info.patches = {{"wall", PatchKind::kWall, {1, 0}}, {"inlet_1", PatchKind::kOpening, {1, 0}}};
-  const MeshSurface bare = extract_surface(mesh.view());
-  for (const Cell<3>& t : bare.triangles) {
+  const MeshSurface unnamed = extract_surface(mesh.view());
+  for (const Cell<3>& t : unnamed.triangles) {
     const bool top = mesh.points[t[0]].z() == 2 && mesh.points[t[1]].z() == 2 && mesh.points[t[2]].z() == 2;
     mesh.triangles.push_back(t);
     mesh.triangle_patches.push_back(top ? 1 : 0);
