@@ -122,10 +122,10 @@ double distance_between(const PartSurface& from, const PartSurface& to) {
   return parallel::reduce_blocks(
       from.points.size(), kBlock, std::numeric_limits<double>::infinity(),
       [&](std::size_t begin, std::size_t end) {
-        double least = std::numeric_limits<double>::infinity();
+        double smallest = std::numeric_limits<double>::infinity();
         for (std::size_t i = begin; i < end; ++i)
-          least = std::min(least, tree.nearest(from.mesh->points[from.points[i]], least).distance);
-        return least;
+          smallest = std::min(smallest, tree.nearest(from.mesh->points[from.points[i]], smallest).distance);
+        return smallest;
       },
       [](double a, double b) { return std::min(a, b); });
 }
@@ -194,14 +194,14 @@ void check_parts_touch(std::span<const PartSurface> parts, const JoinedPoints& j
   const auto alone = std::find_if(groups.begin(), groups.end(), [](std::uint32_t g) { return g != 0; });
   if (alone == groups.end()) return;
   const PartSurface& part = parts[static_cast<std::size_t>(alone - groups.begin())];
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t p = 0; p < parts.size(); ++p)
-    if (groups[p] != *alone) least = std::min(least, distance_between(part, parts[p]));
+    if (groups[p] != *alone) smallest = std::min(smallest, distance_between(part, parts[p]));
   throw Error(
       ErrorKind::kBadInput,
       fmt::format("{}: shares no face with the others; its points come within {:.3g} of their surface, "
                   "the tolerance is {:.3g}: give a larger one if they belong together",
-                  part.name, least, joined.tolerance));
+                  part.name, smallest, joined.tolerance));
 }
 
 }  // namespace lumesh::detail

@@ -38,14 +38,14 @@ Extent extent_of(std::span<const PartSurface> parts) {
 }
 
 double tolerance_for(const Extent& extent, std::optional<double> wanted) {
-  constexpr double kOfCoordinate = 2e-6, kOfEdge = 0.1, kMostOfEdge = 0.5;
+  constexpr double kOfCoordinate = 2e-6, kOfEdge = 0.1, kMaxOfEdge = 0.5;
   if (!wanted) {
     const double largest = extent.low.cwiseAbs().cwiseMax(extent.high.cwiseAbs()).maxCoeff();
     return std::min(kOfCoordinate * largest, kOfEdge * extent.shortest_edge);
   }
   if (!(*wanted >= 0) || !std::isfinite(*wanted))
     throw Error(ErrorKind::kBadInput, "the tolerance must be a number of 0 or more");
-  if (*wanted > kMostOfEdge * extent.shortest_edge)
+  if (*wanted > kMaxOfEdge * extent.shortest_edge)
     throw Error(
         ErrorKind::kBadInput,
         fmt::format("the tolerance {:g} is more than half of the shortest edge of the surfaces, {:.4g}; "
@@ -83,11 +83,11 @@ class PointGrid {
   using Cells = std::array<std::uint64_t, 3>;
 
   [[nodiscard]] Cells cell_of(const Vec3& place) const {
-    constexpr double kMost = (1 << 21) - 1;
+    constexpr double kMax = (1 << 21) - 1;
     Cells cell;
     for (int a = 0; a < 3; ++a)
       cell[static_cast<std::size_t>(a)] =
-          static_cast<std::uint64_t>(std::clamp(std::floor((place[a] - low_[a]) / width_), 0.0, kMost));
+          static_cast<std::uint64_t>(std::clamp(std::floor((place[a] - low_[a]) / width_), 0.0, kMax));
     return cell;
   }
   static std::uint64_t key_at(const Cells& cell) { return cell[0] << 42 | cell[1] << 21 | cell[2]; }
@@ -114,7 +114,7 @@ class PointJoiner {
 
   void add(const PartSurface& part) {
     const std::vector<std::uint32_t> found = found_before(part);
-    refuse_pairs(part, found);
+    require_distinct(part, found);
     const std::vector<Vec3>& points = part.mesh->points;
     std::vector<std::uint32_t>& numbers = joined_.numbers.emplace_back(points.size(), VertexId::kNone);
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -144,7 +144,7 @@ class PointJoiner {
         found.size(), [&](std::size_t i) { found[i] = grid.nearest(part.mesh->points[part.points[i]]); });
     return found;
   }
-  void refuse_pairs(const PartSurface& part, std::vector<std::uint32_t> found) const {
+  void require_distinct(const PartSurface& part, std::vector<std::uint32_t> found) const {
     std::sort(found.begin(), found.end());
     for (std::size_t i = 1; i < found.size() && found[i] != VertexId::kNone; ++i)
       if (found[i] == found[i - 1])

@@ -105,7 +105,7 @@ class PatchSearch {
     return patch;
   }
 
-  void refuse_unused() const {
+  void require_all_used() const {
     for (std::size_t i = 0; i < entries_.size(); ++i)
       if (used_[i] == 0)
         refuse("boundary triangle " + std::to_string(entries_[i].index) + " " + text(entries_[i].corners) +
@@ -312,7 +312,7 @@ TetMesh TetMesh::build(std::span<const Vec3> points, std::span<const Cell<4>> te
   PatchSearch search(patches);
   Assembly assembly(points, tets, labels, std::move(info));
   assembly.assign_patches([&](Label, Label, const Cell<3>& corners) { return search.patch_of(corners); });
-  search.refuse_unused();
+  search.require_all_used();
   assembly.classify_vertices();
   return std::move(assembly.mesh);
 }

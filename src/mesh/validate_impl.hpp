@@ -16,14 +16,14 @@ struct Findings {
   std::size_t count = 0;
 
   void add(std::string problem) {
-    if (first.size() < ValidationReport::kMostListed) first.push_back(std::move(problem));
+    if (first.size() < ValidationReport::kMaxListed) first.push_back(std::move(problem));
     ++count;
   }
 };
 
 inline void merge(ValidationReport& report, const Findings& findings) {
   for (const std::string& problem : findings.first)
-    if (report.problems.size() < ValidationReport::kMostListed) report.problems.push_back(problem);
+    if (report.problems.size() < ValidationReport::kMaxListed) report.problems.push_back(problem);
   report.problem_count += findings.count;
 }
 
@@ -41,7 +41,7 @@ void check_each(ValidationReport& report, std::size_t count, const Check& check)
                     },
                     [](Findings a, const Findings& b) {
                       for (const std::string& problem : b.first)
-                        if (a.first.size() < ValidationReport::kMostListed) a.first.push_back(problem);
+                        if (a.first.size() < ValidationReport::kMaxListed) a.first.push_back(problem);
                       a.count += b.count;
                       return a;
                     }));

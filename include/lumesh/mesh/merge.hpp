@@ -69,7 +69,7 @@ struct MergeResult {
 /// @throws Error{kBadInput} if a part's cells overlap; if parts lie on the same side of a face, so overlap;
 /// if surfaces lie on each other whose faces differ; if a part shares no face with the others; if a
 /// tetrahedron turns over as its points move; if points of one part lie within the tolerance of each other.
-/// Overlap is found at shared faces only. Parallel inside, the same bits for every thread count. Memory:
+/// Overlap is found at shared faces only. Parallel inside, bitwise identical for every thread count. Memory:
 /// about 100 bytes per tetrahedron besides the meshes. Cost: about 1 s per million tetrahedra on two cores.
 [[nodiscard]] MergeResult merge_meshes(std::span<const MergePart> parts, const MergeOptions& options = {});
 

@@ -37,8 +37,8 @@ struct LabelPart {
 /// Faces against labels that are left out lie on the outside then: their patch keeps its name, unless another
 /// one has it, is of kind kWall, and its faces look out of the cells that stay. Such faces without a patch
 /// get "interface_A_B". Patches and label names without use are left out. merge_meshes() undoes it.
-/// @throws Error{kBadInput} if cells overlap. Parallel inside, the same bits for every thread count. Memory:
-/// about 100 bytes per tetrahedron besides the meshes.
+/// @throws Error{kBadInput} if cells overlap. Parallel inside, bitwise identical for every thread count.
+/// Memory: about 100 bytes per tetrahedron besides the meshes.
 [[nodiscard]] LabelPart part_of(const MixedMesh& mesh, const std::set<Label>& labels);
 
 }  // namespace lumesh

@@ -187,7 +187,7 @@ class TetMesh {
   /// Where in the background mesh of its metric a vertex was last found; the field's business, not checked.
   [[nodiscard]] TetId metric_hint(VertexId v) const { return metric_hints_[v.value]; }
   void set_metric_hint(VertexId v, TetId hint) { metric_hints_[v.value] = hint; }
-  /// When something around v changed last, and when operators last tried t in vain, in epochs that an
+  /// When something around v changed last, and when operators last failed on t, in epochs that an
   /// execution counts; 0: never. Only if has_metric().
   [[nodiscard]] std::uint32_t change_epoch(VertexId v) const { return change_epochs_[v.value]; }
   void set_change_epoch(VertexId v, std::uint32_t epoch) { change_epochs_[v.value] = epoch; }

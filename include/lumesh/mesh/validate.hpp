@@ -20,9 +20,9 @@ struct LabelBoundary {
 };
 
 struct ValidationReport {
-  static constexpr std::size_t kMostListed = 50;
+  static constexpr std::size_t kMaxListed = 50;
 
-  std::vector<std::string> problems;  ///< One readable line each, at most kMostListed.
+  std::vector<std::string> problems;  ///< One readable line each, at most kMaxListed.
   std::size_t problem_count = 0;      ///< All of them.
   std::vector<LabelBoundary> labels;  ///< By ascending label; empty if the mesh is too broken to count.
 

@@ -133,7 +133,7 @@ TEST(Validate, ListsAtMostAFixedNumberButCountsAll) {
   }
   const ValidationReport report = validate(mesh);
   EXPECT_EQ(report.problem_count, 6u * 64);
-  EXPECT_EQ(report.problems.size(), ValidationReport::kMostListed);
+  EXPECT_EQ(report.problems.size(), ValidationReport::kMaxListed);
   EXPECT_NE(report.text().find("more problems"), std::string::npos);
 }
 
