@@ -84,8 +84,8 @@ struct SideOfEdge {
   auto operator<=>(const SideOfEdge&) const = default;
 };
 
-[[noreturn]] void refuse_edge(const ClosedSurface& surface, const SideOfEdge& one, std::size_t triangles,
-                              std::size_t open_edges) {
+[[noreturn]] void throw_bad_edge(const ClosedSurface& surface, const SideOfEdge& one, std::size_t triangles,
+                                 std::size_t open_edges) {
   const std::string ends = place(surface.points[one.low]) + " to " + place(surface.points[one.high]) + " mm";
   if (triangles == 1)
     refuse("the surface is not closed: " + std::to_string(open_edges) +
@@ -111,12 +111,12 @@ void find_neighbours(ClosedSurface& surface) {
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
     while (end < sides.size() && sides[end].edge() == sides[begin].edge()) ++end;
     const SideOfEdge &a = sides[begin], &b = sides[end - 1];
-    if (end - begin > 2) refuse_edge(surface, a, end - begin, 0);
+    if (end - begin > 2) throw_bad_edge(surface, a, end - begin, 0);
     if (end - begin == 1 && open_edges++ == 0) open = &a;
     surface.neighbours[a.triangle][a.side] = b.triangle;
     surface.neighbours[b.triangle][b.side] = a.triangle;
   }
-  if (open != nullptr) refuse_edge(surface, *open, 1, open_edges);
+  if (open != nullptr) throw_bad_edge(surface, *open, 1, open_edges);
 }
 
 void turn(ClosedSurface& surface, std::uint32_t t) {
@@ -131,7 +131,7 @@ bool runs_along(const Cell<3>& corners, std::uint32_t from, std::uint32_t to) {
   return false;
 }
 
-/// Turns all triangles that hang together the same way. @return the shell of each.
+/// Turns all triangles of a connected part the same way. @return the shell of each.
 std::vector<std::uint32_t> turn_alike(ClosedSurface& surface, std::uint32_t& shell_count) {
   std::vector<std::uint32_t> shell(surface.triangles.size(), kNoTriangle), stack;
   shell_count = 0;
@@ -223,10 +223,10 @@ void check_fans(const ClosedSurface& surface) {
 
 /// One with hardly any area, whose normal would be rounding, takes that of the neighbour at its longest edge.
 Vec3 normal_of(const ClosedSurface& surface, std::uint32_t t) {
-  constexpr int kMostHops = 8;
+  constexpr int kMaxHops = 8;
   constexpr double kThin = 1e-12;  // Height over length.
   Vec3 normal = Vec3::Zero();
-  for (int hop = 0; hop < kMostHops; ++hop) {
+  for (int hop = 0; hop < kMaxHops; ++hop) {
     const auto length2 = [&](std::size_t s) {
       return (surface.corner(t, s) - surface.corner(t, (s + 1) % 3)).squaredNorm();
     };
@@ -267,7 +267,7 @@ void check_crossings(const ClosedSurface& surface) {
   if (sheets == crossings.end()) return;
   refuse("the surface crosses or touches itself: " + std::to_string(crossings.size()) +
          (crossings.size() == 1 ? " pair" : " pairs") + " of triangles, such as at " + place(sheets->place) +
-         " mm; join its parts or mend it first");
+         " mm; join its parts or repair it first");
 }
 
 }  // namespace

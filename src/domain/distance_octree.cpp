@@ -16,18 +16,18 @@ Vec3 middle_of_child(const Vec3& middle, double half_size, std::size_t child) {
 
 }  // namespace
 
-DistanceOctree::DistanceOctree(const SurfaceFeet& feet, std::uint32_t region_count, const Box3& box,
-                               double least_size)
+DistanceOctree::DistanceOctree(const SurfaceProjector& projector, std::uint32_t region_count, const Box3& box,
+                               double min_size)
     : middle_(box.center()), half_size_(box.sizes().maxCoeff()) {  // Twice as large as the box.
   // Distances in half diagonals at which cubes are divided. Small cubes are many, so that only large ones are
   // divided while they are still far: there a query without them takes long.
   constexpr double kNearSmall = 3, kNearLarge = 12;
   double half_size = half_size_;
   std::vector<Place> level = {{0, middle_}};
-  cells_.push_back(measured(feet, region_count, level[0], half_size * std::numbers::sqrt3, nullptr));
-  for (; 2 * half_size > 1.5 * least_size; half_size *= 0.5) {
+  cells_.push_back(measured(projector, region_count, level[0], half_size * std::numbers::sqrt3, nullptr));
+  for (; 2 * half_size > 1.5 * min_size; half_size *= 0.5) {
     const double half_diagonal = half_size * std::numbers::sqrt3;
-    const double near = std::min(kNearLarge, kNearSmall * half_size / (0.75 * least_size)) * half_diagonal;
+    const double near = std::min(kNearLarge, kNearSmall * half_size / (0.75 * min_size)) * half_diagonal;
     std::erase_if(level, [&](const Place& p) { return std::abs(cells_[p.cell].distance) >= near; });
     const auto first = static_cast<std::uint32_t>(cells_.size());
     cells_.resize(cells_.size() + 8 * level.size());
@@ -40,7 +40,7 @@ DistanceOctree::DistanceOctree(const SurfaceFeet& feet, std::uint32_t region_cou
           parent.first_child = first + static_cast<std::uint32_t>(8 * i);
           for (std::uint32_t child = 0; child < 8; ++child) {
             const Place place{parent.first_child + child, middle_of_child(level[i].middle, half_size, child)};
-            cells_[place.cell] = measured(feet, region_count, place, 0.5 * half_diagonal, &from_parent);
+            cells_[place.cell] = measured(projector, region_count, place, 0.5 * half_diagonal, &from_parent);
             next[8 * i + child] = place;
           }
         },
@@ -49,25 +49,27 @@ DistanceOctree::DistanceOctree(const SurfaceFeet& feet, std::uint32_t region_cou
   }
 }
 
-DistanceCell DistanceOctree::measured(const SurfaceFeet& feet, std::uint32_t region_count, const Place& place,
-                                      double half_diagonal, const Found* parent) {
+DistanceCell DistanceOctree::measured(const SurfaceProjector& projector, std::uint32_t region_count,
+                                      const Place& place, double half_diagonal, const Found* parent) {
   constexpr double kSlack = 0.02;
   const std::uint32_t guess = parent == nullptr ? 0 : parent->cell->triangle;
-  const bool has_parents_side = parent != nullptr && parent->least_distance() > 0;
-  const Foot foot =
-      has_parents_side ? feet.nearly_nearest(place.middle, guess, kSlack) : feet.nearest(place.middle, guess);
-  const bool is_inside = has_parents_side ? parent->cell->distance > 0 : feet.is_inside(place.middle, foot);
+  const bool has_parents_side = parent != nullptr && parent->min_distance() > 0;
+  const ClosestPoint closest = has_parents_side ? projector.nearly_nearest(place.middle, guess, kSlack)
+                                                : projector.nearest(place.middle, guess);
+  const bool is_inside =
+      has_parents_side ? parent->cell->distance > 0 : projector.is_inside(place.middle, closest);
   DistanceCell cell;
-  cell.triangle = foot.triangle;
-  // Less by more than what a float rounds, and what the foot's own rounding can be.
-  const auto distance = static_cast<float>(foot.distance * (has_parents_side ? 1 - kSlack : 1 - 1e-6));
+  cell.triangle = closest.triangle;
+  // Less by more than what a float rounds, and what the closest point's own rounding can be.
+  const auto distance = static_cast<float>(closest.distance * (has_parents_side ? 1 - kSlack : 1 - 1e-6));
   cell.distance = is_inside ? distance : -distance;
   if (is_inside || distance < half_diagonal) return cell;
   // If no other region is so near, then this is the nearest everywhere in the cube.
-  const std::uint32_t own = feet.region_over(place.middle, foot);
+  const std::uint32_t own = projector.region_over(place.middle, closest);
   for (std::uint32_t r = 0; r < region_count; ++r)
-    if (r != own && feet.nearest_of_region(place.middle, r, foot.distance + 2 * half_diagonal).triangle !=
-                        TriangleTree::kNone)
+    if (r != own &&
+        projector.nearest_of_region(place.middle, r, closest.distance + 2 * half_diagonal).triangle !=
+            TriangleTree::kNone)
       return cell;
   cell.region = own;
   return cell;

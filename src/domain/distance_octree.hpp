@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "surface_feet.hpp"
+#include "surface_projector.hpp"
 
 namespace lumesh::surfaces {
 
@@ -22,8 +22,9 @@ struct DistanceCell {
 class DistanceOctree {
  public:
   /// Parallel inside, the same for every thread count.
-  /// @param least_size  Cubes are not divided to less than about this.
-  DistanceOctree(const SurfaceFeet& feet, std::uint32_t region_count, const Box3& box, double least_size);
+  /// @param min_size  Cubes are not divided to less than about this.
+  DistanceOctree(const SurfaceProjector& projector, std::uint32_t region_count, const Box3& box,
+                 double min_size);
 
   struct Found {
     const DistanceCell* cell = nullptr;  ///< None outside the largest cube, where nothing of the surface is.
@@ -31,7 +32,7 @@ class DistanceOctree {
     double half_diagonal = 0;
 
     /// The least distance to the surface; 0 or less if it may be here.
-    [[nodiscard]] double least_distance() const { return std::abs(double{cell->distance}) - from_middle; }
+    [[nodiscard]] double min_distance() const { return std::abs(double{cell->distance}) - from_middle; }
   };
   [[nodiscard]] Found find(const Vec3& x) const;
   [[nodiscard]] std::size_t cell_count() const { return cells_.size(); }
@@ -42,7 +43,7 @@ class DistanceOctree {
     Vec3 middle;
   };
   /// @param parent  At another middle; null for the first.
-  [[nodiscard]] static DistanceCell measured(const SurfaceFeet& feet, std::uint32_t region_count,
+  [[nodiscard]] static DistanceCell measured(const SurfaceProjector& projector, std::uint32_t region_count,
                                              const Place& place, double half_diagonal, const Found* parent);
 
   Vec3 middle_ = Vec3::Zero();

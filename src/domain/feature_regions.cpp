@@ -54,21 +54,21 @@ std::uint32_t best_neighbour(const ClosedSurface& surface, const FeatureRegions&
 
 /// Scanned surfaces are rough here and there; what is a region by one bent triangle joins its neighbour.
 void join_specks(const ClosedSurface& surface, FeatureRegions& found) {
-  constexpr std::size_t kMostTriangles = 4;
-  constexpr double kMostShare = 2e-3;  // Of the area.
+  constexpr std::size_t kMaxTriangles = 4;
+  constexpr double kMaxShare = 2e-3;  // Of the area.
   const double all = std::accumulate(found.areas_mm2.begin(), found.areas_mm2.end(), 0.0);
   std::vector<std::vector<std::uint32_t>> members(found.count());
   for (std::uint32_t t = 0; t < found.of_triangle.size(); ++t) {
     std::vector<std::uint32_t>& mine = members[found.of_triangle[t]];
-    if (mine.size() <= kMostTriangles) mine.push_back(t);
+    if (mine.size() <= kMaxTriangles) mine.push_back(t);
   }
   for (std::uint32_t r = 0; r < found.count(); ++r) {
-    if (members[r].size() > kMostTriangles || found.areas_mm2[r] > kMostShare * all) continue;
+    if (members[r].size() > kMaxTriangles || found.areas_mm2[r] > kMaxShare * all) continue;
     const std::uint32_t other = best_neighbour(surface, found, r, members[r]);
     if (other == r) continue;
     for (const std::uint32_t t : members[r]) {
       found.of_triangle[t] = other;
-      if (members[other].size() <= kMostTriangles) members[other].push_back(t);
+      if (members[other].size() <= kMaxTriangles) members[other].push_back(t);
     }
     found.areas_mm2[other] += std::exchange(found.areas_mm2[r], 0);
     members[r].clear();
@@ -95,7 +95,7 @@ FeatureRegions without_empty(FeatureRegions found) {
 }  // namespace
 
 FeatureRegions find_regions(const ClosedSurface& surface, double feature_angle_deg) {
-  const double least_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
+  const double min_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
   const auto count = static_cast<std::uint32_t>(surface.triangles.size());
   FeatureRegions found;
   found.of_triangle.assign(count, kNoRegion);
@@ -114,7 +114,7 @@ FeatureRegions find_regions(const ClosedSurface& surface, double feature_angle_d
           triangle_area(surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2));
       for (const std::uint32_t other : surface.neighbours[t]) {
         if (found.of_triangle[other] != kNoRegion || surface.patches[other] != surface.patches[t] ||
-            surface.normals[t].dot(surface.normals[other]) < least_cosine)
+            surface.normals[t].dot(surface.normals[other]) < min_cosine)
           continue;
         found.of_triangle[other] = region;
         stack.push_back(other);
@@ -177,14 +177,14 @@ std::optional<Vec3> RegionBorders::nearest(const Vec3& x, std::span<const std::u
     return found.triangle == TriangleTree::kNone ? std::nullopt : std::optional(found.point);
   }
   std::optional<Vec3> best;
-  double least2 = reach * reach;
+  double smallest2 = reach * reach;
   for (const std::uint32_t c : corners_of_[regions[0]]) {
     const Corner& corner = corners_[c];
     const double distance2 = (corner.point - x).squaredNorm();
-    if (distance2 > least2 ||
+    if (distance2 > smallest2 ||
         !std::includes(corner.regions.begin(), corner.regions.end(), regions.begin(), regions.end()))
       continue;
-    least2 = distance2;
+    smallest2 = distance2;
     best = corner.point;
   }
   return best;

@@ -10,7 +10,7 @@
 namespace lumesh::surfaces {
 namespace {
 
-constexpr double kMostBent = 0.05;  // Of the radius: how far corners of a flat region are off its plane.
+constexpr double kMaxBent = 0.05;  // Of the radius: how far corners of a flat region are off its plane.
 
 void add_triangles(const ClosedSurface& surface, const FeatureRegions& regions,
                    std::vector<RegionShape>& shapes) {
@@ -35,9 +35,9 @@ std::vector<bool> flat_regions(const ClosedSurface& surface, const FeatureRegion
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
     const std::uint32_t region = regions.of_triangle[t];
     const RegionShape& own = shapes[region];
-    const double most_mm = kMostBent * std::sqrt(own.area_mm2 / std::numbers::pi);
+    const double max_mm = kMaxBent * std::sqrt(own.area_mm2 / std::numbers::pi);
     for (std::size_t i = 0; i < 3; ++i)
-      if (std::abs(own.normal.dot(surface.corner(t, i) - own.centre_mm)) > most_mm) is_flat[region] = false;
+      if (std::abs(own.normal.dot(surface.corner(t, i) - own.centre_mm)) > max_mm) is_flat[region] = false;
   }
   return is_flat;
 }

@@ -9,7 +9,7 @@ namespace lumesh {
 namespace {
 
 /// Of a ring's own area: walls are up to 1.2 radii of the lumen thick, and what lies in a lumen is thinner.
-constexpr double kLeastSurrounded = 0.25;
+constexpr double kMinSurrounded = 0.25;
 
 /// The squares around a part that are joined to the edge of the grid: neither the part nor its holes.
 std::vector<std::uint8_t> squares_around(const OpeningSquares& part) {
@@ -72,7 +72,7 @@ void name_members(const PatchNaming& naming, std::span<Opening> openings, const 
 void mark_rims(std::span<Opening> openings) {
   if (openings.size() < 2) return;
   for (Opening& o : openings)
-    o.is_rim = o.squares != nullptr && surrounded_mm2(o, openings) > kLeastSurrounded * o.area_mm2;
+    o.is_rim = o.squares != nullptr && surrounded_mm2(o, openings) > kMinSurrounded * o.area_mm2;
 }
 
 std::string opening_name(std::size_t number) {

@@ -26,8 +26,8 @@ class PlaneGrid {
   PlaneGrid(const Domain& domain, Material beyond, const CutPlane& plane, const Vec3& u, const Vec3& v,
             const Vec3& middle_mm, double half_u, double half_v, double step)
       : domain_(domain), beyond_(beyond), normal_(plane.normal), u_(u), v_(v) {
-    constexpr double kMostSquares = 1.6e7;
-    step = step_ = std::max(step, std::sqrt(4 * half_u * half_v / kMostSquares));
+    constexpr double kMaxSquares = 1.6e7;
+    step = step_ = std::max(step, std::sqrt(4 * half_u * half_v / kMaxSquares));
     columns_ = std::max(1, static_cast<int>(std::ceil(2 * half_u / step)));
     rows_ = std::max(1, static_cast<int>(std::ceil(2 * half_v / step)));
     inside_mm_ = 1e-3 * domain.finest_resolution_mm();
@@ -164,7 +164,7 @@ class PlaneOpenings {
       });
       if (is_known) continue;  // On the fine grid the two were one.
       const Opening found = measure(coarse, of_part);
-      if (found.area_mm2 >= kLeastArea * voxel_face_mm2(domain_, plane_.normal)) openings.push_back(found);
+      if (found.area_mm2 >= kMinArea * voxel_face_mm2(domain_, plane_.normal)) openings.push_back(found);
     }
     mark_rims(openings);
     return openings;
@@ -183,7 +183,7 @@ class PlaneOpenings {
   }
 
  private:
-  static constexpr double kLeastArea = 0.5;  // Voxel faces.
+  static constexpr double kMinArea = 0.5;  // Voxel faces.
 
   [[nodiscard]] Opening measure(const PlaneGrid& coarse, const std::vector<std::size_t>& squares) const {
     constexpr double kSquares = 160;               // Along the longer side …
@@ -331,7 +331,7 @@ std::size_t opening_of_places(std::span<const Opening> openings, Label label, st
   constexpr double kSamePlane = 0.9;  // Cosine.
   const bool is_known = has_label(openings, label);
   std::size_t best = openings.size(), most = 0;
-  double least_mm = std::numeric_limits<double>::infinity();
+  double smallest_mm = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < openings.size(); ++i) {
     const Opening& o = openings[i];
     if ((is_known && o.label != label) || o.normal.dot(normal) < kSamePlane) continue;
@@ -343,10 +343,10 @@ std::size_t opening_of_places(std::span<const Opening> openings, Label label, st
       off_mm = std::min(off_mm, o.box_mm.exteriorDistance(place));
     }
     if (!is_known && 2 * held < places_mm.size()) continue;
-    if (off_mm > o.voxel_mm || held < most || (held == most && off_mm >= least_mm)) continue;
+    if (off_mm > o.voxel_mm || held < most || (held == most && off_mm >= smallest_mm)) continue;
     best = i;
     most = held;
-    least_mm = off_mm;
+    smallest_mm = off_mm;
   }
   return best;
 }

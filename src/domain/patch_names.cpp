@@ -209,11 +209,11 @@ std::vector<BoundaryTriangle> with_flat_openings(std::span<const BoundaryTriangl
                                                  std::span<const Vec3> positions, const Domain& domain) {
   std::vector<BoundaryTriangle> faces(boundary.begin(), boundary.end());
   if (domain.cut_planes().empty()) return faces;
-  const double most_off_mm = 0.25 * domain.resolution_mm();
+  const double max_off_mm = 0.25 * domain.resolution_mm();
   for (BoundaryTriangle& face : faces) {
     if (!domain.is_cut(face.outside)) continue;
     const CutPlane& plane = domain.cut_plane(face.outside);
-    const auto is_off = [&](std::uint32_t v) { return std::abs(plane.height(positions[v])) > most_off_mm; };
+    const auto is_off = [&](std::uint32_t v) { return std::abs(plane.height(positions[v])) > max_off_mm; };
     if (std::any_of(face.vertices.begin(), face.vertices.end(), is_off)) face.outside = 0;
   }
   return faces;

@@ -16,17 +16,17 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "opening_names.hpp"
-#include "surface_feet.hpp"
+#include "surface_projector.hpp"
 
 namespace lumesh {
 
 using surfaces::ClosedSurface;
+using surfaces::ClosestPoint;
 using surfaces::DistanceCell;
 using surfaces::DistanceOctree;
 using surfaces::FeatureRegions;
-using surfaces::Foot;
 using surfaces::RegionBorders;
-using surfaces::SurfaceFeet;
+using surfaces::SurfaceProjector;
 
 namespace {
 
@@ -48,10 +48,10 @@ double mean_edge(const ClosedSurface& surface) {
 }
 
 /// Cubes as large as a few triangles, within what memory allows.
-double least_cube(const ClosedSurface& surface, const Box3& box) {
-  constexpr double kMost = 128, kFewest = 16;  // Cubes along the box.
+double min_cube(const ClosedSurface& surface, const Box3& box) {
+  constexpr double kMax = 128, kFewest = 16;  // Cubes along the box.
   const double length = box.sizes().maxCoeff();
-  return std::clamp(2 * mean_edge(surface), length / kMost, length / kFewest);
+  return std::clamp(2 * mean_edge(surface), length / kMax, length / kFewest);
 }
 
 }  // namespace
@@ -71,9 +71,9 @@ struct SurfaceDomain::Parts {
       : surface(surfaces::closed_surface(view)),
         regions(surfaces::find_regions(surface, options.feature_angle_deg)),
         borders(surface, regions),
-        feet(surface, regions),
+        projector(surface, regions),
         box(bounding_box(surface.points)),
-        octree(feet, regions.count(), box, least_cube(surface, box)),
+        octree(projector, regions.count(), box, min_cube(surface, box)),
         resolution_mm(std::min(0.5 * mean_edge(surface), box.diagonal().norm() / 128)) {
     patches.assign(view.patch_info.begin(), view.patch_info.end());
     const std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
@@ -138,17 +138,17 @@ struct SurfaceDomain::Parts {
     return known != nullptr && known->kind == PatchKind::kOpening;
   }
 
-  /// The foot of x, quicker with what a cube of the octree knows.
-  [[nodiscard]] Foot foot(const Vec3& x, const DistanceOctree::Found& found) const {
-    return found.cell != nullptr ? feet.nearest(x, found.cell->triangle) : feet.nearest(x);
+  /// The closest point to x, quicker with the triangle that a cube of the octree knows.
+  [[nodiscard]] ClosestPoint closest_point(const Vec3& x, const DistanceOctree::Found& found) const {
+    return found.cell != nullptr ? projector.nearest(x, found.cell->triangle) : projector.nearest(x);
   }
-  [[nodiscard]] Material material(const Vec3& x, const Foot& foot) const {
-    return feet.is_inside(x, foot) ? kInside : material_over(feet.region_over(x, foot));
+  [[nodiscard]] Material material(const Vec3& x, const ClosestPoint& closest) const {
+    return projector.is_inside(x, closest) ? kInside : material_over(projector.region_over(x, closest));
   }
   /// Without looking at triangles, if x is far enough from the surface and from other regions.
   [[nodiscard]] std::optional<Material> known_material(const DistanceOctree::Found& found) const {
     if (found.cell == nullptr) return regions.count() == 1 ? std::optional<Material>(0) : std::nullopt;
-    if (found.least_distance() <= 0) return std::nullopt;
+    if (found.min_distance() <= 0) return std::nullopt;
     if (found.cell->distance > 0) return kInside;
     if (regions.count() == 1) return 0;
     if (found.cell->region == DistanceCell::kMixed) return std::nullopt;
@@ -158,7 +158,7 @@ struct SurfaceDomain::Parts {
   ClosedSurface surface;
   FeatureRegions regions;
   RegionBorders borders;
-  SurfaceFeet feet;
+  SurfaceProjector projector;
   Box3 box;
   DistanceOctree octree;
   double resolution_mm;
@@ -174,23 +174,23 @@ SurfaceDomain::SurfaceDomain(const SurfaceView& surface, const SurfaceDomainOpti
 }
 
 Domain::Surroundings SurfaceDomain::surroundings(const Vec3& point_mm) const {
-  constexpr double kLeast = 0.9;  // Of the distance.
+  constexpr double kMin = 0.9;  // Of the distance.
   const DistanceOctree::Found found = parts_->octree.find(point_mm);
   const std::optional<Material> known = parts_->known_material(found);
   if (known && found.cell != nullptr) {
     const std::uint32_t guess = found.cell->triangle;
-    const double least = found.least_distance();
-    if (least >= kLeast * parts_->feet.distance_to_triangle(point_mm, guess)) return {*known, least};
-    return {*known, kLeast * parts_->feet.nearly_nearest(point_mm, guess, 1 - kLeast).distance};
+    const double least = found.min_distance();
+    if (least >= kMin * parts_->projector.distance_to_triangle(point_mm, guess)) return {*known, least};
+    return {*known, kMin * parts_->projector.nearly_nearest(point_mm, guess, 1 - kMin).distance};
   }
-  const Foot foot = parts_->foot(point_mm, found);
-  return {known ? *known : parts_->material(point_mm, foot), foot.distance};
+  const ClosestPoint closest = parts_->closest_point(point_mm, found);
+  return {known ? *known : parts_->material(point_mm, closest), closest.distance};
 }
 
 Material SurfaceDomain::material_at(const Vec3& point_mm) const {
   const DistanceOctree::Found found = parts_->octree.find(point_mm);
   if (const auto known = parts_->known_material(found)) return *known;
-  return parts_->material(point_mm, parts_->foot(point_mm, found));
+  return parts_->material(point_mm, parts_->closest_point(point_mm, found));
 }
 
 double SurfaceDomain::clearance_limit_mm() const {
@@ -200,16 +200,17 @@ double SurfaceDomain::clearance_limit_mm() const {
 MaterialSet SurfaceDomain::materials_near(const Vec3& point_mm, double reach_mm) const {
   const DistanceOctree::Found found = parts_->octree.find(point_mm);
   const std::optional<Material> known = parts_->known_material(found);
-  if (known && found.cell != nullptr && found.least_distance() > reach_mm) return {*known};
-  const Foot foot = parts_->foot(point_mm, found);
-  MaterialSet near{known ? *known : parts_->material(point_mm, foot)};
-  if (foot.distance > reach_mm) return near;
+  if (known && found.cell != nullptr && found.min_distance() > reach_mm) return {*known};
+  const ClosestPoint closest = parts_->closest_point(point_mm, found);
+  MaterialSet near{known ? *known : parts_->material(point_mm, closest)};
+  if (closest.distance > reach_mm) return near;
   // The nearest first, in case there are more than the set can hold.
-  const std::uint32_t nearest = parts_->regions.of_triangle[foot.triangle];
+  const std::uint32_t nearest = parts_->regions.of_triangle[closest.triangle];
   near.insert(kInside);
   near.insert(material_over(nearest));
   for (std::uint32_t r = 0; r < parts_->regions.count() && near.size() < MaterialSet::kCapacity; ++r)
-    if (r != nearest && parts_->feet.nearest_of_region(point_mm, r, reach_mm).triangle != TriangleTree::kNone)
+    if (r != nearest &&
+        parts_->projector.nearest_of_region(point_mm, r, reach_mm).triangle != TriangleTree::kNone)
       near.insert(material_over(r));
   return near;
 }
@@ -222,31 +223,33 @@ std::optional<Vec3> SurfaceDomain::project(const Vec3& start_mm, const MaterialS
     if (m != kInside) regions[count++] = region_of(m);
   if (count == 0) return std::nullopt;
   if (count > 1) return parts_->borders.nearest(start_mm, std::span(regions.data(), count), reach_mm);
-  const Foot foot = parts_->feet.nearest_of_region(start_mm, regions[0], reach_mm);
-  if (foot.triangle == TriangleTree::kNone) return std::nullopt;
-  return foot.point;
+  const ClosestPoint closest = parts_->projector.nearest_of_region(start_mm, regions[0], reach_mm);
+  if (closest.triangle == TriangleTree::kNone) return std::nullopt;
+  return closest.point;
 }
 
 FieldSample SurfaceDomain::separation(const Vec3& point_mm, Material first, Material second) const {
-  const SurfaceFeet& feet = parts_->feet;
-  // So near to the surface, the way to the foot is rounding.
+  const SurfaceProjector& projector = parts_->projector;
+  // So near to the surface, the way to the closest point is rounding.
   const double on_surface_mm = 1e-9 * parts_->resolution_mm;
   if (first == kInside || second == kInside) {
-    const Foot foot = feet.nearest_of_region(point_mm, region_of(first == kInside ? second : first));
+    const ClosestPoint closest =
+        projector.nearest_of_region(point_mm, region_of(first == kInside ? second : first));
     const bool is_inside = material_at(point_mm) == kInside;
     const double side = is_inside ? -1 : 1;
-    const Vec3 outwards = foot.distance > on_surface_mm ? Vec3(side * (point_mm - foot.point) / foot.distance)
-                                                        : parts_->surface.normals[foot.triangle];
+    const Vec3 outwards = closest.distance > on_surface_mm
+                              ? Vec3(side * (point_mm - closest.point) / closest.distance)
+                              : parts_->surface.normals[closest.triangle];
     const double sign = first == kInside ? -1 : 1;
-    return {sign * side * foot.distance, sign * outwards};
+    return {sign * side * closest.distance, sign * outwards};
   }
-  const Foot one = feet.nearest_of_region(point_mm, region_of(first));
-  const Foot other = feet.nearest_of_region(point_mm, region_of(second));
+  const ClosestPoint one = projector.nearest_of_region(point_mm, region_of(first));
+  const ClosestPoint other = projector.nearest_of_region(point_mm, region_of(second));
   const Vec3 normals = parts_->surface.normals[one.triangle] - parts_->surface.normals[other.triangle];
   if ((one.point - other.point).norm() <= on_surface_mm) return {normals.dot(point_mm - one.point), normals};
-  const auto away = [&](const Foot& foot) {
-    return foot.distance > on_surface_mm ? Vec3((point_mm - foot.point) / foot.distance)
-                                         : parts_->surface.normals[foot.triangle];
+  const auto away = [&](const ClosestPoint& closest) {
+    return closest.distance > on_surface_mm ? Vec3((point_mm - closest.point) / closest.distance)
+                                            : parts_->surface.normals[closest.triangle];
   };
   return {other.distance - one.distance, away(other) - away(one)};
 }

@@ -138,7 +138,7 @@ class VesselCut {
     return start;
   }
 
-  /// Adds all voxels that hang together with the first ones without a step through the section.
+  /// Adds all voxels that are connected with the first ones without a step through the section.
   void flood(std::vector<Index3>& voxels, Side side) {
     for (std::size_t s = 0; s < voxels.size(); ++s) {
       const Index3 at = voxels[s];
@@ -164,7 +164,7 @@ class VesselCut {
     const double stump_mm = section_mm_ + kBeside * voxel_mm_;
     plane_.radius_mm = stump_mm + kAir * voxel_mm_;
     plane_.depth_mm = kDepth * layer_mm_;
-    const double least_depth_mm = kLeastDepth * layer_mm_;
+    const double min_depth_mm = kMinDepth * layer_mm_;
     const double reach_mm = plane_.radius_mm + plane_.depth_mm + 2 * margin_mm;
     const Index3 reach = (reach_mm * frame_.spacing_mm.cwiseInverse()).array().ceil().cast<int>();
     const Index3 low = (middle() - reach).cwiseMax(0),
@@ -175,7 +175,7 @@ class VesselCut {
       if (height <= 0.5 * layer_mm_ || off_axis_mm(v) > stump_mm + margin_mm) return;
       plane_.depth_mm = std::min(plane_.depth_mm, height - margin_mm);
     });
-    if (plane_.depth_mm < least_depth_mm)
+    if (plane_.depth_mm < min_depth_mm)
       throw Error(ErrorKind::kBadInput,
                   fmt::format("{} has another one beside it, less than {:.2g} mm away; cut elsewhere",
                               place_text(), (kBeside + kMargin) * voxel_mm_));
@@ -191,7 +191,7 @@ class VesselCut {
   }
 
   // Of the cylinder, in layers of voxels.
-  static constexpr double kDepth = 6.5, kLeastDepth = 4.5;
+  static constexpr double kDepth = 6.5, kMinDepth = 4.5;
   // In voxels: how much wider than the section the stump may be, the air around it, and how far what stays is
   // off.
   static constexpr double kBeside = 1, kAir = 1.5, kMargin = 2.5;

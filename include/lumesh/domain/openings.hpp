@@ -69,9 +69,9 @@ struct Opening {
 /// neither. The first is "inlet_1", the others are "outlet_1", "outlet_2", …, rims of walls "wall_rim_1", …;
 /// where these belong to several labels, the label is in the name: "outlet_2_label_5", or what the image
 /// calls it. Areas are right to about 0.2 %, those of openings of a voxel or two to 1 %. A part smaller than
-/// half of voxel_face_mm2() is none: a wall that grazes the border. Threads: parallel inside, the same bits
-/// for every thread count. Cost: about 0.1 us for each voxel of the cut planes that may hold the object, and
-/// 2 ms per opening.
+/// half of voxel_face_mm2() is none: a wall that grazes the border. Threads: parallel inside, bitwise
+/// identical for every thread count. Cost: about 0.1 us for each voxel of the cut planes that may hold the
+/// object, and 2 ms per opening.
 [[nodiscard]] std::vector<Opening> find_openings(const Domain& domain);
 
 /// A place near the rim of an opening: in the cut plane, within `step_mm` of where a label ends there.

@@ -1,4 +1,4 @@
-#include "surface_feet.hpp"
+#include "surface_projector.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -38,9 +38,9 @@ NearestPart nearest_part(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   return {kInside, 0};
 }
 
-NearestPart part_at_foot(const ClosedSurface& surface, const Vec3& x, const Foot& foot) {
-  return nearest_part(x, surface.corner(foot.triangle, 0), surface.corner(foot.triangle, 1),
-                      surface.corner(foot.triangle, 2));
+NearestPart part_at_closest(const ClosedSurface& surface, const Vec3& x, const ClosestPoint& closest) {
+  return nearest_part(x, surface.corner(closest.triangle, 0), surface.corner(closest.triangle, 1),
+                      surface.corner(closest.triangle, 2));
 }
 
 double angle_at(const ClosedSurface& surface, std::uint32_t t, std::size_t i) {
@@ -65,20 +65,20 @@ void for_each_around(const ClosedSurface& surface, std::uint32_t triangle, std::
 
 }  // namespace
 
-SurfaceFeet::SurfaceFeet(const ClosedSurface& surface, const FeatureRegions& regions)
+SurfaceProjector::SurfaceProjector(const ClosedSurface& surface, const FeatureRegions& regions)
     : surface_(surface), regions_(regions), tree_(surface.points, surface.triangles) {
   find_point_normals();
   if (regions.count() > 1) plant_region_trees();
 }
 
-void SurfaceFeet::find_point_normals() {
+void SurfaceProjector::find_point_normals() {
   point_normals_.assign(surface_.points.size(), Vec3::Zero());
   for (std::uint32_t t = 0; t < surface_.triangles.size(); ++t)
     for (std::size_t i = 0; i < 3; ++i)
       point_normals_[surface_.triangles[t][i]] += angle_at(surface_, t, i) * surface_.normals[t];
 }
 
-void SurfaceFeet::plant_region_trees() {
+void SurfaceProjector::plant_region_trees() {
   std::vector<std::vector<std::uint32_t>> members(regions_.count());
   for (std::uint32_t t = 0; t < regions_.of_triangle.size(); ++t)
     members[regions_.of_triangle[t]].push_back(t);
@@ -93,56 +93,58 @@ void SurfaceFeet::plant_region_trees() {
   }
 }
 
-Foot SurfaceFeet::foot_on(const Vec3& x, std::uint32_t triangle) const {
+ClosestPoint SurfaceProjector::closest_on(const Vec3& x, std::uint32_t triangle) const {
   const Vec3 point = closest_point_on_triangle(x, surface_.corner(triangle, 0), surface_.corner(triangle, 1),
                                                surface_.corner(triangle, 2));
   return {(point - x).norm(), point, triangle};
 }
 
-Foot SurfaceFeet::nearest(const Vec3& x, std::uint32_t guess) const {
-  const Foot guessed = foot_on(x, guess);
+ClosestPoint SurfaceProjector::nearest(const Vec3& x, std::uint32_t guess) const {
+  const ClosestPoint guessed = closest_on(x, guess);
   const TriangleTree::Nearest found = tree_.nearest(x, guessed.distance);
   // Rounding of the bound may leave out the guess itself.
-  return found.triangle == TriangleTree::kNone ? guessed : foot_of(found);
+  return found.triangle == TriangleTree::kNone ? guessed : closest_of(found);
 }
 
-Foot SurfaceFeet::nearly_nearest(const Vec3& x, std::uint32_t guess, double relative_slack) const {
-  const Foot guessed = foot_on(x, guess);
+ClosestPoint SurfaceProjector::nearly_nearest(const Vec3& x, std::uint32_t guess,
+                                              double relative_slack) const {
+  const ClosestPoint guessed = closest_on(x, guess);
   const TriangleTree::Nearest found =
       tree_.nearest(x, (1 - relative_slack) * guessed.distance, relative_slack);
-  return found.triangle == TriangleTree::kNone ? guessed : foot_of(found);
+  return found.triangle == TriangleTree::kNone ? guessed : closest_of(found);
 }
 
-Foot SurfaceFeet::nearest_of_region(const Vec3& x, std::uint32_t region, double reach) const {
-  if (region_trees_.empty()) return foot_of(tree_.nearest(x, reach));
+ClosestPoint SurfaceProjector::nearest_of_region(const Vec3& x, std::uint32_t region, double reach) const {
+  if (region_trees_.empty()) return closest_of(tree_.nearest(x, reach));
   const RegionTree& one = region_trees_[region];
   if (one.box.squaredExteriorDistance(x) > reach * reach) return {};
-  Foot foot = foot_of(one.tree.nearest(x, reach));
-  if (foot.triangle != TriangleTree::kNone) foot.triangle = one.triangles[foot.triangle];
-  return foot;
+  ClosestPoint closest = closest_of(one.tree.nearest(x, reach));
+  if (closest.triangle != TriangleTree::kNone) closest.triangle = one.triangles[closest.triangle];
+  return closest;
 }
 
-bool SurfaceFeet::is_inside(const Vec3& x, const Foot& foot) const {
-  const NearestPart part = part_at_foot(surface_, x, foot);
-  Vec3 normal = surface_.normals[foot.triangle];
+bool SurfaceProjector::is_inside(const Vec3& x, const ClosestPoint& closest) const {
+  const NearestPart part = part_at_closest(surface_, x, closest);
+  Vec3 normal = surface_.normals[closest.triangle];
   if (part.kind == NearestPart::Kind::kCorner)
-    normal = point_normals_[surface_.triangles[foot.triangle][part.index]];
+    normal = point_normals_[surface_.triangles[closest.triangle][part.index]];
   else if (part.kind == NearestPart::Kind::kEdge)
-    normal += surface_.normals[surface_.neighbours[foot.triangle][part.index]];
-  return normal.dot(x - foot.point) < 0;
+    normal += surface_.normals[surface_.neighbours[closest.triangle][part.index]];
+  return normal.dot(x - closest.point) < 0;
 }
 
-std::uint32_t SurfaceFeet::region_over(const Vec3& x, const Foot& foot) const {
-  std::uint32_t best = foot.triangle;
-  const NearestPart part = part_at_foot(surface_, x, foot);
-  const Vec3 up = x - foot.point;
+std::uint32_t SurfaceProjector::region_over(const Vec3& x, const ClosestPoint& closest) const {
+  std::uint32_t best = closest.triangle;
+  const NearestPart part = part_at_closest(surface_, x, closest);
+  const Vec3 up = x - closest.point;
   const auto consider = [&](std::uint32_t t) {
     // The lower region where they are equal, whichever triangle was found first.
     const double height = up.dot(surface_.normals[t]), most = up.dot(surface_.normals[best]);
     if (height > most || (height == most && regions_.of_triangle[t] < regions_.of_triangle[best])) best = t;
   };
-  if (part.kind == NearestPart::Kind::kEdge) consider(surface_.neighbours[foot.triangle][part.index]);
-  if (part.kind == NearestPart::Kind::kCorner) for_each_around(surface_, foot.triangle, part.index, consider);
+  if (part.kind == NearestPart::Kind::kEdge) consider(surface_.neighbours[closest.triangle][part.index]);
+  if (part.kind == NearestPart::Kind::kCorner)
+    for_each_around(surface_, closest.triangle, part.index, consider);
   return regions_.of_triangle[best];
 }
 
