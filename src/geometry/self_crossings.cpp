@@ -164,7 +164,7 @@ int winding_ahead(const Corners& t, const Vec3& p) {
 
 std::vector<Vec3> find_doubled_places(std::span<const Vec3> points,
                                       std::span<const std::array<std::uint32_t, 3>> triangles) {
-  DisjointSets sheets(points.size());  // Triangles that hang together by corners.
+  DisjointSets sheets(points.size());  // Triangles connected by corners.
   for (const auto& [a, b, c] : triangles) {
     sheets.merge(a, b);
     sheets.merge(a, c);

@@ -118,11 +118,11 @@ class FaceRuns {
                        "(counted from 0); leave it out",
                        corners));
     if (run.side_count == 2)
-      fail(path, fmt::format("two sides of one cell are the face with the points {} (counted from 0); mend "
+      fail(path, fmt::format("two sides of one cell are the face with the points {} (counted from 0); repair "
                              "the mesh first",
                              corners));
     fail(path,
-         fmt::format("{} cells share the face with the points {} (counted from 0), two at most may; mend "
+         fmt::format("{} cells share the face with the points {} (counted from 0), two at most may; repair "
                      "the mesh first",
                      run.side_count, corners));
   }

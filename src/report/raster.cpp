@@ -191,8 +191,8 @@ AmbientPatterns ambient_patterns(float reach) {
 
 /// Share of the light that reaches a pixel past its surroundings on the screen.
 /// Source: McGuire et al. 2011, "The Alchemy screen-space ambient obscurance algorithm", HPG.
-float openness(const std::vector<Pixel>& pixels, int width, int height, const AmbientPatterns& patterns,
-               float reach, int x, int y) {
+float ambient_obscurance(const std::vector<Pixel>& pixels, int width, int height,
+                         const AmbientPatterns& patterns, float reach, int x, int y) {
   const auto at = [&](int u, int v) -> const Pixel& {
     return pixels[static_cast<std::size_t>(v) * static_cast<std::size_t>(width) +
                   static_cast<std::size_t>(u)];
@@ -247,8 +247,8 @@ std::vector<float> ambient(const std::vector<Pixel>& pixels, int width, int heig
       [&](std::size_t y) {
         for (std::size_t x = 0; x < columns; ++x)
           if (pixels[y * columns + x].alpha > 0)
-            light[y * columns + x] =
-                openness(pixels, width, height, patterns, reach, static_cast<int>(x), static_cast<int>(y));
+            light[y * columns + x] = ambient_obscurance(pixels, width, height, patterns, reach,
+                                                        static_cast<int>(x), static_cast<int>(y));
       },
       8);
   return blur(pixels, blur(pixels, light, 1), columns);

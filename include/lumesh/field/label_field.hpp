@@ -51,9 +51,9 @@ class LabelField {
 
   /// Copies what it needs; the image may be dropped afterwards. Cost: linear in the image for the scan, then
   /// in the boundary's area. Memory: about 6 kB for each brick of 8^3 voxels and pair of labels near a
-  /// boundary; while it is built, about 250 bytes for each voxel within three of a boundary. Same bits for
-  /// every number of threads. Throws Error{kBadInput} if so many labels touch that the image can't be a
-  /// segmentation.
+  /// boundary; while it is built, about 250 bytes for each voxel within three of a boundary. Bitwise
+  /// identical for every thread count. Throws Error{kBadInput} if so many labels touch that the image can't
+  /// be a segmentation.
   LabelField(const LabelImage& image, const LabelFieldOptions& options);
 
   /// Label (index into LabelImage::values()) at a place; that of the nearest voxel far from boundaries.

@@ -13,7 +13,7 @@ namespace lumesh {
 
 using Box3 = Eigen::AlignedBox3d;  ///< Axis-parallel box; empty when default-constructed.
 
-/// Smallest box that holds all points. Same bits for every thread count.
+/// Smallest box that holds all points. Bitwise identical for every thread count.
 [[nodiscard]] Box3 bounding_box(std::span<const Vec3> points);
 
 /// Position of `point` on the Hilbert curve through the cube of 2^21 cells per axis that covers `box`, in [0,

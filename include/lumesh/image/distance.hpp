@@ -29,8 +29,8 @@ struct DistanceField {
 /// are not looked at: make the box larger by `max_distance_mm` than the part of interest.
 ///
 /// @throws Error{kBadInput} if the box is empty or leaves the image, or the distance is not positive and
-/// finite. Threads: parallel over slices and columns; same bits for every number of threads. Cost: linear in
-/// the box, with a factor of at most 2 max_distance / spacing near label changes and next to nothing
+/// finite. Threads: parallel over slices and columns; bitwise identical for every thread count. Cost: linear
+/// in the box, with a factor of at most 2 max_distance / spacing near label changes and next to nothing
 /// elsewhere. Memory: 4 bytes a voxel. Method: separable squared distance with one parabola window per column
 /// (Saito and Toriwaki 1994, doi:10.1016/0031-3203(94)90133-3), on many columns at once; a voxel of another
 /// label counts as distance zero, which gives all labels in one pass.

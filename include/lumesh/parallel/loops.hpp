@@ -55,8 +55,8 @@ void for_each_block(std::size_t count, std::size_t block, const Body& body) {
       tbb::simple_partitioner());
 }
 
-/// Reduces map(begin, end) over fixed blocks with `combine`, in block order: the same bits for every thread
-/// count.
+/// Reduces map(begin, end) over fixed blocks with `combine`, in block order: bitwise identical for every
+/// thread count.
 template <class Value, class Map, class Combine>
 [[nodiscard]] Value reduce_blocks(std::size_t count, std::size_t block, Value identity, const Map& map,
                                   const Combine& combine) {
