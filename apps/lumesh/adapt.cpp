@@ -95,8 +95,8 @@ void check_options(const AdaptCommand& command) {
         "--labels, --threshold, --below, --probabilities and --largest-component say what of --image to "
         "take; give it");
   if (!command.metric_output_path.empty() && !is_metric_file(command.metric_output_path))
-    throw Error(ErrorKind::kUsage,
-                "--metric-output " + command.metric_output_path + ": must be .sol or .solb");
+    throw Error(ErrorKind::kUsage, "--metric-output " + command.metric_output_path + ": must be " +
+                                       formats_for(MeshUse::kMetricAlone, " or "));
   if (!command.image_path.empty() && command.request.boundary.is_frozen)
     throw Error(ErrorKind::kUsage, "--image is what an adapted surface follows; leave out --boundary frozen");
 }
@@ -207,8 +207,10 @@ void add_adapt_command(CLI::App& program) {
   const auto command = std::make_shared<AdaptCommand>();
   CLI::App* sub = program.add_subcommand("adapt", "Adapt a tetrahedral mesh to a metric");
   command->self = sub;
-  sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
-  sub->add_option("-o,--output", command->output_path, std::string("Mesh to write ") + kVolumeFormats)
+  sub->add_option("mesh", command->mesh_path, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")
+      ->required();
+  sub->add_option("-o,--output", command->output_path,
+                  "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
       ->required();
   sub->add_option("--metric-output", command->metric_output_path,
                   "Write the metric of the adapted mesh (.sol, .solb) beside meshes that carry none");

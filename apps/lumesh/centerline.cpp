@@ -89,10 +89,9 @@ void add_centerline_command(CLI::App& program) {
   const auto command = std::make_shared<CenterlineCommand>();
   CLI::App* sub = program.add_subcommand("centerline", "Find the axes of vessels and their radii");
   command->self = sub;
-  sub->add_option(
-         "input", command->input_path,
-         std::string("Label image ") + kImageFormats +
-             ", or mesh of the volume or its closed surface (.vtu, .vtk, .mesh, .meshb, .msh, .stl, .vtp)")
+  sub->add_option("input", command->input_path,
+                  std::string("Label image ") + kImageFormats +
+                      ", or mesh of the volume or its closed surface (" + formats_for(MeshUse::kRead) + ")")
       ->required();
   sub->add_option("-o,--output", command->output_path, "Lines to write, with radius and branch (.vtp)")
       ->required();

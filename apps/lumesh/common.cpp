@@ -134,14 +134,14 @@ std::optional<double> number_from(std::string_view text) {
 
 void check_volume_output(const std::string& path) {
   if (is_volume_file(path)) return;
-  throw Error(ErrorKind::kUsage, path +
-                                     ": unknown mesh format; use .vtu, .vtk, .mesh, .meshb, .msh, .foam, "
-                                     ".xdmf or a folder NAME-mesh-complete");
+  throw Error(ErrorKind::kUsage,
+              path + ": unknown mesh format; use " + formats_for(MeshUse::kWriteVolume, " or "));
 }
 
 void check_surface_output(const std::string& path) {
   if (path.empty() || is_surface_file(path)) return;
-  throw Error(ErrorKind::kUsage, path + ": unknown surface format; use .vtp or .stl");
+  throw Error(ErrorKind::kUsage,
+              path + ": unknown surface format; use " + formats_for(MeshUse::kWriteSurface, " or "));
 }
 
 void check_inputs_stay(std::initializer_list<std::string> outputs,

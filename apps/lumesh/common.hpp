@@ -25,10 +25,6 @@ namespace lumesh::cli {
 inline constexpr const char* kImageFormats =
     "(.nii[.gz], .nrrd, .nhdr, .mha, .mhd, .gipl[.gz], DICOM folder)";
 
-/// Files that write_mesh() makes of volumes, for help texts.
-inline constexpr const char* kVolumeFormats =
-    "(.vtu, .vtk, .mesh, .meshb, .msh, .foam, .xdmf, a folder NAME-mesh-complete)";
-
 /// How a command runs and how much it says.
 struct RunOptions {
   int threads = 0;

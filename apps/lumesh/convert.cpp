@@ -62,19 +62,17 @@ void run(const ConvertCommand& command) {
 void add_convert_command(CLI::App& program) {
   const auto command = std::make_shared<ConvertCommand>();
   CLI::App* sub = program.add_subcommand("convert", "Convert a mesh between file formats");
-  sub->add_option("from", command->from, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh, .stl, .vtp)")
-      ->required();
+  sub->add_option("from", command->from, "Mesh to read (" + formats_for(MeshUse::kRead) + ")")->required();
   sub->add_option("to,-o,--output", command->to,
-                  "Mesh to write (.vtu, .vtk, .mesh, .meshb, .msh, .vtp, .stl, .foam for OpenFOAM, .xdmf for "
-                  "FEniCS, a folder "
-                  "NAME-mesh-complete for SimVascular), as second name or with -o");
+                  "Mesh to write (" + formats_for(MeshUse::kWrite) + "), as second name or with -o");
   sub->add_option(
          "--only-labels", command->only_labels,
          "Take the cells of these labels only, by names or numbers; what lay between them and others "
          "is on the outside then")
       ->delimiter(',')
       ->allow_extra_args(false);
-  sub->add_option("--surface", command->surface, "Also write the boundary alone (.vtp, .stl)");
+  sub->add_option("--surface", command->surface,
+                  "Also write the boundary alone (" + formats_for(MeshUse::kWriteSurface) + ")");
   sub->add_option("--msh-version", command->msh_version, "Gmsh format")
       ->check(CLI::IsMember({"4.1", "2.2"}))
       ->capture_default_str();

@@ -147,7 +147,8 @@ void add_delaunay_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand(
       "delaunay", "Mesh a segmented image, or the inside of a closed surface, by Delaunay refinement");
   command->self = sub;
-  sub->add_option("-o,--output", command->mesh_path, std::string("Mesh to write ") + kVolumeFormats)
+  sub->add_option("-o,--output", command->mesh_path,
+                  "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
       ->required();
   add_options_of(*sub, command->request);
   OptionList cells, execution;
@@ -157,7 +158,8 @@ void add_delaunay_command(CLI::App& program) {
   describe_execution(execution, improvement.execution, improvement.team);
   add_options(*sub, execution);
   add_topology_option(*sub, improvement.team);
-  sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
+  sub->add_option("--surface", command->surface_path,
+                  "Also write the boundary (" + formats_for(MeshUse::kWriteSurface) + ")");
   sub->add_option("--json", command->json_path, "Write times, rounds and angles as JSON");
   add_domain_options(*sub, command->input);
   add_opening_options(*sub, command->openings);

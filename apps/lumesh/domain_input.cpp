@@ -13,9 +13,9 @@ namespace lumesh::cli {
 
 void add_domain_options(CLI::App& command, DomainInput& input) {
   command
-      .add_option(
-          "image", input.path,
-          std::string("Label image ") + kImageFormats + ", or closed surface (.stl, .vtp, .mesh, .msh)")
+      .add_option("image", input.path,
+                  std::string("Label image ") + kImageFormats + ", or closed surface (" +
+                      formats_for(MeshUse::kRead) + ")")
       ->required();
   add_options_of(command, input.selection);
   add_options_of(command, input.cuts);

@@ -151,7 +151,7 @@ void run(const EvaluateCommand& command) {
 void add_evaluate_command(CLI::App& program) {
   const auto command = std::make_shared<EvaluateCommand>();
   CLI::App* sub = program.add_subcommand("evaluate", "Measure a mesh, by itself and against its image");
-  sub->add_option("mesh", command->mesh_path, "Mesh (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
+  sub->add_option("mesh", command->mesh_path, "Mesh (" + formats_for(MeshUse::kReadVolume) + ")")->required();
   sub->add_option("--image", command->image_path, "Label image the mesh was made from");
   add_options_of(*sub, command->selection);
   add_options_of(*sub, command->cuts);

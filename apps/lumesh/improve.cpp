@@ -116,8 +116,10 @@ void add_improve_command(CLI::App& program) {
   const auto command = std::make_shared<ImproveCommand>();
   CLI::App* sub = program.add_subcommand("improve", "Raise the worst dihedral angles of a tetrahedral mesh");
   command->self = sub;
-  sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
-  sub->add_option("-o,--output", command->output_path, std::string("Mesh to write ") + kVolumeFormats)
+  sub->add_option("mesh", command->mesh_path, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")
+      ->required();
+  sub->add_option("-o,--output", command->output_path,
+                  "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
       ->required();
   sub->add_option(
       "-m,--metric", command->metric_path,

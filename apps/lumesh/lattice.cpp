@@ -121,9 +121,11 @@ void add_lattice_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("lattice", "Mesh a segmented image on a body-centred cubic lattice");
   command->self = sub;
   sub->add_option("image", command->image_path, std::string("Label image ") + kImageFormats)->required();
-  sub->add_option("-o,--output", command->mesh_path, std::string("Mesh to write ") + kVolumeFormats)
+  sub->add_option("-o,--output", command->mesh_path,
+                  "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
       ->required();
-  sub->add_option("--surface", command->surface_path, "Also write the boundary (.vtp, .stl)");
+  sub->add_option("--surface", command->surface_path,
+                  "Also write the boundary (" + formats_for(MeshUse::kWriteSurface) + ")");
   add_options_of(*sub, command->options);
   OptionList cells;
   describe_cells_per_diameter(cells, command->cells_per_diameter);

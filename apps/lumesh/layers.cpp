@@ -29,9 +29,8 @@ struct LayersCommand {
 /// Before the time for layers is spent.
 void check_cells(const LayersCommand& command) {
   if (command.request.options.cells == LayerCells::kPrisms && !is_mixed_volume_file(command.output_path))
-    throw Error(ErrorKind::kUsage, command.output_path +
-                                       ": holds tetrahedra only; choose .vtu, .vtk, .mesh, .meshb, .msh or "
-                                       ".foam, or --cells tetrahedra");
+    throw Error(ErrorKind::kUsage, command.output_path + ": holds tetrahedra only; choose " +
+                                       formats_for(MeshUse::kWriteMixed) + ", or --cells tetrahedra");
 }
 
 void write_reports(const LayersCommand& command, const MixedMesh& mesh, const report::LayersOfMesh& layers,
@@ -93,9 +92,10 @@ void add_layers_command(CLI::App& program) {
   const auto command = std::make_shared<LayersCommand>();
   CLI::App* sub = program.add_subcommand("layers", "Grow boundary layers out of the surface of a mesh");
   command->self = sub;
-  sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
+  sub->add_option("mesh", command->mesh_path, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")
+      ->required();
   sub->add_option("-o,--output", command->output_path,
-                  std::string("Mesh with its layers to write ") + kVolumeFormats)
+                  "Mesh with its layers to write (" + formats_for(MeshUse::kWriteVolume) + ")")
       ->required();
   add_options_of(*sub, command->request);
   sub->get_option("--first-height")->required();

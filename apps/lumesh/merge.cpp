@@ -109,9 +109,11 @@ void add_merge_command(CLI::App& program) {
   const auto command = std::make_shared<MergeCommand>();
   CLI::App* sub = program.add_subcommand("merge", "Join meshes that touch into one conforming mesh");
   command->self = sub;
-  sub->add_option("meshes", command->paths, "Two or more meshes to read (.vtu, .vtk, .mesh, .meshb, .msh)")
+  sub->add_option("meshes", command->paths,
+                  "Two or more meshes to read (" + formats_for(MeshUse::kReadVolume) + ")")
       ->required();
-  sub->add_option("-o,--output", command->output_path, std::string("Mesh to write ") + kVolumeFormats)
+  sub->add_option("-o,--output", command->output_path,
+                  "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
       ->required();
   sub->add_option("--tolerance", command->options.tolerance,
                   "Points of the surfaces no farther apart are one, in the mesh's unit; default: 2e-6 of the "

@@ -100,9 +100,10 @@ void run(MetricCommand command) {
   Context context = make_context(command.run);
   check_output_folders({command.output_path});
   const bool alone = is_metric_file(command.output_path);
-  if (!alone && !command.output_path.ends_with(".vtu") && !command.output_path.ends_with(".vtk"))
+  if (!alone && !is_for(command.output_path, MeshUse::kCarryMetric))
     throw Error(ErrorKind::kUsage,
-                command.output_path + ": only .vtu, .vtk, .sol and .solb files carry a metric");
+                fmt::format("{}: only {}, {} files carry a metric", command.output_path,
+                            formats_for(MeshUse::kCarryMetric), formats_for(MeshUse::kMetricAlone, " and ")));
   command.request.validate();
   const std::string& mesh_path = command.mesh_path;
   MixedMesh input = context.phase("read", [&] { return read_mesh(mesh_path); });
@@ -137,9 +138,11 @@ void add_metric_command(CLI::App& program) {
   const auto command = std::make_shared<MetricCommand>();
   CLI::App* sub = program.add_subcommand("metric", "Give every vertex of a mesh a metric tensor");
   command->self = sub;
-  sub->add_option("mesh", command->mesh_path, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
+  sub->add_option("mesh", command->mesh_path, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")
+      ->required();
   sub->add_option("-o,--output", command->output_path,
-                  "Mesh with the metric to write (.vtu, .vtk), or the metric alone (.sol, .solb)")
+                  "Mesh with the metric to write (" + formats_for(MeshUse::kCarryMetric) +
+                      "), or the metric alone (" + formats_for(MeshUse::kMetricAlone) + ")")
       ->required();
   add_options_of(*sub, command->request);
   sub->add_option("--image", command->image_path,

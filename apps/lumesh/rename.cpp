@@ -39,8 +39,10 @@ void run(const RenameCommand& command) {
 void add_rename_command(CLI::App& program) {
   const auto command = std::make_shared<RenameCommand>();
   CLI::App* sub = program.add_subcommand("rename", "Give patches of a mesh other names and kinds");
-  sub->add_option("from", command->from, "Mesh to read (.vtu, .vtk, .mesh, .meshb, .msh)")->required();
-  sub->add_option("-o,--output", command->to, std::string("Mesh to write ") + kVolumeFormats)->required();
+  sub->add_option("from", command->from, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")
+      ->required();
+  sub->add_option("-o,--output", command->to, "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
+      ->required();
   add_name_option(*sub, command->names);
   sub->get_option("--name")->required();
   add_verbosity_options(*sub, command->run);

@@ -94,8 +94,7 @@ double Spacing::spacing_of_shape(const Vec3& x, Material first, Material second)
 
 double Spacing::min_for_shapes() const {
   constexpr double kMinOfDelta = 0.33;
-  return std::max(kMinOfDelta * delta_mm_,
-                  std::min(delta_mm_, kMinOfResolution * domain_->resolution_mm()));
+  return std::max(kMinOfDelta * delta_mm_, std::min(delta_mm_, kMinOfResolution * domain_->resolution_mm()));
 }
 
 /// Looks around from the middle of a cube, moved to the boundary.

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include "file_fault.hpp"
 #include "mesh_formats.hpp"
@@ -20,91 +22,109 @@ std::string io::lower_extension(const std::filesystem::path& path) {
 
 namespace {
 
-using io::lower_extension;
+using Path = std::filesystem::path;
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const char* known) {
-  io::fail(path, fmt::format("unknown mesh format; use {}", known));
+constexpr const char* kFolder = "/";  // In the place of an extension.
+
+struct MeshFormat {
+  std::string_view extension;  // In small letters.
+  std::string_view name;       // For help and messages; empty where it goes without saying.
+  unsigned uses;               // Bits of MeshUse.
+  MixedMesh (*read)(const Path& path);
+  void (*write)(const Path& path, const MeshView& mesh, const MeshWriteOptions& options);
+};
+
+template <class... Uses>
+constexpr unsigned bits(Uses... uses) {
+  return (0U | ... | (1U << static_cast<unsigned>(uses)));
+}
+
+template <auto kWriter>
+void write_plainly(const Path& path, const MeshView& mesh, const MeshWriteOptions& /*options*/) {
+  kWriter(path, mesh);
+}
+
+void write_gmsh(const Path& path, const MeshView& mesh, const MeshWriteOptions& options) {
+  io::write_gmsh(path, mesh, options.msh_version);
+}
+
+using enum MeshUse;
+constexpr unsigned kVolumeIn = bits(kRead, kReadVolume), kTetrahedraOut = bits(kWrite, kWriteVolume),
+                   kMixedOut = kTetrahedraOut | bits(kWriteMixed),
+                   kSurface = bits(kRead, kWrite, kWriteSurface);
+
+/// Every format, and all that is said of formats anywhere, in the order of the lists.
+constexpr std::array<MeshFormat, 13> kFormats = {{
+    {".vtu", ".vtu", kVolumeIn | kMixedOut | bits(kCarryMetric), io::read_vtu, io::write_vtu},
+    {".vtk", ".vtk", kVolumeIn | kMixedOut | bits(kCarryMetric), io::read_legacy_vtk, io::write_legacy_vtk},
+    {".vtk.gz", "", kVolumeIn, io::read_legacy_vtk, nullptr},
+    {".mesh", ".mesh", kVolumeIn | kMixedOut, io::read_medit_ascii, write_plainly<io::write_medit_ascii>},
+    {".meshb", ".meshb", kVolumeIn | kMixedOut, io::read_medit_binary, write_plainly<io::write_medit_binary>},
+    {".msh", ".msh", kVolumeIn | kMixedOut, io::read_gmsh, write_gmsh},
+    {".foam", ".foam for OpenFOAM", kMixedOut, nullptr, write_plainly<io::write_foam>},
+    {".xdmf", ".xdmf for FEniCS", kTetrahedraOut, nullptr, write_plainly<io::write_xdmf>},
+    {kFolder, "a folder NAME-mesh-complete for SimVascular", kTetrahedraOut, nullptr,
+     write_plainly<io::write_simvascular>},
+    {".vtp", ".vtp", kSurface, io::read_vtp_surface, io::write_vtp_surface},
+    {".stl", ".stl", kSurface, io::read_stl, write_plainly<io::write_stl>},
+    {".sol", ".sol", bits(kMetricAlone), nullptr, nullptr},
+    {".solb", ".solb", bits(kMetricAlone), nullptr, nullptr},
+}};
+
+/// @return nullptr if there is none that can be used so.
+const MeshFormat* format_of(const Path& path, MeshUse use) {
+  const std::string extension = is_mesh_folder(path) ? kFolder : io::lower_extension(path);
+  const auto format = std::find_if(kFormats.begin(), kFormats.end(), [&](const MeshFormat& f) {
+    return f.extension == extension && (f.uses & bits(use)) != 0;
+  });
+  return format == kFormats.end() ? nullptr : &*format;
+}
+
+/// @throws Error{kBadInput}, as above.
+const MeshFormat& known_format_of(const Path& path, MeshUse use) {
+  const MeshFormat* const format = format_of(path, use);
+  if (format == nullptr) io::fail(path, "unknown mesh format; use " + formats_for(use, " or "));
+  return *format;
 }
 
 }  // namespace
 
-void write_mesh(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options) {
-  if (is_mesh_folder(path)) return io::write_simvascular(path, mesh);
-  const std::string extension = lower_extension(path);
-  if (extension == ".vtu") return io::write_vtu(path, mesh, options);
-  if (extension == ".vtk") return io::write_legacy_vtk(path, mesh, options);
-  if (extension == ".mesh") return io::write_medit_ascii(path, mesh);
-  if (extension == ".meshb") return io::write_medit_binary(path, mesh);
-  if (extension == ".msh") return io::write_gmsh(path, mesh, options.msh_version);
-  if (extension == ".foam") return io::write_foam(path, mesh);
-  if (extension == ".xdmf") return io::write_xdmf(path, mesh);
-  if (is_surface_file(path)) return write_surface(path, mesh, options);
-  refuse(
-      path,
-      ".vtu, .vtk, .mesh, .meshb, .msh, .foam, .xdmf, a folder NAME-mesh-complete, or .vtp and .stl for the "
-      "boundary");
+bool is_for(const Path& path, MeshUse use) {
+  return format_of(path, use) != nullptr;
 }
 
-void write_surface(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options) {
-  const std::string extension = lower_extension(path);
-  if (extension == ".vtp") return io::write_vtp_surface(path, mesh, options);
-  if (extension == ".stl") return io::write_stl(path, mesh);
-  refuse(path, ".vtp or .stl for a boundary");
+std::string formats_for(MeshUse use, std::string_view before_last) {
+  std::vector<std::string_view> names;
+  for (const MeshFormat& format : kFormats)
+    if ((format.uses & bits(use)) != 0 && !format.name.empty()) names.push_back(format.name);
+  const std::string_view last = names.back();
+  names.pop_back();
+  return fmt::format("{}{}{}", fmt::join(names, ", "), names.empty() ? "" : before_last, last);
 }
 
-namespace {
-
-MixedMesh read_by_extension(const std::filesystem::path& path) {
-  const std::string extension = lower_extension(path);
-  if (extension == ".vtu") return io::read_vtu(path);
-  if (extension == ".vtk" || extension == ".vtk.gz") return io::read_legacy_vtk(path);
-  if (extension == ".mesh") return io::read_medit_ascii(path);
-  if (extension == ".meshb") return io::read_medit_binary(path);
-  if (extension == ".msh") return io::read_gmsh(path);
-  if (extension == ".stl") return io::read_stl(path);
-  if (extension == ".vtp") return io::read_vtp_surface(path);
-  refuse(path, ".vtu, .vtk, .mesh, .meshb, .msh, .stl or .vtp");
+void write_mesh(const Path& path, const MeshView& mesh, const MeshWriteOptions& options) {
+  known_format_of(path, kWrite).write(path, mesh, options);
 }
 
-}  // namespace
+void write_surface(const Path& path, const MeshView& mesh, const MeshWriteOptions& options) {
+  known_format_of(path, kWriteSurface).write(path, mesh, options);
+}
 
-MixedMesh read_mesh(const std::filesystem::path& path) {
+MixedMesh read_mesh(const Path& path) {
   io::check_file(path);
-  MixedMesh mesh = read_by_extension(path);
+  MixedMesh mesh = known_format_of(path, kRead).read(path);
   for (Patch& patch : mesh.info.patches) patch.name = io::as_utf8(std::move(patch.name));
   for (auto& [label, name] : mesh.info.label_names) name = io::as_utf8(std::move(name));
   return mesh;
 }
 
-bool is_mesh_file(const std::filesystem::path& path) {
-  constexpr std::array<std::string_view, 8> kKnown = {".vtu",   ".vtk", ".vtk.gz", ".mesh",
-                                                      ".meshb", ".msh", ".stl",    ".vtp"};
-  return std::find(kKnown.begin(), kKnown.end(), lower_extension(path)) != kKnown.end();
-}
-
-bool is_volume_file(const std::filesystem::path& path) {
-  constexpr std::array<std::string_view, 7> kKnown = {".vtu", ".vtk",  ".mesh", ".meshb",
-                                                      ".msh", ".foam", ".xdmf"};
-  return is_mesh_folder(path) ||
-         std::find(kKnown.begin(), kKnown.end(), lower_extension(path)) != kKnown.end();
-}
-
-bool is_mixed_volume_file(const std::filesystem::path& path) {
-  return is_volume_file(path) && !is_mesh_folder(path) && lower_extension(path) != ".xdmf";
-}
-
-bool is_mesh_folder(const std::filesystem::path& path) {
+bool is_mesh_folder(const Path& path) {
   return io::is_simvascular_folder(path);
 }
 
-void check_mesh_folder(const std::filesystem::path& path) {
+void check_mesh_folder(const Path& path) {
   if (is_mesh_folder(path)) io::check_simvascular_folder(path);
-  if (lower_extension(path) == ".foam") io::check_foam_case(path);
-}
-
-bool is_surface_file(const std::filesystem::path& path) {
-  const std::string extension = lower_extension(path);
-  return extension == ".vtp" || extension == ".stl";
+  if (io::lower_extension(path) == ".foam") io::check_foam_case(path);
 }
 
 }  // namespace lumesh

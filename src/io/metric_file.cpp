@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "file_fault.hpp"
 #include "medit_bytes.hpp"
+#include "mesh_formats.hpp"
 #include "metric_tensors.hpp"
 #include "output_file.hpp"
 #include "text_scanner.hpp"
@@ -27,18 +27,9 @@ constexpr std::string_view kOrder = "xx xy yy xz yz zz";
 
 enum class Encoding : std::uint8_t { kText, kBinary };
 
-std::optional<Encoding> known_encoding_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".sol") return Encoding::kText;
-  if (extension == ".solb") return Encoding::kBinary;
-  return std::nullopt;
-}
-
 Encoding encoding_of(const std::filesystem::path& path) {
-  if (const auto encoding = known_encoding_of(path)) return *encoding;
-  io::fail(path, "unknown metric format; use .sol or .solb");
+  if (is_metric_file(path)) return io::lower_extension(path) == ".sol" ? Encoding::kText : Encoding::kBinary;
+  io::fail(path, "unknown metric format; use " + formats_for(MeshUse::kMetricAlone, " or "));
 }
 
 /// The text of a .sol file, as FieldReader needs it.
@@ -221,10 +212,6 @@ std::vector<double> read_solution(const std::filesystem::path& path, std::size_t
   io::check_file(path);
   if (encoding == Encoding::kText) return FieldReader<TextSource>(path, expected_count).read_numbers();
   return FieldReader<ByteSource>(path, expected_count).read_numbers();
-}
-
-bool is_metric_file(const std::filesystem::path& path) {
-  return known_encoding_of(path).has_value();
 }
 
 void write_metric(const std::filesystem::path& path, std::span<const SymTensor> metric) {

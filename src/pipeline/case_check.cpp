@@ -110,9 +110,9 @@ void check_layer_keys(const Case& c) {
   for (const std::string& name : c.output.meshes)
     if (!is_mixed_volume_file(name))
       refuse(fmt::format(
-          "[output] meshes: {} holds tetrahedra only, not the prisms of [layers]; use .vtu, .vtk, "
-          ".mesh, .meshb, .msh or .foam, or set [layers] cells = \"tetrahedra\"",
-          name));
+          "[output] meshes: {} holds tetrahedra only, not the prisms of [layers]; use {}, or set [layers] "
+          "cells = \"tetrahedra\"",
+          name, formats_for(MeshUse::kWriteMixed)));
 }
 
 /// The section's own checks, with its keys and as bad input.
@@ -131,10 +131,8 @@ void check_output(const Case& c) {
   if (c.output.meshes.empty()) refuse("[output] meshes names no file; such as [\"mesh.vtu\"]");
   for (const std::string& name : c.output.meshes)
     if (!is_volume_file(name))
-      refuse(
-          fmt::format("[output] meshes: {} has an unknown format; use .vtu, .vtk, .mesh, .meshb, .msh, "
-                      ".foam, .xdmf or NAME-mesh-complete",
-                      name));
+      refuse(fmt::format("[output] meshes: {} has an unknown format; use {}", name,
+                         formats_for(MeshUse::kWriteVolume, " or ")));
   std::set<std::filesystem::path> folders_of_foam;
   for (const std::filesystem::path name : c.output.meshes)
     if (name.extension() == ".foam" && !folders_of_foam.insert(name.parent_path()).second)
@@ -143,7 +141,8 @@ void check_output(const Case& c) {
                       "constant/polyMesh; name one of them",
                       name.string()));
   if (!c.output.surface.empty() && !is_surface_file(c.output.surface))
-    refuse(fmt::format("[output] surface: {} has an unknown format; use .vtp or .stl", c.output.surface));
+    refuse(fmt::format("[output] surface: {} has an unknown format; use {}", c.output.surface,
+                       formats_for(MeshUse::kWriteSurface, " or ")));
   if (!c.output.report.empty() && !c.output.report.ends_with(".html"))
     refuse(fmt::format("[output] report: {} must end in .html", c.output.report));
   if (!c.output.json.empty() && !c.output.json.ends_with(".json"))

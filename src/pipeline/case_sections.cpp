@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
 
 namespace lumesh {
 namespace {
@@ -33,7 +34,7 @@ OptionRows three_numbers(Vector& target, std::string example) {
 
 void InputKeys::describe(OptionList& list) {
   list.path("image", image, "Label image: NIfTI, NRRD, MetaImage, GIPL, DICOM folder");
-  list.path("surface", surface, "Or a closed surface: .stl, .vtp, .mesh, .msh");
+  list.path("surface", surface, "Or a closed surface: " + formats_for(MeshUse::kRead));
   list.text("phantom", phantom, "Or a synthetic image: carotid, bifurcation, layered, sphere, torus");
   list.rows("phantom_size", three_numbers(phantom_spec.size, "256, 256, 254"),
             "Voxels of the phantom; 0: the kind's default");
@@ -65,9 +66,9 @@ void OpeningKeys::describe(OptionList& list) {
 void OutputKeys::describe(OptionList& list) {
   list.path("folder", folder, "Where all files go; none: a folder of the case's name");
   list.texts("meshes", meshes,
-             "The last mesh, in the format of each name: .vtu, .vtk, .mesh, .meshb, .msh, .foam, .xdmf, "
-             "NAME-mesh-complete");
-  list.text("surface", surface, "The boundary of the last mesh: .vtp, .stl; none: not written");
+             "The last mesh, in the format of each name: " + formats_for(MeshUse::kWriteVolume));
+  list.text("surface", surface,
+            "The boundary of the last mesh: " + formats_for(MeshUse::kWriteSurface) + "; none: not written");
   list.text("report", report, "Report with plots and pictures (.html); none: not written");
   list.text("json", json, "All numbers (.json); none: not written");
   list.flag("stages", stages, "Write the centerline and the first mesh with its metric, too");

@@ -60,9 +60,9 @@ std::unique_ptr<Sizing> read_size_mesh(const std::string& path) {
   if (sizes.empty()) {
     const std::string solution = mesh.metric.empty() ? solution_beside(path) : "";
     if (mesh.metric.empty() && solution.empty())
-      throw Error(ErrorKind::kBadInput, path +
-                                            ": carries no sizes; give it the point array size (.vtu, .vtk) "
-                                            "in mm, a metric, or a .sol file of its name");
+      throw Error(ErrorKind::kBadInput, path + ": carries no sizes; give it the point array size (" +
+                                            formats_for(MeshUse::kCarryMetric) +
+                                            ") in mm, a metric, or a .sol file of its name");
     sizes = lengths_of(metric_of(mesh, path, solution), solution.empty() ? path : solution);
   }
   bring_to_lps_mm(mesh);
@@ -94,7 +94,7 @@ void SizeRequest::describe(OptionList& list) {
       .needs("size_points");
   list.number("size_ceiling", point_sizes.ceiling_mm, above(0), "Largest of these sizes")
       .in("mm")
-      .zero("no bound", kNoSizeWish)
+      .zero("no bound", kAnySize)
       .needs("size_points");
   list.number("size_boundary", boundary.at_boundary_mm, above(0),
               "Size at walls, interfaces and openings, growing inwards")
@@ -102,7 +102,7 @@ void SizeRequest::describe(OptionList& list) {
       .zero("none");
   list.number("size_growth", boundary.growth, at_least(0), "Growth of that size per distance from them")
       .needs("size_boundary");
-  list.path("size_image", image, "Image of sizes in mm; 0: no wish");
+  list.path("size_image", image, "Image of sizes in mm; 0: any size");
   list.path("size_mesh", mesh,
             "Mesh of tetrahedra with sizes at its points: array size, metric, or a .sol file beside it");
   list.path("sizing", plugin, "Sizes that a shared library says, PATH[:OPTIONS]: docs/sizing.md");

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <string_view>
 
 #include "lumesh/mesh/mixed_mesh.hpp"
 
@@ -55,19 +57,41 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 /// Memory: the file, and the mesh.
 [[nodiscard]] MixedMesh read_mesh(const std::filesystem::path& path);
 
-/// True for a file name that read_mesh() takes.
-[[nodiscard]] bool is_mesh_file(const std::filesystem::path& path);
-/// True for a file name under which write_mesh() writes the volume, not the boundary alone.
-[[nodiscard]] bool is_volume_file(const std::filesystem::path& path);
-/// True for the name of such a file that can hold prisms and pyramids, too, not tetrahedra alone.
-[[nodiscard]] bool is_mixed_volume_file(const std::filesystem::path& path);
+/// What files of meshes, and of metrics beside them, can be used for.
+enum class MeshUse : std::uint8_t {
+  kRead,          ///< read_mesh().
+  kReadVolume,    ///< The same where cells are wanted.
+  kWrite,         ///< write_mesh().
+  kWriteVolume,   ///< The same where it writes the volume, not the boundary alone.
+  kWriteMixed,    ///< Such a volume of prisms and pyramids, too, not of tetrahedra alone.
+  kWriteSurface,  ///< write_surface().
+  kCarryMetric,   ///< A metric or sizes in the mesh's own file.
+  kMetricAlone,   ///< read_metric() and write_metric().
+};
+
+/// Whether a file of this name can be used so.
+[[nodiscard]] bool is_for(const std::filesystem::path& path, MeshUse use);
+
+/// The formats that can be used so, for help and messages: ".vtu, .vtk or .foam for OpenFOAM".
+[[nodiscard]] std::string formats_for(MeshUse use, std::string_view before_last = ", ");
+
+[[nodiscard]] inline bool is_mesh_file(const std::filesystem::path& path) {
+  return is_for(path, MeshUse::kRead);
+}
+[[nodiscard]] inline bool is_volume_file(const std::filesystem::path& path) {
+  return is_for(path, MeshUse::kWriteVolume);
+}
+[[nodiscard]] inline bool is_mixed_volume_file(const std::filesystem::path& path) {
+  return is_for(path, MeshUse::kWriteMixed);
+}
+[[nodiscard]] inline bool is_surface_file(const std::filesystem::path& path) {
+  return is_for(path, MeshUse::kWriteSurface);
+}
 /// True for a file name under which write_mesh() makes a folder, and replaces one that holds a mesh.
 [[nodiscard]] bool is_mesh_folder(const std::filesystem::path& path);
 /// @throws Error{kBadInput} if write_mesh() would refuse to replace what is there: under the name of a folder
 /// a file, or more than a mesh; beside a .foam file the mesh of another one.
 void check_mesh_folder(const std::filesystem::path& path);
-/// Whether write_surface() knows the extension.
-[[nodiscard]] bool is_surface_file(const std::filesystem::path& path);
 
 /// Cells whose volume is not positive in VTK's vertex order (hexahedra, prisms and pyramids by corner
 /// tetrahedra).

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lumesh/geometry/sym_tensor.hpp"
+#include "lumesh/io/mesh_file.hpp"
 
 namespace lumesh {
 
@@ -29,7 +30,9 @@ namespace lumesh {
                                                 std::size_t expected_count);
 
 /// True if the name ends as those of files that write_metric() writes.
-[[nodiscard]] bool is_metric_file(const std::filesystem::path& path);
+[[nodiscard]] inline bool is_metric_file(const std::filesystem::path& path) {
+  return is_for(path, MeshUse::kMetricAlone);
+}
 
 /// Writes .sol, or .solb of version 2 (3 above 2 GiB), in double precision: read_metric() gives the same
 /// bits. The file is written beside the target and renamed when complete.

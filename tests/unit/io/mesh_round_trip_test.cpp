@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <sstream>
+#include <string>
 
 #include "io_fixtures.hpp"
 #include "lumesh/io/mesh_file.hpp"
@@ -242,6 +244,39 @@ TEST(InvertedCells, AreCountedForEveryShape) {
   EXPECT_EQ(count_inverted_cells(mesh.view()), 3U);
   mesh.hexahedra[0] = {4, 5, 6, 7, 0, 1, 2, 3};
   EXPECT_EQ(count_inverted_cells(mesh.view()), 4U);
+}
+
+TEST(MeshFormats, OfVolumesAreReadBackAsTheListSays) {
+  std::istringstream list(formats_for(MeshUse::kReadVolume));
+  const MixedMesh mesh = every_cell_shape();
+  const TemporaryFolder folder;
+  int count = 0;
+  for (std::string name; std::getline(list >> std::ws, name, ','); ++count) {
+    const std::filesystem::path file = folder / ("a" + name);
+    EXPECT_TRUE(is_for(file, MeshUse::kWriteMixed)) << name;
+    write_mesh(file, mesh.view());
+    EXPECT_EQ(read_mesh(file).view().cell_count(), mesh.view().cell_count()) << name;
+  }
+  EXPECT_EQ(count, 5);
+}
+
+TEST(MeshFormats, EachNameServesWhatItsFormatHolds) {
+  EXPECT_TRUE(is_for("a.VTU", MeshUse::kCarryMetric));
+  EXPECT_TRUE(is_for("a.foam", MeshUse::kWriteMixed));
+  EXPECT_FALSE(is_for("a.foam", MeshUse::kRead));
+  EXPECT_TRUE(is_for("a.xdmf", MeshUse::kWriteVolume));
+  EXPECT_FALSE(is_for("a.xdmf", MeshUse::kWriteMixed));
+  EXPECT_TRUE(is_for("a-mesh-complete/", MeshUse::kWriteVolume));
+  EXPECT_FALSE(is_for("a-mesh-complete", MeshUse::kWriteMixed));
+  EXPECT_TRUE(is_for("a.vtk.gz", MeshUse::kRead));
+  EXPECT_FALSE(is_for("a.vtk.gz", MeshUse::kWrite));
+  EXPECT_TRUE(is_for("a.stl", MeshUse::kWrite));
+  EXPECT_FALSE(is_for("a.stl", MeshUse::kWriteVolume));
+  EXPECT_TRUE(is_for("a.sol", MeshUse::kMetricAlone));
+  EXPECT_FALSE(is_for("a.sol", MeshUse::kRead));
+  for (const char* unknown : {"a", "a.", "a/", "vtu", "a.vtu.gz"})
+    EXPECT_FALSE(is_for(unknown, MeshUse::kRead) || is_for(unknown, MeshUse::kWrite)) << unknown;
+  EXPECT_EQ(formats_for(MeshUse::kWriteSurface, " or "), ".vtp or .stl");
 }
 
 }  // namespace
