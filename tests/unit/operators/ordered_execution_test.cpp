@@ -61,12 +61,12 @@ TEST(OrderedExecution, LeavesTheRestOfASweepOutOnceItIsToldToStop) {
   std::atomic<int> steps = 0;
   execution.stop_by([&] { return steps >= 20; });
   const auto work = [&](OrderedExecution::Kernel& kernel, TetId t) {
-    fixtures::try_operator(kernel, bench.mesh, t, 0, 1, steps++ % 4, {.least_length = 0.2}, {});
+    fixtures::try_operator(kernel, bench.mesh, t, 0, 1, steps++ % 4, {.min_length = 0.2}, {});
   };
-  execution.over_tets([](TetId) { return 1.0; }, work);
+  execution.for_each_tet_by_priority([](TetId) { return 1.0; }, work);
   EXPECT_GE(steps, 20);
   EXPECT_LE(steps, 21) << "both threads";
-  execution.over_vertices([&](OrderedExecution::Kernel&, VertexId) { ++steps; });
+  execution.for_each_vertex([&](OrderedExecution::Kernel&, VertexId) { ++steps; });
   EXPECT_LE(steps, 21);
   const ValidationReport report = validate(bench.mesh);
   EXPECT_TRUE(report.ok()) << report.text();

@@ -51,11 +51,11 @@ TEST_P(SpeculativeExecutionOnThreads, LeavesTheRestOfASweepOutOnceItIsToldToStop
   SpeculativeExecution execution(bench.subject(), GetParam());
   std::atomic<int> steps = 0;
   execution.stop_by([&] { return steps >= 20; });
-  execution.over_tets([](TetId) { return 1.0; },
-                      [&](SpeculativeExecution::Kernel& kernel, TetId t) {
-                        fixtures::try_operator(kernel, bench.mesh, t, 0, 1, steps++ % 4,
-                                               {.least_length = 0.2}, {});
-                      });
+  execution.for_each_tet_by_priority([](TetId) { return 1.0; },
+                                     [&](SpeculativeExecution::Kernel& kernel, TetId t) {
+                                       fixtures::try_operator(kernel, bench.mesh, t, 0, 1, steps++ % 4,
+                                                              {.min_length = 0.2}, {});
+                                     });
   EXPECT_GE(steps, 20);
   EXPECT_LT(steps, 20 + std::max(1, GetParam().threads));
   const ValidationReport report = validate(bench.mesh);
