@@ -239,9 +239,18 @@ void require_not_given(const CLI::App& command, const OptionList& list, const st
 }
 
 std::string with_flags(std::string_view message, const CLI::App& command) {
+  const auto has = [](const CLI::App& of, const std::string& flag) {
+    return of.get_option_no_throw(flag) != nullptr;
+  };
+  const auto is_any = [&](const std::string& flag) {
+    if (has(command, flag) || command.get_parent() == nullptr) return has(command, flag);
+    const std::vector<const CLI::App*> others = command.get_parent()->get_subcommands({});
+    return std::any_of(others.begin(), others.end(),
+                       [&](const CLI::App* other) { return has(*other, flag); });
+  };
   return with_spelled_options(message, [&](std::string_view name) {
     const std::string flag = flag_of(name);
-    return command.get_option_no_throw(flag) == nullptr ? "" : flag;
+    return is_any(flag) ? flag : "";
   });
 }
 

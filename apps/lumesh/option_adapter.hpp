@@ -32,7 +32,7 @@ void add_options_of(CLI::App& command, Described& described) {
 /// @throws Error{kUsage} "--NAME REASON; leave it out" for an option of the list that the command line gives.
 void require_not_given(const CLI::App& command, const OptionList& list, const std::string& reason);
 
-/// A message of the library with options as this command has them.
+/// A message of the library with options as this command, or another one of the program, has them.
 [[nodiscard]] std::string with_flags(std::string_view message, const CLI::App& command);
 
 }  // namespace lumesh::cli

@@ -175,7 +175,7 @@ std::string closed_surface_warning(const Domain& domain) {
     if (outside != kInside && patch && is_plane(patch->kind)) return "";
   }
   return "the surface has no flat end, so the mesh has no openings; cut the vessels off flat before, with "
-         "edges around the ends that are sharper than --feature-angle, or mesh their image with --cut-at";
+         "edges around the ends that are sharper than `feature_angle`, or mesh their image with `cut_at`";
 }
 
 }  // namespace lumesh

@@ -239,7 +239,7 @@ TEST(AdaptOptions, OutOfRangeAreNamed) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-    EXPECT_NE(std::string(error.what()).find("collapse below"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("`collapse_below`"), std::string::npos);
   }
 }
 

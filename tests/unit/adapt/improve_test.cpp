@@ -187,7 +187,7 @@ TEST(ImproveOptions, OutOfRangeAreNamed) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-    EXPECT_NE(std::string(error.what()).find("max dihedral"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("`max_dihedral`"), std::string::npos);
   }
 }
 

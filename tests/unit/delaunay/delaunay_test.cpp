@@ -261,7 +261,7 @@ ErrorKind kind_of_failure(const LabelImage& image, const DelaunayOptions& option
 TEST(DelaunayMesh, SaysWhatItLacksBeforeItBegins) {
   EXPECT_EQ(kind_of_failure(ball(11), {.delta_mm = 1e-4}), ErrorKind::kMemory);
   EXPECT_EQ(kind_of_failure(ball(5), {.delta_mm = 100}), ErrorKind::kBadInput);
-  EXPECT_EQ(kind_of_failure(ball(5), {.delta_mm = -1}), ErrorKind::kBadInput);
+  EXPECT_EQ(kind_of_failure(ball(5), {.delta_mm = -1}), ErrorKind::kUsage);
 }
 
 TEST(DelaunayMesh, RefusesOptionsOutOfRange) {

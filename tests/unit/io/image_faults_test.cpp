@@ -141,14 +141,14 @@ TEST_F(ImageFault, LabelsBeyond31Bits) {
 TEST_F(ImageFault, FractionsNameTheThreshold) {
   auto voxels = sixty_voxels<float>();
   voxels[30] = 1.5F;
-  expect_refused("a.nrrd", NrrdText{.type = "float"}.with(bytes_of(voxels)), "--threshold");
+  expect_refused("a.nrrd", NrrdText{.type = "float"}.with(bytes_of(voxels)), "`threshold`");
 }
 
 TEST_F(ImageFault, TooManyLabelsNameTheThreshold) {
   std::vector<std::int32_t> voxels(70000);
   for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<std::int32_t>(i);
   expect_refused("a.nrrd", NrrdText{.type = "int32", .sizes = "70 100 10"}.with(bytes_of(voxels)),
-                 "--threshold");
+                 "`threshold`");
 }
 
 TEST_F(ImageFault, NotANumber) {

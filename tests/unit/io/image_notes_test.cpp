@@ -53,7 +53,7 @@ TEST_F(ImageNotes, GreyValuesAreAskedBackWithAThreshold) {
   EXPECT_NE(of_fractions.find("1.7 % are at or above"), std::string::npos) << of_fractions;
   std::vector<std::int16_t> hounsfield(60, -1000);
   hounsfield[5] = 300;
-  EXPECT_NE(refusal(NrrdText{.type = "int16"}.with(bytes_of(hounsfield))).find("--threshold"),
+  EXPECT_NE(refusal(NrrdText{.type = "int16"}.with(bytes_of(hounsfield))).find("`threshold`"),
             std::string::npos);
   std::vector<std::uint8_t> ramp(60);
   for (std::size_t i = 0; i < ramp.size(); ++i) ramp[i] = static_cast<std::uint8_t>(i + 1);

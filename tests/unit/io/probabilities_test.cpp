@@ -89,7 +89,7 @@ TEST_F(Probabilities, OtherFractionsAreRefusedStill) {
     for (float& v : scaled) v *= scale;
     write("s.nrrd", "float", bytes_of(scaled));
     const std::string text = error_of([&] { static_cast<void>(read("s.nrrd")); }, ErrorKind::kBadInput);
-    EXPECT_NE(text.find("--threshold"), std::string::npos) << text;
+    EXPECT_NE(text.find("`threshold`"), std::string::npos) << text;
   }
   values_[17] = std::numeric_limits<float>::quiet_NaN();
   write("nan.nrrd", "float", bytes_of(values_));

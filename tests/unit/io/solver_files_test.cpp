@@ -83,7 +83,7 @@ TEST(Xdmf, TheSameMeshGivesTheSameBytes) {
 TEST(Xdmf, OtherShapesOfCellsAreRefusedAndNothingIsLeftBehind) {
   const TemporaryFolder folder;
   const std::string error = error_of([&] { write_mesh(folder / "a.xdmf", every_cell_shape().view()); });
-  EXPECT_NE(error.find("3 of the 4 cells are of other shapes; mesh without --mixed"), std::string::npos);
+  EXPECT_NE(error.find("3 of the 4 cells are of other shapes; mesh without hexahedra"), std::string::npos);
   MixedMesh surface = two_tetrahedra();
   surface.tetrahedra.clear();
   surface.tetrahedron_labels.clear();

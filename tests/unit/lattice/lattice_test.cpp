@@ -325,7 +325,7 @@ TEST(Lattice, AnAbsurdSpacingIsRefusedBeforeMemoryRunsOut) {
       FAIL() << spacing;
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kMemory) << spacing;
-      EXPECT_NE(std::string(error.what()).find("--spacing"), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("`edge_length`"), std::string::npos);
     }
   }
 }

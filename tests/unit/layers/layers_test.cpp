@@ -396,15 +396,16 @@ TEST(Layers, RefuseWhatCannotBe) {
     try {
       grown(mesh, options);
     } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      EXPECT_EQ(error.kind(), options.first_height < 0 ? ErrorKind::kUsage : ErrorKind::kBadInput);
       return error.what();
     }
     return "accepted";
   };
   EXPECT_NE(fault({.patches = {"door"}, .first_height = 1, .count = 1}).find("no patch door; it has: wall"),
             std::string::npos);
-  EXPECT_NE(fault({.first_height = 0, .count = 1}).find("first height"), std::string::npos);
-  EXPECT_NE(fault({.first_height = -1, .count = 1}).find("first height"), std::string::npos);
+  EXPECT_NE(fault({.first_height = 0, .count = 1}).find("`first_height` is missing"), std::string::npos);
+  EXPECT_NE(fault({.first_height = -1, .count = 1}).find("`first_height` must be greater than 0"),
+            std::string::npos);
   EXPECT_NE(fault({.first_height = 1e6, .count = 1}).find("more than the surface is wide"),
             std::string::npos);
   EXPECT_NE(fault({.first_height = 1}).find("number of layers or their thickness"), std::string::npos);
