@@ -12,6 +12,7 @@
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/image/topology.hpp"
+#include "place_text.hpp"
 
 namespace lumesh {
 namespace {
@@ -49,10 +50,6 @@ AxisPlace nearest_axis(const Polylines& lines, const Vec3& place_mm) {
     }
   }
   return nearest;
-}
-
-std::string place_text(const Vec3& place) {
-  return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", place.x(), place.y(), place.z());
 }
 
 /// The nearest voxel of the object, if one is near.

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "lumesh/core/disjoint_sets.hpp"
+#include "place_text.hpp"
 
 namespace lumesh {
 namespace {
@@ -88,10 +89,6 @@ struct Voxels {
   double area_mm2 = 0, face_mm2 = 0;
   std::size_t sections = 0;  ///< Of some faces.
 };
-
-std::string place_text(const Vec3& p) {
-  return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z());
-}
 
 std::string doubt_of(const Opening& opening, const Voxels& voxels) {
   constexpr double kShare = 0.1, kVoxels = 0.7;
