@@ -17,8 +17,9 @@ OptionRows three_numbers(Vector& target, std::string example) {
   using Number = typename Vector::Scalar;
   return {3, std::move(example), true,
           [&target] {
-            const Vec3 v = target.template cast<double>();
-            return std::vector<std::vector<double>>{{v[0], v[1], v[2]}};
+            std::vector<double> row;
+            for (int i = 0; i < 3; ++i) row.push_back(static_cast<double>(target[i]));
+            return std::vector<std::vector<double>>{std::move(row)};
           },
           [&target](const auto& rows) {
             for (int i = 0; i < 3; ++i) {
