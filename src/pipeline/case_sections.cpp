@@ -37,9 +37,9 @@ void InputKeys::describe(OptionList& list) {
   list.path("image", image, "Label image: NIfTI, NRRD, MetaImage, GIPL, DICOM folder");
   list.path("surface", surface, "Or a closed surface: " + formats_for(MeshUse::kRead));
   list.text("phantom", phantom, "Or a synthetic image: carotid, bifurcation, layered, sphere, torus");
-  list.rows("phantom_size", three_numbers(phantom_spec.size, "256, 256, 254"),
+  list.rows("phantom_size", three_numbers(phantom_spec.size, "256,256,254"),
             "Voxels of the phantom; 0: the kind's default");
-  list.rows("phantom_spacing", three_numbers(phantom_spec.spacing_mm, "0.5, 0.5, 0.6"),
+  list.rows("phantom_spacing", three_numbers(phantom_spec.spacing_mm, "0.5,0.5,0.6"),
             "Size of the phantom's voxels; 0: the kind's default")
       .in("mm");
   list.number("phantom_noise", phantom_spec.noise_voxels, between(0, 2),

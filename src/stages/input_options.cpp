@@ -50,13 +50,13 @@ void ImageSelection::describe(OptionList& list, bool has_probabilities) {
 
 void ImageCuts::describe(OptionList& list) {
   list.rows("cut_planes",
-            {6, "0, 0, 10, 0, 0, -1", false, [this] { return rows_of(planes); },
+            {6, "0,0,10,0,0,-1", false, [this] { return rows_of(planes); },
              [this](const auto& rows) { planes = planes_from(rows); }},
             "Planes x, y, z, nx, ny, nz, through everything: what lies on the normal's side is cut off")
       .in("mm")
       .alias("cut_plane");
   list.rows("cut_at",
-            {3, "12.5, -40, 8", false,
+            {3, "12.5,-40,8", false,
              [this] {
                std::vector<std::vector<double>> rows;
                for (const Vec3& p : places_mm) rows.push_back({p[0], p[1], p[2]});

@@ -62,7 +62,7 @@ struct OptionPath {
 /// Rows of so many numbers each, such as the point and normal of cut planes.
 struct OptionRows {
   std::size_t width;
-  std::string example;  ///< One row as a user writes it: "12.5, -40, 8".
+  std::string example;  ///< One row as a user writes it: "12.5,-40,8".
   bool is_single;       ///< Exactly one row, written without brackets of its own; a number alone fills it.
   std::function<std::vector<std::vector<double>>()> get;
   /// @throws Error{kUsage} for numbers that make no sense together; the message does not name the option.
