@@ -141,6 +141,7 @@ AdaptReport adapt_as_told(const AdaptCommand& command, metric::MetricField& fiel
     return adapt_mesh(mesh, field, request, command.complexity, context);
   });
   if (!request.boundary.image) return result.report;
+  if (!result.note.empty()) context.warn(result.note);
   for (const std::string& doubt : doubts_about_image(command.image_path, command.mesh_path, mesh.info(),
                                                      "the surface may have become another one"))
     context.warn(doubt);

@@ -21,7 +21,7 @@ namespace lumesh::cli {
 
 namespace {
 
-/// A line that must not throw, whatever has become of stderr.
+/// The whole text as a number; none if it is anything else.
 template <class Number>
 std::optional<Number> parsed(std::string_view text) {
   Number number{};

@@ -8,6 +8,7 @@
 
 #include "anchors.hpp"
 #include "crossings.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -181,8 +182,7 @@ std::optional<double> Fitter::level_vertex(std::uint32_t v, const Vec3& place, c
     if (mesh_.positions[near[i]] != before[i])
       triangles.insert(triangles.end(), around.begin(), around.end());
   }
-  std::sort(triangles.begin(), triangles.end());
-  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  sort_unique(triangles);
   if (crosses_at(mesh_, boundary_, domain_, tree, std::max(moved_mm, way_mm), triangles)) return put_back();
   return way_mm;
 }
@@ -195,8 +195,7 @@ std::vector<std::uint32_t> Fitter::two_rings(std::uint32_t v) const {
     for (const std::uint32_t w : near)
       for (const std::uint32_t t : mesh_.star(w))
         more.insert(more.end(), mesh_.tets[t].begin(), mesh_.tets[t].end());
-    std::sort(more.begin(), more.end());
-    more.erase(std::unique(more.begin(), more.end()), more.end());
+    sort_unique(more);
     near = std::move(more);
   }
   return near;

@@ -5,6 +5,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
@@ -33,6 +35,9 @@ struct CaseState {
   std::shared_ptr<const ImageDomain> image_domain = nullptr;  ///< Once a stage has needed it.
   std::optional<std::vector<Opening>> found_openings = {};    ///< Once a stage has needed them.
   Polylines centerline;
+  std::optional<SizeData> sizes = {};  ///< Of the Delaunay mesher, read; taken by sizing_of().
+  std::map<std::string, std::vector<Vec3>> points_read = {};                    ///< By file.
+  std::map<std::pair<std::string, std::string>, metric::Flow> flows_read = {};  ///< By file and array.
   TetMesh mesh;                      ///< The first mesh, then the same with its metric, then the adapted one.
   std::optional<MixedMesh> layered;  ///< The mesh with its boundary layers, once it has them.
   std::vector<PatchRenaming> renamings;  ///< What patches are to be called; none once they are.

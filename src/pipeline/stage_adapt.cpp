@@ -36,9 +36,11 @@ void adapt_mesh(CaseState& state, report::StageReport& stage) {
   naming(state.input_name, [&] { require_one_piece(state.mesh, request); });
   metric::MetricField field = state.context.phase(
       "background", [&] { return background_field(state.mesh, state.mesh.view().metric, 0); });
-  const AdaptReport report = naming(state.input_name, [&] {
-    return lumesh::adapt_mesh(state.mesh, field, request, wanted, state.context).report;
+  const AdaptResult adapted = naming(state.input_name, [&] {
+    return lumesh::adapt_mesh(state.mesh, field, request, wanted, state.context);
   });
+  const AdaptReport& report = adapted.report;
+  if (!adapted.note.empty()) stage.warnings.push_back(adapted.note);
   state.is_complete = state.is_complete && report.complete;
   stage.figures.push_back({"Complexity", report.complexity, "", "as the adapted mesh sees it"});
   add_passes(report, stage);

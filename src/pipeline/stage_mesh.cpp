@@ -60,8 +60,7 @@ void warn_of_closed_vessels(CaseState& state, report::StageReport& stage) {
 }  // namespace
 
 std::unique_ptr<Sizing> sizing_of(CaseState& state, const Domain& domain) {
-  SizeData data(state.c.delaunay_request().sizes, state.context);
-  return naming(state.input_name, [&] { return std::move(data).on(domain, state.centerline); });
+  return naming(state.input_name, [&] { return std::move(*state.sizes).on(domain, state.centerline); });
 }
 
 void make_mesh(CaseState& state, report::StageReport& stage) {

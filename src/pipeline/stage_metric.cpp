@@ -14,10 +14,16 @@ class CaseSources final : public metric::SourceData {
     throw Error(ErrorKind::kUsage, "a case has no mesh before it makes one, whose tensors could be read");
   }
   std::vector<Vec3> points(const std::string& name) override {
-    return name == "centerline" ? state_.centerline.points : read_points_in(MeshInfo(), name);
+    if (name == "centerline") return state_.centerline.points;
+    const auto [read, is_new] = state_.points_read.try_emplace(name);
+    if (is_new) read->second = read_points_in(MeshInfo(), name);
+    return read->second;
   }
   metric::Flow flow(const std::string& name, const std::string& array) override {
-    return name == "phantom" ? flow_of(*state_.phantom) : read_flow_in(MeshInfo(), name, array);
+    const auto [read, is_new] = state_.flows_read.try_emplace({name, array});
+    if (is_new)
+      read->second = name == "phantom" ? flow_of(*state_.phantom) : read_flow_in(MeshInfo(), name, array);
+    return read->second;
   }
   std::vector<double> solution(const std::string& name) override {
     throw Error(ErrorKind::kUsage,
@@ -39,7 +45,7 @@ metric::MetricLimits limits_of(const Case& c) {
 
 void read_sources(CaseState& state) {
   const Case& c = state.c;
-  if (c.mesher == Mesher::kDelaunay) static_cast<void>(SizeData(c.delaunay_request().sizes, state.context));
+  if (c.mesher == Mesher::kDelaunay) state.sizes.emplace(c.delaunay_request().sizes, state.context);
   // At no place sources ask for nothing, but refuse what they cannot be made from.
   metric::MetricRequest request = c.metric;
   std::string& points = request.source<metric::PointSource>().points;

@@ -5,6 +5,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
+#include "place_text.hpp"
 
 namespace lumesh {
 
@@ -26,10 +27,9 @@ void require_one_piece(const TetMesh& mesh, const AdaptRequest& request) {
 
 namespace {
 
-/// Tells of vertices beyond the image, which no tetrahedron let come within.
-void warn_of_vertices_outside(const TetMesh& mesh, const operators::KeepWithin& keep_within,
-                              const Context& context) {
-  if (!keep_within) return;
+/// A line on vertices beyond the image, which no tetrahedron let come within; empty if there are none.
+std::string note_on_vertices_outside(const TetMesh& mesh, const operators::KeepWithin& keep_within) {
+  if (!keep_within) return "";
   constexpr double kSeen = 1e-6;
   std::size_t count = 0;
   double furthest_mm = 0;
@@ -42,12 +42,12 @@ void warn_of_vertices_outside(const TetMesh& mesh, const operators::KeepWithin& 
       worst = p;
     }
   }
-  if (count > 0)
-    context.warn(fmt::format(
-        "{} {} up to {:.2g} mm beyond the image's border or a cut plane, the furthest at ({:.1f}, "
-        "{:.1f}, {:.1f}) mm; a smaller {} or {} may help",
-        count, count == 1 ? "vertex lies" : "vertices lie", furthest_mm, worst.x(), worst.y(), worst.z(),
-        option_name("gradation"), option_name("max_size")));
+  if (count == 0) return "";
+  return fmt::format(
+      "{} {} up to {:.2g} mm beyond the image's border or a cut plane, the furthest at {}; a "
+      "smaller {} or {} may help",
+      count, count == 1 ? "vertex lies" : "vertices lie", furthest_mm, place_text(worst),
+      option_name("gradation"), option_name("max_size"));
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ AdaptResult adapt_mesh(TetMesh& mesh, metric::MetricField& field, const AdaptReq
                                               : adapt(mesh, field, boundary.shapes(), options, context),
                      .patches_on_image = boundary.patches_on_image()};
   boundary.restore_patches(mesh);
-  warn_of_vertices_outside(mesh, options.keep_within, context);
+  result.note = note_on_vertices_outside(mesh, options.keep_within);
   return result;
 }
 

@@ -21,6 +21,7 @@ struct AdaptRequest {
 struct AdaptResult {
   AdaptReport report;
   std::size_t patches_on_image = 0;  ///< Patches that followed the image.
+  std::string note = {};             ///< A warning of vertices beyond the image; empty if there are none.
 };
 
 /// Pieces that no face joins are often forgotten specks of a segmentation, in which a flow has no way out.
