@@ -409,7 +409,8 @@ class BandBuilder {
   std::vector<LaneFacts> lanes_;
 };
 
-Band::Band(const LabelImage& image, const PairFaces& pair) : image_(&image) {
+Band::Band(const LabelImage& image, const PairFaces& pair)
+    : image_(&image), is_outer_wall_(pair.pair.is_outer_wall()) {
   BandBuilder(*this, image, pair).build();
 }
 

@@ -40,6 +40,8 @@ class Band {
   Band(const LabelImage& image, const PairFaces& pair);
 
   [[nodiscard]] const LabelImage& image() const { return *image_; }
+  /// Whether the minus side is the background.
+  [[nodiscard]] bool is_outer_wall() const { return is_outer_wall_; }
 
   /// One more than the last segment; 0 is the null segment, in which nothing is alive.
   [[nodiscard]] int end() const { return grid_.end(); }
@@ -112,6 +114,7 @@ class Band {
   [[nodiscard]] static std::size_t index(int segment) { return static_cast<std::size_t>(segment); }
 
   const LabelImage* image_;
+  bool is_outer_wall_;
   Index3 low_ = Index3::Zero();
   Vec3 edges_ = Vec3::Ones();
   SegmentGrid grid_;

@@ -153,16 +153,16 @@ double ConjugateGradients::start(FitState& state) {
   });
 }
 
-int ConjugateGradients::minimise(int iterations, FitState& state) {
+int ConjugateGradients::minimise(double tolerance, FitState& state) {
   const Band& band = state.band;
   set_diagonals(state);
   double error = start(state);
   error += state.levels.precondition(residual_);
   const double enough =
-      kTolerance * kTolerance * static_cast<double>(std::max<std::size_t>(1, band.face_count()));
+      tolerance * tolerance * static_cast<double>(std::max<std::size_t>(1, band.face_count()));
   float beta = 0;
   int count = 0;
-  while (count < iterations && error > enough) {
+  while (count < kMostIterations && error > enough) {
     for_each_segment_block(band.end(), [&](int begin, int end) {
       direction_block(state.levels.finest(), residual_, inverse_diagonal_, state.hold, beta, begin, end,
                       direction_, product_);

@@ -12,10 +12,10 @@ class ConjugateGradients {
   /// To be called when the stiffness has changed.
   void take_stiffness(const FitState& state);
 
-  /// Iterates until the energy norm of the estimated error per face is below kTolerance, or `iterations`
-  /// times; returns how often.
-  int minimise(int iterations, FitState& state);
-  static constexpr double kTolerance = 0.005;
+  /// Iterates until the energy norm of the estimated error per face is below the tolerance, or
+  /// kMostIterations times; returns how often.
+  int minimise(double tolerance, FitState& state);
+  static constexpr int kMostIterations = 80;
 
  private:
   void set_diagonals(FitState& state);

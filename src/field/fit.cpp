@@ -17,9 +17,11 @@ namespace lumesh::field {
 
 namespace {
 
-constexpr int kSolves = 8;       // with penalties on violated sides, the first one without
-constexpr int kIterations = 10;  // of each solve; twice as many of the first
-constexpr int kWeighings = 3;    // solves before which normals are taken anew
+constexpr int kSolves = 8;  // with penalties on violated sides, the first one without
+// Of the function at the faces, in the mean: while the stiffness is adapted, which takes what a solve has not
+// come to for too stiff, and at the end.
+constexpr double kTolerance = 0.02, kLastTolerance = 0.01;
+constexpr int kWeighings = 3;  // solves before which normals are taken anew
 constexpr int kSoftenings = 6;
 constexpr int kHardRounds = 8;
 constexpr double kWrongShare = 2e-5;  // of the hard sides; fewer are left to keep_sides()
@@ -43,7 +45,7 @@ LaneArray start_of(const Band& band) {
 class Fit {
  public:
   Fit(const Band& band, BoundaryFidelity fidelity)
-      : state_(band), fidelity_(fidelity), solver_(state_), stiffness_(begin(state_), noise(), state_) {}
+      : state_(band), fidelity_(fidelity), stiffness_(begin(state_), noise(), state_), solver_(state_) {}
 
   PairFunction run() {
     for (int solve = 0; solve < kSolves; ++solve) fit_once(solve);
@@ -81,7 +83,7 @@ class Fit {
         solver_.take_stiffness(state_);
       hold_violated_sides(state_);
     }
-    iterations_ += solver_.minimise(solve == 0 ? 2 * kIterations : kIterations, state_);
+    iterations_ += solver_.minimise(solve <= kSoftenings ? kTolerance : kLastTolerance, state_);
   }
 
   void set_outliers_aside() {
@@ -107,7 +109,7 @@ class Fit {
     const double enough = kWrongShare * static_cast<double>(count);
     for (int round = 0; round < kHardRounds; ++round) {
       if (static_cast<double>(sides.update(state_)) <= enough && round > 0) break;
-      iterations_ += solver_.minimise(kIterations, state_);
+      iterations_ += solver_.minimise(kLastTolerance, state_);
     }
   }
 
@@ -174,8 +176,8 @@ class Fit {
   FitState state_;
   BoundaryFidelity fidelity_;
   float longest_edge_ = static_cast<float>(state_.band.edges().maxCoeff());
-  ConjugateGradients solver_;
   StiffnessAdaptation stiffness_;
+  ConjugateGradients solver_;
   DampedFaces damped_;
   int iterations_ = 0;
 };

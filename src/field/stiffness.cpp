@@ -5,6 +5,7 @@
 
 #include "binomial.hpp"
 #include "lumesh/core/wide.hpp"
+#include "medial_axis.hpp"
 #include "segment_loops.hpp"
 #include "stencil.hpp"
 
@@ -19,6 +20,8 @@ constexpr float kTooStiff =
 constexpr float kMostCounted = 0.15F;  // violations count up to here, so that single voxels count little
 constexpr float kStep = 3;             // a step divides the stiffness by 2^3
 const float kLeast = std::log2(0.02F / static_cast<float>(kThird));
+constexpr float kMedialStiffness = -12;  // to base 2, between two walls
+constexpr int kBorderReach = 4;          // voxels from the image's border, near which fits are extrapolated
 const float kLogHold = std::log2(kHold);
 constexpr float kGain = 0.5F;  // to what share the violation has to fall for a step to have paid
 constexpr float kLeastNoise = 0.001F, kMostNoise = 0.03F;  // mean violations that may be noise
@@ -163,12 +166,23 @@ struct StiffnessLoops {
             mask_of(unlocked[at]) ? (lower > Lanes{} + kLeast ? lower : Lanes{} + kLeast) : old);
     }
   }
-  static LUMESH_WIDE_LOOPS void soften(StiffnessAdaptation& a, const Band& band, int begin, int end) {
+  /// Violations at the boundary, cut off.
+  static LUMESH_WIDE_LOOPS void sizes(const Band& band, const LaneArray& wrong, int begin, int end,
+                                      LaneArray& out) {
+    for (int s = begin; s < end; ++s)
+      store(out.at(s), keep(least(load(wrong.at(s)), kMostCounted), mask_of(band.boundary(s))));
+  }
+  /// far_sums: windows of violations and of boundary voxels. Near the border a place has to be worse than
+  /// those around on the average: else what is too stiff further in, and has bent the function out there,
+  /// softens it where too little holds it.
+  static LUMESH_WIDE_LOOPS void soften(StiffnessAdaptation& a, const Band& band,
+                                       const std::array<const LaneArray*, 2>& far_sums, int begin, int end) {
     for (int s = begin; s < end; ++s) {
       const auto at = static_cast<std::size_t>(s);
-      const Lanes boundary = load(a.boundary_narrow_.at(s));
-      const LaneMask too_stiff =
-          (boundary > Lanes{} + kTiny) & (size_of(load(a.wrong_sum_.at(s))) > kTooStiff * boundary);
+      const Lanes boundary = load(a.boundary_narrow_.at(s)), wrong = size_of(load(a.wrong_sum_.at(s)));
+      const Lanes far_wrong = keep(load(far_sums[0]->at(s)), mask_of(a.near_border_[at]));
+      const LaneMask too_stiff = (boundary > Lanes{} + kTiny) & (wrong > kTooStiff * boundary) &
+                                 (wrong * load(far_sums[1]->at(s)) >= far_wrong * boundary);
       const auto bits = static_cast<std::uint8_t>(bits_of(too_stiff) & ~a.locked_[at] & band.alive(s));
       const Lanes old = load(a.logarithm_.at(s)), lower = old - kStep;
       store(a.logarithm_.at(s), mask_of(bits) ? (lower > Lanes{} + kLeast ? lower : Lanes{} + kLeast) : old);
@@ -247,6 +261,31 @@ StiffnessAdaptation::StiffnessAdaptation(const LaneArray& start, Noise noise, Fi
     thin_around_[at] = bits_of(load(other_.at(s)) >= kThinShare * load(boundary_wide_.at(s)));
   });
   find_turning(start, state);
+  find_border(state.band);
+  soften_medial_axis(state);
+}
+
+void StiffnessAdaptation::find_border(const Band& band) {
+  const Index3 last = band.image().frame().size - Index3::Ones();
+  near_border_.assign(band.segment_count(), 0);
+  for_each_segment(band.end(), [&](int s, std::size_t at) {
+    for (int lane = 0; band.alive(s) != 0 && lane < kLanes; ++lane) {
+      const Index3 voxel = band.voxel(s * kLanes + lane);
+      if (voxel.cwiseMin(last - voxel).minCoeff() < kBorderReach)
+        near_border_[at] = static_cast<std::uint8_t>(near_border_[at] | 1U << static_cast<unsigned>(lane));
+    }
+  });
+}
+
+/// Two walls have no smooth function in common: stiff ones between them would bend both where little else
+/// holds them, as at the image's border.
+void StiffnessAdaptation::soften_medial_axis(FitState& state) {
+  const Bits around = around_medial_axis(state.band);
+  if (!has_any(around)) return;
+  for_each_segment(state.band.end(), [&](int s, std::size_t at) {
+    store(logarithm_.at(s), keep(Lanes{} + kMedialStiffness, mask_of(around[at])));
+  });
+  smooth_logarithm(state);
 }
 
 void StiffnessAdaptation::find_turning(const LaneArray& start, FitState& state) {
@@ -342,8 +381,16 @@ bool StiffnessAdaptation::judge(FitState& state) {
 }
 
 bool StiffnessAdaptation::soften(FitState& state) {
-  for_each_segment_block(state.band.end(),
-                         [&](int begin, int end) { StiffnessLoops::soften(*this, state.band, begin, end); });
+  const Band& band = state.band;
+  const auto set = [&](auto set_block, const auto& from, LaneArray& sums) {
+    for_each_segment_block(band.end(), [&](int begin, int end) { set_block(band, from, begin, end, sums); });
+    state.levels.sum_over_window(sums, Window::kFar, sums);
+  };
+  set(StiffnessLoops::sizes, last_wrong_, other_);
+  set(StiffnessLoops::count, Bits(band.segment_count(), 0xFF), more_);
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    StiffnessLoops::soften(*this, band, {&other_, &more_}, begin, end);
+  });
   return has_any(softened_);
 }
 

@@ -28,6 +28,8 @@ class StiffnessAdaptation {
  private:
   friend struct StiffnessLoops;
   using Bits = std::vector<std::uint8_t>;
+  void find_border(const Band& band);
+  void soften_medial_axis(FitState& state);
   void find_turning(const LaneArray& start, FitState& state);
   void measure(FitState& state);
   bool unlock(FitState& state);
@@ -38,7 +40,7 @@ class StiffnessAdaptation {
 
   Noise noise_;
   LaneArray boundary_narrow_, boundary_wide_;  // how much boundary the windows hold
-  Bits turning_, thin_around_;
+  Bits turning_, thin_around_, near_border_;
   Bits locked_, beyond_noise_, softened_;
   LaneArray logarithm_, last_logarithm_;  // of the stiffness, to base 2
   LaneArray wrong_, last_wrong_;          // violation of each voxel, outliers left out

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/mesh/edge_key.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
 
 namespace {
+
+constexpr double kLittleBeyond = 0.01;  // Voxels beyond a cut plane.
 
 struct TriangleHash {
   std::size_t operator()(const Triangle& t) const {
@@ -32,11 +35,39 @@ class ExposedRemoval {
     const std::vector<std::uint32_t> exposed = find_exposed();
     index_boundary(exposed);
     for (const std::uint32_t t : exposed) try_drop(t);
+    return finish();
+  }
+
+  void run_beyond_cuts() {
+    std::vector<std::uint32_t> beyond = find_beyond_cuts();
+    if (beyond.empty()) return;
+    build_neighbours(mesh_);
+    may_join_opening_ = true;
+    index_boundary(beyond);
+    // One that only one face exposes may go after those beside it.
+    while (std::erase_if(beyond, [&](std::uint32_t t) { return try_drop(t); }) > 0) {
+    }
+    finish();
+  }
+
+ private:
+  std::vector<std::uint32_t> finish() {
     std::erase_if(boundary_.triangles, [](const BoundaryTriangle& t) { return t.vertices[0] == kNoTet; });
     return drop_tetrahedra(mesh_, boundary_, keep_);
   }
 
- private:
+  /// Ascending.
+  [[nodiscard]] std::vector<std::uint32_t> find_beyond_cuts() const {
+    std::vector<std::uint32_t> beyond;
+    for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+      const Vec3& x = mesh_.positions[v];
+      if ((within_cuts(domain_, boundary_.sets[v], x) - x).norm() > kLittleBeyond * domain_.voxel_size_mm())
+        beyond.insert(beyond.end(), mesh_.star(v).begin(), mesh_.star(v).end());
+    }
+    sort_unique(beyond);
+    return beyond;
+  }
+
   [[nodiscard]] int open_faces(std::uint32_t t) const {
     return static_cast<int>(std::count(mesh_.neighbours[t].begin(), mesh_.neighbours[t].end(), kNoTet));
   }
@@ -121,32 +152,35 @@ class ExposedRemoval {
   }
 
   /// With two open faces the edge that they do not touch must lie inside, or the boundary would pinch there;
-  /// with three there is nothing to pinch. The faces that come to light must belong to the same label.
-  void try_drop(std::uint32_t t) {
+  /// with three there is nothing to pinch. The faces that come to light must belong to the same label. Where
+  /// one that goes was in a cut plane, at the rim of an opening, they belong to the opening.
+  bool try_drop(std::uint32_t t) {
     const int open = open_faces(t);
-    if (open != 2 && open != 3) return;
+    if (open != 2 && open != 3) return false;
     Material outside = 0;
     std::array<std::size_t, 4> faces_open{};
     std::size_t n = 0;
     for (std::size_t f = 0; f < 4; ++f) {
       const std::uint32_t other = mesh_.neighbours[t][f];
       if (other != kNoTet) {
-        if (mesh_.materials[other] != mesh_.materials[t]) return;
+        if (mesh_.materials[other] != mesh_.materials[t]) return false;
         continue;
       }
       const auto found = triangle_at_.find(sorted(face_of(mesh_.tets[t], f)));
-      if (found == triangle_at_.end()) return;
+      if (found == triangle_at_.end()) return false;
       const Material m = boundary_.triangles[found->second].outside;
-      if (n > 0 && m != outside) return;
-      outside = m;
+      if (n > 0 && m != outside && !(may_join_opening_ && domain_.is_cut(std::max(m, outside)))) return false;
+      outside = std::max(m, outside);
       faces_open[n++] = f;
     }
     if (open == 2) {
       const std::uint32_t a = mesh_.tets[t][faces_open[0]];
       const std::uint32_t b = mesh_.tets[t][faces_open[1]];
-      if (const auto use = edge_use_.find(edge_key(a, b)); use != edge_use_.end() && use->second > 0) return;
+      if (const auto use = edge_use_.find(edge_key(a, b)); use != edge_use_.end() && use->second > 0)
+        return false;
     }
     drop(t, outside);
+    return true;
   }
 
   void drop(std::uint32_t t, Material outside) {
@@ -171,6 +205,7 @@ class ExposedRemoval {
   BoundaryModel& boundary_;
   const ImageDomain& domain_;
   std::vector<std::uint8_t> keep_;
+  bool may_join_opening_ = false;
   std::unordered_map<Triangle, std::uint32_t, TriangleHash> triangle_at_;
   std::unordered_map<std::uint64_t, int> edge_use_;
 };
@@ -180,6 +215,10 @@ class ExposedRemoval {
 std::vector<std::uint32_t> remove_exposed(WorkMesh& mesh, BoundaryModel& boundary,
                                           const ImageDomain& domain) {
   return ExposedRemoval(mesh, boundary, domain).run();
+}
+
+void remove_beyond_cuts(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain) {
+  ExposedRemoval(mesh, boundary, domain).run_beyond_cuts();
 }
 
 }  // namespace lumesh

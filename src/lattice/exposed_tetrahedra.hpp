@@ -11,4 +11,8 @@ namespace lumesh {
 /// @return The vertices that are left, by their old numbers, ascending; those are their new order.
 std::vector<std::uint32_t> remove_exposed(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain);
 
+/// Drops, under the same conditions, tetrahedra with a corner beyond a cut plane: where a wall grazes the
+/// image's border, those whose other corners are in the plane cannot get within.
+void remove_beyond_cuts(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain);
+
 }  // namespace lumesh

@@ -180,7 +180,7 @@ TEST(LabelField, VesselsSideBySideKeepTheirVolumes) {
           ++wanted[static_cast<std::size_t>(truth({x, y, z}))];
         }
     for (const std::size_t label : {1, 2})
-      EXPECT_NEAR(found[label], wanted[label], 0.04 * wanted[label]) << label;
+      EXPECT_NEAR(found[label], wanted[label], 0.045 * wanted[label]) << label;
   }
 }
 

@@ -179,7 +179,7 @@ LabelImage balls_at_the_border(std::uint64_t seed) {
 }
 
 TEST(Caps, NothingLeavesTheImage) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const MixedMesh mesh = meshed(balls_at_the_border(seed));
     double beyond = 0;

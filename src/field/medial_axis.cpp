@@ -1,0 +1,96 @@
+#include "medial_axis.hpp"
+
+#include "lumesh/core/wide.hpp"
+#include "segment_loops.hpp"
+
+namespace lumesh::field {
+
+namespace {
+
+constexpr float kLeastSlope = 0.6F;   // of the distance, which has slope 1 but on its medial axis
+constexpr float kLeastDistance = 1;   // from the wall: nearer ones are the voxels' stairs
+constexpr float kLeastAround = 0.5F;  // the same of the voxels around
+constexpr int kReach = 2;             // of these
+
+/// What an array holds one voxel back, at the voxels of a segment, and one further along an axis.
+struct Row {
+  Lanes before, own, after;
+};
+
+[[gnu::always_inline]] inline Row row_along(const Band& band, const LaneArray& values, int segment,
+                                            int axis) {
+  const float* const own = values.at(segment);
+  const auto& rows = band.rows(segment);
+  const float* const before = axis == 0 ? own - 1 : values.at(rows[axis == 1 ? kYm : kZm]);
+  const float* const after = axis == 0 ? own + 1 : values.at(rows[axis == 1 ? kY1 : kZ1]);
+  return {load(before), load(own), load(after)};
+}
+
+/// Signed distances within the image, NaN elsewhere.
+LUMESH_WIDE_LOOPS void set_distances(const Band& band, int begin, int end, LaneArray& distances) {
+  for (int s = begin; s < end; ++s) {
+    const LaneMask known = mask_of(static_cast<std::uint8_t>(band.alive(s) & band.in_image(s)));
+    store(distances.at(s), known ? load(band.start().at(s)) : Lanes{} + std::nanf(""));
+  }
+}
+
+/// By the difference of both neighbours, or of the one that is known.
+[[gnu::always_inline]] inline Lanes squared_slope(const Row& row, float per_edge) {
+  const LaneMask has_before = row.before == row.before, has_after = row.after == row.after;
+  const Lanes rise = (has_after ? row.after : row.own) - (has_before ? row.before : row.own);
+  const Lanes slope = rise * (has_before & has_after ? Lanes{} + 0.5F * per_edge : Lanes{} + per_edge);
+  return slope * slope;
+}
+
+/// 1 on the medial axis of the background, 0 elsewhere.
+LUMESH_WIDE_LOOPS void mark_medial_axis(const Band& band, const LaneArray& distances, int begin, int end,
+                                        LaneArray& marks) {
+  for (int s = begin; s < end; ++s) {
+    Lanes square = {};
+    for (int axis = 0; axis < 3; ++axis)
+      square +=
+          squared_slope(row_along(band, distances, s, axis), static_cast<float>(1 / band.edges()[axis]));
+    const LaneMask is_medial =
+        (load(distances.at(s)) <= Lanes{} - kLeastDistance) & (square < Lanes{} + kLeastSlope * kLeastSlope);
+    const LaneMask is_ghost = mask_of(static_cast<std::uint8_t>(band.alive(s) & ~band.in_image(s))) &
+                              (load(band.start().at(s)) <= Lanes{} - kLeastDistance);
+    store(marks.at(s), keep(Lanes{} + 1.0F, is_medial | is_ghost));
+  }
+}
+
+LUMESH_WIDE_LOOPS void dilate(const Band& band, const LaneArray& marks, int axis, int begin, int end,
+                              LaneArray& out) {
+  for (int s = begin; s < end; ++s) {
+    const Row row = row_along(band, marks, s, axis);
+    store(out.at(s),
+          keep(Lanes{} + 1.0F, (row.before + row.own + row.after > Lanes{}) & mask_of(band.alive(s))));
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> around_medial_axis(const Band& band) {
+  std::vector<std::uint8_t> around(band.segment_count(), 0);
+  if (!band.is_outer_wall()) return around;
+  LaneArray distances(band.end(), std::nanf("")), marks(band.end());
+  const auto for_blocks = [&](const auto& body) { for_each_segment_block(band.end(), body); };
+  for_blocks([&](int begin, int end) { set_distances(band, begin, end, distances); });
+  for_blocks([&](int begin, int end) { mark_medial_axis(band, distances, begin, end, marks); });
+  LaneArray& other = distances;
+  other.assign(band.end(), 0);
+  for (int pass = 0; pass < kReach; ++pass) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for_blocks([&](int begin, int end) { dilate(band, marks, axis, begin, end, other); });
+      std::swap(marks, other);
+    }
+  }
+  for_blocks([&](int begin, int end) {
+    for (int s = begin; s < end; ++s)
+      for (unsigned lane = 0; lane < kLanes; ++lane)
+        if (marks.at(s)[lane] > 0 && band.start().at(s)[lane] <= -kLeastAround)
+          around[static_cast<std::size_t>(s)] |= static_cast<std::uint8_t>(1U << lane);
+  });
+  return around;
+}
+
+}  // namespace lumesh::field
