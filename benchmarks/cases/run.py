@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import typing
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CAROTID_SIZE, CAROTID_RADIUS, CAROTID_END_RADIUS, CAROTID_SAC_RADIUS = 512, 14, 4, 35
@@ -32,17 +33,31 @@ def arguments_of(case):
     return [kind], []
 
 
-def measure(command, allowed=(0,)):
-    """Output, wall seconds and peak MiB of one run; exit codes that are not allowed end the script."""
+class Timed(typing.NamedTuple):
+    """One run of a command; CPU seconds are those of all its threads, user and system."""
+    output: str
+    seconds: float
+    cpu_seconds: float
+    peak_mib: float
+    exit: int
+
+
+def timed(command):
     start = time.monotonic()
     with tempfile.TemporaryFile("w+") as output:
         process = subprocess.Popen(command, stdout=output, stdin=subprocess.DEVNULL)
         _, status, usage = os.wait4(process.pid, 0)
         seconds = time.monotonic() - start
-        if os.waitstatus_to_exitcode(status) not in allowed:
-            raise SystemExit(f"{' '.join(command)}: exit {os.waitstatus_to_exitcode(status)}")
         output.seek(0)
-        return output.read(), seconds, usage.ru_maxrss / 1024
+        return Timed(output.read(), seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, os.waitstatus_to_exitcode(status))
+
+
+def measure(command, allowed=(0,)):
+    """Output, wall seconds and peak MiB of one run; exit codes that are not allowed end the script."""
+    run = timed(command)
+    if run.exit not in allowed:
+        raise SystemExit(f"{' '.join(command)}: exit {run.exit}")
+    return run.output, run.seconds, run.peak_mib
 
 
 def run_case(program, case, repeats, threads, folder):
