@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The paper's benchmark: every option that it names exists, and every file is made before it is read.
+"""The paper's page and benchmark: every option that they name exists, and every file is made before it is read.
 
 Usage: paper_test.py LUMESH
 """
@@ -18,6 +18,9 @@ sys.path.insert(0, str(ROOT / "benchmarks"))
 import curves  # noqa: E402
 import paper_methods  # noqa: E402
 from paper import Bench, outputs_of  # noqa: E402
+
+COMMANDS = ("adapt", "centerline", "convert", "delaunay", "evaluate", "improve", "lattice", "layers", "merge", "metric", "phantom")
+OF_SCRIPTS = {"--large", "--literal", "--rounds"}
 
 
 class PaperTest(ProgramTest):
@@ -57,6 +60,13 @@ class PaperTest(ProgramTest):
         by_key = {m.key: m for m in self.methods}
         chosen = [m.key for m in bench.needed([by_key["case2_merge"]])]
         self.assertEqual(chosen, ["case2_tetgen", "case2_aflr", "case2_cdt3d_iso", "case2_cdt3d_aniso", "case2_merge"])
+
+    def test_the_page_names_options_of_the_program(self):
+        known = set().union(*map(self.options_of, COMMANDS), OF_SCRIPTS)
+        text = re.sub(r"TODO\([^|\n]*", "", (ROOT / "docs/paper.md").read_text())
+        for line in text.splitlines():
+            for option in re.findall(r"(?<![\w-])--[a-z][\w-]*", line):
+                self.assertIn(option, known, line)
 
     def test_curves_are_well_formed_and_have_all_of_the_counts(self):
         histogram = {"low": 0, "high": 180, "counts": [1] * 180}
