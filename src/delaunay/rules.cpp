@@ -192,13 +192,16 @@ std::optional<Candidate> Rules::candidate_for_crossed_opening(TetId t, const Cir
   for (const CutPlane& cut : domain_.cut_planes()) {
     if (std::abs(cut.height(sphere.centre)) > sphere.radius) continue;
     for (const auto& [i, j] : kTetEdges) {
-      const double at_i = cut.height(mesh_.corner(t, i)), at_j = cut.height(mesh_.corner(t, j));
-      if (std::min(at_i, at_j) > -touch_mm || std::max(at_i, at_j) < touch_mm) continue;
-      const Vec3 x = mesh_.corner(t, i) + at_i / (at_i - at_j) * (mesh_.corner(t, j) - mesh_.corner(t, i));
+      const Vec3 *from = &mesh_.corner(t, i), *to = &mesh_.corner(t, j);
+      if (precedes(*to, *from))
+        std::swap(from, to);  // Rounding must not depend on which corner stands first.
+      const double at_from = cut.height(*from), at_to = cut.height(*to);
+      if (std::min(at_from, at_to) > -touch_mm || std::max(at_from, at_to) < touch_mm) continue;
+      const Vec3 x = *from + at_from / (at_from - at_to) * (*to - *from);
       const Material m = domain_.material_at(x - touch_mm * cut.normal);
       if (!domain_.is_meshed(m) || cut.beyond_mm(x + touch_mm * cut.normal) <= 0) continue;
       // The thinner the object is below, the nearer points of the opening may be to its wall.
-      const double depth_mm = -std::min(at_i, at_j);
+      const double depth_mm = -std::min(at_from, at_to);
       const double spacing = std::min(spacing_.delta_mm(), 2 * depth_mm);
       const Candidate candidate{x, t, kSurfaceFirst, VertexDimension::kSurface, spacing};
       if (!best || has_higher_priority(candidate, *best)) best = candidate;

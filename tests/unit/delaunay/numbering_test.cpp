@@ -114,6 +114,25 @@ TEST_F(Numbering, DoesNotDecideWhichVerticesOfBadFacesGo) {
   }
 }
 
+/// Bit by bit: an opening's points came out in other last bits where an edge was seen from its other end.
+TEST_F(Numbering, DoesNotDecideWhichPointsAreAskedFor) {
+  const auto asked = [](const Triangulation& t) {
+    std::vector<Place> places;
+    for (std::uint32_t i = 0; i < t.mesh.tet_slots(); ++i) {
+      const TetId tet(i);
+      if (!t.mesh.alive(tet)) continue;
+      const Circumsphere sphere = circumsphere(t.mesh, tet);
+      for (const auto& candidate :
+           {t.rules.candidate_for_crossed_opening(tet, sphere), t.rules.candidate_for_tet(tet, sphere)})
+        if (candidate) places.push_back(place_of(candidate->point));
+    }
+    std::sort(places.begin(), places.end());
+    return places;
+  };
+  EXPECT_GT(asked(one_).size(), 100U);
+  EXPECT_EQ(asked(one_), asked(other_));
+}
+
 TEST_F(Numbering, DoesNotDecideWhatIsRelabelled) {
   const auto before = one_.labels();
   for (Triangulation* t : {&one_, &other_}) {
