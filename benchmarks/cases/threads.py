@@ -20,7 +20,7 @@ import run  # noqa: E402  (ROOT)
 from adapt import write_cube  # noqa: E402
 
 EXECUTIONS = ("ordered", "speculative")
-POLICIES = ("none", "first-idle", "hierarchical", "stealing")
+POLICIES = ("none", "first-idle", "hierarchical", "node-first", "stealing")
 
 
 def cpu_seconds():

@@ -9,10 +9,20 @@
 
 namespace lumesh::parallel {
 
+namespace {
+
+bool wants_pins(const TeamOptions& options, const Topology& topology) {
+  if (!topology.is_this_machine() || options.pin == Pinning::kOff) return false;
+  return options.pin == Pinning::kOn || (goes_by_distance(options.balance) && topology.nodes() > 1);
+}
+
+}  // namespace
+
 Team::Team(const TeamOptions& options)
     : options_(options),
       topology_(options.synthetic_topology.empty() ? Topology::of_machine()
-                                                   : Topology::synthetic(options.synthetic_topology)) {
+                                                   : Topology::synthetic(options.synthetic_topology)),
+      pins_(wants_pins(options, topology_)) {
   const int threads = std::max(1, options.threads);
   for (int thread = 0; thread < threads; ++thread) nodes_.push_back(topology_.node_of(thread, threads));
   migrations_.resize(nodes_.size());
@@ -44,7 +54,7 @@ void Team::stop() {
 
 void Team::work(int thread, Worker& mine) {
   std::optional<Topology::Pin> pin;
-  if (options_.pin) pin.emplace(topology_, thread, size());
+  if (pins_) pin.emplace(topology_, thread, size());
   for (;;) {
     {
       std::unique_lock lock(mutex_);
@@ -70,7 +80,7 @@ void Team::run_body(int thread) {
 void Team::run(int count, const std::function<void(int)>& body) {
   std::optional<Topology::Pin>
       pin;  // For now only: threads that the caller starts elsewhere would inherit it.
-  if (options_.pin) pin.emplace(topology_, 0, size());
+  if (pins_) pin.emplace(topology_, 0, size());
   {
     const std::lock_guard lock(mutex_);
     body_ = &body;

@@ -40,7 +40,7 @@ void WorkLists::put(RankedTask one, int by) {
 int WorkLists::receiver_instead_of(int home, int by) const {
   const bool is_free = members_[static_cast<std::size_t>(by)].tasks.empty();
   if (balance_ == Balance::kFirstIdle) return !idle_.empty() ? idle_.first() : is_free ? by : home;
-  if (balance_ != Balance::kHierarchical) return home;
+  if (!goes_by_distance(balance_)) return home;
   const int nearest = idle_.nearest(team_.node_of(home));
   if (!is_free) return nearest == IdleThreads::kNobody ? home : nearest;
   const auto distance = [&](int thread) {
@@ -112,11 +112,12 @@ void WorkLists::note_tasks(int thread) {
 void WorkLists::share(int thread) {
   if (idle_.empty() || !member(thread).can_share) return;
   if (balance_ == Balance::kFirstIdle) migrate_half(thread, idle_.first());
-  if (balance_ != Balance::kHierarchical) return;
-  // Idle threads of other nodes are left to the busy ones there as long as these have something to give.
+  if (!goes_by_distance(balance_)) return;
   const int own = team_.node_of(thread);
-  const int nearest = idle_.nearest(
-      own, [&](int node) { return node == own || can_share_[static_cast<std::size_t>(node)] == 0; });
+  const int nearest = idle_.nearest(own, [&](int node) {
+    return balance_ == Balance::kHierarchical || node == own ||
+           can_share_[static_cast<std::size_t>(node)] == 0;
+  });
   if (nearest != IdleThreads::kNobody) migrate_half(thread, nearest);
 }
 

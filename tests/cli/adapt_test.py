@@ -86,10 +86,10 @@ class AdaptTest(MeshTest):
 
     def test_every_number_of_threads_gives_the_same_file(self):
         files = []
-        for threads, balance in ((1, "none"), (2, "first-idle"), (8, "hierarchical"), (64, "stealing")):
+        for threads, balance in ((1, "none"), (2, "first-idle"), (8, "hierarchical"), (16, "node-first"), (64, "stealing")):
             path = self.folder / f"{threads}.vtu"
             self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 800, "-o", path, "--nthreads", threads,
-                          "--balance", balance, "--pin")
+                          "--balance", balance, "--pin", "on")
             files.append(path.read_bytes())
         for file in files[1:]:
             self.assertEqual(file, files[0])

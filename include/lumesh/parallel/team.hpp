@@ -23,14 +23,28 @@ namespace lumesh::parallel {
 enum class Balance : std::uint8_t {
   kNone,          ///< Nobody: every thread runs its own tasks.
   kFirstIdle,     ///< A busy thread gives half of its tasks, the coldest, to the thread that idles longest.
-  kHierarchical,  ///< The same, to the idle thread at the lowest NUMA distance (the paper's algorithm 1).
+  kNodeFirst,     ///< As kHierarchical, but idle threads of other nodes are left to the busy ones there as
+                  ///< long as these have something to give.
   kStealing,      ///< An idle thread takes half of the tasks of another, by chance.
+  kHierarchical,  ///< As kFirstIdle, but to the idle thread at the lowest NUMA distance (the paper's
+                  ///< algorithm 1).
+};
+
+[[nodiscard]] constexpr bool goes_by_distance(Balance balance) {
+  return balance == Balance::kNodeFirst || balance == Balance::kHierarchical;
+}
+
+/// Whether every thread is kept on its processor.
+enum class Pinning : std::uint8_t {
+  kAuto,  ///< Where node distances count: under policies that go by them, on a machine of several NUMA nodes.
+  kOn,
+  kOff,
 };
 
 struct TeamOptions {
   int threads = 1;  ///< >= 1
-  Balance balance = Balance::kHierarchical;
-  bool pin = false;
+  Balance balance = Balance::kNodeFirst;
+  Pinning pin = Pinning::kAuto;
   std::string synthetic_topology =
       {};  ///< Topology::synthetic(): balance as if on that machine, pin nothing.
 
@@ -60,6 +74,8 @@ class Team {
 
   [[nodiscard]] int size() const { return static_cast<int>(nodes_.size()); }
   [[nodiscard]] Balance balance() const { return options_.balance; }
+  /// Never true on a synthetic topology.
+  [[nodiscard]] bool pins() const { return pins_; }
   [[nodiscard]] const Topology& topology() const { return topology_; }
   [[nodiscard]] int node_of(int thread) const { return nodes_[static_cast<std::size_t>(thread)]; }
 
@@ -84,6 +100,7 @@ class Team {
 
   TeamOptions options_;
   Topology topology_;
+  bool pins_;
   std::vector<int> nodes_;  // NUMA node of each thread.
   std::vector<TaskMigrations> migrations_;
   std::deque<Worker> workers_;  // Of threads 1, 2, ...

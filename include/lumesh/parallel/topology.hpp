@@ -16,6 +16,8 @@ class Topology {
   /// @throws Error{kUsage} if hwloc does not know what it means.
   [[nodiscard]] static Topology synthetic(const std::string& description);
 
+  /// Threads can be pinned to it.
+  [[nodiscard]] bool is_this_machine() const { return is_this_machine_; }
   [[nodiscard]] int nodes() const { return nodes_; }
   [[nodiscard]] int processors() const { return static_cast<int>(node_of_processor_.size()); }
   /// The node of thread `thread` in a team of `threads`: they are spread evenly over the processors, in their

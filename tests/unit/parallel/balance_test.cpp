@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <set>
 #include <thread>
 
@@ -12,6 +14,7 @@
 #include "lumesh/parallel/ordered_tasks.hpp"
 #include "lumesh/parallel/topology.hpp"
 #include "lumesh/parallel/word_lock.hpp"
+#include "lumesh/parallel/work_lists.hpp"
 
 namespace lumesh::parallel {
 namespace {
@@ -45,7 +48,7 @@ TEST(Topology, KnowsThisMachine) {
 }
 
 TEST(Team, RunsOnEachThreadOnceAndPinsThem) {
-  Team team({.threads = 5, .pin = true});
+  Team team({.threads = 5, .pin = Pinning::kOn});
   for (const int count : {1, 5, 3, 5}) {
     std::vector<std::atomic<int>> runs(5);
     team.run(count, [&](int thread) { ++runs[static_cast<std::size_t>(thread)]; });
@@ -54,8 +57,54 @@ TEST(Team, RunsOnEachThreadOnceAndPinsThem) {
   }
 }
 
+/// As hwloc describes it, with the processors of this machine.
+class MachineOf {
+ public:
+  explicit MachineOf(const char* description) {
+    ::setenv("HWLOC_SYNTHETIC", description, 1);
+    ::setenv("HWLOC_THISSYSTEM", "1", 1);
+  }
+  ~MachineOf() {
+    ::unsetenv("HWLOC_SYNTHETIC");
+    ::unsetenv("HWLOC_THISSYSTEM");
+  }
+};
+
+/// The only processor that the calling thread may use; -1 if there are several.
+int own_processor() {
+  cpu_set_t set;
+  if (::sched_getaffinity(0, sizeof set, &set) != 0 || CPU_COUNT(&set) != 1) return -1;
+  int processor = 0;
+  while (!CPU_ISSET(processor, &set)) ++processor;
+  return processor;
+}
+
+TEST(Team, KeepsThreadsOnTheirProcessorsWhereNodeDistancesCount) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one processor";
+  const auto processors = [](const TeamOptions& options) {
+    Team team(options);
+    std::vector<int> own(2);
+    team.run(2, [&](int thread) { own[static_cast<std::size_t>(thread)] = own_processor(); });
+    return own;
+  };
+  const std::vector<int> pinned = {0, 1}, free = {-1, -1};
+  {
+    const MachineOf two_nodes("numa:2 pu:1");
+    if (Topology::of_machine().processors() != 2) GTEST_SKIP() << "processors 0 and 1 are not ours";
+    EXPECT_EQ(processors({.threads = 2}), pinned);
+    EXPECT_EQ(processors({.threads = 2, .pin = Pinning::kOff}), free);
+    EXPECT_EQ(processors({.threads = 2, .balance = Balance::kFirstIdle}), free);
+    EXPECT_EQ(processors({.threads = 2, .balance = Balance::kFirstIdle, .pin = Pinning::kOn}), pinned);
+    EXPECT_EQ(processors({.threads = 2, .synthetic_topology = fixtures::kEightNodes}), free);
+  }
+  const MachineOf one_node("numa:1 pu:2");
+  EXPECT_EQ(processors({.threads = 2}), free);
+  EXPECT_EQ(processors({.threads = 2, .pin = Pinning::kOn}), pinned);
+}
+
 TEST(IdleThreads, AreFoundByTimeAndByDistance) {
-  const Team team({64, Balance::kHierarchical, false, fixtures::kEightNodes});  // Eight threads a node.
+  const Team team(
+      {64, Balance::kHierarchical, Pinning::kOff, fixtures::kEightNodes});  // Eight threads a node.
   IdleThreads idle(team, 64);
   EXPECT_EQ(idle.first(), IdleThreads::kNobody);
   EXPECT_EQ(idle.nearest(3), IdleThreads::kNobody);
@@ -64,8 +113,7 @@ TEST(IdleThreads, AreFoundByTimeAndByDistance) {
   EXPECT_EQ(idle.nearest(0), 5);
   EXPECT_EQ(idle.nearest(3), 30);
   EXPECT_EQ(idle.nearest(5), 60);  // Of the same package.
-  EXPECT_EQ(idle.nearest(1, [](int node) { return node > 2; }), 30);
-  EXPECT_EQ(idle.nearest(1), 5);  // All three are as near; the lowest node comes first.
+  EXPECT_EQ(idle.nearest(1), 5);   // All three are as near; the lowest node comes first.
   idle.remove(60);
   idle.remove(5);
   EXPECT_FALSE(idle.contains(60));
@@ -129,7 +177,7 @@ TEST_P(FreeTasks, HandOnTheFirstException) {
 INSTANTIATE_TEST_SUITE_P(Teams, FreeTasks, testing::ValuesIn(fixtures::teams()), fixtures::team_name);
 
 TaskMigrations migrations_of_uneven_work(Balance balance) {
-  Team team({64, balance, false, fixtures::kEightNodes});
+  Team team({64, balance, Pinning::kOff, fixtures::kEightNodes});
   // Some threads' tasks take ten times as long as others', on every node.
   run_freely(team, 64 * 40, [](std::uint32_t task, int) {
     pretend_to_work(task / 40 * 7919 % 5 == 0 ? 500 : 50);
@@ -140,14 +188,42 @@ TaskMigrations migrations_of_uneven_work(Balance balance) {
   return sum;
 }
 
-TEST(Balance, HierarchyHalvesWhatIsHandedOverToOtherNodes) {
+/// The paper's algorithm 1: to the nearest of the idle threads, whoever else is busy on its node.
+TEST(Balance, ABusyThreadGivesToTheNearestIdleOne) {
+  const Team team({4, Balance::kHierarchical, Pinning::kOff, "pack:2 numa:1 core:2 pu:1"});
+  ASSERT_EQ(team.node_of(1), 0);
+  ASSERT_EQ(team.node_of(2), 1);
+  constexpr std::uint32_t kEach = 500;
+  WorkLists lists(team, 4, 4 * kEach);
+  for (std::uint32_t task = 0; task < 3 * kEach; ++task) lists.put_first({0, task});
+  std::uint32_t task = 0;
+  for (const int thread : {2, 1})
+    ASSERT_TRUE(lists.take(thread, task));  // They are busy with it from now on.
+  std::thread idle([&] {
+    std::uint32_t given = 0;
+    EXPECT_TRUE(lists.take(3, given));
+    EXPECT_LT(given, kEach) << "of thread 0, while thread 2 has tasks, too";
+  });
+  const auto& counts = lists.migrations();
+  for (std::uint32_t i = 0; i < kEach && counts[3].remote == 0; ++i) {
+    ASSERT_TRUE(lists.take(0, task));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_GT(counts[3].remote, 1u);
+  if (counts[3].remote == 0) lists.end();
+  idle.join();
+}
+
+TEST(Balance, NodesFirstHalveWhatIsHandedOverToOtherNodes) {
   const TaskMigrations first_idle = migrations_of_uneven_work(Balance::kFirstIdle);
-  const TaskMigrations hierarchical = migrations_of_uneven_work(Balance::kHierarchical);
+  const TaskMigrations node_first = migrations_of_uneven_work(Balance::kNodeFirst);
   RecordProperty("first_idle_remote", static_cast<int>(first_idle.remote));
-  RecordProperty("hierarchical_remote", static_cast<int>(hierarchical.remote));
+  RecordProperty("hierarchical_remote",
+                 static_cast<int>(migrations_of_uneven_work(Balance::kHierarchical).remote));
+  RecordProperty("node_first_remote", static_cast<int>(node_first.remote));
   EXPECT_GT(first_idle.remote, 100u);
-  EXPECT_GT(hierarchical.local, hierarchical.remote);
-  EXPECT_LE(2 * hierarchical.remote, first_idle.remote);
+  EXPECT_GT(node_first.local, node_first.remote);
+  EXPECT_LE(2 * node_first.remote, first_idle.remote);
   EXPECT_GT(migrations_of_uneven_work(Balance::kStealing).remote, 0u);
   const TaskMigrations none = migrations_of_uneven_work(Balance::kNone);
   EXPECT_EQ(none.local + none.remote, 0u);
