@@ -12,7 +12,7 @@
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/layers_report.hpp"
 #include "lumesh/stages/layer_request.hpp"
-#include "lumesh/stages/metric_input.hpp"
+#include "lumesh/stages/layers_stage.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -54,8 +54,7 @@ void run(const LayersCommand& command) {
   check_inputs_stay({command.json_path, command.report_path}, {command.mesh_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   const LayerOptions options = naming(command.mesh_path, [&] { return command.request.resolved(input); });
-  const TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(input, command.mesh_path); });
-  LayerResult result = naming(command.mesh_path, [&] { return grow_layers(mesh, options, context); });
+  LayerResult result = grow_layers_on(input, command.mesh_path, options, context);
   result.mesh.info.provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   context.phase("write", [&] { write_mesh(command.output_path, result.mesh.view()); });
   const std::string shortfall = result.report.shortfall();

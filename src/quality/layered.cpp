@@ -114,20 +114,26 @@ void add_cell(const MeshView& mesh, const AllCells& cells, std::size_t cell, Fla
 
 }  // namespace
 
-LayeredParts parts_of(const MeshView& mesh, std::uint64_t layer_cells) {
-  LUMESH_ASSERT(layer_cells >= mesh.pyramids.size() + mesh.prisms.size() && layer_cells <= mesh.cell_count());
-  const std::size_t core = mesh.cell_count() - layer_cells;
+LayeredParts parts_of(const MeshView& mesh, const LayeredCells& cells) {
+  const std::uint64_t others = mesh.hexahedra.size() + cells.core_pyramids + cells.core_prisms;
+  LUMESH_ASSERT(cells.layers + others <= mesh.cell_count() && cells.core_pyramids <= mesh.pyramids.size() &&
+                cells.core_prisms <= mesh.prisms.size());
+  const std::uint64_t tetrahedra = mesh.cell_count() - cells.layers - others;
   LayeredParts parts;
   parts.core.points = parts.layers.points = mesh.points;
   parts.core.info = parts.layers.info = mesh.info;
-  parts.core.tetrahedra = mesh.tetrahedra.first(core);
-  parts.core.tetrahedron_labels = mesh.tetrahedron_labels.first(core);
-  parts.layers.tetrahedra = mesh.tetrahedra.subspan(core);
-  parts.layers.tetrahedron_labels = mesh.tetrahedron_labels.subspan(core);
-  parts.layers.pyramids = mesh.pyramids;
-  parts.layers.pyramid_labels = mesh.pyramid_labels;
-  parts.layers.prisms = mesh.prisms;
-  parts.layers.prism_labels = mesh.prism_labels;
+  const auto divide = [](const auto& all, std::uint64_t of_core, auto& core, auto& layers) {
+    core = all.first(of_core);
+    layers = all.subspan(of_core);
+  };
+  divide(mesh.tetrahedra, tetrahedra, parts.core.tetrahedra, parts.layers.tetrahedra);
+  divide(mesh.tetrahedron_labels, tetrahedra, parts.core.tetrahedron_labels, parts.layers.tetrahedron_labels);
+  divide(mesh.pyramids, cells.core_pyramids, parts.core.pyramids, parts.layers.pyramids);
+  divide(mesh.pyramid_labels, cells.core_pyramids, parts.core.pyramid_labels, parts.layers.pyramid_labels);
+  divide(mesh.prisms, cells.core_prisms, parts.core.prisms, parts.layers.prisms);
+  divide(mesh.prism_labels, cells.core_prisms, parts.core.prism_labels, parts.layers.prism_labels);
+  parts.core.hexahedra = mesh.hexahedra;
+  parts.core.hexahedron_labels = mesh.hexahedron_labels;
   return parts;
 }
 

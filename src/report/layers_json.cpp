@@ -97,6 +97,8 @@ LayerJson layers_of_mesh_json(const LayersOfMesh& layers) {
 
 LayerJson whole_report_json(const LayerReport& report) {
   LayerJson json = coverage_json(report);
+  json["core_pyramids"] = report.core_pyramids;
+  json["core_prisms"] = report.core_prisms;
   json["surface"] = surface_json(report.surface);
   return json;
 }
@@ -106,6 +108,8 @@ LayerReport layer_report_of(const LayerJson& json) {
   report.layers = json.at("layers");
   report.heights = json.at("heights").get<std::vector<double>>();
   report.cells = json.at("cells");
+  report.core_pyramids = json.at("core_pyramids");
+  report.core_prisms = json.at("core_prisms");
   for (const LayerJson& patch : json.at("patches")) report.patches.push_back(patch_of(patch));
   const LayerJson& surface = json.at("surface");
   for (const LayerJson& point : surface.at("points")) report.surface.points.push_back(vector_of(point));

@@ -10,8 +10,14 @@ namespace {
 
 std::uint64_t used_points(const MeshView& mesh) {
   std::vector<std::uint8_t> used(mesh.points.size(), 0);
-  for (const Cell<4>& c : mesh.tetrahedra)
-    for (const std::uint32_t v : c) used[v] = 1;
+  const auto mark = [&](const auto& cells) {
+    for (const auto& cell : cells)
+      for (const std::uint32_t v : cell) used[v] = 1;
+  };
+  mark(mesh.tetrahedra);
+  mark(mesh.pyramids);
+  mark(mesh.prisms);
+  mark(mesh.hexahedra);
   return static_cast<std::uint64_t>(std::count(used.begin(), used.end(), std::uint8_t{1}));
 }
 
@@ -31,7 +37,8 @@ std::string LayersOfMesh::flat_cells_beside() const {
 }
 
 LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report, double least_before_deg) {
-  const quality::LayeredParts parts = quality::parts_of(mesh, report.cells);
+  const quality::LayeredParts parts =
+      quality::parts_of(mesh, {report.cells, report.core_pyramids, report.core_prisms});
   LayersOfMesh layers = {std::move(report), quality::measure(parts.core), quality::measure(parts.layers),
                          quality::measure_flat_cells(parts.layers), least_before_deg};
   layers.core.vertices = used_points(parts.core);

@@ -18,11 +18,14 @@ TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
         ErrorKind::kBadInput,
         path +
             ": has no tetrahedra; give a mesh of the volume (lumesh delaunay makes one of a closed surface)");
-  if (!mesh.hexahedra.empty() || !mesh.pyramids.empty() || !mesh.prisms.empty())
-    throw Error(ErrorKind::kBadInput,
-                path +
-                    ": has cells other than tetrahedra, which cannot be changed; make it of tetrahedra only, "
-                    "or keep their labels, where the command has `keep`");
+  const std::size_t cells = mesh.view().cell_count(), others = cells - mesh.tetrahedra.size();
+  if (others > 0)
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("{}: {} of its {} cells are hexahedra, prisms or pyramids, and this takes tetrahedra "
+                    "only; mesh without `mixed`, or keep the labels of those cells, where the command "
+                    "has `keep`",
+                    path, others, cells));
   return naming(path, [&] {
     TetMesh built = TetMesh::build(mesh.view());
     for (std::uint32_t v = 0; v < built.vertex_count(); ++v)

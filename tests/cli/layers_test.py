@@ -99,6 +99,54 @@ class LayersTest(MeshTest):
         layers = max(volumes[1])
         self.assertAlmostEqual((volumes[1][int(second)] + volumes[1][layers]) / volumes[0][int(second)], 1, places=3)
 
+    def test_around_a_mesh_of_mixed_cells_these_stay_as_they_are(self):
+        image, mesh, core = self.folder / "ball.nrrd", self.folder / "ball.mesh", self.folder / "core.mesh"
+        self.run_well("phantom", "sphere", "--size", 32, 32, 32, "--radius", 10, "-o", image)
+        self.run_well("lattice", image, "-o", mesh, "--mixed", "--spacing", 1.5)
+        before = self.evaluate(mesh)
+        self.assertGreater(min(before["hexahedra"], before["pyramids"]), 100)
+        layers = ["layers", mesh, "--first-height", 0.2, "--count", 3, "--label", 7]
+        for cells in ("tetrahedra", "prisms"):
+            numbers = self.folder / "layers.json"
+            self.run_well(*layers, "--cells", cells, "-o", self.out, "--json", numbers)
+            found, told = self.evaluate(self.out), json.loads(numbers.read_text())
+            self.assertTrue(found["valid"])
+            self.assertEqual(found["hexahedra"], before["hexahedra"])
+            self.assertEqual(told["core"]["tetrahedra"], before["tetrahedra"])
+            self.assertEqual(found["tetrahedra"], before["tetrahedra"] + told["shapes"]["tetrahedra"])
+            self.assertEqual(found["prisms"], told["shapes"]["prisms"])
+            self.assertEqual(found["pyramids"], before["pyramids"] + told["shapes"]["pyramids"])
+            self.assertGreater(told["complete"], 0.99)
+            # Points and cells of the core to the last digit, by what the files say of them.
+            self.run_well("convert", self.out, core)
+            was, now = (self.sections(of) for of in (mesh, core))
+            for name in ("Vertices", "Tetrahedra", "Pyramids", "Hexahedra"):
+                self.assertEqual(now[name][:len(was[name])], was[name], name)
+
+    def sections(self, mesh):
+        """Lines of each section of a Medit file, without their count and the references of points, which say on what they lie."""
+        found, name = {}, None
+        for line in mesh.read_text().splitlines():
+            if line[:1].isalpha():
+                name, found[line.split()[0]] = line.split()[0], []
+            elif name and line and not line.startswith("#"):
+                found[name].append(line.rsplit(" ", 1)[0] if name == "Vertices" else line)
+        return {of: lines[1:] for of, lines in found.items()}
+
+    def test_refuses_mixed_cells_that_layers_cannot_have(self):
+        image, mesh = self.folder / "ball.nrrd", self.folder / "ball.vtu"
+        self.run_well("phantom", "sphere", "--size", 32, 32, 32, "--radius", 10, "-o", image)
+        self.run_well("lattice", image, "-o", mesh, "--mixed", "--spacing", 1.5)
+        layers = ["--first-height", 0.2, "--count", 2, "-o", self.out]
+        self.assert_refused(self.run_lumesh("layers", mesh, *layers, "--side", "inward"), BAD_INPUT, "ball.vtu", "only tetrahedra give way",
+                            "--side outward")
+        layered = self.folder / "prisms.vtu"
+        self.run_well("layers", self.vessel(), "--first-height", 0.1, "--count", 2, "--cells", "prisms", "-o", layered)
+        self.assert_refused(self.run_lumesh("layers", layered, *layers), BAD_INPUT, "quadrilaterals")
+        for command in (["improve"], ["adapt", "--analytic", "linear"], ["metric", "--curvature"]):
+            self.assert_refused(self.run_lumesh(command[0], mesh, *command[1:], "-o", self.out), BAD_INPUT, "hexahedra, prisms or pyramids",
+                                "tetrahedra only; mesh without")
+
     def test_refuses_what_cannot_be(self):
         refused = [
             (["--first-height", 1, "--count", 2, "--patch", "door"], "no patch door"),

@@ -10,12 +10,17 @@ namespace lumesh::quality {
 
 /// Views of the two parts; their points are those of the whole mesh, their faces none.
 struct LayeredParts {
-  MeshView core;    ///< The tetrahedra that the layers stand on or lie around.
+  MeshView core;    ///< The cells that the layers stand on or lie around.
   MeshView layers;  ///< Their own cells.
 };
 
-/// @param mesh  As grow_layers() leaves it: cells of the layers last. @param layer_cells  How many they are.
-[[nodiscard]] LayeredParts parts_of(const MeshView& mesh, std::uint64_t layer_cells);
+/// How many cells the parts have; hexahedra are all of the core.
+struct LayeredCells {
+  std::uint64_t layers = 0, core_pyramids = 0, core_prisms = 0;
+};
+
+/// @param mesh  As layers are grown on it: their cells are the last of each shape.
+[[nodiscard]] LayeredParts parts_of(const MeshView& mesh, const LayeredCells& cells);
 
 /// Shapes of the cells of layers: tetrahedra, pyramids and prisms alike. Zero everywhere if there are none.
 struct FlatCellShapes {

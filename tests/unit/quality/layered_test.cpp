@@ -70,12 +70,31 @@ TEST(LayeredParts, TakesTheLastCellsAsThoseOfTheLayers) {
   MixedMesh mesh = prism_of_height(1);
   mesh.tetrahedra = {{0, 1, 2, 3}, {0, 1, 2, 4}, {0, 1, 2, 5}};
   mesh.tetrahedron_labels = {1, 1, 2};
-  const LayeredParts parts = parts_of(mesh.view(), 2);
+  const LayeredParts parts = parts_of(mesh.view(), {.layers = 2});
   EXPECT_EQ(parts.core.tetrahedra.size(), 2u);
   EXPECT_EQ(parts.core.prisms.size(), 0u);
   EXPECT_EQ(parts.layers.tetrahedra.size(), 1u);
   EXPECT_EQ(parts.layers.tetrahedron_labels[0], 2);
   EXPECT_EQ(parts.layers.prisms.size(), 1u);
+}
+
+TEST(LayeredParts, LeavesCellsOfOtherShapesToTheCore) {
+  MixedMesh mesh = prism_of_height(1);
+  mesh.prisms.push_back({0, 1, 2, 3, 4, 5});
+  mesh.prism_labels.push_back(9);
+  mesh.tetrahedra = {{0, 1, 2, 3}, {0, 1, 2, 4}, {0, 1, 2, 5}};
+  mesh.tetrahedron_labels = {1, 1, 9};
+  mesh.pyramids = {{0, 1, 4, 3, 2}};
+  mesh.pyramid_labels = {1};
+  mesh.hexahedra = {{0, 1, 2, 3, 4, 5, 0, 1}};
+  mesh.hexahedron_labels = {1};
+  const LayeredParts parts = parts_of(mesh.view(), {.layers = 2, .core_pyramids = 1, .core_prisms = 1});
+  EXPECT_EQ(parts.core.cell_count(), 5u);
+  EXPECT_EQ(parts.core.hexahedra.size(), 1u);
+  EXPECT_EQ(parts.core.pyramids.size(), 1u);
+  EXPECT_EQ(parts.layers.tetrahedron_labels[0], 9);
+  ASSERT_EQ(parts.layers.prism_labels.size(), 1u);
+  EXPECT_EQ(parts.layers.prism_labels[0], 9);
 }
 
 }  // namespace

@@ -1,0 +1,82 @@
+#include "lumesh/stages/layers_stage.hpp"
+
+#include <fmt/core.h>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/geometry/predicates.hpp"
+#include "lumesh/mesh/tetrahedral_split.hpp"
+#include "lumesh/stages/metric_input.hpp"
+#include "place_text.hpp"
+
+namespace lumesh {
+namespace {
+
+/// Layers outwards stand on triangles, and inwards only tetrahedra give way.
+void require_triangles(const MixedMesh& mesh, const LayerOptions& options) {
+  if (options.side == LayerSide::kInward)
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("has hexahedra, prisms or pyramids, and inwards only tetrahedra give way to layers; mesh "
+                    "without `mixed`, or set {} outward",
+                    option_name("side")));
+  if (!mesh.quadrilaterals.empty())
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("layers grow on triangles, and {} faces of its boundary are quadrilaterals; give a mesh "
+                    "whose boundary is of triangles, as the lattice makes it",
+                    mesh.quadrilaterals.size()));
+}
+
+/// The cells between the tetrahedra of the mesh and those of its layers are split ones.
+void require_positive(const MixedMesh& split, std::size_t first) {
+  for (std::size_t i = first; i < split.tetrahedra.size(); ++i) {
+    const auto& [a, b, c, d] = split.tetrahedra[i];
+    const std::vector<Vec3>& p = split.points;
+    if (orient3d(p[a], p[b], p[c], p[d]) <= 0)
+      throw Error(
+          ErrorKind::kBadInput,
+          fmt::format("a hexahedron, prism or pyramid at {} is warped or turned; repair it, or give a mesh "
+                      "of tetrahedra",
+                      place_text(p[a])));
+  }
+}
+
+template <class Items>
+void replace_first(std::size_t count, const Items& by, Items& items) {
+  items.erase(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(count));
+  items.insert(items.begin(), by.begin(), by.end());
+}
+
+/// Puts the cells of the mesh in the place of the tetrahedra they were split into, which come first.
+void put_back_cells(const MixedMesh& mesh, std::size_t split, MixedMesh& layered) {
+  replace_first(split, mesh.tetrahedra, layered.tetrahedra);
+  replace_first(split, mesh.tetrahedron_labels, layered.tetrahedron_labels);
+  replace_first(0, mesh.pyramids, layered.pyramids);
+  replace_first(0, mesh.pyramid_labels, layered.pyramid_labels);
+  replace_first(0, mesh.prisms, layered.prisms);
+  replace_first(0, mesh.prism_labels, layered.prism_labels);
+  replace_first(0, mesh.hexahedra, layered.hexahedra);
+  replace_first(0, mesh.hexahedron_labels, layered.hexahedron_labels);
+}
+
+}  // namespace
+
+LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name, const LayerOptions& options,
+                           Context& context) {
+  const auto grow_on = [&](const MixedMesh& tetrahedra) {
+    const TetMesh core = context.phase("build", [&] { return tetrahedra_of(tetrahedra, name); });
+    return naming(name, [&] { return grow_layers(core, options, context); });
+  };
+  if (mesh.view().cell_count() == mesh.tetrahedra.size()) return grow_on(mesh);
+  naming(name, [&] { require_triangles(mesh, options); });
+  const MixedMesh split = context.phase("split", [&] { return split_into_tetrahedra(mesh.view()); });
+  naming(name, [&] { require_positive(split, mesh.tetrahedra.size()); });
+  LayerResult result = grow_on(split);
+  put_back_cells(mesh, split.tetrahedra.size(), result.mesh);
+  result.report.core_pyramids = mesh.pyramids.size();
+  result.report.core_prisms = mesh.prisms.size();
+  return result;
+}
+
+}  // namespace lumesh
