@@ -60,7 +60,7 @@ void print_summary(const LatticeCommand& command, const LatticeResult& result,
                    const OpeningsCompared& openings, const Context& context, double seconds) {
   const MixedMesh& mesh = result.mesh;
   print_out("{}: {} tetrahedra, ", command.mesh_path, mesh.tetrahedra.size());
-  if (command.options.cells == LatticeCells::kMixed)
+  if (command.options.mixed)
     print_out("{} hexahedra, {} pyramids, ", mesh.hexahedra.size(), mesh.pyramids.size());
   print_out("{} vertices, {} boundary triangles\n", mesh.points.size(), mesh.triangles.size());
   for (std::size_t p = 0; p < mesh.info.patches.size(); ++p) {
@@ -131,9 +131,6 @@ void add_lattice_command(CLI::App& program) {
   describe_cells_per_diameter(cells, command->cells_per_diameter);
   add_options(*sub, cells);
   sub->get_option("--cells-per-diameter")->excludes("--fidelity");
-  sub->add_flag_callback(
-      "--mixed", [command] { command->options.cells = LatticeCells::kMixed; },
-      "Hexahedra and pyramids where the lattice is regular, tetrahedra elsewhere");
   add_options_of(*sub, command->selection);
   add_options_of(*sub, command->cuts);
   add_options_of(*sub, command->domain.field);

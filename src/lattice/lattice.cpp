@@ -176,7 +176,7 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
   note_shortcomings(options, result.report);
   note_volumes(built.mesh, domain, voxels, result.report);
   result.mesh = to_mixed_mesh(built.mesh, built.boundary, domain);
-  if (options.cells == LatticeCells::kMixed)
+  if (options.mixed)
     context.phase("hexahedra", [&] { merge_hexahedra(result.mesh, domain.frame().direction); });
 }
 

@@ -29,6 +29,10 @@ void LatticeOptions::describe(OptionList& list) {
   list.number("max_dihedral", max_dihedral_deg, between(130, 175),
               "Ceiling of the dihedral angles, but for the same")
       .in("degrees");
+  list.flag(
+      "mixed", mixed,
+      "Hexahedra where the lattice is regular and of one label, pyramids next to them, tetrahedra elsewhere; "
+      "for meshes that are not adapted");
 }
 
 void LatticeOptions::validate() const {

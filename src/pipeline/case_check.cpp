@@ -96,6 +96,33 @@ void check_metric(const Case& c) {
     refuse("[metric] complexity has nothing to scale; give points, velocity, curvature or analytic");
 }
 
+/// Only tetrahedra are changed.
+void check_mixed(const Case& c) {
+  if (!c.makes_mixed_mesh()) return;
+  constexpr const char* kRemedy = "leave one of them out; without mixed the lattice makes tetrahedra only";
+  if (c.metric.has_source())
+    refuse(fmt::format(
+        "[lattice] mixed makes hexahedra and pyramids, which [metric] and [adapt] do not change; {}",
+        kRemedy));
+  if (c.layers.is_wanted() && c.layers.options.side == LayerSide::kInward)
+    refuse(
+        fmt::format("[lattice] mixed makes hexahedra and pyramids, which do not give way to [layers] side = "
+                    "\"inward\"; {}",
+                    kRemedy));
+}
+
+/// Formats hold the cells.
+void check_shapes(const Case& c) {
+  const bool has_prisms = c.layers.is_wanted() && c.layers.options.cells == LayerCells::kPrisms;
+  if (!c.makes_mixed_mesh() && !has_prisms) return;
+  for (const std::string& name : c.output.meshes)
+    if (!is_mixed_volume_file(name))
+      refuse(fmt::format("[output] meshes: {} holds tetrahedra only, not the {}; use {}, or {}", name,
+                         has_prisms ? "prisms of [layers]" : "hexahedra of [lattice] mixed",
+                         formats_for(MeshUse::kWriteMixed),
+                         has_prisms ? "set [layers] cells = \"tetrahedra\"" : "leave mixed out"));
+}
+
 void check_layer_keys(const Case& c) {
   const LayerOptions& o = c.layers.options;
   if (!c.layers.is_wanted()) {
@@ -106,13 +133,6 @@ void check_layer_keys(const Case& c) {
     return;
   }
   static_cast<void>(layer_heights(c.layers.with_label()));
-  if (o.cells == LayerCells::kTetrahedra) return;
-  for (const std::string& name : c.output.meshes)
-    if (!is_mixed_volume_file(name))
-      refuse(fmt::format(
-          "[output] meshes: {} holds tetrahedra only, not the prisms of [layers]; use {}, or set [layers] "
-          "cells = \"tetrahedra\"",
-          name, formats_for(MeshUse::kWriteMixed)));
 }
 
 /// The section's own checks, with its keys and as bad input.
@@ -170,6 +190,8 @@ void check_case(const Case& c, const std::set<std::string>& given) {
   check_metric(c);
   check_section("adapt", [&] { c.adapt.validate(); });
   check_output(c);
+  check_mixed(c);
+  check_shapes(c);
   check_section("layers", [&] { check_layer_keys(c); });
   check_section("openings",
                 [&] { naming("names", [&] { static_cast<void>(renamings_from(c.openings.names)); }); });

@@ -37,7 +37,12 @@ const std::shared_ptr<const ImageDomain>& CaseState::domain_of_image() {
   return image_domain;
 }
 
+BoundaryFaces CaseState::boundary_faces() const {
+  return mixed ? BoundaryFaces() : mesh.boundary_faces();
+}
+
 MeshView CaseState::view(const BoundaryFaces& faces) const {
+  if (mixed) return mixed->view();
   MeshView view = mesh.view(faces);
   if (!has_metric) view.metric = {};
   return view;

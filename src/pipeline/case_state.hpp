@@ -38,8 +38,8 @@ struct CaseState {
   std::optional<SizeData> sizes = {};  ///< Of the Delaunay mesher, read; taken by sizing_of().
   std::map<std::string, std::vector<Vec3>> points_read = {};                    ///< By file.
   std::map<std::pair<std::string, std::string>, metric::Flow> flows_read = {};  ///< By file and array.
-  TetMesh mesh;                      ///< The first mesh, then the same with its metric, then the adapted one.
-  std::optional<MixedMesh> layered;  ///< The mesh with its boundary layers, once it has them.
+  TetMesh mesh;                    ///< The first mesh, then the same with its metric, then the adapted one.
+  std::optional<MixedMesh> mixed;  ///< Instead of `mesh`: one of mixed cells, or with its boundary layers.
   std::vector<PatchRenaming> renamings;  ///< What patches are to be called; none once they are.
   bool has_metric = false;               ///< Whether the metric of the mesh means anything.
   bool is_complete = true;               ///< False once a stage ended early.
@@ -52,8 +52,11 @@ struct CaseState {
   [[nodiscard]] const std::vector<Opening>& openings();
   /// The domain of the image.
   [[nodiscard]] const std::shared_ptr<const ImageDomain>& domain_of_image();
+  /// Of `mesh`; none of `mixed`, which has them itself.
+  [[nodiscard]] BoundaryFaces boundary_faces() const;
   /// The mesh with these faces of its own, and with its metric if that means anything.
   [[nodiscard]] MeshView view(const BoundaryFaces& faces) const;
+  [[nodiscard]] MeshInfo& mesh_info() { return mixed ? mixed->info : mesh.info(); }
   /// What every file says of its making.
   [[nodiscard]] MeshInfo info() const;
 };

@@ -83,10 +83,8 @@ void Checkpoints::keep(const std::string& stage, const CaseState& state, const r
   const std::filesystem::path file = file_of(stage);
   if (stage == kCenterline) {
     write_polylines(file, state.centerline, state.info());
-  } else if (stage == kLayers) {
-    write_mesh(file, state.layered->view());
   } else {
-    const BoundaryFaces faces = state.mesh.boundary_faces();
+    const BoundaryFaces faces = state.boundary_faces();
     write_mesh(file, state.view(faces));
   }
   write_text_file(notes_of(file), report::stage_notes_json(report));
@@ -97,8 +95,8 @@ void Checkpoints::load(const std::string& stage, CaseState& state, report::Stage
   const std::filesystem::path file = file_of(stage), notes = notes_of(file);
   if (stage == kCenterline) {
     state.centerline = read_polylines(file);
-  } else if (stage == kLayers) {
-    state.layered = read_mesh(file);
+  } else if (stage == kLayers || state.c.makes_mixed_mesh()) {
+    state.mixed = read_mesh(file);
   } else {
     const MixedMesh mesh = read_mesh(file);
     state.mesh = TetMesh::build(mesh.view());

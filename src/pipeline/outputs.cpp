@@ -35,7 +35,7 @@ std::string text_of_case(const CaseState& state) {
 
 /// What it says of its patches, under the names that the user gives: the stages go by their own.
 MeshInfo info_with_given_names(const CaseState& state) {
-  MeshInfo info = state.mesh.info();
+  MeshInfo info = state.mixed ? state.mixed->info : state.mesh.info();
   static_cast<void>(rename_found(info, state.renamings));  // What is missing is said of the last mesh.
   return info;
 }
@@ -53,7 +53,7 @@ std::vector<std::string> names_of_files(const Case& c) {
 }
 
 void describe_mesh(const CaseState& state, report::StageReport& stage) {
-  const BoundaryFaces faces = state.mesh.boundary_faces();
+  const BoundaryFaces faces = state.boundary_faces();
   const MeshInfo info = info_with_given_names(state);
   MeshView view = state.view(faces);
   view.info = &info;
@@ -63,7 +63,7 @@ void describe_mesh(const CaseState& state, report::StageReport& stage) {
   input.phantom = state.phantom && is_whole ? &*state.phantom : nullptr;
   input.domain = state.image_domain.get();
   input.cut_planes = state.cut_planes;
-  input.kernel = &state.mesh;
+  input.kernel = state.mixed ? nullptr : &state.mesh;
   // Lines of a surface have no voxels beside them.
   if (state.image && !state.centerline.lines.empty()) input.axes = &state.centerline;
   stage.evaluation =
@@ -74,7 +74,7 @@ void describe_mesh(const CaseState& state, report::StageReport& stage) {
 
 void describe_layers(const CaseState& state, const std::optional<quality::Evaluation>& before,
                      report::StageReport& stage) {
-  const MeshView view = state.layered->view();
+  const MeshView view = state.mixed->view();
   stage.evaluation =
       state.context.phase("measures", [&] { return quality::evaluate(view, {}, state.context); });
   const double least_before_deg = before ? before->statistics.tetrahedra.smallest_dihedral_deg.value : 180;
@@ -97,7 +97,7 @@ void describe_layers(const CaseState& state, const std::optional<quality::Evalua
 }
 
 report::NamedPicture picture_of_centerline(const CaseState& state) {
-  const BoundaryFaces faces = state.mesh.boundary_faces();
+  const BoundaryFaces faces = state.boundary_faces();
   const MeshInfo info = info_with_given_names(state);
   MeshView view = state.view(faces);
   view.info = &info;
@@ -170,8 +170,8 @@ void prepare_folder(const Case& c) {
 std::vector<report::OutputFile> write_meshes(const CaseState& state, const std::filesystem::path& folder) {
   const OutputKeys& output = state.c.output;
   make_folder(folder);
-  const BoundaryFaces faces = state.layered ? BoundaryFaces() : state.mesh.boundary_faces();
-  const MeshView view = state.layered ? state.layered->view() : state.view(faces);
+  const BoundaryFaces faces = state.boundary_faces();
+  const MeshView view = state.view(faces);
   std::vector<report::OutputFile> files;
   for (const std::string& name : output.meshes) {
     state.context.phase("write", [&] { write_mesh(folder / name, view); });
@@ -187,8 +187,8 @@ std::vector<report::OutputFile> write_meshes(const CaseState& state, const std::
 }
 
 std::vector<std::string> faults_of_written(const CaseState& state) {
-  const BoundaryFaces faces = state.layered ? BoundaryFaces() : state.mesh.boundary_faces();
-  const MeshView view = state.layered ? state.layered->view() : state.view(faces);
+  const BoundaryFaces faces = state.boundary_faces();
+  const MeshView view = state.view(faces);
   return state.context.phase("validity", [&] { return quality::find_faults(view); });
 }
 
@@ -202,7 +202,7 @@ void write_stage_files(const CaseState& state, const std::string& stage,
     write_polylines(folder / kCenterlineFile, state.centerline, state.info());
     files.push_back({kCenterlineFile, "the centerline with its radius"});
   } else {
-    const BoundaryFaces faces = state.mesh.boundary_faces();
+    const BoundaryFaces faces = state.boundary_faces();
     const MeshInfo info = info_with_given_names(state);
     MeshView view = state.view(faces);
     view.info = &info;

@@ -68,8 +68,7 @@ class CaseRun {
         make(state, of_stage);
         if (name == "mesh" || name == "adapted") add_counts(of_stage);
       });
-      state_.mesh.info().provenance = state_.info().provenance;
-      if (state_.layered) state_.layered->info.provenance = state_.info().provenance;
+      state_.mesh_info().provenance = state_.info().provenance;
     });
   }
 
@@ -104,7 +103,7 @@ class CaseRun {
     for (report::OutputFile& file : meshes) result_.report.files.push_back(std::move(file));
     // What evaluate found no problem in has no faults; of mixed cells it looks at less.
     const std::optional<quality::Evaluation>& last = result_.report.stages.back().evaluation;
-    if (state_.layered || !last || last->problem_count > 0) result_.faults = faults_of_written(state_);
+    if (state_.mixed || !last || last->problem_count > 0) result_.faults = faults_of_written(state_);
     say("write", seconds_since(start), result_.folder);
     report::CaseReport& report = result_.report;
     report.title = state_.c.name;
@@ -172,8 +171,15 @@ class CaseRun {
     }
   }
   void add_counts(report::StageReport& report) const {
-    report.figures.insert(report.figures.begin(), {{"Tetrahedra", std::uint64_t{state_.mesh.tet_count()}},
-                                                   {"Vertices", std::uint64_t{state_.mesh.vertex_count()}}});
+    const BoundaryFaces none;
+    const MeshView mesh = state_.view(none);
+    std::vector<report::Figure> counts = {{"Tetrahedra", std::uint64_t{mesh.tetrahedra.size()}}};
+    if (state_.mixed) {
+      counts.push_back({"Hexahedra", std::uint64_t{mesh.hexahedra.size()}});
+      counts.push_back({"Pyramids", std::uint64_t{mesh.pyramids.size()}});
+    }
+    counts.push_back({"Vertices", std::uint64_t{mesh.points.size()}});
+    report.figures.insert(report.figures.begin(), counts.begin(), counts.end());
   }
   void say(const std::string& name, double seconds, const std::string& what) const {
     state_.context.info(fmt::format("{:<12}{:>9.2f} s   {}", name, seconds, what));

@@ -8,6 +8,7 @@
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/layers/layers.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/stages/layers_stage.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
@@ -102,6 +103,7 @@ void add_layer_figures(const LayerResult& result, report::StageReport& stage) {
                    {"Thickness of all layers", thickness, "", "as asked for, in mm or multiples"},
                    {"Tetrahedra", std::uint64_t{mesh.tetrahedra.size()}},
                    {"Vertices", std::uint64_t{mesh.points.size()}}};
+  if (!mesh.hexahedra.empty()) stage.figures.push_back({"Hexahedra", std::uint64_t{mesh.hexahedra.size()}});
   if (!mesh.prisms.empty()) stage.figures.push_back({"Prisms", std::uint64_t{mesh.prisms.size()}});
   if (!mesh.pyramids.empty()) stage.figures.push_back({"Pyramids", std::uint64_t{mesh.pyramids.size()}});
 }
@@ -124,10 +126,12 @@ void make_layers(CaseState& state, report::StageReport& stage) {
                    ? "Thin cells along the wall, for the flow: the mesh gives way, and all of it fills what "
                      "the mesh filled."
                    : "Thin cells around the mesh, for the vessel's wall; the mesh itself stays as it is.";
-  LayerResult result = naming("[layers]", [&] { return grow_layers(state.mesh, options, state.context); });
+  LayerResult result =
+      state.mixed ? grow_layers_on(*state.mixed, "[layers]", options, state.context)
+                  : naming("[layers]", [&] { return grow_layers(state.mesh, options, state.context); });
   add_layer_figures(result, stage);
   stage.layers = {.report = std::move(result.report)};
-  state.layered = std::move(result.mesh);
+  state.mixed = std::move(result.mesh);
 }
 
 }  // namespace lumesh::pipeline

@@ -16,7 +16,10 @@ void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
   LatticeResult result =
       mesh_lattice(*state.image, *state.domain_of_image(), state.c.lattice_options(), state.context);
   for (const std::string& note : result.report.notes) stage.warnings.push_back(note);
-  state.mesh = state.context.phase("build", [&] { return TetMesh::build(result.mesh.view()); });
+  if (state.c.makes_mixed_mesh())
+    state.mixed = std::move(result.mesh);
+  else
+    state.mesh = state.context.phase("build", [&] { return TetMesh::build(result.mesh.view()); });
 }
 
 void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {

@@ -32,7 +32,7 @@ void find_named_openings(CaseState& state) {
 }
 
 std::vector<std::string> name_patches_of_case(CaseState& state, report::StageReport& last) {
-  MeshInfo& info = state.layered ? state.layered->info : state.mesh.info();
+  MeshInfo& info = state.mesh_info();
   const std::vector<PatchRenaming> renamings = std::exchange(state.renamings, {});  // They may swap names.
   const std::vector<std::string> missing = rename_found(info, renamings);
   if (last.layers) rename_coverages(renamings, info, last.layers->report);

@@ -323,6 +323,29 @@ class LayersTest(CaseTest):
             self.assertIn(words, page)
         self.assertEqual(len(stage["pictures"]), 5)
 
+    def test_mixed_cells_of_the_lattice_go_to_the_layers_and_all_the_files(self):
+        files = ["a.vtu", "a.vtk", "a.mesh", "a.meshb", "a.msh", "a.foam"]
+        settings = ("--set", "mesher=lattice", "--set", "lattice.mixed=true", "--set", "lattice.spacing=0.35", "--set", f"output.meshes={files}", "--checkpoints")
+        result = self.run_case(*settings)
+        self.assertIn("hexahedra", result.stdout)
+        first, last = self.numbers()["stages"][-2:]
+        found = self.evaluate(self.out / "a.vtu")
+        self.assertTrue(found["valid"])
+        self.assertGreater(found["hexahedra"], 50)
+        self.assertEqual((first["evaluation"]["hexahedra"], first["evaluation"]["pyramids"]), (found["hexahedra"], found["pyramids"]))
+        self.assertEqual(last["layers"]["core"]["tetrahedra"], first["evaluation"]["tetrahedra"])
+        self.assertGreater(last["layers"]["patches"][0]["layered"], 0.95)
+        for name in files[1:-1]:
+            self.assertEqual(self.evaluate(self.out / name)["hexahedra"], found["hexahedra"], name)
+        self.assertTrue((self.out / "constant" / "polyMesh").is_dir())
+        bits = self.hash_of_mesh()
+        again = self.run_case(*settings, "--resume", "--threads", "3")
+        self.assertEqual(self.hash_of_mesh(), bits)
+        self.assertEqual(again.stderr, result.stderr)
+        stage = self.numbers()["stages"][-1]
+        self.assertIn("checkpoint", stage["what"])
+        self.assertEqual(stage["layers"], last["layers"])
+
     def test_prisms_within_the_lumen_leave_its_volume(self):
         volume = self.volume_without_layers()
         inward = ("--set", "layers.side=inward", "--set", "layers.cells=prisms", "--set", "output.meshes=['a.vtu', 'a.foam']")
@@ -384,6 +407,9 @@ class LayersTest(CaseTest):
             (["layers.patches=door"], "there will be no patch door"),
             (["layers.side=inward", "layers.into=9"], "there will be no label 9"),
             (["layers.cells=prisms", "output.meshes=a.xdmf"], "a.xdmf holds tetrahedra only"),
+            (["mesher=lattice", "lattice.mixed=true", "output.meshes=a.xdmf"], "not the hexahedra of [lattice] mixed"),
+            (["mesher=lattice", "lattice.mixed=true", "layers.side=inward"], "do not give way to [layers] side"),
+            (["mesher=lattice", "lattice.mixed=true", "metric.points=centerline"], "which [metric] and [adapt] do not change"),
         ]
         for settings, words in refused:
             with self.subTest(settings):

@@ -14,13 +14,6 @@
 
 namespace lumesh {
 
-/// Shapes of the cells.
-enum class LatticeCells {
-  kTetrahedra,  ///< Tetrahedra only.
-  kMixed,  ///< Hexahedra where the lattice is uniform and of one label, pyramids next to them, tetrahedra
-           ///< else.
-};
-
 class OptionList;
 
 /// Options of mesh_lattice(); describe() says what each means and which values it takes.
@@ -37,9 +30,8 @@ struct LatticeOptions {
   std::size_t max_tetrahedra = 1'500'000;
   double min_dihedral_deg = 15;
   double max_dihedral_deg = 150;
-  LatticeCells cells = LatticeCells::kTetrahedra;
+  bool mixed = false;
 
-  /// Without the cells.
   void describe(OptionList& list);
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
 };

@@ -85,6 +85,8 @@ struct Case {
   OutputKeys output;
   RunKeys run;
 
+  /// Of hexahedra, pyramids and tetrahedra: the lattice's.
+  [[nodiscard]] bool makes_mixed_mesh() const { return mesher == Mesher::kLattice && lattice.mixed; }
   /// The lattice's options with the edge length and the cells of the case.
   [[nodiscard]] LatticeOptions lattice_options() const;
   /// The same for the Delaunay mesher, with the execution of adapt.

@@ -249,7 +249,7 @@ TEST(Lattice, TheMixedMeshFillsWhatTheTetrahedraFill) {
   options.spacing_mm = 2;
   options.coarsening = 1;
   const MixedMesh tets = meshed(image, options);
-  options.cells = LatticeCells::kMixed;
+  options.mixed = true;
   const MixedMesh mixed = meshed(image, options);
   EXPECT_GT(mixed.hexahedra.size(), 50U);
   EXPECT_LT(mixed.tetrahedra.size(), tets.tetrahedra.size());
