@@ -7,6 +7,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/metric/metric_field.hpp"
+#include "lumesh/metric/point_tree.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "nearest_points.hpp"
 #include "value_grid.hpp"
@@ -63,6 +64,24 @@ class PointSizing final : public Sizing {
  private:
   PointSizeOptions options_;
   delaunay::NearestPoints points_;
+};
+
+class MeanDistanceSizing final : public Sizing {
+ public:
+  MeanDistanceSizing(std::span<const Vec3> points_mm, const PointSizeOptions& options)
+      : options_(options), points_(metric::distinct_by_place(points_mm)), tree_(points_) {
+    metric::require_as_many(points_.size(), static_cast<std::size_t>(options.k));
+  }
+
+  [[nodiscard]] double size_at(const Vec3& point_mm, Label /*label*/) const override {
+    const double distance = tree_.mean_distance(point_mm, static_cast<std::size_t>(options_.k));
+    return std::clamp(options_.factor * distance, options_.floor_mm, options_.ceiling_mm);
+  }
+
+ private:
+  PointSizeOptions options_;
+  std::vector<Vec3> points_;
+  metric::PointTree tree_;
 };
 
 class BoundarySizing final : public Sizing {
@@ -189,7 +208,8 @@ std::unique_ptr<Sizing> size_per_label(const std::map<Label, double>& sizes_mm, 
 std::unique_ptr<Sizing> size_from_points(std::span<const Vec3> points_mm, const PointSizeOptions& options) {
   require(options.factor > 0 && std::isfinite(options.factor),
           fmt::format("the size factor must be a finite number greater than 0, not {:g}", options.factor));
-  require_size(options.floor_mm, "the size floor");
+  require(options.k >= 1, "k must be at least 1");
+  if (options.k == 1 || options.floor_mm != 0) require_size(options.floor_mm, "the size floor");
   require(std::isfinite(options.floor_mm) && options.ceiling_mm >= options.floor_mm,
           fmt::format("the size ceiling ({:g} mm) must be no less than the floor ({:g} mm)",
                       options.ceiling_mm, options.floor_mm));
@@ -197,6 +217,7 @@ std::unique_ptr<Sizing> size_from_points(std::span<const Vec3> points_mm, const 
   for (std::size_t i = 0; i < points_mm.size(); ++i)
     if (!points_mm[i].allFinite())
       throw Error(ErrorKind::kBadInput, fmt::format("point {} to take sizes from is not finite", i));
+  if (options.k > 1) return std::make_unique<MeanDistanceSizing>(points_mm, options);
   return std::make_unique<PointSizing>(points_mm, options);
 }
 

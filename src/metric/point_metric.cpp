@@ -49,6 +49,11 @@ class NeighbourhoodMetrics {
   std::array<Known, 64> known_;
 };
 
+SymTensor round_metric(double size) {
+  const double value = 1 / (size * size);
+  return SymTensor::diagonal(value, value, value);
+}
+
 }  // namespace
 
 void PointMetricOptions::validate() const {
@@ -67,9 +72,7 @@ std::vector<SymTensor> metric_from_points(std::span<const Vec3> places, std::spa
     throw Error(ErrorKind::kBadInput,
                 set.empty() ? "holds no points" : "all its points are one place; at least two are needed");
   const auto k = static_cast<std::size_t>(options.k);
-  if (k > set.size())
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("has only {} different points, k asks for {}; lower k", set.size(), options.k));
+  require_as_many(set.size(), k);
   if (places.empty()) return {};
   require_near_points(places, set);
   const PointTree tree(set);
@@ -78,12 +81,16 @@ std::vector<SymTensor> metric_from_points(std::span<const Vec3> places, std::spa
   const std::vector<std::uint32_t> order = hilbert_order(places);
   std::vector<SymTensor> metric(places.size());
   constexpr std::size_t kPlacesAtOnce = 1024;
-  parallel::for_each_block(places.size(), kPlacesAtOnce,
-                           [&](std::size_t /*block*/, std::size_t begin, std::size_t end) {
-                             NeighbourhoodMetrics metrics(set, tree, k, ellipsoids);
-                             for (std::size_t i = begin; i < end; ++i)
-                               metric[order[i]] = metrics.at(places[order[i]]);
-                           });
+  parallel::for_each_block(
+      places.size(), kPlacesAtOnce, [&](std::size_t /*block*/, std::size_t begin, std::size_t end) {
+        NeighbourhoodMetrics metrics(set, tree, k, ellipsoids);
+        for (std::size_t i = begin; i < end; ++i) {
+          const Vec3& place = places[order[i]];
+          metric[order[i]] = options.isotropic
+                                 ? round_metric(std::max(tree.mean_distance(place, k), floor_mm))
+                                 : metrics.at(place);
+        }
+      });
   return metric;
 }
 

@@ -91,6 +91,20 @@ void PointTree::nearest(const Vec3& place, std::span<std::uint32_t> out) const {
   index_->tree.findNeighbors(found, place.data(), nanoflann::SearchParams());
 }
 
+double PointTree::mean_distance(const Vec3& place, std::size_t k) const {
+  std::vector<std::uint32_t> nearest_points(k);
+  nearest(place, nearest_points);
+  double sum = 0;
+  for (const std::uint32_t i : nearest_points) sum += (index_->table.points[i] - place).norm();
+  return sum / static_cast<double>(k);
+}
+
+void require_as_many(std::size_t count, std::size_t k) {
+  if (k > count)
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("has only {} different points, k asks for {}; lower k", count, k));
+}
+
 std::vector<Vec3> distinct_by_place(std::span<const Vec3> points) {
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite())

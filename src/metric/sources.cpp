@@ -64,6 +64,11 @@ void PointSource::describe(OptionList& list) {
             ".xyz), or of the centerline",
             {"centerline"});
   list.number("k", options.k, between(1, 10000), "Points nearest to a vertex that count").needs("points");
+  list.flag("isotropic", options.isotropic,
+            "Instead of ellipsoids, sizes that are the same in all directions: the mean distance to these "
+            "points "
+            "(the paper's k is 30 then)")
+      .needs("points");
 }
 
 std::vector<SymTensor> PointSource::at(std::span<const Vec3> places, SourceData& data) const {

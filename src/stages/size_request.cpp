@@ -79,16 +79,17 @@ std::unique_ptr<Sizing> read_size_image(const std::string& path, Context& contex
 void SizeRequest::describe(OptionList& list) {
   list.of_labels("label_size", label_sizes, above(0), "Size inside a label").in("mm");
   list.path(
-          "size_points", points,
-          "Sizes grow with the distance to these points: a file (.vtp, .vtk, .vtu, .csv, .txt, .xyz), or the "
-          "centerline",
-          {"centerline"})
-      .needs("size_floor");
-  list.number("size_factor", point_sizes.factor, above(0),
-              "Size per distance to the nearest of the size_points")
+      "size_points", points,
+      "Sizes grow with the distance to these points: a file (.vtp, .vtk, .vtu, .csv, .txt, .xyz), or the "
+      "centerline",
+      {"centerline"});
+  list.number("size_k", point_sizes.k, between(1, 10000),
+              "Nearest of these points, the mean of whose distances counts; the paper has 30")
+      .needs("size_points");
+  list.number("size_factor", point_sizes.factor, above(0), "Size per distance to the size_points")
       .needs("size_points");
   list.number("size_floor", point_sizes.floor_mm, above(0),
-              "Least of these sizes, which the points themselves have")
+              "Least of these sizes, needed with size_k = 1, where the points themselves have it")
       .in("mm")
       .zero("not given")
       .needs("size_points");
@@ -110,9 +111,10 @@ void SizeRequest::describe(OptionList& list) {
 
 void SizeRequest::validate() const {
   require_ranges_of(*this);
-  if (!points.empty() && !(point_sizes.floor_mm > 0))
-    throw Error(ErrorKind::kUsage, fmt::format("{} needs {}, the least size in mm",
-                                               option_name("size_points"), option_name("size_floor")));
+  if (!points.empty() && point_sizes.k == 1 && !(point_sizes.floor_mm > 0))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{} needs {}, the least size in mm, or {} of 2 or more",
+                            option_name("size_points"), option_name("size_floor"), option_name("size_k")));
   if (point_sizes.ceiling_mm < point_sizes.floor_mm)
     throw Error(ErrorKind::kUsage,
                 option_name("size_ceiling") + " must not be less than " + option_name("size_floor"));

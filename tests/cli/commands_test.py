@@ -478,6 +478,12 @@ class OptionListTest(ProgramTest):
                     if option["default"] not in ("none", "off", "on"):
                         self.assertIn("=" + option["default"], words)
 
+    def test_a_case_has_every_size_of_the_command_delaunay(self):
+        flags = set(re.findall(r"--([a-z-]*siz[a-z-]*)", self.run_well("delaunay", "--help").stdout))
+        keys = [option["name"] for option in json.loads(self.run_well("options", "--json").stdout)["delaunay"]]
+        self.assertEqual(flags, {key.replace("_", "-") for key in keys if "siz" in key})
+        self.assertLessEqual({"size", "label-size", "size-points", "size-k", "size-boundary", "size-image", "size-mesh", "sizing"}, flags)
+
     def test_a_case_has_every_option_with_its_default(self):
         sections = json.loads(self.run_well("options", "--json").stdout)
         case = self.folder / "case.toml"

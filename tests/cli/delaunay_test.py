@@ -167,6 +167,27 @@ class SizesTest(DelaunayTest):
         self.assert_finer_below(meshes[0], 0.7)
         self.assertEqual(meshes[1:], meshes[:1] * 3)
 
+    def test_the_mean_distance_to_points_needs_no_floor(self):
+        line = self.folder / "line.xyz"
+        line.write_text("".join(f"{MIDDLE - RADIUS} {MIDDLE} {MIDDLE + 0.1 * i}\n" for i in range(-20, 20)), encoding="ascii")
+        self.assert_finer_below(self.mesh("--size-points", line, "--size-k", 30, "--no-improve"), 0.7)
+        self.refused(BAD_INPUT, "line.xyz", "40 different points", "41", options=("--size-points", line, "--size-k", 41))
+        self.refused(USAGE, "--size-k", options=("--size-points", line, "--size-k", 0, "--size-floor", 1))
+        self.refused(USAGE, "--size-floor", "--size-k", options=("--size-points", line))
+
+    def test_a_metric_of_aspect_1_and_an_isotropic_one_are_sizes_of_a_mesh(self):
+        line, metric = self.folder / "line.xyz", self.folder / "metric.vtu"
+        line.write_text("".join(f"{MIDDLE - RADIUS} {MIDDLE} {MIDDLE + 0.1 * i}\n" for i in range(-20, 20)), encoding="ascii")
+        self.mesh("--no-improve", delta=1)
+        self.run_well("convert", self.out, self.folder / "fine.mesh")
+        for options in (("--max-aspect", 1, "--min-size", 1.2), ("--isotropic", "--k", 30)):
+            self.run_well("metric", self.folder / "fine.mesh", "--points", line, *options, "-o", metric)
+            coarse = self.mesh("--no-improve", delta=3)
+            with self.subTest(options=options):
+                self.assertGreater(len(self.mesh("--size-mesh", metric, "--no-improve", delta=3)[1]), 1.5 * len(coarse[1]))
+        self.run_well("metric", self.folder / "fine.mesh", "--points", line, "-o", metric)
+        self.refused(BAD_INPUT, "metric.vtu", "stretched", options=("--size-mesh", metric))
+
     def test_points_that_are_none_are_refused(self):
         for name, text, words in (("none.csv", "x,y,z\n", ["holds no points"]), ("two.xyz", "1 2 3\n1 2\n", ["line 2"]),
                                   ("words.txt", "1 2 3\na b c\n", ["line 2"]), ("nan.xyz", "1 nan 3\n", ["line 1"]),

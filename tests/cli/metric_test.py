@@ -50,6 +50,20 @@ class PointsTest(MetricCommandTest):
                 self.assertAlmostEqual(value * size ** 2, 1)
             self.assertLess(abs(xy) + abs(xz) + abs(yz), 1e-6)
 
+    def test_isotropic_sizes_are_the_mean_distance_to_the_points(self):
+        ring = self.write_csv([(0.5 + 0.3 * math.cos(math.pi * i / 15), 0.5 + 0.3 * math.sin(math.pi * i / 15), 0) for i in range(30)])
+        tensors = self.tensors("--points", ring, "--k", 30, "--isotropic", "--gradation", 1e6)
+        size = dict(zip(self.points, ((xx, yy, zz) for xx, _, yy, _, _, zz in tensors)))
+        for height in (0, 0.25, 0.5, 1):  # On the axis of the ring all of its points are equally far.
+            for value in size[0.5, 0.5, height]:
+                self.assertAlmostEqual(1 / math.sqrt(value), math.hypot(0.3, height), places=6)
+
+    def test_an_aspect_of_1_is_the_same_in_all_directions(self):
+        for xx, xy, yy, xz, yz, zz in self.tensors("--points", self.line, "--max-aspect", 1):
+            self.assertAlmostEqual(xx / yy, 1)
+            self.assertAlmostEqual(xx / zz, 1)
+            self.assertLess(abs(xy) + abs(xz) + abs(yz), 1e-9 * xx)
+
     def test_aspect_complexity_and_growth_hold_together(self):
         result = self.run_well("metric", self.cube, "--points", self.line, "--max-aspect", 3, "--gradation", 1.3,
                                "--complexity", 2000, "-o", self.sol)

@@ -11,6 +11,7 @@ import unittest
 from html.parser import HTMLParser
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import nrrd
 from program import BAD_INPUT, TIME_LIMIT, USAGE, ProgramTest
 
 CASE = """\
@@ -89,6 +90,57 @@ class CaseTest(ProgramTest):
         self.run_well("convert", self.out / "a.vtu", text)
         lines = [line for line in text.read_text().splitlines() if not line.startswith("#")]
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+
+class SizesTest(CaseTest):
+    """Sizes of the section [delaunay] are those of the command."""
+    text = """
+mesher = "delaunay"
+
+[input]
+image = "ball.nrrd"
+
+[delaunay]
+delta = 1.5
+label_size = ["1=1.3"]
+size_points = "points.xyz"
+size_k = 2
+size_factor = 0.5
+size_floor = 0.8
+size_ceiling = 3
+size_boundary = 1
+size_growth = 0.5
+size_image = "sizes.nrrd"
+size_mesh = "background.vtu"
+
+[output]
+meshes = ["a.vtu"]
+report = ""
+"""
+
+    def test_a_case_with_every_size_gives_the_mesh_of_the_command(self):
+        size = 20
+        image = nrrd.write(self.folder / "ball.nrrd", [size] * 3, nrrd.ball(size, 7))
+        sizes = nrrd.write(self.folder / "sizes.nrrd", [size] * 3, [1.0 if n % size < 8 else 0.0 for n in range(size ** 3)], kind="float")
+        points = self.folder / "points.xyz"
+        points.write_text("3 9 9\n3 10 9\n", encoding="ascii")
+        other = self.folder / "other.xyz"
+        other.write_text("".join(f"{6 + 0.3 * i} 9 9\n" for i in range(20)), encoding="ascii")
+        background, first = self.folder / "background.vtu", self.folder / "first.vtu"
+        self.run_well("delaunay", image, "--delta", 0.8, "-o", first)
+        self.run_well("metric", first, "--points", other, "--k", 2, "--isotropic", "--min-size", 0.6, "-o", background)
+        self.run_case()
+        of_case, common = self.hash_of_mesh(), ("--delta", 1.5, "--size-points", points, "--size-k", 2, "--size-factor", 0.5,
+                                                "--size-floor", 0.8, "--size-ceiling", 3)
+        wanted = common + ("--label-size", "1=1.3", "--size-boundary", 1, "--size-growth", 0.5, "--size-image", sizes, "--size-mesh", background)
+        self.run_well("delaunay", image, "-o", self.out / "a.vtu", *wanted)
+        self.assertEqual(self.hash_of_mesh(), of_case)
+        for unneeded in ("--label-size", "--size-boundary", "--size-image", "--size-mesh"):  # Each of them tells in this mesh.
+            at = wanted.index(unneeded)
+            count = 4 if unneeded == "--size-boundary" else 2
+            self.run_well("delaunay", image, "-o", self.out / "a.vtu", *wanted[:at], *wanted[at + count:])
+            with self.subTest(unneeded):
+                self.assertNotEqual(self.hash_of_mesh(), of_case)
 
 
 class RunTest(CaseTest):

@@ -11,7 +11,9 @@ namespace lumesh::metric {
 struct PointMetricOptions {
   int k = 40;               ///< Nearest points that an ellipsoid encloses, >= 1.
   double tolerance = 0.01;  ///< EllipsoidOptions::tolerance.
-  double floor_mm = 0;      ///< The least semi-axis; 0: the median distance from a point to its nearest one.
+  double floor_mm = 0;      ///< The least size; 0: the median distance from a point to its nearest one.
+  bool isotropic = false;   ///< Instead of ellipsoids, sizes the same in all directions: the mean distance
+                            ///< from the place to these points.
 
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
 };

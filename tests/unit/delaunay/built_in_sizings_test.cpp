@@ -97,6 +97,18 @@ TEST(BuiltInSizing, StandsManyPointsThatAreAsNear) {
   }
 }
 
+TEST(BuiltInSizing, GrowsWithTheMeanDistanceToTheNearestPoints) {
+  // Thirty points on a circle of radius 3, and one below its centre: on its axis at 4 they are 5 away each.
+  std::vector<Vec3> points = {Vec3(0, 0, -2), Vec3(0, 0, -2)};
+  for (int i = 0; i < 30; ++i)
+    points.emplace_back(3 * std::cos(i * M_PI / 15), 3 * std::sin(i * M_PI / 15), 0);
+  const auto sizing = size_from_points(points, {.k = 30, .factor = 0.5, .ceiling_mm = 4});
+  EXPECT_NEAR(sizing->size_at({0, 0, 4}, kAny), 2.5, 1e-12);
+  EXPECT_NEAR(sizing->size_at({0, 0, -2}, kAny), 0.5 * 29 * std::sqrt(13) / 30, 1e-12);
+  EXPECT_EQ(sizing->size_at({0, 0, 400}, kAny), 4);
+  EXPECT_THROW(static_cast<void>(size_from_points(points, {.k = 32})), Error) << "31 different ones";
+}
+
 TEST(BuiltInSizing, DistanceToTheBoundaryOfABallIsItsRadiusLessTheDistanceToItsCentre) {
   ImageFrame frame = fixtures::frame_of({60, 60, 40});
   frame.spacing_mm = {0.5, 0.5, 0.75};
@@ -229,6 +241,7 @@ TEST(BuiltInSizing, ParametersThatMakeNoSenseAreRefused) {
   EXPECT_THROW(static_cast<void>(size_from_points(one, {})), Error) << "without a floor sizes would be 0";
   EXPECT_THROW(static_cast<void>(size_from_points(one, {.floor_mm = 2, .ceiling_mm = 1})), Error);
   EXPECT_THROW(static_cast<void>(size_from_points(one, {.factor = 0, .floor_mm = 2})), Error);
+  EXPECT_THROW(static_cast<void>(size_from_points(one, {.k = 0, .floor_mm = 2})), Error);
   EXPECT_THROW(static_cast<void>(size_from_points({}, {.floor_mm = 1})), Error);
   EXPECT_THROW(static_cast<void>(size_from_points(std::vector<Vec3>{{nan, 0, 0}}, {.floor_mm = 1})), Error);
   EXPECT_THROW(static_cast<void>(size_from_image({fixtures::frame_of({2, 1, 1}), {1}})), Error);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -46,6 +47,38 @@ TEST(PointMetric, AroundALineIsHalfItsNearestPointsLongAndOneSpacingThin) {
     EXPECT_NEAR(1 / std::sqrt(metric.xx), 0.2, 1e-9);
     EXPECT_NEAR(1 / std::sqrt(metric.yy), 0.2, 1e-9);
   }
+}
+
+std::vector<Vec3> circle(int count, double radius) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * std::numbers::pi * i / count;
+    points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+  }
+  return points;
+}
+
+TEST(PointMetric, IsotropicSizesAreTheMeanDistanceToTheNearestPoints) {
+  // On a line at one of its points: 0, twice 1 to 14, and 15 spacings.
+  SymTensor metric = metric_from_points(std::vector<Vec3>{{0, 0, 10}}, straight_line(100, 0.2),
+                                        {.k = 30, .isotropic = true})[0];
+  for (const double value : {metric.xx, metric.yy, metric.zz})
+    EXPECT_NEAR(1 / std::sqrt(value), 7.5 * 0.2, 1e-12);
+  EXPECT_EQ(std::abs(metric.xy) + std::abs(metric.xz) + std::abs(metric.yz), 0);
+  // On the axis of a circle all points are equally far: a triangle of 3, 4 and 5.
+  std::vector<Vec3> points = circle(30, 3);
+  points.emplace_back(0, 0, -2);
+  const std::vector<Vec3> places = {{0, 0, 4}, {0, 0, 0}, {0, 0, -1}};
+  const std::vector<SymTensor> found = metric_from_points(places, points, {.k = 30, .isotropic = true});
+  EXPECT_NEAR(1 / std::sqrt(found[0].zz), 5, 1e-12);
+  EXPECT_NEAR(1 / std::sqrt(found[1].zz), (29 * 3 + 2) / 30.0, 1e-12);
+  EXPECT_NEAR(1 / std::sqrt(found[2].zz), (29 * std::sqrt(10) + 1) / 30.0, 1e-12);
+}
+
+TEST(PointMetric, IsotropicSizesHaveTheSpacingOfThePointsAsFloor) {
+  const SymTensor metric = metric_from_points(std::vector<Vec3>{{0, 0, 5}}, straight_line(100, 0.2),
+                                              {.k = 1, .isotropic = true})[0];
+  EXPECT_NEAR(1 / std::sqrt(metric.xx), 0.2, 1e-9);
 }
 
 TEST(PointMetric, TakesTheFloorItIsGiven) {
