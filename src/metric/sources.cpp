@@ -78,7 +78,8 @@ std::vector<SymTensor> PointSource::at(std::span<const Vec3> places, SourceData&
 
 void VelocitySource::describe(OptionList& list) {
   list.path("velocity", velocity,
-            "Stretch along the flow where it shears: samples of a velocity (.vtp, .vtu, .vtk, .csv, .txt, "
+            "Fine across the flow where its velocity changes, long along it: samples of a velocity (.vtp, "
+            ".vtu, .vtk, .csv, .txt, "
             ".dat), or the "
             "phantom's",
             {"phantom"});
@@ -87,6 +88,15 @@ void VelocitySource::describe(OptionList& list) {
       .needs("velocity");
   list.number("velocity_k", options.k, between(3, 10000),
               "Samples nearest to a vertex that count; 3 is the paper's")
+      .needs("velocity");
+  list.number("velocity_change", options.change, {.min = 0, .max = 10, .excludes_min = true},
+              "Change of the velocity across an edge where it changes most, over the samples' mean speed")
+      .needs("velocity");
+  list.number("velocity_stretch", options.stretch, between(1, 1000), "Largest size over the smallest")
+      .needs("velocity");
+  list.number("velocity_flatness", options.flatness, between(1, 1000),
+              "Larger size across the flow over the smaller one, where the velocity changes along one of "
+              "them only")
       .needs("velocity");
 }
 

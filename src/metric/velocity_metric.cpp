@@ -87,9 +87,7 @@ VelocityFit fit_at(const Vec3& place, const DistinctSamples& samples,
 }
 
 std::vector<VelocityFit> fit(std::span<const Vec3> places, const DistinctSamples& samples, int k) {
-  if (samples.points.size() < static_cast<std::size_t>(k))
-    throw Error(ErrorKind::kBadInput, fmt::format("has only {} different points, k asks for {}; lower k",
-                                                  samples.points.size(), k));
+  require_as_many(samples.points.size(), static_cast<std::size_t>(k));
   if (places.empty()) return {};
   require_near_points(places, samples.points);
   const PointTree tree(samples.points);
@@ -107,12 +105,24 @@ std::vector<VelocityFit> fit(std::span<const Vec3> places, const DistinctSamples
   return fits;
 }
 
-double percentile_95(const std::vector<VelocityFit>& fits) {
-  std::vector<double> norms(fits.size());
-  std::transform(fits.begin(), fits.end(), norms.begin(),
-                 [](const VelocityFit& f) { return f.gradient.norm(); });
-  const auto at = norms.begin() + static_cast<std::ptrdiff_t>(norms.size() * 95 / 100);
-  std::nth_element(norms.begin(), at, norms.end());
+/// How fast the velocity changes along directions: P = (G^T G)^(1/2), whose eigenvalues are |G d|.
+struct Rates {
+  Mat3 tensor = Mat3::Zero();
+  double largest = 0;
+};
+
+Rates rates_of(const Mat3& gradient) {
+  const double norm = gradient.norm();
+  if (!(norm > 0)) return {};
+  const Mat3 unit = gradient / norm;  // Squares of it neither over- nor underflow.
+  const EigenSystem squares = eigen_system(SymTensor::from(unit.transpose() * unit));
+  const Vec3 values = norm * squares.values.cwiseMax(0.0).cwiseSqrt();
+  return {squares.axes * values.asDiagonal() * squares.axes.transpose(), values.maxCoeff()};
+}
+
+double percentile_95(std::vector<double> values) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 95 / 100);
+  std::nth_element(values.begin(), at, values.end());
   return *at;
 }
 
@@ -122,28 +132,32 @@ struct FlowScale {
   double size = 0;      // h_0.
 };
 
-FlowScale scale_of(const std::vector<VelocityFit>& fits, const DistinctSamples& samples, double diagonal,
-                   double edge_share) {
+FlowScale scale_of(const std::vector<Rates>& rates, const DistinctSamples& samples, double diagonal,
+                   double change) {
   constexpr double kConstant = 1e-3;
   double squares = 0;
   for (const Vec3& u : samples.velocities) squares += u.squaredNorm();
   const double speed = std::sqrt(squares / static_cast<double>(samples.velocities.size()));
   if (!(speed > 0)) return {0, diagonal};
-  const double gradient = std::max(percentile_95(fits), kConstant * speed / diagonal);
-  return {gradient, std::min(edge_share * speed / gradient, diagonal)};
+  std::vector<double> largest(rates.size());
+  std::transform(rates.begin(), rates.end(), largest.begin(), [](const Rates& r) { return r.largest; });
+  const double gradient = std::max(percentile_95(std::move(largest)), kConstant * speed / diagonal);
+  return {gradient, std::min(change * speed / gradient, diagonal)};
 }
 
-SymTensor tensor_of(const VelocityFit& fit, const FlowScale& scale, const VelocityMetricOptions& options) {
-  const double share = scale.gradient > 0 ? std::min(fit.gradient.norm() / scale.gradient, 1.0) : 0.0;
-  const double across = scale.size * std::min(1 / std::sqrt(share), options.coarsest);
-  const double inverse = 1 / (across * across);
-  const SymTensor round = SymTensor::diagonal(inverse, inverse, inverse);
-  const double speed = fit.velocity.norm();
-  if (!(speed > 0)) return round;
-  const double stretch = 1 + (options.max_stretch - 1) * share;
-  const Vec3 t = fit.velocity / speed;
-  const double less = inverse * (1 / (stretch * stretch) - 1);
-  return round + less * SymTensor::from(t * t.transpose());
+SymTensor tensor_of(const Vec3& velocity, const Rates& rates, const FlowScale& scale,
+                    const VelocityMetricOptions& options) {
+  const double least = 1 / (options.stretch * options.stretch);
+  Mat3 shape = least * Mat3::Identity();
+  if (scale.gradient > 0 && rates.largest > 0) {
+    const double round = 1 / (options.flatness * options.flatness);
+    Mat3 across = Mat3::Identity();
+    if (const double speed = velocity.norm(); speed > 0)
+      across -= (velocity / speed) * (velocity / speed).transpose();
+    const Mat3 unit = (1 - round) / rates.largest * rates.tensor + round * across;
+    shape += (1 - least) * std::min(rates.largest / scale.gradient, 1.0) * unit;
+  }
+  return SymTensor::from(shape / (scale.size * scale.size));
 }
 
 }  // namespace
@@ -151,9 +165,9 @@ SymTensor tensor_of(const VelocityFit& fit, const FlowScale& scale, const Veloci
 void VelocityMetricOptions::validate() const {
   const auto refuse = [](const char* what) { throw Error(ErrorKind::kUsage, what); };
   if (k < 3) refuse("k must be at least 3 to fit the gradient of a velocity");
-  if (!(max_stretch >= 1) || !std::isfinite(max_stretch)) refuse("max_stretch must be 1 or more");
-  if (!(edge_share > 0) || !std::isfinite(edge_share)) refuse("edge_share must be above 0");
-  if (!(coarsest >= 1) || !std::isfinite(coarsest)) refuse("coarsest must be 1 or more");
+  if (!(change > 0) || !std::isfinite(change)) refuse("change must be above 0");
+  if (!(stretch >= 1) || !std::isfinite(stretch)) refuse("stretch must be 1 or more");
+  if (!(flatness >= 1) || !std::isfinite(flatness)) refuse("flatness must be 1 or more");
 }
 
 std::vector<VelocityFit> fit_velocities(std::span<const Vec3> places, const VelocitySamples& samples, int k) {
@@ -167,10 +181,13 @@ std::vector<SymTensor> metric_from_velocity(std::span<const Vec3> places, const 
   const DistinctSamples distinct = distinct_samples(samples);
   const std::vector<VelocityFit> fits = fit(places, distinct, options.k);
   if (fits.empty()) return {};
-  const FlowScale scale = scale_of(fits, distinct, bounding_box(places).sizes().norm(), options.edge_share);
+  std::vector<Rates> rates(fits.size());
+  parallel::for_each_index(fits.size(), [&](std::size_t i) { rates[i] = rates_of(fits[i].gradient); });
+  const FlowScale scale = scale_of(rates, distinct, bounding_box(places).sizes().norm(), options.change);
   std::vector<SymTensor> metric(places.size());
-  parallel::for_each_index(metric.size(),
-                           [&](std::size_t i) { metric[i] = tensor_of(fits[i], scale, options); });
+  parallel::for_each_index(metric.size(), [&](std::size_t i) {
+    metric[i] = tensor_of(fits[i].velocity, rates[i], scale, options);
+  });
   return metric;
 }
 

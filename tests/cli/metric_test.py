@@ -113,12 +113,18 @@ class VelocityTest(MetricCommandTest):
     def write_flow(self, flow, names=("u", "v", "w"), name="flow.csv"):
         return self.write_csv([("x", "y", "z", *names), *((*p, *flow(*p)) for p in self.places)], name)
 
-    def test_shear_stretches_along_the_flow(self):
+    def test_shear_is_long_along_the_flow_and_thin_along_the_gradient(self):
         shear = self.write_flow(lambda x, y, z: (2 + z, 0, 0))
-        for xx, xy, yy, xz, yz, zz in self.tensors("--velocity", shear):
-            self.assertAlmostEqual(math.sqrt(zz / xx), 10, delta=0.1)
-            self.assertAlmostEqual(math.sqrt(zz / yy), 1, delta=0.01)
+        for xx, xy, yy, xz, yz, zz in self.tensors("--velocity", shear, "--velocity-stretch", 20, "--velocity-flatness", 3):
+            self.assertAlmostEqual(math.sqrt(zz / xx), 20, delta=0.2)
+            self.assertAlmostEqual(math.sqrt(zz / yy), 3, delta=0.05)
             self.assertLess(abs(xy) + abs(xz) + abs(yz), 1e-3 * zz)
+
+    def test_sizes_are_those_across_which_the_velocity_changes_by_a_share(self):
+        shear = self.write_flow(lambda x, y, z: (2 + z, 0, 0))
+        speed = math.sqrt(sum((2 + z) ** 2 for _, _, z in self.places) / len(self.places))
+        for *_, zz in self.tensors("--velocity", shear, "--velocity-change", 0.05):
+            self.assertAlmostEqual(1 / math.sqrt(zz) / (0.05 * speed), 1, delta=0.01)
 
     def test_no_flow_and_a_constant_one_are_round(self):
         for speed in (0, 3):
@@ -155,6 +161,9 @@ class VelocityTest(MetricCommandTest):
         self.refused(BAD_INPUT, "--velocity", few, None, "few.csv", "9 different points", "20")
         self.refused(BAD_INPUT, "--velocity", self.write_csv([("x", "y", "z"), (0, 0, 0)]), None, "no vectors", "none")
         self.refused(USAGE, "--velocity", far, "--velocity-k", 2, None, "--velocity-k", "between 3")
+        self.refused(USAGE, "--velocity", far, "--velocity-stretch", 0.5, None, "--velocity-stretch", "between 1")
+        self.refused(USAGE, "--velocity", far, "--velocity-flatness", 0, None, "--velocity-flatness", "between 1")
+        self.refused(USAGE, "--velocity", far, "--velocity-change", 0, None, "--velocity-change")
         self.refused(USAGE, "--velocity-array", "u", None, "--velocity")
 
 

@@ -1,5 +1,5 @@
 #pragma once
-/// @file A metric from a flow: stretched along it where it shears.
+/// @file A metric from the gradient of a flow's velocity.
 
 #include <span>
 #include <vector>
@@ -17,9 +17,11 @@ struct VelocitySamples {
 struct VelocityMetricOptions {
   int k = 20;  ///< Nearest samples that a gradient is fitted to, >= 3. Fewer than 15 do not determine
                ///< it: what they leave open is taken to be 0.
-  double max_stretch = 10;  ///< Size along the flow to size across where the gradient is large, >= 1.
-  double edge_share = 0.2;  ///< Of the speed: how much the velocity changes across an edge there, > 0.
-  double coarsest = 4;      ///< Size across where the gradient vanishes, to that where it is large, >= 1.
+  double change = 0.2;  ///< Of the speed: how much the velocity changes across an edge where it changes most,
+                        ///< > 0.
+  double stretch = 12;  ///< Largest size to smallest, >= 1.
+  double flatness = 1.4;  ///< Of the two sizes across the flow: how many times the larger is the smaller
+                          ///< where the velocity changes along one of them only, >= 1.
 
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
 };
@@ -38,15 +40,19 @@ struct VelocityFit {
 [[nodiscard]] std::vector<VelocityFit> fit_velocities(std::span<const Vec3> places,
                                                       const VelocitySamples& samples, int k);
 
-/// For every place M = R diag(1/h_t^2, 1/h_n^2, 1/h_n^2) R^T with the first axis along the velocity u and
+/// For every place, with the velocity u, its direction t = u / |u| and its gradient G,
 ///
-///   h_t / h_n = 1 + (max_stretch - 1) g,   h_n = h_0 min(g^(-1/2), coarsest),   g = min(|G| / G_0, 1),
+///   M = 1 / h_0^2 ((1 - 1 / s^2) |G| / G_0 S + I / s^2),   P = (G^T G)^(1/2),
+///   S = (1 - 1 / f^2) P / |G| + (I - t t^T) / f^2.
 ///
-/// |G| the Frobenius norm of the velocity's gradient there and G_0 its 95th percentile over the places, so
-/// that neither the unit of the velocity nor a few large gradients matter. h_0 = edge_share U / G_0 with the
-/// root mean square U of the speed of the samples. A flow whose velocity changes by less than U / 1000 over
-/// all of the places' box is taken as constant: G_0 is no less than that, and h_0 no more than the box's
-/// diagonal. Of a constant flow and where there is none the tensors are the same in all directions.
+/// The eigenvectors of P are the directions along which the velocity changes, its eigenvalues |G d| how fast,
+/// the largest of them |G|; G_0 is the 95th percentile of |G| over the places, and |G| / G_0 is at most 1, so
+/// that neither the unit of the velocity nor a few large gradients matter. f is `flatness`, s `stretch`, and
+/// h_0 = change U / G_0 with the root mean square U of the speed of the samples. All sizes lie between h_0
+/// and s h_0; in shear across t with |G| = G_0 they are h_0 along the gradient, about f h_0 across both, and
+/// s h_0 along the flow. A flow whose velocity changes by less than U / 1000 over all of the places' box is
+/// taken as constant: G_0 is no less than that, and h_0 no more than the box's diagonal. Of a constant flow
+/// and where there is none the tensors are the same in all directions.
 ///
 /// @return One tensor per place, per square of the coordinates' unit.
 /// @throws Error{kBadInput} if a velocity or a place is not finite, or a speed beyond 10^100 (it names the

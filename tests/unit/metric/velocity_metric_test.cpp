@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -79,20 +80,60 @@ TEST(VelocityFit, OnALineSaysNothingAboutWhatLiesAcross) {
   EXPECT_LT((fit.gradient - 2 * Vec3::UnitX() * Vec3::UnitX().transpose()).norm(), 1e-4);
 }
 
-TEST(VelocityMetric, OfShearIsStretchedAlongTheFlow) {
+TEST(VelocityMetric, OfShearIsThinAlongTheGradientAndLongAlongTheFlow) {
   const std::vector<Vec3> points = places_in_box(3000, 1);
-  // u = 2 + y along x: |G| is 1 everywhere, and U the root of the mean square.
-  const std::vector<Vec3> velocities = velocities_at(points, [](const Vec3& x) -> Vec3 {
-    return {2 + x[1], 0, 0};
-  });
+  const Mat3 axes = Eigen::Quaterniond(0.5, -0.3, 0.7, 0.2).normalized().toRotationMatrix();
+  // Along the first axis, by 1 per unit of the second: |G| is 1 everywhere.
+  const std::vector<Vec3> velocities =
+      velocities_at(points, [&](const Vec3& x) -> Vec3 { return (2 + axes.col(1).dot(x)) * axes.col(0); });
   double squares = 0;
   for (const Vec3& u : velocities) squares += u.squaredNorm();
-  const double across = 0.2 * std::sqrt(squares / 3000);
-  for (const SymTensor& metric : metric_from_velocity(places_in_box(50, 2), {points, velocities})) {
-    EXPECT_NEAR(1 / std::sqrt(metric.xx) / (10 * across), 1, 1e-2);
-    EXPECT_NEAR(1 / std::sqrt(metric.yy) / across, 1, 1e-2);
-    EXPECT_NEAR(1 / std::sqrt(metric.zz) / across, 1, 1e-2);
+  const double thin = 0.3 * std::sqrt(squares / 3000);
+  const VelocityMetricOptions options{.change = 0.3, .stretch = 30, .flatness = 3};
+  for (const SymTensor& metric : metric_from_velocity(places_in_box(50, 2), {points, velocities}, options)) {
+    const auto size_along = [&](int axis) { return 1 / std::sqrt(metric.quadratic(axes.col(axis))); };
+    EXPECT_NEAR(size_along(0) / (30 * thin), 1, 1e-2);
+    EXPECT_NEAR(size_along(1) / thin, 1, 1e-2);
+    EXPECT_NEAR(size_along(2) / (3 * thin), 1, 1e-2);
   }
+}
+
+TEST(VelocityMetric, AcrossTheFlowSizesGoWithTheRootsOfTheRatesOfChange) {
+  const std::vector<Vec3> points = places_in_box(3000, 1);
+  // 35 times as fast along y as along z.
+  const std::vector<Vec3> velocities = velocities_at(points, [](const Vec3& x) -> Vec3 {
+    return {100 + 35 * x[1], x[2], 0};
+  });
+  const VelocityMetricOptions options{.stretch = 1000, .flatness = 1000};
+  for (const SymTensor& metric : metric_from_velocity(places_in_box(50, 2), {points, velocities}, options))
+    EXPECT_NEAR(std::sqrt(metric.yy / metric.zz), std::sqrt(35), 0.02 * std::sqrt(35));
+}
+
+TEST(VelocityMetric, IsNotLongAlongAFlowThatChangesAlongItself) {
+  const std::vector<Vec3> points = places_in_box(2000, 1);
+  const std::vector<Vec3> velocities = velocities_at(points, [](const Vec3& x) -> Vec3 {
+    return {2 + x[0], 0, 0};
+  });
+  for (const SymTensor& metric :
+       metric_from_velocity(places_in_box(50, 2), {points, velocities}, {.flatness = 2}))
+    EXPECT_GT(metric.xx, 2 * metric.yy);
+}
+
+TEST(VelocityMetric, KeepsTheBoundsOfStretchAndFlatnessInEveryFlow) {
+  const std::vector<Vec3> points = places_in_box(3000, 1), places = places_in_box(500, 2);
+  const std::vector<Vec3> velocities = velocities_at(points, [](const Vec3& x) -> Vec3 {
+    return {std::tanh(20 * x[1]), std::exp(3 * x[0]) * x[2], std::sin(9 * x[1] * x[2])};
+  });
+  const std::vector<SymTensor> metric =
+      metric_from_velocity(places, {points, velocities}, {.stretch = 7, .flatness = 7});
+  double smallest = 1e300, largest = 0;
+  for (const SymTensor& tensor : metric) {
+    const Vec3 sizes = sizes_of(tensor);
+    smallest = std::min(smallest, sizes[0]);
+    largest = std::max(largest, sizes[2]);
+  }
+  EXPECT_LE(largest / smallest, 7 * (1 + 1e-6));
+  EXPECT_GT(largest / smallest, 3);
 }
 
 TEST(VelocityMetric, InATubeIsFinestAndMostStretchedAtTheWall) {
@@ -106,14 +147,17 @@ TEST(VelocityMetric, InATubeIsFinestAndMostStretchedAtTheWall) {
   places[0] = {0, 0, 0};
   places[1] = {0.5, 0, 0};
   places[2] = {0.96, 0, 0};
-  const std::vector<SymTensor> metric = metric_from_velocity(places, {points, velocities});
+  const VelocityMetricOptions options;
+  const std::vector<SymTensor> metric = metric_from_velocity(places, {points, velocities}, options);
   const Vec3 core = sizes_of(metric[0]), half = sizes_of(metric[1]), wall = sizes_of(metric[2]);
   EXPECT_LT(core[2] / core[0], 3);
-  EXPECT_NEAR(half[2] / half[0], 1 + 9 * 0.5, 1);
-  EXPECT_NEAR(wall[2] / wall[0], 10, 1);
-  EXPECT_GT(core[0], 1.5 * wall[0]);
+  EXPECT_GT(core[0], 3 * wall[0]);
   EXPECT_NEAR(half[0] / wall[0], std::sqrt(2.0), 0.15);
-  EXPECT_GT(std::abs(eigen_system(metric[2]).axes(2, 0)), 0.99) << "along the tube";
+  EXPECT_NEAR(wall[2] / wall[0], options.stretch, 0.1 * options.stretch);
+  EXPECT_NEAR(wall[1] / wall[0], options.flatness, 0.1 * options.flatness);
+  const Mat3 axes = eigen_system(metric[2]).axes;
+  EXPECT_GT(std::abs(axes(2, 0)), 0.99) << "along the tube";
+  EXPECT_GT(std::abs(axes(0, 2)), 0.98) << "thin along the radius";
 }
 
 TEST(VelocityMetric, DoesNotDependOnTheUnitOfTheVelocity) {
@@ -177,7 +221,9 @@ TEST(VelocityMetric, RefusesWhatIsNoFlow) {
             std::string::npos);
   EXPECT_EQ(fault_of_samples(many, std::vector<Vec3>(200, Vec3::UnitX())), "");
   EXPECT_THROW((void)metric_from_velocity(points, {points, points}, {.k = 2}), Error);
-  EXPECT_THROW((void)metric_from_velocity(points, {points, points}, {.max_stretch = 0.5}), Error);
+  EXPECT_THROW((void)metric_from_velocity(points, {points, points}, {.change = 0}), Error);
+  EXPECT_THROW((void)metric_from_velocity(points, {points, points}, {.stretch = 0.5}), Error);
+  EXPECT_THROW((void)metric_from_velocity(points, {points, points}, {.flatness = 0.5}), Error);
 }
 
 }  // namespace
