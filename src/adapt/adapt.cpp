@@ -255,7 +255,8 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators
     return ratio >= std::min<double>(comes_within ? kFloorOfOutside : kFloor, kKept * mesh.quality(t));
   };
   if (is_any([](const auto& shape) { return shape.keeps_volume; })) {
-    const operators::SettlingRules rules{.may_become = may_become, .keep_within = keep_within};
+    const operators::SettlingRules rules{
+        .may_become = may_become, .keep_within = keep_within, .corrections = 1};
     operators::settle(mesh, operators::places_on_shapes(shapes), rules);
     outside = vertices_outside(mesh, keep_within);
     if (std::find(outside.begin(), outside.end(), true) != outside.end()) {

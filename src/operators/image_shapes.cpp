@@ -5,6 +5,7 @@
 #include "lumesh/domain/image_surface.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
+#include "lumesh/operators/settling.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::operators {
@@ -61,22 +62,22 @@ struct Offsets {
 };
 
 Offsets offset_of(const std::array<Vec3, 3>& corners, const ImageSurface& surface) {
-  const auto height = [&](const Vec3& point) -> std::optional<double> {
-    const std::optional<SurfacePoint> boundary = surface.boundary_near(point);
-    return boundary ? std::optional(boundary->normal.dot(point - boundary->point)) : std::nullopt;
-  };
+  const auto boundary_near = [&](const Vec3& point) { return surface.boundary_near(point); };
   Offsets offsets{.triangles = 1};
-  double of_corners = 0, of_middles = 0;
+  std::array<Vec3, 3> over;
+  double of_corners = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto corner = height(corners[k]), middle = height(0.5 * (corners[k] + corners[(k + 1) % 3]));
-    if (!corner || !middle) return offsets;
-    of_corners += *corner / 3;
-    of_middles += *middle / 3;
+    const std::optional<SurfacePoint> boundary = boundary_near(corners[k]);
+    if (!boundary) return offsets;
+    over[k] = boundary->point;
+    of_corners += boundary->normal.dot(corners[k] - boundary->point) / 3;
   }
+  const std::optional<double> over_triangle = mean_height_over(corners, over, boundary_near);
+  if (!over_triangle) return offsets;
   offsets.near = 1;
   offsets.area_mm2 = triangle_area(corners[0], corners[1], corners[2]);
   offsets.of_corners_mm3 = offsets.area_mm2 * of_corners;
-  offsets.of_triangles_mm3 = offsets.area_mm2 * of_middles;  // Exact for quadratic functions.
+  offsets.of_triangles_mm3 = -offsets.area_mm2 * *over_triangle;
   return offsets;
 }
 

@@ -37,7 +37,12 @@ class Settling {
     find_targets_of_rims();
     constexpr int kSweeps = 2;  // What one vertex was held back by may have moved in the first.
     for (int sweep = 0; sweep < kSweeps; ++sweep) carry();
-    return report();
+    const SettlingReport settled = report();
+    for (int round = 0; round < rules_.corrections; ++round) {
+      find_corrected_targets();
+      carry();
+    }
+    return settled;
   }
 
  private:
@@ -210,20 +215,53 @@ class Settling {
 
   void find_targets() {
     targets_.assign(points_.begin(), points_.end());
-    std::vector<Facet> facets(rules_.lift > 0 ? faces_.triangles.size() : 0);
-    parallel::for_each_index(
-        facets.size(), [&](std::size_t i) { facets[i] = facet_of(i); }, 64);
-    std::vector<Facet> sums(points_.size());
-    for (std::size_t i = 0; i < facets.size(); ++i)
-      for (const std::uint32_t v : faces_.triangles[i]) {
-        sums[v].sagitta += facets[i].area * facets[i].sagitta;
-        sums[v].area += facets[i].area;
-      }
+    const std::vector<double> means = rules_.lift > 0
+                                          ? means_around([&](std::size_t i) { return facet_of(i); })
+                                          : std::vector<double>(points_.size(), 0);
     parallel::for_each_index(free_.size(), [&](std::size_t i) {
       const std::uint32_t v = free_[i];
-      if (is_rim(v)) return;
-      const double mean = sums[v].area > 0 ? sums[v].sagitta / sums[v].area : 0;
-      targets_[v] = offset_for_volume(v, mean, places_[v].normal);
+      if (!is_rim(v)) targets_[v] = offset_for_volume(v, means[v], places_[v]);
+    });
+  }
+
+  /// The mean sagitta of the facets around each vertex.
+  template <class FacetOf>
+  [[nodiscard]] std::vector<double> means_around(const FacetOf& facet_of) const {
+    std::vector<Facet> facets(faces_.triangles.size());
+    parallel::for_each_index(
+        facets.size(), [&](std::size_t i) { facets[i] = facet_of(i); }, 64);
+    std::vector<double> means(points_.size(), 0), areas(points_.size(), 0);
+    for (std::size_t i = 0; i < facets.size(); ++i)
+      for (const std::uint32_t v : faces_.triangles[i]) {
+        means[v] += facets[i].area * facets[i].sagitta;
+        areas[v] += facets[i].area;
+      }
+    for (std::size_t v = 0; v < means.size(); ++v)
+      if (areas[v] > 0) means[v] /= areas[v];
+    return means;
+  }
+
+  /// What the normals at the corners did not tell, and what vertices that were held back owe: where the
+  /// surface still is over the triangles in the mean, those around rise.
+  void find_corrected_targets() {
+    const std::vector<double> means = means_around([&](std::size_t i) -> Facet {
+      std::array<Vec3, 3> corners, over;
+      bool is_free_facet = false;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = faces_.triangles[i][k];
+        is_free_facet |= is_free_in(v, i);
+        corners[k] = points_[v];
+        over[k] = is_free_in(v, i) ? places_[v].point : points_[v];
+      }
+      if (!is_free_facet) return {};
+      const PatchId patch(static_cast<std::uint32_t>(faces_.patches[i]));
+      const auto height =
+          mean_height_over(corners, over, [&](const Vec3& near) { return place_(patch, near); });
+      return height ? Facet{*height, triangle_area(corners[0], corners[1], corners[2])} : Facet{};
+    });
+    parallel::for_each_index(free_.size(), [&](std::size_t i) {
+      const std::uint32_t v = free_[i];
+      if (!is_rim(v)) targets_[v] = offset_for_volume(v, means[v], {points_[v], places_[v].normal});
     });
   }
 
@@ -248,15 +286,15 @@ class Settling {
       const std::uint32_t v = rims_[i].vertex;
       if (!is_free(v)) continue;
       const double mean = sums[i].length > 0 ? sums[i].height / sums[i].length : 0;
-      targets_[v] = offset_for_volume(v, mean, outwards_at(v));
+      targets_[v] = offset_for_volume(v, mean, {places_[v].point, outwards_at(v)});
     }
   }
 
-  /// The place of a vertex, raised along a unit vector.
-  [[nodiscard]] Vec3 offset_for_volume(std::uint32_t v, double height, const Vec3& along) const {
+  /// A place for a vertex, raised along the normal.
+  [[nodiscard]] Vec3 offset_for_volume(std::uint32_t v, double height, const SurfacePoint& from) const {
     constexpr double kMaxOffset = 0.15;  // Of the edges around; more is a corner, not a bend.
     const double lift = std::clamp(rules_.lift * height, -kMaxOffset * edge_[v], kMaxOffset * edge_[v]);
-    const Vec3 target = places_[v].point + lift * along;
+    const Vec3 target = from.point + lift * from.normal;
     return rules_.keep_within ? rules_.keep_within(target) : target;
   }
 
@@ -387,6 +425,35 @@ class Settling {
 };
 
 }  // namespace
+
+std::optional<double> mean_height_over(const std::array<Vec3, 3>& corners, const std::array<Vec3, 3>& over,
+                                       const PlaceNear& place) {
+  std::array<Vec3, 3> over_middles;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto found = place(0.5 * (corners[k] + corners[(k + 1) % 3]));
+    if (!found) return std::nullopt;
+    over_middles[k] = found->point;
+  }
+  // Six times what lies between the triangle and that of the places over its corners, and between it and the
+  // four of all places. The sides cancel with those of the neighbours.
+  const auto under = [&](const Vec3& p, const Vec3& q, const Vec3& r) {
+    return (p - corners[0]).cross(q - corners[0]).dot(r - corners[0]);
+  };
+  double flat = under(over[0], over[1], over[2]),
+         bent = under(over_middles[0], over_middles[1], over_middles[2]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t next = (k + 1) % 3, before = (k + 2) % 3;
+    const Vec3 &a = corners[k], &b = corners[next], &over_a = over[k], &over_b = over[next],
+               &middle = over_middles[k];
+    flat += 0.5 *
+            (under(a, b, over_b) + under(a, over_b, over_a) + under(a, b, over_a) + under(b, over_b, over_a));
+    bent += under(a, b, middle) + under(b, over_b, middle) + under(a, middle, over_a) +
+            under(over_a, middle, over_middles[before]);
+  }
+  const double area = triangle_area(corners[0], corners[1], corners[2]);
+  // What flat triangles miss is quartered where their edges are halved.
+  return area > 0 ? (bent + (bent - flat) / 3) / (6 * area) : 0;
+}
 
 double mean_arc_height(const SurfacePoint& from, const SurfacePoint& to) {
   return 2 * arc_height(from, to) / 3;  // A parabola's.

@@ -8,6 +8,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 #include "lumesh/operators/settling.hpp"
+#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -129,23 +130,57 @@ std::vector<bool> rim_points(const PatchTriangles& patch) {
   return is_at_rim;
 }
 
-/// Lets every point inside the patch down by the mean sagitta of the triangles around it, so that a smooth
-/// surface through the points encloses what the triangles enclosed.
-void lower_by_sagitta(PatchTriangles& patch) {
-  const std::vector<Vec3> normals = vertex_normals(patch.points, patch.triangles);
+/// Lets every point inside the patch down by the mean height over the triangles around it.
+/// @param height_over  Of each triangle, by its number.
+template <class HeightOver>
+void lower(PatchTriangles& patch, const std::vector<Vec3>& normals, const HeightOver& height_over) {
+  std::vector<double> heights(patch.triangles.size());
+  parallel::for_each_index(
+      heights.size(), [&](std::size_t i) { heights[i] = height_over(i); }, 64);
   std::vector<double> sums(patch.points.size(), 0), areas(patch.points.size(), 0);
-  for (const Cell<3>& t : patch.triangles) {
-    std::array<SurfacePoint, 3> at;
-    for (int k = 0; k < 3; ++k) at[k] = {patch.points[t[k]], normals[t[k]]};
-    const double area = triangle_area(at[0].point, at[1].point, at[2].point);
-    for (const std::uint32_t v : t) {
-      sums[v] += area * sagitta_of(at);
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    const auto& [a, b, c] = patch.triangles[i];
+    const double area = triangle_area(patch.points[a], patch.points[b], patch.points[c]);
+    for (const std::uint32_t v : patch.triangles[i]) {
+      sums[v] += area * heights[i];
       areas[v] += area;
     }
   }
   const std::vector<bool> is_at_rim = rim_points(patch);
   for (std::size_t v = 0; v < patch.points.size(); ++v)
     if (!is_at_rim[v] && areas[v] > 0) patch.points[v] -= sums[v] / areas[v] * normals[v];
+}
+
+/// Lets the points down by the mean sagitta, so that a smooth surface through them encloses about what the
+/// triangles enclosed.
+void lower_by_sagitta(PatchTriangles& patch) {
+  const std::vector<Vec3> normals = vertex_normals(patch.points, patch.triangles);
+  lower(patch, normals, [&, points = patch.points](std::size_t i) {
+    std::array<SurfacePoint, 3> at;
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = patch.triangles[i][k];
+      at[k] = {points[v], normals[v]};
+    }
+    return sagitta_of(at);
+  });
+}
+
+/// The smooth surface through the points, let down until it encloses what the triangles did that had their
+/// corners at `before`.
+std::shared_ptr<const Surface> surface_of_volume(PatchTriangles& patch, const std::vector<Vec3>& before,
+                                                 const std::vector<MeshSurface::Rim>& rims) {
+  constexpr int kRounds = 2;
+  const std::vector<Vec3> normals = vertex_normals(before, patch.triangles);
+  auto surface = std::make_shared<const MeshSurface>(patch.points, patch.triangles, rims);
+  for (int round = 0; round < kRounds; ++round) {
+    lower(patch, normals, [&, points = patch.points](std::size_t i) {
+      const auto& [a, b, c] = patch.triangles[i];
+      return *mean_height_over({before[a], before[b], before[c]}, {points[a], points[b], points[c]},
+                               [&](const Vec3& near) { return std::optional(surface->closest(near)); });
+    });
+    surface = std::make_shared<const MeshSurface>(patch.points, patch.triangles, rims);
+  }
+  return surface;
 }
 
 /// An edge between two patches, the lower one first.
@@ -281,8 +316,10 @@ class SurfaceBuilder {
   }
   /// For every patch without a surface so far; curves first, which are their rims.
   void lay_along_vertices(SurfaceKeeps keeps) {
+    std::vector<std::vector<Vec3>> before(shapes_.size());
     for_each_curved([&](std::size_t p) {
       if (shapes_[p].surface) return;
+      before[p] = patches_[p].points;
       shapes_[p].keeps_volume = keeps == SurfaceKeeps::kVolume;
       if (shapes_[p].keeps_volume) lower_by_sagitta(patches_[p]);
     });
@@ -309,9 +346,10 @@ class SurfaceBuilder {
         }
     }
     for_each_curved([&](std::size_t p) {
-      if (!shapes_[p].surface)
-        shapes_[p].surface =
-            std::make_shared<MeshSurface>(patches_[p].points, patches_[p].triangles, rims[p]);
+      if (shapes_[p].surface) return;
+      shapes_[p].surface = shapes_[p].keeps_volume ? surface_of_volume(patches_[p], before[p], rims[p])
+                                                   : std::make_shared<const MeshSurface>(
+                                                         patches_[p].points, patches_[p].triangles, rims[p]);
     });
   }
   PatchShapes take() {

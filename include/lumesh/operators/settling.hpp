@@ -30,6 +30,17 @@ namespace lumesh::operators {
 /// Mean height of the curve between two places of a plane, with its normals there, over its chord.
 [[nodiscard]] double mean_arc_height(const SurfacePoint& from, const SurfacePoint& to);
 
+/// The place of a surface near a point; none where the surface is not known.
+using PlaceNear = std::function<std::optional<SurfacePoint>(const Vec3& near)>;
+
+/// The volume between a triangle and a surface near it, per area of the triangle. Summed over a closed mesh
+/// it is the volume that the surface encloses beyond the mesh's, to fourth order in the edges. None where the
+/// surface is not known.
+/// @param over   Places of the surface over the corners.
+/// @param place  Asked near the middles of the edges.
+[[nodiscard]] std::optional<double> mean_height_over(const std::array<Vec3, 3>& corners,
+                                                     const std::array<Vec3, 3>& over, const PlaceNear& place);
+
 /// The place of a patch's true surface near a point, with the normal; none where the surface is not known,
 /// and for patches whose vertices are to stay. Called from several threads.
 using PlaceOnPatch = std::function<std::optional<SurfacePoint>(PatchId patch, const Vec3& near)>;
@@ -53,6 +64,9 @@ struct SettlingRules {
   MayBecome may_become;
   KeepWithin keep_within = {};                 ///< Null: everywhere.
   std::span<const std::uint8_t> movable = {};  ///< Flag per vertex; empty: all are.
+  /// Rounds that look at the surface over the middles of edges where the vertices have come to stand, and
+  /// raise these by what is missing. 0 trusts the normals at the places, which do where edges are short.
+  int corrections = 0;
 };
 
 struct SettlingReport {
