@@ -56,11 +56,17 @@ struct AdaptCommand {
   }
 };
 
-nlohmann::ordered_json report_json(const AdaptReport& report, const Context& context, double seconds) {
+nlohmann::ordered_json report_json(const AdaptResult& result, const Context& context, double seconds) {
+  const AdaptReport& report = result.report;
   nlohmann::ordered_json json;
   json["complete"] = report.complete;
   json["complexity"] = report.complexity;
   json["seconds"] = seconds;
+  for (const LabelChange& label : result.volumes)
+    json["volumes"].push_back({{"label", label.label},
+                               {"before_mm3", label.before_mm3},
+                               {"after_mm3", label.after_mm3},
+                               {"change_percent", label.percent()}});
   std::map<std::string, double> phases;
   for (const PhaseTime& phase : context.phases()) phases[phase.name] += phase.seconds;
   json["seconds_by_step"] = phases;
@@ -131,7 +137,7 @@ metric::MetricField wanted_field(AdaptCommand& command, const MixedMesh& input,
   return background_field(mesh, mesh.view().metric, 0);
 }
 
-AdaptReport adapt_as_told(const AdaptCommand& command, metric::MetricField& field,
+AdaptResult adapt_as_told(const AdaptCommand& command, metric::MetricField& field,
                           const std::optional<KeptCells>& kept, TetMesh& mesh, Context& context) {
   AdaptRequest request = command.request;
   request.adapt.team.threads = threads_of(command.run);
@@ -140,14 +146,14 @@ AdaptReport adapt_as_told(const AdaptCommand& command, metric::MetricField& fiel
   const AdaptResult result = naming(request.boundary.image ? command.image_path : command.mesh_path, [&] {
     return adapt_mesh(mesh, field, request, command.complexity, context);
   });
-  if (!request.boundary.image) return result.report;
-  if (!result.note.empty()) context.warn(result.note);
+  for (const std::string& note : result.notes) context.warn(note);
+  if (!request.boundary.image) return result;
   for (const std::string& doubt : doubts_about_image(command.image_path, command.mesh_path, mesh.info(),
                                                      "the surface may have become another one"))
     context.warn(doubt);
   if (result.patches_on_image == 0)
     context.warn(command.image_path + ": no patch follows it; all are planes, cylinders or mixed");
-  return result.report;
+  return result;
 }
 
 void run(AdaptCommand command) {
@@ -174,7 +180,8 @@ void run(AdaptCommand command) {
                              : context.phase("complexity", [&] { return metric::complexity(field, mesh); });
   naming(command.mesh_path, [&] { check_fits_memory(complexity); });
 
-  const AdaptReport report = adapt_as_told(command, field, kept, mesh, context);
+  const AdaptResult result = adapt_as_told(command, field, kept, mesh, context);
+  const AdaptReport& report = result.report;
   mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   const MixedMesh whole =
@@ -189,7 +196,7 @@ void run(AdaptCommand command) {
   });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_text_file(command.json_path, report_json(report, context, elapsed.count()).dump(2) + "\n");
+    write_text_file(command.json_path, report_json(result, context, elapsed.count()).dump(2) + "\n");
   warn_of_many_vertices(mesh, report, context);
   print_counts(command.run, report.by_thread);
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",

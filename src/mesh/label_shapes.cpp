@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/relaxed.hpp"
 
@@ -125,6 +126,26 @@ std::uint32_t count_pieces(const TetMesh& mesh) {
     }
   }
   return pieces;
+}
+
+std::map<Label, double> volumes_of_labels(const TetMesh& mesh) {
+  using Volumes = std::map<Label, double>;
+  constexpr std::size_t kBlock = 1 << 14;
+  return parallel::reduce_blocks<Volumes>(
+      mesh.tet_count(), kBlock, {},
+      [&](std::size_t begin, std::size_t end) {
+        Volumes volumes;
+        for (std::size_t i = begin; i < end; ++i) {
+          const TetId t(static_cast<std::uint32_t>(i));
+          volumes[mesh.label(t)] +=
+              tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
+        }
+        return volumes;
+      },
+      [](Volumes all, const Volumes& some) {
+        for (const auto& [label, volume] : some) all[label] += volume;
+        return all;
+      });
 }
 
 }  // namespace lumesh

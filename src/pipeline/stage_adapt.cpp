@@ -40,10 +40,13 @@ void adapt_mesh(CaseState& state, report::StageReport& stage) {
     return lumesh::adapt_mesh(state.mesh, field, request, wanted, state.context);
   });
   const AdaptReport& report = adapted.report;
-  if (!adapted.note.empty()) stage.warnings.push_back(adapted.note);
+  stage.warnings.insert(stage.warnings.end(), adapted.notes.begin(), adapted.notes.end());
   state.is_complete = state.is_complete && report.complete;
   stage.figures.push_back({"Complexity", report.complexity, "", "as the adapted mesh sees it"});
   add_passes(report, stage);
+  for (const LabelChange& label : adapted.volumes)
+    stage.figures.push_back({fmt::format("Volume of label {}", label.label), label.after_mm3, "mm3",
+                             fmt::format("{:+.3f} % of {:.6g} before", label.percent(), label.before_mm3)});
 }
 
 }  // namespace lumesh::pipeline

@@ -2,6 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
+
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
@@ -50,10 +54,30 @@ std::string note_on_vertices_outside(const TetMesh& mesh, const operators::KeepW
       option_name("gradation"), option_name("max_size"));
 }
 
+std::vector<LabelChange> changes_of(const std::map<Label, double>& before,
+                                    const std::map<Label, double>& after) {
+  std::vector<LabelChange> changes;
+  for (const auto& [label, volume] : after) changes.push_back({label, before.at(label), volume});
+  return changes;
+}
+
+/// A line on the label whose volume has changed most; empty if none has by much.
+std::string note_on_volumes(const std::vector<LabelChange>& changes) {
+  constexpr double kMuchPercent = 0.1;
+  const auto worst = std::max_element(changes.begin(), changes.end(), [](const auto& a, const auto& b) {
+    return std::abs(a.percent()) < std::abs(b.percent());
+  });
+  if (worst == changes.end() || std::abs(worst->percent()) <= kMuchPercent) return "";
+  return fmt::format("label {} fills {:.2g} % {} than before: {:.6g} mm³, not {:.6g}", worst->label,
+                     std::abs(worst->percent()), worst->percent() < 0 ? "less" : "more", worst->after_mm3,
+                     worst->before_mm3);
+}
+
 }  // namespace
 
 AdaptResult adapt_mesh(TetMesh& mesh, metric::MetricField& field, const AdaptRequest& request,
                        double complexity, Context& context) {
+  const std::map<Label, double> volumes_before = volumes_of_labels(mesh);
   const AdaptedBoundary boundary(mesh, request.boundary, context);
   AdaptOptions options = request.adapt;
   options.keep_within = boundary.keep_within();
@@ -62,7 +86,10 @@ AdaptResult adapt_mesh(TetMesh& mesh, metric::MetricField& field, const AdaptReq
                                               : adapt(mesh, field, boundary.shapes(), options, context),
                      .patches_on_image = boundary.patches_on_image()};
   boundary.restore_patches(mesh);
-  result.note = note_on_vertices_outside(mesh, options.keep_within);
+  result.volumes = changes_of(volumes_before, volumes_of_labels(mesh));
+  for (std::string note :
+       {note_on_vertices_outside(mesh, options.keep_within), note_on_volumes(result.volumes)})
+    if (!note.empty()) result.notes.push_back(std::move(note));
   return result;
 }
 

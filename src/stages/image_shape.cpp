@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
 
 namespace lumesh {
@@ -80,12 +79,7 @@ std::string other_shapes(const ImageShape& image, const TetMesh& mesh) {
 std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
   constexpr double kMuch = 0.05;
   constexpr std::uint64_t kLeast = 100;  // Voxels.
-  std::map<Label, double> volumes;
-  for (std::uint32_t i = 0; i < mesh.tet_count(); ++i) {
-    const TetId t(i);
-    volumes[mesh.label(t)] +=
-        tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
-  }
+  const std::map<Label, double> volumes = volumes_of_labels(mesh);
   std::size_t others = 0;
   double worst = 0;
   Label label = 0;

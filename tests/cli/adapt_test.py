@@ -284,10 +284,14 @@ class AdaptTest(MeshTest):
         self.run_well("lattice", image, "-o", mesh)
         count = self.evaluate(mesh)["vertices"]
         write_sol(sizes, [[0.25, 0, 0.25, 0, 0, 0.25]] * count)  # 2 mm.
-        self.run_well("adapt", mesh, "-m", sizes, "--image", image, "-o", self.out)
         numbers = self.folder / "numbers.json"
+        self.run_well("adapt", mesh, "-m", sizes, "--image", image, "--json", numbers, "-o", self.out)
+        (volume,) = json.loads(numbers.read_text())["volumes"]
+        self.assertLess(abs(volume["change_percent"]), 0.1)
         self.run_well("evaluate", self.out, "--image", image, "--json", numbers)
         ball = json.loads(numbers.read_text())["labels"][0]
+        self.assertAlmostEqual(volume["after_mm3"], ball["volume_mm3"], places=6)
+        self.assertAlmostEqual(volume["before_mm3"], self.evaluate(mesh)["volume_mm3"], places=6)
         self.assertLess(abs(ball["volume_error_percent"]), 2)
         self.assertLess(ball["hausdorff_mm"]["mesh_to_image"]["max"], 1)
         self.out.unlink()

@@ -1,7 +1,8 @@
 #pragma once
-/// @file How many pieces each label of a mesh has, and of which Euler number.
+/// @file How many pieces each label of a mesh has, and of which Euler number, and its volume.
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "lumesh/mesh/tet_mesh.hpp"
@@ -21,5 +22,8 @@ struct LabelShape {
 
 /// Pieces of all tetrahedra together, whatever their labels, that faces join. One sweep over a compact mesh.
 [[nodiscard]] std::uint32_t count_pieces(const TetMesh& mesh);
+
+/// Sums of the volumes of the tetrahedra of each label. The same for every thread count. @param mesh Compact.
+[[nodiscard]] std::map<Label, double> volumes_of_labels(const TetMesh& mesh);
 
 }  // namespace lumesh

@@ -2,6 +2,7 @@
 /// @file The stage that adapts a mesh to a metric, for every front end.
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "lumesh/adapt/adapt.hpp"
@@ -18,10 +19,20 @@ struct AdaptRequest {
   void validate() const { adapt.validate(); }
 };
 
+/// Volume of a label before and after.
+struct LabelChange {
+  Label label = kBackground;
+  double before_mm3 = 0, after_mm3 = 0;
+
+  [[nodiscard]] double percent() const { return 100 * (after_mm3 / before_mm3 - 1); }
+};
+
 struct AdaptResult {
   AdaptReport report;
   std::size_t patches_on_image = 0;  ///< Patches that followed the image.
-  std::string note = {};             ///< A warning of vertices beyond the image; empty if there are none.
+  std::vector<LabelChange> volumes = {};
+  /// Warnings: of vertices beyond the image, and of labels whose volume has changed.
+  std::vector<std::string> notes = {};
 };
 
 /// Pieces that no face joins are often forgotten specks of a segmentation, in which a flow has no way out.
