@@ -232,8 +232,6 @@ void add_adapt_command(CLI::App& program) {
   add_options_of(*sub, command->selection);
   add_options_of(*sub, command->request);
   add_topology_option(*sub, command->request.adapt.team);
-  // The paper lists it: the metric is always used.
-  sub->add_option("--met")->check(CLI::IsMember({"1"}))->group("As in CDT3D, always so");
   sub->add_option("--json", command->json_path, "Write times and counts of operators as JSON");
   add_time_limit_option(*sub, command->time_limit_s);
   add_threads_option(*sub, command->run);

@@ -49,6 +49,10 @@ void AdaptOptions::describe(OptionList& list) {
       "optimised: tetrahedra of low quality are tried again only where something changed since the last "
       "trial; original: always");
   describe_execution(list, execution, team);
+  for (const auto& [name, meaning] : {std::pair{"met", "the metric is used"},
+                                      {"meval", "it is that of the mesh's vertices"},
+                                      {"reconstruct", "the mesh that is given is adapted"}})
+    list.choice(name, as_cdt3d_with_metric, {{"1", true}}, std::string("As in CDT3D, always so: ") + meaning);
 }
 
 void AdaptOptions::validate() const {

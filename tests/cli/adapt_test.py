@@ -267,8 +267,8 @@ class AdaptTest(MeshTest):
         self.assertEqual({text[i + 3] for i in range(first, first + 4 * count, 4)}, {text[first + 3]})
 
     def test_names_of_cdt3d_are_understood(self):
-        self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 2000, "--met", 1, "--mpp", 5, "--sref", 1,
-                      "--nqual", 3, "--nsmth", 2, "--cdff", 1.4, "--cdfn", 0.6, "--nthreads", 1, "-o", self.out)
+        self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 2000, "--met", 1, "--meval", 1, "--reconstruct", 1, "--mpp", 5,
+                      "--sref", 1, "--nqual", 3, "--nsmth", 2, "--cdff", 1.4, "--cdfn", 0.6, "--nthreads", 1, "-o", self.out)
         at_centroids = self.out.read_bytes()
         self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 2000, "--placement", "centroid",
                       "--quality-passes", 3, "--smoothing-passes", 2, "--split-above", 1.4, "--threads", 2, "-o", self.out)

@@ -45,6 +45,7 @@ struct AdaptOptions {
   Reconnection reconnection = Reconnection::kOptimised;
   ExecutionKind execution = ExecutionKind::kOrdered;
   parallel::TeamOptions team = {};
+  bool as_cdt3d_with_metric = true;  ///< What its parameters met, meval and reconstruct ask for: always so.
   operators::KeepWithin keep_within =
       {};  ///< Where vertices of curved patches may be in the end; null: everywhere.
 

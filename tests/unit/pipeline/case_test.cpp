@@ -60,6 +60,9 @@ points = "centerline"
 k = 30
 [adapt]
 boundary = "frozen"
+met = 1
+meval = 1
+reconstruct = 1
 nqual = 7
 [output]
 meshes = ["a.vtu", "a.msh"]
