@@ -52,6 +52,7 @@ bool OptionRange::contains(double value) const {
 std::string OptionRange::text() const {
   if (excludes_min && std::isfinite(max))
     return "greater than " + text_of(min) + " and at most " + text_of(max);
+  if (min == max) return text_of(min);
   if (std::isfinite(min) && std::isfinite(max)) return "between " + text_of(min) + " and " + text_of(max);
   if (std::isfinite(max)) return "at most " + text_of(max);
   if (!std::isfinite(min)) return "";

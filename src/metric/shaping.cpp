@@ -143,6 +143,14 @@ void MetricLimits::validate() const {
                                                   smallest_mm, option_name("max_size"), largest_mm));
 }
 
+void set_metric(TetMesh& mesh, std::span<const SymTensor> metric) {
+  LUMESH_ASSERT(mesh.is_compact() && metric.size() == mesh.vertex_count());
+  mesh.enable_metric();
+  parallel::for_each_index(metric.size(), [&](std::size_t v) {
+    mesh.set_metric(VertexId(static_cast<std::uint32_t>(v)), metric[v], log(metric[v]));
+  });
+}
+
 double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const MetricLimits& limits) {
   limits.validate();
   LUMESH_ASSERT(mesh.is_compact() && wanted.size() == mesh.vertex_count());

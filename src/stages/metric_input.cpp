@@ -8,6 +8,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/metric/gradation.hpp"
+#include "lumesh/metric/shaping.hpp"
 #include "lumesh/metric/tensor.hpp"
 
 namespace lumesh {
@@ -64,9 +65,7 @@ bool are_isotropic(const std::vector<SymTensor>& tensors) {
 metric::MetricField background_field(const TetMesh& mesh, std::span<const SymTensor> tensors,
                                      double gradation) {
   TetMesh background = TetMesh::build(mesh.points(), mesh.tets(), mesh.labels());
-  background.enable_metric();
-  for (std::uint32_t v = 0; v < background.vertex_count(); ++v)
-    background.set_metric(VertexId(v), tensors[v], metric::log(tensors[v]));
+  metric::set_metric(background, tensors);
   if (gradation > 0) metric::limit_gradation(background, {.growth = gradation});
   return metric::MetricField::on_background(std::move(background));
 }

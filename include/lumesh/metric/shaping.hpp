@@ -33,6 +33,9 @@ struct MetricLimits {
   void validate() const;
 };
 
+/// Gives every vertex its tensor and the logarithm of it. @param mesh  Compact; enable_metric() is called.
+void set_metric(TetMesh& mesh, std::span<const SymTensor> metric);
+
 /// Gives every vertex its wanted tensor, scaled, with sizes within the bounds, no more stretched than wanted
 /// (the larger sizes become smaller) and with limited growth. The scale is sought again with all limits in
 /// force, until the complexity is met within 0.1 % or does not change any more, because bounds do not let it.
