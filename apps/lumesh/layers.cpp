@@ -76,15 +76,6 @@ void run(const LayersCommand& command) {
   if (!shortfall.empty()) throw Error(ErrorKind::kNotReached, command.output_path + ": " + shortfall);
 }
 
-/// What AFLR has to be told and is always so here, for command lines that come from there.
-void add_fixed_options(CLI::App& command) {
-  const auto fixed = [&](const std::string& name, const std::string& value, const std::string& meaning) {
-    command.add_option(name, meaning)->check(CLI::IsMember({value}))->group("As in AFLR, always so");
-  };
-  fixed("--mbl", "1", "Boundary layers: there are");
-  fixed("--fints", "0", "The surface: as it is");
-}
-
 }  // namespace
 
 void add_layers_command(CLI::App& program) {
@@ -101,7 +92,6 @@ void add_layers_command(CLI::App& program) {
   sub->add_flag_callback(
       "--blc", [command] { command->request.options.cells = LayerCells::kPrisms; },
       "AFLR's name of --cells prisms");
-  add_fixed_options(*sub);
   sub->add_option("--json", command->json_path, "Write what was achieved as JSON");
   sub->add_option("--report", command->report_path, "Write it as a page with pictures (.html)");
   add_threads_option(*sub, command->run);

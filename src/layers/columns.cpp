@@ -24,25 +24,29 @@ class PrismCheck {
 
   [[nodiscard]] bool is_good(std::uint32_t triangle) const {
     const Cell<3>& c = frame_.surface.triangles[triangle];
-    const auto has_length = [&](std::size_t k) { return columns_.fraction[c[k]] > 0; };
-    if (!has_length(0) && !has_length(1) && !has_length(2)) return true;
+    Fillings fillings;
+    for (std::size_t i = 0; i < 3; ++i) fillings[i] = columns_.profile.filling(columns_.fraction[c[i]]);
+    const auto [least, most] = std::minmax({fillings[0].count, fillings[1].count, fillings[2].count});
     const auto tets = tetrahedra_of_prism(c);
-    std::array<Vec3, 3> lower = ends(c, -1);
-    for (int k = 0; k < static_cast<int>(frame_.levels.size()); ++k) {
-      const std::array<Vec3, 3> upper = ends(c, k);
+    std::array<Vec3, 3> lower = ends(c, fillings, -1);
+    for (int k = 0; k < most; ++k) {
+      const std::array<Vec3, 3> upper = ends(c, fillings, k);
       const double floor_deg = min_angle_deg(c, lower, upper, k);
       for (const PrismTet& tet : tets)
-        if (has_length(doubled_column(tet)) && !is_good(tet, lower, upper, floor_deg)) return false;
-      if (!is_well_shaped(lower, upper)) return false;
+        if (k < fillings[doubled_column(tet)].count && !is_good(tet, lower, upper, floor_deg)) return false;
+      const bool is_end = !columns_.profile.shrinks() && least <= k;
+      if (!is_well_shaped(lower, upper, is_end ? kAtEnd : kWithin)) return false;
       lower = upper;
     }
     return true;
   }
 
  private:
-  [[nodiscard]] std::array<Vec3, 3> ends(const Cell<3>& c, int k) const {
-    return {frame_.point(columns_, c[0], k), frame_.point(columns_, c[1], k),
-            frame_.point(columns_, c[2], k)};
+  using Fillings = std::array<LayerProfile::Filling, 3>;
+
+  [[nodiscard]] std::array<Vec3, 3> ends(const Cell<3>& c, const Fillings& fillings, int k) const {
+    const auto end = [&](std::size_t i) { return frame_.point(columns_, c[i], fillings[i], k); };
+    return {end(0), end(1), end(2)};
   }
   static bool is_good(const PrismTet& tet, const std::array<Vec3, 3>& lower, const std::array<Vec3, 3>& upper,
                       double floor_deg) {
@@ -55,12 +59,13 @@ class PrismCheck {
     return angles.largest_cosine <= max_cosine && angles.smallest_cosine >= -max_cosine;
   }
   /// Cells as flat as the layer itself are what was asked for; much flatter ones, or less than a few degrees,
-  /// are not. Nor is a layer much flatter than was wanted.
+  /// are not. Nor is a layer that shrank much flatter than was wanted.
   [[nodiscard]] double min_angle_deg(const Cell<3>& c, const std::array<Vec3, 3>& lower,
                                      const std::array<Vec3, 3>& upper, int k) const {
     constexpr double kFloor = 2.5, kShareOfLayer = 0.3, kHardlyAny = 0.5;
-    const auto level = static_cast<std::size_t>(k);
-    const double share = frame_.levels[level] - (k > 0 ? frame_.levels[level - 1] : 0);
+    const LayerProfile& profile = columns_.profile;
+    const double share =
+        profile.shrinks() ? profile.level(k + 1) - (k > 0 ? profile.level(k) : 0) : profile.level(1);
     double height = std::numeric_limits<double>::infinity(), width = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const double length = (upper[i] - lower[i]).norm();
@@ -70,19 +75,28 @@ class PrismCheck {
     }
     return std::min(kFloor, kShareOfLayer * std::atan2(height, width) / kRadPerDeg);
   }
-  static bool is_well_shaped(const std::array<Vec3, 3>& lower, const std::array<Vec3, 3>& upper) {
-    constexpr double kMinCosine = 0.5, kMinArea = 0.25, kMinSlope = 0.35;
+  /// How a layer's upper triangle may stand to its lower one, and columns to both.
+  struct Lean {
+    double min_cosine, min_slope;
+  };
+  static constexpr Lean kWithin = {0.5, 0.35};
+  /// Where a layer ends its cells are pyramids and tetrahedra, as high as the others: no prism follows.
+  static constexpr Lean kAtEnd = {0.25, 0.2};
+
+  static bool is_well_shaped(const std::array<Vec3, 3>& lower, const std::array<Vec3, 3>& upper,
+                             const Lean& most) {
+    constexpr double kMinArea = 0.25;
     const Vec3 below = triangle_area_normal(lower[0], lower[1], lower[2]),
                above = triangle_area_normal(upper[0], upper[1], upper[2]);
     const double area_below = below.norm(), area_above = above.norm();
-    if (!(below.dot(above) >= kMinCosine * area_below * area_above)) return false;
+    if (!(below.dot(above) >= most.min_cosine * area_below * area_above)) return false;
     if (!(area_above >= kMinArea * area_below)) return false;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 side = upper[k] - lower[k];
       if (side.isZero(0)) continue;
       // With this, the corners of a prism are right whatever its diagonals would be.
-      if (!(side.dot(below) >= kMinSlope * side.norm() * area_below)) return false;
-      if (!(side.dot(above) >= kMinSlope * side.norm() * area_above)) return false;
+      if (!(side.dot(below) >= most.min_slope * side.norm() * area_below)) return false;
+      if (!(side.dot(above) >= most.min_slope * side.norm() * area_above)) return false;
     }
     return true;
   }
@@ -106,6 +120,7 @@ void keep_cells_well_shaped(const ExtrusionFrame& frame, Columns& columns) {
     const std::vector<double> before = columns.fraction;
     if (std::find(is_bad.begin(), is_bad.end(), 1) == is_bad.end()) {
       if (!make_termination_manifold(surface, columns)) return;
+      if (!columns.profile.shrinks()) smooth_lengths(surface, columns);
     } else {
       const double factor = round < kPatientRounds ? kShorter : 0;
       parallel::for_each_index(surface.points.size(), [&](std::size_t v) {

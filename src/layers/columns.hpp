@@ -7,17 +7,22 @@
 
 namespace lumesh::layers {
 
-/// Surface, directions and heights that the points of layers are computed from.
+/// Surface and directions that the points of layers are computed from.
 struct ExtrusionFrame {
   const LayerSurface& surface;
   const Directions& directions;
-  std::vector<double> levels;  ///< Height of each layer's upper end, as a share of the column.
 
-  /// The upper end of layer k of a column (k = -1: the surface).
+  /// The upper end of layer k of a column, or of its last one (k = -1: the surface).
   [[nodiscard]] Vec3 point(const Columns& columns, std::size_t v, int k) const {
-    if (k < 0) return surface.points[v];
-    return end(v, columns.length_mm(v) * levels[static_cast<std::size_t>(k)]);
+    return point(columns, v, columns.profile.filling(columns.fraction[v]), k);
   }
+  [[nodiscard]] Vec3 point(const Columns& columns, std::size_t v, const LayerProfile::Filling& filling,
+                           int k) const {
+    if (k < 0) return surface.points[v];
+    return end(v, columns.profile.upper_end(filling, k) * columns.wanted_mm[v]);
+  }
+  /// The upper end of a column.
+  [[nodiscard]] Vec3 tip(const Columns& columns, std::size_t v) const { return end(v, columns.length_mm(v)); }
   /// The upper end of a column of this length.
   [[nodiscard]] Vec3 end(std::size_t v, double length_mm) const {
     return surface.points[v] + length_mm * directions.of[v];

@@ -1,10 +1,14 @@
 #include "coverage.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <utility>
 
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::layers {
 namespace {
@@ -15,10 +19,9 @@ constexpr double kComplete = 0.98;  // Of the height wanted.
 std::vector<LayerCoverage::Place> worst_places(const LayerSurface& surface, const Columns& columns,
                                                std::vector<std::uint32_t> vertices) {
   constexpr std::size_t kMax = 5;
-  std::erase_if(vertices, [&](std::uint32_t v) { return columns.fraction[v] >= kComplete; });
-  std::stable_sort(vertices.begin(), vertices.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return columns.fraction[a] < columns.fraction[b];
-  });
+  std::erase_if(vertices, [&](std::uint32_t v) { return columns.reached(v) >= kComplete; });
+  std::stable_sort(vertices.begin(), vertices.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return columns.reached(a) < columns.reached(b); });
   std::vector<LayerCoverage::Place> worst;
   for (const std::uint32_t v : vertices) {
     if (worst.size() == kMax) break;
@@ -26,59 +29,114 @@ std::vector<LayerCoverage::Place> worst_places(const LayerSurface& surface, cons
     const double apart = 2 * columns.wanted_mm[v];
     if (std::none_of(worst.begin(), worst.end(),
                      [&](const LayerCoverage::Place& place) { return (place.at - at).norm() < apart; }))
-      worst.push_back({at, columns.fraction[v], columns.limit[v]});
+      worst.push_back({at, columns.reached(v), columns.limit[v]});
   }
   return worst;
 }
 
-/// Each column counts by the thirds of the triangles around it.
-LayerCoverage coverage_of_patch(const LayerSurface& surface, const Directions& directions,
-                                const Columns& columns, std::int32_t patch) {
-  LayerCoverage c;
-  c.min_mm = std::numeric_limits<double>::infinity();
-  std::vector<std::uint32_t> vertices;
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    if (surface.patches[t] != patch) continue;
-    const Cell<3>& corners = surface.triangles[t];
-    const double third =
-        triangle_area(surface.points[corners[0]], surface.points[corners[1]], surface.points[corners[2]]) / 3;
-    for (const std::uint32_t v : corners) {
-      vertices.push_back(v);
-      c.area_mm2 += third;
-      const double wanted = columns.wanted_mm[v] / directions.stretch[v];  // Across the surface.
-      c.wanted_mm += third * wanted;
-      c.achieved_mm += third * columns.fraction[v] * wanted;
-      c.min_mm = std::min(c.min_mm, columns.fraction[v] * wanted);
-      c.complete += columns.fraction[v] >= kComplete ? third : 0;
-      c.unlayered += columns.fraction[v] == 0 ? third : 0;
-      if (columns.fraction[v] < kComplete) c.limited[static_cast<std::size_t>(columns.limit[v])] += third;
+/// First heights of the columns over the triangles around, as shares of what was asked for.
+struct FirstHeights {
+  std::vector<double> mean, least;  ///< One per column, the mean by area; 0 without layers.
+};
+
+FirstHeights first_heights_of(const ExtrusionFrame& frame, const Columns& columns) {
+  const LayerSurface& surface = frame.surface;
+  const std::size_t count = surface.points.size();
+  FirstHeights first{std::vector<double>(count, 0), std::vector<double>(count, 0)};
+  parallel::for_each_index(count, [&](std::size_t v) {
+    if (columns.fraction[v] == 0) return;
+    const Vec3 step = frame.point(columns, v, 0) - surface.points[v];
+    const double asked = columns.profile.level(1) * columns.wanted_mm[v] / frame.directions.stretch[v];
+    double sum = 0, area = 0, least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t t : surface.triangles_around.of(v)) {
+      const auto& [a, b, c] = surface.triangles[t];
+      const Vec3 normal = triangle_area_normal(surface.points[a], surface.points[b], surface.points[c]);
+      sum += normal.dot(step);
+      area += normal.norm();
+      least = std::min(least, normal.dot(step) / normal.norm());
     }
-  }
-  for (double* share : {&c.wanted_mm, &c.achieved_mm, &c.complete, &c.unlayered}) *share /= c.area_mm2;
-  for (double& share : c.limited) share /= c.area_mm2;
-  c.layered = 1 - c.unlayered;
-  sort_unique(vertices);
-  c.worst = worst_places(surface, columns, std::move(vertices));
-  return c;
+    first.mean[v] = sum / (area * asked);
+    first.least[v] = least / asked;
+  });
+  return first;
 }
+
+/// Each column counts by the thirds of the triangles around it.
+class PatchCoverage {
+ public:
+  PatchCoverage(const ExtrusionFrame& frame, const Columns& columns, const FirstHeights& first)
+      : frame_(frame), columns_(columns), first_(first) {
+    c_.min_mm = c_.least_first = std::numeric_limits<double>::infinity();
+  }
+
+  void add(const Cell<3>& triangle) {
+    const std::vector<Vec3>& points = frame_.surface.points;
+    const double third = triangle_area(points[triangle[0]], points[triangle[1]], points[triangle[2]]) / 3;
+    for (const std::uint32_t v : triangle) add(v, third);
+  }
+  [[nodiscard]] LayerCoverage finish() {
+    c_.layered = c_.area_mm2 - c_.unlayered;
+    if (c_.layered > 0) c_.first_kept /= c_.layered;
+    if (c_.layered <= 0) c_.least_first = 0;
+    for (double* share : {&c_.wanted_mm, &c_.achieved_mm, &c_.complete, &c_.unlayered, &c_.layered,
+                          &c_.mean_layers, &c_.all_layers})
+      *share /= c_.area_mm2;
+    for (double& share : c_.limited) share /= c_.area_mm2;
+    sort_unique(vertices_);
+    c_.worst = worst_places(frame_.surface, columns_, std::move(vertices_));
+    return std::move(c_);
+  }
+
+ private:
+  void add(std::uint32_t v, double area) {
+    constexpr double kKept = 0.02;
+    vertices_.push_back(v);
+    c_.area_mm2 += area;
+    const double wanted = columns_.asked[v] * columns_.wanted_mm[v] / frame_.directions.stretch[v];
+    const double reached = columns_.reached(v);
+    c_.wanted_mm += area * wanted;  // Across the surface.
+    c_.achieved_mm += area * reached * wanted;
+    c_.min_mm = std::min(c_.min_mm, reached * wanted);
+    const int layers = columns_.count(v), asked = columns_.profile.count(columns_.asked[v]);
+    c_.layers = std::max(c_.layers, asked);
+    c_.mean_layers += area * layers;
+    c_.all_layers += layers == asked ? area : 0;
+    (reached >= kComplete ? c_.complete : c_.limited[static_cast<std::size_t>(columns_.limit[v])]) += area;
+    if (layers == 0) {
+      c_.unlayered += area;
+      return;
+    }
+    c_.first_kept += std::abs(first_.mean[v] - 1) <= kKept ? area : 0;
+    c_.least_first = std::min(c_.least_first, first_.least[v]);
+  }
+
+  const ExtrusionFrame& frame_;
+  const Columns& columns_;
+  const FirstHeights& first_;
+  LayerCoverage c_;
+  std::vector<std::uint32_t> vertices_;
+};
 
 }  // namespace
 
-std::vector<LayerCoverage> coverage_of(const TetMesh& mesh, const LayerSurface& surface,
-                                       const Directions& directions, const Columns& columns, int layers) {
-  std::vector<std::int32_t> patches = surface.patches;
-  sort_unique(patches);
+std::vector<LayerCoverage> coverage_of(const TetMesh& mesh, const ExtrusionFrame& frame,
+                                       const Columns& columns) {
+  const LayerSurface& surface = frame.surface;
+  const FirstHeights first = first_heights_of(frame, columns);
+  std::map<std::int32_t, PatchCoverage> of_patches;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    of_patches.try_emplace(surface.patches[t], frame, columns, first).first->second.add(surface.triangles[t]);
   std::vector<LayerCoverage> all;
-  for (const std::int32_t patch : patches) {
-    all.push_back(coverage_of_patch(surface, directions, columns, patch));
-    all.back().layers = layers;
+  for (auto& [patch, coverage] : of_patches) {
+    all.push_back(coverage.finish());
     all.back().patch = mesh.info().patches[static_cast<std::size_t>(patch)].name;
   }
   return all;
 }
 
 LayerShares shares_on(const LayerSurface& surface, const Columns& columns, bool is_inward) {
-  LayerShares shares{surface.points, surface.triangles, columns.fraction};
+  LayerShares shares{surface.points, surface.triangles, {}};
+  for (std::size_t v = 0; v < surface.points.size(); ++v) shares.of_points.push_back(columns.reached(v));
   if (is_inward)
     for (Cell<3>& c : shares.triangles) std::swap(c[1], c[2]);
   return shares;

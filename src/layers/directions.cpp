@@ -36,7 +36,7 @@ class DirectionFinder {
   Directions find() {
     constexpr int kSweeps = 10;
     const std::size_t count = surface_.points.size();
-    Directions found{std::vector<Vec3>(count), std::vector<double>(count, 1)};
+    Directions found{std::vector<Vec3>(count), std::vector<double>(count, 1), std::vector<double>(count, 0)};
     parallel::for_each_index(
         count, [&](std::size_t v) { found.of[v] = first_direction(v); }, 64);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -44,7 +44,12 @@ class DirectionFinder {
       parallel::for_each_index(count, [&](std::size_t v) { next[v] = smoothed(v, found.of); });
       found.of.swap(next);
     }
-    parallel::for_each_index(count, [&](std::size_t v) { found.stretch[v] = stretch(v, found.of[v]); });
+    parallel::for_each_index(count, [&](std::size_t v) {
+      if (found.of[v].isZero(0)) return;
+      const double least = visible(v, found.of[v]);
+      found.stretch[v] = stretch(v, found.of[v], least);
+      found.least[v] = found.stretch[v] * least;
+    });
     return found;
   }
 
@@ -88,15 +93,17 @@ class DirectionFinder {
     return visible(v, direction) >= std::min(before, kSharp) ? direction : of[v];
   }
 
-  [[nodiscard]] double stretch(std::size_t v, const Vec3& direction) const {
-    if (direction.isZero(0)) return 1;
+  /// Heights are met in the mean over the triangles around, and nearly so over each.
+  [[nodiscard]] double stretch(std::size_t v, const Vec3& direction, double least) const {
+    constexpr double kMost = 2, kRounding = 1 + 1e-12;
     double sum = 0, weights = 0;
     for (const std::uint32_t t : surface_.triangles_around.of(v)) {
       const double weight = angle_at(surface_, t, static_cast<std::uint32_t>(v));
       sum += weight * normals_[t].dot(direction);
       weights += weight;
     }
-    return std::min(2.0, weights / std::max(sum, 1e-9));
+    const double of_mean = weights / std::max(sum, 1e-9);
+    return std::min(kMost, std::max(of_mean, kRounding * Directions::kLeastHeight / least));
   }
 
   const LayerSurface& surface_;

@@ -10,6 +10,11 @@ namespace lumesh::layers {
 struct Directions {
   std::vector<Vec3> of;         ///< Unit vectors; zero where none sees all triangles around.
   std::vector<double> stretch;  ///< A step along the direction through the height it gains, 1 to 2.
+  std::vector<double> least;    ///< The least height that it gains over a triangle around, for each stretch.
+
+  /// Whether columns are as high as wanted over every triangle around.
+  [[nodiscard]] bool keeps_heights(std::size_t v) const { return least[v] >= kLeastHeight; }
+  static constexpr double kLeastHeight = 0.957;
 };
 
 /// Starts from the mean normal, or where the surface is sharp from the direction that sees all triangles

@@ -26,6 +26,15 @@ std::vector<double> schedule_with(const LayerOptions& options, double growth, in
   return heights;
 }
 
+/// Layers no higher than that, at least one.
+std::vector<double> schedule_up_to(const LayerOptions& options, double most) {
+  std::vector<double> heights = schedule_with(options, options.growth, kMaxLayers);
+  std::size_t count = 1;
+  while (count < heights.size() && heights[count] - heights[count - 1] <= most) ++count;
+  heights.resize(count);
+  return heights;
+}
+
 /// Layers whose sum comes nearest to the thickness.
 int count_for_thickness(const LayerOptions& options) {
   const std::vector<double> all = schedule_with(options, options.growth, kMaxLayers);
@@ -97,8 +106,11 @@ std::vector<double> smoothed(const LayerSurface& surface, std::vector<double> va
   return values;
 }
 
-/// Each value as low as those around it ask for, which may rise by `slope` along the way.
-void limit_slope(const LayerSurface& surface, double slope, int max_sweeps, std::vector<double>& values) {
+/// Each value as low as those around it ask for.
+/// @param cap  The most that a vertex may have next to another one and its value.
+template <class Cap>
+void limit_by_neighbours(const LayerSurface& surface, const Cap& cap, int max_sweeps,
+                         std::vector<double>& values) {
   constexpr double kNoticed = 1e-9;
   std::vector<double> next(values.size());
   std::uint8_t changed = 1;
@@ -107,7 +119,7 @@ void limit_slope(const LayerSurface& surface, double slope, int max_sweeps, std:
     parallel::for_each_index(values.size(), [&](std::size_t v) {
       next[v] = values[v];
       for (const std::uint32_t w : surface.neighbours.of(v))
-        next[v] = std::min(next[v], values[w] + slope * (surface.points[w] - surface.points[v]).norm());
+        next[v] = std::min(next[v], cap(v, w, values[w]));
       if (next[v] < (1 - kNoticed) * values[v])
         parallel::raise(changed);
       else
@@ -140,13 +152,17 @@ std::vector<double> scales_of(const LayerSurface& surface, const Directions& dir
         values[v] = sum / static_cast<double>(around.size());
       },
       64);
-  limit_slope(surface, kSlope, kMaxSweeps, values);
+  const auto cap = [&](std::size_t v, std::uint32_t w, double value) {
+    return value + kSlope * (surface.points[w] - surface.points[v]).norm();
+  };
+  limit_by_neighbours(surface, cap, kMaxSweeps, values);
   return smoothed(surface, std::move(values), kSweeps);
 }
 
 }  // namespace
 
-std::vector<double> height_schedule(const LayerOptions& options) {
+std::vector<double> height_schedule(const LayerOptions& options, double most) {
+  if (options.counts_by_sizes()) return schedule_up_to(options, most);
   if (options.thickness == 0) return schedule_with(options, options.growth, options.count);
   const int count = options.count > 0 ? options.count : count_for_thickness(options);
   if (options.count == 1 && std::abs(options.thickness - options.first_height) > 1e-6 * options.thickness)
@@ -158,6 +174,34 @@ std::vector<double> height_schedule(const LayerOptions& options) {
   return schedule_with(options, growth_for_thickness(options, count), count);
 }
 
+namespace {
+
+double height_of(const std::vector<double>& ends, int layer) {
+  const auto k = static_cast<std::size_t>(layer);
+  return ends[k] - ends[k - 1];
+}
+
+std::vector<double> shares_of_last(std::vector<double> heights) {
+  const double last = heights.back();
+  for (double& height : heights) height /= last;
+  return heights;
+}
+
+/// Fewer layers where the surface is finer.
+/// @param most  Height of the last layer at most, one per column.
+void ask_for_layers_up_to(const std::vector<double>& most, const LayerSurface& surface,
+                          const std::vector<double>& heights, Columns& columns) {
+  parallel::for_each_index(most.size(), [&](std::size_t v) {
+    int count = 1;
+    while (count < columns.profile.layers() && height_of(heights, count) <= most[v]) ++count;
+    columns.fraction[v] = columns.profile.level(count);
+  });
+  smooth_lengths(surface, columns);
+  columns.ask_for_what_is();
+}
+
+}  // namespace
+
 Outside::Outside(const TetMesh& mesh, const BoundaryFaces& faces)
     : Outside(mesh.points(), outer_triangles(faces)) {}
 
@@ -167,26 +211,88 @@ Outside::Outside(std::span<const Vec3> points, const std::vector<Cell<3>>& trian
     normals.push_back(triangle_normal(points[t[0]], points[t[1]], points[t[2]]));
 }
 
-void Columns::shorten(std::size_t v, double to_mm, LayerLimit why) {
-  if (!(to_mm < length_mm(v))) return;
-  fraction[v] = std::max(0.0, to_mm / wanted_mm[v]);
-  limit[v] = why;
-  constexpr double kHardlyAny = 0.15;  // Such cells are flat for nothing; beside a short column they are not.
-  if (why != LayerLimit::kNeighbour && fraction[v] < kHardlyAny) fraction[v] = 0;
+LayerProfile::LayerProfile(std::vector<double> levels, ShortOfRoom short_of_room)
+    : levels_(std::move(levels)) {
+  constexpr double kOfFirst = 0.995;
+  if (short_of_room == ShortOfRoom::kShrink) return;
+  double equal = 0;
+  for (const double level : levels_) {
+    equal += levels_.front();
+    least_.push_back(std::min(level, equal));
+  }
+  least_.front() = kOfFirst * levels_.front();
 }
 
-Columns wanted_columns(const LayerSurface& surface, const Directions& directions, const LayerOptions& options,
-                       double thickness, const Outside& outside) {
+int LayerProfile::count(double fraction) const {
+  constexpr double kRounding = 1 + 1e-9;
+  if (shrinks()) return fraction > 0 ? layers() : 0;
+  return static_cast<int>(std::upper_bound(least_.begin(), least_.end(), kRounding * fraction) -
+                          least_.begin());
+}
+
+double LayerProfile::filled(double fraction) const {
+  if (shrinks()) return std::max(0.0, fraction);
+  const int n = count(fraction);
+  return n == 0 ? 0 : std::min(fraction, level(n));
+}
+
+LayerProfile::Filling LayerProfile::filling(double fraction) const {
+  if (fraction >= 1) return {fraction, layers()};
+  const int n = count(fraction);
+  if (shrinks() || n == 0) return {fraction, n};
+  const double equal = n * levels_.front(), excess = level(n) - equal;
+  return {fraction, n, excess > 0 ? std::min(1.0, (fraction - equal) / excess) : 1};
+}
+
+double LayerProfile::upper_end(const Filling& column, int k) const {
+  if (k < 0) return 0;
+  if (k + 1 >= column.count) return column.fraction;
+  if (shrinks()) return column.fraction * level(k + 1);
+  const double equal = (k + 1) * levels_.front();
+  return equal + column.of_excess * (level(k + 1) - equal);
+}
+
+void Columns::shorten(std::size_t v, double to_mm, LayerLimit why) {
+  if (!(to_mm < length_mm(v))) return;
+  fraction[v] = profile.filled(to_mm / wanted_mm[v]);
+  limit[v] = why;
+  constexpr double kHardlyAny = 0.15;  // Such cells are flat for nothing; beside a short column they are not.
+  if (profile.shrinks() && why != LayerLimit::kNeighbour && fraction[v] < kHardlyAny) fraction[v] = 0;
+}
+
+void Columns::ask_for_what_is() {
+  for (std::size_t v = 0; v < fraction.size(); ++v)
+    if (fraction[v] > 0) asked[v] = fraction[v], limit[v] = LayerLimit::kNone;
+}
+
+WantedColumns wanted_columns(const LayerSurface& surface, const Directions& directions,
+                             const LayerOptions& options, const Outside& outside) {
   const std::size_t count = surface.points.size();
-  Columns columns{
-      scales_of(surface, directions, options.scale, options.side == LayerSide::kInward ? -1 : 1, outside),
-      std::vector<double>(count, 1), std::vector<LayerLimit>(count, LayerLimit::kNone)};
+  const double side = options.side == LayerSide::kInward ? -1 : 1;
+  std::vector<double> scales = scales_of(surface, directions, options.scale, side, outside), most;
+  if (options.counts_by_sizes()) {
+    most = scales_of(surface, directions, HeightScale::kEdge, side, outside);
+    parallel::for_each_index(count, [&](std::size_t v) { most[v] /= scales[v]; });
+  }
+  WantedColumns wanted;
+  wanted.heights = height_schedule(options, most.empty() ? 0 : *std::max_element(most.begin(), most.end()));
+  const std::vector<double>& heights = wanted.heights;
+  wanted.columns = {std::move(scales),
+                    std::vector<double>(count, 1),
+                    std::vector<double>(count, 1),
+                    std::vector<LayerLimit>(count, LayerLimit::kNone),
+                    {shares_of_last(heights), options.short_of_room}};
+  Columns& columns = wanted.columns;
+  parallel::for_each_index(
+      count, [&](std::size_t v) { columns.wanted_mm[v] *= heights.back() * directions.stretch[v]; });
+  if (options.counts_by_sizes()) ask_for_layers_up_to(most, surface, heights, columns);
   parallel::for_each_index(count, [&](std::size_t v) {
-    columns.wanted_mm[v] *= thickness * directions.stretch[v];
     const bool is_rim = surface.planes[v].forbids();
-    if (directions.of[v].isZero(0)) columns.shorten(v, 0, is_rim ? LayerLimit::kRim : LayerLimit::kRidge);
+    const bool is_kept = columns.profile.shrinks() || directions.keeps_heights(v);
+    if (directions.of[v].isZero(0) || !is_kept)
+      columns.shorten(v, 0, is_rim ? LayerLimit::kRim : LayerLimit::kRidge);
   });
-  return columns;
+  return wanted;
 }
 
 void keep_from_other_sides(const LayerSurface& surface, const Directions& directions, const Outside& outside,
@@ -206,11 +312,20 @@ void keep_from_other_sides(const LayerSurface& surface, const Directions& direct
 
 void smooth_lengths(const LayerSurface& surface, Columns& columns) {
   constexpr double kSlope = 0.6;  // Of lengths per way over the surface.
-  constexpr int kMaxSweeps = 60;
+  const LayerProfile& profile = columns.profile;
+  const int max_sweeps = 60 + profile.layers();
   std::vector<double> lengths(surface.points.size());
   parallel::for_each_index(lengths.size(), [&](std::size_t v) { lengths[v] = columns.length_mm(v); });
   std::vector<double> shorter = lengths;
-  limit_slope(surface, kSlope, kMaxSweeps, shorter);
+  const auto cap = [&](std::size_t v, std::uint32_t w, double length) {
+    const double by_slope = length + kSlope * (surface.points[w] - surface.points[v]).norm();
+    if (profile.shrinks() || !(length < columns.wanted_mm[w])) return by_slope;
+    const int most = profile.count(length / columns.wanted_mm[w]) + 1;
+    if (most > profile.layers()) return by_slope;
+    const double wanted = columns.wanted_mm[v];
+    return std::min(std::max(by_slope, wanted * profile.least(most)), wanted * profile.level(most));
+  };
+  limit_by_neighbours(surface, cap, max_sweeps, shorter);
   parallel::for_each_index(lengths.size(), [&](std::size_t v) {
     if (shorter[v] < lengths[v]) columns.shorten(v, shorter[v], LayerLimit::kNeighbour);
   });

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/parallel/loops.hpp"
 #include "prism.hpp"
 
 namespace lumesh::layers {
@@ -21,13 +23,15 @@ class LayerBuilder {
         faces_(footing.faces),
         choice_(footing.choice),
         vertices_(footing.vertices),
+        metric_(footing.metric),
         frame_(frame),
         surface_(frame.surface),
         columns_(columns),
         options_(options),
         is_inward_(options.side == LayerSide::kInward),
-        label_(label),
-        layers_(static_cast<int>(frame.levels.size())) {}
+        label_(label) {
+    for (std::uint32_t v = 0; v < surface_.points.size(); ++v) counts_.push_back(columns.count(v));
+  }
 
   MixedMesh build() {
     copy_mesh();
@@ -35,18 +39,20 @@ class LayerBuilder {
     copy_faces();
     for (std::uint32_t t = 0; t < surface_.triangles.size(); ++t) add_column(t);
     for (const RimEdge& edge : surface_.rim) add_side(edge);
+    if (metric_) add_metric();
     return std::move(out_);
   }
 
  private:
-  [[nodiscard]] bool has_length(std::uint32_t v) const { return columns_.fraction[v] > 0; }
-  [[nodiscard]] bool is_unlayered(const Cell<3>& c) const {
-    return !has_length(c[0]) && !has_length(c[1]) && !has_length(c[2]);
+  [[nodiscard]] bool has_layer(std::uint32_t v, int k) const { return k < counts_[v]; }
+  [[nodiscard]] int layers_over(const Cell<3>& c) const {
+    return std::max({counts_[c[0]], counts_[c[1]], counts_[c[2]]});
   }
-  /// Number of the upper end of layer k of a column. One end of it is the mesh's own vertex: the lower one,
-  /// or inwards the upper one.
+  /// Number of the upper end of layer k of a column, or of its last one. One end of it is the mesh's own
+  /// vertex: the lower one, or inwards the upper one.
   [[nodiscard]] std::uint32_t point(std::uint32_t v, int k) const {
-    if (!has_length(v) || k == (is_inward_ ? layers_ - 1 : -1)) return vertices_[v];
+    k = std::min(k, counts_[v] - 1);
+    if (k == (is_inward_ ? counts_[v] - 1 : -1)) return vertices_[v];
     return first_[v] + static_cast<std::uint32_t>(is_inward_ ? k + 1 : k);
   }
 
@@ -70,11 +76,20 @@ class LayerBuilder {
   void add_points() {
     first_.assign(surface_.points.size(), 0);
     for (std::uint32_t v = 0; v < surface_.points.size(); ++v) {
-      if (!has_length(v)) continue;
       first_[v] = static_cast<std::uint32_t>(out_.points.size());
       const int first = is_inward_ ? -1 : 0;
-      for (int k = first; k < first + layers_; ++k) out_.points.push_back(frame_.point(columns_, v, k));
+      for (int k = first; k < first + counts_[v]; ++k) out_.points.push_back(frame_.point(columns_, v, k));
     }
+  }
+
+  void add_metric() {
+    std::vector<std::uint32_t> feet(out_.points.size());
+    std::iota(feet.begin(), feet.end(), 0);
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v)
+      std::fill_n(feet.begin() + first_[v], counts_[v], vertices_[v]);
+    out_.metric.resize(feet.size());
+    parallel::for_each_index(
+        feet.size(), [&](std::size_t i) { out_.metric[i] = metric_(out_.points[i], VertexId(feet[i])); }, 64);
   }
 
   /// A new patch; where one of the mesh has the name, with a number behind it.
@@ -90,7 +105,7 @@ class LayerBuilder {
     std::vector<std::uint8_t> at_layers(mesh_.vertex_count(), 0), at_columns(mesh_.vertex_count(), 0);
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
       at_columns[vertices_[v]] = 1;
-      at_layers[vertices_[v]] = has_length(v) ? 1 : 0;
+      at_layers[vertices_[v]] = has_layer(v, 0) ? 1 : 0;
     }
     for (std::size_t f = 0; f < faces_.triangles.size(); ++f) {
       const Cell<3>& c = faces_.triangles[f];
@@ -131,9 +146,10 @@ class LayerBuilder {
 
   void add_column(std::uint32_t t) {
     const Cell<3>& c = surface_.triangles[t];
-    if (is_unlayered(c)) return;
+    const int layers = layers_over(c);
+    if (layers == 0) return;
     const auto tets = tetrahedra_of_prism(c);
-    for (int k = 0; k < layers_; ++k) {
+    for (int k = 0; k < layers; ++k) {
       if (options_.cells == LayerCells::kPrisms)
         add_prism(c, k);
       else
@@ -142,19 +158,20 @@ class LayerBuilder {
     if (is_inward_)
       add_face({point(c[0], -1), point(c[2], -1), point(c[1], -1)}, surface_.patches[t]);
     else
-      add_face({point(c[0], layers_ - 1), point(c[1], layers_ - 1), point(c[2], layers_ - 1)},
+      add_face({point(c[0], layers - 1), point(c[1], layers - 1), point(c[2], layers - 1)},
                patch_named("layer_outer", PatchKind::kWall, {label_, kBackground}));
   }
   void add_tet(const Cell<3>& c, const PrismTet& tet, int k) {
-    if (!has_length(c[doubled_column(tet)])) return;
+    if (!has_layer(c[doubled_column(tet)], k)) return;
     Cell<4> corners;
     for (std::size_t i = 0; i < 4; ++i) corners[i] = point(c[tet[i].column], tet[i].upper != 0 ? k : k - 1);
     out_.tetrahedra.push_back(corners);
     out_.tetrahedron_labels.push_back(label_);
   }
-  /// A prism, or the pyramid or tetrahedron that is left where columns have no length.
+  /// A prism, or the pyramid or tetrahedron that is left where columns do not have this layer.
   void add_prism(Cell<3> c, int k) {
-    const auto columns = std::count_if(c.begin(), c.end(), [&](std::uint32_t v) { return has_length(v); });
+    const auto has = [&](std::uint32_t v) { return has_layer(v, k); };
+    const auto columns = std::count_if(c.begin(), c.end(), has);
     const auto turn_until = [&](const auto& good) {
       while (!good()) std::rotate(c.begin(), c.begin() + 1, c.end());
     };
@@ -164,11 +181,11 @@ class LayerBuilder {
       out_.prisms.push_back({low(0), low(2), low(1), up(0), up(2), up(1)});
       out_.prism_labels.push_back(label_);
     } else if (columns == 2) {
-      turn_until([&] { return !has_length(c[2]); });
+      turn_until([&] { return !has(c[2]); });
       out_.pyramids.push_back({low(0), up(0), up(1), low(1), low(2)});
       out_.pyramid_labels.push_back(label_);
     } else {
-      turn_until([&] { return has_length(c[0]); });
+      turn_until([&] { return has(c[0]); });
       out_.tetrahedra.push_back({low(0), low(1), low(2), up(0)});
       out_.tetrahedron_labels.push_back(label_);
     }
@@ -176,12 +193,13 @@ class LayerBuilder {
 
   /// The faces of the layers over an edge of the rim, seen from outside anticlockwise.
   void add_side(const RimEdge& edge) {
-    if (!has_length(edge.a) && !has_length(edge.b)) return;
+    const int layers = std::max(counts_[edge.a], counts_[edge.b]);
+    if (layers == 0) return;
     const bool is_ring = edge.patch >= 0 && surface_.planes[edge.a].count > 0 &&
                          is_plane(mesh_.info().patches[static_cast<std::size_t>(edge.patch)].kind);
     const std::int32_t patch = is_ring ? patch_of_ring(edge.patch)
                                        : patch_named("layer_side", PatchKind::kWall, {label_, kBackground});
-    for (int k = 0; k < layers_; ++k) add_side(edge, k, patch);
+    for (int k = 0; k < layers; ++k) add_side(edge, k, patch);
   }
   std::int32_t patch_of_ring(std::int32_t opening) {
     const bool is_wall_around = !is_inward_ && is_new_label_;
@@ -194,13 +212,14 @@ class LayerBuilder {
   void add_side(const RimEdge& edge, int k, std::int32_t patch) {
     const std::uint32_t a = point(edge.a, k - 1), b = point(edge.b, k - 1), up_a = point(edge.a, k),
                         up_b = point(edge.b, k);
-    if (has_length(edge.a) && has_length(edge.b) && options_.cells == LayerCells::kPrisms) {
+    const bool has_a = has_layer(edge.a, k), has_b = has_layer(edge.b, k);
+    if (has_a && has_b && options_.cells == LayerCells::kPrisms) {
       out_.quadrilaterals.push_back({a, b, up_b, up_a});
       out_.quadrilateral_patches.push_back(patch);
       return;
     }
-    if (!has_length(edge.a)) return add_face({a, b, up_b}, patch);
-    if (!has_length(edge.b)) return add_face({a, b, up_a}, patch);
+    if (!has_a) return add_face({a, b, up_b}, patch);
+    if (!has_b) return add_face({a, b, up_a}, patch);
     const bool from_a = edge.a < edge.b;  // Diagonals as those of tetrahedra_of_prism().
     add_face({a, b, from_a ? up_b : up_a}, patch);
     add_face({from_a ? a : b, up_b, up_a}, patch);
@@ -210,6 +229,7 @@ class LayerBuilder {
   const BoundaryFaces& faces_;
   const Choice& choice_;
   const std::vector<std::uint32_t>& vertices_;
+  const MetricAtFoot& metric_;
   const ExtrusionFrame& frame_;
   const LayerSurface& surface_;
   const Columns& columns_;
@@ -217,7 +237,7 @@ class LayerBuilder {
   bool is_inward_;
   bool is_new_label_ = true;
   Label label_;
-  int layers_;
+  std::vector<int> counts_;           // Of each column's layers.
   std::vector<std::uint32_t> first_;  // Of each column's own points.
   std::map<std::string, std::int32_t> patch_numbers_;
   std::map<std::size_t, Label> first_labels_;  // Under the layers of each patch.

@@ -27,13 +27,19 @@ void describe_heights(OptionList& list, LayerOptions& o) {
               "Layers of constant growth, before the growth itself rises")
       .alias("bli");
   list.number("most_growth", o.most_growth, above(0), "Bound of the growth that rises").alias("blrm");
-  list.number("count", o.count, between(1, 200), "Number of layers")
-      .zero("as the thickness asks for")
+  list.number("count", o.count, between(1, 200),
+              "Number of layers; without it and a thickness they grow until they are as high as the edges "
+              "around are long")
+      .zero("as the thickness or the sizes ask for")
       .alias("nbl");
   list.number("thickness", o.thickness, above(0),
               "Thickness of all layers, met exactly: the growth is adapted to it")
       .in("mm, or what relative_to says")
       .zero("as the count makes it");
+  list.choice("short_of_room", o.short_of_room,
+              {{"drop", ShortOfRoom::kDrop}, {"shrink", ShortOfRoom::kShrink}},
+              "Where columns do not fit: drop: outer layers go and the first height is kept; shrink: all "
+              "layers become thinner alike");
 }
 
 }  // namespace
@@ -48,6 +54,10 @@ void LayerOptions::describe(OptionList& list) {
               "Prisms, or three tetrahedra for each");
   list.flag("split_openings", splits_openings,
             "The ring of layers around an opening becomes a patch of its own, OPENING_layer");
+  list.number("mbl", aflr.mbl, between(1, 1), "As in AFLR, always so: there are boundary layers");
+  list.number("fints", aflr.fints, between(0, 0), "As in AFLR, always so: the surface stays as it is");
+  list.flag("open", aflr.open,
+            "As in AFLR, always so: layers alone, and no cells beyond them in the open space");
 }
 
 void LayerOptions::validate() const {
@@ -57,9 +67,13 @@ void LayerOptions::validate() const {
   };
   require(first_height > 0,
           option_name("first_height") + " is missing: the height of the layer next to the surface");
-  require(count > 0 || thickness > 0, "the number of layers or their thickness is missing; give " +
-                                          option_name("count") + " or " + option_name("thickness"));
   require(growth >= 1 || count > 0, "a growth below 1 needs the number of layers, " + option_name("count"));
+  require(!counts_by_sizes() || growth > 1 || growth_rise > 1,
+          "layers that do not grow never become as high as edges are long; give " + option_name("count") +
+              " or " + option_name("thickness"));
+  require(!counts_by_sizes() || short_of_room == ShortOfRoom::kDrop,
+          option_name("short_of_room") + " shrink needs the number of layers or their thickness, " +
+              option_name("count") + " or " + option_name("thickness"));
   require(thickness == 0 || thickness >= first_height,
           fmt::format("the thickness {:g} of all layers is less than the first height {:g}", thickness,
                       first_height));

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -16,6 +17,8 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/merge.hpp"
 #include "lumesh/mesh/parts.hpp"
+#include "lumesh/metric/metric_field.hpp"
+#include "lumesh/metric/shaping.hpp"
 
 namespace lumesh {
 namespace {
@@ -90,15 +93,26 @@ void require_fitting_thickness(const LayerSurface& surface, const Columns& colum
 }
 
 /// Columns as high as can be said before the mesh itself is asked.
-Columns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options,
-                   double thickness, const ExtrusionFrame& frame) {
+WantedColumns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options,
+                         const ExtrusionFrame& frame) {
   const double side = options.side == LayerSide::kInward ? -1 : 1;
   const Outside outside(mesh, faces);
-  Columns columns = wanted_columns(frame.surface, frame.directions, options, thickness, outside);
-  require_fitting_thickness(frame.surface, columns, thickness);
+  WantedColumns wanted = wanted_columns(frame.surface, frame.directions, options, outside);
+  Columns& columns = wanted.columns;
+  require_fitting_thickness(frame.surface, columns, wanted.heights.back());
   keep_from_other_sides(frame.surface, frame.directions, outside, side, columns);
   smooth_lengths(frame.surface, columns);
-  return columns;
+  if (options.counts_by_sizes()) columns.ask_for_what_is();  // As many as there is room for.
+  return wanted;
+}
+
+/// The metric of a mesh as it is now, if it has one.
+std::optional<metric::MetricField> field_of(const TetMesh& mesh, const BoundaryFaces& faces) {
+  if (!mesh.has_metric()) return std::nullopt;
+  const MeshView view = mesh.view(faces);
+  TetMesh background = TetMesh::build(view);
+  metric::set_metric(background, view.metric);
+  return metric::MetricField::on_background(std::move(background));
 }
 
 LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
@@ -108,32 +122,38 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choic
       context.phase("surface", [&] { return surface_of(mesh, faces, choice, is_inward); });
   if (surface.triangles.empty())
     throw Error(ErrorKind::kBadInput, "no patch for layers has a triangle; name one with `patch`");
-  const std::vector<double> heights = height_schedule(options);
   const Directions directions = context.phase("directions", [&] { return marching_directions(surface); });
-  ExtrusionFrame frame{surface, directions, heights};
-  for (double& level : frame.levels) level /= heights.back();
-  Columns columns =
-      context.phase("heights", [&] { return columns_on(mesh, faces, options, heights.back(), frame); });
+  const ExtrusionFrame frame{surface, directions};
+  WantedColumns wanted = context.phase("heights", [&] { return columns_on(mesh, faces, options, frame); });
+  Columns& columns = wanted.columns;
   context.phase("shape", [&] { keep_cells_well_shaped(frame, columns); });
   context.phase("skin", [&] { keep_skin_simple(frame, is_inward ? nullptr : &mesh, columns); });
   const auto layers_on = [&](const TetMesh& volume, const BoundaryFaces& of_volume,
-                             const std::vector<std::uint32_t>& vertices) {
+                             const std::vector<std::uint32_t>& vertices, const MetricAtFoot& metric) {
     LayerResult result;
     result.mesh = context.phase("cells", [&] {
-      return with_layers({volume, of_volume, choice, vertices}, frame, columns, options, options.label);
+      return with_layers({volume, of_volume, choice, vertices, mesh.has_metric() ? metric : nullptr}, frame,
+                         columns, options, options.label);
     });
-    result.report.layers = static_cast<int>(heights.size());
-    result.report.heights = differences_of(heights);
-    result.report.patches = coverage_of(mesh, surface, directions, columns, result.report.layers);
+    result.report.layers = static_cast<int>(wanted.heights.size());
+    result.report.heights = differences_of(wanted.heights);
+    result.report.patches = coverage_of(mesh, frame, columns);
     result.report.surface = shares_on(surface, columns, is_inward);
     if (std::all_of(columns.fraction.begin(), columns.fraction.end(), [](double f) { return f == 0; }))
       context.warn("no layers: nowhere are cells of these heights sound; see the reasons");
     result.report.cells = result.mesh.view().cell_count() - volume.tet_count();
     return result;
   };
-  if (!is_inward) return layers_on(mesh, faces, surface.vertices);
+  if (!is_inward)
+    return layers_on(mesh, faces, surface.vertices,
+                     [&](const Vec3&, VertexId foot) { return mesh.metric(foot); });
   const Core core = context.phase("room", [&] { return deform_interior(mesh, faces, frame, columns); });
-  return layers_on(core.mesh, core.mesh.boundary_faces(), core.vertices);
+  const std::optional<metric::MetricField> field = field_of(mesh, faces);
+  return layers_on(core.mesh, core.mesh.boundary_faces(), core.vertices,
+                   [&](const Vec3& point, VertexId foot) {
+                     metric::MetricField::Hint hint = core.mesh.metric_hint(foot);
+                     return field->at(point, hint).metric;
+                   });
 }
 
 /// Layers within one label of several: that part alone is deformed, and keeps its faces against the others.
@@ -145,7 +165,8 @@ LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const 
   const auto [part, rest] = context.phase("part", [&] {
     return std::pair{part_of(whole, {choice.into}), part_of(whole, others)};
   });
-  const TetMesh of_part = TetMesh::build(part.mesh.view());
+  TetMesh of_part = TetMesh::build(part.mesh.view());
+  if (!part.mesh.metric.empty()) metric::set_metric(of_part, part.mesh.metric);
   LayerResult result = grow_on(of_part, of_part.boundary_faces(), choice.in_part(part), options, context);
   const std::array<MergePart, 2> parts = {{{&result.mesh, "layers"}, {&rest.mesh, "rest"}}};
   result.mesh = context.phase("merge", [&] {

@@ -10,10 +10,9 @@ namespace {
 /// The outer skin, the surface under it and the rest of the outside, as triangles in space.
 class Skin {
  public:
-  Skin(const ExtrusionFrame& frame, const Columns& columns)
-      : surface_(frame.surface), layers_(static_cast<int>(frame.levels.size())) {
+  Skin(const ExtrusionFrame& frame, const Columns& columns) : surface_(frame.surface) {
     const std::size_t count = surface_.points.size();
-    for (std::size_t v = 0; v < count; ++v) points_.push_back(frame.point(columns, v, layers_ - 1));
+    for (std::size_t v = 0; v < count; ++v) points_.push_back(frame.tip(columns, v));
     has_layers_.resize(surface_.triangles.size());
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
       const Cell<3>& c = surface_.triangles[t];
@@ -85,7 +84,6 @@ class Skin {
   }
 
   const LayerSurface& surface_;
-  int layers_;
   std::vector<Vec3> points_;
   std::vector<Cell<3>> triangles_;  // Of the skin, then of the surface, then of the rest.
   std::vector<Cell<3>> columns_;    // The mesh's vertices under the corners.
@@ -106,7 +104,7 @@ void keep_skin_simple(const ExtrusionFrame& frame, const TetMesh* outside, Colum
     parallel::for_each_index(cuts.size(), [&](std::size_t v) {
       if (cuts[v] != 0) columns.shorten(v, factor * columns.length_mm(v), LayerLimit::kSkin);
     });
-    if (round < kPatientRounds) smooth_lengths(frame.surface, columns);
+    if (round < kPatientRounds || !columns.profile.shrinks()) smooth_lengths(frame.surface, columns);
     keep_cells_well_shaped(frame, columns);
   }
 }

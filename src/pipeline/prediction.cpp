@@ -117,15 +117,17 @@ class Prediction {
   }
   void grow_layers() {
     const LayerOptions options = state_.c.layers.with_label();
-    const std::size_t layers = layer_heights(options).size();
+    constexpr std::size_t kBySizes = 5;  // As in the paper, until the mesh is there.
+    const std::size_t layers = options.counts_by_sizes() ? kBySizes : layer_heights(options).size();
     const bool are_prisms = options.cells == LayerCells::kPrisms,
                is_inward = options.side == LayerSide::kInward;
     const double triangles = surface_triangles();
     layer_cells_ = triangles * static_cast<double>(layers) * (are_prisms ? 1 : 3);
     const double seconds = kOutwardPerTriangle * triangles + (is_inward ? kInwardPerTet * last_tets_ : 0);
     if (!are_prisms) last_tets_ += layer_cells_;
-    step(fmt::format("{} boundary {} {}, of about {:.3g} {}", layers, layers == 1 ? "layer" : "layers",
-                     is_inward ? "inward" : "outward", layer_cells_, are_prisms ? "prisms" : "tetrahedra"),
+    step(fmt::format("{}{} boundary {} {}, of about {:.3g} {}", options.counts_by_sizes() ? "about " : "",
+                     layers, layers == 1 ? "layer" : "layers", is_inward ? "inward" : "outward", layer_cells_,
+                     are_prisms ? "prisms" : "tetrahedra"),
          per_core(seconds), last_tets_);
   }
   CasePrediction finish() {

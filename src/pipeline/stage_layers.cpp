@@ -131,6 +131,7 @@ void make_layers(CaseState& state, report::StageReport& stage) {
                   : naming("[layers]", [&] { return grow_layers(state.mesh, options, state.context); });
   add_layer_figures(result, stage);
   stage.layers = {.report = std::move(result.report)};
+  if (!state.has_metric) result.mesh.metric.clear();  // The mesher's own.
   state.mixed = std::move(result.mesh);
 }
 

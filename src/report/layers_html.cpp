@@ -27,13 +27,15 @@ std::string angles_of_core(const LayersOfMesh& layers) {
 }
 
 Table patches_table(const LayerReport& report) {
-  Table table = {{"patch", "area mm²", "layers", "wanted mm", "mean mm", "min mm", "complete", "with layers",
-                  "unlayered"}};
+  Table table = {{"patch", "area mm²", "layers", "mean layers", "all layers", "unlayered",
+                  "first height kept", "least first height", "wanted mm", "mean mm", "min mm", "complete"}};
   for (const LayerCoverage& c : report.patches)
     table.push_back({escaped(c.patch), five_digits(c.area_mm2), std::to_string(c.layers),
-                     fmt::format("{:.4g}", c.wanted_mm), fmt::format("{:.4g}", c.achieved_mm),
-                     fmt::format("{:.4g}", c.min_mm), percent(c.complete), percent(c.layered),
-                     percent(c.unlayered)});
+                     fmt::format("{:.2f}", c.mean_layers), percent(c.all_layers), percent(c.unlayered),
+                     c.layered > 0 ? percent(c.first_kept) : "–",
+                     c.layered > 0 ? percent(c.least_first) : "–", fmt::format("{:.4g}", c.wanted_mm),
+                     fmt::format("{:.4g}", c.achieved_mm), fmt::format("{:.4g}", c.min_mm),
+                     percent(c.complete)});
   return table;
 }
 
@@ -95,9 +97,9 @@ std::string coverage_section(const LayerReport& report) {
   std::string html = section(
       "Layers, patch by patch",
       table_html(patches_table(report)) +
-          "<p class=\"note\">A column has all its layers or none; where it is shorter, all of them are "
-          "thinner alike. Complete: at least 98 % of the thickness wanted. Mean over the area, least "
-          "of all columns.</p>");
+          "<p class=\"note\">First height kept: share of the area with layers where the layer next to the "
+          "surface is as high as asked for, to 2 %. Complete: at least 98 % of the thickness wanted. Means "
+          "over the area, least of all columns.</p>");
   const std::string reasons = reasons_html(report), worst = worst_html(report);
   return html + (reasons.empty() || worst.empty() ? reasons + worst : pair(reasons, worst));
 }

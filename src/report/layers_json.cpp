@@ -23,7 +23,11 @@ LayerJson patch_json(const LayerCoverage& c) {
           {"achieved_mm", c.achieved_mm},
           {"least_mm", c.min_mm},
           {"complete", c.complete},
+          {"mean_layers", c.mean_layers},
+          {"all_layers", c.all_layers},
           {"layered", c.layered},
+          {"first_height_kept", c.first_kept},
+          {"least_first_height", c.least_first},
           {"bare", c.unlayered},
           {"limited", limited},
           {"worst", worst}};
@@ -54,7 +58,11 @@ LayerCoverage patch_of(const LayerJson& json) {
                                     {"achieved_mm", &c.achieved_mm},
                                     {"least_mm", &c.min_mm},
                                     {"complete", &c.complete},
+                                    {"mean_layers", &c.mean_layers},
+                                    {"all_layers", &c.all_layers},
                                     {"layered", &c.layered},
+                                    {"first_height_kept", &c.first_kept},
+                                    {"least_first_height", &c.least_first},
                                     {"bare", &c.unlayered}})
     *value = json.at(name);
   for (std::size_t i = 1; i < kLayerLimits; ++i)

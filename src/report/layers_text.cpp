@@ -21,6 +21,13 @@ std::uint64_t used_points(const MeshView& mesh) {
   return static_cast<std::uint64_t>(std::count(used.begin(), used.end(), std::uint8_t{1}));
 }
 
+std::string first_height_text(const LayerCoverage& c) {
+  return c.layered > 0
+             ? fmt::format("first height within 2 % on {:.1f} % of what has layers, least {:.3f} of it",
+                           100 * c.first_kept, c.least_first)
+             : "no first height";
+}
+
 }  // namespace
 
 std::string LayersOfMesh::flat_cells_beside() const {
@@ -53,6 +60,8 @@ std::string coverage_text(const LayerReport& report) {
     text += fmt::format("{:<20} {:>10.5g} {:>6} {:>10.4g} {:>10.4g} {:>10.4g} {:>7.1f} % {:>7.1f} %\n",
                         c.patch, c.area_mm2, c.layers, c.wanted_mm, c.achieved_mm, c.min_mm, 100 * c.complete,
                         100 * c.unlayered);
+    text += fmt::format("  all layers on {:.1f} % of the area, {:.2f} in the mean\n  {}\n",
+                        100 * c.all_layers, c.mean_layers, first_height_text(c));
     for (std::size_t i = 1; i < kLayerLimits; ++i)
       if (c.limited[i] >= 0.0005)
         text += fmt::format("  {:>5.1f} % {}\n", 100 * c.limited[i], name_of(static_cast<LayerLimit>(i)));

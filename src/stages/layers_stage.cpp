@@ -6,6 +6,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/mesh/tetrahedral_split.hpp"
+#include "lumesh/metric/shaping.hpp"
 #include "lumesh/stages/metric_input.hpp"
 #include "place_text.hpp"
 
@@ -65,7 +66,8 @@ void put_back_cells(const MixedMesh& mesh, std::size_t split, MixedMesh& layered
 LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name, const LayerOptions& options,
                            Context& context) {
   const auto grow_on = [&](const MixedMesh& tetrahedra) {
-    const TetMesh core = context.phase("build", [&] { return tetrahedra_of(tetrahedra, name); });
+    TetMesh core = context.phase("build", [&] { return tetrahedra_of(tetrahedra, name); });
+    if (!tetrahedra.metric.empty()) metric::set_metric(core, tetrahedra.metric);
     return naming(name, [&] { return grow_layers(core, options, context); });
   };
   if (mesh.view().cell_count() == mesh.tetrahedra.size()) return grow_on(mesh);

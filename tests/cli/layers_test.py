@@ -4,6 +4,7 @@
 Usage: layers_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input.
 """
 import json
+import math
 import pathlib
 import sys
 import unittest
@@ -11,6 +12,33 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from cube import cube, write_medit
 from program import BAD_INPUT, USAGE, MeshTest
+
+
+def cylinder(radius, length, around, along):
+    """Triangles, as corners, of a cylinder along z that is closed by flat caps."""
+    def ring(share, z):
+        return [(share * radius * math.cos(2 * math.pi * i / around), share * radius * math.sin(2 * math.pi * i / around), z)
+                for i in range(around)]
+
+    rings = [ring(1, length * j / along) for j in range(along + 1)]
+    shares = [0.75, 0.5, 0.25]
+    rings = [*(ring(share, 0) for share in reversed(shares)), *rings, *(ring(share, length) for share in shares)]
+    triangles = []
+    for low, high in zip(rings, rings[1:]):
+        for i in range(around):
+            k = (i + 1) % around
+            triangles += [(low[i], low[k], high[k]), (low[i], high[k], high[i])]
+    for i in range(around):
+        k = (i + 1) % around
+        triangles += [(rings[0][k], rings[0][i], (0, 0, 0)), (rings[-1][i], rings[-1][k], (0, 0, length))]
+    return triangles
+
+
+def write_stl(path, triangles):
+    lines = ["solid cylinder"]
+    for corners in triangles:
+        lines += ["facet normal 0 0 0", "outer loop", *("vertex {!r} {!r} {!r}".format(*p) for p in corners), "endloop", "endfacet"]
+    path.write_text("\n".join([*lines, "endsolid cylinder", ""]))
 
 
 class LayersTest(MeshTest):
@@ -75,8 +103,45 @@ class LayersTest(MeshTest):
     def test_names_of_aflr_mean_the_same(self):
         ours = ["--first-height", 0.02, "--count", 4, "--growth", 1.1, "--growth-rise", 1.05, "--constant-layers", 2, "--most-growth", 1.3,
                 "--cells", "prisms"]
-        aflr = ["--mbl", 1, "--fints", 0, "--blds", 0.02, "--nbl", 4, "--blr", 1.1, "--bldr", 1.05, "--bli", 2, "--blrm", 1.3, "--blc"]
+        aflr = ["--mbl", 1, "--fints", 0, "--open", "--blds", 0.02, "--nbl", 4, "--blr", 1.1, "--bldr", 1.05, "--bli", 2, "--blrm", 1.3, "--blc"]
         self.assertEqual(self.bits_of(self.mesh, *ours), self.bits_of(self.mesh, *aflr))
+
+    def test_the_papers_line_of_aflr_is_taken_as_it_stands(self):
+        mesh, numbers = self.vessel(), self.folder / "layers.json"
+        self.run_well("layers", mesh, "--blds", 0.3, "--mbl", 1, "--fints", 0, "--open", "-o", self.out, "--json", numbers)
+        report = json.loads(numbers.read_text())
+        self.assertGreater(report["layers"], 1)
+        self.assertGreaterEqual(report["patches"][0]["least_first_height"], 0.95)
+        self.assertGreaterEqual(report["patches"][0]["first_height_kept"], 0.85)  # A coarse mesh: branches of three voxels.
+        self.out.unlink()
+        for option, value, only in (("--mbl", 2, 1), ("--fints", 1, 0)):
+            self.assert_refused(self.run_lumesh("layers", mesh, "--blds", 0.1, option, value, "-o", self.out), USAGE, option,
+                                f"must be {only}, not {value}")
+
+    def test_flat_caps_of_a_closed_surface_are_left_free(self):
+        surface, mesh, case = (self.folder / name for name in ("cylinder.stl", "cylinder.vtu", "case.toml"))
+        write_stl(surface, cylinder(3, 15, around=40, along=25))
+        self.run_well("delaunay", surface, "--delta", 0.8, "-o", mesh)
+        self.run_well("layers", mesh, "--first-height", 0.1, "--count", 3, "-o", self.out)
+        case.write_text(f'mesher = "delaunay"\n[input]\nsurface = "{surface}"\n[delaunay]\ndelta = 0.8\n[metric]\n'
+                        'curvature = true\ncomplexity = 2000\n[layers]\nfirst_height = 0.1\ncount = 3\n[output]\nmeshes = ["m.vtu"]\nreport = ""\n')
+        self.run_well("run", case, "-o", self.folder / "of_case")
+        for made in (self.out, self.folder / "of_case/m.vtu"):
+            with self.subTest(made):
+                areas = {p["name"]: p["area_mm2"] for p in self.evaluate(made)["boundary"]["patches"]}
+                for cap in ("inlet_1", "outlet_1"):
+                    self.assertAlmostEqual(areas[cap] / (math.pi * 3 ** 2), 1, delta=0.02)
+                    self.assertAlmostEqual(areas[cap + "_layer"] / (math.pi * (3.364 ** 2 - 3 ** 2)), 1, delta=0.05)
+                self.assertAlmostEqual(areas["layer_outer"] / (2 * math.pi * 3.364 * 15), 1, delta=0.05)
+        self.assertIn(b'"metric"', (self.folder / "of_case/m.vtu").read_bytes())
+
+    def test_keeps_the_metric_of_the_mesh(self):
+        mesh, sized = self.vessel(), self.folder / "sized.vtu"
+        self.run_well("metric", mesh, "--curvature", "-o", sized)
+        for side in ("outward", "inward"):
+            self.run_well("layers", sized, "--side", side, "--first-height", 0.05, "--count", 2, "-o", self.out)
+            self.assertIn(b'"metric"', self.out.read_bytes())
+            self.assertTrue(self.evaluate(self.out)["valid"])
 
     def test_between_labels_one_of_them_gives_way(self):
         image, mesh = self.folder / "two.nrrd", self.folder / "two.vtu"
@@ -151,7 +216,8 @@ class LayersTest(MeshTest):
         refused = [
             (["--first-height", 1, "--count", 2, "--patch", "door"], "no patch door"),
             (["--first-height", 1e9, "--count", 2], "more than the surface is wide"),
-            (["--first-height", 0.1], "number of layers or their thickness"),
+            (["--first-height", 0.1, "--growth", 1], "do not grow never become as high"),
+            (["--first-height", 0.1, "--short-of-room", "shrink"], "needs the number of layers"),
             (["--first-height", 0.1, "--growth", 0.9, "--thickness", 1], "growth below 1"),
             (["--first-height", 0.1, "--count", 2, "--label", "wall=x"], "NAME=NUMBER"),
         ]

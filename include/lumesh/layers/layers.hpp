@@ -30,6 +30,12 @@ enum class HeightScale : std::uint8_t {
   kEdge,      ///< The mean length of the surface's edges around.
 };
 
+/// What a column of layers gives up where it cannot be as long as wanted.
+enum class ShortOfRoom : std::uint8_t {
+  kDrop,    ///< Outer layers; the first height is kept.
+  kShrink,  ///< The height of all layers alike.
+};
+
 class OptionList;
 
 /// Options of grow_layers(); describe() says what those mean that are not commented here.
@@ -44,14 +50,22 @@ struct LayerOptions {
   int constant_layers = 5;
   double most_growth = 1.5;
   int count = 0;         ///< 0: as many as the thickness asks for.
-  double thickness = 0;  ///< 0: as the count makes it.
+  double thickness = 0;  ///< 0: as the count makes it; neither: layers grow until they are as high as edges.
   HeightScale scale = HeightScale::kAbsolute;
+  ShortOfRoom short_of_room = ShortOfRoom::kDrop;
   LayerCells cells = LayerCells::kTetrahedra;
   Label label = 0;  ///< Label of the layers, also one that is there; 0: one more than the largest.
   /// Whether the ring of layers around an opening is a patch of its own, OPENING_layer. Else it belongs to
   /// the opening, but where layers outwards have a label that the mesh has not: these are a wall around it.
   bool splits_openings = false;
   std::string label_name = {};  ///< Empty: the label's own, or "vessel_wall" outwards, "layer" inwards.
+  struct Aflr {
+    int mbl = 1, fints = 0;
+    bool open = false;
+  } aflr = {};  ///< What AFLR has to be told and is always so here.
+
+  /// Whether the sizes of the surface choose the number of layers, place by place.
+  [[nodiscard]] bool counts_by_sizes() const { return count == 0 && thickness == 0; }
 
   /// Without the labels.
   void describe(OptionList& list);
@@ -72,13 +86,16 @@ enum class LayerLimit : std::uint8_t {
 inline constexpr std::size_t kLayerLimits = 8;
 [[nodiscard]] const char* name_of(LayerLimit limit);
 
-/// The layers achieved on one patch. A column has all its layers or none: where it is shorter, all of them
-/// are thinner alike.
+/// The layers achieved on one patch.
 struct LayerCoverage {
   std::string patch;
   double area_mm2 = 0;
-  int layers = 0;                         ///< Number of layers wanted, and of every column that is there.
-  double layered = 0;                     ///< Share of the area with layers, however thin.
+  int layers = 0;          ///< Number of layers wanted, the most of all columns.
+  double mean_layers = 0;  ///< Number of layers, the mean over the area.
+  double all_layers = 0;   ///< Share of the area with all layers wanted.
+  double layered = 0;      ///< Share of the area with layers, however few or thin.
+  double first_kept = 0;   ///< Share of the layered area whose first height is within 2 % of that asked for.
+  double least_first = 0;  ///< Lowest first height over any triangle, as a share of that asked for.
   double wanted_mm = 0, achieved_mm = 0;  ///< Thickness, the mean over the area.
   double min_mm = 0;                      ///< Lowest thickness of its columns.
   double complete = 0;                    ///< Share of the area whose columns have 98 % of the height wanted.
@@ -112,7 +129,8 @@ struct LayerReport {
   [[nodiscard]] std::string shortfall() const;
 };
 
-/// Height of each layer of a complete column, from the surface on, in mm or times the scale.
+/// Height of each layer of a complete column, from the surface on, in mm or times the scale; the first alone
+/// where sizes choose the number.
 /// @throws Error{kBadInput} as LayerOptions::validate() does, and if no growth makes the thickness.
 [[nodiscard]] std::vector<double> layer_heights(const LayerOptions& options);
 
@@ -127,8 +145,12 @@ struct LayerResult {
 ///
 /// Every vertex of the patches gets a direction that sees all triangles around it, smoothed over the surface;
 /// at openings it lies in their plane, so that caps stay planar. Heights shrink smoothly where layers would
-/// meet, turn over or cut themselves: whole columns become shorter, to nothing where need be, and cells taper
-/// there. The mesh is valid whatever is asked for; the report says what was achieved.
+/// meet, turn over or cut themselves: columns lose outer layers, or become thinner as a whole, to nothing
+/// where need be, and cells taper there. The mesh is valid whatever is asked for; the report says what was
+/// achieved.
+///
+/// A metric of the mesh is kept: its vertices have theirs, those that moved and those of layers that of the
+/// place where they are; outside of the mesh, that of the column's foot.
 ///
 /// Inwards, layers grow on patches between labels, too: into one label, all others stay as they are.
 ///

@@ -77,7 +77,7 @@ TEST(Layers, OnPatchesBetweenLabelsGrowIntoEither) {
     const ValidationReport report = validate(result.mesh.view());
     ASSERT_TRUE(report.ok()) << report.text();
     expect_conforming(result.mesh);
-    EXPECT_GT(result.report.complete(), 0.85);  // Between labels, the coarse lattice's surface has kinks.
+    EXPECT_GT(result.report.complete(), 0.8);  // Between labels, the coarse lattice's surface has kinks.
     const Label other = 3 - one.into;
     EXPECT_NEAR(volume_of(result.mesh, other) / volume_of(before, other), 1, 1e-12);
     EXPECT_NEAR((volume_of(result.mesh, one.into) + volume_of(result.mesh, 3)) / volume_of(before, one.into),

@@ -198,9 +198,11 @@ TEST_F(CaseFile, RefusesLayersThatCannotBe) {
     EXPECT_EQ(message.substr(0, words.size()), words);
   };
   begins("count = 3\n", "a.toml: [layers] first_height is missing");
-  begins("first_height = 0.1\n",
-         "a.toml: the number of layers or their thickness is missing; give [layers] count or [layers] "
-         "thickness");
+  begins("first_height = 0.1\ngrowth = 1\n",
+         "a.toml: layers that do not grow never become as high as edges are long; give [layers] count or "
+         "[layers] thickness");
+  EXPECT_EQ(refusal(head + "blds = 0.1\nmbl = 1\nfints = 0\nopen = true\n"), "accepted") << "as AFLR's line";
+  begins("first_height = 0.1\nfints = 1\n", "a.toml:5: [layers] fints must");
   begins("first_height = 0.1\ngrowth = 0.9\nthickness = 1\n",
          "a.toml: a growth below 1 needs the number of layers, [layers] count");
   begins("first_height = 0.1\ncount = 2\nlabel = \"wall=x\"\n",

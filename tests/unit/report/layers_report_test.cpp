@@ -34,6 +34,10 @@ LayerReport coverage() {
   wall.area_mm2 = 0.5;
   wall.layers = 1;
   wall.layered = 1;
+  wall.mean_layers = 0.75;
+  wall.all_layers = 0.625;
+  wall.first_kept = 0.875;
+  wall.least_first = 0.96875;
   wall.wanted_mm = 0.1;
   wall.achieved_mm = 0.25 / 3;
   wall.min_mm = 0.05;
@@ -62,11 +66,15 @@ TEST(LayersReport, TellsTheSameInTextJsonAndPage) {
   const LayersOfMesh layers = measure_layers(mesh.view(), coverage());
   const std::string text = coverage_text(layers.report);
   for (const char* words :
-       {"wall <1>", "66.7 %", "33.3 % ridge", "at 0.0 1.0 0.0 mm: 50 % of the height, ridge"})
+       {"wall <1>", "66.7 %", "33.3 % ridge", "at 0.0 1.0 0.0 mm: 50 % of the height, ridge",
+        "all layers on 62.5 % of the area, 0.75 in the mean",
+        "first height within 2 % on 87.5 % of what has layers, least 0.969 of it"})
     EXPECT_NE(text.find(words), std::string::npos) << words;
   const auto json = nlohmann::json::parse(layers_json(layers));
   EXPECT_EQ(json.at("patches").at(0).at("layers"), 1);
   EXPECT_EQ(json["patches"][0].at("layered"), 1.0);
+  EXPECT_EQ(json["patches"][0].at("first_height_kept"), 0.875);
+  EXPECT_EQ(json["patches"][0].at("least_first_height"), 0.96875);
   EXPECT_EQ(json["patches"][0].at("limited").at("ridge"), 1.0 / 3);
   EXPECT_EQ(json.at("core").at("tetrahedra"), 1);
   EXPECT_EQ(json.at("shapes").at("prisms"), 1);
