@@ -41,34 +41,38 @@ void check_fits(const DelaunayOptions& options, const Domain& domain) {
 }
 
 /// What is less than the seeds of the whole lattice.
-void thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
-  if (seeding == Seeding::kLattice) return;
+/// @return The candidates that the rules have to find most of, as they were.
+std::vector<delaunay::BoundaryCandidate> thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
+  if (seeding == Seeding::kLattice) return {};
   seeds.inner.clear();
-  if (seeding == Seeding::kSurface) return;
+  if (seeding == Seeding::kSurface) return {};
   constexpr double kFewAcross = 6;
+  std::vector<delaunay::BoundaryCandidate> all = seeds.boundary;
   for (delaunay::BoundaryCandidate& one : seeds.boundary)
     one.spacing = std::max(one.spacing, box.sizes().maxCoeff() / kFewAcross);
+  return all;
 }
 
 /// At least one round: it finds out what is inside.
-/// @return false if it was stopped.
-bool refined(delaunay::Refinement& refinement, const DelaunayOptions& options, DelaunayReport& report,
-             Context& context) {
+/// @param to_find  Places of boundaries that all are to be known in the end. @return false if it was stopped.
+bool refined(delaunay::Refinement& refinement, std::span<const delaunay::BoundaryCandidate> to_find,
+             const DelaunayOptions& options, DelaunayReport& report, Context& context) {
   do {
     report.rounds.push_back(refinement.run_round());
     DelaunayRound& last = report.rounds.back();
     if (last.inserted + last.removed > 0) continue;
+    if (!refinement.has_cleared()) last.inserted = refinement.complete(to_find);
+    if (last.inserted > 0) continue;
     last.removed = refinement.clear();
     if (last.removed == 0) return true;
   } while (static_cast<int>(report.rounds.size()) < options.max_rounds && !context.cancelled());
   refinement.name_materials();
   report.rules_hold = false;
   if (!context.cancelled())
-    report.notes.push_back(
-        fmt::format("the rules still ask for points after {} rounds: where parts are thin, bounds on shapes "
-                    "and sizes may "
-                    "not hold",
-                    report.rounds.size()));
+    report.notes.push_back(fmt::format(
+        "the rules still ask for points after {} rounds ({} in the last): where parts are thin, or a "
+        "criterion asks for more than points can give, bounds on shapes and sizes may not hold",
+        report.rounds.size(), report.rounds.back().inserted));
   return !context.cancelled();
 }
 
@@ -144,7 +148,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   check_fits(options, domain);
   delaunay::check_memory(spacing);
   auto seeds = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
-  thin_out(seeds, options.seeding, box);
+  const auto to_find = thin_out(seeds, options.seeding, box);
   const auto boundary = context.phase("surface", [&] { return delaunay::thinned(seeds.boundary); });
   context.phase("surface", [&] { delaunay::relax(domain, boundary, seeds.boundary); });
   DelaunayResult result{hull_around(box, seeds.outer), {}};
@@ -153,8 +157,9 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   result.report.boundary_seeds = boundary.size();
   delaunay::Refinement refinement(result.mesh, spacing, options);
   context.phase("insertion", [&] { refinement.insert_seeds(seeds, boundary); });
-  context.phase("refinement",
-                [&] { result.report.complete = refined(refinement, options, result.report, context); });
+  context.phase("refinement", [&] {
+    result.report.complete = refined(refinement, to_find, options, result.report, context);
+  });
   result.report.pinched_vertices = context.phase("topology", [&] {
     const std::size_t pinched = delaunay::relabel_pinched(result.mesh, domain, refinement.pinched());
     delaunay::relabel_at_cuts(result.mesh, domain);

@@ -8,7 +8,9 @@
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
+#include "lumesh/metric/point_tree.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "thinning.hpp"
 #include "topology.hpp"
 
 namespace lumesh::delaunay {
@@ -33,6 +35,28 @@ void Refinement::insert_seeds(const Seeds& seeds, std::span<const std::uint32_t>
     }
   });
   execution_.insert(points, stamp_);
+}
+
+std::size_t Refinement::complete(std::span<const BoundaryCandidate> candidates) {
+  constexpr double kFar = 1.25;  // Of the distance of candidates. A little more than R1 allows is left to it.
+  std::vector<Vec3> known;
+  for (std::uint32_t v = 4; v < mesh_.vertex_slots(); ++v)
+    if (mesh_.alive(VertexId(v)) && mesh_.dimension(VertexId(v)) != VertexDimension::kVolume)
+      known.push_back(mesh_.point(VertexId(v)));
+  const metric::PointTree tree(known);
+  const auto missing = parallel::collect<BoundaryCandidate>(
+      candidates.size(), [&](std::size_t i, std::vector<BoundaryCandidate>& out) {
+        const BoundaryCandidate& one = candidates[i];
+        std::uint32_t nearest = 0;
+        if (!known.empty()) tree.nearest(one.point, {&nearest, 1});
+        if (known.empty() || (known[nearest] - one.point).norm() > kFar * one.spacing) out.push_back(one);
+      });
+  std::vector<operators::DelaunayExecution::NewVertex> points;
+  for (const std::uint32_t i : thinned(missing))
+    points.push_back({missing[i].point, dimension_of(missing[i].materials), {}});
+  execution_.insert(points, stamp_);
+  has_changed_ |= !points.empty();
+  return points.size();
 }
 
 std::vector<TetId> Refinement::fresh_tets() const {

@@ -25,11 +25,16 @@ class Refinement {
         execution_(mesh, options.team) {}
 
   void insert_seeds(const Seeds& seeds, std::span<const std::uint32_t> boundary);
+  /// Inserts what is to be known of boundaries and is not: those candidates, thinned, that no vertex of a
+  /// boundary is about as near to as R1 asks. Rules alone find no piece that has no vertices. @return Their
+  /// number.
+  std::size_t complete(std::span<const BoundaryCandidate> candidates);
   /// @return Counts of the round; nothing is left to do if no candidate could be selected.
   [[nodiscard]] DelaunayRound run_round();
   /// Takes out vertices where no point helps any more: between them boundary faces have small angles, or they
   /// are pinched. To be called after a round that did nothing. @return Their number; 0 after some calls.
   std::size_t clear();
+  [[nodiscard]] bool has_cleared() const { return clearings_ > 0; }
   /// Gives the tetrahedra that the last round has made their materials.
   void name_materials() { find_materials(fresh_tets()); }
   /// Pinched vertices of the mesh as the last round has left it.

@@ -24,6 +24,10 @@ constexpr double kMinSpacing = 0.4;
 /// From where curves and corners are looked for, in spacings.
 constexpr double kCurveReach = 0.5;
 
+/// Cells up to this size are seen from their middle, in units of how far the domain sees: what hides in a
+/// corner is much smaller than a voxel.
+constexpr double kSeen = 1.25;
+
 /// How far inner points stay from boundaries, in lattice constants.
 constexpr double kMargin = 0.5;
 constexpr double kHalfDiagonal = 0.867;  // Of a cube with edges of length 1.
@@ -39,13 +43,12 @@ class LatticeDescent {
  public:
   explicit LatticeDescent(const Spacing& spacing)
       : spacing_(spacing), domain_(spacing.domain()), reach_mm_(domain_.clearance_limit_mm()) {
-    const Box3 box = domain_.bounds_mm();
     root_mm_ = kConstantPerSize * spacing.size_mm();
     while (root_mm_ < 8 * domain_.resolution_mm()) root_mm_ *= 2;
     // Off the grid of voxels, on which boundaries like to lie.
-    origin_ = box.min() - root_mm_ * Vec3(1.8143, 1.7571, 1.7877);
+    origin_ = box_.min() - root_mm_ * Vec3(1.8143, 1.7571, 1.7877);
     for (int axis = 0; axis < 3; ++axis)
-      cells_[axis] = static_cast<int>(std::ceil((box.max()[axis] - origin_[axis]) / root_mm_)) + 2;
+      cells_[axis] = static_cast<int>(std::ceil((box_.max()[axis] - origin_[axis]) / root_mm_)) + 2;
   }
 
   [[nodiscard]] Seeds run() const {
@@ -120,7 +123,7 @@ class LatticeDescent {
     const Domain::Surroundings here = domain_.surroundings(low + Vec3::Constant(0.5 * size));
     if (is_small_enough(low, size)) {
       constexpr double kMaxSpacings = 1.7;
-      const double spacing = boundary_spacing(low, size, here);
+      const double spacing = boundary_spacing(low, size, here, size / kMaxSpacings);
       if (size <= kMaxSpacings * spacing) return add_leaf(low, size, here, spacing, out);
     }
     const bool is_of_one = here.clearance_mm >= kHalfDiagonal * size + kMargin * size;
@@ -171,11 +174,21 @@ class LatticeDescent {
   }
 
   /// How close points of a boundary in the cell stand; infinite if there is none, or none that is finer than
-  /// the lattice would have it. @param here  Around its middle.
-  [[nodiscard]] double boundary_spacing(const Vec3& low, double size,
-                                        const Domain::Surroundings& here) const {
+  /// the lattice would have it. @param here  Around its middle. @param fine  Less is not told apart: parts of
+  /// a cell too large to be seen as a whole are looked at until one has so little.
+  [[nodiscard]] double boundary_spacing(const Vec3& low, double size, const Domain::Surroundings& here,
+                                        double fine) const {
     double spacing = std::numeric_limits<double>::infinity();
     if (here.clearance_mm > kHalfDiagonal * size) return spacing;
+    if (size > kSeen * reach_mm_) {
+      for (int child = 0; child < 8 && spacing >= fine; ++child) {
+        const Vec3 low_of_it = low_of_child(low, size, child);
+        if (!box_.intersects(Box3(low_of_it, low_of_it + Vec3::Constant(0.5 * size)))) continue;
+        const Domain::Surroundings there = domain_.surroundings(low_of_it + Vec3::Constant(0.25 * size));
+        spacing = std::min(spacing, boundary_spacing(low_of_it, 0.5 * size, there, fine));
+      }
+      return spacing;
+    }
     const Vec3 middle = low + Vec3::Constant(0.5 * size);
     for (const Material other : domain_.materials_near(middle, kHalfDiagonal * size)) {
       if (other == here.material || !(domain_.is_meshed(other) || domain_.is_meshed(here.material))) continue;
@@ -201,10 +214,13 @@ class LatticeDescent {
     add_lattice_point(middle, here, size, margin, out);
     const bool has_low = add_lattice_point(low, domain_.surroundings(low), size, margin, out);
     const bool may_be_near = here.clearance_mm <= 0.95 * size || here.clearance_mm >= 0.99 * reach_mm_;
-    if (!may_be_near) return is_meshed || has_low;
+    const bool is_known =
+        size > kSeen * reach_mm_ && !std::isfinite(spacing);  // boundary_spacing() saw none.
+    if (!may_be_near || is_known) return is_meshed || has_low;
     // So many that few gaps stay between them.
     constexpr double kCandidateSpacing = 0.72;
-    const int along = size > 2 * kCandidateSpacing * spacing ? 3 : 2;
+    const int along = std::max(size > 2 * kCandidateSpacing * spacing ? 3 : 2,
+                               static_cast<int>(std::ceil(size / (kSeen * reach_mm_))));
     const double part = size / along;
     for (int k = 0; k < along; ++k)
       for (int j = 0; j < along; ++j)
@@ -284,6 +300,7 @@ class LatticeDescent {
 
   const Spacing& spacing_;
   const Domain& domain_;
+  Box3 box_ = domain_.bounds_mm();
   double reach_mm_, root_mm_ = 0;
   Vec3 origin_ = Vec3::Zero();
   Index3 cells_ = Index3::Zero();

@@ -248,6 +248,38 @@ TEST(DelaunayMesh, AMuchLargerSizeInsideLosesNoPart) {
   }
 }
 
+/// Nor do sizes little larger than what the domain sees, few seeds, or points far apart: several pieces and
+/// labels, some no larger than the distance between points.
+TEST(DelaunayMesh, EverySeedingAndSizeFindsEveryPiece) {
+  struct Ball {
+    Vec3 centre;
+    double radius;
+    Label label;
+  };
+  const std::vector<Ball> balls = {{{18.3, 20.6, 20.2}, 14, 1},
+                                   {{45.2, 28.3, 9.4}, 3.5, 1},
+                                   {{44.1, 10.2, 28.3}, 5, 2},
+                                   {{47.3, 29.4, 30.1}, 3.5, 2},
+                                   {{40.4, 6.3, 7.2}, 4, 1}};
+  const LabelImage image = voxels_of(frame_of({56, 40, 40}), {0, 1, 2}, [&](const Vec3& p) {
+    for (const Ball& ball : balls)
+      if ((p - ball.centre).norm() < ball.radius) return static_cast<int>(ball.label);
+    return 0;
+  });
+  for (const double delta_mm : {2.0, 3.0})
+    for (const double deltas : {2.0, 6.2, 20.0, 512.0})
+      for (const Seeding seeding : {Seeding::kLattice, Seeding::kSurface, Seeding::kFew}) {
+        const TetMesh mesh =
+            meshed(image, {.delta_mm = delta_mm, .size_mm = deltas * delta_mm, .seeding = seeding}).mesh;
+        EXPECT_EQ(label_shapes(mesh), (std::vector<LabelShape>{{1, 3, 3}, {2, 2, 2}}))
+            << delta_mm << ' ' << deltas << ' ' << static_cast<int>(seeding);
+        double truth = 0;
+        for (const Ball& ball : balls)
+          if (ball.label == 1) truth += 4.0 / 3 * std::numbers::pi * std::pow(ball.radius, 3);
+        EXPECT_NEAR(volumes_of(mesh)[1] / truth, 1, 0.03) << delta_mm << ' ' << deltas;
+      }
+}
+
 ErrorKind kind_of_failure(const LabelImage& image, const DelaunayOptions& options) {
   try {
     (void)meshed(image, options);
