@@ -36,6 +36,7 @@ nlohmann::ordered_json report_json(const DelaunayReport& report, const std::opti
   nlohmann::ordered_json json;
   json["complete"] = report.complete && (!improved || improved->complete);
   json["rules_hold"] = report.rules_hold;
+  json["criterion_asks"] = report.criterion_asks;
   json["tetrahedra"] = mesh.tet_count();
   json["vertices"] = mesh.vertex_count();
   json["seeds"] = {

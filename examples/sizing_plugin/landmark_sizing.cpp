@@ -3,12 +3,14 @@
 //   --sizing landmark_sizing.so:landmarks.txt,adapt_const=2,floor=0.5
 //
 //   landmarks.txt   one landmark a line, x y z in mm (LPS); lines that begin with # are skipped
-//   adapt_const     an edge may be so many times as long as its ends are far from landmarks; default 1
-//   floor           mm; edges need not be shorter; > 0 (without it, refinement at a landmark would not end)
+//   adapt_const     an edge may be so many times as long as its ends are far from landmarks; default 2
+//   floor           mm; edges need not be shorter; default none, which ends only with an adapt_const of 2 or
+//   more
 //
 // should_be_adapted() below is algorithm 3, "PODM's Function Approximation for an Aneurysm", of the paper
-// that lumesh follows. For the author of another plugin: change Sizes, and read_sizes(), which makes it from
-// the options; what stands below them is the same for all plugins.
+// that lumesh follows, as --size-points landmarks.txt --adapt-const 2 has it built in. For the author of
+// another plugin: change Sizes, and read_sizes(), which makes it from the options; what stands below them is
+// the same for all plugins.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -119,7 +121,7 @@ class Memory {
 /// What the plugin knows: made once, then only read.
 struct Sizes {
   Landmarks landmarks;
-  double adapt_const = 1;
+  double adapt_const = 2;
   double floor_mm = 0;
   std::uint64_t number = 0;  // Unlike an address, of these sizes alone.
 
@@ -128,9 +130,6 @@ struct Sizes {
     thread_local Memory memory;
     return memory.get(number, x, [&] { return std::max(landmarks.distance(x), floor_mm / adapt_const); });
   }
-
-  /// The edge length that just passes should_be_adapted().
-  [[nodiscard]] double size_at(const Point& x) const { return adapt_const * distance(x); }
 
   /// Algorithm 3. The metric tensor of a point is 1 / dist^2 times the identity, so that of its nine numbers
   /// one is enough; an edge has the mean of the tensors at its ends.
@@ -188,7 +187,7 @@ std::unique_ptr<Sizes> read_sizes(const std::string& options) {
   std::istringstream words(options);
   std::string file, word;
   std::getline(words, file, ',');
-  double adapt_const = 1, floor_mm = 0;
+  double adapt_const = 2, floor_mm = 0;
   while (std::getline(words, word, ',')) {
     const std::size_t equals = word.find('=');
     const std::string key = word.substr(0, equals),
@@ -200,8 +199,6 @@ std::unique_ptr<Sizes> read_sizes(const std::string& options) {
     else
       throw std::runtime_error("no option '" + key + "'; options: adapt_const=NUMBER, floor=MM");
   }
-  if (floor_mm == 0)
-    throw std::runtime_error("floor is missing: give the shortest wanted edge, such as floor=0.5 (mm)");
   static std::atomic<std::uint64_t> count = 0;
   return std::make_unique<Sizes>(Sizes{Landmarks(read_landmarks(file)), adapt_const, floor_mm, ++count});
 }
@@ -226,10 +223,6 @@ LUMESH_SIZING_EXPORT int lumesh_sizing_create(const char* options, void** state,
 
 LUMESH_SIZING_EXPORT void lumesh_sizing_destroy(void* state) {
   delete static_cast<Sizes*>(state);
-}
-
-LUMESH_SIZING_EXPORT double lumesh_size_at(void* state, double x, double y, double z) {
-  return static_cast<const Sizes*>(state)->size_at({x, y, z});
 }
 
 LUMESH_SIZING_EXPORT int lumesh_should_be_adapted(void* state, const double* points, int n) {

@@ -26,7 +26,8 @@ double sine_of_degrees(double degrees) {
 operators::ShapeMeasure measure_for(const ImproveOptions& options) {
   return {
       operators::ShapeMeasure::Kind::kDihedralAngles,
-      std::min(1.0, sine_of_degrees(options.min_dihedral_deg) / sine_of_degrees(options.max_dihedral_deg))};
+      std::min(1.0, sine_of_degrees(options.min_dihedral_deg) / sine_of_degrees(options.max_dihedral_deg)),
+      options.refusal ? &options.refusal : nullptr};
 }
 
 void measure_angles(TetMesh& mesh, double obtuse_weight) {
@@ -213,13 +214,21 @@ std::vector<Vec3> places_on_surfaces(const TetMesh& mesh) {
   return places;
 }
 
+/// What tetrahedra may become where vertices settle.
+operators::MayBecome settled_shapes(const ImproveOptions& options) {
+  const auto within = operators::within_angles(options.min_dihedral_deg, options.max_dihedral_deg);
+  if (!options.refusal) return within;
+  return [within, refusal = options.refusal](std::size_t tet, const std::array<Vec3, 4>& before,
+                                             const std::array<Vec3, 4>& after) {
+    return within(tet, before, after) && (!refusal(after) || refusal(before));
+  };
+}
+
 /// Carries vertices that have slid, and those of the triangles around them, to where their patches truly run.
 /// @return false if there are none.
 bool settle_moved(TetMesh& mesh, const std::vector<Vec3>& places_before, const ImproveOptions& options) {
   operators::SettlingRules rules{
-      .lift = options.lift,
-      .may_become = operators::within_angles(options.min_dihedral_deg, options.max_dihedral_deg),
-      .keep_within = options.keep_within};
+      .lift = options.lift, .may_become = settled_shapes(options), .keep_within = options.keep_within};
   if (options.settles_all) {
     operators::settle(mesh, options.place, rules);
     return true;

@@ -10,6 +10,7 @@
 #include "lumesh/metric/point_tree.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "nearest_points.hpp"
+#include "size_points.hpp"
 #include "value_grid.hpp"
 
 namespace lumesh {
@@ -181,6 +182,9 @@ class CombinedSizing final : public Sizing {
     return std::any_of(parts_.begin(), parts_.end(),
                        [&](const auto& part) { return part->wants_finer(corners_mm); });
   }
+  [[nodiscard]] bool has_criterion() const override {
+    return std::any_of(parts_.begin(), parts_.end(), [](const auto& part) { return part->has_criterion(); });
+  }
   [[nodiscard]] std::vector<std::string> warnings() const override {
     std::vector<std::string> all;
     for (const auto& part : parts_)
@@ -205,6 +209,13 @@ std::unique_ptr<Sizing> size_per_label(const std::map<Label, double>& sizes_mm, 
   return std::make_unique<LabelSizing>(sizes_mm, elsewhere_mm);
 }
 
+void require_size_points(std::span<const Vec3> points_mm) {
+  if (points_mm.empty()) throw Error(ErrorKind::kBadInput, "no points to take sizes from: give at least one");
+  for (std::size_t i = 0; i < points_mm.size(); ++i)
+    if (!points_mm[i].allFinite())
+      throw Error(ErrorKind::kBadInput, fmt::format("point {} to take sizes from is not finite", i));
+}
+
 std::unique_ptr<Sizing> size_from_points(std::span<const Vec3> points_mm, const PointSizeOptions& options) {
   require(options.factor > 0 && std::isfinite(options.factor),
           fmt::format("the size factor must be a finite number greater than 0, not {:g}", options.factor));
@@ -213,10 +224,7 @@ std::unique_ptr<Sizing> size_from_points(std::span<const Vec3> points_mm, const 
   require(std::isfinite(options.floor_mm) && options.ceiling_mm >= options.floor_mm,
           fmt::format("the size ceiling ({:g} mm) must be no less than the floor ({:g} mm)",
                       options.ceiling_mm, options.floor_mm));
-  if (points_mm.empty()) throw Error(ErrorKind::kBadInput, "no points to take sizes from: give at least one");
-  for (std::size_t i = 0; i < points_mm.size(); ++i)
-    if (!points_mm[i].allFinite())
-      throw Error(ErrorKind::kBadInput, fmt::format("point {} to take sizes from is not finite", i));
+  require_size_points(points_mm);
   if (options.k > 1) return std::make_unique<MeanDistanceSizing>(points_mm, options);
   return std::make_unique<PointSizing>(points_mm, options);
 }

@@ -97,6 +97,7 @@ class GradedSizing final : public Sizing {
   [[nodiscard]] bool wants_finer(const std::array<Vec3, 4>& corners_mm) const override {
     return asked_ != nullptr && asked_->wants_finer(corners_mm);
   }
+  [[nodiscard]] bool has_criterion() const override { return asked_ != nullptr && asked_->has_criterion(); }
 
  private:
   static constexpr double kGrowth = 0.6;

@@ -210,6 +210,24 @@ std::optional<Candidate> Rules::candidate_for_crossed_opening(TetId t, const Cir
   return best;
 }
 
+/// Surfaces follow sizes, but know nothing of criteria: this is for one that asks near them, within reason.
+std::optional<Candidate> Rules::nearest_of_surface(TetId t, const Circumsphere& sphere) const {
+  const auto mine = static_cast<Material>(mesh_.label(t));
+  std::optional<Candidate> nearest;
+  constexpr double kLeast = 0.25;  // Of what shapes make points denser to.
+  if (sphere.radius < kLeast * spacing_.min_for_shapes()) return nearest;
+  double smallest = sphere.radius;
+  for (const Material other : domain_.materials_near(sphere.centre, sphere.radius)) {
+    if (other == mine) continue;
+    const auto place = domain_.project(sphere.centre, {mine, other}, sphere.radius);
+    if (!place || (*place - sphere.centre).norm() >= smallest || is_cut_off(domain_, *place)) continue;
+    smallest = (*place - sphere.centre).norm();
+    const DualEdge dual{*place, *place, mine, other, 0};
+    nearest = at_surface(*place, t, dual, sphere.radius, sphere.radius);
+  }
+  return nearest;
+}
+
 std::optional<Candidate> Rules::candidate_for_tet(TetId t, const Circumsphere& sphere) const {
   const auto mine = static_cast<Material>(mesh_.label(t));
   if (!domain_.is_meshed(mine)) return std::nullopt;
@@ -218,13 +236,13 @@ std::optional<Candidate> Rules::candidate_for_tet(TetId t, const Circumsphere& s
     shortest2 = std::min(shortest2, (mesh_.corner(t, i) - mesh_.corner(t, j)).squaredNorm());
   const double largest = kRadiusPerSize * spacing_.size_at(sphere.centre, mine);
   const bool is_long = sphere.radius > radius_edge_ * std::sqrt(shortest2);
-  if (sphere.radius <= largest && !is_long && !spacing_.wants_finer(corner_places(mesh_, t)))
-    return std::nullopt;
+  const bool is_large = sphere.radius > largest || is_long;
+  if (!is_large && !spacing_.wants_finer(corner_places(mesh_, t))) return std::nullopt;
   // What would stand near the surface is left to it.
   constexpr double kMargin = 0.5;
   const double clearance = domain_.surroundings(sphere.centre).clearance_mm;
   if (clearance < std::min(kMargin * std::min(sphere.radius, largest), domain_.clearance_limit_mm()))
-    return std::nullopt;
+    return is_large ? std::nullopt : nearest_of_surface(t, sphere);
   return Candidate{sphere.centre, t, static_cast<float>(sphere.radius / largest), VertexDimension::kVolume,
                    0};
 }

@@ -57,7 +57,8 @@ class Rules {
   /// The face's centre on the surface, if that is not too near to its corners.
   [[nodiscard]] std::optional<Candidate> centre_of_face(TetId t, int face, const Circumsphere& sphere) const;
   /// R4: the circumradius is too large for the shortest edge. R5: for the wanted size; R2 is part of that,
-  /// since sizes near surfaces are theirs. Or the sizing wants it finer.
+  /// since sizes near surfaces are theirs. Or the sizing wants it finer; near a surface that asks for a point
+  /// of it.
   [[nodiscard]] std::optional<Candidate> candidate_for_tet(TetId t, const Circumsphere& sphere) const;
 
  private:
@@ -71,6 +72,7 @@ class Rules {
   [[nodiscard]] std::optional<Candidate> candidate_for_crossed_curve(TetId t, const DualEdge& dual,
                                                                      const std::array<Vec3, 3>& corners,
                                                                      double spacing) const;
+  [[nodiscard]] std::optional<Candidate> nearest_of_surface(TetId t, const Circumsphere& sphere) const;
   [[nodiscard]] Vec3 surface_centre(const DualEdge& dual, double close) const;
   [[nodiscard]] std::optional<Candidate> at_surface(const Vec3& place, TetId t, const DualEdge& dual,
                                                     double radius, double spacing) const;

@@ -226,6 +226,10 @@ bool PluginSizing::wants_finer(const std::array<Vec3, 4>& corners_mm) const {
              [&] { return library_->should_be_adapted(library_->state, points.data(), 4); }) != 0;
 }
 
+bool PluginSizing::has_criterion() const {
+  return library_->should_be_adapted != nullptr;
+}
+
 std::vector<std::string> PluginSizing::warnings() const {
   std::vector<std::string> lines;
   const std::string name = "plugin " + library_->path.filename().string();

@@ -123,8 +123,8 @@ double Operators<Lock>::gather_angles(VertexId v) {
   return worst;
 }
 
-/// Moves the vertex of the ball, unless a tetrahedron were flat or inverted by the exact predicate, or an
-/// edge too short or too long.
+/// Moves the vertex of the ball, unless a tetrahedron were flat or inverted by the exact predicate, or
+/// refused as it is not yet, or an edge too short or too long.
 template <class Lock>
 bool Operators<Lock>::move_in_angles(VertexId v, const Vec3& to, const AngleRules& rules) {
   TetMesh& mesh = subject_.mesh;
@@ -132,7 +132,10 @@ bool Operators<Lock>::move_in_angles(VertexId v, const Vec3& to, const AngleRule
   const VertexBall& ball = scratch_->ball;
   for (const TetId t : ball.tets) {
     const auto [x, y, z] = kTetFaces[mesh.index_of(t, v)];
-    if (orient3d(mesh.corner(t, x), mesh.corner(t, z), mesh.corner(t, y), to) <= 0) return false;
+    const Vec3 &a = mesh.corner(t, x), &b = mesh.corner(t, z), &c = mesh.corner(t, y);
+    if (orient3d(a, b, c, to) <= 0) return false;
+    if (subject_.measure.refuses(a, b, c, to) && !subject_.measure.refuses(a, b, c, mesh.point(v)))
+      return false;
   }
   TetId hint = mesh.metric_hint(v);
   const metric::MetricPair pair = subject_.field.at(to, hint);

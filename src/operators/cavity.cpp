@@ -181,7 +181,7 @@ double Cavity::optimise(const TetMesh& mesh, Vec3& place, AngleStar& angles, con
   if (best < worst + rules.min_gain) return -1;
   for (HullFace& face : hull_) {
     const auto [a, b, c] = face.corners;
-    if (orient3d(at(a), at(b), at(c), place) <= 0) return -1;
+    if (orient3d(at(a), at(b), at(c), place) <= 0 || measure.refuses(at(a), at(b), at(c), place)) return -1;
     face.quality = static_cast<float>(angle_quality(at(a), at(b), at(c), place, measure.obtuse_weight));
   }
   return best;

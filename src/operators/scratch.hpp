@@ -68,13 +68,16 @@ Outcome Operators<Lock>::on_held(OperatorCount& count, VertexId a, VertexId b, c
   return outcome;
 }
 
-/// Quality cubed of the tetrahedron (a, b, c, d) of vertices of the mesh; -1 if it is flat or inverted.
+/// Quality cubed of the tetrahedron (a, b, c, d) of vertices of the mesh; -1 if it is flat, inverted or
+/// refused.
 [[nodiscard]] inline double quality_cubed(const ShapeMeasure& measure, const TetMesh& mesh, VertexId a,
                                           VertexId b, VertexId c, VertexId d) {
   if (measure.kind == ShapeMeasure::Kind::kDihedralAngles) {
     const double quality =
         angle_quality(mesh.point(a), mesh.point(b), mesh.point(c), mesh.point(d), measure.obtuse_weight);
-    return quality > 0 ? metric::cube(quality) : -1;
+    const bool is_fit =
+        quality > 0 && !measure.refuses(mesh.point(a), mesh.point(b), mesh.point(c), mesh.point(d));
+    return is_fit ? metric::cube(quality) : -1;
   }
   return metric::mean_ratio_cubed(mesh.point(a), mesh.point(b), mesh.point(c), mesh.point(d),
                                   mesh.log_metric(a), mesh.log_metric(b), mesh.log_metric(c),

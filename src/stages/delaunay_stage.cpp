@@ -1,8 +1,11 @@
 #include "lumesh/stages/delaunay_stage.hpp"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include "lumesh/core/option.hpp"
+#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
 
@@ -19,6 +22,40 @@ void DelaunayRequest::validate() const {
   improvement.validate();
 }
 
+namespace {
+
+std::uint64_t count_to_refine(const TetMesh& mesh, const Sizing& sizing) {
+  constexpr std::size_t kBlock = 4096;
+  return parallel::reduce_blocks<std::uint64_t>(
+      mesh.tet_count(), kBlock, 0,
+      [&](std::size_t begin, std::size_t end) {
+        std::uint64_t count = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+          const TetId t(static_cast<std::uint32_t>(i));
+          count += sizing.wants_finer(
+              {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)});
+        }
+        return count;
+      },
+      [](std::uint64_t a, std::uint64_t b) { return a + b; });
+}
+
+/// Improvement makes nothing that a criterion would refine.
+void improve_within(const Domain& domain, const DelaunayRequest& request, const Sizing* criterion,
+                    DelaunayMesh& made, Context& context) {
+  ImproveOptions improvement = request.improvement;
+  improvement.place = operators::places_in_domain(made.mesh, domain);
+  improvement.keep_within = operators::within_cuts_of(domain);
+  improvement.lift = request.delaunay.lift;
+  improvement.settles_all = made.report.held_back > 0;
+  if (criterion != nullptr)
+    improvement.refusal = [criterion](const std::array<Vec3, 4>& tet) { return criterion->wants_finer(tet); };
+  context.phase("improvement", [&] { made.improved = improve(made.mesh, improvement, context); });
+  made.is_complete = made.improved->complete;
+}
+
+}  // namespace
+
 DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& request, const Sizing* sizing,
                                 Context& context) {
   DelaunayOptions options = request.delaunay;
@@ -27,14 +64,17 @@ DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& req
   DelaunayResult result = mesh_delaunay(domain, options, context);
   DelaunayMesh made{std::move(result.mesh), std::move(result.report), {}, true};
   made.is_complete = made.report.complete;
-  if (!request.improves || !made.is_complete) return made;
-  ImproveOptions improvement = request.improvement;
-  improvement.place = operators::places_in_domain(made.mesh, domain);
-  improvement.keep_within = operators::within_cuts_of(domain);
-  improvement.lift = options.lift;
-  improvement.settles_all = made.report.held_back > 0;
-  context.phase("improvement", [&] { made.improved = improve(made.mesh, improvement, context); });
-  made.is_complete = made.improved->complete;
+  const Sizing* const criterion = sizing != nullptr && sizing->has_criterion() ? sizing : nullptr;
+  if (request.improves && made.is_complete) improve_within(domain, request, criterion, made, context);
+  if (criterion == nullptr) return made;
+  constexpr double kMany = 0.01;
+  made.report.criterion_asks = count_to_refine(made.mesh, *criterion);
+  if (static_cast<double>(made.report.criterion_asks) > kMany * made.mesh.tet_count())
+    made.report.notes.push_back(
+        fmt::format("the criterion would still refine {} of {} tetrahedra, next to surfaces for the most "
+                    "part, whose points "
+                    "stand as `delta` says; a smaller one leaves fewer",
+                    made.report.criterion_asks, made.mesh.tet_count()));
   return made;
 }
 

@@ -80,9 +80,18 @@ void SizeRequest::describe(OptionList& list) {
   list.of_labels("label_size", label_sizes, above(0), "Size inside a label").in("mm");
   list.path(
       "size_points", points,
-      "Sizes grow with the distance to these points: a file (.vtp, .vtk, .vtu, .csv, .txt, .xyz), or the "
-      "centerline",
+      "Elements grow with the distance to these points, by adapt_const, or in sizes from size_floor on or of size_k "
+      "points: a file (.vtp, .vtk, .vtu, .csv, .txt, .xyz), or the centerline",
       {"centerline"});
+  list.number(
+          "adapt_const", adapt_const, above(0),
+          "Instead of sizes, the paper's algorithm 3: tetrahedra are refined that have an edge of more than so many "
+          "distances from its ends to the nearest of the size_points. size_floor is a length below which edges stay")
+      .zero("2 without size_floor and size_k")
+      .needs("size_points")
+      .excludes("size_k")
+      .excludes("size_factor")
+      .excludes("size_ceiling");
   list.number("size_k", point_sizes.k, between(1, 10000),
               "Nearest of these points, the mean of whose distances counts; the paper has 30")
       .needs("size_points");
@@ -96,7 +105,8 @@ void SizeRequest::describe(OptionList& list) {
   list.number("size_ceiling", point_sizes.ceiling_mm, above(0), "Largest of these sizes")
       .in("mm")
       .zero("no bound", kAnySize)
-      .needs("size_points");
+      .needs("size_points")
+      .needs("size_floor");
   list.number("size_boundary", boundary.at_boundary_mm, above(0),
               "Size at walls, interfaces and openings, growing inwards")
       .in("mm")
@@ -111,10 +121,10 @@ void SizeRequest::describe(OptionList& list) {
 
 void SizeRequest::validate() const {
   require_ranges_of(*this);
-  if (!points.empty() && point_sizes.k == 1 && !(point_sizes.floor_mm > 0))
+  if (has_point_criterion() && adapt_const == 0 && point_sizes.factor != 1)
     throw Error(ErrorKind::kUsage,
-                fmt::format("{} needs {}, the least size in mm, or {} of 2 or more",
-                            option_name("size_points"), option_name("size_floor"), option_name("size_k")));
+                fmt::format("{} needs {}, the least size in mm, or {} of 2 or more", option_name("size_factor"),
+                            option_name("size_floor"), option_name("size_k")));
   if (point_sizes.ceiling_mm < point_sizes.floor_mm)
     throw Error(ErrorKind::kUsage,
                 option_name("size_ceiling") + " must not be less than " + option_name("size_floor"));
@@ -145,9 +155,15 @@ std::unique_ptr<Sizing> SizeData::on(const Domain& domain, const Polylines& axes
     parts_.push_back(size_per_label(request_.label_sizes));
   }
   if (!request_.points.empty()) {
+    constexpr double kBound = 0.5;  // Of the resolution, where a criterion has no end.
     request_.point_sizes.region_mm = domain.bounds_mm();
+    const std::vector<Vec3>& points = request_.points == "centerline" ? axes.points : points_;
     parts_.push_back(naming(request_.points, [&] {
-      return size_from_points(request_.points == "centerline" ? axes.points : points_, request_.point_sizes);
+      if (!request_.has_point_criterion()) return size_from_points(points, request_.point_sizes);
+      const double wanted = request_.adapt_const;
+      return criterion_from_points(
+          points, {wanted > 0 ? wanted : SizeRequest::kAdaptConst, request_.point_sizes.floor_mm,
+                   kBound * domain.resolution_mm(), domain.bounds_mm()});
     }));
   }
   if (request_.boundary.at_boundary_mm > 0) parts_.push_back(size_from_boundary(domain, request_.boundary));

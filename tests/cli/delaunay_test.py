@@ -197,7 +197,7 @@ class SizesTest(DelaunayTest):
                 self.refused(BAD_INPUT, name, *words, options=("--size-points", self.folder / name, "--size-floor", 1))
         missing = self.folder / "missing.vtp"
         self.refused(BAD_INPUT, "missing.vtp", "no such file", options=("--size-points", missing, "--size-floor", 1))
-        self.refused(USAGE, "--size-floor", options=("--size-points", missing))
+        self.refused(USAGE, "--size-floor", options=("--size-points", missing, "--size-factor", 2))
         self.refused(USAGE, "--size-points", options=("--size-factor", 2))
         self.refused(USAGE, "--size-ceiling",
                      options=("--size-points", missing, "--size-floor", 2, "--size-ceiling", 1))
@@ -251,6 +251,56 @@ class SizesTest(DelaunayTest):
     def test_the_smallest_of_several_counts(self):
         both = self.mesh("--label-size", "1=1.2", "--size-boundary", 2.5)
         self.assertEqual(len(both[1]), len(self.mesh("--label-size", "1=1.2")[1]))
+
+
+def elements_to_adapt(mesh, landmarks, adapt_const):
+    """Algorithm 3 of the paper, word for word: the elements of which it returns true."""
+    points, tetrahedra, _ = mesh
+    diag = [1 / min(math.dist(p, mark) for mark in landmarks) ** 2 for p in points]
+    return [corners for *corners, _ in tetrahedra
+            if any(math.sqrt((diag[a - 1] + diag[b - 1]) / 2) * math.dist(points[a - 1], points[b - 1]) > adapt_const
+                   for i, a in enumerate(corners) for b in corners[:i])]
+
+
+class CriterionTest(DelaunayTest):
+    """Landmarks along the middle of a ball."""
+
+    def setUp(self):
+        super().setUp()
+        self.marks = [(MIDDLE - 3 + 0.11 * i, MIDDLE + 0.2, MIDDLE - 0.3) for i in range(56)]
+        self.points = self.folder / "landmarks.xyz"
+        self.points.write_text("".join(f"{x} {y} {z}\n" for x, y, z in self.marks), encoding="ascii")
+
+    def test_points_without_sizes_have_the_papers_criterion_which_improvement_keeps(self):
+        coarse, asked = self.mesh("--size", 6), ("--size", 6, "--size-points", self.points)
+        refined = self.mesh(*asked, "--no-improve")
+        self.assertEqual(self.said, "")
+        self.assertEqual(self.mesh(*asked, "--adapt-const", 2, "--no-improve"), refined)
+        improved = self.mesh(*asked)
+        self.assertEqual(self.said, "")
+        self.assertGreater(len(elements_to_adapt(coarse, self.marks, 2)), 50)
+        self.assertGreater(len(improved[1]), 1.5 * len(coarse[1]))
+        self.assertEqual(elements_to_adapt(refined, self.marks, 2), [])
+        self.assertEqual(elements_to_adapt(improved, self.marks, 2), [])
+
+    def test_what_has_no_end_is_told_once_and_bounded(self):
+        self.mesh("--size-points", self.points, "--adapt-const", 1.5, "--no-improve")
+        self.assertEqual(self.said.count("warning"), 1, self.said)
+        self.assertRegex(self.said, "--adapt-const 1.5 .*--size-floor")
+        self.mesh("--size-points", self.points, "--adapt-const", 1.5, "--size-floor", 1, "--no-improve")
+        self.assertEqual(self.said, "")
+        self.refused(USAGE, "--size-factor", options=("--size-points", self.points, "--adapt-const", 2, "--size-factor", 1,
+                                                      "--size-floor", 1))
+        self.refused(USAGE, "--size-points", options=("--adapt-const", 2))
+
+    def test_the_example_plugin_makes_the_same_mesh(self):
+        text = self.folder / "landmarks.txt"
+        text.write_bytes(self.points.read_bytes())
+        plugin = f"{PLUGINS / 'landmark_sizing.so'}:{text}"
+        for options, of_plugin in ((), ""), (("--adapt-const", 3, "--size-floor", 1), ",adapt_const=3,floor=1"):
+            with self.subTest(of_plugin):
+                built_in = self.mesh("--size", 6, "--size-points", self.points, *options)
+                self.assertEqual(self.mesh("--size", 6, "--sizing", plugin + of_plugin), built_in)
 
 
 class PluginsTest(DelaunayTest):

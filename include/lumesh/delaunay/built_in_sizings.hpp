@@ -41,6 +41,20 @@ struct PointSizeOptions {
 [[nodiscard]] std::unique_ptr<Sizing> size_from_points(std::span<const Vec3> points_mm,
                                                        const PointSizeOptions& options);
 
+struct PointCriterionOptions {
+  double adapt_const = 2;  ///< Largest metric length of an edge, > 0.
+  double floor_mm = 0;     ///< Edges need not be shorter; 0: the criterion alone says how short.
+  double bound_mm =
+      0;  ///< Taken as the floor, with a warning, where there is none and the criterion has no end.
+  Box3 region_mm = {};  ///< As PointSizeOptions::region_mm.
+};
+
+/// No size, but a criterion for tetrahedra: an edge may be `adapt_const` long in the mean of the tensors of
+/// its ends, each the identity over the squared distance to the nearest point. Algorithm 3 of the paper,
+/// PODM's Function Approximation. Distances are exact. Cost of a call: 0.3 us.
+[[nodiscard]] std::unique_ptr<Sizing> criterion_from_points(std::span<const Vec3> points_mm,
+                                                            const PointCriterionOptions& options);
+
 struct BoundarySizeOptions {
   double at_boundary_mm = 0;  ///< Size at the boundary, > 0.
   double growth = 0.2;        ///< Growth of the size per distance from the boundary, >= 0.

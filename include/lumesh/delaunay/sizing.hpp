@@ -22,6 +22,8 @@ class Sizing {
   [[nodiscard]] virtual double size_at(const Vec3& point_mm, Label label) const = 0;
   /// True if the tetrahedron with these corners is too large for a reason that sizes do not express.
   [[nodiscard]] virtual bool wants_finer(const std::array<Vec3, 4>& /*corners_mm*/) const { return false; }
+  /// Whether wants_finer() may be true of anything.
+  [[nodiscard]] virtual bool has_criterion() const { return false; }
   /// Warnings about the answers so far, one line each. Not while other threads ask.
   [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
 };

@@ -38,6 +38,7 @@ class PluginSizing final : public Sizing {
   [[nodiscard]] double size_at(const Vec3& point_mm, Label label) const override;
   /// The plugin's lumesh_should_be_adapted(), or false if it has none.
   [[nodiscard]] bool wants_finer(const std::array<Vec3, 4>& corners_mm) const override;
+  [[nodiscard]] bool has_criterion() const override;
   /// Warnings of bad answers, exceptions, and calls that take more than 5 us on average.
   [[nodiscard]] std::vector<std::string> warnings() const override;
 

@@ -2,12 +2,18 @@
 /// @file Quality measures of a tetrahedron, for operators that improve it: 1 is perfect, 0 is flat.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 
 #include "lumesh/geometry/tetrahedron.hpp"
 
 namespace lumesh::operators {
+
+/// True for tetrahedra, by their corners, that are not to be made, whatever their shapes. Called from any
+/// thread; the same answer to the same question.
+using Refusal = std::function<bool(const std::array<Vec3, 4>& corners_mm)>;
 
 /// Edge removal, face removal and collapse work with either, split_edge() and smooth_vertex() with the mean
 /// ratio, optimise_vertex(), slide_vertex() and insert_for_angles() with the angles.
@@ -18,6 +24,12 @@ struct ShapeMeasure {
   };
   Kind kind = Kind::kMeanRatio;
   double obtuse_weight = 1;  ///< Weight of the sines of obtuse angles, in (0, 1].
+  /// With the angles only; null: none. Tetrahedra that it is true of before may stay so where a vertex moves.
+  const Refusal* refusal = nullptr;
+
+  [[nodiscard]] bool refuses(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const {
+    return refusal != nullptr && (*refusal)({a, b, c, d});
+  }
 };
 
 /// Smallest sine of the dihedral angles of (a, b, c, d), those of obtuse ones times `obtuse_weight`; negative

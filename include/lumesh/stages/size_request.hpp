@@ -17,6 +17,7 @@ struct SizeRequest {
   std::map<Label, double> label_sizes;
   std::string points;  ///< A path, or "centerline"; empty: none.
   PointSizeOptions point_sizes;
+  double adapt_const = 0;  ///< 0: kAdaptConst where neither floor nor k make sizes of the points.
   BoundarySizeOptions boundary;  ///< Not wanted while the size there is 0.
   std::string image, mesh;       ///< Paths.
   std::string plugin;            ///< PATH[:OPTIONS].
@@ -27,6 +28,11 @@ struct SizeRequest {
   /// @throws Error{kUsage} that names the option.
   void validate() const;
   [[nodiscard]] bool needs_axes() const { return points == "centerline" || cells_per_diameter > 0; }
+  /// Whether the points give a criterion (criterion_from_points()) and no sizes.
+  [[nodiscard]] bool has_point_criterion() const {
+    return !points.empty() && (adapt_const > 0 || (point_sizes.floor_mm == 0 && point_sizes.k == 1));
+  }
+  static constexpr double kAdaptConst = 2;  ///< The paper's.
   /// The path of the plugin, without its options.
   [[nodiscard]] std::string plugin_path() const { return plugin.substr(0, plugin.find(':')); }
 };

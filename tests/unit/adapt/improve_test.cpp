@@ -132,6 +132,38 @@ TEST(Improve, KeepsEdgesToTheirSizes) {
   EXPECT_NEAR(mesh.metric(VertexId(0)).xx, 1 / (kSize * kSize), 1e-9);
 }
 
+double shortest_edge(const std::array<Vec3, 4>& tet) {
+  double shortest = 1;
+  for (const auto& [a, b] : kTetEdges) shortest = std::min(shortest, (tet[a] - tet[b]).norm());
+  return shortest;
+}
+
+double shortest_edge(const TetMesh& mesh) {
+  double shortest = 1;
+  for (std::uint32_t i = 0; i < mesh.tet_count(); ++i) {
+    const TetId t(i);
+    shortest =
+        std::min(shortest,
+                 shortest_edge({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)}));
+  }
+  return shortest;
+}
+
+TEST(Improve, MakesNoTetrahedronThatIsRefused) {
+  const ImproveOptions ambitious{.min_dihedral_deg = 35, .max_dihedral_deg = 130, .passes = 5};
+  TetMesh free = fixtures::rough_cube(6, 6), held = fixtures::rough_cube(6, 6);
+  const double before = shortest_edge(held);
+  Context context;
+  (void)improve(free, ambitious, context);
+  ImproveOptions bound = ambitious;
+  bound.refusal = [&](const std::array<Vec3, 4>& tet) { return shortest_edge(tet) < before; };
+  const ImproveReport report = improve(held, bound, context);
+  ASSERT_TRUE(validate(held).ok()) << validate(held).text();
+  EXPECT_LT(shortest_edge(free), before);
+  EXPECT_GE(shortest_edge(held), before);
+  EXPECT_GT(report.after.min_deg, report.before.min_deg + 5);
+}
+
 TEST(Improve, GivesTheSameBitsForEveryThreadCount) {
   std::vector<TetMesh> meshes;
   for (const int threads : {1, 2, 8}) {

@@ -1,12 +1,15 @@
 // Plugins for sizes: the loader's errors, bad answers, threads, and the example.
 #include "lumesh/delaunay/sizing_plugin.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <random>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/delaunay/built_in_sizings.hpp"
@@ -170,12 +173,35 @@ TEST(SizingPlugin, CombinedWithOthersItKeepsItsWarnings) {
 
 // --- The example
 
-TEST(ExamplePlugin, SizesAreTheFactorTimesTheDistanceToTheClosestLandmark) {
-  const TemporaryFile landmarks("landmarks.txt", "# x y z\n0 0 0\n10 0 0\n\n10 0 8\n");
-  const PluginSizing sizing(plugin("landmark_sizing") + ":" + landmarks.path() + ",adapt_const=2,floor=0.5");
-  EXPECT_DOUBLE_EQ(sizing.size_at({0, 3, 4}, 1), 10) << "twice 5";
-  EXPECT_DOUBLE_EQ(sizing.size_at({13, 4, 8}, 1), 10);
-  EXPECT_DOUBLE_EQ(sizing.size_at({0.125, 0, 0}, 1), 0.5) << "the floor";
+TEST(ExamplePlugin, SaysWhatTheBuiltInCriterionSays) {
+  std::string text;
+  std::vector<Vec3> landmarks;
+  for (int i = 0; i < 40; ++i) {
+    landmarks.emplace_back(0.25 * i, 3 * std::sin(0.2 * i), 0.1 * i);
+    text += fmt::format("{} {} {}\n", landmarks.back().x(), landmarks.back().y(), landmarks.back().z());
+  }
+  const TemporaryFile file("curve.txt", text);
+  const std::string name = plugin("landmark_sizing") + ":" + file.path();
+  const PluginSizing plain(name), with_floor(name + ",adapt_const=1.3,floor=0.8");
+  const Box3 region(Vec3(-2, -6, -3), Vec3(12, 6, 7));
+  const auto built_in = criterion_from_points(landmarks, {.region_mm = region});
+  const auto built_in_with_floor =
+      criterion_from_points(landmarks, {.adapt_const = 1.3, .floor_mm = 0.8, .region_mm = region});
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> share(0, 1), offset(-1, 1);
+  std::array<int, 4> counts = {};
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 at =
+        region.min() + region.sizes().cwiseProduct(Vec3(share(random), share(random), share(random)));
+    const double size = 4 * share(random);
+    std::array<Vec3, 4> tet;
+    for (Vec3& corner : tet) corner = at + size * Vec3(offset(random), offset(random), offset(random));
+    ASSERT_EQ(plain.wants_finer(tet), built_in->wants_finer(tet)) << i;
+    ASSERT_EQ(with_floor.wants_finer(tet), built_in_with_floor->wants_finer(tet)) << i;
+    ++counts[plain.wants_finer(tet) ? 1 : 0];
+    ++counts[with_floor.wants_finer(tet) ? 3 : 2];
+  }
+  EXPECT_GT(*std::min_element(counts.begin(), counts.end()), 1000);
 }
 
 TEST(ExamplePlugin, AnElementIsAdaptedIfAnEdgeIsTooLongInTheMeanMetric) {
@@ -194,7 +220,7 @@ TEST(ExamplePlugin, AnElementIsAdaptedIfAnEdgeIsTooLongInTheMeanMetric) {
 
 TEST(ExamplePlugin, TheFloorEndsRefinementAtALandmark) {
   const TemporaryFile landmarks("one.txt", "0 0 0\n");
-  const PluginSizing sizing(plugin("landmark_sizing") + ":" + landmarks.path() + ",floor=0.5");
+  const PluginSizing sizing(plugin("landmark_sizing") + ":" + landmarks.path() + ",adapt_const=1,floor=0.5");
   std::array<Vec3, 4> tet = {Vec3(0, 0, 0), Vec3(0.45, 0, 0), Vec3(0, 0.1, 0), Vec3(0, 0, 0.1)};
   EXPECT_FALSE(sizing.wants_finer(tet));
   tet[1].x() = 0.51;
@@ -207,7 +233,6 @@ TEST(ExamplePlugin, SaysWhatIsWrongWithItsOptions) {
   EXPECT_TRUE(holds(fault_of(name + "/no/landmarks.txt,floor=1"), {"/no/landmarks.txt: cannot be read"}));
   EXPECT_TRUE(holds(fault_of(name + bad.path() + ",floor=1"), {"line 2: wants three numbers"}));
   EXPECT_TRUE(holds(fault_of(name + empty.path() + ",floor=1"), {"has no landmarks"}));
-  EXPECT_TRUE(holds(fault_of(name + good.path()), {"floor is missing"}));
   EXPECT_TRUE(
       holds(fault_of(name + good.path() + ",floor=no"), {"floor must be a number greater than 0, not 'no'"}));
   EXPECT_TRUE(holds(fault_of(name + good.path() + ",ceiling=1"), {"no option 'ceiling'"}));
