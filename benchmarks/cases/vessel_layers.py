@@ -113,7 +113,9 @@ class Bench:
             times.append(sum(float(phases.get(name, 0)) for name in ("surface", "directions", "heights", "shape", "skin", "room", "cells")))
         before, after, told = self.evaluate(bare), self.evaluate(out), json.loads(numbers.read_text())
         seconds = statistics.median(times)
-        row = {"cells": told["cells"], "complete": told["complete"], "bare": told["patches"][0]["bare"], "seconds": seconds,
+        row = {"cells": told["cells"], "complete": told["complete"], "bare": told["patches"][0]["bare"],
+               "first_height_kept": told["patches"][0]["first_height_kept"], "least_first_height": told["patches"][0]["least_first_height"],
+               "seconds": seconds,
                "cells_per_s": told["cells"] / seconds, "valid": after["valid"], "dihedral_deg": [after["least"], after["most"]],
                "volume": after["volume"] / before["volume"]}
         row["good"] = row["valid"] and ("inward" not in layers or abs(row["volume"] - 1) < 1e-3)
@@ -136,8 +138,10 @@ def main():
             print(f"{name}: skipped, its data are not in {arguments.data}", file=sys.stderr)
             continue
         results[name] = row
-        print("{:20} {:8} cells, {:5.1f} % complete, {:4.1f} % bare, {:6.2f} s, {:8.0f} cells/s, {:.2f}-{:.1f} deg, volume 1{:+.1e}{}".format(
-            name, row["cells"], 100 * row["complete"], 100 * row["bare"], row["seconds"], row["cells_per_s"], *row["dihedral_deg"],
+        print("{:20} {:8} cells, {:5.1f} % complete, {:4.1f} % bare, first height kept on {:5.1f} %, least {:.3f}, {:6.2f} s, "
+              "{:8.0f} cells/s, {:.2f}-{:.1f} deg, volume 1{:+.1e}{}".format(
+            name, row["cells"], 100 * row["complete"], 100 * row["bare"], 100 * row["first_height_kept"],
+            row["least_first_height"], row["seconds"], row["cells_per_s"], *row["dihedral_deg"],
             row["volume"] - 1, "" if row["good"] else "  FAULT"), file=sys.stderr, flush=True)
     json.dump(results, sys.stdout, indent=2)
     print()

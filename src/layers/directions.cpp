@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -93,17 +94,37 @@ class DirectionFinder {
     return visible(v, direction) >= std::min(before, kSharp) ? direction : of[v];
   }
 
-  /// Heights are met in the mean over the triangles around, and nearly so over each.
+  /// Heights are met in the mean over the triangles around, as far as they allow it also as the distance from
+  /// the surface, and nearly so over each triangle.
   [[nodiscard]] double stretch(std::size_t v, const Vec3& direction, double least) const {
-    constexpr double kMost = 2, kRounding = 1 + 1e-12;
+    constexpr double kMost = 2, kRounding = 1 + 1e-12, kOff = 0.019;
     double sum = 0, weights = 0;
     for (const std::uint32_t t : surface_.triangles_around.of(v)) {
       const double weight = angle_at(surface_, t, static_cast<std::uint32_t>(v));
       sum += weight * normals_[t].dot(direction);
       weights += weight;
     }
-    const double of_mean = weights / std::max(sum, 1e-9);
-    return std::min(kMost, std::max(of_mean, kRounding * Directions::kLeastHeight / least));
+    const double of_mean = weights / std::max(sum, 1e-9), of_distance = 1 / distance(v, direction);
+    const double wanted = std::clamp(of_mean, (1 - kOff) * of_distance, (1 + kOff) * of_distance);
+    const double met = std::clamp(wanted, (1 - kOff) * of_mean, (1 + kOff) * of_mean);
+    return std::min(kMost, std::max(met, kRounding * Directions::kLeastHeight / least));
+  }
+  /// Distance that a short step along the direction gains from the triangles around, as a share of it.
+  [[nodiscard]] double distance(std::size_t v, const Vec3& direction) const {
+    const Vec3& from = surface_.points[v];
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t w : surface_.neighbours.of(v))
+      shortest = std::min(shortest, (surface_.points[w] - from).norm());
+    const double step = 0.1 * shortest;
+    const Vec3 end = from + step * direction;
+    double nearest = step;
+    for (const std::uint32_t t : surface_.triangles_around.of(v)) {
+      const auto& [a, b, c] = surface_.triangles[t];
+      const Vec3 foot =
+          closest_point_on_triangle(end, surface_.points[a], surface_.points[b], surface_.points[c]);
+      nearest = std::min(nearest, (end - foot).norm());
+    }
+    return nearest / step;
   }
 
   const LayerSurface& surface_;
