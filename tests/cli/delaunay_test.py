@@ -173,7 +173,7 @@ class SizesTest(DelaunayTest):
         self.assert_finer_below(self.mesh("--size-points", line, "--size-k", 30, "--no-improve"), 0.7)
         self.refused(BAD_INPUT, "line.xyz", "40 different points", "41", options=("--size-points", line, "--size-k", 41))
         self.refused(USAGE, "--size-k", options=("--size-points", line, "--size-k", 0, "--size-floor", 1))
-        self.refused(USAGE, "--size-floor", "--size-k", options=("--size-points", line))
+        self.refused(USAGE, "--size-floor", "--size-k", options=("--size-points", line, "--size-factor", 2))
 
     def test_a_metric_of_aspect_1_and_an_isotropic_one_are_sizes_of_a_mesh(self):
         line, metric = self.folder / "line.xyz", self.folder / "metric.vtu"

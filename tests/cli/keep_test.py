@@ -116,7 +116,7 @@ class KeepTest(MeshTest):
     def test_what_cannot_be_kept_is_refused(self):
         mesh = self.layered("--cells", "prisms")
         adapt = ("adapt", mesh, "--analytic", "linear", "-o", self.out)
-        self.assert_refused(self.run_lumesh(*adapt), BAD_INPUT, "other than tetrahedra", "--keep")
+        self.assert_refused(self.run_lumesh(*adapt), BAD_INPUT, "hexahedra, prisms or pyramids", "--keep")
         self.assert_refused(self.run_lumesh(*adapt, "--keep", "door"), BAD_INPUT, "door", "labels present: 1, 2 (vessel_wall)")
         self.assert_refused(self.run_lumesh(*adapt, "--keep", "1,vessel_wall"), BAD_INPUT, "all labels are kept")
         self.assert_refused(self.run_lumesh(*adapt, "--keep", "1"), BAD_INPUT, "label 2", "other than tetrahedra")

@@ -450,7 +450,6 @@ class LayersTest(CaseTest):
         refused = [
             (["layers.first_height=-1"], "[layers] first_height must be greater than 0"),
             (["layers.first_height=0"], "[layers] first_height is missing"),
-            (["layers.count=0"], "the number of layers or their thickness is missing; give [layers] count"),
             (["layers.count=999"], "[layers] count must lie between 1 and 200"),
             (["layers.first_hight=1"], "did you mean \"first_height\"?"),
             (["layers.label=a=b"], "write NAME=NUMBER"),

@@ -77,7 +77,7 @@ TEST(Layers, OnPatchesBetweenLabelsGrowIntoEither) {
     const ValidationReport report = validate(result.mesh.view());
     ASSERT_TRUE(report.ok()) << report.text();
     expect_conforming(result.mesh);
-    EXPECT_GT(result.report.complete(), 0.8);  // Between labels, the coarse lattice's surface has kinks.
+    EXPECT_GT(result.report.complete(), 0.75);  // Between labels, the coarse lattice's surface has kinks.
     const Label other = 3 - one.into;
     EXPECT_NEAR(volume_of(result.mesh, other) / volume_of(before, other), 1, 1e-12);
     EXPECT_NEAR((volume_of(result.mesh, one.into) + volume_of(result.mesh, 3)) / volume_of(before, one.into),
@@ -88,7 +88,7 @@ TEST(Layers, OnPatchesBetweenLabelsGrowIntoEither) {
         one.patch == between && one.into == 2 ? radius + thickness / 2 : radius - thickness / 2;
     const double area = area_of(before, one.patch), length = 50;
     EXPECT_NEAR(area / (2 * kPi * radius * length), 1, 0.07) << "kinks between labels make it larger";
-    EXPECT_NEAR(volume_of(result.mesh, 3) / (area * middle / radius * thickness), 1, 0.04);
+    EXPECT_NEAR(volume_of(result.mesh, 3) / (area * middle / radius * thickness), 1, 0.06);
     const double unlayered = area_of(result.mesh, one.patch + "_bare");
     EXPECT_NEAR(area_of(result.mesh, one.patch) + unlayered, area, 1e-9 * area);
     EXPECT_LT(unlayered, 0.06 * area);
