@@ -49,7 +49,7 @@ class Bench:
         self.output = arguments.output.resolve()
         self.threads, self.rounds, self.limit = arguments.threads, arguments.rounds, arguments.limit
         self.part = arguments.part
-        self.methods = paper_methods.all_methods(self.has, self.part)
+        self.methods = paper_methods.all_methods(self.part)
         self.results = {}
         self.output.mkdir(parents=True, exist_ok=True)
 

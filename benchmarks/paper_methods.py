@@ -38,16 +38,14 @@ def minutes(**cores):
     return {int(n[1:]): 60 * t for n, t in cores.items()}
 
 
-def literal(has, **numbers):
+def literal(**numbers):
     """Table 1's line of CDT3D (aniso)."""
-    also = " --met 1 --meval 1 --reconstruct 1" if has("adapt", "--meval") else ""
-    return CDT3D.format(**numbers) + also
+    return CDT3D.format(**numbers) + " --met 1 --meval 1 --reconstruct 1"
 
 
-def layers_of(has, mesh, height, key):
+def layers_of(mesh, height, key):
     """Table 1's line of AFLR, and the layers by themselves."""
-    number = " --open" if has("layers", "--open") else " --growth 1 --count 5"
-    return {"commands": (f"layers {mesh} --mbl 1 --blds {height} --fints 0{number} -o {key}_all.vtu",), "mesh": f"{key}.vtu",
+    return {"commands": (f"layers {mesh} --mbl 1 --blds {height} --fints 0 --open -o {key}_all.vtu",), "mesh": f"{key}.vtu",
             "after": (f"convert {key}_all.vtu --only-labels vessel_wall {key}.vtu",)}
 
 
@@ -56,10 +54,7 @@ def surface_sizes(mesh, out):
     return f"metric {mesh} --curvature --edges-per-radius 0.1 --max-size 10 --max-aspect 1 --frozen-sizes on --gradation 1.2 -o {out}"
 
 
-def case1(has):
-    isotropic = "--isotropic" if has("metric", "--isotropic") else "--max-aspect 1"
-    tetgen_sizes = "--size-points line.vtp --size-k 30" if has("delaunay", "--size-k") else "--size-mesh case1_sizes.vtu"
-    podm_sizes = "--adapt-const 2" if has("delaunay", "--adapt-const") else "--size-factor 2 --size-floor 1.2"
+def case1():
     aniso = f"--points line.vtp --k 40 --complexity {CASE1_COMPLEXITY}"
     frozen = "--boundary frozen"
     return [
@@ -71,18 +66,19 @@ def case1(has):
                (f"metric case1.vtu {aniso} --max-aspect 10 --frozen-sizes on -o case1_metric.vtu",),
                paper=Paper(seconds=minutes(n1=191, n10=19, n20=9)), points_of="case1_cbc3d"),
         Method("case1_sizes", "Build_Sizing/Metric, isotropic, k = 30", 1,
-               (f"metric case1.vtu --points line.vtp --k 30 {isotropic} -o case1_sizes.vtu",), points_of="case1_cbc3d"),
-        Method("case1_tetgen_sizes", "TetGen (w/ adaptivity)", 1, (f"delaunay case1.stl {tetgen_sizes} -o tetgen_sizes.vtu",),
+               ("metric case1.vtu --points line.vtp --k 30 --isotropic -o case1_sizes.vtu",), points_of="case1_cbc3d"),
+        Method("case1_tetgen_sizes", "TetGen (w/ adaptivity)", 1,
+               ("delaunay case1.stl --size-points line.vtp --size-k 30 -o tetgen_sizes.vtu",),
                "tetgen_sizes.vtu", Paper(120e3, 37e3, minutes(n1=0.1), (3.99, 171.66)), figure="angles"),
         Method("case1_tetgen", "TetGen (no adaptivity)", 1, ("delaunay case1.stl -o tetgen.vtu",), "tetgen.vtu",
                Paper(118e3, 36e3, minutes(n1=0.06), (1.67, 176.73)), figure="angles"),
         Method("case1_podm", "PODM (no vol. adaptivity)", 1, ("delaunay case1.nrrd --delta 1.2 --size 1000 -o podm.vtu",), "podm.vtu",
                Paper(599e3, 131e3, minutes(n1=0.35, n10=0.05, n20=0.04), (4.71, 170.15), 2.42), image="case1.nrrd", figure="angles"),
         Method("case1_podm_sizes", "PODM (w/ vol. adaptivity)", 1,
-               (f"delaunay case1.nrrd --delta 1.2 --size-points line.vtp {podm_sizes} -o podm_sizes.vtu",), "podm_sizes.vtu",
+               ("delaunay case1.nrrd --delta 1.2 --size-points line.vtp --adapt-const 2 -o podm_sizes.vtu",), "podm_sizes.vtu",
                Paper(644e3, 141e3, minutes(n1=1.1, n10=0.15, n20=0.1), (4.65, 170.14), 2.42), image="case1.nrrd", figure="angles"),
         Method("case1_aflr", "AFLR (bl)", 1, paper=Paper(912e3, 183e3, minutes(n1=0.43), (1.48, 176.69)), figure="angles",
-               **layers_of(has, "case1.vtu", 1.2, "case1_layers")),
+               **layers_of("case1.vtu", 1.2, "case1_layers")),
         Method("case1_cdt3d_iso", "CDT3D (iso)", 1,
                (surface_sizes("case1.vtu", "iso_sizes.vtu"), f"adapt iso_sizes.vtu {frozen} --reconnect-below 0.8 -o iso.vtu"),
                "iso.vtu", Paper(631e3, 122e3, minutes(n1=0.6, n10=0.3, n20=0.1), (3.99, 165.25)), figure="angles"),
@@ -91,13 +87,13 @@ def case1(has):
                Paper(1.59e6, 284e3, minutes(n1=20, n10=3, n20=2)), figure="metric"),
         Method("case1_merge", "merge (VTK)", 1, ("merge aniso.vtu case1_layers.vtu -o case1_final.vtu",), "case1_final.vtu"),
         Method("case1_literal", "CDT3D (aniso), Table 1 to the letter", 1,
-               (f"adapt literal_metric.vtu {literal(has, sref=0, cdfn=0.6, nqual=3, nsmth=5)} -o literal.vtu",), "literal.vtu",
+               (f"adapt literal_metric.vtu {literal(sref=0, cdfn=0.6, nqual=3, nsmth=5)} -o literal.vtu",), "literal.vtu",
                Paper(1.59e6, 284e3, minutes(n1=20, n10=3, n20=2)), "literal",
                (f"metric case1.vtu {aniso} --gradation 1e9 --frozen-sizes off -o literal_metric.vtu",), figure="metric"),
     ]
 
 
-def case2(has):
+def case2():
     aniso = f"--velocity flow.vtp --complexity {CASE2_COMPLEXITY}"
     frozen = "--boundary frozen"
     paper = Paper(80e3, 15e3, {1: 910, 10: 105, 20: 69})
@@ -108,7 +104,7 @@ def case2(has):
                Paper(12e3, 3e3, {1: 1.54}, (2.71, 171.3)), figure="angles",
                before=("phantom bifurcation -o case2.nrrd --velocity flow.vtp", "lattice case2.nrrd -o case2.vtu --surface case2.stl")),
         Method("case2_aflr", "AFLR (bl)", 2, paper=Paper(82e3, 16e3, {1: 3.2}, (2.8, 171.83)), figure="angles",
-               **layers_of(has, "case2_tetgen.vtu", 0.12, "case2_layers")),
+               **layers_of("case2_tetgen.vtu", 0.12, "case2_layers")),
         Method("case2_cdt3d_iso", "CDT3D (iso)", 2,
                (surface_sizes("case2_tetgen.vtu", "case2_sizes.vtu"),
                 f"adapt case2_sizes.vtu {frozen} --reconnect-below 0.8 -o case2_iso.vtu"), "case2_iso.vtu",
@@ -121,24 +117,23 @@ def case2(has):
                before=(f"metric case2_iso.vtu {aniso} -o case2_free.vtu",), figure="metric"),
         Method("case2_merge", "merge (VTK)", 2, ("merge case2_aniso.vtu case2_layers.vtu -o case2_final.vtu",), "case2_final.vtu"),
         Method("case2_literal", "CDT3D (aniso), to the letter", 2,
-               (f"adapt literal2.vtu {literal(has, sref=0, cdfn=0.8, nqual=10, nsmth=10)} -o case2_literal.vtu",), "case2_literal.vtu",
+               (f"adapt literal2.vtu {literal(sref=0, cdfn=0.8, nqual=10, nsmth=10)} -o case2_literal.vtu",), "case2_literal.vtu",
                paper, "literal", (three.format("literal2"),), figure="metric"),
         Method("case2_literal_surface", "CDT3D (aniso), surface adapted, to the letter", 2,
-               (f"adapt literal3.vtu {literal(has, sref=1, cdfn=0.6, nqual=3, nsmth=5)} -o case2_literal3.vtu",), "case2_literal3.vtu",
+               (f"adapt literal3.vtu {literal(sref=1, cdfn=0.6, nqual=3, nsmth=5)} -o case2_literal3.vtu",), "case2_literal3.vtu",
                adapted, "literal", (three.format("literal3"),), figure="metric"),
     ]
 
 
-def large(has, part):
+def large(part):
     """Groups of one each; {delta} is found by trials, see paper.py."""
-    sizes = "--adapt-const 2" if has("delaunay", "--adapt-const") else "--size-factor 2 --size-floor 0.1"
     one, two = (round(complexity * part) for complexity in LARGE_COMPLEXITY)
     return [
         Method("large_podm", "PODM (no adaptivity)", 1, ("delaunay case1.nrrd --delta {delta} --size 1000 -o large_podm.meshb",),
                "large_podm.meshb", Paper(48.2e6, 8.6e6, minutes(n1=9.6, n2=4.8, n4=2.4, n8=1.3, n16=0.7, n32=0.4, n64=0.3, n96=0.2),
                                          (4.35, 170.29)), "podm", figure="angles"),
         Method("large_podm_sizes", "PODM (w/ adaptivity)", 1,
-               ("delaunay case1.nrrd --delta {delta} --size-points line.vtp " + sizes + " -o large_podm_sizes.meshb",),
+               ("delaunay case1.nrrd --delta {delta} --size-points line.vtp --adapt-const 2 -o large_podm_sizes.meshb",),
                "large_podm_sizes.meshb", Paper(49.3e6, 12.2e6, minutes(n1=50, n2=25, n4=13, n8=6.6, n16=3.4, n32=1.8, n64=1.1, n96=0.7),
                                                (4.25, 170.26)), "podm-sizes", figure="angles"),
         Method("large_case1", "CDT3D (Optimized)", 1,
@@ -153,6 +148,6 @@ def large(has, part):
     ]
 
 
-def all_methods(has, part=1):
+def all_methods(part=1):
     """With a part of the large meshes' tetrahedra."""
-    return [*case1(has), *case2(has), *large(has, part)]
+    return [*case1(), *case2(), *large(part)]
