@@ -78,15 +78,16 @@ std::unique_ptr<Sizing> read_size_image(const std::string& path, Context& contex
 
 void SizeRequest::describe(OptionList& list) {
   list.of_labels("label_size", label_sizes, above(0), "Size inside a label").in("mm");
-  list.path(
-      "size_points", points,
-      "Elements grow with the distance to these points, by adapt_const, or in sizes from size_floor on or of size_k "
-      "points: a file (.vtp, .vtk, .vtu, .csv, .txt, .xyz), or the centerline",
-      {"centerline"});
-  list.number(
-          "adapt_const", adapt_const, above(0),
-          "Instead of sizes, the paper's algorithm 3: tetrahedra are refined that have an edge of more than so many "
-          "distances from its ends to the nearest of the size_points. size_floor is a length below which edges stay")
+  list.path("size_points", points,
+            "Elements grow with the distance to these points, by adapt_const, or in sizes from size_floor on "
+            "or of size_k "
+            "points: a file (.vtp, .vtk, .vtu, .csv, .txt, .xyz), or the centerline",
+            {"centerline"});
+  list.number("adapt_const", adapt_const, above(0),
+              "Instead of sizes, the paper's algorithm 3: tetrahedra are refined that have an edge of more "
+              "than so many "
+              "distances from its ends to the nearest of the size_points. size_floor is a length below which "
+              "edges stay")
       .zero("2 without size_floor and size_k")
       .needs("size_points")
       .excludes("size_k")
@@ -123,8 +124,8 @@ void SizeRequest::validate() const {
   require_ranges_of(*this);
   if (has_point_criterion() && adapt_const == 0 && point_sizes.factor != 1)
     throw Error(ErrorKind::kUsage,
-                fmt::format("{} needs {}, the least size in mm, or {} of 2 or more", option_name("size_factor"),
-                            option_name("size_floor"), option_name("size_k")));
+                fmt::format("{} needs {}, the least size in mm, or {} of 2 or more",
+                            option_name("size_factor"), option_name("size_floor"), option_name("size_k")));
   if (point_sizes.ceiling_mm < point_sizes.floor_mm)
     throw Error(ErrorKind::kUsage,
                 option_name("size_ceiling") + " must not be less than " + option_name("size_floor"));

@@ -17,7 +17,7 @@ struct SizeRequest {
   std::map<Label, double> label_sizes;
   std::string points;  ///< A path, or "centerline"; empty: none.
   PointSizeOptions point_sizes;
-  double adapt_const = 0;  ///< 0: kAdaptConst where neither floor nor k make sizes of the points.
+  double adapt_const = 0;        ///< 0: kAdaptConst where neither floor nor k make sizes of the points.
   BoundarySizeOptions boundary;  ///< Not wanted while the size there is 0.
   std::string image, mesh;       ///< Paths.
   std::string plugin;            ///< PATH[:OPTIONS].
