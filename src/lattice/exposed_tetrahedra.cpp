@@ -56,13 +56,15 @@ class ExposedRemoval {
     return drop_tetrahedra(mesh_, boundary_, keep_);
   }
 
+  [[nodiscard]] bool is_beyond(std::uint32_t v) const {
+    const Vec3& x = mesh_.positions[v];
+    return (within_cuts(domain_, boundary_.sets[v], x) - x).norm() > kLittleBeyond * domain_.voxel_size_mm();
+  }
   /// Ascending.
   [[nodiscard]] std::vector<std::uint32_t> find_beyond_cuts() const {
     std::vector<std::uint32_t> beyond;
     for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
-      const Vec3& x = mesh_.positions[v];
-      if ((within_cuts(domain_, boundary_.sets[v], x) - x).norm() > kLittleBeyond * domain_.voxel_size_mm())
-        beyond.insert(beyond.end(), mesh_.star(v).begin(), mesh_.star(v).end());
+      if (is_beyond(v)) beyond.insert(beyond.end(), mesh_.star(v).begin(), mesh_.star(v).end());
     }
     sort_unique(beyond);
     return beyond;
@@ -158,6 +160,7 @@ class ExposedRemoval {
     const int open = open_faces(t);
     if (open != 2 && open != 3) return false;
     Material outside = 0;
+    bool joins_opening = false;
     std::array<std::size_t, 4> faces_open{};
     std::size_t n = 0;
     for (std::size_t f = 0; f < 4; ++f) {
@@ -169,7 +172,10 @@ class ExposedRemoval {
       const auto found = triangle_at_.find(sorted(face_of(mesh_.tets[t], f)));
       if (found == triangle_at_.end()) return false;
       const Material m = boundary_.triangles[found->second].outside;
-      if (n > 0 && m != outside && !(may_join_opening_ && domain_.is_cut(std::max(m, outside)))) return false;
+      if (n > 0 && m != outside) {
+        if (!may_join_opening_ || !domain_.is_cut(std::max(m, outside))) return false;
+        joins_opening = true;
+      }
       outside = std::max(m, outside);
       faces_open[n++] = f;
     }
@@ -179,7 +185,20 @@ class ExposedRemoval {
       if (const auto use = edge_use_.find(edge_key(a, b)); use != edge_use_.end() && use->second > 0)
         return false;
     }
+    if (joins_opening && !comes_to_lie_in(t, domain_.cut_plane(outside))) return false;
     drop(t, outside);
+    return true;
+  }
+
+  /// Whether the faces that come to light are in a cut plane, but for corners beyond it, which go later.
+  [[nodiscard]] bool comes_to_lie_in(std::uint32_t t, const CutPlane& plane) const {
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (mesh_.neighbours[t][f] == kNoTet) continue;
+      for (const std::uint32_t v : face_of(mesh_.tets[t], f)) {
+        const double off_mm = std::abs(plane.height(mesh_.positions[v]));
+        if (!is_beyond(v) && off_mm > kLittleBeyond * domain_.voxel_size_mm()) return false;
+      }
+    }
     return true;
   }
 

@@ -90,9 +90,9 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   settle_wall(mesh, boundary, domain, setting.limits);
   undo_crossings(mesh, boundary, domain, repaired_mm, setting.limits);
   level_openings(mesh, boundary, setting);
-  remove_beyond_cuts(mesh, boundary, domain);
   FitReport report =
       report_on(deviations, finder.deviating_probe_distances_mm(mesh, boundary), domain.voxel_size_mm());
+  remove_beyond_cuts(mesh, boundary, domain);
   add_beyond_cuts(mesh, boundary, domain, report);
   return report;
 }

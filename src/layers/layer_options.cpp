@@ -68,7 +68,7 @@ void LayerOptions::validate() const {
   require(first_height > 0,
           option_name("first_height") + " is missing: the height of the layer next to the surface");
   require(growth >= 1 || count > 0, "a growth below 1 needs the number of layers, " + option_name("count"));
-  require(!counts_by_sizes() || growth > 1 || growth_rise > 1,
+  require(!counts_by_sizes() || growth > 1 || (growth_rise > 1 && most_growth > 1),
           "layers that do not grow never become as high as edges are long; give " + option_name("count") +
               " or " + option_name("thickness"));
   require(!counts_by_sizes() || short_of_room == ShortOfRoom::kDrop,

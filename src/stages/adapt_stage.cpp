@@ -57,7 +57,10 @@ std::string note_on_vertices_outside(const TetMesh& mesh, const operators::KeepW
 std::vector<LabelChange> changes_of(const std::map<Label, double>& before,
                                     const std::map<Label, double>& after) {
   std::vector<LabelChange> changes;
-  for (const auto& [label, volume] : after) changes.push_back({label, before.at(label), volume});
+  for (const auto& [label, volume] : before) {
+    const auto found = after.find(label);
+    changes.push_back({label, volume, found == after.end() ? 0 : found->second});
+  }
   return changes;
 }
 

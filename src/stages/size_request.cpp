@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -95,6 +96,7 @@ void SizeRequest::describe(OptionList& list) {
       .excludes("size_ceiling");
   list.number("size_k", point_sizes.k, between(1, 10000),
               "Nearest of these points, the mean of whose distances counts; the paper has 30")
+      .zero("1, for which size_floor is needed")
       .needs("size_points");
   list.number("size_factor", point_sizes.factor, above(0), "Size per distance to the size_points")
       .needs("size_points");
@@ -106,8 +108,7 @@ void SizeRequest::describe(OptionList& list) {
   list.number("size_ceiling", point_sizes.ceiling_mm, above(0), "Largest of these sizes")
       .in("mm")
       .zero("no bound", kAnySize)
-      .needs("size_points")
-      .needs("size_floor");
+      .needs("size_points");
   list.number("size_boundary", boundary.at_boundary_mm, above(0),
               "Size at walls, interfaces and openings, growing inwards")
       .in("mm")
@@ -122,10 +123,14 @@ void SizeRequest::describe(OptionList& list) {
 
 void SizeRequest::validate() const {
   require_ranges_of(*this);
-  if (has_point_criterion() && adapt_const == 0 && point_sizes.factor != 1)
-    throw Error(ErrorKind::kUsage,
-                fmt::format("{} needs {}, the least size in mm, or {} of 2 or more",
-                            option_name("size_factor"), option_name("size_floor"), option_name("size_k")));
+  const bool has_ceiling = point_sizes.ceiling_mm < kAnySize;
+  const bool has_sizes = point_sizes.k == 1 || point_sizes.factor != 1 || has_ceiling;
+  if (has_sizes && adapt_const == 0 && point_sizes.k <= 1 && point_sizes.floor_mm == 0)
+    throw Error(ErrorKind::kUsage, fmt::format("{} needs {}, the least size in mm, or {} of 2 or more",
+                                               option_name(has_ceiling          ? "size_ceiling"
+                                                           : point_sizes.k == 1 ? "size_k"
+                                                                                : "size_factor"),
+                                               option_name("size_floor"), option_name("size_k")));
   if (point_sizes.ceiling_mm < point_sizes.floor_mm)
     throw Error(ErrorKind::kUsage,
                 option_name("size_ceiling") + " must not be less than " + option_name("size_floor"));
@@ -156,11 +161,13 @@ std::unique_ptr<Sizing> SizeData::on(const Domain& domain, const Polylines& axes
     parts_.push_back(size_per_label(request_.label_sizes));
   }
   if (!request_.points.empty()) {
+    const bool has_criterion = request_.has_point_criterion();
+    request_.point_sizes.k = std::max(1, request_.point_sizes.k);
     constexpr double kBound = 0.5;  // Of the resolution, where a criterion has no end.
     request_.point_sizes.region_mm = domain.bounds_mm();
     const std::vector<Vec3>& points = request_.points == "centerline" ? axes.points : points_;
     parts_.push_back(naming(request_.points, [&] {
-      if (!request_.has_point_criterion()) return size_from_points(points, request_.point_sizes);
+      if (!has_criterion) return size_from_points(points, request_.point_sizes);
       const double wanted = request_.adapt_const;
       return criterion_from_points(
           points, {wanted > 0 ? wanted : SizeRequest::kAdaptConst, request_.point_sizes.floor_mm,

@@ -15,8 +15,8 @@ class OptionList;
 
 struct SizeRequest {
   std::map<Label, double> label_sizes;
-  std::string points;  ///< A path, or "centerline"; empty: none.
-  PointSizeOptions point_sizes;
+  std::string points;                       ///< A path, or "centerline"; empty: none.
+  PointSizeOptions point_sizes = {.k = 0};  ///< k 0: not given, 1.
   double adapt_const = 0;        ///< 0: kAdaptConst where neither floor nor k make sizes of the points.
   BoundarySizeOptions boundary;  ///< Not wanted while the size there is 0.
   std::string image, mesh;       ///< Paths.
@@ -30,7 +30,7 @@ struct SizeRequest {
   [[nodiscard]] bool needs_axes() const { return points == "centerline" || cells_per_diameter > 0; }
   /// Whether the points give a criterion (criterion_from_points()) and no sizes.
   [[nodiscard]] bool has_point_criterion() const {
-    return !points.empty() && (adapt_const > 0 || (point_sizes.floor_mm == 0 && point_sizes.k == 1));
+    return !points.empty() && (adapt_const > 0 || (point_sizes.floor_mm == 0 && point_sizes.k == 0));
   }
   static constexpr double kAdaptConst = 2;  ///< The paper's.
   /// The path of the plugin, without its options.
