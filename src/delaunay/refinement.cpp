@@ -38,6 +38,7 @@ void Refinement::insert_seeds(const Seeds& seeds, std::span<const std::uint32_t>
 }
 
 std::size_t Refinement::complete(std::span<const BoundaryCandidate> candidates) {
+  if (candidates.empty()) return 0;
   constexpr double kFar = 1.25;  // Of the distance of candidates. A little more than R1 allows is left to it.
   std::vector<Vec3> known;
   for (std::uint32_t v = 4; v < mesh_.vertex_slots(); ++v)

@@ -2,6 +2,7 @@
 
 #include "lumesh/core/wide.hpp"
 #include "segment_loops.hpp"
+#include "stencil.hpp"
 
 namespace lumesh::field {
 
@@ -12,20 +13,6 @@ constexpr float kLeastDistance = 1;   // from the wall: nearer ones are the voxe
 constexpr float kLeastAround = 0.5F;  // the same of the voxels around
 constexpr int kReach = 2;             // of these
 
-/// What an array holds one voxel back, at the voxels of a segment, and one further along an axis.
-struct Row {
-  Lanes before, own, after;
-};
-
-[[gnu::always_inline]] inline Row row_along(const Band& band, const LaneArray& values, int segment,
-                                            int axis) {
-  const float* const own = values.at(segment);
-  const auto& rows = band.rows(segment);
-  const float* const before = axis == 0 ? own - 1 : values.at(rows[axis == 1 ? kYm : kZm]);
-  const float* const after = axis == 0 ? own + 1 : values.at(rows[axis == 1 ? kY1 : kZ1]);
-  return {load(before), load(own), load(after)};
-}
-
 /// Signed distances within the image, NaN elsewhere.
 LUMESH_WIDE_LOOPS void set_distances(const Band& band, int begin, int end, LaneArray& distances) {
   for (int s = begin; s < end; ++s) {
@@ -35,7 +22,7 @@ LUMESH_WIDE_LOOPS void set_distances(const Band& band, int begin, int end, LaneA
 }
 
 /// By the difference of both neighbours, or of the one that is known.
-[[gnu::always_inline]] inline Lanes squared_slope(const Row& row, float per_edge) {
+[[gnu::always_inline]] inline Lanes squared_slope(const RowValues& row, float per_edge) {
   const LaneMask has_before = row.before == row.before, has_after = row.after == row.after;
   const Lanes rise = (has_after ? row.after : row.own) - (has_before ? row.before : row.own);
   const Lanes slope = rise * (has_before & has_after ? Lanes{} + 0.5F * per_edge : Lanes{} + per_edge);
@@ -61,7 +48,7 @@ LUMESH_WIDE_LOOPS void mark_medial_axis(const Band& band, const LaneArray& dista
 LUMESH_WIDE_LOOPS void dilate(const Band& band, const LaneArray& marks, int axis, int begin, int end,
                               LaneArray& out) {
   for (int s = begin; s < end; ++s) {
-    const Row row = row_along(band, marks, s, axis);
+    const RowValues row = row_along(band, marks, s, axis);
     store(out.at(s),
           keep(Lanes{} + 1.0F, (row.before + row.own + row.after > Lanes{}) & mask_of(band.alive(s))));
   }

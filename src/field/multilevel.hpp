@@ -57,7 +57,7 @@ class Multilevel {
   [[nodiscard]] const Transfer& finest() const { return levels_.front().transfer; }
 
   /// Sums over a window of about Gaussian shape, normalised alike everywhere: values are 0 outside the band.
-  /// kNarrow has a standard deviation of 2 voxels, kWide of 3.2.
+  /// kNarrow has a standard deviation of 2 voxels, kWide of 3.2, kFar of 6.5.
   enum class Window : std::uint8_t { kNarrow, kWide, kFar };
   void sum_over_window(const LaneArray& values, Window window, LaneArray& sums);
 

@@ -29,6 +29,20 @@ struct Stencil {
   return u;
 }
 
+/// What an array holds one voxel back, at the voxels of a segment, and one further along an axis.
+struct RowValues {
+  Lanes before, own, after;
+};
+
+[[gnu::always_inline]] inline RowValues row_along(const Band& band, const LaneArray& values, int segment,
+                                                  int axis) {
+  const float* const own = values.at(segment);
+  const auto& rows = band.rows(segment);
+  const float* const before = axis == 0 ? own - 1 : values.at(rows[axis == 1 ? kYm : kZm]);
+  const float* const after = axis == 0 ? own + 1 : values.at(rows[axis == 1 ? kY1 : kZ1]);
+  return {load(before), load(own), load(after)};
+}
+
 /// The points that a face's data look at: four across the face, and beside both of its voxels along the other
 /// axes.
 template <class Values>

@@ -172,17 +172,17 @@ struct StiffnessLoops {
     for (int s = begin; s < end; ++s)
       store(out.at(s), keep(least(load(wrong.at(s)), kMostCounted), mask_of(band.boundary(s))));
   }
-  /// far_sums: windows of violations and of boundary voxels. Near the border a place has to be worse than
+  /// far_sums: windows of violations. Near the border a place has to be worse than
   /// those around on the average: else what is too stiff further in, and has bent the function out there,
   /// softens it where too little holds it.
-  static LUMESH_WIDE_LOOPS void soften(StiffnessAdaptation& a, const Band& band,
-                                       const std::array<const LaneArray*, 2>& far_sums, int begin, int end) {
+  static LUMESH_WIDE_LOOPS void soften(StiffnessAdaptation& a, const Band& band, const LaneArray& far_sums,
+                                       int begin, int end) {
     for (int s = begin; s < end; ++s) {
       const auto at = static_cast<std::size_t>(s);
       const Lanes boundary = load(a.boundary_narrow_.at(s)), wrong = size_of(load(a.wrong_sum_.at(s)));
-      const Lanes far_wrong = keep(load(far_sums[0]->at(s)), mask_of(a.near_border_[at]));
+      const Lanes far_wrong = keep(load(far_sums.at(s)), mask_of(a.near_border_[at]));
       const LaneMask too_stiff = (boundary > Lanes{} + kTiny) & (wrong > kTooStiff * boundary) &
-                                 (wrong * load(far_sums[1]->at(s)) >= far_wrong * boundary);
+                                 (wrong * load(a.boundary_far_.at(s)) >= far_wrong * boundary);
       const auto bits = static_cast<std::uint8_t>(bits_of(too_stiff) & ~a.locked_[at] & band.alive(s));
       const Lanes old = load(a.logarithm_.at(s)), lower = old - kStep;
       store(a.logarithm_.at(s), mask_of(bits) ? (lower > Lanes{} + kLeast ? lower : Lanes{} + kLeast) : old);
@@ -242,8 +242,8 @@ bool has_any(const std::vector<std::uint8_t>& bits) {
 StiffnessAdaptation::StiffnessAdaptation(const LaneArray& start, Noise noise, FitState& state)
     : noise_(noise) {
   const int end = state.band.end();
-  for (LaneArray* array : {&boundary_narrow_, &boundary_wide_, &logarithm_, &last_logarithm_, &wrong_,
-                           &last_wrong_, &wrong_sum_, &scratch_, &other_, &more_})
+  for (LaneArray* array : {&boundary_narrow_, &boundary_wide_, &boundary_far_, &logarithm_, &last_logarithm_,
+                           &wrong_, &last_wrong_, &wrong_sum_, &scratch_, &other_, &more_})
     array->assign(end, 0);
   for (Bits* bits : {&turning_, &thin_around_, &locked_, &beyond_noise_, &softened_})
     bits->assign(state.band.segment_count(), 0);
@@ -252,6 +252,7 @@ StiffnessAdaptation::StiffnessAdaptation(const LaneArray& start, Noise noise, Fi
   });
   state.levels.sum_over_window(scratch_, Window::kNarrow, boundary_narrow_);
   state.levels.sum_over_window(scratch_, Window::kWide, boundary_wide_);
+  state.levels.sum_over_window(scratch_, Window::kFar, boundary_far_);
   for_each_segment(end, [&](int s, std::size_t at) {
     store(scratch_.at(s),
           keep(Lanes{} + 1.0F, mask_of(static_cast<std::uint8_t>(state.band.boundary(s) & state.thin[at]))));
@@ -382,15 +383,13 @@ bool StiffnessAdaptation::judge(FitState& state) {
 
 bool StiffnessAdaptation::soften(FitState& state) {
   const Band& band = state.band;
-  const auto set = [&](auto set_block, const auto& from, LaneArray& sums) {
-    for_each_segment_block(band.end(), [&](int begin, int end) { set_block(band, from, begin, end, sums); });
-    state.levels.sum_over_window(sums, Window::kFar, sums);
-  };
-  set(StiffnessLoops::sizes, last_wrong_, other_);
-  set(StiffnessLoops::count, Bits(band.segment_count(), 0xFF), more_);
+  LaneArray& far_wrong = other_;
   for_each_segment_block(band.end(), [&](int begin, int end) {
-    StiffnessLoops::soften(*this, band, {&other_, &more_}, begin, end);
+    StiffnessLoops::sizes(band, last_wrong_, begin, end, far_wrong);
   });
+  state.levels.sum_over_window(far_wrong, Window::kFar, far_wrong);
+  for_each_segment_block(
+      band.end(), [&](int begin, int end) { StiffnessLoops::soften(*this, band, far_wrong, begin, end); });
   return has_any(softened_);
 }
 

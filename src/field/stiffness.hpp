@@ -39,7 +39,7 @@ class StiffnessAdaptation {
   void lower_holds_where_locked(FitState& state);
 
   Noise noise_;
-  LaneArray boundary_narrow_, boundary_wide_;  // how much boundary the windows hold
+  LaneArray boundary_narrow_, boundary_wide_, boundary_far_;  // how much boundary the windows hold
   Bits turning_, thin_around_, near_border_;
   Bits locked_, beyond_noise_, softened_;
   LaneArray logarithm_, last_logarithm_;  // of the stiffness, to base 2

@@ -32,6 +32,13 @@ struct BoundaryModel {
   return place + move;
 }
 
+/// How far a vertex of this set is beyond cut planes.
+[[nodiscard]] inline double beyond_cuts_mm(const ImageDomain& domain, const MaterialSet& set,
+                                           const Vec3& place) {
+  return (within_cuts(domain, set, place) - place).norm();
+}
+inline constexpr double kLittleBeyond = 0.01;  ///< Voxels beyond a cut plane that do not matter.
+
 /// Reads the model off a mesh that still has the ring of tetrahedra outside.
 [[nodiscard]] BoundaryModel find_boundary(const WorkMesh& mesh, const ImageDomain& domain);
 

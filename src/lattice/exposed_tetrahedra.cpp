@@ -13,8 +13,6 @@ namespace lumesh {
 
 namespace {
 
-constexpr double kLittleBeyond = 0.01;  // Voxels beyond a cut plane.
-
 struct TriangleHash {
   std::size_t operator()(const Triangle& t) const {
     return (t[0] * std::size_t{0x9e3779b1} ^ t[1]) * std::size_t{0x85ebca77} ^ t[2];
@@ -57,8 +55,8 @@ class ExposedRemoval {
   }
 
   [[nodiscard]] bool is_beyond(std::uint32_t v) const {
-    const Vec3& x = mesh_.positions[v];
-    return (within_cuts(domain_, boundary_.sets[v], x) - x).norm() > kLittleBeyond * domain_.voxel_size_mm();
+    return beyond_cuts_mm(domain_, boundary_.sets[v], mesh_.positions[v]) >
+           kLittleBeyond * domain_.voxel_size_mm();
   }
   /// Ascending.
   [[nodiscard]] std::vector<std::uint32_t> find_beyond_cuts() const {

@@ -35,11 +35,9 @@ FitReport report_on(const std::vector<Deviation>& deviations, const std::vector<
 
 void add_beyond_cuts(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain,
                      FitReport& report) {
-  constexpr double kLittle = 0.01;  // Voxels.
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
-    const Vec3& place = mesh.positions[v];
-    const double off_mm = (within_cuts(domain, boundary.sets[v], place) - place).norm();
-    if (off_mm <= kLittle * domain.voxel_size_mm()) continue;
+    const double off_mm = beyond_cuts_mm(domain, boundary.sets[v], mesh.positions[v]);
+    if (off_mm <= kLittleBeyond * domain.voxel_size_mm()) continue;
     ++report.vertices_beyond;
     report.furthest_beyond_mm = std::max(report.furthest_beyond_mm, off_mm);
   }

@@ -56,6 +56,7 @@ struct CaseState {
   [[nodiscard]] BoundaryFaces boundary_faces() const;
   /// The mesh with these faces of its own, and with its metric if that means anything.
   [[nodiscard]] MeshView view(const BoundaryFaces& faces) const;
+  [[nodiscard]] const MeshInfo& mesh_info() const { return mixed ? mixed->info : mesh.info(); }
   [[nodiscard]] MeshInfo& mesh_info() { return mixed ? mixed->info : mesh.info(); }
   /// What every file says of its making.
   [[nodiscard]] MeshInfo info() const;

@@ -35,7 +35,7 @@ std::string text_of_case(const CaseState& state) {
 
 /// What it says of its patches, under the names that the user gives: the stages go by their own.
 MeshInfo info_with_given_names(const CaseState& state) {
-  MeshInfo info = state.mixed ? state.mixed->info : state.mesh.info();
+  MeshInfo info = state.mesh_info();
   static_cast<void>(rename_found(info, state.renamings));  // What is missing is said of the last mesh.
   return info;
 }

@@ -19,10 +19,13 @@ namespace lumesh {
 namespace {
 
 using fixtures::ball;
+using fixtures::between;
 using fixtures::copy_of;
 using fixtures::expect_conforming;
 using fixtures::grown;
 using fixtures::meshed;
+using fixtures::near_balls;
+using fixtures::random_blobs;
 using fixtures::tube;
 using fixtures::volume_of;
 
@@ -161,15 +164,6 @@ TEST(FirstHeight, IsKeptOnVesselsOfEitherKind) {
   }
 }
 
-/// Two balls 4 mm apart, joined by a bridge: where they face each other there is room for a layer or two.
-TetMesh near_balls() {
-  const Vec3 a(14, 14, 14), b(38, 14, 14);
-  return meshed(fixtures::voxels_of(fixtures::frame_of({53, 30, 40}), {0, 1}, [&](const Vec3& p) {
-    const bool bridge = std::hypot(p.y() - 14, p.z() - 22) < 4 && p.x() > 14 && p.x() < 38;
-    return (p - a).norm() < 10 || (p - b).norm() < 10 || bridge ? 1 : 0;
-  }));
-}
-
 TEST(FirstHeight, StaysWhereOuterLayersGo) {
   const TetMesh mesh = near_balls();
   const auto with = [&](ShortOfRoom way) {
@@ -192,28 +186,12 @@ TEST(FirstHeight, StaysWhereOuterLayersGo) {
 /// Blobs of balls, with heights up to as much as the surface is fine, and many layers.
 TEST(FirstHeight, IsKeptOnRandomShapes) {
   std::mt19937 random(11);
-  const auto between = [&](double low, double high) {
-    return low + (high - low) * static_cast<double>(random()) / static_cast<double>(std::mt19937::max());
-  };
   for (int round = 0; round < 10; ++round) {
-    std::vector<std::pair<Vec3, double>> balls;
-    Vec3 at = Vec3::Constant(20);
-    for (int i = 0; i < 4; ++i) {
-      balls.emplace_back(at, between(3, 8));
-      at += Vec3(between(-7, 7), between(-7, 7), between(-7, 7));
-      at = at.cwiseMax(8).cwiseMin(32);
-    }
-    const TetMesh mesh =
-        meshed(fixtures::voxels_of(fixtures::frame_of({40, 40, 40}), {0, 1}, [&](const Vec3& p) {
-          return std::any_of(balls.begin(), balls.end(),
-                             [&](const auto& one) { return (p - one.first).norm() < one.second; })
-                     ? 1
-                     : 0;
-        }));
-    const double volume = volume_of(copy_of(mesh), 1), first = std::pow(10, between(-2, 0.3));
+    const TetMesh mesh = random_blobs(random);
+    const double volume = volume_of(copy_of(mesh), 1), first = std::pow(10, between(-2, 0.3, random));
     for (const LayerSide side : {LayerSide::kOutward, LayerSide::kInward}) {
       LayerOptions options = {
-          .side = side, .first_height = first, .growth = between(1, 1.6), .count = 1 + round};
+          .side = side, .first_height = first, .growth = between(1, 1.6, random), .count = 1 + round};
       SCOPED_TRACE("round " + std::to_string(round) + ", height " + std::to_string(first));
       const LayerResult result = grown(mesh, options);
       const ValidationReport report = validate(result.mesh.view());

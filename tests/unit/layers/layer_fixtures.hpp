@@ -8,7 +8,9 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fixtures/images.hpp"
@@ -40,6 +42,36 @@ inline constexpr double kTubeRadius = 10;
 [[nodiscard]] inline TetMesh tube() {
   return meshed(voxels_of(frame_of({40, 40, 50}), {0, 1}, [](const Vec3& p) {
     return std::hypot(p.x() - 19.5, p.y() - 19.5) < kTubeRadius ? 1 : 0;
+  }));
+}
+
+/// Two balls 4 mm apart, joined by a bridge far from the gap's middle.
+[[nodiscard]] inline TetMesh near_balls() {
+  const Vec3 a(14, 14, 14), b(38, 14, 14);
+  return meshed(voxels_of(frame_of({53, 30, 40}), {0, 1}, [&](const Vec3& p) {
+    const bool bridge = std::hypot(p.y() - 14, p.z() - 22) < 4 && p.x() > 14 && p.x() < 38;
+    return (p - a).norm() < 10 || (p - b).norm() < 10 || bridge ? 1 : 0;
+  }));
+}
+
+[[nodiscard]] inline double between(double low, double high, std::mt19937& random) {
+  return low + (high - low) * static_cast<double>(random()) / static_cast<double>(std::mt19937::max());
+}
+
+/// Four balls, each near the one before.
+[[nodiscard]] inline TetMesh random_blobs(std::mt19937& random) {
+  std::vector<std::pair<Vec3, double>> balls;
+  Vec3 at = Vec3::Constant(20);
+  for (int i = 0; i < 4; ++i) {
+    balls.emplace_back(at, between(3, 8, random));
+    at += Vec3(between(-7, 7, random), between(-7, 7, random), between(-7, 7, random));
+    at = at.cwiseMax(8).cwiseMin(32);
+  }
+  return meshed(voxels_of(frame_of({40, 40, 40}), {0, 1}, [&](const Vec3& p) {
+    return std::any_of(balls.begin(), balls.end(),
+                       [&](const auto& one) { return (p - one.first).norm() < one.second; })
+               ? 1
+               : 0;
   }));
 }
 

@@ -22,6 +22,7 @@ namespace {
 
 using fixtures::area_of;
 using fixtures::ball;
+using fixtures::between;
 using fixtures::copy_of;
 using fixtures::expect_conforming;
 using fixtures::Faces;
@@ -29,6 +30,8 @@ using fixtures::grown;
 using fixtures::kPi;
 using fixtures::kTubeRadius;
 using fixtures::meshed;
+using fixtures::near_balls;
+using fixtures::random_blobs;
 using fixtures::tube;
 using fixtures::volume_of;
 
@@ -143,13 +146,7 @@ TEST(Layers, OfPrismsConformAndHaveTheirQuadrilateralsInRings) {
 }
 
 TEST(Layers, BetweenTwoPartsShareTheRoom) {
-  // Two balls 4 mm apart, joined by a bridge far from the gap's middle: layers of 5 mm cannot fit.
-  const Vec3 a(14, 14, 14), b(38, 14, 14);
-  const TetMesh mesh =
-      meshed(fixtures::voxels_of(fixtures::frame_of({53, 30, 40}), {0, 1}, [&](const Vec3& p) {
-        const bool bridge = std::hypot(p.y() - 14, p.z() - 22) < 4 && p.x() > 14 && p.x() < 38;
-        return (p - a).norm() < 10 || (p - b).norm() < 10 || bridge ? 1 : 0;
-      }));
+  const TetMesh mesh = near_balls();  // Layers of 5 mm cannot fit.
   const LayerResult result = grown(mesh, {.first_height = 1, .growth = 1, .count = 5});
   ASSERT_TRUE(validate(result.mesh.view()).ok()) << validate(result.mesh.view()).text();
   const LayerCoverage& wall = result.report.patches.at(0);
@@ -356,28 +353,13 @@ TEST(Layers, HeightsMayBeSharesOfTheRadiusOrOfEdges) {
 /// Blobs of balls, with heights from next to nothing to more than the object.
 TEST(Layers, OnRandomShapesAreAlwaysValidAndTellWhatTheyAre) {
   std::mt19937 random(7);
-  const auto between = [&](double low, double high) {
-    return low + (high - low) * static_cast<double>(random()) / static_cast<double>(std::mt19937::max());
-  };
   for (int round = 0; round < 12; ++round) {
-    std::vector<std::pair<Vec3, double>> balls;
-    Vec3 at = Vec3::Constant(20);
-    for (int i = 0; i < 4; ++i) {
-      balls.emplace_back(at, between(3, 8));
-      at += Vec3(between(-7, 7), between(-7, 7), between(-7, 7));
-      at = at.cwiseMax(8).cwiseMin(32);
-    }
-    const TetMesh mesh =
-        meshed(fixtures::voxels_of(fixtures::frame_of({40, 40, 40}), {0, 1}, [&](const Vec3& p) {
-          return std::any_of(balls.begin(), balls.end(),
-                             [&](const auto& one) { return (p - one.first).norm() < one.second; })
-                     ? 1
-                     : 0;
-        }));
-    const double height = std::pow(10, between(-3, 0.7));
+    const TetMesh mesh = random_blobs(random);
+    const double height = std::pow(10, between(-3, 0.7, random));
     const LayerSide side = round % 2 == 0 ? LayerSide::kOutward : LayerSide::kInward;
     const LayerResult result = grown(
-        mesh, {.side = side, .first_height = height, .growth = between(1, 1.5), .count = 1 + round % 5});
+        mesh,
+        {.side = side, .first_height = height, .growth = between(1, 1.5, random), .count = 1 + round % 5});
     const ValidationReport report = validate(result.mesh.view());
     ASSERT_TRUE(report.ok()) << "round " << round << ", height " << height << "\n" << report.text();
     ASSERT_EQ(result.report.patches.size(), 1u);
