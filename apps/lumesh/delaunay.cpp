@@ -37,6 +37,7 @@ nlohmann::ordered_json report_json(const DelaunayReport& report, const std::opti
   json["complete"] = report.complete && (!improved || improved->complete);
   json["rules_hold"] = report.rules_hold;
   json["criterion_asks"] = report.criterion_asks;
+  json["input_vertices_kept"] = report.fixed_points_kept;
   json["tetrahedra"] = mesh.tet_count();
   json["vertices"] = mesh.vertex_count();
   json["seeds"] = {
@@ -73,15 +74,20 @@ void check_options(DelaunayCommand& command) {
                      sizes.mesh, sizes.plugin_path()});
 }
 
-void print_summary(const DelaunayCommand& command, const TetMesh& mesh, const BoundaryFaces& faces,
-                   const OpeningsCompared& openings, const std::optional<ImproveReport>& improved,
-                   const Context& context, double seconds) {
+void print_summary(const DelaunayCommand& command, const Domain& domain, const DelaunayMesh& made,
+                   const BoundaryFaces& faces, const OpeningsCompared& openings, const Context& context,
+                   double seconds) {
+  const TetMesh& mesh = made.mesh;
+  const std::optional<ImproveReport>& improved = made.improved;
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles\n", command.mesh_path,
       mesh.tet_count(), mesh.vertex_count(), faces.triangles.size());
   for (std::size_t p = 0; p < mesh.info().patches.size(); ++p)
     say(command.run, "  patch {:<20} {:>8} triangles{}\n", mesh.info().patches[p].name,
         std::count(faces.patches.begin(), faces.patches.end(), static_cast<int>(p)),
         opening_text(openings, mesh.info().patches[p].name));
+  if (!domain.fixed_points().empty())
+    say(command.run, "  {} of the surface's {} vertices are vertices of the mesh\n",
+        made.report.fixed_points_kept, domain.fixed_points().size());
   if (improved)
     say(command.run, "  dihedral angles {:.2f} to {:.2f} degrees (before improvement: {:.2f} to {:.2f})\n",
         improved->after.min_deg, improved->after.max_deg, improved->before.min_deg, improved->before.max_deg);
@@ -135,7 +141,7 @@ void run(DelaunayCommand command) {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
     write_text_file(command.json_path, report_json(made.report, improved, mesh, context).dump(2) + "\n");
-  print_summary(command, mesh, faces, openings, improved, context, elapsed.count());
+  print_summary(command, domain, made, faces, openings, context, elapsed.count());
   require_sound(command.mesh_path, mesh.view(faces), context, long_run.reason(is_complete));
   long_run.check_complete(is_complete, command.mesh_path + " holds the best mesh so far");
   require_openings(command.openings, command.mesh_path, openings, without_name);

@@ -191,7 +191,12 @@ void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, 
 namespace {
 
 /// Corners never slide.
-void make_corners(TetMesh& mesh, const std::vector<PatchId>& patches) {
+void make_corners(TetMesh& mesh, const std::vector<PatchId>& patches, const operators::Stays& stays) {
+  if (stays)
+    for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v)
+      if (mesh.dimension(VertexId(v)) != VertexDimension::kVolume && stays(mesh.point(VertexId(v))))
+        mesh.set_dimension(VertexId(v), VertexDimension::kCorner);
+  if (patches.empty()) return;
   const BoundaryFaces faces = mesh.boundary_faces();
   for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
     const PatchId patch(static_cast<std::uint32_t>(faces.patches[f]));
@@ -227,8 +232,10 @@ operators::MayBecome settled_shapes(const ImproveOptions& options) {
 /// Carries vertices that have slid, and those of the triangles around them, to where their patches truly run.
 /// @return false if there are none.
 bool settle_moved(TetMesh& mesh, const std::vector<Vec3>& places_before, const ImproveOptions& options) {
-  operators::SettlingRules rules{
-      .lift = options.lift, .may_become = settled_shapes(options), .keep_within = options.keep_within};
+  operators::SettlingRules rules{.lift = options.lift,
+                                 .may_become = settled_shapes(options),
+                                 .keep_within = options.keep_within,
+                                 .stays = options.stays};
   if (options.settles_all) {
     operators::settle(mesh, options.place, rules);
     return true;
@@ -260,7 +267,7 @@ ImproveReport improve(TetMesh& mesh, const ImproveOptions& options, Context& con
   if (mesh.tet_count() == 0) throw Error(ErrorKind::kBadInput, "improve: the mesh has no tetrahedra");
   ImproveReport report;
   report.before = report.after = dihedral_range(mesh, options);
-  make_corners(mesh, options.frozen_patches);
+  make_corners(mesh, options.frozen_patches, options.stays);
   const std::vector<Vec3> places_before =
       options.place && !options.settles_all ? places_on_surfaces(mesh) : std::vector<Vec3>();
   if (options.execution == ExecutionKind::kSpeculative)
@@ -270,7 +277,7 @@ ImproveReport improve(TetMesh& mesh, const ImproveOptions& options, Context& con
   mesh.reorder_along_curve();
   if (options.place && options.slide && settle_moved(mesh, places_before, options))
     report.after = dihedral_range(mesh, options);
-  if (!options.frozen_patches.empty()) {
+  if (!options.frozen_patches.empty() || options.stays) {
     const BoundaryFaces faces = mesh.boundary_faces();
     mesh.classify_vertices({faces.triangles, faces.patches});
   }

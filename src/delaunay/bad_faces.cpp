@@ -27,12 +27,18 @@ bool may_rather_go(const TetMesh& mesh, VertexId v, VertexId w, bool first) {
   return precedes(mesh.point(v), mesh.point(w)) == first;
 }
 
-/// Vertices of rims that may not go: without them a rim would have edges longer than it is to have.
-class NeededRims {
+/// Vertices that may not go: fixed ones, and those of rims without which a rim would have edges longer than
+/// it is to have.
+class NeededVertices {
  public:
-  NeededRims(const TetMesh& mesh, const Spacing& spacing) : mesh_(mesh), spacing_(spacing) {}
+  NeededVertices(const TetMesh& mesh, const Spacing& spacing) : mesh_(mesh), spacing_(spacing) {}
 
-  [[nodiscard]] bool need(VertexId v) const {
+  [[nodiscard]] bool contains(VertexId v) const {
+    return is_of_rim(v) || spacing_.domain().is_fixed(mesh_.point(v));
+  }
+
+ private:
+  [[nodiscard]] bool is_of_rim(VertexId v) const {
     constexpr double kMostEdge = 1.45;  // Of the spacing: eight around a circle.
     const Domain& domain = spacing_.domain();
     if (v.value < 4 || mesh_.dimension(v) != VertexDimension::kCurve || domain.cut_planes().empty())
@@ -42,8 +48,6 @@ class NeededRims {
     const double wanted = spacing_.curve_spacing_at(mesh_.point(v), curve, spacing_.delta_mm());
     return wanted < spacing_.delta_mm() && gap_without(v, curve) > kMostEdge * wanted;
   }
-
- private:
   [[nodiscard]] MaterialSet touched_by(VertexId v) const {
     constexpr double kTouch = 1e-2;  // Of the resolution.
     const Domain& domain = spacing_.domain();
@@ -83,8 +87,8 @@ std::array<VertexId, 3> corners_by_place(const TetMesh& mesh, TetId t, int f) {
 }
 
 /// The vertex of a face that is to go; invalid if none may.
-VertexId superfluous_vertex(const TetMesh& mesh, const NeededRims& rims, const std::array<VertexId, 3>& v,
-                            bool first) {
+VertexId superfluous_vertex(const TetMesh& mesh, const NeededVertices& needed,
+                            const std::array<VertexId, 3>& v, bool first) {
   constexpr double kCosineOfFlat = -0.64;  // 130 degrees.
   for (const VertexId w : v)
     if (mesh.dimension(w) == VertexDimension::kVolume) return w;
@@ -96,7 +100,9 @@ VertexId superfluous_vertex(const TetMesh& mesh, const NeededRims& rims, const s
     if (edge2(k) > edge2(longest)) longest = k;
     if (edge2(k) < edge2(shortest)) shortest = k;
   }
-  const auto stays = [&](VertexId w) { return mesh.dimension(w) < VertexDimension::kCurve || rims.need(w); };
+  const auto stays = [&](VertexId w) {
+    return mesh.dimension(w) < VertexDimension::kCurve || needed.contains(w);
+  };
   const Vec3 &a = mesh.point(v[longest]), to_b = mesh.point(v[(longest + 1) % 3]) - a,
              to_c = mesh.point(v[(longest + 2) % 3]) - a;
   const VertexId middle = v[longest];
@@ -113,7 +119,7 @@ VertexId superfluous_vertex(const TetMesh& mesh, const NeededRims& rims, const s
 
 std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& rules, const Spacing& spacing,
                                             double min_angle_deg, bool first) {
-  const NeededRims rims(mesh, spacing);
+  const NeededVertices needed(mesh, spacing);
   const double max_cosine = std::cos(min_angle_deg * std::numbers::pi / 180);
   auto found = parallel::collect<Removal>(
       mesh.tet_slots(),
@@ -129,7 +135,7 @@ std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& ru
           const double cosine =
               cosine_of_smallest_angle(mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]));
           if (!is_off && !(cosine > max_cosine)) continue;
-          if (const VertexId gone = superfluous_vertex(mesh, rims, v, first); gone.valid())
+          if (const VertexId gone = superfluous_vertex(mesh, needed, v, first); gone.valid())
             out.push_back({cosine, gone});
         }
       },

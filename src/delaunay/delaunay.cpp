@@ -126,8 +126,10 @@ std::size_t settle_in(const Domain& domain, const DelaunayOptions& options, TetM
   const auto always = [](std::size_t, const std::array<Vec3, 4>&, const std::array<Vec3, 4>&) {
     return true;
   };
-  const operators::SettlingRules rules{
-      .lift = options.lift, .may_become = always, .keep_within = operators::within_cuts_of(domain)};
+  const operators::SettlingRules rules{.lift = options.lift,
+                                       .may_become = always,
+                                       .keep_within = operators::within_cuts_of(domain),
+                                       .stays = operators::fixed_points_of(domain)};
   return operators::settle(mesh, operators::places_in_domain(mesh, domain), rules).held_back;
 }
 

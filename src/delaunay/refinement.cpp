@@ -155,6 +155,7 @@ std::vector<VertexId> Refinement::encroaching(std::span<const VertexId> made,
           const auto encroaches = [&](VertexId w) {
             const VertexDimension dimension = mesh_.dimension(w);
             if (dimension <= VertexDimension::kCurve || dimension <= mesh_.dimension(v)) return false;
+            if (spacing_.domain().is_fixed(mesh_.point(w))) return false;
             const double min_distance =
                 (dimension == VertexDimension::kVolume ? kNear : kNearCurve) * candidates[i].spacing;
             return (mesh_.point(w) - mesh_.point(v)).squaredNorm() < min_distance * min_distance;
@@ -175,7 +176,9 @@ std::size_t Refinement::clear() {
   std::vector<VertexId> gone =
       vertices_of_bad_faces(mesh_, rules_, spacing_, kMinAngleDeg, clearings_++ % 2 == 0);
   for (const VertexId v : pinched())
-    if (v.value >= 4 && mesh_.dimension(v) == VertexDimension::kSurface) gone.push_back(v);
+    if (v.value >= 4 && mesh_.dimension(v) == VertexDimension::kSurface &&
+        !spacing_.domain().is_fixed(mesh_.point(v)))
+      gone.push_back(v);
   sort_unique(gone);
   execution_.remove(gone, stamp_);
   has_changed_ |= !gone.empty();

@@ -87,7 +87,9 @@ class Relaxation {
 
  private:
   [[nodiscard]] const BoundaryCandidate& candidate(std::size_t i) const { return candidates_[chosen_[i]]; }
-  [[nodiscard]] bool is_free(std::size_t i) const { return candidate(i).materials.size() == 2; }
+  [[nodiscard]] bool is_free(std::size_t i) const {
+    return candidate(i).materials.size() == 2 && !candidate(i).is_fixed;
+  }
 
   void sort_into_levels() {
     for (std::uint32_t i = 0; i < points_.size(); ++i) {

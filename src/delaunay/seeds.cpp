@@ -77,8 +77,8 @@ class LatticeDescent {
       all.outer.insert(all.outer.end(), part[0].outer.begin(), part[0].outer.end());
       all.boundary.insert(all.boundary.end(), part[0].boundary.begin(), part[0].boundary.end());
     }
-    const std::vector<BoundaryCandidate> rims = rim_candidates();
-    all.boundary.insert(all.boundary.end(), rims.begin(), rims.end());
+    for (const std::vector<BoundaryCandidate>& more : {rim_candidates(), fixed_candidates()})
+      all.boundary.insert(all.boundary.end(), more.begin(), more.end());
     return all;
   }
 
@@ -99,6 +99,23 @@ class LatticeDescent {
       const double spacing = kSeedSpacing * spacing_.surface_spacing_at(place, materials[0], materials[1]);
       add_curve_candidate(place, {materials[0], materials[1], materials[2]}, spacing, out);
     });
+  }
+
+  [[nodiscard]] std::vector<BoundaryCandidate> fixed_candidates() const {
+    const std::span<const Vec3> fixed = domain_.fixed_points();
+    const double on_it_mm = 1e-6 * domain_.resolution_mm();
+    return parallel::collect<BoundaryCandidate>(
+        fixed.size(), [&](std::size_t i, std::vector<BoundaryCandidate>& out) {
+          const MaterialSet there = domain_.materials_near(fixed[i], on_it_mm);
+          if (there.size() < 2) return;
+          const auto [inside, other] = meshed_pair_of(there);
+          out.push_back(
+              {fixed[i], there, kSeedSpacing * spacing_.surface_spacing_at(fixed[i], inside, other), true});
+        });
+  }
+  [[nodiscard]] std::pair<Material, Material> meshed_pair_of(const MaterialSet& set) const {
+    const std::size_t inside = domain_.is_meshed(set[0]) ? 0 : 1;
+    return {set[inside], set[1 - inside]};
   }
 
   [[nodiscard]] Index3 cell_of(std::size_t i) const {

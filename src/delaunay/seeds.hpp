@@ -14,6 +14,7 @@ struct BoundaryCandidate {
   MaterialSet
       materials;   ///< Materials that meet there: two on a surface, three on a curve, more in a corner.
   double spacing;  ///< Wanted distance to other points of the same materials.
+  bool is_fixed = false;  ///< Of Domain::fixed_points(): comes before others, and does not move.
 };
 
 struct Seeds {

@@ -52,7 +52,8 @@ class Thinning {
   [[nodiscard]] std::vector<std::uint32_t> run() {
     for (const std::size_t max_materials :
          {std::size_t{MaterialSet::kCapacity}, std::size_t{3}, std::size_t{2}})
-      for (Level& level : levels_) take_of(level, max_materials);
+      for (const bool is_fixed : {true, false})
+        for (Level& level : levels_) take_of(level, max_materials, is_fixed);
     std::vector<std::uint32_t> all;
     for (const Level& level : levels_)
       for (const auto& taken : level.taken) all.insert(all.end(), taken.begin(), taken.end());
@@ -95,7 +96,7 @@ class Thinning {
   }
 
   /// Cubes of one colour are farther apart than anything in them reaches.
-  void take_of(Level& level, std::size_t max_materials) {
+  void take_of(Level& level, std::size_t max_materials, bool is_fixed) {
     for (int colour = 0; colour < 8; ++colour) {
       parallel::for_each_index(
           level.cubes.size(),
@@ -104,7 +105,8 @@ class Thinning {
             if (((cube.x() & 1) | (cube.y() & 1) << 1 | (cube.z() & 1) << 2) != colour) return;
             for (std::uint32_t i = level.starts[c]; i < level.starts[c + 1]; ++i) {
               const std::size_t materials = candidates_[level.items[i]].materials.size();
-              const bool has_turn = max_materials > 3 ? materials > 3 : materials == max_materials;
+              const bool has_turn = candidates_[level.items[i]].is_fixed == is_fixed &&
+                                    (max_materials > 3 ? materials > 3 : materials == max_materials);
               if (has_turn && !is_encroached(level.items[i])) level.taken[c].push_back(level.items[i]);
             }
           },

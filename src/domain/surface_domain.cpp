@@ -15,6 +15,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/parallel/loops.hpp"
 #include "opening_names.hpp"
 #include "surface_projector.hpp"
 
@@ -60,6 +61,11 @@ void SurfaceDomainOptions::describe(OptionList& list) {
   list.number("feature_angle", feature_angle_deg, {.min = 0, .max = 180, .excludes_min = true},
               "Of a surface: edges where it turns by more are kept")
       .in("degrees");
+  list.flag(
+      "keep_vertices", keep_vertices,
+      "Of a surface: its vertices are vertices of the mesh, exactly, but for those nearer to others than "
+      "about 0.7 "
+      "edge lengths");
 }
 
 void SurfaceDomainOptions::validate() const {
@@ -79,6 +85,9 @@ struct SurfaceDomain::Parts {
     const std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
     has_named_patches = used.size() > 1;
     name_regions();
+    if (!options.keep_vertices) return;
+    fixed_points = surface.points;
+    parallel::sort(fixed_points.begin(), fixed_points.end(), precedes);
   }
 
   /// The patch of each region, and the ends among them.
@@ -166,6 +175,7 @@ struct SurfaceDomain::Parts {
   bool has_named_patches = false;
   std::vector<Patch> of_region;
   std::vector<FlatEnd> ends;
+  std::vector<Vec3> fixed_points;
 };
 
 SurfaceDomain::SurfaceDomain(const SurfaceView& surface, const SurfaceDomainOptions& options) {
@@ -281,6 +291,10 @@ bool SurfaceDomain::is_beyond_opening(Material m) const {
 
 std::span<const FlatEnd> SurfaceDomain::flat_ends() const {
   return parts_->ends;
+}
+
+std::span<const Vec3> SurfaceDomain::fixed_points() const {
+  return parts_->fixed_points;
 }
 
 std::uint32_t SurfaceDomain::region_count() const {

@@ -36,27 +36,30 @@ std::vector<LayerCoverage::Place> worst_places(const LayerSurface& surface, cons
 
 /// First heights of the columns over the triangles around, as shares of what was asked for.
 struct FirstHeights {
-  std::vector<double> mean, least;  ///< One per column, the mean by area; 0 without layers.
+  std::vector<double> mean, least, greatest;  ///< One per column, the mean by area; 0 without layers.
 };
 
 FirstHeights first_heights_of(const ExtrusionFrame& frame, const Columns& columns) {
   const LayerSurface& surface = frame.surface;
   const std::size_t count = surface.points.size();
-  FirstHeights first{std::vector<double>(count, 0), std::vector<double>(count, 0)};
+  const std::vector<double> none(count, 0);
+  FirstHeights first{none, none, none};
   parallel::for_each_index(count, [&](std::size_t v) {
     if (columns.fraction[v] == 0) return;
     const Vec3 step = frame.point(columns, v, 0) - surface.points[v];
     const double asked = columns.profile.level(1) * columns.wanted_mm[v] / frame.directions.stretch[v];
-    double sum = 0, area = 0, least = std::numeric_limits<double>::infinity();
+    double sum = 0, area = 0, least = std::numeric_limits<double>::infinity(), greatest = 0;
     for (const std::uint32_t t : surface.triangles_around.of(v)) {
       const auto& [a, b, c] = surface.triangles[t];
       const Vec3 normal = triangle_area_normal(surface.points[a], surface.points[b], surface.points[c]);
       sum += normal.dot(step);
       area += normal.norm();
       least = std::min(least, normal.dot(step) / normal.norm());
+      greatest = std::max(greatest, normal.dot(step) / normal.norm());
     }
     first.mean[v] = sum / (area * asked);
     first.least[v] = least / asked;
+    first.greatest[v] = greatest / asked;
   });
   return first;
 }
@@ -108,6 +111,7 @@ class PatchCoverage {
     }
     c_.first_kept += std::abs(first_.mean[v] - 1) <= kKept ? area : 0;
     c_.least_first = std::min(c_.least_first, first_.least[v]);
+    c_.greatest_first = std::max(c_.greatest_first, first_.greatest[v]);
   }
 
   const ExtrusionFrame& frame_;

@@ -100,7 +100,8 @@ class DirectionFinder {
     constexpr double kMost = 2, kRounding = 1 + 1e-12, kOff = 0.019;
     double sum = 0, weights = 0;
     for (const std::uint32_t t : surface_.triangles_around.of(v)) {
-      const double weight = angle_at(surface_, t, static_cast<std::uint32_t>(v));
+      const auto& [a, b, c] = surface_.triangles[t];
+      const double weight = triangle_area(surface_.points[a], surface_.points[b], surface_.points[c]);
       sum += weight * normals_[t].dot(direction);
       weights += weight;
     }

@@ -149,6 +149,11 @@ PlaceOnPatch places_on_shapes(const PatchShapes& shapes) {
   };
 }
 
+Stays fixed_points_of(const Domain& domain) {
+  if (domain.fixed_points().empty()) return {};
+  return [&domain](const Vec3& place) { return domain.is_fixed(place); };
+}
+
 KeepWithin within_cuts_of(const Domain& domain) {
   return [&domain](const Vec3& place) { return domain.within_cuts(place); };
 }

@@ -100,7 +100,7 @@ class Settling {
     for (std::uint32_t v = 0; v < points_.size(); ++v) {
       if (edges[v] > 0) edge_[v] /= edges[v];
       if (!is_free(v)) continue;
-      if (!rules_.movable.empty() && rules_.movable[v] == 0)
+      if ((!rules_.movable.empty() && rules_.movable[v] == 0) || (rules_.stays && rules_.stays(points_[v])))
         patch_of_[v] = kStays;
       else if (second[v] == kInVolume)
         free_.push_back(v);

@@ -28,14 +28,14 @@ std::string angles_of_core(const LayersOfMesh& layers) {
 
 Table patches_table(const LayerReport& report) {
   Table table = {{"patch", "area mm²", "layers", "mean layers", "all layers", "unlayered",
-                  "first height kept", "least first height", "wanted mm", "mean mm", "min mm", "complete"}};
+                  "first height kept", "least", "greatest", "wanted mm", "mean mm", "min mm", "complete"}};
   for (const LayerCoverage& c : report.patches)
-    table.push_back({escaped(c.patch), five_digits(c.area_mm2), std::to_string(c.layers),
-                     fmt::format("{:.2f}", c.mean_layers), percent(c.all_layers), percent(c.unlayered),
-                     c.layered > 0 ? percent(c.first_kept) : "–",
-                     c.layered > 0 ? percent(c.least_first) : "–", fmt::format("{:.4g}", c.wanted_mm),
-                     fmt::format("{:.4g}", c.achieved_mm), fmt::format("{:.4g}", c.min_mm),
-                     percent(c.complete)});
+    table.push_back(
+        {escaped(c.patch), five_digits(c.area_mm2), std::to_string(c.layers),
+         fmt::format("{:.2f}", c.mean_layers), percent(c.all_layers), percent(c.unlayered),
+         c.layered > 0 ? percent(c.first_kept) : "–", c.layered > 0 ? percent(c.least_first) : "–",
+         c.layered > 0 ? percent(c.greatest_first) : "–", fmt::format("{:.4g}", c.wanted_mm),
+         fmt::format("{:.4g}", c.achieved_mm), fmt::format("{:.4g}", c.min_mm), percent(c.complete)});
   return table;
 }
 

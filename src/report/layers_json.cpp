@@ -28,6 +28,7 @@ LayerJson patch_json(const LayerCoverage& c) {
           {"layered", c.layered},
           {"first_height_kept", c.first_kept},
           {"least_first_height", c.least_first},
+          {"greatest_first_height", c.greatest_first},
           {"bare", c.unlayered},
           {"limited", limited},
           {"worst", worst}};
@@ -63,6 +64,7 @@ LayerCoverage patch_of(const LayerJson& json) {
                                     {"layered", &c.layered},
                                     {"first_height_kept", &c.first_kept},
                                     {"least_first_height", &c.least_first},
+                                    {"greatest_first_height", &c.greatest_first},
                                     {"bare", &c.unlayered}})
     *value = json.at(name);
   for (std::size_t i = 1; i < kLayerLimits; ++i)

@@ -23,8 +23,8 @@ std::uint64_t used_points(const MeshView& mesh) {
 
 std::string first_height_text(const LayerCoverage& c) {
   return c.layered > 0
-             ? fmt::format("first height within 2 % on {:.1f} % of what has layers, least {:.3f} of it",
-                           100 * c.first_kept, c.least_first)
+             ? fmt::format("first height within 2 % on {:.1f} % of what has layers, {:.3f} to {:.3f} of it",
+                           100 * c.first_kept, c.least_first, c.greatest_first)
              : "no first height";
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "lumesh/core/option.hpp"
@@ -46,6 +47,7 @@ void improve_within(const Domain& domain, const DelaunayRequest& request, const 
   ImproveOptions improvement = request.improvement;
   improvement.place = operators::places_in_domain(made.mesh, domain);
   improvement.keep_within = operators::within_cuts_of(domain);
+  improvement.stays = operators::fixed_points_of(domain);
   improvement.lift = request.delaunay.lift;
   improvement.settles_all = made.report.held_back > 0;
   if (criterion != nullptr)
@@ -66,6 +68,11 @@ DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& req
   made.is_complete = made.report.complete;
   const Sizing* const criterion = sizing != nullptr && sizing->has_criterion() ? sizing : nullptr;
   if (request.improves && made.is_complete) improve_within(domain, request, criterion, made, context);
+  if (!domain.fixed_points().empty()) {
+    const std::span<const Vec3> points = made.mesh.points();
+    made.report.fixed_points_kept = static_cast<std::uint64_t>(
+        std::count_if(points.begin(), points.end(), [&](const Vec3& p) { return domain.is_fixed(p); }));
+  }
   if (criterion == nullptr) return made;
   constexpr double kMany = 0.01;
   made.report.criterion_asks = count_to_refine(made.mesh, *criterion);

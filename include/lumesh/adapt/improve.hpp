@@ -33,6 +33,7 @@ struct ImproveOptions {
   /// (operators::settle()). Else what slides keeps to the smooth surface through the vertices at the start.
   operators::PlaceOnPatch place = {};
   operators::KeepWithin keep_within = {};  ///< Where such a place may be; null: everywhere.
+  operators::Stays stays = {};             ///< Which vertices of patches neither slide nor settle.
   bool settles_all = false;                ///< Not only what slides goes to its place.
   double lift = 1;                         ///< As operators::SettlingRules::lift.
   ExecutionKind execution = ExecutionKind::kOrdered;

@@ -63,6 +63,8 @@ struct DelaunayReport {
   std::uint64_t held_back = 0;
   /// Tetrahedra of the finished stage that a criterion (Sizing::wants_finer()) would still refine; 0 without.
   std::uint64_t criterion_asks = 0;
+  /// How many of Domain::fixed_points() are vertices of the finished stage.
+  std::uint64_t fixed_points_kept = 0;
   bool rules_hold = true;  ///< False if rules still asked for points that could be put in, after max_rounds.
   bool complete = true;    ///< False if it was cancelled before the end.
   std::vector<std::string> notes;

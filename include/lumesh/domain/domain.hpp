@@ -14,6 +14,7 @@
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
@@ -140,6 +141,12 @@ class Domain {
   /// patches of one name. None: see name_patches().
   [[nodiscard]] virtual std::optional<Patch> patch_between(Material /*inside*/, Material /*outside*/) const {
     return std::nullopt;
+  }
+  /// Points of boundaries that are to be vertices of meshes, in the order of precedes(); none unless asked
+  /// for.
+  [[nodiscard]] virtual std::span<const Vec3> fixed_points() const { return {}; }
+  [[nodiscard]] bool is_fixed(const Vec3& point_mm) const {
+    return std::binary_search(fixed_points().begin(), fixed_points().end(), point_mm, precedes);
   }
   /// Those of a closed surface, by falling area; none of others, which have cut_planes().
   [[nodiscard]] virtual std::span<const FlatEnd> flat_ends() const { return {}; }

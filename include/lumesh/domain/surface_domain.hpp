@@ -25,6 +25,7 @@ class OptionList;
 
 struct SurfaceDomainOptions {
   double feature_angle_deg = 40;  ///< Edges whose triangles' normals differ by more are kept; (0, 180].
+  bool keep_vertices = false;     ///< The surface's vertices are fixed_points().
 
   void describe(OptionList& list);
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
@@ -77,6 +78,7 @@ class SurfaceDomain final : public Domain {
   /// the file has several patches, those are ends that are one such region, but for those called wall.
   [[nodiscard]] std::span<const FlatEnd> flat_ends() const override;
   [[nodiscard]] bool is_beyond_opening(Material m) const override;
+  [[nodiscard]] std::span<const Vec3> fixed_points() const override;
 
   [[nodiscard]] std::uint32_t region_count() const;
   /// Sum of the regions' areas, and what they enclose.

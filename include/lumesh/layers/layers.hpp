@@ -96,6 +96,7 @@ struct LayerCoverage {
   double layered = 0;      ///< Share of the area with layers, however few or thin.
   double first_kept = 0;   ///< Share of the layered area whose first height is within 2 % of that asked for.
   double least_first = 0;  ///< Lowest first height over any triangle, as a share of that asked for.
+  double greatest_first = 0;  ///< The highest: in creases, columns that reach one triangle overreach another.
   double wanted_mm = 0, achieved_mm = 0;  ///< Thickness, the mean over the area.
   double min_mm = 0;                      ///< Lowest thickness of its columns.
   double complete = 0;                    ///< Share of the area whose columns have 98 % of the height wanted.

@@ -57,12 +57,16 @@ using MayBecome =
 /// objects that it refers to must outlive the call.
 using KeepWithin = std::function<Vec3(const Vec3& place)>;
 
+/// Whether a vertex stays where it is. Called from several threads; null: none.
+using Stays = std::function<bool(const Vec3& place)>;
+
 struct SettlingRules {
   /// Factor of the mean sagitta by which vertices are offset from the surface: 1 keeps the volume, 0 leaves
   /// them on it.
   double lift = 1;
   MayBecome may_become;
-  KeepWithin keep_within = {};                 ///< Null: everywhere.
+  KeepWithin keep_within = {};  ///< Null: everywhere.
+  Stays stays = {};
   std::span<const std::uint8_t> movable = {};  ///< Flag per vertex; empty: all are.
   /// Rounds that look at the surface over the middles of edges where the vertices have come to stand, and
   /// raise these by what is missing. 0 trusts the normals at the places, which do where edges are short.
@@ -99,6 +103,8 @@ SettlingReport settle(TetMesh& mesh, const PlaceOnPatch& place, const SettlingRu
 [[nodiscard]] PlaceOnPatch places_in_domain(const TetMesh& mesh, const Domain& domain);
 /// Domain::within_cuts(). The domain must live as long as the answer.
 [[nodiscard]] KeepWithin within_cuts_of(const Domain& domain);
+/// Domain::is_fixed(); null if nothing is. The domain must live as long as the answer.
+[[nodiscard]] Stays fixed_points_of(const Domain& domain);
 /// Places on patches that keep their volume; the others stay. The shapes must live as long as the answer.
 [[nodiscard]] PlaceOnPatch places_on_shapes(const PatchShapes& shapes);
 

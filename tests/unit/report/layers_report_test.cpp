@@ -38,6 +38,7 @@ LayerReport coverage() {
   wall.all_layers = 0.625;
   wall.first_kept = 0.875;
   wall.least_first = 0.96875;
+  wall.greatest_first = 1.125;
   wall.wanted_mm = 0.1;
   wall.achieved_mm = 0.25 / 3;
   wall.min_mm = 0.05;
@@ -68,13 +69,14 @@ TEST(LayersReport, TellsTheSameInTextJsonAndPage) {
   for (const char* words :
        {"wall <1>", "66.7 %", "33.3 % ridge", "at 0.0 1.0 0.0 mm: 50 % of the height, ridge",
         "all layers on 62.5 % of the area, 0.75 in the mean",
-        "first height within 2 % on 87.5 % of what has layers, least 0.969 of it"})
+        "first height within 2 % on 87.5 % of what has layers, 0.969 to 1.125 of it"})
     EXPECT_NE(text.find(words), std::string::npos) << words;
   const auto json = nlohmann::json::parse(layers_json(layers));
   EXPECT_EQ(json.at("patches").at(0).at("layers"), 1);
   EXPECT_EQ(json["patches"][0].at("layered"), 1.0);
   EXPECT_EQ(json["patches"][0].at("first_height_kept"), 0.875);
   EXPECT_EQ(json["patches"][0].at("least_first_height"), 0.96875);
+  EXPECT_EQ(json["patches"][0].at("greatest_first_height"), 1.125);
   EXPECT_EQ(json["patches"][0].at("limited").at("ridge"), 1.0 / 3);
   EXPECT_EQ(json.at("core").at("tetrahedra"), 1);
   EXPECT_EQ(json.at("shapes").at("prisms"), 1);
