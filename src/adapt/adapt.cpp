@@ -7,10 +7,12 @@
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/operators/crossings.hpp"
 #include "lumesh/operators/settling.hpp"
 #include "passes.hpp"
+#include "volumes.hpp"
 
 namespace lumesh {
 namespace {
@@ -237,7 +239,9 @@ std::vector<bool> vertices_outside(const TetMesh& mesh, const operators::KeepWit
 /// ratio of 0.4 or, where it was near or below that, loses more than a tenth of it. What is still outside of
 /// the image then comes within, as long as no tetrahedron falls below a mean ratio of 0.02. Sheets of the
 /// outside that have come to cross each other are drawn apart.
-void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators::KeepWithin& keep_within) {
+/// @param volumes  Of the labels at the start.
+void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators::KeepWithin& keep_within,
+            const std::map<Label, double>& volumes) {
   const auto is_any = [&](auto property) { return std::any_of(shapes.begin(), shapes.end(), property); };
   // Within planes and frozen surfaces the outside stays where it is.
   if (!is_any([](const auto& shape) { return shape.freedom == operators::PatchFreedom::kCurved; })) return;
@@ -263,6 +267,8 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators
       metric::measure_qualities(mesh);
       operators::settle(mesh, operators::places_on_shapes(shapes), rules);
     }
+    metric::measure_qualities(mesh);
+    restore_volumes(mesh, volumes, operators::places_on_shapes(shapes), rules);
   }
   operators::draw_apart(mesh, shapes);
   metric::measure_qualities(mesh);
@@ -272,8 +278,9 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators
 
 AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
                   const AdaptOptions& options, Context& context) {
+  const std::map<Label, double> volumes = volumes_of_labels(mesh);
   AdaptReport report = adapt_once(mesh, field, shapes, options, context);
-  context.phase("settling", [&] { settle(mesh, shapes, options.keep_within); });
+  context.phase("settling", [&] { settle(mesh, shapes, options.keep_within, volumes); });
   return report;
 }
 
@@ -284,6 +291,7 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
   constexpr int kMaxRuns = 4;
   double seen = context.phase("complexity", [&] { return metric::complexity(field, mesh); });
   AdaptReport report;
+  const std::map<Label, double> volumes = volumes_of_labels(mesh);
   for (int run = 0;
        run < kMaxRuns && (run == 0 || std::abs(seen / complexity - 1) > kTolerance) && report.complete;
        ++run) {
@@ -295,7 +303,7 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
     report.complexity = next.complexity;
     report.complete = next.complete;
   }
-  context.phase("settling", [&] { settle(mesh, shapes, options.keep_within); });
+  context.phase("settling", [&] { settle(mesh, shapes, options.keep_within, volumes); });
   return report;
 }
 

@@ -278,6 +278,17 @@ class AdaptTest(MeshTest):
         self.run_well("adapt", self.cube, "--analytic", "polar-2", "--complexity", 2000, "-o", self.out)
         self.assertNotEqual(self.evaluate(self.out)["vertices"], self.evaluate(other)["vertices"])
 
+    def test_coarse_vessels_keep_their_volume(self):
+        image, mesh, sizes = self.folder / "c.nrrd", self.folder / "c.vtu", self.folder / "sizes.vtu"
+        self.run_well("phantom", "carotid", "--size", 100, 100, 100, "-o", image)
+        self.run_well("delaunay", image, "-o", mesh)  # Its edges are 0.6 to 1.8 radii long.
+        self.run_well("metric", mesh, "--curvature", "--edges-per-radius", 4, "-o", sizes)
+        for options in ((), ("--image", image)):
+            numbers = self.folder / "numbers.json"
+            self.run_well("adapt", sizes, "--boundary", "adapt", *options, "--json", numbers, "-o", self.out)
+            (volume,) = json.loads(numbers.read_text())["volumes"]
+            self.assertLess(abs(volume["change_percent"]), 0.05)
+
     def test_the_surface_follows_the_image(self):
         image, mesh, sizes = self.folder / "ball.nrrd", self.folder / "ball.vtu", self.folder / "sizes.sol"
         self.run_well("phantom", "sphere", "--size", 32, 32, 32, "--radius", 11, "-o", image)
