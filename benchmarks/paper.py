@@ -118,16 +118,20 @@ class Bench:
         return {"evaluation": {k: told[k] for k in keep if k in told}}
 
     def delta_for(self, method):
-        """The delta of about so many tetrahedra, by the power law through two trials."""
-        trials = []
-        for delta in (1.2 * self.part**-0.2, 0.6 * self.part**-0.2):
+        """The delta of about so many tetrahedra, by the power law through the last two of trials that come near."""
+        near, wanted, trials = 0.15, self.part * paper_methods.LARGE_TETRAHEDRA, []
+        delta = 1.2 * self.part**-0.2
+        while len(trials) < 2 or (trials[-1][1] < near * wanted and len(trials) < 5):
             told = pathlib.Path("trial.json")
             command = method.commands[0].format(delta=delta).replace(method.mesh, "trial.meshb")
             self.timed(f"{command} --json {told}", max(self.threads))
             trials.append((delta, json.loads(told.read_text())["tetrahedra"]))
-        (d1, n1), (d2, n2) = trials
-        power = math.log(n2 / n1) / math.log(d1 / d2)
-        return round(d2 * (n2 / (self.part * paper_methods.LARGE_TETRAHEDRA)) ** (1 / power), 4)
+            if len(trials) == 1:
+                delta /= 2
+                continue
+            (d1, n1), (d2, n2) = trials[-2:]
+            delta = round(d2 * (n2 / wanted) ** (math.log(d1 / d2) / math.log(n2 / n1)), 4)
+        return delta
 
     def run(self, chosen):
         failed = []
