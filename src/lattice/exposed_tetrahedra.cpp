@@ -30,9 +30,10 @@ class ExposedRemoval {
       : mesh_(mesh), boundary_(boundary), domain_(domain), keep_(mesh.tets.size(), 1) {}
 
   std::vector<std::uint32_t> run() {
-    const std::vector<std::uint32_t> exposed = find_exposed();
+    std::vector<std::uint32_t> exposed = find_exposed();
     index_boundary(exposed);
-    for (const std::uint32_t t : exposed) try_drop(t);
+    std::erase_if(exposed, [&](std::uint32_t t) { return try_drop(t) || common_cut(t) == 0; });
+    drop_all(std::move(exposed));
     return finish();
   }
 
@@ -42,15 +43,26 @@ class ExposedRemoval {
     build_neighbours(mesh_);
     may_join_opening_ = true;
     index_boundary(beyond);
-    // One that only one face exposes may go after those beside it.
-    while (std::erase_if(beyond, [&](std::uint32_t t) { return try_drop(t); }) > 0) {
-    }
+    drop_all(std::move(beyond));
     finish();
   }
 
  private:
+  /// One that only one face exposes may go after those beside it.
+  void drop_all(std::vector<std::uint32_t> tets) {
+    while (std::erase_if(tets, [&](std::uint32_t t) { return try_drop(t); }) > 0) {
+    }
+  }
   std::vector<std::uint32_t> finish() {
     std::erase_if(boundary_.triangles, [](const BoundaryTriangle& t) { return t.vertices[0] == kNoTet; });
+    sort_unique(touched_);
+    for (const std::uint32_t v : touched_) boundary_.sets[v] = {};
+    for (const BoundaryTriangle& t : boundary_.triangles)
+      for (const std::uint32_t v : t.vertices)
+        if (std::binary_search(touched_.begin(), touched_.end(), v)) {
+          boundary_.sets[v].insert(t.inside);
+          boundary_.sets[v].insert(t.outside);
+        }
     return drop_tetrahedra(mesh_, boundary_, keep_);
   }
 
@@ -76,9 +88,21 @@ class ExposedRemoval {
     return parallel::collect<std::uint32_t>(mesh_.tets.size(), [&](std::size_t i, auto& out) {
       const auto t = static_cast<std::uint32_t>(i);
       const int open = open_faces(t);
-      if (open < 2 || deep_inside(t)) return;
-      if (open == 3 || opens_wide(t) || hangs_out(t)) out.push_back(t);
+      if (common_cut(t) != 0)
+        out.push_back(t);
+      else if (open >= 2 && !deep_inside(t) && (open == 3 || opens_wide(t) || hangs_out(t)))
+        out.push_back(t);
     });
+  }
+
+  /// The cut plane that all corners belong in, which so leave the tetrahedron no room; 0: none.
+  [[nodiscard]] Material common_cut(std::uint32_t t) const {
+    const Corner4& corners = mesh_.tets[t];
+    for (const Material m : boundary_.sets[corners[0]])
+      if (domain_.is_cut(m) && std::all_of(corners.begin(), corners.end(),
+                                           [&](std::uint32_t v) { return boundary_.sets[v].contains(m); }))
+        return m;
+    return 0;
   }
 
   /// Tetrahedra at the ends of thin vessels are exposed too, but the label fills them.
@@ -157,7 +181,8 @@ class ExposedRemoval {
   bool try_drop(std::uint32_t t) {
     const int open = open_faces(t);
     if (open != 2 && open != 3) return false;
-    Material outside = 0;
+    const Material cut = common_cut(t);
+    Material outside = cut;
     bool joins_opening = false;
     std::array<std::size_t, 4> faces_open{};
     std::size_t n = 0;
@@ -171,10 +196,10 @@ class ExposedRemoval {
       if (found == triangle_at_.end()) return false;
       const Material m = boundary_.triangles[found->second].outside;
       if (n > 0 && m != outside) {
-        if (!may_join_opening_ || !domain_.is_cut(std::max(m, outside))) return false;
-        joins_opening = true;
+        if (cut == 0 && (!may_join_opening_ || !domain_.is_cut(std::max(m, outside)))) return false;
+        joins_opening = cut == 0;
       }
-      outside = std::max(m, outside);
+      if (cut == 0) outside = std::max(m, outside);
       faces_open[n++] = f;
     }
     if (open == 2) {
@@ -202,6 +227,7 @@ class ExposedRemoval {
 
   void drop(std::uint32_t t, Material outside) {
     keep_[t] = 0;
+    touched_.insert(touched_.end(), mesh_.tets[t].begin(), mesh_.tets[t].end());
     for (std::size_t f = 0; f < 4; ++f) {
       const std::uint32_t other = mesh_.neighbours[t][f];
       Triangle face = face_of(mesh_.tets[t], f);
@@ -223,6 +249,7 @@ class ExposedRemoval {
   const ImageDomain& domain_;
   std::vector<std::uint8_t> keep_;
   bool may_join_opening_ = false;
+  std::vector<std::uint32_t> touched_;  // Corners of what was dropped.
   std::unordered_map<Triangle, std::uint32_t, TriangleHash> triangle_at_;
   std::unordered_map<std::uint64_t, int> edge_use_;
 };
