@@ -46,11 +46,16 @@ class Settling {
   }
 
  private:
-  /// A vertex between a patch that has places and a flat one that stays: it may move within the plane.
+  /// A vertex between a patch that has places and a flat one that stays, or where one between two labels ends
+  /// at their flat ones: it may move within the plane.
   struct Rim {
     std::uint32_t vertex;
-    std::int32_t wall, flat;  // Patches.
+    std::array<std::int32_t, 3> patches;  // Two or three; the wall first once it is known.
     bool is_one = false;
+    [[nodiscard]] std::int32_t wall() const { return patches[0]; }
+    [[nodiscard]] bool is_flat_patch(std::int32_t patch) const {
+      return patch == patches[1] || patch == patches[2];
+    }
     Vec3 area_normal = Vec3::Zero();  // Twice the area of the faces around that are flat.
     double area = 0;
 
@@ -82,7 +87,7 @@ class Settling {
   void find_patches_of_vertices() {
     patch_of_.assign(points_.size(), kInVolume);
     edge_.assign(points_.size(), 0);
-    std::vector<std::int32_t> second(points_.size(), kInVolume);  // Where there are two patches.
+    std::vector<std::int32_t> second(points_.size(), kInVolume), third = second;  // Where there are more.
     std::vector<std::uint32_t> edges(points_.size(), 0);
     for (std::size_t i = 0; i < faces_.triangles.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -92,7 +97,9 @@ class Settling {
           patch_of_[v] = patch;
         else if (patch_of_[v] != patch && second[v] == kInVolume)
           second[v] = patch;
-        else if (patch_of_[v] != patch && second[v] != patch)
+        else if (patch_of_[v] != patch && second[v] != patch && third[v] == kInVolume)
+          third[v] = patch;
+        else if (patch_of_[v] != patch && second[v] != patch && third[v] != patch)
           patch_of_[v] = kStays;
         edge_[v] += (points_[w] - points_[v]).norm();  // In a closed fan, each edge once.
         ++edges[v];
@@ -105,7 +112,7 @@ class Settling {
       else if (second[v] == kInVolume)
         free_.push_back(v);
       else
-        rims_.push_back({v, std::exchange(patch_of_[v], kStays), second[v]});
+        rims_.push_back({v, {std::exchange(patch_of_[v], kStays), second[v], third[v]}});
     }
   }
 
@@ -115,12 +122,12 @@ class Settling {
         rims_.size(),
         [&](std::size_t i) {
           Rim& rim = rims_[i];
-          const auto has_place = [&](std::int32_t patch) {
-            return place_(PatchId(static_cast<std::uint32_t>(patch)), points_[rim.vertex]).has_value();
-          };
-          const bool has_wall = has_place(rim.wall), has_flat = has_place(rim.flat);
-          if (has_flat && !has_wall) std::swap(rim.wall, rim.flat);
-          rim.is_one = has_wall != has_flat;
+          const auto wall =
+              std::stable_partition(rim.patches.begin(), rim.patches.end(), [&](std::int32_t patch) {
+                return patch != kInVolume &&
+                       place_(PatchId(static_cast<std::uint32_t>(patch)), points_[rim.vertex]).has_value();
+              });
+          rim.is_one = wall - rim.patches.begin() == 1;
         },
         64);
     std::erase_if(rims_, [](const Rim& rim) { return !rim.is_one; });
@@ -130,24 +137,26 @@ class Settling {
     std::vector<std::array<std::uint32_t, 2>> edges;
     for (std::size_t i = 0; i < faces_.triangles.size(); ++i) {
       const Cell<3>& corners = faces_.triangles[i];
-      const auto is_at_rim = [&](std::uint32_t v) {
-        return rim_of_[v] != kNoRim && rim_at(v).flat == faces_.patches[i];
+      const std::int32_t patch = faces_.patches[i];
+      const auto is_at_wall = [&](std::uint32_t v) {
+        return rim_of_[v] != kNoRim && rim_at(v).wall() == patch;
       };
       const Vec3 normal = triangle_area_normal(points_[corners[0]], points_[corners[1]], points_[corners[2]]);
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = corners[k], w = corners[(k + 1) % 3];
-        if (!is_at_rim(v)) continue;
-        rim_at(v).area_normal += normal;
-        rim_at(v).area += normal.norm();
-        if (is_at_rim(w)) edges.push_back({std::min(v, w), std::max(v, w)});
+        if (rim_of_[v] != kNoRim && rim_at(v).is_flat_patch(patch)) {
+          rim_at(v).area_normal += normal;
+          rim_at(v).area += normal.norm();
+        }
+        if (is_at_wall(v) && is_at_wall(w)) edges.push_back({std::min(v, w), std::max(v, w)});
       }
     }
     for (const Rim& rim : rims_)
       if (rim.is_flat()) {
-        patch_of_[rim.vertex] = rim.wall;
+        patch_of_[rim.vertex] = rim.wall();
         free_.push_back(rim.vertex);
       }
-    // What is between two faces of the flat patch is no edge of its rim.
+    // What is between two faces of the wall is no edge of its rim.
     std::sort(edges.begin(), edges.end());
     for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
       for (next = i + 1; next < edges.size() && edges[next] == edges[i];) ++next;
@@ -180,7 +189,7 @@ class Settling {
     constexpr double kMinAcross = 0.3;  // Sine of the angle between wall and plane: else it grazes.
     SurfacePoint at{points_[rim.vertex], {}};
     for (int round = 0; round < kRounds; ++round) {
-      const auto wall = place_(PatchId(static_cast<std::uint32_t>(rim.wall)), at.point);
+      const auto wall = place_(PatchId(static_cast<std::uint32_t>(rim.wall())), at.point);
       if (!wall) return std::nullopt;
       at.normal = wall->normal;
       const Vec3 across = rim.within_plane(wall->normal);

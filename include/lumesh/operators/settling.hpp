@@ -80,10 +80,10 @@ struct SettlingReport {
 };
 
 /// Carries every vertex inside a patch to its place, unless that is farther away than half the edges around.
-/// Vertices at the rim of a flat patch that stays, such as an opening, go within its plane to where the other
-/// patch meets it, and over that curve by the mean height of the arcs beside: the flat patch has the area
-/// that the curve encloses. Vertices of other curves and corners stay. Where a tetrahedron forbids it, its
-/// vertices go half the way, a quarter of it, or stay.
+/// Vertices at the rim of a flat patch that stays, such as an opening, or of two such patches, go within its
+/// plane to where the other patch meets it, and over that curve by the mean height of the arcs beside: the
+/// flat patch has the area that the curve encloses. Vertices of other curves and corners stay. Where a
+/// tetrahedron forbids it, its vertices go half the way, a quarter of it, or stay.
 ///
 /// @param faces  Faces that carry patches, each once.
 /// Parallel inside; bitwise identical for every thread count. Cost: about 1 us per vertex of a patch for its

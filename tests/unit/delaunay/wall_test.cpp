@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <string>
 
 #include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/domain/analytic_domain.hpp"
@@ -100,6 +102,39 @@ TEST(Wall, IsThereToTheRimOfOpeningsThatSlant) {
       for (const std::uint32_t v : faces.triangles[i])
         EXPECT_NEAR(height_over_tube(mesh.point(VertexId(v))), 0, 0.2) << angle_deg;
     }
+  }
+}
+
+/// Points at the rim of a lumen stand over its curve, too, though openings lie on both sides of it.
+TEST(Wall, OpeningsWithinOpeningsHaveTheirAreas) {
+  AnalyticDomainOptions options;
+  options.bounds_mm = Box3(kOnAxis - Vec3::Constant(0.7 * kLength), kOnAxis + Vec3::Constant(0.7 * kLength));
+  options.resolution_mm = 1;
+  options.cut_planes = {{kOnAxis - 0.5 * kLength * kAxis, -kAxis}, {kOnAxis + 0.5 * kLength * kAxis, kAxis}};
+  constexpr double kLumen = 0.5 * kRadius;
+  const AnalyticDomain domain(
+      {{1, without(cylinder_shape(kOnAxis, kAxis, kRadius), cylinder_shape(kOnAxis, kAxis, kLumen))},
+       {2, cylinder_shape(kOnAxis, kAxis, kLumen)}},
+      options);
+  Context context;
+  DelaunayOptions with;
+  with.delta_mm = 1;
+  const TetMesh mesh = mesh_delaunay(domain, with, context).mesh;
+  ASSERT_TRUE(validate(mesh).ok());
+  std::map<std::string, double> areas;
+  const BoundaryFaces faces = mesh.boundary_faces();
+  for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
+    const auto& [a, b, c] = faces.triangles[i];
+    const Patch& patch = mesh.info().patches[static_cast<std::size_t>(faces.patches[i])];
+    if (patch.kind == PatchKind::kOpening)
+      areas[patch.name] += triangle_area(mesh.points()[a], mesh.points()[b], mesh.points()[c]);
+  }
+  ASSERT_EQ(areas.size(), 4u);
+  const double lumen = std::numbers::pi * kLumen * kLumen,
+               ring = std::numbers::pi * kRadius * kRadius - lumen;
+  for (const auto& [name, area] : areas) {
+    const double truth = name.starts_with("wall_rim") ? ring : lumen;
+    EXPECT_NEAR(area / truth, 1, 3e-3) << name;
   }
 }
 
