@@ -57,7 +57,8 @@ double Spacing::curve_spacing_at(const Vec3& x, const MaterialSet& set, double s
         const Vec3 inwards = gradient - gradient.dot(normal) * normal;
         if (!(inwards.norm() > 0.1 * gradient.norm())) continue;
         const Vec3 direction = inwards.normalized();
-        const double width = thickness(x + off_mm * (direction - normal), direction, m, smallest / kPerWidth);
+        const double width =
+            thickness(x + off_mm * (direction - normal), direction, m, smallest / kPerWidth, true);
         smallest = std::min(smallest, kPerWidth * width);
       }
   }
@@ -66,12 +67,13 @@ double Spacing::curve_spacing_at(const Vec3& x, const MaterialSet& set, double s
 }
 
 /// How far from x a material, or the outside as a whole, reaches along a direction, if less than `max_mm`.
-/// What a cut plane ends goes on in truth: beside a slanting opening a vessel is not thin.
-double Spacing::thickness(const Vec3& x, const Vec3& direction, Material of, double max_mm) const {
+/// What a cut plane ends goes on in truth, unless cuts count: beside a slanting opening a vessel is not thin.
+double Spacing::thickness(const Vec3& x, const Vec3& direction, Material of, double max_mm,
+                          bool cuts_count) const {
   const double min_step = 0.3 * domain_->resolution_mm();
   for (double t = min_step; t < max_mm;) {
     const Domain::Surroundings there = domain_->surroundings(x + t * direction);
-    if (domain_->is_beyond_opening(there.material)) return max_mm;
+    if (domain_->is_beyond_opening(there.material)) return cuts_count ? t : max_mm;
     if (there.material != of && (domain_->is_meshed(there.material) || domain_->is_meshed(of))) return t;
     t += std::max(0.95 * there.clearance_mm, min_step);
   }

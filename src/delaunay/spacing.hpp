@@ -66,7 +66,8 @@ class Spacing {
   [[nodiscard]] double spacing_of_thin_parts(const Vec3& x, const Vec3& towards_first,
                                              const Place& place) const;
   [[nodiscard]] double spacing_of_bends(const Vec3& x, const Vec3& gradient, const Place& place) const;
-  [[nodiscard]] double thickness(const Vec3& x, const Vec3& direction, Material of, double max_mm) const;
+  [[nodiscard]] double thickness(const Vec3& x, const Vec3& direction, Material of, double max_mm,
+                                 bool cuts_count = false) const;
 
   const Domain* domain_;
   double delta_mm_, size_mm_, surface_distance_mm_, cube_mm_;
