@@ -24,7 +24,8 @@ class OpeningGroups {
     std::vector<std::uint32_t> triangles;
     Material inside = 0, outside = 0;
     double area_mm2 = 0;
-    std::vector<Vec3> centres_mm;  // Of its triangles.
+    std::vector<Vec3> centres_mm;    // Of its triangles.
+    bool is_beside_another = false;  // An opening of another label.
   };
 
   /// @param members  The triangles of openings.
@@ -46,12 +47,17 @@ class OpeningGroups {
       auto operator<=>(const EdgeOf&) const = default;
     };
     std::map<EdgeOf, std::uint32_t> first;
+    std::map<std::uint64_t, std::uint32_t> first_of_edge;
     for (std::uint32_t i = 0; i < members_.size(); ++i) {
       const BoundaryTriangle& t = boundary[members_[i]];
       for (std::size_t e = 0; e < 3; ++e) {
         const auto [low, high] = std::minmax(t.vertices[e], t.vertices[(e + 1) % 3]);
-        const auto [at, added] = first.try_emplace({std::uint64_t{low} << 32 | high, t.inside, t.outside}, i);
+        const std::uint64_t edge = std::uint64_t{low} << 32 | high;
+        const auto [at, added] = first.try_emplace({edge, t.inside, t.outside}, i);
         if (!added) sets_.merge(i, at->second);
+        const auto [other, is_first] = first_of_edge.try_emplace(edge, i);
+        if (!is_first && boundary[members_[other->second]].inside != t.inside)
+          beside_another_.insert(beside_another_.end(), {i, other->second});
       }
     }
   }
@@ -71,12 +77,14 @@ class OpeningGroups {
       group.area_mm2 += area;
       group.centres_mm.push_back((a + b + c) / 3);
     }
+    for (const std::uint32_t i : beside_another_) groups_[number.at(sets_.find(i))].is_beside_another = true;
     std::stable_sort(groups_.begin(), groups_.end(),
                      [](const Group& a, const Group& b) { return a.area_mm2 > b.area_mm2; });
   }
 
   std::vector<std::uint32_t> members_;
   DisjointSets sets_;  // Of members.
+  std::vector<std::uint32_t> beside_another_;
   std::vector<Group> groups_;
 };
 
@@ -148,13 +156,21 @@ class OpeningNames {
         by_number[next++].push_back(&group);
     }
     for (const auto& [number, of_opening] : by_number) {
-      const std::int32_t patch = add(*of_opening.front(), number);
-      for (const OpeningGroups::Group* group : of_opening) set(*group, patch);
+      const OpeningGroups::Group& largest = *of_opening.front();
+      const std::int32_t patch = add(largest, number);
+      for (const OpeningGroups::Group* group : of_opening)
+        set(*group, group != &largest && is_splinter(*group, largest) ? wall_of(*group) : patch);
     }
   }
 
  private:
   static constexpr double kSliver = 1;  // Voxel faces: wall that grazes a border.
+
+  /// Where a wall slants, single triangles of it lie in the plane beside the opening.
+  static bool is_splinter(const OpeningGroups::Group& group, const OpeningGroups::Group& largest) {
+    constexpr double kShare = 0.05;
+    return !group.is_beside_another && group.area_mm2 < kShare * largest.area_mm2;
+  }
 
   [[nodiscard]] const Vec3& normal_of(const OpeningGroups::Group& group) const {
     return domain_.cut_plane(group.outside).normal;

@@ -49,9 +49,10 @@ struct PatchAssignment {
 
 /// What the domain calls them (Domain::patch_between()); else as PatchNaming has it, and one patch for each
 /// opening. Openings and their names are those of the domain (find_openings()), so that the same one has the
-/// same name in every mesh; what is none of them and smaller than a voxel's face is wall, and so are
-/// triangles with a corner more than a quarter of a voxel off the plane: openings are flat. Connected
-/// openings of a mesh that the domain does not know, as where it has no cut planes, come last.
+/// same name in every mesh; what is none of them and smaller than a voxel's face is wall, and so are parts of
+/// less than 5 % of the opening that no edge joins to it, and triangles with a corner more than a quarter of
+/// a voxel off the plane: openings are flat, and in one piece. Connected openings of a mesh that the domain
+/// does not know, as where it has no cut planes, come last.
 [[nodiscard]] PatchAssignment name_patches(std::span<const BoundaryTriangle> boundary,
                                            std::span<const Vec3> positions, const Domain& domain);
 
