@@ -14,6 +14,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/report/summary.hpp"
 #include "lumesh/stages/delaunay_stage.hpp"
 #include "option_adapter.hpp"
 
@@ -31,8 +32,11 @@ struct DelaunayCommand {
   RunOptions run;
 };
 
-nlohmann::ordered_json report_json(const DelaunayReport& report, const std::optional<ImproveReport>& improved,
-                                   const TetMesh& mesh, const Context& context) {
+nlohmann::ordered_json report_json(const DelaunayMesh& made, const OpeningsCompared& openings,
+                                   const Context& context) {
+  const DelaunayReport& report = made.report;
+  const std::optional<ImproveReport>& improved = made.improved;
+  const TetMesh& mesh = made.mesh;
   nlohmann::ordered_json json;
   json["complete"] = report.complete && (!improved || improved->complete);
   json["rules_hold"] = report.rules_hold;
@@ -55,6 +59,7 @@ nlohmann::ordered_json report_json(const DelaunayReport& report, const std::opti
     json["improvement"] = {{"dihedral_deg_before", angles_json(improved->before)},
                            {"dihedral_deg", angles_json(improved->after)},
                            {"passes", improved->passes.size()}};
+  json["openings"] = nlohmann::ordered_json::parse(report::openings_json(openings));
   json["seconds"] = nlohmann::json::object();
   for (const PhaseTime& phase : context.phases())
     json["seconds"][phase.name] = json["seconds"].value(phase.name, 0.0) + phase.seconds;
@@ -116,7 +121,6 @@ void run(DelaunayCommand command) {
   DelaunayMesh made =
       naming(input_path, [&] { return make_delaunay_mesh(domain, command.request, sizing.get(), context); });
   TetMesh& mesh = made.mesh;
-  const std::optional<ImproveReport>& improved = made.improved;
   mesh.info().provenance = provenance_of(*command.self, input_path);
   const std::vector<std::string> without_name = rename_found(mesh.info(), renamings);
   const BoundaryFaces faces = mesh.boundary_faces();
@@ -140,7 +144,7 @@ void run(DelaunayCommand command) {
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_text_file(command.json_path, report_json(made.report, improved, mesh, context).dump(2) + "\n");
+    write_text_file(command.json_path, report_json(made, openings, context).dump(2) + "\n");
   print_summary(command, domain, made, faces, openings, context, elapsed.count());
   require_sound(command.mesh_path, mesh.view(faces), context, long_run.reason(is_complete));
   long_run.check_complete(is_complete, command.mesh_path + " holds the best mesh so far");

@@ -39,11 +39,15 @@ void check_input(const Case& c) {
   }
 }
 
+bool has_keys(const Case& c, const std::string& section) {
+  return section_text(c, section) != section_text(Case(), section);
+}
+
 /// What is set for the mesher that is not taken would be set for nothing.
 void refuse_other_mesher(const Case& c) {
   const bool is_lattice = c.mesher == Mesher::kLattice;
   const std::string other = is_lattice ? "delaunay" : "lattice";
-  if (section_text(c, other) != section_text(Case(), other))
+  if (has_keys(c, other))
     refuse(fmt::format(
         "[{0}] is for mesher = \"{0}\", and the mesher is {1}; set mesher or leave the section out", other,
         is_lattice ? "lattice" : "delaunay"));
@@ -96,6 +100,16 @@ void check_metric(const Case& c) {
     refuse("[metric] complexity has nothing to scale; give points, velocity, curvature or analytic");
 }
 
+void refuse_unused(const Case& c) {
+  if (c.metric.has_source()) return;
+  for (const char* section : {"metric", "adapt"})
+    if (has_keys(c, section))
+      refuse(
+          fmt::format("[{}] changes nothing without sizes; give points, velocity, curvature or analytic in "
+                      "[metric], or leave the section out",
+                      section));
+}
+
 /// Only tetrahedra are changed.
 void check_mixed(const Case& c) {
   if (!c.makes_mixed_mesh()) return;
@@ -124,12 +138,11 @@ void check_shapes(const Case& c) {
 }
 
 void check_layer_keys(const Case& c) {
-  const LayerOptions& o = c.layers.options;
   if (!c.layers.is_wanted()) {
-    if (o.count > 0 || o.thickness > 0 || !o.patches.empty() || !c.layers.label.empty())
+    if (has_keys(c, "layers"))
       refuse(
           "[layers] first_height is missing: the height of the layer next to the surface; without layers "
-          "leave out count, thickness, patches and label, too");
+          "leave the section out");
     return;
   }
   static_cast<void>(layer_heights(c.layers.with_label()));
@@ -189,6 +202,7 @@ void check_case(const Case& c, const std::set<std::string>& given) {
   check_section("metric", [&] { c.metric.validate(); });
   check_metric(c);
   check_section("adapt", [&] { c.adapt.validate(); });
+  refuse_unused(c);
   check_output(c);
   check_mixed(c);
   check_shapes(c);

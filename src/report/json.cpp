@@ -284,6 +284,10 @@ Json image_json(const Evaluation& e) {
 
 }  // namespace
 
+std::string openings_json(const OpeningsCompared& openings) {
+  return to_json(openings).dump();
+}
+
 std::string evaluation_json(const Evaluation& e) {
   const MeshStatistics& m = e.statistics;
   const TetrahedronStatistics& t = m.tetrahedra;

@@ -343,6 +343,16 @@ class SurfacesTest(DelaunayTest):
         self.assertTrue(numbers["valid"])
         self.assertAlmostEqual(numbers["labels"][0]["volume_mm3"] / polyhedron_volume(triangles), 1, delta=0.02)
 
+    def test_openings_stand_in_the_json(self):
+        image, numbers = self.folder / "carotid.nrrd", self.folder / "numbers.json"
+        self.run_well("phantom", "carotid", "--size", 100, 100, 100, "-o", image)
+        self.run_well("delaunay", image, "-o", self.out, "--json", numbers)
+        told = {o["patches"]: o for o in json.loads(numbers.read_text())["openings"]}
+        patches = {p["name"] for p in json.loads(self.run_well("info", self.out, "--json").stdout)["patches"]}
+        self.assertEqual(set(told), patches - {"wall"})
+        for opening in told.values():
+            self.assertLess(abs(opening["change_percent"]), 5)
+
     def test_sharp_edges_are_kept_from_the_feature_angle_on(self):
         points, _, faces = cube(4)
         triangles = [[points[v - 1] for v in face[:3]] for face in faces]

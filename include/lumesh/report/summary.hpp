@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/quality/evaluation.hpp"
 
 namespace lumesh::report {
@@ -13,5 +14,8 @@ namespace lumesh::report {
 /// The evaluation as JSON; docs/stages/evaluate.md describes the fields. Numbers that are infinite become
 /// null.
 [[nodiscard]] std::string evaluation_json(const quality::Evaluation& evaluation);
+
+/// Its field "openings" alone.
+[[nodiscard]] std::string openings_json(const OpeningsCompared& openings);
 
 }  // namespace lumesh::report
