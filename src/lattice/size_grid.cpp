@@ -55,7 +55,35 @@ SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const Lat
                                      [&](const Index3& voxel) { note_voxel(voxel); });
       },
       16);
+  for (const Opening& opening : find_openings(domain)) note_opening(opening);
   keep_within(options.max_tetrahedra, object_voxels);
+}
+
+/// A vessel that an edge of the image cuts is wider than its openings.
+void SizeGrid::note_opening(const Opening& opening) {
+  const double width_mm = 2 * opening.radius_mm();
+  const int level = level_for(edge_around(width_mm, width_mm));
+  const CellBox box = cells_in(opening.box_mm);
+  for (int k = box.low.z(); k <= box.high.z(); ++k)
+    for (int j = box.low.y(); j <= box.high.y(); ++j)
+      for (int i = box.low.x(); i <= box.high.x(); ++i) {
+        std::uint8_t& cell = wanted_[cell_number({i, j, k})];
+        if (cell != 0)
+          cell = static_cast<std::uint8_t>(std::max<int>(cell & ~kFirm, level + 1) | (cell & kFirm));
+      }
+}
+
+int SizeGrid::level_for(double edge_mm) const {
+  int level = min_level_;
+  while (level < max_level_ && coarsest_mm_ / std::exp2(level) > edge_mm) ++level;
+  return level;
+}
+
+std::size_t SizeGrid::cell_number(const Index3& cell) const {
+  return static_cast<std::size_t>(cell.x()) +
+         static_cast<std::size_t>(cells_.x()) *
+             (static_cast<std::size_t>(cell.y()) +
+              static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(cell.z()));
 }
 
 /// A cell at level l takes its volume over a lattice tetrahedron's, h^3 / 12; about half of it lies in the
@@ -103,11 +131,7 @@ void SizeGrid::keep_within(std::size_t max_tetrahedra, std::size_t object_voxels
 void SizeGrid::note_voxel(const Index3& voxel) {
   const int level = voxel_level(voxel);
   if (level < 0) return;
-  const Index3 at = voxel / kCell;
-  std::uint8_t& cell = wanted_[static_cast<std::size_t>(at.x()) +
-                               static_cast<std::size_t>(cells_.x()) *
-                                   (static_cast<std::size_t>(at.y()) +
-                                    static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(at.z()))];
+  std::uint8_t& cell = wanted_[cell_number(voxel / kCell)];
   const std::uint8_t firm = static_cast<std::uint8_t>((cell | firm_[image_.at(voxel)]) & kFirm);
   const int most = std::max<int>(cell & ~kFirm, level + 1);
   cell = static_cast<std::uint8_t>(most | firm);
@@ -134,8 +158,7 @@ int SizeGrid::voxel_level(const Index3& voxel) const {
   double allowed_mm = factor * chord;
   if (own != 0 && inwards && chord < chord_limit_mm)
     allowed_mm = std::min(allowed_mm, edge_around_section_mm(voxel, *inwards, chord, own, chord_limit_mm));
-  int level = min_level_;
-  while (level < max_level_ && coarsest_mm_ / std::exp2(level) > allowed_mm) ++level;
+  int level = level_for(allowed_mm);
   if (level == min_level_ && level < max_level_ && same_label_count(image_, voxel) <= kRidgeCount) ++level;
   return level;
 }
@@ -222,11 +245,24 @@ double SizeGrid::shortest_run_mm(const Index3& voxel, LabelImage::Index label, d
 SizeGrid::CellBox SizeGrid::cells_around(const Vec3& point_mm, double radius_mm) const {
   const Vec3 centre = image_.frame().to_index(point_mm);
   const Vec3 radius = radius_mm * image_.frame().spacing_mm.cwiseInverse();
+  return cells_between(centre - radius, centre + radius);
+}
+
+SizeGrid::CellBox SizeGrid::cells_in(const Box3& box_mm) const {
+  Box3 voxels;
+  for (int corner = 0; corner < 8; ++corner)
+    voxels.extend(image_.frame().to_index(box_mm.corner(static_cast<Box3::CornerType>(corner))));
+  return cells_between(voxels.min(), voxels.max());
+}
+
+SizeGrid::CellBox SizeGrid::cells_between(const Vec3& low, const Vec3& high) const {
   CellBox box;
   for (int axis = 0; axis < 3; ++axis) {
-    box.low[axis] = std::max(0, static_cast<int>(std::floor((centre[axis] - radius[axis]) / kCell)));
-    box.high[axis] =
-        std::min(cells_[axis] - 1, static_cast<int>(std::floor((centre[axis] + radius[axis]) / kCell)));
+    const auto cell = [&](double at) {
+      return std::clamp(static_cast<int>(std::floor(at / kCell)), 0, cells_[axis] - 1);
+    };
+    box.low[axis] = cell(low[axis]);
+    box.high[axis] = cell(high[axis]);
   }
   return box;
 }

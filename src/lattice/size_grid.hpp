@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/lattice/lattice.hpp"
 
@@ -36,6 +37,9 @@ class SizeGrid {
     Index3 low, high;
   };
   [[nodiscard]] CellBox cells_around(const Vec3& point_mm, double radius_mm) const;
+  [[nodiscard]] CellBox cells_in(const Box3& box_mm) const;
+  [[nodiscard]] CellBox cells_between(const Vec3& low, const Vec3& high) const;  ///< In voxels.
+  [[nodiscard]] std::size_t cell_number(const Index3& cell) const;
   [[nodiscard]] const std::uint8_t* row(int j, int k) const {
     return &wanted_[static_cast<std::size_t>(cells_.x()) *
                     (static_cast<std::size_t>(j) +
@@ -61,6 +65,8 @@ class SizeGrid {
   [[nodiscard]] double shortest_run_mm(const Index3& voxel, LabelImage::Index label, double limit_mm) const;
   /// Notes what a voxel at a boundary wants. Cells never reach across bricks.
   void note_voxel(const Index3& voxel);
+  void note_opening(const Opening& opening);
+  [[nodiscard]] int level_for(double edge_mm) const;
   void keep_within(std::size_t max_tetrahedra, std::size_t object_voxels);
   [[nodiscard]] double predict(int cap, double object_mm3) const;
 

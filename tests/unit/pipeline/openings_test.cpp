@@ -151,6 +151,36 @@ TEST(Openings, OfThinVesselsHaveEightEdgesAroundHoweverCoarseTheRestIs) {
   }
 }
 
+/// A tube along an edge of the image, which leaves about a quarter of its section or less.
+TEST(Openings, ThatAnEdgeOfTheImageCutsHaveEightEdgesAround) {
+  for (const double off : {-0.2, 0.8}) {
+    const Tube tube{Vec3(-0.5 - off, -0.5 - off, 0), Vec3(0.02, 0.01, 1).normalized(), 4};
+    const LabelImage image = image_of(tube);
+    const ImageDomain domain(image, {});
+    for (const double edge : {4.0, 6.0}) {
+      SCOPED_TRACE("axis " + std::to_string(off) + " beyond the edge, edges of " + std::to_string(edge));
+      Context context;
+      DelaunayOptions options;
+      options.edge_length_mm = edge;
+      LatticeOptions lattice;
+      lattice.spacing_mm = edge;
+      const std::map<std::string, std::map<std::string, MeshOpening>> by_mesher = {
+          {"delaunay", openings_of(mesh_delaunay(domain, options, context).mesh)},
+          {"lattice", openings_of(mesh_lattice(image, domain, lattice, context).mesh.view())}};
+      for (const auto& [mesher, openings] : by_mesher) {
+        SCOPED_TRACE(mesher);
+        ASSERT_EQ(openings.size(), find_openings(domain).size());
+        for (const Opening& opening : find_openings(domain)) {
+          const auto found = openings.find(opening.name);
+          ASSERT_NE(found, openings.end()) << opening.name;
+          EXPECT_GE(found->second.edges_around, 8) << opening.name;
+          if (edge < 5) EXPECT_NEAR(found->second.area / opening.area_mm2, 1, 0.05) << opening.name;
+        }
+      }
+    }
+  }
+}
+
 /// How far vertices of openings are from the image's border along z, at most.
 double off_border(const MeshView& mesh) {
   double off = 0;
