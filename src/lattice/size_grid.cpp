@@ -61,8 +61,10 @@ SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const Lat
 
 /// A vessel that an edge of the image cuts is wider than its openings.
 void SizeGrid::note_opening(const Opening& opening) {
-  const double width_mm = 2 * opening.radius_mm();
-  const int level = level_for(edge_around(width_mm, width_mm));
+  constexpr double kOfShare = 1.15;  // Edges at boundaries are shorter than the spacing.
+  constexpr double kOfWidth = 0.65;  // In coarser lattices narrow ones lose area.
+  const double perimeter_mm = opening.perimeter_mm(), width_mm = 4 * opening.area_mm2 / perimeter_mm;
+  const int level = level_for(std::min(kOfShare * perimeter_mm / kEdgesAround, kOfWidth * width_mm));
   const CellBox box = cells_in(opening.box_mm);
   for (int k = box.low.z(); k <= box.high.z(); ++k)
     for (int j = box.low.y(); j <= box.high.y(); ++j)

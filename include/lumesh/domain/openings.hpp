@@ -63,6 +63,8 @@ struct Opening {
 
   /// Of the circle with the same area.
   [[nodiscard]] double radius_mm() const { return std::sqrt(area_mm2 / std::numbers::pi); }
+  /// Length of its rim, about; where its squares are not known, that of the circle.
+  [[nodiscard]] double perimeter_mm() const;
 };
 
 /// The openings of a domain by falling area: its flat_ends(), or the parts of its cut planes; none if it has

@@ -153,8 +153,9 @@ TEST(Openings, OfThinVesselsHaveEightEdgesAroundHoweverCoarseTheRestIs) {
 
 /// A tube along an edge of the image, which leaves about a quarter of its section or less.
 TEST(Openings, ThatAnEdgeOfTheImageCutsHaveEightEdgesAround) {
+  constexpr double kRadius = 4;
   for (const double off : {-0.2, 0.8}) {
-    const Tube tube{Vec3(-0.5 - off, -0.5 - off, 0), Vec3(0.02, 0.01, 1).normalized(), 4};
+    const Tube tube{Vec3(-0.5 - off, -0.5 - off, 0), Vec3(0.02, 0.01, 1).normalized(), kRadius};
     const LabelImage image = image_of(tube);
     const ImageDomain domain(image, {});
     for (const double edge : {4.0, 6.0}) {
@@ -174,7 +175,9 @@ TEST(Openings, ThatAnEdgeOfTheImageCutsHaveEightEdgesAround) {
           const auto found = openings.find(opening.name);
           ASSERT_NE(found, openings.end()) << opening.name;
           EXPECT_GE(found->second.edges_around, 8) << opening.name;
-          if (edge < 5) EXPECT_NEAR(found->second.area / opening.area_mm2, 1, 0.05) << opening.name;
+          if (edge < kRadius + 1) {  // Longer ones lose strips of openings along the vessel.
+            EXPECT_NEAR(found->second.area / opening.area_mm2, 1, 0.05) << opening.name;
+          }
         }
       }
     }
