@@ -20,8 +20,9 @@ geometry: core parallel
 image: core parallel
 field: image
 mesh: geometry parallel
+surface: mesh
 io: image mesh
-domain: field mesh
+domain: field surface
 metric: mesh domain
 operators: mesh domain metric
 centerline: image mesh

@@ -6,12 +6,13 @@
 #include <numbers>
 #include <sstream>
 #include <string>
-#include <tuple>
+#include <utility>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/surface/edges.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -40,41 +41,13 @@ void check_arrays(const SurfaceView& surface) {
                (v >= surface.points.size() ? " does not exist" : " is not finite"));
 }
 
-/// For each point the first of those equal to it.
-std::vector<std::uint32_t> first_equal(std::span<const Vec3> points) {
-  std::vector<std::uint32_t> order(points.size()), first(points.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  const auto key = [&](std::uint32_t i) { return std::tie(points[i].x(), points[i].y(), points[i].z()); };
-  // Points that no triangle uses may be anything, which would break the order.
-  std::erase_if(order, [&](std::uint32_t i) { return !points[i].allFinite(); });
-  parallel::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return key(a) != key(b) ? key(a) < key(b) : a < b;
-  });
-  for (std::size_t i = 0; i < order.size(); ++i)
-    first[order[i]] = i > 0 && key(order[i - 1]) == key(order[i]) ? first[order[i - 1]] : order[i];
-  return first;
-}
-
-/// Makes equal points one, and leaves out unused ones and triangles whose corners are not three.
 ClosedSurface welded(const SurfaceView& view) {
-  const std::vector<std::uint32_t> first = first_equal(view.points);
-  std::vector<std::uint32_t> number(view.points.size(), VertexId::kNone);
+  TriangleMesh mesh = weld(view.points, view.triangles, view.patches);
+  if (mesh.triangles.empty()) refuse("the surface has no triangle with three different corners");
   ClosedSurface surface;
-  for (std::size_t t = 0; t < view.triangles.size(); ++t) {
-    Cell<3> corners{};
-    for (std::size_t i = 0; i < 3; ++i) corners[i] = first[view.triangles[t][i]];
-    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
-    for (std::uint32_t& v : corners) {
-      if (number[v] == VertexId::kNone) {
-        number[v] = static_cast<std::uint32_t>(surface.points.size());
-        surface.points.push_back(view.points[v]);
-      }
-      v = number[v];
-    }
-    surface.triangles.push_back(corners);
-    surface.patches.push_back(view.patches.empty() ? 0 : view.patches[t]);
-  }
-  if (surface.triangles.empty()) refuse("the surface has no triangle with three different corners");
+  surface.points = std::move(mesh.points);
+  surface.triangles = std::move(mesh.triangles);
+  surface.patches = std::move(mesh.patches);
   return surface;
 }
 

@@ -1,0 +1,41 @@
+#pragma once
+/// @file Triangle surfaces that need not be closed: equal points made one, neighbours over edges, and
+/// triangles turned alike.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lumesh/mesh/triangle_mesh.hpp"
+
+namespace lumesh::surfaces {
+
+/// Makes equal points one, and leaves out unused points and triangles whose corners are not three places.
+/// @param patches  One per triangle, or none: all 0.
+/// @return Points in the order in which the triangles use them. Threads: parallel inside, the same for every
+/// thread count.
+[[nodiscard]] TriangleMesh weld(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
+                                std::span<const std::int32_t> patches);
+
+/// Instead of a neighbour: of an edge with one triangle, and of one with more than two.
+inline constexpr std::uint32_t kOpenEdge = ~0U, kCrowdedEdge = ~0U - 1;
+
+/// Of each triangle those behind its edges, from corner i to the next; kOpenEdge or kCrowdedEdge where not
+/// one is there.
+using EdgeNeighbours = std::vector<std::array<std::uint32_t, 3>>;
+
+/// Threads: parallel inside, the same for every thread count.
+[[nodiscard]] EdgeNeighbours edge_neighbours(std::span<const Cell<3>> triangles);
+
+/// Connected part of each triangle, over edges of two triangles; numbered by their first triangles.
+struct Parts {
+  std::vector<std::uint32_t> of_triangle;
+  std::uint32_t count = 0;
+};
+
+/// Turns the triangles of each part like its first one. Where a part has one side only, as a Moebius strip,
+/// some stay turned against their neighbours.
+Parts turn_alike(TriangleMesh& surface);
+
+}  // namespace lumesh::surfaces

@@ -1,0 +1,119 @@
+#include "lumesh/surface/edges.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::surfaces {
+namespace {
+
+/// For each point the first of those equal to it.
+std::vector<std::uint32_t> first_equal(std::span<const Vec3> points) {
+  std::vector<std::uint32_t> order(points.size()), first(points.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  const auto key = [&](std::uint32_t i) { return std::tie(points[i].x(), points[i].y(), points[i].z()); };
+  // Points that no triangle uses may be anything, which would break the order.
+  std::erase_if(order, [&](std::uint32_t i) { return !points[i].allFinite(); });
+  parallel::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return key(a) != key(b) ? key(a) < key(b) : a < b;
+  });
+  for (std::size_t i = 0; i < order.size(); ++i)
+    first[order[i]] = i > 0 && key(order[i - 1]) == key(order[i]) ? first[order[i - 1]] : order[i];
+  return first;
+}
+
+struct SideOfEdge {
+  std::uint32_t low, high, triangle, side;
+  [[nodiscard]] auto edge() const { return std::pair(low, high); }
+  auto operator<=>(const SideOfEdge&) const = default;
+};
+
+/// Whether a triangle goes along the edge from one point to another.
+bool runs_along(const Cell<3>& corners, std::uint32_t from, std::uint32_t to) {
+  for (std::size_t s = 0; s < 3; ++s)
+    if (corners[s] == from && corners[(s + 1) % 3] == to) return true;
+  return false;
+}
+
+}  // namespace
+
+TriangleMesh weld(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
+                  std::span<const std::int32_t> patches) {
+  constexpr std::uint32_t kUnused = ~0U;
+  const std::vector<std::uint32_t> first = first_equal(points);
+  std::vector<std::uint32_t> number(points.size(), kUnused);
+  TriangleMesh surface;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    Cell<3> corners{};
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = first[triangles[t][i]];
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+    for (std::uint32_t& v : corners) {
+      if (number[v] == kUnused) {
+        number[v] = static_cast<std::uint32_t>(surface.points.size());
+        surface.points.push_back(points[v]);
+      }
+      v = number[v];
+    }
+    surface.triangles.push_back(corners);
+    surface.patches.push_back(patches.empty() ? 0 : patches[t]);
+  }
+  return surface;
+}
+
+EdgeNeighbours edge_neighbours(std::span<const Cell<3>> triangles) {
+  std::vector<SideOfEdge> sides(3 * triangles.size());
+  parallel::for_each_index(triangles.size(), [&](std::size_t t) {
+    const Cell<3>& corners = triangles[t];
+    for (std::uint32_t s = 0; s < 3; ++s) {
+      const auto [low, high] = std::minmax(corners[s], corners[(s + 1) % 3]);
+      sides[3 * t + s] = {low, high, static_cast<std::uint32_t>(t), s};
+    }
+  });
+  parallel::sort(sides.begin(), sides.end());
+  EdgeNeighbours neighbours(triangles.size(), {kOpenEdge, kOpenEdge, kOpenEdge});
+  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+    while (end < sides.size() && sides[end].edge() == sides[begin].edge()) ++end;
+    const SideOfEdge &a = sides[begin], &b = sides[end - 1];
+    if (end - begin > 2)
+      for (std::size_t i = begin; i < end; ++i) neighbours[sides[i].triangle][sides[i].side] = kCrowdedEdge;
+    if (end - begin != 2) continue;
+    neighbours[a.triangle][a.side] = b.triangle;
+    neighbours[b.triangle][b.side] = a.triangle;
+  }
+  return neighbours;
+}
+
+Parts turn_alike(TriangleMesh& surface) {
+  constexpr std::uint32_t kNoPart = ~0U;
+  const EdgeNeighbours neighbours = edge_neighbours(surface.triangles);
+  const std::vector<Cell<3>> given =
+      surface.triangles;  // Sides of neighbours are those of triangles as given.
+  Parts parts;
+  parts.of_triangle.assign(given.size(), kNoPart);
+  std::vector<std::uint32_t> stack;
+  for (std::uint32_t seed = 0; seed < given.size(); ++seed) {
+    if (parts.of_triangle[seed] != kNoPart) continue;
+    parts.of_triangle[seed] = parts.count;
+    stack.push_back(seed);
+    while (!stack.empty()) {
+      const std::uint32_t t = stack.back();
+      stack.pop_back();
+      for (std::size_t s = 0; s < 3; ++s) {
+        const std::uint32_t other = neighbours[t][s];
+        if (other >= kCrowdedEdge || parts.of_triangle[other] != kNoPart) continue;
+        const std::uint32_t a = given[t][s], b = given[t][(s + 1) % 3];
+        const bool is_along_mine = runs_along(surface.triangles[t], a, b);
+        if (runs_along(surface.triangles[other], a, b) == is_along_mine)
+          std::swap(surface.triangles[other][1], surface.triangles[other][2]);
+        parts.of_triangle[other] = parts.count;
+        stack.push_back(other);
+      }
+    }
+    ++parts.count;
+  }
+  return parts;
+}
+
+}  // namespace lumesh::surfaces
