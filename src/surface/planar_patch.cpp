@@ -1,0 +1,158 @@
+#include "lumesh/surface/planar_patch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <queue>
+
+#include "flat_triangulation.hpp"
+
+namespace lumesh::surfaces {
+namespace {
+
+/// Whether closed segments share a point.
+bool do_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  const int abc = orient2d(a, b, c), abd = orient2d(a, b, d), cda = orient2d(c, d, a), cdb = orient2d(c, d, b);
+  if (abc == 0 && abd == 0)  // On one line: their boxes tell.
+    return (a.cwiseMin(b).array() <= c.cwiseMax(d).array()).all() &&
+           (c.cwiseMin(d).array() <= a.cwiseMax(b).array()).all();
+  return abc * abd <= 0 && cda * cdb <= 0;
+}
+
+/// Of the circle around a triangle.
+struct Circle {
+  Vec2 centre;
+  double radius;
+};
+Circle circle_around(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const Vec2 u = b - a, v = c - a;
+  const double twice = 2 * (u.x() * v.y() - u.y() * v.x());
+  const Vec2 off((v.y() * u.squaredNorm() - u.y() * v.squaredNorm()) / twice,
+                 (u.x() * v.squaredNorm() - v.x() * u.squaredNorm()) / twice);
+  return {a + off, off.norm()};
+}
+
+/// Puts points into circumcentres, the largest circles first.
+class Refinement {
+ public:
+  Refinement(FlatTriangulation& triangulation, std::vector<double> sizes)
+      : mesh_(triangulation), sizes_(std::move(sizes)) {}
+
+  void run() {
+    for (;;) {
+      for (const std::uint32_t t : mesh_.take_changed()) offer(t);
+      if (queue_.empty()) return;
+      const Wish wish = queue_.top();
+      queue_.pop();
+      if (mesh_.triangles()[wish.triangle] == wish.corners) try_to_split(wish);
+    }
+  }
+
+ private:
+  struct Wish {
+    double ratio;
+    std::uint32_t triangle;
+    Cell<3> corners;
+    bool operator<(const Wish& other) const {
+      return ratio != other.ratio ? ratio < other.ratio : corners < other.corners;
+    }
+  };
+  /// Of circles: an equilateral triangle with edges of the size has 0.58.
+  static constexpr double kMaxRadius = 0.75;
+  /// New points keep this far from others, in sizes.
+  static constexpr double kMinApart = 0.6;
+
+  [[nodiscard]] double size_of(const Cell<3>& corners) const {
+    return (sizes_[corners[0]] + sizes_[corners[1]] + sizes_[corners[2]]) / 3;
+  }
+  [[nodiscard]] Circle circle_of(std::uint32_t t) const {
+    return circle_around(mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2));
+  }
+  void offer(std::uint32_t t) {
+    const double ratio = circle_of(t).radius / size_of(mesh_.triangles()[t]);
+    if (ratio > kMaxRadius && std::isfinite(ratio)) queue_.push({ratio, t, mesh_.triangles()[t]});
+  }
+  void try_to_split(const Wish& wish) {
+    const Vec2 centre = circle_of(wish.triangle).centre;
+    const auto within = mesh_.locate(centre, wish.triangle);
+    if (!within) return;
+    const Cell<3>& corners = mesh_.triangles()[*within];
+    const double size = size_of(corners);
+    for (std::size_t i = 0; i < 3; ++i) {
+      if ((mesh_.corner(*within, i) - centre).norm() < kMinApart * size) return;
+      // Nor so near to an edge of the polygon that a flat triangle stands on it.
+      const Vec2 &a = mesh_.corner(*within, i), &b = mesh_.corner(*within, i + 1);
+      if (mesh_.neighbour(*within, i) == FlatTriangulation::kNone && (a - centre).dot(b - centre) < 0) return;
+    }
+    sizes_.push_back(size);
+    mesh_.insert(centre, *within);
+  }
+
+  FlatTriangulation& mesh_;
+  std::vector<double> sizes_;  // Wanted edge length at each point.
+  std::priority_queue<Wish> queue_;
+};
+
+/// The mean of the two edges at each corner.
+std::vector<double> sizes_of(std::span<const Vec2> corners) {
+  std::vector<double> sizes(corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2& next = corners[(i + 1) % corners.size()];
+    const double half = (next - corners[i]).norm() / 2;
+    sizes[i] += half;
+    sizes[(i + 1) % corners.size()] += half;
+  }
+  return sizes;
+}
+
+bool runs_anticlockwise(std::span<const Vec2> corners) {
+  double twice = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2 a = corners[i] - corners[0], b = corners[(i + 1) % corners.size()] - corners[0];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return twice > 0;
+}
+
+}  // namespace
+
+bool is_simple_polygon(std::span<const Vec2> corners) {
+  const std::size_t count = corners.size();
+  if (count < 3) return false;
+  const auto end = [&](std::size_t edge) -> const Vec2& { return corners[(edge + 1) % count]; };
+  const auto low = [&](std::size_t edge) { return std::min(corners[edge].x(), end(edge).x()); };
+  std::vector<std::size_t> order(count);  // By where edges begin along x.
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return low(a) < low(b); });
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t e = order[i];
+    const double high = std::max(corners[e].x(), end(e).x());
+    for (std::size_t k = i + 1; k < count && low(order[k]) <= high; ++k) {
+      const std::size_t f = order[k];
+      const bool is_next = f == (e + 1) % count, is_before = e == (f + 1) % count;
+      if (is_next || is_before) {  // They share a corner, and overlap only where one turns back on the other.
+        const Vec2 &a = is_next ? corners[e] : corners[f], &b = is_next ? end(e) : end(f),
+                   &c = is_next ? end(f) : end(e);
+        if (a == b || b == c || (orient2d(a, b, c) == 0 && (b - a).dot(c - b) < 0)) return false;
+      } else if (do_meet(corners[e], end(e), corners[f], end(f))) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+std::optional<PlanarPatch> fill_polygon(std::span<const Vec2> corners) {
+  constexpr int kPasses = 8;
+  if (!is_simple_polygon(corners) || !runs_anticlockwise(corners)) return std::nullopt;
+  FlatTriangulation triangulation(corners);
+  triangulation.make_delaunay();
+  Refinement(triangulation, sizes_of(corners)).run();
+  for (int pass = 0; pass < kPasses; ++pass) {
+    triangulation.smooth();
+    triangulation.make_delaunay();
+  }
+  return PlanarPatch{triangulation.points(), triangulation.triangles()};
+}
+
+}  // namespace lumesh::surfaces
