@@ -12,7 +12,8 @@ namespace {
 
 /// Whether closed segments share a point.
 bool do_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
-  const int abc = orient2d(a, b, c), abd = orient2d(a, b, d), cda = orient2d(c, d, a), cdb = orient2d(c, d, b);
+  const int abc = orient2d(a, b, c), abd = orient2d(a, b, d), cda = orient2d(c, d, a),
+            cdb = orient2d(c, d, b);
   if (abc == 0 && abd == 0)  // On one line: their boxes tell.
     return (a.cwiseMin(b).array() <= c.cwiseMax(d).array()).all() &&
            (c.cwiseMin(d).array() <= a.cwiseMax(b).array()).all();
@@ -82,7 +83,7 @@ class Refinement {
       if ((mesh_.corner(*within, i) - centre).norm() < kMinApart * size) return;
       // Nor so near to an edge of the polygon that a flat triangle stands on it.
       const Vec2 &a = mesh_.corner(*within, i), &b = mesh_.corner(*within, i + 1);
-      if (mesh_.neighbour(*within, i) == FlatTriangulation::kNone && (a - centre).dot(b - centre) < 0) return;
+      if (mesh_.is_border(*within, i) && (a - centre).dot(b - centre) < 0) return;
     }
     sizes_.push_back(size);
     mesh_.insert(centre, *within);

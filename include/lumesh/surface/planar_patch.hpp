@@ -18,9 +18,10 @@ struct PlanarPatch {
   std::vector<Cell<3>> triangles;  ///< Anticlockwise.
 };
 
-/// The constrained Delaunay triangulation of a polygon, refined by circumcentres until triangles are no larger than
-/// the edges of the polygon near by, and smoothed. Edges of the polygon stay as they are, so angles are only as
-/// good as those allow: at least 25 degrees for even and round ones, at most the polygon's own in its corners.
+/// The constrained Delaunay triangulation of a polygon, refined by circumcentres until triangles are no
+/// larger than the edges of the polygon near by, and smoothed. Edges of the polygon stay as they are, so
+/// angles are only as good as those allow: at least 25 degrees for even and round ones, at most the polygon's
+/// own in its corners.
 /// @return None if the polygon is not simple, or runs clockwise. Cost: about 2 us per triangle.
 /// Source: Chew 1989, Guaranteed-quality triangular meshes, TR 89-983, Cornell; Lawson 1977.
 [[nodiscard]] std::optional<PlanarPatch> fill_polygon(std::span<const Vec2> corners);

@@ -86,7 +86,8 @@ TEST(PlanarPatch, OfRandomStarsFillsThemOnce) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> factor(0.4, 1.6);
   for (int trial = 0; trial < 60; ++trial) {
-    const auto polygon = round_polygon(static_cast<int>(3 + random() % 90), [&](double) { return factor(random); });
+    const auto polygon =
+        round_polygon(static_cast<int>(3 + random() % 90), [&](double) { return factor(random); });
     const auto patch = fill_polygon(polygon);
     ASSERT_TRUE(patch);
     expect_fills(*patch, polygon);

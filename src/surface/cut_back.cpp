@@ -1,0 +1,261 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "flat_rims.hpp"
+#include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/surface/edges.hpp"
+#include "lumesh/surface/planar_patch.hpp"
+#include "rim_triangles.hpp"
+
+namespace lumesh::surfaces {
+namespace {
+
+/// One try to cut with one plane, on a copy of the surface.
+class PlaneCut {
+ public:
+  /// @param depth_mm  Of the plane below the rim's.
+  PlaneCut(const TriangleMesh& surface, const Rim& rim, double depth_mm)
+      : surface_(surface), rim_(rim), depth_mm_(depth_mm), heights_(surface.points.size(), -1) {}
+
+  /// False if this plane does not do.
+  bool run() {
+    gather();
+    if (!flood()) return false;
+    reached_ = cut_corners();
+    reached_.insert(reached_.end(), rim_.vertices.begin(), rim_.vertices.end());
+    slide_into_plane();
+    return flood() && makes_no_slivers() && cut() && take_loop();
+  }
+  TriangleMesh& surface() { return surface_; }
+  FlatRim& flat() { return flat_; }
+
+ private:
+  [[nodiscard]] double height_of(std::uint32_t v) const {
+    return rim_.height_mm(surface_.points[v]) + depth_mm_;
+  }
+
+  /// Heights over the plane of what lies around the rim; all else counts as below.
+  void gather() {
+    neighbours_ = edge_neighbours(surface_.triangles);
+    triangles_around_.resize(surface_.points.size());
+    for (std::uint32_t t = 0; t < surface_.triangles.size(); ++t)
+      for (const std::uint32_t v : surface_.triangles[t]) triangles_around_[v].push_back(t);
+    for (std::uint32_t v = 0; v < heights_.size(); ++v) heights_[v] = height_of(v);
+  }
+
+  [[nodiscard]] double mean_edge_at(std::uint32_t v) const {
+    double sum = 0;
+    for (const std::uint32_t t : triangles_around_[v])
+      for (const std::uint32_t w : surface_.triangles[t])
+        sum += (surface_.points[w] - surface_.points[v]).norm();
+    return sum / (2 * static_cast<double>(triangles_around_[v].size()));
+  }
+
+  /// Corners of the triangles to be cut.
+  [[nodiscard]] std::vector<std::uint32_t> cut_corners() const {
+    std::vector<std::uint32_t> corners;
+    for (std::size_t t = 0; t < is_cut_.size(); ++t)
+      if (is_cut_[t] != 0)
+        corners.insert(corners.end(), surface_.triangles[t].begin(), surface_.triangles[t].end());
+    sort_unique(corners);
+    return corners;
+  }
+
+  void slide_into_plane() {
+    constexpr double kNear = 0.25;  // Of the edges there.
+    for (const std::uint32_t v : reached_)
+      if (heights_[v] != 0 && std::abs(heights_[v]) < kNear * mean_edge_at(v)) slide(v);
+  }
+  /// So near to the plane, a cut would leave one.
+  [[nodiscard]] bool makes_no_slivers() const {
+    constexpr double kNear = 1e-3;  // Of the edges there.
+    const std::vector<std::uint32_t> corners = cut_corners();
+    return std::none_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
+      return heights_[v] != 0 && std::abs(heights_[v]) < kNear * mean_edge_at(v);
+    });
+  }
+  [[nodiscard]] bool is_near(std::uint32_t v) const {
+    constexpr double kRadii = 4;
+    return (surface_.points[v] - rim_.centre_mm).norm() < kRadii * reach_mm();
+  }
+  [[nodiscard]] double reach_mm() const { return rim_.radius_mm + rim_.deviation_mm; }
+
+  void slide(std::uint32_t v) {
+    constexpr double kSteep = 0.1;
+    Vec3 normal = Vec3::Zero();
+    for (const std::uint32_t t : triangles_around_[v]) normal += area_normal(t);
+    normal.stableNormalize();
+    const Vec3 along = rim_.normal - rim_.normal.dot(normal) * normal;
+    const double rise = along.squaredNorm();
+    if (rise < kSteep) return;
+    const Vec3 before = surface_.points[v];
+    std::vector<Vec3> normals;
+    for (const std::uint32_t t : triangles_around_[v]) normals.push_back(area_normal(t));
+    surface_.points[v] -= heights_[v] / rise * along;
+    const double height = std::exchange(heights_[v], 0);
+    bool is_good = true;
+    for (std::size_t i = 0; i < normals.size() && is_good; ++i) {
+      const Cell<3>& corners = surface_.triangles[triangles_around_[v][i]];
+      const bool is_flat =
+          std::all_of(corners.begin(), corners.end(), [&](auto c) { return heights_[c] == 0; });
+      is_good = !is_flat && keeps_its_side(normals[i], area_normal(triangles_around_[v][i]));
+    }
+    if (is_good) {
+      flat_.moved_mm = std::max(flat_.moved_mm, (surface_.points[v] - before).norm());
+    } else {
+      surface_.points[v] = before;
+      heights_[v] = height;
+    }
+  }
+  static bool keeps_its_side(const Vec3& before, const Vec3& after) {
+    constexpr double kCosine = 0.7, kArea = 0.1;
+    return before.dot(after) > kCosine * before.norm() * after.norm() && after.norm() > kArea * before.norm();
+  }
+  [[nodiscard]] Vec3 area_normal(std::uint32_t t) const {
+    const auto& [a, b, c] = surface_.triangles[t];
+    return triangle_area_normal(surface_.points[a], surface_.points[b], surface_.points[c]);
+  }
+
+  /// Finds the triangles that reach above the plane and hang together with the rim there. False if those go
+  /// far, or to another rim.
+  bool flood() {
+    is_cut_.assign(surface_.triangles.size(), 0);
+    std::vector<std::uint8_t> is_of_rim(surface_.points.size(), 0);
+    for (const std::uint32_t v : rim_.vertices) is_of_rim[v] = 1;
+    std::vector<std::uint32_t> stack;
+    const auto enter = [&](std::uint32_t t) {
+      if (is_cut_[t] != 0 || !is_above(t)) return;
+      is_cut_[t] = 1;
+      stack.push_back(t);
+    };
+    for (const std::uint32_t v : rim_.vertices)
+      for (const std::uint32_t t : triangles_around_[v]) enter(t);
+    while (!stack.empty()) {
+      const std::uint32_t t = stack.back();
+      stack.pop_back();
+      for (std::size_t s = 0; s < 3; ++s) {
+        const std::uint32_t a = surface_.triangles[t][s], b = surface_.triangles[t][(s + 1) % 3];
+        const std::uint32_t other = neighbours_[t][s];
+        if (heights_[a] > 0 && (!is_near(a) || heights_[a] - depth_mm_ > rim_.radius_mm)) return false;
+        const bool is_rim_edge = is_of_rim[a] != 0 && is_of_rim[b] != 0;
+        if (other >= kCrowdedEdge && !(other == kOpenEdge && is_rim_edge)) return false;
+        if (other < kCrowdedEdge && std::max(heights_[a], heights_[b]) > 0) enter(other);
+      }
+    }
+    return true;
+  }
+  [[nodiscard]] bool is_above(std::uint32_t t) const {
+    const Cell<3>& corners = surface_.triangles[t];
+    return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return heights_[v] > 0; });
+  }
+
+  /// The point of an edge in the plane; the same from both sides.
+  std::uint32_t crossing(std::uint32_t a, std::uint32_t b) {
+    const auto [low, high] = std::minmax(a, b);
+    const auto [at, is_new] =
+        crossings_.try_emplace({low, high}, static_cast<std::uint32_t>(surface_.points.size()));
+    if (!is_new) return at->second;
+    const double share = heights_[low] / (heights_[low] - heights_[high]);
+    surface_.points.push_back(surface_.points[low] + share * (surface_.points[high] - surface_.points[low]));
+    heights_.push_back(0);
+    is_in_plane_.push_back(1);
+    return at->second;
+  }
+
+  /// Keeps of each triangle what is not above. False if nothing is left to cut.
+  bool cut() {
+    is_in_plane_.assign(surface_.points.size(), 0);
+    for (const std::uint32_t v : reached_) is_in_plane_[v] = heights_[v] == 0 ? 1 : 0;
+    std::vector<Cell<3>> triangles;
+    std::vector<std::int32_t> patches;
+    std::size_t count = 0;
+    const auto keep = [&](const Cell<3>& corners, std::size_t t) {
+      triangles.push_back(corners);
+      patches.push_back(surface_.patches[t]);
+    };
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
+      if (is_cut_[t] == 0) {
+        keep(surface_.triangles[t], t);
+        continue;
+      }
+      ++count;
+      // What is left of a triangle has three or four corners, in order.
+      std::vector<std::uint32_t> left;
+      for (std::size_t s = 0; s < 3; ++s) {
+        const std::uint32_t a = surface_.triangles[t][s], b = surface_.triangles[t][(s + 1) % 3];
+        if (heights_[a] <= 0) left.push_back(a);
+        if (heights_[a] * heights_[b] < 0) left.push_back(crossing(a, b));
+      }
+      for (const std::uint32_t v : surface_.triangles[t])
+        flat_.cut_off_mm = std::max(flat_.cut_off_mm, heights_[v]);
+      if (left.size() == 4 && is_second_diagonal_shorter(left))
+        std::rotate(left.begin(), left.begin() + 1, left.end());
+      for (std::size_t i = 2; i < left.size(); ++i) keep({left[0], left[i - 1], left[i]}, t);
+    }
+    surface_.triangles = std::move(triangles);
+    surface_.patches = std::move(patches);
+    return count > 0;
+  }
+  [[nodiscard]] bool is_second_diagonal_shorter(const std::vector<std::uint32_t>& q) const {
+    const auto length2 = [&](std::size_t a, std::size_t b) {
+      return (surface_.points[q[a]] - surface_.points[q[b]]).squaredNorm();
+    };
+    return length2(1, 3) < length2(0, 2);
+  }
+
+  /// The one loop in the plane is the new rim.
+  bool take_loop() {
+    std::vector<Rim> loops = find_rims(surface_);
+    const auto in_plane = [&](const Rim& rim) {
+      return std::count_if(rim.vertices.begin(), rim.vertices.end(),
+                           [&](auto v) { return is_in_plane_[v] != 0; });
+    };
+    std::erase_if(loops, [&](const Rim& rim) { return in_plane(rim) == 0; });
+    if (loops.size() != 1) return false;
+    Rim& loop = loops[0];
+    if (static_cast<std::size_t>(in_plane(loop)) != loop.vertices.size()) return false;
+    if (loop.normal.dot(rim_.normal) <= 0) return false;
+    loop.normal = rim_.normal;  // Its own is the same but for rounding.
+    if (!is_simple_polygon(PlaneFrame(loop).polygon(loop, surface_.points))) return false;
+    flat_.rim = std::move(loop);
+    return leaves_plane_at_angle(surface_, flat_.rim, kGoodAngleDeg);
+  }
+
+  TriangleMesh surface_;
+  const Rim& rim_;
+  double depth_mm_;
+  std::vector<double> heights_;  // Over the plane, of each point.
+  EdgeNeighbours neighbours_;
+  std::vector<std::vector<std::uint32_t>> triangles_around_;
+  std::vector<std::uint32_t> reached_;  // Corners of what reaches above the plane, and of the rim.
+  std::vector<std::uint8_t> is_cut_;
+  std::vector<std::uint8_t> is_in_plane_;  // Of points: on the new rim.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> crossings_;
+  FlatRim flat_;
+};
+
+}  // namespace
+
+std::optional<FlatRim> cut_back(TriangleMesh& surface, const Rim& rim) {
+  double lowest = 0, highest = 0;
+  for (const std::uint32_t v : rim.vertices) {
+    lowest = std::min(lowest, rim.height_mm(surface.points[v]));
+    highest = std::max(highest, rim.height_mm(surface.points[v]));
+  }
+  // Deeper where the surface comes to its end nearly in the plane, as a flange does.
+  for (const double edges : {0.0, 0.5, 1.0, 2.0}) {
+    const double depth_mm = -lowest + edges * rim.mean_edge_mm;
+    if (highest + depth_mm > rim.radius_mm) break;
+    PlaneCut cut(surface, rim, depth_mm);
+    if (!cut.run()) continue;
+    surface = std::move(cut.surface());
+    return std::move(cut.flat());
+  }
+  return std::nullopt;
+}
+
+}  // namespace lumesh::surfaces

@@ -1,0 +1,113 @@
+#include "flat_rims.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/surface/planar_patch.hpp"
+#include "rim_triangles.hpp"
+
+namespace lumesh::surfaces {
+namespace {
+
+using Plane = std::pair<Vec3, Vec3>;  // Point and normal.
+
+/// The nearest point in all planes; none where they hardly meet in one.
+std::optional<Vec3> nearest_in(const std::vector<Plane>& planes, const Vec3& point) {
+  Eigen::MatrixX3d normals(planes.size(), 3);
+  Eigen::VectorXd heights(planes.size());
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    normals.row(row) = planes[i].second.transpose();
+    heights[row] = planes[i].second.dot(planes[i].first - point);
+  }
+  constexpr double kMinSine = 0.1;  // Between planes.
+  Eigen::JacobiSVD<Eigen::MatrixXd> solver(normals, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  if (planes.size() > 3 || solver.singularValues().tail<1>()[0] < kMinSine) return std::nullopt;
+  return Vec3(point + solver.solve(heights));
+}
+
+/// Where a rim shares a vertex with one before it, almost in its plane: that plane.
+Plane plane_of(const Rim& rim, const VertexPlanes& planes) {
+  constexpr double kParallel = 0.99;
+  for (const std::uint32_t v : rim.vertices) {
+    const auto found = planes.find(v);
+    if (found == planes.end()) continue;
+    for (const Plane& plane : found->second)
+      if (std::abs(plane.second.dot(rim.normal)) > kParallel) return plane;
+  }
+  return {rim.centre_mm, rim.normal};
+}
+
+Vec3 normal_at(const TriangleMesh& surface, std::size_t t) {
+  const auto& [a, b, c] = surface.triangles[t];
+  return triangle_area_normal(surface.points[a], surface.points[b], surface.points[c]);
+}
+
+}  // namespace
+
+PlaneFrame::PlaneFrame(const Rim& rim)
+    : origin(rim.centre_mm), u(rim.normal.unitOrthogonal()), v(rim.normal.cross(u)) {}
+
+std::vector<Vec2> PlaneFrame::polygon(const Rim& rim, const std::vector<Vec3>& points) const {
+  std::vector<Vec2> corners;
+  for (std::size_t i = rim.vertices.size(); i-- > 0;) corners.push_back(flat(points[rim.vertices[i]]));
+  return corners;
+}
+
+std::vector<std::uint32_t> rim_triangles(const TriangleMesh& surface, const Rim& rim) {
+  std::map<std::uint32_t, std::size_t> place;
+  for (std::size_t i = 0; i < rim.vertices.size(); ++i) place[rim.vertices[i]] = i;
+  std::vector<std::uint32_t> triangles(rim.vertices.size(), 0);
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    for (std::size_t s = 0; s < 3; ++s) {
+      const auto from = place.find(surface.triangles[t][s]);
+      if (from != place.end() &&
+          surface.triangles[t][(s + 1) % 3] == rim.vertices[(from->second + 1) % rim.vertices.size()])
+        triangles[from->second] = t;
+    }
+  return triangles;
+}
+
+bool leaves_plane_at_angle(const TriangleMesh& surface, const Rim& rim, double min_angle_deg) {
+  const double max_cosine = std::cos(min_angle_deg * std::numbers::pi / 180);
+  const std::vector<std::uint32_t> triangles = rim_triangles(surface, rim);
+  return std::none_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
+    // Under the cap, the surface faces the other way.
+    return normal_at(surface, t).stableNormalized().dot(rim.normal) < -max_cosine;
+  });
+}
+
+std::optional<FlatRim> move_into_plane(TriangleMesh& surface, const Rim& rim, VertexPlanes& planes,
+                                       double min_angle_deg) {
+  const Plane plane = plane_of(rim, planes);
+  FlatRim flat{rim};
+  flat.rim.centre_mm -= plane.second.dot(rim.centre_mm - plane.first) * plane.second;
+  flat.rim.normal = plane.second.dot(rim.normal) < 0 ? Vec3(-plane.second) : plane.second;
+  TriangleMesh moved = surface;
+  VertexPlanes constrained = planes;
+  for (const std::uint32_t v : rim.vertices) {
+    std::vector<Plane>& mine = constrained[v];
+    if (std::find(mine.begin(), mine.end(), plane) == mine.end()) mine.push_back(plane);
+    const std::optional<Vec3> place = nearest_in(mine, surface.points[v]);
+    if (!place) return std::nullopt;
+    flat.moved_mm = std::max(flat.moved_mm, (*place - surface.points[v]).norm());
+    moved.points[v] = *place;
+  }
+  if (flat.moved_mm > Rim::kMaxBent * rim.radius_mm + rim.mean_edge_mm) return std::nullopt;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const Cell<3>& corners = surface.triangles[t];
+    const bool is_moved = std::any_of(corners.begin(), corners.end(),
+                                      [&](std::uint32_t v) { return moved.points[v] != surface.points[v]; });
+    if (is_moved && !(normal_at(moved, t).dot(normal_at(surface, t)) > 0)) return std::nullopt;
+  }
+  if (!leaves_plane_at_angle(moved, flat.rim, min_angle_deg)) return std::nullopt;
+  if (!is_simple_polygon(PlaneFrame(flat.rim).polygon(rim, moved.points))) return std::nullopt;
+  surface.points = std::move(moved.points);
+  planes = std::move(constrained);
+  return flat;
+}
+
+}  // namespace lumesh::surfaces

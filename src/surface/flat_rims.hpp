@@ -1,0 +1,48 @@
+#pragma once
+// Rims made planar, by a cut or by moving their vertices.
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "lumesh/geometry/predicates.hpp"
+#include "lumesh/surface/rims.hpp"
+
+namespace lumesh::surfaces {
+
+struct FlatRim {
+  Rim rim;                // In its plane but for rounding.
+  double cut_off_mm = 0;  // Height of what was cut off.
+  double moved_mm = 0;    // Farthest way of a vertex.
+};
+
+/// Cuts a surface off by a plane parallel to the rim's that lies just inside of all its vertices, where that
+/// takes no more than a radius off and leaves one simple loop that the surface leaves at an angle. Vertices
+/// nearly in the plane slide into it along the surface, so that the cut makes no slivers. The rest of the
+/// surface is not cut, even if the plane passes through it.
+/// @return None, with the surface as it was, if there is no such plane.
+[[nodiscard]] std::optional<FlatRim> cut_back(TriangleMesh& surface, const Rim& rim);
+
+/// Planes that vertices have to stay in.
+using VertexPlanes = std::map<std::uint32_t, std::vector<std::pair<Vec3, Vec3>>>;  // Point and normal.
+
+/// Moves the vertices of a rim into its plane, those of other rims within their planes.
+/// @param planes  Of the rims before; this one's is added.
+/// @return None, with the surface as it was, if that would turn a triangle over or fold it onto the plane
+/// (leaves_plane_at_angle()), or the rim would cross itself.
+[[nodiscard]] std::optional<FlatRim> move_into_plane(TriangleMesh& surface, const Rim& rim,
+                                                     VertexPlanes& planes, double min_angle_deg);
+
+/// Coordinates in the plane of a rim, seen from outside.
+struct PlaneFrame {
+  explicit PlaneFrame(const Rim& rim);
+
+  [[nodiscard]] Vec2 flat(const Vec3& p) const { return {u.dot(p - origin), v.dot(p - origin)}; }
+  [[nodiscard]] Vec3 in_space(const Vec2& p) const { return origin + p.x() * u + p.y() * v; }
+  /// Corners of the rim, anticlockwise.
+  [[nodiscard]] std::vector<Vec2> polygon(const Rim& rim, const std::vector<Vec3>& points) const;
+
+  Vec3 origin, u, v;
+};
+
+}  // namespace lumesh::surfaces

@@ -1,0 +1,19 @@
+#pragma once
+// The triangles at a rim.
+
+#include <vector>
+
+#include "lumesh/surface/rims.hpp"
+
+namespace lumesh::surfaces {
+
+/// Of each edge of a rim, from vertex i to the next, the triangle that has it.
+[[nodiscard]] std::vector<std::uint32_t> rim_triangles(const TriangleMesh& surface, const Rim& rim);
+
+/// Angles between a surface and its cap: wanted, and such that the cap at least does not lie on the surface.
+inline constexpr double kGoodAngleDeg = 20, kLeastAngleDeg = 1;
+
+/// Whether the surface makes an angle with the rim's plane all around, so that a cap does not fold onto it.
+[[nodiscard]] bool leaves_plane_at_angle(const TriangleMesh& surface, const Rim& rim, double min_angle_deg);
+
+}  // namespace lumesh::surfaces
