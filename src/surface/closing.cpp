@@ -22,15 +22,6 @@ bool is_almost_planar(const Rim& rim) {
   return rim.deviation_mm <= kShare * rim.mean_edge_mm;
 }
 
-/// A rim made planar, if it is that of an opening.
-std::optional<FlatRim> flattened(TriangleMesh& surface, const Rim& rim, VertexPlanes& planes) {
-  if (!rim.is_wide()) return std::nullopt;
-  if (is_almost_planar(rim))
-    if (std::optional<FlatRim> moved = move_into_plane(surface, rim, planes, kGoodAngleDeg)) return moved;
-  if (std::optional<FlatRim> cut = cut_back(surface, rim)) return cut;
-  return rim.is_flat() ? move_into_plane(surface, rim, planes, kLeastAngleDeg) : std::nullopt;
-}
-
 std::int32_t commonest_patch(const TriangleMesh& surface, const Rim& rim) {
   std::map<std::int32_t, std::size_t> counts;
   for (const std::uint32_t t : rim_triangles(surface, rim)) ++counts[surface.patches[t]];
@@ -78,17 +69,38 @@ class Closer {
     Rim given;
     FlatRim flat;
   };
-  /// All before the first is capped: rims that touch move each other's vertices.
+  /// All before the first is capped: rims that touch move each other's vertices, and some are cut off with
+  /// others.
   void flatten(const std::vector<Rim>& rims) {
     VertexPlanes planes;
-    for (const Rim& rim : rims)
-      if (std::optional<FlatRim> flat = flattened(surface_, rim, planes))
-        openings_.push_back({rim, std::move(*flat)});
-      else
-        holes_.push_back(rim);
+    std::vector<std::uint8_t> is_cut_away(rims.size(), 0);
+    for (std::size_t r = 0; r < rims.size(); ++r)
+      if (is_cut_away[r] == 0 && !flatten_one(rims, r, planes, is_cut_away)) holes_.push_back(rims[r]);
     std::stable_sort(openings_.begin(), openings_.end(), [](const Opening& a, const Opening& b) {
       return a.flat.rim.area_mm2 > b.flat.rim.area_mm2;
     });
+  }
+  /// False if the rim is none of an opening.
+  bool flatten_one(const std::vector<Rim>& rims, std::size_t which, VertexPlanes& planes,
+                   std::vector<std::uint8_t>& is_cut_away) {
+    const Rim& rim = rims[which];
+    if (!rim.is_wide()) return false;
+    const auto move = [&](double min_angle_deg) {
+      std::optional<FlatRim> moved = move_into_plane(surface_, rim, planes, min_angle_deg);
+      if (moved) openings_.push_back({rim, std::move(*moved)});
+      return moved.has_value();
+    };
+    if (is_almost_planar(rim) && move(kGoodAngleDeg)) return true;
+    if (std::optional<CutBack> cut = cut_back(surface_, rims, which)) {
+      for (const std::size_t r : cut->cut_away) is_cut_away[r] = 1;
+      for (FlatRim& flat : cut->rims)
+        if (flat.rim.is_wide())
+          openings_.push_back({cut->rims.size() == 1 ? rim : flat.rim, flat});
+        else
+          holes_.push_back(std::move(flat.rim));
+      return true;
+    }
+    return rim.is_flat() && move(kLeastAngleDeg);
   }
   void cap() {
     for (const auto& [given, flat] : openings_) {

@@ -17,9 +17,14 @@ namespace {
 /// One try to cut with one plane, on a copy of the surface.
 class PlaneCut {
  public:
-  /// @param depth_mm  Of the plane below the rim's.
-  PlaneCut(const TriangleMesh& surface, const Rim& rim, double depth_mm)
-      : surface_(surface), rim_(rim), depth_mm_(depth_mm), heights_(surface.points.size(), -1) {}
+  /// @param may_go  Vertices of rims that may be cut off. @param depth_mm  Of the plane below the rim's.
+  PlaneCut(const TriangleMesh& surface, const Rim& rim, const std::vector<std::uint8_t>& may_go,
+           double depth_mm)
+      : surface_(surface),
+        rim_(rim),
+        may_go_(may_go),
+        depth_mm_(depth_mm),
+        heights_(surface.points.size(), -1) {}
 
   /// False if this plane does not do.
   bool run() {
@@ -27,11 +32,18 @@ class PlaneCut {
     if (!flood()) return false;
     reached_ = cut_corners();
     reached_.insert(reached_.end(), rim_.vertices.begin(), rim_.vertices.end());
+    is_reached_.assign(surface_.points.size(), 0);
+    for (const std::uint32_t v : reached_) is_reached_[v] = 1;
     slide_into_plane();
-    return flood() && makes_no_slivers() && cut() && take_loop();
+    return flood() && makes_no_slivers() && cut() && take_loops();
   }
   TriangleMesh& surface() { return surface_; }
-  FlatRim& flat() { return flat_; }
+  std::vector<FlatRim>& loops() { return loops_; }
+  /// Whether a rim lies above the plane, or in it, and was cut off.
+  [[nodiscard]] bool has_cut_away(const Rim& rim) const {
+    return std::all_of(rim.vertices.begin(), rim.vertices.end(),
+                       [&](auto v) { return is_reached_[v] != 0 && heights_[v] >= 0; });
+  }
 
  private:
   [[nodiscard]] double height_of(std::uint32_t v) const {
@@ -105,7 +117,7 @@ class PlaneCut {
       is_good = !is_flat && keeps_its_side(normals[i], area_normal(triangles_around_[v][i]));
     }
     if (is_good) {
-      flat_.moved_mm = std::max(flat_.moved_mm, (surface_.points[v] - before).norm());
+      moved_mm_ = std::max(moved_mm_, (surface_.points[v] - before).norm());
     } else {
       surface_.points[v] = before;
       heights_[v] = height;
@@ -124,8 +136,7 @@ class PlaneCut {
   /// far, or to another rim.
   bool flood() {
     is_cut_.assign(surface_.triangles.size(), 0);
-    std::vector<std::uint8_t> is_of_rim(surface_.points.size(), 0);
-    for (const std::uint32_t v : rim_.vertices) is_of_rim[v] = 1;
+
     std::vector<std::uint32_t> stack;
     const auto enter = [&](std::uint32_t t) {
       if (is_cut_[t] != 0 || !is_above(t)) return;
@@ -141,8 +152,8 @@ class PlaneCut {
         const std::uint32_t a = surface_.triangles[t][s], b = surface_.triangles[t][(s + 1) % 3];
         const std::uint32_t other = neighbours_[t][s];
         if (heights_[a] > 0 && (!is_near(a) || heights_[a] - depth_mm_ > rim_.radius_mm)) return false;
-        const bool is_rim_edge = is_of_rim[a] != 0 && is_of_rim[b] != 0;
-        if (other >= kCrowdedEdge && !(other == kOpenEdge && is_rim_edge)) return false;
+        if (other >= kCrowdedEdge && !(other == kOpenEdge && may_go_[a] != 0 && may_go_[b] != 0))
+          return false;
         if (other < kCrowdedEdge && std::max(heights_[a], heights_[b]) > 0) enter(other);
       }
     }
@@ -190,8 +201,7 @@ class PlaneCut {
         if (heights_[a] <= 0) left.push_back(a);
         if (heights_[a] * heights_[b] < 0) left.push_back(crossing(a, b));
       }
-      for (const std::uint32_t v : surface_.triangles[t])
-        flat_.cut_off_mm = std::max(flat_.cut_off_mm, heights_[v]);
+      for (const std::uint32_t v : surface_.triangles[t]) cut_off_mm_ = std::max(cut_off_mm_, heights_[v]);
       if (left.size() == 4 && is_second_diagonal_shorter(left))
         std::rotate(left.begin(), left.begin() + 1, left.end());
       for (std::size_t i = 2; i < left.size(); ++i) keep({left[0], left[i - 1], left[i]}, t);
@@ -207,26 +217,28 @@ class PlaneCut {
     return length2(1, 3) < length2(0, 2);
   }
 
-  /// The one loop in the plane is the new rim.
-  bool take_loop() {
+  /// The loops in the plane are the new rims.
+  bool take_loops() {
     std::vector<Rim> loops = find_rims(surface_);
     const auto in_plane = [&](const Rim& rim) {
       return std::count_if(rim.vertices.begin(), rim.vertices.end(),
                            [&](auto v) { return is_in_plane_[v] != 0; });
     };
     std::erase_if(loops, [&](const Rim& rim) { return in_plane(rim) == 0; });
-    if (loops.size() != 1) return false;
-    Rim& loop = loops[0];
-    if (static_cast<std::size_t>(in_plane(loop)) != loop.vertices.size()) return false;
-    if (loop.normal.dot(rim_.normal) <= 0) return false;
-    loop.normal = rim_.normal;  // Its own is the same but for rounding.
-    if (!is_simple_polygon(PlaneFrame(loop).polygon(loop, surface_.points))) return false;
-    flat_.rim = std::move(loop);
-    return leaves_plane_at_angle(surface_, flat_.rim, kGoodAngleDeg);
+    for (Rim& loop : loops) {
+      if (static_cast<std::size_t>(in_plane(loop)) != loop.vertices.size()) return false;
+      if (loop.normal.dot(rim_.normal) <= 0) return false;
+      loop.normal = rim_.normal;  // Its own is the same but for rounding.
+      if (!is_simple_polygon(PlaneFrame(loop).polygon(loop, surface_.points))) return false;
+      if (!leaves_plane_at_angle(surface_, loop, kGoodAngleDeg)) return false;
+      loops_.push_back({std::move(loop), cut_off_mm_, moved_mm_});
+    }
+    return !loops_.empty();
   }
 
   TriangleMesh surface_;
   const Rim& rim_;
+  const std::vector<std::uint8_t>& may_go_;
   double depth_mm_;
   std::vector<double> heights_;  // Over the plane, of each point.
   EdgeNeighbours neighbours_;
@@ -235,25 +247,62 @@ class PlaneCut {
   std::vector<std::uint8_t> is_cut_;
   std::vector<std::uint8_t> is_in_plane_;  // Of points: on the new rim.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> crossings_;
-  FlatRim flat_;
+  std::vector<std::uint8_t> is_reached_;
+  double cut_off_mm_ = 0, moved_mm_ = 0;
+  std::vector<FlatRim> loops_;
 };
+
+/// How far rims reach over the plane of one of them.
+struct Reach {
+  double lowest = 0, highest = 0;
+
+  void include(const TriangleMesh& surface, const Rim& of, const Rim& rim) {
+    for (const std::uint32_t v : rim.vertices) {
+      lowest = std::min(lowest, of.height_mm(surface.points[v]));
+      highest = std::max(highest, of.height_mm(surface.points[v]));
+    }
+  }
+};
+
+/// Whether rims may be of one cut: they face one way, and the planes are near each other.
+bool may_be_of_one_cut(const Rim& rim, const Rim& other) {
+  constexpr double kCosine = 0.8;
+  return rim.normal.dot(other.normal) > kCosine &&
+         std::abs(rim.height_mm(other.centre_mm)) < rim.deviation_mm + other.deviation_mm + rim.mean_edge_mm;
+}
 
 }  // namespace
 
-std::optional<FlatRim> cut_back(TriangleMesh& surface, const Rim& rim) {
-  double lowest = 0, highest = 0;
-  for (const std::uint32_t v : rim.vertices) {
-    lowest = std::min(lowest, rim.height_mm(surface.points[v]));
-    highest = std::max(highest, rim.height_mm(surface.points[v]));
+std::optional<CutBack> cut_back(TriangleMesh& surface, const std::vector<Rim>& rims, std::size_t which) {
+  const Rim& rim = rims[which];
+  std::vector<std::uint8_t> may_go(surface.points.size(), 0);
+  for (const std::uint32_t v : rim.vertices) may_go[v] = 1;
+  Reach own;
+  own.include(surface, rim, rim);
+  Reach all = own;
+  bool is_alone = true;
+  for (std::size_t r = which + 1; r < rims.size(); ++r) {
+    if (!may_be_of_one_cut(rim, rims[r])) continue;
+    all.include(surface, rim, rims[r]);
+    is_alone = false;
+    for (const std::uint32_t v : rims[r].vertices) may_go[v] = 1;
   }
+  const auto tried = [&](const Reach& reach, double edges) -> std::optional<CutBack> {
+    const double depth_mm = -reach.lowest + edges * rim.mean_edge_mm;
+    if (reach.highest + depth_mm > rim.radius_mm) return std::nullopt;
+    PlaneCut cut(surface, rim, may_go, depth_mm);
+    if (!cut.run()) return std::nullopt;
+    CutBack made{std::move(cut.loops()), {}};
+    for (std::size_t r = which + 1; r < rims.size(); ++r)
+      if (cut.has_cut_away(rims[r])) made.cut_away.push_back(r);
+    surface = std::move(cut.surface());
+    return made;
+  };
   // Deeper where the surface comes to its end nearly in the plane, as a flange does.
   for (const double edges : {0.0, 0.5, 1.0, 2.0}) {
-    const double depth_mm = -lowest + edges * rim.mean_edge_mm;
-    if (highest + depth_mm > rim.radius_mm) break;
-    PlaneCut cut(surface, rim, depth_mm);
-    if (!cut.run()) continue;
-    surface = std::move(cut.surface());
-    return std::move(cut.flat());
+    if (auto made = tried(own, edges)) return made;
+    if (is_alone) continue;
+    if (auto made = tried(all, edges)) return made;
   }
   return std::nullopt;
 }

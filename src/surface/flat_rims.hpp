@@ -16,12 +16,21 @@ struct FlatRim {
   double moved_mm = 0;    // Farthest way of a vertex.
 };
 
-/// Cuts a surface off by a plane parallel to the rim's that lies just inside of all its vertices, where that
-/// takes no more than a radius off and leaves one simple loop that the surface leaves at an angle. Vertices
+/// What is left when a surface has been cut off behind a rim.
+struct CutBack {
+  std::vector<FlatRim> rims;          // At least one.
+  std::vector<std::size_t> cut_away;  // Which of the other rims were cut off with it.
+};
+
+/// Cuts a surface off by a plane parallel to a rim's that lies just inside of all its vertices, where that
+/// takes no more than a radius off and leaves simple loops that the surface leaves at an angle. Vertices
 /// nearly in the plane slide into it along the surface, so that the cut makes no slivers. The rest of the
-/// surface is not cut, even if the plane passes through it.
+/// surface is not cut, even if the plane passes through it. Other rims that end near the plane, as where it
+/// was a plane that made them all, are cut off with it; the cut lies inside of them, too, if it has to.
+/// @param which  Of the rims; those before it are not cut.
 /// @return None, with the surface as it was, if there is no such plane.
-[[nodiscard]] std::optional<FlatRim> cut_back(TriangleMesh& surface, const Rim& rim);
+[[nodiscard]] std::optional<CutBack> cut_back(TriangleMesh& surface, const std::vector<Rim>& rims,
+                                              std::size_t which);
 
 /// Planes that vertices have to stay in.
 using VertexPlanes = std::map<std::uint32_t, std::vector<std::pair<Vec3, Vec3>>>;  // Point and normal.
