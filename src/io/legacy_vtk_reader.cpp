@@ -1,6 +1,5 @@
 // Legacy VTK of versions 1.0 to 5.1, text or binary, also gzipped.
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <bit>
 #include <charconv>
@@ -12,38 +11,19 @@
 
 #include "cell_blocks.hpp"
 #include "file_fault.hpp"
-#include "lumesh/core/memory.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 #include "metric_tensors.hpp"
 #include "point_arrays.hpp"
+#include "unpacked_file.hpp"
 
 namespace lumesh::io {
 
 namespace {
 
-std::string load(const std::filesystem::path& path) {
-  constexpr std::size_t kLarge = std::size_t{64} << 20U;
-  gzFile file = gzopen(path.c_str(), "rb");  // reads plain files too
-  if (file == nullptr) fail(path, "cannot be opened for reading; check the path");
-  std::string content;
-  std::vector<char> buffer(1U << 20);
-  int got = 0;
-  bool is_too_large = false;
-  while (!is_too_large && (got = gzread(file, buffer.data(), static_cast<unsigned>(buffer.size()))) > 0) {
-    const std::size_t size = content.size() + static_cast<std::size_t>(got);
-    if (size > content.capacity() && size > kLarge) is_too_large = 2 * size > available_memory_bytes();
-    if (!is_too_large) content.append(buffer.data(), static_cast<std::size_t>(got));
-  }
-  gzclose(file);
-  if (is_too_large) fail(path, "unpacking it needs more memory than there is", ErrorKind::kMemory);
-  if (got < 0) fail(path, "its compressed data are cut off or damaged");
-  return content;
-}
-
 class LegacyReader {
  public:
-  explicit LegacyReader(const std::filesystem::path& path) : path_(path), content_(load(path)) {}
+  explicit LegacyReader(const std::filesystem::path& path) : path_(path), content_(unpacked_file(path)) {}
 
   MixedMesh run() {
     read_header();

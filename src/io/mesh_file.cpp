@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "file_fault.hpp"
+#include "lumesh/io/surface_file.hpp"
 #include "mesh_formats.hpp"
 #include "utf8.hpp"
 
@@ -54,7 +55,7 @@ constexpr unsigned kVolumeIn = bits(kRead, kReadVolume), kTetrahedraOut = bits(k
                    kSurface = bits(kRead, kWrite, kWriteSurface);
 
 /// Every format, and all that is said of formats anywhere, in the order of the lists.
-constexpr std::array<MeshFormat, 13> kFormats = {{
+constexpr std::array<MeshFormat, 15> kFormats = {{
     {".vtu", ".vtu", kVolumeIn | kMixedOut | bits(kCarryMetric), io::read_vtu, io::write_vtu},
     {".vtk", ".vtk", kVolumeIn | kMixedOut | bits(kCarryMetric), io::read_legacy_vtk, io::write_legacy_vtk},
     {".vtk.gz", "", kVolumeIn, io::read_legacy_vtk, nullptr},
@@ -67,6 +68,8 @@ constexpr std::array<MeshFormat, 13> kFormats = {{
      write_plainly<io::write_simvascular>},
     {".vtp", ".vtp", kSurface, io::read_vtp_surface, io::write_vtp_surface},
     {".stl", ".stl", kSurface, io::read_stl, write_plainly<io::write_stl>},
+    {".stl.gz", "", bits(kRead), io::read_stl, nullptr},
+    {".obj", ".obj", bits(kRead), io::read_obj, nullptr},
     {".sol", ".sol", bits(kMetricAlone), nullptr, nullptr},
     {".solb", ".solb", bits(kMetricAlone), nullptr, nullptr},
 }};
@@ -111,8 +114,15 @@ void write_surface(const Path& path, const MeshView& mesh, const MeshWriteOption
 }
 
 MixedMesh read_mesh(const Path& path) {
+  return read_surface_file(path, "");
+}
+
+MixedMesh read_surface_file(const Path& path, const std::string& patch_array) {
   io::check_file(path);
-  MixedMesh mesh = known_format_of(path, kRead).read(path);
+  const MeshFormat& format = known_format_of(path, kRead);
+  if (!patch_array.empty() && format.read != io::read_vtp_surface)
+    io::fail(path, "has no arrays of cells; `patch_array` is for .vtp");
+  MixedMesh mesh = patch_array.empty() ? format.read(path) : io::read_vtp_surface_by(path, patch_array);
   for (Patch& patch : mesh.info.patches) patch.name = io::as_utf8(std::move(patch.name));
   for (auto& [label, name] : mesh.info.label_names) name = io::as_utf8(std::move(name));
   return mesh;

@@ -38,6 +38,10 @@ void check_simvascular_folder(const std::filesystem::path& path);
 
 [[nodiscard]] MixedMesh read_vtu(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_vtp_surface(const std::filesystem::path& path);
+/// Patches by an array of cells of this name.
+[[nodiscard]] MixedMesh read_vtp_surface_by(const std::filesystem::path& path,
+                                            const std::string& patch_array);
+[[nodiscard]] MixedMesh read_obj(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_legacy_vtk(const std::filesystem::path& path);
 /// Points and info alone.
 [[nodiscard]] MixedMesh read_vtk_xml_points(const std::filesystem::path& path, std::string_view dataset_type);

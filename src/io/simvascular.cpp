@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "face_ids.hpp"
 #include "face_owners.hpp"
 #include "file_fault.hpp"
 #include "lumesh/core/sort_unique.hpp"
@@ -78,6 +79,7 @@ struct FaceFile {
 FaceFile gather_faces(const MeshView& mesh, const std::vector<FaceOwner>& owners,
                       const std::vector<std::uint32_t>& triangles) {
   FaceFile file;
+  const std::vector<std::int32_t> id_of = model_face_ids(mesh.info->patches);
   std::vector<std::uint32_t> used;
   for (const std::uint32_t t : triangles)
     used.insert(used.end(), owners[t].outward.begin(), owners[t].outward.end());
@@ -92,7 +94,7 @@ FaceFile gather_faces(const MeshView& mesh, const std::vector<FaceOwner>& owners
           static_cast<std::int32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin()));
     file.element_ids.push_back(static_cast<std::int32_t>(owners[t].cell) + 1);
     file.region_ids.push_back(mesh.tetrahedron_labels[owners[t].cell]);
-    file.face_ids.push_back(mesh.triangle_patches[t] + 1);
+    file.face_ids.push_back(id_of.at(static_cast<std::size_t>(mesh.triangle_patches[t])));
   }
   return file;
 }

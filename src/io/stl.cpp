@@ -1,4 +1,4 @@
-// STL: binary out; binary and text in, equal points merged.
+// STL: binary out; binary and text in, also gzipped, equal points merged.
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -7,8 +7,6 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <sstream>
 
@@ -17,6 +15,7 @@
 #include "lumesh/mesh/patch_words.hpp"
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
+#include "unpacked_file.hpp"
 
 namespace lumesh::io {
 
@@ -152,8 +151,7 @@ void write_stl(const std::filesystem::path& path, const MeshView& mesh) {
 }
 
 MixedMesh read_stl(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  const std::string bytes = unpacked_file(path);
   if (bytes.size() >= kHeaderBytes + 4) {
     std::uint32_t count = 0;
     std::memcpy(&count, bytes.data() + kHeaderBytes, sizeof(count));

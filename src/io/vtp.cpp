@@ -1,6 +1,7 @@
 #include <vector>
 
 #include "cell_blocks.hpp"
+#include "face_ids.hpp"
 #include "file_fault.hpp"
 #include "mesh_formats.hpp"
 #include "vtk_xml_writer.hpp"
@@ -52,8 +53,9 @@ void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh,
                surface.patches.size());
   writer.int32_array("patch", surface.patches);
   if (options.compat == LabelAlias::kSimVascular) {
-    std::vector<std::int32_t> ids = surface.patches;
-    for (std::int32_t& id : ids) ++id;
+    const std::vector<std::int32_t> id_of = model_face_ids(mesh.info->patches);
+    std::vector<std::int32_t> ids;
+    for (const std::int32_t patch : surface.patches) ids.push_back(id_of.at(static_cast<std::size_t>(patch)));
     writer.int32_array("ModelFaceID", ids);
   }
   writer.print("</CellData>\n");

@@ -187,32 +187,63 @@ MixedMesh read_vtu(const std::filesystem::path& path) {
 
 namespace {
 
-/// Ours, SimVascular's, or VMTK's number of the patch of each polygon, and what patches without a name are
-/// called.
-std::pair<pugi::xml_node, std::string> patch_array(const VtkXmlReader& file) {
-  const pugi::xml_node cells = file.piece().child("CellData");
-  for (const auto& [array, unnamed] :
-       {std::pair{"patch", "patch_"}, {"ModelFaceID", "face_"}, {"CellEntityIds", "face_"}})
-    if (const pugi::xml_node found = VtkXmlReader::find_array(cells, array)) return {found, unnamed};
-  return {pugi::xml_node(), "patch_"};
+/// Number of the patch of each polygon, and what patches without a name are called.
+struct PatchNumbers {
+  std::vector<std::int64_t> of_polygon;
+  std::string unnamed = "patch_";
+};
+
+bool are_numbers_of_patches(const std::vector<std::int64_t>& numbers) {
+  constexpr std::int64_t kLargest = 65'000;
+  return std::all_of(numbers.begin(), numbers.end(),
+                     [](std::int64_t id) { return id >= 0 && id <= kLargest; });
 }
 
-}  // namespace
+/// Ours, SimVascular's, or VMTK's; the latter are left out where they are no numbers of patches.
+PatchNumbers known_patches(const VtkXmlReader& file, std::size_t polygons) {
+  const pugi::xml_node cells = file.piece().child("CellData");
+  for (const auto& [array, unnamed] :
+       {std::pair{"patch", "patch_"}, {"ModelFaceID", "face_"}, {"CellEntityIds", "face_"}}) {
+    const pugi::xml_node found = VtkXmlReader::find_array(cells, array);
+    if (!found) continue;
+    PatchNumbers numbers{file.integers(found, array), unnamed};
+    if (array != std::string_view("patch") && !are_numbers_of_patches(numbers.of_polygon))
+      numbers.of_polygon.assign(polygons, 0);
+    return numbers;
+  }
+  return {std::vector<std::int64_t>(polygons, 0)};
+}
 
-MixedMesh read_vtp_surface(const std::filesystem::path& path) {
+PatchNumbers patches_by(const VtkXmlReader& file, const std::string& name) {
+  const pugi::xml_node cells = file.piece().child("CellData");
+  const pugi::xml_node found = VtkXmlReader::find_array(cells, name.c_str());
+  if (!found) {
+    std::string known;
+    for (const pugi::xml_node& array : cells.children("DataArray"))
+      known += std::string(known.empty() ? " " : ", ") + array.attribute("Name").value();
+    file.fail("has no array \"" + name + "\" of cells; " +
+              (known.empty() ? "it has none" : "it has" + known));
+  }
+  PatchNumbers numbers{file.integers(found, name.c_str()), name == "patch" ? "patch_" : "face_"};
+  if (!are_numbers_of_patches(numbers.of_polygon))
+    file.fail("array \"" + name +
+              "\" holds numbers that are negative or above 65000, which patches cannot have");
+  return numbers;
+}
+
+/// @param patch_array  Empty: the first of those that are known.
+MixedMesh read_polygons(const std::filesystem::path& path, const std::string& patch_array) {
   const VtkXmlReader file(path, "PolyData");
   MixedMesh mesh;
   mesh.points = read_points(file);
   read_info(file, mesh);
+  if (!patch_array.empty() && patch_array != "patch") mesh.info.patches.clear();
   const pugi::xml_node polys = file.piece().child("Polys");
   const auto connectivity =
       file.integers(VtkXmlReader::find_array(polys, "connectivity"), "polygon connectivity");
   const auto offsets = file.integers(VtkXmlReader::find_array(polys, "offsets"), "polygon offsets");
-  const auto [patch, unnamed] = patch_array(file);
-  auto patches = patch ? file.integers(patch, "patch") : std::vector<std::int64_t>(offsets.size(), 0);
-  const auto is_odd = [](std::int64_t id) { return id < 0 || id > 1000000; };
-  if (unnamed != "patch_" && std::any_of(patches.begin(), patches.end(), is_odd))
-    patches.assign(patches.size(), 0);  // Numbers of other programs that are none of patches.
+  const auto [patches, unnamed] =
+      patch_array.empty() ? known_patches(file, offsets.size()) : patches_by(file, patch_array);
   if (patches.size() < offsets.size()) file.fail("does not hold as many patches as polygons");
   std::int64_t begin = 0;
   for (std::size_t p = 0; p < offsets.size(); ++p) {
@@ -228,6 +259,16 @@ MixedMesh read_vtp_surface(const std::filesystem::path& path) {
   }
   complete_patches(file, mesh, unnamed);
   return mesh;
+}
+
+}  // namespace
+
+MixedMesh read_vtp_surface(const std::filesystem::path& path) {
+  return read_polygons(path, "");
+}
+
+MixedMesh read_vtp_surface_by(const std::filesystem::path& path, const std::string& patch_array) {
+  return read_polygons(path, patch_array);
 }
 
 }  // namespace lumesh::io
