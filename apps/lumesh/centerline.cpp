@@ -13,6 +13,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/stages/surface_input.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -24,6 +25,8 @@ struct CenterlineCommand {
   std::string input_path, output_path;
   ImageSelection selection;
   CenterlineOptions options;
+  SurfaceInputOptions surface;
+  std::vector<surfaces::ClosedRim> closed;
   RunOptions run;
 };
 
@@ -49,10 +52,13 @@ Polylines lines_of_image(const CenterlineCommand& command, Context& context) {
   return naming(command.input_path, [&] { return extract_centerline(image, command.options, context); });
 }
 
-Polylines lines_of_mesh(const CenterlineCommand& command, MeshInfo& info, Context& context) {
+Polylines lines_of_mesh(CenterlineCommand& command, MeshInfo& info, Context& context) {
   MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.input_path); });
   bring_to_lps_mm(mesh);
-  if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
+  if (mesh.view().cell_count() == 0)
+    command.closed = context.phase("close", [&] { return close_open_ends(mesh, command.surface, context); });
+  else if (mesh.triangles.empty() && mesh.quadrilaterals.empty())
+    extract_boundary(mesh);
   info.provenance = mesh.info.provenance;
   return naming(command.input_path,
                 [&] { return extract_centerline(mesh.view(), command.options, context); });
@@ -66,6 +72,7 @@ void print_summary(const CenterlineCommand& command, const Polylines& lines, dou
   const auto [least, most] = std::ranges::minmax(lines.scalars.at("radius"));
   print_out("{}: {} lines, {} points, length {:.5g} mm, radius {:.3g} to {:.3g} mm, {:.2f} s\n",
             command.output_path, lines.lines.size(), lines.points.size(), length_mm, least, most, seconds);
+  for (const std::string& line : closing_lines(command.closed)) print_out("  {}\n", line);
 }
 
 void run(CenterlineCommand command) {
@@ -90,13 +97,14 @@ void add_centerline_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("centerline", "Find the axes of vessels and their radii");
   command->self = sub;
   sub->add_option("input", command->input_path,
-                  std::string("Label image ") + kImageFormats +
-                      ", or mesh of the volume or its closed surface (" + formats_for(MeshUse::kRead) + ")")
+                  std::string("Label image ") + kImageFormats + ", or mesh of the volume or its surface (" +
+                      formats_for(MeshUse::kRead) + ")")
       ->required();
   sub->add_option("-o,--output", command->output_path, "Lines to write, with radius and branch (.vtp)")
       ->required();
   add_options_of(*sub, command->options);
   add_options(*sub, options_of(command->selection), "", {"probabilities"});
+  add_options(*sub, options_of(command->surface), "", {"feature_angle", "patch_array"});
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh centerline case1.nrrd -o case1_lines.vtp");

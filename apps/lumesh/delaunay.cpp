@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "angles_json.hpp"
+#include "closed_json.hpp"
 #include "commands.hpp"
 #include "common.hpp"
 #include "domain_input.hpp"
@@ -33,7 +34,7 @@ struct DelaunayCommand {
 };
 
 nlohmann::ordered_json report_json(const DelaunayMesh& made, const OpeningsCompared& openings,
-                                   const Context& context) {
+                                   std::span<const surfaces::ClosedRim> closed, const Context& context) {
   const DelaunayReport& report = made.report;
   const std::optional<ImproveReport>& improved = made.improved;
   const TetMesh& mesh = made.mesh;
@@ -60,6 +61,7 @@ nlohmann::ordered_json report_json(const DelaunayMesh& made, const OpeningsCompa
                            {"dihedral_deg", angles_json(improved->after)},
                            {"passes", improved->passes.size()}};
   json["openings"] = nlohmann::ordered_json::parse(report::openings_json(openings));
+  if (!closed.empty()) json["closed"] = closed_json(closed);
   json["seconds"] = nlohmann::json::object();
   for (const PhaseTime& phase : context.phases())
     json["seconds"][phase.name] = json["seconds"].value(phase.name, 0.0) + phase.seconds;
@@ -79,13 +81,15 @@ void check_options(DelaunayCommand& command) {
                      sizes.mesh, sizes.plugin_path()});
 }
 
-void print_summary(const DelaunayCommand& command, const Domain& domain, const DelaunayMesh& made,
+void print_summary(const DelaunayCommand& command, const DomainRead& given, const DelaunayMesh& made,
                    const BoundaryFaces& faces, const OpeningsCompared& openings, const Context& context,
                    double seconds) {
   const TetMesh& mesh = made.mesh;
+  const Domain& domain = *given.domain;
   const std::optional<ImproveReport>& improved = made.improved;
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles\n", command.mesh_path,
       mesh.tet_count(), mesh.vertex_count(), faces.triangles.size());
+  for (const std::string& line : closing_lines(given.closed)) say(command.run, "  {}\n", line);
   for (std::size_t p = 0; p < mesh.info().patches.size(); ++p)
     say(command.run, "  patch {:<20} {:>8} triangles{}\n", mesh.info().patches[p].name,
         std::count(faces.patches.begin(), faces.patches.end(), static_cast<int>(p)),
@@ -144,8 +148,8 @@ void run(DelaunayCommand command) {
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_text_file(command.json_path, report_json(made, openings, context).dump(2) + "\n");
-  print_summary(command, domain, made, faces, openings, context, elapsed.count());
+    write_text_file(command.json_path, report_json(made, openings, given.closed, context).dump(2) + "\n");
+  print_summary(command, given, made, faces, openings, context, elapsed.count());
   require_sound(command.mesh_path, mesh.view(faces), context, long_run.reason(is_complete));
   long_run.check_complete(is_complete, command.mesh_path + " holds the best mesh so far");
   require_openings(command.openings, command.mesh_path, openings, without_name);
@@ -156,7 +160,7 @@ void run(DelaunayCommand command) {
 void add_delaunay_command(CLI::App& program) {
   const auto command = std::make_shared<DelaunayCommand>();
   CLI::App* sub = program.add_subcommand(
-      "delaunay", "Mesh a segmented image, or the inside of a closed surface, by Delaunay refinement");
+      "delaunay", "Mesh a segmented image, or the inside of a surface, by Delaunay refinement");
   command->self = sub;
   sub->add_option("-o,--output", command->mesh_path,
                   "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")

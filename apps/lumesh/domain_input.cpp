@@ -13,9 +13,9 @@ namespace lumesh::cli {
 
 void add_domain_options(CLI::App& command, DomainInput& input) {
   command
-      .add_option("image", input.path,
-                  std::string("Label image ") + kImageFormats + ", or closed surface (" +
-                      formats_for(MeshUse::kRead) + ")")
+      .add_option(
+          "image", input.path,
+          std::string("Label image ") + kImageFormats + ", or surface (" + formats_for(MeshUse::kRead) + ")")
       ->required();
   add_options_of(command, input.selection);
   add_options_of(command, input.cuts);
@@ -79,14 +79,18 @@ std::string opening_text(const OpeningsCompared& openings, const std::string& pa
 
 DomainRead read_domain(const DomainInput& input, Context& context) {
   if (is_mesh_file(input.path)) {
-    const MixedMesh surface = context.phase("read", [&] { return read_surface(input.path); });
+    SurfaceInput given =
+        context.phase("read", [&] { return read_surface(input.path, input.surface, context); });
+    const MixedMesh& surface = given.mesh;
     warn_of_unit(surface, input.path, context);
     return naming(input.path, [&] {
       std::unique_ptr<Domain> domain =
-          context.phase("domain", [&] { return domain_of(surface, input.surface); });
+          context.phase("domain", [&] { return domain_of(surface, input.surface.domain); });
       DomainRead read{std::move(domain)};
       read.openings = find_openings(*read.domain);
       read.closed_vessels = closed_surface_warning(*read.domain);
+      read.closed = std::move(given.closed);
+      name_closed(read.closed, read.domain->flat_ends());
       if (input.needs_axes)
         read.axes = context.phase("axes", [&] { return extract_centerline(surface.view(), {}, context); });
       return read;

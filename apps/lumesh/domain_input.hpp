@@ -9,8 +9,8 @@
 #include "common.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
-#include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/stages/image_shape.hpp"
+#include "lumesh/stages/surface_input.hpp"
 
 namespace lumesh::cli {
 
@@ -19,7 +19,7 @@ struct DomainInput {
   ImageSelection selection;
   ImageCuts cuts;
   ImageDomainOptions image;
-  SurfaceDomainOptions surface;
+  SurfaceInputOptions surface;
   bool needs_axes = false;
 };
 
@@ -31,10 +31,11 @@ void check_domain_options(const CLI::App& command, DomainInput& input);
 
 struct DomainRead {
   std::unique_ptr<Domain> domain;
-  std::vector<Opening> openings = {};    ///< Of the domain.
-  std::optional<ImageShape> shape = {};  ///< Of an image that is not cut.
-  Polylines axes = {};                   ///< Where they are wanted.
-  std::string closed_vessels = {};       ///< A line, if all its vessels end inside.
+  std::vector<Opening> openings = {};            ///< Of the domain.
+  std::optional<ImageShape> shape = {};          ///< Of an image that is not cut.
+  Polylines axes = {};                           ///< Where they are wanted.
+  std::string closed_vessels = {};               ///< A line, if all its vessels end inside.
+  std::vector<surfaces::ClosedRim> closed = {};  ///< What was closed of a surface.
 };
 
 /// @throws Error{kBadInput} that names the file.

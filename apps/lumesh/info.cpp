@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "closed_json.hpp"
 #include "commands.hpp"
 #include "common.hpp"
 #include "long_run.hpp"
@@ -19,6 +20,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/stages/opening_sections.hpp"
+#include "lumesh/stages/surface_input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 #include "option_adapter.hpp"
 
@@ -170,10 +172,13 @@ void add_openings_of_surface(const std::string& path, json& all, Context& contex
   constexpr std::size_t kMostTriangles = 1'000'000;
   const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };
   try {
-    const MixedMesh surface = read_surface(path);
+    SurfaceInput given = read_surface(path, {}, context);
+    const MixedMesh& surface = given.mesh;
     if (surface.triangles.size() > kMostTriangles)
       return leave_out(fmt::format("more than {} triangles", kMostTriangles));
     const std::unique_ptr<SurfaceDomain> domain = domain_of(surface, {});
+    name_closed(given.closed, domain->flat_ends());
+    if (!given.closed.empty()) all["would_close"] = closed_json(given.closed);
     all["openings"] = describe_openings(find_openings(*domain));
     const std::string warning = closed_surface_warning(*domain);
     if (!warning.empty()) context.warn(warning);

@@ -32,16 +32,23 @@ FeatureRegions sorted_by_area(FeatureRegions found) {
   return sorted;
 }
 
-/// The neighbour of a region, of the same patch, with which it has the longest border; itself if none.
+/// The neighbour with which a region has the longest border: of the same patch, or of any if there is none
+/// and the patch has other regions; itself if none.
 std::uint32_t best_neighbour(const ClosedSurface& surface, const FeatureRegions& found, std::uint32_t region,
                              std::span<const std::uint32_t> triangles) {
-  std::map<std::uint32_t, double> border_mm;
+  std::map<std::uint32_t, double> border_mm, of_same_patch_mm;
   for (const std::uint32_t t : triangles)
     for (std::size_t s = 0; s < 3; ++s) {
       const std::uint32_t other = found.of_triangle[surface.neighbours[t][s]];
-      if (other != region && found.patches[other] == found.patches[region])
-        border_mm[other] += (surface.corner(t, (s + 1) % 3) - surface.corner(t, s)).norm();
+      if (other == region) continue;
+      const double length_mm = (surface.corner(t, (s + 1) % 3) - surface.corner(t, s)).norm();
+      border_mm[other] += length_mm;
+      if (found.patches[other] == found.patches[region]) of_same_patch_mm[other] += length_mm;
     }
+  if (!of_same_patch_mm.empty())
+    border_mm = std::move(of_same_patch_mm);
+  else if (std::count(found.patches.begin(), found.patches.end(), found.patches[region]) == 1)
+    return region;
   std::uint32_t best = region;
   double longest = 0;
   for (const auto& [other, length] : border_mm)

@@ -82,7 +82,8 @@ struct SurfaceDomain::Parts {
         octree(projector, regions.count(), box, min_cube(surface, box)),
         resolution_mm(std::min(0.5 * mean_edge(surface), box.diagonal().norm() / 128)) {
     patches.assign(view.patch_info.begin(), view.patch_info.end());
-    const std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
+    std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
+    std::erase_if(used, [&](std::int32_t number) { return is_cap(patch_of_file(number)); });
     has_named_patches = used.size() > 1;
     name_regions();
     if (!options.keep_vertices) return;
@@ -93,8 +94,6 @@ struct SurfaceDomain::Parts {
   /// The patch of each region, and the ends among them.
   void name_regions() {
     const std::vector<surfaces::RegionShape> shapes = surfaces::region_shapes(surface, regions);
-    const auto flat =
-        std::count_if(shapes.begin(), shapes.end(), [](const auto& s) { return s.is_flat_end; });
     // A patch of the file is an end if all of it is.
     std::map<std::int32_t, bool> is_flat_patch;
     std::map<std::int32_t, int> region_counts;
@@ -103,20 +102,21 @@ struct SurfaceDomain::Parts {
       at->second = at->second && shapes[r].is_flat_end;
       ++region_counts[regions.patches[r]];
     }
-    const bool is_one_wall = static_cast<std::size_t>(flat) + 1 == shapes.size();
     for (std::uint32_t r = 0; r < regions.count(); ++r) {  // By falling area.
       Patch patch{"", PatchKind::kWall, {1, kBackground}};
-      const bool is_end = shapes[r].is_flat_end;
-      if (has_named_patches) {
+      const Patch* const known = patch_of_file(regions.patches[r]);
+      const bool is_end = shapes[r].is_flat_end || is_cap(known);
+      if (is_cap(known) || (!has_named_patches && is_end)) {
+        patch = {free_opening_name(), PatchKind::kOpening, {1, kBackground}};
+      } else if (has_named_patches) {
         patch.name = name_of_file(r);
         const bool is_called_wall = patch.name.find("wall") != std::string::npos;
         const bool is_flat = is_flat_patch.at(regions.patches[r]) && !is_called_wall;
-        if (is_opening_of_file(r) || is_flat) patch.kind = PatchKind::kOpening;
+        if (is_flat || (known != nullptr && known->kind == PatchKind::kOpening))
+          patch.kind = PatchKind::kOpening;
         keep_kind_of_file(r, patch);
-      } else if (is_end) {
-        patch = {opening_name(ends.size()), PatchKind::kOpening, {1, kBackground}};
       } else {
-        patch.name = is_one_wall ? "wall" : "patch_" + std::to_string(r + 1);
+        patch.name = "wall";
       }
       const bool is_one_region = !has_named_patches || region_counts.at(regions.patches[r]) == 1;
       if (patch.kind == PatchKind::kOpening && is_end && is_one_region)
@@ -125,26 +125,34 @@ struct SurfaceDomain::Parts {
       of_region.push_back(std::move(patch));
     }
   }
-  [[nodiscard]] const Patch* patch_of_file(std::uint32_t region) const {
-    const std::int32_t number = regions.patches[region];
+  /// What an open end was closed with: an opening that is to get its name here.
+  [[nodiscard]] static bool is_cap(const Patch* patch) {
+    return patch != nullptr && patch->kind == PatchKind::kOpening && patch->name.empty();
+  }
+  /// The next one that the file has not.
+  [[nodiscard]] std::string free_opening_name() {
+    for (;;) {
+      std::string name = opening_name(named_openings++);
+      if (!has_named_patches || std::none_of(patches.begin(), patches.end(),
+                                             [&](const Patch& patch) { return patch.name == name; }))
+        return name;
+    }
+  }
+  [[nodiscard]] const Patch* patch_of_file(std::int32_t number) const {
     const bool is_known = number >= 0 && static_cast<std::size_t>(number) < patches.size();
     return is_known ? &patches[static_cast<std::size_t>(number)] : nullptr;
   }
   [[nodiscard]] std::string name_of_file(std::uint32_t region) const {
-    const Patch* const known = patch_of_file(region);
+    const Patch* const known = patch_of_file(regions.patches[region]);
     return known != nullptr && !known->name.empty() ? known->name
                                                     : "patch_" + std::to_string(regions.patches[region]);
   }
   /// What only users say.
   void keep_kind_of_file(std::uint32_t region, Patch& patch) const {
-    const Patch* const known = patch_of_file(region);
+    const Patch* const known = patch_of_file(regions.patches[region]);
     if (known == nullptr) return;
     if (known->kind == PatchKind::kSymmetry) patch.kind = PatchKind::kSymmetry;
     patch.flow = known->flow;
-  }
-  [[nodiscard]] bool is_opening_of_file(std::uint32_t region) const {
-    const Patch* const known = patch_of_file(region);
-    return known != nullptr && known->kind == PatchKind::kOpening;
   }
 
   /// The closest point to x, quicker with the triangle that a cube of the octree knows.
@@ -172,7 +180,8 @@ struct SurfaceDomain::Parts {
   DistanceOctree octree;
   double resolution_mm;
   std::vector<Patch> patches;
-  bool has_named_patches = false;
+  bool has_named_patches = false;  // Several, without caps.
+  std::size_t named_openings = 0;
   std::vector<Patch> of_region;
   std::vector<FlatEnd> ends;
   std::vector<Vec3> fixed_points;

@@ -35,7 +35,7 @@ OptionRows three_numbers(Vector& target, std::string example) {
 
 void InputKeys::describe(OptionList& list) {
   list.path("image", image, "Label image: NIfTI, NRRD, MetaImage, GIPL, DICOM folder");
-  list.path("surface", surface, "Or a closed surface: " + formats_for(MeshUse::kRead));
+  list.path("surface", surface, "Or a surface, open ends are capped: " + formats_for(MeshUse::kRead));
   list.text("phantom", phantom, "Or a synthetic image: carotid, bifurcation, layered, sphere, torus");
   list.rows("phantom_size", three_numbers(phantom_spec.size, "256,256,254"),
             "Voxels of the phantom; 0: the kind's default");

@@ -29,7 +29,8 @@ struct CaseState {
   std::optional<LabelImage> image;   ///< Without what is cut off.
   std::vector<CutPlane> cut_planes;  ///< Of the image.
   std::optional<Phantom> phantom;
-  std::optional<MixedMesh> surface;  ///< Where there is no image.
+  std::optional<MixedMesh> surface;              ///< Where there is no image.
+  std::vector<surfaces::ClosedRim> closed = {};  ///< Of the surface.
   std::shared_ptr<const SurfaceDomain> surface_domain =
       nullptr;                                                ///< Once a stage has needed it, as the next.
   std::shared_ptr<const ImageDomain> image_domain = nullptr;  ///< Once a stage has needed it.

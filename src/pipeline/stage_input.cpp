@@ -32,7 +32,10 @@ void read_file(CaseState& state) {
   const InputKeys& input = state.c.input;
   state.input_name = input.image.empty() ? input.surface : input.image;
   if (input.image.empty()) {
-    state.surface = state.context.phase("read", [&] { return read_surface(input.surface); });
+    SurfaceInput read = state.context.phase(
+        "read", [&] { return read_surface(input.surface, input.of_surface, state.context); });
+    state.surface = std::move(read.mesh);
+    state.closed = std::move(read.closed);
     warn_of_unit(*state.surface, input.surface, state.context);
   } else {
     state.image = state.context.phase(
@@ -64,6 +67,17 @@ void describe_image(const LabelImage& image, report::StageReport& stage) {
     throw Error(ErrorKind::kBadInput, "has no voxel that is not background; check labels and threshold");
 }
 
+void describe_surface(CaseState& state, report::StageReport& stage) {
+  stage.figures.push_back({"Triangles", std::uint64_t{state.surface->triangles.size()}});
+  if (state.closed.empty()) return;
+  name_closed(state.closed, state.domain().flat_ends());
+  std::size_t number = 0;
+  for (const std::string& line : closing_lines(state.closed)) {
+    state.context.info(line);
+    stage.figures.push_back({fmt::format("Closed {}", ++number), line});
+  }
+}
+
 /// Where no vessel has an opening, the mesh's stage says so.
 void warn_of_dead_ends(CaseState& state, report::StageReport& stage) {
   if (!state.image || state.openings().empty()) return;
@@ -76,7 +90,7 @@ void warn_of_dead_ends(CaseState& state, report::StageReport& stage) {
 }  // namespace
 
 void read_input(CaseState& state, report::StageReport& stage) {
-  stage.what = "What is meshed: the voxels that belong to the vessel, or its closed surface.";
+  stage.what = "What is meshed: the voxels that belong to the vessel, or its surface.";
   if (state.c.input.phantom.empty())
     read_file(state);
   else
@@ -90,7 +104,7 @@ void read_input(CaseState& state, report::StageReport& stage) {
   });
   read_sources(state);
   check_layers(state);
-  if (state.surface) stage.figures.push_back({"Triangles", std::uint64_t{state.surface->triangles.size()}});
+  if (state.surface) describe_surface(state, stage);
 }
 
 void make_centerline(CaseState& state, report::StageReport& stage) {

@@ -14,18 +14,6 @@
 namespace lumesh {
 namespace {
 
-/// Two triangles for each quadrilateral.
-void split_quadrilaterals(MixedMesh& mesh) {
-  for (std::size_t q = 0; q < mesh.quadrilaterals.size(); ++q) {
-    const Cell<4>& c = mesh.quadrilaterals[q];
-    mesh.triangles.push_back({c[0], c[1], c[2]});
-    mesh.triangles.push_back({c[0], c[2], c[3]});
-    mesh.triangle_patches.insert(mesh.triangle_patches.end(), 2, mesh.quadrilateral_patches[q]);
-  }
-  mesh.quadrilaterals.clear();
-  mesh.quadrilateral_patches.clear();
-}
-
 void append_line(Polylines& lines, const std::vector<Vec3>& points) {
   std::vector<std::uint32_t>& line = lines.lines.emplace_back();
   for (const Vec3& point : points) {
@@ -87,17 +75,6 @@ metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& pa
   for (Vec3& p : flow.points) p = p.cwiseProduct(factors);
   for (Vec3& u : flow.velocities) u = u.cwiseProduct(factors.cwiseSign());  // Directions turn with the frame.
   return flow;
-}
-
-MixedMesh read_surface(const std::filesystem::path& path) {
-  MixedMesh mesh = read_mesh(path);
-  if (mesh.view().cell_count() > 0)
-    throw Error(
-        ErrorKind::kBadInput,
-        path.string() + ": is a mesh of a volume; give its closed surface alone, such as a .stl or .vtp");
-  bring_to_lps_mm(mesh);
-  split_quadrilaterals(mesh);
-  return mesh;
 }
 
 void warn_of_unit(const MixedMesh& surface, const std::filesystem::path& path, const Context& context) {

@@ -365,7 +365,8 @@ class SurfacesTest(DelaunayTest):
 
     def test_surfaces_that_are_broken_are_refused(self):
         triangles = sphere(RADIUS, 6)
-        self.refused(BAD_INPUT, "open.stl", "not closed", source=write_stl(self.folder / "open.stl", triangles[1:]))
+        self.refused(BAD_INPUT, "open.stl", "not closed", options=("--keep-open",),
+                     source=write_stl(self.folder / "open.stl", triangles[1:]))
         fin = (triangles[0][0], triangles[0][1], (9, 9, 9))
         self.refused(BAD_INPUT, "three.stl", "manifold", source=write_stl(self.folder / "three.stl", triangles + [fin]))
         cut = self.folder / "cut.stl"

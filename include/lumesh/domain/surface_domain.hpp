@@ -18,7 +18,8 @@ struct SurfaceView {
   std::span<const Vec3> points;             ///< In mm.
   std::span<const Cell<3>> triangles;       ///< May be turned either way.
   std::span<const std::int32_t> patches{};  ///< One per triangle, or none.
-  std::span<const Patch> patch_info{};      ///< Name and kind of the patches; may have fewer.
+  /// Name and kind of the patches; may have fewer. Openings without a name are numbered with the flat ends.
+  std::span<const Patch> patch_info{};
 };
 
 class OptionList;
@@ -70,8 +71,8 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] Label label_of(Material m) const override { return m == kInside ? 1 : kBackground; }
   [[nodiscard]] Material label_count() const override { return 2; }
   [[nodiscard]] Material material_count() const override { return region_count() + 1; }
-  /// Those of the file if it has several, else "inlet_1", "outlet_1", … for flat ends and "wall" for the
-  /// rest, or "patch_1", "patch_2", … where that is several regions; none for a surface of one region only.
+  /// Those of the file if it has several, else "inlet_1", "outlet_1", … for flat ends, by falling area, and
+  /// "wall" for the rest; none for a surface of one region only.
   [[nodiscard]] std::optional<Patch> patch_between(Material inside, Material outside) const override;
 
   /// Regions in one plane, within 5 % of their radius, that end at one closed curve on bent regions. Where

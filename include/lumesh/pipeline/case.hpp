@@ -17,6 +17,7 @@
 #include "lumesh/stages/image_cuts.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/layer_request.hpp"
+#include "lumesh/stages/surface_input.hpp"
 
 namespace lumesh {
 
@@ -30,7 +31,7 @@ struct InputKeys {
   ImageSelection selection;
   ImageCuts cuts;
   LabelFieldOptions field;  ///< How the image's voxels bind the boundary.
-  SurfaceDomainOptions of_surface;
+  SurfaceInputOptions of_surface;
 
   void describe(OptionList& list);
 };

@@ -59,10 +59,6 @@ void bring_to(MixedMesh& mesh, const MeshInfo& frame);
 [[nodiscard]] metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path,
                                         const std::string& array);
 
-/// A surface of triangles, in mm (LPS).
-/// @throws Error{kBadInput} that names the file if it cannot be read or holds a volume.
-[[nodiscard]] MixedMesh read_surface(const std::filesystem::path& path);
-
 /// Warns of a surface so small or large that its coordinates are hardly mm.
 void warn_of_unit(const MixedMesh& surface, const std::filesystem::path& path, const Context& context);
 

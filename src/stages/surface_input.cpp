@@ -1,0 +1,124 @@
+#include "lumesh/stages/surface_input.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/io/surface_file.hpp"
+#include "lumesh/stages/input.hpp"
+#include "place_text.hpp"
+
+namespace lumesh {
+namespace {
+
+using surfaces::ClosedRim;
+
+/// Two triangles for each quadrilateral.
+void split_quadrilaterals(MixedMesh& mesh) {
+  for (std::size_t q = 0; q < mesh.quadrilaterals.size(); ++q) {
+    const Cell<4>& c = mesh.quadrilaterals[q];
+    mesh.triangles.push_back({c[0], c[1], c[2]});
+    mesh.triangles.push_back({c[0], c[2], c[3]});
+    mesh.triangle_patches.insert(mesh.triangle_patches.end(), 2, mesh.quadrilateral_patches[q]);
+  }
+  mesh.quadrilaterals.clear();
+  mesh.quadrilateral_patches.clear();
+}
+
+/// Of openings, what was done to their rims.
+std::string preparation(const ClosedRim& rim) {
+  if (rim.cut_off_mm > 0) return fmt::format(", cut back by {:.2g} mm to be planar", rim.cut_off_mm);
+  constexpr double kTold = 1e-3;  // Of the radius.
+  if (rim.moved_mm > kTold * rim.given.radius_mm)
+    return fmt::format(", rim moved by up to {:.2g} mm to be planar", rim.moved_mm);
+  return "";
+}
+
+std::string line_of(const ClosedRim& rim) {
+  const std::string where = fmt::format("radius {:.3g} mm at {}, {} edges", rim.given.radius_mm,
+                                        place_text(rim.centre_mm), rim.given.vertices.size());
+  if (!rim.is_opening) return fmt::format("filled a hole of the wall: {}", where);
+  return fmt::format("capped {}: {}{}", rim.name.empty() ? "an opening" : rim.name, where, preparation(rim));
+}
+
+/// Wide enough for a vessel's end.
+bool may_be_opening(const ClosedRim& rim) {
+  constexpr double kEdges = 2 * surfaces::Rim::kMinEdges;
+  return !rim.is_opening && rim.given.radius_mm >= kEdges * rim.given.mean_edge_mm;
+}
+
+}  // namespace
+
+void SurfaceInputOptions::describe(OptionList& list) {
+  domain.describe(list);
+  list.text(
+      "patch_array", patch_array,
+      "Of a .vtp surface: array of whole numbers of its cells that are patches; none: patch, ModelFaceID or "
+      "CellEntityIds");
+  list.flag("keep_open", keeps_open,
+            "Of a surface: refuse open ones, instead of capping their openings and filling their holes");
+}
+
+void SurfaceInputOptions::validate() const {
+  domain.validate();
+}
+
+SurfaceInput read_surface(const std::filesystem::path& path, const SurfaceInputOptions& options,
+                          const Context& context) {
+  SurfaceInput input{read_surface_file(path, options.patch_array), {}};
+  if (input.mesh.view().cell_count() > 0)
+    throw Error(ErrorKind::kBadInput,
+                path.string() + ": is a mesh of a volume; give its surface alone, such as a .stl or .vtp");
+  bring_to_lps_mm(input.mesh);
+  input.closed = close_open_ends(input.mesh, options, context);
+  return input;
+}
+
+std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOptions& options,
+                                       const Context& context) {
+  split_quadrilaterals(surface);
+  if (options.keeps_open) return {};
+  const auto patch_count = static_cast<std::int32_t>(surface.info.patches.size());
+  surfaces::ClosedSurfaceMade made =
+      surfaces::close_surface(surface.points, surface.triangles, surface.triangle_patches, patch_count);
+  if (made.rims.empty()) return {};
+  surface.points = std::move(made.surface.points);
+  surface.triangles = std::move(made.surface.triangles);
+  surface.triangle_patches = std::move(made.surface.patches);
+  surface.metric.clear();
+  surface.sizes_mm.clear();
+  for (const ClosedRim& rim : made.rims) {
+    if (rim.is_opening) surface.info.patches.push_back({"", PatchKind::kOpening, {1, kBackground}});
+    if (may_be_opening(rim))
+      context.warn(
+          fmt::format("the surface ends at {} in a rim of radius {:.3g} mm that is bent by {:.2g} mm; it is "
+                      "filled as wall, as a hole is; if a vessel ends there, cut it off flat before",
+                      place_text(rim.centre_mm), rim.given.radius_mm, rim.given.deviation_mm));
+  }
+  return std::move(made.rims);
+}
+
+void name_closed(std::vector<ClosedRim>& closed, std::span<const FlatEnd> ends) {
+  for (ClosedRim& rim : closed) {
+    if (!rim.is_opening || ends.empty()) continue;
+    const auto distance = [&](const FlatEnd& end) { return (end.centre_mm - rim.centre_mm).squaredNorm(); };
+    rim.name = std::min_element(ends.begin(), ends.end(), [&](const FlatEnd& a, const FlatEnd& b) {
+                 return distance(a) < distance(b);
+               })->name;
+  }
+}
+
+std::vector<std::string> closing_lines(std::span<const ClosedRim> closed) {
+  constexpr std::size_t kMostHoles = 10;
+  std::vector<std::string> lines;
+  std::size_t holes = 0;
+  for (const ClosedRim& rim : closed)
+    if (rim.is_opening || ++holes <= kMostHoles) lines.push_back(line_of(rim));
+  if (holes > kMostHoles)
+    lines.push_back(fmt::format("filled {} smaller holes of the wall", holes - kMostHoles));
+  return lines;
+}
+
+}  // namespace lumesh

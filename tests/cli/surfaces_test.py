@@ -1,0 +1,226 @@
+#!/usr/bin/env python3
+"""Open surfaces as they come: closed by every command that takes surfaces, told, and named.
+
+Usage: surfaces_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input.
+"""
+import gzip
+import json
+import math
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from program import BAD_INPUT, USAGE, ProgramTest
+
+SHARED = pathlib.Path(__file__).resolve().parents[2].parent / "shared" / "data"
+
+
+def tube(radius=2.0, length=12.0, around=24, end=lambda i: 0.0):
+    """Points and triangles around the z axis, open at both ends; the last ring moved along z."""
+    rows = round(length / (2 * math.pi * radius / around))
+    points = []
+    for row in range(rows + 1):
+        for i in range(around):
+            angle = 2 * math.pi * i / around
+            z = length * row / rows + (end(i) if row == rows else 0)
+            points.append((radius * math.cos(angle), radius * math.sin(angle), z))
+    triangles = []
+    for row in range(rows):
+        for i in range(around):
+            a, b = row * around + i, row * around + (i + 1) % around
+            triangles += [(a, b, a + around), (b, b + around, a + around)]
+    return points, triangles
+
+
+def stl_text(points, triangles, name="vessel"):
+    lines = [f"solid {name}"]
+    for t in triangles:
+        lines += ["facet normal 0 0 0", "outer loop"]
+        lines += ["vertex %.17g %.17g %.17g" % points[v] for v in t]
+        lines += ["endloop", "endfacet"]
+    return "\n".join([*lines, f"endsolid {name}", ""])
+
+
+class SurfacesTest(ProgramTest):
+    def stl(self, name, points, triangles):
+        path = self.folder / name
+        path.write_text(stl_text(points, triangles))
+        return path
+
+    def info(self, path):
+        return json.loads(self.run_well("info", path, "--json").stdout)
+
+    def mesh(self, source, *options):
+        mesh, report = self.folder / "mesh.vtu", self.folder / "mesh.json"
+        out = self.run_well("delaunay", source, "-o", mesh, "--json", report, *options).stdout
+        return mesh, json.loads(report.read_text()), out
+
+    def test_openings_are_capped_named_and_told(self):
+        source = self.stl("tube.stl", *tube(end=lambda i: 0.25 * (i % 2)))
+        would = self.info(source)["would_close"]
+        self.assertEqual({end["name"] for end in would}, {"inlet_1", "outlet_1"})
+        mesh, report, out = self.mesh(source, "--edge-length", 0.8)
+        self.assertEqual({end["name"] for end in report["closed"]}, {"inlet_1", "outlet_1"})
+        for end in report["closed"]:
+            self.assertEqual(end["kind"], "opening")
+            self.assertAlmostEqual(end["area_mm2"] / (0.5 * 24 * 4 * math.sin(math.pi / 12)), 1, delta=0.01)
+            self.assertIn(f"capped {end['name']}: radius", out)
+        self.assertEqual({p["name"] for p in self.info(mesh)["patches"]}, {"wall", "inlet_1", "outlet_1"})
+
+    def test_the_mesh_takes_layers_and_goes_to_openfoam(self):
+        mesh, _, _ = self.mesh(self.stl("tube.stl", *tube()), "--edge-length", 0.8)
+        foam = self.folder / "case" / "case.foam"
+        foam.parent.mkdir()
+        self.run_well("layers", mesh, "--side", "inward", "--first-height", 0.05, "--count", 3, "--cells", "prisms", "-o",
+                      foam)
+        boundary = (foam.parent / "constant" / "polyMesh" / "boundary").read_text()
+        for name in ("wall", "inlet_1", "outlet_1"):
+            self.assertIn(name, boundary)
+
+    def test_the_centerline_goes_from_cap_to_cap(self):
+        lines = self.folder / "lines.vtp"
+        out = self.run_well("centerline", self.stl("tube.stl", *tube()), "-o", lines).stdout
+        self.assertEqual(out.count("capped an opening: radius"), 2)
+        length = float(out.split("length ")[1].split()[0])
+        self.assertAlmostEqual(length, 12, delta=0.5)
+
+    def test_a_case_file_takes_them_too(self):
+        self.stl("tube.stl", *tube())
+        case = self.folder / "case.toml"
+        case.write_text('[input]\nsurface = "tube.stl"\n[delaunay]\nedge_length = 0.8\n[output]\nfolder = "out"\n'
+                        'meshes = ["mesh.vtu"]\njson = "report.json"\nreport = ""\n')
+        self.run_well("run", case)
+        self.assertIn("capped inlet_1", (self.folder / "out" / "report.json").read_text())
+        case.write_text(case.read_text().replace("[delaunay]", "keep_open = true\n[delaunay]"))
+        self.assertEqual(self.run_lumesh("run", case).returncode, BAD_INPUT)
+
+    def test_pinholes_become_wall(self):
+        points, triangles = tube()
+        del triangles[200]
+        _, report, out = self.mesh(self.stl("holes.stl", points, triangles), "--edge-length", 0.8)
+        self.assertEqual([end["kind"] for end in report["closed"]], ["opening", "opening", "hole"])
+        self.assertIn("filled a hole of the wall", out)
+
+    def test_keep_open_refuses(self):
+        source = self.stl("tube.stl", *tube())
+        out = self.folder / "out.vtu"
+        self.assert_refused(self.run_lumesh("delaunay", source, "-o", out, "--keep-open"), BAD_INPUT, "tube.stl",
+                            "not closed", "48 edges")
+        self.assertFalse(out.exists())
+        image = self.folder / "image.nrrd"
+        self.run_well("phantom", "sphere", "-o", image)
+        self.assert_refused(self.run_lumesh("delaunay", image, "-o", out, "--keep-open"), USAGE, "--keep-open")
+
+    def test_zipped_stl_and_obj_are_the_same_surface(self):
+        points, triangles = tube()
+        zipped = self.folder / "tube.stl.gz"
+        zipped.write_bytes(gzip.compress(stl_text(points, triangles).encode()))
+        obj = self.folder / "tube.obj"
+        obj.write_text("".join("v %.17g %.17g %.17g\n" % p for p in points) +
+                       "".join("f %d//1 %d//1 %d//1\n" % tuple(v + 1 for v in t) for t in triangles))
+        ends = [self.info(path)["would_close"] for path in (self.stl("tube.stl", points, triangles), zipped, obj)]
+        self.assertEqual([end["area_mm2"] for end in ends[0]], [end["area_mm2"] for end in ends[1]])
+        for one, other in zip(ends[0], ends[2]):
+            self.assertAlmostEqual(one["area_mm2"], other["area_mm2"], places=9)
+
+    def test_groups_of_obj_are_patches(self):
+        points, triangles = tube()
+        half = len(triangles) // 2
+        obj = self.folder / "tube.obj"
+        text = "".join("v %.17g %.17g %.17g\n" % p for p in points)
+        for name, some in (("lower part", triangles[:half]), ("upper", triangles[half:])):
+            text += f"g {name}\n" + "".join("f %d %d %d\n" % tuple(v + 1 for v in t) for t in some)
+        obj.write_text(text)
+        mesh, _, _ = self.mesh(obj, "--edge-length", 0.8)
+        self.assertEqual({p["name"] for p in self.info(mesh)["patches"]}, {"lower_part", "upper", "inlet_1", "outlet_1"})
+        obj.write_text("v 0 0 0\nf 1 2 3\n")
+        self.assert_refused(self.run_lumesh("info", obj), BAD_INPUT, "tube.obj", "not there")
+
+    def test_names_survive_every_stage_and_writer(self):
+        points, triangles = tube(length=8.0)
+        half = len(triangles) // 2
+        obj = self.folder / "tube.obj"
+        text = "".join("v %.17g %.17g %.17g\n" % p for p in points)
+        for name, some in (("proximal", triangles[:half]), ("distal", triangles[half:])):
+            text += f"g {name}\n" + "".join("f %d %d %d\n" % tuple(v + 1 for v in t) for t in some)
+        obj.write_text(text)
+        mesh, _, _ = self.mesh(obj, "--edge-length", 0.8, "--name", "outlet_1=mca")
+        names = {"proximal", "distal", "inlet_1", "mca"}
+
+        def names_of(path):
+            return {patch["name"] for patch in self.info(path)["patches"] if patch["faces"] > 0}
+
+        self.assertEqual(names_of(mesh), names)
+        stages = {"improve": (), "layers": ("--side", "inward", "--first-height", 0.05)}
+        for stage, options in stages.items():
+            out = self.folder / f"{stage}.vtu"
+            self.run_well(stage, mesh, *options, "-o", out)
+            self.assertLessEqual(names, names_of(out), stage)
+        for extension in (".vtu", ".vtk", ".msh", ".mesh", ".vtp"):
+            out = self.folder / f"again{extension}"
+            self.run_well("convert", mesh, out)
+            self.assertEqual(names_of(out), names, extension)
+        self.run_well("convert", mesh, self.folder / "m.xdmf")
+        self.run_well("convert", mesh, self.folder / "a.foam")
+        self.run_well("convert", mesh, self.folder / "a-mesh-complete")
+        files = {path.stem for path in (self.folder / "a-mesh-complete" / "mesh-surfaces").iterdir()}
+        self.assertEqual(files, names)
+        for said in (self.folder / "m_tags.json", self.folder / "constant" / "polyMesh" / "boundary"):
+            for name in names:
+                self.assertIn(name, said.read_text())
+
+    def test_face_ids_of_simvascular_come_back(self):
+        found = [SHARED / "surfaces" / "tagged" / name for name in ("bifurcation.vtp", "two-cyls.vtp")]
+        if not all(path.exists() for path in found):
+            self.skipTest(f"no tagged surfaces in {SHARED}")
+        for model in found:
+            out = self.folder / f"{model.stem}-mesh-complete"
+            self.run_well("delaunay", model, "-o", out)
+            names = [{patch["name"] for patch in self.info(path)["patches"] if patch["faces"] > 0}
+                     for path in (model, out / "mesh-complete.exterior.vtp")]
+            self.assertEqual(names[0], names[1])
+
+    def test_an_array_may_be_chosen_for_the_patches(self):
+        points, triangles = tube(length=8.0)
+        part = " ".join(str(7 if i < len(triangles) // 2 else 9) for i in range(len(triangles)))
+
+        def array(kind, name, values, components=1):
+            return f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" format="ascii">{values}</DataArray>'
+
+        source = self.folder / "tube.vtp"
+        source.write_text(
+            f'<VTKFile type="PolyData" version="0.1"><PolyData><Piece NumberOfPoints="{len(points)}" '
+            f'NumberOfPolys="{len(triangles)}"><CellData>{array("Int32", "part", part)}</CellData><Points>'
+            + array("Float64", "Points", " ".join("%.17g %.17g %.17g" % p for p in points), 3)
+            + "</Points><Polys>" + array("Int64", "connectivity", " ".join("%d %d %d" % t for t in triangles))
+            + array("Int64", "offsets", " ".join(str(3 * (i + 1)) for i in range(len(triangles))))
+            + "</Polys></Piece></PolyData></VTKFile>")
+        names = lambda mesh: {p["name"] for p in self.info(mesh)["patches"]}
+        mesh, _, _ = self.mesh(source, "--edge-length", 0.8)
+        self.assertEqual(names(mesh), {"wall", "inlet_1", "outlet_1"})
+        mesh, _, _ = self.mesh(source, "--edge-length", 0.8, "--patch-array", "part")
+        self.assertEqual(names(mesh), {"face_7", "face_9", "inlet_1", "outlet_1"})
+        out = self.folder / "none.vtu"
+        self.assert_refused(self.run_lumesh("delaunay", source, "-o", out, "--patch-array", "prat"), BAD_INPUT, "prat",
+                            "part")
+
+    def test_real_open_surfaces(self):
+        """How many openings they have was counted by eye."""
+        known = {"surfaces/open/artery.vtp": None, "surfaces/open/vampy_vein.stl": 2,
+                 "surfaces/open/vampy_ventricle.stl": 1, "vampy/artery.stl": 3, "gmsh-aneurysm/aneurysm_data.stl.gz": 3,
+                 "unseen/aorta-surface-open-ends.stl": 3}
+        found = {name: SHARED / name for name in known if (SHARED / name).exists()}
+        if not found:
+            self.skipTest(f"no surfaces in {SHARED}")
+        for name, path in found.items():
+            with self.subTest(name):
+                said = self.info(path)
+                ends = [end for end in said["would_close"] if end["kind"] == "opening"]
+                self.assertTrue(all(end["name"] for end in ends))
+                if known[name]:
+                    self.assertEqual(len(ends), known[name])
+
+
+if __name__ == "__main__":
+    unittest.main()
