@@ -32,7 +32,7 @@ adapt: operators
 layers: adapt
 quality: mesh domain metric
 report: quality layers
-stages: lattice delaunay adapt layers centerline io quality
+stages: surface lattice delaunay adapt layers centerline io quality
 pipeline: stages report
 apps: pipeline
 """

@@ -7,6 +7,7 @@ namespace lumesh::cli {
 
 void add_adapt_command(CLI::App& program);
 void add_centerline_command(CLI::App& program);
+void add_check_command(CLI::App& program);
 void add_convert_command(CLI::App& program);
 void add_delaunay_command(CLI::App& program);
 void add_evaluate_command(CLI::App& program);

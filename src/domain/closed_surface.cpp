@@ -13,6 +13,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/surface/edges.hpp"
+#include "lumesh/surface/findings.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -63,9 +64,9 @@ struct SideOfEdge {
   if (triangles == 1)
     refuse("the surface is not closed: " + std::to_string(open_edges) +
            (open_edges == 1 ? " edge has" : " edges have") + " one triangle only, such as that from " + ends +
-           "; close the holes first");
+           "; close the holes first (`lumesh repair`)");
   refuse("the surface is not a manifold: the edge from " + ends + " has " + std::to_string(triangles) +
-         " triangles");
+         " triangles; repair it first (`lumesh repair`)");
 }
 
 void find_neighbours(ClosedSurface& surface) {
@@ -190,7 +191,7 @@ void check_fans(const ClosedSurface& surface) {
     } while (t != start[v].first && seen <= around[v]);
     if (seen != around[v])
       refuse("the surface is not a manifold: it touches itself in the point " + place(surface.points[v]) +
-             " mm");
+             " mm; repair it first (`lumesh repair`)");
   }
 }
 
@@ -213,34 +214,17 @@ Vec3 normal_of(const ClosedSurface& surface, std::uint32_t t) {
   return normal.stableNormalized();
 }
 
-/// Whether one triangle can be reached from another over a few edges.
-bool is_close_along(const ClosedSurface& surface, std::uint32_t from, std::uint32_t to) {
-  constexpr int kRings = 6;
-  std::vector<std::uint32_t> reached = {from};
-  std::size_t ring_begin = 0;
-  for (int ring = 0; ring < kRings; ++ring) {
-    const std::size_t ring_end = reached.size();
-    for (std::size_t i = ring_begin; i < ring_end; ++i)
-      for (const std::uint32_t next : surface.neighbours[reached[i]]) {
-        if (next == to) return true;
-        if (std::find(reached.begin(), reached.end(), next) == reached.end()) reached.push_back(next);
-      }
-    ring_begin = ring_end;
-  }
-  return false;
-}
-
 /// Where sheets cross, there is no telling inside from outside. Folds of a few triangles over each other, as
 /// real surfaces have, do no harm.
 void check_crossings(const ClosedSurface& surface) {
   const std::vector<SelfCrossing> crossings = find_self_crossings(surface.points, surface.triangles);
   const auto sheets = std::find_if(crossings.begin(), crossings.end(), [&](const SelfCrossing& crossing) {
-    return !is_close_along(surface, crossing.first, crossing.second);
+    return !is_close_along(surface.neighbours, crossing.first, crossing.second);
   });
   if (sheets == crossings.end()) return;
   refuse("the surface crosses or touches itself: " + std::to_string(crossings.size()) +
          (crossings.size() == 1 ? " pair" : " pairs") + " of triangles, such as at " + place(sheets->place) +
-         " mm; join its parts or repair it first");
+         " mm; join its parts or repair it first (`lumesh repair`)");
 }
 
 }  // namespace

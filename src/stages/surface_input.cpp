@@ -65,13 +65,18 @@ void SurfaceInputOptions::validate() const {
   domain.validate();
 }
 
-SurfaceInput read_surface(const std::filesystem::path& path, const SurfaceInputOptions& options,
-                          const Context& context) {
-  SurfaceInput input{read_surface_file(path, options.patch_array), {}};
-  if (input.mesh.view().cell_count() > 0)
+MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path) {
+  if (mesh.view().cell_count() > 0)
     throw Error(ErrorKind::kBadInput,
                 path.string() + ": is a mesh of a volume; give its surface alone, such as a .stl or .vtp");
-  bring_to_lps_mm(input.mesh);
+  bring_to_lps_mm(mesh);
+  split_quadrilaterals(mesh);
+  return mesh;
+}
+
+SurfaceInput read_surface(const std::filesystem::path& path, const SurfaceInputOptions& options,
+                          const Context& context) {
+  SurfaceInput input{as_surface(read_surface_file(path, options.patch_array), path), {}};
   input.closed = close_open_ends(input.mesh, options, context);
   return input;
 }

@@ -24,12 +24,6 @@ std::vector<std::uint32_t> first_equal(std::span<const Vec3> points) {
   return first;
 }
 
-struct SideOfEdge {
-  std::uint32_t low, high, triangle, side;
-  [[nodiscard]] auto edge() const { return std::pair(low, high); }
-  auto operator<=>(const SideOfEdge&) const = default;
-};
-
 /// Whether a triangle goes along the edge from one point to another.
 bool runs_along(const Cell<3>& corners, std::uint32_t from, std::uint32_t to) {
   for (std::size_t s = 0; s < 3; ++s)
@@ -62,8 +56,8 @@ TriangleMesh weld(std::span<const Vec3> points, std::span<const Cell<3>> triangl
   return surface;
 }
 
-EdgeNeighbours edge_neighbours(std::span<const Cell<3>> triangles) {
-  std::vector<SideOfEdge> sides(3 * triangles.size());
+std::vector<TriangleSide> sorted_sides(std::span<const Cell<3>> triangles) {
+  std::vector<TriangleSide> sides(3 * triangles.size());
   parallel::for_each_index(triangles.size(), [&](std::size_t t) {
     const Cell<3>& corners = triangles[t];
     for (std::uint32_t s = 0; s < 3; ++s) {
@@ -72,16 +66,18 @@ EdgeNeighbours edge_neighbours(std::span<const Cell<3>> triangles) {
     }
   });
   parallel::sort(sides.begin(), sides.end());
+  return sides;
+}
+
+EdgeNeighbours edge_neighbours(std::span<const Cell<3>> triangles) {
   EdgeNeighbours neighbours(triangles.size(), {kOpenEdge, kOpenEdge, kOpenEdge});
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    while (end < sides.size() && sides[end].edge() == sides[begin].edge()) ++end;
-    const SideOfEdge &a = sides[begin], &b = sides[end - 1];
-    if (end - begin > 2)
-      for (std::size_t i = begin; i < end; ++i) neighbours[sides[i].triangle][sides[i].side] = kCrowdedEdge;
-    if (end - begin != 2) continue;
-    neighbours[a.triangle][a.side] = b.triangle;
-    neighbours[b.triangle][b.side] = a.triangle;
-  }
+  for_each_edge(sorted_sides(triangles), [&](std::span<const TriangleSide> edge) {
+    if (edge.size() > 2)
+      for (const TriangleSide& side : edge) neighbours[side.triangle][side.side] = kCrowdedEdge;
+    if (edge.size() != 2) return;
+    neighbours[edge[0].triangle][edge[0].side] = edge[1].triangle;
+    neighbours[edge[1].triangle][edge[1].side] = edge[0].triangle;
+  });
   return neighbours;
 }
 

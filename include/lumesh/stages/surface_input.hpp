@@ -30,6 +30,10 @@ struct SurfaceInput {
   std::vector<surfaces::ClosedRim> closed;
 };
 
+/// What was read from a file, in mm (LPS), quadrilaterals as two triangles each.
+/// @throws Error{kBadInput} that names the file if it holds a volume.
+[[nodiscard]] MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path);
+
 /// @throws Error{kBadInput} that names the file if it cannot be read or holds a volume.
 [[nodiscard]] SurfaceInput read_surface(const std::filesystem::path& path, const SurfaceInputOptions& options,
                                         const Context& context);

@@ -1,0 +1,92 @@
+#include <fmt/core.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "long_run.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/stages/check_stage.hpp"
+
+namespace lumesh::cli {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+struct CheckCommand {
+  std::string path;
+  std::size_t as_json = 0;
+  RunOptions run;
+};
+
+const char* word_for(Severity severity) {
+  return severity == Severity::kFault ? "fault" : "remark";
+}
+
+json to_json(const CheckCommand& command, const CheckReport& report) {
+  json all = {{"file", command.path},
+              {"kind", report.what},
+              {"size", report.size},
+              {"fit", report.is_fit()},
+              {"findings", json::array()}};
+  for (const Finding& finding : report.findings) {
+    json places = json::array();
+    for (const Vec3& p : finding.places_mm) places.push_back({p.x(), p.y(), p.z()});
+    all["findings"].push_back({{"kind", finding.kind},
+                               {"severity", word_for(finding.severity)},
+                               {"count", finding.count},
+                               {"text", finding.text},
+                               {"remedy", finding.remedy},
+                               {"places_mm", std::move(places)}});
+  }
+  return all;
+}
+
+void print_text(const CheckCommand& command, const CheckReport& report) {
+  print_out("{}: {}, {}\n", command.path, report.what, report.size);
+  for (const Finding& finding : report.findings) {
+    print_out("{:<7} {:>8}  {}\n", word_for(finding.severity), finding.count, finding.text);
+    std::string places;
+    for (const Vec3& p : finding.places_mm)
+      places += fmt::format(" ({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z());
+    if (!places.empty()) print_out("{:18}at{} mm\n", "", places);
+    if (!finding.remedy.empty()) print_out("{:18}remedy: {}\n", "", finding.remedy);
+  }
+  if (report.findings.empty()) print_out("nothing found\n");
+}
+
+void run(const CheckCommand& command) {
+  const Interruptible interruptible;
+  const parallel::ThreadLimit limit(command.run.threads);
+  Context context = make_context(command.run);
+  const CheckReport report = check_file(command.path, context);
+  if (command.as_json > 0) {
+    print_out("{}\n", to_json(command, report).dump(2));
+  } else if (command.run.quiet == 0) {
+    print_text(command, report);
+  }
+  if (!report.is_fit())
+    throw Error(ErrorKind::kNotReached,
+                command.path + ": is unfit for meshing as it is; see the faults above");
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& program) {
+  const auto command = std::make_shared<CheckCommand>();
+  CLI::App* sub =
+      program.add_subcommand("check", "Find faults of a surface or a mesh, with places and remedies");
+  sub->add_option("file", command->path, "Surface or mesh to look at")->required();
+  sub->add_flag("--json", command->as_json, "Print JSON");
+  add_threads_option(*sub, command->run);
+  add_verbosity_options(*sub, command->run);
+  sub->footer(
+      "Exit codes: 0 fit for meshing, perhaps with remarks, 2 unreadable, 3 unfit.\nExample: lumesh check "
+      "vessel.stl");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace lumesh::cli

@@ -1,0 +1,26 @@
+#pragma once
+/// @file The stage `check`: what is peculiar about a file, with places and remedies, before time is spent on
+/// it.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/core/finding.hpp"
+
+namespace lumesh {
+
+struct CheckReport {
+  std::string what;               ///< What the file holds: "surface", "mesh" or "image".
+  std::string size;               ///< In words: "6532 triangles, 3268 points".
+  std::vector<Finding> findings;  ///< Faults first.
+
+  /// Whether it can be meshed, or computed on, as it is.
+  [[nodiscard]] bool is_fit() const;
+};
+
+/// @throws Error{kBadInput} that names the file if it cannot be read.
+[[nodiscard]] CheckReport check_file(const std::filesystem::path& path, Context& context);
+
+}  // namespace lumesh

@@ -1,0 +1,66 @@
+#include "lumesh/stages/check_stage.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/unit_doubt.hpp"
+#include "lumesh/mesh/validate.hpp"
+#include "lumesh/stages/input.hpp"
+#include "lumesh/stages/surface_input.hpp"
+#include "lumesh/surface/findings.hpp"
+
+namespace lumesh {
+namespace {
+
+void check_unit(const MixedMesh& mesh, CheckReport& report) {
+  if (mesh.points.empty()) return;
+  const std::string doubt = unit_doubt(bounding_box(mesh.points).sizes().maxCoeff());
+  if (!doubt.empty()) report.findings.push_back({"unit", Severity::kRemark, 1, doubt, "", {}});
+}
+
+CheckReport check_surface(const MixedMesh& surface, const std::filesystem::path& path) {
+  CheckReport report = {
+      "surface", fmt::format("{} triangles, {} points", surface.triangles.size(), surface.points.size()), {}};
+  report.findings =
+      naming(path.string(), [&] { return surfaces::findings_of(surface.points, surface.triangles); });
+  check_unit(surface, report);
+  return report;
+}
+
+/// One finding per problem that validate() lists.
+CheckReport check_mesh(const MixedMesh& mesh) {
+  CheckReport report = {
+      "mesh", fmt::format("{} cells, {} points", mesh.view().cell_count(), mesh.points.size()), {}};
+  for (const std::string& problem : validate(mesh.view()).problems)
+    report.findings.push_back(
+        {"invalid", Severity::kFault, 1, problem, "mesh its image or surface anew", {}});
+  check_unit(mesh, report);
+  return report;
+}
+
+}  // namespace
+
+bool CheckReport::is_fit() const {
+  return std::none_of(findings.begin(), findings.end(),
+                      [](const Finding& finding) { return finding.severity == Severity::kFault; });
+}
+
+CheckReport check_file(const std::filesystem::path& path, Context& context) {
+  if (!is_mesh_file(path))
+    throw Error(ErrorKind::kBadInput,
+                path.string() + ": neither a surface nor a mesh; use " + formats_for(MeshUse::kRead, " or "));
+  MixedMesh mesh = context.phase("read", [&] { return read_mesh(path); });
+  CheckReport report = context.phase("check", [&] {
+    if (mesh.view().cell_count() == 0) return check_surface(as_surface(std::move(mesh), path), path);
+    bring_to_lps_mm(mesh);
+    return check_mesh(mesh);
+  });
+  std::stable_partition(report.findings.begin(), report.findings.end(),
+                        [](const Finding& finding) { return finding.severity == Severity::kFault; });
+  return report;
+}
+
+}  // namespace lumesh

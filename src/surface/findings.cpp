@@ -1,0 +1,261 @@
+#include "lumesh/surface/findings.hpp"
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/self_crossings.hpp"
+#include "lumesh/geometry/triangle.hpp"
+
+namespace lumesh::surfaces {
+namespace {
+
+constexpr const char* kRepair = "lumesh repair IN -o OUT";
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kSpeck = 0.01;  // Of the whole's diagonal.
+
+class SurfaceCheck {
+ public:
+  SurfaceCheck(std::span<const Vec3> points, std::span<const Cell<3>> triangles)
+      : given_points_(points), given_triangles_(triangles), surface_(weld(points, triangles, {})) {}
+
+  std::vector<Finding> find() {
+    look_at_doubles();
+    alike_ = surface_;
+    neighbours_ = edge_neighbours(surface_.triangles);
+    parts_ = turn_alike(alike_);
+    look_at_edges();
+    look_at_vertices();
+    look_at_rims();
+    look_at_turns();
+    look_at_shapes();
+    look_at_folds();
+    look_at_crossings();
+    look_at_parts();
+    return std::move(findings_);
+  }
+
+ private:
+  static Finding fault(const char* kind, std::string text) {
+    return {kind, Severity::kFault, 0, std::move(text), kRepair, {}};
+  }
+  static Finding remark(const char* kind, std::string text, std::string remedy = "") {
+    return {kind, Severity::kRemark, 0, std::move(text), std::move(remedy), {}};
+  }
+  void keep(Finding finding) {
+    if (finding.count > 0) findings_.push_back(std::move(finding));
+  }
+  [[nodiscard]] const Vec3& corner(std::size_t t, std::size_t i) const {
+    return surface_.points[surface_.triangles[t][i]];
+  }
+  [[nodiscard]] Vec3 middle_of(std::size_t t) const {
+    return (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3;
+  }
+  [[nodiscard]] Vec3 middle_of(const TriangleSide& side) const {
+    return 0.5 * (surface_.points[side.low] + surface_.points[side.high]);
+  }
+
+  /// Triangles that are there twice are looked at once from here on.
+  void look_at_doubles() {
+    Finding points = remark("duplicate_points", "points at the place of another; they count as one");
+    std::vector<std::uint8_t> is_used(given_points_.size(), 0);
+    for (const Cell<3>& t : given_triangles_)
+      for (const std::uint32_t v : t) is_used[v] = 1;
+    const auto used = static_cast<std::uint64_t>(std::count(is_used.begin(), is_used.end(), 1));
+    points.count = used - std::min<std::uint64_t>(used, surface_.points.size());
+    keep(std::move(points));
+    Finding lines =
+        remark("collapsed_triangles", "triangles with two corners in one place; they are left out");
+    for (const Cell<3>& t : given_triangles_) {
+      const Vec3 &a = given_points_[t[0]], &b = given_points_[t[1]], &c = given_points_[t[2]];
+      if (a == b || b == c || c == a) lines.add(a);
+    }
+    keep(std::move(lines));
+    Finding doubles = fault("duplicate_triangles", "triangles with the three corners of another");
+    const std::vector<std::uint32_t> duplicates = duplicate_triangles(surface_.triangles);
+    for (const std::uint32_t t : duplicates) doubles.add(middle_of(t));
+    without_triangles(surface_, duplicates);
+    keep(std::move(doubles));
+  }
+
+  void look_at_edges() {
+    Finding crowded = fault("non_manifold_edges", "edges with three triangles or more");
+    Finding one_sided =
+        fault("one_sided", "edges where triangles cannot be turned alike, as on a Moebius strip");
+    for_each_edge(sorted_sides(alike_.triangles), [&](std::span<const TriangleSide> edge) {
+      if (edge.size() > 2) crowded.add(middle_of(edge[0]));
+      if (edge.size() == 2 && alike_.triangles[edge[0].triangle][edge[0].side] ==
+                                  alike_.triangles[edge[1].triangle][edge[1].side])
+        one_sided.add(middle_of(edge[0]));
+    });
+    is_manifold_ = crowded.count == 0 && one_sided.count == 0;
+    keep(std::move(crowded));
+    keep(std::move(one_sided));
+  }
+
+  void look_at_vertices() {
+    Finding fans = fault("non_manifold_vertices",
+                         "points where the surface touches itself: more than one fan of triangles");
+    std::uint32_t last = ~0U;
+    for (const Fan& fan : further_fans(surface_, neighbours_)) {
+      // Beside edges of three triangles it is these that are wrong.
+      const bool is_at_crowded =
+          std::any_of(fan.triangles.begin(), fan.triangles.end(), [&](std::uint32_t t) {
+            return std::count(neighbours_[t].begin(), neighbours_[t].end(), kCrowdedEdge) > 0;
+          });
+      if (!is_at_crowded && fan.vertex != std::exchange(last, fan.vertex))
+        fans.add(surface_.points[fan.vertex]);
+    }
+    is_manifold_ = is_manifold_ && fans.count == 0;
+    keep(std::move(fans));
+  }
+
+  void look_at_rims() {
+    const std::vector<Rim> rims = find_rims(alike_);
+    const std::vector<std::uint8_t> is_opening = rims_are_openings(alike_, rims);
+    Finding openings = remark("openings", ""), holes = fault("holes", "");
+    double widest = 0;
+    for (std::size_t r = 0; r < rims.size(); ++r) {
+      (is_opening[r] != 0 ? openings : holes).add(rims[r].centre_mm);
+      if (is_opening[r] == 0) widest = std::max(widest, rims[r].radius_mm);
+    }
+    openings.text = "openings: flat, wide rims at the end of a wall";
+    holes.text = fmt::format("holes in the wall, the widest with a radius of {:.3g} mm", widest);
+    is_closed_ = rims.empty();
+    keep(std::move(openings));
+    keep(std::move(holes));
+  }
+
+  /// In each part the fewer triangles are the turned ones.
+  void look_at_turns() {
+    std::vector<std::array<std::uint64_t, 2>> counts(parts_.count, {0, 0});
+    const auto was_turned = [&](std::size_t t) -> std::size_t {
+      return surface_.triangles[t] == alike_.triangles[t] ? 0 : 1;
+    };
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
+      ++counts[parts_.of_triangle[t]][was_turned(t)];
+    Finding turned = remark("turned_triangles",
+                            "triangles turned against their neighbours; they are turned back when meshed");
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
+      const auto& count = counts[parts_.of_triangle[t]];
+      const std::size_t minority = count[1] <= count[0] ? 1 : 0;
+      if (was_turned(t) == minority) turned.add(middle_of(t));
+      if (minority == 0) std::swap(alike_.triangles[t][1], alike_.triangles[t][2]);  // As most were given.
+    }
+    keep(std::move(turned));
+  }
+
+  void look_at_shapes() {
+    Finding flat = remark("degenerate_triangles", "triangles without area", kRepair);
+    Finding needles = remark("needles", "");
+    double least = std::numbers::pi;
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
+      if (!has_area(corner(t, 0), corner(t, 1), corner(t, 2))) {
+        flat.add(middle_of(t));
+        continue;
+      }
+      const double cosine = cosine_of_smallest_angle(corner(t, 0), corner(t, 1), corner(t, 2));
+      const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
+      least = std::min(least, angle);
+      if (angle < kDegree) needles.add(middle_of(t));
+    }
+    needles.text = fmt::format("triangles with an angle below 1 degree, the least {:.2g}", least / kDegree);
+    keep(std::move(flat));
+    keep(std::move(needles));
+  }
+
+  void look_at_folds() {
+    Finding folds =
+        remark("folds", "edges at which a triangle lies back on its neighbour, within 1 degree", kRepair);
+    const double limit = -std::cos(kDegree);
+    const auto normal = [&](std::uint32_t t) {
+      const Cell<3>& c = alike_.triangles[t];
+      return triangle_normal(alike_.points[c[0]], alike_.points[c[1]], alike_.points[c[2]]);
+    };
+    for_each_edge(sorted_sides(alike_.triangles), [&](std::span<const TriangleSide> edge) {
+      if (edge.size() == 2 && normal(edge[0].triangle).dot(normal(edge[1].triangle)) < limit)
+        folds.add(middle_of(edge[0]));
+    });
+    keep(std::move(folds));
+  }
+
+  void look_at_crossings() {
+    Finding sheets =
+        fault("self_intersections", "pairs of triangles with which sheets of the surface cross or touch");
+    Finding local =
+        remark("local_intersections", "pairs of triangles a few edges apart that cross or touch", kRepair);
+    for (const SelfCrossing& crossing : find_self_crossings(surface_.points, surface_.triangles))
+      (is_close_along(neighbours_, crossing.first, crossing.second) ? local : sheets).add(crossing.place);
+    has_crossings_ = sheets.count + local.count > 0;
+    keep(std::move(sheets));
+    keep(std::move(local));
+  }
+
+  void look_at_parts() {
+    Finding parts = remark("components", "components"), specks = remark("specks", "");
+    std::vector<Eigen::AlignedBox3d> boxes(parts_.count);
+    std::vector<double> six_volumes(parts_.count, 0);
+    Eigen::AlignedBox3d whole;
+    for (std::size_t t = 0; t < alike_.triangles.size(); ++t) {
+      Eigen::AlignedBox3d& box = boxes[parts_.of_triangle[t]];
+      for (std::size_t i = 0; i < 3; ++i) box.extend(corner(t, i));
+      whole.extend(box);
+      const Vec3 origin = alike_.points[0];
+      const auto& [a, b, c] = alike_.triangles[t];
+      six_volumes[parts_.of_triangle[t]] +=
+          (alike_.points[a] - origin).dot((alike_.points[b] - origin).cross(alike_.points[c] - origin));
+    }
+    for (const Eigen::AlignedBox3d& box : boxes) {
+      if (parts_.count > 1) parts.add(box.center());
+      if (box.diagonal().norm() < kSpeck * whole.diagonal().norm()) specks.add(box.center());
+    }
+    specks.text = "of these are smaller than 1 % of the whole";
+    specks.remedy = kRepair;
+    keep(std::move(parts));
+    keep(std::move(specks));
+    if (is_closed_ && is_manifold_ && !has_crossings_) look_at_nesting(six_volumes);
+  }
+
+  /// Of a closed surface without crossings.
+  void look_at_nesting(std::span<const double> six_volumes) {
+    Finding inside_out =
+        remark("inside_out", "components whose triangles point inwards; they are turned when meshed");
+    Finding nested = remark("nested_shells", "components within others; their insides are taken as cavities");
+    TriangleMesh outward = alike_;
+    std::vector<Vec3> place(parts_.count);
+    for (std::size_t t = outward.triangles.size(); t-- > 0;) {
+      if (six_volumes[parts_.of_triangle[t]] < 0) std::swap(outward.triangles[t][1], outward.triangles[t][2]);
+      place[parts_.of_triangle[t]] = corner(t, 0);
+    }
+    const std::vector<Vec3> doubled = find_doubled_places(outward.points, outward.triangles);
+    for (const Vec3& p : doubled) nested.add(p);
+    for (std::uint32_t part = 0; part < parts_.count; ++part)
+      if (six_volumes[part] < 0 && std::find(doubled.begin(), doubled.end(), place[part]) == doubled.end())
+        inside_out.add(place[part]);
+    keep(std::move(inside_out));
+    keep(std::move(nested));
+  }
+
+  std::span<const Vec3> given_points_;
+  std::span<const Cell<3>> given_triangles_;
+  TriangleMesh surface_, alike_;
+  EdgeNeighbours neighbours_;
+  Parts parts_;
+  bool is_manifold_ = true, is_closed_ = true, has_crossings_ = false;
+  std::vector<Finding> findings_;
+};
+
+}  // namespace
+
+std::vector<Finding> findings_of(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
+  if (triangles.empty()) throw Error(ErrorKind::kBadInput, "the surface has no triangles");
+  return SurfaceCheck(points, triangles).find();
+}
+
+}  // namespace lumesh::surfaces

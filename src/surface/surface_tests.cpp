@@ -1,0 +1,133 @@
+// What triangles and rims are: fans, neighbours a few edges apart, openings.
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "lumesh/geometry/predicates.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/surface/findings.hpp"
+
+namespace lumesh::surfaces {
+namespace {
+
+constexpr double kAcross = 0.7;  // Of an opening: the mean cosine between its plane's normal and the wall's.
+
+/// The open edges with their triangles, ascending.
+std::vector<std::array<std::uint32_t, 3>> open_edges(const TriangleMesh& surface) {
+  std::vector<std::array<std::uint32_t, 3>> edges;
+  for_each_edge(sorted_sides(surface.triangles), [&](std::span<const TriangleSide> edge) {
+    if (edge.size() == 1) edges.push_back({edge[0].low, edge[0].high, edge[0].triangle});
+  });
+  return edges;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface, std::span<const Rim> rims) {
+  const std::vector<std::array<std::uint32_t, 3>> edges = open_edges(surface);
+  std::vector<std::uint8_t> result;
+  for (const Rim& rim : rims) {
+    double length = 0, cosine = 0;
+    for (std::size_t i = 0; i < rim.vertices.size(); ++i) {
+      const auto [low, high] = std::minmax(rim.vertices[i], rim.vertices[(i + 1) % rim.vertices.size()]);
+      const auto at =
+          std::lower_bound(edges.begin(), edges.end(), std::array<std::uint32_t, 3>{low, high, 0});
+      const Cell<3>& t = surface.triangles[(*at)[2]];
+      const double edge = (surface.points[high] - surface.points[low]).norm();
+      length += edge;
+      cosine += edge * std::abs(rim.normal.dot(triangle_normal(surface.points[t[0]], surface.points[t[1]],
+                                                               surface.points[t[2]])));
+    }
+    result.push_back(rim.is_wide() && rim.is_flat() && cosine < kAcross * length ? 1 : 0);
+  }
+  return result;
+}
+
+std::vector<Fan> further_fans(const TriangleMesh& surface, const EdgeNeighbours& neighbours) {
+  // The triangles around each vertex, one after the other.
+  std::vector<std::uint32_t> first(surface.points.size() + 1, 0), around(3 * surface.triangles.size());
+  for (const Cell<3>& t : surface.triangles)
+    for (const std::uint32_t v : t) ++first[v + 1];
+  for (std::size_t v = 0; v < surface.points.size(); ++v) first[v + 1] += first[v];
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    for (const std::uint32_t v : surface.triangles[t]) around[next[v]++] = t;
+  std::vector<Fan> fans;
+  std::vector<std::uint32_t> left, fan;
+  for (std::uint32_t v = 0; v < surface.points.size(); ++v) {
+    left.assign(around.begin() + first[v], around.begin() + first[v + 1]);
+    for (bool is_first = true; !left.empty(); is_first = false) {
+      fan = {left.front()};
+      left.erase(left.begin());
+      for (std::size_t i = 0; i < fan.size(); ++i)
+        for (std::size_t s = 0; s < 3; ++s) {
+          const Cell<3>& corners = surface.triangles[fan[i]];
+          if (corners[s] != v && corners[(s + 1) % 3] != v) continue;
+          const auto at = std::find(left.begin(), left.end(), neighbours[fan[i]][s]);
+          if (at == left.end()) continue;
+          fan.push_back(*at);
+          left.erase(at);
+        }
+      if (!is_first) fans.push_back({v, fan});
+    }
+  }
+  return fans;
+}
+
+bool is_close_along(const EdgeNeighbours& neighbours, std::uint32_t from, std::uint32_t to) {
+  constexpr int kRings = 6;
+  std::vector<std::uint32_t> reached = {from};
+  std::size_t ring_begin = 0;
+  for (int ring = 0; ring < kRings; ++ring) {
+    const std::size_t ring_end = reached.size();
+    for (std::size_t i = ring_begin; i < ring_end; ++i)
+      for (const std::uint32_t next : neighbours[reached[i]]) {
+        if (next == to) return true;
+        if (next < kCrowdedEdge && std::find(reached.begin(), reached.end(), next) == reached.end())
+          reached.push_back(next);
+      }
+    ring_begin = ring_end;
+  }
+  return false;
+}
+
+std::vector<std::uint32_t> duplicate_triangles(std::span<const Cell<3>> triangles) {
+  std::vector<std::pair<Cell<3>, std::uint32_t>> sorted;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    sorted.emplace_back(triangles[t], t);
+    std::sort(sorted.back().first.begin(), sorted.back().first.end());
+  }
+  parallel::sort(sorted.begin(), sorted.end());
+  std::vector<std::uint32_t> doubles;
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    if (sorted[i].first == sorted[i - 1].first) doubles.push_back(sorted[i].second);
+  std::sort(doubles.begin(), doubles.end());
+  return doubles;
+}
+
+void without_triangles(TriangleMesh& surface, std::span<const std::uint32_t> ascending) {
+  std::size_t kept = 0, next = 0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (next < ascending.size() && ascending[next] == t) {
+      ++next;
+      continue;
+    }
+    surface.triangles[kept] = surface.triangles[t];
+    surface.patches[kept++] = surface.patches[t];
+  }
+  surface.triangles.resize(kept);
+  surface.patches.resize(kept);
+}
+
+bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto seen = [&](const Vec3& x) { return Vec2(x[(axis + 1) % 3], x[(axis + 2) % 3]); };
+    if (orient2d(seen(a), seen(b), seen(c)) != 0) return true;
+  }
+  return false;
+}
+
+}  // namespace lumesh::surfaces
