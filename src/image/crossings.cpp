@@ -47,9 +47,11 @@ struct FacesFound {
 template <class Value>
 class CrossingScan {
  public:
-  CrossingScan(std::span<const Value> values, double level, const LabelImage& image)
+  CrossingScan(std::span<const Value> values, const ObjectValues& object, const LabelImage& image,
+               Interpolation interpolation)
       : values_(values),
-        level_(level),
+        object_(object),
+        interpolation_(interpolation),
         labels_(image.voxels()),
         size_(image.frame().size.cast<std::size_t>()) {}
 
@@ -74,20 +76,50 @@ class CrossingScan {
     const auto first = static_cast<double>(values_[voxel]),
                second = static_cast<double>(values_[voxel + step]);
     const double inside = first_inside ? first : second, outside = first_inside ? second : first;
-    const bool is_crossed = inside >= level_ && outside < level_ && std::isfinite(inside - outside);
-    if (!is_crossed) {
+    if (!object_.contain(inside) || object_.contain(outside) || !std::isfinite(inside - outside)) {
       ++found.counts.against;
       return;
     }
     found.values.add(first);
     found.values.add(second);
-    const double fraction = (level_ - first) / (second - first);
+    const double level = outside < object_.low ? object_.low : object_.high;
+    const double fraction = interpolation_ == Interpolation::kLinear
+                                ? (level - first) / (second - first)
+                                : root_of(first - level, second - level, bend(voxel, step, axis));
     out.push_back(
         {voxel, static_cast<float>(std::clamp(fraction, kLeastFraction, 1 - kLeastFraction)), axis});
   }
 
+  /// The second difference at a voxel; 0 at the image's border.
+  [[nodiscard]] double second_difference(std::size_t voxel, std::size_t step, std::uint8_t axis) const {
+    const std::size_t at = voxel / step % size_[axis];
+    if (at == 0 || at + 1 == size_[axis]) return 0;
+    const double difference = static_cast<double>(values_[voxel - step]) -
+                              2 * static_cast<double>(values_[voxel]) +
+                              static_cast<double>(values_[voxel + step]);
+    return std::isfinite(difference) ? difference : 0;
+  }
+
+  /// The lesser of those at both ends, which a medial axis behind one of them does not spoil; 0 if they bend
+  /// against each other.
+  [[nodiscard]] double bend(std::size_t voxel, std::size_t step, std::uint8_t axis) const {
+    const double first = second_difference(voxel, step, axis),
+                 second = second_difference(voxel + step, step, axis);
+    if (first * second <= 0) return 0;
+    return std::abs(first) < std::abs(second) ? first : second;
+  }
+
+  /// Where the parabola with these values at 0 and 1, of opposite signs, and this second derivative vanishes.
+  static double root_of(double at_0, double at_1, double second_derivative) {
+    const double half = 0.5 * second_derivative, slope = at_1 - at_0 - half;
+    const double root = std::sqrt(std::max(0.0, slope * slope - 4 * half * at_0));
+    const double fraction = -2 * at_0 / (slope + std::copysign(root, at_1 - at_0));
+    return fraction >= 0 && fraction <= 1 ? fraction : at_0 / (at_0 - at_1);
+  }
+
   std::span<const Value> values_;
-  double level_;
+  ObjectValues object_;
+  Interpolation interpolation_;
   std::span<const LabelImage::Index> labels_;
   Eigen::Matrix<std::size_t, 3, 1> size_;
 };
@@ -95,8 +127,9 @@ class CrossingScan {
 /// The whole of find_crossings(); here since a function of a template with external linkage may not hold in
 /// its lambdas what has internal linkage.
 template <class Value>
-CrossingCounts scan_image(std::span<const Value> values, double level, LabelImage& image) {
-  const CrossingScan<Value> scan(values, level, image);
+CrossingCounts scan_image(std::span<const Value> values, const ObjectValues& object, LabelImage& image,
+                          Interpolation interpolation) {
+  const CrossingScan<Value> scan(values, object, image, interpolation);
   std::vector<FacesFound> found((scan.rows() + kRowsPerBlock - 1) / kRowsPerBlock);
   image.crossings() = parallel::collect_blocks<FaceCrossing>(
       scan.rows(), kRowsPerBlock, [&](std::size_t begin, std::size_t end, std::vector<FaceCrossing>& out) {
@@ -119,21 +152,32 @@ CrossingCounts scan_image(std::span<const Value> values, double level, LabelImag
 }  // namespace
 
 template <class Value>
-CrossingCounts find_crossings(std::span<const Value> values, double level, LabelImage& image) {
+CrossingCounts find_crossings(std::span<const Value> values, const ObjectValues& object, LabelImage& image,
+                              Interpolation interpolation) {
   LUMESH_ASSERT(values.size() == image.voxels().size());
-  return scan_image(values, level, image);
+  return scan_image(values, object, image, interpolation);
 }
 
-template CrossingCounts find_crossings(std::span<const std::uint8_t>, double, LabelImage&);
-template CrossingCounts find_crossings(std::span<const std::int8_t>, double, LabelImage&);
-template CrossingCounts find_crossings(std::span<const std::uint16_t>, double, LabelImage&);
-template CrossingCounts find_crossings(std::span<const std::int16_t>, double, LabelImage&);
-template CrossingCounts find_crossings(std::span<const std::uint32_t>, double, LabelImage&);
-template CrossingCounts find_crossings(std::span<const std::int32_t>, double, LabelImage&);
-template CrossingCounts find_crossings(std::span<const std::uint64_t>, double, LabelImage&);
-template CrossingCounts find_crossings(std::span<const std::int64_t>, double, LabelImage&);
-template CrossingCounts find_crossings(std::span<const float>, double, LabelImage&);
-template CrossingCounts find_crossings(std::span<const double>, double, LabelImage&);
+template CrossingCounts find_crossings(std::span<const std::uint8_t>, const ObjectValues&, LabelImage&,
+                                       Interpolation);
+template CrossingCounts find_crossings(std::span<const std::int8_t>, const ObjectValues&, LabelImage&,
+                                       Interpolation);
+template CrossingCounts find_crossings(std::span<const std::uint16_t>, const ObjectValues&, LabelImage&,
+                                       Interpolation);
+template CrossingCounts find_crossings(std::span<const std::int16_t>, const ObjectValues&, LabelImage&,
+                                       Interpolation);
+template CrossingCounts find_crossings(std::span<const std::uint32_t>, const ObjectValues&, LabelImage&,
+                                       Interpolation);
+template CrossingCounts find_crossings(std::span<const std::int32_t>, const ObjectValues&, LabelImage&,
+                                       Interpolation);
+template CrossingCounts find_crossings(std::span<const std::uint64_t>, const ObjectValues&, LabelImage&,
+                                       Interpolation);
+template CrossingCounts find_crossings(std::span<const std::int64_t>, const ObjectValues&, LabelImage&,
+                                       Interpolation);
+template CrossingCounts find_crossings(std::span<const float>, const ObjectValues&, LabelImage&,
+                                       Interpolation);
+template CrossingCounts find_crossings(std::span<const double>, const ObjectValues&, LabelImage&,
+                                       Interpolation);
 
 CrossingCounts count_crossings(const LabelImage& image) {
   const Eigen::Matrix<std::size_t, 3, 1> size = image.frame().size.cast<std::size_t>();
