@@ -1,0 +1,75 @@
+#pragma once
+/// @file Vessels that touch in an image, and other thin places: where they are, and voxels changed for them.
+///
+/// All labels count as one object. It is parted into chunks, about as long as it is thick, by flooding its
+/// distance from the background from the middles of balls (Meyer 1994, doi:10.1016/0165-1684(94)90060-4).
+/// Where the way from one chunk to the next is much thinner than both is a neck. Vessels touch at a neck, or
+/// a voxel apart, where those on both sides of it go on in two directions; ends and narrowings do not.
+
+#include <cstdint>
+#include <vector>
+
+#include "lumesh/image/label_image.hpp"
+#include "lumesh/image/topology.hpp"
+
+namespace lumesh {
+
+/// What becomes of vessels side by side that touch, or are at most a voxel apart.
+enum class TouchChoice : std::uint8_t {
+  kKeep,
+  kSeparate,  ///< A layer of voxels between them becomes background.
+  kJoin,      ///< The cleft between them is filled.
+};
+
+/// A place where the object is thin, or nearly joined.
+struct ThinPlace {
+  enum class Kind : std::uint8_t {
+    kTouching,  ///< Vessels side by side share voxel faces there.
+    kNear,      ///< The same a voxel apart, or with edges and corners only.
+    kBridge,    ///< One or two voxels thick between thicker parts.
+  };
+  Kind kind = Kind::kTouching;
+  Index3 voxel = Index3::Zero();  ///< In its middle.
+  std::size_t size = 0;           ///< Voxel faces that are shared, or voxels between.
+  double thickness_voxels = 0;    ///< Of the neck, in smallest voxel edges; 0 if they are only near.
+};
+
+/// Largest first, within each kind. Threads: same result for every number of them. Cost: O(n log n) in the
+/// object's voxels. Memory: 14 bytes a voxel of the object's box, 12 for each of the object.
+[[nodiscard]] std::vector<ThinPlace> find_thin_places(const LabelImage& image);
+
+/// Voxels that got another label.
+struct VoxelsChanged {
+  std::size_t voxels = 0, places = 0;
+  double volume_mm3 = 0;          ///< Of the voxels.
+  Index3 first = Index3::Zero();  ///< The first in memory.
+};
+
+/// Separates or joins the vessels that touch or are near. Joined ones keep their labels; voxels between them
+/// get the label that most voxels around them have.
+VoxelsChanged change_touching(TouchChoice choice, LabelImage& image);
+
+/// Background that the object encloses, 26-connected, in no particular order: nothing else of it is at the
+/// border of the image or of the object's box.
+struct Cavity {
+  std::size_t voxel_count = 0;
+  Index3 first = Index3::Zero();  ///< The voxel that comes first in memory.
+};
+[[nodiscard]] std::vector<Cavity> find_cavities(const LabelImage& image);
+/// Gives them the label that most voxels beside them have.
+VoxelsChanged fill_cavities(LabelImage& image);
+
+/// Makes background of components of all labels together that have fewer voxels.
+VoxelsChanged drop_small_components(LabelImage& image, std::size_t below);
+
+/// A place where a label that another encloses comes to the background.
+struct WallHole {
+  Label inside = kBackground, wall = kBackground;
+  std::size_t faces = 0;  ///< Between the inside and the background, joined through their corners.
+  Index3 voxel = Index3::Zero();
+};
+/// Labels count as enclosed if nine in ten of their faces to anything else, but for the image's border, are
+/// the wall's. Largest first.
+[[nodiscard]] std::vector<WallHole> find_wall_holes(const LabelImage& image);
+
+}  // namespace lumesh

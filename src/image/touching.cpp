@@ -1,0 +1,297 @@
+#include "lumesh/image/touching.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "lumesh/core/disjoint_sets.hpp"
+#include "vessel_chunks.hpp"
+#include "voxel_edits.hpp"
+
+namespace lumesh {
+
+namespace {
+
+using image::ChunkFace;
+using image::kNoChunk;
+using image::VesselChunks;
+
+constexpr float kThinHalfWidth = 1.42F;  // Of one or two voxels, also along diagonals.
+constexpr float kThicker = 2;
+
+/// A face, or a voxel between, at which vessels touch or nearly do.
+struct ContactElement {
+  std::uint32_t voxel = 0, other = 0;  ///< The same for a voxel between.
+  std::uint32_t first = 0, second = 0;
+  float half_width = 0;
+
+  [[nodiscard]] bool is_face() const { return voxel != other; }
+};
+
+/// Calls use(place) for the voxels around one, and itself.
+template <class Use>
+void for_each_around(const Index3& place, int reach, const Use& use) {
+  for (int k = -reach; k <= reach; ++k)
+    for (int j = -reach; j <= reach; ++j)
+      for (int i = -reach; i <= reach; ++i) use(Index3(place + Index3(i, j, k)));
+}
+
+using Pair = std::pair<std::uint32_t, std::uint32_t>;
+
+/// Answers for pairs of chunks between which there is background, each of which is asked for many times.
+class PairsApart {
+ public:
+  explicit PairsApart(const VesselChunks& chunks) : chunks_(chunks) {}
+  bool pass(const Pair& pair, const Index3& place) {
+    const auto [at, is_new] = known_.emplace(pair, false);
+    if (is_new)
+      at->second = chunks_.are_apart(pair.first, pair.second) &&
+                   chunks_.passing_sides(pair.first, pair.second, place.cast<double>()).has_value();
+    return at->second;
+  }
+
+ private:
+  const VesselChunks& chunks_;
+  std::map<Pair, bool> known_;
+};
+
+/// Where the faces of each pair of chunks begin and end.
+std::vector<std::pair<std::size_t, std::size_t>> runs_of_pairs(const std::vector<ChunkFace>& faces) {
+  std::vector<std::pair<std::size_t, std::size_t>> runs;
+  for (std::size_t begin = 0, end = 0; begin < faces.size(); begin = end) {
+    while (end < faces.size() && faces[end].first == faces[begin].first &&
+           faces[end].second == faces[begin].second)
+      ++end;
+    runs.emplace_back(begin, end);
+  }
+  return runs;
+}
+
+/// Pairs of chunks of vessels that touch: those at a neck, and all others of the same two vessels around it.
+std::set<Pair> touching_pairs(const VesselChunks& chunks) {
+  std::set<Pair> pairs;
+  for (const auto& [begin, end] : runs_of_pairs(chunks.faces())) {
+    const ChunkFace& middle = chunks.faces()[(begin + end) / 2];
+    if (!chunks.is_neck(middle.first, middle.second)) continue;
+    const auto sides =
+        chunks.passing_sides(middle.first, middle.second, chunks.place_of(middle.voxel).cast<double>());
+    if (!sides) continue;
+    for (const std::uint32_t a : (*sides)[0])
+      for (const std::uint32_t b : (*sides)[1]) pairs.emplace(std::min(a, b), std::max(a, b));
+  }
+  return pairs;
+}
+
+/// The first chunk that a place has beside it, through faces or also edges, and that is_wanted(chunk).
+template <class IsWanted>
+std::uint32_t chunk_beside(const VesselChunks& chunks, const Index3& place, int most_squared,
+                           const IsWanted& is_wanted) {
+  std::uint32_t found = kNoChunk;
+  for_each_around(place, 1, [&](const Index3& near) {
+    if (found != kNoChunk || (near - place).squaredNorm() > most_squared || !chunks.contains(near)) return;
+    const std::uint32_t chunk = chunks.chunk_of(chunks.offset(near));
+    if (chunk != kNoChunk && is_wanted(chunk)) found = chunk;
+  });
+  return found;
+}
+
+/// Background between two chunks: beside a face of the one and an edge of the other.
+void add_voxels_between(const VesselChunks& chunks, std::vector<ContactElement>& elements) {
+  PairsApart pairs(chunks);
+  for (std::size_t v = 0; v < chunks.voxel_count(); ++v) {
+    if (chunks.chunk_of(v) != kNoChunk) continue;
+    const Index3 place = chunks.place_of(v);
+    std::uint32_t second = kNoChunk;
+    const std::uint32_t first = chunk_beside(chunks, place, 1, [&](std::uint32_t a) {
+      second = chunk_beside(chunks, place, 2, [&](std::uint32_t b) {
+        return a != b && pairs.pass({std::min(a, b), std::max(a, b)}, place);
+      });
+      return second != kNoChunk;
+    });
+    if (first != kNoChunk)
+      elements.push_back({static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(v), first, second, 0});
+  }
+}
+
+std::vector<ContactElement> contacts_of(const VesselChunks& chunks) {
+  const std::set<Pair> pairs = touching_pairs(chunks);
+  std::vector<ContactElement> elements;
+  for (const ChunkFace& face : chunks.faces())
+    if (pairs.contains({face.first, face.second}))
+      elements.push_back({face.voxel, face.other, face.first, face.second, face.half_width});
+  add_voxels_between(chunks, elements);
+  return elements;
+}
+
+/// Elements within two voxels of each other are one place.
+std::vector<std::vector<std::size_t>> grouped(const VesselChunks& chunks,
+                                              const std::vector<ContactElement>& elements) {
+  std::unordered_map<std::size_t, std::size_t> element_at;
+  DisjointSets sets(elements.size());
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const auto [at, is_new] = element_at.emplace(elements[e].voxel, e);
+    if (!is_new) sets.merge(static_cast<std::uint32_t>(at->second), static_cast<std::uint32_t>(e));
+  }
+  for (std::size_t e = 0; e < elements.size(); ++e)
+    for_each_around(chunks.place_of(elements[e].voxel), 2, [&](const Index3& near) {
+      if (!chunks.contains(near)) return;
+      if (const auto found = element_at.find(chunks.offset(near)); found != element_at.end())
+        sets.merge(static_cast<std::uint32_t>(found->second), static_cast<std::uint32_t>(e));
+    });
+  std::map<std::uint32_t, std::vector<std::size_t>> by_root;
+  for (std::size_t e = 0; e < elements.size(); ++e)
+    by_root[sets.find(static_cast<std::uint32_t>(e))].push_back(e);
+  std::vector<std::vector<std::size_t>> groups;
+  for (auto& [root, members] : by_root) groups.push_back(std::move(members));
+  return groups;
+}
+
+ThinPlace place_of_group(const VesselChunks& chunks, const std::vector<ContactElement>& elements,
+                         const std::vector<std::size_t>& group) {
+  ThinPlace place{ThinPlace::Kind::kNear};
+  float widest = 0;
+  Vec3 middle = Vec3::Zero();
+  for (const std::size_t e : group) {
+    if (elements[e].is_face()) {
+      place.kind = ThinPlace::Kind::kTouching;
+      ++place.size;
+    }
+    widest = std::max(widest, elements[e].half_width);
+    middle += chunks.place_of(elements[e].voxel).cast<double>() / static_cast<double>(group.size());
+  }
+  if (place.size == 0) place.size = group.size();
+  place.thickness_voxels = widest > 0 ? 2 * static_cast<double>(widest) - 1 : 0;
+  const auto nearest = std::min_element(group.begin(), group.end(), [&](std::size_t a, std::size_t b) {
+    const auto off = [&](std::size_t e) {
+      return (chunks.place_of(elements[e].voxel).cast<double>() - middle).norm();
+    };
+    return off(a) < off(b);
+  });
+  place.voxel = chunks.low() + chunks.place_of(elements[*nearest].voxel);
+  return place;
+}
+
+/// Necks, and chunks, of one or two voxels between thicker parts that do not pass each other.
+std::vector<ThinPlace> bridges_of(const VesselChunks& chunks) {
+  std::vector<ThinPlace> places;
+  const std::set<Pair> touching = touching_pairs(chunks);
+  const auto is_thicker = [&](std::uint32_t chunk, float than) {
+    return chunks.chunks()[chunk].half_width >= kThicker * than;
+  };
+  const auto& all = chunks.faces();
+  for (const auto& [begin, end] : runs_of_pairs(all)) {
+    const ChunkFace& middle = all[(begin + end) / 2];
+    const float width = chunks.saddle(middle.first, middle.second);
+    if (width <= kThinHalfWidth && is_thicker(middle.first, width) && is_thicker(middle.second, width) &&
+        chunks.is_neck(middle.first, middle.second) && !touching.contains({middle.first, middle.second}))
+      places.push_back({ThinPlace::Kind::kBridge, chunks.low() + chunks.place_of(middle.voxel), end - begin,
+                        2 * static_cast<double>(width) - 1});
+  }
+  const auto is_thin = [&](std::uint32_t c) { return chunks.chunks()[c].half_width <= kThinHalfWidth; };
+  DisjointSets strands(chunks.chunks().size());
+  for (const auto& face : all)
+    if (is_thin(face.first) && is_thin(face.second)) strands.merge(face.first, face.second);
+  std::map<std::uint32_t, std::set<std::uint32_t>> thick_beside;
+  for (const auto& face : all) {
+    if (is_thin(face.first) && is_thicker(face.second, chunks.chunks()[face.first].half_width))
+      thick_beside[strands.find(face.first)].insert(face.second);
+    if (is_thin(face.second) && is_thicker(face.first, chunks.chunks()[face.second].half_width))
+      thick_beside[strands.find(face.second)].insert(face.first);
+  }
+  for (const auto& [strand, thick] : thick_beside) {
+    const bool joins = std::any_of(thick.begin(), thick.end(), [&](std::uint32_t a) {
+      return std::any_of(thick.begin(), thick.end(),
+                         [&](std::uint32_t b) { return a < b && chunks.saddle(a, b) == 0; });
+    });
+    if (joins)
+      places.push_back({ThinPlace::Kind::kBridge, chunks.low() + chunks.chunks()[strand].seed, 1,
+                        2 * static_cast<double>(chunks.chunks()[strand].half_width) - 1});
+  }
+  return places;
+}
+
+/// Of each face one voxel goes, the one nearer to the background, unless the other is gone already.
+void separate(const std::vector<ContactElement>& elements, std::set<std::size_t>& gone) {
+  std::unordered_map<std::uint32_t, std::size_t> faces_of;
+  for (const ContactElement& e : elements)
+    if (e.is_face()) ++faces_of[e.voxel], ++faces_of[e.other];
+  for (const ContactElement& e : elements) {
+    if (!e.is_face() || gone.contains(e.voxel) || gone.contains(e.other)) continue;
+    gone.insert(faces_of[e.other] > faces_of[e.voxel] ? e.other : e.voxel);
+  }
+}
+
+/// Background around contacts that has both vessels within two voxels.
+void join(const VesselChunks& chunks, const std::vector<ContactElement>& elements,
+          std::set<std::size_t>& filled) {
+  for (const ContactElement& e : elements)
+    for_each_around(chunks.place_of(e.voxel), 1, [&](const Index3& place) {
+      if (!chunks.contains(place) || chunks.chunk_of(chunks.offset(place)) != kNoChunk) return;
+      bool has_first = false, has_second = false;
+      for_each_around(place, 2, [&](const Index3& near) {
+        constexpr int kMostSquared = 5;
+        if (!chunks.contains(near) || (near - place).squaredNorm() > kMostSquared) return;
+        has_first |= chunks.chunk_of(chunks.offset(near)) == e.first;
+        has_second |= chunks.chunk_of(chunks.offset(near)) == e.second;
+      });
+      if (has_first && has_second) filled.insert(chunks.offset(place));
+    });
+}
+
+/// What a cut leaves alone between the vessels goes with it.
+void drop_specks(const std::set<std::size_t>& cut, LabelImage& image, VoxelsChanged& changed) {
+  constexpr std::size_t kSpeck = 27;
+  for (const VoxelComponent& piece : small_components(image, kSpeck, ComponentScope::kUnion)) {
+    bool is_cut_off = false;
+    for_each_around(piece.first, 1, [&](const Index3& near) {
+      is_cut_off |= image.frame().contains(near) && cut.contains(image.frame().offset(near));
+    });
+    if (is_cut_off) image::drop_component(piece.first, image, changed);
+  }
+}
+
+}  // namespace
+
+VoxelsChanged change_touching(TouchChoice choice, LabelImage& image) {
+  constexpr int kMostRounds = 4;  // The second one finds what bumps hid in the first.
+  VoxelsChanged changed;
+  std::set<std::size_t> cut;
+  for (int round = 0; choice != TouchChoice::kKeep && round < kMostRounds; ++round) {
+    const VesselChunks chunks(image);
+    const std::vector<ContactElement> elements = contacts_of(chunks);
+    std::set<std::size_t> found;
+    if (choice == TouchChoice::kSeparate)
+      separate(elements, found);
+    else
+      join(chunks, elements, found);
+    if (found.empty()) break;
+    if (round == 0) changed.places = grouped(chunks, elements).size();
+    const std::vector<LabelImage::Index> before = image.voxels();
+    for (const std::size_t in_box : found) {
+      const Index3 place = chunks.low() + chunks.place_of(in_box);
+      image.at(place) =
+          choice == TouchChoice::kSeparate ? LabelImage::Index{0} : image::label_around(image, before, place);
+      image::note_change(image, place, changed);
+      cut.insert(image.frame().offset(place));
+    }
+    if (choice == TouchChoice::kJoin && round > 0) break;
+  }
+  if (choice == TouchChoice::kSeparate) drop_specks(cut, image, changed);
+  return changed;
+}
+
+std::vector<ThinPlace> find_thin_places(const LabelImage& image) {
+  const VesselChunks chunks(image);
+  const std::vector<ContactElement> elements = contacts_of(chunks);
+  std::vector<ThinPlace> places;
+  for (const std::vector<std::size_t>& group : grouped(chunks, elements))
+    places.push_back(place_of_group(chunks, elements, group));
+  for (const ThinPlace& bridge : bridges_of(chunks)) places.push_back(bridge);
+  std::stable_sort(places.begin(), places.end(), [](const ThinPlace& a, const ThinPlace& b) {
+    return a.kind != b.kind ? a.kind < b.kind : a.size > b.size;
+  });
+  return places;
+}
+
+}  // namespace lumesh

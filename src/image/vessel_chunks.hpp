@@ -1,0 +1,89 @@
+#pragma once
+/// @file The object of an image in chunks about as long as it is thick, and how they hang together.
+
+#include <array>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "lumesh/image/label_image.hpp"
+#include "lumesh/image/topology.hpp"
+
+namespace lumesh::image {
+
+inline constexpr std::uint32_t kNoChunk = 0xffffffffU;
+
+/// A face between voxels of two chunks.
+struct ChunkFace {
+  std::uint32_t first = 0, second = 0;  ///< Chunks, ascending.
+  std::uint32_t voxel = 0, other = 0;   ///< Of these chunks.
+  float half_width = 0;                 ///< The lesser distance of both.
+};
+
+class VesselChunks {
+ public:
+  explicit VesselChunks(const LabelImage& image);
+
+  struct Chunk {
+    Index3 seed = Index3::Zero();
+    float half_width = 0;               ///< Distance of its middle from the background.
+    Vec3 border_sum = Vec3::Zero();     ///< Of its voxels at the image's border …
+    std::size_t border_count = 0;       ///< … and how many.
+    std::vector<std::uint32_t> beside;  ///< Chunks that it shares faces with, ascending.
+  };
+  [[nodiscard]] const std::vector<Chunk>& chunks() const { return chunks_; }
+  [[nodiscard]] const std::vector<ChunkFace>& faces() const { return faces_; }  ///< By chunks.
+  /// Greatest half width of the way between two chunks; 0 if they share no face.
+  [[nodiscard]] float saddle(std::uint32_t a, std::uint32_t b) const;
+  /// Whether the way between two chunks is much thinner than both, and there is no wider one around.
+  [[nodiscard]] bool is_neck(std::uint32_t a, std::uint32_t b) const;
+  /// Whether two chunks hang together here by no more than a neck.
+  [[nodiscard]] bool are_apart(std::uint32_t a, std::uint32_t b) const;
+  /// The chunks around a place between two, by the chunk to which the way is wider: of vessels side by side.
+  using Sides = std::array<std::vector<std::uint32_t>, 2>;
+  /// @return Empty unless the parts on both sides go on in two directions.
+  [[nodiscard]] std::optional<Sides> passing_sides(std::uint32_t a, std::uint32_t b, const Vec3& place) const;
+
+  [[nodiscard]] const Index3& size() const { return size_; }
+  [[nodiscard]] std::size_t voxel_count() const { return chunk_of_.size(); }
+  [[nodiscard]] std::uint32_t chunk_of(std::size_t voxel) const { return chunk_of_[voxel]; }
+  [[nodiscard]] Index3 place_of(std::size_t voxel) const {  ///< In the box.
+    const auto x = static_cast<std::size_t>(size_.x()), y = static_cast<std::size_t>(size_.y());
+    return {static_cast<int>(voxel % x), static_cast<int>(voxel / x % y), static_cast<int>(voxel / (x * y))};
+  }
+  [[nodiscard]] std::size_t offset(const Index3& place) const {
+    return static_cast<std::size_t>(place.x()) +
+           static_cast<std::size_t>(size_.x()) *
+               (static_cast<std::size_t>(place.y()) +
+                static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(place.z()));
+  }
+  [[nodiscard]] bool contains(const Index3& place) const {
+    return (place.array() >= 0).all() && (place.array() < size_.array()).all();
+  }
+  [[nodiscard]] const Index3& low() const { return low_; }  ///< Of the box in the image.
+
+ private:
+  void find_distances(const LabelImage& image);
+  void choose_seeds();
+  void flood();
+  [[nodiscard]] bool is_in_line(std::uint32_t chunk) const;
+  void absorb_bumps();
+  void find_faces();
+  void find_borders(const Index3& image_size);
+  void part();
+  /// @return Whether there is any: then its chunks are new, and all is to be parted anew.
+  bool continue_interrupted_vessels();
+  [[nodiscard]] float widest_way_around(std::uint32_t a, std::uint32_t b) const;
+  [[nodiscard]] bool goes_on(const std::vector<std::uint32_t>& side, const Vec3& place) const;
+
+  Index3 low_ = Index3::Zero(), size_ = Index3::Zero();
+  std::vector<float> distance_;  ///< In smallest voxel edges; 0 in the background.
+  std::vector<std::uint32_t> chunk_of_;
+  Vec3 edges_ = Vec3::Ones();  ///< Of a voxel, in the smallest one.
+  std::vector<Chunk> chunks_;
+  std::vector<ChunkFace> faces_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, float> saddles_;
+};
+
+}  // namespace lumesh::image

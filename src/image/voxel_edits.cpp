@@ -1,0 +1,233 @@
+#include "voxel_edits.hpp"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+namespace lumesh {
+
+namespace {
+
+/// Calls use(place) for the voxels around one that are in the image: the 26 next ones, or more.
+template <class Use>
+void for_each_beside(const ImageFrame& frame, const Index3& place, const Use& use, int reach = 1) {
+  for (int k = -reach; k <= reach; ++k)
+    for (int j = -reach; j <= reach; ++j)
+      for (int i = -reach; i <= reach; ++i) {
+        const Index3 beside = place + Index3(i, j, k);
+        if ((i != 0 || j != 0 || k != 0) && frame.contains(beside)) use(beside);
+      }
+}
+
+/// Voxels of a box of which each piece is looked for once.
+class BoxSearch {
+ public:
+  BoxSearch(const LabelImage& image, const VoxelBox& box)
+      : image_(image),
+        low_(box.low),
+        size_(box.high - box.low),
+        seen_(static_cast<std::size_t>(size_.cast<double>().prod()), 0) {}
+
+  [[nodiscard]] bool contains(const Index3& voxel) const {
+    const Index3 v = voxel - low_;
+    return (v.array() >= 0).all() && (v.array() < size_.array()).all();
+  }
+  [[nodiscard]] bool is_at_border(const Index3& voxel) const {
+    const Index3 v = voxel - low_;
+    return (v.array() == 0).any() || (v.array() + 1 == size_.array()).any();
+  }
+  /// Background that is joined to a voxel through corners and was not seen before.
+  std::vector<Index3> take_background(const Index3& start) {
+    std::vector<Index3> found;
+    if (!take(start)) return found;
+    found.push_back(start);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const Index3 place = found[i];
+      for_each_beside(image_.frame(), place, [&](const Index3& beside) {
+        if (contains(beside) && take(beside)) found.push_back(beside);
+      });
+    }
+    return found;
+  }
+  template <class Use>
+  void for_each_voxel(const Use& use) const {
+    for (int k = 0; k < size_.z(); ++k)
+      for (int j = 0; j < size_.y(); ++j)
+        for (int i = 0; i < size_.x(); ++i) use(Index3(low_ + Index3(i, j, k)));
+  }
+
+ private:
+  bool take(const Index3& voxel) {
+    if (image_.at(voxel) != 0) return false;
+    const Index3 v = voxel - low_;
+    char& seen = seen_[static_cast<std::size_t>(v.x()) +
+                       static_cast<std::size_t>(size_.x()) *
+                           (static_cast<std::size_t>(v.y()) +
+                            static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(v.z()))];
+    if (seen != 0) return false;
+    seen = 1;
+    return true;
+  }
+
+  const LabelImage& image_;
+  Index3 low_, size_;
+  std::vector<char> seen_;
+};
+
+std::vector<std::vector<Index3>> enclosed_pieces(const LabelImage& image) {
+  const LabelTopology all = union_topology(image);
+  std::vector<std::vector<Index3>> pieces;
+  if (all.voxel_count == 0) return pieces;
+  VoxelBox box = all.box;
+  box.low = (box.low - Index3::Ones()).cwiseMax(Index3::Zero());
+  box.high = (box.high + Index3::Ones()).cwiseMin(image.frame().size);
+  BoxSearch search(image, box);
+  search.for_each_voxel([&](const Index3& voxel) {
+    if (search.is_at_border(voxel)) static_cast<void>(search.take_background(voxel));
+  });
+  search.for_each_voxel([&](const Index3& voxel) {
+    std::vector<Index3> piece = search.take_background(voxel);
+    if (!piece.empty()) pieces.push_back(std::move(piece));
+  });
+  return pieces;
+}
+
+/// Faces of each label to every other one, but for those in the image's border.
+using FacesBetween = std::map<std::pair<LabelImage::Index, LabelImage::Index>, std::size_t>;
+
+template <class Use>
+void for_each_label_face(const LabelImage& image, const Use& use) {
+  const ImageFrame& frame = image.frame();
+  for (int k = 0; k < frame.size.z(); ++k)
+    for (int j = 0; j < frame.size.y(); ++j)
+      for (int i = 0; i < frame.size.x(); ++i) {
+        const Index3 voxel(i, j, k);
+        for (int axis = 0; axis < 3; ++axis) {
+          const Index3 next = voxel + Index3::Unit(axis);
+          if (!frame.contains(next) || image.at(voxel) == image.at(next)) continue;
+          use(voxel, next);
+          use(next, voxel);
+        }
+      }
+}
+
+}  // namespace
+
+LabelImage::Index image::label_around(const LabelImage& image, const std::vector<LabelImage::Index>& voxels,
+                                      const Index3& place) {
+  std::map<LabelImage::Index, int> counts;
+  for_each_beside(
+      image.frame(), place,
+      [&](const Index3& beside) {
+        const LabelImage::Index label = voxels[image.frame().offset(beside)];
+        if (label != 0) ++counts[label];
+      },
+      2);
+  LabelImage::Index best = 0;
+  for (const auto& [label, count] : counts)
+    if (best == 0 || count > counts[best]) best = label;
+  return best;
+}
+
+void image::note_change(const LabelImage& image, const Index3& place, VoxelsChanged& changed) {
+  if (changed.voxels++ == 0 || image.frame().offset(place) < image.frame().offset(changed.first))
+    changed.first = place;
+  changed.volume_mm3 = static_cast<double>(changed.voxels) * image.frame().voxel_volume_mm3();
+}
+
+std::vector<Cavity> find_cavities(const LabelImage& image) {
+  std::vector<Cavity> cavities;
+  for (const std::vector<Index3>& piece : enclosed_pieces(image))
+    cavities.push_back({piece.size(), piece.front()});
+  return cavities;
+}
+
+VoxelsChanged fill_cavities(LabelImage& image) {
+  VoxelsChanged changed;
+  for (const std::vector<Index3>& piece : enclosed_pieces(image)) {
+    std::map<LabelImage::Index, std::size_t> counts;
+    for (const Index3& voxel : piece)
+      for_each_beside(image.frame(), voxel, [&](const Index3& beside) {
+        if (image.at(beside) != 0) ++counts[image.at(beside)];
+      });
+    const auto most = std::max_element(counts.begin(), counts.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    const LabelImage::Index label = most->first;
+    ++changed.places;
+    for (const Index3& voxel : piece) {
+      image.at(voxel) = label;
+      image::note_change(image, voxel, changed);
+    }
+  }
+  return changed;
+}
+
+void image::drop_component(const Index3& first, LabelImage& image, VoxelsChanged& changed) {
+  std::vector<Index3> piece = {first};
+  image.at(first) = 0;
+  for (std::size_t i = 0; i < piece.size(); ++i) {
+    note_change(image, piece[i], changed);
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int way : {-1, 1}) {
+        const Index3 beside = piece[i] + way * Index3::Unit(axis);
+        if (!image.frame().contains(beside) || image.at(beside) == 0) continue;
+        image.at(beside) = 0;
+        piece.push_back(beside);
+      }
+  }
+}
+
+VoxelsChanged drop_small_components(LabelImage& image, std::size_t below) {
+  VoxelsChanged changed;
+  for (const VoxelComponent& small : small_components(image, below, ComponentScope::kUnion)) {
+    ++changed.places;
+    image::drop_component(small.first, image, changed);
+  }
+  return changed;
+}
+
+std::vector<WallHole> find_wall_holes(const LabelImage& image) {
+  constexpr double kEnclosedShare = 0.9;
+  FacesBetween faces;
+  for_each_label_face(image, [&](const Index3& voxel, const Index3& beside) {
+    if (image.at(voxel) != 0) ++faces[{image.at(voxel), image.at(beside)}];
+  });
+  std::vector<WallHole> holes;
+  for (const auto& [pair, count] : faces) {
+    const auto [inside, wall] = pair;
+    std::size_t all = 0;
+    for (const auto& [other, n] : faces) all += other.first == inside ? n : 0;
+    if (wall == 0 || !faces.contains({inside, 0}) ||
+        static_cast<double>(count) < kEnclosedShare * static_cast<double>(all))
+      continue;
+    std::map<std::size_t, std::pair<Index3, std::size_t>>
+        bare;  // Voxels of the inside beside the background.
+    for_each_label_face(image, [&, in = inside](const Index3& voxel, const Index3& beside) {
+      if (image.at(voxel) == in && image.at(beside) == 0)
+        ++bare.emplace(image.frame().offset(voxel), std::pair(voxel, std::size_t{0})).first->second.second;
+    });
+    while (!bare.empty()) {
+      WallHole hole{image.values()[inside], image.values()[wall], 0, bare.begin()->second.first};
+      std::vector<Index3> next = {hole.voxel};
+      hole.faces += bare.begin()->second.second;
+      bare.erase(bare.begin());
+      while (!next.empty()) {
+        const Index3 place = next.back();
+        next.pop_back();
+        for_each_beside(image.frame(), place, [&](const Index3& beside) {
+          const auto found = bare.find(image.frame().offset(beside));
+          if (found == bare.end()) return;
+          hole.faces += found->second.second;
+          next.push_back(beside);
+          bare.erase(found);
+        });
+      }
+      holes.push_back(hole);
+    }
+  }
+  std::stable_sort(holes.begin(), holes.end(),
+                   [](const WallHole& a, const WallHole& b) { return a.faces > b.faces; });
+  return holes;
+}
+
+}  // namespace lumesh
