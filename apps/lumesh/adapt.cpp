@@ -95,11 +95,10 @@ std::shared_ptr<const ImageDomain> image_of(const AdaptCommand& command, Context
 void check_options(const AdaptCommand& command) {
   command.request.validate();
   check_volume_output(command.output_path);
-  if (command.image_path.empty() && !command.selection.takes_all())
-    throw Error(
-        ErrorKind::kUsage,
-        "--labels, --threshold, --below, --probabilities and --largest-component say what of --image to "
-        "take; give it");
+  if (const std::vector<std::string> given = command.selection.given();
+      command.image_path.empty() && !given.empty())
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{} says what of --image to take; give it", option_name(given.front())));
   if (!command.metric_output_path.empty() && !is_metric_file(command.metric_output_path))
     throw Error(ErrorKind::kUsage, "--metric-output " + command.metric_output_path + ": must be " +
                                        formats_for(MeshUse::kMetricAlone, " or "));
@@ -163,9 +162,8 @@ void run(AdaptCommand command) {
   LongRun long_run(context, command.run, command.time_limit_s);
   check_options(command);
   check_output_folders({command.output_path, command.metric_output_path, command.json_path});
-  check_inputs_stay(
-      {command.metric_output_path, command.json_path},
-      {command.mesh_path, command.tensors.file, command.image_path, command.selection.probabilities});
+  check_inputs_stay({command.metric_output_path, command.json_path},
+                    {command.mesh_path, command.tensors.file, command.image_path});
   MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   if (command.analytic.is_wanted()) input.metric.clear();
   if (!command.keep.empty() && command.tensors.is_wanted())

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "frames.hpp"
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
@@ -44,6 +45,7 @@ void check(CenterlineCommand& command) {
   command.options.validate();
   check_output_folders({command.output_path});
   check_inputs_stay({command.output_path}, {command.input_path});
+  check_inputs_stay({command.output_path}, command.selection.other_files());
 }
 
 Polylines lines_of_image(const CenterlineCommand& command, Context& context) {
@@ -53,7 +55,8 @@ Polylines lines_of_image(const CenterlineCommand& command, Context& context) {
 }
 
 Polylines lines_of_mesh(CenterlineCommand& command, MeshInfo& info, Context& context) {
-  MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.input_path); });
+  MixedMesh mesh =
+      context.phase("read", [&] { return read_mesh_in(command.input_path, command.selection.unit); });
   bring_to_lps_mm(mesh);
   if (mesh.view().cell_count() == 0)
     command.closed = context.phase("close", [&] { return close_open_ends(mesh, command.surface, context); });
@@ -105,10 +108,20 @@ void add_centerline_command(CLI::App& program) {
   add_options_of(*sub, command->options);
   add_options(*sub, options_of(command->selection), "", {"probabilities"});
   add_options(*sub, options_of(command->surface), "", {"feature_angle", "patch_array"});
+  OptionList unit;
+  describe_unit(unit, command->selection.unit);
+  add_options(*sub, unit);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh centerline case1.nrrd -o case1_lines.vtp");
-  sub->callback([command] { run(*command); });
+  sub->callback([command] {
+    run_frames(
+        *command, command->input_path,
+        [](CenterlineCommand& c) {
+          return FrameParts{&c.selection, {&c.output_path}};
+        },
+        run);
+  });
 }
 
 }  // namespace lumesh::cli

@@ -7,8 +7,10 @@
 #include "common.hpp"
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/stages/check_stage.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -17,7 +19,9 @@ namespace {
 using json = nlohmann::ordered_json;
 
 struct CheckCommand {
+  const CLI::App* self = nullptr;
   std::string path;
+  ImageSelection selection;
   std::size_t as_json = 0;
   RunOptions run;
 };
@@ -35,12 +39,15 @@ json to_json(const CheckCommand& command, const CheckReport& report) {
   for (const Finding& finding : report.findings) {
     json places = json::array();
     for (const Vec3& p : finding.places_mm) places.push_back({p.x(), p.y(), p.z()});
+    json voxels = json::array();
+    for (const Index3& v : finding.voxels) voxels.push_back({v.x(), v.y(), v.z()});
     all["findings"].push_back({{"kind", finding.kind},
                                {"severity", word_for(finding.severity)},
                                {"count", finding.count},
                                {"text", finding.text},
-                               {"remedy", finding.remedy},
+                               {"remedy", with_flags(finding.remedy, *command.self)},
                                {"places_mm", std::move(places)}});
+    if (!voxels.empty()) all["findings"].back()["voxels"] = std::move(voxels);
   }
   return all;
 }
@@ -53,7 +60,11 @@ void print_text(const CheckCommand& command, const CheckReport& report) {
     for (const Vec3& p : finding.places_mm)
       places += fmt::format(" ({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z());
     if (!places.empty()) print_out("{:18}at{} mm\n", "", places);
-    if (!finding.remedy.empty()) print_out("{:18}remedy: {}\n", "", finding.remedy);
+    std::string voxels;
+    for (const Index3& v : finding.voxels) voxels += fmt::format(" ({}, {}, {})", v.x(), v.y(), v.z());
+    if (!voxels.empty()) print_out("{:18}voxels{}\n", "", voxels);
+    if (!finding.remedy.empty())
+      print_out("{:18}remedy: {}\n", "", with_flags(finding.remedy, *command.self));
   }
   if (report.findings.empty()) print_out("nothing found\n");
 }
@@ -62,7 +73,12 @@ void run(const CheckCommand& command) {
   const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
-  const CheckReport report = check_file(command.path, context);
+  if (is_mesh_file(command.path)) {
+    ImageSelection of_images = command.selection;
+    require_not_given(*command.self, options_of(of_images),
+                      fmt::format("is for images, and {} is none", command.path));
+  }
+  const CheckReport report = check_file(command.path, command.selection, context);
   if (command.as_json > 0) {
     print_out("{}\n", to_json(command, report).dump(2));
   } else if (command.run.quiet == 0) {
@@ -77,9 +93,14 @@ void run(const CheckCommand& command) {
 
 void add_check_command(CLI::App& program) {
   const auto command = std::make_shared<CheckCommand>();
-  CLI::App* sub =
-      program.add_subcommand("check", "Find faults of a surface or a mesh, with places and remedies");
-  sub->add_option("file", command->path, "Surface or mesh to look at")->required();
+  CLI::App* sub = program.add_subcommand(
+      "check", "Find faults and thin places of a surface, a mesh or an image, with places and remedies");
+  command->self = sub;
+  sub->add_option("file", command->path, std::string("Surface, mesh or label image ") + kImageFormats)
+      ->required();
+  OptionList selection = options_of(command->selection);
+  describe_unit(selection, command->selection.unit);
+  add_options(*sub, selection, "", {"probabilities"});
   sub->add_flag("--json", command->as_json, "Print JSON");
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);

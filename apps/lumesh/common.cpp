@@ -144,8 +144,7 @@ void check_surface_output(const std::string& path) {
               path + ": unknown surface format; use " + formats_for(MeshUse::kWriteSurface, " or "));
 }
 
-void check_inputs_stay(std::initializer_list<std::string> outputs,
-                       std::initializer_list<std::string> inputs) {
+void check_inputs_stay(std::initializer_list<std::string> outputs, const std::vector<std::string>& inputs) {
   std::error_code ignored;  // Of files that do not exist, which is told when they are read.
   // All files of a folder are read, as of a DICOM series.
   const auto is_read = [&](const std::filesystem::path& output, const std::string& input) {

@@ -85,7 +85,7 @@ void check_surface_output(const std::string& path);
 void check_output_folders(std::initializer_list<std::string> paths);
 
 /// @throws Error{kUsage} if an output would replace an input; empty names are not wanted ones.
-void check_inputs_stay(std::initializer_list<std::string> outputs, std::initializer_list<std::string> inputs);
+void check_inputs_stay(std::initializer_list<std::string> outputs, const std::vector<std::string>& inputs);
 
 /// What a mesh says of its making: program, command, the options given that change the mesh, input and its
 /// hash.

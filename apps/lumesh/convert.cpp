@@ -7,14 +7,17 @@
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/mesh/parts.hpp"
+#include "lumesh/stages/input.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
 namespace {
 
 struct ConvertCommand {
-  std::string from, to, surface, compat, msh_version = "4.1";
+  std::string from, to, surface, compat, msh_version = "4.1", unit, out_unit;
   std::vector<std::string> only_labels;
   RunOptions run;
 };
@@ -37,7 +40,7 @@ void run(const ConvertCommand& command) {
   check_output_folders({command.to, command.surface});
   check_inputs_stay({command.surface}, {command.from});
   Context context = make_context(command.run);
-  MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.from); });
+  MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(command.from, command.unit); });
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
   if (!command.only_labels.empty()) {
     check_inputs_stay({command.to}, {command.from});
@@ -48,8 +51,9 @@ void run(const ConvertCommand& command) {
   }
   const MeshWriteOptions options = write_options(command);
   context.phase("write", [&] {
-    write_mesh(command.to, mesh.view(), options);
-    if (!command.surface.empty()) write_surface(command.surface, mesh.view(), options);
+    const MeshInUnit written(mesh.view(), command.out_unit.empty() ? mesh.info.unit : command.out_unit);
+    write_mesh(command.to, written.view(), options);
+    if (!command.surface.empty()) write_surface(command.surface, written.view(), options);
   });
   if (mesh.view().cell_count() > 0) warn_of_faults(command.from, mesh.view());
   say(command.run, "{}: {} cells, {} points, {} boundary faces, {} patches\n", command.to,
@@ -78,6 +82,11 @@ void add_convert_command(CLI::App& program) {
       ->capture_default_str();
   sub->add_option("--compat", command->compat, "Also name the label array as this program does")
       ->check(CLI::IsMember({"gmsh", "medit", "simvascular"}));
+  OptionList unit;
+  describe_unit(unit, command->unit);
+  add_options(*sub, unit);
+  sub->add_option("--out-unit", command->out_unit, "Unit of lengths in what is written; default: as they are")
+      ->check(CLI::IsMember({"mm", "cm", "m", "um"}));
   add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh convert case1.vtu case1.msh --msh-version 2.2");
   sub->callback([command] { run(*command); });

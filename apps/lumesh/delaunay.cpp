@@ -9,11 +9,13 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "domain_input.hpp"
+#include "frames.hpp"
 #include "kernel_options.hpp"
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/summary.hpp"
 #include "lumesh/stages/delaunay_stage.hpp"
@@ -25,7 +27,7 @@ namespace {
 
 struct DelaunayCommand {
   const CLI::App* self = nullptr;
-  std::string mesh_path, surface_path, json_path;
+  std::string mesh_path, surface_path, json_path, out_unit = "mm";
   DomainInput input;
   OpeningOptions openings;
   DelaunayRequest request;
@@ -77,8 +79,9 @@ void check_options(DelaunayCommand& command) {
   const SizeRequest& sizes = command.request.sizes;
   check_output_folders({command.mesh_path, command.surface_path, command.json_path});
   check_inputs_stay({command.mesh_path, command.surface_path, command.json_path},
-                    {command.input.path, command.input.selection.probabilities, sizes.points, sizes.image,
-                     sizes.mesh, sizes.plugin_path()});
+                    {command.input.path, sizes.points, sizes.image, sizes.mesh, sizes.plugin_path()});
+  check_inputs_stay({command.mesh_path, command.surface_path, command.json_path},
+                    command.input.selection.other_files());
 }
 
 void print_summary(const DelaunayCommand& command, const DomainRead& given, const DelaunayMesh& made,
@@ -135,8 +138,9 @@ void run(DelaunayCommand command) {
   context.phase("write", [&] {
     MeshView view = mesh.view(faces);
     view.metric = {};  // What improvement works with says nothing.
-    write_mesh(command.mesh_path, view);
-    if (!command.surface_path.empty()) write_surface(command.surface_path, view);
+    const MeshInUnit written(view, command.out_unit);
+    write_mesh(command.mesh_path, written.view());
+    if (!command.surface_path.empty()) write_surface(command.surface_path, written.view());
   });
   for (const std::string& note : made.report.notes) context.warn(note);
   if (!given.closed_vessels.empty()) context.warn(given.closed_vessels);
@@ -177,12 +181,22 @@ void add_delaunay_command(CLI::App& program) {
                   "Also write the boundary (" + formats_for(MeshUse::kWriteSurface) + ")");
   sub->add_option("--json", command->json_path, "Write times, rounds and angles as JSON");
   add_domain_options(*sub, command->input);
+  OptionList unit;
+  describe_out_unit(unit, command->out_unit);
+  add_options(*sub, unit);
   add_opening_options(*sub, command->openings);
   add_time_limit_option(*sub, command->time_limit_s);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh delaunay case1.nrrd -o case1.vtu --edge-length 1.5");
-  sub->callback([command] { run(*command); });
+  sub->callback([command] {
+    run_frames(
+        *command, command->input.path,
+        [](DelaunayCommand& c) {
+          return FrameParts{&c.input.selection, {&c.mesh_path, &c.surface_path, &c.json_path}};
+        },
+        run);
+  });
 }
 
 }  // namespace lumesh::cli

@@ -18,6 +18,9 @@ void add_domain_options(CLI::App& command, DomainInput& input) {
           std::string("Label image ") + kImageFormats + ", or surface (" + formats_for(MeshUse::kRead) + ")")
       ->required();
   add_options_of(command, input.selection);
+  OptionList unit;
+  describe_unit(unit, input.selection.unit);
+  add_options(command, unit);
   add_options_of(command, input.cuts);
   add_options_of(command, input.image.field);
   add_options_of(command, input.surface);
@@ -79,15 +82,15 @@ std::string opening_text(const OpeningsCompared& openings, const std::string& pa
 
 DomainRead read_domain(const DomainInput& input, Context& context) {
   if (is_mesh_file(input.path)) {
-    SurfaceInput given =
-        context.phase("read", [&] { return read_surface(input.path, input.surface, context); });
+    SurfaceInput given = context.phase(
+        "read", [&] { return read_surface(input.path, input.selection.unit, input.surface, context); });
     const MixedMesh& surface = given.mesh;
-    warn_of_unit(surface, input.path, context);
     return naming(input.path, [&] {
       std::unique_ptr<Domain> domain =
           context.phase("domain", [&] { return domain_of(surface, input.surface.domain); });
       DomainRead read{std::move(domain)};
       read.openings = find_openings(*read.domain);
+      warn_of_unit(surface, read.openings, input.selection.unit, input.path, context);
       read.closed_vessels = closed_surface_warning(*read.domain);
       read.closed = std::move(given.closed);
       name_closed(read.closed, read.domain->flat_ends());

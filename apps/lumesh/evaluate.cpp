@@ -99,8 +99,9 @@ void run(const EvaluateCommand& command) {
   const parallel::ThreadLimit limit(command.run.threads);
   check_output_folders({command.json_path, command.report_path, command.picture_path});
   check_inputs_stay({command.json_path, command.report_path, command.picture_path},
-                    {command.mesh_path, command.image_path, command.selection.probabilities,
-                     command.centerline_path, command.reference_path});
+                    {command.mesh_path, command.image_path, command.centerline_path, command.reference_path});
+  check_inputs_stay({command.json_path, command.report_path, command.picture_path},
+                    command.selection.other_files());
   if (!command.centerline_path.empty() && command.image_path.empty())
     throw Error(ErrorKind::kUsage, "--centerline is for the comparison with an image; give --image, too");
   if (!command.reference_path.empty() && !command.cuts.places_mm.empty())
@@ -154,6 +155,10 @@ void add_evaluate_command(CLI::App& program) {
   sub->add_option("mesh", command->mesh_path, "Mesh (" + formats_for(MeshUse::kReadVolume) + ")")->required();
   sub->add_option("--image", command->image_path, "Label image the mesh was made from");
   add_options_of(*sub, command->selection);
+  OptionList unit;
+  describe_unit(unit, command->selection.unit);
+  add_options(*sub, unit);
+  sub->get_option("--unit")->needs("--image");
   add_options_of(*sub, command->cuts);
   sub->get_option("--cut-at")->needs("--image");
   sub->add_option("--centerline", command->centerline_path,

@@ -168,18 +168,20 @@ json describe_mesh(MixedMesh mesh) {
 }
 
 /// Of the flat ends of a closed surface; not of a very large one: that is not worth the time.
-void add_openings_of_surface(const std::string& path, json& all, Context& context) {
+void add_openings_of_surface(const std::string& path, const std::string& unit, json& all, Context& context) {
   constexpr std::size_t kMostTriangles = 1'000'000;
   const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };
   try {
-    SurfaceInput given = read_surface(path, {}, context);
+    SurfaceInput given = read_surface(path, unit, {}, context);
     const MixedMesh& surface = given.mesh;
     if (surface.triangles.size() > kMostTriangles)
       return leave_out(fmt::format("more than {} triangles", kMostTriangles));
     const std::unique_ptr<SurfaceDomain> domain = domain_of(surface, {});
     name_closed(given.closed, domain->flat_ends());
     if (!given.closed.empty()) all["would_close"] = closed_json(given.closed);
-    all["openings"] = describe_openings(find_openings(*domain));
+    const std::vector<Opening> openings = find_openings(*domain);
+    all["openings"] = describe_openings(openings);
+    warn_of_unit(surface, openings, unit, path, context);
     const std::string warning = closed_surface_warning(*domain);
     if (!warning.empty()) context.warn(warning);
   } catch (const Error& error) {
@@ -189,10 +191,12 @@ void add_openings_of_surface(const std::string& path, json& all, Context& contex
 }
 
 json describe_mesh_file(const InfoCommand& command, Context& context) {
-  const MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.path); });
+  const MixedMesh mesh =
+      context.phase("read", [&] { return read_mesh_in(command.path, command.selection.unit); });
   json all = describe_mesh(mesh);
   if (mesh.view().cell_count() == 0 && mesh.triangles.size() + mesh.quadrilaterals.size() > 0)
-    context.phase("openings", [&] { add_openings_of_surface(command.path, all, context); });
+    context.phase("openings",
+                  [&] { add_openings_of_surface(command.path, command.selection.unit, all, context); });
   return all;
 }
 
@@ -243,7 +247,7 @@ json describe_image_file(const InfoCommand& command, Context& context) {
     return all;
   } catch (const NotLabels& grey) {
     context.warn(grey.what());
-    return describe_grey_values(read_number_image(command.path, context));
+    return describe_grey_values(read_number_image(command.path, context, command.selection.one_frame()));
   }
 }
 
@@ -268,6 +272,9 @@ void add_info_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("info", "Say what an image or a mesh holds");
   sub->add_option("file", command->path, std::string("Image ") + kImageFormats + " or mesh")->required();
   add_options_of(*sub, command->selection);
+  OptionList unit;
+  describe_unit(unit, command->selection.unit);
+  add_options(*sub, unit);
   add_options_of(*sub, command->cuts);
   sub->add_flag("--json", command->as_json, "Print JSON");
   add_threads_option(*sub, command->run);

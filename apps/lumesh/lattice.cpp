@@ -9,9 +9,11 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "domain_input.hpp"
+#include "frames.hpp"
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/size_request.hpp"
@@ -27,6 +29,7 @@ struct LatticeCommand {
   std::string image_path;
   std::string mesh_path;
   std::string surface_path;
+  std::string out_unit = "mm";
   ImageSelection selection;
   ImageCuts cuts;
   double cells_per_diameter = 0;
@@ -81,8 +84,8 @@ void run(const LatticeCommand& command) {
   Context context = make_context(command.run);
   check_surface_output(command.surface_path);
   check_output_folders({command.mesh_path, command.surface_path});
-  check_inputs_stay({command.mesh_path, command.surface_path},
-                    {command.image_path, command.selection.probabilities});
+  check_inputs_stay({command.mesh_path, command.surface_path}, {command.image_path});
+  check_inputs_stay({command.mesh_path, command.surface_path}, command.selection.other_files());
   ImageDomainOptions domain_options = command.domain;
   const LabelImage image =
       read_cut_image(command.image_path, command.selection, command.cuts, domain_options.cut_planes, context);
@@ -102,8 +105,9 @@ void run(const LatticeCommand& command) {
   const std::vector<std::string> without_name = rename_found(result.mesh.info, renamings);
   result.mesh.info.provenance = provenance_of(*command.self, command.image_path);
   context.phase("write", [&] {
-    write_mesh(command.mesh_path, result.mesh.view());
-    if (!command.surface_path.empty()) write_surface(command.surface_path, result.mesh.view());
+    const MeshInUnit written(result.mesh.view(), command.out_unit);
+    write_mesh(command.mesh_path, written.view());
+    if (!command.surface_path.empty()) write_surface(command.surface_path, written.view());
   });
   for (const std::string& note : result.report.notes) context.warn(note);
   if (!closed.empty()) context.warn(closed);
@@ -132,13 +136,24 @@ void add_lattice_command(CLI::App& program) {
   add_options(*sub, cells);
   sub->get_option("--cells-per-diameter")->excludes("--fidelity");
   add_options_of(*sub, command->selection);
+  OptionList units;
+  describe_unit(units, command->selection.unit);
+  describe_out_unit(units, command->out_unit);
+  add_options(*sub, units);
   add_options_of(*sub, command->cuts);
   add_options_of(*sub, command->domain.field);
   add_opening_options(*sub, command->openings);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh lattice case1.nrrd -o case1.vtu --spacing 1.2 --cut-plane 0 0 10 0 0 -1");
-  sub->callback([command] { run(*command); });
+  sub->callback([command] {
+    run_frames(
+        *command, command->image_path,
+        [](LatticeCommand& c) {
+          return FrameParts{&c.selection, {&c.mesh_path, &c.surface_path}};
+        },
+        run);
+  });
 }
 
 }  // namespace lumesh::cli

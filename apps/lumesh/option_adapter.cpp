@@ -17,6 +17,7 @@ bool is_list(const OptionTarget& target) {
   return std::holds_alternative<std::vector<int>*>(target) ||
          std::holds_alternative<std::vector<std::string>*>(target) ||
          std::holds_alternative<std::map<int, double>*>(target) ||
+         std::holds_alternative<OptionLabelledFiles>(target) ||
          (std::holds_alternative<OptionRows>(target) && !std::get<OptionRows>(target).is_single);
 }
 
@@ -51,7 +52,7 @@ Number number_in_range(const Option& option, const std::string& text, bool is_gi
 }
 
 /// The numbers of "X,Y,Z".
-std::vector<double> row_from(const Option& option, const std::string& text, std::size_t width) {
+std::vector<double> row_from(const Option& option, const std::string& text, const OptionRows& rows) {
   std::vector<double> row;
   std::size_t begin = 0;
   while (begin <= text.size()) {
@@ -61,9 +62,9 @@ std::vector<double> row_from(const Option& option, const std::string& text, std:
     row.push_back(*number);
     begin = end + 1;
   }
-  if (row.size() != width || begin <= text.size())
-    refuse(option, fmt::format("\"{}\" is not {} numbers with commas between them, such as {}", text, width,
-                               std::get<OptionRows>(option.target).example));
+  if (!rows.takes(row.size()) || begin <= text.size())
+    refuse(option, fmt::format("\"{}\" is not {} with commas between them, such as {}", text,
+                               rows.width_text(), rows.example));
   return row;
 }
 
@@ -118,6 +119,14 @@ class Adder {
           if (!complaint.empty()) refuse(o, complaint);
         },
         "LABEL=NUMBER");
+  }
+  CLI::Option* operator()(const OptionLabelledFiles& labelled) const {
+    return list(
+        [files = labelled.files](const Option& o, const std::string& value) {
+          const std::string complaint = add_labelled_file(value, *files);
+          if (!complaint.empty()) refuse(o, complaint);
+        },
+        "FILE=LABEL");
   }
   CLI::Option* operator()(const OptionRows& rows) const {
     constexpr std::size_t kMaxInOneWord = 3;
@@ -181,13 +190,12 @@ class Adder {
             flags_of(option_),
             [self = *this, rows](const std::vector<std::string>& values) {
               std::vector<std::vector<double>> numbers;
-              for (const std::string& value : values)
-                numbers.push_back(row_from(self.option_, value, rows.width));
+              for (const std::string& value : values) numbers.push_back(row_from(self.option_, value, rows));
               self.set_rows(rows, numbers);
             },
             help_of(option_))
         ->allow_extra_args(false)
-        ->type_name("X,Y,Z");
+        ->type_name(rows.placeholder);
   }
 
   CLI::App& command_;

@@ -61,8 +61,7 @@ void require_good(const CaseResult& result, const std::string& besides) {
                 fmt::format("{}{}: {}", besides, result.folder, result.without_name.front()));
 }
 
-void run(const RunCommand& command) {
-  const Case c = case_of(command);
+void run(const RunCommand& command, const Case& c) {
   const parallel::ThreadLimit limit(c.run.threads);
   Context context = make_context(command.run);
   context.report_info_to([&](std::string_view line) {
@@ -78,6 +77,21 @@ void run(const RunCommand& command) {
       result.report.seconds, static_cast<double>(result.report.peak_memory_bytes) / 1e9);
   require_good(result, long_run.reason(result.complete));
   long_run.check_complete(result.complete, result.folder + " holds the best mesh so far");
+}
+
+/// Each frame has a folder of its own in that of the case.
+void run_all_frames(const RunCommand& command, const Case& c) {
+  const std::size_t count = count_frames(c.input.image);
+  const std::filesystem::path folder =
+      c.output.folder.empty() ? std::filesystem::absolute(c.name) : std::filesystem::path(c.output.folder);
+  for (std::size_t frame = 0; frame < count; ++frame) {
+    Case one = c;
+    one.input.selection.all_frames = false;
+    one.input.selection.frame = static_cast<double>(frame);
+    one.output.folder = (folder / fmt::format("frame_{:03}", frame)).string();
+    if (!command.only_predicts) std::filesystem::create_directories(folder);
+    run(command, one);
+  }
 }
 
 }  // namespace
@@ -102,7 +116,13 @@ void add_run_command(CLI::App& program) {
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);
   sub->footer("Example: lumesh run examples/case1_carotid.toml -o case1");
-  sub->callback([command] { run(*command); });
+  sub->callback([command] {
+    const Case c = case_of(*command);
+    if (c.input.selection.all_frames)
+      run_all_frames(*command, c);
+    else
+      run(*command, c);
+  });
 }
 
 }  // namespace lumesh::cli

@@ -73,6 +73,11 @@ std::string OptionWord::complaint(std::string_view text) const {
          ", not \"" + std::string(text) + '"';
 }
 
+std::string OptionRows::width_text() const {
+  return (least > 0 && least < width ? std::to_string(least) + " to " : "") + std::to_string(width) +
+         " numbers";
+}
+
 bool Option::is_called(std::string_view text) const {
   return name == text || std::find(aliases.begin(), aliases.end(), text) != aliases.end();
 }
@@ -120,6 +125,10 @@ std::string Option::value_text() const {
             return joined(rows.get(),
                           [](const std::vector<double>& row) { return "[" + joined(row, text_of) + "]"; });
           },
+          [](const OptionLabelledFiles& labelled) {
+            return joined(*labelled.files,
+                          [](const auto& file) { return file.first + "=" + std::to_string(file.second); });
+          },
           [&](const auto&) { return or_none(default_text); }},
       target);
 }
@@ -132,6 +141,15 @@ std::string add_label_number(std::string_view text, const Option& option, std::m
   const std::string complaint = option.complaint(*number);
   if (!complaint.empty()) return '"' + std::string(text) + "\" " + complaint;
   if (!numbers.emplace(*label, *number).second) return "label " + std::to_string(*label) + " is given twice";
+  return "";
+}
+
+std::string add_labelled_file(std::string_view text, LabelledFiles& files) {
+  const std::size_t equals = text.rfind('=');
+  const auto label = equals == std::string_view::npos ? std::nullopt : parsed<int>(text.substr(equals + 1));
+  if (!label || equals == 0) return '"' + std::string(text) + "\" is not FILE=LABEL, such as wall.nrrd=2";
+  if (*label <= 0) return '"' + std::string(text) + "\" has a label that is not positive";
+  files.emplace_back(text.substr(0, equals), *label);
   return "";
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "file_fault.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/mesh/patch_words.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "mesh_formats.hpp"
@@ -131,10 +132,9 @@ void write_settings(CaseFiles& files) {
 
 /// How many of the mesh's units are a metre.
 double units_per_metre(const fs::path& path, const std::string& unit) {
-  if (unit == "mm") return 1000;
-  if (unit == "cm") return 100;
-  if (unit == "m") return 1;
-  fail(path, fmt::format("OpenFOAM wants metres, and the mesh is in \"{}\"; give it in mm, cm or m", unit));
+  if (const double mm = unit_in_mm(unit); mm > 0) return 1000 / mm;
+  fail(path,
+       fmt::format("OpenFOAM wants metres, and the mesh is in \"{}\"; say its unit: mm, cm, m or um", unit));
 }
 
 /// Numbers the points that cells use; OpenFOAM takes others for a fault.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 #include "file_fault.hpp"
 #include "lumesh/core/error.hpp"
@@ -23,36 +24,23 @@ void check_image(const fs::path& path) {
   if (fs::file_size(path, ignored) == 0) fail(path, "is empty; copy it again");
 }
 
-io::RawImage read_raw(const fs::path& path, Context& context) {
-  if (fs::is_directory(path)) return io::read_with_itk(path, context);
-  if (io::is_nifti(path)) return io::read_nifti(path, context);
-  if (io::is_meta_image(path)) return io::read_meta_image(path, context);
-  return io::read_with_itk(path, context);
-}
-
 void check_options(const ImageReadOptions& options) {
-  const bool has_level = options.threshold || options.below;
-  if (options.threshold && options.below)
-    throw Error(ErrorKind::kUsage, "`threshold` and `below` exclude each other: give one of them");
-  if (!options.labels.empty() && has_level)
-    throw Error(ErrorKind::kUsage, "labels and a threshold exclude each other: give one of them");
+  const bool has_range = options.threshold || options.below;
+  const auto exclude = [](bool both, const char* what) {
+    if (both) throw Error(ErrorKind::kUsage, fmt::format("{} exclude each other: give one of them", what));
+  };
+  exclude(!options.labels.empty() && has_range, "labels and a threshold");
+  exclude(options.level_set && has_range, "a threshold and a level set");
+  exclude(options.level_set && !options.labels.empty(), "labels and a level set");
+  exclude(!options.probabilities.empty() && has_range, "a threshold and probabilities");
+  exclude(!options.probabilities.empty() && options.level_set, "a level set and probabilities");
+  exclude(!options.probabilities.empty() && !options.label_images.empty(), "label images and probabilities");
   for (const std::optional<double>& level : {options.threshold, options.below})
     if (level && !std::isfinite(*level))
       throw Error(ErrorKind::kUsage, "the threshold must be a finite number");
-  if (has_level && !options.probabilities.empty())
-    throw Error(ErrorKind::kUsage, "a threshold and probabilities exclude each other: give one of them");
-}
-
-/// So that what is dark becomes bright.
-io::RawImage negative_of(const io::RawImage& raw) {
-  io::RawImage negative{raw.frame, io::VoxelType::kFloat, nullptr, {}};
-  const std::size_t count = raw.frame.voxel_count();
-  negative.voxels = std::make_unique_for_overwrite<std::byte[]>(count * sizeof(float));
-  auto* const out = reinterpret_cast<float*>(negative.voxels.get());
-  io::visit_voxels(raw, [&](auto voxels) {
-    parallel::for_each_index(count, [&](std::size_t i) { out[i] = -static_cast<float>(voxels[i]); });
-  });
-  return negative;
+  if (options.threshold && options.below && *options.threshold > *options.below)
+    throw Error(ErrorKind::kUsage, fmt::format("`threshold` must begin with the lower value, not {},{}",
+                                               *options.threshold, *options.below));
 }
 
 /// Of those that are there.
@@ -62,38 +50,94 @@ void name_labels(const std::map<Label, std::string>& names, LabelImage& image) {
       image.label_names()[label] = at->second;
 }
 
-/// The image without its file of probabilities.
+/// Which values are the object's, if the voxels are no labels.
+std::optional<ObjectValues> object_values(const io::RawImage& raw, const ImageReadOptions& options) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (options.threshold || options.below)
+    return ObjectValues(options.threshold.value_or(-kInfinity), options.below.value_or(kInfinity));
+  if (options.level_set)
+    return *options.level_set == LevelSetSide::kNegative ? ObjectValues(-kInfinity, 0) : ObjectValues(0);
+  if (options.labels.empty() && io::are_probabilities(raw)) return ObjectValues(io::kEvenProbability);
+  return std::nullopt;
+}
+
+/// Says what a level set is taken for that nobody called one.
+std::optional<LevelSetSide> guessed_level_set(const io::RawImage& raw, const fs::path& path,
+                                              const ImageReadOptions& options, const Context& context) {
+  if (options.threshold || options.below || options.level_set || !options.labels.empty()) return std::nullopt;
+  if (io::are_probabilities(raw) || !io::is_level_set(raw)) return std::nullopt;
+  const std::optional<LevelSetSide> side = io::inside_of(raw);
+  if (!side)
+    io::fail_as_grey(raw, path,
+                     "looks like a level set of which neither side is clearly the inside: say it by "
+                     "`level_set` negative or positive; if it is none");
+  const bool is_negative = *side == LevelSetSide::kNegative;
+  context.warn(fmt::format(
+      "{}: is taken for a level set, {} inside of the object, where fewer voxels are; `level_set` {} "
+      "says so, {} the opposite",
+      path.string(), is_negative ? "negative" : "positive", is_negative ? "negative" : "positive",
+      is_negative ? "positive" : "negative"));
+  return side;
+}
+
+/// The labels of the image alone.
 LabelImage read_labels(const fs::path& path, const ImageReadOptions& options, Context& context) {
-  io::RawImage raw = read_raw(path, context);
+  io::RawImage raw = io::read_raw(path, {options.frame, options.unit_mm}, context);
+  if (raw.volumes > 1) return io::label_classes(raw, path, options.labels, context);
   ImageReadOptions taken = options;
-  if (options.below) {
-    raw = negative_of(raw);
-    taken.threshold = -static_cast<double>(static_cast<float>(*options.below));
+  if (const auto side = guessed_level_set(raw, path, options, context)) taken.level_set = side;
+  const std::optional<ObjectValues> object = object_values(raw, taken);
+  io::warn_of_nan(object ? io::NanVoxels::kStay : io::NanVoxels::kBecomeZero, path, context, raw);
+  if (!object) {
+    LabelImage image = io::number_labels(raw, path, options.labels);
+    name_labels(raw.label_names, image);
+    return image;
   }
-  if (options.labels.empty() && !taken.threshold && io::are_probabilities(raw))
-    taken.threshold = io::kEvenProbability;
-  LabelImage image = io::number_labels(raw, path, taken);
-  if (!taken.threshold) name_labels(raw.label_names, image);
-  if (taken.threshold && options.probabilities.empty()) io::place_by_threshold(raw, *taken.threshold, image);
+  if (taken.level_set) io::require_both_signs(raw, path);
+  LabelImage image = io::label_values(raw, *object, path);
+  if (options.probabilities.empty())
+    io::place_by_values(raw, *object, taken.level_set ? Interpolation::kQuadratic : Interpolation::kLinear,
+                        image);
   return image;
 }
 
 }  // namespace
 
+io::RawImage io::read_raw(const fs::path& path, const FileChoice& choice, Context& context) {
+  check_image(path);
+  if (fs::is_directory(path)) return read_with_itk(path, choice, context);
+  if (is_nifti(path)) return read_nifti(path, choice, context);
+  if (is_meta_image(path)) return read_meta_image(path, choice, context);
+  return read_with_itk(path, choice, context);
+}
+
+std::size_t count_frames(const fs::path& path) {
+  check_image(path);
+  if (fs::is_directory(path)) return 1;
+  if (io::is_nifti(path)) return io::volumes_of_nifti(path);
+  if (io::is_meta_image(path)) return io::volumes_of_meta_image(path);
+  return io::volumes_by_itk(path);
+}
+
 LabelImage read_image(const fs::path& path, const ImageReadOptions& options, Context& context) {
   check_options(options);
   check_image(path);
   if (!options.probabilities.empty()) check_image(options.probabilities);
+  for (const LabelledFile& file : options.label_images) check_image(file.path);
   LabelImage image = read_labels(path, options, context);
-  if (!options.probabilities.empty())
-    io::place_by_probabilities(read_raw(options.probabilities, context), options.probabilities, context,
-                               image);
+  if (!options.label_images.empty())
+    io::add_label_images(options.label_images, options, path, context, image);
+  if (!options.probabilities.empty()) {
+    io::RawImage probabilities = io::read_raw(options.probabilities, {.unit_mm = options.unit_mm}, context);
+    io::warn_of_nan(io::NanVoxels::kStay, options.probabilities, context, probabilities);
+    io::place_by_probabilities(probabilities, options.probabilities, context, image);
+  }
   return image;
 }
 
-NumberImage read_number_image(const fs::path& path, Context& context) {
-  check_image(path);
-  const io::RawImage raw = read_raw(path, context);
+NumberImage read_number_image(const fs::path& path, Context& context, std::optional<std::size_t> frame) {
+  const io::RawImage raw = io::read_raw(path, {.frame = frame}, context);
+  if (raw.volumes > 1) fail(path, io::several_volumes_text(raw.volumes));
   NumberImage image{raw.frame, std::vector<float>(raw.frame.voxel_count())};
   io::visit_voxels(raw, [&](auto voxels) {
     parallel::for_each_index(voxels.size(),

@@ -90,19 +90,26 @@ VoxelType voxel_type(const fs::path& path, const itk::ImageIOBase& io) {
   }
 }
 
+/// Frames times values of a voxel.
+std::size_t volume_count(const fs::path& path, const itk::ImageIOBase& io) {
+  std::vector<std::int64_t> frames;
+  for (unsigned i = 3; i < io.GetNumberOfDimensions(); ++i)
+    frames.push_back(static_cast<std::int64_t>(io.GetDimensions(i)));
+  if (io.GetNumberOfComponents() > 1 && product_of_sizes(path, frames) > 1)
+    fail(path, fmt::format("has several volumes of {} values per voxel; save one of them",
+                           io.GetNumberOfComponents()));
+  frames.push_back(io.GetNumberOfComponents());
+  return product_of_sizes(path, frames);
+}
+
 ImageHeader read_header(const fs::path& path, itk::ImageIOBase& io) {
   const QuietStreams quiet;
   io.SetFileName(path.string());
   io.ReadImageInformation();
   const unsigned dimensions = io.GetNumberOfDimensions();
-  if (io.GetNumberOfComponents() != 1)
-    fail(path, fmt::format("has {} values per voxel; a label image has one", io.GetNumberOfComponents()));
   if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
-  for (unsigned i = 3; i < dimensions; ++i)
-    if (io.GetDimensions(i) != 1)
-      fail(path, fmt::format("has {} volumes ({}-D image); save one of them as a 3-D image",
-                             io.GetDimensions(i), dimensions));
   ImageHeader header;
+  header.volumes = volume_count(path, io);
   header.type = voxel_type(path, io);
   for (unsigned i = 0; i < 3; ++i) {
     header.size.at(i) = static_cast<std::int64_t>(io.GetDimensions(i));
@@ -156,28 +163,41 @@ void read_to_the_end(const fs::path& path, itk::ImageIOBase& io, std::byte* voxe
   fail(path, "is truncated: it holds fewer voxels than its header says; copy it again");
 }
 
-RawImage read_single(const fs::path& path, itk::ImageIOBase& io, Context& context) {
+RawImage read_single(const fs::path& path, itk::ImageIOBase& io, const FileChoice& choice, Context& context) {
   const bool is_nrrd = dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
   const NrrdNotes notes = is_nrrd ? nrrd_notes(path) : NrrdNotes{true, 1};  // Before ITK reads it.
   ImageHeader header = read_header(path, io);
   header.has_spacing = notes.has_spacing;
-  header.spacing_mm *= notes.unit_mm;
-  header.origin_mm *= notes.unit_mm;
+  const double unit_mm = choice.unit_mm.value_or(notes.unit_mm);
+  header.spacing_mm *= unit_mm;
+  header.origin_mm *= unit_mm;
+  header.unit_is_given = choice.unit_mm.has_value();
   RawImage image;
   image.frame = checked_frame(path, header, context);
   image.type = header.type;
   image.label_names = segment_names(io);
+  const VolumeRange volumes = chosen_volumes(path, header, choice);
+  image.volumes = header.volumes;
   // Detached data files are not looked at here.
   const std::string extension = path.extension().string();
   const bool detached = extension == ".nhdr";
-  image.voxels = allocate_voxels(path, image.frame, image.type, detached ? 0 : fs::file_size(path));
-  const std::size_t bytes = image.frame.voxel_count() * voxel_bytes(image.type);
-  if (extension == ".nrrd" && unpack_nrrd(path, voxel_bytes(image.type), {image.voxels.get(), bytes}))
+  image.voxels =
+      allocate_voxels(path, image.frame, image.type, detached ? 0 : fs::file_size(path), image.volumes);
+  const std::size_t bytes = image.value_count() * voxel_bytes(image.type);
+  const bool is_sorted = io.GetNumberOfComponents() == 1;  // Else axes may have to change places.
+  if (extension == ".nrrd" && is_sorted &&
+      unpack_nrrd(path, voxel_bytes(image.type), {image.voxels.get(), bytes})) {
+    keep_volumes(volumes, image);
     return image;
+  }
   itk::ImageIORegion region(io.GetNumberOfDimensions());
   for (unsigned i = 0; i < io.GetNumberOfDimensions(); ++i) region.SetSize(i, io.GetDimensions(i));
   io.SetIORegion(region);
   read_to_the_end(path, io, image.voxels.get(), bytes);
+  if (is_sorted)
+    keep_volumes(volumes, image);
+  else
+    sort_into_volumes(volumes, image);
   return image;
 }
 
@@ -201,7 +221,7 @@ SeriesFiles series_files(const fs::path& path) {
 }
 
 /// Voxels as float, which holds every 16-bit value with its rescale slope.
-RawImage read_dicom_series(const fs::path& path, Context& context) {
+RawImage read_dicom_series(const fs::path& path, const FileChoice& choice, Context& context) {
   using Image = itk::Image<float, 3>;
   const SeriesFiles series = series_files(path);
   const auto reader = itk::ImageSeriesReader<Image>::New();
@@ -216,11 +236,13 @@ RawImage read_dicom_series(const fs::path& path, Context& context) {
   const auto size = output->GetLargestPossibleRegion().GetSize();
   for (unsigned i = 0; i < 3; ++i) {
     header.size.at(i) = static_cast<std::int64_t>(size[i]);
-    header.spacing_mm[i] = output->GetSpacing()[i];
-    header.origin_mm[i] = output->GetOrigin()[i];
+    header.spacing_mm[i] = output->GetSpacing()[i] * choice.unit_mm.value_or(1);
+    header.origin_mm[i] = output->GetOrigin()[i] * choice.unit_mm.value_or(1);
     for (unsigned row = 0; row < 3; ++row) header.direction(row, i) = output->GetDirection()(row, i);
   }
   header.has_spacing = series.have_pixel_sizes;
+  header.unit_is_given = choice.unit_mm.has_value();
+  static_cast<void>(chosen_volumes(path, header, choice));
   if (series.have_pixel_sizes && !series.have_places)
     context.warn(path.string() + ": slices do not say where they lie; their order and distance are guesses");
   RawImage image;
@@ -236,18 +258,40 @@ RawImage read_dicom_series(const fs::path& path, Context& context) {
 
 }  // namespace
 
-RawImage read_with_itk(const fs::path& path, Context& context) {
+namespace {
+
+/// Calls use(reader), or otherwise(), with faults of ITK as ours.
+template <class Use, class Otherwise>
+auto with_reader(const fs::path& path, const Use& use, const Otherwise& otherwise) {
   itk::Object::SetGlobalWarningDisplay(false);  // ITK prints to stderr; faults reach us as exceptions anyway.
   try {
-    if (fs::is_directory(path)) return read_dicom_series(path, context);
-    if (const itk::ImageIOBase::Pointer io = make_reader(path)) return read_single(path, *io, context);
-    if (read_dicom_file(path)) return read_dicom_series(path, context);
+    if (fs::is_directory(path)) return otherwise();
+    if (const itk::ImageIOBase::Pointer io = make_reader(path)) return use(*io);
+    if (read_dicom_file(path)) return otherwise();
     fail(path,
          "is not an image lumesh can read; it takes NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage "
          "(.mha, .mhd), GIPL and DICOM");
   } catch (const itk::ExceptionObject& fault) {
     fail(path, fmt::format("is damaged or incomplete ({}); save it again", one_line(fault)));
   }
+}
+
+}  // namespace
+
+RawImage read_with_itk(const fs::path& path, const FileChoice& choice, Context& context) {
+  return with_reader(
+      path, [&](itk::ImageIOBase& io) { return read_single(path, io, choice, context); },
+      [&] { return read_dicom_series(path, choice, context); });
+}
+
+std::size_t volumes_by_itk(const fs::path& path) {
+  return with_reader(
+      path,
+      [&](itk::ImageIOBase& io) {
+        if (dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr) static_cast<void>(nrrd_notes(path));
+        return read_header(path, io).volumes;
+      },
+      [] { return std::size_t{1}; });
 }
 
 }  // namespace lumesh::io

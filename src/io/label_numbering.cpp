@@ -29,7 +29,6 @@ constexpr std::size_t kListedLabels = 20;
 template <class Voxel>
 struct ValueSet {
   std::vector<Voxel> values;  ///< Ascending, without repeats.
-  bool not_a_number = false;
   bool fractional = false;
 };
 
@@ -39,10 +38,6 @@ ValueSet<Voxel> values_of_block(const Voxel* begin, const Voxel* end) {
   for (const Voxel* v = begin; v != end;) {
     const Voxel value = *v;
     if constexpr (std::is_floating_point_v<Voxel>) {
-      if (std::isnan(value)) {
-        set.not_a_number = true;
-        break;
-      }
       set.fractional = set.fractional || std::trunc(value) != value;
     }
     set.values.push_back(value);
@@ -56,7 +51,6 @@ ValueSet<Voxel> values_of_block(const Voxel* begin, const Voxel* end) {
 
 template <class Voxel>
 ValueSet<Voxel> merge(ValueSet<Voxel> a, ValueSet<Voxel> b) {
-  a.not_a_number = a.not_a_number || b.not_a_number;
   a.fractional = a.fractional || b.fractional;
   if (b.values.empty() || a.values.size() > kMostLabels + 1) return a;
   std::vector<Voxel> both;
@@ -69,7 +63,8 @@ ValueSet<Voxel> merge(ValueSet<Voxel> a, ValueSet<Voxel> b) {
 
 /// What to do with an image that is none of labels.
 template <class Voxel>
-[[noreturn]] void fail_as_grey(std::span<const Voxel> voxels, const fs::path& path, const std::string& why) {
+[[noreturn]] void fail_as_values(std::span<const Voxel> voxels, const fs::path& path,
+                                 const std::string& why) {
   const GreyValues grey = grey_values(voxels);
   const double threshold = grey.otsu_threshold();
   throw NotLabels(
@@ -89,11 +84,10 @@ std::vector<Voxel> find_values(std::span<const Voxel> voxels, const fs::path& pa
         return values_of_block(voxels.data() + begin, voxels.data() + end);
       },
       [](ValueSet<Voxel> a, ValueSet<Voxel> b) { return merge(std::move(a), std::move(b)); });
-  if (set.not_a_number) fail(path, "has voxels that are not numbers (NaN); replace them before meshing");
-  if (set.fractional) fail_as_grey(voxels, path, "has voxels with fractions, so it is no label image");
+  if (set.fractional) fail_as_values(voxels, path, "has voxels with fractions, so it is no label image");
   const auto background = std::count(set.values.begin(), set.values.end(), Voxel{0});
   if (set.values.size() - static_cast<std::size_t>(background) > kMostLabels)
-    fail_as_grey(voxels, path, fmt::format("has more than {} different labels", kMostLabels));
+    fail_as_values(voxels, path, fmt::format("has more than {} different labels", kMostLabels));
   return set.values;
 }
 
@@ -105,7 +99,7 @@ std::vector<Label> labels_from_values(std::span<const Voxel> voxels, const fs::p
   for (const Voxel value : values) {
     if constexpr (std::is_signed_v<Voxel>)
       if (value < 0)
-        fail_as_grey(
+        fail_as_values(
             voxels, path,
             fmt::format("has the negative label {}, and labels are positive", static_cast<double>(value)));
     if (static_cast<double>(value) > static_cast<double>(std::numeric_limits<Label>::max()))
@@ -155,36 +149,31 @@ void map_voxels(std::span<const Voxel> voxels, const std::vector<Label>& labels,
       });
 }
 
+std::string nothing_found(const ObjectValues& object, const GreyValues& grey) {
+  const std::string range = fmt::format("its values are from {:.6g} to {:.6g}", grey.least, grey.most);
+  if (!std::isfinite(object.high))
+    return fmt::format("no voxel is at or above the threshold {}; {}", object.low, range);
+  if (!std::isfinite(object.low)) return fmt::format("no voxel is at or below {}; {}", object.high, range);
+  return fmt::format("no voxel is from {} to {}; {}", object.low, object.high, range);
+}
+
 template <class Voxel>
-LabelImage threshold_voxels(std::span<const Voxel> voxels, const ImageFrame& frame,
-                            const ImageReadOptions& options, const fs::path& path) {
-  const double threshold = *options.threshold;
+LabelImage label_range(std::span<const Voxel> voxels, const ImageFrame& frame, const ObjectValues& wanted,
+                       const fs::path& path) {
+  const ObjectValues object = as_stored<Voxel>(wanted);
   LabelImage image(frame, {kBackground, 1});
-  struct Seen {
-    bool inside = false;
-    bool not_a_number = false;
-  };
-  const Seen seen = parallel::reduce_blocks(
-      voxels.size(), kVoxelsPerBlock, Seen{},
+  const std::size_t inside = parallel::reduce_blocks(
+      voxels.size(), kVoxelsPerBlock, std::size_t{0},
       [&](std::size_t begin, std::size_t end) {
-        Seen block;
+        std::size_t count = 0;
         for (std::size_t i = begin; i < end; ++i) {
-          const auto value = static_cast<double>(voxels[i]);
-          const bool inside = value >= threshold;
-          image.voxels()[i] = inside ? 1 : 0;
-          block.inside |= inside;
-          block.not_a_number |= std::isnan(value);
+          image.voxels()[i] = object.contain(static_cast<double>(voxels[i])) ? 1 : 0;
+          count += image.voxels()[i];
         }
-        return block;
+        return count;
       },
-      [](Seen a, Seen b) {
-        return Seen{a.inside || b.inside, a.not_a_number || b.not_a_number};
-      });
-  if (seen.not_a_number) fail(path, "has voxels that are not numbers (NaN); replace them before meshing");
-  if (!seen.inside && options.below)
-    fail(path, fmt::format("no voxel is at or below {}; raise `below`", *options.below));
-  if (!seen.inside)
-    fail(path, fmt::format("no voxel is at or above the threshold {}; lower `threshold`", threshold));
+      [](std::size_t a, std::size_t b) { return a + b; });
+  if (inside == 0) fail(path, nothing_found(wanted, grey_values(voxels)));
   return image;
 }
 
@@ -227,24 +216,33 @@ bool neighbours_mostly_differ(const LabelImage& image) {
 
 template <class Voxel>
 LabelImage number_typed(std::span<const Voxel> voxels, const ImageFrame& frame, const fs::path& path,
-                        const ImageReadOptions& options) {
-  if (options.threshold) return threshold_voxels(voxels, frame, options, path);
+                        const std::vector<Label>& wanted) {
   std::vector<Label> labels = labels_from_values(voxels, path);
-  if (!options.labels.empty()) labels = keep_labels(labels, options.labels, path);
+  if (!wanted.empty()) labels = keep_labels(labels, wanted, path);
   LabelImage image(frame, labels);
   map_voxels(voxels, labels, image);
-  if (options.labels.empty() && neighbours_mostly_differ(image))
-    fail_as_grey(voxels, path,
-                 fmt::format("has {} different values, and neighbours mostly differ: these are hardly labels "
-                             "(else name them by `labels`)",
-                             labels.size() - 1));
+  if (wanted.empty() && neighbours_mostly_differ(image))
+    fail_as_values(
+        voxels, path,
+        fmt::format("has {} different values, and neighbours mostly differ: these are hardly labels "
+                    "(else name them by `labels`)",
+                    labels.size() - 1));
   return image;
 }
 
 }  // namespace
 
-LabelImage number_labels(const RawImage& raw, const fs::path& path, const ImageReadOptions& options) {
-  return visit_voxels(raw, [&](auto voxels) { return number_typed(voxels, raw.frame, path, options); });
+void fail_as_grey(const RawImage& raw, const fs::path& path, const std::string& why) {
+  visit_voxels(raw, [&](auto voxels) { fail_as_values(voxels, path, why); });
+  throw Error(ErrorKind::kBadInput, why);  // Not reached.
+}
+
+LabelImage number_labels(const RawImage& raw, const fs::path& path, const std::vector<Label>& wanted) {
+  return visit_voxels(raw, [&](auto voxels) { return number_typed(voxels, raw.frame, path, wanted); });
+}
+
+LabelImage label_values(const RawImage& raw, const ObjectValues& object, const fs::path& path) {
+  return visit_voxels(raw, [&](auto voxels) { return label_range(voxels, raw.frame, object, path); });
 }
 
 }  // namespace lumesh::io

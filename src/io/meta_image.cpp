@@ -117,22 +117,40 @@ std::size_t dimension_count(const fs::path& path, const MetaHeader& header) {
   const std::int64_t dimensions = header.integer("NDims", 0);
   if (dimensions < 1 || dimensions > kMost) fail(path, "has a damaged header (NDims); save it again");
   if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
-  if (const std::int64_t channels = header.integer("ElementNumberOfChannels", 1); channels != 1)
-    fail(path, fmt::format("has {} values per voxel; a label image has one", channels));
   return static_cast<std::size_t>(dimensions);
 }
 
-ImageHeader place(const fs::path& path, const MetaHeader& header) {
+/// Values of a voxel, side by side.
+std::size_t channel_count(const fs::path& path, const MetaHeader& header) {
+  const std::int64_t channels = header.integer("ElementNumberOfChannels", 1);
+  return product_of_sizes(path, {&channels, 1});
+}
+
+/// Frames times channels.
+std::size_t volume_count(const fs::path& path, const MetaHeader& header) {
   const std::size_t n = dimension_count(path, header);
+  std::vector<std::int64_t> sizes = {static_cast<std::int64_t>(channel_count(path, header))};
+  const std::vector<double> all = header.numbers({"DimSize"}, n);
+  if (all.empty()) fail(path, "its header has no DimSize; save it again");
+  for (std::size_t i = 3; i < n; ++i) {
+    constexpr double kMost = 1e9;
+    sizes.push_back(std::abs(all[i]) < kMost ? static_cast<std::int64_t>(all[i]) : 0);
+  }
+  if (sizes.front() > 1 && product_of_sizes(path, {sizes.data() + 1, sizes.size() - 1}) > 1)
+    fail(path, fmt::format("has several volumes of {} values per voxel; save one of them", sizes.front()));
+  return product_of_sizes(path, sizes);
+}
+
+ImageHeader place(const fs::path& path, const MetaHeader& header, const FileChoice& choice) {
+  const std::size_t n = dimension_count(path, header);
+  ImageHeader image;
+  image.volumes = volume_count(path, header);
+  image.unit_is_given = choice.unit_mm.has_value();
+  const double scale = choice.unit_mm.value_or(1);
   const auto size = header.numbers({"DimSize"}, n);
-  if (size.empty()) fail(path, "its header has no DimSize; save it again");
-  for (std::size_t i = 3; i < n; ++i)
-    if (size[i] != 1)
-      fail(path, fmt::format("has {} volumes ({}-D image); save one of them as a 3-D image", size[i], n));
   const auto spacing = header.numbers({"ElementSpacing", "ElementSize"}, n);
   const auto origin = header.numbers({"Offset", "Position", "Origin"}, n);
   const auto axes = header.numbers({"TransformMatrix", "Rotation", "Orientation"}, n * n);
-  ImageHeader image;
   image.has_spacing = !spacing.empty();
   image.type = voxel_type(path, header.text({"ElementType"}));
   constexpr double kLargestSide = 1e9;
@@ -140,8 +158,8 @@ ImageHeader place(const fs::path& path, const MetaHeader& header) {
     const auto k = static_cast<Eigen::Index>(i);
     if (!(std::abs(size[i]) < kLargestSide)) fail(path, "has a damaged header (DimSize); save it again");
     image.size.at(i) = static_cast<std::int64_t>(size[i]);
-    if (!spacing.empty()) image.spacing_mm[k] = spacing[i];
-    if (!origin.empty()) image.origin_mm[k] = origin[i];
+    image.spacing_mm[k] = scale * (spacing.empty() ? 1 : spacing[i]);
+    if (!origin.empty()) image.origin_mm[k] = scale * origin[i];
     if (!axes.empty()) image.direction.col(k) = Vec3(axes[n * i], axes[n * i + 1], axes[n * i + 2]);
   }
   return image;
@@ -233,16 +251,22 @@ bool is_meta_image(const fs::path& path) {
   return extension == ".mha" || extension == ".mhd";
 }
 
-RawImage read_meta_image(const fs::path& path, Context& context) {
+std::size_t volumes_of_meta_image(const fs::path& path) {
+  return volume_count(path, MetaHeader(path));
+}
+
+RawImage read_meta_image(const fs::path& path, const FileChoice& choice, Context& context) {
   const MetaHeader header(path);
-  const ImageHeader placed = place(path, header);
+  const ImageHeader placed = place(path, header, choice);
   const VoxelSource source = find_voxels(path, header);
   RawImage image;
   image.frame = checked_frame(path, placed, context);
   image.type = placed.type;
-  const std::size_t bytes = image.frame.voxel_count() * voxel_bytes(image.type);
+  const VolumeRange volumes = chosen_volumes(path, placed, choice);
+  image.volumes = placed.volumes;  // All are read, for zlib has no places in a file.
+  const std::size_t bytes = image.value_count() * voxel_bytes(image.type);
   const std::uintmax_t offset = voxel_offset(path, header, source, bytes);
-  image.voxels = allocate_voxels(path, image.frame, image.type, source.file_bytes);
+  image.voxels = allocate_voxels(path, image.frame, image.type, source.file_bytes, image.volumes);
   std::ifstream in(source.path, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(offset));
   std::size_t got = 0;
@@ -255,6 +279,10 @@ RawImage read_meta_image(const fs::path& path, Context& context) {
   if (got != bytes)
     fail(path, "is truncated or damaged: it holds fewer voxels than its header says; copy it again");
   if (header.is_true({"BinaryDataByteOrderMSB", "ElementByteOrderMSB"})) swap_bytes(image);
+  if (channel_count(path, header) > 1)
+    sort_into_volumes(volumes, image);
+  else
+    keep_volumes(volumes, image);
   return image;
 }
 

@@ -163,13 +163,14 @@ std::array<std::int64_t, 3> volume_size(const fs::path& path, const NiftiHeader&
   if (dimensions < 1 || dimensions > 7)
     fail(path, "has a damaged header (number of dimensions); save it again");
   if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
-  for (std::int64_t i = 4; i <= dimensions; ++i) {
-    const std::int64_t volumes = header.dimension(static_cast<std::size_t>(i));
-    if (volumes != 1)
-      fail(path,
-           fmt::format("has {} volumes ({}-D image); save one of them as a 3-D image", volumes, dimensions));
-  }
   return {header.dimension(1), header.dimension(2), header.dimension(3)};
+}
+
+std::size_t volume_count(const fs::path& path, const NiftiHeader& header) {
+  std::vector<std::int64_t> sizes;
+  for (std::int64_t i = 4; i <= header.dimension(0); ++i)
+    sizes.push_back(header.dimension(static_cast<std::size_t>(i)));
+  return product_of_sizes(path, sizes);
 }
 
 /// Axes of the quaternion (nifti1.h, "METHOD 2"), in RAS.
@@ -252,9 +253,12 @@ void warn_of_conflict(const fs::path& path, const ImageHeader& by_sform, const I
 }
 
 /// Position and axes, from the sform if there is one, else from the qform, else axes along R, A, S.
-ImageHeader place(const fs::path& path, const NiftiHeader& header, Context& context) {
+ImageHeader place(const fs::path& path, const NiftiHeader& header, const FileChoice& choice,
+                  Context& context) {
   ImageHeader image;
   image.size = volume_size(path, header);
+  image.volumes = volume_count(path, header);
+  image.unit_is_given = choice.unit_mm.has_value();
   image.type = voxel_type(path, header.data_type());
   for (int i = 0; i < 3; ++i) image.spacing_mm[i] = header.pixel_size(static_cast<std::size_t>(i) + 1);
   const bool spacing_good = image.spacing_mm.allFinite() && (image.spacing_mm.array() > 0).all();
@@ -270,7 +274,7 @@ ImageHeader place(const fs::path& path, const NiftiHeader& header, Context& cont
   }
   image.direction.topRows<2>() *= -1;  // RAS to LPS.
   image.origin_mm.head<2>() *= -1;
-  const double scale = unit_mm(header.units());
+  const double scale = choice.unit_mm.value_or(unit_mm(header.units()));
   image.spacing_mm *= scale;
   image.origin_mm *= scale;
   return image;
@@ -278,7 +282,7 @@ ImageHeader place(const fs::path& path, const NiftiHeader& header, Context& cont
 
 /// Values of a file that stores them scaled; rare for labels.
 void apply_scale(RawImage& image, double slope, double intercept) {
-  auto scaled = std::make_unique<std::byte[]>(image.frame.voxel_count() * sizeof(double));
+  auto scaled = std::make_unique_for_overwrite<std::byte[]>(image.value_count() * sizeof(double));
   auto* const to = reinterpret_cast<double*>(scaled.get());
   visit_voxels(image, [&](auto voxels) {
     parallel::for_each_index(
@@ -288,14 +292,22 @@ void apply_scale(RawImage& image, double slope, double intercept) {
   image.type = VoxelType::kDouble;
 }
 
+void skip(GzipInput& input, const fs::path& path, std::size_t bytes) {
+  constexpr std::size_t kChunk = std::size_t{1} << 20;
+  std::vector<std::byte> chunk(std::min(kChunk, bytes));
+  for (std::size_t left = bytes; left > 0;) {
+    const std::size_t next = std::min(left, chunk.size());
+    if (input.read(chunk.data(), next) != next) fail(path, "is truncated; copy it again");
+    left -= next;
+  }
+}
+
 /// Skips to the voxels: headers may have extensions.
 void skip_to(GzipInput& input, const fs::path& path, std::size_t from, double offset) {
   constexpr double kLargestOffset = 1e9;
   if (!(offset >= static_cast<double>(from)) || offset > kLargestOffset)
     fail(path, "has a damaged header (data offset); save it again");
-  std::vector<std::byte> extension(static_cast<std::size_t>(offset) - from);
-  if (input.read(extension.data(), extension.size()) != extension.size())
-    fail(path, "is truncated; copy it again");
+  skip(input, path, static_cast<std::size_t>(offset) - from);
 }
 
 }  // namespace
@@ -307,23 +319,32 @@ bool is_nifti(const fs::path& path) {
                                    header.magic() == "ni1" || header.magic() == "ni2");
 }
 
-RawImage read_nifti(const fs::path& path, Context& context) {
+std::size_t volumes_of_nifti(const fs::path& path) {
+  GzipInput input(path);
+  const NiftiHeader header = read_nifti_header(input);
+  static_cast<void>(volume_size(path, header));
+  return volume_count(path, header);
+}
+
+RawImage read_nifti(const fs::path& path, const FileChoice& choice, Context& context) {
   NiftiHeader header = [&] {
     GzipInput input(path);
     return read_nifti_header(input);
   }();
   if (header.magic().substr(0, 2) == "ni")
     fail(path, "keeps its voxels in a second file; save it as one .nii file");
-  const ImageHeader placed = place(path, header, context);
+  const ImageHeader placed = place(path, header, choice, context);
   RawImage image;
   image.frame = checked_frame(path, placed, context);
   image.type = placed.type;
-  image.voxels = allocate_voxels(path, image.frame, image.type, fs::file_size(path));
+  const VolumeRange volumes = chosen_volumes(path, placed, choice);
+  image.volumes = volumes.count;
+  image.voxels = allocate_voxels(path, image.frame, image.type, fs::file_size(path), image.volumes);
   GzipInput input(path);
   skip_to(input, path, 0, header.data_offset());
-  const std::size_t count = image.frame.voxel_count();
-  const std::size_t width = voxel_bytes(image.type);
-  if (input.read(image.voxels.get(), count * width) != count * width)
+  const std::size_t width = voxel_bytes(image.type), bytes = image.value_count() * width;
+  skip(input, path, volumes.first * image.frame.voxel_count() * width);
+  if (input.read(image.voxels.get(), bytes) != bytes)
     fail(path, "is truncated or damaged: it holds fewer voxels than its header says; copy it again");
   if (input.has_wrong_checksum())
     fail(path, "is damaged: its compressed voxels are not what was written; copy it again");

@@ -24,7 +24,7 @@ constexpr double kMostAgainst = 20;            // per cent of the faces
 
 struct ValueRange {
   double least = std::numeric_limits<double>::infinity(), most = -least;
-  bool fractional = false, not_a_number = false;
+  bool fractional = false;
 
   [[nodiscard]] bool is_of_probabilities() const {
     return least >= -kProbabilityRounding && most <= 1 + kProbabilityRounding;
@@ -39,23 +39,23 @@ ValueRange range_of(std::span<const Value> values) {
         ValueRange range;
         for (std::size_t i = begin; i < end; ++i) {
           const auto value = static_cast<double>(values[i]);
-          range.not_a_number |= std::isnan(value);
-          range.fractional |= std::trunc(value) != value;
+          range.fractional |= std::trunc(value) != value && !std::isnan(value);
           range.least = value < range.least ? value : range.least;
           range.most = value > range.most ? value : range.most;
         }
         return range;
       },
       [](const ValueRange& a, const ValueRange& b) {
-        return ValueRange{std::min(a.least, b.least), std::max(a.most, b.most), a.fractional || b.fractional,
-                          a.not_a_number || b.not_a_number};
+        return ValueRange{std::min(a.least, b.least), std::max(a.most, b.most), a.fractional || b.fractional};
       });
 }
 
-void check_same_grid(const ImageFrame& frame, const ImageFrame& wanted, const fs::path& path) {
+}  // namespace
+
+void require_same_grid(const ImageFrame& frame, const ImageFrame& wanted, const fs::path& path) {
   if (frame.size != wanted.size)
-    fail(path, fmt::format("has {} x {} x {} voxels, but the image {} x {} x {}; probabilities have to be on "
-                           "the image's grid: resample them",
+    fail(path, fmt::format("has {} x {} x {} voxels, but the image {} x {} x {}; it has to be on "
+                           "the image's grid: resample it",
                            frame.size.x(), frame.size.y(), frame.size.z(), wanted.size.x(), wanted.size.y(),
                            wanted.size.z()));
   double furthest = 0;
@@ -67,12 +67,13 @@ void check_same_grid(const ImageFrame& frame, const ImageFrame& wanted, const fs
   }
   if (!(furthest <= kSameGrid))
     fail(path, fmt::format("lies up to {:.2g} voxels off the image (spacing, origin or directions differ); "
-                           "probabilities have to be on the image's grid: resample them",
+                           "it has to be on the image's grid: resample it",
                            furthest));
 }
 
+namespace {
+
 void check_values(const ValueRange& range, const fs::path& path) {
-  if (range.not_a_number) fail(path, "has voxels that are not numbers (NaN); replace them before meshing");
   if (!range.is_of_probabilities())
     fail(path,
          fmt::format("has values from {:g} to {:g}; probabilities are from 0 to 1: scale them{}", range.least,
@@ -106,13 +107,18 @@ bool are_probabilities(const RawImage& raw) {
   });
 }
 
-void place_by_threshold(const RawImage& raw, double threshold, LabelImage& image) {
-  visit_voxels(raw, [&](auto voxels) { static_cast<void>(find_crossings(voxels, threshold, image)); });
+void place_by_values(const RawImage& raw, const ObjectValues& object, Interpolation interpolation,
+                     LabelImage& image) {
+  visit_voxels(raw, [&](auto voxels) {
+    using Voxel = std::remove_const_t<typename decltype(voxels)::element_type>;
+    static_cast<void>(find_crossings(voxels, as_stored<Voxel>(object), image, interpolation));
+  });
 }
 
 void place_by_probabilities(const RawImage& probabilities, const fs::path& path, const Context& context,
                             LabelImage& image) {
-  check_same_grid(probabilities.frame, image.frame(), path);
+  if (probabilities.volumes > 1) fail(path, several_volumes_text(probabilities.volumes));
+  require_same_grid(probabilities.frame, image.frame(), path);
   visit_voxels(probabilities, [&](auto voxels) {
     check_values(range_of(voxels), path);
     warn_of_doubts(find_crossings(voxels, kEvenProbability, image), path, context);

@@ -59,7 +59,7 @@ void warn_of_size(const fs::path& path, const ImageHeader& header, const ImageFr
   const std::string doubt = unit_doubt(frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).maxCoeff());
   if (!header.has_spacing)
     context.warn(path.string() + ": says nothing of the size of voxels; taken as 1 mm");
-  else if (!doubt.empty())
+  else if (!doubt.empty() && !header.unit_is_given)
     context.warn(path.string() + ": " + doubt);
 }
 
@@ -69,7 +69,7 @@ void swap_bytes(RawImage& image) {
   const std::size_t width = voxel_bytes(image.type);
   if (width == 1) return;
   std::byte* const voxels = image.voxels.get();
-  parallel::for_each_index(image.frame.voxel_count(), [&](std::size_t i) {
+  parallel::for_each_index(image.value_count(), [&](std::size_t i) {
     std::reverse(voxels + i * width, voxels + (i + 1) * width);
   });
 }
@@ -98,17 +98,18 @@ ImageFrame checked_frame(const fs::path& path, const ImageHeader& header, Contex
 }
 
 std::unique_ptr<std::byte[]> allocate_voxels(const fs::path& path, const ImageFrame& frame, VoxelType type,
-                                             std::uintmax_t file_bytes) {
+                                             std::uintmax_t file_bytes, std::size_t volumes) {
   constexpr std::uintmax_t kGzipLimit = 1040;  // Deflate cannot pack tighter than 1032 : 1.
   const std::uintmax_t voxels = frame.voxel_count();
-  const std::uintmax_t bytes = voxels * voxel_bytes(type);
+  const std::uintmax_t bytes = voxels * volumes * voxel_bytes(type);
   if (file_bytes > 0 && bytes / kGzipLimit > file_bytes)
     fail(path, fmt::format("is too short for the {} x {} x {} voxels its header names; copy it again",
                            frame.size.x(), frame.size.y(), frame.size.z()));
   const std::uintmax_t needed = bytes + voxels * sizeof(LabelImage::Index);
-  const std::string advice =
-      fmt::format("{} x {} x {} voxels need {:.1f} GiB of memory; crop or resample the image", frame.size.x(),
-                  frame.size.y(), frame.size.z(), static_cast<double>(needed) / (1U << 30U));
+  const std::string advice = fmt::format(
+      "{} x {} x {} voxels{} need {:.1f} GiB of memory; crop or resample the image", frame.size.x(),
+      frame.size.y(), frame.size.z(), volumes > 1 ? fmt::format(" in {} volumes", volumes) : "",
+      static_cast<double>(needed) / (1U << 30U));
   if (needed > available_memory_bytes()) fail(path, advice, ErrorKind::kMemory);
   try {
     return std::unique_ptr<std::byte[]>(new std::byte[bytes]);  // Uninitialised: read() fills all of it.

@@ -4,11 +4,23 @@
 
 namespace lumesh {
 
-std::string unit_doubt(double longest_mm) {
+std::string unit_doubt(double longest_mm, double widest_radius_mm) {
   constexpr double kLeastMm = 1, kMostMm = 4000;
-  if (longest_mm >= kLeastMm && longest_mm <= kMostMm) return "";
-  return fmt::format("is {:.3g} mm long; is it in {}? lumesh takes it as mm: scale it first", longest_mm,
-                     longest_mm < kLeastMm ? "metres" : "micrometres");
+  // Models of vessels begin with a large one: 2.5 mm across are an aorta in cm rather than the widest of a
+  // tree.
+  constexpr double kWideRadiusMm = 1.25, kLongInRadii = 15;
+  const auto remedy = [](const char* unit) {
+    return fmt::format("`unit` {} says so, `unit` mm the opposite", unit);
+  };
+  if (longest_mm < kLeastMm)
+    return fmt::format("is {:.3g} mm long; is it in metres? {}", longest_mm, remedy("m"));
+  if (longest_mm > kMostMm)
+    return fmt::format("is {:.3g} mm long; is it in micrometres? {}", longest_mm, remedy("um"));
+  if (widest_radius_mm > 0 && widest_radius_mm < kWideRadiusMm &&
+      longest_mm > kLongInRadii * widest_radius_mm)
+    return fmt::format("is {:.3g} mm long, and its widest opening {:.2g} mm across; is it in cm? {}",
+                       longest_mm, 2 * widest_radius_mm, remedy("cm"));
+  return "";
 }
 
 }  // namespace lumesh

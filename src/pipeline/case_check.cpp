@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <set>
@@ -16,6 +17,11 @@ namespace {
   throw Error(ErrorKind::kBadInput, what);
 }
 
+void refuse_given(const std::vector<std::string>& options, const std::string& input) {
+  if (options.empty()) return;
+  refuse(fmt::format("[input] {} is for images; leave it out with {}", fmt::join(options, ", "), input));
+}
+
 void check_input(const Case& c) {
   const InputKeys& input = c.input;
   const int given =
@@ -25,13 +31,18 @@ void check_input(const Case& c) {
   if (!input.surface.empty() && c.mesher == Mesher::kLattice)
     refuse("the lattice mesher takes images; for [input] surface set mesher = \"delaunay\"");
   const ImageSelection& selection = input.selection;
-  if (!input.surface.empty() && (!input.cuts.none() || !selection.takes_all()))
-    refuse(
-        "[input] labels, threshold, below, probabilities, largest_component, cut_planes and cut_at are for "
-        "images; leave them out with surface");
+  if (!input.surface.empty()) {
+    if (!input.cuts.none())
+      refuse("[input] cut_planes and cut_at are for images; leave them out with surface");
+    refuse_given(selection.given(), "surface");
+  }
   if (input.phantom.empty()) return;
-  if (selection.has_level() || !selection.probabilities.empty())
-    refuse("[input] threshold, below and probabilities are for images; leave them out with phantom");
+  ImageSelection of_phantoms = selection;  // Without what is for files.
+  of_phantoms.labels.clear();
+  of_phantoms.largest_component = of_phantoms.fill_cavities = false;
+  of_phantoms.drop_below = 0;
+  of_phantoms.touching = TouchChoice::kKeep;
+  refuse_given(of_phantoms.given(), "phantom");
   try {
     static_cast<void>(phantom_kind_from_name(input.phantom));
   } catch (const Error& unknown) {

@@ -197,16 +197,26 @@ class CaseReader {
       if (!complaint.empty()) refuse(key, item, complaint);
     }
   }
+  void set(const Key& key, const toml::node& node, const OptionLabelledFiles& labelled) const {
+    labelled.files->clear();
+    for (const toml::node& item :
+         array_of(key, node, 0, "a list of texts FILE=LABEL, such as [\"wall.nrrd=2\"]")) {
+      const std::string complaint = add_labelled_file(text_of(key, item), *labelled.files);
+      if (!complaint.empty()) refuse(key, item, complaint);
+      std::string& path = labelled.files->back().first;
+      path = std::filesystem::absolute(folder_ / path).lexically_normal().string();
+    }
+  }
   void set(const Key& key, const toml::node& node, const OptionRows& rows) const {
     std::vector<std::vector<double>> values;
-    const std::string width = fmt::format("{} numbers", rows.width);
+    const std::string width = rows.width_text();
     const auto row_of = [&](const toml::node& item, const std::string& wanted) {
       std::vector<double>& row = values.emplace_back();
-      for (const toml::node& number : array_of(key, item, rows.width, wanted))
-        row.push_back(number_of(key, number));
+      for (const toml::node& number : array_of(key, item, 0, wanted)) row.push_back(number_of(key, number));
+      if (!rows.takes(row.size())) refuse(key, item, fmt::format("must be {}", wanted));
     };
     if (rows.is_single && node.is_number())
-      values.emplace_back(rows.width, number_of(key, node));
+      values.emplace_back(rows.least > 0 ? rows.least : rows.width, number_of(key, node));
     else if (rows.is_single)
       row_of(node, fmt::format("a number, or {}, such as [{}]", width, rows.example));
     else

@@ -46,6 +46,7 @@ void InputKeys::describe(OptionList& list) {
               "How far the phantom's boundary moves")
       .in("voxels");
   selection.describe(list);
+  describe_unit(list, selection.unit);
   cuts.describe(list);
   field.describe(list);
   of_surface.describe(list);
@@ -70,6 +71,7 @@ void OutputKeys::describe(OptionList& list) {
              "The last mesh, in the format of each name: " + formats_for(MeshUse::kWriteVolume));
   list.text("surface", surface,
             "The boundary of the last mesh: " + formats_for(MeshUse::kWriteSurface) + "; none: not written");
+  describe_out_unit(list, unit);
   list.text("report", report, "Report with plots and pictures (.html); none: not written");
   list.text("json", json, "All numbers (.json); none: not written");
   list.flag("stages", stages, "Write the centerline and the first mesh with its metric, too");

@@ -47,9 +47,14 @@ struct ValueText {
   }
   std::string operator()(const OptionWord& word) const { return toml_text(word.words[word.get()]); }
   std::string operator()(const OptionPath& file) const { return toml_text(*file.path); }
+  std::string operator()(const OptionLabelledFiles& labelled) const {
+    return list_of(*labelled.files,
+                   [](const auto& file) { return toml_text(fmt::format("{}={}", file.first, file.second)); });
+  }
   std::string operator()(const OptionRows& rows) const {
     const auto row_text = [](const std::vector<double>& row) { return list_of(row, number); };
     const std::vector<std::vector<double>> values = rows.get();
+    if (rows.is_single && values.empty()) return "";
     return rows.is_single ? row_text(values.front()) : list_of(values, row_text);
   }
   std::string operator()(const auto* /*number*/) const {

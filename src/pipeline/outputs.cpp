@@ -12,6 +12,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/io/text_file.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/quality/faults.hpp"
 
 namespace lumesh::pipeline {
@@ -171,7 +172,8 @@ std::vector<report::OutputFile> write_meshes(const CaseState& state, const std::
   const OutputKeys& output = state.c.output;
   make_folder(folder);
   const BoundaryFaces faces = state.boundary_faces();
-  const MeshView view = state.view(faces);
+  const MeshInUnit in_unit(state.view(faces), output.unit);
+  const MeshView& view = in_unit.view();
   std::vector<report::OutputFile> files;
   for (const std::string& name : output.meshes) {
     state.context.phase("write", [&] { write_mesh(folder / name, view); });
@@ -206,7 +208,7 @@ void write_stage_files(const CaseState& state, const std::string& stage,
     const MeshInfo info = info_with_given_names(state);
     MeshView view = state.view(faces);
     view.info = &info;
-    write_mesh(folder / kFirstFile, view);
+    write_mesh(folder / kFirstFile, MeshInUnit(view, state.c.output.unit).view());
     files.push_back({kFirstFile, state.has_metric ? "the first mesh with its metric" : "the first mesh"});
   }
 }

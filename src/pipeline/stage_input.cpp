@@ -25,18 +25,19 @@ void make_phantom(CaseState& state) {
   state.image = state.context.phase("voxels", [&] { return state.phantom->rasterise(); });
   const ImageSelection& selection = state.c.input.selection;
   if (!selection.labels.empty()) select_labels(*state.image, selection.labels);
-  if (selection.largest_component) keep_largest_component(*state.image, ComponentScope::kUnion);
+  edit_image(selection, state.context, *state.image);
 }
 
 void read_file(CaseState& state) {
   const InputKeys& input = state.c.input;
   state.input_name = input.image.empty() ? input.surface : input.image;
   if (input.image.empty()) {
-    SurfaceInput read = state.context.phase(
-        "read", [&] { return read_surface(input.surface, input.of_surface, state.context); });
+    SurfaceInput read = state.context.phase("read", [&] {
+      return read_surface(input.surface, input.selection.unit, input.of_surface, state.context);
+    });
     state.surface = std::move(read.mesh);
     state.closed = std::move(read.closed);
-    warn_of_unit(*state.surface, input.surface, state.context);
+    warn_of_unit(*state.surface, {}, input.selection.unit, input.surface, state.context);
   } else {
     state.image = state.context.phase(
         "read", [&] { return read_selected_image(input.image, input.selection, state.context); });

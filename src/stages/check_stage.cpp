@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "check_image.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/unit_doubt.hpp"
@@ -17,7 +18,7 @@ namespace {
 
 void check_unit(const MixedMesh& mesh, CheckReport& report) {
   if (mesh.points.empty()) return;
-  const std::string doubt = unit_doubt(bounding_box(mesh.points).sizes().maxCoeff());
+  const std::string doubt = unit_doubt(mesh, {});
   if (!doubt.empty()) report.findings.push_back({"unit", Severity::kRemark, 1, doubt, "", {}});
 }
 
@@ -48,11 +49,13 @@ bool CheckReport::is_fit() const {
                       [](const Finding& finding) { return finding.severity == Severity::kFault; });
 }
 
-CheckReport check_file(const std::filesystem::path& path, Context& context) {
-  if (!is_mesh_file(path))
-    throw Error(ErrorKind::kBadInput,
-                path.string() + ": neither a surface nor a mesh; use " + formats_for(MeshUse::kRead, " or "));
-  MixedMesh mesh = context.phase("read", [&] { return read_mesh(path); });
+CheckReport check_file(const std::filesystem::path& path, const ImageSelection& selection, Context& context) {
+  if (!is_mesh_file(path)) {
+    const LabelImage image =
+        context.phase("read", [&] { return read_selected_image(path, selection, context); });
+    return context.phase("check", [&] { return check_image(image); });
+  }
+  MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(path, selection.unit); });
   CheckReport report = context.phase("check", [&] {
     if (mesh.view().cell_count() == 0) return check_surface(as_surface(std::move(mesh), path), path);
     bring_to_lps_mm(mesh);

@@ -4,12 +4,12 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
-#include "lumesh/image/topology.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/point_data_file.hpp"
 #include "lumesh/io/points_file.hpp"
 #include "lumesh/io/unit_doubt.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 
 namespace lumesh {
 namespace {
@@ -26,15 +26,14 @@ void append_line(Polylines& lines, const std::vector<Vec3>& points) {
 
 LabelImage read_selected_image(const std::filesystem::path& path, const ImageSelection& selection,
                                Context& context) {
-  LabelImage image = read_image(
-      path, {selection.labels, selection.threshold, selection.below, selection.probabilities}, context);
-  if (selection.largest_component) keep_largest_component(image, ComponentScope::kUnion);
+  LabelImage image = read_image(path, selection.read_options(), context);
+  naming(path.string(), [&] { edit_image(selection, context, image); });
   return image;
 }
 
 Vec3 frame_factors(const MeshInfo& from, const MeshInfo& to) {
   const auto to_lps_mm = [](const MeshInfo& info) {
-    const double scale = info.unit == "m" ? 1000 : info.unit == "cm" ? 10 : 1;
+    const double known = unit_in_mm(info.unit), scale = known > 0 ? known : 1;
     return info.frame == "RAS" ? Vec3(-scale, -scale, scale) : Vec3(scale, scale, scale);
   };
   return to_lps_mm(from).cwiseQuotient(to_lps_mm(to));
@@ -77,9 +76,23 @@ metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& pa
   return flow;
 }
 
-void warn_of_unit(const MixedMesh& surface, const std::filesystem::path& path, const Context& context) {
-  if (surface.points.empty()) return;
-  const std::string doubt = unit_doubt(bounding_box(surface.points).sizes().maxCoeff());
+MixedMesh read_mesh_in(const std::filesystem::path& path, const std::string& unit) {
+  MixedMesh mesh = read_mesh(path);
+  if (!unit.empty()) mesh.info.unit = unit;
+  return mesh;
+}
+
+std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings) {
+  if (surface.points.empty()) return "";
+  double widest_mm = 0;
+  for (const Opening& opening : openings) widest_mm = std::max(widest_mm, opening.radius_mm());
+  return unit_doubt(bounding_box(surface.points).sizes().maxCoeff(), widest_mm);
+}
+
+void warn_of_unit(const MixedMesh& surface, std::span<const Opening> openings, const std::string& unit,
+                  const std::filesystem::path& path, const Context& context) {
+  if (!unit.empty()) return;
+  const std::string doubt = unit_doubt(surface, openings);
   if (!doubt.empty()) context.warn(path.string() + ": " + doubt);
 }
 

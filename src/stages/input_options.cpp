@@ -2,6 +2,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/stages/image_cuts.hpp"
 #include "lumesh/stages/input.hpp"
 
@@ -26,26 +27,115 @@ std::vector<CutPlane> planes_from(const std::vector<std::vector<double>>& rows) 
   return planes;
 }
 
+std::vector<std::vector<double>> threshold_rows(const std::optional<double>& low,
+                                                const std::optional<double>& high) {
+  if (!low) return {};
+  return {high ? std::vector<double>{*low, *high} : std::vector<double>{*low}};
+}
+
 }  // namespace
+
+std::vector<std::string> ImageSelection::given() const {
+  return differing_options(*this, ImageSelection());
+}
+
+std::vector<std::string> ImageSelection::other_files() const {
+  std::vector<std::string> files = {probabilities};
+  for (const auto& [file, label] : label_images) files.push_back(file);
+  return files;
+}
+
+std::optional<std::size_t> ImageSelection::one_frame() const {
+  if (all_frames)
+    throw Error(ErrorKind::kUsage, "`all_frames` is for making a mesh of each frame; choose one by `frame`");
+  if (!frame) return std::nullopt;
+  constexpr double kMost = 1e9;
+  if (*frame != std::floor(*frame) || *frame > kMost)
+    throw Error(ErrorKind::kUsage, "`frame` must be a whole number");
+  return static_cast<std::size_t>(*frame);
+}
+
+ImageReadOptions ImageSelection::read_options() const {
+  ImageReadOptions options;
+  options.labels = labels;
+  options.threshold = threshold;
+  options.below = threshold ? threshold_up_to : below;
+  options.level_set = level_set;
+  options.probabilities = probabilities;
+  for (const auto& [file, label] : label_images) options.label_images.push_back({file, label});
+  options.frame = one_frame();
+  if (!unit.empty()) options.unit_mm = unit_in_mm(unit);
+  return options;
+}
 
 void ImageSelection::describe(OptionList& list, bool has_probabilities) {
   list.integers("labels", labels, "Labels of the image to take; none: all");
-  list.number("threshold", threshold, any_number(),
-              "Voxels at or above become label 1, the rest background; their values place the boundary "
-              "between voxels")
+  list.rows("threshold",
+            {2, "150,400", true, [this] { return threshold_rows(threshold, threshold_up_to); },
+             [this](const auto& rows) {
+               threshold = rows[0][0];
+               threshold_up_to.reset();
+               if (rows[0].size() > 1) threshold_up_to = rows[0][1];
+               if (threshold_up_to && *threshold_up_to < *threshold)
+                 throw Error(ErrorKind::kUsage, "must have the lower value first");
+             },
+             1, "LOW[,HIGH]"},
+            "Voxels at or above, or from one value to another, become label 1, the rest background; their "
+            "values place the boundary between voxels")
       .in("image value")
       .excludes("below");
   list.number("below", below, any_number(), "The same for voxels at or below, where the object is dark")
       .in("image value");
+  using Side = std::optional<LevelSetSide>;
+  list.choice(
+          "level_set", level_set,
+          {{"auto", Side()}, {"negative", LevelSetSide::kNegative}, {"positive", LevelSetSide::kPositive}},
+          "Level sets and signed distances: the sign inside of the object, label 1. auto: values that "
+          "look like distances are taken for such, the rarer sign for the inside, with a warning")
+      .excludes("labels")
+      .excludes("threshold")
+      .excludes("below");
   if (has_probabilities)
     list.path("probabilities", probabilities,
               "Image of the object's probability, 0 to 1, on the label image's grid, which places the "
               "boundary between "
               "voxels")
         .excludes("threshold")
-        .excludes("below");
+        .excludes("below")
+        .excludes("level_set")
+        .excludes("label_images");
+  list.labelled_files(
+          "label_images", label_images,
+          "Mask, or probabilities, on the same grid that becomes another label; voxels of several "
+          "have the label of the first, and the image comes before all")
+      .alias("label_image");
+  list.number("frame", frame, at_least(0),
+              "Of an image of several volumes, such as a series in time: which; 0 is the first")
+      .excludes("all_frames");
+  list.flag("all_frames", all_frames,
+            "Every volume in its turn, each with files of its own: NAME_000, NAME_001, …");
   list.flag("largest_component", largest_component,
             "Only the largest connected piece of all labels together");
+  list.number("drop_below", drop_below, at_least(1),
+              "Pieces of all labels together that have fewer voxels go")
+      .in("voxels")
+      .zero("none");
+  list.flag("fill_cavities", fill_cavities, "Background that is enclosed gets the label around it");
+  list.choice(
+      "touching", touching,
+      {{"keep", TouchChoice::kKeep}, {"separate", TouchChoice::kSeparate}, {"join", TouchChoice::kJoin}},
+      "Vessels side by side that touch, or a voxel apart: stay so, are separated by a layer of voxels, "
+      "or joined by filling the cleft; lumesh check lists them");
+}
+
+void describe_unit(OptionList& list, std::string& unit) {
+  list.choice("unit", unit, {{"file", std::string()}, {"mm", "mm"}, {"cm", "cm"}, {"m", "m"}, {"um", "um"}},
+              "Unit of lengths in the input, whatever it says itself; file: as it says, else mm");
+}
+
+void describe_out_unit(OptionList& list, std::string& unit) {
+  list.choice("out_unit", unit, {{"mm", std::string("mm")}, {"cm", "cm"}, {"m", "m"}, {"um", "um"}},
+              "Unit of lengths in files that are written; OpenFOAM gets metres in any case");
 }
 
 void ImageCuts::describe(OptionList& list) {

@@ -74,9 +74,11 @@ MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path) {
   return mesh;
 }
 
-SurfaceInput read_surface(const std::filesystem::path& path, const SurfaceInputOptions& options,
-                          const Context& context) {
-  SurfaceInput input{as_surface(read_surface_file(path, options.patch_array), path), {}};
+SurfaceInput read_surface(const std::filesystem::path& path, const std::string& unit,
+                          const SurfaceInputOptions& options, const Context& context) {
+  MixedMesh read = read_surface_file(path, options.patch_array);
+  if (!unit.empty()) read.info.unit = unit;
+  SurfaceInput input{as_surface(std::move(read), path), {}};
   input.closed = close_open_ends(input.mesh, options, context);
   return input;
 }

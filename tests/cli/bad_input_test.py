@@ -142,7 +142,7 @@ class BadInputTest(ProgramTest):
 
     def test_four_dimensions(self):
         image = self.bad(sizes=[8, 8, 8, 2], voxels=[1] * 1024)
-        self.assert_image_refused(image, BAD_INPUT, "bad.nrrd", "3")
+        self.assert_image_refused(image, BAD_INPUT, "bad.nrrd", "2 volumes", "--frame")
 
     def test_all_zero(self):
         self.assert_image_refused(self.bad(voxels=[0] * SIZE ** 3), BAD_INPUT, "label")
@@ -152,11 +152,6 @@ class BadInputTest(ProgramTest):
 
     def test_threshold_above_every_voxel(self):
         self.assert_image_refused(self.good, BAD_INPUT, "threshold", options=["--threshold", "99"])
-
-    def test_nan(self):
-        voxels = [float(v) for v in nrrd.ball(SIZE, 8)]
-        voxels[100] = float("nan")
-        self.assert_image_refused(self.bad(voxels=voxels, kind="float"), BAD_INPUT, "bad.nrrd", "nan")
 
     def test_infinity(self):
         voxels = [float(v) for v in nrrd.ball(SIZE, 8)]

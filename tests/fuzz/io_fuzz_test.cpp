@@ -389,6 +389,10 @@ TEST_F(IoFuzz, Nrrd) {
 }
 TEST_F(IoFuzz, Nifti) {
   fuzz_image("a.nii", fixtures::NiftiBytes{}.with(voxels()));
+  fixtures::NiftiBytes series;
+  series.data_type = 16;
+  series.dimensions = {4, 3, 4, 5, 2, 1, 1, 1};
+  fuzz_image("p.nii", series.with(fixtures::bytes_of(std::vector<float>(120, 0.5F))));
 }
 TEST_F(IoFuzz, DetachedNrrd) {
   fixtures::write_file(folder_ / "voxels.raw", voxels());

@@ -67,12 +67,25 @@ struct OptionRows {
   std::function<std::vector<std::vector<double>>()> get;
   /// @throws Error{kUsage} for numbers that make no sense together; the message does not name the option.
   std::function<void(const std::vector<std::vector<double>>&)> set;
+  std::size_t least = 0;  ///< Numbers that a row has to have, which is none that a number fills; 0: width.
+  std::string placeholder = "X,Y,Z";
+
+  [[nodiscard]] bool takes(std::size_t count) const {
+    return count <= width && count >= (least > 0 ? least : width);
+  }
+  [[nodiscard]] std::string width_text() const;  ///< "3 numbers", "1 to 2 numbers".
+};
+
+/// Files with a label each, in the order in which they are given.
+using LabelledFiles = std::vector<std::pair<std::string, int>>;
+struct OptionLabelledFiles {
+  LabelledFiles* files;
 };
 
 /// Where the value of an option is kept. A map holds numbers of single labels.
-using OptionTarget =
-    std::variant<bool*, int*, std::size_t*, double*, std::optional<double>*, std::string*, std::vector<int>*,
-                 std::vector<std::string>*, std::map<int, double>*, OptionWord, OptionPath, OptionRows>;
+using OptionTarget = std::variant<bool*, int*, std::size_t*, double*, std::optional<double>*, std::string*,
+                                  std::vector<int>*, std::vector<std::string>*, std::map<int, double>*,
+                                  OptionWord, OptionPath, OptionRows, OptionLabelledFiles>;
 
 /// One option. The functions that return the option itself complete its description.
 struct Option {
@@ -158,6 +171,10 @@ class OptionList {
                std::vector<std::string> words = {}) {
     return add({std::move(name), OptionPath{&target, std::move(words)}, {}, std::move(meaning)});
   }
+  /// FILE=LABEL each.
+  Option& labelled_files(std::string name, LabelledFiles& target, std::string meaning) {
+    return add({std::move(name), OptionLabelledFiles{&target}, {}, std::move(meaning)});
+  }
   Option& rows(std::string name, OptionRows target, std::string meaning) {
     return add({std::move(name), std::move(target), {}, std::move(meaning)});
   }
@@ -198,6 +215,20 @@ template <class Described>
 /// Takes "2=0.4" into the numbers of single labels. @return What is wrong with it; empty if nothing is.
 [[nodiscard]] std::string add_label_number(std::string_view text, const Option& option,
                                            std::map<int, double>& numbers);
+
+/// Takes "wall.nrrd=2" into files with labels. @return What is wrong with it; empty if nothing is.
+[[nodiscard]] std::string add_labelled_file(std::string_view text, LabelledFiles& files);
+
+/// Names of the options of a struct whose values are not those of another, in their order.
+template <class Described>
+[[nodiscard]] std::vector<std::string> differing_options(const Described& a, const Described& b) {
+  Described first = a, second = b;
+  const OptionList list = options_of(first), other = options_of(second);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < list.all().size(); ++i)
+    if (list.all()[i].value_text() != other.all()[i].value_text()) names.push_back(list.all()[i].name);
+  return names;
+}
 
 /// @throws Error{kUsage} that names the first option whose number is out of its range.
 void require_ranges(const OptionList& list);

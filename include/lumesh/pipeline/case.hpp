@@ -54,6 +54,7 @@ struct OutputKeys {
   std::vector<std::string> meshes = {
       "mesh.vtu"};  ///< Files of the last mesh, each in the format of its name.
   std::string surface;
+  std::string unit = "mm";  ///< Of lengths in meshes.
   std::string report = "report.html", json = "report.json";
   bool stages = false;  ///< Also files of the first mesh and the centerline.
 

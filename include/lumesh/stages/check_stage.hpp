@@ -8,6 +8,7 @@
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/core/finding.hpp"
+#include "lumesh/stages/input.hpp"
 
 namespace lumesh {
 
@@ -20,7 +21,9 @@ struct CheckReport {
   [[nodiscard]] bool is_fit() const;
 };
 
+/// @param selection  What of an image counts, and its unit or that of a surface.
 /// @throws Error{kBadInput} that names the file if it cannot be read.
-[[nodiscard]] CheckReport check_file(const std::filesystem::path& path, Context& context);
+[[nodiscard]] CheckReport check_file(const std::filesystem::path& path, const ImageSelection& selection,
+                                     Context& context);
 
 }  // namespace lumesh

@@ -8,9 +8,13 @@
 #include <vector>
 
 #include "lumesh/core/context.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/image/phantom.hpp"
+#include "lumesh/image/touching.hpp"
+#include "lumesh/io/image_file.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/polylines.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
@@ -18,24 +22,42 @@
 
 namespace lumesh {
 
-class OptionList;
-
 /// Which voxels of an image count.
 struct ImageSelection {
-  std::vector<Label> labels;        ///< These only; all if empty.
-  std::optional<double> threshold;  ///< Voxels at or above become label 1, the rest background.
-  std::optional<double> below;      ///< The same for voxels at or below.
-  std::string probabilities;        ///< Image that places the object's boundary between voxels; empty: none.
-  bool largest_component = false;   ///< Only the largest connected piece of all labels together.
+  std::vector<Label> labels;              ///< These only; all if empty.
+  std::optional<double> threshold;        ///< Voxels at or above become label 1, the rest background, …
+  std::optional<double> threshold_up_to;  ///< … unless they are above this.
+  std::optional<double> below;            ///< The same for voxels at or below.
+  std::optional<LevelSetSide> level_set;  ///< Label 1 is where a level set has this sign.
+  std::string probabilities;    ///< Image that places the object's boundary between voxels; empty: none.
+  LabelledFiles label_images;   ///< More labels on the same grid.
+  std::optional<double> frame;  ///< A whole number: the one that counts of several volumes.
+  bool all_frames = false;      ///< Each of them, one after the other.
+  std::size_t drop_below = 0;   ///< Pieces of fewer voxels become background.
+  bool fill_cavities = false;   ///< Background that the labels enclose gets a label.
+  TouchChoice touching = TouchChoice::kKeep;  ///< What becomes of vessels side by side that touch.
+  std::string unit;                ///< Of lengths in the file; empty: as it says. See describe_unit().
+  bool largest_component = false;  ///< Only the largest connected piece of all labels together.
 
-  [[nodiscard]] bool has_level() const { return threshold || below; }
-  [[nodiscard]] bool takes_all() const {
-    return labels.empty() && !has_level() && probabilities.empty() && !largest_component;
-  }
+  /// Names of the options that are not as they are by default.
+  [[nodiscard]] std::vector<std::string> given() const;
+  /// Paths of images beside the one that it is of.
+  [[nodiscard]] std::vector<std::string> other_files() const;
+  /// @throws Error{kUsage} if the frame is no whole number.
+  [[nodiscard]] ImageReadOptions read_options() const;
+  /// @throws Error{kUsage} if all frames are wanted, where one is needed.
+  [[nodiscard]] std::optional<std::size_t> one_frame() const;
 
   /// @param has_probabilities  Whether the boundary's place matters, not only the voxels.
   void describe(OptionList& list, bool has_probabilities = true);
 };
+
+/// The unit of lengths in a file that is read, and in one that is written.
+void describe_unit(OptionList& list, std::string& unit);
+void describe_out_unit(OptionList& list, std::string& unit);
+
+/// Changes that the selection asks for of voxels that are there, each with a warning that says how many.
+void edit_image(const ImageSelection& selection, Context& context, LabelImage& image);
 
 /// @throws Error{kBadInput} that names the file.
 [[nodiscard]] LabelImage read_selected_image(const std::filesystem::path& path,
@@ -59,8 +81,14 @@ void bring_to(MixedMesh& mesh, const MeshInfo& frame);
 [[nodiscard]] metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path,
                                         const std::string& array);
 
-/// Warns of a surface so small or large that its coordinates are hardly mm.
-void warn_of_unit(const MixedMesh& surface, const std::filesystem::path& path, const Context& context);
+/// A mesh in the unit that is said of it; empty: as the file says, or mm.
+[[nodiscard]] MixedMesh read_mesh_in(const std::filesystem::path& path, const std::string& unit);
+
+/// What to say of a surface so small, large or thin that its coordinates are hardly mm; empty otherwise.
+[[nodiscard]] std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings);
+/// Warns of it, unless the unit is given.
+void warn_of_unit(const MixedMesh& surface, std::span<const Opening> openings, const std::string& unit,
+                  const std::filesystem::path& path, const Context& context);
 
 /// Its inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.
 [[nodiscard]] std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface,

@@ -34,9 +34,10 @@ struct SurfaceInput {
 /// @throws Error{kBadInput} that names the file if it holds a volume.
 [[nodiscard]] MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path);
 
+/// @param unit  Of its coordinates; empty: as the file says, or mm.
 /// @throws Error{kBadInput} that names the file if it cannot be read or holds a volume.
-[[nodiscard]] SurfaceInput read_surface(const std::filesystem::path& path, const SurfaceInputOptions& options,
-                                        const Context& context);
+[[nodiscard]] SurfaceInput read_surface(const std::filesystem::path& path, const std::string& unit,
+                                        const SurfaceInputOptions& options, const Context& context);
 
 /// Closes a surface as read_surface() does; one that is closed stays as it is. Warns of wide holes that
 /// became wall.

@@ -30,7 +30,7 @@ TEST_F(ImageNotes, BelowTakesWhatIsDarkAndPlacesItsBoundary) {
                                      [](const FaceCrossing& c) { return c.voxel == 20 - 3 && c.axis == 1; });
   ASSERT_NE(crossing, image.crossings().end());
   EXPECT_NEAR(crossing->fraction, 5 / 5.5, 1e-6);  // From 9.5 down to 4.5 of 9.5 to 4.
-  EXPECT_THROW(read("b.nrrd", NrrdText{}.with(bytes_of(sixty_voxels())), {.threshold = 1, .below = 2}),
+  EXPECT_THROW(read("b.nrrd", NrrdText{}.with(bytes_of(sixty_voxels())), {.threshold = 2, .below = 1}),
                Error);
   EXPECT_THROW(read("c.nrrd", NrrdText{}.with(bytes_of(sixty_voxels())), {.labels = {1}, .below = 2}), Error);
 }

@@ -93,8 +93,8 @@ TEST_F(Probabilities, OtherFractionsAreRefusedStill) {
   }
   values_[17] = std::numeric_limits<float>::quiet_NaN();
   write("nan.nrrd", "float", bytes_of(values_));
-  EXPECT_NE(error_of([&] { static_cast<void>(read("nan.nrrd")); }, ErrorKind::kBadInput).find("NaN"),
-            std::string::npos);
+  EXPECT_GT(read("nan.nrrd").crossings().size(), 100U);
+  EXPECT_NE(warnings_.find("1 voxels that are not numbers"), std::string::npos) << warnings_;
 }
 
 TEST_F(Probabilities, AThresholdPlacesTheBoundaryByGreyValues) {
@@ -142,12 +142,10 @@ TEST_F(Probabilities, ThatAreNoneAreRefused) {
   for (const float p : values_) bytes.push_back(static_cast<std::uint8_t>(std::lround(255 * p)));
   write("bytes.nrrd", "uint8", bytes_of(bytes));
   expect_refused("bytes.nrrd", "to 255");
-  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-    std::vector<float> damaged = values_;
-    damaged[100] = bad;
-    write("damaged.nrrd", "float", bytes_of(damaged));
-    expect_refused("damaged.nrrd", std::isnan(bad) ? "NaN" : "inf");
-  }
+  std::vector<float> damaged = values_;
+  damaged[100] = std::numeric_limits<float>::infinity();
+  write("damaged.nrrd", "float", bytes_of(damaged));
+  expect_refused("damaged.nrrd", "inf");
   expect_refused("none.nrrd", "no such file");
 }
 

@@ -1,0 +1,39 @@
+#pragma once
+/// @file Commands for every frame of an image, one after the other.
+
+#include <string>
+#include <vector>
+
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/stages/input.hpp"
+
+namespace lumesh::cli {
+
+/// The name of an output of one frame: with the frame's number for "%d" or "%03d" in it, else behind the
+/// name.
+[[nodiscard]] std::string numbered(const std::string& path, std::size_t frame);
+
+/// What differs between the frames of a command.
+struct FrameParts {
+  ImageSelection* selection;
+  std::vector<std::string*> outputs;
+};
+
+/// Calls run(command) once, or, where all frames are wanted, for each frame of the image.
+/// @param parts_of  FrameParts of a command.
+template <class Command, class PartsOf, class Run>
+void run_frames(const Command& command, const std::string& image, const PartsOf& parts_of, const Run& run) {
+  Command first = command;
+  if (!parts_of(first).selection->all_frames || is_mesh_file(image)) return run(command);
+  const std::size_t count = count_frames(image);
+  for (std::size_t frame = 0; frame < count; ++frame) {
+    Command one = command;
+    const FrameParts parts = parts_of(one);
+    parts.selection->all_frames = false;
+    parts.selection->frame = static_cast<double>(frame);
+    for (std::string* output : parts.outputs) *output = numbered(*output, frame);
+    run(one);
+  }
+}
+
+}  // namespace lumesh::cli

@@ -1,0 +1,33 @@
+#pragma once
+/// @file Units of lengths in files.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumesh/mesh/mixed_mesh.hpp"
+
+namespace lumesh {
+
+/// "mm", "cm", "m" or "um" in millimetres; 0 for any other word.
+[[nodiscard]] double unit_in_mm(std::string_view unit);
+
+/// A mesh in another unit than its own, for writers. Wanted edge lengths in the metric stay.
+class MeshInUnit {
+ public:
+  /// @param mesh  Is looked at as long as this lives.
+  /// @param unit  As it is if one of the two units is not known to unit_in_mm().
+  MeshInUnit(const MeshView& mesh, const std::string& unit);
+  MeshInUnit(const MeshInUnit&) = delete;
+  MeshInUnit& operator=(const MeshInUnit&) = delete;
+
+  [[nodiscard]] const MeshView& view() const { return view_; }
+
+ private:
+  MeshInfo info_;
+  std::vector<Vec3> points_;
+  std::vector<SymTensor> metric_;
+  MeshView view_;
+};
+
+}  // namespace lumesh

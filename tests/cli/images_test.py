@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""Images as labs have them: level sets, frames, masks of several files, units, vessels that touch.
+
+Usage: images_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input.
+"""
+import json
+import math
+import pathlib
+import struct
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import nrrd
+from program import BAD_INPUT, USAGE, ProgramTest
+
+SIZES, MIDDLE = [24, 24, 24], (11.3, 11.6, 11.1)
+
+
+def cube(value_at):
+    """Values of a cube of voxels; i fastest."""
+    return [value_at((i, j, k)) for k in range(SIZES[2]) for j in range(SIZES[1]) for i in range(SIZES[0])]
+
+
+def depth(place, radius):
+    return radius - math.dist(place, MIDDLE)
+
+
+def write_series(path, frames):
+    """A 4-D NIfTI file of bytes."""
+    header = bytearray(352)
+    struct.pack_into("<i", header, 0, 348)
+    struct.pack_into("<8h", header, 40, 4, *SIZES, len(frames), 1, 1, 1)
+    struct.pack_into("<h", header, 70, 2)
+    struct.pack_into("<8f", header, 76, *[1.0] * 8)
+    struct.pack_into("<f", header, 108, 352.0)
+    header[123] = 2
+    struct.pack_into("<h", header, 254, 1)
+    struct.pack_into("<12f", header, 280, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0)  # RAS: the voxels' axes are L, P, S.
+    header[344:348] = b"n+1\0"
+    path.write_bytes(bytes(header) + b"".join(bytes(frame) for frame in frames))
+    return path
+
+
+class ImagesTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.mesh = self.folder / "out.mesh"
+
+    def write(self, name, voxels, kind="uint8", **options):
+        return nrrd.write(self.folder / name, SIZES, voxels, kind=kind, **options)
+
+    def points(self, mesh):
+        words = mesh.read_text().split()
+        at = words.index("Vertices")
+        count = int(words[at + 1])
+        numbers = [float(word) for word in words[at + 2:at + 2 + 4 * count]]
+        return [numbers[i:i + 3] for i in range(0, 4 * count, 4)]
+
+    def radius_of(self, mesh):
+        return max(math.dist(p, MIDDLE) for p in self.points(mesh))
+
+    def test_level_sets_are_taken_by_all_commands_and_said(self):
+        image = self.write("distance.nrrd", cube(lambda p: -depth(p, 7.4)), "float")
+        for command in (["delaunay", image, "--delta", 0.8, "-o", self.mesh], ["lattice", image, "--spacing", 1.2, "-o", self.mesh]):
+            result = self.run_well(*command)
+            self.assertIn("negative inside", result.stderr)
+            self.assertAlmostEqual(self.radius_of(self.mesh), 7.4, delta=0.08)
+        self.assertEqual(self.run_well("info", image, "--level-set", "negative").stderr, "")
+        self.run_well("evaluate", self.mesh, "--image", image, "--level-set", "negative")
+        result = self.run_lumesh("info", image, "--level-set", "negative", "--threshold", 1)
+        self.assert_refused(result, USAGE, "--level-set", "--threshold")
+
+    def test_a_range_of_values_and_what_nothing_reaches(self):
+        image = self.write("grey.nrrd", cube(lambda p: round(100 * depth(p, 7.4))), "int16")
+        label = json.loads(self.run_well("info", image, "--threshold=-100,200", "--json").stdout)["labels"][0]
+        self.assertEqual(label["voxels"], sum(-100 <= round(100 * depth((i, j, k), 7.4)) <= 200 for k in range(24)
+                                              for j in range(24) for i in range(24)))
+        self.assert_refused(self.run_lumesh("info", image, "--threshold", "5000,6000"), BAD_INPUT, "5000", "6000")
+        self.assertEqual(self.run_lumesh("info", image, "--threshold", "3,2").returncode, USAGE)
+        self.assertEqual(self.run_lumesh("info", image, "--threshold", "1,2,3").returncode, USAGE)
+
+    def test_frames_one_or_all(self):
+        series = write_series(self.folder / "s.nii", [cube(lambda p, r=r: 1 if depth(p, r) >= 0 else 0) for r in (5, 7)])
+        self.assert_refused(self.run_lumesh("lattice", series, "-o", self.mesh), BAD_INPUT, "2 volumes", "--frame")
+        self.assert_refused(self.run_lumesh("lattice", series, "--frame", 2, "-o", self.mesh), BAD_INPUT, "no frame 2")
+        self.run_well("lattice", series, "--frame", 1, "-o", self.mesh)
+        self.assertAlmostEqual(self.radius_of(self.mesh), 7, delta=0.5)
+        self.run_well("lattice", series, "--all-frames", "-o", self.folder / "f.mesh")
+        self.run_well("delaunay", series, "--all-frames", "-o", self.folder / "g%02d.mesh")
+        for n, radius in enumerate((5, 7)):
+            for name in (f"f_{n:03}.mesh", f"g{n:02}.mesh"):
+                self.assertAlmostEqual(self.radius_of(self.folder / name), radius, delta=0.5)
+        case = self.folder / "case.toml"
+        case.write_text('mesher = "lattice"\n[input]\nimage = "s.nii"\nall_frames = true\n[output]\nreport = ""\n')
+        self.run_well("run", case, "-o", self.folder / "out")
+        self.assertTrue((self.folder / "out" / "frame_001" / "mesh.vtu").exists())
+
+    def test_masks_of_several_files(self):
+        lumen = self.write("lumen.nrrd", cube(lambda p: 1 if depth(p, 5) >= 0 else 0))
+        wall = self.write("wall.nrrd", cube(lambda p: 1 if depth(p, 8) >= 0 else 0))
+        result = self.run_well("info", lumen, "--label-image", f"{wall}=2", "--json")
+        self.assertEqual([label["label"] for label in json.loads(result.stdout)["labels"]], [1, 2])
+        self.assertIn("keep that label", result.stderr)
+        case = self.folder / "case.toml"
+        case.write_text('mesher = "lattice"\n[input]\nimage = "lumen.nrrd"\nlabel_images = ["wall.nrrd=2"]\n[output]\nreport = ""\n')
+        self.run_well("run", case, "-o", self.folder / "out")
+        self.assertIn("Label 2", (self.folder / "out" / "report.json").read_text())
+        self.run_well("run", self.folder / "out" / "effective.toml", "-o", self.folder / "again")
+        other = nrrd.write(self.folder / "other.nrrd", [3, 3, 3], [1] * 27)
+        self.assert_refused(self.run_lumesh("info", lumen, "--label-image", f"{other}=2"), BAD_INPUT, "other.nrrd", "grid")
+        self.assertEqual(self.run_lumesh("info", lumen, "--label-image", "wall.nrrd").returncode, USAGE)
+
+    def test_units_of_input_and_output(self):
+        image = self.write("cm.nrrd", cube(lambda p: 1 if depth(p, 7) >= 0 else 0), spacing=[0.1] * 3)
+        self.run_well("lattice", image, "--unit", "cm", "--out-unit", "m", "-o", self.folder / "m.vtu")
+        info = json.loads(self.run_well("info", self.folder / "m.vtu", "--json").stdout)
+        self.assertEqual(info["unit"], "m")
+        self.assertAlmostEqual(info["box"][1][0] - info["box"][0][0], 0.014, delta=0.001)
+        self.run_well("convert", self.folder / "m.vtu", self.folder / "cm.vtu", "--out-unit", "cm")
+        info = json.loads(self.run_well("info", self.folder / "cm.vtu", "--json").stdout)
+        self.assertEqual(info["unit"], "cm")
+        self.assertAlmostEqual(info["box"][1][0] - info["box"][0][0], 1.4, delta=0.1)
+        self.run_well("evaluate", self.folder / "cm.vtu", "--image", image, "--unit", "cm")
+        self.assertEqual(self.run_lumesh("info", image, "--unit", "inch").returncode, USAGE)
+
+    def test_check_lists_what_touches_and_commands_change_it(self):
+        def pair(place):
+            i, j, k = place
+            return 1 if math.hypot(j - 7, k - 11.5) <= 3.2 or math.hypot(i - 12, j - 14.2) <= 3.4 else 0
+        voxels = cube(pair)
+        voxels[0] = 1
+        image = self.write("pair.nrrd", voxels)
+        found = {f["kind"]: f for f in json.loads(self.run_well("check", image, "--json").stdout)["findings"]}
+        self.assertEqual(found["islands"]["voxels"], [[0, 0, 0]])
+        self.assertEqual(found["touching"]["count"], 1)
+        self.assertIn("--touching", found["touching"]["remedy"])
+        i, j, k = found["touching"]["voxels"][0]
+        self.assertLess(math.dist((i, j, k), (12, 10.5, 11.5)), 3)
+        for choice, pieces in (("separate", 2), ("join", 1)):
+            result = self.run_well("lattice", image, "--touching", choice, "--drop-below", 9, "-o", self.mesh)
+            self.assertIn("1 voxels, 1 mm³, of small pieces", result.stderr)
+            self.assertIn("between vessels", result.stderr)
+            label = json.loads(self.run_well("info", image, "--touching", choice, "--drop-below", 9, "--json").stdout)["labels"][0]
+            self.assertEqual(label["components"], pieces)
+            numbers = self.folder / "numbers.json"
+            self.run_well("evaluate", self.mesh, "--json", numbers)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,23 @@
+// Which sizes draw a doubt: of models of vessels in other units, and of those in mm that are like them.
+#include "lumesh/io/unit_doubt.hpp"
+
+#include <gtest/gtest.h>
+
+namespace lumesh {
+namespace {
+
+TEST(UnitDoubt, IsOfLengthsThatNoVesselHasInMillimetres) {
+  EXPECT_NE(unit_doubt(0.3).find("`unit` m says so"), std::string::npos);
+  EXPECT_NE(unit_doubt(250000).find("`unit` um says so"), std::string::npos);
+  EXPECT_NE(unit_doubt(34.5, 1.0).find("`unit` cm says so"), std::string::npos);  // An aorta.
+}
+
+TEST(UnitDoubt, IsNotOfCerebralAndCoronaryArteriesInMillimetres) {
+  EXPECT_EQ(unit_doubt(49.6, 1.72), "");  // fenics-aneurysm.
+  EXPECT_EQ(unit_doubt(12.1, 0.94), "");  // A short piece of a small one.
+  EXPECT_EQ(unit_doubt(120, 1.6), "");
+  EXPECT_EQ(unit_doubt(400, 12), "");
+}
+
+}  // namespace
+}  // namespace lumesh
