@@ -1,0 +1,32 @@
+#pragma once
+/// @file Connected parts of a surface as shells: what each encloses, and which lies within which.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lumesh/surface/edges.hpp"
+
+namespace lumesh::surfaces {
+
+struct Shell {
+  double volume_mm3 = 0;  ///< Enclosed, negative where triangles point inwards; of an open part meaningless.
+  Vec3 place_mm = Vec3::Zero();  ///< A corner of it.
+  int depth = 0;                 ///< How many other shells it lies within.
+
+  /// Whether it has to be turned to be what it is by its place: outwards, or into the cavity that it
+  /// encloses.
+  [[nodiscard]] bool is_turned() const { return (volume_mm3 < 0) != (depth % 2 != 0); }
+};
+
+/// Of closed parts whose triangles are turned alike. Threads: parallel inside, the same for every thread
+/// count. Cost: O(n) for each part.
+[[nodiscard]] std::vector<Shell> shells_of(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
+                                           const Parts& parts);
+
+/// Solid angle of a triangle seen from a point, signed, as a share of the sphere: positive where it points
+/// away. Source: van Oosterom and Strackee 1983, doi:10.1109/TBME.1983.325207, eq. (8).
+[[nodiscard]] double share_of_view(const Vec3& corner_a, const Vec3& corner_b, const Vec3& corner_c,
+                                   const Vec3& eye);
+
+}  // namespace lumesh::surfaces

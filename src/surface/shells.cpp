@@ -1,0 +1,49 @@
+#include "lumesh/surface/shells.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh::surfaces {
+
+double share_of_view(const Vec3& corner_a, const Vec3& corner_b, const Vec3& corner_c, const Vec3& eye) {
+  const Vec3 a = corner_a - eye, b = corner_b - eye, c = corner_c - eye;
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  const double under = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+  return std::atan2(a.dot(b.cross(c)), under) / (2 * std::numbers::pi);
+}
+
+std::vector<Shell> shells_of(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
+                             const Parts& parts) {
+  std::vector<Shell> shells(parts.count);
+  for (std::size_t t = triangles.size(); t-- > 0;)
+    shells[parts.of_triangle[t]].place_mm = points[triangles[t][0]];
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    Shell& shell = shells[parts.of_triangle[t]];
+    const auto& [a, b, c] = triangles[t];
+    shell.volume_mm3 +=
+        (points[a] - shell.place_mm).dot((points[b] - shell.place_mm).cross(points[c] - shell.place_mm)) / 6;
+  }
+  for (std::uint32_t s = 0; parts.count > 1 && s < parts.count; ++s) {
+    const double depth = parallel::reduce_blocks(
+        triangles.size(), 4096, 0.0,
+        [&](std::size_t begin, std::size_t end) {
+          double sum = 0;
+          for (std::size_t t = begin; t < end; ++t) {
+            const std::uint32_t other = parts.of_triangle[t];
+            if (other == s) continue;
+            const double share = share_of_view(points[triangles[t][0]], points[triangles[t][1]],
+                                               points[triangles[t][2]], shells[s].place_mm);
+            sum += share * (shells[other].volume_mm3 > 0 ? 1 : -1);
+          }
+          return sum;
+        },
+        [](double a, double b) { return a + b; });
+    shells[s].depth = static_cast<int>(std::lround(depth));
+  }
+  return shells;
+}
+
+}  // namespace lumesh::surfaces
