@@ -9,12 +9,15 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/unit_doubt.hpp"
 #include "lumesh/mesh/validate.hpp"
+#include "lumesh/quality/faults.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/surface/findings.hpp"
 
 namespace lumesh {
 namespace {
+
+constexpr std::size_t kMostProblems = 20;  // Of a mesh.
 
 void check_unit(const MixedMesh& mesh, CheckReport& report) {
   if (mesh.points.empty()) return;
@@ -31,13 +34,20 @@ CheckReport check_surface(const MixedMesh& surface, const std::filesystem::path&
   return report;
 }
 
-/// One finding per problem that validate() lists.
+/// What no simulation survives, with places, then all that validate() asks for besides.
 CheckReport check_mesh(const MixedMesh& mesh) {
+  constexpr const char* kRemedy = "mesh its image or surface anew";
   CheckReport report = {
       "mesh", fmt::format("{} cells, {} points", mesh.view().cell_count(), mesh.points.size()), {}};
-  for (const std::string& problem : validate(mesh.view()).problems)
-    report.findings.push_back(
-        {"invalid", Severity::kFault, 1, problem, "mesh its image or surface anew", {}});
+  for (const std::string& fault : quality::find_faults(mesh.view()))
+    report.findings.push_back({"invalid", Severity::kFault, 1, fault, kRemedy, {}});
+  if (mesh.view().cell_count() == mesh.tetrahedra.size()) {
+    const ValidationReport validity = validate(mesh.view());
+    for (const std::string& problem : validity.problems) {
+      if (report.findings.size() == kMostProblems) break;
+      report.findings.push_back({"invalid", Severity::kFault, 1, problem, kRemedy, {}});
+    }
+  }
   check_unit(mesh, report);
   return report;
 }

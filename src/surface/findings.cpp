@@ -38,6 +38,8 @@ class SurfaceCheck {
     look_at_folds();
     look_at_crossings();
     look_at_parts();
+    std::stable_partition(findings_.begin(), findings_.end(),
+                          [](const Finding& finding) { return finding.severity == Severity::kFault; });
     return std::move(findings_);
   }
 
@@ -125,7 +127,7 @@ class SurfaceCheck {
       (is_opening[r] != 0 ? openings : holes).add(rims[r].centre_mm);
       if (is_opening[r] == 0) widest = std::max(widest, rims[r].radius_mm);
     }
-    openings.text = "openings: flat, wide rims at the end of a wall";
+    openings.text = "openings: wide rims at the end of a wall, or too wide for a hole";
     holes.text = fmt::format("holes in the wall, the widest with a radius of {:.3g} mm", widest);
     is_closed_ = rims.empty();
     keep(std::move(openings));

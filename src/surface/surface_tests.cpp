@@ -14,6 +14,8 @@ namespace lumesh::surfaces {
 namespace {
 
 constexpr double kAcross = 0.7;  // Of an opening: the mean cosine between its plane's normal and the wall's.
+constexpr double kTooWide =
+    0.05;  // Radius over the surface's diagonal; what is missing there nobody can tell.
 
 /// The open edges with their triangles, ascending.
 std::vector<std::array<std::uint32_t, 3>> open_edges(const TriangleMesh& surface) {
@@ -28,6 +30,9 @@ std::vector<std::array<std::uint32_t, 3>> open_edges(const TriangleMesh& surface
 
 std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface, std::span<const Rim> rims) {
   const std::vector<std::array<std::uint32_t, 3>> edges = open_edges(surface);
+  Eigen::AlignedBox3d box;
+  for (const Cell<3>& t : surface.triangles)
+    for (const std::uint32_t v : t) box.extend(surface.points[v]);
   std::vector<std::uint8_t> result;
   for (const Rim& rim : rims) {
     double length = 0, cosine = 0;
@@ -41,7 +46,9 @@ std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface, std::sp
       cosine += edge * std::abs(rim.normal.dot(triangle_normal(surface.points[t[0]], surface.points[t[1]],
                                                                surface.points[t[2]])));
     }
-    result.push_back(rim.is_wide() && rim.is_flat() && cosine < kAcross * length ? 1 : 0);
+    const bool is_too_wide = rim.is_wide() && rim.radius_mm > kTooWide * box.diagonal().norm();
+    const bool is_end = rim.is_wide() && rim.deviation_mm < rim.radius_mm;  // Torn ends are not flat.
+    result.push_back((is_end && cosine < kAcross * length) || is_too_wide ? 1 : 0);
   }
   return result;
 }

@@ -12,8 +12,8 @@
 
 namespace lumesh::surfaces {
 
-/// The findings; empty if there is nothing to say. Points are in mm and finite, triangles name points that
-/// are there. Equal points count as one. Kinds, where they occur:
+/// The findings, faults first; empty if there is nothing to say. Points are in mm and finite, triangles name
+/// points that are there. Equal points count as one. Kinds, where they occur:
 /// - faults: `holes` and `non_manifold_edges` (three triangles or more), `non_manifold_vertices` (triangles
 ///   that are more than one fan), `one_sided`, `duplicate_triangles`, `self_intersections` between sheets;
 /// - remarks, which meshing copes with: `openings`, `turned_triangles`, `inside_out` parts, `folds` (less
@@ -25,8 +25,10 @@ namespace lumesh::surfaces {
 [[nodiscard]] std::vector<Finding> findings_of(std::span<const Vec3> points,
                                                std::span<const Cell<3>> triangles);
 
-/// Of each rim whether it is an opening: wide, flat, and at the end of a wall that comes to it across its
-/// plane. What is missing within a wall is a hole, however flat the wall is.
+/// Of each rim whether it is an opening: wide, within a radius of its plane, and at the end of a wall that
+/// comes to it across that. What is missing within a wall is a hole, however flat
+/// the wall is, unless its radius is more than 5 % of the surface's diagonal: that is nobody's to fill
+/// unasked.
 [[nodiscard]] std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface,
                                                           std::span<const Rim> rims);
 
