@@ -1,0 +1,26 @@
+#pragma once
+/// @file How far triangle surfaces are from each other.
+
+#include <functional>
+
+#include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/mesh/triangle_mesh.hpp"
+
+namespace lumesh::surfaces {
+
+struct FarthestPoint {
+  double distance_mm = 0;
+  Vec3 place_mm = Vec3::Zero();  ///< On the surface that was walked over.
+};
+
+/// The largest distance of points of some triangles to a surface: their corners and centres of equal parts
+/// with no edge above `step_mm`, n^2 of each triangle with n at most 64. One side of the Hausdorff distance.
+/// @param is_wanted  Whether a triangle counts; null: all. @param counts  Whether a point of one does, asked
+/// of points farther than those before; null: all. Threads: parallel inside, bitwise the same for every
+/// count.
+[[nodiscard]] FarthestPoint farthest_from(
+    const TriangleMesh& surface, const TriangleTree& other, double step_mm,
+    const std::function<bool(std::size_t triangle)>& is_wanted = nullptr,
+    const std::function<bool(const Vec3& point, std::size_t triangle)>& counts = nullptr);
+
+}  // namespace lumesh::surfaces

@@ -1,0 +1,165 @@
+// Surfaces with generated faults become sound, near what they were before, and no more than they need.
+#include "lumesh/surface/repair.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "fixtures/surfaces.hpp"
+#include "generated_faults.hpp"
+#include "lumesh/surface/findings.hpp"
+#include "surface_shapes.hpp"
+
+namespace lumesh::surfaces {
+namespace {
+
+TriangleMesh mesh_of(const fixtures::TriangleSoup& soup) {
+  return {soup.points, soup.triangles, std::vector<std::int32_t>(soup.triangles.size(), 0), {}};
+}
+double diagonal_of(const TriangleMesh& surface) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : surface.points) box.extend(p);
+  return box.diagonal().norm();
+}
+double distance_between(const TriangleMesh& a, const TriangleMesh& b) {
+  const double step = diagonal_of(a) / 100;
+  return std::max(farthest_from(a, TriangleTree(b.points, b.triangles), step).distance_mm,
+                  farthest_from(b, TriangleTree(a.points, a.triangles), step).distance_mm);
+}
+/// What findings say that a sound surface must not have.
+std::string faults_of(const TriangleMesh& surface) {
+  std::string faults;
+  for (const Finding& finding : findings_of(surface.points, surface.triangles))
+    if (finding.severity == Severity::kFault || finding.kind == "local_intersections" ||
+        finding.kind == "inside_out" || finding.kind == "turned_triangles")
+      faults += finding.kind + " ";
+  return faults;
+}
+
+struct SoundShape {
+  std::string name;
+  TriangleMesh surface;
+  std::uint64_t openings;
+  std::int64_t genus;
+};
+std::vector<SoundShape> sound_shapes() {
+  return {{"ball", mesh_of(fixtures::icosphere(4, 10)), 0, 0},
+          {"torus", mesh_of(fixtures::torus_surface(10, 3, 64, 24)), 0, 1},
+          {"tube", open_tube({.radius_mm = 3, .length_mm = 30, .around = 40}), 2, 0}};
+}
+
+TEST(LocalRepair, MakesGeneratedFaultsGoodWithinOnePercent) {
+  int tried = 0, repaired = 0;
+  for (const SoundShape& shape : sound_shapes())
+    for (const std::string& kind : FaultMaker::kinds())
+      for (unsigned seed = 1; seed <= 2; ++seed) {
+        SCOPED_TRACE(shape.name + ", " + kind + ", seed " + std::to_string(seed));
+        const RepairedSurface made =
+            repair_locally(FaultMaker(shape.surface, seed).with(kind), 0.01 * diagonal_of(shape.surface));
+        ++tried;
+        if (!made.ok()) {
+          EXPECT_TRUE(made.surface.triangles.empty());
+          EXPECT_LT(made.failure_mm.norm(), 40) << "the place is on the surface";
+          continue;
+        }
+        ++repaired;
+        EXPECT_EQ(faults_of(made.surface), "");
+        EXPECT_EQ(made.report.openings, shape.openings);
+        EXPECT_EQ(made.report.genus, shape.genus);
+        EXPECT_EQ(made.report.components, 1U);
+        EXPECT_LE(distance_between(made.surface, shape.surface), 0.01 * diagonal_of(shape.surface));
+      }
+  EXPECT_GE(repaired, 0.95 * tried) << tried << " tried";
+}
+
+TEST(LocalRepair, LeavesASoundSurfaceAsItIs) {
+  for (const SoundShape& shape : sound_shapes()) {
+    const RepairedSurface made = repair_locally(shape.surface, 0.1);
+    ASSERT_TRUE(made.ok()) << shape.name << made.failure;
+    EXPECT_EQ(made.report.new_triangles, 0U);
+    EXPECT_EQ(made.report.moved.distance_mm, 0);
+    const TriangleMesh same = weld(shape.surface.points, shape.surface.triangles, {});
+    EXPECT_EQ(made.surface.points, same.points) << shape.name;
+    EXPECT_EQ(made.surface.triangles, same.triangles) << shape.name;
+  }
+}
+
+TEST(LocalRepair, ATornEndStaysOpen) {
+  TriangleMesh tube = open_tube({.radius_mm = 3, .length_mm = 30, .around = 40});
+  std::erase_if(tube.triangles, [&](const Cell<3>& t) {
+    const Vec3 middle = (tube.points[t[0]] + tube.points[t[1]] + tube.points[t[2]]) / 3;
+    return (middle - Vec3(3, 0, 30)).norm() < 2;
+  });
+  tube.patches.resize(tube.triangles.size());
+  const RepairedSurface made = repair_locally(tube, 0.3);
+  ASSERT_TRUE(made.ok()) << made.failure;
+  EXPECT_EQ(made.report.openings, 2U);
+  EXPECT_EQ(made.report.holes, 0U);
+}
+
+TEST(LocalRepair, ATriangleWithoutAreaGivesWayWithoutAnyMove) {
+  TriangleMesh cube = mesh_of(fixtures::unit_cube_surface());
+  const auto middle = static_cast<std::uint32_t>(cube.points.size());
+  const Cell<3> t = cube.triangles.back();
+  cube.points.push_back((cube.points[t[2]] + cube.points[t[0]]) / 2);
+  cube.triangles.back() = {t[0], t[1], middle};
+  cube.triangles.push_back({t[1], t[2], middle});
+  cube.triangles.push_back({t[2], t[0], middle});
+  cube.patches.resize(cube.triangles.size(), 0);
+  const RepairedSurface made = repair_locally(cube, 0.01);
+  ASSERT_TRUE(made.ok()) << made.failure;
+  EXPECT_EQ(made.report.flipped_edges, 1U);
+  EXPECT_EQ(made.report.removed_triangles, 0U);
+  EXPECT_TRUE(findings_of(made.surface.points, made.surface.triangles).empty());
+  EXPECT_LT(distance_between(made.surface, cube), 1e-12);
+}
+
+TEST(LocalRepair, TrianglesKeepTheirPatchesAndFillingsTakeThoseAround) {
+  TriangleMesh ball = mesh_of(fixtures::icosphere(4, 10));
+  for (std::size_t t = 0; t < ball.triangles.size(); ++t)
+    ball.patches[t] = ball.points[ball.triangles[t][0]].z() > 0 ? 7 : 3;
+  const RepairedSurface made = repair_locally(FaultMaker(ball, 5).with_holes(), 0.3);
+  ASSERT_TRUE(made.ok()) << made.failure;
+  EXPECT_GT(made.report.new_triangles, 0U);
+  for (std::size_t t = 0; t < made.surface.triangles.size(); ++t) {
+    const auto& [a, b, c] = made.surface.triangles[t];
+    const double z = (made.surface.points[a] + made.surface.points[b] + made.surface.points[c]).z() / 3;
+    if (std::abs(z) > 4) {
+      EXPECT_EQ(made.surface.patches[t], z > 0 ? 7 : 3);
+    }
+  }
+}
+
+TEST(LocalRepair, RefusesBallsThatCrossWithAPlaceOnBoth) {
+  TriangleMesh pair = mesh_of(fixtures::icosphere(3, 10));
+  fixtures::TriangleSoup second =
+      fixtures::icosphere(3, 10).moved([](const Vec3& p) { return Vec3(p + Vec3(12, 0.1, 0)); });
+  const auto offset = static_cast<std::uint32_t>(pair.points.size());
+  pair.points.insert(pair.points.end(), second.points.begin(), second.points.end());
+  for (const auto& [a, b, c] : second.triangles)
+    pair.triangles.push_back({a + offset, b + offset, c + offset});
+  pair.patches.resize(pair.triangles.size(), 0);
+  const RepairedSurface made = repair_locally(pair, 0.01 * diagonal_of(pair));
+  ASSERT_FALSE(made.ok());
+  EXPECT_NEAR(made.failure_mm.norm(), 10, 1.5);
+  EXPECT_NEAR((made.failure_mm - Vec3(12, 0.1, 0)).norm(), 10, 1.5);
+}
+
+TEST(LocalRepair, WallsOfTwoSkinsStay) {
+  // A hollow ball whose wall is thinner than what may move: its inner skin points inwards and is no copy.
+  TriangleMesh ball = mesh_of(fixtures::icosphere(3, 10));
+  const TriangleMesh inner = mesh_of(fixtures::icosphere(3, 9.9).reversed());
+  const auto offset = static_cast<std::uint32_t>(ball.points.size());
+  ball.points.insert(ball.points.end(), inner.points.begin(), inner.points.end());
+  for (const auto& [a, b, c] : inner.triangles)
+    ball.triangles.push_back({a + offset, b + offset, c + offset});
+  ball.patches.resize(ball.triangles.size(), 0);
+  const RepairedSurface made = repair_locally(ball, 0.3);
+  ASSERT_TRUE(made.ok()) << made.failure;
+  EXPECT_EQ(made.report.components, 2U);
+  EXPECT_EQ(made.surface.triangles.size(), ball.triangles.size());
+}
+
+}  // namespace
+}  // namespace lumesh::surfaces
