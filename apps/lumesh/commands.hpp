@@ -19,6 +19,7 @@ void add_merge_command(CLI::App& program);
 void add_metric_command(CLI::App& program);
 void add_phantom_command(CLI::App& program);
 void add_rename_command(CLI::App& program);
+void add_repair_command(CLI::App& program);
 void add_run_command(CLI::App& program);
 void add_options_command(CLI::App& program);
 

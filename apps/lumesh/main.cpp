@@ -75,6 +75,7 @@ int main(int argc, char** argv) {
   lumesh::cli::add_phantom_command(program);
   lumesh::cli::add_info_command(program);
   lumesh::cli::add_check_command(program);
+  lumesh::cli::add_repair_command(program);
   lumesh::cli::add_lattice_command(program);
   lumesh::cli::add_delaunay_command(program);
   lumesh::cli::add_metric_command(program);

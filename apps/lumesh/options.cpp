@@ -7,6 +7,7 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "lumesh/pipeline/case.hpp"
+#include "lumesh/stages/repair_stage.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -31,10 +32,13 @@ nlohmann::ordered_json sections_json() {
     nlohmann::ordered_json& options = json[section.name.empty() ? "case" : section.name];
     for (const Option& option : section.options.all()) options.push_back(option_json(option));
   }
-  // A stage that cases have as a part of others only.
+  // Stages that cases have as a part of others only, or not at all.
   ImproveOptions improvement;
   const OptionList of_improve = options_of(improvement);
   for (const Option& option : of_improve.all()) json["improve"].push_back(option_json(option));
+  RepairRequest repair;
+  const OptionList of_repair = options_of(repair);
+  for (const Option& option : of_repair.all()) json["repair"].push_back(option_json(option));
   return json;
 }
 

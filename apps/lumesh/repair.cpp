@@ -1,0 +1,122 @@
+#include <fmt/core.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "long_run.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/text_file.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/stages/input.hpp"
+#include "lumesh/stages/repair_stage.hpp"
+#include "option_adapter.hpp"
+
+namespace lumesh::cli {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+struct RepairCommand {
+  const CLI::App* self = nullptr;
+  std::string from, to, json_path;
+  RepairRequest request;
+  RunOptions run;
+};
+
+json to_json(const RepairOutcome& outcome) {
+  const surfaces::RepairReport& r = outcome.report;
+  const Vec3& at = r.moved.place_mm;
+  return {{"method", outcome.was_rebuilt ? "rebuild" : "local"},
+          {"local_failure", outcome.local_failure},
+          {"max_distance_mm", outcome.max_distance_mm},
+          {"moved_mm", r.moved.distance_mm},
+          {"moved_at_mm", {at.x(), at.y(), at.z()}},
+          {"given_components", outcome.given_components},
+          {"components", r.components},
+          {"openings", r.openings},
+          {"duplicate_triangles", r.duplicate_triangles},
+          {"dropped_components", r.dropped_parts},
+          {"dropped_triangles", r.dropped_triangles},
+          {"singular_edges", r.singular_edges},
+          {"singular_points", r.singular_points},
+          {"turned_triangles", r.turned_triangles},
+          {"flipped_edges", r.flipped_edges},
+          {"holes", r.holes},
+          {"widest_hole_mm", r.widest_hole_mm},
+          {"rounds", r.rounds},
+          {"removed_triangles", r.removed_triangles},
+          {"new_triangles", r.new_triangles},
+          {"grid_spacing_mm", outcome.spacing_mm}};
+}
+
+void say_what_was_done(const RepairCommand& command, const RepairOutcome& outcome) {
+  const surfaces::RepairReport& r = outcome.report;
+  const auto line = [&](std::uint64_t count, const std::string& what) {
+    if (count > 0) say(command.run, "{:>8}  {}\n", count, what);
+  };
+  if (outcome.was_rebuilt) {
+    if (!outcome.local_failure.empty())
+      say(command.run, "local repair is not enough: {}\n", outcome.local_failure);
+    line(r.new_triangles, fmt::format("triangles, all new: rebuilt from winding numbers, {:.3g} mm apart",
+                                      outcome.spacing_mm));
+  } else {
+    line(r.duplicate_triangles, "triangles that were there twice left out");
+    line(r.dropped_parts,
+         fmt::format("components of {} triangles dropped: specks, or on others", r.dropped_triangles));
+    line(r.singular_edges, "edges of three triangles or more cut");
+    line(r.singular_points, "points where the surface touched itself divided");
+    line(r.turned_triangles, "triangles turned");
+    line(r.flipped_edges, "edges beside triangles without area swapped");
+    line(r.holes, fmt::format("holes filled, the widest with a radius of {:.3g} mm", r.widest_hole_mm));
+    line(r.removed_triangles, fmt::format("triangles at crossings replaced, in {} rounds", r.rounds));
+    line(r.new_triangles, "new triangles in all");
+    line(r.openings, "openings left open");
+  }
+  say(command.run,
+      "{}: {} triangles, {} components ({} before); nothing moved farther than {:.3g} mm of {:.3g} mm\n",
+      command.to, outcome.surface.triangles.size(), r.components, outcome.given_components,
+      r.moved.distance_mm, outcome.max_distance_mm);
+}
+
+void run(RepairCommand command) {
+  const Interruptible interruptible;
+  const parallel::ThreadLimit limit(command.run.threads);
+  Context context = make_context(command.run);
+  check_surface_output(command.to);
+  check_output_folders({command.to, command.json_path});
+  check_inputs_stay({command.to, command.json_path}, {command.from});
+  command.request.in_single_precision = command.to.ends_with(".stl");
+  const MixedMesh surface = context.phase("read", [&] { return read_surface(command.from); });
+  warn_of_unit(surface, command.from, context);
+  RepairOutcome outcome = naming(command.from, [&] {
+    return context.phase("repair", [&] { return repair_surface(surface, command.request, context); });
+  });
+  outcome.surface.info.provenance = provenance_of(*command.self, command.from, surface.info.provenance);
+  context.phase("write", [&] { write_surface(command.to, outcome.surface.view()); });
+  if (!command.json_path.empty()) write_text_file(command.json_path, to_json(outcome).dump(2) + "\n");
+  say_what_was_done(command, outcome);
+}
+
+}  // namespace
+
+void add_repair_command(CLI::App& program) {
+  const auto command = std::make_shared<RepairCommand>();
+  CLI::App* sub = program.add_subcommand("repair", "Make a surface with faults one that can be meshed");
+  command->self = sub;
+  sub->add_option("from", command->from, "Surface to read (.vtp, .stl)")->required();
+  sub->add_option("-o,--output", command->to,
+                  "Surface to write (" + formats_for(MeshUse::kWriteSurface) + ")")
+      ->required();
+  add_options_of(*sub, command->request);
+  sub->add_option("--json", command->json_path, "Write what was done as JSON");
+  add_threads_option(*sub, command->run);
+  add_verbosity_options(*sub, command->run);
+  sub->footer("Example: lumesh repair scanned.stl -o sound.vtp");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace lumesh::cli

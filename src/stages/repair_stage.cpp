@@ -1,0 +1,142 @@
+#include "lumesh/stages/repair_stage.hpp"
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/surface/edges.hpp"
+#include "lumesh/surface/findings.hpp"
+#include "lumesh/surface/rims.hpp"
+#include "place_text.hpp"
+#include "surface_rebuild.hpp"
+
+namespace lumesh {
+namespace {
+
+struct Length {
+  double number = 0;
+  bool is_percent = false;
+};
+
+Length parsed_length(const std::string& text) {
+  Length length;
+  length.is_percent = text.ends_with('%');
+  const char* const end = text.data() + text.size() - (length.is_percent ? 1 : 0);
+  const auto [stop, fault] = std::from_chars(text.data(), end, length.number);
+  if (fault != std::errc() || stop != end || !(length.number > 0) || !std::isfinite(length.number))
+    throw Error(ErrorKind::kUsage,
+                option_name("max_distance") +
+                    " must be a length in mm or a percentage, greater than 0, such as 0.2 or 1%");
+  return length;
+}
+
+std::uint64_t count_components(const TriangleMesh& surface) {
+  TriangleMesh copy = surface;
+  return surfaces::turn_alike(copy).count;
+}
+
+/// What is inside of it is what the whole is about, whichever way its triangles are turned.
+TriangleMesh turned_outwards(const MixedMesh& surface) {
+  TriangleMesh mesh = surfaces::weld(surface.points, surface.triangles, surface.triangle_patches);
+  surfaces::without_triangles(mesh, surfaces::duplicate_triangles(mesh.triangles));
+  surfaces::turn_alike(mesh);
+  std::vector<surfaces::Rim> rims = surfaces::find_rims(mesh);
+  surfaces::turn_outwards(mesh, rims);
+  return mesh;
+}
+
+/// Where it has openings: it would close them.
+const Vec3* place_of_opening(const std::vector<surfaces::Rim>& rims, const TriangleMesh& mesh) {
+  const std::vector<std::uint8_t> is_opening = surfaces::rims_are_openings(mesh, rims);
+  const auto first = std::find(is_opening.begin(), is_opening.end(), 1);
+  return first == is_opening.end() ? nullptr
+                                   : &rims[static_cast<std::size_t>(first - is_opening.begin())].centre_mm;
+}
+
+[[noreturn]] void refuse(const std::string& why, const Vec3& place) {
+  throw Error(ErrorKind::kNotReached,
+              fmt::format("cannot be repaired: {} at {}; mend it by hand or allow more: {}", why,
+                          place_text(place), option_name("max_distance")));
+}
+
+/// The checker's last word.
+void require_no_faults(const TriangleMesh& result, const std::string& consequence) {
+  for (const Finding& finding : surfaces::findings_of(result.points, result.triangles))
+    if (finding.severity == Severity::kFault)
+      refuse(consequence + finding.text, finding.places_mm.empty() ? result.points[0] : finding.places_mm[0]);
+}
+
+void rebuild(const MixedMesh& given, RepairOutcome& outcome, TriangleMesh& result, Context& context) {
+  const TriangleMesh mesh = turned_outwards(given);
+  const std::vector<surfaces::Rim> rims = surfaces::find_rims(mesh);
+  const std::string before = outcome.local_failure.empty() ? "" : outcome.local_failure + "; ";
+  if (const Vec3* const opening = place_of_opening(rims, mesh))
+    refuse(before + "rebuilding would close the opening", *opening);
+  RebuiltSurface made = rebuild_surface(mesh, outcome.max_distance_mm, context);
+  if (!made.failure.empty()) refuse(before + made.failure, made.failure_mm);
+  outcome.was_rebuilt = true;
+  outcome.spacing_mm = made.spacing_mm;
+  outcome.report.moved = made.moved;
+  outcome.report.new_triangles = made.surface.triangles.size();
+  outcome.report.components = count_components(made.surface);
+  result = std::move(made.surface);
+}
+
+}  // namespace
+
+void RepairRequest::describe(OptionList& list) {
+  list.text("max_distance", max_distance,
+            "How far anything may move: a length in mm, or with % a share of the surface's diagonal");
+  list.choice<RepairMethod>(
+      "method", method,
+      {{"auto", RepairMethod::kAuto}, {"local", RepairMethod::kLocal}, {"rebuild", RepairMethod::kRebuild}},
+      "local: what is sound stays to the last bit; rebuild: made anew of what is inside; auto: rebuilt where "
+      "local "
+      "repair fails");
+}
+
+void RepairRequest::validate() const {
+  (void)parsed_length(max_distance);
+}
+
+double RepairRequest::max_distance_mm(double diagonal_mm) const {
+  const Length length = parsed_length(max_distance);
+  return length.is_percent ? length.number / 100 * diagonal_mm : length.number;
+}
+
+RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& request, Context& context) {
+  request.validate();
+  if (surface.triangles.empty()) throw Error(ErrorKind::kBadInput, "the surface has no triangles");
+  Eigen::AlignedBox3d box;
+  for (const Cell<3>& t : surface.triangles)
+    for (const std::uint32_t v : t) box.extend(surface.points[v]);
+  RepairOutcome outcome;
+  outcome.max_distance_mm = request.max_distance_mm(box.diagonal().norm());
+  TriangleMesh given{surface.points, surface.triangles, surface.triangle_patches, {}}, result;
+  outcome.given_components = count_components(surfaces::weld(given.points, given.triangles, given.patches));
+  if (request.method != RepairMethod::kRebuild) {
+    surfaces::RepairedSurface repaired = surfaces::repair_locally(given, outcome.max_distance_mm);
+    outcome.report = repaired.report;
+    if (!repaired.ok() && request.method == RepairMethod::kLocal)
+      refuse(repaired.failure, repaired.failure_mm);
+    outcome.local_failure = repaired.failure;
+    result = std::move(repaired.surface);
+  }
+  if (result.triangles.empty()) rebuild(surface, outcome, result, context);
+  if (request.in_single_precision)
+    for (Vec3& p : result.points) p = p.cast<float>().cast<double>();
+  require_no_faults(
+      result, request.in_single_precision ? "rounded as in .stl (write .vtp) it has " : "it still has ");
+  outcome.surface.points = std::move(result.points);
+  outcome.surface.triangles = std::move(result.triangles);
+  outcome.surface.triangle_patches = std::move(result.patches);
+  outcome.surface.info = surface.info;
+  return outcome;
+}
+
+}  // namespace lumesh

@@ -1,0 +1,151 @@
+#include "surface_rebuild.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/image/crossings.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/stages/delaunay_stage.hpp"
+#include "lumesh/surface/findings.hpp"
+#include "lumesh/surface/winding.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr double kInsideWinding = 0.5;  // Winding number.
+constexpr double kMostVoxels = 3e7;
+
+ImageFrame frame_around(std::span<const Vec3> points, double spacing_mm) {
+  constexpr double kMargin = 4;  // Voxels.
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : points) box.extend(p);
+  ImageFrame frame;
+  frame.spacing_mm = Vec3::Constant(spacing_mm);
+  frame.origin_mm = box.min() - Vec3::Constant(kMargin * spacing_mm);
+  for (int axis = 0; axis < 3; ++axis)
+    frame.size[axis] = static_cast<int>(std::ceil(box.sizes()[axis] / spacing_mm + 2 * kMargin));
+  return frame;
+}
+
+/// A given surface, and questions to it.
+class GivenSurface {
+ public:
+  explicit GivenSurface(const TriangleMesh& mesh)
+      : mesh_(mesh), tree_(mesh.points, mesh.triangles), winding_(mesh.points, mesh.triangles) {}
+
+  [[nodiscard]] LabelImage image(double spacing_mm) const {
+    LabelImage image(frame_around(mesh_.points, spacing_mm), {0, 1});
+    std::vector<float> depths(image.voxels().size());
+    const Index3 blocks = (image.frame().size.array() + kBlock - 1) / kBlock;
+    parallel::for_each_index(
+        static_cast<std::size_t>(blocks.prod()),
+        [&](std::size_t b) {
+          const auto n = static_cast<int>(b);
+          fill_block(
+              kBlock * Index3(n % blocks.x(), n / blocks.x() % blocks.y(), n / blocks.x() / blocks.y()),
+              image, depths);
+        },
+        1);
+    parallel::for_each_index(depths.size(),
+                             [&](std::size_t i) { image.voxels()[i] = depths[i] > 0 ? 1 : 0; });
+    (void)find_crossings<float>(depths, 0.0, image);
+    return image;
+  }
+
+  /// Whether there is inside on one side of a place on the surface and outside on the other.
+  [[nodiscard]] bool is_boundary(const Vec3& point, std::size_t triangle, double step_mm) const {
+    const auto& [a, b, c] = mesh_.triangles[triangle];
+    const Vec3 step = step_mm * triangle_normal(mesh_.points[a], mesh_.points[b], mesh_.points[c]);
+    return winding_.at(point + step) < kInsideWinding || winding_.at(point - step) < kInsideWinding;
+  }
+  [[nodiscard]] const TriangleTree& tree() const { return tree_; }
+
+ private:
+  static constexpr int kBlock = 8;  // Voxels along its edges.
+
+  /// Where no triangle is near, one voxel speaks for all.
+  void fill_block(const Index3& first, const LabelImage& image, std::vector<float>& depths) const {
+    const ImageFrame& frame = image.frame();
+    const Index3 end = (first.array() + kBlock).min(frame.size.array());
+    const double spacing = frame.spacing_mm.x(), far = 2 * spacing;
+    const Vec3 low = frame.to_physical(first.cast<double>()), high = frame.to_physical(end.cast<double>());
+    const bool is_near = !tree_.overlapping(low - frame.spacing_mm, high).empty();
+    const double common = is_near ? 0 : signed_by_winding(far, low);
+    for (int k = first.z(); k < end.z(); ++k)
+      for (int j = first.y(); j < end.y(); ++j)
+        for (int i = first.x(); i < end.x(); ++i) {
+          const Index3 v(i, j, k);
+          const Vec3 p = frame.to_physical(v.cast<double>());
+          depths[frame.offset(v)] = static_cast<float>(
+              is_near ? signed_by_winding(std::min(far, tree_.nearest(p, far).distance), p) : common);
+        }
+  }
+  [[nodiscard]] double signed_by_winding(double distance, const Vec3& p) const {
+    return winding_.at(p) > kInsideWinding ? std::max(distance, 1e-30) : -distance;
+  }
+
+  const TriangleMesh& mesh_;
+  TriangleTree tree_;
+  WindingNumbers winding_;
+};
+
+TriangleMesh meshed_boundary(const LabelImage& image, Context& context) {
+  const ImageDomain domain(image, {{BoundaryFidelity::kExact}, {}});
+  DelaunayRequest request;
+  request.delaunay.size_mm = 8 * domain.resolution_mm();  // Only its surface is wanted.
+  return extract_boundary(make_delaunay_mesh(domain, request, nullptr, context).mesh);
+}
+
+/// One try. @param max_distance_mm  What it may move at most.
+RebuiltSurface rebuilt_at(const TriangleMesh& given, const GivenSurface& surface, double spacing_mm,
+                          double max_distance_mm, Context& context) {
+  RebuiltSurface made;
+  made.spacing_mm = spacing_mm;
+  made.surface = meshed_boundary(surface.image(spacing_mm), context);
+  for (std::size_t t = 0; t < made.surface.triangles.size(); ++t) {
+    const auto& [a, b, c] = made.surface.triangles[t];
+    const Vec3 middle = (made.surface.points[a] + made.surface.points[b] + made.surface.points[c]) / 3;
+    made.surface.patches[t] = given.patches[surface.tree().nearest(middle).triangle];
+  }
+  made.surface.volume_points.clear();
+  const double step = max_distance_mm / 4;
+  const TriangleTree tree(made.surface.points, made.surface.triangles);
+  const surfaces::FarthestPoint out = surfaces::farthest_from(
+      given, tree, step, nullptr,
+      [&](const Vec3& p, std::size_t t) { return surface.is_boundary(p, t, max_distance_mm / 2); });
+  const surfaces::FarthestPoint back = surfaces::farthest_from(made.surface, surface.tree(), step);
+  made.moved = back.distance_mm > out.distance_mm ? back : out;
+  if (made.moved.distance_mm > max_distance_mm) {
+    made.failure = "rebuilt it would move farther than asked";
+    made.failure_mm = made.moved.place_mm;
+  }
+  for (const Finding& finding : surfaces::findings_of(made.surface.points, made.surface.triangles)) {
+    if (finding.severity != Severity::kFault || finding.places_mm.empty()) continue;
+    made.failure = "rebuilt it still has " + finding.text;
+    made.failure_mm = finding.places_mm.front();
+  }
+  return made;
+}
+
+}  // namespace
+
+RebuiltSurface rebuild_surface(const TriangleMesh& given, double max_distance_mm, Context& context) {
+  constexpr int kTries = 3;
+  const GivenSurface surface(given);
+  RebuiltSurface made;
+  made.failure = "so small a distance needs too fine a grid";
+  double spacing = max_distance_mm / 2;
+  for (int n = 0; n < kTries; ++n, spacing /= 2) {
+    if (frame_around(given.points, spacing).size.cast<double>().prod() > kMostVoxels) break;
+    made = rebuilt_at(given, surface, spacing, max_distance_mm, context);
+    if (made.failure.empty()) break;
+  }
+  return made;
+}
+
+}  // namespace lumesh

@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""`lumesh check` and `lumesh repair`: what they find, make good, refuse, and how they end.
+
+Usage: check_test.py LUMESH      Exit codes of lumesh: 0 good, 2 bad input, 3 unfit or not repaired.
+"""
+import json
+import math
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from program import BAD_INPUT, NOT_REACHED, USAGE, ProgramTest
+
+SHARED = pathlib.Path(__file__).resolve().parents[3] / "shared/data"
+
+
+def tube(length, shift=(0, 0, 0), axis=2, radius=2.0, around=24):
+    """Triangles, each of three points, of a closed tube along an axis, in coordinates that single precision holds."""
+    rows = round(length / 0.5)
+
+    def point(row, i, factor=1.0):
+        angle = 2 * math.pi * i / around
+        p = [factor * radius * math.cos(angle), factor * radius * math.sin(angle), -length / 2 + row * 0.5]
+        p = [round(1024 * p[(k - axis - 1) % 3] + 1024 * shift[k]) / 1024 for k in range(3)]
+        return tuple(p)
+
+    triangles = []
+    for row in range(rows):
+        for i in range(around):
+            a, b, c, d = point(row, i), point(row, i + 1), point(row + 1, i), point(row + 1, i + 1)
+            triangles += [(a, b, c), (b, d, c)]
+    for i in range(around):
+        triangles += [(point(0, 0, 0), point(0, i + 1), point(0, i)), (point(rows, 0, 0), point(rows, i), point(rows, i + 1))]
+    return triangles
+
+
+def write_stl(path, solids):
+    with open(path, "w", encoding="utf-8") as file:
+        for name, triangles in solids.items():
+            file.write(f"solid {name}\n")
+            for triangle in triangles:
+                file.write("facet normal 0 0 0\nouter loop\n")
+                file.writelines("vertex {!r} {!r} {!r}\n".format(*p) for p in triangle)
+                file.write("endloop\nendfacet\n")
+            file.write(f"endsolid {name}\n")
+
+
+class CheckTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.stl, self.out = self.folder / "in.stl", self.folder / "out.vtp"
+
+    def write(self, *parts):
+        write_stl(self.stl, {f"part_{n}": triangles for n, triangles in enumerate(parts)})
+
+    def check(self, path, code=0):
+        result = self.run_lumesh("check", path, "--json")
+        self.assertEqual(result.returncode, code, result.stderr)
+        told = json.loads(result.stdout)
+        self.assertEqual(told["fit"], code == 0)
+        return {finding["kind"]: finding for finding in told["findings"]}
+
+    def test_a_sound_surface_has_no_findings(self):
+        self.write(tube(10))
+        self.assertEqual(self.check(self.stl), {})
+        self.assertIn("nothing found", self.run_well("check", self.stl).stdout)
+
+    def test_faults_are_told_with_count_place_and_remedy(self):
+        triangles = tube(10)
+        missing = triangles.pop(200)
+        self.write(triangles)
+        hole = self.check(self.stl, NOT_REACHED)["holes"]
+        self.assertEqual(hole["count"], 1)
+        middle = [sum(p[k] for p in missing) / 3 for k in range(3)]
+        self.assertLess(math.dist(hole["places_mm"][0], middle), 0.3)
+        self.assertIn("lumesh repair", hole["remedy"])
+        self.assert_refused(self.run_lumesh("check", self.stl, "-q"), NOT_REACHED, "in.stl")
+
+    def test_what_cannot_be_read_is_bad_input(self):
+        self.stl.write_text("solid x\nfacet")
+        self.assert_refused(self.run_lumesh("check", self.stl), BAD_INPUT, "in.stl")
+        self.assert_refused(self.run_lumesh("check", self.folder / "none.stl"), BAD_INPUT, "none.stl")
+
+    def test_a_mesh_is_looked_at_as_a_whole(self):
+        self.write(tube(10))
+        mesh = self.folder / "mesh.vtu"
+        self.run_well("delaunay", self.stl, "-o", mesh, "--delta", "1", "-q")
+        self.assertEqual(self.check(mesh), {})
+
+    def test_repair_makes_faults_good_and_says_what_it_did(self):
+        triangles = tube(10)
+        del triangles[200:204]
+        triangles[50] = triangles[50][::-1]
+        self.write(triangles, triangles[300:330])  # A piece of the wall is there twice.
+        done = self.folder / "done.json"
+        said = self.run_well("repair", self.stl, "-o", self.out, "--json", done).stdout
+        self.assertIn("holes filled", said)
+        told = json.loads(done.read_text())
+        self.assertEqual((told["method"], told["holes"], told["duplicate_triangles"]), ("local", 1, 30))
+        self.assertEqual(told["turned_triangles"], 1)
+        self.assertEqual(self.check(self.out), {})
+        self.run_well("delaunay", self.out, "-o", self.folder / "mesh.vtu", "--delta", "1", "-q")
+
+    def test_openings_stay_open_and_patches_keep_their_names(self):
+        wall = [t for t in tube(10) if not all(abs(abs(p[2]) - 5) < 1e-6 for p in t)]
+        write_stl(self.stl, {"left": [t for t in wall if sum(p[0] for p in t) < 0],
+                             "right": [t for t in wall if sum(p[0] for p in t) >= 0 and t is not wall[100]]})
+        self.run_well("repair", self.stl, "-o", self.out)
+        found = self.check(self.out)
+        self.assertEqual((list(found), found["openings"]["count"]), (["openings"], 2))
+        info = json.loads(self.run_well("info", self.out, "--json", "-q").stdout)
+        self.assertEqual([patch["name"] for patch in info["patches"]], ["left", "right"])
+        self.assertEqual(sum(patch["faces"] for patch in info["patches"]), len(wall))
+
+    def test_tubes_that_cross_become_one(self):
+        self.write(tube(10), tube(10, axis=0, shift=(0.1, 0.3, 0.2)))
+        self.assertIn("self_intersections", self.check(self.stl, NOT_REACHED))
+        self.assert_refused(self.run_lumesh("repair", self.stl, "-o", self.out, "--method", "local"), NOT_REACHED, " mm")
+        self.assertFalse(self.out.exists())
+        done = self.folder / "done.json"
+        self.run_well("repair", self.stl, "-o", self.out, "--json", done)
+        told = json.loads(done.read_text())
+        self.assertEqual((told["method"], told["given_components"], told["components"]), ("rebuild", 2, 1))
+        self.assertLessEqual(told["moved_mm"], told["max_distance_mm"])
+        self.assertNotIn("self_intersections", self.check(self.out))
+        self.run_well("delaunay", self.out, "-o", self.folder / "mesh.vtu", "--delta", "1", "-q")
+
+    def test_a_distance_that_is_none_is_refused(self):
+        self.write(tube(10))
+        for text in ("0", "-1%", "wide", "nan"):
+            self.assert_refused(self.run_lumesh("repair", self.stl, "-o", self.out, f"--max-distance={text}"), USAGE,
+                                "--max-distance")
+
+    def test_surfaces_of_others_are_repaired_or_refused_with_a_place(self):
+        if not SHARED.is_dir():
+            self.skipTest(f"no {SHARED}")
+        for name in ("palabos_aneurysm.stl", "aorta-surface-two-segments.vtp"):
+            with self.subTest(name):
+                result = self.run_lumesh("repair", SHARED / "unseen" / name, "-o", self.out)
+                if result.returncode == 0:
+                    self.check(self.out)
+                else:
+                    self.assert_refused(result, NOT_REACHED, " mm")
+
+
+if __name__ == "__main__":
+    unittest.main()
