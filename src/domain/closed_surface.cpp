@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/findings.hpp"
+#include "lumesh/surface/shells.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -135,41 +135,15 @@ std::vector<std::uint32_t> turn_alike(ClosedSurface& surface, std::uint32_t& she
   return shell;
 }
 
-/// Solid angle of a triangle, signed, as a share of the sphere.
-/// Source: van Oosterom and Strackee 1983, doi:10.1109/TBME.1983.325207, eq. (8).
-double share_of_view(const ClosedSurface& surface, std::uint32_t t, const Vec3& eye) {
-  const Vec3 a = surface.corner(t, 0) - eye, b = surface.corner(t, 1) - eye, c = surface.corner(t, 2) - eye;
-  const double la = a.norm(), lb = b.norm(), lc = c.norm();
-  const double under = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-  return std::atan2(a.dot(b.cross(c)), under) / (2 * std::numbers::pi);
-}
-
 /// Turns shells outwards; those within an odd number of others are cavities and are turned into them.
 void turn_outwards(ClosedSurface& surface) {
-  std::uint32_t shell_count = 0;
-  const std::vector<std::uint32_t> shell = turn_alike(surface, shell_count);
-  std::vector<double> volume(shell_count, 0), depth(shell_count, 0);
-  std::vector<Vec3> point(shell_count);
-  const auto count = static_cast<std::uint32_t>(surface.triangles.size());
-  for (std::uint32_t t = 0; t < count; ++t) point[shell[t]] = surface.corner(t, 0);
-  for (std::uint32_t t = 0; t < count; ++t) volume[shell[t]] += six_volumes(surface, t, point[shell[t]]) / 6;
-  for (std::uint32_t s = 0; s < shell_count; ++s)
-    if (volume[s] == 0) refuse("the surface encloses nothing at " + place(point[s]) + " mm");
-  for (std::uint32_t s = 0; shell_count > 1 && s < shell_count; ++s) {
-    depth[s] = parallel::reduce_blocks(
-        count, 4096, 0.0,
-        [&](std::size_t begin, std::size_t end) {
-          double sum = 0;
-          for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t)
-            if (shell[t] != s) sum += share_of_view(surface, t, point[s]) * (volume[shell[t]] > 0 ? 1 : -1);
-          return sum;
-        },
-        [](double a, double b) { return a + b; });
-  }
-  for (std::uint32_t t = 0; t < count; ++t) {
-    const bool is_cavity = std::lround(depth[shell[t]]) % 2 != 0;
-    if ((volume[shell[t]] < 0) != is_cavity) turn(surface, t);
-  }
+  Parts parts;
+  parts.of_triangle = turn_alike(surface, parts.count);
+  const std::vector<Shell> shells = shells_of(surface.points, surface.triangles, parts);
+  for (const Shell& shell : shells)
+    if (shell.volume_mm3 == 0) refuse("the surface encloses nothing at " + place(shell.place_mm) + " mm");
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    if (shells[parts.of_triangle[t]].is_turned()) turn(surface, t);
 }
 
 /// All triangles at a point must form one fan.
