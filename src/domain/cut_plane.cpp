@@ -25,8 +25,9 @@ double kept_share(const ImageFrame& frame, std::span<const CutPlane> planes, con
 double CutPlane::beyond_mm(const Vec3& x) const {
   const double above = height(x);
   if (!is_bounded()) return above;
-  const double off_axis_mm = (x - point_mm - above * normal).norm();
-  return std::min({above, radius_mm - off_axis_mm, depth_mm - above});
+  const double inside_mm =
+      section ? section->inside_mm(x) : radius_mm - (x - point_mm - above * normal).norm();
+  return std::min({above, inside_mm, depth_mm - above});
 }
 
 std::vector<double> count_kept_voxels(const LabelImage& image, std::span<const CutPlane> planes) {

@@ -1,6 +1,7 @@
 #include "lumesh/domain/image_domain.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "descent.hpp"
 #include "lumesh/core/error.hpp"
@@ -19,15 +20,22 @@ bool is_background(const LabelImage::Index* row, std::size_t width) {
 
 }  // namespace
 
-ImageDomain::ImageDomain(const LabelImage& image, const ImageDomainOptions& options)
-    : field_(image, options.field), labels_(image.values()), label_names_(image.label_names()) {
+ImageDomain::ImageDomain(const LabelImage& image, LabelField field, const std::vector<CutPlane>& cuts)
+    : field_(std::move(field)), labels_(image.values()), label_names_(image.label_names()) {
   const ImageFrame& f = image.frame();
   index_from_mm_ = f.spacing_mm.cwiseInverse().asDiagonal() * f.direction.transpose();
   voxel_size_mm_ = std::cbrt(f.voxel_volume_mm3());
   unit_mm_ = f.spacing_mm.minCoeff();
   find_object_box(image);
   add_border_cuts(image);
-  for (const CutPlane& plane : options.cut_planes) {
+  add_cuts(cuts);
+}
+
+ImageDomain::ImageDomain(const LabelImage& image, const ImageDomainOptions& options)
+    : ImageDomain(image, LabelField(image, options.field), options.cut_planes) {}
+
+void ImageDomain::add_cuts(const std::vector<CutPlane>& cuts) {
+  for (const CutPlane& plane : cuts) {
     if (!(plane.normal.norm() > 0) || !plane.normal.allFinite() || !plane.point_mm.allFinite())
       throw Error(ErrorKind::kUsage, "a cut plane needs a finite point and a normal that is not zero");
     cuts_.push_back(plane);
@@ -85,7 +93,7 @@ void ImageDomain::add_border_cuts(const LabelImage& image) {
 ImageDomain::CutDistance ImageDomain::furthest_cut(const Vec3& point_mm, bool is_bounded) const {
   CutDistance furthest;
   for (std::size_t c = 0; c < cuts_.size(); ++c) {
-    if (cuts_[c].is_bounded() != is_bounded) continue;
+    if (cuts_[c].is_bounded() != is_bounded || cuts_[c].height(point_mm) <= furthest.beyond_mm) continue;
     const double beyond = cuts_[c].beyond_mm(point_mm);
     if (beyond > furthest.beyond_mm) furthest = {c, beyond};
   }

@@ -52,18 +52,23 @@ double surrounded_mm2(const Opening& ring, std::span<const Opening> all) {
   return area_mm2;
 }
 
-/// Names of one kind, with the label where they are of several.
+/// Names of one kind, with the label where they are of several, for those that have none.
 template <class IsMember, class NameOf>
 void name_members(const PatchNaming& naming, std::span<Opening> openings, const IsMember& is_member,
                   const NameOf& name_of) {
   std::set<Label> labels;
-  for (const Opening& o : openings)
+  std::set<std::string> names;
+  for (const Opening& o : openings) {
     if (is_member(o)) labels.insert(o.label);
+    names.insert(o.name);
+  }
   std::size_t number = 0;
   for (Opening& o : openings) {
-    if (!is_member(o)) continue;
-    o.name = name_of(number++);
-    if (labels.size() > 1) o.name += "_" + naming.label(o.label);
+    if (!is_member(o) || !o.name.empty()) continue;
+    do {
+      o.name = name_of(number++);
+      if (labels.size() > 1) o.name += "_" + naming.label(o.label);
+    } while (names.contains(o.name));
   }
 }
 

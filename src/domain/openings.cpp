@@ -167,11 +167,14 @@ class PlaneOpenings {
       if (found.area_mm2 >= kMinArea * voxel_face_mm2(domain_, plane_.normal)) openings.push_back(found);
     }
     mark_rims(openings);
+    name_as_planned(openings);
     return openings;
   }
 
   /// What of the plane may cut the object.
   [[nodiscard]] PlaneGrid whole_plane(double step_mm) const {
+    if (plane_.section)
+      return {domain_, beyond_, plane_, u_, v_, plane_.point_mm, plane_.radius_mm, plane_.radius_mm, step_mm};
     const Box3 bounds = domain_.bounds_mm();
     double half_u = 0, half_v = 0;
     for (int corner = 0; corner < 8; ++corner) {
@@ -184,6 +187,17 @@ class PlaneOpenings {
 
  private:
   static constexpr double kMinArea = 0.5;  // Voxel faces.
+
+  /// The largest of a label gets the first of its names.
+  void name_as_planned(std::vector<Opening>& openings) const {
+    for (const auto& [label, name] : plane_.names) {
+      Opening* largest = nullptr;
+      for (Opening& o : openings)
+        if (o.label == label && o.name.empty() && (largest == nullptr || o.area_mm2 > largest->area_mm2))
+          largest = &o;
+      if (largest != nullptr) largest->name = name;
+    }
+  }
 
   [[nodiscard]] Opening measure(const PlaneGrid& coarse, const std::vector<std::size_t>& squares) const {
     constexpr double kSquares = 160;               // Along the longer side …

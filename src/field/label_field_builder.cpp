@@ -230,7 +230,7 @@ class LabelFieldBuilder {
   /// the object never leaves the image.
   void fill_block(const Band& band, const field::PairFunction& function, const LabelPair& pair,
                   const Index3& brick, std::uint32_t block) {
-    constexpr auto kLimit = static_cast<float>(LabelField::kFieldLimit + 0.25);
+    constexpr auto kLimit = static_cast<float>(LabelField::kStoredLimit);
     constexpr float kLeastDepth = 0.05F;  // In that layer.
     float* const out = &f_.blocks_[std::size_t{block} * LabelField::kBlock];
     std::fill_n(out, LabelField::kBlock, 0.0F);

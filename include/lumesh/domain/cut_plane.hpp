@@ -2,10 +2,14 @@
 /// @file Planes that cut the object off, and what they leave of an image.
 
 #include <limits>
+#include <memory>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/domain/carried_section.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
@@ -18,6 +22,10 @@ struct CutPlane {
   Vec3 normal = Vec3::UnitZ();  ///< Need not be of unit length but with a radius, must not be zero.
   double radius_mm = std::numeric_limits<double>::infinity();  ///< Around the point.
   double depth_mm = std::numeric_limits<double>::infinity();   ///< From the plane along the normal.
+  /// Instead of the cylinder, where an extended vessel ends: what has been carried there.
+  std::shared_ptr<const CarriedSection> section = nullptr;
+  /// Names that the openings in it have, by falling area of each label; others are named by their areas.
+  std::vector<std::pair<Label, std::string>> names = {};
 
   [[nodiscard]] bool is_bounded() const { return radius_mm < std::numeric_limits<double>::infinity(); }
   /// How far a point is beyond the plane; in mm where the normal is of unit length.

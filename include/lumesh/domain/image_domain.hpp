@@ -28,6 +28,8 @@ class ImageDomain final : public Domain {
  public:
   /// Throws Error{kUsage} for a cut plane without normal.
   ImageDomain(const LabelImage& image, const ImageDomainOptions& options);
+  /// With a field that is known, and all that cuts the image.
+  ImageDomain(const LabelImage& image, LabelField field, const std::vector<CutPlane>& cuts);
 
   [[nodiscard]] Surroundings surroundings(const Vec3& point_mm) const override;
   [[nodiscard]] Material material_at(const Vec3& point_mm) const override;
@@ -82,6 +84,7 @@ class ImageDomain final : public Domain {
   [[nodiscard]] MaterialSet with_stumps(const MaterialSet& labels, const Vec3& point_mm,
                                         double reach_mm) const;
   void find_object_box(const LabelImage& image);
+  void add_cuts(const std::vector<CutPlane>& cuts);
   void add_border_cuts(const LabelImage& image);
 
   LabelField field_;

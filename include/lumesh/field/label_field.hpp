@@ -26,6 +26,7 @@ enum class BoundaryFidelity : std::uint8_t {
   kExact,   ///< Every voxel's centre keeps its side.
 };
 
+class FieldContinuation;
 class OptionList;
 
 struct LabelFieldOptions {
@@ -48,6 +49,8 @@ class LabelField {
   using LabelIndex = LabelImage::Index;
   /// Values are cut off here; in edges of the smallest voxel edge.
   static constexpr double kFieldLimit = 2.25;
+  /// What is stored is cut off a little above.
+  static constexpr double kStoredLimit = kFieldLimit + 0.25;
 
   /// Copies what it needs; the image may be dropped afterwards. Cost: linear in the image for the scan, then
   /// in the boundary's area. Memory: about 6 kB for each brick of 8^3 voxels and pair of labels near a
@@ -55,6 +58,15 @@ class LabelField {
   /// identical for every thread count. Throws Error{kBadInput} if so many labels touch that the image can't
   /// be a segmentation.
   LabelField(const LabelImage& image, const LabelFieldOptions& options);
+
+  /// The same functions on the grid of another image, which may begin before this one and end behind it: at
+  /// voxels that are kept the values are these to the last bit, at others those of `beyond`.
+  /// @param image  Has the same values(). @param first  Its first voxel as an index of this field's image;
+  /// each a multiple of kBrick. Cost: a copy, and 1 to 2 us for each brick of 8^3 voxels that is not kept.
+  [[nodiscard]] LabelField continued(const LabelImage& image, const Index3& first,
+                                     const FieldContinuation& beyond) const;
+
+  static constexpr int kBrick = 8;  ///< Cells between voxel centres along the edge of a brick.
 
   /// Label (index into LabelImage::values()) at a place; that of the nearest voxel far from boundaries.
   [[nodiscard]] LabelIndex label_at(const Vec3& index) const;
@@ -87,7 +99,8 @@ class LabelField {
 
  private:
   friend class LabelFieldBuilder;
-  static constexpr int kBrick = 8;    ///< Cells between voxel centres along a brick's edge.
+  friend class ContinuedFieldBuilder;
+  LabelField() = default;
   static constexpr int kRowPad = 12;  ///< Stored row: 11 values used by the 4-point stencil, padded.
   static constexpr int kStored = 11;
   static constexpr int kCorners = kBrick + 1;

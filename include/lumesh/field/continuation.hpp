@@ -1,0 +1,34 @@
+#pragma once
+/// @file What a label field goes on with beyond the image that it was fitted to.
+
+#include <cstdint>
+
+#include "lumesh/field/label_field.hpp"
+
+namespace lumesh {
+
+/// Says which voxels of a larger image a fitted field knows, and the functions at the others. All voxels are
+/// those of the larger image. Const calls from any thread.
+class FieldContinuation {
+ public:
+  enum class Part : std::uint8_t {
+    kKept,   ///< Every voxel is known to the field.
+    kEmpty,  ///< Every voxel is new, and background far from everything else.
+    kMixed,  ///< Anything.
+  };
+
+  FieldContinuation() = default;
+  FieldContinuation(const FieldContinuation&) = delete;
+  FieldContinuation& operator=(const FieldContinuation&) = delete;
+  virtual ~FieldContinuation() = default;
+
+  /// Of a box of voxels, both corners included; kMixed where it is not known.
+  [[nodiscard]] virtual Part part(const Index3& low, const Index3& high) const = 0;
+  [[nodiscard]] virtual bool is_kept(const Index3& voxel) const = 0;
+  /// At a voxel that is not kept: the function of two labels, positive in `second`; first 0: of all labels
+  /// against the background.
+  [[nodiscard]] virtual double value(const Index3& voxel, LabelField::LabelIndex first,
+                                     LabelField::LabelIndex second) const = 0;
+};
+
+}  // namespace lumesh

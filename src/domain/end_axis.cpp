@@ -1,0 +1,120 @@
+#include "end_axis.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace lumesh {
+namespace {
+
+struct SectionFound {
+  Vec3 centre_mm = Vec3::Zero();
+  double area_mm2 = 0;
+  bool is_whole = true;  // Not cut off by the window.
+};
+
+/// Squares around a place of a plane.
+class SectionWindow {
+ public:
+  SectionWindow(const Domain& domain, const Vec3& middle_mm, const Vec3& normal, double half_mm)
+      : middle_(middle_mm), u_(normal.unitOrthogonal()), v_(normal.cross(u_)), step_(half_mm / kHalf) {
+    is_object_.assign(std::size_t{kSide} * kSide, 0);
+    for (int j = 0; j < kSide; ++j)
+      for (int i = 0; i < kSide; ++i)
+        is_object_[at(i, j)] = domain.is_meshed(domain.material_at(place(i, j))) ? 1 : 0;
+  }
+
+  /// The connected part at the middle, or the nearest one.
+  [[nodiscard]] std::optional<SectionFound> find() {
+    int best_i = -1, best_j = -1, least = std::numeric_limits<int>::max();
+    for (int j = 0; j < kSide; ++j)
+      for (int i = 0; i < kSide; ++i) {
+        const int off = (i - kHalf) * (i - kHalf) + (j - kHalf) * (j - kHalf);
+        if (is_object_[at(i, j)] != 0 && off < least) least = off, best_i = i, best_j = j;
+      }
+    if (best_i < 0) return std::nullopt;
+    SectionFound found;
+    std::size_t count = 0;
+    std::vector<std::array<int, 2>> open;
+    const auto enter = [&](int i, int j) {
+      if (i < 0 || j < 0 || i >= kSide || j >= kSide || is_object_[at(i, j)] == 0) return;
+      is_object_[at(i, j)] = 0;
+      open.push_back({i, j});
+      found.is_whole = found.is_whole && i > 0 && j > 0 && i < kSide - 1 && j < kSide - 1;
+      found.centre_mm += place(i, j);
+      ++count;
+    };
+    enter(best_i, best_j);
+    while (!open.empty()) {
+      const auto [i, j] = open.back();
+      open.pop_back();
+      enter(i - 1, j), enter(i + 1, j), enter(i, j - 1), enter(i, j + 1);
+    }
+    found.centre_mm /= static_cast<double>(count);
+    found.area_mm2 = static_cast<double>(count) * step_ * step_;
+    return found;
+  }
+
+ private:
+  static constexpr int kHalf = 24, kSide = 2 * kHalf + 1;
+
+  [[nodiscard]] static std::size_t at(int i, int j) {
+    return static_cast<std::size_t>(i) + std::size_t{kSide} * static_cast<std::size_t>(j);
+  }
+  [[nodiscard]] Vec3 place(int i, int j) const {
+    return middle_ + step_ * ((i - kHalf) * u_ + (j - kHalf) * v_);
+  }
+
+  Vec3 middle_, u_, v_;
+  double step_;
+  std::vector<std::uint8_t> is_object_;
+};
+
+/// Slope at 0 of the polynomial through places at depths, by least squares.
+Vec3 slope_at_plane(const std::vector<double>& depths, const std::vector<Vec3>& places, int degree) {
+  const auto count = static_cast<Eigen::Index>(depths.size());
+  Eigen::MatrixXd powers(count, degree + 1), values(count, 3);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const auto i = static_cast<std::size_t>(r);
+    for (int p = 0; p <= degree; ++p) powers(r, p) = std::pow(depths[i] / depths.back(), p);
+    values.row(r) = places[i].transpose();
+  }
+  const Eigen::MatrixXd solved =
+      (powers.transpose() * powers).ldlt().solve(Eigen::MatrixXd(powers.transpose() * values));
+  return solved.row(1).transpose() / depths.back();
+}
+
+}  // namespace
+
+std::optional<Vec3> end_axis(const Domain& domain, const EndSection& section, double depth_mm) {
+  constexpr int kSections = 8, kLeast = 4, kForCurve = 7;
+  constexpr double kAlike = 1.5;     // Areas from one section to the first.
+  constexpr double kLeastCos = 0.4;  // Between axis and normal.
+  const Vec3& normal = section.plane.normal;
+  std::vector<double> depths;
+  std::vector<Vec3> centres;
+  double first_mm2 = 0;
+  Vec3 middle = section.plane.point_mm;
+  for (int i = 0; i < kSections; ++i) {
+    // The first stands off the plane: beyond it are other materials.
+    const double depth = depth_mm * (i + 0.1) / kSections;
+    const Vec3 guess = middle - (middle - section.plane.point_mm).dot(normal) * normal - depth * normal;
+    const auto found = SectionWindow(domain, guess, normal, 1.6 * section.reach_mm).find();
+    if (!found || !found->is_whole) break;
+    if (i == 0) first_mm2 = found->area_mm2;
+    if (found->area_mm2 > kAlike * first_mm2 || kAlike * found->area_mm2 < first_mm2) break;
+    depths.push_back(depth);
+    centres.push_back(found->centre_mm);
+    middle = found->centre_mm;
+    if (i > 0) middle += found->centre_mm - centres[centres.size() - 2];
+  }
+  if (depths.size() < static_cast<std::size_t>(kLeast)) return std::nullopt;
+  const int degree = depths.size() >= static_cast<std::size_t>(kForCurve) ? 2 : 1;
+  const Vec3 way = -slope_at_plane(depths, centres, degree).normalized();
+  return way.dot(normal) < kLeastCos ? std::nullopt : std::optional<Vec3>(way);
+}
+
+}  // namespace lumesh

@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/domain/extension.hpp"
+
+namespace lumesh {
+namespace {
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+}  // namespace
+
+LocalLength local_length_from(const std::string& text) {
+  std::string number = trimmed(text);
+  LocalLength length;
+  length.is_in_radii = number.ends_with('r');
+  if (length.is_in_radii) number.pop_back();
+  const char* const end = number.data() + number.size();
+  const auto [rest, fault] = std::from_chars(number.data(), end, length.value);
+  if (fault != std::errc() || rest != end || !std::isfinite(length.value) || length.value < 0)
+    throw Error(ErrorKind::kUsage,
+                "\"" + text + "\" is no length; give mm, such as 12.5, or local radii, such as 5r");
+  return length;
+}
+
+std::vector<NamedLength> named_lengths_from(const std::string& text) {
+  std::vector<NamedLength> lengths;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    const std::size_t equals = part.rfind('=');
+    NamedLength one;
+    if (equals != std::string::npos) one.opening = trimmed(part.substr(0, equals));
+    one.length = local_length_from(equals == std::string::npos ? part : part.substr(equals + 1));
+    const bool is_twice = std::any_of(lengths.begin(), lengths.end(),
+                                      [&](const NamedLength& other) { return other.opening == one.opening; });
+    if (is_twice)
+      throw Error(ErrorKind::kUsage, one.opening.empty() ? "has two lengths for all openings"
+                                                         : "has two lengths for " + one.opening);
+    lengths.push_back(std::move(one));
+    begin = end + 1;
+  }
+  return lengths;
+}
+
+void ExtensionOptions::describe_lengths(OptionList& list) {
+  list.text("extend", lengths,
+            "Vessels go on straight beyond their openings, by a length each: of all (5r), of some "
+            "(inlet_1=10r,outlet_2=0), or both; a number is in mm, with r in local radii")
+      .by_default("none");
+}
+
+void ExtensionOptions::describe(OptionList& list) {
+  describe_lengths(list);
+  list.text("extend_circle", transition,
+            "Length over which the extension's section becomes a circle of its area; 0: at once")
+      .by_default("the section is kept")
+      .needs("extend");
+}
+
+void ExtensionOptions::validate() const {
+  if (is_wanted()) naming(option_name("extend"), [&] { static_cast<void>(named_lengths_from(lengths)); });
+  if (!transition.empty())
+    naming(option_name("extend_circle"), [&] { static_cast<void>(local_length_from(transition)); });
+}
+
+}  // namespace lumesh

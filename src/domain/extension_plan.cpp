@@ -1,0 +1,272 @@
+#include "extension_plan.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+constexpr double kStump = 5;    // Layers of voxels beyond the end, by which the boundary goes on there.
+constexpr double kAir = 4;      // Voxels around an extension: as far as the functions of a field reach.
+constexpr double kApart = 2.5;  // Voxels between two vessels whose boundaries don't feel each other.
+
+double circle_radius_mm(double area_mm2) {
+  return std::sqrt(area_mm2 / std::numbers::pi);
+}
+
+class ExtensionPlanner {
+ public:
+  ExtensionPlanner(const ImageDomain& domain, std::span<const Opening> openings,
+                   const ExtensionOptions& options)
+      : domain_(domain),
+        openings_(openings),
+        wanted_(named_lengths_from(options.lengths)),
+        voxel_mm_(domain.frame().spacing_mm.maxCoeff()) {
+    if (!options.transition.empty()) transition_ = local_length_from(options.transition);
+  }
+
+  ExtensionPlan make() {
+    check_names();
+    plan_.groups = group_openings(openings_);
+    plan_.tubes.resize(plan_.groups.size());
+    plan_.lengths_mm.resize(plan_.groups.size());
+    radii_mm_.resize(plan_.groups.size());
+    for (std::size_t g = 0; g < plan_.groups.size(); ++g) add_tube(g);
+    shorten_all();
+    for (std::size_t g = 0; g < plan_.groups.size(); ++g) set_length(g, plan_.lengths_mm[g]);
+    return std::move(plan_);
+  }
+
+ private:
+  void check_names() const {
+    for (const NamedLength& wanted : wanted_) {
+      const bool is_known =
+          wanted.opening.empty() || std::any_of(openings_.begin(), openings_.end(),
+                                                [&](const Opening& o) { return o.name == wanted.opening; });
+      if (is_known) continue;
+      std::vector<std::string> names;
+      for (const Opening& o : openings_) names.push_back(o.name);
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{}: there is no opening {}; there {}", option_name("extend"), wanted.opening,
+                              names.empty() ? "is none" : fmt::format("are {}", fmt::join(names, ", "))));
+    }
+  }
+
+  /// The lumen, where there is a wall, too.
+  [[nodiscard]] const Opening& main_opening(const OpeningGroup& group) const {
+    for (const std::size_t m : group.members)
+      if (!openings_[m].is_rim) return openings_[m];
+    return openings_[group.members[0]];
+  }
+
+  /// A length by name counts for the whole section.
+  [[nodiscard]] double wanted_mm(const OpeningGroup& group, double radius_mm) const {
+    std::optional<double> for_all, named;
+    for (const NamedLength& wanted : wanted_) {
+      const double length_mm = wanted.length.in_mm(radius_mm);
+      if (wanted.opening.empty()) for_all = length_mm;
+      const bool is_mine = std::any_of(group.members.begin(), group.members.end(),
+                                       [&](std::size_t m) { return openings_[m].name == wanted.opening; });
+      if (!is_mine) continue;
+      if (named && *named != length_mm)
+        throw Error(ErrorKind::kBadInput,
+                    fmt::format("{}: {} and what is around it are one vessel, and have two lengths",
+                                option_name("extend"), main_opening(group).name));
+      named = length_mm;
+    }
+    return named ? *named : for_all.value_or(0);
+  }
+
+  void add_tube(std::size_t g) {
+    const OpeningGroup& group = plan_.groups[g];
+    const EndSection& section = group.section;
+    const Vec3& normal = section.plane.normal;
+    const Opening& main = main_opening(group);
+    VesselTube& tube = plan_.tubes[g];
+    Vec3 direction = normal;
+    const bool is_wanted = wanted_mm(group, main.radius_mm()) > 0;
+    if (is_wanted) {
+      constexpr double kLeastDepth = 3;  // Voxels.
+      const auto axis = end_axis(domain_, section, std::max(main.radius_mm(), kLeastDepth * voxel_mm_));
+      if (axis) direction = *axis;
+    }
+    radii_mm_[g] = main.radius_mm() * std::sqrt(direction.dot(normal));
+    const auto carried = section_of(openings_, plan_.groups, g, direction, kAir * voxel_mm_, voxel_mm_);
+    tube.section = carried;
+    if (is_wanted && transition_) set_circles(group, tube, *carried, radii_mm_[g]);
+    double length_mm = wanted_mm(group, radii_mm_[g]);
+    const double least_mm = least_length_mm(g);
+    if (length_mm > 0 && length_mm < least_mm) {
+      note(g,
+           fmt::format("is cut off obliquely, so that {:.3g} mm would end within the image; it has {:.3g} mm",
+                       length_mm, least_mm));
+      length_mm = least_mm;
+    }
+    set_length(g, length_mm);
+  }
+
+  /// The end has to stand off the opening's plane.
+  [[nodiscard]] double least_length_mm(std::size_t g) const {
+    const EndSection& section = plan_.groups[g].section;
+    const double cosine = plan_.tubes[g].section->direction.dot(section.plane.normal);
+    return section.reach_mm * std::sqrt(std::max(0.0, 1 - cosine * cosine)) + voxel_mm_;
+  }
+
+  void set_circles(const OpeningGroup& group, VesselTube& tube, CarriedSection& carried, double radius_mm) {
+    const double cosine = carried.direction.dot(carried.normal);
+    tube.transition_mm = transition_->in_mm(radius_mm);
+    tube.outer = {carried.centre_mm, circle_radius_mm(group.section.area_mm2 * cosine)};
+    carried.circle_mm = tube.outer.radius_mm + kAir * voxel_mm_;
+    const auto is_rim = [&](std::size_t m) { return openings_[m].is_rim; };
+    if (group.members.size() != 2 || is_rim(group.members[0]) == is_rim(group.members[1])) return;
+    const Opening& wall = openings_[group.members[is_rim(group.members[0]) ? 0 : 1]];
+    const Opening& lumen = main_opening(group);
+    tube.lumen.radius_mm = circle_radius_mm(lumen.area_mm2 * cosine);
+    // Half of the wall stays at the thinnest place.
+    const double most_mm = 0.5 * (tube.outer.radius_mm - tube.lumen.radius_mm);
+    const Vec3 off = lumen.centre_mm - carried.centre_mm;
+    tube.lumen.centre_mm = carried.centre_mm + std::min(1.0, most_mm / std::max(off.norm(), 1e-300)) * off;
+    for (Material m = 1; m < domain_.label_count(); ++m) {
+      if (domain_.label_of(m) == wall.label) tube.wall_label = static_cast<VesselTube::LabelIndex>(m);
+      if (domain_.label_of(m) == lumen.label) tube.lumen_label = static_cast<VesselTube::LabelIndex>(m);
+    }
+  }
+
+  void set_length(std::size_t g, double length_mm) {
+    VesselTube& tube = plan_.tubes[g];
+    const CarriedSection& s = *tube.section;
+    plan_.lengths_mm[g] = length_mm;
+    if (length_mm == 0 && (s.direction - s.normal).norm() > 0) {  // It stays as it is.
+      auto straight = std::make_shared<CarriedSection>(s);
+      straight->direction = s.normal;
+      tube.section = straight;
+    }
+    const CarriedSection& section = *tube.section;
+    if (length_mm == 0) tube.transition_mm = -1;
+    tube.end_mm = section.centre_mm + length_mm * section.direction;
+    tube.end_normal = section.direction;
+    tube.stump_mm = kStump * layer_mm(domain_.frame(), tube.end_normal);
+    tube.box_mm.setEmpty();
+    const Vec3 last = tube.end_mm + tube.stump_mm * tube.end_normal;
+    for (const int i : {0, section.columns - 1})
+      for (const int j : {0, section.rows - 1}) {
+        const Vec3 corner = section.first_mm + section.step_mm * (i * section.u + j * section.v);
+        tube.box_mm.extend(corner);
+        tube.box_mm.extend(
+            Vec3(corner + std::max(0.0, (last - corner).dot(section.direction)) * section.direction));
+      }
+  }
+
+  void note(std::size_t g, const std::string& text) {
+    plan_.notes.push_back(
+        fmt::format("{}: {} {}", option_name("extend"), main_opening(plan_.groups[g]).name, text));
+  }
+
+  /// How far from an opening something is in the way, and where.
+  struct Hit {
+    double along_mm = 0;
+    Vec3 place_mm = Vec3::Zero();
+  };
+
+  [[nodiscard]] double clearance_mm(std::size_t g) const {
+    return std::max(radii_mm_[g], plan_.tubes[g].stump_mm + kApart * voxel_mm_);
+  }
+
+  void shorten_all() {
+    const std::size_t count = plan_.groups.size();
+    std::vector<std::optional<Hit>> hits(count);
+    parallel::for_each_index(
+        count,
+        [&](std::size_t g) {
+          if (plan_.lengths_mm[g] > 0) hits[g] = first_hit(g);
+        },
+        1);
+    for (std::size_t g = 0; g < count; ++g) {
+      if (!hits[g]) continue;
+      const double asked_mm = plan_.lengths_mm[g];
+      double length_mm = std::min(asked_mm, hits[g]->along_mm - clearance_mm(g));
+      if (length_mm < std::max(least_length_mm(g), 2 * voxel_mm_)) length_mm = 0;
+      const Vec3& p = hits[g]->place_mm;
+      note(g,
+           fmt::format("is extended by {:.4g} mm, not {:.4g} mm: another vessel or extension is in the way "
+                       "at ({:.1f}, {:.1f}, {:.1f}) mm",
+                       length_mm, asked_mm, p.x(), p.y(), p.z()));
+      plan_.lengths_mm[g] = length_mm;
+    }
+  }
+
+  /// Looks along the extension, and beyond its end by the clearance, with some room around it.
+  [[nodiscard]] std::optional<Hit> first_hit(std::size_t g) const {
+    const VesselTube& tube = plan_.tubes[g];
+    const CarriedSection& section = *tube.section;
+    const std::vector<Vec3> places = places_across(tube);
+    const double last_mm = plan_.lengths_mm[g] + clearance_mm(g), step_mm = 0.8 * voxel_mm_;
+    for (double along_mm = step_mm; along_mm < last_mm + step_mm; along_mm += step_mm)
+      for (const Vec3& from : places) {
+        const Vec3 x = from + std::min(along_mm, last_mm) * section.direction;
+        if ((x - section.centre_mm).dot(section.normal) > 0.5 * voxel_mm_ && is_taken(x, g))
+          return Hit{std::min(along_mm, last_mm), x};
+      }
+    return std::nullopt;
+  }
+
+  /// About a voxel apart: the section with the room around it, as it is carried and as the circle.
+  [[nodiscard]] std::vector<Vec3> places_across(const VesselTube& tube) const {
+    const CarriedSection& section = *tube.section;
+    const double most_mm = (kAir - kApart) * voxel_mm_;  // What has less is in the air.
+    const int stride = std::max(1, static_cast<int>(voxel_mm_ / section.step_mm));
+    std::vector<Vec3> places;
+    for (int j = 0; j < section.rows; j += stride)
+      for (int i = 0; i < section.columns; i += stride) {
+        const Vec3 x = section.first_mm + section.step_mm * (i * section.u + j * section.v);
+        if (std::max(section.inside_section_mm(x), section.circle_mm - section.off_axis_mm(x)) >= most_mm)
+          places.push_back(x);
+      }
+    return places;
+  }
+
+  [[nodiscard]] bool is_taken(const Vec3& x, std::size_t own) const {
+    if (is_of_image(domain_, x) && domain_.is_meshed(domain_.material_at(x))) return true;
+    for (std::size_t g = 0; g < plan_.tubes.size(); ++g)
+      if (g != own && plan_.tubes[g].outer_value(domain_.field(), x) > 0) return true;
+    return false;
+  }
+
+  const ImageDomain& domain_;
+  std::span<const Opening> openings_;
+  std::vector<NamedLength> wanted_;
+  std::optional<LocalLength> transition_;
+  double voxel_mm_;
+  std::vector<double> radii_mm_;  // Of the lumens, square to their axes.
+  ExtensionPlan plan_;
+};
+
+}  // namespace
+
+double layer_mm(const ImageFrame& frame, const Vec3& direction) {
+  return (frame.direction.transpose() * direction).cwiseAbs().dot(frame.spacing_mm);
+}
+
+bool is_of_image(const ImageDomain& domain, const Vec3& x) {
+  constexpr double kHalf = 0.5;
+  const ImageFrame& frame = domain.frame();
+  const Eigen::Array3d index = frame.to_index(x).array();
+  return (index > -kHalf).all() && (index < frame.size.cast<double>().array() - kHalf).all() &&
+         !domain.beyond_cut(x);
+}
+
+ExtensionPlan plan_extensions(const ImageDomain& domain, std::span<const Opening> openings,
+                              const ExtensionOptions& options) {
+  return ExtensionPlanner(domain, openings, options).make();
+}
+
+}  // namespace lumesh

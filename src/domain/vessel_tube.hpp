@@ -1,0 +1,81 @@
+#pragma once
+// A vessel that goes on straight beyond an opening, as functions of space.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "lumesh/domain/carried_section.hpp"
+#include "lumesh/field/label_field.hpp"
+
+namespace lumesh {
+
+struct Circle {
+  Vec3 centre_mm = Vec3::Zero();
+  double radius_mm = 0;
+};
+
+/// The section of an opening carried along a direction. Functions are those of the field it is carried from,
+/// in its units.
+struct VesselTube {
+  using LabelIndex = LabelField::LabelIndex;
+
+  std::shared_ptr<const CarriedSection> section;
+  Vec3 end_mm = Vec3::Zero();       ///< On the end's plane, on the axis.
+  Vec3 end_normal = Vec3::UnitZ();  ///< Unit.
+  double stump_mm = 0;              ///< Beyond the end's plane it goes on by this.
+  double transition_mm = -1;        ///< To circles; negative: the section is kept.
+  Circle outer;                     ///< Of all labels.
+  Circle lumen;                     ///< Where there is a wall around one.
+  LabelIndex wall_label = 0, lumen_label = 0;
+  Box3 box_mm;  ///< Around it with its air.
+
+  [[nodiscard]] bool has_lumen() const { return lumen_label != 0; }
+  /// Behind the opening's plane and before the end of the stump.
+  [[nodiscard]] bool is_along(const Vec3& x) const {
+    return (x - section->centre_mm).dot(section->normal) > 0 && (x - end_mm).dot(end_normal) <= stump_mm;
+  }
+
+  /// Positive inside of the object.
+  [[nodiscard]] double outer_value(const LabelField& field, const Vec3& x) const {
+    if (!box_mm.contains(x) || !is_along(x)) return -LabelField::kStoredLimit;
+    const Vec3 from = section->carried_back(x);
+    const double value = field.difference_value(field.frame().to_index(from), 1, 0);
+    const bool is_own = section->inside_section_mm(from) > 0;
+    return blended(field, x, outer, is_own ? value : -std::abs(value));
+  }
+  /// Positive in the second.
+  [[nodiscard]] double pair_value(const LabelField& field, const Vec3& x, LabelIndex first,
+                                  LabelIndex second) const {
+    const double value =
+        field.difference_value(field.frame().to_index(section->carried_back(x)), second, first);
+    if (first == wall_label && second == lumen_label) return blended(field, x, lumen, value);
+    if (second == wall_label && first == lumen_label) return -blended(field, x, lumen, -value);
+    return value;
+  }
+  /// Of the object, at a place where outer_value() is positive.
+  [[nodiscard]] LabelIndex label_at(const LabelField& field, const Vec3& x) const {
+    const LabelIndex label = field.object_label_at(field.frame().to_index(section->carried_back(x)));
+    if (transition_mm < 0 || !has_lumen() || (label != wall_label && label != lumen_label)) return label;
+    return pair_value(field, x, wall_label, lumen_label) > 0 ? lumen_label : wall_label;
+  }
+
+ private:
+  /// Goes over to the function of a circle, which a tube has: (R^2 - r^2) / 2R.
+  [[nodiscard]] double blended(const LabelField& field, const Vec3& x, const Circle& circle,
+                               double value) const {
+    if (transition_mm < 0) return value;
+    const Vec3& d = section->direction;
+    const Vec3 off = x - circle.centre_mm;
+    const double along_mm = (x - section->centre_mm).dot(d);
+    const double t = transition_mm > 0 ? std::clamp(along_mm / transition_mm, 0.0, 1.0) : 1;
+    const double share = t * t * (3 - 2 * t);
+    constexpr double kLimit = LabelField::kStoredLimit;
+    const double r2 = (off - off.dot(d) * d).squaredNorm(), radius = circle.radius_mm;
+    const double of_circle = (radius * radius - r2) / (2 * radius * field.frame().spacing_mm.minCoeff());
+    return (1 - share) * value + share * std::clamp(of_circle, -kLimit, kLimit);
+  }
+};
+
+}  // namespace lumesh

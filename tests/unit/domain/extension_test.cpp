@@ -1,0 +1,189 @@
+// Flow extensions against tubes that are known exactly.
+#include "lumesh/domain/extension.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "fixtures/images.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/image/topology.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+namespace {
+
+struct StraightTube {
+  Vec3 through, axis;
+  double radius;
+
+  [[nodiscard]] double off(const Vec3& p) const {
+    const Vec3 r = p - through;
+    return (r - r.dot(axis) * axis).norm();
+  }
+};
+
+struct Extended {
+  LabelImage before;
+  ImageDomain domain;
+  std::vector<Opening> openings;
+  ExtendedImage result;
+  std::map<std::string, Opening> ends;  // By name.
+
+  Extended(LabelImage image, const std::string& lengths, const std::string& transition = "",
+           const std::vector<CutPlane>& cuts = {})
+      : before(std::move(image)),
+        domain(before, {{}, cuts}),
+        openings(find_openings(domain)),
+        result(extend_openings(before, domain, openings, {lengths, transition})) {
+    for (const Opening& end : find_openings(*result.domain)) ends[end.name] = end;
+  }
+};
+
+LabelImage image_of(const StraightTube& tube, double wall = 0) {
+  return fixtures::voxels_of(fixtures::frame_of({40, 36, 32}), {0, 3, 7}, [&](const Vec3& p) {
+    return tube.off(p) < tube.radius ? 1 : tube.off(p) < tube.radius + wall ? 2 : 0;
+  });
+}
+
+TEST(ExtendOpenings, CarriesASlantedTubeOnAlongItsAxis) {
+  const StraightTube tube{{19.3, 18.2, 16}, Vec3(0.45, -0.2, 1).normalized(), 4};
+  const Extended e(image_of(tube), "5r");
+  EXPECT_TRUE(e.result.notes.empty());
+  ASSERT_EQ(e.ends.size(), e.openings.size());
+  const double area = std::numbers::pi * tube.radius * tube.radius;
+  for (const Opening& opening : e.openings) {
+    ASSERT_TRUE(e.ends.contains(opening.name));
+    const Opening& end = e.ends.at(opening.name);
+    EXPECT_NEAR((end.centre_mm - opening.centre_mm).norm() / (5 * tube.radius), 1, 0.01);
+    EXPECT_NEAR(end.area_mm2 / area, 1, 0.02);  // The field's own radius is right to 1 %.
+    EXPECT_NEAR(end.area_mm2 / (opening.area_mm2 * end.normal.dot(opening.normal)), 1, 0.01);
+    EXPECT_GT(std::abs(end.normal.dot(tube.axis)), std::cos(1 * std::numbers::pi / 180));
+    const Vec3 side = tube.axis.unitOrthogonal(), on_axis = end.centre_mm - 2 * end.normal;
+    EXPECT_EQ(e.result.domain->label_at(on_axis + (tube.radius - 0.4) * side), 3);
+    EXPECT_EQ(e.result.domain->label_at(on_axis + (tube.radius + 0.4) * side), 0);
+    EXPECT_EQ(e.result.domain->label_at(end.centre_mm + 0.1 * end.normal), 0);
+  }
+}
+
+TEST(ExtendOpenings, LeavesTheImageAsItWas) {
+  const StraightTube tube{{19.3, 18.2, 16}, Vec3(0.1, -0.2, 1).normalized(), 5};
+  const Extended e(image_of(tube, 2), "4r");
+  const Index3 shift = (e.result.domain->frame().to_index(Vec3::Zero())).array().round().cast<int>();
+  for (int k = 3; k < 29; ++k)
+    for (int j = 3; j < 33; ++j)
+      for (int i = 3; i < 37; ++i) {
+        const Vec3 at = Vec3(i, j, k) + Vec3(0.25, 0.5, 0.375);
+        const Vec3 same = at + shift.cast<double>();
+        EXPECT_EQ(e.result.image.at(Index3(i, j, k) + shift), e.before.at({i, j, k}));
+        for (const int second : {1, 2})
+          for (const int first : {0, 3 - second}) {
+            const auto a = static_cast<LabelImage::Index>(first), b = static_cast<LabelImage::Index>(second);
+            const double value = e.domain.field().difference_value(at, a, b);
+            if (std::abs(value) >= LabelField::kFieldLimit) continue;
+            ASSERT_EQ(e.result.domain->field().difference_value(same, a, b), value);
+          }
+      }
+}
+
+TEST(ExtendOpenings, KeepsLumenAndWallAPair) {
+  const StraightTube tube{{19.3, 18.2, 16}, Vec3(0.1, -0.2, 1).normalized(), 5};
+  for (const std::string transition : {"", "1r"}) {
+    const Extended e(image_of(tube, 2), "4r", transition);
+    ASSERT_EQ(e.openings.size(), 4U);
+    for (const Opening& opening : e.openings) {
+      ASSERT_TRUE(e.ends.contains(opening.name)) << opening.name;
+      const Opening& end = e.ends.at(opening.name);
+      EXPECT_EQ(end.label, opening.label);
+      EXPECT_EQ(end.is_rim, opening.is_rim);
+      EXPECT_NEAR(end.area_mm2 / (opening.area_mm2 * end.normal.dot(opening.normal)), 1, 0.01);
+      EXPECT_NEAR((end.centre_mm - opening.centre_mm).norm() / (4 * tube.radius), 1, 0.02);
+    }
+  }
+}
+
+TEST(ExtendOpenings, TurnsAnEllipseIntoTheCircleOfItsArea) {
+  const LabelImage image = fixtures::voxels_of(fixtures::frame_of({40, 30, 20}), {0, 1}, [](const Vec3& p) {
+    return std::hypot((p.x() - 19.4) / 8, (p.y() - 14.7) / 4) < 1 ? 1 : 0;
+  });
+  const Extended kept(image, "inlet_1=4r"), round(image, "inlet_1=4r", "2r");
+  for (const Extended* e : {&kept, &round}) {
+    const Opening &end = e->ends.at("inlet_1"), &before = e->openings.front();
+    EXPECT_NEAR(end.area_mm2 / (std::numbers::pi * 8 * 4), 1, 0.02);
+    EXPECT_NEAR(end.area_mm2 / before.area_mm2, 1, 3e-3);
+    const Vec3 size = end.box_mm.sizes(), was = before.box_mm.sizes();
+    EXPECT_NEAR(size.x(), e == &kept ? was.x() : 2 * std::sqrt(32), 0.3);
+    EXPECT_NEAR(size.y(), e == &kept ? was.y() : 2 * std::sqrt(32), 0.3);
+  }
+  // Not named: it stays where it is.
+  const Opening& other = *std::find_if(kept.openings.begin(), kept.openings.end(),
+                                       [](const Opening& o) { return o.name == "outlet_1"; });
+  EXPECT_LT((kept.ends.at("outlet_1").centre_mm - other.centre_mm).norm(), 0.02);
+  EXPECT_NEAR(kept.ends.at("outlet_1").area_mm2 / other.area_mm2, 1, 2e-3);
+}
+
+TEST(ExtendOpenings, StopsBeforeAnotherExtension) {
+  // They would meet 25 beyond the image.
+  const StraightTube a{{14, 15, 25}, Vec3(0.3, 0, 1).normalized(), 3},
+      b{{36, 15, 25}, Vec3(-0.3, 0, 1).normalized(), 3};
+  const auto pair = fixtures::voxels_of(fixtures::frame_of({50, 30, 26}), {0, 1}, [&](const Vec3& p) {
+    return p.z() > 8 && std::min(a.off(p), b.off(p)) < 3 ? 1 : 0;
+  });
+  const Extended free(pair, "4r"), stopped(pair, "20r");
+  EXPECT_TRUE(free.result.notes.empty());
+  ASSERT_EQ(stopped.result.notes.size(), 2U);
+  EXPECT_EQ(stopped.ends.size(), 2U);
+  for (const auto& [name, end] : stopped.ends) EXPECT_GT(end.centre_mm.z(), 35) << name;
+  for (const Extended* e : {&free, &stopped}) {
+    const auto labels = label_topology(e->result.image);
+    EXPECT_EQ(labels.at(0).component_count, 2U);
+    EXPECT_EQ(labels.at(0).euler_number, 2);
+  }
+}
+
+TEST(ExtendOpenings, StopsBeforeTheObject) {
+  // The first is cut off in the middle, and would run into the second one.
+  const StraightTube first{{0, 15.2, 14.6}, Vec3::UnitX(), 3}, second{{45, 15, 0}, Vec3::UnitZ(), 4};
+  LabelImage image = fixtures::voxels_of(fixtures::frame_of({60, 30, 30}), {0, 1}, [&](const Vec3& p) {
+    return (p.x() < 30 && first.off(p) < 3) || second.off(p) < 4 ? 1 : 0;
+  });
+  const CutVessel cut = cut_off_vessel(image, {{18, 15.2, 14.6}, Vec3::UnitX()}, 3);
+  const Extended e(image, "10r,inlet_1=0,outlet_1=0", "", {cut.plane});
+  ASSERT_EQ(e.result.notes.size(), 1U);
+  double farthest = 0;
+  for (const auto& [name, end] : e.ends)
+    if (end.normal.x() > 0.9) farthest = std::max(farthest, end.centre_mm.x());
+  EXPECT_GT(farthest, 25);
+  EXPECT_LT(farthest, 41 - 3);  // One radius before the wall.
+  EXPECT_EQ(label_topology(e.result.image).at(0).component_count, 2U);
+}
+
+TEST(ExtendOpenings, GivesTheSameBitsForEveryThreadCount) {
+  const StraightTube tube{{19.3, 18.2, 16}, Vec3(0.45, -0.2, 1).normalized(), 4};
+  const Extended one = [&] {
+    const parallel::ThreadLimit limit(1);
+    return Extended(image_of(tube, 2), "3r", "2r");
+  }();
+  const parallel::ThreadLimit limit(3);
+  const Extended three(image_of(tube, 2), "3r", "2r");
+  EXPECT_EQ(one.result.image.voxels(), three.result.image.voxels());
+  for (const Opening& o : one.openings)
+    for (double s = 0.3; s < 12; s += 0.37) {
+      const Vec3 x = o.centre_mm + s * o.normal + 0.1 * s * o.normal.unitOrthogonal();
+      EXPECT_EQ(one.result.domain->separation_value(x, 1, 0), three.result.domain->separation_value(x, 1, 0));
+      EXPECT_EQ(one.result.domain->separation_value(x, 2, 1), three.result.domain->separation_value(x, 2, 1));
+    }
+}
+
+TEST(ExtendOpenings, RefusesOpeningsThatAreNot) {
+  const StraightTube tube{{19.3, 18.2, 16}, Vec3::UnitZ(), 4};
+  EXPECT_THROW(Extended(image_of(tube), "outlet_9=5r"), Error);
+  for (const char* text : {"5x", "-3", "r", "inlet_1=", "5r,6r", "inf", "5r,"})
+    EXPECT_THROW(static_cast<void>(named_lengths_from(text)), Error) << text;
+}
+
+}  // namespace
+}  // namespace lumesh
