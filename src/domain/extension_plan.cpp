@@ -102,6 +102,7 @@ class ExtensionPlanner {
     radii_mm_[g] = main.radius_mm() * std::sqrt(direction.dot(normal));
     const auto carried = section_of(openings_, plan_.groups, g, direction, kAir * voxel_mm_, voxel_mm_);
     tube.section = carried;
+    tube.bare = section_of(openings_, plan_.groups, g, direction, 0, voxel_mm_);
     if (is_wanted && transition_) set_circles(group, tube, *carried, radii_mm_[g]);
     double length_mm = wanted_mm(group, radii_mm_[g]);
     const double least_mm = least_length_mm(g);
@@ -198,7 +199,7 @@ class ExtensionPlanner {
       const Vec3& p = hits[g]->place_mm;
       note(g,
            fmt::format("is extended by {:.4g} mm, not {:.4g} mm: another vessel or extension is in the way "
-                       "at ({:.1f}, {:.1f}, {:.1f}) mm",
+                       "at ({:.1f}, {:.1f}, {:.1f}) mm; cut the vessel further inside with `cut_at`",
                        length_mm, asked_mm, p.x(), p.y(), p.z()));
       plan_.lengths_mm[g] = length_mm;
     }
@@ -209,6 +210,8 @@ class ExtensionPlanner {
     const VesselTube& tube = plan_.tubes[g];
     const CarriedSection& section = *tube.section;
     const std::vector<Vec3> places = places_across(tube);
+    for (const Vec3& x : places)
+      if (is_beside_other_face(x, g)) return Hit{0, x};
     const double last_mm = plan_.lengths_mm[g] + clearance_mm(g), step_mm = 0.8 * voxel_mm_;
     for (double along_mm = step_mm; along_mm < last_mm + step_mm; along_mm += step_mm)
       for (const Vec3& from : places) {
@@ -232,6 +235,20 @@ class ExtensionPlanner {
           places.push_back(x);
       }
     return places;
+  }
+
+  /// Whether an opening in another plane is there: a vessel that leaves through an edge of the image has two.
+  [[nodiscard]] bool is_beside_other_face(const Vec3& x, std::size_t own) const {
+    constexpr double kSamePlane = 0.999;
+    for (std::size_t g = 0; g < plan_.tubes.size(); ++g) {
+      const CarriedSection& bare = *plan_.tubes[g].bare;
+      const double height_mm = (x - bare.centre_mm).dot(bare.normal);
+      if (g == own || bare.normal.dot(plan_.tubes[own].bare->normal) > kSamePlane) continue;
+      if (std::abs(height_mm) < kApart * voxel_mm_ &&
+          bare.inside_section_mm(x - height_mm * bare.normal) > -voxel_mm_)
+        return true;
+    }
+    return false;
   }
 
   [[nodiscard]] bool is_taken(const Vec3& x, std::size_t own) const {

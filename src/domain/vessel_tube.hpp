@@ -22,12 +22,13 @@ struct VesselTube {
   using LabelIndex = LabelField::LabelIndex;
 
   std::shared_ptr<const CarriedSection> section;
-  Vec3 end_mm = Vec3::Zero();       ///< On the end's plane, on the axis.
-  Vec3 end_normal = Vec3::UnitZ();  ///< Unit.
-  double stump_mm = 0;              ///< Beyond the end's plane it goes on by this.
-  double transition_mm = -1;        ///< To circles; negative: the section is kept.
-  Circle outer;                     ///< Of all labels.
-  Circle lumen;                     ///< Where there is a wall around one.
+  std::shared_ptr<const CarriedSection> bare;  ///< The same without air: negative by the distance from it.
+  Vec3 end_mm = Vec3::Zero();                  ///< On the end's plane, on the axis.
+  Vec3 end_normal = Vec3::UnitZ();             ///< Unit.
+  double stump_mm = 0;                         ///< Beyond the end's plane it goes on by this.
+  double transition_mm = -1;                   ///< To circles; negative: the section is kept.
+  Circle outer;                                ///< Of all labels.
+  Circle lumen;                                ///< Where there is a wall around one.
   LabelIndex wall_label = 0, lumen_label = 0;
   Box3 box_mm;  ///< Around it with its air.
 
@@ -40,10 +41,7 @@ struct VesselTube {
   /// Positive inside of the object.
   [[nodiscard]] double outer_value(const LabelField& field, const Vec3& x) const {
     if (!box_mm.contains(x) || !is_along(x)) return -LabelField::kStoredLimit;
-    const Vec3 from = section->carried_back(x);
-    const double value = field.difference_value(field.frame().to_index(from), 1, 0);
-    const bool is_own = section->inside_section_mm(from) > 0;
-    return blended(field, x, outer, is_own ? value : -std::abs(value));
+    return blended(field, x, outer, section_value(field, section->carried_back(x)));
   }
   /// Positive in the second.
   [[nodiscard]] double pair_value(const LabelField& field, const Vec3& x, LabelIndex first,
@@ -62,6 +60,15 @@ struct VesselTube {
   }
 
  private:
+  /// Without what of the plane is another vessel's. Beyond the image, where the opening is at an edge of it,
+  /// the field only repeats itself.
+  [[nodiscard]] double section_value(const LabelField& field, const Vec3& on_plane) const {
+    if (section->inside_section_mm(on_plane) <= 0) return -LabelField::kStoredLimit;
+    const double value = field.difference_value(field.frame().to_index(on_plane), 1, 0);
+    const double off_mm = -bare->inside_section_mm(on_plane);
+    if (value <= 0 || off_mm <= section->step_mm) return value;
+    return -std::min(LabelField::kStoredLimit, off_mm / field.frame().spacing_mm.minCoeff());
+  }
   /// Goes over to the function of a circle, which a tube has: (R^2 - r^2) / 2R.
   [[nodiscard]] double blended(const LabelField& field, const Vec3& x, const Circle& circle,
                                double value) const {
