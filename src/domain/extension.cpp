@@ -219,7 +219,7 @@ std::vector<CutPlane> ends_of(const ExtensionPlan& plan, std::span<const Opening
   for (std::size_t g = 0; g < plan.groups.size(); ++g) {
     const VesselTube& tube = plan.tubes[g];
     CutPlane& end = ends.emplace_back(CutPlane{tube.end_mm, tube.end_normal});
-    end.section = tube.section;
+    end.section = tube.of_cut;
     end.radius_mm = 0.5 * tube.section->step_mm * std::hypot(tube.section->columns, tube.section->rows);
     end.depth_mm = tube.stump_mm + kAir * layer_mm(frame, tube.end_normal);
     for (const std::size_t m : plan.groups[g].members)

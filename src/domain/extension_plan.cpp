@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kStump = 5;    // Layers of voxels beyond the end, by which the boundary goes on there.
 constexpr double kAir = 4;      // Voxels around an extension: as far as the functions of a field reach.
+constexpr double kCutAir = 2;   // The same of what its end cuts off, which has to leave others.
 constexpr double kApart = 2.5;  // Voxels between two vessels whose boundaries don't feel each other.
 
 double circle_radius_mm(double area_mm2) {
@@ -100,10 +101,17 @@ class ExtensionPlanner {
       if (axis) direction = *axis;
     }
     radii_mm_[g] = main.radius_mm() * std::sqrt(direction.dot(normal));
-    const auto carried = section_of(openings_, plan_.groups, g, direction, kAir * voxel_mm_, voxel_mm_);
+    const auto with_air = [&](double voxels) {
+      return section_of(openings_, plan_.groups, g, direction, voxels * voxel_mm_, voxel_mm_);
+    };
+    const auto carried = with_air(kAir), of_cut = with_air(kCutAir);
     tube.section = carried;
-    tube.bare = section_of(openings_, plan_.groups, g, direction, 0, voxel_mm_);
-    if (is_wanted && transition_) set_circles(group, tube, *carried, radii_mm_[g]);
+    tube.of_cut = of_cut;
+    tube.bare = with_air(0);
+    if (is_wanted && transition_) {
+      set_circles(group, tube, *carried, radii_mm_[g]);
+      of_cut->circle_mm = tube.outer.radius_mm + kCutAir * voxel_mm_;
+    }
     double length_mm = wanted_mm(group, radii_mm_[g]);
     const double least_mm = least_length_mm(g);
     if (length_mm > 0 && length_mm < least_mm) {
@@ -144,12 +152,14 @@ class ExtensionPlanner {
 
   void set_length(std::size_t g, double length_mm) {
     VesselTube& tube = plan_.tubes[g];
-    const CarriedSection& s = *tube.section;
     plan_.lengths_mm[g] = length_mm;
-    if (length_mm == 0 && (s.direction - s.normal).norm() > 0) {  // It stays as it is.
-      auto straight = std::make_shared<CarriedSection>(s);
-      straight->direction = s.normal;
-      tube.section = straight;
+    if (length_mm == 0) {  // It stays as it is.
+      for (auto* const section : {&tube.section, &tube.of_cut}) {
+        auto straight = std::make_shared<CarriedSection>(**section);
+        straight->direction = straight->normal;
+        straight->circle_mm = CarriedSection().circle_mm;
+        *section = straight;
+      }
     }
     const CarriedSection& section = *tube.section;
     if (length_mm == 0) tube.transition_mm = -1;

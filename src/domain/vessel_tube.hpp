@@ -22,13 +22,14 @@ struct VesselTube {
   using LabelIndex = LabelField::LabelIndex;
 
   std::shared_ptr<const CarriedSection> section;
-  std::shared_ptr<const CarriedSection> bare;  ///< The same without air: negative by the distance from it.
-  Vec3 end_mm = Vec3::Zero();                  ///< On the end's plane, on the axis.
-  Vec3 end_normal = Vec3::UnitZ();             ///< Unit.
-  double stump_mm = 0;                         ///< Beyond the end's plane it goes on by this.
-  double transition_mm = -1;                   ///< To circles; negative: the section is kept.
-  Circle outer;                                ///< Of all labels.
-  Circle lumen;                                ///< Where there is a wall around one.
+  std::shared_ptr<const CarriedSection> of_cut;  ///< With less air: what the end's plane cuts.
+  std::shared_ptr<const CarriedSection> bare;    ///< The same without air: negative by the distance from it.
+  Vec3 end_mm = Vec3::Zero();                    ///< On the end's plane, on the axis.
+  Vec3 end_normal = Vec3::UnitZ();               ///< Unit.
+  double stump_mm = 0;                           ///< Beyond the end's plane it goes on by this.
+  double transition_mm = -1;                     ///< To circles; negative: the section is kept.
+  Circle outer;                                  ///< Of all labels.
+  Circle lumen;                                  ///< Where there is a wall around one.
   LabelIndex wall_label = 0, lumen_label = 0;
   Box3 box_mm;  ///< Around it with its air.
 
@@ -66,8 +67,8 @@ struct VesselTube {
     if (section->inside_section_mm(on_plane) <= 0) return -LabelField::kStoredLimit;
     const double value = field.difference_value(field.frame().to_index(on_plane), 1, 0);
     const double off_mm = -bare->inside_section_mm(on_plane);
-    if (value <= 0 || off_mm <= section->step_mm) return value;
-    return -std::min(LabelField::kStoredLimit, off_mm / field.frame().spacing_mm.minCoeff());
+    const double most = (section->step_mm - off_mm) / field.frame().spacing_mm.minCoeff();
+    return most > 0 ? value : std::max(-LabelField::kStoredLimit, std::min(value, most));
   }
   /// Goes over to the function of a circle, which a tube has: (R^2 - r^2) / 2R.
   [[nodiscard]] double blended(const LabelField& field, const Vec3& x, const Circle& circle,
