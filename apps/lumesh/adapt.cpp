@@ -32,6 +32,7 @@ struct AdaptCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, metric_output_path, image_path, json_path;
   ImageSelection selection;
+  ImageCuts cuts;  // Of that image.
   std::vector<std::string> keep;
   metric::TensorSource tensors;
   metric::AnalyticSource analytic;
@@ -83,22 +84,22 @@ nlohmann::ordered_json report_json(const AdaptResult& result, const Context& con
 /// The image that the surface is to follow, if there is one.
 std::shared_ptr<const ImageDomain> image_of(const AdaptCommand& command, Context& context) {
   if (command.image_path.empty()) return nullptr;
-  const LabelImage image = context.phase(
-      "read image", [&] { return read_selected_image(command.image_path, command.selection, context); });
-  return naming(command.image_path, [&] {
-    return context.phase("surfaces",
-                         [&] { return std::make_shared<const ImageDomain>(image, ImageDomainOptions{}); });
-  });
+  std::vector<CutPlane> planes;
+  LabelImage image = read_cut_image(command.image_path, command.selection, command.cuts, planes, context);
+  return naming(command.image_path, [&] { return domain_of_cut(image, planes, command.cuts, {}, context); });
 }
 
 /// What can be said before anything is read.
 void check_options(const AdaptCommand& command) {
   command.request.validate();
+  command.cuts.validate();
   check_volume_output(command.output_path);
   if (const std::vector<std::string> given = command.selection.given();
       command.image_path.empty() && !given.empty())
     throw Error(ErrorKind::kUsage,
                 fmt::format("{} says what of --image to take; give it", option_name(given.front())));
+  if (command.image_path.empty() && !command.cuts.none())
+    throw Error(ErrorKind::kUsage, "cuts and --extend say what of --image to take; give it");
   if (!command.metric_output_path.empty() && !is_metric_file(command.metric_output_path))
     throw Error(ErrorKind::kUsage, "--metric-output " + command.metric_output_path + ": must be " +
                                        formats_for(MeshUse::kMetricAlone, " or "));
@@ -150,6 +151,9 @@ AdaptResult adapt_as_told(const AdaptCommand& command, metric::MetricField& fiel
   for (const std::string& doubt : doubts_about_image(command.image_path, command.mesh_path, mesh.info(),
                                                      "the surface may have become another one"))
     context.warn(doubt);
+  if (command.cuts.none() && mesh.info().provenance.contains(kCutsKey))
+    for (const std::string& doubt : doubts_about_cuts(command.cuts, command.mesh_path, mesh.info()))
+      if (doubt.find("--extend") != std::string::npos) context.warn(doubt);
   if (result.patches_on_image == 0)
     context.warn(command.image_path + ": no patch follows it; all are planes, cylinders or mixed");
   return result;
@@ -228,6 +232,7 @@ void add_adapt_command(CLI::App& program) {
                   std::string("Image that the mesh was made of ") + kImageFormats +
                       ": the surface follows its boundary instead of the mesh's own surface");
   add_options_of(*sub, command->selection);
+  add_options_of(*sub, command->cuts);
   add_options_of(*sub, command->request);
   add_topology_option(*sub, command->request.adapt.team);
   sub->add_option("--json", command->json_path, "Write times and counts of operators as JSON");

@@ -212,10 +212,10 @@ std::vector<std::string> doubts_about_image(const std::string& image_path, const
 std::vector<std::string> doubts_about_cuts(const ImageCuts& given, const std::string& mesh_path,
                                            const MeshInfo& info) {
   const std::vector<std::string> made_with = cut_options(info.provenance);
-  if (given.planes.size() + given.places_mm.size() >= made_with.size()) return {};
+  if (cut_options(given).size() >= made_with.size()) return {};
   return {fmt::format(
-      "{}: was made of an image that was cut, and sizes are those of the cut image only if the same cuts are "
-      "given: {}",
+      "{}: was made of an image that was cut or extended, and sizes are those of that image only if the same "
+      "cuts are given: {}",
       mesh_path, fmt::join(made_with, " "))};
 }
 

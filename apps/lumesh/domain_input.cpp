@@ -22,19 +22,20 @@ void add_domain_options(CLI::App& command, DomainInput& input) {
   describe_unit(unit, input.selection.unit);
   add_options(command, unit);
   add_options_of(command, input.cuts);
-  add_options_of(command, input.image.field);
+  add_options_of(command, input.field);
   add_options_of(command, input.surface);
 }
 
 void check_domain_options(const CLI::App& command, DomainInput& input) {
   input.surface.validate();
+  input.cuts.validate();
   const bool is_surface = is_mesh_file(input.path);
   const std::string reason = is_surface ? fmt::format("is for images, and {} is a surface", input.path)
                                         : fmt::format("is for surfaces, and {} is an image", input.path);
   if (!is_surface) return require_not_given(command, options_of(input.surface), reason);
   require_not_given(command, options_of(input.selection), reason);
   require_not_given(command, options_of(input.cuts), reason);
-  require_not_given(command, options_of(input.image.field), reason);
+  require_not_given(command, options_of(input.field), reason);
 }
 
 void add_opening_options(CLI::App& command, OpeningOptions& options) {
@@ -99,14 +100,11 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
       return read;
     });
   }
-  ImageDomainOptions options = input.image;
-  const LabelImage image =
-      read_cut_image(input.path, input.selection, input.cuts, options.cut_planes, context);
+  std::vector<CutPlane> planes;
+  LabelImage image = read_cut_image(input.path, input.selection, input.cuts, planes, context);
   // The domain first: it refuses noise, whose shape takes long to tell.
-  std::unique_ptr<Domain> domain = naming(input.path, [&] {
-    return context.phase("domain", [&] { return std::make_unique<ImageDomain>(image, options); });
-  });
-  DomainRead read{std::move(domain)};
+  DomainRead read{
+      naming(input.path, [&] { return domain_of_cut(image, planes, input.cuts, input.field, context); })};
   read.openings = context.phase("openings", [&] { return find_openings(*read.domain); });
   for (const std::string& doubt : doubts_about_sections(image, read.openings)) context.warn(doubt);
   if (input.needs_axes)
@@ -114,7 +112,7 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
         "axes", [&] { return naming(input.path, [&] { return extract_centerline(image, {}, context); }); });
   read.closed_vessels =
       context.phase("ends", [&] { return closed_vessel_warning(image, read.openings, context); });
-  if (options.cut_planes.empty()) read.shape = context.phase("shape", [&] { return shape_of(image); });
+  if (planes.empty()) read.shape = context.phase("shape", [&] { return shape_of(image); });
   return read;
 }
 

@@ -18,7 +18,7 @@ struct DomainInput {
   std::string path;
   ImageSelection selection;
   ImageCuts cuts;
-  ImageDomainOptions image;
+  LabelFieldOptions field;  ///< Of an image.
   SurfaceInputOptions surface;
   bool needs_axes = false;
 };
@@ -30,7 +30,7 @@ void add_domain_options(CLI::App& command, DomainInput& input);
 void check_domain_options(const CLI::App& command, DomainInput& input);
 
 struct DomainRead {
-  std::unique_ptr<Domain> domain;
+  std::shared_ptr<const Domain> domain;
   std::vector<Opening> openings = {};            ///< Of the domain.
   std::optional<ImageShape> shape = {};          ///< Of an image that is not cut.
   Polylines axes = {};                           ///< Where they are wanted.

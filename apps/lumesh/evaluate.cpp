@@ -97,6 +97,7 @@ void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
 void run(const EvaluateCommand& command) {
   const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
+  command.cuts.validate();
   check_output_folders({command.json_path, command.report_path, command.picture_path});
   check_inputs_stay({command.json_path, command.report_path, command.picture_path},
                     {command.mesh_path, command.image_path, command.centerline_path, command.reference_path});
@@ -104,9 +105,10 @@ void run(const EvaluateCommand& command) {
                     command.selection.other_files());
   if (!command.centerline_path.empty() && command.image_path.empty())
     throw Error(ErrorKind::kUsage, "--centerline is for the comparison with an image; give --image, too");
-  if (!command.reference_path.empty() && !command.cuts.places_mm.empty())
+  if (!command.reference_path.empty() && !command.cuts.is_whole())
     throw Error(ErrorKind::kUsage,
-                "--reference is of the whole object, which --cut-at is not; leave one of them out");
+                "--reference is of the whole object, which --cut-at, --clip-ends and --extend leave no more; "
+                "leave one of them out");
   Context context = make_context(command.run);
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);
@@ -114,8 +116,14 @@ void run(const EvaluateCommand& command) {
   input.cut_planes = command.cuts.planes;  // Of a phantom without an image, too.
   std::vector<std::string> warnings;
   LabelImage image;
+  std::shared_ptr<const ImageDomain> domain;
   if (!command.image_path.empty()) {
     image = read_cut_image(command.image_path, command.selection, command.cuts, input.cut_planes, context);
+    if (command.cuts.extension.is_wanted()) {
+      domain = naming(command.image_path,
+                      [&] { return domain_of_cut(image, input.cut_planes, command.cuts, {}, context); });
+      input.domain = domain.get();
+    }
     input.image = &image;
     warnings = context.phase("provenance", [&] {
       return doubts_about_image(command.image_path, command.mesh_path, mesh.info,
@@ -160,7 +168,8 @@ void add_evaluate_command(CLI::App& program) {
   add_options(*sub, unit);
   sub->get_option("--unit")->needs("--image");
   add_options_of(*sub, command->cuts);
-  sub->get_option("--cut-at")->needs("--image");
+  for (const char* option : {"--cut-at", "--clip-ends", "--extend"})
+    sub->get_option(option)->needs("--image");
   sub->add_option("--centerline", command->centerline_path,
                   "Axes of the vessels (.vtp, by lumesh centerline), or none; default: found in the image");
   sub->add_option("--reference", command->reference_path,

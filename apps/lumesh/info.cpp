@@ -201,17 +201,18 @@ json describe_mesh_file(const InfoCommand& command, Context& context) {
 }
 
 /// Not of an image with very many labels, or of noise: they are not worth the time.
-void add_openings(const LabelImage& image, const std::vector<CutPlane>& cuts, json& all, Context& context) {
+void add_openings(LabelImage& image, const ImageCuts& cuts, std::vector<CutPlane> planes, json& all,
+                  Context& context) {
   constexpr std::size_t kMostLabels = 200;
   const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };
   if (image.values().size() > kMostLabels) return leave_out(fmt::format("more than {} labels", kMostLabels));
   try {
-    const std::vector<Opening> openings = find_openings(ImageDomain(image, {{}, cuts}));
+    const std::vector<Opening> openings = find_openings(*domain_of_cut(image, planes, cuts, {}, context));
     for (const std::string& doubt : doubts_about_sections(image, openings)) context.warn(doubt);
     all["openings"] = describe_openings(openings);
-    all["vessel_ends"] = describe_ends(vessel_ends(image, cuts, openings, ~std::size_t{0}, context));
+    all["vessel_ends"] = describe_ends(vessel_ends(image, planes, openings, ~std::size_t{0}, context));
   } catch (const Error& error) {
-    if (error.kind() != ErrorKind::kBadInput) throw;
+    if (error.kind() != ErrorKind::kBadInput || cuts.extension.is_wanted()) throw;
     leave_out(error.what());
   }
 }
@@ -243,7 +244,7 @@ json describe_image_file(const InfoCommand& command, Context& context) {
     json all = context.phase("labels", [&] { return describe_image(image); });
     const std::vector<CutPlane> planes =
         naming(command.path, [&] { return cut_off(image, command.cuts, context); });
-    context.phase("openings", [&] { add_openings(image, planes, all, context); });
+    context.phase("openings", [&] { add_openings(image, command.cuts, planes, all, context); });
     return all;
   } catch (const NotLabels& grey) {
     context.warn(grey.what());
@@ -252,6 +253,7 @@ json describe_image_file(const InfoCommand& command, Context& context) {
 }
 
 void run(const InfoCommand& command) {
+  command.cuts.validate();
   const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);

@@ -35,7 +35,7 @@ struct LatticeCommand {
   double cells_per_diameter = 0;
   OpeningOptions openings;
   LatticeOptions options;
-  ImageDomainOptions domain;
+  LabelFieldOptions field;
   RunOptions run;
 };
 
@@ -82,20 +82,20 @@ void run(const LatticeCommand& command) {
   const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
+  command.cuts.validate();
   check_surface_output(command.surface_path);
   check_output_folders({command.mesh_path, command.surface_path});
   check_inputs_stay({command.mesh_path, command.surface_path}, {command.image_path});
   check_inputs_stay({command.mesh_path, command.surface_path}, command.selection.other_files());
-  ImageDomainOptions domain_options = command.domain;
-  const LabelImage image =
-      read_cut_image(command.image_path, command.selection, command.cuts, domain_options.cut_planes, context);
+  std::vector<CutPlane> planes;
+  LabelImage image = read_cut_image(command.image_path, command.selection, command.cuts, planes, context);
   LatticeOptions options = command.options;
   if (command.cells_per_diameter > 0)
     options.fidelity = LatticeOptions::fidelity_of_cells(command.cells_per_diameter);
   require_labels(command, image);
-  const ImageDomain domain = naming(command.image_path, [&] {
-    return context.phase("domain", [&] { return ImageDomain(image, domain_options); });
-  });
+  const auto domain_of_image = naming(
+      command.image_path, [&] { return domain_of_cut(image, planes, command.cuts, command.field, context); });
+  const ImageDomain& domain = *domain_of_image;
   const std::vector<Opening> openings = context.phase("openings", [&] { return find_openings(domain); });
   for (const std::string& doubt : doubts_about_sections(image, openings)) context.warn(doubt);
   const std::vector<PatchRenaming> renamings = renamings_for(command.openings, openings);
@@ -141,7 +141,7 @@ void add_lattice_command(CLI::App& program) {
   describe_out_unit(units, command->out_unit);
   add_options(*sub, units);
   add_options_of(*sub, command->cuts);
-  add_options_of(*sub, command->domain.field);
+  add_options_of(*sub, command->field);
   add_opening_options(*sub, command->openings);
   add_threads_option(*sub, command->run);
   add_verbosity_options(*sub, command->run);

@@ -30,10 +30,11 @@ void check_input(const Case& c) {
     refuse("[input] needs one of image, surface and phantom, not " + std::to_string(given) + " of them");
   if (!input.surface.empty() && c.mesher == Mesher::kLattice)
     refuse("the lattice mesher takes images; for [input] surface set mesher = \"delaunay\"");
+  naming("[input]", [&] { input.cuts.validate(); });
   const ImageSelection& selection = input.selection;
   if (!input.surface.empty()) {
     if (!input.cuts.none())
-      refuse("[input] cut_planes and cut_at are for images; leave them out with surface");
+      refuse("[input] cut_planes, cut_at, clip_ends and extend are for images; leave them out with surface");
     refuse_given(selection.given(), "surface");
   }
   if (input.phantom.empty()) return;

@@ -28,12 +28,8 @@ const std::vector<Opening>& CaseState::openings() {
 
 const std::shared_ptr<const ImageDomain>& CaseState::domain_of_image() {
   if (image_domain) return image_domain;
-  ImageDomainOptions options;
-  options.cut_planes = cut_planes;
-  options.field = c.input.field;
-  image_domain = naming(input_name, [&] {
-    return context.phase("domain", [&] { return std::make_shared<const ImageDomain>(*image, options); });
-  });
+  image_domain = naming(
+      input_name, [&] { return domain_of_cut(*image, cut_planes, c.input.cuts, c.input.field, context); });
   return image_domain;
 }
 

@@ -60,7 +60,7 @@ void describe_mesh(const CaseState& state, report::StageReport& stage) {
   view.info = &info;
   quality::EvaluationInput input;
   input.image = state.image ? &*state.image : nullptr;
-  const bool is_whole = state.c.input.cuts.places_mm.empty();
+  const bool is_whole = state.c.input.cuts.is_whole();
   input.phantom = state.phantom && is_whole ? &*state.phantom : nullptr;
   input.domain = state.image_domain.get();
   input.cut_planes = state.cut_planes;

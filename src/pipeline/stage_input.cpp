@@ -101,6 +101,9 @@ void read_input(CaseState& state, report::StageReport& stage) {
     if (!state.image) return;
     state.cut_planes =
         state.context.phase("cuts", [&] { return cut_off(*state.image, state.c.input.cuts, state.context); });
+    if (state.c.input.cuts.extension.is_wanted())
+      state.image_domain = domain_of_cut(*state.image, state.cut_planes, state.c.input.cuts,
+                                         state.c.input.field, state.context);
     describe_image(*state.image, stage);
   });
   read_sources(state);

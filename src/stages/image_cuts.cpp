@@ -11,7 +11,10 @@
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/image/topology.hpp"
+#include "lumesh/stages/opening_sections.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
 #include "place_text.hpp"
 
 namespace lumesh {
@@ -114,6 +117,39 @@ CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> 
   return cut.plane;
 }
 
+/// The place on a line so far from its end; none where it is not as long.
+std::optional<Vec3> place_up(const Polylines& lines, const std::vector<std::uint32_t>& from_end,
+                             const LocalLength& length) {
+  const std::vector<double>& radius = lines.scalars.at("radius");
+  double way_mm = 0;
+  for (std::size_t i = 1; i < from_end.size(); ++i) {
+    way_mm += (lines.points[from_end[i]] - lines.points[from_end[i - 1]]).norm();
+    if (way_mm >= length.in_mm(radius[from_end[i]])) return lines.points[from_end[i]];
+  }
+  return std::nullopt;
+}
+
+void clip_ends(LabelImage& image, const LocalLength& length, std::vector<CutPlane>& planes,
+               Context& context) {
+  Context quiet;
+  const Polylines lines = extract_centerline(image, {}, quiet);
+  const double voxel_mm = image.frame().spacing_mm.maxCoeff();
+  for (const std::vector<std::uint32_t>& from_end : lines_from_ends(lines)) {
+    const Vec3& end = lines.points[from_end.front()];
+    if (lines.scalars.at("radius")[from_end.front()] < voxel_mm) continue;
+    try {
+      const std::optional<Vec3> place = place_up(lines, from_end, length);
+      if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
+      const AxisPlace found = axis_at(lines, *place, planes);
+      planes.push_back(cut_off_vessel(image, found.across, found.radius_mm).plane);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kBadInput) throw;
+      context.warn(fmt::format("{}: the end at {} stays: {}", option_name("clip_ends"), place_text(end),
+                               error.what()));
+    }
+  }
+}
+
 }  // namespace
 
 std::string refusal_of_cut(const LabelImage& image, const Polylines& lines, std::span<const CutPlane> before,
@@ -137,6 +173,14 @@ std::vector<std::string> cut_options(const ImageCuts& cuts) {
   }
   for (const Vec3& p : cuts.places_mm)
     options.push_back(fmt::format("--cut-at {},{},{}", p.x(), p.y(), p.z()));
+  const auto add = [&](const char* name, const std::string& text) {
+    std::string word = text;
+    std::erase(word, ' ');
+    if (!word.empty()) options.push_back(fmt::format("{} {}", name, word));
+  };
+  add("--clip-ends", cuts.ends);
+  add("--extend", cuts.extension.lengths);
+  add("--extend-circle", cuts.extension.transition);
   return options;
 }
 
@@ -151,7 +195,8 @@ std::vector<std::string> cut_options(const std::map<std::string, std::string>& p
   for (std::string word; words >> word;) {
     if (word.starts_with("--")) {
       option = word;
-      wanted = option == "--cut-at" ? 1 : option == "--cut-plane" ? 6 : 0;
+      const bool has_one = option == "--cut-at" || option == "--clip-ends" || option.starts_with("--extend");
+      wanted = has_one ? 1 : option == "--cut-plane" ? 6 : 0;
       values = 0;
     } else if (wanted > 0) {
       if (values++ % wanted == 0) options.push_back(option);
@@ -164,7 +209,29 @@ std::vector<std::string> cut_options(const std::map<std::string, std::string>& p
 std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context& context) {
   std::vector<CutPlane> planes = cuts.planes;
   for (const Vec3& place : cuts.places_mm) planes.push_back(cut_at(image, place, planes, context));
+  if (!cuts.ends.empty()) clip_ends(image, local_length_from(cuts.ends), planes, context);
   return planes;
+}
+
+std::shared_ptr<const ImageDomain> domain_of_cut(LabelImage& image, std::vector<CutPlane>& planes,
+                                                 const ImageCuts& cuts, const LabelFieldOptions& field,
+                                                 Context& context) {
+  auto domain = context.phase("domain", [&] {
+    return std::make_shared<const ImageDomain>(image, ImageDomainOptions{field, planes});
+  });
+  if (!cuts.extension.is_wanted()) return domain;
+  const std::vector<Opening> openings = context.phase("openings", [&] { return find_openings(*domain); });
+  if (openings.empty())
+    throw Error(ErrorKind::kBadInput, option_name("extend") +
+                                          ": no vessel leaves the image; cut them with `cut_at` or "
+                                          "`clip_ends`, which makes openings");
+  for (const std::string& doubt : doubts_about_sections(image, openings)) context.warn(doubt);
+  ExtendedImage extended =
+      context.phase("extensions", [&] { return extend_openings(image, *domain, openings, cuts.extension); });
+  for (const std::string& note : extended.notes) context.warn(note);
+  image = std::move(extended.image);
+  planes.assign(extended.domain->cut_planes().begin(), extended.domain->cut_planes().end());
+  return extended.domain;
 }
 
 }  // namespace lumesh

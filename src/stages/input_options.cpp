@@ -159,6 +159,16 @@ void ImageCuts::describe(OptionList& list) {
             "Places x, y, z: the vessel there, and no other, is cut square to its axis, and its smaller part "
             "goes")
       .in("mm");
+  list.text("clip_ends", ends,
+            "Every end of a vessel is cut off square to its axis, so far before it: a number in mm, or 1r in "
+            "local radii")
+      .by_default("none");
+  extension.describe(list);
+}
+
+void ImageCuts::validate() const {
+  if (!ends.empty()) naming(option_name("clip_ends"), [&] { static_cast<void>(local_length_from(ends)); });
+  extension.validate();
 }
 
 }  // namespace lumesh

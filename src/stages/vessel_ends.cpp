@@ -68,6 +68,17 @@ bool is_at_opening(const Vec3& place, double radius_mm, const Opening& opening) 
 
 }  // namespace
 
+std::vector<std::vector<std::uint32_t>> lines_from_ends(const Polylines& lines) {
+  std::vector<std::vector<std::uint32_t>> from_ends;
+  for (const auto& line : lines.lines) {
+    if (line.size() < 2 || line.front() == line.back() || !is_vessel(lines, line)) continue;
+    const std::vector<std::uint32_t> reversed(line.rbegin(), line.rend());
+    for (const auto* from_tip : {&line, &reversed})
+      if (!is_on_another(lines, line, from_tip->front())) from_ends.push_back(*from_tip);
+  }
+  return from_ends;
+}
+
 std::vector<VesselEnd> vessel_ends(const Polylines& lines, double least_radius_mm,
                                    std::span<const Opening> openings) {
   std::vector<VesselEnd> ends;
@@ -81,12 +92,7 @@ std::vector<VesselEnd> vessel_ends(const Polylines& lines, double least_radius_m
     if (!is_open && radius_mm >= least_radius_mm)
       ends.push_back({radius_mm, place, places_up(lines, from_tip, radius_mm)});
   };
-  for (const auto& line : lines.lines) {
-    if (line.size() < 2 || line.front() == line.back() || !is_vessel(lines, line)) continue;
-    const std::vector<std::uint32_t> reversed(line.rbegin(), line.rend());
-    for (const auto* from_tip : {&line, &reversed})
-      if (!is_on_another(lines, line, from_tip->front())) look_at(*from_tip);
-  }
+  for (const auto& from_tip : lines_from_ends(lines)) look_at(from_tip);
   std::stable_sort(ends.begin(), ends.end(),
                    [](const VesselEnd& a, const VesselEnd& b) { return a.radius_mm > b.radius_mm; });
   return ends;

@@ -63,6 +63,51 @@ class CutsTest(ProgramTest):
                     self.assertLess(abs(opening["change_percent"]), 2)
                 self.assertLess(abs(report["labels"][0]["volume_error_percent"]), 2)
 
+    def test_both_meshers_extend_vessels_as_info_says(self):
+        cut = ["--cut-at", f"30,10.6,{TUBES['high']}"]
+        extended = [*cut, "--extend", "3r,outlet_2=0"]
+        before, after = self.openings("info", self.image, "--json", *cut), self.openings("info", self.image, "--json", *extended)
+        self.assertEqual(sorted(before), sorted(after))
+        for name, opening in before.items():
+            length = math.dist(opening["centre_mm"], after[name]["centre_mm"])
+            wanted = 0 if name == "outlet_2" else 3 * opening["radius_mm"]
+            self.assertAlmostEqual(length, wanted, delta=0.05 + 0.01 * wanted)
+            self.assertAlmostEqual(after[name]["area_mm2"] / opening["area_mm2"], 1, delta=0.01)
+        for mesher in ("lattice", "delaunay"):
+            with self.subTest(mesher):
+                mesh, numbers = self.folder / f"{mesher}.vtu", self.folder / f"{mesher}.json"
+                self.run_well(mesher, self.image, "-o", mesh, "--edge-length", "1.5", "--strict", *extended)
+                asked = self.run_well("evaluate", mesh, "--image", self.image, *cut)
+                self.assertIn("--extend 3r,outlet_2=0", asked.stderr)
+                self.run_well("evaluate", mesh, "--image", self.image, *extended, "--json", numbers)
+                report = json.loads(numbers.read_text())
+                self.assertEqual(sorted(o["patches"] for o in report["openings"]), sorted(after))
+                for opening in report["openings"]:
+                    self.assertLess(abs(opening["change_percent"]), 2)
+                self.assertLess(abs(report["labels"][0]["volume_error_percent"]), 2)
+
+    def test_a_finished_mesh_is_extended(self):
+        mesh, longer = self.folder / "mesh.vtu", self.folder / "longer.vtu"
+        self.run_well("lattice", self.image, "-o", mesh, "--edge-length", "1.5")
+        self.run_well("layers", mesh, "-o", longer, "--extend", "inlet_1=3r")
+        self.assert_refused(self.run_lumesh("layers", mesh, "-o", longer, "--extend", "inlet_7=3r"), BAD_INPUT, "inlet_7", "outlet_1")
+        self.assert_refused(self.run_lumesh("layers", mesh, "-o", longer), USAGE, "--extend")
+
+    def test_ends_are_clipped_square(self):
+        told = self.run_well("info", self.image, "--json", "--clip-ends", "1r")
+        self.assertIn("(-0.5, 10.6, 10.4) mm stays", told.stderr)  # It is at the joint of the two tubes.
+        clipped = [o for o in json.loads(told.stdout)["openings"] if o["centre_mm"][0] > 20]
+        self.assertEqual(len(clipped), 2)
+        for opening in clipped:
+            self.assertAlmostEqual(opening["area_mm2"] / (math.pi * RADIUS**2), 1, delta=0.04)
+            self.assertLess(opening["centre_mm"][0], 44)
+
+    def test_extensions_that_make_no_sense_are_refused(self):
+        for lengths, word in (("5x", "5x"), ("inlet_9=5r", "inlet_9"), ("5r,6r", "two lengths")):
+            refused = self.run_lumesh("info", self.image, "--extend", lengths)
+            self.assertIn(refused.returncode, (USAGE, BAD_INPUT), refused.stderr)
+            self.assertIn(word, refused.stderr)
+
     def test_evaluate_asks_for_the_cuts_that_the_mesh_was_made_with(self):
         place, plane = f"30,10.6,{TUBES['high']}", ("12", "0", "0", "-1", "0", "0")
         mesh, coarse = self.folder / "cut.vtu", self.folder / "coarse.vtu"

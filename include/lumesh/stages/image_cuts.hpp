@@ -1,7 +1,8 @@
 #pragma once
-/// @file What of an image is cut off before it is meshed.
+/// @file What of an image is cut off before it is meshed, and how far it goes on beyond its openings.
 
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "lumesh/core/context.hpp"
 #include "lumesh/core/types.hpp"
 #include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/extension.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/polylines.hpp"
 
@@ -20,14 +22,21 @@ class OptionList;
 struct ImageCuts {
   std::vector<CutPlane> planes;  ///< As they are, through everything.
   std::vector<Vec3> places_mm;   ///< Each cuts the one vessel there, square to its axis.
+  std::string ends;              ///< For local_length_from(): how far from each end it is cut; empty: not.
+  ExtensionOptions extension;    ///< Of what is left.
 
-  [[nodiscard]] bool none() const { return planes.empty() && places_mm.empty(); }
+  [[nodiscard]] bool none() const { return planes.empty() && is_whole(); }
+  /// But for planes, which a phantom can be cut with, too.
+  [[nodiscard]] bool is_whole() const { return places_mm.empty() && ends.empty() && !extension.is_wanted(); }
 
   void describe(OptionList& list);
+  /// @throws Error{kUsage} that names the option.
+  void validate() const;
 };
 
 /// Cuts the vessels at the places, as cut_off_vessel() does, one after the other: each at the point of the
-/// centerlines of its piece that is the fewest radii away.
+/// centerlines of its piece that is the fewest radii away. Then each end of the centerlines of the whole is
+/// cut off, as far before it as `ends` says, in radii at that place; one that can't be stays, with a warning.
 ///
 /// @param image  Loses what lies beyond.
 /// @return Those and the whole planes, for ImageDomainOptions.
@@ -35,6 +44,15 @@ struct ImageCuts {
 /// any axis, or beyond a cut before it; and as extract_centerline() and cut_off_vessel() do. Cost and
 /// threads: for each place as these.
 [[nodiscard]] std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context& context);
+
+/// The domain of an image after cut_off(), extended as asked for. @param image, planes  Where it is extended:
+/// become those of the result. @throws Error{kBadInput} as ImageDomain and extend_openings(), and if there is
+/// no opening to extend.
+[[nodiscard]] std::shared_ptr<const ImageDomain> domain_of_cut(LabelImage& image,
+                                                               std::vector<CutPlane>& planes,
+                                                               const ImageCuts& cuts,
+                                                               const LabelFieldOptions& field,
+                                                               Context& context);
 
 /// Why cut_off() would refuse to cut at a place; empty if it would not.
 /// @param lines  Through the vessel there, with the scalar "radius" in mm. @param before  What cuts the image

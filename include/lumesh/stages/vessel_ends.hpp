@@ -1,6 +1,7 @@
 #pragma once
 /// @file Vessels that end inside an image, and surfaces without ends, where no mesh will have an opening.
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,6 +21,10 @@ struct VesselEnd {
   std::optional<Vec3> cut_mm = {};    ///< Where it can be cut: the first of these; none if nobody has tried.
   std::string refusal = {};           ///< Why it cannot be, if it was tried.
 };
+
+/// Points of each line of a vessel from its end on, for each end that is on no other line.
+/// @param lines  With the scalar "radius" in mm.
+[[nodiscard]] std::vector<std::vector<std::uint32_t>> lines_from_ends(const Polylines& lines);
 
 /// Ends of centerlines that lie at no opening, by falling radius: vessels that were segmented so far only,
 /// and bulges; of lines more than twice as long as their largest radius.
