@@ -23,6 +23,7 @@ struct LayersCommand {
   const CLI::App* self = nullptr;
   std::string mesh_path, output_path, json_path, report_path;
   LayerRequest request;
+  ExtensionOptions extension;
   RunOptions run;
 };
 
@@ -43,20 +44,40 @@ void write_reports(const LayersCommand& command, const MixedMesh& mesh, const re
   write_text_file(command.report_path, report::layers_html(title, layers, pictures, mesh.info.provenance));
 }
 
+/// Of a mesh without layers.
+void run_extension(const LayersCommand& command, const MixedMesh& input, Context& context) {
+  MixedMesh mesh = input;
+  extend_mesh(mesh, command.mesh_path, command.extension, command.request.options.cells, context);
+  mesh.info.provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
+  context.phase("write", [&] { write_mesh(command.output_path, mesh.view()); });
+  say(command.run, "{}: {} cells more, {} in all\n", command.output_path,
+      mesh.view().cell_count() - input.view().cell_count(), mesh.view().cell_count());
+  const MeshView before = input.view();
+  require_sound(command.output_path, mesh.view(), context, "", &before);
+}
+
+void check_wanted(const LayersCommand& command) {
+  if (command.request.is_wanted()) return command.request.validate();
+  if (!command.extension.is_wanted())
+    throw Error(ErrorKind::kUsage, "give --first-height for layers, or --extend for flow extensions");
+  if (!command.json_path.empty() || !command.report_path.empty())
+    throw Error(ErrorKind::kUsage, "--json and --report are about layers; give --first-height, too");
+}
+
 void run(const LayersCommand& command) {
   const Interruptible interruptible;
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
-  command.request.validate();
+  check_wanted(command);
+  command.extension.validate();
   check_volume_output(command.output_path);
   check_cells(command);
   check_output_folders({command.output_path, command.json_path, command.report_path});
   check_inputs_stay({command.json_path, command.report_path}, {command.mesh_path});
   const MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
+  if (!command.request.is_wanted()) return run_extension(command, input, context);
   const LayerOptions options = naming(command.mesh_path, [&] { return command.request.resolved(input); });
   LayerResult result = grow_layers_on(input, command.mesh_path, options, context);
-  result.mesh.info.provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
-  context.phase("write", [&] { write_mesh(command.output_path, result.mesh.view()); });
   const std::string shortfall = result.report.shortfall();
   const MeshView before = input.view();
   const report::LayersOfMesh layers = context.phase("measures", [&] {
@@ -64,6 +85,9 @@ void run(const LayersCommand& command) {
     return report::measure_layers(result.mesh.view(), std::move(result.report),
                                   of_input.smallest_dihedral_deg.value);
   });
+  extend_mesh(result.mesh, command.mesh_path, command.extension, options.cells, context);
+  result.mesh.info.provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
+  context.phase("write", [&] { write_mesh(command.output_path, result.mesh.view()); });
   say(command.run, "{}", report::coverage_text(layers.report));
   say(command.run,
       "{}: {} layers, {} cells on {} tetrahedra, {:.1f} % of the area complete, dihedral angles beside from "
@@ -88,7 +112,9 @@ void add_layers_command(CLI::App& program) {
                   "Mesh with its layers to write (" + formats_for(MeshUse::kWriteVolume) + ")")
       ->required();
   add_options_of(*sub, command->request);
-  sub->get_option("--first-height")->required();
+  OptionList extension;
+  command->extension.describe_lengths(extension);
+  add_options(*sub, extension);
   sub->add_flag_callback(
       "--blc", [command] { command->request.options.cells = LayerCells::kPrisms; },
       "AFLR's name of --cells prisms");

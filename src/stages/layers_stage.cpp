@@ -2,9 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <utility>
+
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/geometry/predicates.hpp"
+#include "lumesh/layers/extrusion.hpp"
 #include "lumesh/mesh/tetrahedral_split.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/stages/metric_input.hpp"
@@ -79,6 +82,16 @@ LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name, const
   result.report.core_pyramids = mesh.pyramids.size();
   result.report.core_prisms = mesh.prisms.size();
   return result;
+}
+
+void extend_mesh(MixedMesh& mesh, const std::string& name, const ExtensionOptions& extension,
+                 LayerCells cells, Context& context) {
+  if (!extension.is_wanted()) return;
+  ExtrudedMesh extended = context.phase("extensions", [&] {
+    return naming(name, [&] { return extrude_openings(mesh, named_lengths_from(extension.lengths), cells); });
+  });
+  for (const std::string& note : extended.notes) context.warn(note);
+  mesh = std::move(extended.mesh);
 }
 
 }  // namespace lumesh

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "lumesh/domain/extension.hpp"
 #include "lumesh/layers/layers.hpp"
 
 namespace lumesh {
@@ -13,5 +14,10 @@ namespace lumesh {
 /// quadrilaterals on the boundary, and for cells so warped that they cannot be split into tetrahedra.
 [[nodiscard]] LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name,
                                          const LayerOptions& options, Context& context);
+
+/// Sweeps the openings of a mesh on, as extrude_openings(), in place; warns of those that are not as asked
+/// for. Nothing where no extension is wanted.
+void extend_mesh(MixedMesh& mesh, const std::string& name, const ExtensionOptions& extension,
+                 LayerCells cells, Context& context);
 
 }  // namespace lumesh

@@ -116,6 +116,10 @@ class Faces {
       add({c[0], c[1], c[2]}), add({c[3], c[4], c[5]});
       for (int i = 0; i < 3; ++i) add({at(c, i), at(c, (i + 1) % 3), at(c, 3 + (i + 1) % 3), at(c, 3 + i)});
     }
+    for (const Cell<8>& c : mesh.hexahedra) {
+      add({c[0], c[1], c[2], c[3]}), add({c[4], c[5], c[6], c[7]});
+      for (int i = 0; i < 4; ++i) add({at(c, i), at(c, (i + 1) % 4), at(c, 4 + (i + 1) % 4), at(c, 4 + i)});
+    }
   }
   [[nodiscard]] int times(std::vector<std::uint32_t> face) const {
     std::sort(face.begin(), face.end());

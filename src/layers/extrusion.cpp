@@ -1,0 +1,380 @@
+#include "lumesh/layers/extrusion.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/mesh/cell_faces.hpp"
+#include "lumesh/mesh/tetrahedral_split.hpp"
+
+namespace lumesh {
+namespace {
+
+/// A face of a patch, with three or four corners.
+struct PatchFace {
+  std::vector<std::uint32_t> corners;
+  std::int32_t patch;
+  Label label = kBackground;  // Of the cell behind it: a patch may have several.
+};
+
+using EdgeKey = std::pair<std::uint32_t, std::uint32_t>;
+
+EdgeKey edge_of(std::uint32_t a, std::uint32_t b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+/// The openings that go on together.
+struct SweptSection {
+  std::vector<std::int32_t> patches;
+  std::vector<PatchFace> faces;
+  std::vector<std::uint32_t> vertices;  // Ascending.
+  Vec3 centre_mm = Vec3::Zero(), normal = Vec3::Zero(), axis = Vec3::Zero();
+  double reach_mm = 0, radius_mm = 0, edge_mm = 0;
+
+  [[nodiscard]] bool has(std::int32_t patch) const {
+    return std::find(patches.begin(), patches.end(), patch) != patches.end();
+  }
+};
+
+class Extruder {
+ public:
+  Extruder(const MixedMesh& mesh, LayerCells cells) : cells_(cells) { result_.mesh = mesh; }
+
+  ExtrudedMesh make(std::span<const NamedLength> lengths) && {
+    check_names(lengths);
+    std::vector<bool> is_done(patches().size(), false);
+    for (std::size_t p = 0; p < patches().size(); ++p) {
+      if (patches()[p].kind != PatchKind::kOpening || is_done[p]) continue;
+      const SweptSection section = section_at(static_cast<std::int32_t>(p));
+      for (const std::int32_t q : section.patches) is_done[static_cast<std::size_t>(q)] = true;
+      if (const double length_mm = wanted_mm(section, lengths); length_mm > 0 && !section.faces.empty())
+        extend(section, length_mm);
+    }
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] const MixedMesh& mesh() const { return result_.mesh; }
+  [[nodiscard]] const std::vector<Patch>& patches() const { return mesh().info.patches; }
+  [[nodiscard]] const Patch& patch(std::int32_t p) const { return patches()[static_cast<std::size_t>(p)]; }
+  [[nodiscard]] const Vec3& point(std::uint32_t v) const { return mesh().points[v]; }
+
+  void check_names(std::span<const NamedLength> lengths) const {
+    std::vector<std::string> names;
+    for (const Patch& p : patches())
+      if (p.kind == PatchKind::kOpening) names.push_back(p.name);
+    for (const NamedLength& wanted : lengths)
+      if (names.empty() ||
+          (!wanted.opening.empty() && std::find(names.begin(), names.end(), wanted.opening) == names.end()))
+        throw Error(
+            ErrorKind::kBadInput,
+            fmt::format("{}: the mesh has no opening {}; it has {}", option_name("extend"), wanted.opening,
+                        names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+  }
+
+  template <class Visit>
+  void for_each_face(const Visit& visit) const {
+    for (std::size_t t = 0; t < mesh().triangles.size(); ++t)
+      visit(std::span<const std::uint32_t>(mesh().triangles[t]), mesh().triangle_patches[t]);
+    for (std::size_t q = 0; q < mesh().quadrilaterals.size(); ++q)
+      visit(std::span<const std::uint32_t>(mesh().quadrilaterals[q]), mesh().quadrilateral_patches[q]);
+  }
+  [[nodiscard]] Vec3 area_normal(std::span<const std::uint32_t> face) const {
+    Vec3 normal = 0.5 * triangle_area_normal(point(face[0]), point(face[1]), point(face[2]));
+    if (face.size() == 4)
+      normal += 0.5 * triangle_area_normal(point(face[0]), point(face[2]), point(face[3]));
+    return normal;
+  }
+  [[nodiscard]] Vec3 middle_of(std::span<const std::uint32_t> face) const {
+    Vec3 sum = Vec3::Zero();
+    for (const std::uint32_t v : face) sum += point(v);
+    return sum / static_cast<double>(face.size());
+  }
+
+  /// Patches of openings that share edges with this one, one after the other.
+  [[nodiscard]] std::vector<std::int32_t> joined_openings(std::int32_t first) const {
+    std::map<EdgeKey, std::vector<std::int32_t>> at_edge;
+    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+      if (patch(p).kind != PatchKind::kOpening) return;
+      for (std::size_t i = 0; i < face.size(); ++i)
+        at_edge[edge_of(face[i], face[(i + 1) % face.size()])].push_back(p);
+    });
+    std::vector<std::int32_t> joined = {first};
+    for (std::size_t i = 0; i < joined.size(); ++i)
+      for (const auto& [edge, at] : at_edge) {
+        if (std::find(at.begin(), at.end(), joined[i]) == at.end()) continue;
+        for (const std::int32_t p : at)
+          if (std::find(joined.begin(), joined.end(), p) == joined.end()) joined.push_back(p);
+      }
+    return joined;
+  }
+
+  [[nodiscard]] SweptSection section_at(std::int32_t first) const {
+    SweptSection s;
+    s.patches = joined_openings(first);
+    double area_mm2 = 0, edges_mm = 0;
+    std::map<std::int32_t, double> area_of;
+    std::size_t edge_count = 0;
+    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+      if (!s.has(p)) return;
+      s.faces.push_back({{face.begin(), face.end()}, p});
+      s.vertices.insert(s.vertices.end(), face.begin(), face.end());
+      const Vec3 normal = area_normal(face);
+      area_of[p] += normal.norm();
+      area_mm2 += normal.norm();
+      s.normal += normal;
+      s.centre_mm += normal.norm() * middle_of(face);
+      for (std::size_t i = 0; i < face.size(); ++i, ++edge_count)
+        edges_mm += (point(face[i]) - point(face[(i + 1) % face.size()])).norm();
+    });
+    if (s.faces.empty()) return s;
+    std::sort(s.vertices.begin(), s.vertices.end());
+    s.vertices.erase(std::unique(s.vertices.begin(), s.vertices.end()), s.vertices.end());
+    s.normal.normalize();
+    s.centre_mm /= area_mm2;
+    s.edge_mm = edges_mm / static_cast<double>(edge_count);
+    for (const std::uint32_t v : s.vertices)
+      s.reach_mm = std::max(s.reach_mm, (point(v) - s.centre_mm).norm());
+    s.axis = axis_at(s);
+    double largest_mm2 = 0;
+    for (const auto& [p, area] : area_of) largest_mm2 = std::max(largest_mm2, area);
+    s.radius_mm = std::sqrt(largest_mm2 * s.axis.dot(s.normal) / std::numbers::pi);
+    return s;
+  }
+
+  /// The direction that the normals of the walls nearby are most nearly square to.
+  [[nodiscard]] Vec3 axis_at(const SweptSection& s) const {
+    constexpr double kUnclear = 0.3, kLeastCos = 0.4;
+    Mat3 sum = Mat3::Zero();
+    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+      if (patch(p).kind != PatchKind::kWall) return;
+      const Vec3 off = middle_of(face) - s.centre_mm;
+      if (std::abs(off.dot(s.normal)) > s.reach_mm || off.norm() > 1.5 * s.reach_mm) return;
+      const Vec3 normal = area_normal(face);
+      sum += normal * normal.transpose() / std::max(normal.norm(), 1e-300);
+    });
+    const Eigen::SelfAdjointEigenSolver<Mat3> solved(sum);
+    const Vec3 axis =
+        solved.eigenvectors().col(0) * (solved.eigenvectors().col(0).dot(s.normal) < 0 ? -1 : 1);
+    const bool is_clear = solved.eigenvalues()[0] < kUnclear * solved.eigenvalues()[1];
+    return is_clear && axis.dot(s.normal) > kLeastCos ? axis : s.normal;
+  }
+
+  [[nodiscard]] double wanted_mm(const SweptSection& s, std::span<const NamedLength> lengths) const {
+    std::optional<double> for_all, named;
+    for (const NamedLength& wanted : lengths) {
+      const double length_mm = wanted.length.in_mm(s.radius_mm);
+      if (wanted.opening.empty()) for_all = length_mm;
+      for (const std::int32_t p : s.patches)
+        if (patch(p).name == wanted.opening) named = length_mm;
+    }
+    return named ? *named : for_all.value_or(0);
+  }
+
+  void find_labels(SweptSection& s) const {
+    std::vector<bool> is_at(mesh().points.size(), false);
+    for (const std::uint32_t v : s.vertices) is_at[v] = true;
+    std::map<std::vector<std::uint32_t>, Label> behind;
+    const auto look_at = [&](const auto& cells, const std::vector<Label>& labels) {
+      for (std::size_t c = 0; c < cells.size(); ++c) {
+        const auto count =
+            std::count_if(cells[c].begin(), cells[c].end(), [&](std::uint32_t v) { return is_at[v]; });
+        if (count < 3) continue;
+        for (const LocalFace& face : faces_of_cell(cells[c].size())) {
+          std::vector<std::uint32_t> corners;
+          for (const std::uint8_t i : face) corners.push_back(cells[c][i]);
+          behind[key_of(std::move(corners))] = labels[c];
+        }
+      }
+    };
+    look_at(mesh().tetrahedra, mesh().tetrahedron_labels);
+    look_at(mesh().pyramids, mesh().pyramid_labels);
+    look_at(mesh().prisms, mesh().prism_labels);
+    look_at(mesh().hexahedra, mesh().hexahedron_labels);
+    for (PatchFace& face : s.faces) face.label = behind.at(key_of(face.corners));
+  }
+  [[nodiscard]] static std::vector<std::uint32_t> key_of(std::vector<std::uint32_t> corners) {
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    return corners;
+  }
+
+  void extend(SweptSection s, double length_mm) {
+    const std::string& name = patch(s.patches[0]).name;
+    for (const std::uint32_t v : s.vertices)
+      if (std::abs((point(v) - s.centre_mm).dot(s.normal)) > 0.01 * s.reach_mm)
+        throw Error(ErrorKind::kBadInput, fmt::format("{}: {} is not flat; extensions stand on flat openings",
+                                                      option_name("extend"), name));
+    const double cosine = s.axis.dot(s.normal);
+    const double least_mm = s.reach_mm * std::sqrt(std::max(0.0, 1 - cosine * cosine)) + s.edge_mm;
+    const std::optional<double> hit_mm = first_hit(s, std::max(length_mm, least_mm) + s.radius_mm);
+    double given_mm = std::max(length_mm, least_mm);
+    if (hit_mm) given_mm = std::min(given_mm, *hit_mm - s.radius_mm);
+    if (given_mm < least_mm) given_mm = 0;
+    if (given_mm != length_mm)
+      result_.notes.push_back(fmt::format(
+          "{}: {} goes on by {:.4g} mm, not {:.4g} mm: {}", option_name("extend"), name, given_mm, length_mm,
+          given_mm > length_mm ? "it is cut off obliquely" : "another part of the mesh is in the way"));
+    if (given_mm == 0) return;
+    find_labels(s);
+    sweep(s, given_mm);
+  }
+
+  /// How far along the axis another part of the boundary is nearer than an edge.
+  [[nodiscard]] std::optional<double> first_hit(const SweptSection& s, double last_mm) const {
+    std::vector<Cell<3>> beyond;
+    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+      const bool is_beyond = !s.has(p) && std::any_of(face.begin(), face.end(), [&](std::uint32_t v) {
+        return (point(v) - s.centre_mm).dot(s.normal) > 0.01 * s.edge_mm;
+      });
+      if (!is_beyond) return;
+      for (std::size_t i = 2; i < face.size(); ++i) beyond.push_back({face[0], face[i - 1], face[i]});
+    });
+    if (beyond.empty()) return std::nullopt;
+    const TriangleTree tree(mesh().points, beyond);
+    for (double along_mm = 0; along_mm < last_mm + s.edge_mm; along_mm += 0.5 * s.edge_mm)
+      for (const std::uint32_t v : s.vertices)
+        if (tree.nearest(point(v) + along_mm * s.axis, s.edge_mm).triangle != TriangleTree::kNone)
+          return along_mm;
+    return std::nullopt;
+  }
+
+  /// Rows of cells, from the section to the end.
+  void sweep(const SweptSection& s, double length_mm) {
+    const auto rows = static_cast<std::size_t>(std::max(1.0, std::round(length_mm / s.edge_mm)));
+    add_points(s, length_mm, rows);
+    const bool has_quads = std::any_of(s.faces.begin(), s.faces.end(),
+                                       [](const PatchFace& face) { return face.corners.size() == 4; });
+    const bool splits = cells_ == LayerCells::kTetrahedra && !has_quads;
+    MixedMesh prisms;
+    add_sides(s, rows, splits);
+    for (std::size_t row = 0; row < rows; ++row)
+      for (const PatchFace& face : s.faces) {
+        const auto low = [&](std::size_t i) { return vertex(s, face.corners[i], row); };
+        const auto up = [&](std::size_t i) { return vertex(s, face.corners[i], row + 1); };
+        if (face.corners.size() == 3) {
+          prisms.prisms.push_back({low(0), low(2), low(1), up(0), up(2), up(1)});
+          prisms.prism_labels.push_back(face.label);
+        } else {
+          result_.mesh.hexahedra.push_back({low(0), low(1), low(2), low(3), up(0), up(1), up(2), up(3)});
+          result_.mesh.hexahedron_labels.push_back(face.label);
+        }
+      }
+    add_prisms(std::move(prisms), splits);
+    move_opening(s, rows);
+  }
+
+  /// The vertex that one of the section has in a row; row 0 is the section.
+  [[nodiscard]] std::uint32_t vertex(const SweptSection& s, std::uint32_t v, std::size_t row) const {
+    if (row == 0) return v;
+    const auto at = std::lower_bound(s.vertices.begin(), s.vertices.end(), v) - s.vertices.begin();
+    return first_new_ + static_cast<std::uint32_t>((row - 1) * s.vertices.size()) +
+           static_cast<std::uint32_t>(at);
+  }
+
+  void add_points(const SweptSection& s, double length_mm, std::size_t rows) {
+    MixedMesh& m = result_.mesh;
+    first_new_ = static_cast<std::uint32_t>(m.points.size());
+    for (std::size_t row = 1; row <= rows; ++row)
+      for (const std::uint32_t v : s.vertices) {
+        const double way_mm = length_mm - (m.points[v] - s.centre_mm).dot(s.axis);
+        m.points.push_back(m.points[v] +
+                           static_cast<double>(row) / static_cast<double>(rows) * way_mm * s.axis);
+        if (!m.metric.empty()) m.metric.push_back(m.metric[v]);
+        if (!m.sizes_mm.empty()) m.sizes_mm.push_back(m.sizes_mm[v]);
+      }
+  }
+
+  /// Faces on the edges where the section's label ends: each goes on with the patch that meets it there.
+  void add_sides(const SweptSection& s, std::size_t rows, bool splits) {
+    std::map<EdgeKey, std::pair<std::size_t, std::int32_t>> besides;  // Count of the section's faces; patch.
+    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+      for (std::size_t i = 0; i < face.size(); ++i) {
+        const EdgeKey edge = edge_of(face[i], face[(i + 1) % face.size()]);
+        const auto has = [&](std::uint32_t v) {
+          return std::binary_search(s.vertices.begin(), s.vertices.end(), v);
+        };
+        if (!has(edge.first) || !has(edge.second)) continue;
+        auto& [count, other] = besides.try_emplace(edge, 0, -1).first->second;
+        if (s.has(p))
+          ++count;
+        else
+          other = p;
+      }
+    });
+    for (const PatchFace& face : s.faces)
+      for (std::size_t i = 0; i < face.corners.size(); ++i) {
+        const std::uint32_t a = face.corners[i], b = face.corners[(i + 1) % face.corners.size()];
+        const std::int32_t p = besides.at(edge_of(a, b)).second;
+        // Between two labels the side belongs to the first of its patch.
+        const bool is_side =
+            p >= 0 && (besides.at(edge_of(a, b)).first == 1 || patch(p).labels[0] == face.label);
+        if (!is_side) continue;
+        for (std::size_t row = 0; row < rows; ++row)
+          add_side({vertex(s, a, row), vertex(s, b, row), vertex(s, b, row + 1), vertex(s, a, row + 1)}, p,
+                   splits);
+      }
+  }
+
+  void add_side(const Cell<4>& side, std::int32_t p, bool splits) {
+    MixedMesh& m = result_.mesh;
+    if (!splits) {
+      m.quadrilaterals.push_back(side);
+      m.quadrilateral_patches.push_back(p);
+      return;
+    }
+    // From the lowest corner on, as split_into_tetrahedra() has it.
+    const auto low = static_cast<std::size_t>(std::min_element(side.begin(), side.end()) - side.begin());
+    const auto at = [&](std::size_t i) { return side[(low + i) % 4]; };
+    m.triangles.push_back({at(0), at(1), at(2)});
+    m.triangles.push_back({at(0), at(2), at(3)});
+    m.triangle_patches.insert(m.triangle_patches.end(), 2, p);
+  }
+
+  void add_prisms(MixedMesh prisms, bool splits) {
+    MixedMesh& m = result_.mesh;
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    if (!splits) {
+      append(m.prisms, prisms.prisms);
+      append(m.prism_labels, prisms.prism_labels);
+      return;
+    }
+    const MixedMesh split = split_into_tetrahedra(prisms.view());
+    append(m.tetrahedra, split.tetrahedra);
+    append(m.tetrahedron_labels, split.tetrahedron_labels);
+  }
+
+  void move_opening(const SweptSection& s, std::size_t rows) {
+    MixedMesh& m = result_.mesh;
+    for (std::size_t t = 0; t < m.triangles.size(); ++t)
+      if (s.has(m.triangle_patches[t]))
+        for (std::uint32_t& v : m.triangles[t]) v = vertex(s, v, rows);
+    for (std::size_t q = 0; q < m.quadrilaterals.size(); ++q)
+      if (s.has(m.quadrilateral_patches[q]))
+        for (std::uint32_t& v : m.quadrilaterals[q]) v = vertex(s, v, rows);
+  }
+
+  LayerCells cells_;
+  ExtrudedMesh result_;
+  std::uint32_t first_new_ = 0;  // Of the sweep that is being made.
+};
+
+}  // namespace
+
+ExtrudedMesh extrude_openings(const MixedMesh& mesh, std::span<const NamedLength> lengths, LayerCells cells) {
+  return Extruder(mesh, cells).make(lengths);
+}
+
+}  // namespace lumesh

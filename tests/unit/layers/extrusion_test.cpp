@@ -1,0 +1,107 @@
+// Openings of finished meshes that are swept on.
+#include "lumesh/layers/extrusion.hpp"
+
+#include <gtest/gtest.h>
+
+#include "layer_fixtures.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/mesh/cell_corners.hpp"
+
+namespace lumesh {
+namespace {
+
+using fixtures::area_of;
+using fixtures::volume_of;
+
+template <class Items>
+void expect_begins_with(const Items& all, const Items& first) {
+  ASSERT_GE(all.size(), first.size());
+  EXPECT_TRUE(std::equal(first.begin(), first.end(), all.begin()));
+}
+
+/// Mean of the corners of a patch's faces.
+Vec3 middle_of(const MixedMesh& mesh, const std::string& patch) {
+  Vec3 sum = Vec3::Zero();
+  double count = 0;
+  for_each_patch_triangle(mesh.view(), [&](const Cell<3>& c, std::int32_t p) {
+    if (mesh.info.patches[static_cast<std::size_t>(p)].name != patch) return;
+    for (const std::uint32_t v : c) sum += mesh.points[v], ++count;
+  });
+  return sum / count;
+}
+
+TEST(ExtrudeOpenings, AddsStraightTubesAndLeavesTheRest) {
+  const MixedMesh before = fixtures::copy_of(fixtures::tube());
+  for (const LayerCells cells : {LayerCells::kTetrahedra, LayerCells::kPrisms}) {
+    const ExtrudedMesh extruded =
+        extrude_openings(before, named_lengths_from("inlet_1=20,outlet_1=1r"), cells);
+    EXPECT_TRUE(extruded.notes.empty());
+    const MixedMesh& mesh = extruded.mesh;
+    expect_begins_with(mesh.points, before.points);
+    expect_begins_with(mesh.tetrahedra, before.tetrahedra);
+    fixtures::expect_conforming(mesh);
+    EXPECT_EQ(mesh.prisms.empty(), cells == LayerCells::kTetrahedra);
+    for (const auto& prism : mesh.prisms) ASSERT_FALSE(has_turned_corner(mesh.points, prism));
+    for (const auto& tet : mesh.tetrahedra) ASSERT_FALSE(has_turned_corner(mesh.points, tet));
+    double added = 0;
+    for (const std::string name : {"inlet_1", "outlet_1"}) {
+      const double length = (middle_of(mesh, name) - middle_of(before, name)).norm();
+      EXPECT_NEAR(length, name == "inlet_1" ? 20 : fixtures::kTubeRadius, 0.1) << name;
+      EXPECT_NEAR(area_of(mesh, name) / area_of(before, name), 1, 1e-3);
+      added += length * area_of(before, name);
+    }
+    if (cells == LayerCells::kTetrahedra) {
+      EXPECT_NEAR((volume_of(mesh, 1) - volume_of(before, 1)) / added, 1, 5e-3);
+    }
+    const double rim = 2 * fixtures::kPi * fixtures::kTubeRadius;
+    EXPECT_NEAR((area_of(mesh, "wall") - area_of(before, "wall")) / (rim * 30), 1, 0.02);
+  }
+}
+
+TEST(ExtrudeOpenings, SweepsTheRingOfAnInwardLayerToHexahedra) {
+  LayerOptions options;
+  options.side = LayerSide::kInward;
+  options.first_height = 0.4;
+  options.count = 2;
+  options.cells = LayerCells::kPrisms;
+  const MixedMesh layered = fixtures::grown(fixtures::tube(), options).mesh;
+  const MixedMesh mesh = extrude_openings(layered, named_lengths_from("2r"), LayerCells::kPrisms).mesh;
+  expect_begins_with(mesh.prisms, layered.prisms);
+  EXPECT_FALSE(mesh.hexahedra.empty());
+  // They are of the layer, which is a label of its own; so the interface goes on, too.
+  for (const Label label : mesh.hexahedron_labels) ASSERT_EQ(label, layered.prism_labels.front());
+  EXPECT_GT(area_of(mesh, "layer_inner"), area_of(layered, "layer_inner") + 2 * fixtures::kPi * 9 * 35);
+  fixtures::expect_conforming(mesh);
+  for (const auto& hexahedron : mesh.hexahedra) ASSERT_FALSE(has_turned_corner(mesh.points, hexahedron));
+  for (const std::string name : {"inlet_1", "outlet_1"})
+    EXPECT_NEAR(area_of(mesh, name) / area_of(layered, name), 1, 1e-3);
+}
+
+TEST(ExtrudeOpenings, StopsBeforeAnotherPartOfTheMesh) {
+  // The tube that ends in the middle would run into the one across it.
+  const LabelImage image = fixtures::voxels_of(fixtures::frame_of({56, 24, 30}), {0, 1}, [](const Vec3& p) {
+    const bool is_first = std::hypot(p.y() - 11.7, p.z() - 14.6) < 4 && p.x() < 30;
+    return is_first || std::hypot(p.x() - 45, p.y() - 11.5) < 5 ? 1 : 0;
+  });
+  const ImageDomain domain(image, {{}, {{Vec3(20, 11.7, 14.6), Vec3::UnitX(), 8, 16}}});
+  Context context;
+  const MixedMesh before = mesh_lattice(image, domain, {}, context).mesh;
+  const ExtrudedMesh extruded =
+      extrude_openings(before, named_lengths_from("inlet_1=0,outlet_1=0,40"), LayerCells::kTetrahedra);
+  ASSERT_EQ(extruded.notes.size(), 1U);
+  fixtures::expect_conforming(extruded.mesh);
+  double farthest = 0;
+  for (std::size_t v = before.points.size(); v < extruded.mesh.points.size(); ++v)
+    farthest = std::max(farthest, extruded.mesh.points[v].x());
+  EXPECT_GT(farthest, 28);
+  EXPECT_LT(farthest, 40 - 3.5);
+}
+
+TEST(ExtrudeOpenings, RefusesWhatIsNoOpening) {
+  const MixedMesh mesh = fixtures::copy_of(fixtures::tube());
+  EXPECT_THROW(static_cast<void>(extrude_openings(mesh, named_lengths_from("wall=5r"), LayerCells::kPrisms)),
+               Error);
+}
+
+}  // namespace
+}  // namespace lumesh
