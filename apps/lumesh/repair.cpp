@@ -91,7 +91,8 @@ void run(RepairCommand command) {
   check_output_folders({command.to, command.json_path});
   check_inputs_stay({command.to, command.json_path}, {command.from});
   command.request.in_single_precision = command.to.ends_with(".stl");
-  const MixedMesh surface = context.phase("read", [&] { return as_surface(read_mesh(command.from), command.from); });
+  const MixedMesh surface =
+      context.phase("read", [&] { return as_surface(read_mesh(command.from), command.from); });
   warn_of_unit(surface, {}, "", command.from, context);
   RepairOutcome outcome = naming(command.from, [&] {
     return context.phase("repair", [&] { return repair_surface(surface, command.request, context); });
