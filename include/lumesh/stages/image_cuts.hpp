@@ -20,10 +20,10 @@ namespace lumesh {
 class OptionList;
 
 struct ImageCuts {
-  std::vector<CutPlane> planes;  ///< As they are, through everything.
-  std::vector<Vec3> places_mm;   ///< Each cuts the one vessel there, square to its axis.
-  std::string ends;              ///< For local_length_from(): how far from each end it is cut; empty: not.
-  ExtensionOptions extension;    ///< Of what is left.
+  std::vector<CutPlane> planes = {};  ///< As they are, through everything.
+  std::vector<Vec3> places_mm = {};   ///< Each cuts the one vessel there, square to its axis.
+  std::string ends = {};            ///< For local_length_from(): how far from each end it is cut; empty: not.
+  ExtensionOptions extension = {};  ///< Of what is left.
 
   [[nodiscard]] bool none() const { return planes.empty() && is_whole(); }
   /// But for planes, which a phantom can be cut with, too.
