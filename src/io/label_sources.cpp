@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kValuesPerBlock = std::size_t{1} << 18;
+constexpr std::size_t kSourceVoxelsPerBlock = std::size_t{1} << 18;
 constexpr double kRounding = 1e-3;  // As sums of a network's outputs have it.
 constexpr double kSumRounding = 0.02;
 constexpr float kCertain = std::numeric_limits<float>::infinity();  // A mask's voxel has no value beside it.
@@ -38,7 +38,7 @@ class LabelSum {
         std::lower_bound(image_.values().begin() + 1, image_.values().end(), label) -
         image_.values().begin());
     return parallel::reduce_blocks(
-        total_.size(), kValuesPerBlock, std::size_t{0},
+        total_.size(), kSourceVoxelsPerBlock, std::size_t{0},
         [&](std::size_t begin, std::size_t end) {
           std::size_t shared = 0;
           for (std::size_t v = begin; v < end; ++v) {
@@ -86,7 +86,7 @@ struct ClassValues {
 template <class Value>
 ClassValues class_values(std::span<const Value> values, std::size_t voxels, std::size_t volumes) {
   return parallel::reduce_blocks(
-      voxels, kValuesPerBlock, ClassValues{},
+      voxels, kSourceVoxelsPerBlock, ClassValues{},
       [&](std::size_t begin, std::size_t end) {
         ClassValues found;
         for (std::size_t v = begin; v < end; ++v) {
@@ -162,7 +162,7 @@ void warn_of_nan(NanVoxels what, const fs::path& path, const Context& context, R
   };
   const Found found = visit_voxels(raw, [&](auto voxels) {
     return parallel::reduce_blocks(
-        voxels.size(), kValuesPerBlock, Found{},
+        voxels.size(), kSourceVoxelsPerBlock, Found{},
         [&](std::size_t begin, std::size_t end) {
           Found block;
           for (std::size_t v = begin; v < end; ++v) {

@@ -82,7 +82,7 @@ class OptionsTest(CommandTest):
             with self.subTest(wrong):
                 self.assert_refused(self.run_lumesh(wrong, "x"), USAGE, f'"{wrong}"', f'did you mean "{right}"?', "phantom")
         result = self.run_lumesh("mesh", "x")
-        self.assert_refused(result, USAGE, '"mesh"', "phantom, info, lattice, delaunay, metric, adapt, improve, layers, merge, evaluate, centerline, convert")
+        self.assert_refused(result, USAGE, '"mesh"', "phantom, info, check, repair, lattice, delaunay, metric, adapt, improve, layers, merge, evaluate, centerline, convert")
         self.assertNotIn("did you mean", result.stderr)
 
     def test_outputs_that_cannot_be_written_are_refused_before_the_work(self):
