@@ -43,7 +43,7 @@ std::vector<bool> flat_regions(const ClosedSurface& surface, const FeatureRegion
 }
 
 /// Where a region ends: each vertex with the next one, anticlockwise.
-struct Rim {
+struct RegionRim {
   std::map<std::uint32_t, std::uint32_t> next;
   bool is_on_bent = true;  // All around.
 
@@ -61,9 +61,9 @@ struct Rim {
   }
 };
 
-std::vector<Rim> rims_of(const ClosedSurface& surface, const FeatureRegions& regions,
-                         const std::vector<bool>& is_flat) {
-  std::vector<Rim> rims(is_flat.size());
+std::vector<RegionRim> rims_of(const ClosedSurface& surface, const FeatureRegions& regions,
+                               const std::vector<bool>& is_flat) {
+  std::vector<RegionRim> rims(is_flat.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
     const std::uint32_t region = regions.of_triangle[t];
     if (!is_flat[region]) continue;
@@ -83,7 +83,7 @@ std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const Featu
   std::vector<RegionShape> shapes(regions.count());
   add_triangles(surface, regions, shapes);
   const std::vector<bool> is_flat = flat_regions(surface, regions, shapes);
-  const std::vector<Rim> rims = rims_of(surface, regions, is_flat);
+  const std::vector<RegionRim> rims = rims_of(surface, regions, is_flat);
   for (std::size_t r = 0; r < shapes.size(); ++r)
     shapes[r].is_flat_end = is_flat[r] && rims[r].is_on_bent && rims[r].is_one_curve();
   return shapes;

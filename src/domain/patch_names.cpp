@@ -90,19 +90,16 @@ class OpeningGroups {
 
 constexpr std::int32_t kUnnamed = -1;
 
-/// The patches that the domain has names for.
+/// The patches that the domain has names for, each boundary one of its own: so it keeps its creases.
 void name_by_domain(std::span<const BoundaryTriangle> boundary, const Domain& domain,
                     PatchAssignment& result) {
   std::map<std::pair<Material, Material>, std::int32_t> number;
   for (const BoundaryTriangle& t : boundary) number[{t.inside, t.outside}] = kUnnamed;
-  std::map<std::string, std::int32_t> by_name;
   for (auto& [pair, patch] : number) {
     const std::optional<Patch> known = domain.patch_between(pair.first, pair.second);
     if (!known) continue;
-    const auto [at, added] =
-        by_name.try_emplace(known->name, static_cast<std::int32_t>(result.patches.size()));
-    if (added) result.patches.push_back(*known);
-    patch = at->second;
+    patch = static_cast<std::int32_t>(result.patches.size());
+    result.patches.push_back(*known);
   }
   for (std::size_t i = 0; i < boundary.size(); ++i)
     result.of_triangle[i] = number.at({boundary[i].inside, boundary[i].outside});

@@ -3,7 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "lumesh/core/option.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -56,6 +59,32 @@ void improve_within(const Domain& domain, const DelaunayRequest& request, const 
   made.is_complete = made.improved->complete;
 }
 
+/// A wall with creases has a patch for each part while it is meshed; in the end patches of one name are one.
+void join_patches_of_one_name(TetMesh& mesh) {
+  const std::vector<Patch> patches = mesh.info().patches;
+  std::map<std::string, std::uint32_t> number;
+  std::vector<PatchId> joined;
+  mesh.info().patches.clear();
+  for (const Patch& patch : patches) {
+    const auto [at, is_new] =
+        number.try_emplace(patch.name, static_cast<std::uint32_t>(mesh.info().patches.size()));
+    if (is_new) mesh.info().patches.push_back(patch);
+    joined.emplace_back(at->second);
+  }
+  if (mesh.info().patches.size() == patches.size()) return;
+  for (std::uint32_t t = 0; t < mesh.tet_count(); ++t)
+    for (int face = 0; face < 4; ++face) {
+      const PatchId patch = mesh.patch(TetId(t), face);
+      if (!patch.valid()) continue;
+      if (mesh.link(TetId(t), face).is_boundary())
+        mesh.set_link(TetId(t), face, FaceLink::boundary(joined[patch.value]));
+      else
+        mesh.set_interface_patch(TetId(t), face, joined[patch.value]);
+    }
+  const BoundaryFaces faces = mesh.boundary_faces();
+  mesh.classify_vertices({faces.triangles, faces.patches});
+}
+
 }  // namespace
 
 DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& request, const Sizing* sizing,
@@ -68,6 +97,7 @@ DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& req
   made.is_complete = made.report.complete;
   const Sizing* const criterion = sizing != nullptr && sizing->has_criterion() ? sizing : nullptr;
   if (request.improves && made.is_complete) improve_within(domain, request, criterion, made, context);
+  join_patches_of_one_name(made.mesh);
   if (!domain.fixed_points().empty()) {
     const std::span<const Vec3> points = made.mesh.points();
     made.report.fixed_points_kept = static_cast<std::uint64_t>(

@@ -47,7 +47,8 @@ struct PatchAssignment {
   std::vector<std::int32_t> of_triangle;
 };
 
-/// What the domain calls them (Domain::patch_between()); else as PatchNaming has it, and one patch for each
+/// What the domain calls them (Domain::patch_between()), each boundary a patch, so that several may have one
+/// name; else as PatchNaming has it, and one patch for each
 /// opening. Openings and their names are those of the domain (find_openings()), so that the same one has the
 /// same name in every mesh; what is none of them and smaller than a voxel's face is wall, and so are parts of
 /// less than 5 % of the opening that no edge joins to it, and triangles with a corner more than a quarter of

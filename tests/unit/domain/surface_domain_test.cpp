@@ -347,11 +347,12 @@ TEST(SurfaceDomain, NamesPatchesAsTheFileOrByAreaAndWallWhereThereIsOne) {
   const std::vector<BoundaryTriangle> faces = {
       {{0, 1, 2}, 1, 0}, {{0, 1, 3}, 1, 3}, {{0, 2, 3}, 1, 6}, {{1, 2, 3}, 1, 5}};
   const PatchAssignment named = name_patches(faces, box.points, domain);
-  EXPECT_EQ(named.of_triangle, (std::vector<std::int32_t>{0, 0, 2, 1}));
-  ASSERT_EQ(named.patches.size(), 3u);
-  EXPECT_EQ(named.patches[0].name, "wall");
-  EXPECT_EQ(named.patches[1].name, "in");
-  EXPECT_EQ(named.patches[2].name, "patch_7");
+  EXPECT_EQ(named.of_triangle, (std::vector<std::int32_t>{0, 1, 3, 2}));
+  ASSERT_EQ(named.patches.size(),
+            4u);  // Each side of the wall its own, so that meshers keep the edge between.
+  for (const std::size_t wall : {0, 1}) EXPECT_EQ(named.patches[wall].name, "wall");
+  EXPECT_EQ(named.patches[2].name, "in");
+  EXPECT_EQ(named.patches[3].name, "patch_7");
 }
 
 TEST(SurfaceDomain, TheFeatureAngleDecidesWhatIsSharp) {

@@ -55,5 +55,19 @@ TEST(KeptVertices, AreKeptAsFarAsSizesAllow) {
   for (const Vec3& vertex : ball.points) EXPECT_LT(distance_to_nearest(coarse, vertex), kCoarse);
 }
 
+TEST(DelaunayStage, AWallWithCreasesKeepsThemAndIsOnePatch) {
+  Context context;
+  DelaunayRequest request;
+  request.delaunay.delta_mm = 0.13;
+  const fixtures::TriangleSoup cube = fixtures::unit_cube_surface();
+  const SurfaceDomain domain(cube.view());
+  const DelaunayMesh made = make_delaunay_mesh(domain, request, nullptr, context);
+  const ValidationReport report = validate(made.mesh);
+  ASSERT_TRUE(report.ok()) << report.text();
+  ASSERT_EQ(made.mesh.info().patches.size(), 1u);
+  EXPECT_EQ(made.mesh.info().patches[0].name, "wall");
+  EXPECT_NEAR(report.labels.at(0).volume, 1, 1e-9);
+}
+
 }  // namespace
 }  // namespace lumesh
