@@ -120,7 +120,7 @@ void add_centerline_command(CLI::App& program) {
         [](CenterlineCommand& c) {
           return FrameParts{&c.selection, {&c.output_path}};
         },
-        run);
+        [](const CenterlineCommand& one) { run(one); });
   });
 }
 

@@ -195,7 +195,7 @@ void add_delaunay_command(CLI::App& program) {
         [](DelaunayCommand& c) {
           return FrameParts{&c.input.selection, {&c.mesh_path, &c.surface_path, &c.json_path}};
         },
-        run);
+        [](const DelaunayCommand& one) { run(one); });
   });
 }
 

@@ -152,7 +152,7 @@ void add_lattice_command(CLI::App& program) {
         [](LatticeCommand& c) {
           return FrameParts{&c.selection, {&c.mesh_path, &c.surface_path}};
         },
-        run);
+        [](const LatticeCommand& one) { run(one); });
   });
 }
 
