@@ -267,7 +267,6 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators
       metric::measure_qualities(mesh);
       operators::settle(mesh, operators::places_on_shapes(shapes), rules);
     }
-    metric::measure_qualities(mesh);
     restore_volumes(mesh, volumes, operators::places_on_shapes(shapes), rules);
   }
   operators::draw_apart(mesh, shapes);

@@ -7,6 +7,7 @@
 
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
+#include "lumesh/metric/metric_field.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -87,10 +88,9 @@ Eigen::MatrixXd growth_by_patch(const TetMesh& mesh, const std::map<Label, doubl
 
 /// How far each patch is to move along its normals, in mm; none where all is well.
 std::vector<double> offsets_for(const TetMesh& mesh, const std::map<Label, double>& wanted,
-                                const MovableVertices& movable) {
+                                const std::map<Label, double>& volumes, const MovableVertices& movable) {
   const Eigen::MatrixXd growth = growth_by_patch(mesh, wanted, movable);
   Eigen::VectorXd missing(growth.rows()), weights(growth.cols());
-  const std::map<Label, double> volumes = volumes_of_labels(mesh);
   Eigen::Index row = 0;
   for (const auto& [label, volume] : wanted) missing[row++] = volume - volumes.at(label);
   for (Eigen::Index p = 0; p < weights.size(); ++p)
@@ -107,12 +107,14 @@ std::vector<double> offsets_for(const TetMesh& mesh, const std::map<Label, doubl
   return offsets;
 }
 
-bool all_kept(const std::map<Label, double>& wanted, const std::map<Label, double>& volumes) {
+/// Whether volumes of the same labels are far enough from those wanted to be worth a move.
+bool is_restorable(const std::map<Label, double>& wanted, const std::map<Label, double>& volumes) {
   constexpr double kKept = 5e-4;
-  return std::all_of(wanted.begin(), wanted.end(), [&](const auto& one) {
-    const auto found = volumes.find(one.first);
-    return found != volumes.end() && std::abs(found->second - one.second) <= kKept * one.second;
-  });
+  const bool are_alike = std::equal(wanted.begin(), wanted.end(), volumes.begin(), volumes.end(),
+                                    [](const auto& a, const auto& b) { return a.first == b.first; });
+  return are_alike && std::any_of(wanted.begin(), wanted.end(), [&](const auto& one) {
+           return std::abs(volumes.at(one.first) - one.second) > kKept * one.second;
+         });
 }
 
 }  // namespace
@@ -120,13 +122,12 @@ bool all_kept(const std::map<Label, double>& wanted, const std::map<Label, doubl
 void restore_volumes(TetMesh& mesh, const std::map<Label, double>& wanted, const PlaceOnPatch& place,
                      const operators::SettlingRules& rules) {
   constexpr int kRounds = 2;  // What tetrahedra held back in the first is taken over by the others.
-  const std::map<Label, double> labels = volumes_of_labels(mesh);
-  if (!std::equal(wanted.begin(), wanted.end(), labels.begin(), labels.end(),
-                  [](const auto& a, const auto& b) { return a.first == b.first; }))
-    return;  // A label is gone.
-  for (int round = 0; round < kRounds && !all_kept(wanted, volumes_of_labels(mesh)); ++round) {
+  for (int round = 0; round < kRounds; ++round) {
+    const std::map<Label, double> volumes = volumes_of_labels(mesh);
+    if (!is_restorable(wanted, volumes)) return;
+    if (round == 0) metric::measure_qualities(mesh);
     const MovableVertices movable = movable_vertices(mesh, place);
-    const std::vector<double> offsets = offsets_for(mesh, wanted, movable);
+    const std::vector<double> offsets = offsets_for(mesh, wanted, volumes, movable);
     std::vector<std::uint8_t> flags(movable.patch.size());
     std::transform(movable.patch.begin(), movable.patch.end(), flags.begin(),
                    [](std::uint32_t patch) { return patch != kNoPatch ? 1 : 0; });

@@ -114,8 +114,8 @@ void add_voxels_between(const VesselChunks& chunks, std::vector<ContactElement>&
   }
 }
 
-std::vector<ContactElement> contacts_of(const VesselChunks& chunks) {
-  const std::set<Pair> pairs = touching_pairs(chunks);
+/// @param pairs  touching_pairs().
+std::vector<ContactElement> contacts_of(const VesselChunks& chunks, const std::set<Pair>& pairs) {
   std::vector<ContactElement> elements;
   for (const ChunkFace& face : chunks.faces())
     if (pairs.contains({face.first, face.second}))
@@ -173,9 +173,8 @@ ThinPlace place_of_group(const VesselChunks& chunks, const std::vector<ContactEl
 }
 
 /// Necks, and chunks, of one or two voxels between thicker parts that do not pass each other.
-std::vector<ThinPlace> bridges_of(const VesselChunks& chunks) {
+std::vector<ThinPlace> bridges_of(const VesselChunks& chunks, const std::set<Pair>& touching) {
   std::vector<ThinPlace> places;
-  const std::set<Pair> touching = touching_pairs(chunks);
   const auto is_thicker = [&](std::uint32_t chunk, float than) {
     return chunks.chunks()[chunk].half_width >= kThicker * than;
   };
@@ -199,12 +198,14 @@ std::vector<ThinPlace> bridges_of(const VesselChunks& chunks) {
     if (is_thin(face.second) && is_thicker(face.first, chunks.chunks()[face.second].half_width))
       thick_beside[strands.find(face.second)].insert(face.first);
   }
-  for (const auto& [strand, thick] : thick_beside) {
-    const bool joins = std::any_of(thick.begin(), thick.end(), [&](std::uint32_t a) {
+  const auto joins_any = [&](const std::set<std::uint32_t>& thick) {
+    return std::any_of(thick.begin(), thick.end(), [&](std::uint32_t a) {
       return std::any_of(thick.begin(), thick.end(),
                          [&](std::uint32_t b) { return a < b && chunks.saddle(a, b) == 0; });
     });
-    if (joins)
+  };
+  for (const auto& [strand, thick] : thick_beside) {
+    if (joins_any(thick))
       places.push_back({ThinPlace::Kind::kBridge, chunks.low() + chunks.chunks()[strand].seed, 1,
                         2 * static_cast<double>(chunks.chunks()[strand].half_width) - 1});
   }
@@ -259,7 +260,7 @@ VoxelsChanged change_touching(TouchChoice choice, LabelImage& image) {
   std::set<std::size_t> cut;
   for (int round = 0; choice != TouchChoice::kKeep && round < kMostRounds; ++round) {
     const VesselChunks chunks(image);
-    const std::vector<ContactElement> elements = contacts_of(chunks);
+    const std::vector<ContactElement> elements = contacts_of(chunks, touching_pairs(chunks));
     std::set<std::size_t> found;
     if (choice == TouchChoice::kSeparate)
       separate(elements, found);
@@ -283,11 +284,12 @@ VoxelsChanged change_touching(TouchChoice choice, LabelImage& image) {
 
 std::vector<ThinPlace> find_thin_places(const LabelImage& image) {
   const VesselChunks chunks(image);
-  const std::vector<ContactElement> elements = contacts_of(chunks);
+  const std::set<Pair> touching = touching_pairs(chunks);
+  const std::vector<ContactElement> elements = contacts_of(chunks, touching);
   std::vector<ThinPlace> places;
   for (const std::vector<std::size_t>& group : grouped(chunks, elements))
     places.push_back(place_of_group(chunks, elements, group));
-  for (const ThinPlace& bridge : bridges_of(chunks)) places.push_back(bridge);
+  for (const ThinPlace& bridge : bridges_of(chunks, touching)) places.push_back(bridge);
   std::stable_sort(places.begin(), places.end(), [](const ThinPlace& a, const ThinPlace& b) {
     return a.kind != b.kind ? a.kind < b.kind : a.size > b.size;
   });

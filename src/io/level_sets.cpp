@@ -125,7 +125,7 @@ SignCounts count_signs(std::span<const Value> values, const ImageFrame& frame) {
           const bool row_is_at_border = y == 0 || z == 0 || y + 1 == size.y() || z + 1 == size.z();
           for (std::size_t x = 0; x < size.x(); ++x) {
             const Value value = values[row * size.x() + x];
-            if (!(value <= 0 || value > 0)) continue;  // NaN.
+            if (std::isnan(static_cast<double>(value))) continue;
             const std::size_t negative = value < 0 ? 1 : 0;
             const std::size_t at_border = row_is_at_border || x == 0 || x + 1 == size.x() ? 1 : 0;
             found.negative += negative;

@@ -88,9 +88,8 @@ class ExposedRemoval {
     return parallel::collect<std::uint32_t>(mesh_.tets.size(), [&](std::size_t i, auto& out) {
       const auto t = static_cast<std::uint32_t>(i);
       const int open = open_faces(t);
-      if (common_cut(t) != 0)
-        out.push_back(t);
-      else if (open >= 2 && !deep_inside(t) && (open == 3 || opens_wide(t) || hangs_out(t)))
+      if (common_cut(t) != 0 ||
+          (open >= 2 && !deep_inside(t) && (open == 3 || opens_wide(t) || hangs_out(t))))
         out.push_back(t);
     });
   }
