@@ -13,7 +13,7 @@ double kept_share(const ImageFrame& frame, std::span<const CutPlane> planes, con
   double share = 1;
   for (const CutPlane& plane : planes) {
     const double beyond = plane.beyond_mm(centre_mm);
-    const double width = (frame.direction.transpose() * plane.normal).cwiseAbs().dot(frame.spacing_mm);
+    const double width = frame.thickness_along_mm(plane.normal);
     share *= std::clamp(0.5 - beyond / width, 0.0, 1.0);
   }
   constexpr double kRounding = 1e-9;  // a plane along voxel faces keeps nothing of those behind it

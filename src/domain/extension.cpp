@@ -28,14 +28,9 @@ struct IndexBox {
 };
 
 IndexBox index_box(const ImageFrame& frame, const Box3& box_mm, int margin) {
-  Eigen::Array3d low = Eigen::Array3d::Constant(1e9), high = -low;
-  for (int c = 0; c < 8; ++c) {
-    const Eigen::Array3d at = frame.to_index(box_mm.corner(static_cast<Box3::CornerType>(c))).array();
-    low = low.min(at);
-    high = high.max(at);
-  }
-  return {low.floor().cast<int>().matrix() - Index3::Constant(margin),
-          high.ceil().cast<int>().matrix() + Index3::Constant(margin)};
+  const Box3 voxels = voxel_box(frame, box_mm);
+  return {voxels.min().array().floor().cast<int>().matrix() - Index3::Constant(margin),
+          voxels.max().array().ceil().cast<int>().matrix() + Index3::Constant(margin)};
 }
 
 /// Indices are those of the image before.
@@ -160,12 +155,7 @@ void check_size(const ImageFrame& before, const ImageFrame& after) {
 void keep_crossings(const LabelImage& image, const Index3& first, LabelImage& extended) {
   const ImageFrame& frame = image.frame();
   for (FaceCrossing crossing : image.crossings()) {
-    const auto at = crossing.voxel;
-    const auto nx = static_cast<std::uint64_t>(frame.size.x()),
-               ny = static_cast<std::uint64_t>(frame.size.y());
-    const Index3 v =
-        Index3(static_cast<int>(at % nx), static_cast<int>(at / nx % ny), static_cast<int>(at / (nx * ny))) -
-        first;
+    const Index3 v = frame.voxel_at(crossing.voxel) - first;
     if (!extended.frame().contains(v) || !extended.frame().contains(v + Index3::Unit(crossing.axis)))
       continue;
     crossing.voxel = extended.frame().offset(v);
@@ -221,7 +211,7 @@ std::vector<CutPlane> ends_of(const ExtensionPlan& plan, std::span<const Opening
     CutPlane& end = ends.emplace_back(CutPlane{tube.end_mm, tube.end_normal});
     end.section = tube.of_cut;
     end.radius_mm = 0.5 * tube.section->step_mm * std::hypot(tube.section->columns, tube.section->rows);
-    end.depth_mm = tube.stump_mm + kAir * layer_mm(frame, tube.end_normal);
+    end.depth_mm = tube.stump_mm + kAir * frame.thickness_along_mm(tube.end_normal);
     for (const std::size_t m : plan.groups[g].members)
       end.names.emplace_back(openings[m].label, openings[m].name);
   }

@@ -1,6 +1,10 @@
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
@@ -47,6 +51,33 @@ std::vector<NamedLength> named_lengths_from(const std::string& text) {
     begin = end + 1;
   }
   return lengths;
+}
+
+double length_wanted_mm(std::span<const NamedLength> lengths, const std::vector<std::string>& names,
+                        double radius_mm) {
+  std::optional<double> for_all, named;
+  for (const NamedLength& wanted : lengths) {
+    const double length_mm = wanted.length.in_mm(radius_mm);
+    if (wanted.opening.empty()) for_all = length_mm;
+    if (std::find(names.begin(), names.end(), wanted.opening) == names.end()) continue;
+    if (named && *named != length_mm)
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{}: {} and what is around it are one vessel, and have two lengths",
+                              option_name("extend"), names.front()));
+    named = length_mm;
+  }
+  return named ? *named : for_all.value_or(0);
+}
+
+void check_names_of(std::span<const NamedLength> lengths, const std::vector<std::string>& openings,
+                    const std::string& where) {
+  for (const NamedLength& wanted : lengths)
+    if (!wanted.opening.empty() &&
+        std::find(openings.begin(), openings.end(), wanted.opening) == openings.end())
+      throw Error(
+          ErrorKind::kBadInput,
+          fmt::format("{}: {} has no opening {}; it has {}", option_name("extend"), where, wanted.opening,
+                      openings.empty() ? "none" : fmt::format("{}", fmt::join(openings, ", "))));
 }
 
 void ExtensionOptions::describe_lengths(OptionList& list) {

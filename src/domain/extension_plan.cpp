@@ -1,7 +1,6 @@
 #include "extension_plan.hpp"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -49,17 +48,9 @@ class ExtensionPlanner {
 
  private:
   void check_names() const {
-    for (const NamedLength& wanted : wanted_) {
-      const bool is_known =
-          wanted.opening.empty() || std::any_of(openings_.begin(), openings_.end(),
-                                                [&](const Opening& o) { return o.name == wanted.opening; });
-      if (is_known) continue;
-      std::vector<std::string> names;
-      for (const Opening& o : openings_) names.push_back(o.name);
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("{}: there is no opening {}; there {}", option_name("extend"), wanted.opening,
-                              names.empty() ? "is none" : fmt::format("are {}", fmt::join(names, ", "))));
-    }
+    std::vector<std::string> names;
+    for (const Opening& o : openings_) names.push_back(o.name);
+    check_names_of(wanted_, names, "the image");
   }
 
   /// The lumen, where there is a wall, too.
@@ -71,20 +62,9 @@ class ExtensionPlanner {
 
   /// A length by name counts for the whole section.
   [[nodiscard]] double wanted_mm(const OpeningGroup& group, double radius_mm) const {
-    std::optional<double> for_all, named;
-    for (const NamedLength& wanted : wanted_) {
-      const double length_mm = wanted.length.in_mm(radius_mm);
-      if (wanted.opening.empty()) for_all = length_mm;
-      const bool is_mine = std::any_of(group.members.begin(), group.members.end(),
-                                       [&](std::size_t m) { return openings_[m].name == wanted.opening; });
-      if (!is_mine) continue;
-      if (named && *named != length_mm)
-        throw Error(ErrorKind::kBadInput,
-                    fmt::format("{}: {} and what is around it are one vessel, and have two lengths",
-                                option_name("extend"), main_opening(group).name));
-      named = length_mm;
-    }
-    return named ? *named : for_all.value_or(0);
+    std::vector<std::string> names = {main_opening(group).name};
+    for (const std::size_t m : group.members) names.push_back(openings_[m].name);
+    return length_wanted_mm(wanted_, names, radius_mm);
   }
 
   void add_tube(std::size_t g) {
@@ -165,7 +145,7 @@ class ExtensionPlanner {
     if (length_mm == 0) tube.transition_mm = -1;
     tube.end_mm = section.centre_mm + length_mm * section.direction;
     tube.end_normal = section.direction;
-    tube.stump_mm = kStump * layer_mm(domain_.frame(), tube.end_normal);
+    tube.stump_mm = kStump * domain_.frame().thickness_along_mm(tube.end_normal);
     tube.box_mm.setEmpty();
     const Vec3 last = tube.end_mm + tube.stump_mm * tube.end_normal;
     for (const int i : {0, section.columns - 1})
@@ -278,10 +258,6 @@ class ExtensionPlanner {
 };
 
 }  // namespace
-
-double layer_mm(const ImageFrame& frame, const Vec3& direction) {
-  return (frame.direction.transpose() * direction).cwiseAbs().dot(frame.spacing_mm);
-}
 
 bool is_of_image(const ImageDomain& domain, const Vec3& x) {
   constexpr double kHalf = 0.5;

@@ -25,7 +25,4 @@ struct ExtensionPlan {
 /// Whether the image's own object may be there: within the image, and not beyond what cuts it.
 [[nodiscard]] bool is_of_image(const ImageDomain& domain, const Vec3& x);
 
-/// Voxels of an image along a direction: what a plane as thick as this passes through parts all steps.
-[[nodiscard]] double layer_mm(const ImageFrame& frame, const Vec3& direction);
-
 }  // namespace lumesh

@@ -20,6 +20,13 @@ bool is_background(const LabelImage::Index* row, std::size_t width) {
 
 }  // namespace
 
+Box3 voxel_box(const ImageFrame& frame, const Box3& box_mm) {
+  Box3 voxels;
+  for (int corner = 0; corner < 8; ++corner)
+    voxels.extend(frame.to_index(box_mm.corner(static_cast<Box3::CornerType>(corner))));
+  return voxels;
+}
+
 ImageDomain::ImageDomain(const LabelImage& image, LabelField field, const std::vector<CutPlane>& cuts)
     : field_(std::move(field)), labels_(image.values()), label_names_(image.label_names()) {
   const ImageFrame& f = image.frame();

@@ -22,10 +22,7 @@ bool are_in_one_plane(const Opening& a, const Opening& b) {
 std::vector<Vec3> rim_places(const Opening& opening) {
   std::vector<Vec3> places;
   const OpeningSquares& squares = *opening.squares;
-  const auto holds = [&](int i, int j) {
-    return i >= 0 && j >= 0 && i < squares.columns && j < squares.rows &&
-           squares.is_inside[squares.square(i, j)] != 0;
-  };
+  const auto holds = [&](int i, int j) { return squares.hold(i, j); };
   for (int j = 0; j < squares.rows; ++j)
     for (int i = 0; i < squares.columns; ++i)
       if (holds(i, j) && !(holds(i - 1, j) && holds(i + 1, j) && holds(i, j - 1) && holds(i, j + 1)))
@@ -112,8 +109,9 @@ std::shared_ptr<CarriedSection> section_of(std::span<const Opening> openings,
       section->inside.size(),
       [&](std::size_t s) {
         const auto columns = static_cast<std::size_t>(section->columns);
-        const Vec3 x = section->first_mm + section->step_mm * (static_cast<double>(s % columns) * section->u +
-                                                               static_cast<double>(s / columns) * section->v);
+        const std::size_t row = s / columns, column = s % columns;
+        const Vec3 x = section->first_mm + section->step_mm * (static_cast<double>(column) * section->u +
+                                                               static_cast<double>(row) * section->v);
         const bool is_own = std::any_of(own.members.begin(), own.members.end(),
                                         [&](std::size_t m) { return openings[m].squares->hold(x); });
         const double off_mm = is_own ? 0 : nearest_mm(rim, x);

@@ -321,14 +321,10 @@ std::vector<Opening> find_openings(const Domain& domain) {
 double Opening::perimeter_mm() const {
   if (!squares) return 2 * std::numbers::pi * radius_mm();
   std::size_t crossings = 0;
-  const auto is_inside = [&](int column, int row) {
-    return column >= 0 && column < squares->columns && row >= 0 && row < squares->rows &&
-           squares->is_inside[squares->square(column, row)] != 0;
-  };
   for (int row = -1; row < squares->rows; ++row)
     for (int column = -1; column < squares->columns; ++column) {
-      const bool here = is_inside(column, row);
-      crossings += (is_inside(column + 1, row) != here) + (is_inside(column, row + 1) != here);
+      const bool here = squares->hold(column, row);
+      crossings += (squares->hold(column + 1, row) != here) + (squares->hold(column, row + 1) != here);
     }
   return std::numbers::pi / 4 * squares->step_mm * static_cast<double>(crossings);
 }

@@ -22,7 +22,7 @@ class VesselCut {
         frame_(image.frame()),
         plane_{plane.point_mm, plane.normal.normalized()},
         voxel_mm_(frame_.spacing_mm.maxCoeff()),
-        layer_mm_((frame_.direction.transpose() * plane_.normal).cwiseAbs().dot(frame_.spacing_mm)),
+        layer_mm_(frame_.thickness_along_mm(plane_.normal)),
         is_in_section_(image.voxels().size(), false),
         part_(image.voxels().size(), Side::kNone) {}
 

@@ -178,9 +178,7 @@ void warn_of_nan(NanVoxels what, const fs::path& path, const Context& context, R
   });
   if (found.count == 0) return;
   const ImageFrame& frame = raw.frame;
-  const std::size_t x = static_cast<std::size_t>(frame.size.x()),
-                    y = static_cast<std::size_t>(frame.size.y()), v = found.first % frame.voxel_count();
-  const Index3 voxel = Eigen::Matrix<std::size_t, 3, 1>(v % x, v / x % y, v / (x * y)).cast<int>();
+  const Index3 voxel = frame.voxel_at(found.first % frame.voxel_count());
   const Vec3 place = frame.to_physical(voxel.cast<double>());
   context.warn(fmt::format(
       "{}: has {} voxels that are not numbers (NaN), such as ({}, {}, {}) at {:.4g}, {:.4g}, "

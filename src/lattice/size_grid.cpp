@@ -65,7 +65,8 @@ void SizeGrid::note_opening(const Opening& opening) {
   constexpr double kOfWidth = 0.65;  // In coarser lattices narrow ones lose area.
   const double perimeter_mm = opening.perimeter_mm(), width_mm = 4 * opening.area_mm2 / perimeter_mm;
   const int level = level_for(std::min(kOfShare * perimeter_mm / kEdgesAround, kOfWidth * width_mm));
-  const CellBox box = cells_in(opening.box_mm);
+  const Box3 voxels = voxel_box(image_.frame(), opening.box_mm);
+  const CellBox box = cells_between(voxels.min(), voxels.max());
   for (int k = box.low.z(); k <= box.high.z(); ++k)
     for (int j = box.low.y(); j <= box.high.y(); ++j)
       for (int i = box.low.x(); i <= box.high.x(); ++i) {
@@ -248,13 +249,6 @@ SizeGrid::CellBox SizeGrid::cells_around(const Vec3& point_mm, double radius_mm)
   const Vec3 centre = image_.frame().to_index(point_mm);
   const Vec3 radius = radius_mm * image_.frame().spacing_mm.cwiseInverse();
   return cells_between(centre - radius, centre + radius);
-}
-
-SizeGrid::CellBox SizeGrid::cells_in(const Box3& box_mm) const {
-  Box3 voxels;
-  for (int corner = 0; corner < 8; ++corner)
-    voxels.extend(image_.frame().to_index(box_mm.corner(static_cast<Box3::CornerType>(corner))));
-  return cells_between(voxels.min(), voxels.max());
 }
 
 SizeGrid::CellBox SizeGrid::cells_between(const Vec3& low, const Vec3& high) const {

@@ -37,7 +37,6 @@ class SizeGrid {
     Index3 low, high;
   };
   [[nodiscard]] CellBox cells_around(const Vec3& point_mm, double radius_mm) const;
-  [[nodiscard]] CellBox cells_in(const Box3& box_mm) const;
   [[nodiscard]] CellBox cells_between(const Vec3& low, const Vec3& high) const;  ///< In voxels.
   [[nodiscard]] std::size_t cell_number(const Index3& cell) const;
   [[nodiscard]] const std::uint8_t* row(int j, int k) const {

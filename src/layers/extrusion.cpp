@@ -1,7 +1,6 @@
 #include "lumesh/layers/extrusion.hpp"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -14,9 +13,11 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
+#include "lumesh/mesh/edge_key.hpp"
 #include "lumesh/mesh/tetrahedral_split.hpp"
 
 namespace lumesh {
@@ -28,12 +29,6 @@ struct PatchFace {
   std::int32_t patch;
   Label label = kBackground;  // Of the cell behind it: a patch may have several.
 };
-
-using EdgeKey = std::pair<std::uint32_t, std::uint32_t>;
-
-EdgeKey edge_of(std::uint32_t a, std::uint32_t b) {
-  return {std::min(a, b), std::max(a, b)};
-}
 
 /// The openings that go on together.
 struct SweptSection {
@@ -75,13 +70,9 @@ class Extruder {
     std::vector<std::string> names;
     for (const Patch& p : patches())
       if (p.kind == PatchKind::kOpening) names.push_back(p.name);
-    for (const NamedLength& wanted : lengths)
-      if (names.empty() ||
-          (!wanted.opening.empty() && std::find(names.begin(), names.end(), wanted.opening) == names.end()))
-        throw Error(
-            ErrorKind::kBadInput,
-            fmt::format("{}: the mesh has no opening {}; it has {}", option_name("extend"), wanted.opening,
-                        names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+    if (names.empty())
+      throw Error(ErrorKind::kBadInput, fmt::format("{}: the mesh has no openings", option_name("extend")));
+    check_names_of(lengths, names, "the mesh");
   }
 
   template <class Visit>
@@ -105,11 +96,11 @@ class Extruder {
 
   /// Patches of openings that share edges with this one, one after the other.
   [[nodiscard]] std::vector<std::int32_t> joined_openings(std::int32_t first) const {
-    std::map<EdgeKey, std::vector<std::int32_t>> at_edge;
+    std::map<std::uint64_t, std::vector<std::int32_t>> at_edge;
     for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
       if (patch(p).kind != PatchKind::kOpening) return;
       for (std::size_t i = 0; i < face.size(); ++i)
-        at_edge[edge_of(face[i], face[(i + 1) % face.size()])].push_back(p);
+        at_edge[edge_key(face[i], face[(i + 1) % face.size()])].push_back(p);
     });
     std::vector<std::int32_t> joined = {first};
     for (std::size_t i = 0; i < joined.size(); ++i)
@@ -140,8 +131,7 @@ class Extruder {
         edges_mm += (point(face[i]) - point(face[(i + 1) % face.size()])).norm();
     });
     if (s.faces.empty()) return s;
-    std::sort(s.vertices.begin(), s.vertices.end());
-    s.vertices.erase(std::unique(s.vertices.begin(), s.vertices.end()), s.vertices.end());
+    sort_unique(s.vertices);
     s.normal.normalize();
     s.centre_mm /= area_mm2;
     s.edge_mm = edges_mm / static_cast<double>(edge_count);
@@ -173,14 +163,9 @@ class Extruder {
   }
 
   [[nodiscard]] double wanted_mm(const SweptSection& s, std::span<const NamedLength> lengths) const {
-    std::optional<double> for_all, named;
-    for (const NamedLength& wanted : lengths) {
-      const double length_mm = wanted.length.in_mm(s.radius_mm);
-      if (wanted.opening.empty()) for_all = length_mm;
-      for (const std::int32_t p : s.patches)
-        if (patch(p).name == wanted.opening) named = length_mm;
-    }
-    return named ? *named : for_all.value_or(0);
+    std::vector<std::string> names;
+    for (const std::int32_t p : s.patches) names.push_back(patch(p).name);
+    return length_wanted_mm(lengths, names, s.radius_mm);
   }
 
   void find_labels(SweptSection& s) const {
@@ -206,8 +191,7 @@ class Extruder {
     for (PatchFace& face : s.faces) face.label = behind.at(key_of(face.corners));
   }
   [[nodiscard]] static std::vector<std::uint32_t> key_of(std::vector<std::uint32_t> corners) {
-    std::sort(corners.begin(), corners.end());
-    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    sort_unique(corners);
     return corners;
   }
 
@@ -299,15 +283,16 @@ class Extruder {
 
   /// Faces on the edges where the section's label ends: each goes on with the patch that meets it there.
   void add_sides(const SweptSection& s, std::size_t rows, bool splits) {
-    std::map<EdgeKey, std::pair<std::size_t, std::int32_t>> besides;  // Count of the section's faces; patch.
+    std::map<std::uint64_t, std::pair<std::size_t, std::int32_t>>
+        besides;  // Count of the section's faces; patch.
     for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
       for (std::size_t i = 0; i < face.size(); ++i) {
-        const EdgeKey edge = edge_of(face[i], face[(i + 1) % face.size()]);
+        const std::uint32_t from = face[i], to = face[(i + 1) % face.size()];
         const auto has = [&](std::uint32_t v) {
           return std::binary_search(s.vertices.begin(), s.vertices.end(), v);
         };
-        if (!has(edge.first) || !has(edge.second)) continue;
-        auto& [count, other] = besides.try_emplace(edge, 0, -1).first->second;
+        if (!has(from) || !has(to)) continue;
+        auto& [count, other] = besides.try_emplace(edge_key(from, to), 0, -1).first->second;
         if (s.has(p))
           ++count;
         else
@@ -317,10 +302,10 @@ class Extruder {
     for (const PatchFace& face : s.faces)
       for (std::size_t i = 0; i < face.corners.size(); ++i) {
         const std::uint32_t a = face.corners[i], b = face.corners[(i + 1) % face.corners.size()];
-        const std::int32_t p = besides.at(edge_of(a, b)).second;
+        const std::int32_t p = besides.at(edge_key(a, b)).second;
         // Between two labels the side belongs to the first of its patch.
         const bool is_side =
-            p >= 0 && (besides.at(edge_of(a, b)).first == 1 || patch(p).labels[0] == face.label);
+            p >= 0 && (besides.at(edge_key(a, b)).first == 1 || patch(p).labels[0] == face.label);
         if (!is_side) continue;
         for (std::size_t row = 0; row < rows; ++row)
           add_side({vertex(s, a, row), vertex(s, b, row), vertex(s, b, row + 1), vertex(s, a, row + 1)}, p,
@@ -343,7 +328,7 @@ class Extruder {
     m.triangle_patches.insert(m.triangle_patches.end(), 2, p);
   }
 
-  void add_prisms(MixedMesh prisms, bool splits) {
+  void add_prisms(const MixedMesh& prisms, bool splits) {
     MixedMesh& m = result_.mesh;
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     if (!splits) {

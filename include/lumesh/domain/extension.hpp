@@ -34,6 +34,14 @@ struct NamedLength {
 /// "5r", "inlet_1=10r,outlet_2=0", "5r,outlet_2=0". @throws Error{kUsage} as local_length_from().
 [[nodiscard]] std::vector<NamedLength> named_lengths_from(const std::string& text);
 
+/// The length of a vessel, of which a name among several is one with another length than those of all.
+/// @param names  Of its openings. @throws Error{kBadInput} if two of them have different lengths.
+[[nodiscard]] double length_wanted_mm(std::span<const NamedLength> lengths,
+                                      const std::vector<std::string>& names, double radius_mm);
+/// @throws Error{kBadInput} for a name that no opening has. @param where  What has them: "the mesh".
+void check_names_of(std::span<const NamedLength> lengths, const std::vector<std::string>& openings,
+                    const std::string& where);
+
 struct ExtensionOptions {
   std::string lengths;  ///< For named_lengths_from(); empty: none.
   std::string

@@ -16,6 +16,9 @@
 
 namespace lumesh {
 
+/// Around a box, in voxels of a frame.
+[[nodiscard]] Box3 voxel_box(const ImageFrame& frame, const Box3& box_mm);
+
 struct ImageDomainOptions {
   LabelFieldOptions field;
   std::vector<CutPlane> cut_planes;
@@ -39,7 +42,7 @@ class ImageDomain final : public Domain {
   [[nodiscard]] Box3 bounds_mm() const override;
   [[nodiscard]] double resolution_mm() const override { return voxel_size_mm_; }
   [[nodiscard]] double resolution_along_mm(const Vec3& direction) const override {
-    return (frame().direction.transpose() * direction).cwiseAbs().dot(frame().spacing_mm);
+    return frame().thickness_along_mm(direction);
   }
   [[nodiscard]] double finest_resolution_mm() const override { return frame().spacing_mm.minCoeff(); }
   /// Label of the mesh at a point; the background beyond a cut plane.

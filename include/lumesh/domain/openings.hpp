@@ -36,6 +36,10 @@ struct OpeningSquares {
     if (!(column >= 0 && column < columns && row >= 0 && row < rows)) return std::nullopt;
     return square(static_cast<int>(column), static_cast<int>(row));
   }
+  /// Whether a square is inside; none beyond the grid is.
+  [[nodiscard]] bool hold(int column, int row) const {
+    return column >= 0 && column < columns && row >= 0 && row < rows && is_inside[square(column, row)] != 0;
+  }
   [[nodiscard]] bool hold(const Vec3& point_mm) const {
     const std::optional<std::size_t> at = square_at(point_mm);
     return at && is_inside[*at] != 0;

@@ -27,6 +27,12 @@ struct ImageFrame {
                (static_cast<std::size_t>(v.y()) +
                 static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(v.z()));
   }
+  /// The voxel of an offset().
+  [[nodiscard]] Index3 voxel_at(std::size_t offset) const {
+    const auto x = static_cast<std::size_t>(size.x()), y = static_cast<std::size_t>(size.y());
+    return {static_cast<int>(offset % x), static_cast<int>(offset / x % y),
+            static_cast<int>(offset / (x * y))};
+  }
   [[nodiscard]] bool contains(const Index3& v) const {
     return (v.array() >= 0).all() && (v.array() < size.array()).all();
   }
@@ -38,6 +44,10 @@ struct ImageFrame {
     return origin_mm + direction * index.cwiseProduct(spacing_mm);
   }
   [[nodiscard]] double voxel_volume_mm3() const { return spacing_mm.prod(); }
+  /// How thick a voxel is along a unit vector.
+  [[nodiscard]] double thickness_along_mm(const Vec3& unit) const {
+    return (direction.transpose() * unit).cwiseAbs().dot(spacing_mm);
+  }
 };
 
 /// Where the boundary of the object crosses the edge between the centres of two voxels that share a face, one
