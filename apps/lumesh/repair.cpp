@@ -109,7 +109,7 @@ void add_repair_command(CLI::App& program) {
   const auto command = std::make_shared<RepairCommand>();
   CLI::App* sub = program.add_subcommand("repair", "Make a surface with faults one that can be meshed");
   command->self = sub;
-  sub->add_option("from", command->from, "Surface to read (.vtp, .stl)")->required();
+  sub->add_option("from", command->from, "Surface to read (" + formats_for(MeshUse::kRead) + ")")->required();
   sub->add_option("-o,--output", command->to,
                   "Surface to write (" + formats_for(MeshUse::kWriteSurface) + ")")
       ->required();

@@ -18,8 +18,6 @@
 namespace lumesh::surfaces {
 namespace {
 
-constexpr std::uint32_t kNoTriangle = ~0u;
-
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorKind::kBadInput, message);
 }
@@ -52,13 +50,7 @@ ClosedSurface welded(const SurfaceView& view) {
   return surface;
 }
 
-struct SideOfEdge {
-  std::uint32_t low, high, triangle, side;
-  [[nodiscard]] auto edge() const { return std::pair(low, high); }
-  auto operator<=>(const SideOfEdge&) const = default;
-};
-
-[[noreturn]] void throw_bad_edge(const ClosedSurface& surface, const SideOfEdge& one, std::size_t triangles,
+[[noreturn]] void throw_bad_edge(const ClosedSurface& surface, const TriangleSide& one, std::size_t triangles,
                                  std::size_t open_edges) {
   const std::string ends = place(surface.points[one.low]) + " to " + place(surface.points[one.high]) + " mm";
   if (triangles == 1)
@@ -70,26 +62,17 @@ struct SideOfEdge {
 }
 
 void find_neighbours(ClosedSurface& surface) {
-  std::vector<SideOfEdge> sides(3 * surface.triangles.size());
-  parallel::for_each_index(surface.triangles.size(), [&](std::size_t t) {
-    const Cell<3>& corners = surface.triangles[t];
-    for (std::uint32_t s = 0; s < 3; ++s) {
-      const auto [low, high] = std::minmax(corners[s], corners[(s + 1) % 3]);
-      sides[3 * t + s] = {low, high, static_cast<std::uint32_t>(t), s};
-    }
-  });
-  parallel::sort(sides.begin(), sides.end());
+  const std::vector<TriangleSide> sides = sorted_sides(surface.triangles);
   surface.neighbours.resize(surface.triangles.size());
-  const SideOfEdge* open = nullptr;
+  const TriangleSide* open = nullptr;
   std::size_t open_edges = 0;
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    while (end < sides.size() && sides[end].edge() == sides[begin].edge()) ++end;
-    const SideOfEdge &a = sides[begin], &b = sides[end - 1];
-    if (end - begin > 2) throw_bad_edge(surface, a, end - begin, 0);
-    if (end - begin == 1 && open_edges++ == 0) open = &a;
+  for_each_edge(sides, [&](std::span<const TriangleSide> edge) {
+    const TriangleSide &a = edge.front(), &b = edge.back();
+    if (edge.size() > 2) throw_bad_edge(surface, a, edge.size(), 0);
+    if (edge.size() == 1 && open_edges++ == 0) open = &a;
     surface.neighbours[a.triangle][a.side] = b.triangle;
     surface.neighbours[b.triangle][b.side] = a.triangle;
-  }
+  });
   if (open != nullptr) throw_bad_edge(surface, *open, 1, open_edges);
 }
 
@@ -98,47 +81,25 @@ void turn(ClosedSurface& surface, std::uint32_t t) {
   std::swap(surface.neighbours[t][0], surface.neighbours[t][2]);
 }
 
-/// Whether a triangle goes along the edge from one point to another.
-bool runs_along(const Cell<3>& corners, std::uint32_t from, std::uint32_t to) {
-  for (std::size_t s = 0; s < 3; ++s)
-    if (corners[s] == from && corners[(s + 1) % 3] == to) return true;
-  return false;
-}
-
-/// Turns all triangles of a connected part the same way. @return the shell of each.
-std::vector<std::uint32_t> turn_alike(ClosedSurface& surface, std::uint32_t& shell_count) {
-  std::vector<std::uint32_t> shell(surface.triangles.size(), kNoTriangle), stack;
-  shell_count = 0;
-  for (std::uint32_t seed = 0; seed < shell.size(); ++seed) {
-    if (shell[seed] != kNoTriangle) continue;
-    shell[seed] = shell_count;
-    stack.push_back(seed);
-    while (!stack.empty()) {
-      const std::uint32_t t = stack.back();
-      stack.pop_back();
-      for (std::size_t s = 0; s < 3; ++s) {
-        const std::uint32_t from = surface.triangles[t][s], to = surface.triangles[t][(s + 1) % 3];
-        const std::uint32_t other = surface.neighbours[t][s];
-        const bool is_like_me = runs_along(surface.triangles[other], from, to);
-        if (shell[other] == kNoTriangle) {
-          if (is_like_me) turn(surface, other);
-          shell[other] = shell_count;
-          stack.push_back(other);
-        } else if (is_like_me) {
-          refuse("the surface has one side only, as a Moebius strip: triangles cannot be turned alike at " +
-                 place(surface.points[from]) + " mm");
-        }
-      }
+/// Turns all triangles of a connected part the same way.
+Parts turn_parts_alike(ClosedSurface& surface) {
+  const std::vector<Cell<3>> given = surface.triangles;
+  Parts parts = turn_alike(surface.triangles, surface.neighbours);
+  for (std::uint32_t t = 0; t < given.size(); ++t)
+    if (surface.triangles[t] != given[t]) std::swap(surface.neighbours[t][0], surface.neighbours[t][2]);
+  for (std::uint32_t t = 0; t < given.size(); ++t)
+    for (std::size_t s = 0; s < 3; ++s) {
+      const std::uint32_t from = surface.triangles[t][s], to = surface.triangles[t][(s + 1) % 3];
+      if (runs_along(surface.triangles[surface.neighbours[t][s]], from, to))
+        refuse("the surface has one side only, as a Moebius strip: triangles cannot be turned alike at " +
+               place(surface.points[from]) + " mm");
     }
-    ++shell_count;
-  }
-  return shell;
+  return parts;
 }
 
 /// Turns shells outwards; those within an odd number of others are cavities and are turned into them.
 void turn_outwards(ClosedSurface& surface) {
-  Parts parts;
-  parts.of_triangle = turn_alike(surface, parts.count);
+  const Parts parts = turn_parts_alike(surface);
   const std::vector<Shell> shells = shells_of(surface.points, surface.triangles, parts);
   for (const Shell& shell : shells)
     if (shell.volume_mm3 == 0) refuse("the surface encloses nothing at " + place(shell.place_mm) + " mm");

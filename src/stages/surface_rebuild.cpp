@@ -22,8 +22,7 @@ constexpr double kMostVoxels = 3e7;
 
 ImageFrame frame_around(std::span<const Vec3> points, double spacing_mm) {
   constexpr double kMargin = 4;  // Voxels.
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : points) box.extend(p);
+  const Box3 box = bounding_box(points);
   ImageFrame frame;
   frame.spacing_mm = Vec3::Constant(spacing_mm);
   frame.origin_mm = box.min() - Vec3::Constant(kMargin * spacing_mm);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -20,14 +19,6 @@ namespace {
 bool is_almost_planar(const Rim& rim) {
   constexpr double kShare = 0.02;  // Of an edge.
   return rim.deviation_mm <= kShare * rim.mean_edge_mm;
-}
-
-std::int32_t commonest_patch(const TriangleMesh& surface, const Rim& rim) {
-  std::map<std::int32_t, std::size_t> counts;
-  for (const std::uint32_t t : rim_triangles(surface, rim)) ++counts[surface.patches[t]];
-  return std::max_element(counts.begin(), counts.end(),
-                          [](const auto& a, const auto& b) { return a.second < b.second; })
-      ->first;
 }
 
 void measure_new(const TriangleMesh& surface, std::size_t first, ClosedRim& closed) {
@@ -59,7 +50,8 @@ class Closer {
                      [](const Rim& a, const Rim& b) { return a.area_mm2 > b.area_mm2; });
     flatten(rims);
     cap();
-    for (const Rim& rim : holes_) fill(rim);
+    const std::vector<std::vector<std::uint32_t>> walls = rim_triangles(surface_, holes_);
+    for (std::size_t h = 0; h < holes_.size(); ++h) fill(holes_[h], commonest_patch(surface_, walls[h]));
     surface_ = weld(surface_.points, surface_.triangles, surface_.patches);  // Without what was cut off.
     return {std::move(surface_), std::move(closed_)};
   }
@@ -117,10 +109,10 @@ class Closer {
       closed_.push_back(std::move(closed));
     }
   }
-  void fill(const Rim& rim) {
+  void fill(const Rim& rim, std::int32_t patch) {
     const std::size_t first = surface_.triangles.size();
     ClosedRim closed{false, {}, rim, rim.centre_mm, rim.normal};
-    closed.patch = commonest_patch(surface_, rim);
+    closed.patch = patch;
     fill_hole(surface_, rim, closed.patch);
     measure_new(surface_, first, closed);
     closed_.push_back(std::move(closed));

@@ -24,13 +24,6 @@ std::vector<std::uint32_t> first_equal(std::span<const Vec3> points) {
   return first;
 }
 
-/// Whether a triangle goes along the edge from one point to another.
-bool runs_along(const Cell<3>& corners, std::uint32_t from, std::uint32_t to) {
-  for (std::size_t s = 0; s < 3; ++s)
-    if (corners[s] == from && corners[(s + 1) % 3] == to) return true;
-  return false;
-}
-
 }  // namespace
 
 TriangleMesh weld(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
@@ -81,11 +74,19 @@ EdgeNeighbours edge_neighbours(std::span<const Cell<3>> triangles) {
   return neighbours;
 }
 
+bool runs_along(const Cell<3>& corners, std::uint32_t from, std::uint32_t to) {
+  for (std::size_t s = 0; s < 3; ++s)
+    if (corners[s] == from && corners[(s + 1) % 3] == to) return true;
+  return false;
+}
+
 Parts turn_alike(TriangleMesh& surface) {
+  return turn_alike(surface.triangles, edge_neighbours(surface.triangles));
+}
+
+Parts turn_alike(std::vector<Cell<3>>& triangles, const EdgeNeighbours& neighbours) {
   constexpr std::uint32_t kNoPart = ~0U;
-  const EdgeNeighbours neighbours = edge_neighbours(surface.triangles);
-  const std::vector<Cell<3>> given =
-      surface.triangles;  // Sides of neighbours are those of triangles as given.
+  const std::vector<Cell<3>> given = triangles;  // Sides of neighbours are those of triangles as given.
   Parts parts;
   parts.of_triangle.assign(given.size(), kNoPart);
   std::vector<std::uint32_t> stack;
@@ -100,9 +101,9 @@ Parts turn_alike(TriangleMesh& surface) {
         const std::uint32_t other = neighbours[t][s];
         if (other >= kCrowdedEdge || parts.of_triangle[other] != kNoPart) continue;
         const std::uint32_t a = given[t][s], b = given[t][(s + 1) % 3];
-        const bool is_along_mine = runs_along(surface.triangles[t], a, b);
-        if (runs_along(surface.triangles[other], a, b) == is_along_mine)
-          std::swap(surface.triangles[other][1], surface.triangles[other][2]);
+        const bool is_along_mine = runs_along(triangles[t], a, b);
+        if (runs_along(triangles[other], a, b) == is_along_mine)
+          std::swap(triangles[other][1], triangles[other][2]);
         parts.of_triangle[other] = parts.count;
         stack.push_back(other);
       }

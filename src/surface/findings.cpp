@@ -11,6 +11,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh::surfaces {
@@ -18,7 +19,6 @@ namespace {
 
 constexpr const char* kRepair = "lumesh repair IN -o OUT";
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kSpeck = 0.01;  // Of the whole's diagonal.
 
 class SurfaceCheck {
  public:
@@ -175,13 +175,12 @@ class SurfaceCheck {
   void look_at_folds() {
     Finding folds =
         remark("folds", "edges at which a triangle lies back on its neighbour, within 1 degree", kRepair);
-    const double limit = -std::cos(kDegree);
     const auto normal = [&](std::uint32_t t) {
       const Cell<3>& c = alike_.triangles[t];
       return triangle_normal(alike_.points[c[0]], alike_.points[c[1]], alike_.points[c[2]]);
     };
     for_each_edge(sorted_sides(alike_.triangles), [&](std::span<const TriangleSide> edge) {
-      if (edge.size() == 2 && normal(edge[0].triangle).dot(normal(edge[1].triangle)) < limit)
+      if (edge.size() == 2 && normal(edge[0].triangle).dot(normal(edge[1].triangle)) < kFoldCosine)
         folds.add(middle_of(edge[0]));
     });
     keep(std::move(folds));
@@ -202,43 +201,42 @@ class SurfaceCheck {
   void look_at_parts() {
     Finding parts = remark("components", "components"), specks = remark("specks", "");
     std::vector<Eigen::AlignedBox3d> boxes(parts_.count);
-    std::vector<double> six_volumes(parts_.count, 0);
+    std::vector<double> volumes(parts_.count, 0);
     Eigen::AlignedBox3d whole;
     for (std::size_t t = 0; t < alike_.triangles.size(); ++t) {
       Eigen::AlignedBox3d& box = boxes[parts_.of_triangle[t]];
       for (std::size_t i = 0; i < 3; ++i) box.extend(corner(t, i));
       whole.extend(box);
-      const Vec3 origin = alike_.points[0];
       const auto& [a, b, c] = alike_.triangles[t];
-      six_volumes[parts_.of_triangle[t]] +=
-          (alike_.points[a] - origin).dot((alike_.points[b] - origin).cross(alike_.points[c] - origin));
+      volumes[parts_.of_triangle[t]] +=
+          tetrahedron_volume(alike_.points[0], alike_.points[a], alike_.points[b], alike_.points[c]);
     }
     for (const Eigen::AlignedBox3d& box : boxes) {
       if (parts_.count > 1) parts.add(box.center());
-      if (box.diagonal().norm() < kSpeck * whole.diagonal().norm()) specks.add(box.center());
+      if (box.diagonal().norm() < kSpeckShare * whole.diagonal().norm()) specks.add(box.center());
     }
     specks.text = "of these are smaller than 1 % of the whole";
     specks.remedy = kRepair;
     keep(std::move(parts));
     keep(std::move(specks));
-    if (is_closed_ && is_manifold_ && !has_crossings_) look_at_nesting(six_volumes);
+    if (is_closed_ && is_manifold_ && !has_crossings_) look_at_nesting(volumes);
   }
 
   /// Of a closed surface without crossings.
-  void look_at_nesting(std::span<const double> six_volumes) {
+  void look_at_nesting(std::span<const double> volumes) {
     Finding inside_out =
         remark("inside_out", "components whose triangles point inwards; they are turned when meshed");
     Finding nested = remark("nested_shells", "components within others; their insides are taken as cavities");
     TriangleMesh outward = alike_;
     std::vector<Vec3> place(parts_.count);
     for (std::size_t t = outward.triangles.size(); t-- > 0;) {
-      if (six_volumes[parts_.of_triangle[t]] < 0) std::swap(outward.triangles[t][1], outward.triangles[t][2]);
+      if (volumes[parts_.of_triangle[t]] < 0) std::swap(outward.triangles[t][1], outward.triangles[t][2]);
       place[parts_.of_triangle[t]] = corner(t, 0);
     }
     const std::vector<Vec3> doubled = find_doubled_places(outward.points, outward.triangles);
     for (const Vec3& p : doubled) nested.add(p);
     for (std::uint32_t part = 0; part < parts_.count; ++part)
-      if (six_volumes[part] < 0 && std::find(doubled.begin(), doubled.end(), place[part]) == doubled.end())
+      if (volumes[part] < 0 && std::find(doubled.begin(), doubled.end(), place[part]) == doubled.end())
         inside_out.add(place[part]);
     keep(std::move(inside_out));
     keep(std::move(nested));

@@ -57,23 +57,42 @@ std::vector<Vec2> PlaneFrame::polygon(const Rim& rim, const std::vector<Vec3>& p
   return corners;
 }
 
-std::vector<std::uint32_t> rim_triangles(const TriangleMesh& surface, const Rim& rim) {
-  std::map<std::uint32_t, std::size_t> place;
-  for (std::size_t i = 0; i < rim.vertices.size(); ++i) place[rim.vertices[i]] = i;
-  std::vector<std::uint32_t> triangles(rim.vertices.size(), 0);
+std::vector<std::vector<std::uint32_t>> rim_triangles(const TriangleMesh& surface,
+                                                      std::span<const Rim> rims) {
+  struct RimEdge {
+    std::uint32_t from, to;
+    std::size_t rim, place;
+    auto operator<=>(const RimEdge&) const = default;
+  };
+  std::vector<RimEdge> edges;
+  std::vector<std::vector<std::uint32_t>> triangles;
+  for (std::size_t r = 0; r < rims.size(); ++r) {
+    const std::vector<std::uint32_t>& vertices = rims[r].vertices;
+    triangles.emplace_back(vertices.size(), 0);
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      edges.push_back({vertices[i], vertices[(i + 1) % vertices.size()], r, i});
+  }
+  std::sort(edges.begin(), edges.end());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
     for (std::size_t s = 0; s < 3; ++s) {
-      const auto from = place.find(surface.triangles[t][s]);
-      if (from != place.end() &&
-          surface.triangles[t][(s + 1) % 3] == rim.vertices[(from->second + 1) % rim.vertices.size()])
-        triangles[from->second] = t;
+      const std::uint32_t from = surface.triangles[t][s], to = surface.triangles[t][(s + 1) % 3];
+      const auto at = std::lower_bound(edges.begin(), edges.end(), RimEdge{from, to, 0, 0});
+      if (at != edges.end() && at->from == from && at->to == to) triangles[at->rim][at->place] = t;
     }
   return triangles;
 }
 
+std::int32_t commonest_patch(const TriangleMesh& surface, std::span<const std::uint32_t> triangles) {
+  std::map<std::int32_t, std::size_t> counts;
+  for (const std::uint32_t t : triangles) ++counts[surface.patches[t]];
+  return std::max_element(counts.begin(), counts.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
 bool leaves_plane_at_angle(const TriangleMesh& surface, const Rim& rim, double min_angle_deg) {
   const double max_cosine = std::cos(min_angle_deg * std::numbers::pi / 180);
-  const std::vector<std::uint32_t> triangles = rim_triangles(surface, rim);
+  const std::vector<std::uint32_t> triangles = rim_triangles(surface, {&rim, 1}).front();
   return std::none_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
     // Under the cap, the surface faces the other way.
     return normal_at(surface, t).stableNormalized().dot(rim.normal) < -max_cosine;

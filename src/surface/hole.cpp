@@ -11,24 +11,19 @@
 
 #include "flippable_triangles.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/edge_key.hpp"
 #include "lumesh/surface/closing.hpp"
 #include "rim_triangles.hpp"
 
 namespace lumesh::surfaces {
 namespace {
 
-using Edge = std::pair<std::uint32_t, std::uint32_t>;
-
-Edge edge_of(std::uint32_t a, std::uint32_t b) {
-  return std::minmax(a, b);
-}
-
 /// A hole as its filling sees it: corners from 0 on in the order of the filling's border, anticlockwise from
 /// outside.
 struct HoleRim {
   std::vector<Vec3> points;
-  std::vector<Vec3> wall_normals;  // Unit, of the triangle beyond the edge from corner i to the next.
-  std::set<Edge> wall_edges;       // Between corners.
+  std::vector<Vec3> wall_normals;      // Unit, of the triangle beyond the edge from corner i to the next.
+  std::set<std::uint64_t> wall_edges;  // Between corners.
   std::vector<std::vector<Vec3>>
       wall_ring;  // Of each corner, its neighbours on the wall that are no corners.
 };
@@ -51,7 +46,7 @@ HoleRim hole_rim(const TriangleMesh& surface, const Rim& rim) {
       if (at_a != corner.end() && at_b == corner.end()) ring[at_a->second].insert(b);
       if (at_a == corner.end() && at_b != corner.end()) ring[at_b->second].insert(a);
       if (at_a == corner.end() || at_b == corner.end()) continue;
-      hole.wall_edges.insert(edge_of(at_a->second, at_b->second));
+      hole.wall_edges.insert(edge_key(at_a->second, at_b->second));
       if (at_a->second == (at_b->second + 1) % count)
         hole.wall_normals[at_b->second] = triangle_normal(
             surface.points[triangle[0]], surface.points[triangle[1]], surface.points[triangle[2]]);
@@ -115,7 +110,7 @@ class LeastFilling {
 
   void choose_apex(std::size_t i, std::size_t k) {
     const bool is_last = i == 0 && k == count_ - 1;
-    if (!is_last && hole_.wall_edges.contains(edge_of(loop_[i], loop_[k]))) return;
+    if (!is_last && hole_.wall_edges.contains(edge_key(loop_[i], loop_[k]))) return;
     Cost best{std::numeric_limits<double>::infinity(), 0};
     for (std::size_t m = i + 1; m < k; ++m) {
       if (!is_possible(i, m) || !is_possible(m, k)) continue;
@@ -164,7 +159,7 @@ bool fill_loop(const HoleRim& hole, const std::vector<std::uint32_t>& loop, cons
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = i + count / 4; k < count && k - i <= count - count / 4; ++k) {
       const double length2 = (hole.points[loop[k]] - hole.points[loop[i]]).squaredNorm();
-      if (length2 >= shortest2 || hole.wall_edges.contains(edge_of(loop[i], loop[k]))) continue;
+      if (length2 >= shortest2 || hole.wall_edges.contains(edge_key(loop[i], loop[k]))) continue;
       shortest2 = length2;
       best = {i, k};
     }
@@ -188,7 +183,7 @@ class Filling {
   Filling(const HoleRim& hole, std::vector<Vec3> points, std::vector<Cell<3>> triangles)
       : hole_(hole), points_(std::move(points)), mesh_(std::move(triangles)), edges_(hole.wall_edges) {
     for (const auto& side : mesh_.sides())
-      edges_.insert(edge_of(mesh_.vertex(side, 0), mesh_.vertex(side, 1)));
+      edges_.insert(edge_key(mesh_.vertex(side, 0), mesh_.vertex(side, 1)));
     const std::size_t count = corner_count();
     sizes_.assign(points_.size(), 0);
     for (std::size_t i = 0; i < count; ++i) {
@@ -249,7 +244,7 @@ class Filling {
     points_.push_back(centroid);
     sizes_.push_back(size);
     mesh_.split(t, vertex);
-    for (const std::uint32_t v : corners) edges_.insert(edge_of(v, vertex));
+    for (const std::uint32_t v : corners) edges_.insert(edge_key(v, vertex));
   }
 
   /// Flips edges whose opposite angles exceed 180 degrees together.
@@ -261,8 +256,8 @@ class Filling {
       stack.pop_back();
       if (!should_flip(at)) continue;
       --flips_left;
-      edges_.erase(edge_of(mesh_.vertex(at, 0), mesh_.vertex(at, 1)));
-      edges_.insert(edge_of(mesh_.vertex(at, 2), mesh_.vertex_across(at)));
+      edges_.erase(edge_key(mesh_.vertex(at, 0), mesh_.vertex(at, 1)));
+      edges_.insert(edge_key(mesh_.vertex(at, 2), mesh_.vertex_across(at)));
       const auto around = mesh_.flip(at);
       stack.insert(stack.end(), around.begin(), around.end());
     }
@@ -277,7 +272,7 @@ class Filling {
     };
     // Both angles are below 180 degrees: their sum exceeds it where the cosines' sum is negative.
     constexpr double kRounding = 1e-9;
-    if (!(cosine(a - c, b - c) + cosine(a - d, b - d) < -kRounding) || edges_.contains(edge_of(c_id, d_id)))
+    if (!(cosine(a - c, b - c) + cosine(a - d, b - d) < -kRounding) || edges_.contains(edge_key(c_id, d_id)))
       return false;
     const Vec3 before = triangle_area_normal(a, b, c) + triangle_area_normal(b, a, d);
     return triangle_area_normal(c, a, d).dot(before) > 0 && triangle_area_normal(d, b, c).dot(before) > 0;
@@ -288,7 +283,7 @@ class Filling {
   const HoleRim& hole_;
   std::vector<Vec3> points_;
   FlippableTriangles mesh_;
-  std::set<Edge> edges_;
+  std::set<std::uint64_t> edges_;
   std::vector<double> sizes_;
 };
 

@@ -1,9 +1,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <map>
 #include <numeric>
 #include <utility>
 
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -11,15 +11,14 @@
 #include "lumesh/surface/findings.hpp"
 #include "lumesh/surface/repair.hpp"
 #include "lumesh/surface/shells.hpp"
+#include "rim_triangles.hpp"
 
 namespace lumesh::surfaces {
 namespace {
 
-// Between normals: of a triangle turned over among its neighbours, and of one that lies on its neighbour (1
-// degree).
-constexpr double kOpposedCosine = -0.9, kFoldCosine = -0.99985;
-constexpr int kRoundsOfFolds = 3;        // Surfaces may have such edges of their own.
-constexpr double kSpeckDiagonal = 0.01;  // Of the whole's.
+// Between normals: of a triangle turned over among its neighbours.
+constexpr double kOpposedCosine = -0.9;
+constexpr int kRoundsOfFolds = 3;  // Surfaces may have such edges of their own.
 constexpr double kFlapArea =
     0.05;  // Of the largest part's: an open part that lies on others, whichever way it is turned.
 
@@ -52,7 +51,7 @@ class LocalRepair {
     origin_.resize(surface_.triangles.size());
     std::iota(origin_.begin(), origin_.end(), 0U);
     is_left_out_.assign(origin_.size(), 0);
-    for (const Vec3& p : surface_.points) box_.extend(p);
+    box_ = bounding_box(surface_.points);
   }
 
   RepairedSurface run() {
@@ -161,7 +160,7 @@ class LocalRepair {
     std::vector<std::uint8_t> is_bad(origin_.size(), 0);
     for (std::size_t p = 1; p < measures.size(); ++p) {
       const PartMeasures& part = measures[p];
-      const bool is_speck = part.box.diagonal().norm() < kSpeckDiagonal * box_.diagonal().norm();
+      const bool is_speck = part.box.diagonal().norm() < kSpeckShare * box_.diagonal().norm();
       if (is_speck ||
           lies_on(part, tree, kept, part.is_open && part.area_mm2 < kFlapArea * measures[0].area_mm2)) {
         leave_out(part.triangles, is_bad);
@@ -241,7 +240,7 @@ class LocalRepair {
 
   void fill_holes(std::uint32_t origin) {
     const std::vector<Rim> rims = find_rims(surface_);
-    std::vector<std::int32_t> patches = patches_at(rims);
+    const std::vector<std::vector<std::uint32_t>> walls = rim_triangles(surface_, rims);
     for (std::size_t r = 0; r < rims.size(); ++r) {
       if (is_opening(rims[r])) continue;
       const bool is_at_hole =
@@ -252,7 +251,7 @@ class LocalRepair {
         report_.widest_hole_mm = std::max(report_.widest_hole_mm, rims[r].radius_mm);
       }
       const std::size_t first = surface_.triangles.size();
-      fill_hole(surface_, rims[r], patches[r]);
+      fill_hole(surface_, rims[r], commonest_patch(surface_, walls[r]));
       origin_.resize(surface_.triangles.size(), is_at_hole ? kHoleFilling : origin);
       if (origin_.back() != kHoleFilling) continue;
       is_at_hole_.resize(surface_.points.size(), 0);
@@ -260,25 +259,6 @@ class LocalRepair {
         for (const std::uint32_t v : surface_.triangles[t]) is_at_hole_[v] = 1;
     }
   }
-  /// Of each rim the patch with most of its edges.
-  [[nodiscard]] std::vector<std::int32_t> patches_at(const std::vector<Rim>& rims) const {
-    std::map<std::uint32_t, std::int32_t> patch_from;  // By the first vertex of an open edge.
-    const EdgeNeighbours neighbours = edge_neighbours(surface_.triangles);
-    for (std::size_t t = 0; t < origin_.size(); ++t)
-      for (std::size_t s = 0; s < 3; ++s)
-        if (neighbours[t][s] == kOpenEdge) patch_from[surface_.triangles[t][s]] = surface_.patches[t];
-    std::vector<std::int32_t> patches;
-    for (const Rim& rim : rims) {
-      std::map<std::int32_t, int> edges;
-      for (const std::uint32_t v : rim.vertices)
-        if (const auto at = patch_from.find(v); at != patch_from.end()) ++edges[at->second];
-      const auto most = std::max_element(edges.begin(), edges.end(),
-                                         [](const auto& a, const auto& b) { return a.second < b.second; });
-      patches.push_back(most == edges.end() ? 0 : most->first);
-    }
-    return patches;
-  }
-
   [[nodiscard]] Topology topology() const {
     TriangleMesh copy = surface_;
     const Parts parts = turn_alike(copy);
@@ -446,7 +426,7 @@ class LocalRepair {
   TriangleMesh surface_;
   double max_distance_mm_;
   Folds folds_;
-  Eigen::AlignedBox3d box_;
+  Box3 box_;
   std::vector<std::uint32_t> origin_;       // Of each triangle.
   std::vector<std::uint8_t> is_left_out_;   // Of each given triangle.
   std::vector<std::uint32_t> opening_of_;   // Of each vertex, from 1 on; 0: none.

@@ -1,14 +1,22 @@
 #pragma once
 // The triangles at a rim.
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lumesh/surface/rims.hpp"
 
 namespace lumesh::surfaces {
 
-/// Of each edge of a rim, from vertex i to the next, the triangle that has it.
-[[nodiscard]] std::vector<std::uint32_t> rim_triangles(const TriangleMesh& surface, const Rim& rim);
+/// Of each edge of each rim, from vertex i to the next, the triangle that has it. Cost: one pass over the
+/// surface.
+[[nodiscard]] std::vector<std::vector<std::uint32_t>> rim_triangles(const TriangleMesh& surface,
+                                                                    std::span<const Rim> rims);
+
+/// The patch that most of some triangles have.
+[[nodiscard]] std::int32_t commonest_patch(const TriangleMesh& surface,
+                                           std::span<const std::uint32_t> triangles);
 
 /// Angles between a surface and its cap: wanted, and such that the cap at least does not lie on the surface.
 inline constexpr double kGoodAngleDeg = 20, kLeastAngleDeg = 1;

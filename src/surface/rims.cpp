@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/surface/edges.hpp"
 
 namespace lumesh::surfaces {
@@ -81,11 +82,6 @@ class LoopWalk {
   std::vector<std::vector<std::uint32_t>> loops_;
 };
 
-/// Six times the volume between a triangle and a point.
-double six_volumes_to(const std::array<Vec3, 3>& p, const Vec3& apex) {
-  return (p[0] - apex).dot((p[1] - apex).cross(p[2] - apex));
-}
-
 }  // namespace
 
 Rim measured_rim(std::span<const Vec3> points, std::vector<std::uint32_t> vertices) {
@@ -120,7 +116,7 @@ std::vector<Rim> find_rims(const TriangleMesh& surface) {
 
 void turn_outwards(TriangleMesh& surface, std::vector<Rim>& rims) {
   const Parts parts = turn_alike(surface);
-  std::vector<double> six_volumes(parts.count, 0);
+  std::vector<double> volumes(parts.count, 0);
   std::vector<std::uint32_t> part_at(surface.points.size(), 0);
   std::vector<Vec3> origin(parts.count);
   for (std::size_t t = surface.triangles.size(); t-- > 0;)
@@ -129,19 +125,19 @@ void turn_outwards(TriangleMesh& surface, std::vector<Rim>& rims) {
     const auto& [a, b, c] = surface.triangles[t];
     const std::uint32_t part = parts.of_triangle[t];
     for (const std::uint32_t v : {a, b, c}) part_at[v] = part;
-    six_volumes[part] +=
-        six_volumes_to({surface.points[a], surface.points[b], surface.points[c]}, origin[part]);
+    volumes[part] +=
+        tetrahedron_volume(origin[part], surface.points[a], surface.points[b], surface.points[c]);
   }
   for (const Rim& rim : rims)
     for (std::size_t i = 0; i < rim.vertices.size(); ++i) {
       const std::uint32_t a = rim.vertices[i], b = rim.vertices[(i + 1) % rim.vertices.size()];
-      six_volumes[part_at[a]] +=
-          six_volumes_to({surface.points[b], surface.points[a], rim.centre_mm}, origin[part_at[a]]);
+      volumes[part_at[a]] +=
+          tetrahedron_volume(origin[part_at[a]], surface.points[b], surface.points[a], rim.centre_mm);
     }
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    if (six_volumes[parts.of_triangle[t]] < 0) std::swap(surface.triangles[t][1], surface.triangles[t][2]);
+    if (volumes[parts.of_triangle[t]] < 0) std::swap(surface.triangles[t][1], surface.triangles[t][2]);
   for (Rim& rim : rims)
-    if (six_volumes[part_at[rim.vertices[0]]] < 0) {
+    if (volumes[part_at[rim.vertices[0]]] < 0) {
       std::reverse(rim.vertices.begin(), rim.vertices.end());
       rim.normal = -rim.normal;
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::surfaces {
@@ -23,8 +24,7 @@ std::vector<Shell> shells_of(std::span<const Vec3> points, std::span<const Cell<
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     Shell& shell = shells[parts.of_triangle[t]];
     const auto& [a, b, c] = triangles[t];
-    shell.volume_mm3 +=
-        (points[a] - shell.place_mm).dot((points[b] - shell.place_mm).cross(points[c] - shell.place_mm)) / 6;
+    shell.volume_mm3 += tetrahedron_volume(shell.place_mm, points[a], points[b], points[c]);
   }
   for (std::uint32_t s = 0; parts.count > 1 && s < parts.count; ++s) {
     const double depth = parallel::reduce_blocks(

@@ -2,13 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/surface/findings.hpp"
+#include "rim_triangles.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -17,34 +17,26 @@ constexpr double kAcross = 0.7;  // Of an opening: the mean cosine between its p
 constexpr double kTooWide =
     0.05;  // Radius over the surface's diagonal; what is missing there nobody can tell.
 
-/// The open edges with their triangles, ascending.
-std::vector<std::array<std::uint32_t, 3>> open_edges(const TriangleMesh& surface) {
-  std::vector<std::array<std::uint32_t, 3>> edges;
-  for_each_edge(sorted_sides(surface.triangles), [&](std::span<const TriangleSide> edge) {
-    if (edge.size() == 1) edges.push_back({edge[0].low, edge[0].high, edge[0].triangle});
-  });
-  return edges;
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface, std::span<const Rim> rims) {
-  const std::vector<std::array<std::uint32_t, 3>> edges = open_edges(surface);
+  const std::vector<std::vector<std::uint32_t>> triangles = rim_triangles(surface, rims);
   Eigen::AlignedBox3d box;
   for (const Cell<3>& t : surface.triangles)
     for (const std::uint32_t v : t) box.extend(surface.points[v]);
   std::vector<std::uint8_t> result;
-  for (const Rim& rim : rims) {
+  for (std::size_t r = 0; r < rims.size(); ++r) {
+    const Rim& rim = rims[r];
     double length = 0, cosine = 0;
     for (std::size_t i = 0; i < rim.vertices.size(); ++i) {
-      const auto [low, high] = std::minmax(rim.vertices[i], rim.vertices[(i + 1) % rim.vertices.size()]);
-      const auto at =
-          std::lower_bound(edges.begin(), edges.end(), std::array<std::uint32_t, 3>{low, high, 0});
-      const Cell<3>& t = surface.triangles[(*at)[2]];
-      const double edge = (surface.points[high] - surface.points[low]).norm();
+      const Vec3 &from = surface.points[rim.vertices[i]],
+                 &to = surface.points[rim.vertices[(i + 1) % rim.vertices.size()]];
+      const auto& [a, b, c] = surface.triangles[triangles[r][i]];
+      const double edge = (to - from).norm();
       length += edge;
-      cosine += edge * std::abs(rim.normal.dot(triangle_normal(surface.points[t[0]], surface.points[t[1]],
-                                                               surface.points[t[2]])));
+      cosine +=
+          edge *
+          std::abs(rim.normal.dot(triangle_normal(surface.points[a], surface.points[b], surface.points[c])));
     }
     const bool is_too_wide = rim.is_wide() && rim.radius_mm > kTooWide * box.diagonal().norm();
     const bool is_end = rim.is_wide() && rim.deviation_mm < rim.radius_mm;  // Torn ends are not flat.

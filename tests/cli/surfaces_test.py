@@ -48,6 +48,15 @@ class SurfacesTest(ProgramTest):
         path.write_text(stl_text(points, triangles))
         return path
 
+    def obj(self, points, triangles, *groups):
+        """The triangles in so many groups of equal size."""
+        path, size = self.folder / "tube.obj", len(triangles) // len(groups)
+        text = "".join("v %.17g %.17g %.17g\n" % p for p in points)
+        for i, name in enumerate(groups):
+            text += f"g {name}\n" + "".join("f %d %d %d\n" % tuple(v + 1 for v in t) for t in triangles[i * size:(i + 1) * size])
+        path.write_text(text)
+        return path
+
     def info(self, path):
         return json.loads(self.run_well("info", path, "--json").stdout)
 
@@ -126,12 +135,7 @@ class SurfacesTest(ProgramTest):
 
     def test_groups_of_obj_are_patches(self):
         points, triangles = tube()
-        half = len(triangles) // 2
-        obj = self.folder / "tube.obj"
-        text = "".join("v %.17g %.17g %.17g\n" % p for p in points)
-        for name, some in (("lower part", triangles[:half]), ("upper", triangles[half:])):
-            text += f"g {name}\n" + "".join("f %d %d %d\n" % tuple(v + 1 for v in t) for t in some)
-        obj.write_text(text)
+        obj = self.obj(points, triangles, "lower part", "upper")
         mesh, _, _ = self.mesh(obj, "--edge-length", 0.8)
         self.assertEqual({p["name"] for p in self.info(mesh)["patches"]}, {"lower_part", "upper", "inlet_1", "outlet_1"})
         obj.write_text("v 0 0 0\nf 1 2 3\n")
@@ -139,12 +143,7 @@ class SurfacesTest(ProgramTest):
 
     def test_names_survive_every_stage_and_writer(self):
         points, triangles = tube(length=8.0)
-        half = len(triangles) // 2
-        obj = self.folder / "tube.obj"
-        text = "".join("v %.17g %.17g %.17g\n" % p for p in points)
-        for name, some in (("proximal", triangles[:half]), ("distal", triangles[half:])):
-            text += f"g {name}\n" + "".join("f %d %d %d\n" % tuple(v + 1 for v in t) for t in some)
-        obj.write_text(text)
+        obj = self.obj(points, triangles, "proximal", "distal")
         mesh, _, _ = self.mesh(obj, "--edge-length", 0.8, "--name", "outlet_1=mca")
         names = {"proximal", "distal", "inlet_1", "mca"}
 

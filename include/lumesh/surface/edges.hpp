@@ -59,5 +59,10 @@ struct Parts {
 /// Turns the triangles of each part like its first one. Where a part has one side only, as a Moebius strip,
 /// some stay turned against their neighbours.
 Parts turn_alike(TriangleMesh& surface);
+/// The same where the neighbours are known. @param neighbours  Of the triangles as they are given.
+Parts turn_alike(std::vector<Cell<3>>& triangles, const EdgeNeighbours& neighbours);
+
+/// Whether a triangle goes along the edge from one point to another.
+[[nodiscard]] bool runs_along(const Cell<3>& corners, std::uint32_t from, std::uint32_t to);
 
 }  // namespace lumesh::surfaces

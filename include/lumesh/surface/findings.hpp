@@ -12,6 +12,11 @@
 
 namespace lumesh::surfaces {
 
+/// Components with a smaller share of the whole's diagonal are specks.
+inline constexpr double kSpeckShare = 0.01;
+/// Between the normals of neighbours of which one lies back on the other: 180 degrees but for one.
+inline constexpr double kFoldCosine = -0.99984769515639127;
+
 /// The findings, faults first; empty if there is nothing to say. Points are in mm and finite, triangles name
 /// points that are there. Equal points count as one. Kinds, where they occur:
 /// - faults: `holes` and `non_manifold_edges` (three triangles or more), `non_manifold_vertices` (triangles
