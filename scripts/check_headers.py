@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that every public header compiles alone, says in its first lines what it is, and has an include guard.
+"""Checks that every shared header says in its first lines what it is and has an include guard, and that every header of
+the API compiles alone and where only the API is installed.
 
 Takes the compiler flags of the C++ files of the release build (build/release/compile_commands.json). A header that ends
 in .h is for C as well, and is compiled as that, too. A header is compiled again only when it, or a header that it
@@ -32,13 +33,10 @@ def compiler_flags(build):
                 if " ".join(pair) not in flags:
                     flags.append(" ".join(pair))
     words = [word for flag in flags for word in flag.split(" ")]
-    return [word for word in words if not word.startswith("-fdiagnostics")]
+    return [word for word in words if not word.startswith("-fdiagnostics") and word != f"-I{sources.ROOT / 'internal'}"]
 
 
 def fault_of(path, flags):
-    text = path.read_text()
-    if not text.startswith("#pragma once\n/// @file "):
-        return f"{path}: start with '#pragma once' and '/// @file' and what it is for"
     # A guard macro such as __INCLUDE_LEVEL__ complains about '#pragma once in main file': compile a file that includes it.
     languages = [["g++", *flags, "-x", "c++"]] + ([["gcc", "-std=c99", "-x", "c"]] if path.suffix == ".h" else [])
     for compiler in languages:
@@ -53,9 +51,11 @@ def main():
     build = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else sources.ROOT / "build/release")
     flags = compiler_flags(build)
     headers = [sources.ROOT / path for path in sources.source_files(sources.ROOT, ["include"])]
+    internal = [sources.ROOT / path for path in sources.source_files(sources.ROOT, ["internal"])]
     cache = stamps.Stamps("headers", " ".join(flags))
     todo = [header for header in headers if not cache.is_fresh(header)]
-    faults = []
+    faults = [f"{path}: start with '#pragma once' and '/// @file' and what it is for" for path in headers + internal
+              if not path.read_text().startswith("#pragma once\n/// @file ")]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for header, fault in zip(todo, pool.map(lambda path: fault_of(path, flags), todo)):
             if fault:

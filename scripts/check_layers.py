@@ -2,7 +2,8 @@
 """Checks who includes whom.
 
 1. A module includes only itself and what the dependency table of docs/design.md allows it; no private header of
-   another module. 2. Heavy libraries never appear in public headers; ITK in one .cpp, VTK in none, CGAL in one.
+   another module. 2. Headers of the API (include/) include no internal ones (internal/), and no header has the name of
+   another in both. 3. Heavy libraries never appear in either; ITK in one .cpp, VTK in none, CGAL in one.
 
 Usage: check_layers.py [ROOT]
 """
@@ -44,6 +45,9 @@ HEAVY = {"ITK": (r"itk\w+\.h", 1), "VTK": (r"vtk\w+\.h", 1), "CGAL": (r"CGAL/.*"
 # Headers outside of modules, for plain C: every module may include them, and they include nothing of ours.
 PLAIN_C = ["include/lumesh/sizing.h"]
 
+# Folders of headers for other modules: the API, which is installed, and what only lumesh itself uses.
+SHARED = ["include", "internal"]
+
 INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]', re.MULTILINE)
 
 
@@ -59,10 +63,10 @@ def allowed_modules():
 
 
 def module_of(path):
-    """include/lumesh/<module>/..., src/<module>/..., or apps."""
+    """include/lumesh/<module>/..., internal/lumesh/<module>/..., src/<module>/..., or apps."""
     if path.parts[0] == "apps":
         return "apps"
-    return path.parts[2] if path.parts[0] == "include" else path.parts[1]
+    return path.parts[2] if path.parts[0] in SHARED else path.parts[1]
 
 
 def faults_of_include(root, path, included, allowed):
@@ -73,14 +77,17 @@ def faults_of_include(root, path, included, allowed):
         module = included.split("/")[1]
         if module not in allowed[module_of(path)]:
             yield f"{path}: {module_of(path)} may not include {included} (see the table in docs/design.md)"
-        if not (root / "include" / included).is_file():
-            yield f"{path}: {included} is not a public header"
+        homes = [folder for folder in SHARED if (root / folder / included).is_file()]
+        if len(homes) != 1:
+            yield f"{path}: {included} stands in {' and '.join(homes) or 'neither include nor internal'}"
+        elif path.parts[0] == "include" and homes == ["internal"]:
+            yield f"{path}: a header of the API includes {included}, which is not installed"
     elif ".." in pathlib.PurePath(included).parts or "src/" in included:
         yield f"{path}: {included} reaches out of its folder; private headers belong to one module"
-    if path.parts[0] == "include":
+    if path.parts[0] in SHARED:
         for name, (pattern, _) in HEAVY.items():
             if re.fullmatch(pattern, included):
-                yield f"{path}: a public header includes {name} ({included}); keep it in a .cpp"
+                yield f"{path}: a shared header includes {name} ({included}); keep it in a .cpp"
 
 
 def heavy_in_too_many(includes):
@@ -96,7 +103,7 @@ def main():
     root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else sources.ROOT
     allowed = allowed_modules()
     includes, faults = {}, []
-    for path in sources.source_files(root, ["include/lumesh", "src", "apps"]):
+    for path in sources.source_files(root, ["include/lumesh", "internal/lumesh", "src", "apps"]):
         if path.as_posix() in PLAIN_C:
             if any(included.startswith("lumesh/") for included in INCLUDE.findall((root / path).read_text())):
                 faults.append(f"{path}: a header for plain C includes nothing of lumesh")

@@ -30,7 +30,7 @@ def is_allowed(path):
 
 def main():
     root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else sources.ROOT
-    files = sources.source_files(root, ["include", "src", "apps"])
+    files = sources.source_files(root, ["include", "internal", "src", "apps"])
     faults = []
     for path in files:
         if is_allowed(path):

@@ -141,10 +141,10 @@ def main():
     arguments = [argument for argument in sys.argv[1:] if argument != "--report"]
     root = pathlib.Path(arguments[0]) if arguments else sources.ROOT
     exceptions, used, faults, functions = read_exceptions(root), set(), [], []
-    files = sources.source_files(root, ["include", "src", "apps", "tests", "benchmarks", "examples"])
+    files = sources.source_files(root, ["include", "internal", "src", "apps", "tests", "benchmarks", "examples"])
     for path in files:
         text = (root / path).read_text()
-        limit = HEADER_LINES if path.parts[0] == "include" else SOURCE_LINES
+        limit = HEADER_LINES if path.parts[0] in ("include", "internal") else SOURCE_LINES
         if text.count("\n") > limit:
             used.add(str(path))
             if str(path) not in exceptions:
@@ -156,7 +156,7 @@ def main():
         if place not in exceptions:
             faults.append(fault)
     faults += [f"scripts/size_exceptions.txt: {place} needs no exception any more" for place in exceptions.keys() - used]
-    own = [function for function in functions if function.path.parts[0] in ("include", "src", "apps")]
+    own = [function for function in functions if function.path.parts[0] in ("include", "internal", "src", "apps")]
     p95 = percentile([f.lines for f in own if f"{f.path}:{f.name}" not in exceptions], 0.95)
     if p95 > FUNCTION_P95_LINES:
         faults.append(f"95 % of the functions should have at most {FUNCTION_P95_LINES} lines; it is {p95}")

@@ -39,7 +39,7 @@ class Stamps:
             return seen
         seen.add(path)
         for name in INCLUDE.findall(self._text(path)):
-            for folder in (path.parent, sources.ROOT / "include", sources.ROOT / "tests"):
+            for folder in (path.parent, sources.ROOT / "include", sources.ROOT / "internal", sources.ROOT / "tests"):
                 if (folder / name).is_file():
                     self._closure(pathlib.Path(folder / name), seen)
                     break

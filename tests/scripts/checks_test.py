@@ -72,7 +72,18 @@ class ChecksTest(unittest.TestCase):
 
     def test_layers_finds_a_heavy_library_in_a_public_header(self):
         self.write("include/lumesh/image/bad.hpp", "#pragma once\n#include <itkImage.h>\n")
-        self.assert_finds("check_layers.py", "a public header includes ITK")
+        self.assert_finds("check_layers.py", "a shared header includes ITK")
+
+    def test_layers_finds_a_header_of_the_api_that_includes_an_internal_one(self):
+        self.write("internal/lumesh/core/box.hpp", "#pragma once\n")
+        self.write("src/mesh/good.cpp", '#include "lumesh/core/box.hpp"\n')
+        self.assertEqual(self.run_check("check_layers.py")[0], 0)
+        self.write("include/lumesh/mesh/bad.hpp", '#pragma once\n#include "lumesh/core/box.hpp"\n')
+        self.assert_finds("check_layers.py", "a header of the API includes lumesh/core/box.hpp")
+
+    def test_layers_finds_a_header_that_stands_in_both(self):
+        self.write("internal/lumesh/core/types.hpp", "#pragma once\n")
+        self.assert_finds("check_layers.py", "lumesh/core/types.hpp stands in include and internal")
 
     def test_layers_finds_a_second_file_with_itk(self):
         for name in ("one", "two"):
