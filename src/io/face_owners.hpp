@@ -16,8 +16,8 @@ struct FaceOwner {
   Cell<3> outward = {};        ///< The triangle as it looks out of `cell`.
 };
 
-/// One owner per triangle of the mesh, whichever way the triangles are turned. The same for every number of
-/// threads. Cost: O(tetrahedra), one thread. Memory: about 40 bytes per triangle and 4 per point.
+/// One owner per triangle of a mesh of tetrahedra, whichever way the triangles are turned. Threads: all, with
+/// the same result for any number. Memory: about 100 bytes per tetrahedron.
 [[nodiscard]] std::vector<FaceOwner> find_face_owners(const MeshView& mesh);
 
 }  // namespace lumesh::io

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <numeric>
-#include <tuple>
 
 #include "file_fault.hpp"
+#include "lumesh/mesh/cell_sides.hpp"
+#include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::io {
@@ -22,8 +23,7 @@ class MeshFaces {
   [[nodiscard]] std::size_t size() const { return mesh_.triangles.size() + mesh_.quadrilaterals.size(); }
   [[nodiscard]] Cell<4> corners(std::size_t face) const {
     if (face >= mesh_.triangles.size()) return mesh_.quadrilaterals[face - mesh_.triangles.size()];
-    const Cell<3>& t = mesh_.triangles[face];
-    return {t[0], t[1], t[2], t[2]};
+    return face_of(mesh_.triangles[face]);
   }
   [[nodiscard]] std::int32_t patch(std::uint32_t face) const {
     if (face == kNone) return kNoPatch;
@@ -37,100 +37,51 @@ class MeshFaces {
   const MeshView& mesh_;
 };
 
-/// A face under a key that does not depend on who looks at it. Without initialisers: there are millions.
+/// Sides and faces of the mesh, each under a key that does not depend on who looks at it.
 struct KeyedFace {
-  std::uint64_t high, low;  // the corners, ascending; a triangle's fourth is the largest number
-  std::uint32_t number;     // of a side, or behind all sides that of a face of the mesh
-
-  [[nodiscard]] bool is_same_face(const KeyedFace& other) const {
-    return high == other.high && low == other.low;
-  }
-  friend bool operator<(const KeyedFace& a, const KeyedFace& b) {
-    return std::tie(a.high, a.low, a.number) < std::tie(b.high, b.low, b.number);
-  }
+  Cell<4> key;           // As key_of().
+  std::uint32_t number;  // Of a side, or behind all sides that of a face of the mesh.
+  auto operator<=>(const KeyedFace&) const = default;
 };
 
-KeyedFace keyed(Cell<4> c, std::size_t number) {
-  if (c[2] == c[3]) c[3] = kNone;
-  std::sort(c.begin(), c.end());
-  return {std::uint64_t{c[0]} << 32 | c[1], std::uint64_t{c[2]} << 32 | c[3],
-          static_cast<std::uint32_t>(number)};
-}
+/// Sides and faces of the mesh that have the same corners.
+struct FaceRun {
+  std::size_t side_count = 0;
+  std::array<std::uint32_t, 2> sides = {kNone, kNone};  ///< The first two.
+  std::uint32_t face = kNone;                           ///< The first face of the mesh.
 
-/// All sides and faces of the mesh, so sorted that those of one face stand in a run, its sides first.
-class FaceRuns {
- public:
-  FaceRuns(const CellSides& sides, const MeshFaces& faces)
-      : sides_(sides), faces_(faces), all_(sides.size() + faces.size()) {
-    parallel::for_each_index(all_.size(), [&](std::size_t i) {
-      all_[i] = keyed(i < sides.size() ? sides.corners(i) : faces.corners(i - sides.size()), i);
-    });
-    parallel::sort(all_.begin(), all_.end());
-  }
-
-  struct Run {
-    std::size_t side_count = 0;
-    std::array<std::uint32_t, 2> sides = {kNone, kNone};  ///< The first two.
-    std::uint32_t face = kNone;                           ///< The first face of the mesh.
-  };
-
-  [[nodiscard]] std::size_t size() const { return all_.size(); }
-  [[nodiscard]] bool begins_at(std::size_t i) const { return i == 0 || !all_[i].is_same_face(all_[i - 1]); }
-  [[nodiscard]] Run run_at(std::size_t begin) const {
-    Run run;
-    for (std::size_t i = begin; i < all_.size() && all_[i].is_same_face(all_[begin]); ++i) {
-      const std::uint32_t number = all_[i].number;
-      if (number >= sides_.size()) {
-        run.face = number - static_cast<std::uint32_t>(sides_.size());
+  FaceRun(std::span<const KeyedFace> run, std::size_t all_sides) {
+    for (const KeyedFace& one : run) {
+      if (one.number >= all_sides) {
+        face = one.number - static_cast<std::uint32_t>(all_sides);
         break;
       }
-      if (run.side_count < 2) run.sides[run.side_count] = number;
-      ++run.side_count;
+      if (side_count < 2) sides[side_count] = one.number;
+      ++side_count;
     }
-    return run;
   }
-
-  /// What polyMesh cannot say is refused before anything is made of it.
-  void check(const std::filesystem::path& path) const {
-    const auto is_bad = [&](const Run& run) {
-      return run.side_count == 0 || run.side_count > 2 ||
-             (run.side_count == 2 && sides_.cell_of(run.sides[0]) == sides_.cell_of(run.sides[1]));
-    };
-    const std::size_t bad = parallel::reduce_blocks(
-        all_.size(), 4096, all_.size(),
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end; ++i)
-            if (begins_at(i) && is_bad(run_at(i))) return i;
-          return all_.size();
-        },
-        [](std::size_t a, std::size_t b) { return std::min(a, b); });
-    if (bad < all_.size()) refuse(path, run_at(bad));
-  }
-
- private:
-  [[noreturn]] void refuse(const std::filesystem::path& path, const Run& run) const {
-    const Cell<4> c = run.side_count == 0 ? faces_.corners(run.face) : sides_.corners(run.sides[0]);
-    const std::string corners =
-        fmt::format("{} {} {}{}", c[0], c[1], c[2], c[2] == c[3] ? "" : fmt::format(" {}", c[3]));
-    if (run.side_count == 0)
-      fail(path,
-           fmt::format("OpenFOAM knows no boundary face without a cell, such as that with the points {} "
-                       "(counted from 0); leave it out",
-                       corners));
-    if (run.side_count == 2)
-      fail(path, fmt::format("two sides of one cell are the face with the points {} (counted from 0); repair "
-                             "the mesh first",
-                             corners));
-    fail(path,
-         fmt::format("{} cells share the face with the points {} (counted from 0), two at most may; repair "
-                     "the mesh first",
-                     run.side_count, corners));
-  }
-
-  const CellSides& sides_;
-  const MeshFaces& faces_;
-  UninitialisedVector<KeyedFace> all_;
 };
+
+/// What polyMesh cannot say.
+std::string fault_of(const FaceRun& run, const SideNumbers& sides, const MeshFaces& faces) {
+  const bool is_folded = run.side_count == 2 && sides.cell_of(run.sides[0]) == sides.cell_of(run.sides[1]);
+  if (run.side_count > 0 && run.side_count <= 2 && !is_folded) return {};
+  const Cell<4> c = run.side_count == 0 ? faces.corners(run.face) : sides.corners(run.sides[0]);
+  const std::string corners =
+      fmt::format("{} {} {}{}", c[0], c[1], c[2], c[2] == c[3] ? "" : fmt::format(" {}", c[3]));
+  if (run.side_count == 0)
+    return fmt::format(
+        "OpenFOAM knows no boundary face without a cell, such as that with the points {} (counted from 0); "
+        "leave it out",
+        corners);
+  if (is_folded)
+    return fmt::format(
+        "two sides of one cell are the face with the points {} (counted from 0); repair the mesh first",
+        corners);
+  return fmt::format(
+      "{} cells share the face with the points {} (counted from 0), two at most may; repair the mesh first",
+      run.side_count, corners);
+}
 
 /// A side on the outside, or the owner's side of an internal face that the mesh names.
 struct NamedSide {
@@ -144,20 +95,33 @@ struct SideLinks {
   std::vector<NamedSide> named;
 };
 
-SideLinks link_sides(const std::filesystem::path& path, const CellSides& sides, const MeshFaces& faces) {
-  const FaceRuns runs(sides, faces);
-  runs.check(path);
+SideLinks link_sides(const std::filesystem::path& path, const SideNumbers& sides, const MeshFaces& faces,
+                     std::size_t points) {
+  const parallel::KeyTable<KeyedFace> table(
+      sides.size() + faces.size(), points,
+      [&](std::size_t i, const auto& take) {
+        const FaceCorners corners = i < sides.size() ? sides.corners(i) : faces.corners(i - sides.size());
+        take(KeyedFace{key_of(corners), static_cast<std::uint32_t>(i)});
+      },
+      [](const KeyedFace& face) { return face.key[0]; });
+  const auto same = [](const KeyedFace& a, const KeyedFace& b) { return a.key == b.key; };
+  const auto faults = table.collect_runs<std::string>(
+      same, [&](std::span<const KeyedFace> run, std::vector<std::string>& out) {
+        if (std::string fault = fault_of({run, sides.size()}, sides, faces); !fault.empty())
+          out.push_back(std::move(fault));
+      });
+  if (!faults.empty()) fail(path, faults.front());
   SideLinks links;
   links.partners.resize(sides.size());
   // Every side is in one run: no two threads write the same partner.
-  links.named = parallel::collect<NamedSide>(runs.size(), [&](std::size_t i, std::vector<NamedSide>& out) {
-    if (!runs.begins_at(i)) return;
-    const FaceRuns::Run run = runs.run_at(i);
-    const auto [a, b] = run.sides;
-    links.partners[a] = b;
-    if (b != kNone) links.partners[b] = a;
-    if (b == kNone || run.face != kNone) out.push_back({a, run.face});
-  });
+  links.named =
+      table.collect_runs<NamedSide>(same, [&](std::span<const KeyedFace> keyed, std::vector<NamedSide>& out) {
+        const FaceRun run(keyed, sides.size());
+        const auto [a, b] = run.sides;
+        links.partners[a] = b;
+        if (b != kNone) links.partners[b] = a;
+        if (b == kNone || run.face != kNone) out.push_back({a, run.face});
+      });
   return links;
 }
 
@@ -171,12 +135,12 @@ bool is_same_sense(const Cell<4>& a, const Cell<4>& b) {
 class PolyMeshBuilder {
  public:
   PolyMeshBuilder(const std::filesystem::path& path, const MeshView& mesh)
-      : faces_(mesh), poly_{CellSides(mesh), {}, {}, {}, {}} {
+      : faces_(mesh), poly_{SideNumbers(mesh), {}, {}, {}, {}} {
     const std::size_t records = poly_.sides.size() + faces_.size();
     if (poly_.sides.size() == 0) fail(path, "the mesh has no cells to write; choose .vtp or .stl");
     if (records > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
       fail(path, "too many cells for OpenFOAM's 32-bit labels; choose .vtu");
-    links_ = link_sides(path, poly_.sides, faces_);
+    links_ = link_sides(path, poly_.sides, faces_, mesh.points.size());
   }
 
   PolyMesh build() {
@@ -188,7 +152,7 @@ class PolyMeshBuilder {
 
  private:
   void add_internal_faces() {
-    const CellSides& sides = poly_.sides;
+    const SideNumbers& sides = poly_.sides;
     first_face_.assign(sides.cell_count() + 1, 0);
     parallel::for_each_index(sides.cell_count(), [&](std::size_t c) {
       first_face_[c + 1] = static_cast<std::uint32_t>(owned_by(c).count);

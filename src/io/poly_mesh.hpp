@@ -18,9 +18,9 @@
 namespace lumesh::io {
 
 /// The sides of all cells of a mesh, which must outlive it.
-class CellSides {
+class SideNumbers {
  public:
-  explicit CellSides(const MeshView& mesh) : blocks_(volume_blocks(mesh)) {
+  explicit SideNumbers(const MeshView& mesh) : blocks_(volume_blocks(mesh)) {
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       first_cell_[b + 1] = first_cell_[b] + blocks_[b].size();
       first_side_[b + 1] = first_side_[b] + blocks_[b].size() * faces_of_cell(blocks_[b].corners).size();
@@ -81,7 +81,7 @@ struct PolyZone {
 /// Internal faces first, by owner and then neighbour (upper-triangular order); then those of each patch, by
 /// owner.
 struct PolyMesh {
-  CellSides sides;
+  SideNumbers sides;
   UninitialisedVector<std::uint32_t> faces;       ///< The side of its owner that a face is.
   UninitialisedVector<std::uint32_t> neighbours;  ///< A cell for every internal face, above the owner.
   std::vector<PolyPatch> patches;                 ///< Those with faces on the outside, by number.

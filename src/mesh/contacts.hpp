@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "cell_sides.hpp"
 #include "joined_points.hpp"
+#include "lumesh/mesh/cell_sides.hpp"
 
 namespace lumesh::detail {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cell_sides.hpp"
+#include "lumesh/mesh/cell_sides.hpp"
 
 namespace lumesh::detail {
 

@@ -7,15 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "cell_sides.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/cell_sides.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
 namespace {
-
-using namespace detail;
 
 /// Takes the cells of some labels out of a mesh.
 class PartBuilder {
@@ -89,7 +87,7 @@ class PartBuilder {
   };
   [[nodiscard]] Beside beside(const FaceCorners& face) const {
     Beside found;
-    for (const CellSide& side : sides_.find(key_of(face)))
+    for (const CellSide& side : sides_.find(face))
       if (stays(sides_.label(side)))
         found.staying.push_back(side);
       else
@@ -142,14 +140,16 @@ class PartBuilder {
     std::vector<Cell<4>> listed;
     for_each_face([&](const FaceCorners& face, std::int32_t) { listed.push_back(key_of(face)); });
     parallel::sort(listed.begin(), listed.end());
-    const auto is_cut = [&](const CellSide& one, const CellSide& two) {
-      return stays(sides_.label(one)) != stays(sides_.label(two)) &&
-             !std::binary_search(listed.begin(), listed.end(), one.key);
-    };
+    using Pair = std::array<CellSide, 2>;  // The one that stays first.
+    const auto cut = sides_.collect<Pair>([&](std::span<const CellSide> run, std::vector<Pair>& out) {
+      if (run.size() < 2 || std::binary_search(listed.begin(), listed.end(), run[0].key)) return;
+      const bool first_stays = stays(sides_.label(run[0]));
+      if (first_stays != stays(sides_.label(run[1])))
+        out.push_back(first_stays ? Pair{run[0], run[1]} : Pair{run[1], run[0]});
+    });
     std::map<std::array<Label, 2>, std::int32_t> patches;  // By the labels that stay and go.
-    for (const auto& [one, two] : sides_.pairs(is_cut)) {
-      const CellSide& side = stays(sides_.label(one)) ? one : two;
-      const Label inside = sides_.label(side), outside = sides_.label(&side == &one ? two : one);
+    for (const auto& [side, behind] : cut) {
+      const Label inside = sides_.label(side), outside = sides_.label(behind);
       const auto [place, is_new] = patches.try_emplace({inside, outside}, -1);
       if (is_new) place->second = add_cut_patch(name_between(inside, outside), inside, -1);
       add_face(sides_.outward(side), place->second);

@@ -6,10 +6,11 @@
 #include <string>
 #include <tuple>
 
-#include "face_table.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/predicates.hpp"
+#include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -75,6 +76,13 @@ bool opposite_sides(const Cell<3>& a, const Cell<3>& b) {
     if (b[i] == a[0]) return b[(i + 1) % 3] == a[2] && b[(i + 2) % 3] == a[1];
   return false;
 }
+
+/// A face of a tetrahedron.
+struct TetFace {
+  Cell<3> corners;    // Ascending.
+  std::uint32_t ref;  // tetrahedron << 2 | face
+  auto operator<=>(const TetFace&) const = default;
+};
 
 /// A table of patches, sorted for search, that remembers which of its triangles were asked for.
 class PatchSearch {
@@ -165,25 +173,30 @@ struct TetMesh::Assembly {
   }
 
   void link_faces() {
-    const FaceTable table(mesh.tets(), mesh.vertex_slots());
-    std::vector<std::string> problems(table.bucket_count());
-    table.for_each_group([&](std::span<const FaceTable::Face> group, std::size_t bucket) {
-      if (group.size() == 1) return;
-      const TetId t(group[0].ref >> 2), u(group[1].ref >> 2);
-      const int f = static_cast<int>(group[0].ref & 3u), g = static_cast<int>(group[1].ref & 3u);
-      std::string& problem =
-          problems[bucket];  // The first of each bucket, so that the report is always the same.
-      if (group.size() > 2 && problem.empty())
-        problem = "face " + text(group[0].corners) + " belongs to " + std::to_string(group.size()) +
-                  " tetrahedra, such as " + std::to_string(t.value) + " and " + std::to_string(u.value);
-      else if (problem.empty() && !opposite_sides(mesh.face_corners(t, f), mesh.face_corners(u, g)))
-        problem = "tetrahedra " + std::to_string(t.value) + " and " + std::to_string(u.value) +
-                  " lie on the same side of their common face " + text(group[0].corners);
+    const parallel::KeyTable<TetFace> faces(
+        mesh.tet_slots(), mesh.vertex_slots(),
+        [&](std::size_t t, const auto& take) {
+          for (int f = 0; f < 4; ++f)
+            take(TetFace{sorted_corners(mesh.face_corners(TetId(static_cast<std::uint32_t>(t)), f)),
+                         static_cast<std::uint32_t>(t << 2 | static_cast<std::size_t>(f))});
+        },
+        [](const TetFace& face) { return face.corners[0]; });
+    const auto same = [](const TetFace& a, const TetFace& b) { return a.corners == b.corners; };
+    const auto problems = faces.collect_runs<std::string>(same, [&](std::span<const TetFace> run,
+                                                                    std::vector<std::string>& out) {
+      if (run.size() == 1) return;
+      const TetId t(run[0].ref >> 2), u(run[1].ref >> 2);
+      const int f = static_cast<int>(run[0].ref & 3u), g = static_cast<int>(run[1].ref & 3u);
+      if (run.size() > 2)
+        out.push_back("face " + text(run[0].corners) + " belongs to " + std::to_string(run.size()) +
+                      " tetrahedra, such as " + std::to_string(t.value) + " and " + std::to_string(u.value));
+      else if (!opposite_sides(mesh.face_corners(t, f), mesh.face_corners(u, g)))
+        out.push_back("tetrahedra " + std::to_string(t.value) + " and " + std::to_string(u.value) +
+                      " lie on the same side of their common face " + text(run[0].corners));
       mesh.set_link(t, f, FaceLink::to(u, g));
       mesh.set_link(u, g, FaceLink::to(t, f));
     });
-    for (const std::string& problem : problems)
-      if (!problem.empty()) refuse(problem);
+    if (!problems.empty()) refuse(problems.front());
   }
 
   void find_open_faces() {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
-#include "cell_sides.hpp"
 #include "lumesh/core/assert.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
+#include "lumesh/mesh/cell_sides.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -13,9 +13,8 @@ namespace lumesh {
 namespace {
 
 /// A quadrilateral that begins with its lowest corner, in the same sense.
-detail::FaceCorners from_lowest(detail::FaceCorners face) {
-  if (!detail::is_triangle(face))
-    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+FaceCorners from_lowest(FaceCorners face) {
+  if (!is_triangle(face)) std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
   return face;
 }
 

@@ -2,10 +2,10 @@
 
 #include <fmt/core.h>
 
-#include "face_table.hpp"
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
+#include "lumesh/mesh/cell_faces.hpp"
 #include "validate_impl.hpp"
 
 namespace lumesh::detail {

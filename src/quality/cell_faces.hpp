@@ -1,8 +1,8 @@
 #pragma once
 /// @file All triangles of all cells, sorted so that equal ones stand together.
 
-#include "bucket_sort.hpp"
-#include "cells.hpp"
+#include "lumesh/mesh/all_cells.hpp"
+#include "lumesh/parallel/key_table.hpp"
 
 namespace lumesh::quality {
 
@@ -32,7 +32,7 @@ inline CellFace make_cell_face(Cell<3> corners, std::uint32_t cell) {
   return {corners, cell, flipped};
 }
 
-inline ByVertex<CellFace> collect_faces(const MeshView& mesh) {
+inline parallel::KeyTable<CellFace> collect_faces(const MeshView& mesh) {
   const AllCells cells(mesh);
   return {cells.size(), mesh.points.size(),
           [&](std::size_t cell, const auto& take) {

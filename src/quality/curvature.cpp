@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "bucket_sort.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::quality {
@@ -23,7 +23,7 @@ struct Corner {
   auto operator<=>(const Corner&) const = default;
 };
 
-ByVertex<Corner> outer_corners(const MeshView& mesh, const MeshSurface& surface) {
+parallel::KeyTable<Corner> outer_corners(const MeshView& mesh, const MeshSurface& surface) {
   const std::vector<Patch>& patches = mesh.info->patches;
   std::vector<Corner> corners;
   corners.reserve(3 * surface.triangles.size());
@@ -48,8 +48,9 @@ bool is_inside_wall(std::span<const Corner> corners) {
   }
   std::sort(neighbours.begin(), neighbours.end());
   bool all_twice = !neighbours.empty();
-  for_each_run(std::span<const std::uint32_t>(neighbours), std::equal_to<>(),
-               [&](std::span<const std::uint32_t> run) { all_twice = all_twice && run.size() == 2; });
+  parallel::for_each_run(
+      std::span<const std::uint32_t>(neighbours), std::equal_to<>(),
+      [&](std::span<const std::uint32_t> run) { all_twice = all_twice && run.size() == 2; });
   return all_twice;
 }
 
@@ -93,7 +94,7 @@ double percentile(const std::vector<std::pair<double, double>>& items, double we
 }  // namespace
 
 WallCurvature wall_curvature(const MeshView& mesh, const MeshSurface& surface) {
-  const ByVertex<Corner> corners = outer_corners(mesh, surface);
+  const parallel::KeyTable<Corner> corners = outer_corners(mesh, surface);
   WallCurvature result;
   result.mean_per_mm.assign(mesh.points.size(), std::numeric_limits<double>::quiet_NaN());
   result.area_mm2.assign(mesh.points.size(), 0);

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "cells.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
+#include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/surface.hpp"
 #include "validity.hpp"

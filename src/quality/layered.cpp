@@ -7,10 +7,10 @@
 #include <numbers>
 #include <span>
 
-#include "cells.hpp"
 #include "lumesh/core/assert.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::quality {

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <string>
 
-#include "bucket_sort.hpp"
 #include "extremes.hpp"
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
@@ -14,6 +13,7 @@
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
+#include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::quality {
@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kVertexBlock = 4096, kTetrahedronBlock = 8192;
 
 /// The corners of all tetrahedra by their vertex; corner c is vertex c % 4 of tetrahedron c / 4.
-using CornersByVertex = ByVertex<std::uint32_t>;
+using CornersByVertex = parallel::KeyTable<std::uint32_t>;
 
 CornersByVertex corners_by_vertex(const MeshView& mesh) {
   const std::size_t count = 4 * mesh.tetrahedra.size();

@@ -65,12 +65,11 @@ CellPieces find_cell_pieces(const MeshView& mesh, std::span<const TopologyDiffer
                                  [&](const TopologyDifference& d) { return d.label == label; });
   }
   std::vector<std::array<std::uint32_t, 2>> pairs;
-  const ByVertex<CellFace> faces = collect_faces(mesh);
-  for (std::size_t v = 0; v < faces.vertex_count(); ++v)
-    for_each_run(faces.of(v), same_corners, [&](std::span<const CellFace> run) {
-      if (run.size() == 2 && is_asked[run[0].cell] && cells.label(run[0].cell) == cells.label(run[1].cell))
-        pairs.push_back({run[0].cell, run[1].cell});
-    });
+  const parallel::KeyTable<CellFace> faces = collect_faces(mesh);
+  faces.for_each_run(same_corners, [&](std::span<const CellFace> run) {
+    if (run.size() == 2 && is_asked[run[0].cell] && cells.label(run[0].cell) == cells.label(run[1].cell))
+      pairs.push_back({run[0].cell, run[1].cell});
+  });
   CellPieces result;
   DisjointSets sets(cells.size());
   result.first.assign(cells.size() + 1, 0);

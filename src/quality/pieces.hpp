@@ -5,11 +5,11 @@
 #include <limits>
 #include <vector>
 
-#include "bucket_sort.hpp"
-#include "cells.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/image/runs.hpp"
 #include "lumesh/image/topology.hpp"
+#include "lumesh/mesh/all_cells.hpp"
+#include "lumesh/parallel/key_table.hpp"
 #include "lumesh/quality/topology_places.hpp"
 
 namespace lumesh::quality {

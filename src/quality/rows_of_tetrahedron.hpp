@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "cells.hpp"
 #include "lumesh/core/types.hpp"
 #include "lumesh/image/runs.hpp"
+#include "lumesh/mesh/all_cells.hpp"
 
 namespace lumesh::quality {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "cells.hpp"
 #include "extremes.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::quality {

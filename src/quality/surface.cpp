@@ -45,10 +45,10 @@ struct NamedFace {
   auto operator<=>(const NamedFace&) const = default;
 };
 
-ByVertex<NamedFace> named_faces(const MeshView& mesh) {
+parallel::KeyTable<NamedFace> named_faces(const MeshView& mesh) {
   std::vector<NamedFace> faces;
   const auto add = [&](const Cell<3>& corners, std::int32_t patch) {
-    faces.push_back({make_cell_face(corners, 0).corners, patch});
+    faces.push_back({sorted_corners(corners), patch});
   };
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) add(mesh.triangles[i], mesh.triangle_patches[i]);
   for (std::size_t i = 0; i < mesh.quadrilaterals.size(); ++i) {
@@ -60,10 +60,10 @@ ByVertex<NamedFace> named_faces(const MeshView& mesh) {
 }
 
 std::vector<std::int32_t> look_up_patches(const MeshView& mesh, const std::vector<Cell<3>>& triangles) {
-  const ByVertex<NamedFace> named = named_faces(mesh);
+  const parallel::KeyTable<NamedFace> named = named_faces(mesh);
   std::vector<std::int32_t> patches(triangles.size(), -1);
   parallel::for_each_index(triangles.size(), [&](std::size_t i) {
-    const Cell<3> corners = make_cell_face(triangles[i], 0).corners;
+    const Cell<3> corners = sorted_corners(triangles[i]);
     for (const NamedFace& face : named.of(corners[0]))
       if (face.corners == corners) patches[i] = face.patch;
   });
@@ -74,18 +74,16 @@ std::vector<std::int32_t> look_up_patches(const MeshView& mesh, const std::vecto
 
 MeshSurface extract_surface(const MeshView& mesh) {
   const AllCells cells(mesh);
-  const ByVertex<CellFace> faces = collect_faces(mesh);
-  const std::vector<SurfaceFace> found = parallel::collect<SurfaceFace>(
-      faces.vertex_count(), [&](std::size_t vertex, std::vector<SurfaceFace>& out) {
-        for_each_run(faces.of(vertex), same_corners, [&](std::span<const CellFace> run) {
-          const std::uint32_t overfull = run.size() > 2 ? 1 : 0;
-          const Label first = cells.label(run[0].cell);
-          if (run.size() == 1) return out.push_back({run[0].outward(), {first, kOutside}, overfull});
-          const Label second = cells.label(run[1].cell);
-          if (first < second) out.push_back({run[0].outward(), {first, second}, overfull});
-          if (second < first) out.push_back({run[1].outward(), {second, first}, overfull});
-          if (second == first && overfull) out.push_back({run[0].outward(), {first, kOutside}, overfull});
-        });
+  const parallel::KeyTable<CellFace> faces = collect_faces(mesh);
+  const auto found = faces.collect_runs<SurfaceFace>(
+      same_corners, [&](std::span<const CellFace> run, std::vector<SurfaceFace>& out) {
+        const std::uint32_t overfull = run.size() > 2 ? 1 : 0;
+        const Label first = cells.label(run[0].cell);
+        if (run.size() == 1) return out.push_back({run[0].outward(), {first, kOutside}, overfull});
+        const Label second = cells.label(run[1].cell);
+        if (first < second) out.push_back({run[0].outward(), {first, second}, overfull});
+        if (second < first) out.push_back({run[1].outward(), {second, first}, overfull});
+        if (second == first && overfull) out.push_back({run[0].outward(), {first, kOutside}, overfull});
       });
   MeshSurface surface;
   for (const SurfaceFace& face : found) {

@@ -22,7 +22,8 @@ struct HalfEdge {
   auto operator<=>(const HalfEdge&) const = default;
 };
 
-ByVertex<HalfEdge> collect_half_edges(std::span<const Cell<3>> triangles, std::size_t vertex_count) {
+parallel::KeyTable<HalfEdge> collect_half_edges(std::span<const Cell<3>> triangles,
+                                                std::size_t vertex_count) {
   std::vector<HalfEdge> edges(triangles.size() * 3);
   parallel::for_each_index(triangles.size(), [&](std::size_t t) {
     for (std::size_t s = 0; s < 3; ++s) {
@@ -56,23 +57,22 @@ class SurfaceWalk {
 
  private:
   void match_edges() {
-    const ByVertex<HalfEdge> edges = collect_half_edges(triangles_, points_.size());
+    const parallel::KeyTable<HalfEdge> edges = collect_half_edges(triangles_, points_.size());
     const auto same = [](const HalfEdge& a, const HalfEdge& b) { return a.ends == b.ends; };
-    for (std::size_t v = 0; v < edges.vertex_count(); ++v)
-      for_each_run(edges.of(v), same, [&](std::span<const HalfEdge> run) {
-        first_of_edge_.push_back(run[0].reference);
-        for (const HalfEdge& edge : run) pieces_.merge(run[0].reference / 3, edge.reference / 3);
-        if (run.size() == 1) {
-          ++result_.open_edges;
-          broken_edges_.push_back(run[0].reference);
-        } else if (run.size() > 2 || run[0].backward == run[1].backward) {
-          ++result_.non_manifold_edges;
-          broken_edges_.push_back(run[0].reference);
-        } else {
-          mates_[run[0].reference] = run[1].reference;
-          mates_[run[1].reference] = run[0].reference;
-        }
-      });
+    edges.for_each_run(same, [&](std::span<const HalfEdge> run) {
+      first_of_edge_.push_back(run[0].reference);
+      for (const HalfEdge& edge : run) pieces_.merge(run[0].reference / 3, edge.reference / 3);
+      if (run.size() == 1) {
+        ++result_.open_edges;
+        broken_edges_.push_back(run[0].reference);
+      } else if (run.size() > 2 || run[0].backward == run[1].backward) {
+        ++result_.non_manifold_edges;
+        broken_edges_.push_back(run[0].reference);
+      } else {
+        mates_[run[0].reference] = run[1].reference;
+        mates_[run[1].reference] = run[0].reference;
+      }
+    });
   }
 
   void number_components() {
@@ -108,10 +108,11 @@ class SurfaceWalk {
     });
     parallel::sort(corners.begin(), corners.end());
     const auto same = [](std::uint64_t a, std::uint64_t b) { return a >> 32 == b >> 32; };
-    for_each_run(std::span<const std::uint64_t>(corners), same, [&](std::span<const std::uint64_t> run) {
-      ++result_.vertices;
-      count_vertex(run);
-    });
+    parallel::for_each_run(std::span<const std::uint64_t>(corners), same,
+                           [&](std::span<const std::uint64_t> run) {
+                             ++result_.vertices;
+                             count_vertex(run);
+                           });
   }
 
   void count_vertex(std::span<const std::uint64_t> corners) {
@@ -176,10 +177,10 @@ std::size_t index_of(const std::vector<SolidTopology>& labels, Label label) {
 
 /// Number of different simplices per label and in the union.
 template <std::size_t N>
-Counts count_unique(const ByVertex<Labelled<N>>& items, const std::vector<SolidTopology>& labels) {
+Counts count_unique(const parallel::KeyTable<Labelled<N>>& items, const std::vector<SolidTopology>& labels) {
   const Counts zero(labels.size() + 1, 0);
   return parallel::reduce_blocks(
-      items.vertex_count(), 16384, zero,
+      items.key_count(), 16384, zero,
       [&](std::size_t begin, std::size_t end) {
         Counts counts = zero;
         for (std::size_t v = begin; v < end; ++v) {
@@ -205,8 +206,8 @@ Counts count_simplices(const MeshView& mesh, const std::vector<SolidTopology>& l
         const Label label = cells.label(cell);
         for (const Cell<3>& triangle : cells.triangles(cell)) append(triangle, label, out);
       });
-  const ByVertex<Labelled<N>> sorted(items, mesh.points.size(),
-                                     [](const Labelled<N>& item) { return item.vertices[0]; });
+  const parallel::KeyTable<Labelled<N>> sorted(items, mesh.points.size(),
+                                               [](const Labelled<N>& item) { return item.vertices[0]; });
   return count_unique(sorted, labels);
 }
 
@@ -227,22 +228,21 @@ Counts count_edges(const MeshView& mesh, const std::vector<SolidTopology>& label
 /// Merges cells across faces; counts faces and components per label and of the union.
 void count_faces(const MeshView& mesh, std::vector<SolidTopology>& labels, SolidTopology& all) {
   const AllCells cells(mesh);
-  const ByVertex<CellFace> faces = collect_faces(mesh);
+  const parallel::KeyTable<CellFace> faces = collect_faces(mesh);
   DisjointSets same_label(cells.size()), any_label(cells.size());
-  for (std::size_t v = 0; v < faces.vertex_count(); ++v)
-    for_each_run(faces.of(v), same_corners, [&](std::span<const CellFace> run) {
-      ++all.euler;
-      Label last = kOutside;
-      for (const CellFace& face : run) {
-        const Label label = cells.label(face.cell);
-        if (label != last)
-          ++labels[index_of(labels, label)].euler;
-        else
-          same_label.merge(run[0].cell, face.cell);
-        last = label;
-        any_label.merge(run[0].cell, face.cell);
-      }
-    });
+  faces.for_each_run(same_corners, [&](std::span<const CellFace> run) {
+    ++all.euler;
+    Label last = kOutside;
+    for (const CellFace& face : run) {
+      const Label label = cells.label(face.cell);
+      if (label != last)
+        ++labels[index_of(labels, label)].euler;
+      else
+        same_label.merge(run[0].cell, face.cell);
+      last = label;
+      any_label.merge(run[0].cell, face.cell);
+    }
+  });
   for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
     SolidTopology& label = labels[index_of(labels, cells.label(cell))];
     --label.euler;

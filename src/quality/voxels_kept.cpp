@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cells.hpp"
 #include "counted_voxels.hpp"
+#include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "nearby.hpp"
 #include "on_planes.hpp"

@@ -4,6 +4,9 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
+
+#include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
 
@@ -25,6 +28,14 @@ inline constexpr std::array<LocalFace, 6> kHexFaces = {
          : corners == 6 ? std::span<const LocalFace>(kPrismFaces)
          : corners == 8 ? std::span<const LocalFace>(kHexFaces)
                         : std::span<const LocalFace>(kTetrahedronFaces);
+}
+
+/// Corners in ascending order.
+[[nodiscard]] inline Cell<3> sorted_corners(Cell<3> corners) {
+  if (corners[0] > corners[1]) std::swap(corners[0], corners[1]);
+  if (corners[1] > corners[2]) std::swap(corners[1], corners[2]);
+  if (corners[0] > corners[1]) std::swap(corners[0], corners[1]);
+  return corners;
 }
 
 }  // namespace lumesh

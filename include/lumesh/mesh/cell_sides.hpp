@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "lumesh/mesh/mixed_mesh.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/mesh/all_cells.hpp"
+#include "lumesh/parallel/key_table.hpp"
 
-namespace lumesh::detail {
+namespace lumesh {
 
 /// Corners of a face that has three or four; triangles repeat their last one.
 using FaceCorners = Cell<4>;
@@ -47,41 +47,42 @@ inline void append_face(const FaceCorners& face, std::int32_t patch, MixedMesh& 
 
 /// One face of one cell.
 struct CellSide {
-  Cell<4> key;         ///< As key_of().
-  std::uint32_t cell;  ///< Within the cells of its shape.
-  std::uint16_t corners_of_cell, face;
+  Cell<4> key;               ///< As key_of().
+  std::uint32_t cell, face;  ///< Of AllCells, and of faces_of_cell().
   auto operator<=>(const CellSide&) const = default;
 };
 
-/// Faces of the cells of a mesh. It keeps a view: the mesh must stay. Threads: const members may run at the
-/// same time. Memory: about 100 bytes per tetrahedron.
+/// Faces of the cells of a mesh, which must outlive it. Threads: const members may run at the same time.
+/// Memory: about 100 bytes per tetrahedron.
 class CellSides {
  public:
   /// Parallel inside, the same order for every thread count.
   explicit CellSides(const MeshView& mesh);
+  CellSides(const CellSides&) = delete;
+  CellSides& operator=(const CellSides&) = delete;
 
   /// @throws Error{kBadInput} if a face has more than two cells, or two on the same side.
   void check() const;
+  /// What visit(run, out) appends to a list for the sides of each face, in order.
+  template <class Out, class Visit>
+  [[nodiscard]] std::vector<Out> collect(const Visit& visit) const {
+    return sides_.collect_runs<Out>(has_same_key, visit);
+  }
   /// Faces of one cell alone, in order.
   [[nodiscard]] std::vector<CellSide> outer() const;
-  /// The two sides of faces between cells for which wanted(side, other side), in order.
-  template <class Wanted>
-  [[nodiscard]] std::vector<std::array<CellSide, 2>> pairs(const Wanted& wanted) const {
-    return parallel::collect<std::array<CellSide, 2>>(sides_.size(), [&](std::size_t i, auto& out) {
-      if (i + 1 < sides_.size() && sides_[i].key == sides_[i + 1].key && wanted(sides_[i], sides_[i + 1]))
-        out.push_back({sides_[i], sides_[i + 1]});
-    });
-  }
   /// The sides of a face: none, one or two of a mesh that check() does not refuse.
-  [[nodiscard]] std::span<const CellSide> find(const Cell<4>& key) const;
+  [[nodiscard]] std::span<const CellSide> find(const FaceCorners& face) const;
 
   /// Corners as seen from outside the cell.
   [[nodiscard]] FaceCorners outward(const CellSide& side) const;
-  [[nodiscard]] Label label(const CellSide& side) const;
+  [[nodiscard]] Label label(const CellSide& side) const { return cells_.label(side.cell); }
 
  private:
+  static bool has_same_key(const CellSide& a, const CellSide& b) { return a.key == b.key; }
+
   MeshView mesh_;
-  std::vector<CellSide> sides_;
+  AllCells cells_;
+  parallel::KeyTable<CellSide> sides_;
 };
 
-}  // namespace lumesh::detail
+}  // namespace lumesh
