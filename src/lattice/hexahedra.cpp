@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <span>
 
 #include "lumesh/core/assert.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -26,33 +26,14 @@ struct Cube {
   std::array<std::uint32_t, 8> corners;  // bit a set: on the positive side of axis a
 };
 
-/// Tetrahedra around each vertex.
-class Stars {
- public:
-  explicit Stars(const MixedMesh& mesh)
-      : begin_(mesh.points.size() + 1, 0), tets_(4 * mesh.tetrahedra.size()) {
-    for (const Cell<4>& t : mesh.tetrahedra) {
-      for (const std::uint32_t v : t) ++begin_[v + 1];
-    }
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    std::vector<std::uint32_t> place(begin_.begin(), begin_.end() - 1);
-    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
-      for (const std::uint32_t v : mesh.tetrahedra[t]) tets_[place[v]++] = static_cast<std::uint32_t>(t);
-    }
-  }
-  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t vertex) const {
-    return {tets_.data() + begin_[vertex], begin_[vertex + 1] - begin_[vertex]};
-  }
-
- private:
-  std::vector<std::uint32_t> begin_, tets_;
-};
-
 /// Finds and chooses the cubes; the mesh is not changed.
 class CubeChooser {
  public:
   CubeChooser(const MixedMesh& mesh, const Mat3& axes)
-      : mesh_(mesh), to_axes_(axes.transpose()), stars_(mesh), on_boundary_(mesh.points.size(), 0) {
+      : mesh_(mesh),
+        to_axes_(axes.transpose()),
+        stars_(parallel::cells_around(mesh.tetrahedra, mesh.points.size())),
+        on_boundary_(mesh.points.size(), 0) {
     for (const Cell<3>& t : mesh.triangles) {
       for (const std::uint32_t v : t) on_boundary_[v] = 1;
     }
@@ -173,7 +154,7 @@ class CubeChooser {
 
   const MixedMesh& mesh_;
   Mat3 to_axes_;
-  Stars stars_;
+  parallel::Adjacency stars_;  // Tetrahedra around each vertex.
   std::vector<std::uint8_t> on_boundary_;
   std::vector<std::uint32_t> number_;  // of the cube around a vertex
 };

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "boundary_model.hpp"
-#include "groups.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 
 namespace lumesh {
 
@@ -19,8 +19,7 @@ class SurfaceStars {
   [[nodiscard]] std::span<const std::uint32_t> triangles(std::uint32_t v) const { return triangles_.of(v); }
 
  private:
-  Groups neighbours_;
-  Groups triangles_;
+  parallel::Adjacency neighbours_, triangles_;
 };
 
 }  // namespace lumesh

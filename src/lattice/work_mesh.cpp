@@ -104,11 +104,11 @@ UninitialisedVector<std::uint32_t> order_by_corners(const UninitialisedVector<Co
     ascending[t] = tets[t];
     std::sort(ascending[t].begin(), ascending[t].end());
   });
-  Groups by_lowest = group_by_owner(tets.size(), vertex_count,
-                                    [&](std::size_t t) { return std::span(ascending[t].data(), 1); });
-  parallel::for_each_index(by_lowest.ranges.size(), [&](std::size_t v) {
-    const auto [begin, end] = by_lowest.ranges[v];
-    std::sort(by_lowest.items.begin() + begin, by_lowest.items.begin() + end,
+  parallel::Adjacency by_lowest = parallel::group_by_owner(
+      tets.size(), vertex_count, [&](std::size_t t) { return std::span(ascending[t].data(), 1); });
+  parallel::for_each_index(by_lowest.size(), [&](std::size_t v) {
+    std::sort(by_lowest.items.begin() + by_lowest.starts[v],
+              by_lowest.items.begin() + by_lowest.starts[v + 1],
               [&](std::uint32_t a, std::uint32_t b) { return ascending[a] < ascending[b]; });
   });
   return std::move(by_lowest.items);
@@ -176,8 +176,7 @@ std::vector<double> material_volumes_mm3(const WorkMesh& mesh, std::size_t mater
 }
 
 void build_stars(WorkMesh& mesh) {
-  mesh.stars = group_by_owner(mesh.tets.size(), mesh.positions.size(),
-                              [&](std::size_t t) -> const Corner4& { return mesh.tets[t]; });
+  mesh.stars = Groups(parallel::cells_around(mesh.tets, mesh.positions.size()));
 }
 
 namespace {

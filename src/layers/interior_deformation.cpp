@@ -14,6 +14,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/mesh/vertex_neighbours.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/operators/ordered_execution.hpp"
@@ -28,25 +29,10 @@ TetMesh copy_of(const TetMesh& mesh, const BoundaryFaces& faces) {
                         mesh.info());
 }
 
-/// Neighbours of every vertex along edges.
-Lists neighbours_of(const TetMesh& mesh) {
-  const auto pairs =
-      parallel::collect<std::uint64_t>(mesh.tet_slots(), [&](std::size_t t, std::vector<std::uint64_t>& out) {
-        const Cell<4>& c = mesh.tets()[t];
-        if (!mesh.alive(TetId(static_cast<std::uint32_t>(t)))) return;
-        for (const auto& [i, j] : kTetEdges) {
-          const std::uint64_t a = c[static_cast<std::size_t>(i)], b = c[static_cast<std::size_t>(j)];
-          out.push_back(a << 32 | b);
-          out.push_back(b << 32 | a);
-        }
-      });
-  return lists_of(pairs, mesh.vertex_slots());
-}
-
 /// Sizes as they are in all directions, averaged with those around.
 TetMesh with_sizes(TetMesh mesh, const BoundaryFaces& faces) {
   constexpr int kSweeps = 2;
-  const Lists neighbours = neighbours_of(mesh);
+  const parallel::Adjacency neighbours = vertex_neighbours(mesh);
   std::vector<SymTensor> logs = own_metric(copy_of(mesh.view(faces))), next(logs.size());
   parallel::for_each_index(logs.size(), [&](std::size_t v) { logs[v] = metric::log(logs[v]); });
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -162,7 +148,7 @@ std::vector<InteriorDeformation::Follower> InteriorDeformation::followers() cons
 /// Where all vertices would go: those of columns as told, the others as their neighbours do on average.
 std::vector<Vec3> InteriorDeformation::displacements(const std::vector<double>& goals_mm) const {
   constexpr int kSweeps = 60;
-  const Lists neighbours = neighbours_of(mesh_);
+  const parallel::Adjacency neighbours = vertex_neighbours(mesh_);
   std::vector<Vec3> now(mesh_.vertex_slots(), Vec3::Zero());
   for (std::size_t v = 0; v < vertices_.size(); ++v)
     now[vertices_[v]] = frame_.end(v, goals_mm[v]) - frame_.end(v, reached_mm_[v]);

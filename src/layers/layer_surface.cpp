@@ -9,27 +9,6 @@
 
 namespace lumesh::layers {
 
-Lists lists_of(const std::vector<std::uint64_t>& pairs, std::size_t items) {
-  std::vector<std::uint32_t> starts(items + 1, 0);  // With doubles.
-  for (const std::uint64_t pair : pairs) ++starts[(pair >> 32) + 1];
-  for (std::size_t i = 0; i < items; ++i) starts[i + 1] += starts[i];
-  std::vector<std::uint32_t> next(starts.begin(), starts.end() - 1), all(pairs.size());
-  for (const std::uint64_t pair : pairs) all[next[pair >> 32]++] = static_cast<std::uint32_t>(pair);
-  parallel::for_each_index(items, [&](std::size_t i) {
-    const auto first = all.begin() + starts[i], last = all.begin() + starts[i + 1];
-    std::sort(first, last);
-    next[i] = static_cast<std::uint32_t>(std::unique(first, last) - all.begin());
-  });
-  Lists lists;
-  lists.starts.assign(items + 1, 0);
-  for (std::size_t i = 0; i < items; ++i) lists.starts[i + 1] = lists.starts[i] + next[i] - starts[i];
-  lists.items.resize(lists.starts[items]);
-  parallel::for_each_index(items, [&](std::size_t i) {
-    std::copy(all.begin() + starts[i], all.begin() + next[i], lists.items.begin() + lists.starts[i]);
-  });
-  return lists;
-}
-
 namespace {
 
 /// Takes the triangles of layered patches, with vertices numbered anew, and the others of the outside.
@@ -61,16 +40,11 @@ void take_triangles(const TetMesh& mesh, const BoundaryFaces& faces, const std::
 }
 
 void find_neighbours(LayerSurface& surface) {
-  std::vector<std::uint64_t> of_triangles, of_vertices;
-  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t a = surface.triangles[t][k], b = surface.triangles[t][(k + 1) % 3];
-      of_triangles.push_back(a << 32 | t);
-      of_vertices.push_back(a << 32 | b);
-      of_vertices.push_back(b << 32 | a);
-    }
-  surface.triangles_around = lists_of(of_triangles, surface.points.size());
-  surface.neighbours = lists_of(of_vertices, surface.points.size());
+  std::vector<std::uint64_t> pairs;
+  for (const Cell<3>& t : surface.triangles)
+    for (std::size_t k = 0; k < 3; ++k) parallel::add_both_ways(t[k], t[(k + 1) % 3], pairs);
+  surface.triangles_around = parallel::cells_around(surface.triangles, surface.points.size());
+  surface.neighbours = parallel::adjacency_of(pairs, surface.points.size());
 }
 
 /// Edges of one triangle only, with the patch of the other face of the outside there.

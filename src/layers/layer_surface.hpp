@@ -9,19 +9,9 @@
 #include "choice.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 
 namespace lumesh::layers {
-
-/// Lists of numbers, one for each of some items.
-struct Lists {
-  std::vector<std::uint32_t> starts, items;
-  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t i) const {
-    return std::span(items).subspan(starts[i], starts[i + 1] - starts[i]);
-  }
-};
-
-/// From pairs of an item and one of its numbers, the item in the upper half; doubles count once.
-[[nodiscard]] Lists lists_of(const std::vector<std::uint64_t>& pairs, std::size_t items);
 
 /// An edge that only one triangle of the surface has, in that triangle's sense.
 struct RimEdge {
@@ -52,7 +42,7 @@ struct LayerSurface {
   std::vector<RimPlanes> planes;  ///< One per vertex.
   operators::PatchShapes
       shapes;  ///< Shapes of the mesh's patches: planes of the flat ones beside the layers.
-  Lists triangles_around, neighbours;
+  parallel::Adjacency triangles_around, neighbours;
   std::vector<Cell<3>> others;  ///< The other triangles of the mesh's outside, by vertices of the mesh.
 };
 

@@ -5,6 +5,7 @@
 #include "lumesh/core/uninitialised.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -65,69 +66,21 @@ bool is_ordered(const TetMesh& mesh, std::span<const std::uint32_t> order) {
   return all != 0;
 }
 
-/// Sorts slots whose lowest vertices are `first` and the next few: counts by the lowest, then sorts the five
-/// or six of each.
-template <class Keyed>
-void sort_range(std::span<std::uint32_t> slots, std::uint32_t first, std::size_t vertices,
-                const Keyed& keyed) {
-  UninitialisedVector<KeyedTet> unsorted(slots.size()), keys(slots.size());
-  std::vector<std::uint32_t> ends(vertices + 1, 0);
-  for (std::size_t i = 0; i < slots.size(); ++i) {
-    unsorted[i] = keyed(slots[i]);
-    ++ends[unsorted[i].vertices[0] - first + 1];
-  }
-  for (std::size_t v = 0; v < vertices; ++v) ends[v + 1] += ends[v];
-  for (const KeyedTet& key : unsorted) keys[ends[key.vertices[0] - first]++] = key;
-  std::size_t begin = 0;
-  for (std::size_t v = 0; v < vertices; begin = ends[v++])
-    std::sort(keys.begin() + static_cast<std::ptrdiff_t>(begin),
-              keys.begin() + static_cast<std::ptrdiff_t>(ends[v]));
-  for (std::size_t i = 0; i < keys.size(); ++i) slots[i] = keys[i].slot;
-}
-
-/// `slots` sorted by the new numbers of their vertices, lowest first. Counts and sorts ranges of lowest
-/// vertices one by one, so that threads share nothing and each range stays in a cache.
+/// `slots` sorted by the new numbers of their vertices, lowest first.
 std::vector<std::uint32_t> sorted_by_vertices(const TetMesh& mesh, const std::vector<std::uint32_t>& slots,
                                               std::span<const std::uint32_t> new_vertex,
                                               std::size_t vertices) {
-  constexpr std::size_t kBlock = 1 << 16, kRange = 1 << 12;
-  const std::size_t ranges = (vertices + kRange - 1) / kRange;
-  const auto keyed = [&](std::uint32_t slot) {
-    KeyedTet key{mesh.tet(TetId(slot)), slot};
-    for (std::uint32_t& v : key.vertices) v = new_vertex[v];
-    key.vertices = sorted_vertices(key.vertices);
-    return key;
-  };
-  // Of each block of tetrahedra, those of each range.
-  std::vector<std::vector<std::uint32_t>> starts((slots.size() + kBlock - 1) / kBlock);
-  UninitialisedVector<std::uint32_t> range_of(slots.size());
-  parallel::for_each_block(slots.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
-    starts[block].assign(ranges, 0);
-    for (std::size_t i = begin; i < end; ++i) {
-      std::uint32_t lowest = VertexId::kNone;
-      for (const std::uint32_t v : mesh.tet(TetId(slots[i]))) lowest = std::min(lowest, new_vertex[v]);
-      range_of[i] = lowest / kRange;
-      ++starts[block][range_of[i]];
-    }
-  });
-  std::vector<std::uint32_t> begins(ranges + 1, 0);
-  std::uint32_t next = 0;
-  for (std::size_t range = 0; range < ranges; ++range) {
-    for (std::vector<std::uint32_t>& of_block : starts) next += std::exchange(of_block[range], next);
-    begins[range + 1] = next;
-  }
-  std::vector<std::uint32_t> sorted(slots.size());
-  parallel::for_each_block(slots.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) sorted[starts[block][range_of[i]]++] = slots[i];
-  });
-  parallel::for_each_index(
-      ranges,
-      [&](std::size_t range) {
-        const std::span<std::uint32_t> part =
-            std::span(sorted).subspan(begins[range], begins[range + 1] - begins[range]);
-        sort_range(part, static_cast<std::uint32_t>(range * kRange), kRange, keyed);
+  const parallel::KeyTable<KeyedTet> tets(
+      slots.size(), vertices,
+      [&](std::size_t i, const auto& take) {
+        KeyedTet key{mesh.tet(TetId(slots[i])), slots[i]};
+        for (std::uint32_t& v : key.vertices) v = new_vertex[v];
+        key.vertices = sorted_vertices(key.vertices);
+        take(key);
       },
-      1);
+      [](const KeyedTet& tet) { return tet.vertices[0]; });
+  std::vector<std::uint32_t> sorted(slots.size());
+  parallel::for_each_index(sorted.size(), [&](std::size_t i) { sorted[i] = tets.items()[i].slot; });
   return sorted;
 }
 

@@ -12,7 +12,7 @@
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "vertex_neighbours.hpp"
+#include "vertex_rings.hpp"
 
 namespace lumesh::metric {
 
@@ -182,18 +182,14 @@ std::vector<SurfaceCurvature> fit_curvatures(std::span<const Vec3> points,
   std::vector<std::uint64_t> edges;
   edges.reserve(6 * triangles.size());
   for (const Cell<3>& t : triangles)
-    for (int i = 0; i < 3; ++i) {
-      const std::uint64_t a = t[i], b = t[(i + 1) % 3];
-      edges.push_back(a << 32 | b);
-      edges.push_back(b << 32 | a);
-    }
-  const VertexNeighbours neighbours(points.size(), std::move(edges));
+    for (int i = 0; i < 3; ++i) parallel::add_both_ways(t[i], t[(i + 1) % 3], edges);
+  const parallel::Adjacency neighbours = parallel::adjacency_of(edges, points.size());
   const std::vector<Vec3> normals = vertex_normals(points, triangles);
   std::vector<SurfaceCurvature> curvatures(points.size());
   parallel::for_each_index(
       points.size(),
       [&](std::size_t v) {
-        const std::vector<std::uint32_t> about = neighbours.about(v, kRings, kMinNeighbours);
+        const std::vector<std::uint32_t> about = vertices_about(neighbours, v, kRings, kMinNeighbours);
         if (!about.empty()) curvatures[v] = fitted_curvature(points, normals, v, about);
       },
       64);

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/vertex_neighbours.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "vertex_neighbours.hpp"
 
 namespace lumesh::metric {
 namespace {
@@ -43,7 +43,7 @@ void check(const GradationOptions& options) {
 
 int limit_gradation(TetMesh& mesh, const GradationOptions& options) {
   check(options);
-  const VertexNeighbours neighbours(mesh);
+  const parallel::Adjacency neighbours = vertex_neighbours(mesh);
   const std::size_t count = mesh.vertex_slots();
   std::vector<EigenSystem> systems(count);
   const auto id = [](std::size_t v) { return VertexId(static_cast<std::uint32_t>(v)); };

@@ -8,10 +8,11 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/mesh/vertex_neighbours.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "vertex_neighbours.hpp"
+#include "vertex_rings.hpp"
 
 namespace lumesh::metric {
 
@@ -61,12 +62,12 @@ std::vector<SymTensor> recover_hessians(const TetMesh& mesh, std::span<const dou
                   fmt::format("the value of vertex {}, counted from 0, is not finite", v));
   constexpr int kRings = 2;
   constexpr std::size_t kMinNeighbours = 24;  // Of the 9 unknowns, with room for bad layouts.
-  const VertexNeighbours neighbours(mesh);
+  const parallel::Adjacency neighbours = vertex_neighbours(mesh);
   std::vector<SymTensor> hessians(values.size());
   parallel::for_each_index(
       values.size(),
       [&](std::size_t v) {
-        hessians[v] = fitted_hessian(mesh, values, v, neighbours.about(v, kRings, kMinNeighbours));
+        hessians[v] = fitted_hessian(mesh, values, v, vertices_about(neighbours, v, kRings, kMinNeighbours));
       },
       64);
   return hessians;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <numeric>
 #include <vector>
 
 #include "lumesh/core/assert.hpp"
@@ -11,6 +10,7 @@
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -24,15 +24,7 @@ class Undoing {
         tets_(tets),
         before_(before),
         may_become_(may_become),
-        stars_begin_(points.size() + 1, 0) {
-    for (const Cell<4>& tet : tets)
-      for (const std::uint32_t v : tet) ++stars_begin_[v + 1];
-    std::partial_sum(stars_begin_.begin(), stars_begin_.end(), stars_begin_.begin());
-    stars_.resize(4 * tets.size());
-    std::vector<std::size_t> next(stars_begin_.begin(), stars_begin_.end() - 1);
-    for (std::uint32_t t = 0; t < tets.size(); ++t)
-      for (const std::uint32_t v : tets[t]) stars_[next[v]++] = t;
-  }
+        stars_(parallel::cells_around(tets, points.size())) {}
 
   [[nodiscard]] std::size_t count() const { return count_; }
 
@@ -53,8 +45,8 @@ class Undoing {
     while (!waiting_.empty()) {
       const std::uint32_t v = waiting_.back();
       waiting_.pop_back();
-      for (std::size_t i = stars_begin_[v]; i < stars_begin_[v + 1]; ++i)
-        if (is_spoilt(stars_[i])) put_back(tets_[stars_[i]]);
+      for (const std::uint32_t t : stars_.of(v))
+        if (is_spoilt(t)) put_back(tets_[t]);
     }
   }
 
@@ -76,8 +68,7 @@ class Undoing {
   std::span<const Cell<4>> tets_;
   std::span<const Vec3> before_;
   const MayBecome& may_become_;
-  std::vector<std::size_t> stars_begin_;
-  std::vector<std::uint32_t> stars_;  // The tetrahedra around each vertex.
+  parallel::Adjacency stars_;  // The tetrahedra around each vertex.
   std::vector<std::uint32_t> waiting_;
   std::size_t count_ = 0;
 };

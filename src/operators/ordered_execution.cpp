@@ -83,8 +83,7 @@ OrderedExecution::Lists<Item> OrderedExecution::lists_by_bucket(const std::vecto
 void OrderedExecution::begin_run(Kernel& kernel, std::uint32_t bucket, std::uint32_t run) {
   // Relaxed: buckets of this reach belong to no other running one; the order of runs makes them visible.
   parallel::store_relaxed(runs_[bucket], run);
-  for (const std::uint32_t next : partition_.neighbours.neighbours(bucket))
-    parallel::store_relaxed(runs_[next], run);
+  for (const std::uint32_t next : partition_.neighbours.of(bucket)) parallel::store_relaxed(runs_[next], run);
   kernel.begin_run(OrderedLock(subject_.mesh, runs_.data(), run, bucket), 2 * run, epoch_);
 }
 

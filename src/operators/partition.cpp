@@ -85,19 +85,6 @@ class Bisection {
   std::vector<std::uint8_t> begins_part_;
 };
 
-/// The graph of sorted, different pairs, each there in both directions.
-parallel::TaskGraph graph_of(const std::vector<std::uint64_t>& pairs, std::uint32_t size) {
-  parallel::TaskGraph graph;
-  graph.starts.assign(size + 1, 0);
-  graph.items.resize(pairs.size());
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    ++graph.starts[(pairs[i] >> 32) + 1];
-    graph.items[i] = static_cast<std::uint32_t>(pairs[i]);
-  }
-  for (std::uint32_t i = 0; i < size; ++i) graph.starts[i + 1] += graph.starts[i];
-  return graph;
-}
-
 /// Says of most numbers whether they have come up before: most come up again soon.
 class RecentPairs {
  public:
@@ -113,7 +100,7 @@ class RecentPairs {
 
 parallel::TaskGraph neighbours_of(TetMesh& mesh, const std::vector<std::uint32_t>& tets,
                                   std::uint32_t buckets) {
-  auto pairs = parallel::collect_blocks<std::uint64_t>(
+  const auto pairs = parallel::collect_blocks<std::uint64_t>(
       tets.size(), kTetBlock, [&](std::size_t begin, std::size_t end, std::vector<std::uint64_t>& out) {
         RecentPairs known;
         for (std::size_t i = begin; i < end; ++i) {
@@ -123,13 +110,11 @@ parallel::TaskGraph neighbours_of(TetMesh& mesh, const std::vector<std::uint32_t
           for (const auto& [k, l] : kTetEdges) {
             const std::uint64_t a = bucket[k], b = bucket[l];
             if (a == b || known.holds(std::min(a, b) << 32 | std::max(a, b))) continue;
-            out.push_back(a << 32 | b);
-            out.push_back(b << 32 | a);
+            parallel::add_both_ways(a, b, out);
           }
         }
       });
-  parallel::sort_unique(pairs);
-  return graph_of(pairs, buckets);
+  return parallel::adjacency_of(pairs, buckets);
 }
 
 parallel::TaskGraph conflicts_of(const parallel::TaskGraph& neighbours) {
@@ -141,18 +126,16 @@ parallel::TaskGraph conflicts_of(const parallel::TaskGraph& neighbours) {
         for (std::size_t b = begin; b < end; ++b) {
           known.clear();
           known.insert(static_cast<std::uint32_t>(b), 0);
-          const auto first = static_cast<std::ptrdiff_t>(out.size());
           const auto add = [&](std::uint32_t other) {
             if (known.insert(other, 0).added) out.push_back(std::uint64_t{b} << 32 | other);
           };
-          for (const std::uint32_t next : neighbours.neighbours(static_cast<std::uint32_t>(b))) {
+          for (const std::uint32_t next : neighbours.of(b)) {
             add(next);
-            for (const std::uint32_t second : neighbours.neighbours(next)) add(second);
+            for (const std::uint32_t second : neighbours.of(next)) add(second);
           }
-          std::sort(out.begin() + first, out.end());
         }
       });
-  return graph_of(pairs, neighbours.size());
+  return parallel::adjacency_of(pairs, neighbours.size());
 }
 
 }  // namespace

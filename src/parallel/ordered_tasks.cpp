@@ -15,7 +15,7 @@ std::vector<std::uint32_t> greedy_colours(const TaskGraph& conflicts) {
   constexpr std::uint32_t kNone = ~0u;
   std::vector<std::uint32_t> colours(conflicts.size(), kNone), seen;  // seen[c] == task: a neighbour has it.
   for (std::uint32_t task = 0; task < conflicts.size(); ++task) {
-    for (const std::uint32_t other : conflicts.neighbours(task)) {
+    for (const std::uint32_t other : conflicts.of(task)) {
       if (colours[other] == kNone) continue;
       if (colours[other] >= seen.size()) seen.resize(colours[other] + 1, kNone);
       seen[colours[other]] = task;
@@ -55,7 +55,7 @@ TaskOrder order_of(const TaskGraph& conflicts) {
   TaskOrder order{greedy_colours(conflicts), std::vector<std::uint32_t>(conflicts.size())};
   for_each_index(conflicts.size(), [&](std::size_t i) {
     const auto task = static_cast<std::uint32_t>(i);
-    const auto others = conflicts.neighbours(task);
+    const auto others = conflicts.of(task);
     order.waits_for[i] = static_cast<std::uint32_t>(std::count_if(
         others.begin(), others.end(), [&](std::uint32_t other) { return order.precedes(other, task); }));
   });
@@ -75,7 +75,7 @@ void run_ordered(Team& team, const TaskGraph& conflicts, const TaskOrder& order,
   run_on_lists(team, threads, lists, [&](int thread) {
     for (std::uint32_t task = 0; lists.take(thread, task); lists.done()) {
       body(task, thread);
-      for (const std::uint32_t other : conflicts.neighbours(task)) {
+      for (const std::uint32_t other : conflicts.of(task)) {
         if (order.precedes(other, task)) continue;
         // Release what this task wrote; the last one acquires what all the others did.
         if (waits_for[other].fetch_sub(1, std::memory_order_acq_rel) == 1)

@@ -206,8 +206,7 @@ class PiecePlaces {
       front.push_back(cell);
     }
     const auto for_each_neighbour = [&](std::size_t cell, const auto& use) {
-      for (std::size_t n = cell_pieces_.first[cell]; n < cell_pieces_.first[cell + 1]; ++n)
-        use(std::size_t{cell_pieces_.neighbours[n]});
+      for (const std::uint32_t other : cell_pieces_.neighbours.of(cell)) use(std::size_t{other});
     };
     for (const Meeting& m : find_meetings(owner, front, joined_in_cells_, for_each_neighbour)) {
       const Vec3 centre_mm = (centre_of(m.nodes[0]) + centre_of(m.nodes[1])) / 2;

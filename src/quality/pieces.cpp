@@ -72,19 +72,13 @@ CellPieces find_cell_pieces(const MeshView& mesh, std::span<const TopologyDiffer
   });
   CellPieces result;
   DisjointSets sets(cells.size());
-  result.first.assign(cells.size() + 1, 0);
-  for (const auto& [a, b] : pairs) {
-    sets.merge(a, b);
-    ++result.first[a + 1];
-    ++result.first[b + 1];
-  }
-  for (std::size_t cell = 0; cell < cells.size(); ++cell) result.first[cell + 1] += result.first[cell];
-  result.neighbours.resize(2 * pairs.size());
-  std::vector<std::uint32_t> next(result.first.begin(), result.first.end() - 1);
-  for (const auto& [a, b] : pairs) {
-    result.neighbours[next[a]++] = b;
-    result.neighbours[next[b]++] = a;
-  }
+  for (const auto& [a, b] : pairs) sets.merge(a, b);
+  result.neighbours = parallel::cells_around(pairs, cells.size());
+  for (std::uint32_t cell = 0; cell < cells.size(); ++cell)
+    for (std::size_t i = result.neighbours.starts[cell]; i < result.neighbours.starts[cell + 1]; ++i) {
+      const auto& [a, b] = pairs[result.neighbours.items[i]];
+      result.neighbours.items[i] = a == cell ? b : a;
+    }
   result.piece.resize(cells.size(), kNoPiece);
   for (std::uint32_t cell = 0; cell < cells.size(); ++cell)
     if (is_asked[cell]) result.piece[cell] = sets.find(cell);

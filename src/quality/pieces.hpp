@@ -9,6 +9,7 @@
 #include "lumesh/image/runs.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/mesh/all_cells.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/parallel/key_table.hpp"
 #include "lumesh/quality/topology_places.hpp"
 
@@ -46,8 +47,7 @@ class VoxelPieces {
 /// Cells joined through faces within their label. Cells of labels that are not asked for have kNoPiece.
 struct CellPieces {
   std::vector<std::uint32_t> piece;  ///< Per cell: the first cell of its piece.
-  /// Cells of one piece that share a face: those of cell c from first[c] to first[c + 1].
-  std::vector<std::uint32_t> first, neighbours;
+  parallel::Adjacency neighbours;    ///< Cells of one piece that share a face.
 };
 [[nodiscard]] CellPieces find_cell_pieces(const MeshView& mesh,
                                           std::span<const TopologyDifference> differences);

@@ -7,6 +7,7 @@
 #include "flat_rims.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/planar_patch.hpp"
 #include "rim_triangles.hpp"
@@ -53,18 +54,16 @@ class PlaneCut {
   /// Heights over the plane of what lies around the rim; all else counts as below.
   void gather() {
     neighbours_ = edge_neighbours(surface_.triangles);
-    triangles_around_.resize(surface_.points.size());
-    for (std::uint32_t t = 0; t < surface_.triangles.size(); ++t)
-      for (const std::uint32_t v : surface_.triangles[t]) triangles_around_[v].push_back(t);
+    triangles_around_ = parallel::cells_around(surface_.triangles, surface_.points.size());
     for (std::uint32_t v = 0; v < heights_.size(); ++v) heights_[v] = height_of(v);
   }
 
   [[nodiscard]] double mean_edge_at(std::uint32_t v) const {
     double sum = 0;
-    for (const std::uint32_t t : triangles_around_[v])
+    for (const std::uint32_t t : triangles_around_.of(v))
       for (const std::uint32_t w : surface_.triangles[t])
         sum += (surface_.points[w] - surface_.points[v]).norm();
-    return sum / (2 * static_cast<double>(triangles_around_[v].size()));
+    return sum / (2 * static_cast<double>(triangles_around_.of(v).size()));
   }
 
   /// Corners of the triangles to be cut.
@@ -99,22 +98,22 @@ class PlaneCut {
   void slide(std::uint32_t v) {
     constexpr double kSteep = 0.1;
     Vec3 normal = Vec3::Zero();
-    for (const std::uint32_t t : triangles_around_[v]) normal += area_normal(t);
+    for (const std::uint32_t t : triangles_around_.of(v)) normal += area_normal(t);
     normal.stableNormalize();
     const Vec3 along = rim_.normal - rim_.normal.dot(normal) * normal;
     const double rise = along.squaredNorm();
     if (rise < kSteep) return;
     const Vec3 before = surface_.points[v];
     std::vector<Vec3> normals;
-    for (const std::uint32_t t : triangles_around_[v]) normals.push_back(area_normal(t));
+    for (const std::uint32_t t : triangles_around_.of(v)) normals.push_back(area_normal(t));
     surface_.points[v] -= heights_[v] / rise * along;
     const double height = std::exchange(heights_[v], 0);
     bool is_good = true;
     for (std::size_t i = 0; i < normals.size() && is_good; ++i) {
-      const Cell<3>& corners = surface_.triangles[triangles_around_[v][i]];
+      const Cell<3>& corners = surface_.triangles[triangles_around_.of(v)[i]];
       const bool is_flat =
           std::all_of(corners.begin(), corners.end(), [&](auto c) { return heights_[c] == 0; });
-      is_good = !is_flat && keeps_its_side(normals[i], area_normal(triangles_around_[v][i]));
+      is_good = !is_flat && keeps_its_side(normals[i], area_normal(triangles_around_.of(v)[i]));
     }
     if (is_good) {
       moved_mm_ = std::max(moved_mm_, (surface_.points[v] - before).norm());
@@ -144,7 +143,7 @@ class PlaneCut {
       stack.push_back(t);
     };
     for (const std::uint32_t v : rim_.vertices)
-      for (const std::uint32_t t : triangles_around_[v]) enter(t);
+      for (const std::uint32_t t : triangles_around_.of(v)) enter(t);
     while (!stack.empty()) {
       const std::uint32_t t = stack.back();
       stack.pop_back();
@@ -242,7 +241,7 @@ class PlaneCut {
   double depth_mm_;
   std::vector<double> heights_;  // Over the plane, of each point.
   EdgeNeighbours neighbours_;
-  std::vector<std::vector<std::uint32_t>> triangles_around_;
+  parallel::Adjacency triangles_around_;
   std::vector<std::uint32_t> reached_;  // Corners of what reaches above the plane, and of the rim.
   std::vector<std::uint8_t> is_cut_;
   std::vector<std::uint8_t> is_in_plane_;  // Of points: on the new rim.

@@ -7,6 +7,7 @@
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -118,23 +119,20 @@ std::optional<std::uint32_t> FlatTriangulation::locate(const Vec2& point, std::u
 }
 
 void FlatTriangulation::smooth() {
-  std::vector<std::vector<std::uint32_t>> around(points_.size());
-  for (std::uint32_t t = 0; t < triangles().size(); ++t)
-    for (const std::uint32_t v : triangles()[t])
-      if (v >= corner_count_) around[v].push_back(t);
+  const parallel::Adjacency around = parallel::cells_around(triangles(), points_.size());
   for (auto v = static_cast<std::uint32_t>(corner_count_); v < points_.size(); ++v) {
     const auto worst_cosine = [&] {
       double worst = -1;
-      for (const std::uint32_t t : around[v]) {
+      for (const std::uint32_t t : around.of(v)) {
         if (orient2d(corner(t, 0), corner(t, 1), corner(t, 2)) <= 0) return 2.0;
         worst = std::max(worst, largest_cosine(corner(t, 0), corner(t, 1), corner(t, 2)));
       }
       return worst;
     };
     Vec2 middle = Vec2::Zero();
-    for (const std::uint32_t t : around[v])
+    for (const std::uint32_t t : around.of(v))
       for (const std::uint32_t w : triangles()[t])
-        if (w != v) middle += points_[w] / (2 * static_cast<double>(around[v].size()));
+        if (w != v) middle += points_[w] / (2 * static_cast<double>(around.of(v).size()));
     const double before = worst_cosine();
     const Vec2 old = std::exchange(points_[v], middle);
     if (!(worst_cosine() < before)) points_[v] = old;

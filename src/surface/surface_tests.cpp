@@ -6,6 +6,7 @@
 
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/surface/findings.hpp"
 #include "rim_triangles.hpp"
@@ -46,18 +47,11 @@ std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface, std::sp
 }
 
 std::vector<Fan> further_fans(const TriangleMesh& surface, const EdgeNeighbours& neighbours) {
-  // The triangles around each vertex, one after the other.
-  std::vector<std::uint32_t> first(surface.points.size() + 1, 0), around(3 * surface.triangles.size());
-  for (const Cell<3>& t : surface.triangles)
-    for (const std::uint32_t v : t) ++first[v + 1];
-  for (std::size_t v = 0; v < surface.points.size(); ++v) first[v + 1] += first[v];
-  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
-    for (const std::uint32_t v : surface.triangles[t]) around[next[v]++] = t;
+  const parallel::Adjacency around = parallel::cells_around(surface.triangles, surface.points.size());
   std::vector<Fan> fans;
   std::vector<std::uint32_t> left, fan;
   for (std::uint32_t v = 0; v < surface.points.size(); ++v) {
-    left.assign(around.begin() + first[v], around.begin() + first[v + 1]);
+    left.assign(around.of(v).begin(), around.of(v).end());
     for (bool is_first = true; !left.empty(); is_first = false) {
       fan = {left.front()};
       left.erase(left.begin());

@@ -45,6 +45,7 @@ class KeyTable {
             items.size(), key_count, [&](std::size_t i, const auto& take) { take(items[i]); }, key_of) {}
 
   [[nodiscard]] std::size_t key_count() const { return begin_.size() - 1; }
+  [[nodiscard]] std::span<const Item> items() const { return items_; }
   [[nodiscard]] std::span<const Item> of(std::size_t key) const {
     return std::span<const Item>(items_).subspan(begin_[key], begin_[key + 1] - begin_[key]);
   }

@@ -4,24 +4,15 @@
 
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <vector>
 
+#include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/parallel/team.hpp"
 
 namespace lumesh::parallel {
 
-/// For every task the tasks it shares something with: the neighbours of task i are
-/// items[starts[i]] to items[starts[i + 1]], ascending, without i. Symmetric.
-struct TaskGraph {
-  std::vector<std::uint32_t> starts = {0};
-  std::vector<std::uint32_t> items;
-
-  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(starts.size() - 1); }
-  [[nodiscard]] std::span<const std::uint32_t> neighbours(std::uint32_t task) const {
-    return std::span(items).subspan(starts[task], starts[task + 1] - starts[task]);
-  }
-};
+/// For every task the tasks it shares something with, ascending, without itself. Symmetric.
+using TaskGraph = Adjacency;
 
 /// Threads that this machine runs at the same time, at least 1.
 [[nodiscard]] int available_threads();

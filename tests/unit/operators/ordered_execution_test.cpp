@@ -117,14 +117,14 @@ TEST(Partition, BucketsAreOfTheSizeAskedForAndConflictsAreTwoRings) {
   std::size_t neighbours = 0;
   for (std::uint32_t a = 0; a < partition.buckets; ++a) {
     std::set<std::uint32_t> near;
-    for (const std::uint32_t b : partition.neighbours.neighbours(a)) {
+    for (const std::uint32_t b : partition.neighbours.of(a)) {
       EXPECT_TRUE(touching.contains({a, b}));
       ++neighbours;
       near.insert(b);
-      for (const std::uint32_t c : partition.neighbours.neighbours(b)) near.insert(c);
+      for (const std::uint32_t c : partition.neighbours.of(b)) near.insert(c);
     }
     near.erase(a);
-    const auto conflicts = partition.conflicts.neighbours(a);
+    const auto conflicts = partition.conflicts.of(a);
     EXPECT_EQ(near, std::set(conflicts.begin(), conflicts.end()));
   }
   EXPECT_EQ(neighbours, touching.size());

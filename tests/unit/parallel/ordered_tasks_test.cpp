@@ -36,7 +36,7 @@ TEST(OrderedTasks, NeighboursHaveDifferentColours) {
   const TaskGraph graph = random_graph(500, 3000, 1);
   const auto colours = order_of(graph).colours;
   for (std::uint32_t task = 0; task < graph.size(); ++task)
-    for (const std::uint32_t other : graph.neighbours(task)) EXPECT_NE(colours[task], colours[other]);
+    for (const std::uint32_t other : graph.of(task)) EXPECT_NE(colours[task], colours[other]);
 }
 
 class OrderedTasksOnThreads : public testing::TestWithParam<TeamOptions> {};
@@ -46,14 +46,13 @@ TEST_P(OrderedTasksOnThreads, RunEachTaskOnceAndConflictsInTheSameOrder) {
   // Both tasks of a conflict write to a plain list of theirs: races and other orders would show.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> seen;
   for (std::uint32_t task = 0; task < graph.size(); ++task)
-    for (const std::uint32_t other : graph.neighbours(task)) seen[std::minmax(task, other)];
+    for (const std::uint32_t other : graph.of(task)) seen[std::minmax(task, other)];
   std::vector<int> runs(graph.size(), 0);
   Team team(GetParam());
   run_ordered(team, graph, order_of(graph), [&](std::uint32_t task, int thread) {
     EXPECT_LT(thread, team.size());
     ++runs[task];
-    for (const std::uint32_t other : graph.neighbours(task))
-      seen.at(std::minmax(task, other)).push_back(task);
+    for (const std::uint32_t other : graph.of(task)) seen.at(std::minmax(task, other)).push_back(task);
   });
   EXPECT_EQ(std::count(runs.begin(), runs.end(), 1), static_cast<std::ptrdiff_t>(runs.size()));
   const auto colours = order_of(graph).colours;
