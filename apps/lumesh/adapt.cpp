@@ -29,7 +29,6 @@ namespace lumesh::cli {
 namespace {
 
 struct AdaptCommand {
-  const CLI::App* self = nullptr;
   std::string mesh_path, output_path, metric_output_path, image_path, json_path;
   ImageSelection selection;
   ImageCuts cuts;  // Of that image.
@@ -184,13 +183,12 @@ void run(AdaptCommand command) {
 
   const AdaptResult result = adapt_as_told(command, field, kept, mesh, context);
   const AdaptReport& report = result.report;
-  mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
+  mesh.info().provenance = provenance_of(*command.run.command, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   const MixedMesh whole =
       kept ? context.phase("put back", [&] { return kept->put_back(mesh); }) : MixedMesh();
-  command.output_path = long_run.begin_writing(command.output_path, report.complete);
-  command.json_path = long_run.begin_writing(command.json_path, report.complete);
-  command.metric_output_path = long_run.begin_writing(command.metric_output_path, report.complete);
+  long_run.begin_writing({&command.output_path, &command.json_path, &command.metric_output_path},
+                         report.complete);
   context.phase("write", [&] {
     const MeshView view = kept ? whole.view() : mesh.view(faces);
     write_mesh(command.output_path, view);
@@ -216,12 +214,8 @@ void run(AdaptCommand command) {
 void add_adapt_command(CLI::App& program) {
   const auto command = std::make_shared<AdaptCommand>();
   CLI::App* sub = program.add_subcommand("adapt", "Adapt a tetrahedral mesh to a metric");
-  command->self = sub;
-  sub->add_option("mesh", command->mesh_path, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")
-      ->required();
-  sub->add_option("-o,--output", command->output_path,
-                  "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
-      ->required();
+  add_mesh_argument(*sub, command->mesh_path);
+  add_mesh_output(*sub, command->output_path);
   sub->add_option("--metric-output", command->metric_output_path,
                   "Write the metric of the adapted mesh (.sol, .solb) beside meshes that carry none");
   OptionList field;
@@ -237,10 +231,8 @@ void add_adapt_command(CLI::App& program) {
   add_topology_option(*sub, command->request.adapt.team);
   sub->add_option("--json", command->json_path, "Write times and counts of operators as JSON");
   add_time_limit_option(*sub, command->time_limit_s);
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer("Example: lumesh adapt cube_metric.vtu -o adapted.vtu --complexity 100000");
-  sub->callback([command] { run(*command); });
+  finish_command(*sub, command, run,
+                 "Example: lumesh adapt cube_metric.vtu -o adapted.vtu --complexity 100000");
 }
 
 }  // namespace lumesh::cli

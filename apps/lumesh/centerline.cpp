@@ -15,6 +15,7 @@
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/stages/surface_input.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -22,13 +23,14 @@ namespace lumesh::cli {
 namespace {
 
 struct CenterlineCommand {
-  const CLI::App* self = nullptr;
   std::string input_path, output_path;
   ImageSelection selection;
   CenterlineOptions options;
   SurfaceInputOptions surface;
   std::vector<surfaces::ClosedRim> closed;
   RunOptions run;
+
+  [[nodiscard]] FrameParts frames() { return {&selection, input_path, {&output_path}}; }
 };
 
 /// Refuses before work what could not be done.
@@ -37,15 +39,13 @@ void check(CenterlineCommand& command) {
     throw Error(ErrorKind::kUsage, command.output_path + ": unknown format of lines; use .vtp");
   const bool is_mesh = is_mesh_file(command.input_path);
   if (is_mesh)
-    require_not_given(*command.self, options_of(command.selection),
+    require_not_given(*command.run.command, options_of(command.selection),
                       fmt::format("is for images, and {} is a mesh", command.input_path));
-  else if (command.self->get_option("--voxel")->count() > 0)
+  else if (command.run.command->get_option("--voxel")->count() > 0)
     throw Error(ErrorKind::kUsage,
                 fmt::format("--voxel is for meshes, and {} is an image; leave it out", command.input_path));
   command.options.validate();
-  check_output_folders({command.output_path});
-  check_inputs_stay({command.output_path}, {command.input_path});
-  check_inputs_stay({command.output_path}, command.selection.other_files());
+  check_files({command.output_path}, {command.input_path}, command.selection);
 }
 
 Polylines lines_of_image(const CenterlineCommand& command, Context& context) {
@@ -68,26 +68,22 @@ Polylines lines_of_mesh(CenterlineCommand& command, MeshInfo& info, Context& con
 }
 
 void print_summary(const CenterlineCommand& command, const Polylines& lines, double seconds) {
-  double length_mm = 0;
-  for (const std::vector<std::uint32_t>& line : lines.lines)
-    for (std::size_t i = 1; i < line.size(); ++i)
-      length_mm += (lines.points[line[i]] - lines.points[line[i - 1]]).norm();
   const auto [least, most] = std::ranges::minmax(lines.scalars.at("radius"));
   print_out("{}: {} lines, {} points, length {:.5g} mm, radius {:.3g} to {:.3g} mm, {:.2f} s\n",
-            command.output_path, lines.lines.size(), lines.points.size(), length_mm, least, most, seconds);
+            command.output_path, lines.lines.size(), lines.points.size(), length_mm(lines), least, most,
+            seconds);
   for (const std::string& line : closing_lines(command.closed)) print_out("  {}\n", line);
 }
 
 void run(CenterlineCommand command) {
   const auto start = std::chrono::steady_clock::now();
-  const Interruptible interruptible;
-  const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   check(command);
   MeshInfo info;
   const Polylines lines = is_mesh_file(command.input_path) ? lines_of_mesh(command, info, context)
                                                            : lines_of_image(command, context);
-  info.provenance = provenance_of(*command.self, command.input_path, info.provenance);
+  info.provenance = provenance_of(*command.run.command, command.input_path, info.provenance);
   context.phase("write", [&] { write_polylines(command.output_path, lines, info); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (command.run.quiet == 0) print_summary(command, lines, elapsed.count());
@@ -98,7 +94,6 @@ void run(CenterlineCommand command) {
 void add_centerline_command(CLI::App& program) {
   const auto command = std::make_shared<CenterlineCommand>();
   CLI::App* sub = program.add_subcommand("centerline", "Find the axes of vessels and their radii");
-  command->self = sub;
   sub->add_option("input", command->input_path,
                   std::string("Label image ") + kImageFormats + ", or mesh of the volume or its surface (" +
                       formats_for(MeshUse::kRead) + ")")
@@ -108,20 +103,10 @@ void add_centerline_command(CLI::App& program) {
   add_options_of(*sub, command->options);
   add_options(*sub, options_of(command->selection), "", {"probabilities"});
   add_options(*sub, options_of(command->surface), "", {"feature_angle", "patch_array"});
-  OptionList unit;
-  describe_unit(unit, command->selection.unit);
-  add_options(*sub, unit);
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer("Example: lumesh centerline case1.nrrd -o case1_lines.vtp");
-  sub->callback([command] {
-    run_frames(
-        *command, command->input_path,
-        [](CenterlineCommand& c) {
-          return FrameParts{&c.selection, {&c.output_path}};
-        },
-        [](const CenterlineCommand& one) { run(one); });
-  });
+  add_unit_option(*sub, command->selection.unit);
+  finish_command(
+      *sub, command, [](const CenterlineCommand& c) { run_frames(c, run); },
+      "Example: lumesh centerline case1.nrrd -o case1_lines.vtp");
 }
 
 }  // namespace lumesh::cli

@@ -19,7 +19,6 @@ namespace {
 using json = nlohmann::ordered_json;
 
 struct CheckCommand {
-  const CLI::App* self = nullptr;
   std::string path;
   ImageSelection selection;
   std::size_t as_json = 0;
@@ -45,7 +44,7 @@ json to_json(const CheckCommand& command, const CheckReport& report) {
                                {"severity", word_for(finding.severity)},
                                {"count", finding.count},
                                {"text", finding.text},
-                               {"remedy", with_flags(finding.remedy, *command.self)},
+                               {"remedy", with_flags(finding.remedy, *command.run.command)},
                                {"places_mm", std::move(places)}});
     if (!voxels.empty()) all["findings"].back()["voxels"] = std::move(voxels);
   }
@@ -64,18 +63,17 @@ void print_text(const CheckCommand& command, const CheckReport& report) {
     for (const Index3& v : finding.voxels) voxels += fmt::format(" ({}, {}, {})", v.x(), v.y(), v.z());
     if (!voxels.empty()) print_out("{:18}voxels{}\n", "", voxels);
     if (!finding.remedy.empty())
-      print_out("{:18}remedy: {}\n", "", with_flags(finding.remedy, *command.self));
+      print_out("{:18}remedy: {}\n", "", with_flags(finding.remedy, *command.run.command));
   }
   if (report.findings.empty()) print_out("nothing found\n");
 }
 
 void run(const CheckCommand& command) {
-  const Interruptible interruptible;
-  const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   if (is_mesh_file(command.path)) {
     ImageSelection of_images = command.selection;
-    require_not_given(*command.self, options_of(of_images),
+    require_not_given(*command.run.command, options_of(of_images),
                       fmt::format("is for images, and {} is none", command.path));
   }
   const CheckReport report = check_file(command.path, command.selection, context);
@@ -95,19 +93,16 @@ void add_check_command(CLI::App& program) {
   const auto command = std::make_shared<CheckCommand>();
   CLI::App* sub = program.add_subcommand(
       "check", "Find faults and thin places of a surface, a mesh or an image, with places and remedies");
-  command->self = sub;
   sub->add_option("file", command->path, std::string("Surface, mesh or label image ") + kImageFormats)
       ->required();
   OptionList selection = options_of(command->selection);
   describe_unit(selection, command->selection.unit);
   add_options(*sub, selection, "", {"probabilities"});
   sub->add_flag("--json", command->as_json, "Print JSON");
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer(
+  finish_command(
+      *sub, command, run,
       "Exit codes: 0 fit for meshing, perhaps with remarks, 2 unreadable, 3 unfit.\nExample: lumesh check "
       "vessel.stl");
-  sub->callback([command] { run(*command); });
 }
 
 }  // namespace lumesh::cli

@@ -67,17 +67,16 @@ std::filesystem::path target_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-void add_threads_option(CLI::App& command, RunOptions& options) {
-  command.add_option("--threads,--nthreads", options.threads, "Threads; 0 = all cores")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-}
-
-void add_verbosity_options(CLI::App& command, RunOptions& options) {
+void finish_options(CLI::App& app, RunOptions& options, const std::string& footer, bool has_threads) {
+  if (has_threads)
+    app.add_option("--threads,--nthreads", options.threads, "Threads; 0 = all cores")
+        ->check(CLI::Range(0, 4096))
+        ->capture_default_str();
   CLI::Option* const verbose =
-      command.add_flag("-v,--verbose", options.verbose, "Say on stderr when each step ends, and its time");
-  command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->excludes(verbose);
-  options.command = &command;
+      app.add_flag("-v,--verbose", options.verbose, "Say on stderr when each step ends, and its time");
+  app.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->excludes(verbose);
+  options.command = &app;
+  app.footer(footer);
 }
 
 Context make_context(const RunOptions& options) {
@@ -99,6 +98,32 @@ LabelImage read_cut_image(const std::string& path, const ImageSelection& selecti
   LabelImage image = context.phase("read", [&] { return read_selected_image(path, selection, context); });
   planes = naming(path, [&] { return context.phase("cuts", [&] { return cut_off(image, cuts, context); }); });
   return image;
+}
+
+void add_mesh_argument(CLI::App& command, std::string& path, const std::string& name) {
+  command.add_option(name, path, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")->required();
+}
+
+void add_mesh_output(CLI::App& command, std::string& path) {
+  command.add_option("-o,--output", path, "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
+      ->required();
+}
+
+void add_surface_output(CLI::App& command, std::string& path) {
+  command.add_option("--surface", path,
+                     "Also write the boundary (" + formats_for(MeshUse::kWriteSurface) + ")");
+}
+
+void add_unit_option(CLI::App& command, std::string& unit) {
+  OptionList list;
+  describe_unit(list, unit);
+  add_options(command, list);
+}
+
+void add_out_unit_option(CLI::App& command, std::string& unit) {
+  OptionList list;
+  describe_out_unit(list, unit);
+  add_options(command, list);
 }
 
 void add_name_option(CLI::App& command, std::vector<std::string>& names) {
@@ -180,6 +205,13 @@ void check_output_folders(std::initializer_list<std::string> paths) {
     if (!device && ::access(folder.c_str(), W_OK | X_OK) != 0)
       throw Error(ErrorKind::kBadInput, path.string() + ": cannot be written; its folder is read-only");
   }
+}
+
+void check_files(std::initializer_list<std::string> outputs, const std::vector<std::string>& inputs,
+                 const ImageSelection& selection) {
+  check_output_folders(outputs);
+  check_inputs_stay(outputs, inputs);
+  check_inputs_stay(outputs, selection.other_files());
 }
 
 std::map<std::string, std::string> provenance_of(const CLI::App& command, const std::string& input_path,

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <initializer_list>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,12 +31,17 @@ struct RunOptions {
   int threads = 0;
   std::size_t verbose = 0;
   std::size_t quiet = 0;
-  const CLI::App* command =
-      nullptr;  ///< Whose names of options warnings use; add_verbosity_options() sets it.
+  const CLI::App* command = nullptr;  ///< Whose names of options warnings use; finish_options() sets it.
 };
-void add_threads_option(CLI::App& command, RunOptions& options);
-/// -v and -q.
-void add_verbosity_options(CLI::App& command, RunOptions& options);
+/// -v and -q, behind --threads where it has any, and the example in the help.
+void finish_options(CLI::App& app, RunOptions& options, const std::string& footer, bool has_threads);
+/// The same, and what the command does when it is chosen: run(*command).
+template <class Command, class Run>
+void finish_command(CLI::App& app, const std::shared_ptr<Command>& command, const Run& run,
+                    const std::string& footer, bool has_threads = true) {
+  finish_options(app, command->run, footer, has_threads);
+  app.callback([command, run] { run(*command); });
+}
 /// Warnings go to stderr; with -v so does each phase as it ends, with its time.
 [[nodiscard]] Context make_context(const RunOptions& options);
 /// Prints to stdout, or to stderr. What cannot be printed is lost: results matter more; the end of main()
@@ -64,6 +70,15 @@ void print_warning(std::string_view text);
                                         const ImageCuts& cuts, std::vector<CutPlane>& planes,
                                         Context& context);
 
+/// The positional argument of a command that reads a volume mesh, -o of one that writes one, and --surface of
+/// one that can write its boundary, too.
+void add_mesh_argument(CLI::App& command, std::string& path, const std::string& name = "mesh");
+void add_mesh_output(CLI::App& command, std::string& path);
+void add_surface_output(CLI::App& command, std::string& path);
+/// --unit and --out-unit.
+void add_unit_option(CLI::App& command, std::string& unit);
+void add_out_unit_option(CLI::App& command, std::string& unit);
+
 /// --name, of commands that make meshes; texts for renaming_from().
 void add_name_option(CLI::App& command, std::vector<std::string>& names);
 
@@ -86,6 +101,10 @@ void check_output_folders(std::initializer_list<std::string> paths);
 
 /// @throws Error{kUsage} if an output would replace an input; empty names are not wanted ones.
 void check_inputs_stay(std::initializer_list<std::string> outputs, const std::vector<std::string>& inputs);
+
+/// Both of these checks of all outputs, and that they do not replace other images that a selection reads.
+void check_files(std::initializer_list<std::string> outputs, const std::vector<std::string>& inputs,
+                 const ImageSelection& selection = {});
 
 /// What a mesh says of its making: program, command, the options given that change the mesh, input and its
 /// hash.

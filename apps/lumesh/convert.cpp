@@ -82,14 +82,10 @@ void add_convert_command(CLI::App& program) {
       ->capture_default_str();
   sub->add_option("--compat", command->compat, "Also name the label array as this program does")
       ->check(CLI::IsMember({"gmsh", "medit", "simvascular"}));
-  OptionList unit;
-  describe_unit(unit, command->unit);
-  add_options(*sub, unit);
+  add_unit_option(*sub, command->unit);
   sub->add_option("--out-unit", command->out_unit, "Unit of lengths in what is written; default: as they are")
       ->check(CLI::IsMember({"mm", "cm", "m", "um"}));
-  add_verbosity_options(*sub, command->run);
-  sub->footer("Example: lumesh convert case1.vtu case1.msh --msh-version 2.2");
-  sub->callback([command] { run(*command); });
+  finish_command(*sub, command, run, "Example: lumesh convert case1.vtu case1.msh --msh-version 2.2", false);
 }
 
 }  // namespace lumesh::cli

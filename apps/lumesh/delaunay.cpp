@@ -26,13 +26,16 @@ namespace lumesh::cli {
 namespace {
 
 struct DelaunayCommand {
-  const CLI::App* self = nullptr;
   std::string mesh_path, surface_path, json_path, out_unit = "mm";
   DomainInput input;
   OpeningOptions openings;
   DelaunayRequest request;
   double time_limit_s = std::numeric_limits<double>::infinity();
   RunOptions run;
+
+  [[nodiscard]] FrameParts frames() {
+    return {&input.selection, input.path, {&mesh_path, &surface_path, &json_path}};
+  }
 };
 
 nlohmann::ordered_json report_json(const DelaunayMesh& made, const OpeningsCompared& openings,
@@ -73,15 +76,13 @@ nlohmann::ordered_json report_json(const DelaunayMesh& made, const OpeningsCompa
 /// What can be said before anything is read.
 void check_options(DelaunayCommand& command) {
   command.request.validate();
-  check_domain_options(*command.self, command.input);
+  check_domain_options(*command.run.command, command.input);
   check_volume_output(command.mesh_path);
   check_surface_output(command.surface_path);
   const SizeRequest& sizes = command.request.sizes;
-  check_output_folders({command.mesh_path, command.surface_path, command.json_path});
-  check_inputs_stay({command.mesh_path, command.surface_path, command.json_path},
-                    {command.input.path, sizes.points, sizes.image, sizes.mesh, sizes.plugin_path()});
-  check_inputs_stay({command.mesh_path, command.surface_path, command.json_path},
-                    command.input.selection.other_files());
+  check_files({command.mesh_path, command.surface_path, command.json_path},
+              {command.input.path, sizes.points, sizes.image, sizes.mesh, sizes.plugin_path()},
+              command.input.selection);
 }
 
 void print_summary(const DelaunayCommand& command, const DomainRead& given, const DelaunayMesh& made,
@@ -93,20 +94,14 @@ void print_summary(const DelaunayCommand& command, const DomainRead& given, cons
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles\n", command.mesh_path,
       mesh.tet_count(), mesh.vertex_count(), faces.triangles.size());
   for (const std::string& line : closing_lines(given.closed)) say(command.run, "  {}\n", line);
-  for (std::size_t p = 0; p < mesh.info().patches.size(); ++p)
-    say(command.run, "  patch {:<20} {:>8} triangles{}\n", mesh.info().patches[p].name,
-        std::count(faces.patches.begin(), faces.patches.end(), static_cast<int>(p)),
-        opening_text(openings, mesh.info().patches[p].name));
+  say(command.run, "{}", patch_lines(mesh.info(), faces.patches, openings));
   if (!domain.fixed_points().empty())
     say(command.run, "  {} of the surface's {} vertices are vertices of the mesh\n",
         made.report.fixed_points_kept, domain.fixed_points().size());
   if (improved)
     say(command.run, "  dihedral angles {:.2f} to {:.2f} degrees (before improvement: {:.2f} to {:.2f})\n",
         improved->after.min_deg, improved->after.max_deg, improved->before.min_deg, improved->before.max_deg);
-  std::string times = "  time";
-  for (const PhaseTime& phase : context.phases())
-    if (phase.name != "pass") times += fmt::format("  {} {:.2f}", phase.name, phase.seconds);
-  say(command.run, "{}  total {:.2f} s\n", times, seconds);
+  say(command.run, "{}", time_line(context, seconds));
 }
 
 void run(DelaunayCommand command) {
@@ -128,20 +123,14 @@ void run(DelaunayCommand command) {
   DelaunayMesh made =
       naming(input_path, [&] { return make_delaunay_mesh(domain, command.request, sizing.get(), context); });
   TetMesh& mesh = made.mesh;
-  mesh.info().provenance = provenance_of(*command.self, input_path);
+  mesh.info().provenance = provenance_of(*command.run.command, input_path);
   const std::vector<std::string> without_name = rename_found(mesh.info(), renamings);
   const BoundaryFaces faces = mesh.boundary_faces();
   const bool is_complete = made.is_complete;
-  command.mesh_path = long_run.begin_writing(command.mesh_path, is_complete);
-  command.surface_path = long_run.begin_writing(command.surface_path, is_complete);
-  command.json_path = long_run.begin_writing(command.json_path, is_complete);
-  context.phase("write", [&] {
-    MeshView view = mesh.view(faces);
-    view.metric = {};  // What improvement works with says nothing.
-    const MeshInUnit written(view, command.out_unit);
-    write_mesh(command.mesh_path, written.view());
-    if (!command.surface_path.empty()) write_surface(command.surface_path, written.view());
-  });
+  long_run.begin_writing({&command.mesh_path, &command.surface_path, &command.json_path}, is_complete);
+  MeshView view = mesh.view(faces);
+  view.metric = {};  // What improvement works with says nothing.
+  write_with_surface(view, command.out_unit, command.mesh_path, command.surface_path, context);
   for (const std::string& note : made.report.notes) context.warn(note);
   if (!given.closed_vessels.empty()) context.warn(given.closed_vessels);
   if (given.shape)
@@ -165,10 +154,7 @@ void add_delaunay_command(CLI::App& program) {
   const auto command = std::make_shared<DelaunayCommand>();
   CLI::App* sub = program.add_subcommand(
       "delaunay", "Mesh a segmented image, or the inside of a surface, by Delaunay refinement");
-  command->self = sub;
-  sub->add_option("-o,--output", command->mesh_path,
-                  "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
-      ->required();
+  add_mesh_output(*sub, command->mesh_path);
   add_options_of(*sub, command->request);
   OptionList cells, execution;
   describe_cells_per_diameter(cells, command->request.sizes.cells_per_diameter);
@@ -177,26 +163,15 @@ void add_delaunay_command(CLI::App& program) {
   describe_execution(execution, improvement.execution, improvement.team);
   add_options(*sub, execution);
   add_topology_option(*sub, improvement.team);
-  sub->add_option("--surface", command->surface_path,
-                  "Also write the boundary (" + formats_for(MeshUse::kWriteSurface) + ")");
+  add_surface_output(*sub, command->surface_path);
   sub->add_option("--json", command->json_path, "Write times, rounds and angles as JSON");
   add_domain_options(*sub, command->input);
-  OptionList unit;
-  describe_out_unit(unit, command->out_unit);
-  add_options(*sub, unit);
+  add_out_unit_option(*sub, command->out_unit);
   add_opening_options(*sub, command->openings);
   add_time_limit_option(*sub, command->time_limit_s);
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer("Example: lumesh delaunay case1.nrrd -o case1.vtu --edge-length 1.5");
-  sub->callback([command] {
-    run_frames(
-        *command, command->input.path,
-        [](DelaunayCommand& c) {
-          return FrameParts{&c.input.selection, {&c.mesh_path, &c.surface_path, &c.json_path}};
-        },
-        [](const DelaunayCommand& one) { run(one); });
-  });
+  finish_command(
+      *sub, command, [](const DelaunayCommand& c) { run_frames(c, run); },
+      "Example: lumesh delaunay case1.nrrd -o case1.vtu --edge-length 1.5");
 }
 
 }  // namespace lumesh::cli

@@ -2,9 +2,13 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 #include "option_adapter.hpp"
@@ -18,9 +22,7 @@ void add_domain_options(CLI::App& command, DomainInput& input) {
           std::string("Label image ") + kImageFormats + ", or surface (" + formats_for(MeshUse::kRead) + ")")
       ->required();
   add_options_of(command, input.selection);
-  OptionList unit;
-  describe_unit(unit, input.selection.unit);
-  add_options(command, unit);
+  add_unit_option(command, input.selection.unit);
   add_options_of(command, input.cuts);
   add_options_of(command, input.field);
   add_options_of(command, input.surface);
@@ -74,11 +76,50 @@ OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain,
   return compared;
 }
 
-std::string opening_text(const OpeningsCompared& openings, const std::string& patch) {
-  for (const OpeningInMesh& o : openings.openings)
-    if (o.patches == patch)
-      return fmt::format("  {:.4g} mm² (input {:.4g})", o.mesh_area_mm2, o.opening.area_mm2);
-  return "";
+std::string patch_lines(const MeshInfo& info, std::span<const std::int32_t> patches,
+                        const OpeningsCompared& openings) {
+  std::string lines;
+  for (std::size_t p = 0; p < info.patches.size(); ++p) {
+    const std::string& name = info.patches[p].name;
+    lines += fmt::format("  patch {:<20} {:>8} triangles", name,
+                         std::count(patches.begin(), patches.end(), static_cast<std::int32_t>(p)));
+    for (const OpeningInMesh& o : openings.openings)
+      if (o.patches == name) {
+        lines += fmt::format("  {:.4g} mm² (input {:.4g})", o.mesh_area_mm2, o.opening.area_mm2);
+        break;
+      }
+    lines += '\n';
+  }
+  return lines;
+}
+
+std::string time_line(const Context& context, double seconds) {
+  std::string times = "  time";
+  for (const PhaseTime& phase : context.phases())
+    if (phase.name != "pass") times += fmt::format("  {} {:.2f}", phase.name, phase.seconds);
+  return fmt::format("{}  total {:.2f} s\n", times, seconds);
+}
+
+void write_with_surface(const MeshView& mesh, const std::string& unit, const std::string& mesh_path,
+                        const std::string& surface_path, Context& context) {
+  context.phase("write", [&] {
+    const MeshInUnit written(mesh, unit);
+    write_mesh(mesh_path, written.view());
+    if (!surface_path.empty()) write_surface(surface_path, written.view());
+  });
+}
+
+DomainRead with_openings(std::shared_ptr<const ImageDomain> domain, const LabelImage& image,
+                         const DomainInput& input, Context& context) {
+  DomainRead read{std::move(domain)};
+  read.openings = context.phase("openings", [&] { return find_openings(*read.domain); });
+  for (const std::string& doubt : doubts_about_sections(image, read.openings)) context.warn(doubt);
+  if (input.needs_axes)
+    read.axes = context.phase(
+        "axes", [&] { return naming(input.path, [&] { return extract_centerline(image, {}, context); }); });
+  read.closed_vessels =
+      context.phase("ends", [&] { return closed_vessel_warning(image, read.openings, context); });
+  return read;
 }
 
 DomainRead read_domain(const DomainInput& input, Context& context) {
@@ -103,15 +144,9 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
   std::vector<CutPlane> planes;
   LabelImage image = read_cut_image(input.path, input.selection, input.cuts, planes, context);
   // The domain first: it refuses noise, whose shape takes long to tell.
-  DomainRead read{
-      naming(input.path, [&] { return domain_of_cut(image, planes, input.cuts, input.field, context); })};
-  read.openings = context.phase("openings", [&] { return find_openings(*read.domain); });
-  for (const std::string& doubt : doubts_about_sections(image, read.openings)) context.warn(doubt);
-  if (input.needs_axes)
-    read.axes = context.phase(
-        "axes", [&] { return naming(input.path, [&] { return extract_centerline(image, {}, context); }); });
-  read.closed_vessels =
-      context.phase("ends", [&] { return closed_vessel_warning(image, read.openings, context); });
+  auto domain =
+      naming(input.path, [&] { return domain_of_cut(image, planes, input.cuts, input.field, context); });
+  DomainRead read = with_openings(std::move(domain), image, input, context);
   if (planes.empty()) read.shape = context.phase("shape", [&] { return shape_of(image); });
   return read;
 }

@@ -38,6 +38,10 @@ struct DomainRead {
   std::vector<surfaces::ClosedRim> closed = {};  ///< What was closed of a surface.
 };
 
+/// Finds the openings of an image's domain, and warns of those that its voxels do not show.
+[[nodiscard]] DomainRead with_openings(std::shared_ptr<const ImageDomain> domain, const LabelImage& image,
+                                       const DomainInput& input, Context& context);
+
 /// @throws Error{kBadInput} that names the file.
 [[nodiscard]] DomainRead read_domain(const DomainInput& input, Context& context);
 
@@ -64,7 +68,14 @@ void add_opening_options(CLI::App& command, OpeningOptions& options);
 void require_openings(const OpeningOptions& options, const std::string& path,
                       const OpeningsCompared& openings, const std::vector<std::string>& without_name);
 
-/// For the line of a patch: its area and the image's, where it is an opening.
-[[nodiscard]] std::string opening_text(const OpeningsCompared& openings, const std::string& patch);
+/// A line for each patch, with its area and the image's where it is an opening.
+[[nodiscard]] std::string patch_lines(const MeshInfo& info, std::span<const std::int32_t> patches,
+                                      const OpeningsCompared& openings);
+/// A line on the time that each step took, but for single passes.
+[[nodiscard]] std::string time_line(const Context& context, double seconds);
+
+/// Writes a mesh in a unit, and its boundary where that is wanted.
+void write_with_surface(const MeshView& mesh, const std::string& unit, const std::string& mesh_path,
+                        const std::string& surface_path, Context& context);
 
 }  // namespace lumesh::cli

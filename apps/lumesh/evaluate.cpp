@@ -95,21 +95,18 @@ void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
 }
 
 void run(const EvaluateCommand& command) {
-  const Interruptible interruptible;
-  const parallel::ThreadLimit limit(command.run.threads);
+  CommandRun session(command.run);
+  Context& context = session.context;
   command.cuts.validate();
-  check_output_folders({command.json_path, command.report_path, command.picture_path});
-  check_inputs_stay({command.json_path, command.report_path, command.picture_path},
-                    {command.mesh_path, command.image_path, command.centerline_path, command.reference_path});
-  check_inputs_stay({command.json_path, command.report_path, command.picture_path},
-                    command.selection.other_files());
+  check_files({command.json_path, command.report_path, command.picture_path},
+              {command.mesh_path, command.image_path, command.centerline_path, command.reference_path},
+              command.selection);
   if (!command.centerline_path.empty() && command.image_path.empty())
     throw Error(ErrorKind::kUsage, "--centerline is for the comparison with an image; give --image, too");
   if (!command.reference_path.empty() && !command.cuts.is_whole())
     throw Error(ErrorKind::kUsage,
                 "--reference is of the whole object, which --cut-at, --clip-ends and --extend leave no more; "
                 "leave one of them out");
-  Context context = make_context(command.run);
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);
   quality::EvaluationInput input;
@@ -163,9 +160,7 @@ void add_evaluate_command(CLI::App& program) {
   sub->add_option("mesh", command->mesh_path, "Mesh (" + formats_for(MeshUse::kReadVolume) + ")")->required();
   sub->add_option("--image", command->image_path, "Label image the mesh was made from");
   add_options_of(*sub, command->selection);
-  OptionList unit;
-  describe_unit(unit, command->selection.unit);
-  add_options(*sub, unit);
+  add_unit_option(*sub, command->selection.unit);
   sub->get_option("--unit")->needs("--image");
   add_options_of(*sub, command->cuts);
   for (const char* option : {"--cut-at", "--clip-ends", "--extend"})
@@ -181,12 +176,10 @@ void add_evaluate_command(CLI::App& program) {
                   "Exit with 3 unless every dihedral angle lies between these two, degrees")
       ->expected(2);
   sub->add_flag("--times", command->times, "Print how long each step took");
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer(
+  finish_command(
+      *sub, command, run,
       "Exit code 3 if the mesh is invalid, after everything was written.\n"
       "Example: lumesh evaluate case1.vtu --image case1.nrrd --json case1.json --report case1.html");
-  sub->callback([command] { run(*command); });
 }
 
 }  // namespace lumesh::cli

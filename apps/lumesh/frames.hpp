@@ -13,22 +13,23 @@ namespace lumesh::cli {
 /// name.
 [[nodiscard]] std::string numbered(const std::string& path, std::size_t frame);
 
-/// What differs between the frames of a command.
+/// What differs between the frames of a command, and the image that has them.
 struct FrameParts {
   ImageSelection* selection;
+  std::string image;
   std::vector<std::string*> outputs;
 };
 
 /// Calls run(command) once, or, where all frames are wanted, for each frame of the image.
-/// @param parts_of  FrameParts of a command.
-template <class Command, class PartsOf, class Run>
-void run_frames(const Command& command, const std::string& image, const PartsOf& parts_of, const Run& run) {
-  Command first = command;
-  if (!parts_of(first).selection->all_frames || is_mesh_file(image)) return run(command);
-  const std::size_t count = count_frames(image);
+/// @param command  Has frames().
+template <class Command, class Run>
+void run_frames(Command command, const Run& run) {
+  const FrameParts first = command.frames();
+  if (!first.selection->all_frames || is_mesh_file(first.image)) return run(command);
+  const std::size_t count = count_frames(first.image);
   for (std::size_t frame = 0; frame < count; ++frame) {
     Command one = command;
-    const FrameParts parts = parts_of(one);
+    const FrameParts parts = one.frames();
     parts.selection->all_frames = false;
     parts.selection->frame = static_cast<double>(frame);
     for (std::string* output : parts.outputs) *output = numbered(*output, frame);

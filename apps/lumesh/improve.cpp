@@ -25,7 +25,6 @@ namespace lumesh::cli {
 namespace {
 
 struct ImproveCommand {
-  const CLI::App* self = nullptr;
   std::string mesh_path, output_path, metric_path, json_path;
   std::vector<std::string> keep;
   bool ignores_sizes = false;
@@ -86,14 +85,13 @@ void run(ImproveCommand command) {
   command.options.team.threads = threads_of(command.run);
 
   const ImproveReport report = improve(mesh, command.options, context);
-  mesh.info().provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
+  mesh.info().provenance = provenance_of(*command.run.command, command.mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   const MixedMesh whole =
       kept ? context.phase("put back", [&] { return kept->put_back(mesh); }) : MixedMesh();
   MeshView view = kept ? whole.view() : mesh.view(faces);
   if (!command.options.sizes) view.metric = {};  // What improvement works with says nothing.
-  command.output_path = long_run.begin_writing(command.output_path, report.complete);
-  command.json_path = long_run.begin_writing(command.json_path, report.complete);
+  long_run.begin_writing({&command.output_path, &command.json_path}, report.complete);
   context.phase("write", [&] { write_mesh(command.output_path, view); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
@@ -115,12 +113,8 @@ void run(ImproveCommand command) {
 void add_improve_command(CLI::App& program) {
   const auto command = std::make_shared<ImproveCommand>();
   CLI::App* sub = program.add_subcommand("improve", "Raise the worst dihedral angles of a tetrahedral mesh");
-  command->self = sub;
-  sub->add_option("mesh", command->mesh_path, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")
-      ->required();
-  sub->add_option("-o,--output", command->output_path,
-                  "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
-      ->required();
+  add_mesh_argument(*sub, command->mesh_path);
+  add_mesh_output(*sub, command->output_path);
   sub->add_option(
       "-m,--metric", command->metric_path,
       "Sizes that edges are to keep to (.sol, .solb), the same in all directions; default: the mesh's own");
@@ -131,10 +125,7 @@ void add_improve_command(CLI::App& program) {
   add_keep_option(*sub, command->keep)->excludes("--metric");
   sub->add_option("--json", command->json_path, "Write angles and counts of operators per pass as JSON");
   add_time_limit_option(*sub, command->time_limit_s);
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer("Example: lumesh improve case1.vtu -o improved.vtu");
-  sub->callback([command] { run(*command); });
+  finish_command(*sub, command, run, "Example: lumesh improve case1.vtu -o improved.vtu");
 }
 
 }  // namespace lumesh::cli

@@ -254,9 +254,8 @@ json describe_image_file(const InfoCommand& command, Context& context) {
 
 void run(const InfoCommand& command) {
   command.cuts.validate();
-  const Interruptible interruptible;
-  const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   const json all = is_mesh_file(command.path) ? describe_mesh_file(command, context)
                                               : describe_image_file(command, context);
   if (command.run.quiet > 0 && command.as_json == 0) return;
@@ -274,15 +273,10 @@ void add_info_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("info", "Say what an image or a mesh holds");
   sub->add_option("file", command->path, std::string("Image ") + kImageFormats + " or mesh")->required();
   add_options_of(*sub, command->selection);
-  OptionList unit;
-  describe_unit(unit, command->selection.unit);
-  add_options(*sub, unit);
+  add_unit_option(*sub, command->selection.unit);
   add_options_of(*sub, command->cuts);
   sub->add_flag("--json", command->as_json, "Print JSON");
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer("Example: lumesh info case1.nrrd");
-  sub->callback([command] { run(*command); });
+  finish_command(*sub, command, run, "Example: lumesh info case1.nrrd");
 }
 
 }  // namespace lumesh::cli

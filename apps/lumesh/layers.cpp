@@ -20,7 +20,6 @@ namespace lumesh::cli {
 namespace {
 
 struct LayersCommand {
-  const CLI::App* self = nullptr;
   std::string mesh_path, output_path, json_path, report_path;
   LayerRequest request;
   ExtensionOptions extension;
@@ -48,7 +47,7 @@ void write_reports(const LayersCommand& command, const MixedMesh& mesh, const re
 void run_extension(const LayersCommand& command, const MixedMesh& input, Context& context) {
   MixedMesh mesh = input;
   extend_mesh(mesh, command.mesh_path, command.extension, command.request.options.cells, context);
-  mesh.info.provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
+  mesh.info.provenance = provenance_of(*command.run.command, command.mesh_path, input.info.provenance);
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view()); });
   say(command.run, "{}: {} cells more, {} in all\n", command.output_path,
       mesh.view().cell_count() - input.view().cell_count(), mesh.view().cell_count());
@@ -65,9 +64,8 @@ void check_wanted(const LayersCommand& command) {
 }
 
 void run(const LayersCommand& command) {
-  const Interruptible interruptible;
-  const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   check_wanted(command);
   command.extension.validate();
   check_volume_output(command.output_path);
@@ -86,7 +84,7 @@ void run(const LayersCommand& command) {
                                   of_input.smallest_dihedral_deg.value);
   });
   extend_mesh(result.mesh, command.mesh_path, command.extension, options.cells, context);
-  result.mesh.info.provenance = provenance_of(*command.self, command.mesh_path, input.info.provenance);
+  result.mesh.info.provenance = provenance_of(*command.run.command, command.mesh_path, input.info.provenance);
   context.phase("write", [&] { write_mesh(command.output_path, result.mesh.view()); });
   say(command.run, "{}", report::coverage_text(layers.report));
   say(command.run,
@@ -105,9 +103,7 @@ void run(const LayersCommand& command) {
 void add_layers_command(CLI::App& program) {
   const auto command = std::make_shared<LayersCommand>();
   CLI::App* sub = program.add_subcommand("layers", "Grow boundary layers out of the surface of a mesh");
-  command->self = sub;
-  sub->add_option("mesh", command->mesh_path, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")
-      ->required();
+  add_mesh_argument(*sub, command->mesh_path);
   sub->add_option("-o,--output", command->output_path,
                   "Mesh with its layers to write (" + formats_for(MeshUse::kWriteVolume) + ")")
       ->required();
@@ -120,12 +116,10 @@ void add_layers_command(CLI::App& program) {
       "AFLR's name of --cells prisms");
   sub->add_option("--json", command->json_path, "Write what was achieved as JSON");
   sub->add_option("--report", command->report_path, "Write it as a page with pictures (.html)");
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer(
+  finish_command(
+      *sub, command, run,
       "Example: lumesh layers vessel.vtu --patch wall --first-height 0.1 --growth 1.2 --count 5 -o "
       "layered.vtu");
-  sub->callback([command] { run(*command); });
 }
 
 }  // namespace lumesh::cli

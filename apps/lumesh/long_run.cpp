@@ -55,6 +55,26 @@ void remove_unfinished_files() {
   end_with("no mesh was written, and no unfinished file is left");
 }
 
+/// The path, or one beside another result that is there already.
+std::string partial_path(const std::string& path) {
+  namespace fs = std::filesystem;
+  const fs::path target(path);
+  const bool is_case = target.extension() == ".foam";  // Its mesh is the folder constant/polyMesh beside it.
+  const fs::path result = is_case ? target.parent_path() / "constant" / "polyMesh" : target;
+  const bool is_folder = fs::is_directory(result);
+  if (!is_folder && !fs::is_regular_file(result)) return path;
+  for (int number = 1;; ++number) {
+    const std::string word = number == 1 ? "partial" : fmt::format("partial-{}", number);
+    const std::string beside =
+        is_folder ? word : fmt::format("{}.{}{}", target.stem().string(), word, target.extension().string());
+    const fs::path free = target.parent_path() / beside;
+    if (fs::exists(free)) continue;
+    if (!is_folder) return free.string();
+    fs::create_directories(free);
+    return (free / target.filename()).string();
+  }
+}
+
 }  // namespace
 
 Interruptible::Interruptible() : cancellation_({.patience_s = 0, .give_up = give_up}) {}
@@ -78,24 +98,10 @@ LongRun::LongRun(Context& context, const RunOptions& options, double limit_s)
   });
 }
 
-std::string LongRun::begin_writing(const std::string& path, bool complete) {
+void LongRun::begin_writing(std::initializer_list<std::string*> paths, bool complete) {
   cancellation_.finish();
-  namespace fs = std::filesystem;
-  const fs::path target(path);
-  const bool is_case = target.extension() == ".foam";  // Its mesh is the folder constant/polyMesh beside it.
-  const fs::path result = is_case ? target.parent_path() / "constant" / "polyMesh" : target;
-  const bool is_folder = fs::is_directory(result);
-  if (complete || !(is_folder || fs::is_regular_file(result))) return path;
-  for (int number = 1;; ++number) {
-    const std::string word = number == 1 ? "partial" : fmt::format("partial-{}", number);
-    const std::string beside =
-        is_folder ? word : fmt::format("{}.{}{}", target.stem().string(), word, target.extension().string());
-    const fs::path free = target.parent_path() / beside;
-    if (fs::exists(free)) continue;
-    if (!is_folder) return free.string();
-    fs::create_directories(free);
-    return (free / target.filename()).string();
-  }
+  if (complete) return;
+  for (std::string* path : paths) *path = partial_path(*path);
 }
 
 std::string LongRun::reason(bool complete) const {

@@ -6,6 +6,7 @@
 
 #include "common.hpp"
 #include "lumesh/parallel/cancellation_source.hpp"
+#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::cli {
 
@@ -22,6 +23,15 @@ class Interruptible {
   parallel::CancellationSource cancellation_;
 };
 
+/// What a command runs in, made before anything else; long ones have a LongRun.
+struct CommandRun {
+  Interruptible interruptible;
+  parallel::ThreadLimit limit;
+  Context context;
+
+  explicit CommandRun(const RunOptions& options) : limit(options.threads), context(make_context(options)) {}
+};
+
 /// While it lives, the context is cancelled when the time is up or on Ctrl-C, and a terminal shows how much
 /// of the work is done. Work that does not end in good order within a second of Ctrl-C, and has not begun to
 /// write results, ends as in Interruptible. Make it before the first parallel work.
@@ -31,9 +41,9 @@ class LongRun {
   LongRun(const LongRun&) = delete;
   LongRun& operator=(const LongRun&) = delete;
 
-  /// Where to write what there is, from now on: the path, but beside it if the run is not complete and
-  /// another result is there already.
-  [[nodiscard]] std::string begin_writing(const std::string& path, bool complete);
+  /// From now on results are written: each path stays, but becomes one beside it if the run is not complete
+  /// and another result is there already.
+  void begin_writing(std::initializer_list<std::string*> paths, bool complete);
 
   /// Why a run is not complete, for the beginning of a line; empty if it is.
   [[nodiscard]] std::string reason(bool complete) const;

@@ -21,7 +21,6 @@ namespace lumesh::cli {
 namespace {
 
 struct MergeCommand {
-  const CLI::App* self = nullptr;
   std::vector<std::string> paths;
   std::string output_path, json_path, equal_labels = "by-name";
   MergeOptions options;
@@ -75,9 +74,8 @@ std::string report_json(const MergeReport& report, const std::vector<std::string
 }
 
 void run(MergeCommand command) {
-  const Interruptible interruptible;
-  const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   check_volume_output(command.output_path);
   check_output_folders({command.output_path, command.json_path});
   for (const std::string& path : command.paths) check_inputs_stay({command.output_path}, {path});
@@ -88,7 +86,8 @@ void run(MergeCommand command) {
   for (std::size_t p = 0; p < meshes.size(); ++p) parts.push_back({&meshes[p], command.paths[p]});
   MergeResult result = context.phase("merge", [&] { return merge_meshes(parts, command.options); });
   MixedMesh& mesh = result.mesh;
-  mesh.info.provenance = provenance_of(*command.self, command.paths.front(), meshes.front().info.provenance);
+  mesh.info.provenance =
+      provenance_of(*command.run.command, command.paths.front(), meshes.front().info.provenance);
   context.phase("check", [&] { warn_of_problems(mesh, command.output_path, context); });
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view()); });
   const MergeReport& report = result.report;
@@ -108,13 +107,10 @@ void run(MergeCommand command) {
 void add_merge_command(CLI::App& program) {
   const auto command = std::make_shared<MergeCommand>();
   CLI::App* sub = program.add_subcommand("merge", "Join meshes that touch into one conforming mesh");
-  command->self = sub;
   sub->add_option("meshes", command->paths,
                   "Two or more meshes to read (" + formats_for(MeshUse::kReadVolume) + ")")
       ->required();
-  sub->add_option("-o,--output", command->output_path,
-                  "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
-      ->required();
+  add_mesh_output(*sub, command->output_path);
   sub->add_option("--tolerance", command->options.tolerance,
                   "Points of the surfaces no farther apart are one, in the mesh's unit; default: 2e-6 of the "
                   "largest coordinate, at most a tenth of the shortest edge");
@@ -126,10 +122,7 @@ void add_merge_command(CLI::App& program) {
   sub->add_flag("--allow-gaps", command->options.surfaces_match,
                 "Take surfaces that nearly lie on each other for thin gaps between the meshes");
   sub->add_option("--json", command->json_path, "Write what was joined as JSON");
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer("Example: lumesh merge lumen.vtu wall.vtu -o vessel.vtu");
-  sub->callback([command] { run(*command); });
+  finish_command(*sub, command, run, "Example: lumesh merge lumen.vtu wall.vtu -o vessel.vtu");
 }
 
 }  // namespace lumesh::cli

@@ -22,7 +22,6 @@ namespace lumesh::cli {
 namespace {
 
 struct MetricCommand {
-  const CLI::App* self = nullptr;
   std::string mesh_path, output_path;
   metric::MetricRequest request;
   std::string image_path;    ///< Whose boundary bends; none: the mesh's own.
@@ -95,9 +94,8 @@ MixedMesh with_metric(const MixedMesh& whole, const KeptCells& kept, const TetMe
 }
 
 void run(MetricCommand command) {
-  const Interruptible interruptible;
-  const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   check_output_folders({command.output_path});
   const bool alone = is_metric_file(command.output_path);
   if (!alone && !is_for(command.output_path, MeshUse::kCarryMetric))
@@ -116,7 +114,7 @@ void run(MetricCommand command) {
   const std::vector<SymTensor> wanted = metric::requested_metric(mesh, command.request, data, context);
   const double complexity =
       context.phase("limits", [&] { return metric::shape_metric(mesh, wanted, limits); });
-  mesh.info().provenance = provenance_of(*command.self, mesh_path, input.info.provenance);
+  mesh.info().provenance = provenance_of(*command.run.command, mesh_path, input.info.provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   const MixedMesh whole = kept ? with_metric(input, *kept, mesh) : MixedMesh();
   context.phase("write", [&] {
@@ -137,9 +135,7 @@ void run(MetricCommand command) {
 void add_metric_command(CLI::App& program) {
   const auto command = std::make_shared<MetricCommand>();
   CLI::App* sub = program.add_subcommand("metric", "Give every vertex of a mesh a metric tensor");
-  command->self = sub;
-  sub->add_option("mesh", command->mesh_path, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")
-      ->required();
+  add_mesh_argument(*sub, command->mesh_path);
   sub->add_option("-o,--output", command->output_path,
                   "Mesh with the metric to write (" + formats_for(MeshUse::kCarryMetric) +
                       "), or the metric alone (" + formats_for(MeshUse::kMetricAlone) + ")")
@@ -153,12 +149,10 @@ void add_metric_command(CLI::App& program) {
   for (const Option& option : of_image.all()) sub->get_option(flag_of(option.name))->needs("--image");
   // Their rows are those of all points.
   add_keep_option(*sub, command->keep)->excludes("--metric")->excludes("--hessian");
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer(
+  finish_command(
+      *sub, command, run,
       "Example: lumesh metric vessel.vtu --points centerline.vtp --gradation 1.3 --complexity 180000 -o "
       "vessel_metric.vtu");
-  sub->callback([command] { run(*command); });
 }
 
 }  // namespace lumesh::cli

@@ -82,13 +82,12 @@ void print_summary(const PhantomCommand& command, const Phantom& phantom, const 
 }
 
 void run(const PhantomCommand& command) {
-  const Interruptible interruptible;
-  const parallel::ThreadLimit limit(command.run.threads);
+  CommandRun session(command.run);
+  Context& context = session.context;
   const std::filesystem::path parameters =
       command.parameters_path.empty() ? parameters_beside(command.image_path) : command.parameters_path;
   check_output_folders(
       {command.image_path, parameters.string(), command.centerline_path, command.velocity_path});
-  Context context = make_context(command.run);
   const Phantom phantom(make_spec(command));
   const Polylines centerline = centerline_of(phantom);
   const Polylines velocity = velocity_of(phantom);
@@ -140,11 +139,9 @@ void add_phantom_command(CLI::App& program) {
   sub->add_option("--centerline", command->centerline_path,
                   "Also write the centerline with its radius (.vtp)");
   sub->add_option("--velocity", command->velocity_path, "Also write streamlines with velocity in m/s (.vtp)");
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer(
+  finish_command(
+      *sub, command, run,
       "Example: lumesh phantom carotid -o case1.nrrd --centerline centerline.vtp --velocity flow.vtp");
-  sub->callback([command] { run(*command); });
 }
 
 }  // namespace lumesh::cli

@@ -39,16 +39,14 @@ void run(const RenameCommand& command) {
 void add_rename_command(CLI::App& program) {
   const auto command = std::make_shared<RenameCommand>();
   CLI::App* sub = program.add_subcommand("rename", "Give patches of a mesh other names and kinds");
-  sub->add_option("from", command->from, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")
-      ->required();
-  sub->add_option("-o,--output", command->to, "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
-      ->required();
+  add_mesh_argument(*sub, command->from, "from");
+  add_mesh_output(*sub, command->to);
   add_name_option(*sub, command->names);
   sub->get_option("--name")->required();
-  add_verbosity_options(*sub, command->run);
-  sub->footer(
-      "Example: lumesh rename case1.vtu -o named.vtu --name inlet_1=aorta:inlet --name 12.5,40,-3=left_ica");
-  sub->callback([command] { run(*command); });
+  finish_command(
+      *sub, command, run,
+      "Example: lumesh rename case1.vtu -o named.vtu --name inlet_1=aorta:inlet --name 12.5,40,-3=left_ica",
+      false);
 }
 
 }  // namespace lumesh::cli

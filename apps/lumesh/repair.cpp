@@ -22,7 +22,6 @@ namespace {
 using json = nlohmann::ordered_json;
 
 struct RepairCommand {
-  const CLI::App* self = nullptr;
   std::string from, to, json_path;
   RepairRequest request;
   RunOptions run;
@@ -84,12 +83,10 @@ void say_what_was_done(const RepairCommand& command, const RepairOutcome& outcom
 }
 
 void run(RepairCommand command) {
-  const Interruptible interruptible;
-  const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   check_surface_output(command.to);
-  check_output_folders({command.to, command.json_path});
-  check_inputs_stay({command.to, command.json_path}, {command.from});
+  check_files({command.to, command.json_path}, {command.from});
   command.request.in_single_precision = command.to.ends_with(".stl");
   const MixedMesh surface =
       context.phase("read", [&] { return as_surface(read_mesh(command.from), command.from); });
@@ -97,7 +94,8 @@ void run(RepairCommand command) {
   RepairOutcome outcome = naming(command.from, [&] {
     return context.phase("repair", [&] { return repair_surface(surface, command.request, context); });
   });
-  outcome.surface.info.provenance = provenance_of(*command.self, command.from, surface.info.provenance);
+  outcome.surface.info.provenance =
+      provenance_of(*command.run.command, command.from, surface.info.provenance);
   context.phase("write", [&] { write_surface(command.to, outcome.surface.view()); });
   if (!command.json_path.empty()) write_text_file(command.json_path, to_json(outcome).dump(2) + "\n");
   say_what_was_done(command, outcome);
@@ -108,17 +106,13 @@ void run(RepairCommand command) {
 void add_repair_command(CLI::App& program) {
   const auto command = std::make_shared<RepairCommand>();
   CLI::App* sub = program.add_subcommand("repair", "Make a surface with faults one that can be meshed");
-  command->self = sub;
   sub->add_option("from", command->from, "Surface to read (" + formats_for(MeshUse::kRead) + ")")->required();
   sub->add_option("-o,--output", command->to,
                   "Surface to write (" + formats_for(MeshUse::kWriteSurface) + ")")
       ->required();
   add_options_of(*sub, command->request);
   sub->add_option("--json", command->json_path, "Write what was done as JSON");
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer("Example: lumesh repair scanned.stl -o sound.vtp");
-  sub->callback([command] { run(*command); });
+  finish_command(*sub, command, run, "Example: lumesh repair scanned.stl -o sound.vtp");
 }
 
 }  // namespace lumesh::cli

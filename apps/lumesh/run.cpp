@@ -17,7 +17,6 @@ namespace lumesh::cli {
 namespace {
 
 struct RunCommand {
-  const CLI::App* self = nullptr;
   std::string case_path, folder;
   std::vector<std::string> settings;
   bool only_predicts = false, resumes = false, keeps_checkpoints = false;
@@ -30,7 +29,7 @@ Case case_of(const RunCommand& command) {
   Case c = read_case(command.case_path, command.settings);
   if (!command.folder.empty())
     c.output.folder = std::filesystem::absolute(command.folder).lexically_normal().string();
-  if (command.self->get_option("--threads")->count() > 0) c.run.threads = command.run.threads;
+  if (command.run.command->get_option("--threads")->count() > 0) c.run.threads = command.run.threads;
   if (std::isfinite(command.time_limit_s)) c.run.time_limit_s = command.time_limit_s;
   c.run.checkpoints = c.run.checkpoints || command.keeps_checkpoints || command.resumes;
   return c;
@@ -79,8 +78,10 @@ void run(const RunCommand& command, const Case& c) {
   long_run.check_complete(result.complete, result.folder + " holds the best mesh so far");
 }
 
-/// Each frame has a folder of its own in that of the case.
-void run_all_frames(const RunCommand& command, const Case& c) {
+/// Each frame, where all are wanted, has a folder of its own in that of the case.
+void run_frames_of_case(const RunCommand& command) {
+  const Case c = case_of(command);
+  if (!c.input.selection.all_frames) return run(command, c);
   const std::size_t count = count_frames(c.input.image);
   const std::filesystem::path folder =
       c.output.folder.empty() ? std::filesystem::absolute(c.name) : std::filesystem::path(c.output.folder);
@@ -100,7 +101,6 @@ void add_run_command(CLI::App& program) {
   const auto command = std::make_shared<RunCommand>();
   CLI::App* sub =
       program.add_subcommand("run", "Run a whole case: from the image to the adapted mesh and its report");
-  command->self = sub;
   sub->add_option("case", command->case_path, "Case file (.toml)")->required();
   sub->add_option("-o,--output", command->folder, "Folder for all files; default: the case's name");
   sub->add_option("--set", command->settings, "SECTION.KEY=VALUE, such as metric.k=30; may be repeated")
@@ -113,16 +113,8 @@ void add_run_command(CLI::App& program) {
                 "Take stages from checkpoints whose input and settings are the same; keeps checkpoints, too")
       ->excludes(dry);
   add_time_limit_option(*sub, command->time_limit_s);
-  add_threads_option(*sub, command->run);
-  add_verbosity_options(*sub, command->run);
-  sub->footer("Example: lumesh run examples/case1_carotid.toml -o case1");
-  sub->callback([command] {
-    const Case c = case_of(*command);
-    if (c.input.selection.all_frames)
-      run_all_frames(*command, c);
-    else
-      run(*command, c);
-  });
+  finish_command(*sub, command, run_frames_of_case,
+                 "Example: lumesh run examples/case1_carotid.toml -o case1");
 }
 
 }  // namespace lumesh::cli

@@ -120,13 +120,9 @@ void make_centerline(CaseState& state, report::StageReport& stage) {
   });
   check_centerline_points(state);
   warn_of_dead_ends(state, stage);
-  double length_mm = 0;
-  for (const auto& line : state.centerline.lines)
-    for (std::size_t i = 1; i < line.size(); ++i)
-      length_mm += (state.centerline.points[line[i]] - state.centerline.points[line[i - 1]]).norm();
   stage.figures.push_back({"Lines", std::uint64_t{state.centerline.lines.size()}});
   stage.figures.push_back({"Points", std::uint64_t{state.centerline.points.size()}});
-  stage.figures.push_back({"Length", length_mm, "mm"});
+  stage.figures.push_back({"Length", length_mm(state.centerline), "mm"});
 }
 
 }  // namespace lumesh::pipeline

@@ -68,6 +68,14 @@ bool is_at_opening(const Vec3& place, double radius_mm, const Opening& opening) 
 
 }  // namespace
 
+double length_mm(const Polylines& lines) {
+  double length_mm = 0;
+  for (const std::vector<std::uint32_t>& line : lines.lines)
+    for (std::size_t i = 1; i < line.size(); ++i)
+      length_mm += (lines.points[line[i]] - lines.points[line[i - 1]]).norm();
+  return length_mm;
+}
+
 std::vector<std::vector<std::uint32_t>> lines_from_ends(const Polylines& lines) {
   std::vector<std::vector<std::uint32_t>> from_ends;
   for (const auto& line : lines.lines) {
