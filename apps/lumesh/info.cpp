@@ -13,6 +13,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/image/crossings.hpp"
 #include "lumesh/image/grey_values.hpp"
 #include "lumesh/image/topology.hpp"
@@ -134,12 +135,7 @@ json describe_ends(std::span<const VesselEnd> ends) {
 
 json describe_mesh(MixedMesh mesh) {
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
-  Vec3 low = Vec3::Constant(1e300);
-  Vec3 high = -low;
-  for (const Vec3& p : mesh.points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
+  const Box3 box = bounding_box(mesh.points);
   json all = {{"kind", "mesh"},
               {"points", mesh.points.size()},
               {"tetrahedra", mesh.tetrahedra.size()},
@@ -148,7 +144,7 @@ json describe_mesh(MixedMesh mesh) {
               {"hexahedra", mesh.hexahedra.size()},
               {"unit", mesh.info.unit},
               {"frame", mesh.info.frame},
-              {"box", json::array({list(low), list(high)})},
+              {"box", json::array({list(box.min()), list(box.max())})},
               {"labels", json::array()},
               {"patches", json::array()},
               {"provenance", mesh.info.provenance}};

@@ -48,9 +48,7 @@ std::size_t Refinement::complete(std::span<const BoundaryCandidate> candidates) 
   const auto missing = parallel::collect<BoundaryCandidate>(
       candidates.size(), [&](std::size_t i, std::vector<BoundaryCandidate>& out) {
         const BoundaryCandidate& one = candidates[i];
-        std::uint32_t nearest = 0;
-        if (!known.empty()) tree.nearest(one.point, {&nearest, 1});
-        if (known.empty() || (known[nearest] - one.point).norm() > kFar * one.spacing) out.push_back(one);
+        if (known.empty() || tree.mean_distance(one.point, 1) > kFar * one.spacing) out.push_back(one);
       });
   std::vector<operators::DelaunayExecution::NewVertex> points;
   for (const std::uint32_t i : thinned(missing))

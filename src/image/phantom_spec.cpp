@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/image/phantom.hpp"
@@ -59,24 +60,19 @@ void read_field(PhantomSpec& spec, const std::string& key, const Json& value) {
   if (key == "lumesh_phantom" && value != kFormatVersion)
     throw std::invalid_argument("is not a known version");
   if (key == "lumesh_phantom") return;
+  for (const auto& [name, length] : {std::pair{"radius_mm", &spec.radius_mm},
+                                     {"end_radius_mm", &spec.end_radius_mm},
+                                     {"sac_radius_mm", &spec.sac_radius_mm},
+                                     {"ring_radius_mm", &spec.ring_radius_mm},
+                                     {"wall_mm", &spec.wall_mm},
+                                     {"noise_voxels", &spec.noise_voxels}})
+    if (key == name) return void(*length = value.get<double>());
   if (key == "kind")
     spec.kind = phantom_kind_from_name(value.get<std::string>());
   else if (key == "size")
     spec.size = from_array<Index3>(value);
   else if (key == "spacing_mm")
     spec.spacing_mm = from_array<Vec3>(value);
-  else if (key == "radius_mm")
-    spec.radius_mm = value.get<double>();
-  else if (key == "end_radius_mm")
-    spec.end_radius_mm = value.get<double>();
-  else if (key == "sac_radius_mm")
-    spec.sac_radius_mm = value.get<double>();
-  else if (key == "ring_radius_mm")
-    spec.ring_radius_mm = value.get<double>();
-  else if (key == "wall_mm")
-    spec.wall_mm = value.get<double>();
-  else if (key == "noise_voxels")
-    spec.noise_voxels = value.get<double>();
   else if (key == "seed")
     spec.seed = value.get<std::uint32_t>();
   else if (key == "rotation_deg")

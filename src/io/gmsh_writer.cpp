@@ -1,6 +1,5 @@
 // Gmsh MSH, ASCII, https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format: 4.1 and 2.2.
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <set>
 #include <string>
@@ -8,6 +7,7 @@
 
 #include "cell_blocks.hpp"
 #include "file_fault.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 #include "output_file.hpp"
@@ -34,25 +34,17 @@ int gmsh_type(CellShape shape) {
   return 0;
 }
 
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
-};
-
-using Boxes = std::map<std::int32_t, Box>;
+using Boxes = std::map<std::int32_t, Box3>;
 
 /// The boxes of the cells of each tag; every tag that occurs is in the result.
 template <std::size_t N>
 Boxes boxes_by_tag(std::span<const Vec3> points, const std::array<CellBlock, N>& blocks) {
   Boxes boxes;
   for (const CellBlock& block : blocks) {
-    Box* box = nullptr;
+    Box3* box = nullptr;
     for (std::size_t i = 0; i < block.size(); ++i) {
       if (box == nullptr || block.tags[i] != block.tags[i - 1]) box = &boxes[block.tags[i]];
-      for (const std::uint32_t v : block.cell(i)) {
-        box->low = box->low.cwiseMin(points[v]);
-        box->high = box->high.cwiseMax(points[v]);
-      }
+      for (const std::uint32_t v : block.cell(i)) box->extend(points[v]);
     }
   }
   return boxes;
@@ -120,10 +112,9 @@ class GmshWriter {
     file_.print("$EndPhysicalNames\n");
   }
 
-  void print_box(std::int32_t tag, const Box& box) {
-    const bool empty = box.low.x() > box.high.x();
-    const Vec3 low = empty ? Vec3::Zero() : box.low;
-    const Vec3 high = empty ? Vec3::Zero() : box.high;
+  void print_box(std::int32_t tag, const Box3& box) {
+    const Vec3 low = box.isEmpty() ? Vec3(Vec3::Zero()) : box.min();
+    const Vec3 high = box.isEmpty() ? Vec3(Vec3::Zero()) : box.max();
     file_.print("{} {} {} {} {} {} {} 1 {} ", tag, low.x(), low.y(), low.z(), high.x(), high.y(), high.z(),
                 tag);
   }

@@ -26,25 +26,15 @@ VoxelType smallest_type(const LabelImage& image) {
   return largest <= 0xffff ? VoxelType::kUInt16 : VoxelType::kInt32;
 }
 
-template <class Voxel>
-void fill_typed(const LabelImage& image, std::size_t first, std::size_t last, std::byte* out) {
-  for (std::size_t i = first; i < last; ++i, out += sizeof(Voxel)) {
-    const auto value = static_cast<Voxel>(image.values()[image.voxels()[i]]);
-    std::memcpy(out, &value, sizeof(value));
-  }
-}
-
 /// Labels of the voxels [first, last) as they stand in the file.
 void fill_voxels(const LabelImage& image, VoxelType type, std::size_t first, std::size_t last,
                  std::byte* out) {
-  switch (type) {
-    case VoxelType::kUInt8:
-      return fill_typed<std::uint8_t>(image, first, last, out);
-    case VoxelType::kUInt16:
-      return fill_typed<std::uint16_t>(image, first, last, out);
-    default:
-      return fill_typed<std::int32_t>(image, first, last, out);
-  }
+  io::visit_voxel_type(type, [&](auto example) {
+    for (std::size_t i = first; i < last; ++i, out += sizeof(example)) {
+      example = static_cast<decltype(example)>(image.values()[image.voxels()[i]]);
+      std::memcpy(out, &example, sizeof(example));
+    }
+  });
 }
 
 std::string vector_text(const Vec3& v) {
@@ -54,11 +44,8 @@ std::string vector_text(const Vec3& v) {
 void write_nrrd(const fs::path& path, const LabelImage& image) {
   const ImageFrame& frame = image.frame();
   const VoxelType type = smallest_type(image);
-  const char* const type_name = type == VoxelType::kUInt8    ? "unsigned char"
-                                : type == VoxelType::kUInt16 ? "unsigned short"
-                                                             : "int";
   OutputFile file(path);
-  file.print("NRRD0004\ntype: {}\ndimension: 3\nspace: left-posterior-superior\n", type_name);
+  file.print("NRRD0004\ntype: {}\ndimension: 3\nspace: left-posterior-superior\n", io::names_of(type).nrrd);
   file.print("sizes: {} {} {}\nspace directions:", frame.size.x(), frame.size.y(), frame.size.z());
   for (int i = 0; i < 3; ++i) file.print(" {}", vector_text(frame.direction.col(i) * frame.spacing_mm[i]));
   file.print(
@@ -84,7 +71,7 @@ std::array<std::byte, 352> nifti_header(const fs::path& path, const ImageFrame& 
   put<std::int32_t>(header, 0, 348);
   const std::array<int, 8> dimensions = {3, frame.size.x(), frame.size.y(), frame.size.z(), 1, 1, 1, 1};
   for (std::size_t i = 0; i < 8; ++i) put(header, 40 + 2 * i, static_cast<std::int16_t>(dimensions[i]));
-  put<std::int16_t>(header, 70, type == VoxelType::kUInt8 ? 2 : type == VoxelType::kUInt16 ? 512 : 8);
+  put(header, 70, static_cast<std::int16_t>(io::names_of(type).nifti));
   put(header, 72, static_cast<std::int16_t>(8 * io::voxel_bytes(type)));
   Mat3 axes = frame.direction;
   axes.topRows<2>() *= -1;

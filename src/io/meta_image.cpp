@@ -99,17 +99,11 @@ class MetaHeader {
 };
 
 VoxelType voxel_type(const fs::path& path, const std::string& name) {
-  static const std::map<std::string, VoxelType> kTypes = {
-      {"MET_UCHAR", VoxelType::kUInt8},       {"MET_CHAR", VoxelType::kInt8},
-      {"MET_USHORT", VoxelType::kUInt16},     {"MET_SHORT", VoxelType::kInt16},
-      {"MET_UINT", VoxelType::kUInt32},       {"MET_INT", VoxelType::kInt32},
-      {"MET_ULONG", VoxelType::kUInt32},      {"MET_LONG", VoxelType::kInt32},
-      {"MET_ULONG_LONG", VoxelType::kUInt64}, {"MET_LONG_LONG", VoxelType::kInt64},
-      {"MET_FLOAT", VoxelType::kFloat},       {"MET_DOUBLE", VoxelType::kDouble}};
-  const auto found = kTypes.find(name);
-  if (found == kTypes.end())
-    fail(path, fmt::format("has voxels of type '{}'; save it with integer voxels", name.substr(0, 30)));
-  return found->second;
+  // A long has 32 bits there.
+  const std::string known = name == "MET_ULONG" ? "MET_UINT" : name == "MET_LONG" ? "MET_INT" : name;
+  for (const VoxelTypeNames& type : kVoxelTypes)
+    if (type.meta == known) return type.type;
+  fail(path, fmt::format("has voxels of type '{}'; save it with integer voxels", name.substr(0, 30)));
 }
 
 std::size_t dimension_count(const fs::path& path, const MetaHeader& header) {

@@ -130,32 +130,11 @@ NiftiHeader read_nifti_header(GzipInput& input) {
 }
 
 VoxelType voxel_type(const fs::path& path, int code) {
-  switch (code) {
-    case 2:
-      return VoxelType::kUInt8;
-    case 4:
-      return VoxelType::kInt16;
-    case 8:
-      return VoxelType::kInt32;
-    case 16:
-      return VoxelType::kFloat;
-    case 64:
-      return VoxelType::kDouble;
-    case 256:
-      return VoxelType::kInt8;
-    case 512:
-      return VoxelType::kUInt16;
-    case 768:
-      return VoxelType::kUInt32;
-    case 1024:
-      return VoxelType::kInt64;
-    case 1280:
-      return VoxelType::kUInt64;
-    default:
-      fail(path, fmt::format(
-                     "has voxels of NIfTI type {}, which are not single numbers; save it with integer voxels",
-                     code));
-  }
+  for (const VoxelTypeNames& known : kVoxelTypes)
+    if (known.nifti == code) return known.type;
+  fail(path,
+       fmt::format("has voxels of NIfTI type {}, which are not single numbers; save it with integer voxels",
+                   code));
 }
 
 std::array<std::int64_t, 3> volume_size(const fs::path& path, const NiftiHeader& header) {

@@ -36,6 +36,28 @@ enum class VoxelType : std::uint8_t {
   kDouble
 };
 
+/// What NRRD, NIfTI and MetaImage call each type, in its order.
+struct VoxelTypeNames {
+  VoxelType type;
+  const char* nrrd;
+  int nifti;
+  const char* meta;
+};
+inline constexpr std::array<VoxelTypeNames, 10> kVoxelTypes = {
+    {{VoxelType::kUInt8, "unsigned char", 2, "MET_UCHAR"},
+     {VoxelType::kInt8, "signed char", 256, "MET_CHAR"},
+     {VoxelType::kUInt16, "unsigned short", 512, "MET_USHORT"},
+     {VoxelType::kInt16, "short", 4, "MET_SHORT"},
+     {VoxelType::kUInt32, "unsigned int", 768, "MET_UINT"},
+     {VoxelType::kInt32, "int", 8, "MET_INT"},
+     {VoxelType::kUInt64, "unsigned long long", 1280, "MET_ULONG_LONG"},
+     {VoxelType::kInt64, "long long", 1024, "MET_LONG_LONG"},
+     {VoxelType::kFloat, "float", 16, "MET_FLOAT"},
+     {VoxelType::kDouble, "double", 64, "MET_DOUBLE"}}};
+[[nodiscard]] constexpr const VoxelTypeNames& names_of(VoxelType type) {
+  return kVoxelTypes[static_cast<std::size_t>(type)];
+}
+
 /// What is taken of an image file.
 struct FileChoice {
   std::optional<std::size_t> frame = {};  ///< Of several volumes; none: all.

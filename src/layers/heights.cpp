@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -136,14 +137,13 @@ std::vector<double> scales_of(const LayerSurface& surface, const Directions& dir
   constexpr double kSlope = 0.5;  // Where a vessel leaves a sac the radius does not jump.
   std::vector<double> values(surface.points.size(), 1);
   if (scale == HeightScale::kAbsolute) return values;
-  Vec3 low = surface.points.front(), high = low;
-  for (const Vec3& p : surface.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const Box3 box = bounding_box(surface.points);
   parallel::for_each_index(
       values.size(),
       [&](std::size_t v) {
         const Vec3& p = surface.points[v];
         if (scale == HeightScale::kRadius) {
-          values[v] = free_ball(p, -side * directions.of[v], outside, -1, (high - low).norm());
+          values[v] = free_ball(p, -side * directions.of[v], outside, -1, box.diagonal().norm());
           return;
         }
         double sum = 0;

@@ -15,6 +15,7 @@
 #include "interior_deformation.hpp"
 #include "layer_cells.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/merge.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/metric/metric_field.hpp"
@@ -81,15 +82,14 @@ namespace {
 
 /// Layers thicker than the whole mesh are a slip, mostly of units.
 void require_fitting_thickness(const LayerSurface& surface, const Columns& columns, double thickness) {
-  Vec3 low = surface.points.front(), high = low;
-  for (const Vec3& p : surface.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
   const double smallest = *std::min_element(columns.wanted_mm.begin(), columns.wanted_mm.end());
-  if (smallest > (high - low).norm())
+  const double width = bounding_box(surface.points).diagonal().norm();
+  if (smallest > width)
     throw Error(
         ErrorKind::kBadInput,
         fmt::format("layers {:g} thick are more than the surface is wide ({:.4g} mm); heights are in mm, or "
                     "multiples of what they are relative to",
-                    thickness, (high - low).norm()));
+                    thickness, width));
 }
 
 /// Columns as high as can be said before the mesh itself is asked.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::detail {
@@ -16,7 +17,7 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 struct Extent {
-  Vec3 low = Vec3::Constant(kInfinite), high = Vec3::Constant(-kInfinite);
+  Box3 box;
   double shortest_edge = kInfinite;
 };
 
@@ -24,10 +25,7 @@ Extent extent_of(std::span<const PartSurface> parts) {
   Extent all;
   for (const PartSurface& part : parts) {
     const std::vector<Vec3>& points = part.mesh->points;
-    for (const std::uint32_t v : part.points) {
-      all.low = all.low.cwiseMin(points[v]);
-      all.high = all.high.cwiseMax(points[v]);
-    }
+    for (const std::uint32_t v : part.points) all.box.extend(points[v]);
     for (const FaceCorners& face : part.faces)
       for (std::size_t i = 0; i < 4; ++i)
         if (const double length = (points[face[i]] - points[face[(i + 1) % 4]]).norm();
@@ -40,7 +38,7 @@ Extent extent_of(std::span<const PartSurface> parts) {
 double tolerance_for(const Extent& extent, std::optional<double> wanted) {
   constexpr double kOfCoordinate = 2e-6, kOfEdge = 0.1, kMaxOfEdge = 0.5;
   if (!wanted) {
-    const double largest = extent.low.cwiseAbs().cwiseMax(extent.high.cwiseAbs()).maxCoeff();
+    const double largest = extent.box.min().cwiseAbs().cwiseMax(extent.box.max().cwiseAbs()).maxCoeff();
     return std::min(kOfCoordinate * largest, kOfEdge * extent.shortest_edge);
   }
   if (!(*wanted >= 0) || !std::isfinite(*wanted))
@@ -59,9 +57,9 @@ class PointGrid {
  public:
   PointGrid(std::span<const Vec3> points, std::span<const std::uint32_t> numbers, const Extent& extent,
             double tolerance)
-      : points_(points), low_(extent.low), tolerance_(tolerance) {
+      : points_(points), low_(extent.box.min()), tolerance_(tolerance) {
     constexpr double kCellsPerAxis = 1 << 20, kTolerances = 4;
-    const double size = (extent.high - extent.low).maxCoeff();
+    const double size = extent.box.diagonal().maxCoeff();
     width_ = std::max({size / kCellsPerAxis, kTolerances * tolerance, std::numeric_limits<double>::min()});
     entries_.reserve(numbers.size());
     for (const std::uint32_t v : numbers) entries_.emplace_back(key_at(cell_of(points[v])), v);

@@ -10,6 +10,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/hausdorff.hpp"
+#include "lumesh/surface/distance.hpp"
 
 namespace lumesh::quality {
 
@@ -64,12 +65,7 @@ void sample_triangle(const Vec3& a, const Vec3& b, const Vec3& c, double spacing
   const int n = static_cast<int>(std::clamp(std::ceil(longest / spacing), 2.0, 1000.0));
   const double weight = triangle_area(a, b, c) / (static_cast<double>(n) * n);
   for (const Vec3* corner : {&a, &b, &c}) visit(*corner, 0.0);
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; i + j < n; ++j) {
-      visit(Vec3(a + (b - a) * ((i + 1.0 / 3) / n) + (c - a) * ((j + 1.0 / 3) / n)), weight);
-      if (i + j + 1 < n)
-        visit(Vec3(a + (b - a) * ((i + 2.0 / 3) / n) + (c - a) * ((j + 2.0 / 3) / n)), weight);
-    }
+  surfaces::for_each_part_centre(a, b, c, n, [&](const Vec3& p) { visit(p, weight); });
 }
 
 }  // namespace lumesh::quality

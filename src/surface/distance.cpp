@@ -25,12 +25,8 @@ FarthestPoint farthest_of_triangle(const std::array<Vec3, 3>& corners, const Tri
   for (const Vec3& corner : corners) look_at(corner);
   const Vec3 u = corners[1] - corners[0], v = corners[2] - corners[0];
   const double longest = std::max({u.norm(), v.norm(), (v - u).norm()});
-  const double parts = std::clamp(std::ceil(longest / step_mm), 1.0, kMostParts);
-  for (double i = 0; i < parts; ++i)
-    for (double k = 0; i + k < parts; ++k) {
-      look_at(corners[0] + (i + 1.0 / 3) / parts * u + (k + 1.0 / 3) / parts * v);
-      if (i + k + 1 < parts) look_at(corners[0] + (i + 2.0 / 3) / parts * u + (k + 2.0 / 3) / parts * v);
-    }
+  const int parts = static_cast<int>(std::clamp(std::ceil(longest / step_mm), 1.0, kMostParts));
+  for_each_part_centre(corners[0], corners[1], corners[2], parts, look_at);
   return farthest;
 }
 

@@ -8,6 +8,16 @@
 
 namespace lumesh::surfaces {
 
+/// Calls visit(point) for the centres of the n^2 equal parts of a triangle.
+template <class Visit>
+void for_each_part_centre(const Vec3& a, const Vec3& b, const Vec3& c, int n, const Visit& visit) {
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      visit(Vec3(a + (b - a) * ((i + 1.0 / 3) / n) + (c - a) * ((j + 1.0 / 3) / n)));
+      if (i + j + 1 < n) visit(Vec3(a + (b - a) * ((i + 2.0 / 3) / n) + (c - a) * ((j + 2.0 / 3) / n)));
+    }
+}
+
 struct FarthestPoint {
   double distance_mm = 0;
   Vec3 place_mm = Vec3::Zero();  ///< On the surface that was walked over.
