@@ -4,13 +4,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <set>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/parse_number.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/sha256.hpp"
@@ -20,16 +20,6 @@
 namespace lumesh::cli {
 
 namespace {
-
-/// The whole text as a number; none if it is anything else.
-template <class Number>
-std::optional<Number> parsed(std::string_view text) {
-  Number number{};
-  const char* const end = text.data() + text.size();
-  const auto [stop, fault] = std::from_chars(text.data(), end, number);
-  if (fault != std::errc() || stop != end) return std::nullopt;
-  return number;
-}
 
 /// The options of the command line as they were given, but for those that do not change the mesh.
 std::string given_options(const CLI::App& command) {
@@ -146,15 +136,11 @@ void add_name_option(CLI::App& command, std::vector<std::string>& names) {
 
 CLI::Validator positive_number() {
   return {[](const std::string& text) {
-            const std::optional<double> number = number_from(text);
+            const std::optional<double> number = parse_number<double>(text);
             const bool good = number && std::isfinite(*number) && *number > 0;
             return good ? std::string() : fmt::format("\"{}\" is not a positive number", text);
           },
           "POSITIVE"};
-}
-
-std::optional<double> number_from(std::string_view text) {
-  return parsed<double>(text);
 }
 
 void check_volume_output(const std::string& path) {

@@ -85,9 +85,6 @@ void add_name_option(CLI::App& command, std::vector<std::string>& names);
 /// Accepts what is a finite number above 0, and says so otherwise.
 [[nodiscard]] CLI::Validator positive_number();
 
-/// The whole text as a number; none if it is anything else.
-[[nodiscard]] std::optional<double> number_from(std::string_view text);
-
 /// @throws Error{kUsage} unless the name ends as those of files that hold tetrahedra.
 void check_volume_output(const std::string& path);
 

@@ -11,6 +11,7 @@
 #include "common.hpp"
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/parse_number.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/geometry/hilbert.hpp"
@@ -40,7 +41,7 @@ struct InfoCommand {
 };
 
 double rounded(double value, int digits) {
-  return number_from(fmt::format("{:.{}g}", value, digits)).value_or(value);
+  return parse_number<double>(fmt::format("{:.{}g}", value, digits)).value_or(value);
 }
 
 /// 12 digits, which headers mean, instead of the 17 that arithmetic leaves: 0.5 for 0.49999999999999994.

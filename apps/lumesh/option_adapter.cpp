@@ -9,6 +9,7 @@
 
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/parse_number.hpp"
 
 namespace lumesh::cli {
 namespace {
@@ -37,7 +38,7 @@ std::string help_of(const Option& option) {
 /// @param is_given_by_default  Whether the option has a value of its own without the command line.
 template <class Number>
 Number number_in_range(const Option& option, const std::string& text, bool is_given_by_default = false) {
-  const std::optional<double> number = number_from(text);
+  const std::optional<double> number = parse_number<double>(text);
   if (!number) refuse(option, fmt::format("\"{}\" is not a number", text));
   if (std::is_integral_v<Number> && *number != std::floor(*number))
     refuse(option, fmt::format("\"{}\" is not a whole number", text));
@@ -57,7 +58,8 @@ std::vector<double> row_from(const Option& option, const std::string& text, cons
   std::size_t begin = 0;
   while (begin <= text.size()) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::optional<double> number = number_from(std::string_view(text).substr(begin, end - begin));
+    const std::optional<double> number =
+        parse_number<double>(std::string_view(text).substr(begin, end - begin));
     if (!number || !std::isfinite(*number)) break;
     row.push_back(*number);
     begin = end + 1;

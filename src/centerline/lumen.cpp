@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "lumesh/core/grid.hpp"
+
 namespace lumesh::centerline {
 
 namespace {
@@ -60,9 +62,7 @@ void Lumen::make_bricks() {
   }
   low_ -= Index3::Ones();
   bricks_ = ((high - low_).array() + 2 + kBrick - 1) / kBrick;
-  brick_of_.assign(static_cast<std::size_t>(bricks_.x()) * static_cast<std::size_t>(bricks_.y()) *
-                       static_cast<std::size_t>(bricks_.z()),
-                   -1);
+  brick_of_.assign(grid_count(bricks_), -1);
   // Bricks of the neighbours, too: their shares of the inside may be refined.
   std::vector<std::uint8_t> wanted(brick_of_.size(), 0);
   parallel::for_each_index(voxels_.size(), [&](std::size_t id) {
@@ -77,11 +77,7 @@ void Lumen::make_bricks() {
   stored_.resize(static_cast<std::size_t>(count));
   parallel::for_each_index(brick_of_.size(), [&](std::size_t b) {
     if (brick_of_[b] < 0) return;
-    const auto x = static_cast<std::size_t>(bricks_.x());
-    const auto y = static_cast<std::size_t>(bricks_.y());
-    stored_[static_cast<std::size_t>(brick_of_[b])].low =
-        low_ +
-        kBrick * Index3(static_cast<int>(b % x), static_cast<int>(b / x % y), static_cast<int>(b / (x * y)));
+    stored_[static_cast<std::size_t>(brick_of_[b])].low = low_ + kBrick * grid_place(bricks_, b);
   });
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -84,12 +85,7 @@ class Lumen {
     const std::int32_t number = brick_of_[brick_offset(at)];
     return number < 0 ? nullptr : &stored_[static_cast<std::size_t>(number)];
   }
-  [[nodiscard]] std::size_t brick_offset(const Index3& at) const {
-    return static_cast<std::size_t>(at.x() / kBrick) +
-           static_cast<std::size_t>(bricks_.x()) *
-               (static_cast<std::size_t>(at.y() / kBrick) +
-                static_cast<std::size_t>(bricks_.y()) * static_cast<std::size_t>(at.z() / kBrick));
-  }
+  [[nodiscard]] std::size_t brick_offset(const Index3& at) const { return grid_offset(bricks_, at / kBrick); }
   [[nodiscard]] std::size_t cell(const Index3& v) const {
     const Index3 at = v - low_;
     return static_cast<std::size_t>(at.x() % kBrick +

@@ -1,11 +1,11 @@
 #include "lumesh/core/option.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <sstream>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/parse_number.hpp"
 
 namespace lumesh {
 namespace {
@@ -28,14 +28,6 @@ std::string joined(const Items& items, const Text& text) {
   std::string list;
   for (const auto& item : items) list += (list.empty() ? "" : ", ") + text(item);
   return list.empty() ? "none" : list;
-}
-
-template <class Number>
-std::optional<Number> parsed(std::string_view text) {
-  Number number{};
-  const char* const end = text.data() + text.size();
-  const auto [stop, fault] = std::from_chars(text.data(), end, number);
-  return fault == std::errc() && stop == end ? std::optional(number) : std::nullopt;
 }
 
 std::string or_none(const std::string& text) {
@@ -135,8 +127,8 @@ std::string Option::value_text() const {
 
 std::string add_label_number(std::string_view text, const Option& option, std::map<int, double>& numbers) {
   const std::size_t equals = std::min(text.find('='), text.size());
-  const auto label = parsed<int>(text.substr(0, equals));
-  const auto number = parsed<double>(text.substr(std::min(equals + 1, text.size())));
+  const auto label = parse_number<int>(text.substr(0, equals));
+  const auto number = parse_number<double>(text.substr(std::min(equals + 1, text.size())));
   if (!label || !number) return '"' + std::string(text) + "\" is not LABEL=NUMBER, such as 2=0.4";
   const std::string complaint = option.complaint(*number);
   if (!complaint.empty()) return '"' + std::string(text) + "\" " + complaint;
@@ -146,7 +138,8 @@ std::string add_label_number(std::string_view text, const Option& option, std::m
 
 std::string add_labelled_file(std::string_view text, LabelledFiles& files) {
   const std::size_t equals = text.rfind('=');
-  const auto label = equals == std::string_view::npos ? std::nullopt : parsed<int>(text.substr(equals + 1));
+  const auto label =
+      equals == std::string_view::npos ? std::nullopt : parse_number<int>(text.substr(equals + 1));
   if (!label || equals == 0) return '"' + std::string(text) + "\" is not FILE=LABEL, such as wall.nrrd=2";
   if (*label <= 0) return '"' + std::string(text) + "\" has a label that is not positive";
   files.emplace_back(text.substr(0, equals), *label);

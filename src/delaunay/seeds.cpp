@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -52,19 +53,19 @@ class LatticeDescent {
   }
 
   [[nodiscard]] Seeds run() const {
-    const auto cells = static_cast<std::size_t>(cells_.x()) * static_cast<std::size_t>(cells_.y()) *
-                       static_cast<std::size_t>(cells_.z());
-    const auto roots = parallel::collect<Index3>(cells, [&](std::size_t i, std::vector<Index3>& out) {
-      const Index3 cell = cell_of(i);
-      if (holds_object(low_of(cell), root_mm_)) out.push_back(cell);
-    });
-    const auto around = parallel::collect<Vec3>(cells, [&](std::size_t i, std::vector<Vec3>& out) {
-      const Index3 cell = cell_of(i);
-      if (!holds_object(low_of(cell), root_mm_) &&
-          domain_.may_hold_object(low_of(cell) - Vec3::Constant(root_mm_),
-                                  low_of(cell) + Vec3::Constant(2 * root_mm_)))
-        out.push_back(perturbed(low_of(cell) + Vec3::Constant(0.5 * root_mm_), root_mm_));
-    });
+    const auto roots =
+        parallel::collect<Index3>(grid_count(cells_), [&](std::size_t i, std::vector<Index3>& out) {
+          const Index3 cell = grid_place(cells_, i);
+          if (holds_object(low_of(cell), root_mm_)) out.push_back(cell);
+        });
+    const auto around =
+        parallel::collect<Vec3>(grid_count(cells_), [&](std::size_t i, std::vector<Vec3>& out) {
+          const Index3 cell = grid_place(cells_, i);
+          if (!holds_object(low_of(cell), root_mm_) &&
+              domain_.may_hold_object(low_of(cell) - Vec3::Constant(root_mm_),
+                                      low_of(cell) + Vec3::Constant(2 * root_mm_)))
+            out.push_back(perturbed(low_of(cell) + Vec3::Constant(0.5 * root_mm_), root_mm_));
+        });
     const auto parts = parallel::collect_parts<Seeds>(
         roots.size(), kRootsPerPart, [&](std::size_t begin, std::size_t end, std::vector<Seeds>& out) {
           out.emplace_back();
@@ -118,11 +119,6 @@ class LatticeDescent {
     return {set[inside], set[1 - inside]};
   }
 
-  [[nodiscard]] Index3 cell_of(std::size_t i) const {
-    const auto x = static_cast<int>(i % static_cast<std::size_t>(cells_.x()));
-    const auto yz = static_cast<int>(i / static_cast<std::size_t>(cells_.x()));
-    return {x, yz % cells_.y(), yz / cells_.y()};
-  }
   [[nodiscard]] Vec3 low_of(const Index3& cell) const { return origin_ + root_mm_ * cell.cast<double>(); }
   [[nodiscard]] bool holds_object(const Vec3& low, double size) const {
     return domain_.may_hold_object(low - Vec3::Constant(0.5 * size), low + Vec3::Constant(1.5 * size));

@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/core/types.hpp"
 #include "lumesh/domain/domain.hpp"
 
@@ -43,11 +44,7 @@ class WeightedCorners {
 class ValueGrid {
  public:
   ValueGrid(const Vec3& origin_mm, double spacing_mm, const Index3& size)
-      : origin_mm_(origin_mm),
-        spacing_mm_(spacing_mm),
-        size_(size),
-        values_(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
-                static_cast<std::size_t>(size.z())) {}
+      : origin_mm_(origin_mm), spacing_mm_(spacing_mm), size_(size), values_(grid_count(size)) {}
 
   [[nodiscard]] double at(const Vec3& point_mm) const {
     const WeightedCorners corners((point_mm - origin_mm_) / spacing_mm_, size_);
@@ -59,12 +56,7 @@ class ValueGrid {
   [[nodiscard]] const Index3& size() const { return size_; }
   [[nodiscard]] Vec3 point(const Index3& at) const { return origin_mm_ + spacing_mm_ * at.cast<double>(); }
   [[nodiscard]] std::vector<float>& values() { return values_; }
-  [[nodiscard]] std::size_t offset(const Index3& at) const {
-    return static_cast<std::size_t>(at.x()) +
-           static_cast<std::size_t>(size_.x()) *
-               (static_cast<std::size_t>(at.y()) +
-                static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(at.z()));
-  }
+  [[nodiscard]] std::size_t offset(const Index3& at) const { return grid_offset(size_, at); }
 
  private:
   Vec3 origin_mm_;

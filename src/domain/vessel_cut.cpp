@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/domain/cut_plane.hpp"
 
 namespace lumesh {
@@ -60,12 +61,6 @@ class VesselCut {
   }
 
   template <class Visit>
-  static void for_each_in_box(const Index3& low, const Index3& high, const Visit& visit) {
-    for (int k = low.z(); k <= high.z(); ++k)
-      for (int j = low.y(); j <= high.y(); ++j)
-        for (int i = low.x(); i <= high.x(); ++i) visit(Index3(i, j, k));
-  }
-  template <class Visit>
   void for_each_neighbour(const Index3& at, const Visit& visit) const {
     for (int axis = 0; axis < 3; ++axis)
       for (const int step : {-1, 1})
@@ -78,7 +73,7 @@ class VesselCut {
     std::optional<Index3> first;
     double nearest_mm = std::numeric_limits<double>::infinity();
     const Index3 reach = Index3::Constant(kReach);
-    for_each_in_box(middle() - reach, middle() + reach, [&](const Index3& v) {
+    for_each_place(middle() - reach, middle() + reach, [&](const Index3& v) {
       const double off_mm = (centre_of(v) - plane_.point_mm).norm();
       if (!is_object(v) || !is_in_plane(v) || off_mm >= nearest_mm) return;
       first = v;
@@ -169,7 +164,7 @@ class VesselCut {
     const Index3 reach = (reach_mm * frame_.spacing_mm.cwiseInverse()).array().ceil().cast<int>();
     const Index3 low = (middle() - reach).cwiseMax(0),
                  high = (middle() + reach).cwiseMin(frame_.size - Index3::Ones());
-    for_each_in_box(low, high, [&](const Index3& v) {
+    for_each_place(low, high, [&](const Index3& v) {
       if (!is_object(v) || part(v) == side_that_goes) return;
       const double height = height_of(v);
       if (height <= 0.5 * layer_mm_ || off_axis_mm(v) > stump_mm + margin_mm) return;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lumesh/core/assert.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/field/continuation.hpp"
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -42,10 +43,7 @@ class ContinuedFieldBuilder {
     std::vector<LabelField::Pair> pairs;
   };
 
-  [[nodiscard]] Index3 brick_index(std::size_t b) const {
-    const auto nx = static_cast<std::size_t>(f_.bricks_.x()), ny = static_cast<std::size_t>(f_.bricks_.y());
-    return {static_cast<int>(b % nx), static_cast<int>(b / nx % ny), static_cast<int>(b / (nx * ny))};
-  }
+  [[nodiscard]] Index3 brick_index(std::size_t b) const { return grid_place(f_.bricks_, b); }
   [[nodiscard]] static Index3 first_stored(const Index3& brick) {
     return brick * kBrick + Index3::Constant(LabelField::kFirst - 1);
   }
@@ -93,12 +91,10 @@ class ContinuedFieldBuilder {
   [[nodiscard]] std::vector<LabelIndex> labels_in(const Index3& brick) const {
     std::vector<LabelIndex> labels;
     const Index3 first = first_stored(brick);
-    for (int k = 0; k < kStored; ++k)
-      for (int j = 0; j < kStored; ++j)
-        for (int i = 0; i < kStored; ++i) {
-          const LabelIndex label = image_.at(clamped(first + Index3(i, j, k)));
-          if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
-        }
+    for_each_place(first, first + Index3::Constant(kStored - 1), [&](const Index3& voxel) {
+      const LabelIndex label = image_.at(clamped(voxel));
+      if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
+    });
     std::sort(labels.begin(), labels.end());
     return labels;
   }

@@ -8,6 +8,7 @@
 #include "fit.hpp"
 #include "label_pairs.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -76,11 +77,7 @@ class LabelFieldBuilder {
     return box;
   }
 
-  Index3 brick_index(std::size_t b) const {
-    const auto nx = static_cast<std::size_t>(f_.bricks_.x());
-    const auto ny = static_cast<std::size_t>(f_.bricks_.y());
-    return {static_cast<int>(b % nx), static_cast<int>(b / nx % ny), static_cast<int>(b / (nx * ny))};
-  }
+  Index3 brick_index(std::size_t b) const { return grid_place(f_.bricks_, b); }
   Index3 clamped(const Index3& v) const { return v.cwiseMax(0).cwiseMin(f_.frame_.size - Index3::Ones()); }
 
   /// Whether the image's first or last layer along an axis is background.
@@ -112,13 +109,11 @@ class LabelFieldBuilder {
       std::vector<std::uint32_t>& bricks = bricks_of_pair_[p];
       for (const Face& face : pairs_[p].faces) {
         const BrickBox box = bricks_of(face);
-        for (int k = box.low.z(); k <= box.high.z(); ++k)
-          for (int j = box.low.y(); j <= box.high.y(); ++j)
-            for (int i = box.low.x(); i <= box.high.x(); ++i) {
-              const auto b = static_cast<std::uint32_t>(f_.brick_offset({i, j, k}));
-              near[b] = 1;
-              if (bricks.empty() || bricks.back() != b) bricks.push_back(b);
-            }
+        for_each_place(box.low, box.high, [&](const Index3& brick) {
+          const auto b = static_cast<std::uint32_t>(f_.brick_offset(brick));
+          near[b] = 1;
+          if (bricks.empty() || bricks.back() != b) bricks.push_back(b);
+        });
       }
       sort_unique(bricks);
     }

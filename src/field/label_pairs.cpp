@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/core/wide.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -99,11 +100,7 @@ std::vector<PairFaces> touching_pairs(const LabelImage& image) {
       pairs.push_back(
           {{static_cast<LabelIndex>(key >> 16U), static_cast<LabelIndex>(key & 0xFFFFU)}, {}, {}});
     }
-    const auto x = static_cast<std::uint64_t>(image.frame().size.x());
-    const auto y = static_cast<std::uint64_t>(image.frame().size.y());
-    pairs.back().faces.push_back({Index3(static_cast<int>(f.voxel % x), static_cast<int>(f.voxel / x % y),
-                                         static_cast<int>(f.voxel / (x * y))),
-                                  static_cast<int>(f.axis)});
+    pairs.back().faces.push_back({grid_place(image.frame().size, f.voxel), static_cast<int>(f.axis)});
   }
   if (!image.crossings().empty() && !pairs.empty() && pairs.front().pair.is_outer_wall())
     pairs.front().crossings = crossings_of(pairs.front().faces, image);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -110,13 +111,9 @@ class Transform {
 
   DistanceField run() {
     DistanceField field{low_, size_, {}};
-    const std::size_t count = static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) *
-                              static_cast<std::size_t>(size_.z());
-    field.distance_mm.assign(count, limit_);
+    field.distance_mm.assign(grid_count(size_), limit_);
     out_ = field.distance_mm.data();
-    summaries_.assign(static_cast<std::size_t>(tiles_) * static_cast<std::size_t>(size_.y()) *
-                          static_cast<std::size_t>(size_.z()),
-                      kMixed);
+    summaries_.assign(grid_count({tiles_, size_.y(), size_.z()}), kMixed);
     // Blocks share their buffers: fresh ones for every slice would cost more in page faults than the work
     // itself.
     parallel::for_each_block(static_cast<std::size_t>(size_.z()), kBlock,
@@ -136,17 +133,9 @@ class Transform {
   [[nodiscard]] const LabelImage::Index* labels(int j, int k) const {
     return image_.voxels().data() + image_.frame().offset(low_ + Index3(0, j, k));
   }
-  [[nodiscard]] float* out(int i, int j, int k) const {
-    return out_ + static_cast<std::size_t>(i) +
-           static_cast<std::size_t>(size_.x()) *
-               (static_cast<std::size_t>(j) +
-                static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(k));
-  }
+  [[nodiscard]] float* out(int i, int j, int k) const { return out_ + grid_offset(size_, {i, j, k}); }
   std::int32_t& summary(int tile, int j, int k) {
-    return summaries_[static_cast<std::size_t>(tile) +
-                      static_cast<std::size_t>(tiles_) *
-                          (static_cast<std::size_t>(j) +
-                           static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(k))];
+    return summaries_[grid_offset({tiles_, size_.y(), size_.z()}, {tile, j, k})];
   }
   [[nodiscard]] int tile_width(int tile) const { return std::min(kTile, size_.x() - tile * kTile); }
 

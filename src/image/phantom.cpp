@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "phantom_impl.hpp"
 
@@ -40,18 +41,13 @@ struct Brick {
 
 Brick brick_at(const Index3& region_low, const Index3& region_high, int edge, std::size_t number) {
   const Index3 counts = ((region_high - region_low).array() + (edge - 1)) / edge;
-  const auto x = static_cast<std::size_t>(counts.x());
-  const auto y = static_cast<std::size_t>(counts.y());
-  const Index3 at(static_cast<int>(number % x), static_cast<int>(number / x % y),
-                  static_cast<int>(number / (x * y)));
-  const Index3 low = region_low + edge * at;
+  const Index3 low = region_low + edge * grid_place(counts, number);
   return {low, (low.array() + edge).matrix().cwiseMin(region_high)};
 }
 
 std::size_t brick_count(const Index3& region_low, const Index3& region_high, int edge) {
   const Index3 counts = ((region_high - region_low).array() + (edge - 1)) / edge;
-  return static_cast<std::size_t>(counts.x()) * static_cast<std::size_t>(counts.y()) *
-         static_cast<std::size_t>(counts.z());
+  return grid_count(counts);
 }
 
 /// Cuts a large brick: calls uniform(brick, centre) for parts that no surface meets, mixed(brick) for small

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <utility>
+#include <type_traits>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/image/phantom.hpp"
@@ -44,43 +44,55 @@ void check_noise(const PhantomSpec& spec) {
                              noise_mm, thinnest));
 }
 
-template <class Vector>
-Json to_array(const Vector& v) {
-  return Json::array({v.x(), v.y(), v.z()});
+template <class Value>
+Json to_json(const Value& value) {
+  if constexpr (std::is_class_v<Value>)
+    return Json::array({value.x(), value.y(), value.z()});
+  else
+    return value;
 }
 
-template <class Vector>
-Vector from_array(const Json& json) {
-  using Scalar = typename Vector::Scalar;
-  if (!json.is_array() || json.size() != 3) throw std::invalid_argument("must be three numbers");
-  return {json[0].get<Scalar>(), json[1].get<Scalar>(), json[2].get<Scalar>()};
+template <class Value>
+void take_json(const Json& json, Value& value) {
+  if constexpr (std::is_class_v<Value>) {
+    using Scalar = typename Value::Scalar;
+    if (!json.is_array() || json.size() != 3) throw std::invalid_argument("must be three numbers");
+    value = {json[0].get<Scalar>(), json[1].get<Scalar>(), json[2].get<Scalar>()};
+  } else {
+    value = json.get<Value>();
+  }
+}
+
+/// Calls visit(name, field) for all fields but the kind.
+template <class Spec, class Visit>
+void for_each_field(Spec& spec, const Visit& visit) {
+  visit("size", spec.size);
+  visit("spacing_mm", spec.spacing_mm);
+  visit("radius_mm", spec.radius_mm);
+  visit("end_radius_mm", spec.end_radius_mm);
+  visit("sac_radius_mm", spec.sac_radius_mm);
+  visit("ring_radius_mm", spec.ring_radius_mm);
+  visit("wall_mm", spec.wall_mm);
+  visit("noise_voxels", spec.noise_voxels);
+  visit("seed", spec.seed);
+  visit("rotation_deg", spec.rotation_deg);
+  visit("origin_mm", spec.origin_mm);
 }
 
 void read_field(PhantomSpec& spec, const std::string& key, const Json& value) {
   if (key == "lumesh_phantom" && value != kFormatVersion)
     throw std::invalid_argument("is not a known version");
-  if (key == "lumesh_phantom") return;
-  for (const auto& [name, length] : {std::pair{"radius_mm", &spec.radius_mm},
-                                     {"end_radius_mm", &spec.end_radius_mm},
-                                     {"sac_radius_mm", &spec.sac_radius_mm},
-                                     {"ring_radius_mm", &spec.ring_radius_mm},
-                                     {"wall_mm", &spec.wall_mm},
-                                     {"noise_voxels", &spec.noise_voxels}})
-    if (key == name) return void(*length = value.get<double>());
-  if (key == "kind")
+  bool is_known = key == "lumesh_phantom";
+  if (key == "kind") {
     spec.kind = phantom_kind_from_name(value.get<std::string>());
-  else if (key == "size")
-    spec.size = from_array<Index3>(value);
-  else if (key == "spacing_mm")
-    spec.spacing_mm = from_array<Vec3>(value);
-  else if (key == "seed")
-    spec.seed = value.get<std::uint32_t>();
-  else if (key == "rotation_deg")
-    spec.rotation_deg = from_array<Vec3>(value);
-  else if (key == "origin_mm")
-    spec.origin_mm = from_array<Vec3>(value);
-  else
-    throw std::invalid_argument("is not a field of a phantom");
+    is_known = true;
+  }
+  for_each_field(spec, [&](const char* name, auto& field) {
+    if (key != name) return;
+    take_json(value, field);
+    is_known = true;
+  });
+  if (!is_known) throw std::invalid_argument("is not a field of a phantom");
 }
 
 }  // namespace
@@ -115,19 +127,8 @@ PhantomSpec resolve(const PhantomSpec& spec) {
 }
 
 std::string to_json_text(const PhantomSpec& spec) {
-  const Json json = {{"lumesh_phantom", kFormatVersion},
-                     {"kind", std::string(phantom_kind_name(spec.kind))},
-                     {"size", to_array(spec.size)},
-                     {"spacing_mm", to_array(spec.spacing_mm)},
-                     {"radius_mm", spec.radius_mm},
-                     {"end_radius_mm", spec.end_radius_mm},
-                     {"sac_radius_mm", spec.sac_radius_mm},
-                     {"ring_radius_mm", spec.ring_radius_mm},
-                     {"wall_mm", spec.wall_mm},
-                     {"noise_voxels", spec.noise_voxels},
-                     {"seed", spec.seed},
-                     {"rotation_deg", to_array(spec.rotation_deg)},
-                     {"origin_mm", to_array(spec.origin_mm)}};
+  Json json = {{"lumesh_phantom", kFormatVersion}, {"kind", std::string(phantom_kind_name(spec.kind))}};
+  for_each_field(spec, [&](const char* name, const auto& field) { json[name] = to_json(field); });
   return json.dump(2) + "\n";
 }
 

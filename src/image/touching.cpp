@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "lumesh/core/disjoint_sets.hpp"
+#include "lumesh/core/grid.hpp"
 #include "vessel_chunks.hpp"
 #include "voxel_edits.hpp"
 
@@ -32,9 +33,7 @@ struct ContactElement {
 /// Calls use(place) for the voxels around one, and itself.
 template <class Use>
 void for_each_around(const Index3& place, int reach, const Use& use) {
-  for (int k = -reach; k <= reach; ++k)
-    for (int j = -reach; j <= reach; ++j)
-      for (int i = -reach; i <= reach; ++i) use(Index3(place + Index3(i, j, k)));
+  for_each_place(place - Index3::Constant(reach), place + Index3::Constant(reach), use);
 }
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;

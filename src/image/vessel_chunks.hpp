@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/image/topology.hpp"
 
@@ -49,15 +50,9 @@ class VesselChunks {
   [[nodiscard]] std::size_t voxel_count() const { return chunk_of_.size(); }
   [[nodiscard]] std::uint32_t chunk_of(std::size_t voxel) const { return chunk_of_[voxel]; }
   [[nodiscard]] Index3 place_of(std::size_t voxel) const {  ///< In the box.
-    const auto x = static_cast<std::size_t>(size_.x()), y = static_cast<std::size_t>(size_.y());
-    return {static_cast<int>(voxel % x), static_cast<int>(voxel / x % y), static_cast<int>(voxel / (x * y))};
+    return grid_place(size_, voxel);
   }
-  [[nodiscard]] std::size_t offset(const Index3& place) const {
-    return static_cast<std::size_t>(place.x()) +
-           static_cast<std::size_t>(size_.x()) *
-               (static_cast<std::size_t>(place.y()) +
-                static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(place.z()));
-  }
+  [[nodiscard]] std::size_t offset(const Index3& place) const { return grid_offset(size_, place); }
   [[nodiscard]] bool contains(const Index3& place) const {
     return (place.array() >= 0).all() && (place.array() < size_.array()).all();
   }

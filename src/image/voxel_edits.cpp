@@ -4,6 +4,8 @@
 #include <map>
 #include <tuple>
 
+#include "lumesh/core/grid.hpp"
+
 namespace lumesh {
 
 namespace {
@@ -11,12 +13,9 @@ namespace {
 /// Calls use(place) for the voxels around one that are in the image: the 26 next ones, or more.
 template <class Use>
 void for_each_beside(const ImageFrame& frame, const Index3& place, const Use& use, int reach = 1) {
-  for (int k = -reach; k <= reach; ++k)
-    for (int j = -reach; j <= reach; ++j)
-      for (int i = -reach; i <= reach; ++i) {
-        const Index3 beside = place + Index3(i, j, k);
-        if ((i != 0 || j != 0 || k != 0) && frame.contains(beside)) use(beside);
-      }
+  for_each_place(place - Index3::Constant(reach), place + Index3::Constant(reach), [&](const Index3& beside) {
+    if (beside != place && frame.contains(beside)) use(beside);
+  });
 }
 
 /// Voxels of a box of which each piece is looked for once.
@@ -60,10 +59,7 @@ class BoxSearch {
   bool take(const Index3& voxel) {
     if (image_.at(voxel) != 0) return false;
     const Index3 v = voxel - low_;
-    char& seen = seen_[static_cast<std::size_t>(v.x()) +
-                       static_cast<std::size_t>(size_.x()) *
-                           (static_cast<std::size_t>(v.y()) +
-                            static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(v.z()))];
+    char& seen = seen_[grid_offset(size_, v)];
     if (seen != 0) return false;
     seen = 1;
     return true;

@@ -1,9 +1,10 @@
 #include "face_ids.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <set>
 #include <string_view>
+
+#include "lumesh/core/parse_number.hpp"
 
 namespace lumesh::io {
 namespace {
@@ -12,10 +13,7 @@ namespace {
 std::int32_t number_in(std::string_view name) {
   if (!name.starts_with(kNumberedFace)) return 0;
   name.remove_prefix(kNumberedFace.size());
-  std::int32_t number = 0;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-  const bool is_plain = error == std::errc() && end == name.data() + name.size() && !name.starts_with('0');
-  return is_plain ? std::max(number, 0) : 0;
+  return name.starts_with('0') ? 0 : std::max(parse_number<std::int32_t>(name).value_or(0), 0);
 }
 
 }  // namespace

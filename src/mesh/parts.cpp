@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/parse_number.hpp"
 #include "lumesh/mesh/cell_sides.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -214,11 +215,8 @@ std::set<Label> labels_called(const MixedMesh& mesh, std::span<const std::string
     bool known = false;
     for (const auto& [label, name] : mesh.info.label_names)
       if (name == word && present.contains(label)) known = true, found.insert(label);
-    Label number = 0;
-    const char* const end = word.data() + word.size();
-    const auto [stop, fault] = std::from_chars(word.data(), end, number);
-    if (!known && fault == std::errc() && stop == end && present.contains(number))
-      known = true, found.insert(number);
+    const std::optional<Label> number = parse_number<Label>(word);
+    if (!known && number && present.contains(*number)) known = true, found.insert(*number);
     if (!known)
       throw Error(ErrorKind::kBadInput,
                   "no cell has the label " + word + "; labels present: " + label_list(present, mesh.info));

@@ -6,7 +6,6 @@
 
 #include "execution_parts.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/parallel/ordered_tasks.hpp"
 #include "lumesh/parallel/published.hpp"
 #include "lumesh/parallel/word_lock.hpp"
 
@@ -67,28 +66,10 @@ void DelaunayExecution::run_buckets(std::vector<DelaunayKernel<Lock>>& kernels,
     }
     return;
   }
-  const std::size_t size = bucket_size(items.size());
-  std::vector<std::span<std::uint32_t>> left;  // Of each bucket.
-  for (std::size_t begin = 0; begin < items.size(); begin += size)
-    left.push_back(std::span(items).subspan(begin, std::min(size, items.size() - begin)));
-  parallel::run_freely(team_, static_cast<std::uint32_t>(left.size()), [&](std::uint32_t bucket, int thread) {
-    DelaunayKernel<Lock>& kernel = kernels[static_cast<std::size_t>(thread)];
+  run_in_buckets(team_, items, bucket_size(items.size()), [&](std::size_t thread) {
+    DelaunayKernel<Lock>& kernel = kernels[thread];
     kernel.begin_run(stamp);
-    const std::span<std::uint32_t> mine = left[bucket];
-    parallel::Backoff backoff;
-    std::size_t contended = 0;
-    VertexId last;  // The one before in this bucket.
-    for (const std::uint32_t item : mine) {
-      if (attempt(kernel, item, last)) {
-        backoff.won();
-      } else {
-        mine[contended++] = item;
-        backoff.lost();
-      }
-    }
-    left[bucket] = mine.first(contended);
-    if (contended == 0) return parallel::TaskEnd::kDone;
-    return contended < mine.size() ? parallel::TaskEnd::kSomeLeft : parallel::TaskEnd::kNothingDone;
+    return [&, last = VertexId()](std::uint32_t item) mutable { return attempt(kernel, item, last); };
   });
 }
 

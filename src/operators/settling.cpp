@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "area_means.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
@@ -199,12 +200,8 @@ class Settling {
     return at;
   }
 
-  /// The mean distance of a triangle from the surface over it, and its area.
-  struct Facet {
-    double sagitta = 0, area = 0;
-  };
-
-  [[nodiscard]] Facet facet_of(std::size_t i) const {
+  /// The mean distance of a triangle from the surface over it.
+  [[nodiscard]] ValueOnArea facet_of(std::size_t i) const {
     const Cell<3>& corners = faces_.triangles[i];
     if (std::none_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return is_free_in(v, i); }))
       return {};
@@ -236,24 +233,16 @@ class Settling {
   /// The mean sagitta of the facets around each vertex.
   template <class FacetOf>
   [[nodiscard]] std::vector<double> means_around(const FacetOf& facet_of) const {
-    std::vector<Facet> facets(faces_.triangles.size());
+    std::vector<ValueOnArea> facets(faces_.triangles.size());
     parallel::for_each_index(
         facets.size(), [&](std::size_t i) { facets[i] = facet_of(i); }, 64);
-    std::vector<double> means(points_.size(), 0), areas(points_.size(), 0);
-    for (std::size_t i = 0; i < facets.size(); ++i)
-      for (const std::uint32_t v : faces_.triangles[i]) {
-        means[v] += facets[i].area * facets[i].sagitta;
-        areas[v] += facets[i].area;
-      }
-    for (std::size_t v = 0; v < means.size(); ++v)
-      if (areas[v] > 0) means[v] /= areas[v];
-    return means;
+    return means_around_vertices(faces_.triangles, facets, points_.size());
   }
 
   /// What the normals at the corners did not tell, and what vertices that were held back owe: where the
   /// surface still is over the triangles in the mean, those around rise.
   void find_corrected_targets() {
-    const std::vector<double> means = means_around([&](std::size_t i) -> Facet {
+    const std::vector<double> means = means_around([&](std::size_t i) -> ValueOnArea {
       std::array<Vec3, 3> corners, over;
       bool is_free_facet = false;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -266,7 +255,7 @@ class Settling {
       const PatchId patch(static_cast<std::uint32_t>(faces_.patches[i]));
       const auto height =
           mean_height_over(corners, over, [&](const Vec3& near) { return place_(patch, near); });
-      return height ? Facet{*height, triangle_area(corners[0], corners[1], corners[2])} : Facet{};
+      return height ? ValueOnArea{*height, triangle_area(corners[0], corners[1], corners[2])} : ValueOnArea{};
     });
     parallel::for_each_index(free_.size(), [&](std::size_t i) {
       const std::uint32_t v = free_[i];

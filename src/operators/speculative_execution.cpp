@@ -5,7 +5,6 @@
 
 #include "execution_parts.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/parallel/ordered_tasks.hpp"
 #include "lumesh/parallel/word_lock.hpp"
 
 namespace lumesh::operators {
@@ -46,27 +45,10 @@ void SpeculativeExecution::reorder() {
 
 template <class Item, class Attempt>
 void SpeculativeExecution::run_buckets(std::vector<Item>& items, const Attempt& attempt) {
-  const std::size_t size = speculative_bucket_size(items.size());
-  std::vector<std::span<Item>> left;  // Of each bucket.
-  for (std::size_t begin = 0; begin < items.size(); begin += size)
-    left.push_back(std::span(items).subspan(begin, std::min(size, items.size() - begin)));
-  parallel::run_freely(team_, static_cast<std::uint32_t>(left.size()), [&](std::uint32_t bucket, int thread) {
-    Kernel& kernel = kernels_[static_cast<std::size_t>(thread)];
+  run_in_buckets(team_, items, speculative_bucket_size(items.size()), [&](std::size_t thread) {
+    Kernel& kernel = kernels_[thread];
     kernel.begin_run(SpeculativeLock(subject_.mesh, static_cast<std::uint32_t>(thread) + 1), stamp_, epoch_);
-    const std::span<Item> mine = left[bucket];
-    parallel::Backoff backoff;
-    std::size_t contended = 0;
-    for (const Item& item : mine) {
-      if (is_told_to_stop_() || attempt(kernel, item)) {
-        backoff.won();
-      } else {
-        mine[contended++] = item;
-        backoff.lost();
-      }
-    }
-    left[bucket] = mine.first(contended);
-    if (contended == 0) return parallel::TaskEnd::kDone;
-    return contended < mine.size() ? parallel::TaskEnd::kSomeLeft : parallel::TaskEnd::kNothingDone;
+    return [&](const Item& item) { return is_told_to_stop_() || attempt(kernel, item); };
   });
 }
 

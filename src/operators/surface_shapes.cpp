@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 
+#include "area_means.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
@@ -134,21 +135,18 @@ std::vector<bool> rim_points(const PatchTriangles& patch) {
 /// @param height_over  Of each triangle, by its number.
 template <class HeightOver>
 void lower(PatchTriangles& patch, const std::vector<Vec3>& normals, const HeightOver& height_over) {
-  std::vector<double> heights(patch.triangles.size());
+  std::vector<ValueOnArea> heights(patch.triangles.size());
   parallel::for_each_index(
-      heights.size(), [&](std::size_t i) { heights[i] = height_over(i); }, 64);
-  std::vector<double> sums(patch.points.size(), 0), areas(patch.points.size(), 0);
-  for (std::size_t i = 0; i < heights.size(); ++i) {
-    const auto& [a, b, c] = patch.triangles[i];
-    const double area = triangle_area(patch.points[a], patch.points[b], patch.points[c]);
-    for (const std::uint32_t v : patch.triangles[i]) {
-      sums[v] += area * heights[i];
-      areas[v] += area;
-    }
-  }
+      heights.size(),
+      [&](std::size_t i) {
+        const auto& [a, b, c] = patch.triangles[i];
+        heights[i] = {height_over(i), triangle_area(patch.points[a], patch.points[b], patch.points[c])};
+      },
+      64);
+  const std::vector<double> means = means_around_vertices(patch.triangles, heights, patch.points.size());
   const std::vector<bool> is_at_rim = rim_points(patch);
   for (std::size_t v = 0; v < patch.points.size(); ++v)
-    if (!is_at_rim[v] && areas[v] > 0) patch.points[v] -= sums[v] / areas[v] * normals[v];
+    if (!is_at_rim[v] && means[v] != 0) patch.points[v] -= means[v] * normals[v];
 }
 
 /// Lets the points down by the mean sagitta, so that a smooth surface through them encloses about what the

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "lumesh/core/grid.hpp"
 #include "plane_sections.hpp"
 
 namespace lumesh::quality {
@@ -91,16 +92,13 @@ std::optional<Index3> first_voxel(const LabelImage& image, const ImagePlane& pla
                    static_cast<int>(std::lround(index.z())));
   std::optional<Index3> best;
   double smallest = std::numeric_limits<double>::infinity();
-  for (int k = -1; k <= 1; ++k)
-    for (int j = -1; j <= 1; ++j)
-      for (int i = -1; i <= 1; ++i) {
-        const Index3 voxel = own + Index3(i, j, k);
-        if (!image.frame().contains(voxel) || image.at(voxel) == 0 || !plane.crosses_voxel(voxel)) continue;
-        const double distance = (voxel.cast<double>() - index).cwiseProduct(plane.spacing).norm();
-        if (distance >= smallest) continue;
-        smallest = distance;
-        best = voxel;
-      }
+  for_each_place(own - Index3::Ones(), own + Index3::Ones(), [&](const Index3& voxel) {
+    if (!image.frame().contains(voxel) || image.at(voxel) == 0 || !plane.crosses_voxel(voxel)) return;
+    const double distance = (voxel.cast<double>() - index).cwiseProduct(plane.spacing).norm();
+    if (distance >= smallest) return;
+    smallest = distance;
+    best = voxel;
+  });
   return best;
 }
 

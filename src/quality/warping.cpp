@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "lumesh/core/disjoint_sets.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/image/simple_point.hpp"
 #include "pieces.hpp"
@@ -81,9 +82,7 @@ class PointGrid {
   void for_each(const Use& use) const {
     for (std::size_t b = 0; b < brick_of_.size(); ++b) {
       if (brick_of_[b] == 0) continue;
-      const auto nx = static_cast<std::size_t>(bricks_.x()), ny = static_cast<std::size_t>(bricks_.y());
-      const Index3 first = low_ + kEdge * Index3(static_cast<int>(b % nx), static_cast<int>(b / nx % ny),
-                                                 static_cast<int>(b / nx / ny));
+      const Index3 first = low_ + kEdge * grid_place(bricks_, b);
       for (std::size_t i = 0; i < kBrick; ++i) {
         const auto at = static_cast<int>(i);
         use(first + Index3(at % kEdge, at / kEdge % kEdge, at / kEdge / kEdge), brick_of_[b] * kBrick + i);
@@ -94,11 +93,7 @@ class PointGrid {
  private:
   static constexpr std::size_t kBrick = std::size_t{kEdge} * kEdge * kEdge;
   [[nodiscard]] std::size_t brick_at(const Index3& p) const {
-    const Index3 b = (p - low_) / kEdge;
-    return static_cast<std::size_t>(b.x()) +
-           static_cast<std::size_t>(bricks_.x()) *
-               (static_cast<std::size_t>(b.y()) +
-                static_cast<std::size_t>(bricks_.y()) * static_cast<std::size_t>(b.z()));
+    return grid_offset(bricks_, (p - low_) / kEdge);
   }
   [[nodiscard]] std::size_t within(const Index3& p) const {
     const Index3 v = p - low_;

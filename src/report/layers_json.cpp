@@ -12,26 +12,34 @@ LayerJson place_json(const LayerCoverage::Place& place) {
           {"why", name_of(place.why)}};
 }
 
+/// Calls visit(name, value) for what a coverage says of its patch as a whole.
+template <class Coverage, class Visit>
+void for_each_value(Coverage& c, const Visit& visit) {
+  visit("patch", c.patch);
+  visit("area_mm2", c.area_mm2);
+  visit("layers", c.layers);
+  visit("wanted_mm", c.wanted_mm);
+  visit("achieved_mm", c.achieved_mm);
+  visit("least_mm", c.min_mm);
+  visit("complete", c.complete);
+  visit("mean_layers", c.mean_layers);
+  visit("all_layers", c.all_layers);
+  visit("layered", c.layered);
+  visit("first_height_kept", c.first_kept);
+  visit("least_first_height", c.least_first);
+  visit("greatest_first_height", c.greatest_first);
+  visit("bare", c.unlayered);
+}
+
 LayerJson patch_json(const LayerCoverage& c) {
-  LayerJson limited = LayerJson::object(), worst = LayerJson::array();
-  for (std::size_t i = 1; i < kLayerLimits; ++i) limited[name_of(static_cast<LayerLimit>(i))] = c.limited[i];
-  for (const LayerCoverage::Place& place : c.worst) worst.push_back(place_json(place));
-  return {{"patch", c.patch},
-          {"area_mm2", c.area_mm2},
-          {"layers", c.layers},
-          {"wanted_mm", c.wanted_mm},
-          {"achieved_mm", c.achieved_mm},
-          {"least_mm", c.min_mm},
-          {"complete", c.complete},
-          {"mean_layers", c.mean_layers},
-          {"all_layers", c.all_layers},
-          {"layered", c.layered},
-          {"first_height_kept", c.first_kept},
-          {"least_first_height", c.least_first},
-          {"greatest_first_height", c.greatest_first},
-          {"bare", c.unlayered},
-          {"limited", limited},
-          {"worst", worst}};
+  LayerJson json;
+  for_each_value(c, [&](const char* name, const auto& value) { json[name] = value; });
+  json["limited"] = LayerJson::object();
+  json["worst"] = LayerJson::array();
+  for (std::size_t i = 1; i < kLayerLimits; ++i)
+    json["limited"][name_of(static_cast<LayerLimit>(i))] = c.limited[i];
+  for (const LayerCoverage::Place& place : c.worst) json["worst"].push_back(place_json(place));
+  return json;
 }
 
 LayerJson surface_json(const LayerShares& surface) {
@@ -52,21 +60,7 @@ LayerLimit limit_named(const std::string& name) {
 
 LayerCoverage patch_of(const LayerJson& json) {
   LayerCoverage c;
-  c.patch = json.at("patch");
-  c.layers = json.at("layers");
-  for (const auto& [name, value] : {std::pair{"area_mm2", &c.area_mm2},
-                                    {"wanted_mm", &c.wanted_mm},
-                                    {"achieved_mm", &c.achieved_mm},
-                                    {"least_mm", &c.min_mm},
-                                    {"complete", &c.complete},
-                                    {"mean_layers", &c.mean_layers},
-                                    {"all_layers", &c.all_layers},
-                                    {"layered", &c.layered},
-                                    {"first_height_kept", &c.first_kept},
-                                    {"least_first_height", &c.least_first},
-                                    {"greatest_first_height", &c.greatest_first},
-                                    {"bare", &c.unlayered}})
-    *value = json.at(name);
+  for_each_value(c, [&](const char* name, auto& value) { json.at(name).get_to(value); });
   for (std::size_t i = 1; i < kLayerLimits; ++i)
     c.limited[i] = json.at("limited").at(name_of(static_cast<LayerLimit>(i)));
   for (const LayerJson& place : json.at("worst"))

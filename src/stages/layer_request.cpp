@@ -3,23 +3,16 @@
 #include <fmt/core.h>
 
 #include <array>
-#include <charconv>
 #include <optional>
 #include <set>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/parse_number.hpp"
 #include "lumesh/mesh/parts.hpp"
 
 namespace lumesh {
 namespace {
-
-std::optional<Label> whole_number(const std::string& text) {
-  Label number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, fault] = std::from_chars(text.data(), end, number);
-  return fault == std::errc() && stop == end ? std::optional(number) : std::nullopt;
-}
 
 /// Takes "wall=2", "wall" or "2" into the options; an empty text says nothing.
 void take_layer_label(const std::string& text, LayerOptions& options) {
@@ -27,7 +20,7 @@ void take_layer_label(const std::string& text, LayerOptions& options) {
   const std::size_t equals = text.find('=');
   const bool has_both = equals != std::string::npos;
   const std::string number = has_both ? text.substr(equals + 1) : text;
-  const std::optional<Label> label = whole_number(number);
+  const std::optional<Label> label = parse_number<Label>(number);
   if (label && *label <= 0) throw Error(ErrorKind::kBadInput, "labels are above 0");
   if (label) options.label = *label;
   const bool looks_like_number =

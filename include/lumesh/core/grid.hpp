@@ -1,0 +1,37 @@
+#pragma once
+/// @file Places of grids: their numbers, the first index fastest, and loops over boxes of them.
+
+#include <cstddef>
+
+#include "lumesh/core/types.hpp"
+
+namespace lumesh {
+
+[[nodiscard]] inline std::size_t grid_count(const Index3& size) {
+  return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
+         static_cast<std::size_t>(size.z());
+}
+
+/// Number of a place in a grid.
+[[nodiscard]] inline std::size_t grid_offset(const Index3& size, const Index3& at) {
+  return static_cast<std::size_t>(at.x()) +
+         static_cast<std::size_t>(size.x()) *
+             (static_cast<std::size_t>(at.y()) +
+              static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(at.z()));
+}
+
+/// The place of a grid_offset().
+[[nodiscard]] inline Index3 grid_place(const Index3& size, std::size_t offset) {
+  const auto x = static_cast<std::size_t>(size.x()), y = static_cast<std::size_t>(size.y());
+  return {static_cast<int>(offset % x), static_cast<int>(offset / x % y), static_cast<int>(offset / (x * y))};
+}
+
+/// Calls visit(place) for the places of a box, `high` included, in the order of their numbers.
+template <class Visit>
+void for_each_place(const Index3& low, const Index3& high, const Visit& visit) {
+  for (int k = low.z(); k <= high.z(); ++k)
+    for (int j = low.y(); j <= high.y(); ++j)
+      for (int i = low.x(); i <= high.x(); ++i) visit(Index3(i, j, k));
+}
+
+}  // namespace lumesh
