@@ -66,7 +66,7 @@ double growth_for_thickness(const LayerOptions& options, int count) {
 /// side, however bent: whether layers fit there, their cells and skin will tell.
 /// @param side  1 outside the mesh, -1 within it.
 /// Source: Ma, Bae and Choi 2012, 3D medial axis point approximation using nearest neighbors and the normal
-/// field.
+/// field, doi:10.1007/s00371-011-0594-7.
 double free_ball(const Vec3& point, const Vec3& direction, const Outside& outside, double side, double most) {
   constexpr double kTouching = 1e-3, kBackwards = 0.2;
   constexpr int kMaxSteps = 20;

@@ -101,6 +101,13 @@ class ChecksTest(unittest.TestCase):
         self.write("src/parallel/good.cpp", "std::thread t;\n")
         self.assertEqual(self.run_check("check_primitives.py")[0], 0)
 
+    def test_references_finds_a_doi_that_is_missing(self):
+        self.write("docs/references.bib", "@article{a,\n  doi = {10.1000/(SICI)1:2<3::A>4.0.CO;2-9}\n}\n")
+        self.write("src/mesh/cited.cpp", "// Known 1990, doi:10.1000/(SICI)1:2<3::A>4.0.CO;2-9).\n")
+        self.assertEqual(self.run_check("check_references.py")[0], 0)
+        self.write("docs/page.md", "Unknown 1991, [doi:10.1000/xyz.5](https://doi.org/10.1000/xyz.5).\n")
+        self.assert_finds("check_references.py", "docs/page.md:1: 10.1000/xyz.5 is missing")
+
     def test_sizes_finds_a_long_function(self):
         self.write("src/mesh/bad.cpp", "int long_one(int a) {\n" + "  a += 1;\n" * 90 + "  return a;\n}\n")
         self.assert_finds("check_sizes.py", "long_one has 93 lines, limit 80")

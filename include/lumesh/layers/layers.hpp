@@ -162,8 +162,8 @@ struct LayerResult {
 /// @param mesh  Compact. @throws Error{kBadInput} if a patch is not there, has no free side, or none is named
 /// and there is no wall, if layers would grow into several labels at a time, or inwards if two vertices of
 /// the surface lie at one place. Parallel inside, bitwise identical for every thread count. Source:
-/// algorithms as in Aubry and Löhner 2009 (most normal normals), Ma, Bae and Choi 2012 (shrinking balls),
-/// Marcum and Gaither (AFLR).
+/// algorithms as in Aubry and Löhner 2009, doi:10.1002/nme.2446 (most normal normals), Ma, Bae and Choi 2012,
+/// doi:10.1007/s00371-011-0594-7 (shrinking balls), Marcum and Gaither 1999, doi:10.2514/6.1999-3252 (AFLR).
 [[nodiscard]] LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context);
 
 }  // namespace lumesh
