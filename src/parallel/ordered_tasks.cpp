@@ -67,6 +67,8 @@ void run_ordered(Team& team, const TaskGraph& conflicts, const TaskOrder& order,
   if (conflicts.size() == 0) return;
   const int threads = threads_for(team, conflicts.size());
   WorkLists lists(team, threads, conflicts.size());
+  // Each task that is done lowers those of its neighbours; whoever brings one to 0 alone puts that task on a
+  // list. Test: OrderedTasksOnThreads.RunEachTaskOnceAndConflictsInTheSameOrder.
   std::vector<std::atomic<std::uint32_t>> waits_for(conflicts.size());
   for (std::uint32_t task = 0; task < conflicts.size(); ++task) {
     waits_for[task].store(order.waits_for[task], std::memory_order_relaxed);  // Team::run() makes it visible.

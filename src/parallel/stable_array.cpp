@@ -57,6 +57,7 @@ ReservedMemory::~ReservedMemory() {
 
 void ReservedMemory::grow(std::size_t bytes) {
   const std::lock_guard lock(growing_);
+  // Relaxed: the mutex orders it after the last store.
   const std::size_t committed = committed_.load(std::memory_order_relaxed);
   if (bytes <= committed) return;
   if (bytes > reserved_) throw_out_of_memory(bytes);
@@ -65,10 +66,11 @@ void ReservedMemory::grow(std::size_t bytes) {
   const std::size_t target = std::min(reserved_, round_to_page(std::max(bytes, committed + step)));
   if (mprotect(static_cast<char*>(data_) + committed, target - committed, PROT_READ | PROT_WRITE) != 0)
     throw_out_of_memory(target);
-  committed_.store(target, std::memory_order_release);
+  committed_.store(target, std::memory_order_release);  // Pairs with the acquire in commit().
 }
 
 void ReservedMemory::shrink(std::size_t bytes) {
+  // Nobody else uses the array: any order would do, here and in swap().
   const std::size_t keep = round_to_page(bytes), committed = committed_.load(std::memory_order_relaxed);
   if (data_ == nullptr || keep >= committed) return;
   char* const tail = static_cast<char*>(data_) + keep;
@@ -90,7 +92,7 @@ SlotPool::SlotPool(std::uint32_t used, int owners, std::uint32_t block)
       used_at_start_(used),
       shared_(std::make_unique<Shared>()),
       owners_(static_cast<std::size_t>(owners)) {
-  shared_->end.store(used, std::memory_order_relaxed);
+  shared_->end.store(used, std::memory_order_relaxed);  // Nobody else has it yet.
 }
 
 std::uint32_t SlotPool::live() const {

@@ -21,7 +21,8 @@ inline bool replace_relaxed(std::uint32_t& word, std::uint32_t expected, std::ui
                                                                       std::memory_order_relaxed);
 }
 
-/// The lesser of both stays; the order of calls does not matter.
+/// The lesser of both stays; the order of calls does not matter. Relaxed: readers come after the loop that
+/// calls it has joined. Test of both: RaiseTo.LeavesTheLargestOfAll.
 template <class Number>
 void lower_to(Number& number, Number value) {
   const std::atomic_ref<Number> shared(number);

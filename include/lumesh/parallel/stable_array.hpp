@@ -49,6 +49,9 @@ class ReservedMemory {
 
   void* data_ = nullptr;
   std::size_t reserved_ = 0;
+  // Written under growing_, or by who has the array alone (shrink, swap); read by anybody in commit(). Tests:
+  // StableArray.*, and SlotPool.HandsEverySlotToOneOwnerOnlyWhenManyRunAtOnce, where many grow one array at
+  // once.
   std::atomic<std::size_t> committed_ = 0;
   std::mutex growing_;
 };
@@ -135,6 +138,8 @@ class SlotPool {
     std::int64_t taken = 0;
   };
   struct Shared {
+    // Each fetch_add() gives a block to one owner alone. Test:
+    // SlotPool.HandsEverySlotToOneOwnerOnlyWhenManyRunAtOnce.
     std::atomic<std::uint32_t> end = 0;
   };
 

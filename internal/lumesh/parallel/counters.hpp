@@ -13,7 +13,8 @@
 namespace lumesh::parallel {
 
 /// `kCount` sums. Every thread adds to one of 64 copies, each in cache lines of its own, so that threads
-/// seldom meet. Threads: add() at any time; total() is exact once the others have finished.
+/// seldom meet. Threads: add() at any time; total() is exact once the others have finished. Test:
+/// Counters.* in tests/unit/parallel/counters_test.cpp.
 template <std::size_t kCount>
 class Counters {
  public:
@@ -43,7 +44,7 @@ class Counters {
   std::array<Copy, std::size_t{1} << kCopyBits> copies_;
 };
 
-/// Keeps the value that is offered first. Threads: offer() at any time.
+/// Keeps the value that is offered first. Threads: offer() at any time. Test: FirstValue.* there.
 template <class Value>
 class FirstValue {
  public:

@@ -177,6 +177,9 @@ class KeySet {
   }
   [[nodiscard]] std::size_t mask() const { return slots_.size() - 1; }
 
+  // A slot goes from kEmpty to one key and stays so; which thread wins it does not matter, who loses looks at
+  // what is there. All orders are relaxed: no other memory hangs on a slot, and loops join between writers
+  // and readers. Test: KeySet.HoldsEveryKeyOnceWhateverWasExpected.
   std::vector<std::atomic<std::uint64_t>> slots_;
   std::size_t size_ = 0;
 };

@@ -6,7 +6,9 @@
 
 namespace lumesh::parallel {
 
-/// Whoever sees the value by load_published() sees all that was written before it was published, too.
+/// Several threads may publish in the same word, each a value that is as good. Tests: Delaunay* in
+/// tests/unit/operators/delaunay_test.cpp, on several threads. Whoever sees the value by load_published()
+/// sees all that was written before it was published, too.
 inline void publish(std::uint32_t& word, std::uint32_t value) {
   std::atomic_ref(word).store(value, std::memory_order_release);
 }
