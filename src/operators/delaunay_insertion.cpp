@@ -3,8 +3,10 @@
 
 #include "delaunay_scratch.hpp"
 #include "links.hpp"
+#include "lumesh/core/assert.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/operators/delaunay_kernel.hpp"
+#include "soundness.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -168,6 +170,7 @@ VertexId DelaunayKernel<Lock>::fill_hole(const Vec3& point, VertexDimension dime
     }
   }
   mesh.set_incident_tet(v, hull.front().filled);
+  LUMESH_PARANOID_ASSERT(is_sound_around(mesh, v));
   return v;
 }
 

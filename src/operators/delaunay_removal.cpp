@@ -2,8 +2,10 @@
 
 #include "delaunay_scratch.hpp"
 #include "links.hpp"
+#include "lumesh/core/assert.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/operators/delaunay_kernel.hpp"
+#include "soundness.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -141,6 +143,7 @@ void DelaunayKernel<Lock>::replace_star(VertexId v) {
         mesh.set_link(made[i], static_cast<int>(f), FaceLink::to(made[behind], wrapped[i].behind_face[f]));
     }
   }
+  LUMESH_PARANOID_ASSERT(are_sound(mesh, made));
 }
 
 template <class Lock>

@@ -2,14 +2,17 @@
 /// @file The working memory of one thread's operators.
 
 #include <cmath>
+#include <span>
 
 #include "angle_star.hpp"
 #include "builder.hpp"
 #include "cavity.hpp"
 #include "links.hpp"
 #include "local_map.hpp"
+#include "lumesh/core/assert.hpp"
 #include "lumesh/operators/operators.hpp"
 #include "neighbourhoods.hpp"
+#include "soundness.hpp"
 #include "star_shapes.hpp"
 #include "tried_edges.hpp"
 #include "uniform_star.hpp"
@@ -62,9 +65,13 @@ template <class Lock>
 template <class Body>
 Outcome Operators<Lock>::on_held(OperatorCount& count, VertexId a, VertexId b, const Body& body) {
   const LockScope scope(lock_);
+  const std::size_t made = scratch_->builder.tets.size();
   Outcome outcome = lock_.try_lock(a) && lock_.try_lock(b) ? body() : Outcome::kContended;
   if (outcome == Outcome::kRejected && lock_.contended()) outcome = Outcome::kContended;
   count.add(outcome);
+  LUMESH_PARANOID_ASSERT(outcome != Outcome::kApplied ||
+                         (are_sound(subject_.mesh, std::span(scratch_->builder.tets).subspan(made)) &&
+                          is_sound_around(subject_.mesh, a)));
   return outcome;
 }
 

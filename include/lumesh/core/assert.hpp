@@ -19,3 +19,10 @@ namespace lumesh::detail {
 #else
 #define LUMESH_DEBUG_ASSERT(condition) LUMESH_ASSERT(condition)
 #endif
+
+/// Whole checks of what was made; on in builds of the preset `paranoid` only.
+#ifdef LUMESH_PARANOID
+#define LUMESH_PARANOID_ASSERT(condition) LUMESH_ASSERT(condition)
+#else
+#define LUMESH_PARANOID_ASSERT(condition) static_cast<void>(sizeof((condition) ? 1 : 0))
+#endif
