@@ -12,6 +12,17 @@ target_compile_features(lumesh_flags INTERFACE cxx_std_20)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lumesh)
 install(TARGETS lumesh RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# What shells complete commands and options by comes from the program itself.
+install(CODE "foreach(place bash:bash-completion/completions/lumesh zsh:zsh/site-functions/_lumesh
+                      fish:fish/vendor_completions.d/lumesh.fish)
+  string(REPLACE : \\; place \${place})
+  list(GET place 0 shell)
+  list(GET place 1 path)
+  set(path \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/\${path})
+  execute_process(COMMAND $<TARGET_FILE:lumesh> completion \${shell} OUTPUT_VARIABLE script COMMAND_ERROR_IS_FATAL ANY)
+  file(WRITE \${path} \"\${script}\")
+  message(STATUS \"Installing: \${path}\")
+endforeach()")
 install(TARGETS lumesh_all lumesh_flags ${modules} EXPORT lumeshTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY include/lumesh DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp"

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """Checks that threads and locks stay where they are looked after.
 
-Threads, mutexes, atomics, oneTBB and OpenMP belong to the module parallel and to the files named below with a
-reason; all other code uses lumesh/parallel/loops.hpp.
+Threads, mutexes, atomics, oneTBB and OpenMP belong to the module parallel; all other code uses lumesh/parallel/loops.hpp.
 
 Usage: check_primitives.py [ROOT]
 """
@@ -12,11 +11,6 @@ import sys
 
 import sources
 
-# File -> why it may.
-EXCEPTIONS = {
-    "apps/lumesh/main.cpp": "the flag that a signal sets",
-}
-
 PRIMITIVE = re.compile(
     r"\btbb::|#\s*include\s+<(?:tbb/|oneapi/|thread>|mutex>|shared_mutex>|atomic>|condition_variable>|semaphore>|barrier>"
     r"|latch>|future>|omp\.h>|pthread\.h>)|#\s*pragma\s+omp|\bomp_\w+\s*\("
@@ -25,7 +19,7 @@ PRIMITIVE = re.compile(
 
 
 def is_allowed(path):
-    return "parallel" in path.parts or str(path) in EXCEPTIONS
+    return "parallel" in path.parts
 
 
 def main():

@@ -36,7 +36,6 @@ struct AdaptCommand {
   metric::TensorSource tensors;
   metric::AnalyticSource analytic;
   double complexity = 0, gradation = 0;
-  double time_limit_s = std::numeric_limits<double>::infinity();
   AdaptRequest request;
   RunOptions run;
 
@@ -162,7 +161,7 @@ void run(AdaptCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
-  LongRun long_run(context, command.run, command.time_limit_s);
+  LongRun long_run(command.run);
   check_options(command);
   check_output_folders({command.output_path, command.metric_output_path, command.json_path});
   check_inputs_stay({command.metric_output_path, command.json_path},
@@ -196,7 +195,7 @@ void run(AdaptCommand command) {
   });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_text_file(command.json_path, report_json(result, context, elapsed.count()).dump(2) + "\n");
+    write_json(command.json_path, report_json(result, context, elapsed.count()).dump(2));
   warn_of_many_vertices(mesh, report, context);
   print_counts(command.run, report.by_thread);
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",
@@ -229,8 +228,7 @@ void add_adapt_command(CLI::App& program) {
   add_options_of(*sub, command->cuts);
   add_options_of(*sub, command->request);
   add_topology_option(*sub, command->request.adapt.team);
-  sub->add_option("--json", command->json_path, "Write times and counts of operators as JSON");
-  add_time_limit_option(*sub, command->time_limit_s);
+  add_json_option(*sub, command->json_path, command->run, "times and counts of operators");
   finish_command(*sub, command, run,
                  "Example: lumesh adapt cube_metric.vtu -o adapted.vtu --complexity 100000");
 }

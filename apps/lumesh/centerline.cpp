@@ -9,7 +9,6 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "frames.hpp"
-#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"

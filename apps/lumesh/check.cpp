@@ -5,7 +5,6 @@
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -21,7 +20,7 @@ using json = nlohmann::ordered_json;
 struct CheckCommand {
   std::string path;
   ImageSelection selection;
-  std::size_t as_json = 0;
+  std::string json_path;
   RunOptions run;
 };
 
@@ -77,11 +76,8 @@ void run(const CheckCommand& command) {
                       fmt::format("is for images, and {} is none", command.path));
   }
   const CheckReport report = check_file(command.path, command.selection, context);
-  if (command.as_json > 0) {
-    print_out("{}\n", to_json(command, report).dump(2));
-  } else if (command.run.quiet == 0) {
-    print_text(command, report);
-  }
+  if (!command.json_path.empty()) write_json(command.json_path, to_json(command, report).dump(2));
+  if (command.run.quiet == 0) print_text(command, report);
   if (!report.is_fit())
     throw Error(ErrorKind::kNotReached,
                 command.path + ": is unfit for meshing as it is; see the faults above");
@@ -98,7 +94,7 @@ void add_check_command(CLI::App& program) {
   OptionList selection = options_of(command->selection);
   describe_unit(selection, command->selection.unit);
   add_options(*sub, selection, "", {"probabilities"});
-  sub->add_flag("--json", command->as_json, "Print JSON");
+  add_json_option(*sub, command->json_path, command->run, "the same");
   finish_command(
       *sub, command, run,
       "Exit codes: 0 fit for meshing, perhaps with remarks, 2 unreadable, 3 unfit.\nExample: lumesh check "

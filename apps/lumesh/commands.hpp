@@ -22,5 +22,6 @@ void add_rename_command(CLI::App& program);
 void add_repair_command(CLI::App& program);
 void add_run_command(CLI::App& program);
 void add_options_command(CLI::App& program);
+void add_completion_command(CLI::App& program);
 
 }  // namespace lumesh::cli

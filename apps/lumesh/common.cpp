@@ -14,12 +14,16 @@
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/sha256.hpp"
+#include "lumesh/io/text_file.hpp"
 #include "lumesh/quality/faults.hpp"
 #include "option_adapter.hpp"
+#include "program.hpp"
 
 namespace lumesh::cli {
 
 namespace {
+
+constexpr const char* kStandardOutput = "-";
 
 /// The options of the command line as they were given, but for those that do not change the mesh.
 std::string given_options(const CLI::App& command) {
@@ -28,7 +32,7 @@ std::string given_options(const CLI::App& command) {
     const std::string name = option->get_name();
     constexpr std::string_view kElsewhere[] = {"--threads", "--verbose",  "--quiet",  "--output",
                                                "--surface", "--json",     "--report", "--metric-output",
-                                               "--balance", "--topology", "--pin"};
+                                               "--balance", "--topology", "--pin",    "--time-limit"};
     if (std::find(std::begin(kElsewhere), std::end(kElsewhere), name) != std::end(kElsewhere)) continue;
     if (option->count() == 0 || option->get_positional()) continue;
     all += (all.empty() ? "" : " ") + name;
@@ -62,6 +66,12 @@ void finish_options(CLI::App& app, RunOptions& options, const std::string& foote
     app.add_option("--threads,--nthreads", options.threads, "Threads; 0 = all cores")
         ->check(CLI::Range(0, 4096))
         ->capture_default_str();
+  OptionList list;
+  list.number("time_limit", options.time_limit_s, above(0),
+              "Stop then, with exit code 4; adapt, delaunay, improve and run write the best mesh so far")
+      .in("s")
+      .zero("none", std::numeric_limits<double>::infinity());
+  add_options(app, list);
   CLI::Option* const verbose =
       app.add_flag("-v,--verbose", options.verbose, "Say on stderr when each step ends, and its time");
   app.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->excludes(verbose);
@@ -69,14 +79,45 @@ void finish_options(CLI::App& app, RunOptions& options, const std::string& foote
   app.footer(footer);
 }
 
+void add_json_option(CLI::App& command, std::string& path, RunOptions& options, const std::string& holds) {
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--json",
+          [&path, &options](const std::vector<std::string>& values) {
+            path = values.empty() || values.front().empty() ? kStandardOutput : values.front();
+            if (path == kStandardOutput) options.quiet = 1;
+          },
+          "Write " + holds + " as JSON; - or nothing: to the standard output, in place of the text")
+      ->type_name("[FILE]")
+      ->expected(0, 1);
+}
+
+void write_json(const std::string& path, const std::string& text) {
+  const std::string whole = text.ends_with('\n') ? text : text + "\n";
+  if (path == kStandardOutput)
+    print_out("{}", whole);
+  else
+    write_text_file(path, whole);
+}
+
 Context make_context(const RunOptions& options) {
-  Context context({}, [command = options.command](std::string_view text) {
-    print_warning(command == nullptr ? std::string(text) : with_flags(text, *command));
-  });
+  Context context(
+      {}, [command = options.command](std::string_view text) { print_warning(with_flags(text, *command)); });
+  Program& program = program_of(*options.command);
+  program.cancellation().begin(options.time_limit_s);
+  context.stop_by(program.cancellation().token());
+  context.report_results_to([&program] { program.cancellation().keep_results(); });
+  program.progress().begin(options.command->get_name(), options.verbose == 0 && options.quiet == 0, context);
   if (options.verbose > 0)
     context.report_phases_to(
         [](const PhaseTime& phase) { print_error("lumesh: {} took {:.2f} s\n", phase.name, phase.seconds); });
   return context;
+}
+
+void put(std::FILE* stream, const std::string& text) {
+  constexpr const char* kClearLine = "\x1b[K";
+  // In one piece, for two threads may print.
+  std::fputs(::isatty(::fileno(stream)) != 0 ? (kClearLine + text).c_str() : text.c_str(), stream);
 }
 
 void print_warning(std::string_view text) {

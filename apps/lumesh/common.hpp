@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <initializer_list>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,10 +18,13 @@
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
+#include "lumesh/parallel/loops.hpp"
 #include "lumesh/stages/image_cuts.hpp"
 #include "lumesh/stages/input.hpp"
 
 namespace lumesh::cli {
+
+class Program;
 
 /// Image files that read_image() takes, for help texts.
 inline constexpr const char* kImageFormats =
@@ -31,9 +35,10 @@ struct RunOptions {
   int threads = 0;
   std::size_t verbose = 0;
   std::size_t quiet = 0;
-  const CLI::App* command = nullptr;  ///< Whose names of options warnings use; finish_options() sets it.
+  double time_limit_s = std::numeric_limits<double>::infinity();
+  CLI::App* command = nullptr;  ///< Whose names of options warnings use; finish_options() sets it.
 };
-/// -v and -q, behind --threads where it has any, and the example in the help.
+/// --time-limit, -v and -q, behind --threads where it has any, and the example in the help.
 void finish_options(CLI::App& app, RunOptions& options, const std::string& footer, bool has_threads);
 /// The same, and what the command does when it is chosen: run(*command).
 template <class Command, class Run>
@@ -42,17 +47,32 @@ void finish_command(CLI::App& app, const std::shared_ptr<Command>& command, cons
   finish_options(app, command->run, footer, has_threads);
   app.callback([command, run] { run(*command); });
 }
-/// Warnings go to stderr; with -v so does each phase as it ends, with its time.
+/// --json [FILE], of all commands that have it: "-", as without a FILE, is the standard output, which says
+/// nothing else then. @param holds  What is written, for the help.
+void add_json_option(CLI::App& command, std::string& path, RunOptions& options, const std::string& holds);
+/// Writes what that asks for.
+void write_json(const std::string& path, const std::string& text);
+/// Work of a command begins: stops and the time limit end it (Program), warnings go to stderr; with -v so
+/// does each phase as it ends, with its time, else how far the command is.
 [[nodiscard]] Context make_context(const RunOptions& options);
-/// Prints to stdout, or to stderr. What cannot be printed is lost: results matter more; the end of main()
-/// looks whether stdout took all.
+/// What a command runs in, made before anything else.
+struct CommandRun {
+  parallel::ThreadLimit limit;
+  Context context;
+
+  explicit CommandRun(const RunOptions& options) : limit(options.threads), context(make_context(options)) {}
+};
+/// Writes to a stream, on a terminal in the place of the line that tells the progress. What cannot be written
+/// is lost: results matter more; the end of the program looks whether stdout took all.
+void put(std::FILE* stream, const std::string& text);
+/// Prints to stdout, or to stderr.
 template <class... Args>
 void print_out(fmt::format_string<Args...> format, Args&&... args) {
-  std::fputs(fmt::format(format, std::forward<Args>(args)...).c_str(), stdout);
+  put(stdout, fmt::format(format, std::forward<Args>(args)...));
 }
 template <class... Args>
 void print_error(fmt::format_string<Args...> format, Args&&... args) {
-  std::fputs(fmt::format(format, std::forward<Args>(args)...).c_str(), stderr);
+  put(stderr, fmt::format(format, std::forward<Args>(args)...));
 }
 
 /// Prints to stdout unless -q was given.

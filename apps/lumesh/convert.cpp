@@ -4,7 +4,6 @@
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/length_unit.hpp"
@@ -32,7 +31,6 @@ MeshWriteOptions write_options(const ConvertCommand& command) {
 }
 
 void run(const ConvertCommand& command) {
-  const Interruptible interruptible;
   if (command.to.empty())
     throw Error(ErrorKind::kUsage,
                 "no name for the mesh to write; give it as in: lumesh convert case1.vtu case1.msh");

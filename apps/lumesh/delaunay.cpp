@@ -30,7 +30,6 @@ struct DelaunayCommand {
   DomainInput input;
   OpeningOptions openings;
   DelaunayRequest request;
-  double time_limit_s = std::numeric_limits<double>::infinity();
   RunOptions run;
 
   [[nodiscard]] FrameParts frames() {
@@ -108,7 +107,7 @@ void run(DelaunayCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
-  LongRun long_run(context, command.run, command.time_limit_s);
+  LongRun long_run(command.run);
   check_options(command);
   const std::string& input_path = command.input.path;
   SizeData sizes = context.phase("read", [&] { return SizeData(command.request.sizes, context); });
@@ -141,7 +140,7 @@ void run(DelaunayCommand command) {
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_text_file(command.json_path, report_json(made, openings, given.closed, context).dump(2) + "\n");
+    write_json(command.json_path, report_json(made, openings, given.closed, context).dump(2));
   print_summary(command, given, made, faces, openings, context, elapsed.count());
   require_sound(command.mesh_path, mesh.view(faces), context, long_run.reason(is_complete));
   long_run.check_complete(is_complete, command.mesh_path + " holds the best mesh so far");
@@ -164,11 +163,10 @@ void add_delaunay_command(CLI::App& program) {
   add_options(*sub, execution);
   add_topology_option(*sub, improvement.team);
   add_surface_output(*sub, command->surface_path);
-  sub->add_option("--json", command->json_path, "Write times, rounds and angles as JSON");
+  add_json_option(*sub, command->json_path, command->run, "times, rounds and angles");
   add_domain_options(*sub, command->input);
   add_out_unit_option(*sub, command->out_unit);
   add_opening_options(*sub, command->openings);
-  add_time_limit_option(*sub, command->time_limit_s);
   finish_command(
       *sub, command, [](const DelaunayCommand& c) { run_frames(c, run); },
       "Example: lumesh delaunay case1.nrrd -o case1.vtu --edge-length 1.5");

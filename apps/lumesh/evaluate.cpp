@@ -6,7 +6,6 @@
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "long_run.hpp"
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/image_file.hpp"
@@ -77,7 +76,7 @@ void require_angles(const EvaluateCommand& command, const quality::Evaluation& e
 
 void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
                    const quality::Evaluation& evaluation, Context& context) {
-  if (!command.json_path.empty()) write_text_file(command.json_path, report::evaluation_json(evaluation));
+  if (!command.json_path.empty()) write_json(command.json_path, report::evaluation_json(evaluation));
   if (command.report_path.empty() && command.picture_path.empty()) return;
   if (!command.report_path.empty()) {
     const report::ReportPictures pictures =
@@ -169,7 +168,7 @@ void add_evaluate_command(CLI::App& program) {
                   "Axes of the vessels (.vtp, by lumesh centerline), or none; default: found in the image");
   sub->add_option("--reference", command->reference_path,
                   "Parameters of the phantom behind the image (.json)");
-  sub->add_option("--json", command->json_path, "Write all numbers as JSON");
+  add_json_option(*sub, command->json_path, command->run, "all numbers");
   sub->add_option("--report", command->report_path, "Write a report with plots and pictures (.html)");
   sub->add_option("--picture", command->picture_path, "Write a picture of the surface (.png)");
   sub->add_option("--require-dihedral", command->required_dihedral_deg,

@@ -7,7 +7,7 @@
 namespace lumesh::cli {
 
 std::string numbered(const std::string& path, std::size_t frame) {
-  if (path.empty()) return path;
+  if (path.empty() || path == "-") return path;
   const std::size_t percent = path.find('%');
   const std::size_t end =
       percent == std::string::npos ? percent : path.find_first_not_of("0123456789", percent + 1);

@@ -28,7 +28,6 @@ struct ImproveCommand {
   std::string mesh_path, output_path, metric_path, json_path;
   std::vector<std::string> keep;
   bool ignores_sizes = false;
-  double time_limit_s = std::numeric_limits<double>::infinity();
   ImproveOptions options;
   RunOptions run;
 };
@@ -71,7 +70,7 @@ void run(ImproveCommand command) {
   const auto start = std::chrono::steady_clock::now();
   const parallel::ThreadLimit limit(command.run.threads);
   Context context = make_context(command.run);
-  LongRun long_run(context, command.run, command.time_limit_s);
+  LongRun long_run(command.run);
   command.options.validate();
   check_volume_output(command.output_path);
   check_output_folders({command.output_path, command.json_path});
@@ -95,7 +94,7 @@ void run(ImproveCommand command) {
   context.phase("write", [&] { write_mesh(command.output_path, view); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_text_file(command.json_path, report_json(report, command.options, elapsed.count()).dump(2) + "\n");
+    write_json(command.json_path, report_json(report, command.options, elapsed.count()).dump(2));
   print_counts(command.run, report.by_thread);
   say(command.run,
       "{}: {} tetrahedra, dihedral angles {:.2f} to {:.2f} degrees (before: {:.2f} to {:.2f}), {} tetrahedra "
@@ -123,8 +122,7 @@ void add_improve_command(CLI::App& program) {
   add_options_of(*sub, command->options);
   add_topology_option(*sub, command->options.team);
   add_keep_option(*sub, command->keep)->excludes("--metric");
-  sub->add_option("--json", command->json_path, "Write angles and counts of operators per pass as JSON");
-  add_time_limit_option(*sub, command->time_limit_s);
+  add_json_option(*sub, command->json_path, command->run, "angles and counts of operators per pass");
   finish_command(*sub, command, run, "Example: lumesh improve case1.vtu -o improved.vtu");
 }
 

@@ -9,7 +9,6 @@
 #include "closed_json.hpp"
 #include "commands.hpp"
 #include "common.hpp"
-#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/parse_number.hpp"
 #include "lumesh/domain/image_domain.hpp"
@@ -36,7 +35,7 @@ struct InfoCommand {
   std::string path;
   ImageSelection selection;
   ImageCuts cuts;
-  std::size_t as_json = 0;
+  std::string json_path;
   RunOptions run;
 };
 
@@ -255,12 +254,8 @@ void run(const InfoCommand& command) {
   Context& context = session.context;
   const json all = is_mesh_file(command.path) ? describe_mesh_file(command, context)
                                               : describe_image_file(command, context);
-  if (command.run.quiet > 0 && command.as_json == 0) return;
-  if (command.as_json > 0) {
-    print_out("{}\n", all.dump(2));
-  } else {
-    print_text(all);
-  }
+  if (!command.json_path.empty()) write_json(command.json_path, all.dump(2));
+  if (command.run.quiet == 0) print_text(all);
 }
 
 }  // namespace
@@ -272,7 +267,7 @@ void add_info_command(CLI::App& program) {
   add_options_of(*sub, command->selection);
   add_unit_option(*sub, command->selection.unit);
   add_options_of(*sub, command->cuts);
-  sub->add_flag("--json", command->as_json, "Print JSON");
+  add_json_option(*sub, command->json_path, command->run, "the same");
   finish_command(*sub, command, run, "Example: lumesh info case1.nrrd");
 }
 

@@ -10,7 +10,6 @@
 #include "common.hpp"
 #include "domain_input.hpp"
 #include "frames.hpp"
-#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"

@@ -5,7 +5,6 @@
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
@@ -35,7 +34,7 @@ void check_cells(const LayersCommand& command) {
 
 void write_reports(const LayersCommand& command, const MixedMesh& mesh, const report::LayersOfMesh& layers,
                    Context& context) {
-  if (!command.json_path.empty()) write_text_file(command.json_path, report::layers_json(layers));
+  if (!command.json_path.empty()) write_json(command.json_path, report::layers_json(layers));
   if (command.report_path.empty()) return;
   const report::LayerPictures pictures =
       context.phase("pictures", [&] { return report::draw_layer_shares(layers.report.surface); });
@@ -114,7 +113,7 @@ void add_layers_command(CLI::App& program) {
   sub->add_flag_callback(
       "--blc", [command] { command->request.options.cells = LayerCells::kPrisms; },
       "AFLR's name of --cells prisms");
-  sub->add_option("--json", command->json_path, "Write what was achieved as JSON");
+  add_json_option(*sub, command->json_path, command->run, "what was achieved");
   sub->add_option("--report", command->report_path, "Write it as a page with pictures (.html)");
   finish_command(
       *sub, command, run,

@@ -14,14 +14,17 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "exit_codes.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/nearest_word.hpp"
 #include "lumesh/core/version.hpp"
+#include "lumesh/parallel/cancellation.hpp"
 #include "option_adapter.hpp"
+#include "program.hpp"
 
 namespace {
 
-constexpr int kInternalError = 70;
+using lumesh::cli::exit_code_of;
 
 int report_error(const char* message, int code) {
   lumesh::cli::print_error("lumesh: error: {}\n", message);
@@ -55,6 +58,30 @@ std::string message_of(const lumesh::Error& error, CLI::App& program) {
   return commands.empty() ? error.what() : lumesh::cli::with_flags(error.what(), *commands.front());
 }
 
+/// Parses the command line, and runs its command. @return The exit code; what goes wrong is a line on stderr.
+int run(lumesh::cli::Program& program, int argc, char** argv) {
+  try {
+    if (argc > 1) check_command(program, argv[1]);
+    lumesh::parallel::run_cancellable(program.cancellation().abandon_token(),
+                                      [&] { program.parse(argc, argv); });
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
+    return report_error(error.what(), exit_code_of(lumesh::ErrorKind::kUsage));
+  } catch (const lumesh::Error& error) {
+    return report_error(message_of(error, program).c_str(), exit_code_of(error.kind()));
+  } catch (const lumesh::parallel::Cancelled&) {
+    return report_error((program.reason_of_stop() + "no unfinished file is left").c_str(),
+                        exit_code_of(lumesh::ErrorKind::kTimeLimit));
+  } catch (const std::bad_alloc&) {
+    return report_error("out of memory; ask for a coarser mesh or crop the image",
+                        exit_code_of(lumesh::ErrorKind::kMemory));
+  } catch (const std::exception& error) {
+    return report_error(error.what(), lumesh::cli::kInternalError);
+  }
+  program.progress().end();
+  return 0;
+}
+
 /// As after `lumesh … | head -1`: whoever read has what they wanted.
 bool reader_has_gone() {
   pollfd out = {STDOUT_FILENO, POLLOUT, 0};
@@ -66,12 +93,11 @@ bool reader_has_gone() {
 int main(int argc, char** argv) {
   keep_freed_memory();
   std::signal(SIGPIPE, SIG_IGN);  // Results are written though nobody reads what is said of them.
-  CLI::App program{"lumesh: from segmented images of blood vessels to meshes for simulation", "lumesh"};
+  lumesh::cli::Program program("lumesh: from segmented images of blood vessels to meshes for simulation",
+                               "lumesh");
   program.set_version_flag("--version", std::string("lumesh ") + lumesh::kVersion);
   program.require_subcommand(1);
-  program.footer(
-      "Exit codes: 0 good, 1 usage, 2 bad input, 3 request not reached, 4 time limit or interrupted, 5 "
-      "memory.");
+  program.footer(lumesh::cli::exit_codes_text());
   lumesh::cli::add_phantom_command(program);
   lumesh::cli::add_info_command(program);
   lumesh::cli::add_check_command(program);
@@ -89,22 +115,11 @@ int main(int argc, char** argv) {
   lumesh::cli::add_rename_command(program);
   lumesh::cli::add_run_command(program);
   lumesh::cli::add_options_command(program);
-  try {
-    if (argc > 1) check_command(program, argv[1]);
-    program.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
-    return report_error(error.what(), static_cast<int>(lumesh::ErrorKind::kUsage));
-  } catch (const lumesh::Error& error) {
-    return report_error(message_of(error, program).c_str(), static_cast<int>(error.kind()));
-  } catch (const std::bad_alloc&) {
-    return report_error("out of memory; ask for a coarser mesh or crop the image",
-                        static_cast<int>(lumesh::ErrorKind::kMemory));
-  } catch (const std::exception& error) {
-    return report_error(error.what(), kInternalError);
-  }
+  lumesh::cli::add_completion_command(program);
+  for (CLI::App* const command : program.get_subcommands({}))
+    command->footer(command->get_footer() + "\n" + lumesh::cli::exit_codes_text());
+  if (const int code = run(program, argc, argv); code != 0) return code;
   if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && !reader_has_gone())
-    return report_error("cannot write to the standard output",
-                        static_cast<int>(lumesh::ErrorKind::kBadInput));
+    return report_error("cannot write to the standard output", exit_code_of(lumesh::ErrorKind::kBadInput));
   return 0;
 }

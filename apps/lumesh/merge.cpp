@@ -8,7 +8,6 @@
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
@@ -70,7 +69,7 @@ std::string report_json(const MergeReport& report, const std::vector<std::string
   for (const MergeReport::Renumbered& label : report.renumbered)
     json["renumbered"].push_back(
         {{"file", paths[label.part]}, {"from", label.from}, {"to", label.to}, {"name", label.name}});
-  return json.dump(2) + "\n";
+  return json.dump(2);
 }
 
 void run(MergeCommand command) {
@@ -91,7 +90,7 @@ void run(MergeCommand command) {
   context.phase("check", [&] { warn_of_problems(mesh, command.output_path, context); });
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view()); });
   const MergeReport& report = result.report;
-  if (!command.json_path.empty()) write_text_file(command.json_path, report_json(report, command.paths));
+  if (!command.json_path.empty()) write_json(command.json_path, report_json(report, command.paths));
   for (const MergeReport::Renumbered& label : report.renumbered)
     say(command.run, "{}: label {}{} is label {} now\n", command.paths[label.part], label.from,
         label.name.empty() ? "" : " (" + label.name + ")", label.to);
@@ -121,7 +120,7 @@ void add_merge_command(CLI::App& program) {
       ->capture_default_str();
   sub->add_flag("--allow-gaps", command->options.surfaces_match,
                 "Take surfaces that nearly lie on each other for thin gaps between the meshes");
-  sub->add_option("--json", command->json_path, "Write what was joined as JSON");
+  add_json_option(*sub, command->json_path, command->run, "what was joined");
   finish_command(*sub, command, run, "Example: lumesh merge lumen.vtu wall.vtu -o vessel.vtu");
 }
 

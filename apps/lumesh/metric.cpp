@@ -3,7 +3,6 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "keep_option.hpp"
-#include "long_run.hpp"
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"

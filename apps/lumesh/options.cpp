@@ -57,17 +57,15 @@ void print_sections() {
 }  // namespace
 
 void add_options_command(CLI::App& program) {
-  const auto as_json = std::make_shared<bool>(false);
+  const auto json_path = std::make_shared<std::string>();
+  const auto ran = std::make_shared<RunOptions>();
   CLI::App* sub =
       program.add_subcommand("options", "List all options of all stages, as case files name them");
-  sub->add_flag("--json", *as_json,
-                "Print JSON: name, aliases, unit, range, words, default, meaning of each");
+  add_json_option(*sub, *json_path, *ran, "name, aliases, unit, range, words, default and meaning of each");
   sub->footer("Example: lumesh options");
-  sub->callback([as_json] {
-    if (*as_json)
-      print_out("{}\n", sections_json().dump(2));
-    else
-      print_sections();
+  sub->callback([json_path, ran] {
+    if (!json_path->empty()) write_json(*json_path, sections_json().dump(2));
+    if (ran->quiet == 0) print_sections();
   });
 }
 

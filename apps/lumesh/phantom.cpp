@@ -7,7 +7,6 @@
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/image/topology.hpp"

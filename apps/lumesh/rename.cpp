@@ -4,7 +4,6 @@
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 
@@ -19,7 +18,6 @@ struct RenameCommand {
 };
 
 void run(const RenameCommand& command) {
-  const Interruptible interruptible;
   check_output_folders({command.to});
   Context context = make_context(command.run);
   MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.from); });

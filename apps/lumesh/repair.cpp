@@ -5,7 +5,6 @@
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "long_run.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
@@ -97,7 +96,7 @@ void run(RepairCommand command) {
   outcome.surface.info.provenance =
       provenance_of(*command.run.command, command.from, surface.info.provenance);
   context.phase("write", [&] { write_surface(command.to, outcome.surface.view()); });
-  if (!command.json_path.empty()) write_text_file(command.json_path, to_json(outcome).dump(2) + "\n");
+  if (!command.json_path.empty()) write_json(command.json_path, to_json(outcome).dump(2));
   say_what_was_done(command, outcome);
 }
 
@@ -111,7 +110,7 @@ void add_repair_command(CLI::App& program) {
                   "Surface to write (" + formats_for(MeshUse::kWriteSurface) + ")")
       ->required();
   add_options_of(*sub, command->request);
-  sub->add_option("--json", command->json_path, "Write what was done as JSON");
+  add_json_option(*sub, command->json_path, command->run, "what was done");
   finish_command(*sub, command, run, "Example: lumesh repair scanned.stl -o sound.vtp");
 }
 

@@ -20,7 +20,6 @@ struct RunCommand {
   std::string case_path, folder;
   std::vector<std::string> settings;
   bool only_predicts = false, resumes = false, keeps_checkpoints = false;
-  double time_limit_s = std::numeric_limits<double>::infinity();
   RunOptions run;
 };
 
@@ -30,7 +29,7 @@ Case case_of(const RunCommand& command) {
   if (!command.folder.empty())
     c.output.folder = std::filesystem::absolute(command.folder).lexically_normal().string();
   if (command.run.command->get_option("--threads")->count() > 0) c.run.threads = command.run.threads;
-  if (std::isfinite(command.time_limit_s)) c.run.time_limit_s = command.time_limit_s;
+  if (std::isfinite(command.run.time_limit_s)) c.run.time_limit_s = command.run.time_limit_s;
   c.run.checkpoints = c.run.checkpoints || command.keeps_checkpoints || command.resumes;
   return c;
 }
@@ -62,15 +61,15 @@ void require_good(const CaseResult& result, const std::string& besides) {
 
 void run(const RunCommand& command, const Case& c) {
   const parallel::ThreadLimit limit(c.run.threads);
-  Context context = make_context(command.run);
+  RunOptions options = command.run;
+  if (c.run.time_limit_s > 0) options.time_limit_s = c.run.time_limit_s;
+  Context context = make_context(options);
   context.report_info_to([&](std::string_view line) {
     say(command.run, "{}\n", line);
     std::fflush(stdout);  // Pipes see each stage when it is done, too.
   });
   if (command.only_predicts) return print_prediction(command.run, predict_case(c, context));
-  const LongRun long_run(
-      context, command.run,
-      c.run.time_limit_s > 0 ? c.run.time_limit_s : std::numeric_limits<double>::infinity());
+  const LongRun long_run(options);
   const CaseResult result = run_case(c, command.resumes, context);
   say(command.run, "{}: {} in {:.1f} s, {:.2g} GB at the peak\n", result.folder, c.name,
       result.report.seconds, static_cast<double>(result.report.peak_memory_bytes) / 1e9);
@@ -112,7 +111,6 @@ void add_run_command(CLI::App& program) {
   sub->add_flag("--resume", command->resumes,
                 "Take stages from checkpoints whose input and settings are the same; keeps checkpoints, too")
       ->excludes(dry);
-  add_time_limit_option(*sub, command->time_limit_s);
   finish_command(*sub, command, run_frames_of_case,
                  "Example: lumesh run examples/case1_carotid.toml -o case1");
 }

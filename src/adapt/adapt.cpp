@@ -197,6 +197,7 @@ class Adapter {
 template <class Execution>
 AdaptReport adapt_by(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
                      const AdaptOptions& options, Context& context) {
+  context.results_exist();
   // Built within the phase: the execution renumbers the mesh.
   auto run =
       context.phase("reorder", [&] { return Adapter<Execution>(mesh, field, shapes, options, context); });
@@ -277,6 +278,7 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators
 
 AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
                   const AdaptOptions& options, Context& context) {
+  context.progress(0);
   const std::map<Label, double> volumes = volumes_of_labels(mesh);
   AdaptReport report = adapt_once(mesh, field, shapes, options, context);
   context.phase("settling", [&] { settle(mesh, shapes, options.keep_within, volumes); });
@@ -288,6 +290,7 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
                                 const AdaptOptions& options, Context& context) {
   constexpr double kTolerance = 0.02;
   constexpr int kMaxRuns = 4;
+  context.progress(0);
   double seen = context.phase("complexity", [&] { return metric::complexity(field, mesh); });
   AdaptReport report;
   const std::map<Label, double> volumes = volumes_of_labels(mesh);

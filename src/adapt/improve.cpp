@@ -163,6 +163,7 @@ void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, 
   constexpr int kPatience = 8;
   constexpr double kMany = 0.01;  // Of all tetrahedra.
   Improver<Execution> run(mesh, options, context);
+  context.results_exist();
   std::uint64_t fewest = report.after.tets_outside;
   int passes_without = 0;
   for (int pass = 0; pass < options.passes && report.after.tets_outside > 0 && !context.cancelled(); ++pass) {

@@ -59,6 +59,7 @@ bool refined(delaunay::Refinement& refinement, std::span<const delaunay::Boundar
              const DelaunayOptions& options, DelaunayReport& report, Context& context) {
   do {
     report.rounds.push_back(refinement.run_round());
+    context.results_exist();
     DelaunayRound& last = report.rounds.back();
     if (last.inserted + last.removed > 0) continue;
     if (!refinement.has_cleared()) last.inserted = refinement.complete(to_find);

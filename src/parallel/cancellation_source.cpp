@@ -2,24 +2,29 @@
 
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <ctime>
 
 namespace lumesh::parallel {
 namespace {
 
-constexpr int kExitCode = 4;  // Of the program, when it gives up.
+constexpr int kWake =
+    SIGURG;  // Of the watching thread; nobody else is told by it, and by default it does nothing.
 
 /// What is ignored stays so, as under nohup or in the background of a script.
 sigset_t watched_signals() {
   sigset_t signals;
   sigemptyset(&signals);
+  sigaddset(&signals, kWake);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction action = {};
     sigaction(signal, nullptr, &action);
     if (action.sa_handler != SIG_IGN) sigaddset(&signals, signal);
   }
   return signals;
+}
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace
@@ -33,36 +38,46 @@ CancellationSource::CancellationSource(Options options)
 
 CancellationSource::~CancellationSource() {
   watcher_.request_stop();
+  pthread_kill(watcher_.native_handle(), kWake);
   watcher_.join();
+  // Whoever was told to stop does not die of being told again on the last steps.
+  constexpr timespec kNow = {0, 0};
+  while (reason_.load() == Reason::kSignal && sigtimedwait(&signals_, nullptr, &kNow) > 0) {
+  }
   pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
+}
+
+void CancellationSource::begin(double limit_s) {
+  keeps_results_.store(false);
+  limit_s_ = limit_s;
+  end_s_.store(seconds_now() + limit_s);
 }
 
 void CancellationSource::watch(const std::stop_token& over) {
   constexpr timespec kLook = {0, 20'000'000};  // 20 ms
-  const auto seconds = [start = std::chrono::steady_clock::now()] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
   double give_up_s = std::numeric_limits<double>::infinity();
-  int count = 0;
   while (!over.stop_requested()) {
-    if (sigtimedwait(&signals_, nullptr, &kLook) > 0) {
-      if (++count > 1) give_up();
-      if (!source_.stop_requested()) stop(Reason::kSignal);
-      give_up_s = seconds() + options_.patience_s;
+    const int signal = sigtimedwait(&signals_, nullptr, &kLook);
+    if (signal > 0 && signal != kWake) {
+      if (reason_.load() == Reason::kSignal) options_.give_up();
+      stop(Reason::kSignal);
     }
-    if (seconds() > give_up_s && !finishes_.load()) give_up();
-    if (seconds() > options_.limit_s && !source_.stop_requested()) stop(Reason::kTime);
+    if (seconds_now() > end_s_.load() && !source_.stop_requested()) stop(Reason::kTime);
+    if (abandon_.stop_requested()) {
+      if (give_up_s > seconds_now() + options_.patience_s) give_up_s = seconds_now() + options_.patience_s;
+      if (seconds_now() > give_up_s) options_.give_up();
+    }
+    if (options_.on_tick) options_.on_tick();
   }
-}
-
-void CancellationSource::give_up() const {
-  if (options_.give_up) options_.give_up(finishes_.load());
-  std::_Exit(kExitCode);
 }
 
 void CancellationSource::stop(Reason reason) {
   reason_.store(reason);
   source_.request_stop();
+  if (!keeps_results_.load())
+    abandon_.request_stop();
+  else if (options_.on_kept)
+    options_.on_kept(reason);
 }
 
 }  // namespace lumesh::parallel

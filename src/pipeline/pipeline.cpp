@@ -13,6 +13,7 @@
 #include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
+#include "lumesh/parallel/cancellation.hpp"
 #include "outputs.hpp"
 #include "stages.hpp"
 
@@ -63,13 +64,20 @@ class CaseRun {
     const bool has_mesh = name != "mesh";
     if (has_mesh && state_.context.cancelled()) state_.is_complete = false;
     if (!state_.is_complete) return;
-    stage(name, title, [&](report::StageReport& report) {
-      take_or_make(name, report, [&](CaseState& state, report::StageReport& of_stage) {
-        make(state, of_stage);
-        if (name == "mesh" || name == "adapted") add_counts(of_stage);
+    const auto change = [&] {
+      stage(name, title, [&](report::StageReport& report) {
+        take_or_make(name, report, [&](CaseState& state, report::StageReport& of_stage) {
+          make(state, of_stage);
+          if (name == "mesh" || name == "adapted") add_counts(of_stage);
+        });
+        state_.mesh_info().provenance = state_.info().provenance;
       });
-      state_.mesh_info().provenance = state_.info().provenance;
-    });
+    };
+    if (name == "metric" || name == "layers")
+      unless_stopped(change);
+    else
+      change();  // These end in good order when they are told to stop, or there is no mesh yet.
+    state_.context.results_exist();
   }
 
   /// Measures and pictures of the mesh as it is, for the stage that was last.
@@ -78,24 +86,27 @@ class CaseRun {
     report::StageReport& last = result_.report.stages.back();
     last.mesh_name = mesh_name;
     if (last.evaluation) return;  // No stage has changed the mesh since.
-    if (last.layers)
-      describe_layers(state_, result_.report.stages[result_.report.stages.size() - 2].evaluation, last);
-    else
-      describe_mesh(state_, last);
+    unless_stopped([&] {
+      if (last.layers)
+        describe_layers(state_, result_.report.stages[result_.report.stages.size() - 2].evaluation, last);
+      else
+        describe_mesh(state_, last);
+    });
     describing_s_ += seconds_since(start);
   }
   void name_patches() { result_.without_name = name_patches_of_case(state_, result_.report.stages.back()); }
   void draw_centerline() {
     if (centerline_stage_ == kNone || state_.c.output.report.empty()) return;
     const auto start = std::chrono::steady_clock::now();
-    result_.report.stages[centerline_stage_].pictures.push_back(picture_of_centerline(state_));
+    unless_stopped(
+        [&] { result_.report.stages[centerline_stage_].pictures.push_back(picture_of_centerline(state_)); });
     describing_s_ += seconds_since(start);
   }
   void keep_first_mesh() { write_stage_files(state_, "first", result_.report.files); }
 
   CaseResult finish() {
     const auto start = std::chrono::steady_clock::now();
-    state_.context.results_follow();
+    state_.context.results_exist();
     const std::filesystem::path folder = folder_of_results(state_);
     result_.folder = folder.string();
     std::vector<report::OutputFile> meshes = write_meshes(state_, folder);
@@ -125,6 +136,18 @@ class CaseRun {
 
  private:
   static constexpr std::size_t kNone = ~std::size_t{0};
+
+  /// Work without which there are results to write all the same.
+  template <class Work>
+  void unless_stopped(const Work& work) {
+    const std::size_t stages = result_.report.stages.size();
+    try {
+      parallel::run_cancellable(state_.context.stop_token(), work);
+    } catch (const parallel::Cancelled&) {
+      state_.is_complete = false;
+      result_.report.stages.resize(stages);
+    }
+  }
 
   /// From the checkpoint, if there is one for this very input and these settings.
   template <class Make>

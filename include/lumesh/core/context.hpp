@@ -1,6 +1,7 @@
 #pragma once
 /// @file What a running stage gets from its caller: messages, progress, phase times, cancellation.
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <functional>
@@ -17,10 +18,32 @@ struct PhaseTime {
   double seconds = 0;
 };
 
-/// Handed down through every stage. Not thread-safe, except cancelled(), which any thread may call.
+/// Handed down through every stage.
+///
+/// Threads: a Context belongs to the thread that calls the stage, on which all sinks are called, one at a
+/// time; cancelled() and stop_token() may be asked by any thread. Copies share the token, not the phases.
+///
+/// Progress: estimated shares of the work of one stage, which begins at 0 and ends at 1; in between they
+/// never fall. Stages of few loops report none; phases tell where they are.
+///
+/// Cancellation: ask for a stop through the token's source, from any thread. It is answered in one of two
+/// ways.
+/// - adapt(), adapt_to_complexity(), improve() and mesh_delaunay() have a valid mesh to return before they
+/// are done.
+///   They say so by results_exist(), ask cancelled() from then on between two operators (adapt, improve) or
+///   two rounds of points (mesh_delaunay), put the mesh in order (settling: some tenths of a second for
+///   100,000 tetrahedra) and return it as incomplete. run_case() writes what it has after such a stage.
+/// - Everything else, files, images, domains, fields, lattice, metrics, layers, centerlines, measures, and
+/// those four
+///   before, ends in parallel::Cancelled within parallel::run_cancellable() (parallel/cancellation.hpp) at
+///   the next loop or block of one, usually a thousand elements or a slice. Arguments that were being changed
+///   are good for their destructors only; files appear complete or not at all. Without run_cancellable() it
+///   runs to its end.
+/// `benchmarks/cases/stops.py` measures how long that takes; docs/measurements.md has the figures.
 class Context {
  public:
   using MessageSink = std::function<void(std::string_view)>;
+  using PhaseBeginSink = std::function<void(std::string_view name)>;
   using PhaseSink = std::function<void(const PhaseTime&)>;
 
   Context() = default;
@@ -34,20 +57,25 @@ class Context {
     if (on_warning_) on_warning_(message);
   }
   void report_info_to(MessageSink sink) { on_info_ = std::move(sink); }
+  /// Has `sink` called at the beginning of each phase, before phases within it.
+  void report_phase_begins_to(PhaseBeginSink sink) { on_phase_begin_ = std::move(sink); }
   /// Has `sink` called at the end of each phase that does not throw; `sink` must not throw either.
   void report_phases_to(PhaseSink sink) { on_phase_ = std::move(sink); }
-  /// Has `sink` called with the share of the work that is done, estimated, from 0 to 1.
+  /// Has `sink` called with the share of the stage's work that is done.
   void report_progress_to(std::function<void(double)> sink) { on_progress_ = std::move(sink); }
-  void progress(double share) const {
-    if (on_progress_) on_progress_(share);
+  /// By stages; 0 begins one.
+  void progress(double share) {
+    progress_ = share > 0 ? std::max(progress_, share) : 0;
+    if (on_progress_) on_progress_(progress_);
   }
-  /// Has `sink` called when all that is left is to write results, which must not be lost.
+  /// Has `sink` called when there is a result that a stop must not lose.
   void report_results_to(std::function<void()> sink) { on_results_ = std::move(sink); }
-  void results_follow() const {
+  void results_exist() const {
     if (on_results_) on_results_();
   }
   void stop_by(std::stop_token stop) { stop_ = std::move(stop); }
   [[nodiscard]] bool cancelled() const { return stop_.stop_requested(); }
+  [[nodiscard]] const std::stop_token& stop_token() const { return stop_; }
 
   /// Runs `step`, records its wall time under `name`, reports it, and returns what it returns.
   template <class Step>
@@ -64,6 +92,7 @@ class Context {
         if (context.on_phase_ && !failed) context.on_phase_(context.phases_.back());
       }
     } recorder{*this, std::move(name)};
+    if (on_phase_begin_) on_phase_begin_(recorder.name);
     return std::forward<Step>(step)();
   }
 
@@ -72,10 +101,12 @@ class Context {
  private:
   MessageSink on_info_;
   MessageSink on_warning_;
+  PhaseBeginSink on_phase_begin_;
   PhaseSink on_phase_;
   std::function<void(double)> on_progress_;
   std::function<void()> on_results_;
   std::stop_token stop_;
+  double progress_ = 0;
   std::vector<PhaseTime> phases_;
 };
 

@@ -1,18 +1,18 @@
 #pragma once
-/// @file The one exception type of the library, for faults of the user's input, and the program's exit codes.
+/// @file The one exception type of the library, for faults of the user's input.
 
 #include <stdexcept>
 #include <string>
 
 namespace lumesh {
 
-/// What went wrong; the values are the exit codes of the program.
-enum class ErrorKind : int {
-  kUsage = 1,       ///< Wrong command line or option value.
-  kBadInput = 2,    ///< A file or a data set is missing, broken or unsuitable, or output cannot be written.
-  kNotReached = 3,  ///< The request could not be met (quality floor, lost label).
-  kTimeLimit = 4,   ///< Time limit reached or interrupted; the best valid mesh was written.
-  kMemory = 5,      ///< The request needs more memory than there is.
+/// What went wrong.
+enum class ErrorKind {
+  kUsage,       ///< Wrong option or value of one.
+  kBadInput,    ///< A file or a data set is missing, broken or unsuitable, or output cannot be written.
+  kNotReached,  ///< The request could not be met (quality floor, lost label).
+  kTimeLimit,   ///< Time limit reached or interrupted; the best valid mesh was written.
+  kMemory,      ///< The request needs more memory than there is.
 };
 
 /// A fault the user can mend: the message is one line that says what, where, and what to do.

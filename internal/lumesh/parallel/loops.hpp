@@ -1,6 +1,8 @@
 #pragma once
 /// @file Data-parallel loops. Results never depend on the number of threads: blocks have fixed borders, and
-/// reductions combine them in a fixed order. oneTBB is used here and nowhere else.
+/// reductions combine them in a fixed order. Within run_cancellable() every loop ends in Cancelled once that
+/// is told to stop: blocks that have begun are finished, no other begins. oneTBB is used in this module and
+/// nowhere else.
 
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
@@ -18,6 +20,7 @@
 #include <vector>
 
 #include "lumesh/core/uninitialised.hpp"
+#include "lumesh/parallel/cancellation.hpp"
 
 namespace lumesh::parallel {
 
@@ -36,10 +39,17 @@ class ThreadLimit {
 /// Calls body(i) for every i in [0, count); `grain` is the least number of indices per task.
 template <class Body>
 void for_each_index(std::size_t count, const Body& body, std::size_t grain = 1024) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
-                    });
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count, grain), [&](const tbb::blocked_range<std::size_t>& range) {
+        // A task may have far more indices than `grain`. Looking up takes as long as some ten of the
+        // cheapest bodies: between grains of few, which are costly, else between eight.
+        const std::size_t step = range.grainsize() < 256 ? range.grainsize() : 8 * range.grainsize();
+        for (std::size_t i = range.begin(); i < range.end() && !is_cancelled();) {
+          const std::size_t next = std::min(range.end(), i + step);
+          for (; i != next; ++i) body(i);
+        }
+      });
+  check_cancelled();
 }
 
 /// Splits [0, count) into blocks of `block` indices and calls body(block_index, begin, end) for each.
@@ -49,10 +59,11 @@ void for_each_block(std::size_t count, std::size_t block, const Body& body) {
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, blocks, 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t b = range.begin(); b != range.end(); ++b)
+        for (std::size_t b = range.begin(); b != range.end() && !is_cancelled(); ++b)
           body(b, b * block, std::min(count, (b + 1) * block));
       },
       tbb::simple_partitioner());
+  check_cancelled();
 }
 
 /// Reduces map(begin, end) over fixed blocks with `combine`, in block order: bitwise identical for every
@@ -72,6 +83,7 @@ template <class Value, class Map, class Combine>
 template <class Iterator, class Less = std::less<>>
 void sort(Iterator begin, Iterator end, Less less = {}) {
   tbb::parallel_sort(begin, end, less);
+  check_cancelled();
 }
 
 /// As lumesh::sort_unique().
@@ -85,6 +97,7 @@ void sort_unique(Items& items, const Less&... less) {
 template <class First, class Second>
 void invoke_both(First&& first, Second&& second) {
   tbb::parallel_for(0, 2, [&](int i) { i == 0 ? first() : second(); });
+  check_cancelled();
 }
 
 /// Sets a flag that several threads may set in the same loop; nobody may read it before the loop ends.

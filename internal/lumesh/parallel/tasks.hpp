@@ -6,6 +6,8 @@
 
 #include <cstddef>
 
+#include "lumesh/parallel/cancellation.hpp"
+
 namespace lumesh::parallel {
 
 /// Calls body(i) for every i in [0, count), several at a time; bodies may use the loops of loops.hpp. A
@@ -13,8 +15,10 @@ namespace lumesh::parallel {
 /// way than there are threads.
 template <class Body>
 void for_each_task(std::size_t count, const Body& body) {
-  tbb::parallel_for(std::size_t{0}, count,
-                    [&](std::size_t i) { tbb::this_task_arena::isolate([&] { body(i); }); });
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    if (!is_cancelled()) tbb::this_task_arena::isolate([&] { body(i); });
+  });
+  check_cancelled();
 }
 
 }  // namespace lumesh::parallel

@@ -8,6 +8,7 @@
 /// it starts, so that a race between them is seen in every run.
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <exception>
 #include <iterator>
@@ -39,6 +40,51 @@ class blocked_range {
   std::size_t grain_;
 };
 
+class task_group_context;
+
+namespace stand_in {
+
+inline thread_local const task_group_context* current_context = nullptr;
+
+}  // namespace stand_in
+
+/// Within another one it is cancelled with that.
+class task_group_context {
+ public:
+  bool cancel_group_execution() { return !is_cancelled_.exchange(true); }
+  [[nodiscard]] bool is_group_execution_cancelled() const {
+    return is_cancelled_.load() || (parent_ != nullptr && parent_->is_group_execution_cancelled());
+  }
+
+ private:
+  const task_group_context* parent_ = stand_in::current_context;
+  std::atomic<bool> is_cancelled_ = false;
+};
+
+inline bool is_current_task_group_canceling() {
+  return stand_in::current_context != nullptr && stand_in::current_context->is_group_execution_cancelled();
+}
+
+class task_group {
+ public:
+  explicit task_group(task_group_context& context) : context_(context) {}
+  /// Exceptions of what was cancelled are lost.
+  template <class Function>
+  void run_and_wait(const Function& function) {
+    const task_group_context* const outer = std::exchange(stand_in::current_context, &context_);
+    try {
+      if (!context_.is_group_execution_cancelled()) function();
+    } catch (...) {
+      stand_in::current_context = outer;
+      if (!context_.is_group_execution_cancelled()) throw;
+    }
+    stand_in::current_context = outer;
+  }
+
+ private:
+  task_group_context& context_;
+};
+
 namespace stand_in {
 
 inline constexpr std::size_t kThreads = 4;  ///< More than the cores of a small machine: more interleavings.
@@ -49,16 +95,19 @@ inline thread_local bool inside_loop = false;  ///< Loops inside of loops run on
 template <class Run>
 void fork_and_join(std::size_t count, const Run& run) {
   if (count <= 1 || inside_loop) {
-    for (std::size_t piece = 0; piece < count; ++piece) run(piece);
+    for (std::size_t piece = 0; piece < count && !is_current_task_group_canceling(); ++piece) run(piece);
     return;
   }
   const std::size_t thread_count = std::min(kThreads, count);
   std::exception_ptr first_exception;
   std::mutex exception_mutex;
-  const auto work = [&](std::size_t thread) {
+  const auto work = [&, context = current_context](std::size_t thread) {
     inside_loop = true;
+    current_context = context;
     try {
-      for (std::size_t piece = thread; piece < count; piece += thread_count) run(piece);
+      for (std::size_t piece = thread; piece < count && !is_current_task_group_canceling();
+           piece += thread_count)
+        run(piece);
     } catch (...) {
       const std::lock_guard lock(exception_mutex);
       if (!first_exception) first_exception = std::current_exception();

@@ -29,14 +29,6 @@ TEST(Error, CarriesItsKindAndItsLine) {
   }
 }
 
-TEST(Error, KindsAreTheProgramsExitCodes) {
-  EXPECT_EQ(static_cast<int>(ErrorKind::kUsage), 1);
-  EXPECT_EQ(static_cast<int>(ErrorKind::kBadInput), 2);
-  EXPECT_EQ(static_cast<int>(ErrorKind::kNotReached), 3);
-  EXPECT_EQ(static_cast<int>(ErrorKind::kTimeLimit), 4);
-  EXPECT_EQ(static_cast<int>(ErrorKind::kMemory), 5);
-}
-
 TEST(Context, PhasesReturnWhatTheStepReturnsAndAreRecordedInOrder) {
   Context context;
   EXPECT_EQ(context.phase("first", [] { return 42; }), 42);
@@ -70,6 +62,22 @@ TEST(Context, PhasesAreReportedAsTheyEndUnlessTheyThrow) {
   });
   EXPECT_THROW(context.phase("fails", [] { throw Error(ErrorKind::kMemory, "no"); }), Error);
   EXPECT_EQ(ended, (std::vector<std::string>{"inner", "outer"}));
+}
+
+TEST(Context, PhasesAreReportedAsTheyBegin) {
+  Context context;
+  std::vector<std::string> begun;
+  context.report_phase_begins_to([&](std::string_view name) { begun.emplace_back(name); });
+  context.phase("outer", [&] { context.phase("inner", [] {}); });
+  EXPECT_EQ(begun, (std::vector<std::string>{"outer", "inner"}));
+}
+
+TEST(Context, ProgressNeverFallsUntilAStageBegins) {
+  Context context;
+  std::vector<double> shares;
+  context.report_progress_to([&](double share) { shares.push_back(share); });
+  for (const double share : {0.0, 0.4, 0.3, 0.9, 0.0, 0.2}) context.progress(share);
+  EXPECT_EQ(shares, (std::vector<double>{0, 0.4, 0.4, 0.9, 0, 0.2}));
 }
 
 TEST(Context, MessagesReachTheirOwnSinkAndMayHaveNone) {

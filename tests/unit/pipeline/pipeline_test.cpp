@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <stop_token>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/mesh/validate.hpp"
+#include "lumesh/parallel/cancellation.hpp"
 
 namespace lumesh {
 namespace {
@@ -205,6 +207,41 @@ TEST_F(WholeCase, PredictsTheCellsOfLayers) {
   for (const CasePrediction::Step& step : prediction.steps)
     if (step.tetrahedra > 0) last = step.tetrahedra;
   EXPECT_NEAR(last / static_cast<double>(made.count), 1, 0.3);
+}
+
+TEST_F(WholeCase, AStopInAnyPhaseLeavesAValidMeshOrNothing) {
+  case_.metric.source<metric::PointSource>().points = "centerline";
+  case_.metric.source<metric::PointSource>().options.k = 20;
+  case_.metric.limits.complexity = 1500;
+  constexpr int kStep = 9;  // Of some forty phases.
+  int stopped = 0, kept = 0;
+  for (int wanted = 0;; wanted += kStep) {
+    std::filesystem::remove_all(folder_);
+    std::stop_source stop, abandon;
+    bool keeps = false;
+    int phases = 0;
+    Context context;
+    context.stop_by(stop.get_token());
+    context.report_results_to([&] { keeps = true; });
+    context.report_phase_begins_to([&](std::string_view) {
+      if (phases++ != wanted) return;
+      stop.request_stop();
+      if (!keeps) abandon.request_stop();
+    });
+    try {
+      CaseResult result;
+      parallel::run_cancellable(abandon.get_token(), [&] { result = run_case(case_, false, context); });
+      EXPECT_TRUE(validate(mesh()).ok()) << wanted;
+      if (phases <= wanted) break;  // It was done before.
+      kept += result.complete ? 0 : 1;
+    } catch (const parallel::Cancelled&) {
+      ++stopped;
+      EXPECT_FALSE(keeps);
+      EXPECT_TRUE(std::filesystem::is_empty(folder_)) << wanted;
+    }
+  }
+  EXPECT_GT(stopped, 0);
+  EXPECT_GT(kept, 0);
 }
 
 TEST_F(WholeCase, APatchForLayersThatCannotBeIsRefusedBeforeAnyMesh) {
