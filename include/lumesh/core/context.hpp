@@ -26,19 +26,18 @@ struct PhaseTime {
 /// Progress: estimated shares of the work of one stage, which begins at 0 and ends at 1; in between they
 /// never fall. Stages of few loops report none; phases tell where they are.
 ///
-/// Cancellation: ask for a stop through the token's source, from any thread. It is answered in one of two
-/// ways.
-/// - adapt(), adapt_to_complexity(), improve() and mesh_delaunay() have a valid mesh to return before they
-/// are done.
-///   They say so by results_exist(), ask cancelled() from then on between two operators (adapt, improve) or
-///   two rounds of points (mesh_delaunay), put the mesh in order (settling: some tenths of a second for
-///   100,000 tetrahedra) and return it as incomplete. run_case() writes what it has after such a stage.
-/// - Everything else, files, images, domains, fields, lattice, metrics, layers, centerlines, measures, and
-/// those four
-///   before, ends in parallel::Cancelled within parallel::run_cancellable() (parallel/cancellation.hpp) at
-///   the next loop or block of one, usually a thousand elements or a slice. Arguments that were being changed
-///   are good for their destructors only; files appear complete or not at all. Without run_cancellable() it
-///   runs to its end.
+/// Cancellation: ask for a stop through the token's source, from any thread. Two kinds of work answer it.
+///
+/// adapt(), adapt_to_complexity(), improve() and mesh_delaunay() have a valid mesh before they are done. They
+/// say so by results_exist(), ask cancelled() from then on between two operators, or two rounds of points,
+/// put the mesh in order and return it as incomplete: about 0.3 s for 100,000 tetrahedra. run_case() writes
+/// it.
+///
+/// All else, and those four before, ends in parallel::Cancelled within parallel::run_cancellable()
+/// (parallel/cancellation.hpp): at the next loop or block of one, usually a thousand elements or a slice.
+/// Arguments that were being changed are good for their destructors only; files appear complete or not at
+/// all. Without run_cancellable() it runs to its end.
+///
 /// `benchmarks/cases/stops.py` measures how long that takes; docs/measurements.md has the figures.
 class Context {
  public:
