@@ -229,8 +229,7 @@ void add_adapt_command(CLI::App& program) {
   add_options_of(*sub, command->request);
   add_topology_option(*sub, command->request.adapt.team);
   add_json_option(*sub, command->json_path, command->run, "times and counts of operators");
-  finish_command(*sub, command, run,
-                 "Example: lumesh adapt cube_metric.vtu -o adapted.vtu --complexity 100000");
+  finish_command(*sub, command, "Example: lumesh adapt cube_metric.vtu -o adapted.vtu --complexity 100000");
 }
 
 }  // namespace lumesh::cli

@@ -104,7 +104,7 @@ void add_centerline_command(CLI::App& program) {
   add_options(*sub, options_of(command->surface), "", {"feature_angle", "patch_array"});
   add_unit_option(*sub, command->selection.unit);
   finish_command(
-      *sub, command, [](const CenterlineCommand& c) { run_frames(c, run); },
+      *sub, command, [](const CenterlineCommand& c) { run_frames(c); },
       "Example: lumesh centerline case1.nrrd -o case1_lines.vtp");
 }
 

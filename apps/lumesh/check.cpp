@@ -96,7 +96,7 @@ void add_check_command(CLI::App& program) {
   add_options(*sub, selection, "", {"probabilities"});
   add_json_option(*sub, command->json_path, command->run, "the same");
   finish_command(
-      *sub, command, run,
+      *sub, command,
       "Exit codes: 0 fit for meshing, perhaps with remarks, 2 unreadable, 3 unfit.\nExample: lumesh check "
       "vessel.stl");
 }

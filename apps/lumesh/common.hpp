@@ -40,12 +40,19 @@ struct RunOptions {
 };
 /// --time-limit, -v and -q, behind --threads where it has any, and the example in the help.
 void finish_options(CLI::App& app, RunOptions& options, const std::string& footer, bool has_threads);
-/// The same, and what the command does when it is chosen: run(*command).
-template <class Command, class Run>
-void finish_command(CLI::App& app, const std::shared_ptr<Command>& command, const Run& run,
+/// The same, and what the command does when it is chosen: perform(*command).
+template <class Command, class Perform>
+void finish_command(CLI::App& app, const std::shared_ptr<Command>& command, const Perform& perform,
                     const std::string& footer, bool has_threads = true) {
   finish_options(app, command->run, footer, has_threads);
-  app.callback([command, run] { run(*command); });
+  app.callback([command, perform] { perform(*command); });
+}
+/// Calls run() of the command's own file.
+template <class Command>
+void finish_command(CLI::App& app, const std::shared_ptr<Command>& command, const std::string& footer,
+                    bool has_threads = true) {
+  finish_command(
+      app, command, [](auto& chosen) { run(chosen); }, footer, has_threads);
 }
 /// --json [FILE], of all commands that have it: "-", as without a FILE, is the standard output, which says
 /// nothing else then. @param holds  What is written, for the help.

@@ -83,7 +83,7 @@ void add_convert_command(CLI::App& program) {
   add_unit_option(*sub, command->unit);
   sub->add_option("--out-unit", command->out_unit, "Unit of lengths in what is written; default: as they are")
       ->check(CLI::IsMember({"mm", "cm", "m", "um"}));
-  finish_command(*sub, command, run, "Example: lumesh convert case1.vtu case1.msh --msh-version 2.2", false);
+  finish_command(*sub, command, "Example: lumesh convert case1.vtu case1.msh --msh-version 2.2", false);
 }
 
 }  // namespace lumesh::cli

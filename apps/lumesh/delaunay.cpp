@@ -168,7 +168,7 @@ void add_delaunay_command(CLI::App& program) {
   add_out_unit_option(*sub, command->out_unit);
   add_opening_options(*sub, command->openings);
   finish_command(
-      *sub, command, [](const DelaunayCommand& c) { run_frames(c, run); },
+      *sub, command, [](const DelaunayCommand& c) { run_frames(c); },
       "Example: lumesh delaunay case1.nrrd -o case1.vtu --edge-length 1.5");
 }
 

@@ -176,7 +176,7 @@ void add_evaluate_command(CLI::App& program) {
       ->expected(2);
   sub->add_flag("--times", command->times, "Print how long each step took");
   finish_command(
-      *sub, command, run,
+      *sub, command,
       "Exit code 3 if the mesh is invalid, after everything was written.\n"
       "Example: lumesh evaluate case1.vtu --image case1.nrrd --json case1.json --report case1.html");
 }

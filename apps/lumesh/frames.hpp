@@ -22,8 +22,8 @@ struct FrameParts {
 
 /// Calls run(command) once, or, where all frames are wanted, for each frame of the image.
 /// @param command  Has frames().
-template <class Command, class Run>
-void run_frames(Command command, const Run& run) {
+template <class Command>
+void run_frames(Command command) {
   const FrameParts first = command.frames();
   if (!first.selection->all_frames || is_mesh_file(first.image)) return run(command);
   const std::size_t count = count_frames(first.image);

@@ -123,7 +123,7 @@ void add_improve_command(CLI::App& program) {
   add_topology_option(*sub, command->options.team);
   add_keep_option(*sub, command->keep)->excludes("--metric");
   add_json_option(*sub, command->json_path, command->run, "angles and counts of operators per pass");
-  finish_command(*sub, command, run, "Example: lumesh improve case1.vtu -o improved.vtu");
+  finish_command(*sub, command, "Example: lumesh improve case1.vtu -o improved.vtu");
 }
 
 }  // namespace lumesh::cli

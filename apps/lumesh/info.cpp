@@ -268,7 +268,7 @@ void add_info_command(CLI::App& program) {
   add_unit_option(*sub, command->selection.unit);
   add_options_of(*sub, command->cuts);
   add_json_option(*sub, command->json_path, command->run, "the same");
-  finish_command(*sub, command, run, "Example: lumesh info case1.nrrd");
+  finish_command(*sub, command, "Example: lumesh info case1.nrrd");
 }
 
 }  // namespace lumesh::cli

@@ -112,7 +112,7 @@ void add_lattice_command(CLI::App& program) {
   add_options_of(*sub, command->input.field);
   add_opening_options(*sub, command->openings);
   finish_command(
-      *sub, command, [](const LatticeCommand& c) { run_frames(c, run); },
+      *sub, command, [](const LatticeCommand& c) { run_frames(c); },
       "Example: lumesh lattice case1.nrrd -o case1.vtu --spacing 1.2 --cut-plane 0 0 10 0 0 -1");
 }
 

@@ -116,7 +116,7 @@ void add_layers_command(CLI::App& program) {
   add_json_option(*sub, command->json_path, command->run, "what was achieved");
   sub->add_option("--report", command->report_path, "Write it as a page with pictures (.html)");
   finish_command(
-      *sub, command, run,
+      *sub, command,
       "Example: lumesh layers vessel.vtu --patch wall --first-height 0.1 --growth 1.2 --count 5 -o "
       "layered.vtu");
 }

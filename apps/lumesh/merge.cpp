@@ -121,7 +121,7 @@ void add_merge_command(CLI::App& program) {
   sub->add_flag("--allow-gaps", command->options.surfaces_match,
                 "Take surfaces that nearly lie on each other for thin gaps between the meshes");
   add_json_option(*sub, command->json_path, command->run, "what was joined");
-  finish_command(*sub, command, run, "Example: lumesh merge lumen.vtu wall.vtu -o vessel.vtu");
+  finish_command(*sub, command, "Example: lumesh merge lumen.vtu wall.vtu -o vessel.vtu");
 }
 
 }  // namespace lumesh::cli

@@ -149,7 +149,7 @@ void add_metric_command(CLI::App& program) {
   // Their rows are those of all points.
   add_keep_option(*sub, command->keep)->excludes("--metric")->excludes("--hessian");
   finish_command(
-      *sub, command, run,
+      *sub, command,
       "Example: lumesh metric vessel.vtu --points centerline.vtp --gradation 1.3 --complexity 180000 -o "
       "vessel_metric.vtu");
 }

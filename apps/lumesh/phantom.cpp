@@ -139,7 +139,7 @@ void add_phantom_command(CLI::App& program) {
                   "Also write the centerline with its radius (.vtp)");
   sub->add_option("--velocity", command->velocity_path, "Also write streamlines with velocity in m/s (.vtp)");
   finish_command(
-      *sub, command, run,
+      *sub, command,
       "Example: lumesh phantom carotid -o case1.nrrd --centerline centerline.vtp --velocity flow.vtp");
 }
 

@@ -42,7 +42,7 @@ void add_rename_command(CLI::App& program) {
   add_name_option(*sub, command->names);
   sub->get_option("--name")->required();
   finish_command(
-      *sub, command, run,
+      *sub, command,
       "Example: lumesh rename case1.vtu -o named.vtu --name inlet_1=aorta:inlet --name 12.5,40,-3=left_ica",
       false);
 }

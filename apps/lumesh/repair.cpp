@@ -111,7 +111,7 @@ void add_repair_command(CLI::App& program) {
       ->required();
   add_options_of(*sub, command->request);
   add_json_option(*sub, command->json_path, command->run, "what was done");
-  finish_command(*sub, command, run, "Example: lumesh repair scanned.stl -o sound.vtp");
+  finish_command(*sub, command, "Example: lumesh repair scanned.stl -o sound.vtp");
 }
 
 }  // namespace lumesh::cli

@@ -78,7 +78,7 @@ void run(const RunCommand& command, const Case& c) {
 }
 
 /// Each frame, where all are wanted, has a folder of its own in that of the case.
-void run_frames_of_case(const RunCommand& command) {
+void run(const RunCommand& command) {
   const Case c = case_of(command);
   if (!c.input.selection.all_frames) return run(command, c);
   const std::size_t count = count_frames(c.input.image);
@@ -111,8 +111,7 @@ void add_run_command(CLI::App& program) {
   sub->add_flag("--resume", command->resumes,
                 "Take stages from checkpoints whose input and settings are the same; keeps checkpoints, too")
       ->excludes(dry);
-  finish_command(*sub, command, run_frames_of_case,
-                 "Example: lumesh run examples/case1_carotid.toml -o case1");
+  finish_command(*sub, command, "Example: lumesh run examples/case1_carotid.toml -o case1");
 }
 
 }  // namespace lumesh::cli

@@ -42,7 +42,7 @@ Vec3 middle_of(std::span<const Vec3> points, const FaceCorners& face) {
   return sum / static_cast<double>(count);
 }
 
-std::string place_text(const Vec3& place) {
+std::string coordinates_text(const Vec3& place) {
   return fmt::format("{:.6g} {:.6g} {:.6g}", place.x(), place.y(), place.z());
 }
 
@@ -69,7 +69,7 @@ void CellSides::check() const {
       ErrorKind::kBadInput,
       fmt::format("cells overlap: {} faces have more than two cells, or two on the same side, such as "
                   "that at {}; repair the mesh",
-                  faults.size(), place_text(middle_of(mesh_.points, outward(faults.front())))));
+                  faults.size(), coordinates_text(middle_of(mesh_.points, outward(faults.front())))));
 }
 
 std::vector<CellSide> CellSides::outer() const {

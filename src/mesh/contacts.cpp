@@ -144,7 +144,7 @@ std::vector<Contact> find_contacts(std::span<const PartSurface> parts, const Joi
                   fmt::format("{} and {} overlap: both have a cell on the same side of the face at {}; leave "
                               "one out, or cut away what both have",
                               parts[one.part].name, parts[other.part].name,
-                              place_text(middle_of(joined.points, one.outward))));
+                              coordinates_text(middle_of(joined.points, one.outward))));
     contacts.push_back(
         {one.key, {one.outward, other.outward}, {one.part, other.part}, {one.label, other.label}});
   }
@@ -183,7 +183,7 @@ void check_surfaces_match(std::span<const PartSurface> parts, const JoinedPoints
           fmt::format("{} faces of {} lie on {} but differ from its own (points, diagonals, or farther "
                       "apart than {:.3g}), as at {}; remesh one, or `allow_gaps`",
                       faults.size(), parts[from].name, parts[to].name, joined.tolerance,
-                      place_text(middle_of(joined.points, faults.front()))));
+                      coordinates_text(middle_of(joined.points, faults.front()))));
     }
   }
 }

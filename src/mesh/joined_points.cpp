@@ -150,7 +150,7 @@ class PointJoiner {
             ErrorKind::kBadInput,
             fmt::format("{}: has two points within {:.3g} of one of the others, at {}; give a smaller "
                         "tolerance, or join them first",
-                        part.name, joined_.tolerance, place_text(joined_.points[found[i]])));
+                        part.name, joined_.tolerance, coordinates_text(joined_.points[found[i]])));
   }
 
   Extent extent_;

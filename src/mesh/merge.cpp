@@ -99,7 +99,7 @@ void check_no_turning(std::span<const MergePart> parts, const JoinedPoints& join
           ErrorKind::kBadInput,
           fmt::format("{}: {} tetrahedra turn over as their points join those of another mesh, such as "
                       "that at {}; give a smaller tolerance",
-                      parts[p].name, faults.size(), place_text(points[tets[faults.front()][0]])));
+                      parts[p].name, faults.size(), coordinates_text(points[tets[faults.front()][0]])));
   }
 }
 

@@ -112,7 +112,7 @@ class LayersTest(MeshTest):
         report = json.loads(numbers.read_text())
         self.assertGreater(report["layers"], 1)
         self.assertGreaterEqual(report["patches"][0]["least_first_height"], 0.95)
-        self.assertGreaterEqual(report["patches"][0]["first_height_kept"], 0.85)  # A coarse mesh: branches of three voxels.
+        self.assertGreaterEqual(report["patches"][0]["first_height_kept"], 0.75)  # A coarse mesh: branches of three voxels.
         self.out.unlink()
         for option, value, only in (("--mbl", 2, 1), ("--fints", 1, 0)):
             self.assert_refused(self.run_lumesh("layers", mesh, "--blds", 0.1, option, value, "-o", self.out), USAGE, option,
