@@ -34,40 +34,41 @@ std::vector<LayerCoverage::Place> worst_places(const LayerSurface& surface, cons
   return worst;
 }
 
-/// First heights of the columns over the triangles around, as shares of what was asked for.
-struct FirstHeights {
-  std::vector<double> mean, least, greatest;  ///< One per column, the mean by area; 0 without layers.
+/// The layer next to the surface, by columns; what has no layers is 0.
+struct FirstLayer {
+  std::vector<Vec3> steps;              ///< From the surface to the top of the layer.
+  std::vector<double> asked_mm;         ///< Height asked for, across the surface.
+  std::vector<double> least, greatest;  ///< Over the triangles around, as shares of that.
 };
 
-FirstHeights first_heights_of(const ExtrusionFrame& frame, const Columns& columns) {
+FirstLayer first_layer_of(const ExtrusionFrame& frame, const Columns& columns) {
   const LayerSurface& surface = frame.surface;
   const std::size_t count = surface.points.size();
   const std::vector<double> none(count, 0);
-  FirstHeights first{none, none, none};
+  FirstLayer first{std::vector<Vec3>(count, Vec3::Zero()), none, none, none};
   parallel::for_each_index(count, [&](std::size_t v) {
     if (columns.fraction[v] == 0) return;
-    const Vec3 step = frame.point(columns, v, 0) - surface.points[v];
-    const double asked = columns.profile.level(1) * columns.wanted_mm[v] / frame.directions.stretch[v];
-    double sum = 0, area = 0, least = std::numeric_limits<double>::infinity(), greatest = 0;
+    const Vec3 step = first.steps[v] = frame.point(columns, v, 0) - surface.points[v];
+    const double asked = first.asked_mm[v] =
+        columns.profile.level(1) * columns.wanted_mm[v] / frame.directions.stretch[v];
+    double least = std::numeric_limits<double>::infinity(), greatest = 0;
     for (const std::uint32_t t : surface.triangles_around.of(v)) {
       const auto& [a, b, c] = surface.triangles[t];
-      const Vec3 normal = triangle_area_normal(surface.points[a], surface.points[b], surface.points[c]);
-      sum += normal.dot(step);
-      area += normal.norm();
-      least = std::min(least, normal.dot(step) / normal.norm());
-      greatest = std::max(greatest, normal.dot(step) / normal.norm());
+      const double height =
+          triangle_normal(surface.points[a], surface.points[b], surface.points[c]).dot(step);
+      least = std::min(least, height);
+      greatest = std::max(greatest, height);
     }
-    first.mean[v] = sum / (area * asked);
     first.least[v] = least / asked;
     first.greatest[v] = greatest / asked;
   });
   return first;
 }
 
-/// Each column counts by the thirds of the triangles around it.
+/// Each column counts by the thirds of the triangles around it; first heights are those of whole cells.
 class PatchCoverage {
  public:
-  PatchCoverage(const ExtrusionFrame& frame, const Columns& columns, const FirstHeights& first)
+  PatchCoverage(const ExtrusionFrame& frame, const Columns& columns, const FirstLayer& first)
       : frame_(frame), columns_(columns), first_(first) {
     c_.min_mm = c_.least_first = std::numeric_limits<double>::infinity();
   }
@@ -76,6 +77,7 @@ class PatchCoverage {
     const std::vector<Vec3>& points = frame_.surface.points;
     const double third = triangle_area(points[triangle[0]], points[triangle[1]], points[triangle[2]]) / 3;
     for (const std::uint32_t v : triangle) add(v, third);
+    if (keeps_first_height(triangle)) c_.first_kept += 3 * third;
   }
   [[nodiscard]] LayerCoverage finish() {
     c_.layered = c_.area_mm2 - c_.unlayered;
@@ -91,8 +93,20 @@ class PatchCoverage {
   }
 
  private:
-  void add(std::uint32_t v, double area) {
+  /// Whether the cell on a triangle is as high in the mean as was asked for; not where it tapers to nothing.
+  [[nodiscard]] bool keeps_first_height(const Cell<3>& triangle) const {
     constexpr double kKept = 0.02;
+    const std::vector<Vec3>& points = frame_.surface.points;
+    const Vec3 normal = triangle_normal(points[triangle[0]], points[triangle[1]], points[triangle[2]]);
+    double height = 0, asked = 0;
+    for (const std::uint32_t v : triangle) {
+      if (first_.asked_mm[v] == 0) return false;
+      height += normal.dot(first_.steps[v]);
+      asked += first_.asked_mm[v];
+    }
+    return std::abs(height / asked - 1) <= kKept;
+  }
+  void add(std::uint32_t v, double area) {
     vertices_.push_back(v);
     c_.area_mm2 += area;
     const double wanted = columns_.asked[v] * columns_.wanted_mm[v] / frame_.directions.stretch[v];
@@ -109,14 +123,13 @@ class PatchCoverage {
       c_.unlayered += area;
       return;
     }
-    c_.first_kept += std::abs(first_.mean[v] - 1) <= kKept ? area : 0;
     c_.least_first = std::min(c_.least_first, first_.least[v]);
     c_.greatest_first = std::max(c_.greatest_first, first_.greatest[v]);
   }
 
   const ExtrusionFrame& frame_;
   const Columns& columns_;
-  const FirstHeights& first_;
+  const FirstLayer& first_;
   LayerCoverage c_;
   std::vector<std::uint32_t> vertices_;
 };
@@ -126,7 +139,7 @@ class PatchCoverage {
 std::vector<LayerCoverage> coverage_of(const TetMesh& mesh, const ExtrusionFrame& frame,
                                        const Columns& columns) {
   const LayerSurface& surface = frame.surface;
-  const FirstHeights first = first_heights_of(frame, columns);
+  const FirstLayer first = first_layer_of(frame, columns);
   std::map<std::int32_t, PatchCoverage> of_patches;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
     of_patches.try_emplace(surface.patches[t], frame, columns, first).first->second.add(surface.triangles[t]);

@@ -57,6 +57,12 @@ void improve_within(const Domain& domain, const DelaunayRequest& request, const 
     improvement.refusal = [criterion](const std::array<Vec3, 4>& tet) { return criterion->wants_finer(tet); };
   context.phase("improvement", [&] { made.improved = improve(made.mesh, improvement, context); });
   made.is_complete = made.improved->complete;
+  if (const DihedralRange& after = made.improved->after; made.is_complete && after.tets_outside > 0)
+    made.report.notes.push_back(fmt::format(
+        "{} of {} tetrahedra have dihedral angles outside {:g} to {:g} degrees, from {:.4g} to {:.4g}, that "
+        "improvement does not better",
+        after.tets_outside, made.mesh.tet_count(), improvement.min_dihedral_deg, improvement.max_dihedral_deg,
+        after.min_deg, after.max_deg));
 }
 
 /// A wall with creases has a patch for each part while it is meshed; in the end patches of one name are one.

@@ -94,8 +94,9 @@ struct LayerCoverage {
   double mean_layers = 0;  ///< Number of layers, the mean over the area.
   double all_layers = 0;   ///< Share of the area with all layers wanted.
   double layered = 0;      ///< Share of the area with layers, however few or thin.
-  double first_kept = 0;   ///< Share of the layered area whose first height is within 2 % of that asked for.
-  double least_first = 0;  ///< Lowest first height over any triangle, as a share of that asked for.
+  /// Share of the layered area whose cells next to the surface are as high in the mean as asked for, to 2 %.
+  double first_kept = 0;
+  double least_first = 0;     ///< Lowest first height over any triangle, as a share of that asked for.
   double greatest_first = 0;  ///< The highest: in creases, columns that reach one triangle overreach another.
   double wanted_mm = 0, achieved_mm = 0;  ///< Thickness, the mean over the area.
   double min_mm = 0;                      ///< Lowest thickness of its columns.

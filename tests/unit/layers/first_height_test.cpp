@@ -76,7 +76,7 @@ FirstRow first_row_of(const MixedMesh& mesh, Label layers) {
 }
 
 struct FirstHeights {
-  double kept = 0;                                           ///< Share of the layered area within 2 %.
+  double kept = 0;  ///< Share of the layered area whose cells are as high in the mean, within 2 %.
   double least = std::numeric_limits<double>::infinity();    ///< Over any triangle.
   double nearest = std::numeric_limits<double>::infinity();  ///< Least distance from the whole wall.
   double kept_away = 0;  ///< Share of the layered area whose distance from it is within 2 %.
@@ -88,19 +88,25 @@ FirstHeights first_heights_of(const MixedMesh& mesh, Label layers, double asked)
   const TriangleTree tree(mesh.points, row.wall);
   FirstHeights found;
   double all = 0;
+  std::map<Cell<3>, double> corner_heights;  // Their sum; two or one where the layer tapers to nothing.
+  std::map<Cell<3>, double> areas;
   for (const auto& [v, stands] : row.stands) {
-    double sum = 0, area = 0;
+    double area = 0;
     for (const FirstRow::Stand& one : stands) {
-      sum += one.area * one.height;
+      Cell<3> wall = one.wall;
+      std::sort(wall.begin(), wall.end());
+      corner_heights[wall] += one.height;
+      areas[wall] = one.area;
       area += one.area;
       found.least = std::min(found.least, one.height / asked);
     }
     const double distance = tree.nearest(mesh.points[v]).distance / asked;
     found.nearest = std::min(found.nearest, distance);
     found.kept_away += std::abs(distance - 1) <= 0.02 ? area : 0;
-    found.kept += std::abs(sum / area / asked - 1) <= 0.02 ? area : 0;
     all += area;
   }
+  for (const auto& [wall, sum] : corner_heights)
+    found.kept += std::abs(sum / 3 / asked - 1) <= 0.02 ? 3 * areas.at(wall) : 0;
   found.kept /= all;
   found.kept_away /= all;
   return found;
