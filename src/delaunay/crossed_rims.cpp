@@ -14,14 +14,37 @@
 namespace lumesh::delaunay {
 namespace {
 
+/// Flag per vertex: corner of a tetrahedron that has one in a cut plane.
+std::vector<std::uint8_t> vertices_at_cuts(const TetMesh& mesh, const Domain& domain) {
+  const double touch_mm = 1e-2 * domain.resolution_mm();
+  std::vector<std::uint8_t> is_on(mesh.vertex_slots(), 0), is_at(mesh.vertex_slots(), 0);
+  parallel::for_each_index(is_on.size(), [&](std::size_t i) {
+    const VertexId v(static_cast<std::uint32_t>(i));
+    if (i < 4 || !mesh.alive(v) || mesh.dimension(v) == VertexDimension::kVolume) return;
+    for (const CutPlane& cut : domain.cut_planes())
+      if (std::abs(cut.height(mesh.point(v))) <= touch_mm) is_on[i] = 1;
+  });
+  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (!mesh.alive(t)) return;
+    const Cell<4>& corners = mesh.tet(t);
+    if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return is_on[v] != 0; }))
+      for (const std::uint32_t v : corners) parallel::raise(is_at[v]);
+  });
+  return is_at;
+}
+
 /// What each vertex of a boundary touches.
 class TouchedMaterials {
  public:
-  TouchedMaterials(const TetMesh& mesh, const Domain& domain) : mesh_(mesh) {
+  /// @param is_wanted  Flag per vertex; the others touch nothing. Empty: all are.
+  TouchedMaterials(const TetMesh& mesh, const Domain& domain, const std::vector<std::uint8_t>& is_wanted = {})
+      : mesh_(mesh) {
     const double touch_mm = 1e-2 * domain.resolution_mm();
     of_vertex_.resize(mesh.vertex_slots());
     parallel::for_each_index(of_vertex_.size(), [&](std::size_t i) {
       const VertexId v(static_cast<std::uint32_t>(i));
+      if (!is_wanted.empty() && is_wanted[i] == 0) return;
       if (i < 4 || !mesh.alive(v) || mesh.dimension(v) == VertexDimension::kVolume) return;
       of_vertex_[i] = domain.materials_near(mesh.point(v), touch_mm);
     });
@@ -255,7 +278,7 @@ std::size_t relabel_crossed_rims(TetMesh& mesh, const Domain& domain) {
 
 std::size_t relabel_at_openings(TetMesh& mesh, const Domain& domain) {
   if (domain.cut_planes().empty()) return 0;
-  const TouchedMaterials touched(mesh, domain);
+  const TouchedMaterials touched(mesh, domain, vertices_at_cuts(mesh, domain));
   const OpeningFaces faces(mesh, domain, touched);
   const std::size_t count = relabel_in_sweeps(mesh, domain, [&](TetId t) { return faces.material_of(t); });
   return count + relabel_in_groups(mesh, domain, faces);
