@@ -63,22 +63,13 @@ const std::vector<VertexId>& Operators<Lock>::made_vertices() const {
   return scratch_->builder.vertices;
 }
 
-namespace {
-
-/// Which corners saw a change since all was rejected at t; each of them where no trial is noted.
-std::array<bool, 4> corners_changed_since_trial(const TetMesh& mesh, TetId t) {
-  const std::uint32_t trial = mesh.trial_epoch(t);
-  std::array<bool, 4> changed{};
-  for (int k = 0; k < 4; ++k)  // What changed in the epoch of the trial may have changed after it.
-    changed[k] = mesh.change_epoch(mesh.vertex(t, k)) >= trial;
-  return changed;
-}
-
-}  // namespace
-
 bool has_changed_since_trial(const TetMesh& mesh, TetId t, int min_vertices) {
-  const std::array<bool, 4> changed = corners_changed_since_trial(mesh, t);
-  return std::count(changed.begin(), changed.end(), true) >= min_vertices;
+  const std::uint32_t trial = mesh.trial_epoch(t);
+  const Cell<4>& v = mesh.tet(t);
+  // What changed in the epoch of the trial may have changed after it.
+  return trial == 0 || std::count_if(v.begin(), v.end(), [&](std::uint32_t w) {
+                         return mesh.change_epoch(VertexId(w)) >= trial;
+                       }) >= min_vertices;
 }
 
 template <class Lock>
@@ -100,17 +91,14 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
       tried.note_change(mesh.tet(scratch_->builder.tets[i]));
     return Outcome::kApplied;
   };
-  const std::array<bool, 4> changed = corners_changed_since_trial(mesh, t);
   for (const auto& [i, j] : kTetEdges) {
     const VertexId a = mesh.vertex(t, i), b = mesh.vertex(t, j);
-    if (!rules.repeat && (!changed[i] || !changed[j] || tried.would_fail(a, b))) continue;
+    if (!rules.repeat && tried.would_fail(a, b)) continue;
     const Outcome outcome = remove_edge(t, i, j, rules);
     if (is_applied(outcome)) return note_what_changed();
     if (!rules.repeat && outcome == Outcome::kRejected) tried.note_failure(a, b);
   }
   for (int face = 0; face < 4; ++face) {
-    const auto [x, y, z] = kTetFaces[face];
-    if (!rules.repeat && !(changed[x] && changed[y] && changed[z])) continue;
     // The neighbour tried the same face, and neither has changed since: what is made anew carries no note,
     // and a sweep that moves vertices asks for repeat.
     const FaceLink link = mesh.link(t, face);

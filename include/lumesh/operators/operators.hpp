@@ -101,8 +101,7 @@ struct ExecutionCounts {
 /// vertices. One is enough for operators that look at all tetrahedra around a vertex. Two are asked for
 /// reconnect(), which for the most part looks at tetrahedra that share an edge with t, and a change is noted
 /// at all vertices of a tetrahedron: this sees more than the paper's test of face neighbours (its algorithm
-/// 2), but not faces farther off that multi-face removal would add. By the same argument reconnect() spares
-/// an edge unless both its ends, and a face unless its three corners, saw a change.
+/// 2), but not faces farther off that multi-face removal would add.
 [[nodiscard]] bool has_changed_since_trial(const TetMesh& mesh, TetId t, int min_vertices = 1);
 inline constexpr int kVerticesOfAnEdge = 2;
 

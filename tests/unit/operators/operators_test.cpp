@@ -268,40 +268,6 @@ TEST(Reconnect, FailsAgainWhereNoTetrahedronAtAnEdgeChanged) {
   EXPECT_GT(seen_by_one_vertex, 100u);
 }
 
-TEST(Reconnect, SparesOnlyEdgesAndFacesThatFailAgain) {
-  Bench bench(fixtures::unit_cube(5), AnalyticKind::kPolar2, 1.5);
-  TetMesh& mesh = bench.mesh;
-  const SwapRules rules{.max_faces = 1};  // Faces that more would add lie beyond what is noted.
-  std::mt19937 random(6);
-  std::size_t edges = 0, faces = 0;
-  for (std::uint32_t round = 1; round <= 20; ++round) {
-    bench.kernel.begin_run({}, 4 * round, 2 * round - 1);
-    for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
-      if (mesh.alive(TetId(t))) bench.kernel.reconnect(TetId(t), rules);
-    bench.kernel.begin_run({}, 4 * round + 2, 2 * round);
-    for (int i = 0; i < 20; ++i)
-      if (const TetId t(static_cast<std::uint32_t>(random() % mesh.tet_slots())); mesh.alive(t))
-        fixtures::try_operator(bench.kernel, mesh, t, 0, 1, random() % 4, {.min_length = 0.3}, {});
-    for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
-      const TetId t(i);
-      if (!mesh.alive(t) || !has_changed_since_trial(mesh, t, 2) || mesh.trial_epoch(t) == 0) continue;
-      const auto is_old = [&](int k) { return mesh.change_epoch(mesh.vertex(t, k)) < mesh.trial_epoch(t); };
-      for (const auto& [a, b] : kTetEdges)
-        if (is_old(a) || is_old(b)) {
-          ++edges;
-          ASSERT_EQ(bench.kernel.remove_edge(t, a, b, rules), Outcome::kRejected);
-        }
-      for (int face = 0; face < 4; ++face)
-        if (const auto& [a, b, c] = kTetFaces[face]; is_old(a) || is_old(b) || is_old(c)) {
-          ++faces;
-          ASSERT_EQ(bench.kernel.remove_face(t, face, rules), Outcome::kRejected);
-        }
-    }
-  }
-  EXPECT_GT(edges, 1000u);
-  EXPECT_GT(faces, 1000u);
-}
-
 TEST(PatchShapes, FindsPlanesAndLeavesTheRestFrozen) {
   const TetMesh cube = fixtures::unit_cube(2);
   for (const PatchShape& shape : planes_where_flat(cube)) {
