@@ -33,7 +33,7 @@ VESSELS = {
     "aneurism-sac-radius": ("aneurism/aneurism_x2_crop_sac_label.nrrd", ["lattice"],
                             [*INWARD, "--first-height", 0.05, "--relative-to", "radius"]),
     "gmsh-aneurysm": ("gmsh-aneurysm/aneurysm_data.stl.gz", ["delaunay", "--delta", 0.5],
-                      [*INWARD, "--first-height", 0.1, "--patch", "patch_1"]),
+                      [*INWARD, "--first-height", 0.1]),
     "fenics-aneurysm": ("fenics-aneurysm/aneurysm_boundary.stl", ["delaunay", "--delta", 0.25], [*INWARD, "--first-height", 0.1]),
     "case1-outward": ("phantom carotid", ["lattice"], ["--growth", 1, "--count", 5, "--first-height", 1.2]),
 }
