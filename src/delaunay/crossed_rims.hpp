@@ -23,10 +23,4 @@ std::size_t relabel_at_cuts(TetMesh& mesh, const Domain& domain);
 /// tetrahedra are materials. @return Number of relabelled tetrahedra.
 std::size_t relabel_crossed_rims(TetMesh& mesh, const Domain& domain);
 
-/// The same for tetrahedra with a face in a cut plane: they take the material whose section the face is
-/// part of, where all their corners touch it. So an opening is what the plane cuts, however flat the wall
-/// meets it.
-/// @return Number of relabelled tetrahedra.
-std::size_t relabel_at_openings(TetMesh& mesh, const Domain& domain);
-
 }  // namespace lumesh::delaunay

@@ -169,7 +169,6 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
     delaunay::relabel_at_cuts(result.mesh, domain);
     delaunay::relabel_crossed_rims(result.mesh, domain);
     delaunay::relabel_flat(result.mesh, domain);
-    delaunay::relabel_at_openings(result.mesh, domain);
     delaunay::relabel_out_of_bounds(result.mesh, domain);
     return pinched;
   });

@@ -52,24 +52,12 @@ MaterialSet common_materials(const Domain& domain, const Vec3& a, const Vec3& b)
 }
 
 /// The piece of a curve among what a point would replace in whose smallest sphere the point lies: the piece
-/// would break. If there are several, the first by its middle. What has another vertex of the curve in its
-/// sphere is a chord, as across the tip of an opening that slants.
+/// would break. If there are several, the first by its middle.
 std::optional<CurvePiece> encroached_piece(const TetMesh& mesh, const Domain& domain, const Vec3& point,
                                            std::span<const TetId> conflicts) {
   const auto is_on_curve = [&](TetId t, int corner) {
     const VertexId v = mesh.vertex(t, corner);
     return v.value >= 4 && mesh.dimension(v) <= VertexDimension::kCurve;
-  };
-  const auto is_chord = [&](const CurvePiece& piece) {
-    return std::any_of(conflicts.begin(), conflicts.end(), [&](TetId t) {
-      for (int k = 0; k < 4; ++k) {
-        const Vec3& x = mesh.corner(t, k);
-        if (is_on_curve(t, k) && (x - piece.from).dot(x - piece.to) < 0 &&
-            domain.materials_near(x, 1e-2 * domain.resolution_mm()).contains_all(piece.materials))
-          return true;
-      }
-      return false;
-    });
   };
   std::optional<CurvePiece> found;
   for (const TetId t : conflicts)
@@ -79,7 +67,7 @@ std::optional<CurvePiece> encroached_piece(const TetMesh& mesh, const Domain& do
       if ((point - a).dot(point - b) >= 0) continue;
       if (found && !precedes(a + b, found->from + found->to)) continue;
       const MaterialSet common = common_materials(domain, a, b);
-      if (common.size() > 2 && !is_chord({a, b, common})) found = {a, b, common};
+      if (common.size() > 2) found = {a, b, common};
     }
   return found;
 }

@@ -94,7 +94,6 @@ std::vector<Candidate> Refinement::candidates_for(std::span<const TetId> fresh,
           if (const auto candidate = rules_.candidate_for_face(t, f, sphere)) out.push_back(*candidate);
         }
         if (const auto candidate = rules_.candidate_for_crossed_opening(t, sphere)) out.push_back(*candidate);
-        if (const auto candidate = rules_.candidate_for_crossed_wall(t, sphere)) out.push_back(*candidate);
         if (const auto candidate = rules_.candidate_for_tet(t, sphere)) out.push_back(*candidate);
       },
       kBlock);

@@ -210,57 +210,6 @@ std::optional<Candidate> Rules::candidate_for_crossed_opening(TetId t, const Cir
   return best;
 }
 
-std::optional<Candidate> Rules::candidate_for_crossed_wall(TetId t, const Circumsphere& sphere) const {
-  if (domain_.is_meshed(static_cast<Material>(mesh_.label(t)))) return std::nullopt;
-  const double touch_mm = 1e-2 * domain_.resolution_mm();
-  for (const CutPlane& cut : domain_.cut_planes()) {
-    if (std::abs(cut.height(sphere.centre)) > sphere.radius) continue;
-    for (int f = 0; f < 4; ++f) {
-      const VertexId apex = mesh_.vertex(t, f);
-      const Cell<3> corners = mesh_.face_corners(t, f);
-      const auto is_on_cut = [&](std::uint32_t v) {
-        return v >= 4 && mesh_.dimension(VertexId(v)) != VertexDimension::kVolume &&
-               std::abs(cut.height(mesh_.point(VertexId(v)))) <= touch_mm;
-      };
-      if (mesh_.dimension(apex) != VertexDimension::kVolume || cut.height(mesh_.point(apex)) > -touch_mm ||
-          !std::all_of(corners.begin(), corners.end(), is_on_cut))
-        continue;
-      return on_way_out(t, cut, corners, mesh_.point(apex));
-    }
-  }
-  return std::nullopt;
-}
-
-/// From the middle of a face in a cut plane to a corner outside; none if either is not what it seems.
-std::optional<Candidate> Rules::on_way_out(TetId t, const CutPlane& cut, Cell<3> corners,
-                                           const Vec3& outside) const {
-  std::sort(corners.begin(), corners.end(), [&](std::uint32_t v, std::uint32_t w) {
-    return precedes(mesh_.point(VertexId(v)), mesh_.point(VertexId(w)));
-  });
-  Vec3 low = Vec3::Zero(), high = outside;
-  for (const std::uint32_t v : corners) low += mesh_.point(VertexId(v)) / 3;
-  low -= (cut.height(low) + 1e-3 * domain_.resolution_mm()) * cut.normal;
-  const Material inside = domain_.material_at(low);
-  Material beside = domain_.material_at(high);
-  if (!domain_.is_meshed(inside) || domain_.is_meshed(beside) || domain_.is_cut(beside)) return std::nullopt;
-  constexpr int kSteps = 30;
-  for (int step = 0; step < kSteps; ++step) {
-    const Vec3 middle = 0.5 * (low + high);
-    const Material m = domain_.material_at(middle);
-    if (m == inside) {
-      low = middle;
-    } else {
-      high = middle;
-      beside = m;
-    }
-  }
-  const double depth_mm = -cut.height(high);
-  constexpr double kShallow = 0.1;  // Voxels: what is thinner is not worth the points it takes.
-  if (depth_mm < kShallow * domain_.resolution_mm()) return std::nullopt;
-  const double spacing = std::min(spacing_.delta_mm(), 2 * depth_mm);
-  return Candidate{high, t, kSurfaceFirst, VertexDimension::kSurface, spacing};
-}
-
 /// Surfaces follow sizes, but know nothing of criteria: this is for one that asks near them, within reason.
 std::optional<Candidate> Rules::nearest_of_surface(TetId t, const Circumsphere& sphere) const {
   const auto mine = static_cast<Material>(mesh_.label(t));

@@ -54,10 +54,6 @@ class Rules {
   /// of the opening stand too far apart.
   [[nodiscard]] std::optional<Candidate> candidate_for_crossed_opening(TetId t,
                                                                        const Circumsphere& sphere) const;
-  /// R8: the crossing of the wall with the way from an opening to a corner outside, where points of the wall
-  /// stand too far apart, as where it is flat on the plane.
-  [[nodiscard]] std::optional<Candidate> candidate_for_crossed_wall(TetId t,
-                                                                    const Circumsphere& sphere) const;
   /// The face's centre on the surface, if that is not too near to its corners.
   [[nodiscard]] std::optional<Candidate> centre_of_face(TetId t, int face, const Circumsphere& sphere) const;
   /// R4: the circumradius is too large for the shortest edge. R5: for the wanted size; R2 is part of that,
@@ -76,8 +72,6 @@ class Rules {
   [[nodiscard]] std::optional<Candidate> candidate_for_crossed_curve(TetId t, const DualEdge& dual,
                                                                      const std::array<Vec3, 3>& corners,
                                                                      double spacing) const;
-  [[nodiscard]] std::optional<Candidate> on_way_out(TetId t, const CutPlane& cut, Cell<3> corners,
-                                                    const Vec3& outside) const;
   [[nodiscard]] std::optional<Candidate> nearest_of_surface(TetId t, const Circumsphere& sphere) const;
   [[nodiscard]] Vec3 surface_centre(const DualEdge& dual, double close) const;
   [[nodiscard]] std::optional<Candidate> at_surface(const Vec3& place, TetId t, const DualEdge& dual,

@@ -13,7 +13,6 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/operators/settling.hpp"
-#include "lumesh/surface/edges.hpp"
 
 namespace lumesh {
 namespace {
@@ -102,42 +101,6 @@ TEST(Wall, IsThereToTheRimOfOpeningsThatSlant) {
       if (mesh.info().patches[static_cast<std::size_t>(faces.patches[i])].name != "wall") continue;
       for (const std::uint32_t v : faces.triangles[i])
         EXPECT_NEAR(height_over_tube(mesh.point(VertexId(v))), 0, 0.2) << angle_deg;
-    }
-  }
-}
-
-/// Where the wall is flat on the plane, the centres of circumspheres do not tell what belongs to the wedge
-/// between the two: openings lacked up to 12 % of their area, or were in two parts.
-TEST(Wall, LeavesOpeningsWholeWhereItIsFlatOnThem) {
-  constexpr double kLean = 16 * std::numbers::pi / 180, kThin = 3.4;
-  const double truth = std::numbers::pi * kThin * kThin / std::sin(kLean);
-  for (int turn = 0; turn < 6; ++turn) {
-    const Vec3 across = kAxis.unitOrthogonal();
-    const Vec3 sideways = std::cos(turn) * across + std::sin(turn) * kAxis.cross(across);
-    const Vec3 normal = std::sin(kLean) * kAxis + std::cos(kLean) * sideways;
-    AnalyticDomainOptions options;
-    options.bounds_mm = Box3(kOnAxis - Vec3::Constant(kLength), kOnAxis + Vec3::Constant(kLength));
-    options.resolution_mm = 1;
-    options.cut_planes = {{kOnAxis - 0.5 * kLength * kAxis, -kAxis}, {kOnAxis, normal}};
-    const AnalyticDomain domain({{1, cylinder_shape(kOnAxis, kAxis, kThin)}}, options);
-    for (const double delta : {2.0, 3.0, 4.5}) {
-      SCOPED_TRACE("turn " + std::to_string(turn) + ", delta " + std::to_string(delta));
-      Context context;
-      DelaunayOptions with;
-      with.delta_mm = delta;
-      const TetMesh mesh = mesh_delaunay(domain, with, context).mesh;
-      const ValidationReport report = validate(mesh);
-      ASSERT_TRUE(report.ok()) << report.text();
-      const BoundaryFaces faces = mesh.boundary_faces();
-      TriangleMesh opening;
-      for (std::size_t i = 0; i < faces.triangles.size(); ++i)
-        if (mesh.info().patches[static_cast<std::size_t>(faces.patches[i])].name == "inlet_1")
-          opening.triangles.push_back(faces.triangles[i]);
-      double area = 0;
-      for (const auto& [a, b, c] : opening.triangles)
-        area += triangle_area(mesh.points()[a], mesh.points()[b], mesh.points()[c]);
-      EXPECT_NEAR(area / truth, 1, 0.03);
-      EXPECT_EQ(surfaces::turn_alike(opening).count, 1U);
     }
   }
 }
