@@ -274,8 +274,20 @@ class Filling {
     constexpr double kRounding = 1e-9;
     if (!(cosine(a - c, b - c) + cosine(a - d, b - d) < -kRounding) || edges_.contains(edge_key(c_id, d_id)))
       return false;
-    const Vec3 before = triangle_area_normal(a, b, c) + triangle_area_normal(b, a, d);
-    return triangle_area_normal(c, a, d).dot(before) > 0 && triangle_area_normal(d, b, c).dot(before) > 0;
+    const std::uint32_t a_id = mesh_.vertex(at, 0), b_id = mesh_.vertex(at, 1);
+    const Vec3 with_c = triangle_area_normal(a, b, c), with_d = triangle_area_normal(b, a, d),
+               with_a = triangle_area_normal(c, a, d), with_b = triangle_area_normal(d, b, c);
+    const auto folds = [&](std::uint32_t from, std::uint32_t to, const Vec3& before, const Vec3& after) {
+      return lies_on_wall(from, to, after) && !lies_on_wall(from, to, before);
+    };
+    return with_a.dot(with_c + with_d) > 0 && with_b.dot(with_c + with_d) > 0 &&
+           !folds(c_id, a_id, with_c, with_a) && !folds(a_id, d_id, with_d, with_a) &&
+           !folds(d_id, b_id, with_d, with_b) && !folds(b_id, c_id, with_c, with_b);
+  }
+  /// Whether a triangle with the edge between two corners turns back on the wall, if that is the rim's.
+  [[nodiscard]] bool lies_on_wall(std::uint32_t from, std::uint32_t to, const Vec3& normal) const {
+    return from < corner_count() && to == (from + 1) % corner_count() &&
+           !(normal.dot(hole_.wall_normals[from]) > 0);
   }
 
   void solve();

@@ -324,7 +324,8 @@ TEST_P(RandomCuts, OfBallsAndRingsAreCapped) {
   for (int trial = 0; trial < 12; ++trial) {
     const TriangleSoup& given = trial % 2 == 0 ? ball : ring;
     Vec3 normal = Vec3(gauss(random), gauss(random), gauss(random)).normalized();
-    if (std::abs(normal.z()) > 0.9) std::swap(normal.x(), normal.z());  // Rings are not cut into bowls.
+    // Rings are not cut into bowls, nor along their wall: teeth that lie on a cap may be refused as crossing.
+    if (std::abs(normal.z()) > (GetParam() ? 0.75 : 0.9)) std::swap(normal.x(), normal.z());
     const double reach = trial % 2 == 0 ? 5 : 2.5 + 8 * std::hypot(normal.x(), normal.y());
     const double offset = share(random) * reach;
     SCOPED_TRACE(trial);
