@@ -70,6 +70,7 @@ void print_text(const CheckCommand& command, const CheckReport& report) {
 void run(const CheckCommand& command) {
   CommandRun session(command.run);
   Context& context = session.context;
+  check_files({command.json_path}, {command.path}, command.selection);
   if (is_mesh_file(command.path)) {
     ImageSelection of_images = command.selection;
     require_not_given(*command.run.command, options_of(of_images),

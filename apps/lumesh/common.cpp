@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "lumesh/core/error.hpp"
@@ -22,8 +23,6 @@
 namespace lumesh::cli {
 
 namespace {
-
-constexpr const char* kStandardOutput = "-";
 
 /// The options of the command line as they were given, but for those that do not change the mesh.
 std::string given_options(const CLI::App& command) {
@@ -59,6 +58,21 @@ std::filesystem::path target_of(const std::filesystem::path& path) {
   return target;
 }
 
+/// Whether an output is wanted, and in a file.
+bool is_file(const std::filesystem::path& output) {
+  return !output.empty() && output != kStandardOutput;
+}
+
+/// @throws Error{kUsage} for a file that holds something else.
+void require_json_or_new(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return;
+  const int first = std::ifstream(path).get();
+  if (first == EOF || first == '{' || first == '[') return;
+  throw Error(ErrorKind::kUsage,
+              path + ": holds no JSON and would be replaced; name another file for --json");
+}
+
 }  // namespace
 
 void finish_options(CLI::App& app, RunOptions& options, const std::string& footer, bool has_threads) {
@@ -85,7 +99,10 @@ void add_json_option(CLI::App& command, std::string& path, RunOptions& options, 
           "--json",
           [&path, &options](const std::vector<std::string>& values) {
             path = values.empty() || values.front().empty() ? kStandardOutput : values.front();
-            if (path == kStandardOutput) options.quiet = 1;
+            if (path == kStandardOutput)
+              options.quiet = 1;
+            else
+              require_json_or_new(path);
           },
           "Write " + holds + " as JSON; - or nothing: to the standard output, in place of the text")
       ->type_name("[FILE]")
@@ -207,7 +224,7 @@ void check_inputs_stay(std::initializer_list<std::string> outputs, const std::ve
   };
   for (const std::string& output : outputs)
     for (const std::string& input : inputs)
-      if (!output.empty() && !input.empty() && is_read(output, input))
+      if (is_file(output) && !input.empty() && is_read(output, input))
         throw Error(ErrorKind::kUsage,
                     output + ": is read as input and would be replaced; name another output");
 }
@@ -215,10 +232,10 @@ void check_inputs_stay(std::initializer_list<std::string> outputs, const std::ve
 void check_output_folders(std::initializer_list<std::string> paths) {
   std::set<std::filesystem::path> named;
   for (const std::string& path : paths)
-    if (!path.empty() && !named.insert(target_of(std::filesystem::absolute(path).lexically_normal())).second)
+    if (is_file(path) && !named.insert(target_of(std::filesystem::absolute(path).lexically_normal())).second)
       throw Error(ErrorKind::kUsage, path + ": is named for two outputs; give each its own file");
   for (std::filesystem::path path : paths) {
-    if (path.empty()) continue;
+    if (!is_file(path)) continue;
     check_mesh_folder(path);
     if (is_mesh_folder(path) && !path.has_filename()) path = path.parent_path();  // A slash at the end.
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";

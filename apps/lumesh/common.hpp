@@ -30,6 +30,9 @@ class Program;
 inline constexpr const char* kImageFormats =
     "(.nii[.gz], .nrrd, .nhdr, .mha, .mhd, .gipl[.gz], DICOM folder)";
 
+/// In the place of a file: what is written goes to the standard output.
+inline constexpr const char* kStandardOutput = "-";
+
 /// How a command runs and how much it says.
 struct RunOptions {
   int threads = 0;
@@ -55,7 +58,8 @@ void finish_command(CLI::App& app, const std::shared_ptr<Command>& command, cons
       app, command, [](auto& chosen) { run(chosen); }, footer, has_threads);
 }
 /// --json [FILE], of all commands that have it: "-", as without a FILE, is the standard output, which says
-/// nothing else then. @param holds  What is written, for the help.
+/// nothing else then. A file that is there and is no JSON is refused: an option that may go without a value
+/// is easily given that of its neighbour. @param holds  What is written, for the help.
 void add_json_option(CLI::App& command, std::string& path, RunOptions& options, const std::string& holds);
 /// Writes what that asks for.
 void write_json(const std::string& path, const std::string& text);

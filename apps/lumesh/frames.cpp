@@ -4,10 +4,12 @@
 
 #include <filesystem>
 
+#include "common.hpp"
+
 namespace lumesh::cli {
 
 std::string numbered(const std::string& path, std::size_t frame) {
-  if (path.empty() || path == "-") return path;
+  if (path.empty() || path == kStandardOutput) return path;
   const std::size_t percent = path.find('%');
   const std::size_t end =
       percent == std::string::npos ? percent : path.find_first_not_of("0123456789", percent + 1);

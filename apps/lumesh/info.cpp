@@ -250,6 +250,7 @@ json describe_image_file(const InfoCommand& command, Context& context) {
 
 void run(const InfoCommand& command) {
   command.cuts.validate();
+  check_files({command.json_path}, {command.path}, command.selection);
   CommandRun session(command.run);
   Context& context = session.context;
   const json all = is_mesh_file(command.path) ? describe_mesh_file(command, context)

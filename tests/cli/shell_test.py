@@ -81,6 +81,25 @@ class HelpTest(ProgramTest):
 
 
 class JsonTest(ProgramTest):
+    def test_json_replaces_no_input_nor_any_file_that_is_none(self):
+        images = [nrrd.write(self.folder / f"{name}.nrrd", [SIZE] * 3, nrrd.ball(SIZE, 8)) for name in "ab"]
+        held = [image.read_bytes() for image in images]
+        for command in (("info",), ("check",)):
+            for words in ((images[0], "--json", images[0]), ("--json", *images)):
+                with self.subTest(command=command[0], words=words):
+                    self.assert_refused(self.run_lumesh(*command, *words), USAGE, "a.nrrd", "replace")
+        self.assertEqual([image.read_bytes() for image in images], held)
+
+    @unittest.skipIf(os.geteuid() == 0 and not shutil.which("setpriv"), "needs another user")
+    def test_the_standard_output_needs_no_folder(self):
+        image = nrrd.write(self.folder / "a.nrrd", [SIZE] * 3, nrrd.ball(SIZE, 8))
+        image.chmod(0o644)
+        self.folder.chmod(0o755)
+        user = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] if os.geteuid() == 0 else []
+        result = subprocess.run([*user, LUMESH, "info", image, "--json"], capture_output=True, text=True, check=False, cwd="/proc")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(json.loads(result.stdout)["kind"], "image")
+
     def test_json_is_a_file_or_the_standard_output_alone(self):
         image = nrrd.write(self.folder / "ball.nrrd", [SIZE] * 3, nrrd.ball(SIZE, 8))
         mesh = self.folder / "ball.vtu"
