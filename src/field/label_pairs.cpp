@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "lumesh/core/grid.hpp"
 #include "lumesh/core/wide.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -100,7 +99,7 @@ std::vector<PairFaces> touching_pairs(const LabelImage& image) {
       pairs.push_back(
           {{static_cast<LabelIndex>(key >> 16U), static_cast<LabelIndex>(key & 0xFFFFU)}, {}, {}});
     }
-    pairs.back().faces.push_back({grid_place(image.frame().size, f.voxel), static_cast<int>(f.axis)});
+    pairs.back().faces.push_back({image.frame().voxel_at(f.voxel), static_cast<int>(f.axis)});
   }
   if (!image.crossings().empty() && !pairs.empty() && pairs.front().pair.is_outer_wall())
     pairs.front().crossings = crossings_of(pairs.front().faces, image);

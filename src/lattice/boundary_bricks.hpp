@@ -2,6 +2,7 @@
 // The voxels near boundaries, brick by brick.
 
 #include "cells.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/field/label_field.hpp"
 
 namespace lumesh {
@@ -25,7 +26,7 @@ void for_each_voxel_near_boundary(const LabelImage& image, const LabelField& fie
       kBrickVoxels * Index3(n % bricks.x(), n / bricks.x() % bricks.y(), n / (bricks.x() * bricks.y()));
   const Index3 end = (low + Index3::Constant(kBrickVoxels)).cwiseMin(image.frame().size);
   if (!field.near_boundary(low.cast<double>(), (end - Index3::Ones()).cast<double>())) return;
-  for_each_index_between(low, end - Index3::Ones(), body);
+  for_each_place(low, end - Index3::Ones(), body);
 }
 
 }  // namespace lumesh

@@ -1,5 +1,5 @@
 #pragma once
-// Cubes of space as keys of hash tables, and boxes of their indices.
+// Cubes of space as keys of hash tables.
 
 #include <cstdint>
 
@@ -10,16 +10,6 @@ namespace lumesh {
 /// The cube of a grid through the origin that holds a point.
 inline Index3 cell_of(const Vec3& p, double edge_mm) {
   return Eigen::Array3d((p / edge_mm).array().floor()).cast<int>().matrix();
-}
-
-/// Calls body(index) for every index of a box with its borders, x fastest.
-template <class Body>
-void for_each_index_between(const Index3& low, const Index3& high, const Body& body) {
-  for (int k = low.z(); k <= high.z(); ++k) {
-    for (int j = low.y(); j <= high.y(); ++j) {
-      for (int i = low.x(); i <= high.x(); ++i) body(Index3(i, j, k));
-    }
-  }
 }
 
 /// Different for cubes less than 2^21 edges apart.

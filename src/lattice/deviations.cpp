@@ -6,6 +6,7 @@
 
 #include "boundary_bricks.hpp"
 #include "cells.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -79,7 +80,7 @@ void append_corner(const LabelImage& image, const Index3& first, std::vector<Pro
 /// The corners that a voxel begins; on the image's lower borders also those before it.
 void append_corners(const LabelImage& image, const Index3& voxel, std::vector<Probe>& out) {
   const Index3 low = voxel - Index3((voxel.array() == 0).cast<int>());
-  for_each_index_between(low, voxel, [&](const Index3& first) { append_corner(image, first, out); });
+  for_each_place(low, voxel, [&](const Index3& first) { append_corner(image, first, out); });
 }
 
 double longest_edge(const std::array<Vec3, 3>& p) {
@@ -137,7 +138,7 @@ std::vector<Probe> probes_near(const LabelImage& image, const ImageDomain& domai
                           .matrix()
                           .cwiseMin(frame.size - Index3::Ones());
   std::vector<Probe> probes;
-  for_each_index_between(low, high, [&](const Index3& voxel) {
+  for_each_place(low, high, [&](const Index3& voxel) {
     append_face_centres(image, voxel, probes);
     append_corners(image, voxel, probes);
   });

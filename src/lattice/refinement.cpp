@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/parallel/key_set.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "split_marks.hpp"
@@ -68,11 +69,9 @@ class Refiner {
 
  private:
   void add_coarse_tetrahedra() {
-    const Index3 n = frame_.cells;
-    const auto count =
-        static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
     parallel::collect_blocks_into<Corners>(
-        leaves_[0], count, 512, [&](std::size_t begin, std::size_t end, std::vector<Corners>& out) {
+        leaves_[0], grid_count(frame_.cells), 512,
+        [&](std::size_t begin, std::size_t end, std::vector<Corners>& out) {
           for (std::size_t c = begin; c < end; ++c) append_coarse_tetrahedra(c, out);
         });
   }

@@ -46,8 +46,7 @@ SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const Lat
     thickness_factor_.push_back(2 * (1 - fidelity));  // 4 (1 - F) of half the chord
     firm_.push_back(own == options.label_fidelity.end() ? 0 : kFirm);
   }
-  wanted_.resize(static_cast<std::size_t>(cells_.x()) * static_cast<std::size_t>(cells_.y()) *
-                 static_cast<std::size_t>(cells_.z()));
+  wanted_.resize(grid_count(cells_));
   parallel::for_each_index(
       brick_count(image),
       [&](std::size_t b) {
@@ -67,26 +66,16 @@ void SizeGrid::note_opening(const Opening& opening) {
   const int level = level_for(std::min(kOfShare * perimeter_mm / kEdgesAround, kOfWidth * width_mm));
   const Box3 voxels = voxel_box(image_.frame(), opening.box_mm);
   const CellBox box = cells_between(voxels.min(), voxels.max());
-  for (int k = box.low.z(); k <= box.high.z(); ++k)
-    for (int j = box.low.y(); j <= box.high.y(); ++j)
-      for (int i = box.low.x(); i <= box.high.x(); ++i) {
-        std::uint8_t& cell = wanted_[cell_number({i, j, k})];
-        if (cell != 0)
-          cell = static_cast<std::uint8_t>(std::max<int>(cell & ~kFirm, level + 1) | (cell & kFirm));
-      }
+  for_each_place(box.low, box.high, [&](const Index3& place) {
+    std::uint8_t& cell = wanted_[cell_number(place)];
+    if (cell != 0) cell = static_cast<std::uint8_t>(std::max<int>(cell & ~kFirm, level + 1) | (cell & kFirm));
+  });
 }
 
 int SizeGrid::level_for(double edge_mm) const {
   int level = min_level_;
   while (level < max_level_ && coarsest_mm_ / std::exp2(level) > edge_mm) ++level;
   return level;
-}
-
-std::size_t SizeGrid::cell_number(const Index3& cell) const {
-  return static_cast<std::size_t>(cell.x()) +
-         static_cast<std::size_t>(cells_.x()) *
-             (static_cast<std::size_t>(cell.y()) +
-              static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(cell.z()));
 }
 
 /// A cell at level l takes its volume over a lattice tetrahedron's, h^3 / 12; about half of it lies in the

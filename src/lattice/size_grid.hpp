@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/image/label_image.hpp"
@@ -38,12 +39,8 @@ class SizeGrid {
   };
   [[nodiscard]] CellBox cells_around(const Vec3& point_mm, double radius_mm) const;
   [[nodiscard]] CellBox cells_between(const Vec3& low, const Vec3& high) const;  ///< In voxels.
-  [[nodiscard]] std::size_t cell_number(const Index3& cell) const;
-  [[nodiscard]] const std::uint8_t* row(int j, int k) const {
-    return &wanted_[static_cast<std::size_t>(cells_.x()) *
-                    (static_cast<std::size_t>(j) +
-                     static_cast<std::size_t>(cells_.y()) * static_cast<std::size_t>(k))];
-  }
+  [[nodiscard]] std::size_t cell_number(const Index3& cell) const { return grid_offset(cells_, cell); }
+  [[nodiscard]] const std::uint8_t* row(int j, int k) const { return &wanted_[cell_number({0, j, k})]; }
   static constexpr int kCell = 2;
   static constexpr std::uint8_t kFirm =
       0x80;  // flag: wanted by a label with a fidelity of its own, never given up

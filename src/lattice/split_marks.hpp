@@ -8,6 +8,7 @@
 
 #include "bcc.hpp"
 #include "cells.hpp"
+#include "lumesh/core/grid.hpp"
 #include "refinement.hpp"
 
 namespace lumesh {
@@ -68,15 +69,10 @@ class SplitMarks {
       return static_cast<std::uint16_t>(near | here << 4 | ever << 8);
     }
 
-    explicit Grid(const Index3& cubes)
-        : size(cubes),
-          marks(static_cast<std::size_t>(cubes.x()) * static_cast<std::size_t>(cubes.y()) *
-                static_cast<std::size_t>(cubes.z())) {}
+    explicit Grid(const Index3& cubes) : size(cubes), marks(grid_count(cubes)) {}
 
     [[nodiscard]] std::uint32_t number(const Index3& c) const {
-      const auto at = [&](int axis) { return static_cast<std::size_t>(c[axis]); };
-      const auto along = [&](int axis) { return static_cast<std::size_t>(size[axis]); };
-      return static_cast<std::uint32_t>(at(0) + along(0) * (at(1) + along(1) * at(2)));
+      return static_cast<std::uint32_t>(grid_offset(size, c));
     }
     void clear() {
       for (const std::uint32_t c : marked) marks[c] = mark_of(0, 0, ever(marks[c]));
@@ -87,7 +83,7 @@ class SplitMarks {
       if (here(own) > level) return;
       const Index3 low = (cube - Index3::Ones()).cwiseMax(0);
       const Index3 high = (cube + Index3::Ones()).cwiseMin(size - Index3::Ones());
-      for_each_index_between(low, high, [&](const Index3& c) {
+      for_each_place(low, high, [&](const Index3& c) {
         std::uint16_t& m = marks[number(c)];
         if (near(m) == 0) marked.push_back(number(c));
         m = mark_of(std::max(near(m), level + 1), here(m), std::max(ever(m), level + 1));

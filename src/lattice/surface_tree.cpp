@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "cells.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -28,8 +29,8 @@ std::vector<std::uint32_t> near(const WorkMesh& mesh, const BoundaryModel& bound
     const Index3 cell = cell_of(place, edge_mm);
     if (!centres.insert(cell_key(cell)).second) continue;
     const Index3 rings = Index3::Constant(kRings);
-    for_each_index_between(cell - rings, cell + rings,
-                           [&](const Index3& near_cell) { cells.insert(cell_key(near_cell)); });
+    for_each_place(cell - rings, cell + rings,
+                   [&](const Index3& near_cell) { cells.insert(cell_key(near_cell)); });
   }
   return parallel::collect<std::uint32_t>(boundary.triangles.size(), [&](std::size_t i, auto& out) {
     const auto& [a, b, c] = boundary.triangles[i].vertices;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cells.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "work_mesh.hpp"
 
@@ -47,8 +48,8 @@ class TriangleGrid {
  private:
   template <class Body>
   void for_each_cell(const Eigen::AlignedBox3d& box, const Body& body) const {
-    for_each_index_between(cell_of(box.min(), cell_mm_), cell_of(box.max(), cell_mm_),
-                           [&](const Index3& cell) { body(cell_key(cell)); });
+    for_each_place(cell_of(box.min(), cell_mm_), cell_of(box.max(), cell_mm_),
+                   [&](const Index3& cell) { body(cell_key(cell)); });
   }
   double cell_mm_;
   std::unordered_map<std::uint64_t, std::vector<Triangle>> cells_;

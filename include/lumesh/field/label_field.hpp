@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/core/types.hpp"
 #include "lumesh/core/uninitialised.hpp"
 #include "lumesh/image/label_image.hpp"
@@ -131,12 +132,7 @@ class LabelField {
     double sign = 0;
   };
 
-  [[nodiscard]] std::size_t brick_offset(const Index3& brick) const {
-    return static_cast<std::size_t>(brick.x()) +
-           static_cast<std::size_t>(bricks_.x()) *
-               (static_cast<std::size_t>(brick.y()) +
-                static_cast<std::size_t>(bricks_.y()) * static_cast<std::size_t>(brick.z()));
-  }
+  [[nodiscard]] std::size_t brick_offset(const Index3& brick) const { return grid_offset(bricks_, brick); }
   template <class Body>
   [[nodiscard]] bool any_brick(const Vec3& low, const Vec3& high, const Body& body) const;
   [[nodiscard]] Place locate(const Vec3& index) const;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/core/types.hpp"
 
 namespace lumesh {
@@ -17,22 +18,10 @@ struct ImageFrame {
   Vec3 origin_mm = Vec3::Zero();      ///< Centre of voxel (0, 0, 0).
   Mat3 direction = Mat3::Identity();  ///< Orthonormal; columns are the axes of i, j, k; det may be -1.
 
-  [[nodiscard]] std::size_t voxel_count() const {
-    return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
-           static_cast<std::size_t>(size.z());
-  }
-  [[nodiscard]] std::size_t offset(const Index3& v) const {
-    return static_cast<std::size_t>(v.x()) +
-           static_cast<std::size_t>(size.x()) *
-               (static_cast<std::size_t>(v.y()) +
-                static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(v.z()));
-  }
+  [[nodiscard]] std::size_t voxel_count() const { return grid_count(size); }
+  [[nodiscard]] std::size_t offset(const Index3& v) const { return grid_offset(size, v); }
   /// The voxel of an offset().
-  [[nodiscard]] Index3 voxel_at(std::size_t offset) const {
-    const auto x = static_cast<std::size_t>(size.x()), y = static_cast<std::size_t>(size.y());
-    return {static_cast<int>(offset % x), static_cast<int>(offset / x % y),
-            static_cast<int>(offset / (x * y))};
-  }
+  [[nodiscard]] Index3 voxel_at(std::size_t offset) const { return grid_place(size, offset); }
   [[nodiscard]] bool contains(const Index3& v) const {
     return (v.array() >= 0).all() && (v.array() < size.array()).all();
   }

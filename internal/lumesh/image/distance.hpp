@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/core/types.hpp"
 #include "lumesh/image/label_image.hpp"
 
@@ -15,13 +16,7 @@ struct DistanceField {
   std::vector<float> distance_mm;
 
   /// Distance at a voxel of the image that lies in the box.
-  [[nodiscard]] float at(const Index3& voxel) const {
-    const Index3 v = voxel - low;
-    return distance_mm[static_cast<std::size_t>(v.x()) +
-                       static_cast<std::size_t>(size.x()) *
-                           (static_cast<std::size_t>(v.y()) +
-                            static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(v.z()))];
-  }
+  [[nodiscard]] float at(const Index3& voxel) const { return distance_mm[grid_offset(size, voxel - low)]; }
 };
 
 /// Distance from every voxel centre in [low, high) to the nearest voxel centre of the box that has another

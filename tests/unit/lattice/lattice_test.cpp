@@ -4,6 +4,7 @@
 #include "../src/lattice/cells.hpp"
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/image/phantom.hpp"
 #include "lumesh/image/selection.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -161,7 +162,7 @@ TEST(Lattice, TheVolumeIsTheDomainsNotTheNumberOfVoxels) {
   const ImageDomain domain(image, {});
   const Index3 fine(1, 24, 24);  // Samples of a voxel.
   std::size_t within = 0;
-  for_each_index_between(
+  for_each_place(
       Index3::Zero(), image.frame().size.cwiseProduct(fine) - Index3::Ones(), [&](const Index3& i) {
         const Vec3 at = (i.cast<double>() + Vec3::Constant(0.5)).cwiseQuotient(fine.cast<double>());
         const Vec3 place = image.frame().to_physical(at - Vec3::Constant(0.5));

@@ -5,6 +5,7 @@
 
 #include "../src/lattice/cells.hpp"
 #include "fixtures/images.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "shapes.hpp"
@@ -48,7 +49,7 @@ double worst_outlier_mm(const LabelImage& image, const MixedMesh& mesh) {
   std::vector<Vec3> corners;
   std::vector<Cell<3>> faces;
   const Index3 size = image.frame().size;
-  for_each_index_between(Index3::Ones(), size - Index3::Ones(), [&](const Index3& voxel) {
+  for_each_place(Index3::Ones(), size - Index3::Ones(), [&](const Index3& voxel) {
     for (int axis = 0; axis < 3; ++axis) {
       if (image.at(voxel) == image.at(voxel - Index3::Unit(axis))) continue;
       const auto first = static_cast<std::uint32_t>(corners.size());
