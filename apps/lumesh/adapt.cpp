@@ -19,7 +19,6 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/metric/sources.hpp"
-#include "lumesh/parallel/loops.hpp"
 #include "lumesh/stages/adapt_stage.hpp"
 #include "lumesh/stages/metric_input.hpp"
 #include "option_adapter.hpp"
@@ -159,8 +158,8 @@ AdaptResult adapt_as_told(const AdaptCommand& command, metric::MetricField& fiel
 
 void run(AdaptCommand command) {
   const auto start = std::chrono::steady_clock::now();
-  const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   LongRun long_run(command.run);
   check_options(command);
   check_output_folders({command.output_path, command.metric_output_path, command.json_path});

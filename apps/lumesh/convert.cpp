@@ -37,7 +37,8 @@ void run(const ConvertCommand& command) {
   check_surface_output(command.surface);
   check_output_folders({command.to, command.surface});
   check_inputs_stay({command.surface}, {command.from});
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(command.from, command.unit); });
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
   if (!command.only_labels.empty()) {

@@ -16,7 +16,6 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/length_unit.hpp"
-#include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/summary.hpp"
 #include "lumesh/stages/delaunay_stage.hpp"
 #include "option_adapter.hpp"
@@ -105,8 +104,8 @@ void print_summary(const DelaunayCommand& command, const DomainRead& given, cons
 
 void run(DelaunayCommand command) {
   const auto start = std::chrono::steady_clock::now();
-  const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   LongRun long_run(command.run);
   check_options(command);
   const std::string& input_path = command.input.path;

@@ -15,7 +15,6 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
-#include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
 #include "lumesh/stages/metric_input.hpp"
 #include "option_adapter.hpp"
@@ -68,8 +67,8 @@ std::optional<metric::MetricField> sizes_of(const ImproveCommand& command, const
 
 void run(ImproveCommand command) {
   const auto start = std::chrono::steady_clock::now();
-  const parallel::ThreadLimit limit(command.run.threads);
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   LongRun long_run(command.run);
   command.options.validate();
   check_volume_output(command.output_path);

@@ -70,8 +70,7 @@ int run(lumesh::cli::Program& program, int argc, char** argv) {
   } catch (const lumesh::Error& error) {
     return report_error(message_of(error, program).c_str(), exit_code_of(error.kind()));
   } catch (const lumesh::parallel::Cancelled&) {
-    return report_error((program.reason_of_stop() + "no unfinished file is left").c_str(),
-                        exit_code_of(lumesh::ErrorKind::kTimeLimit));
+    return report_error(program.line_of_end().c_str(), exit_code_of(lumesh::ErrorKind::kTimeLimit));
   } catch (const std::bad_alloc&) {
     return report_error("out of memory; ask for a coarser mesh or crop the image",
                         exit_code_of(lumesh::ErrorKind::kMemory));

@@ -38,7 +38,7 @@ void remove_unfinished_files() {
 }
 
 [[noreturn]] void give_up(const Program& program) {
-  print_error("lumesh: error: {}no unfinished file is left\n", program.reason_of_stop());
+  print_error("lumesh: error: {}\n", program.line_of_end());
   std::fflush(stderr);
   remove_unfinished_files();
   std::_Exit(exit_code_of(ErrorKind::kTimeLimit));

@@ -19,7 +19,8 @@ struct RenameCommand {
 
 void run(const RenameCommand& command) {
   check_output_folders({command.to});
-  Context context = make_context(command.run);
+  CommandRun session(command.run);
+  Context& context = session.context;
   MixedMesh mesh = context.phase("read", [&] { return read_mesh(command.from); });
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
   const std::vector<PatchRenaming> renamings = naming(

@@ -9,7 +9,6 @@
 #include "common.hpp"
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/parallel/loops.hpp"
 #include "lumesh/pipeline/pipeline.hpp"
 
 namespace lumesh::cli {
@@ -60,10 +59,11 @@ void require_good(const CaseResult& result, const std::string& besides) {
 }
 
 void run(const RunCommand& command, const Case& c) {
-  const parallel::ThreadLimit limit(c.run.threads);
   RunOptions options = command.run;
+  options.threads = c.run.threads;
   if (c.run.time_limit_s > 0) options.time_limit_s = c.run.time_limit_s;
-  Context context = make_context(options);
+  CommandRun session(options);
+  Context& context = session.context;
   context.report_info_to([&](std::string_view line) {
     say(command.run, "{}\n", line);
     std::fflush(stdout);  // Pipes see each stage when it is done, too.
