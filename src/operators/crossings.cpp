@@ -11,6 +11,7 @@
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/adjacency.hpp"
+#include "neighbourhoods.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -147,7 +148,7 @@ class DrawingApart {
     Vec3 move = kPart * (middle_around(tets, before) - before);
     move -= normals_[v.value].dot(move) * normals_[v.value];
     mesh_.set_point(v, before + move);
-    if (!std::all_of(tets.begin(), tets.end(), [&](TetId t) { return is_positive(t); }))
+    if (!std::all_of(tets.begin(), tets.end(), [&](TetId t) { return is_positive(mesh_, t); }))
       mesh_.set_point(v, before);
   }
 
@@ -158,10 +159,6 @@ class DrawingApart {
       for (int k = 0; k < 4; ++k) sum += mesh_.corner(t, k);
     const auto count = static_cast<double>(tets.size());
     return (sum - count * own) / (3 * count);
-  }
-
-  [[nodiscard]] bool is_positive(TetId t) const {
-    return orient3d(mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2), mesh_.corner(t, 3)) > 0;
   }
 
   TetMesh& mesh_;

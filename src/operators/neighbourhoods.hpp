@@ -7,9 +7,15 @@
 #include <vector>
 
 #include "local_map.hpp"
+#include "lumesh/geometry/predicates.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh::operators {
+
+/// By the exact predicate.
+[[nodiscard]] inline bool is_positive(const TetMesh& mesh, TetId t) {
+  return orient3d(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)) > 0;
+}
 
 /// The corners of t besides i and j, ordered so that (i, j, first, second) is positively oriented.
 [[nodiscard]] std::array<int, 2> other_corners(int i, int j);

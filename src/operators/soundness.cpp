@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <vector>
 
-#include "lumesh/geometry/predicates.hpp"
+#include "lumesh/mesh/cell_faces.hpp"
 #include "neighbourhoods.hpp"
 
 namespace lumesh::operators {
 
 namespace {
-
-bool is_positive(const TetMesh& mesh, TetId t) {
-  return orient3d(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)) > 0;
-}
 
 bool has_sound_vertex(const TetMesh& mesh, TetId t, int i) {
   const VertexId v = mesh.vertex(t, i);
@@ -26,10 +22,7 @@ bool is_linked(const TetMesh& mesh, TetId t, int face) {
   if (link.is_boundary()) return true;
   const TetId other = link.tet();
   if (!mesh.alive(other) || mesh.link(other, link.face()) != FaceLink::to(t, face)) return false;
-  Cell<3> here = mesh.face_corners(t, face), there = mesh.face_corners(other, link.face());
-  std::sort(here.begin(), here.end());
-  std::sort(there.begin(), there.end());
-  return here == there;
+  return sorted_corners(mesh.face_corners(t, face)) == sorted_corners(mesh.face_corners(other, link.face()));
 }
 
 }  // namespace
