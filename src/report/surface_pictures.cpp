@@ -126,11 +126,7 @@ Picture draw_tubes(const Camera& camera, const Polylines& lines, const LinesOpti
 }
 
 std::string line_name(const Polylines& lines, std::size_t line) {
-  double length_mm = 0;
-  const std::vector<std::uint32_t>& points = lines.lines[line];
-  for (std::size_t i = 1; i < points.size(); ++i)
-    length_mm += (lines.points[points[i]] - lines.points[points[i - 1]]).norm();
-  return fmt::format("branch {}, {:.0f} mm", line + 1, length_mm);
+  return fmt::format("branch {}, {:.0f} mm", line + 1, length_mm(lines, lines.lines[line]));
 }
 
 /// Volume inside the boundary triangles of the view that face the outside; interfaces are left out.

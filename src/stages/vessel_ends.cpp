@@ -27,12 +27,9 @@ Polylines lines_in(const LabelImage& image, const Context& context) {
 /// A vessel is a good deal longer than wide.
 bool is_vessel(const Polylines& lines, const std::vector<std::uint32_t>& line) {
   constexpr double kRadii = 2;
-  double length_mm = 0, radius_mm = 0;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    radius_mm = std::max(radius_mm, lines.scalars.at("radius")[line[i]]);
-    if (i > 0) length_mm += (lines.points[line[i]] - lines.points[line[i - 1]]).norm();
-  }
-  return length_mm > kRadii * radius_mm;
+  double radius_mm = 0;
+  for (const std::uint32_t p : line) radius_mm = std::max(radius_mm, lines.scalars.at("radius")[p]);
+  return length_mm(lines, line) > kRadii * radius_mm;
 }
 
 /// Whether a branch leaves another line there.
@@ -67,14 +64,6 @@ bool is_at_opening(const Vec3& place, double radius_mm, const Opening& opening) 
 }
 
 }  // namespace
-
-double length_mm(const Polylines& lines) {
-  double length_mm = 0;
-  for (const std::vector<std::uint32_t>& line : lines.lines)
-    for (std::size_t i = 1; i < line.size(); ++i)
-      length_mm += (lines.points[line[i]] - lines.points[line[i - 1]]).norm();
-  return length_mm;
-}
 
 std::vector<std::vector<std::uint32_t>> lines_from_ends(const Polylines& lines) {
   std::vector<std::vector<std::uint32_t>> from_ends;

@@ -22,9 +22,6 @@ struct VesselEnd {
   std::string refusal = {};           ///< Why it cannot be, if it was tried.
 };
 
-/// Length of all lines together.
-[[nodiscard]] double length_mm(const Polylines& lines);
-
 /// Points of each line of a vessel from its end on, for each end that is on no other line.
 /// @param lines  With the scalar "radius" in mm.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> lines_from_ends(const Polylines& lines);
