@@ -43,9 +43,8 @@ void check_domain_options(const CLI::App& command, DomainInput& input) {
 void add_opening_options(CLI::App& command, OpeningOptions& options) {
   add_name_option(command, options.names);
   command.add_flag("--strict", options.is_strict,
-                   "Exit with 3, after the mesh was written, if there is no opening, or one is missing or "
-                   "its area is more "
-                   "than 5 % off");
+                   "Exit with 3, after the mesh was written, if there is no opening, or one is missing, in "
+                   "parts or more than 5 % off in area");
 }
 
 std::vector<PatchRenaming> renamings_for(const OpeningOptions& options, std::span<const Opening> openings) {
@@ -60,12 +59,12 @@ void require_openings(const OpeningOptions& options, const std::string& path,
   if (options.is_strict && openings.openings.empty())
     throw Error(ErrorKind::kNotReached,
                 path + ": has no opening; --cut-at makes one (lumesh info lists where vessels end)");
-  const std::vector<std::string> doubts = doubts_about(openings);
-  if (options.is_strict && !doubts.empty())
+  const std::vector<std::string> faults = faults_of(openings);
+  if (options.is_strict && !faults.empty())
     throw Error(
         ErrorKind::kNotReached,
-        fmt::format("{}: {}{}", path, doubts.front(),
-                    doubts.size() > 1 ? fmt::format("; {} openings are wrong in all", doubts.size()) : ""));
+        fmt::format("{}: {}{}", path, faults.front(),
+                    faults.size() > 1 ? fmt::format("; {} openings are wrong in all", faults.size()) : ""));
 }
 
 OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain,

@@ -1,6 +1,7 @@
 #pragma once
 // Names of openings, and which of them are rims of walls.
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -16,6 +17,10 @@ void mark_rims(std::span<Opening> openings);
 
 /// "inlet_1" for the first, "outlet_1", … for the others.
 [[nodiscard]] std::string opening_name(std::size_t number);
+
+[[nodiscard]] inline bool has_label(std::span<const Opening> openings, Label label) {
+  return std::any_of(openings.begin(), openings.end(), [&](const Opening& o) { return o.label == label; });
+}
 
 /// Sets the names of all openings, in their order.
 void name_openings(const PatchNaming& naming, std::span<Opening> openings);

@@ -260,39 +260,6 @@ class PlaneOpenings {
   Vec3 u_, v_;
 };
 
-bool has_label(std::span<const Opening> openings, Label label) {
-  return std::any_of(openings.begin(), openings.end(), [&](const Opening& o) { return o.label == label; });
-}
-
-/// What one patch of openings is in a mesh.
-struct OpeningPatch {
-  double area_mm2 = 0;
-  Vec3 area_normal = Vec3::Zero();
-  std::vector<Vec3> centres_mm;  // Of its triangles.
-  static constexpr double kFlat = 0.99;
-
-  [[nodiscard]] bool is_flat() const { return area_normal.norm() > kFlat * area_mm2; }
-  void add(const Vec3& a, const Vec3& b, const Vec3& c) {
-    const Vec3 normal = 0.5 * triangle_area_normal(a, b, c);
-    area_mm2 += normal.norm();
-    area_normal += normal;
-    centres_mm.push_back((a + b + c) / 3);
-  }
-};
-
-std::vector<OpeningPatch> opening_patches(const MeshView& mesh) {
-  std::vector<OpeningPatch> patches(mesh.info->patches.size());
-  const auto patch_at = [&](std::int32_t p) -> OpeningPatch* {
-    const auto at = static_cast<std::size_t>(p);
-    return at < patches.size() && is_plane(mesh.info->patches[at].kind) ? &patches[at] : nullptr;
-  };
-  for_each_patch_triangle(mesh, [&](const Cell<3>& t, std::int32_t p) {
-    if (OpeningPatch* patch = patch_at(p))
-      patch->add(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
-  });
-  return patches;
-}
-
 }  // namespace
 
 std::vector<Opening> find_openings(const Domain& domain) {
@@ -315,6 +282,35 @@ std::vector<Opening> find_openings(const Domain& domain) {
                    [](const Opening& a, const Opening& b) { return a.area_mm2 > b.area_mm2; });
   name_openings(PatchNaming(domain.label_names()), all);
   return all;
+}
+
+std::size_t OpeningSquares::holes(double min_area_mm2) const {
+  const auto wide = static_cast<std::size_t>(columns) + 2, high = static_cast<std::size_t>(rows) + 2;
+  std::vector<std::uint8_t> is_seen(wide * high, 0);
+  std::vector<std::size_t> open;
+  // Squares outside of the grid belong to the first piece, which is no hole.
+  const auto piece_from = [&](std::size_t start) {
+    std::size_t size = 0;
+    open.push_back(start);
+    while (!open.empty()) {
+      const std::size_t at = open.back(), column = at % wide, row = at / wide;
+      open.pop_back();
+      if (is_seen[at] != 0 || hold(static_cast<int>(column) - 1, static_cast<int>(row) - 1)) continue;
+      is_seen[at] = 1;
+      ++size;
+      if (column > 0) open.push_back(at - 1);
+      if (column + 1 < wide) open.push_back(at + 1);
+      if (row > 0) open.push_back(at - wide);
+      if (row + 1 < high) open.push_back(at + wide);
+    }
+    return size;
+  };
+  std::size_t count = 0;
+  for (std::size_t start = 0; start < is_seen.size(); ++start)
+    if (const std::size_t size = piece_from(start);
+        start > 0 && static_cast<double>(size) * step_mm * step_mm > min_area_mm2)
+      ++count;
+  return count;
 }
 
 /// Cauchy and Crofton: a curve crosses the lines of a grid 4 / pi times per step of its length, on average.
@@ -375,50 +371,6 @@ std::size_t opening_of_places(std::span<const Opening> openings, Label label, st
     smallest_mm = off_mm;
   }
   return best;
-}
-
-OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening> openings) {
-  OpeningsCompared result;
-  for (const Opening& opening : openings) result.openings.push_back({opening, "", 0});
-  const std::vector<OpeningPatch> patches = opening_patches(mesh);
-  for (std::size_t p = 0; p < patches.size(); ++p) {
-    if (!(patches[p].area_mm2 > 0)) continue;
-    const Patch& patch = mesh.info->patches[p];
-    const bool is_opening = patch.kind == PatchKind::kOpening;
-    if (!is_opening && !patches[p].is_flat()) continue;  // What users call symmetry need not be a plane.
-    const std::size_t at = opening_of_places(openings, patch.labels[0], patches[p].centres_mm,
-                                             patches[p].area_normal.normalized());
-    if (at < openings.size()) {
-      OpeningInMesh& found = result.openings[at];
-      found.patches += (found.patches.empty() ? "" : " + ") + patch.name;
-      found.mesh_area_mm2 += patches[p].area_mm2;
-    } else if (!is_opening) {
-      continue;
-    } else if (openings.empty() || (!openings[0].is_of_surface && has_label(openings, patch.labels[0]))) {
-      result.others.push_back(
-          patch.name);  // What grows on the object, as layers do, has openings of its own.
-    }
-  }
-  return result;
-}
-
-std::vector<std::string> doubts_about(const OpeningsCompared& compared) {
-  std::vector<std::string> lines;
-  for (const OpeningInMesh& o : compared.openings) {
-    const Vec3& p = o.opening.centre_mm;
-    if (o.patches.empty())
-      lines.push_back(
-          fmt::format("{}, an opening of {:.4g} mm² at ({:.1f}, {:.1f}, {:.1f}) mm, is missing in the mesh",
-                      o.opening.name, o.opening.area_mm2, p.x(), p.y(), p.z()));
-    else if (is_wrong(o))
-      lines.push_back(fmt::format(
-          "{} has {:.4g} mm², {:.1f} % {} than the input's {:.4g} mm² at ({:.1f}, {:.1f}, {:.1f}) mm",
-          o.patches, o.mesh_area_mm2, std::abs(o.change_percent()), o.change_percent() < 0 ? "less" : "more",
-          o.opening.area_mm2, p.x(), p.y(), p.z()));
-  }
-  for (const std::string& name : compared.others)
-    lines.push_back(name + " is no opening of the image: take it for a piece of wall");
-  return lines;
 }
 
 }  // namespace lumesh

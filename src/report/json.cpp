@@ -177,6 +177,9 @@ Json to_json(const OpeningsCompared& compared) {
                     {"radius_mm", o.opening.radius_mm()},
                     {"centre_mm", point(o.opening.centre_mm)},
                     {"normal", point(o.opening.normal)},
+                    {"parts", o.shape.parts},
+                    {"edges_around", o.shape.edges},
+                    {"off_plane_mm", o.shape.off_mm},
                     {"wrong", is_wrong(o)}});
   for (const std::string& name : compared.others)
     json.push_back({{"patches", name}, {"image_area_mm2", nullptr}, {"wrong", true}});

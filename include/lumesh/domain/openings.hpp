@@ -47,6 +47,8 @@ struct OpeningSquares {
   [[nodiscard]] Vec3 centre_of(int column, int row) const {
     return first_mm + step_mm * (column * u + row * v);
   }
+  /// Number of holes of at least this area.
+  [[nodiscard]] std::size_t holes(double min_area_mm2) const;
 };
 
 /// A connected part of one label's section in one cut plane (a border of the image, or one that was asked
@@ -103,11 +105,21 @@ struct RimPlace {
 [[nodiscard]] std::size_t opening_of_places(std::span<const Opening> openings, Label label,
                                             std::span<const Vec3> places_mm, const Vec3& normal);
 
+/// What the triangles of an opening make in a mesh.
+struct OpeningShape {
+  std::size_t parts = 0;          ///< Connected over edges.
+  std::size_t rims = 0;           ///< Closed loops of edges: one, and one for each hole.
+  std::size_t edges = 0;          ///< Of the rim that has the fewest.
+  double off_mm = 0;              ///< Largest distance of a vertex from the plane …
+  Vec3 off_at_mm = Vec3::Zero();  ///< … and the place of that vertex.
+};
+
 /// An opening in image and mesh.
 struct OpeningInMesh {
   Opening opening;
   std::string patches;  ///< Names, joined by " + "; empty if the mesh does not have it.
   double mesh_area_mm2 = 0;
+  OpeningShape shape;
 
   [[nodiscard]] double change_percent() const { return 100 * (mesh_area_mm2 / opening.area_mm2 - 1); }
 };
@@ -124,10 +136,16 @@ struct OpeningsCompared {
 inline constexpr double kWrongOpeningPercent = 5;
 
 [[nodiscard]] inline bool is_wrong(const OpeningInMesh& opening) {
-  return opening.patches.empty() || std::abs(opening.change_percent()) > kWrongOpeningPercent;
+  return opening.patches.empty() || opening.shape.parts > 1 ||
+         std::abs(opening.change_percent()) > kWrongOpeningPercent;
 }
 
-/// A line for each opening that is missing or whose area is wrong, and for the others.
+/// A line for each opening that is wrong, with its place, and for the others.
+[[nodiscard]] std::vector<std::string> faults_of(const OpeningsCompared& compared);
+
+/// Those, and a line for each opening that is less good than it should be: an area that is off by more than
+/// 2 % (5 % below two voxels in radius), a vertex off the plane by more than a thousandth of a voxel, fewer
+/// than eight edges around, more or fewer rims than the image's opening has.
 [[nodiscard]] std::vector<std::string> doubts_about(const OpeningsCompared& compared);
 
 }  // namespace lumesh

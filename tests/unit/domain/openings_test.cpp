@@ -168,6 +168,65 @@ TEST(CompareOpenings, SaysWhatIsMissingWrongOrNone) {
   EXPECT_EQ(doubts_about(none).size(), 3U);
 }
 
+/// Squares of 1 mm that hold 0 < x, y < 8 mm at z = 0, without 3 < x, y < 5 mm.
+Opening square_with_hole() {
+  OpeningSquares squares{
+      Vec3(0.5, 0.5, 0), Vec3::UnitX(), Vec3::UnitY(), 1, 8, 8, std::vector<std::uint8_t>(64, 1)};
+  for (const int column : {3, 4})
+    for (const int row : {3, 4}) squares.is_inside[squares.square(column, row)] = 0;
+  Opening opening{1, 60, Vec3(4, 4, 0), Vec3::UnitZ(), Box3(Vec3(0, 0, 0), Vec3(8, 8, 0))};
+  opening.squares = std::make_shared<const OpeningSquares>(std::move(squares));
+  opening.name = "inlet_1";
+  return opening;
+}
+
+/// Triangles of 1 mm of the plane where `holds` says so of a square's column and row.
+template <class Holds>
+MixedMesh plate(const Holds& holds) {
+  MixedMesh mesh;
+  for (int y = 0; y <= 8; ++y)
+    for (int x = 0; x <= 8; ++x) mesh.points.emplace_back(x, y, 0);
+  for (std::uint32_t y = 0; y < 8; ++y)
+    for (std::uint32_t x = 0; x < 8; ++x) {
+      if (!holds(static_cast<int>(x), static_cast<int>(y))) continue;
+      const std::uint32_t v = x + 9 * y;
+      mesh.triangles.insert(mesh.triangles.end(), {{v, v + 1, v + 10}, {v, v + 10, v + 9}});
+    }
+  mesh.triangle_patches.assign(mesh.triangles.size(), 0);
+  mesh.info.patches = {{"inlet_1", PatchKind::kOpening, {1, kBackground}}};
+  return mesh;
+}
+
+TEST(CompareOpenings, TellsPartsRimsAndWhatIsNotFlat) {
+  const std::vector<Opening> openings = {square_with_hole()};
+  EXPECT_EQ(openings[0].squares->holes(0), 1U);
+  EXPECT_EQ(openings[0].squares->holes(4), 0U);
+  const auto is_hole = [](int x, int y) { return (x == 3 || x == 4) && (y == 3 || y == 4); };
+  MixedMesh mesh = plate([&](int x, int y) { return !is_hole(x, y); });
+  const OpeningsCompared good = compare_openings(mesh.view(), openings);
+  EXPECT_TRUE(doubts_about(good).empty());
+  EXPECT_EQ(good.openings[0].shape.rims, 2U);
+  EXPECT_EQ(good.openings[0].shape.edges, 8U);
+  mesh.points[0].z() = 0.002;
+  const OpeningsCompared bent = compare_openings(mesh.view(), openings);
+  EXPECT_FALSE(is_wrong(bent.openings[0]));
+  EXPECT_EQ(doubts_about(bent),
+            std::vector<std::string>{"inlet_1 is not flat: (0.0, 0.0, 0.0) mm is 0.002 mm off its plane"});
+  // Two squares beside the hole are missing: 3.3 % less.
+  const OpeningsCompared torn =
+      compare_openings(plate([&](int x, int y) {
+                         return !is_hole(x, y) && !(x == 4 && y == 2) && !(x == 3 && y == 5);
+                       }).view(),
+                       openings);
+  EXPECT_EQ(faults_of(torn).size(), 0U);
+  EXPECT_EQ(doubts_about(torn).size(), 1U);
+  const OpeningsCompared halves =
+      compare_openings(plate([&](int x, int y) { return x != 4 && !is_hole(x, y); }).view(), openings);
+  ASSERT_EQ(faults_of(halves).size(), 1U);
+  EXPECT_EQ(faults_of(halves)[0],
+            "inlet_1 has 54 mm², 10.0 % less than the input's 60 mm² at (4.0, 4.0, 0.0) mm, in 2 parts");
+}
+
 TEST(CompareOpenings, WallsThatAreCalledSymmetryAreNone) {
   const std::vector<Opening> openings = {
       {1, 100, Vec3(10, 10, 23.5), Vec3::UnitZ(), Box3(Vec3(4, 4, 23.5), Vec3(16, 16, 23.5))}};
