@@ -83,9 +83,9 @@ TetMesh hull_around(Box3 box, std::span<const Vec3> outer) {
   return operators::triangulation_around(box.center(), 0.5 * box.diagonal().norm());
 }
 
-/// The sizes that are asked for, but no faster growth from the boundary than shapes can follow: with a much
-/// larger size inside nothing would be there for small parts to be found by, nor for angles to become good
-/// on.
+/// The sizes that are asked for, but no faster growth from the boundary than shapes can follow: with a larger
+/// size right behind the boundary nothing would be there for small parts to be found by, nor for angles to
+/// become good on, and the rules would fill in more points than the growth needs.
 class GradedSizing final : public Sizing {
  public:
   GradedSizing(const Domain& domain, double edge_mm, const Sizing* asked)
@@ -106,11 +106,11 @@ class GradedSizing final : public Sizing {
   const Sizing* asked_;
 };
 
-/// None unless the size inside is much larger than the edges of surfaces.
+/// None unless the size inside is larger than the edges of surfaces.
 std::unique_ptr<Sizing> graded_sizing(const Domain& domain, const DelaunayOptions& options) {
-  constexpr double kMuchLarger = 5;
+  constexpr double kLarger = 1.2;  // The lattice reaches the boundary with larger cells no more.
   const double edge_mm = delaunay::kEdgePerSpacing * delaunay_delta_mm(options, domain);
-  if (options.size_mm <= kMuchLarger * edge_mm || domain.bounds_mm().isEmpty()) return nullptr;
+  if (options.size_mm <= kLarger * edge_mm || domain.bounds_mm().isEmpty()) return nullptr;
   return std::make_unique<GradedSizing>(domain, edge_mm, options.sizing);
 }
 

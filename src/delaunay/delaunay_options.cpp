@@ -18,9 +18,8 @@ void DelaunayOptions::describe(OptionList& list) {
       .in("mm")
       .zero("edge_length / 1.3");
   list.number("size", size_mm, above(0),
-              "Largest wanted edge length inside (R5). Where it is more than five times the edges of "
-              "surfaces, sizes "
-              "grow from these by 0.6 mm for each mm inwards")
+              "Largest wanted edge length inside (R5). Where it is more than 1.2 times the edges of "
+              "surfaces, sizes grow from these by 0.6 mm for each mm inwards")
       .in("mm")
       .zero("1.3 delta");
   list.number("surface_distance", surface_distance_mm, above(0),

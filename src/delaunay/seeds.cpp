@@ -44,8 +44,11 @@ class LatticeDescent {
  public:
   explicit LatticeDescent(const Spacing& spacing)
       : spacing_(spacing), domain_(spacing.domain()), reach_mm_(domain_.clearance_limit_mm()) {
-    root_mm_ = kConstantPerSize * spacing.size_mm();
-    while (root_mm_ < 8 * domain_.resolution_mm()) root_mm_ *= 2;
+    // Halved, it comes down to the edges of surfaces, and what grows from there is not cut finer than wanted.
+    const double edge_mm = kEdgePerSpacing * spacing.delta_mm();
+    root_mm_ =
+        kConstantPerSize * (spacing.is_constant() ? spacing.size_mm() : std::min(spacing.size_mm(), edge_mm));
+    while (root_mm_ < std::max(8 * domain_.resolution_mm(), spacing.size_mm() / 2)) root_mm_ *= 2;
     // Off the grid of voxels, on which boundaries like to lie.
     origin_ = box_.min() - root_mm_ * Vec3(1.8143, 1.7571, 1.7877);
     for (int axis = 0; axis < 3; ++axis)

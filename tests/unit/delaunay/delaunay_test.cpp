@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
@@ -245,6 +246,18 @@ TEST(DelaunayMesh, AMuchLargerSizeInsideLosesNoPart) {
     ASSERT_EQ(shapes.size(), 1U) << size_mm;
     EXPECT_EQ(shapes[0].components, 2U) << size_mm;
     EXPECT_NEAR(volumes_of(mesh)[1] / volume, 1, 0.01) << size_mm;
+  }
+}
+
+/// Sizes grow from the boundary by steps of two, wherever between these the size inside stands.
+TEST(DelaunayMesh, ALargerSizeInsideMakesNoMoreTetrahedra) {
+  const LabelImage image = ball(20);
+  constexpr double kSpread = 1.05;
+  std::size_t before = std::numeric_limits<std::size_t>::max();
+  for (const double size_mm : {1.3, 2.0, 2.9, 5.0, 7.0, 9.0, 13.0, 20.0, 33.0, 60.0, 500.0}) {
+    const std::size_t count = meshed(image, {.delta_mm = 1, .size_mm = size_mm}).mesh.tet_count();
+    EXPECT_LT(static_cast<double>(count), kSpread * static_cast<double>(before)) << size_mm;
+    before = count;
   }
 }
 

@@ -158,7 +158,8 @@ TEST(CaseReportHtml, TellsTheKindsOfOpenings) {
                {.name = "half", .kind = PatchKind::kSymmetry},
                {.name = "vessel", .kind = PatchKind::kWall}};
   e.openings.emplace();
-  for (const char* name : {"left", "left + right", "half", ""}) e.openings->openings.push_back({{}, name, 1, {}});
+  for (const char* name : {"left", "left + right", "half", ""})
+    e.openings->openings.push_back({{}, name, 1, {}});
   const std::string page = case_report_html(report);
   for (const char* row :
        {"<td>left</td><td>inlet</td>", "<td>left + right</td><td>inlet, outlet</td>",
