@@ -75,7 +75,7 @@ def case1():
         Method("case1_podm", "PODM (no vol. adaptivity)", 1, ("delaunay case1.nrrd --delta 1.2 --size 1000 -o podm.vtu",), "podm.vtu",
                Paper(599e3, 131e3, minutes(n1=0.35, n10=0.05, n20=0.04), (4.71, 170.15), 2.42), image="case1.nrrd", figure="angles"),
         Method("case1_podm_sizes", "PODM (w/ vol. adaptivity)", 1,
-               ("delaunay case1.nrrd --delta 1.2 --size-points line.vtp --adapt-const 2 -o podm_sizes.vtu",), "podm_sizes.vtu",
+               ("delaunay case1.nrrd --delta 1.2 --size 1000 --size-points line.vtp --adapt-const 2 -o podm_sizes.vtu",), "podm_sizes.vtu",
                Paper(644e3, 141e3, minutes(n1=1.1, n10=0.15, n20=0.1), (4.65, 170.14), 2.42), image="case1.nrrd", figure="angles"),
         Method("case1_aflr", "AFLR (bl)", 1, paper=Paper(912e3, 183e3, minutes(n1=0.43), (1.48, 176.69)), figure="angles",
                **layers_of("case1.vtu", 1.2, "case1_layers")),
@@ -129,7 +129,7 @@ def large(part):
     """Groups of one each; {delta} is found by trials, see paper.py."""
     one, two = (round(complexity * part) for complexity in LARGE_COMPLEXITY)
     return [
-        Method("large_podm", "PODM (no adaptivity)", 1, ("delaunay case1.nrrd --delta {delta} --size 1000 -o large_podm.meshb",),
+        Method("large_podm", "PODM (no adaptivity)", 1, ("delaunay case1.nrrd --delta {delta} -o large_podm.meshb",),
                "large_podm.meshb", Paper(48.2e6, 8.6e6, minutes(n1=9.6, n2=4.8, n4=2.4, n8=1.3, n16=0.7, n32=0.4, n64=0.3, n96=0.2),
                                          (4.35, 170.29)), "podm", figure="angles"),
         Method("large_podm_sizes", "PODM (w/ adaptivity)", 1,
