@@ -45,10 +45,11 @@ class LatticeDescent {
   explicit LatticeDescent(const Spacing& spacing)
       : spacing_(spacing), domain_(spacing.domain()), reach_mm_(domain_.clearance_limit_mm()) {
     // Halved, it comes down to the edges of surfaces, and what grows from there is not cut finer than wanted.
-    const double edge_mm = kEdgePerSpacing * spacing.delta_mm();
-    root_mm_ =
-        kConstantPerSize * (spacing.is_constant() ? spacing.size_mm() : std::min(spacing.size_mm(), edge_mm));
-    while (root_mm_ < std::max(8 * domain_.resolution_mm(), spacing.size_mm() / 2)) root_mm_ *= 2;
+    const double size_mm = spacing.size_mm(), edge_mm = kEdgePerSpacing * spacing.delta_mm();
+    root_mm_ = kConstantPerSize * (spacing.is_constant() ? size_mm : std::min(size_mm, edge_mm));
+    const double least_mm =
+        std::max(8 * domain_.resolution_mm(), std::min(size_mm / 2, box_.diagonal().norm()));
+    while (root_mm_ < least_mm) root_mm_ *= 2;
     // Off the grid of voxels, on which boundaries like to lie.
     origin_ = box_.min() - root_mm_ * Vec3(1.8143, 1.7571, 1.7877);
     for (int axis = 0; axis < 3; ++axis)

@@ -239,7 +239,7 @@ TEST(DelaunayMesh, AMuchLargerSizeInsideLosesNoPart) {
     return (p - Vec3(17.3, 18.6, 18.2)).norm() < 15 || (p - Vec3(45.2, 26.3, 9.4)).norm() < 5.3 ? 1 : 0;
   });
   const double volume = static_cast<double>(std::count(image.voxels().begin(), image.voxels().end(), 1));
-  for (const double size_mm : {9.0, 20.0, 60.0, 500.0}) {
+  for (const double size_mm : {9.0, 20.0, 60.0, 500.0, 1e300}) {
     const TetMesh mesh = meshed(image, {.delta_mm = 1, .size_mm = size_mm}).mesh;
     expect_valid(mesh);
     const std::vector<LabelShape> shapes = label_shapes(mesh);
