@@ -13,7 +13,7 @@ inline Index3 bricks_along_axes(const LabelImage& image) {
   return (image.frame().size + Index3::Constant(kBrickVoxels - 1)) / kBrickVoxels;
 }
 inline std::size_t brick_count(const LabelImage& image) {
-  return static_cast<std::size_t>(bricks_along_axes(image).prod());
+  return grid_count(bricks_along_axes(image));
 }
 
 /// Calls body(voxel) for every voxel of a brick, x fastest, if the field has a boundary near it.
@@ -21,9 +21,7 @@ template <class Body>
 void for_each_voxel_near_boundary(const LabelImage& image, const LabelField& field, std::size_t brick,
                                   const Body& body) {
   const Index3 bricks = bricks_along_axes(image);
-  const auto n = static_cast<int>(brick);
-  const Index3 low =
-      kBrickVoxels * Index3(n % bricks.x(), n / bricks.x() % bricks.y(), n / (bricks.x() * bricks.y()));
+  const Index3 low = kBrickVoxels * grid_place(bricks, brick);
   const Index3 end = (low + Index3::Constant(kBrickVoxels)).cwiseMin(image.frame().size);
   if (!field.near_boundary(low.cast<double>(), (end - Index3::Ones()).cast<double>())) return;
   for_each_place(low, end - Index3::Ones(), body);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/image/crossings.hpp"
@@ -42,13 +43,7 @@ class GivenSurface {
     std::vector<float> depths(image.voxels().size());
     const Index3 blocks = (image.frame().size.array() + kBlock - 1) / kBlock;
     parallel::for_each_index(
-        static_cast<std::size_t>(blocks.prod()),
-        [&](std::size_t b) {
-          const auto n = static_cast<int>(b);
-          fill_block(
-              kBlock * Index3(n % blocks.x(), n / blocks.x() % blocks.y(), n / blocks.x() / blocks.y()),
-              image, depths);
-        },
+        grid_count(blocks), [&](std::size_t b) { fill_block(kBlock * grid_place(blocks, b), image, depths); },
         1);
     parallel::for_each_index(depths.size(),
                              [&](std::size_t i) { image.voxels()[i] = depths[i] > 0 ? 1 : 0; });
