@@ -75,7 +75,7 @@ std::string first_line(const char* text, std::size_t room) {
   return line.substr(0, line.find_first_of("\r\n"));
 }
 
-std::string place_text(const Vec3& point) {
+std::string point_text(const Vec3& point) {
   return fmt::format("({:g}, {:g}, {:g})", point.x(), point.y(), point.z());
 }
 
@@ -236,10 +236,10 @@ std::vector<std::string> PluginSizing::warnings() const {
   const std::uint64_t calls = counts_.total(kCalls);
   if (const auto point = first_bad_.get())
     lines.push_back(fmt::format("{}: {} of {} answers were NaN or not positive and were ignored; first at {}",
-                                name, counts_.total(kBadAnswers), calls, place_text(*point)));
+                                name, counts_.total(kBadAnswers), calls, point_text(*point)));
   if (const auto thrown = first_thrown_.get())
     lines.push_back(fmt::format("{}: {} of {} calls threw exceptions and were ignored; first at {}: {}", name,
-                                counts_.total(kExceptions), calls, place_text(thrown->point),
+                                counts_.total(kExceptions), calls, point_text(thrown->point),
                                 first_line(thrown->text.data(), thrown->text.size())));
   const std::uint64_t timed = counts_.total(kTimedCalls);
   const double mean =

@@ -9,6 +9,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -186,11 +187,10 @@ class ExtensionPlanner {
       const double asked_mm = plan_.lengths_mm[g];
       double length_mm = std::min(asked_mm, hits[g]->along_mm - clearance_mm(g));
       if (length_mm < std::max(least_length_mm(g), 2 * voxel_mm_)) length_mm = 0;
-      const Vec3& p = hits[g]->place_mm;
       note(g,
            fmt::format("is extended by {:.4g} mm, not {:.4g} mm: another vessel or extension is in the way "
-                       "at ({:.1f}, {:.1f}, {:.1f}) mm; cut the vessel further inside with `cut_at`",
-                       length_mm, asked_mm, p.x(), p.y(), p.z()));
+                       "at {}; cut the vessel further inside with `cut_at`",
+                       length_mm, asked_mm, place_text(hits[g]->place_mm)));
       plan_.lengths_mm[g] = length_mm;
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
@@ -76,26 +77,22 @@ OpeningShape shape_of(TriangleMesh surface, const Opening& opening) {
   return shape;
 }
 
-std::string text_of(const Vec3& place_mm) {
-  return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", place_mm.x(), place_mm.y(), place_mm.z());
-}
-
 std::string text_of_area(const OpeningInMesh& o) {
   return fmt::format("{} has {:.4g} mm², {:.1f} % {} than the input's {:.4g} mm² at {}", o.patches,
                      o.mesh_area_mm2, std::abs(o.change_percent()), o.change_percent() < 0 ? "less" : "more",
-                     o.opening.area_mm2, text_of(o.opening.centre_mm));
+                     o.opening.area_mm2, place_text(o.opening.centre_mm));
 }
 
 /// Of one that is_wrong().
 std::string wrong_of(const OpeningInMesh& o) {
   if (o.patches.empty())
     return fmt::format("{}, an opening of {:.4g} mm² at {}, is missing in the mesh", o.opening.name,
-                       o.opening.area_mm2, text_of(o.opening.centre_mm));
+                       o.opening.area_mm2, place_text(o.opening.centre_mm));
   const bool is_off = std::abs(o.change_percent()) > kWrongOpeningPercent;
   if (o.shape.parts > 1)
     return fmt::format("{}in {} parts",
                        is_off ? text_of_area(o) + ", "
-                              : fmt::format("{} at {} is ", o.patches, text_of(o.opening.centre_mm)),
+                              : fmt::format("{} at {} is ", o.patches, place_text(o.opening.centre_mm)),
                        o.shape.parts);
   return text_of_area(o);
 }
@@ -113,15 +110,15 @@ std::vector<std::string> flaws_of(const OpeningInMesh& o) {
   if (!opening.squares) return lines;  // Ends of surfaces are as flat and as round as these are.
   if (o.shape.off_mm > kOff * opening.voxel_mm)
     lines.push_back(fmt::format("{} is not flat: {} is {:.2g} mm off its plane", o.patches,
-                                text_of(o.shape.off_at_mm), o.shape.off_mm));
+                                place_text(o.shape.off_at_mm), o.shape.off_mm));
   const double voxel_mm2 = opening.voxel_mm * opening.voxel_mm;
   const std::size_t most = 1 + opening.squares->holes(0), least = 1 + opening.squares->holes(voxel_mm2);
   if (o.shape.parts == 1 && (o.shape.rims < least || o.shape.rims > most))
-    lines.push_back(fmt::format("{} at {} has {} rims, not {}", o.patches, text_of(opening.centre_mm),
+    lines.push_back(fmt::format("{} at {} has {} rims, not {}", o.patches, place_text(opening.centre_mm),
                                 o.shape.rims, least));
   if (o.shape.edges < kLeastEdges)
     lines.push_back(fmt::format("{} at {} has {} edges around; a smaller `edge_length` makes more", o.patches,
-                                text_of(opening.centre_mm), o.shape.edges));
+                                place_text(opening.centre_mm), o.shape.edges));
   return lines;
 }
 

@@ -9,6 +9,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/grid.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/cut_plane.hpp"
 
 namespace lumesh {
@@ -38,7 +39,7 @@ class VesselCut {
       std::swap(above, below);
     }
     if (above.empty())
-      throw Error(ErrorKind::kBadInput, place_text() + " ends there: nothing would be cut off");
+      throw Error(ErrorKind::kBadInput, vessel_text() + " ends there: nothing would be cut off");
     bound(above.front());
     remove(above);
     return {plane_, section_mm2()};
@@ -55,10 +56,7 @@ class VesselCut {
   [[nodiscard]] bool is_in_plane(const Index3& v) const { return std::abs(height_of(v)) <= 0.5 * layer_mm_; }
   [[nodiscard]] Side side_of(const Index3& v) const { return height_of(v) > 0 ? Side::kAbove : Side::kBelow; }
   [[nodiscard]] Side& part(const Index3& v) { return part_[frame_.offset(v)]; }
-  [[nodiscard]] std::string place_text() const {
-    const Vec3& p = plane_.point_mm;
-    return fmt::format("the vessel at ({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z());
-  }
+  [[nodiscard]] std::string vessel_text() const { return "the vessel at " + place_text(plane_.point_mm); }
 
   template <class Visit>
   void for_each_neighbour(const Index3& at, const Visit& visit) const {
@@ -79,7 +77,7 @@ class VesselCut {
       first = v;
       nearest_mm = off_mm;
     });
-    if (!first) throw Error(ErrorKind::kBadInput, place_text() + " is none: all is background there");
+    if (!first) throw Error(ErrorKind::kBadInput, vessel_text() + " is none: all is background there");
     const auto add = [&](const Index3& v) {
       is_in_section_[frame_.offset(v)] = true;
       section_.push_back(v);
@@ -109,13 +107,13 @@ class VesselCut {
           fmt::format(
               "{} has a section of {:.3g} mm² across its axis, {:.1f} times that of its radius there, "
               "{:.3g} mm: it forks or bulges; cut elsewhere, or give a plane with `cut_plane`",
-              place_text(), area, area / of_vessel, radius_mm));
+              vessel_text(), area, area / of_vessel, radius_mm));
     const Index3 last = frame_.size - Index3::Ones();
     for (const Index3& v : section_)
       if ((v.array() == 0).any() || (v.array() == last.array()).any())
         throw Error(
             ErrorKind::kBadInput,
-            place_text() + " leaves the image within the section across its axis; cut further inside");
+            vessel_text() + " leaves the image within the section across its axis; cut further inside");
   }
 
   /// Voxels of the section and beside it.
@@ -143,7 +141,7 @@ class VesselCut {
         if (part(v) != Side::kNone)
           throw Error(
               ErrorKind::kBadInput,
-              place_text() +
+              vessel_text() +
                   " is part of a loop, which a cut there leaves in one piece; give a plane that cuts both "
                   "arms with `cut_plane`");
         part(v) = side;
@@ -173,7 +171,7 @@ class VesselCut {
     if (plane_.depth_mm < min_depth_mm)
       throw Error(ErrorKind::kBadInput,
                   fmt::format("{} has another one beside it, less than {:.2g} mm away; cut elsewhere",
-                              place_text(), (kBeside + kMargin) * voxel_mm_));
+                              vessel_text(), (kBeside + kMargin) * voxel_mm_));
   }
 
   void remove(const std::vector<Index3>& voxels) {

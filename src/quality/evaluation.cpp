@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "validity.hpp"
 
 namespace lumesh::quality {
@@ -155,13 +156,11 @@ std::string tightened_warning(const std::vector<NarrowestSection>& sections) {
     if (!worst || section.change_percent() < worst->change_percent()) worst = &section;
   }
   if (!worst) return "";
-  const Vec3& p = worst->centre_mm;
   return fmt::format(
       "{} of {} branches {} more than {:g} % narrower in the mesh than in the voxels; branch {} by {:.1f} %: "
-      "{:.4g} "
-      "of {:.4g} mm² at ({:.1f}, {:.1f}, {:.1f}) mm",
+      "{:.4g} of {:.4g} mm² at {}",
       tightened, sections.size(), tightened == 1 ? "is" : "are", kTightenedPercent, worst->branch,
-      -worst->change_percent(), worst->mesh_area_mm2, worst->voxel_area_mm2, p.x(), p.y(), p.z());
+      -worst->change_percent(), worst->mesh_area_mm2, worst->voxel_area_mm2, place_text(worst->centre_mm));
 }
 
 void add_sections(const MeshView& mesh, const MeshSurface& surface, const EvaluationInput& input,

@@ -51,7 +51,7 @@ std::string against(const std::optional<Value>& found, const std::optional<OfIma
   return fmt::format("{} (image {})", *found, *of_image);
 }
 
-std::string place_text(const Vec3& p) {
+std::string table_place(const Vec3& p) {
   return fmt::format("{:.1f}, {:.1f}, {:.1f}", p.x(), p.y(), p.z());
 }
 
@@ -61,7 +61,7 @@ void add_kept(Table& table, const std::string& name, const KeptVoxels& kept, dou
                                   fmt::format("{:.3f} %", 100 * kept.share())};
   if (const auto& worst = kept.worst)
     row.insert(row.end(), {fmt::format("{:.3f}", worst->distance_mm / voxel),
-                           fmt::format("{:.3g}", worst->distance_mm), place_text(worst->centre_mm),
+                           fmt::format("{:.3g}", worst->distance_mm), table_place(worst->centre_mm),
                            fmt::format("{}, {}, {}", worst->voxel.x(), worst->voxel.y(), worst->voxel.z())});
   else
     row.insert(row.end(), {"–", "–", "", ""});
@@ -77,7 +77,7 @@ std::string topology_places(const std::vector<TopologyPlace>& places) {
       const int low = p.box.low[axis], high = p.box.high[axis] - 1;
       return low == high ? std::to_string(low) : fmt::format("{}–{}", low, high);
     };
-    table.push_back({std::to_string(p.label), in_words(p), place_text(p.centre_mm),
+    table.push_back({std::to_string(p.label), in_words(p), table_place(p.centre_mm),
                      fmt::format("{}, {}, {}", range(0), range(1), range(2))});
   }
   return table_html(table);
@@ -185,7 +185,7 @@ std::string openings_section(const Evaluation& e) {
     table.push_back({o.patches.empty() ? "none" : escaped(o.patches), kinds_of(e, o.patches),
                      five_digits(o.mesh_area_mm2), five_digits(o.opening.area_mm2),
                      marked(!is_wrong(o), fmt::format("{:+.1f} %", o.change_percent())),
-                     five_digits(o.opening.radius_mm()), place_text(o.opening.centre_mm),
+                     five_digits(o.opening.radius_mm()), table_place(o.opening.centre_mm),
                      direction_text(o.opening.normal)});
   for (const std::string& name : e.openings->others)
     table.push_back({escaped(name), kinds_of(e, name), "", marked(false, "none"), "", "", "", ""});
@@ -209,7 +209,7 @@ std::string narrowest_section(const Evaluation& e) {
     if (table.size() > kMostRows) break;
     table.push_back({std::to_string(s.branch), five_digits(s.mesh_area_mm2), five_digits(s.voxel_area_mm2),
                      marked(!s.tightened(), fmt::format("{:+.1f} %", s.change_percent())),
-                     place_text(s.centre_mm), direction_text(s.direction)});
+                     table_place(s.centre_mm), direction_text(s.direction)});
   }
   return section(
       "Narrowest section of each branch",
@@ -253,7 +253,7 @@ std::string boundary_section(const Evaluation& e) {
     const bool opening = is_plane(p.kind);
     table.push_back({escaped(p.name), std::string(kind_word(p.kind, p.flow)), grouped(p.faces),
                      five_digits(p.area_mm2), fmt::format("{:.1f}°", p.smallest_angle_deg),
-                     opening ? place_text(p.centre_mm) : "", opening ? direction_text(p.normal) : "",
+                     opening ? table_place(p.centre_mm) : "", opening ? direction_text(p.normal) : "",
                      opening ? flatness_text(p.flatness_mm) : ""});
   }
   std::string note = fmt::format("{}, {}; {} {} of genus {}, {} triangles.", b.closed() ? "Closed" : "Open",

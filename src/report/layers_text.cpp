@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/report/layers_report.hpp"
 
 namespace lumesh::report {
@@ -33,14 +34,10 @@ std::string first_height_text(const LayerCoverage& c) {
 std::string LayersOfMesh::flat_cells_beside() const {
   const quality::Extreme& least = core.tetrahedra.smallest_dihedral_deg;
   if (core.tetrahedra.count == 0 || least.value >= std::min(kFlatDihedralDeg, least_before_deg)) return "";
-  const Vec3& p = least.centre_mm;
   return fmt::format(
       "{} of the tetrahedra beside the layers have dihedral angles below {:g} degrees, the smallest {:.2g} "
-      "at "
-      "({:.1f}, {:.1f}, {:.1f}) mm; solvers may fail there: thinner or fewer layers, or lumesh improve on "
-      "the "
-      "mesh before",
-      core.tetrahedra.below_5_deg, kFlatDihedralDeg, least.value, p.x(), p.y(), p.z());
+      "at {}; solvers may fail there: thinner or fewer layers, or lumesh improve on the mesh before",
+      core.tetrahedra.below_5_deg, kFlatDihedralDeg, least.value, place_text(least.centre_mm));
 }
 
 LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report, double least_before_deg) {

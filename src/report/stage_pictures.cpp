@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/report/case_report.hpp"
 #include "numbers.hpp"
 #include "scene.hpp"
@@ -12,8 +13,7 @@ namespace {
 
 /// Where the plane of a cut is, in words.
 std::string plane_words(const CutPicture& cut) {
-  const Vec3& p = cut.point_mm;
-  return fmt::format("through ({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z());
+  return "through " + place_text(cut.point_mm);
 }
 
 }  // namespace

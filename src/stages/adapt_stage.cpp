@@ -8,8 +8,8 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
-#include "place_text.hpp"
 
 namespace lumesh {
 

@@ -6,12 +6,12 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/layers/extrusion.hpp"
 #include "lumesh/mesh/tetrahedral_split.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/stages/metric_input.hpp"
-#include "place_text.hpp"
 
 namespace lumesh {
 namespace {

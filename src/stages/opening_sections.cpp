@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "lumesh/core/disjoint_sets.hpp"
-#include "place_text.hpp"
+#include "lumesh/core/place_text.hpp"
 
 namespace lumesh {
 namespace {

@@ -9,10 +9,10 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/findings.hpp"
 #include "lumesh/surface/rims.hpp"
-#include "place_text.hpp"
 #include "surface_rebuild.hpp"
 
 namespace lumesh {

@@ -6,9 +6,9 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/stages/input.hpp"
-#include "place_text.hpp"
 
 namespace lumesh {
 namespace {
