@@ -30,7 +30,7 @@ namespace {
 struct AdaptCommand {
   std::string mesh_path, output_path, metric_output_path, image_path, json_path;
   ImageSelection selection;
-  ImageCuts cuts;  // Of that image.
+  InputCuts cuts;  // Of that image.
   std::vector<std::string> keep;
   metric::TensorSource tensors;
   metric::AnalyticSource analytic;

@@ -141,7 +141,7 @@ void print_warning(std::string_view text) {
   print_error("lumesh: warning: {}\n", text);
 }
 
-LabelImage read_cut_image(const std::string& path, const ImageSelection& selection, const ImageCuts& cuts,
+LabelImage read_cut_image(const std::string& path, const ImageSelection& selection, const InputCuts& cuts,
                           std::vector<CutPlane>& planes, Context& context) {
   LabelImage image = context.phase("read", [&] { return read_selected_image(path, selection, context); });
   planes = naming(path, [&] { return context.phase("cuts", [&] { return cut_off(image, cuts, context); }); });
@@ -285,7 +285,7 @@ std::vector<std::string> doubts_about_image(const std::string& image_path, const
                       found, made_from->second, consequence)};
 }
 
-std::vector<std::string> doubts_about_cuts(const ImageCuts& given, const std::string& mesh_path,
+std::vector<std::string> doubts_about_cuts(const InputCuts& given, const std::string& mesh_path,
                                            const MeshInfo& info) {
   const std::vector<std::string> made_with = cut_options(info.provenance);
   if (cut_options(given).size() >= made_with.size()) return {};

@@ -19,8 +19,8 @@
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/stages/image_cuts.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_cuts.hpp"
 
 namespace lumesh::cli {
 
@@ -98,7 +98,7 @@ void print_warning(std::string_view text);
 /// An image without what is cut off. @param planes  What cuts it, for its domain.
 /// @throws Error{kBadInput} that names the file.
 [[nodiscard]] LabelImage read_cut_image(const std::string& path, const ImageSelection& selection,
-                                        const ImageCuts& cuts, std::vector<CutPlane>& planes,
+                                        const InputCuts& cuts, std::vector<CutPlane>& planes,
                                         Context& context);
 
 /// The positional argument of a command that reads a volume mesh, -o of one that writes one, and --surface of
@@ -150,7 +150,7 @@ void check_files(std::initializer_list<std::string> outputs, const std::vector<s
                                                           std::string_view consequence);
 
 /// A line if fewer cuts are given than the mesh was made with, else nothing.
-[[nodiscard]] std::vector<std::string> doubts_about_cuts(const ImageCuts& given, const std::string& mesh_path,
+[[nodiscard]] std::vector<std::string> doubts_about_cuts(const InputCuts& given, const std::string& mesh_path,
                                                          const MeshInfo& info);
 
 /// Looks at a mesh that was written, quickly.

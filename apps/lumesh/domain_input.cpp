@@ -36,7 +36,6 @@ void check_domain_options(const CLI::App& command, DomainInput& input) {
                                         : fmt::format("is for surfaces, and {} is an image", input.path);
   if (!is_surface) return require_not_given(command, options_of(input.surface), reason);
   require_not_given(command, options_of(input.selection), reason);
-  require_not_given(command, options_of(input.cuts), reason);
   require_not_given(command, options_of(input.field), reason);
 }
 
@@ -123,8 +122,9 @@ DomainRead with_openings(std::shared_ptr<const ImageDomain> domain, const LabelI
 
 DomainRead read_domain(const DomainInput& input, Context& context) {
   if (is_mesh_file(input.path)) {
-    SurfaceInput given = context.phase(
-        "read", [&] { return read_surface(input.path, input.selection.unit, input.surface, context); });
+    SurfaceInput given = context.phase("read", [&] {
+      return read_surface(input.path, input.selection.unit, input.surface, input.cuts, context);
+    });
     const MixedMesh& surface = given.mesh;
     return naming(input.path, [&] {
       std::unique_ptr<Domain> domain =

@@ -17,7 +17,7 @@ namespace lumesh::cli {
 struct DomainInput {
   std::string path;
   ImageSelection selection;
-  ImageCuts cuts;
+  InputCuts cuts;
   LabelFieldOptions field;  ///< Of an image.
   SurfaceInputOptions surface;
   bool needs_axes = false;

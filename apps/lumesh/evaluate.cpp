@@ -26,7 +26,7 @@ namespace {
 struct EvaluateCommand {
   std::string mesh_path, image_path, centerline_path, reference_path, json_path, report_path, picture_path;
   ImageSelection selection;
-  ImageCuts cuts;
+  InputCuts cuts;
   std::vector<double> required_dihedral_deg;
   std::size_t times = 0;
   RunOptions run;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <tuple>
 
 #include "closed_json.hpp"
 #include "commands.hpp"
@@ -34,7 +35,7 @@ using json = nlohmann::ordered_json;
 struct InfoCommand {
   std::string path;
   ImageSelection selection;
-  ImageCuts cuts;
+  InputCuts cuts;
   std::string json_path;
   RunOptions run;
 };
@@ -164,11 +165,12 @@ json describe_mesh(MixedMesh mesh) {
 }
 
 /// Of the flat ends of a closed surface; not of a very large one: that is not worth the time.
-void add_openings_of_surface(const std::string& path, const std::string& unit, json& all, Context& context) {
+void add_openings_of_surface(const InfoCommand& command, json& all, Context& context) {
+  const auto& [path, unit] = std::tie(command.path, command.selection.unit);
   constexpr std::size_t kMostTriangles = 1'000'000;
   const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };
   try {
-    SurfaceInput given = read_surface(path, unit, {}, context);
+    SurfaceInput given = read_surface(path, unit, {}, command.cuts, context);
     const MixedMesh& surface = given.mesh;
     if (surface.triangles.size() > kMostTriangles)
       return leave_out(fmt::format("more than {} triangles", kMostTriangles));
@@ -181,7 +183,7 @@ void add_openings_of_surface(const std::string& path, const std::string& unit, j
     const std::string warning = closed_surface_warning(*domain);
     if (!warning.empty()) context.warn(warning);
   } catch (const Error& error) {
-    if (error.kind() != ErrorKind::kBadInput) throw;
+    if (error.kind() != ErrorKind::kBadInput || !command.cuts.none()) throw;
     leave_out(error.what());
   }
 }
@@ -191,13 +193,12 @@ json describe_mesh_file(const InfoCommand& command, Context& context) {
       context.phase("read", [&] { return read_mesh_in(command.path, command.selection.unit); });
   json all = describe_mesh(mesh);
   if (mesh.view().cell_count() == 0 && mesh.triangles.size() + mesh.quadrilaterals.size() > 0)
-    context.phase("openings",
-                  [&] { add_openings_of_surface(command.path, command.selection.unit, all, context); });
+    context.phase("openings", [&] { add_openings_of_surface(command, all, context); });
   return all;
 }
 
 /// Not of an image with very many labels, or of noise: they are not worth the time.
-void add_openings(LabelImage& image, const ImageCuts& cuts, std::vector<CutPlane> planes, json& all,
+void add_openings(LabelImage& image, const InputCuts& cuts, std::vector<CutPlane> planes, json& all,
                   Context& context) {
   constexpr std::size_t kMostLabels = 200;
   const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };

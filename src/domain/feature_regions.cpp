@@ -59,23 +59,27 @@ std::uint32_t best_neighbour(const ClosedSurface& surface, const FeatureRegions&
   return best;
 }
 
-/// Scanned surfaces are rough here and there; what is a region by one bent triangle joins its neighbour.
+/// Scanned surfaces are rough here and there; what is a region by one bent triangle joins its neighbour, and
+/// so does a strip along a needle's short edge.
 void join_specks(const ClosedSurface& surface, FeatureRegions& found) {
   constexpr std::size_t kMaxTriangles = 4;
-  constexpr double kMaxShare = 2e-3;  // Of the area.
+  constexpr double kMaxShare = 2e-3, kStripShare = 1e-6;  // Of the area.
   const double all = std::accumulate(found.areas_mm2.begin(), found.areas_mm2.end(), 0.0);
+  const std::vector<double> areas_mm2 = found.areas_mm2;
+  const auto is_strip = [&](std::uint32_t r) { return areas_mm2[r] <= kStripShare * all; };
   std::vector<std::vector<std::uint32_t>> members(found.count());
   for (std::uint32_t t = 0; t < found.of_triangle.size(); ++t) {
     std::vector<std::uint32_t>& mine = members[found.of_triangle[t]];
-    if (mine.size() <= kMaxTriangles) mine.push_back(t);
+    if (mine.size() <= kMaxTriangles || is_strip(found.of_triangle[t])) mine.push_back(t);
   }
   for (std::uint32_t r = 0; r < found.count(); ++r) {
-    if (members[r].size() > kMaxTriangles || found.areas_mm2[r] > kMaxShare * all) continue;
+    const bool is_speck = members[r].size() <= kMaxTriangles && found.areas_mm2[r] <= kMaxShare * all;
+    if (!is_speck && !is_strip(r)) continue;
     const std::uint32_t other = best_neighbour(surface, found, r, members[r]);
     if (other == r) continue;
     for (const std::uint32_t t : members[r]) {
       found.of_triangle[t] = other;
-      if (members[other].size() <= kMaxTriangles) members[other].push_back(t);
+      if (members[other].size() <= kMaxTriangles || is_strip(other)) members[other].push_back(t);
     }
     found.areas_mm2[other] += std::exchange(found.areas_mm2[r], 0);
     members[r].clear();

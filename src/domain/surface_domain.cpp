@@ -306,6 +306,23 @@ std::span<const Vec3> SurfaceDomain::fixed_points() const {
   return parts_->fixed_points;
 }
 
+MixedMesh SurfaceDomain::patched_surface() const {
+  MixedMesh mesh;
+  mesh.points = parts_->surface.points;
+  mesh.triangles = parts_->surface.triangles;
+  std::vector<Patch>& patches = mesh.info.patches;
+  std::vector<std::int32_t> number;
+  for (const Patch& patch : parts_->of_region) {
+    const auto at = std::find_if(patches.begin(), patches.end(),
+                                 [&](const Patch& other) { return other.name == patch.name; });
+    number.push_back(static_cast<std::int32_t>(at - patches.begin()));
+    if (at == patches.end()) patches.push_back(patch);
+  }
+  for (const std::uint32_t region : parts_->regions.of_triangle)
+    mesh.triangle_patches.push_back(number[region]);
+  return mesh;
+}
+
 std::uint32_t SurfaceDomain::region_count() const {
   return parts_->regions.count();
 }

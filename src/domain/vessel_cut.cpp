@@ -28,9 +28,9 @@ class VesselCut {
         is_in_section_(image.voxels().size(), false),
         part_(image.voxels().size(), Side::kNone) {}
 
-  CutVessel make(double radius_mm) {
+  CutVessel make(double radius_mm, double max_widening) {
     find_section();
-    check_section(radius_mm);
+    check_section(radius_mm, max_widening);
     std::vector<Index3> above = start_of(Side::kAbove), below = start_of(Side::kBelow);
     flood(above, Side::kAbove);
     flood(below, Side::kBelow);
@@ -97,11 +97,10 @@ class VesselCut {
   }
 
   /// In a fork, a bulge or a vessel that runs along the plane there is no section of one vessel.
-  void check_section(double radius_mm) const {
-    constexpr double kWidest = 3;
+  void check_section(double radius_mm, double max_widening) const {
     const double of_vessel = std::numbers::pi * radius_mm * radius_mm;
     const double area = section_mm2(), of_voxel = frame_.voxel_volume_mm3() / layer_mm_;
-    if (area > kWidest * of_vessel + 4 * of_voxel)
+    if (area > max_widening * of_vessel + 4 * of_voxel)
       throw Error(
           ErrorKind::kBadInput,
           fmt::format(
@@ -202,8 +201,8 @@ class VesselCut {
 
 }  // namespace
 
-CutVessel cut_off_vessel(LabelImage& image, const CutPlane& plane, double radius_mm) {
-  return VesselCut(image, plane).make(radius_mm);
+CutVessel cut_off_vessel(LabelImage& image, const CutPlane& plane, double radius_mm, double max_widening) {
+  return VesselCut(image, plane).make(radius_mm, max_widening);
 }
 
 }  // namespace lumesh

@@ -14,6 +14,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
@@ -37,7 +38,19 @@ struct SweptSection {
   std::vector<std::uint32_t> vertices;  // Ascending.
   Vec3 centre_mm = Vec3::Zero(), normal = Vec3::Zero(), axis = Vec3::Zero();
   double reach_mm = 0, radius_mm = 0, edge_mm = 0;
+  /// Where it becomes a circle: over this length, and then so many times as far from the axis, by vertex.
+  double transition_mm = 0;
+  std::vector<double> of_circle = {};
 
+  /// The way that a vertex goes across the axis until so far along it.
+  [[nodiscard]] Vec3 towards_circle(const Vec3& point, std::uint32_t v, double along_mm) const {
+    if (of_circle.empty()) return Vec3::Zero();
+    const double t = along_mm < transition_mm ? std::max(0.0, along_mm / transition_mm) : 1;
+    const double ramp = t * t * (3 - 2 * t);
+    const auto at = std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin();
+    const Vec3 off = point - centre_mm;
+    return ramp * (of_circle[static_cast<std::size_t>(at)] - 1) * (off - off.dot(axis) * axis);
+  }
   [[nodiscard]] bool has(std::int32_t patch) const {
     return std::find(patches.begin(), patches.end(), patch) != patches.end();
   }
@@ -45,7 +58,10 @@ struct SweptSection {
 
 class Extruder {
  public:
-  Extruder(const MixedMesh& mesh, LayerCells cells) : cells_(cells) { result_.mesh = mesh; }
+  Extruder(const MixedMesh& mesh, LayerCells cells, const std::optional<LocalLength>& transition)
+      : cells_(cells), transition_(transition) {
+    result_.mesh = mesh;
+  }
 
   ExtrudedMesh make(std::span<const NamedLength> lengths) && {
     check_names(lengths);
@@ -144,22 +160,32 @@ class Extruder {
     return s;
   }
 
-  /// The direction that the normals of the walls nearby are most nearly square to.
+  /// The vessel's direction in the section: that of the walls over half of its reach before it less what it
+  /// has turned by since twice as far, as vessels bend.
   [[nodiscard]] Vec3 axis_at(const SweptSection& s) const {
-    constexpr double kUnclear = 0.3, kLeastCos = 0.4;
+    constexpr double kLeastCos = 0.4, kMostBent = 0.94;  // Cosines.
+    const std::optional<Vec3> near = wall_direction(s, 0.5 * s.reach_mm);
+    const std::optional<Vec3> all = wall_direction(s, s.reach_mm);
+    if (!all) return s.normal;
+    const bool is_curve = near && near->dot(*all) > kMostBent;
+    const Vec3 axis = is_curve ? Vec3((2 * *near - *all).normalized()) : *all;
+    return axis.dot(s.normal) > kLeastCos ? axis : s.normal;
+  }
+  /// The direction that the normals of the walls at most so deep are most nearly square to, if they say one.
+  [[nodiscard]] std::optional<Vec3> wall_direction(const SweptSection& s, double depth_mm) const {
+    constexpr double kUnclear = 0.3;
     Mat3 sum = Mat3::Zero();
     for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
       if (patch(p).kind != PatchKind::kWall) return;
       const Vec3 off = middle_of(face) - s.centre_mm;
-      if (std::abs(off.dot(s.normal)) > s.reach_mm || off.norm() > 1.5 * s.reach_mm) return;
+      if (std::abs(off.dot(s.normal)) > depth_mm || off.norm() > 1.5 * s.reach_mm) return;
       const Vec3 normal = area_normal(face);
       sum += normal * normal.transpose() / std::max(normal.norm(), 1e-300);
     });
     const Eigen::SelfAdjointEigenSolver<Mat3> solved(sum);
-    const Vec3 axis =
-        solved.eigenvectors().col(0) * (solved.eigenvectors().col(0).dot(s.normal) < 0 ? -1 : 1);
-    const bool is_clear = solved.eigenvalues()[0] < kUnclear * solved.eigenvalues()[1];
-    return is_clear && axis.dot(s.normal) > kLeastCos ? axis : s.normal;
+    const Vec3 axis = solved.eigenvectors().col(0);
+    if (solved.eigenvalues()[0] >= kUnclear * solved.eigenvalues()[1]) return std::nullopt;
+    return axis.dot(s.normal) < 0 ? Vec3(-axis) : axis;
   }
 
   [[nodiscard]] double wanted_mm(const SweptSection& s, std::span<const NamedLength> lengths) const {
@@ -212,8 +238,66 @@ class Extruder {
           "{}: {} goes on by {:.4g} mm, not {:.4g} mm: {}", option_name("extend"), name, given_mm, length_mm,
           given_mm > length_mm ? "it is cut off obliquely" : "another part of the mesh is in the way"));
     if (given_mm == 0) return;
-    find_labels(s);
+    if (mesh().view().cell_count() > 0) find_labels(s);
+    find_circle(s);
     sweep(s, given_mm);
+  }
+
+  /// Rays from the centre to the vertices, until the rim, along which the section is scaled to a circle.
+  void find_circle(SweptSection& s) {
+    if (!transition_) return;
+    const Vec3 u = s.axis.unitOrthogonal(), v = s.axis.cross(u);
+    const auto flat = [&](std::uint32_t at) {
+      const Vec3 off = point(at) - s.centre_mm;
+      return Vec2(u.dot(off), v.dot(off));
+    };
+    std::vector<std::pair<Vec2, Vec2>> rim;
+    double doubled_mm2 = 0, of_unit_circle = 0;
+    for (const auto& [from, to] : rim_of(s)) {
+      const auto& [p, q] = rim.emplace_back(flat(from), flat(to));
+      const double across = p.x() * q.y() - p.y() * q.x();
+      doubled_mm2 += across;
+      of_unit_circle += across / (p.norm() * q.norm());
+    }
+    const double radius_mm = std::sqrt(doubled_mm2 / of_unit_circle);
+    std::vector<double> factors;
+    bool is_star = doubled_mm2 > 0 && of_unit_circle > 0;
+    for (const std::uint32_t at : s.vertices) {
+      const Vec2 ray = flat(at);
+      int hits = 0;
+      double rim_mm = radius_mm;
+      for (const auto& [p, q] : rim) {
+        const double before = ray.x() * p.y() - ray.y() * p.x(), after = ray.x() * q.y() - ray.y() * q.x();
+        if (!(before <= 0 && after > 0)) continue;  // Passes the ray's line anticlockwise.
+        const Vec2 hit = p + before / (before - after) * (q - p);
+        if (hit.dot(ray) <= 0) continue;
+        ++hits;
+        rim_mm = hit.norm();
+      }
+      is_star = is_star && (hits == 1 || ray.norm() < 1e-9 * radius_mm);
+      factors.push_back(radius_mm / rim_mm);
+    }
+    if (!is_star) {
+      result_.notes.push_back(fmt::format("{}: the section of {} is not star-shaped, and stays as it is",
+                                          option_name("extend_circle"), patch(s.patches[0]).name));
+      return;
+    }
+    s.transition_mm = transition_->in_mm(s.radius_mm);
+    s.of_circle = std::move(factors);
+  }
+  /// Edges with one face of the section, as that runs.
+  [[nodiscard]] static std::vector<std::pair<std::uint32_t, std::uint32_t>> rim_of(const SweptSection& s) {
+    std::map<std::uint64_t, int> count;
+    for (const PatchFace& face : s.faces)
+      for (std::size_t i = 0; i < face.corners.size(); ++i)
+        ++count[edge_key(face.corners[i], face.corners[(i + 1) % face.corners.size()])];
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> rim;
+    for (const PatchFace& face : s.faces)
+      for (std::size_t i = 0; i < face.corners.size(); ++i) {
+        const std::uint32_t from = face.corners[i], to = face.corners[(i + 1) % face.corners.size()];
+        if (count.at(edge_key(from, to)) == 1) rim.emplace_back(from, to);
+      }
+    return rim;
   }
 
   /// How far along the axis another part of the boundary is nearer than an edge.
@@ -256,7 +340,7 @@ class Extruder {
           result_.mesh.hexahedron_labels.push_back(face.label);
         }
       }
-    add_prisms(std::move(prisms), splits);
+    if (mesh().view().cell_count() > 0) add_prisms(std::move(prisms), splits);
     move_opening(s, rows);
   }
 
@@ -273,9 +357,9 @@ class Extruder {
     first_new_ = static_cast<std::uint32_t>(m.points.size());
     for (std::size_t row = 1; row <= rows; ++row)
       for (const std::uint32_t v : s.vertices) {
-        const double way_mm = length_mm - (m.points[v] - s.centre_mm).dot(s.axis);
-        m.points.push_back(m.points[v] +
-                           static_cast<double>(row) / static_cast<double>(rows) * way_mm * s.axis);
+        const double way_mm = static_cast<double>(row) / static_cast<double>(rows) *
+                              (length_mm - (m.points[v] - s.centre_mm).dot(s.axis));
+        m.points.push_back(m.points[v] + way_mm * s.axis + s.towards_circle(m.points[v], v, way_mm));
         if (!m.metric.empty()) m.metric.push_back(m.metric[v]);
         if (!m.sizes_mm.empty()) m.sizes_mm.push_back(m.sizes_mm[v]);
       }
@@ -352,14 +436,16 @@ class Extruder {
   }
 
   LayerCells cells_;
+  std::optional<LocalLength> transition_;
   ExtrudedMesh result_;
   std::uint32_t first_new_ = 0;  // Of the sweep that is being made.
 };
 
 }  // namespace
 
-ExtrudedMesh extrude_openings(const MixedMesh& mesh, std::span<const NamedLength> lengths, LayerCells cells) {
-  return Extruder(mesh, cells).make(lengths);
+ExtrudedMesh extrude_openings(const MixedMesh& mesh, std::span<const NamedLength> lengths, LayerCells cells,
+                              const std::optional<LocalLength>& transition) {
+  return Extruder(mesh, cells, transition).make(lengths);
 }
 
 }  // namespace lumesh

@@ -32,11 +32,7 @@ void check_input(const Case& c) {
     refuse("the lattice mesher takes images; for [input] surface set mesher = \"delaunay\"");
   naming("[input]", [&] { input.cuts.validate(); });
   const ImageSelection& selection = input.selection;
-  if (!input.surface.empty()) {
-    if (!input.cuts.none())
-      refuse("[input] cut_planes, cut_at, clip_ends and extend are for images; leave them out with surface");
-    refuse_given(selection.given(), "surface");
-  }
+  if (!input.surface.empty()) refuse_given(selection.given(), "surface");
   if (input.phantom.empty()) return;
   ImageSelection of_phantoms = selection;  // Without what is for files.
   of_phantoms.labels.clear();

@@ -33,7 +33,7 @@ void read_file(CaseState& state) {
   state.input_name = input.image.empty() ? input.surface : input.image;
   if (input.image.empty()) {
     SurfaceInput read = state.context.phase("read", [&] {
-      return read_surface(input.surface, input.selection.unit, input.of_surface, state.context);
+      return read_surface(input.surface, input.selection.unit, input.of_surface, input.cuts, state.context);
     });
     state.surface = std::move(read.mesh);
     state.closed = std::move(read.closed);

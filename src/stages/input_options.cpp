@@ -3,8 +3,8 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/mesh/length_unit.hpp"
-#include "lumesh/stages/image_cuts.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_cuts.hpp"
 
 namespace lumesh {
 namespace {
@@ -138,7 +138,7 @@ void describe_out_unit(OptionList& list, std::string& unit) {
               "Unit of lengths in files that are written; OpenFOAM gets metres in any case");
 }
 
-void ImageCuts::describe(OptionList& list) {
+void InputCuts::describe(OptionList& list) {
   list.rows("cut_planes",
             {6, "0,0,10,0,0,-1", false, [this] { return rows_of(planes); },
              [this](const auto& rows) { planes = planes_from(rows); }},
@@ -166,7 +166,7 @@ void ImageCuts::describe(OptionList& list) {
   extension.describe(list);
 }
 
-void ImageCuts::validate() const {
+void InputCuts::validate() const {
   if (!ends.empty()) naming(option_name("clip_ends"), [&] { static_cast<void>(local_length_from(ends)); });
   extension.validate();
 }

@@ -9,6 +9,7 @@
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/stages/input.hpp"
+#include "surface_cuts.hpp"
 
 namespace lumesh {
 namespace {
@@ -75,11 +76,13 @@ MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path) {
 }
 
 SurfaceInput read_surface(const std::filesystem::path& path, const std::string& unit,
-                          const SurfaceInputOptions& options, const Context& context) {
+                          const SurfaceInputOptions& options, const InputCuts& cuts, const Context& context) {
   MixedMesh read = read_surface_file(path, options.patch_array);
   if (!unit.empty()) read.info.unit = unit;
   SurfaceInput input{as_surface(std::move(read), path), {}};
   input.closed = close_open_ends(input.mesh, options, context);
+  if (cuts.none()) return input;
+  naming(path.string(), [&] { cut_and_extend(input, cuts, options.domain, context); });
   return input;
 }
 
@@ -109,7 +112,7 @@ std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOpt
 
 void name_closed(std::vector<ClosedRim>& closed, std::span<const FlatEnd> ends) {
   for (ClosedRim& rim : closed) {
-    if (!rim.is_opening || ends.empty()) continue;
+    if (!rim.is_opening || ends.empty() || !rim.name.empty()) continue;
     const auto distance = [&](const FlatEnd& end) { return (end.centre_mm - rim.centre_mm).squaredNorm(); };
     rim.name = std::min_element(ends.begin(), ends.end(), [&](const FlatEnd& a, const FlatEnd& b) {
                  return distance(a) < distance(b);

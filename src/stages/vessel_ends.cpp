@@ -8,7 +8,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
-#include "lumesh/stages/image_cuts.hpp"
+#include "lumesh/stages/input_cuts.hpp"
 
 namespace lumesh {
 namespace {

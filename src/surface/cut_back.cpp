@@ -10,6 +10,7 @@
 #include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/planar_patch.hpp"
+#include "plane_slide.hpp"
 #include "rim_triangles.hpp"
 
 namespace lumesh::surfaces {
@@ -58,14 +59,6 @@ class PlaneCut {
     for (std::uint32_t v = 0; v < heights_.size(); ++v) heights_[v] = height_of(v);
   }
 
-  [[nodiscard]] double mean_edge_at(std::uint32_t v) const {
-    double sum = 0;
-    for (const std::uint32_t t : triangles_around_.of(v))
-      for (const std::uint32_t w : surface_.triangles[t])
-        sum += (surface_.points[w] - surface_.points[v]).norm();
-    return sum / (2 * static_cast<double>(triangles_around_.of(v).size()));
-  }
-
   /// Corners of the triangles to be cut.
   [[nodiscard]] std::vector<std::uint32_t> cut_corners() const {
     std::vector<std::uint32_t> corners;
@@ -78,58 +71,27 @@ class PlaneCut {
 
   void slide_into_plane() {
     constexpr double kNear = 0.25;  // Of the edges there.
-    for (const std::uint32_t v : reached_)
-      if (heights_[v] != 0 && std::abs(heights_[v]) < kNear * mean_edge_at(v)) slide(v);
+    PlaneSlide slide = plane_slide();
+    for (const std::uint32_t v : reached_) {
+      const Vec3 before = surface_.points[v];
+      if (slide.is_within(v, kNear) && slide.move(v))
+        moved_mm_ = std::max(moved_mm_, (surface_.points[v] - before).norm());
+    }
   }
+  [[nodiscard]] PlaneSlide plane_slide() { return {surface_, triangles_around_, rim_.normal, heights_}; }
   /// So near to the plane, a cut would leave one.
-  [[nodiscard]] bool makes_no_slivers() const {
+  [[nodiscard]] bool makes_no_slivers() {
     constexpr double kNear = 1e-3;  // Of the edges there.
     const std::vector<std::uint32_t> corners = cut_corners();
-    return std::none_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
-      return heights_[v] != 0 && std::abs(heights_[v]) < kNear * mean_edge_at(v);
-    });
+    const PlaneSlide slide = plane_slide();
+    return std::none_of(corners.begin(), corners.end(),
+                        [&](std::uint32_t v) { return slide.is_within(v, kNear); });
   }
   [[nodiscard]] bool is_near(std::uint32_t v) const {
     constexpr double kRadii = 4;
     return (surface_.points[v] - rim_.centre_mm).norm() < kRadii * reach_mm();
   }
   [[nodiscard]] double reach_mm() const { return rim_.radius_mm + rim_.deviation_mm; }
-
-  void slide(std::uint32_t v) {
-    constexpr double kSteep = 0.1;
-    Vec3 normal = Vec3::Zero();
-    for (const std::uint32_t t : triangles_around_.of(v)) normal += area_normal(t);
-    normal.stableNormalize();
-    const Vec3 along = rim_.normal - rim_.normal.dot(normal) * normal;
-    const double rise = along.squaredNorm();
-    if (rise < kSteep) return;
-    const Vec3 before = surface_.points[v];
-    std::vector<Vec3> normals;
-    for (const std::uint32_t t : triangles_around_.of(v)) normals.push_back(area_normal(t));
-    surface_.points[v] -= heights_[v] / rise * along;
-    const double height = std::exchange(heights_[v], 0);
-    bool is_good = true;
-    for (std::size_t i = 0; i < normals.size() && is_good; ++i) {
-      const Cell<3>& corners = surface_.triangles[triangles_around_.of(v)[i]];
-      const bool is_flat =
-          std::all_of(corners.begin(), corners.end(), [&](auto c) { return heights_[c] == 0; });
-      is_good = !is_flat && keeps_its_side(normals[i], area_normal(triangles_around_.of(v)[i]));
-    }
-    if (is_good) {
-      moved_mm_ = std::max(moved_mm_, (surface_.points[v] - before).norm());
-    } else {
-      surface_.points[v] = before;
-      heights_[v] = height;
-    }
-  }
-  static bool keeps_its_side(const Vec3& before, const Vec3& after) {
-    constexpr double kCosine = 0.7, kArea = 0.1;
-    return before.dot(after) > kCosine * before.norm() * after.norm() && after.norm() > kArea * before.norm();
-  }
-  [[nodiscard]] Vec3 area_normal(std::uint32_t t) const {
-    const auto& [a, b, c] = surface_.triangles[t];
-    return triangle_area_normal(surface_.points[a], surface_.points[b], surface_.points[c]);
-  }
 
   /// Finds the triangles that reach above the plane and hang together with the rim there. False if those go
   /// far, or to another rim.

@@ -379,8 +379,7 @@ class SurfacesTest(DelaunayTest):
 
     def test_options_of_images_do_not_suit_surfaces_and_the_other_way_round(self):
         stl = write_stl(self.folder / "ball.stl", sphere(RADIUS, 6))
-        for options in (("--labels", 1), ("--threshold", 1), ("--largest-component",), ("--boundary", "exact"),
-                        ("--cut-plane", 0, 0, 0, 0, 0, 1)):
+        for options in (("--labels", 1), ("--threshold", 1), ("--largest-component",), ("--boundary", "exact")):
             self.refused(USAGE, options[0], "ball.stl", source=stl, options=options)
         self.refused(USAGE, "--feature-angle", "ball.nrrd", options=("--feature-angle", 30))
         self.refused(USAGE, "--feature-angle", source=stl, options=("--feature-angle", 0))

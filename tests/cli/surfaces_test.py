@@ -111,6 +111,34 @@ class SurfacesTest(ProgramTest):
         self.assertEqual([end["kind"] for end in report["closed"]], ["opening", "opening", "hole"])
         self.assertIn("filled a hole of the wall", out)
 
+    def test_ends_are_cut_and_extended(self):
+        surface, mesh = self.stl("tube.stl", *tube()), self.folder / "tube.vtu"
+        told = json.loads(self.run_well("info", surface, "--clip-ends", "1r", "--json").stdout)
+        self.assertEqual([o["name"] for o in told["openings"]], ["inlet_1", "outlet_1"])
+        self.assertEqual(sorted(round(o["centre_mm"][2], 1) for o in told["openings"]), [2, 10])
+        self.run_well("delaunay", surface, "-o", mesh, "--clip-ends", "1r", "--extend", "inlet_1=5r,outlet_1=1", "--extend-circle", "1r",
+                      "--json", self.folder / "out.json", "-q")
+        openings = json.loads((self.folder / "out.json").read_text())["openings"]
+        whole = max(o["centre_mm"][2] for o in openings) - min(o["centre_mm"][2] for o in openings)
+        radius = math.sqrt(openings[0]["mesh_area_mm2"] / math.pi)
+        self.assertAlmostEqual(whole, 8 + 5 * radius + 1, delta=0.1)
+        evaluated = json.loads(self.run_well("evaluate", mesh, "--json").stdout)
+        self.assertAlmostEqual(evaluated["labels"][0]["volume_mm3"], whole * openings[0]["mesh_area_mm2"], delta=0.01 * whole * 4 * math.pi)
+        self.assert_refused(self.run_lumesh("delaunay", surface, "-o", mesh, "--extend", "outlet_7=5r"), BAD_INPUT, "outlet_7", "tube.stl")
+        self.assert_refused(self.run_lumesh("delaunay", surface, "-o", mesh, "--cut-at", "40,0,0"), BAD_INPUT, "tube.stl", "(40.0, 0.0, 0.0) mm")
+        self.assert_refused(self.run_lumesh("delaunay", surface, "-o", mesh, "--cut-plane", "0", "0", "-1", "0", "0", "1"), BAD_INPUT,
+                            "tube.stl", "nothing of the surface is left")
+
+    def test_a_case_file_cuts_and_extends(self):
+        self.stl("tube.stl", *tube())
+        case = self.folder / "case.toml"
+        case.write_text('mesher = "delaunay"\n[input]\nsurface = "tube.stl"\ncut_planes = [[0, 0, 9, 0, 0, 1]]\nextend = "2r"\n'
+                        '[delaunay]\ndelta = 0.5\n[output]\nreport = ""\nmeshes = ["tube.vtu"]\njson = "out.json"\n')
+        self.run_well("run", case, "-o", self.folder / "out", "-q")
+        told = json.loads(self.run_well("info", self.folder / "out" / "tube.vtu", "--json").stdout)
+        self.assertEqual([p["name"] for p in told["patches"]], ["wall", "inlet_1", "outlet_1"])
+        self.assertIn("--extend 2r", told["provenance"]["cuts"])
+
     def test_keep_open_refuses(self):
         source = self.stl("tube.stl", *tube())
         out = self.folder / "out.vtu"

@@ -50,11 +50,12 @@ struct CutVessel {
 ///
 /// @param image  Voxels that become background lose their labels here.
 /// @param plane  Its point lies in the vessel; its normal points to either side.
-/// @param radius_mm  Of the vessel there.
+/// @param radius_mm  Of the vessel there. @param max_widening  Of the section, in circles of that radius.
 /// @throws Error{kBadInput} if no voxel of the object is within two voxels of the point, if the section is
-/// more than three times as large as a circle of that radius or meets the image's border, if the parts hang
+/// wider than that or meets the image's border, if the parts hang
 /// together elsewhere, or if another vessel is too near beside the section. Cost: linear in the voxels of the
 /// object, and a byte for each voxel of the image.
-[[nodiscard]] CutVessel cut_off_vessel(LabelImage& image, const CutPlane& plane, double radius_mm);
+[[nodiscard]] CutVessel cut_off_vessel(LabelImage& image, const CutPlane& plane, double radius_mm,
+                                       double max_widening = 3);
 
 }  // namespace lumesh

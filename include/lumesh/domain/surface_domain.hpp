@@ -81,6 +81,8 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] bool is_beyond_opening(Material m) const override;
   [[nodiscard]] std::span<const Vec3> fixed_points() const override;
 
+  /// The surface, turned outwards, each triangle with the patch of its region; patches of one name are one.
+  [[nodiscard]] MixedMesh patched_surface() const;
   [[nodiscard]] std::uint32_t region_count() const;
   /// Sum of the regions' areas, and what they enclose.
   [[nodiscard]] double area_mm2() const;

@@ -1,6 +1,7 @@
 #pragma once
 /// @file Flow extensions of a mesh that exists: its openings swept straight on.
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,16 +19,22 @@ struct ExtrudedMesh {
 
 /// Sweeps openings of a mesh along the axes of their vessels by rows of prisms, of hexahedra where the
 /// opening has quadrilaterals; what the mesh has stays to the last bit, in front. Openings that touch in one
-/// plane, such as a lumen and its wall, go on together. The axis is the direction to which the walls within
-/// one radius before the opening are most nearly parallel, the normal where that is not clear. Cells have the
+/// plane, such as a lumen and its wall, go on together. The axis is the tangent in the opening of
+/// the direction to which the walls before it are most nearly parallel, extrapolated from half its reach and
+/// its reach; the normal where that is not clear. Cells have the
 /// labels of those they stand on, sides the patches of the faces they go on from; the end is flat, square to
 /// the axis, and is the opening. Rows are as high as the mean edge of the opening. One that would come nearer
 /// than an edge to another part of the boundary ends one radius before, with a note. Metric and wanted sizes
 /// are carried along.
 ///
+/// A surface without cells gets sides alone, and stays closed.
+///
 /// @param cells  kTetrahedra: prisms are split, where the opening has triangles only.
+/// @param transition  Over this length the section becomes a circle of its area by a smooth ramp, about the
+/// centre of its area; a section that is not star-shaped from there stays, with a note. None: sections stay.
 /// @throws Error{kBadInput} for a name that no opening has, and an opening that is not flat.
 [[nodiscard]] ExtrudedMesh extrude_openings(const MixedMesh& mesh, std::span<const NamedLength> lengths,
-                                            LayerCells cells);
+                                            LayerCells cells,
+                                            const std::optional<LocalLength>& transition = std::nullopt);
 
 }  // namespace lumesh

@@ -14,8 +14,8 @@
 #include "lumesh/metric/sources.hpp"
 #include "lumesh/stages/adapt_stage.hpp"
 #include "lumesh/stages/delaunay_stage.hpp"
-#include "lumesh/stages/image_cuts.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/layer_request.hpp"
 #include "lumesh/stages/surface_input.hpp"
 
@@ -29,7 +29,7 @@ struct InputKeys {
   std::string phantom;         ///< "carotid", "bifurcation", …
   PhantomSpec phantom_spec;    ///< Size, spacing and noise of the phantom.
   ImageSelection selection;
-  ImageCuts cuts;
+  InputCuts cuts;
   LabelFieldOptions field;  ///< How the image's voxels bind the boundary.
   SurfaceInputOptions of_surface;
 

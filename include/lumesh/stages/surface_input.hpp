@@ -9,6 +9,7 @@
 #include "lumesh/core/context.hpp"
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/surface/closing.hpp"
 
 namespace lumesh {
@@ -34,10 +35,12 @@ struct SurfaceInput {
 /// @throws Error{kBadInput} that names the file if it holds a volume.
 [[nodiscard]] MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path);
 
+/// Reads a surface, closes it where it is open, and cuts and extends it.
 /// @param unit  Of its coordinates; empty: as the file says, or mm.
-/// @throws Error{kBadInput} that names the file if it cannot be read or holds a volume.
+/// @throws Error{kBadInput} that names the file if it cannot be read or holds a volume, or cannot be cut.
 [[nodiscard]] SurfaceInput read_surface(const std::filesystem::path& path, const std::string& unit,
-                                        const SurfaceInputOptions& options, const Context& context);
+                                        const SurfaceInputOptions& options, const InputCuts& cuts,
+                                        const Context& context);
 
 /// Closes a surface as read_surface() does; one that is closed stays as it is. Warns of wide holes that
 /// became wall.
@@ -45,7 +48,7 @@ struct SurfaceInput {
                                                                const SurfaceInputOptions& options,
                                                                const Context& context);
 
-/// Gives openings the names that the domain of the surface has for their caps.
+/// Gives openings without a name those that the domain of the surface has for their caps.
 void name_closed(std::vector<surfaces::ClosedRim>& closed, std::span<const FlatEnd> ends);
 
 /// One line for each, the smallest holes together.

@@ -152,7 +152,7 @@ TEST(Openings, OfThinVesselsHaveEightEdgesAroundHoweverCoarseTheRestIs) {
 }
 
 /// A tube along an edge of the image, which leaves about a quarter of its section or less.
-TEST(Openings, ThatAnEdgeOfTheImageCutsHaveEightEdgesAround) {
+TEST(Openings, ThatAnEdgeOfTheInputCutsHaveEightEdgesAround) {
   constexpr double kRadius = 4;
   for (const double off : {-0.2, 0.8}) {
     const Tube tube{Vec3(-0.5 - off, -0.5 - off, 0), Vec3(0.02, 0.01, 1).normalized(), kRadius};

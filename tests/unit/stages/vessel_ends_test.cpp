@@ -8,7 +8,7 @@
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"
-#include "lumesh/stages/image_cuts.hpp"
+#include "lumesh/stages/input_cuts.hpp"
 
 namespace lumesh {
 namespace {
@@ -57,7 +57,7 @@ TEST(VesselEnds, AForkHasNone) {
 TEST(VesselEnds, TheirPlacesCutSquare) {
   Context context;
   LabelImage image = slanted_tube(-10, 45);
-  ImageCuts cuts;
+  InputCuts cuts;
   for (const VesselEnd& end : vessel_ends(image, {}, {}, kAll, context))
     cuts.places_mm.push_back(place_from(cut_place_text(end.cut_mm.value())).value());
   ImageDomainOptions options;

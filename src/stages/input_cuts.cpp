@@ -1,4 +1,4 @@
-#include "lumesh/stages/image_cuts.hpp"
+#include "lumesh/stages/input_cuts.hpp"
 
 #include <fmt/core.h>
 
@@ -16,44 +16,10 @@
 #include "lumesh/image/topology.hpp"
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
+#include "vessel_axes.hpp"
 
 namespace lumesh {
 namespace {
-
-struct AxisPlace {
-  double off_radii = std::numeric_limits<double>::infinity();
-  double radius_mm = 0;
-  CutPlane across;  ///< Square to the axis.
-};
-
-/// The way of a line around one of its points, over two radii; without its ends, which bend into the corners
-/// of oblique tips.
-Vec3 direction_at(const Polylines& lines, const std::vector<std::uint32_t>& line, std::size_t at) {
-  constexpr std::size_t kTip = 2, kHalf = 4;  // Points are a quarter of a radius apart.
-  const std::size_t first = std::min(kTip, (line.size() - 1) / 3), last = line.size() - 1 - first;
-  const std::size_t half = std::min(kHalf, (last - first) / 2);
-  const std::size_t middle = std::clamp(at, first + half, last - half);
-  return lines.points[line[middle + half]] - lines.points[line[middle - half]];
-}
-
-/// The vessel that the place is the fewest radii off.
-AxisPlace nearest_axis(const Polylines& lines, const Vec3& place_mm) {
-  AxisPlace nearest;
-  for (const auto& line : lines.lines) {
-    for (std::size_t i = 0; i + 1 < line.size(); ++i) {
-      const Vec3 &a = lines.points[line[i]], &b = lines.points[line[i + 1]];
-      const double along =
-          std::clamp((place_mm - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-300), 0.0, 1.0);
-      const Vec3 foot = a + along * (b - a);
-      const std::size_t at = along < 0.5 ? i : i + 1;
-      const double radius_mm = lines.scalars.at("radius")[line[at]];
-      const double off_radii = (place_mm - foot).norm() / radius_mm;
-      if (off_radii < nearest.off_radii)
-        nearest = {off_radii, radius_mm, {foot, direction_at(lines, line, at)}};
-    }
-  }
-  return nearest;
-}
 
 /// The nearest voxel of the object, if one is near.
 std::optional<Index3> object_voxel_near(const LabelImage& image, const Vec3& place_mm) {
@@ -82,51 +48,15 @@ Polylines axes_of_piece(LabelImage image, const Index3& voxel) {
   return extract_centerline(image, {}, quiet);
 }
 
-/// @throws Error{kBadInput} if no vessel runs there any more.
-AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const CutPlane> before) {
-  const AxisPlace found = nearest_axis(lines, place);
-  if (found.off_radii > 2)
-    throw Error(
-        ErrorKind::kBadInput,
-        fmt::format(
-            "no vessel runs at {}: the nearest axis is {:.2g} radii away; lumesh centerline writes the "
-            "axes",
-            place_text(place), found.off_radii));
-  const Vec3& foot = found.across.point_mm;
-  const bool is_gone = std::any_of(before.begin(), before.end(), [&](const CutPlane& plane) {
-    return plane.is_bounded() && (plane.beyond_mm(foot) > 0 || plane.beyond_mm(place) > 0);
-  });
-  if (is_gone)
-    throw Error(ErrorKind::kBadInput, "the vessel at " + place_text(place) + " is cut off already");
-  return found;
-}
-
 CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> before, Context& context) {
   const std::optional<Index3> voxel = object_voxel_near(image, place);
   if (!voxel)
     throw Error(ErrorKind::kBadInput, "no vessel runs at " + place_text(place) + ": all is background there");
   const AxisPlace found = axis_at(axes_of_piece(image, *voxel), place, before);
   const CutVessel cut = cut_off_vessel(image, found.across, found.radius_mm);
-  constexpr double kWide = 1.5;
-  const double of_vessel = std::numbers::pi * found.radius_mm * found.radius_mm;
-  if (cut.section_mm2 > kWide * of_vessel)
-    context.warn(fmt::format(
-        "the cut at {} has a section of {:.3g} mm², {:.1f} times that of the vessel's radius there, "
-        "{:.3g} mm: look whether it forks or bulges there",
-        place_text(place), cut.section_mm2, cut.section_mm2 / of_vessel, found.radius_mm));
+  const std::string doubt = doubt_about_section(found, cut.section_mm2);
+  if (!doubt.empty()) context.warn(doubt);
   return cut.plane;
-}
-
-/// The place on a line so far from its end; none where it is not as long.
-std::optional<Vec3> place_up(const Polylines& lines, const std::vector<std::uint32_t>& from_end,
-                             const LocalLength& length) {
-  const std::vector<double>& radius = lines.scalars.at("radius");
-  double way_mm = 0;
-  for (std::size_t i = 1; i < from_end.size(); ++i) {
-    way_mm += (lines.points[from_end[i]] - lines.points[from_end[i - 1]]).norm();
-    if (way_mm >= length.in_mm(radius[from_end[i]])) return lines.points[from_end[i]];
-  }
-  return std::nullopt;
 }
 
 void clip_ends(LabelImage& image, const LocalLength& length, std::vector<CutPlane>& planes,
@@ -141,7 +71,7 @@ void clip_ends(LabelImage& image, const LocalLength& length, std::vector<CutPlan
       const std::optional<Vec3> place = place_up(lines, from_end, length);
       if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
       const AxisPlace found = axis_at(lines, *place, planes);
-      planes.push_back(cut_off_vessel(image, found.across, found.radius_mm).plane);
+      planes.push_back(cut_off_vessel(image, found.across, found.radius_mm, kMaxWideningAtEnds).plane);
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kBadInput) throw;
       context.warn(fmt::format("{}: the end at {} stays: {}", option_name("clip_ends"), place_text(end),
@@ -165,7 +95,7 @@ std::string refusal_of_cut(const LabelImage& image, const Polylines& lines, std:
   }
 }
 
-std::vector<std::string> cut_options(const ImageCuts& cuts) {
+std::vector<std::string> cut_options(const InputCuts& cuts) {
   std::vector<std::string> options;
   for (const CutPlane& plane : cuts.planes) {
     const Vec3 &p = plane.point_mm, &n = plane.normal;
@@ -206,7 +136,7 @@ std::vector<std::string> cut_options(const std::map<std::string, std::string>& p
   return options;
 }
 
-std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context& context) {
+std::vector<CutPlane> cut_off(LabelImage& image, const InputCuts& cuts, Context& context) {
   std::vector<CutPlane> planes = cuts.planes;
   for (const Vec3& place : cuts.places_mm) planes.push_back(cut_at(image, place, planes, context));
   if (!cuts.ends.empty()) clip_ends(image, local_length_from(cuts.ends), planes, context);
@@ -214,7 +144,7 @@ std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context&
 }
 
 std::shared_ptr<const ImageDomain> domain_of_cut(LabelImage& image, std::vector<CutPlane>& planes,
-                                                 const ImageCuts& cuts, const LabelFieldOptions& field,
+                                                 const InputCuts& cuts, const LabelFieldOptions& field,
                                                  Context& context) {
   auto domain = context.phase("domain", [&] {
     return std::make_shared<const ImageDomain>(image, ImageDomainOptions{field, planes});

@@ -19,7 +19,7 @@ namespace lumesh {
 
 class OptionList;
 
-struct ImageCuts {
+struct InputCuts {
   std::vector<CutPlane> planes = {};  ///< As they are, through everything.
   std::vector<Vec3> places_mm = {};   ///< Each cuts the one vessel there, square to its axis.
   std::string ends = {};            ///< For local_length_from(): how far from each end it is cut; empty: not.
@@ -43,14 +43,14 @@ struct ImageCuts {
 /// @throws Error{kBadInput} for a place without the object within three voxels, or more than two radii from
 /// any axis, or beyond a cut before it; and as extract_centerline() and cut_off_vessel() do. Cost and
 /// threads: for each place as these.
-[[nodiscard]] std::vector<CutPlane> cut_off(LabelImage& image, const ImageCuts& cuts, Context& context);
+[[nodiscard]] std::vector<CutPlane> cut_off(LabelImage& image, const InputCuts& cuts, Context& context);
 
 /// The domain of an image after cut_off(), extended as asked for. @param image, planes  Where it is extended:
 /// become those of the result. @throws Error{kBadInput} as ImageDomain and extend_openings(), and if there is
 /// no opening to extend.
 [[nodiscard]] std::shared_ptr<const ImageDomain> domain_of_cut(LabelImage& image,
                                                                std::vector<CutPlane>& planes,
-                                                               const ImageCuts& cuts,
+                                                               const InputCuts& cuts,
                                                                const LabelFieldOptions& field,
                                                                Context& context);
 
@@ -61,7 +61,7 @@ struct ImageCuts {
                                          std::span<const CutPlane> before, const Vec3& place_mm);
 
 /// Each cut as the command line takes it: "--cut-at 1,2,3", "--cut-plane 1 2 3 0 0 1".
-[[nodiscard]] std::vector<std::string> cut_options(const ImageCuts& cuts);
+[[nodiscard]] std::vector<std::string> cut_options(const InputCuts& cuts);
 /// What cuts the image that a mesh was made from, in the same words. @param provenance  Of the mesh: "cuts",
 /// else what "options" says of them.
 [[nodiscard]] std::vector<std::string> cut_options(const std::map<std::string, std::string>& provenance);

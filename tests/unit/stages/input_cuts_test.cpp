@@ -1,4 +1,4 @@
-#include "lumesh/stages/image_cuts.hpp"
+#include "lumesh/stages/input_cuts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ std::size_t object_voxels(const LabelImage& image) {
       std::count_if(image.voxels().begin(), image.voxels().end(), [](auto v) { return v != 0; }));
 }
 
-TEST(ImageCuts, OneVesselIsCutSquareAndTheOthersStay) {
+TEST(InputCuts, OneVesselIsCutSquareAndTheOthersStay) {
   Context context;
   LabelImage image = fork(true);
   const std::size_t before = object_voxels(image);
@@ -52,7 +52,7 @@ TEST(ImageCuts, OneVesselIsCutSquareAndTheOthersStay) {
 }
 
 /// A place in the trunk above the arm, whose plane meets the arm as well.
-TEST(ImageCuts, APlaneThatMeetsAnotherVesselLeavesItAlone) {
+TEST(InputCuts, APlaneThatMeetsAnotherVesselLeavesItAlone) {
   Context context;
   LabelImage image = fork(true);
   ImageDomainOptions options;
@@ -68,7 +68,7 @@ TEST(ImageCuts, APlaneThatMeetsAnotherVesselLeavesItAlone) {
 }
 
 /// Voxel centres in the plane of the cut are no other vessel.
-TEST(ImageCuts, AStraightTubeIsCutAtTheCentresOfItsVoxels) {
+TEST(InputCuts, AStraightTubeIsCutAtTheCentresOfItsVoxels) {
   Context context;
   for (const double x : {20.0, 20.5, 20.03, 31.0}) {
     LabelImage tube = fixtures::voxels_of(fixtures::frame_of({60, 31, 31}), {0, 1}, [](const Vec3& p) {
@@ -83,7 +83,7 @@ TEST(ImageCuts, AStraightTubeIsCutAtTheCentresOfItsVoxels) {
 }
 
 /// A place says which vessel is meant, also in a smaller piece and beside a thicker one.
-TEST(ImageCuts, TheVesselThatThePlaceIsInIsCut) {
+TEST(InputCuts, TheVesselThatThePlaceIsInIsCut) {
   Context context;
   const auto pair = [] {
     return fixtures::voxels_of(fixtures::frame_of({60, 44, 31}), {0, 1}, [](const Vec3& p) {
@@ -117,7 +117,7 @@ std::string refusal(LabelImage image, const std::vector<Vec3>& places) {
   return "";
 }
 
-TEST(ImageCuts, SectionsOfMoreThanOneVesselAreRefused) {
+TEST(InputCuts, SectionsOfMoreThanOneVesselAreRefused) {
   std::string told;
   Context context({}, [&](std::string_view text) { told += text; });
   LabelImage forked = fork(true);
@@ -138,7 +138,7 @@ TEST(ImageCuts, SectionsOfMoreThanOneVesselAreRefused) {
 }
 
 /// The legs of a U, two voxels apart: an opening would touch the other leg.
-TEST(ImageCuts, AVesselCloseBesideIsRefused) {
+TEST(InputCuts, AVesselCloseBesideIsRefused) {
   const auto legs = [](double apart) {
     return fixtures::voxels_of(fixtures::frame_of({70, 44, 21}), {0, 1}, [=](const Vec3& p) {
       const double z = p.z() - 10.2, low = 10.3, high = low + apart, middle = 0.5 * (low + high);
@@ -152,7 +152,7 @@ TEST(ImageCuts, AVesselCloseBesideIsRefused) {
   EXPECT_EQ(refusal(legs(18), {{20, 10.3, 10.2}}), "");
 }
 
-TEST(ImageCuts, WhatCannotBeCutIsRefusedWithThePlace) {
+TEST(InputCuts, WhatCannotBeCutIsRefusedWithThePlace) {
   EXPECT_NE(refusal(fork(true), {{60, 3, 10}}).find("no vessel runs at (60.0, 3.0, 10.0) mm"),
             std::string::npos);
   LabelImage ring = fixtures::voxels_of(fixtures::frame_of({60, 60, 16}), {0, 1}, [](const Vec3& p) {

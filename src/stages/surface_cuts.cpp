@@ -1,0 +1,170 @@
+#include "surface_cuts.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lumesh/centerline/centerline.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/core/place_text.hpp"
+#include "lumesh/layers/extrusion.hpp"
+#include "lumesh/stages/input.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
+#include "lumesh/surface/plane_cut.hpp"
+#include "vessel_axes.hpp"
+
+namespace lumesh {
+namespace {
+
+using surfaces::SectionPlane;
+
+Polylines axes_of(const MixedMesh& surface) {
+  Context quiet;
+  return extract_centerline(surface.view(), {}, quiet);
+}
+
+/// A patch for each flat end, and the rest: cuts keep off the ends, and axes end there. Names that the file
+/// does not have are left to the domain of what the cuts leave.
+std::vector<FlatEnd> find_ends(MixedMesh& mesh, const SurfaceDomainOptions& options) {
+  const std::unique_ptr<SurfaceDomain> domain = domain_of(mesh, options);
+  MixedMesh patched = domain->patched_surface();
+  for (Patch& patch : patched.info.patches) {
+    const bool is_of_file = std::any_of(mesh.info.patches.begin(), mesh.info.patches.end(),
+                                        [&](const Patch& given) { return given.name == patch.name; });
+    if (patch.kind == PatchKind::kOpening && !is_of_file) patch.name.clear();
+  }
+  std::swap(patched.info.patches, mesh.info.patches);
+  patched.info = std::move(mesh.info);
+  mesh = std::move(patched);
+  return {domain->flat_ends().begin(), domain->flat_ends().end()};
+}
+
+/// Whether a centerline ends there, rather than in a sac.
+bool is_at_end(const Vec3& tip, std::span<const FlatEnd> ends) {
+  return std::any_of(ends.begin(), ends.end(), [&](const FlatEnd& end) {
+    return (tip - end.centre_mm).norm() < std::sqrt(end.area_mm2 / std::numbers::pi);
+  });
+}
+
+class SurfaceCutter {
+ public:
+  SurfaceCutter(MixedMesh& mesh, const Context& context) : mesh_(mesh), context_(context) {}
+
+  void cut_off_beyond(const CutPlane& plane) {
+    TriangleMesh surface = triangles();
+    const std::int32_t caps =
+        surfaces::cut_off_beyond(surface, {plane.point_mm, plane.normal.normalized()}, patch_count());
+    replace_by(std::move(surface), caps);
+  }
+
+  void cut_at(const std::vector<Vec3>& places) {
+    const Polylines lines = axes_of(mesh_);
+    for (const Vec3& place : places) cut_off_end(axis_at(lines, place, {}), 3);
+  }
+
+  /// Of vessels that end in an opening.
+  void clip_ends(const LocalLength& length, std::span<const FlatEnd> ends) {
+    const Polylines lines = axes_of(mesh_);
+    for (const std::vector<std::uint32_t>& from_end : lines_from_ends(lines)) {
+      if (!is_at_end(lines.points[from_end.front()], ends)) continue;
+      try {
+        const std::optional<Vec3> place = place_up(lines, from_end, length);
+        if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
+        cut_off_end(axis_at(lines, *place, {}), kMaxWideningAtEnds);
+      } catch (const Error& error) {
+        if (error.kind() != ErrorKind::kBadInput) throw;
+        context_.warn(fmt::format("{}: the end at {} stays: {}", option_name("clip_ends"),
+                                  place_text(lines.points[from_end.front()]), error.what()));
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] std::int32_t patch_count() const {
+    return static_cast<std::int32_t>(mesh_.info.patches.size());
+  }
+
+  [[nodiscard]] TriangleMesh triangles() const {
+    return {mesh_.points, mesh_.triangles, mesh_.triangle_patches, {}};
+  }
+
+  void cut_off_end(const AxisPlace& place, double max_widening) {
+    std::vector<std::int32_t> ends;
+    for (std::int32_t p = 0; p < patch_count(); ++p)
+      if (mesh_.info.patches[static_cast<std::size_t>(p)].kind == PatchKind::kOpening) ends.push_back(p);
+    TriangleMesh surface = triangles();
+    const SectionPlane plane{place.across.point_mm, place.across.normal.normalized()};
+    const double section_mm2 =
+        surfaces::cut_off_end(surface, plane, place.radius_mm, max_widening, patch_count(), ends).section_mm2;
+    const std::string doubt = doubt_about_section(place, section_mm2);
+    if (!doubt.empty()) context_.warn(doubt);
+    replace_by(std::move(surface), 1);
+  }
+
+  void replace_by(TriangleMesh surface, std::int32_t caps) {
+    for (std::int32_t i = 0; i < caps; ++i)
+      mesh_.info.patches.push_back({"", PatchKind::kOpening, {1, kBackground}});
+    mesh_.points = std::move(surface.points);
+    mesh_.triangles = std::move(surface.triangles);
+    mesh_.triangle_patches = std::move(surface.patches);
+  }
+
+  MixedMesh& mesh_;
+  const Context& context_;
+};
+
+/// What was closed has an end near its centre still.
+void drop_what_was_cut_away(const SurfaceDomain& domain, std::vector<surfaces::ClosedRim>& closed) {
+  std::erase_if(closed, [&](const surfaces::ClosedRim& rim) {
+    constexpr double kNear = 0.01;  // Of the radius.
+    const auto ends = domain.flat_ends();
+    return rim.is_opening && std::none_of(ends.begin(), ends.end(), [&](const FlatEnd& end) {
+             return (end.centre_mm - rim.centre_mm).norm() < kNear * rim.given.radius_mm;
+           });
+  });
+}
+
+void extend_ends(const SurfaceDomain& domain, const ExtensionOptions& extension, SurfaceInput& surface,
+                 const Context& context) {
+  if (domain.flat_ends().empty())
+    throw Error(ErrorKind::kBadInput, option_name("extend") +
+                                          ": the surface has no flat end; cut vessels with `cut_at` or "
+                                          "`clip_ends`, which makes openings");
+  MixedMesh patched = domain.patched_surface();
+  std::swap(patched.info.patches, surface.mesh.info.patches);
+  patched.info = std::move(surface.mesh.info);
+  std::optional<LocalLength> transition;
+  if (!extension.transition.empty()) transition = local_length_from(extension.transition);
+  ExtrudedMesh made =
+      extrude_openings(patched, named_lengths_from(extension.lengths), LayerCells::kTetrahedra, transition);
+  for (const std::string& note : made.notes) context.warn(note);
+  surface.mesh = std::move(made.mesh);
+}
+
+}  // namespace
+
+void cut_and_extend(SurfaceInput& surface, const InputCuts& cuts, const SurfaceDomainOptions& options,
+                    const Context& context) {
+  surface.mesh.metric.clear();
+  surface.mesh.sizes_mm.clear();
+  const std::vector<FlatEnd> ends = find_ends(surface.mesh, options);
+  SurfaceCutter cutter(surface.mesh, context);
+  for (const CutPlane& plane : cuts.planes) cutter.cut_off_beyond(plane);
+  if (!cuts.places_mm.empty()) cutter.cut_at(cuts.places_mm);
+  if (!cuts.ends.empty()) cutter.clip_ends(local_length_from(cuts.ends), ends);
+  const std::unique_ptr<SurfaceDomain> domain = domain_of(surface.mesh, options);
+  drop_what_was_cut_away(*domain, surface.closed);
+  name_closed(surface.closed, domain->flat_ends());
+  if (cuts.extension.is_wanted()) extend_ends(*domain, cuts.extension, surface, context);
+}
+
+}  // namespace lumesh

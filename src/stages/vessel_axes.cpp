@@ -1,0 +1,87 @@
+#include "vessel_axes.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
+
+namespace lumesh {
+namespace {
+
+/// The way of a line around one of its points, over two radii; without its ends, which bend into the corners
+/// of oblique tips.
+Vec3 direction_at(const Polylines& lines, const std::vector<std::uint32_t>& line, std::size_t at) {
+  constexpr std::size_t kTip = 2, kHalf = 4;  // Points are a quarter of a radius apart.
+  const std::size_t first = std::min(kTip, (line.size() - 1) / 3), last = line.size() - 1 - first;
+  const std::size_t half = std::min(kHalf, (last - first) / 2);
+  const std::size_t middle = std::clamp(at, first + half, last - half);
+  return lines.points[line[middle + half]] - lines.points[line[middle - half]];
+}
+
+/// The vessel that the place is the fewest radii off.
+AxisPlace nearest_axis(const Polylines& lines, const Vec3& place_mm) {
+  AxisPlace nearest;
+  for (const auto& line : lines.lines) {
+    for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+      const Vec3 &a = lines.points[line[i]], &b = lines.points[line[i + 1]];
+      const double along =
+          std::clamp((place_mm - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-300), 0.0, 1.0);
+      const Vec3 foot = a + along * (b - a);
+      const std::size_t at = along < 0.5 ? i : i + 1;
+      const double radius_mm = lines.scalars.at("radius")[line[at]];
+      const double off_radii = (place_mm - foot).norm() / radius_mm;
+      if (off_radii < nearest.off_radii)
+        nearest = {off_radii, radius_mm, {foot, direction_at(lines, line, at)}};
+    }
+  }
+  return nearest;
+}
+
+}  // namespace
+
+AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const CutPlane> before) {
+  const AxisPlace found = nearest_axis(lines, place);
+  if (found.off_radii > 2)
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format(
+            "no vessel runs at {}: the nearest axis is {:.2g} radii away; lumesh centerline writes the "
+            "axes",
+            place_text(place), found.off_radii));
+  const Vec3& foot = found.across.point_mm;
+  const bool is_gone = std::any_of(before.begin(), before.end(), [&](const CutPlane& plane) {
+    return plane.is_bounded() && (plane.beyond_mm(foot) > 0 || plane.beyond_mm(place) > 0);
+  });
+  if (is_gone)
+    throw Error(ErrorKind::kBadInput, "the vessel at " + place_text(place) + " is cut off already");
+  return found;
+}
+
+std::optional<Vec3> place_up(const Polylines& lines, const std::vector<std::uint32_t>& from_end,
+                             const LocalLength& length) {
+  const std::vector<double>& radius = lines.scalars.at("radius");
+  double way_mm = 0, lacking_mm = length.in_mm(radius[from_end[0]]);
+  for (std::size_t i = 1; i < from_end.size(); ++i) {
+    const Vec3 &before = lines.points[from_end[i - 1]], &at = lines.points[from_end[i]];
+    way_mm += (at - before).norm();
+    const double beyond_mm = way_mm - length.in_mm(radius[from_end[i]]);
+    if (beyond_mm >= 0) return before + lacking_mm / (lacking_mm + beyond_mm) * (at - before);
+    lacking_mm = -beyond_mm;
+  }
+  return std::nullopt;
+}
+
+std::string doubt_about_section(const AxisPlace& place, double section_mm2) {
+  constexpr double kWide = 1.5;
+  const double of_vessel = std::numbers::pi * place.radius_mm * place.radius_mm;
+  if (section_mm2 <= kWide * of_vessel) return "";
+  return fmt::format(
+      "the cut at {} has a section of {:.3g} mm², {:.1f} times that of the vessel's radius there, {:.3g} mm: "
+      "look whether it forks or bulges there",
+      place_text(place.across.point_mm), section_mm2, section_mm2 / of_vessel, place.radius_mm);
+}
+
+}  // namespace lumesh

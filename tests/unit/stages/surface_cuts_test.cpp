@@ -1,0 +1,222 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "fixtures/surfaces.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/stages/input.hpp"
+#include "lumesh/stages/surface_input.hpp"
+
+namespace lumesh {
+namespace {
+
+using fixtures::icosphere;
+using fixtures::TriangleSoup;
+
+constexpr double kPi = std::numbers::pi;
+
+/// Open at both ends, around a curve of places and directions by the length along it.
+struct Tube {
+  double length_mm = 20;
+  std::function<Vec3(double)> axis = [](double s) { return Vec3(0, 0, s); };
+  std::function<Vec3(double)> along = [](double /*s*/) { return Vec3(0, 0, 1); };
+  std::function<double(double)> radius = [](double /*angle*/) { return 2.0; };
+};
+
+TriangleSoup soup_of(const Tube& tube) {
+  constexpr std::uint32_t kAround = 48, kRows = 80;
+  TriangleSoup soup;
+  for (std::uint32_t row = 0; row <= kRows; ++row) {
+    const double s = tube.length_mm * row / kRows;
+    const Vec3 v = Vec3::UnitY(), u = v.cross(tube.along(s));
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      const double angle = 2 * kPi * i / kAround;
+      soup.points.emplace_back(tube.axis(s) +
+                               tube.radius(angle) * (std::cos(angle) * u + std::sin(angle) * v));
+    }
+  }
+  for (std::uint32_t row = 0; row < kRows; ++row)
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      const std::uint32_t a = row * kAround + i, b = row * kAround + (i + 1) % kAround;
+      soup.triangles.push_back({a, b, a + kAround});
+      soup.triangles.push_back({b, b + kAround, a + kAround});
+    }
+  return soup;
+}
+
+/// A quarter of a circle of radius 15 in the plane y = 0.
+Tube bent() {
+  Tube tube;
+  tube.length_mm = 7.5 * kPi;
+  tube.axis = [](double s) { return Vec3(15 * (1 - std::cos(s / 15)), 0, 15 * std::sin(s / 15)); };
+  tube.along = [](double s) { return Vec3(std::sin(s / 15), 0, std::cos(s / 15)); };
+  return tube;
+}
+
+class SurfaceCuts : public ::testing::Test {
+ protected:
+  std::filesystem::path write(const TriangleSoup& soup) {
+    const ::testing::TestInfo& test = *::testing::UnitTest::GetInstance()->current_test_info();
+    const std::filesystem::path path = ::testing::TempDir() + "surface_cuts_" + test.name() + ".obj";
+    std::ofstream file(path);
+    file.precision(17);
+    for (const Vec3& p : soup.points) file << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+    for (const auto& [a, b, c] : soup.triangles)
+      file << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << '\n';
+    return path;
+  }
+  SurfaceInput read(const TriangleSoup& soup, const InputCuts& cuts) {
+    return read_surface(write(soup), "", {}, cuts, context_);
+  }
+  static FlatEnd end_named(const MixedMesh& surface, const std::string& name) {
+    const auto domain = domain_of(surface, {});
+    for (const FlatEnd& end : domain->flat_ends())
+      if (end.name == name) return end;
+    ADD_FAILURE() << "no end " << name;
+    return {};
+  }
+  static double volume_of(const MixedMesh& surface) { return domain_of(surface, {})->volume_mm3(); }
+
+  std::vector<std::string> told_;
+  Context context_{nullptr, [this](std::string_view text) { told_.emplace_back(text); }};
+};
+
+TEST_F(SurfaceCuts, AnExtensionHasTheLengthAndTheSectionOfItsEnd) {
+  const MixedMesh plain = read(soup_of(bent()), {}).mesh;
+  InputCuts cuts;
+  cuts.extension.lengths = "5r";
+  const MixedMesh longer = read(soup_of(bent()), cuts).mesh;
+  for (const std::string name : {"inlet_1", "outlet_1"}) {
+    const FlatEnd before = end_named(plain, name), after = end_named(longer, name);
+    const double radius_mm = std::sqrt(before.area_mm2 / kPi);
+    EXPECT_NEAR((after.centre_mm - before.centre_mm).norm(), 5 * radius_mm, 0.005 * 5 * radius_mm) << name;
+    EXPECT_NEAR((after.centre_mm - before.centre_mm).normalized().dot(before.normal), 1, 1e-3) << name;
+    EXPECT_NEAR(after.area_mm2, before.area_mm2, 0.01 * before.area_mm2) << name;
+  }
+  const double end_mm2 = end_named(plain, "inlet_1").area_mm2;
+  EXPECT_NEAR(volume_of(longer) - volume_of(plain), 2 * 5 * 2 * end_mm2, 0.01 * 20 * end_mm2);
+}
+
+TEST_F(SurfaceCuts, WallsGoOnSmoothly) {
+  InputCuts cuts;
+  cuts.extension.lengths = "3r";
+  const MixedMesh longer = read(soup_of(bent()), cuts).mesh;
+  double turned_deg = 0;
+  std::size_t count = 0;
+  const auto normal_of = [&](const Cell<3>& t) {
+    return triangle_normal(longer.points[t[0]], longer.points[t[1]], longer.points[t[2]]);
+  };
+  // Triangles with an edge on the seam, which lies in the plane z = 0.
+  const auto is_at_seam = [&](const Cell<3>& t, double side) {
+    int on = 0, beyond = 0;
+    for (const std::uint32_t v : t) {
+      on += std::abs(longer.points[v].z()) < 1e-9 ? 1 : 0;
+      beyond += side * longer.points[v].z() > 1e-9 ? 1 : 0;
+    }
+    return on == 2 && beyond == 1;
+  };
+  for (const Cell<3>& t : longer.triangles)
+    for (const Cell<3>& u : longer.triangles) {
+      if (!is_at_seam(t, 1) || !is_at_seam(u, -1)) continue;
+      const auto shared = std::count_if(t.begin(), t.end(),
+                                        [&](auto v) { return std::find(u.begin(), u.end(), v) != u.end(); });
+      if (shared != 2) continue;
+      turned_deg += std::acos(std::min(1.0, normal_of(t).dot(normal_of(u)))) * 180 / kPi;
+      ++count;
+    }
+  ASSERT_EQ(count, 48U);
+  EXPECT_LT(turned_deg / static_cast<double>(count), 3);
+}
+
+TEST_F(SurfaceCuts, ASectionBecomesACircleOfItsArea) {
+  Tube tube;
+  tube.radius = [](double angle) {
+    return 2 / std::sqrt(std::pow(std::cos(angle), 2) + 2 * std::pow(std::sin(angle), 2));
+  };
+  InputCuts cuts;
+  cuts.extension.lengths = "outlet_1=4r,inlet_1=0";
+  cuts.extension.transition = "2r";
+  const MixedMesh plain = read(soup_of(tube), {}).mesh, longer = read(soup_of(tube), cuts).mesh;
+  const FlatEnd before = end_named(plain, "outlet_1"), after = end_named(longer, "outlet_1");
+  EXPECT_NEAR(after.area_mm2, before.area_mm2, 1e-6 * before.area_mm2);
+  EXPECT_EQ(end_named(longer, "inlet_1").centre_mm, end_named(plain, "inlet_1").centre_mm);
+  double least = 1e9, most = 0;
+  const auto patch = std::find_if(longer.info.patches.begin(), longer.info.patches.end(),
+                                  [](const Patch& p) { return p.name == "outlet_1"; });
+  const auto number = static_cast<std::int32_t>(patch - longer.info.patches.begin());
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (std::size_t t = 0; t < longer.triangles.size(); ++t)
+    if (longer.triangle_patches[t] == number)
+      for (std::size_t s = 0; s < 3; ++s)
+        ++edges[std::minmax(longer.triangles[t][s], longer.triangles[t][(s + 1) % 3])];
+  for (const auto& [edge, count] : edges) {
+    if (count != 1) continue;
+    const double off = (longer.points[edge.first] - after.centre_mm).norm();
+    least = std::min(least, off);
+    most = std::max(most, off);
+  }
+  EXPECT_LT(most / least, 1.001);
+}
+
+TEST_F(SurfaceCuts, EndsAreCutSquareAndSacsAreNot) {
+  InputCuts cuts;
+  cuts.ends = "1r";
+  const MixedMesh cut = read(soup_of(bent()), cuts).mesh;
+  EXPECT_NEAR(volume_of(cut), kPi * 4 * (7.5 * kPi - 2 * 2), 0.03 * kPi * 4 * 7.5 * kPi);
+  for (const std::string name : {"inlet_1", "outlet_1"})
+    EXPECT_NEAR(end_named(cut, name).area_mm2, kPi * 4, 0.02 * kPi * 4) << name;
+  EXPECT_EQ(domain_of(cut, {})->flat_ends().size(), 2U);
+}
+
+TEST_F(SurfaceCuts, APlaceCutsTheVesselThere) {
+  InputCuts cuts;
+  cuts.places_mm = {{0.3, 0.2, 14}};
+  const SurfaceInput cut = read(soup_of({}), cuts);
+  EXPECT_NEAR(volume_of(cut.mesh), kPi * 4 * 14, 0.02 * kPi * 4 * 14);
+  // The end that went is not among what was closed.
+  EXPECT_EQ(cut.closed.size(), 1U);
+  InputCuts beside;
+  beside.places_mm = {{30, 0, 14}};
+  EXPECT_THROW(static_cast<void>(read(soup_of({}), beside)), Error);
+}
+
+TEST_F(SurfaceCuts, ExtensionsKeepOffOtherVessels) {
+  // A hook whose end looks at its own beginning.
+  Tube hook;
+  hook.length_mm = 1.6 * kPi * 8;
+  hook.axis = [](double s) { return Vec3(8 * (1 - std::cos(s / 8)), 0, 8 * std::sin(s / 8)); };
+  hook.along = [](double s) { return Vec3(std::sin(s / 8), 0, std::cos(s / 8)); };
+  InputCuts cuts;
+  cuts.extension.lengths = "30r";
+  const MixedMesh longer = read(soup_of(hook), cuts).mesh;
+  ASSERT_FALSE(told_.empty());
+  EXPECT_NE(told_.front().find("in the way"), std::string::npos);
+  EXPECT_EQ(domain_of(longer, {})->flat_ends().size(), 2U);
+}
+
+TEST_F(SurfaceCuts, WithoutAFlatEndNothingIsExtended) {
+  InputCuts cuts;
+  cuts.extension.lengths = "5r";
+  try {
+    static_cast<void>(read(icosphere(3, 4), cuts));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+    EXPECT_NE(std::string(error.what()).find("no flat end"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace lumesh
