@@ -37,7 +37,6 @@ void read_file(CaseState& state) {
     });
     state.surface = std::move(read.mesh);
     state.closed = std::move(read.closed);
-    warn_of_unit(*state.surface, {}, input.selection.unit, input.surface, state.context);
   } else {
     state.image = state.context.phase(
         "read", [&] { return read_selected_image(input.image, input.selection, state.context); });
@@ -70,6 +69,8 @@ void describe_image(const LabelImage& image, report::StageReport& stage) {
 
 void describe_surface(CaseState& state, report::StageReport& stage) {
   stage.figures.push_back({"Triangles", std::uint64_t{state.surface->triangles.size()}});
+  warn_of_unit(*state.surface, state.openings(), state.c.input.selection.unit, state.input_name,
+               state.context);
   if (state.closed.empty()) return;
   name_closed(state.closed, state.domain().flat_ends());
   std::size_t number = 0;

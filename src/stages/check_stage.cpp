@@ -3,6 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "check_image.hpp"
 #include "lumesh/core/error.hpp"
@@ -19,10 +23,21 @@ namespace {
 
 constexpr std::size_t kMostProblems = 20;  // Of a mesh.
 
-void check_unit(const MixedMesh& mesh, CheckReport& report) {
+void check_unit(const MixedMesh& mesh, std::span<const Opening> openings, CheckReport& report) {
   if (mesh.points.empty()) return;
-  const std::string doubt = unit_doubt(mesh, {});
+  const std::string doubt = unit_doubt(mesh, openings);
   if (!doubt.empty()) report.findings.push_back({"unit", Severity::kRemark, 1, doubt, "", {}});
+}
+
+/// Of its flat ends and what closes its open ones; none where its inside cannot be told.
+std::vector<Opening> openings_of(MixedMesh surface) {
+  try {
+    static_cast<void>(close_open_ends(surface, {}, Context()));
+    return find_openings(*domain_of(surface, {}));
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    return {};
+  }
 }
 
 CheckReport check_surface(const MixedMesh& surface, const std::filesystem::path& path) {
@@ -30,7 +45,7 @@ CheckReport check_surface(const MixedMesh& surface, const std::filesystem::path&
       "surface", fmt::format("{} triangles, {} points", surface.triangles.size(), surface.points.size()), {}};
   report.findings =
       naming(path.string(), [&] { return surfaces::findings_of(surface.points, surface.triangles); });
-  check_unit(surface, report);
+  check_unit(surface, openings_of(surface), report);
   return report;
 }
 
@@ -48,7 +63,7 @@ CheckReport check_mesh(const MixedMesh& mesh) {
       report.findings.push_back({"invalid", Severity::kFault, 1, problem, kRemedy, {}});
     }
   }
-  check_unit(mesh, report);
+  check_unit(mesh, {}, report);
   return report;
 }
 

@@ -96,6 +96,7 @@ void SizeRequest::describe(OptionList& list) {
       .excludes("size_ceiling");
   list.number("size_k", point_sizes.k, between(1, 10000),
               "Nearest of these points, the mean of whose distances counts; the paper has 30")
+      .alias("k")
       .zero("1, for which size_floor is needed")
       .needs("size_points");
   list.number("size_factor", point_sizes.factor, above(0), "Size per distance to the size_points")

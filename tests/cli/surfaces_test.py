@@ -139,6 +139,14 @@ class SurfacesTest(ProgramTest):
         self.assertEqual([p["name"] for p in told["patches"]], ["wall", "inlet_1", "outlet_1"])
         self.assertIn("--extend 2r", told["provenance"]["cuts"])
 
+    def test_a_vessel_in_cm_is_doubted(self):
+        surface, case = self.stl("aorta.stl", *tube(radius=1.0, length=30.0)), self.folder / "case.toml"
+        case.write_text('mesher = "delaunay"\n[input]\nsurface = "aorta.stl"\n[delaunay]\ndelta = 0.5\n[output]\nreport = ""\n')
+        for told in (self.run_lumesh("check", surface).stdout, self.run_well("info", surface).stderr,
+                     self.run_well("run", case, "-o", self.folder / "out", "-q").stderr):
+            self.assertIn("is it in cm?", told)
+        self.assertNotIn("is it in", self.run_well("info", surface, "--unit", "cm").stderr)
+
     def test_keep_open_refuses(self):
         source = self.stl("tube.stl", *tube())
         out = self.folder / "out.vtu"
