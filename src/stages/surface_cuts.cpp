@@ -32,19 +32,24 @@ Polylines axes_of(const MixedMesh& surface) {
   return extract_centerline(surface.view(), {}, quiet);
 }
 
-/// A patch for each flat end, and the rest: cuts keep off the ends, and axes end there. Names that the file
-/// does not have are left to the domain of what the cuts leave.
-std::vector<FlatEnd> find_ends(MixedMesh& mesh, const SurfaceDomainOptions& options) {
-  const std::unique_ptr<SurfaceDomain> domain = domain_of(mesh, options);
-  MixedMesh patched = domain->patched_surface();
-  for (Patch& patch : patched.info.patches) {
-    const bool is_of_file = std::any_of(mesh.info.patches.begin(), mesh.info.patches.end(),
-                                        [&](const Patch& given) { return given.name == patch.name; });
-    if (patch.kind == PatchKind::kOpening && !is_of_file) patch.name.clear();
-  }
+void take_patches_of(const SurfaceDomain& domain, MixedMesh& mesh) {
+  MixedMesh patched = domain.patched_surface();
   std::swap(patched.info.patches, mesh.info.patches);
   patched.info = std::move(mesh.info);
   mesh = std::move(patched);
+}
+
+/// A patch for each flat end, and the rest: cuts keep off the ends, and axes end there. Names that the
+/// surface does not have are left to the domain of what the cuts leave.
+std::vector<FlatEnd> find_ends(MixedMesh& mesh, const SurfaceDomainOptions& options) {
+  const std::unique_ptr<SurfaceDomain> domain = domain_of(mesh, options);
+  const std::vector<Patch> given = mesh.info.patches;
+  take_patches_of(*domain, mesh);
+  for (Patch& patch : mesh.info.patches) {
+    const bool is_given =
+        std::any_of(given.begin(), given.end(), [&](const Patch& other) { return other.name == patch.name; });
+    if (patch.kind == PatchKind::kOpening && !is_given) patch.name.clear();
+  }
   return {domain->flat_ends().begin(), domain->flat_ends().end()};
 }
 
@@ -139,13 +144,11 @@ void extend_ends(const SurfaceDomain& domain, const ExtensionOptions& extension,
     throw Error(ErrorKind::kBadInput, option_name("extend") +
                                           ": the surface has no flat end; cut vessels with `cut_at` or "
                                           "`clip_ends`, which makes openings");
-  MixedMesh patched = domain.patched_surface();
-  std::swap(patched.info.patches, surface.mesh.info.patches);
-  patched.info = std::move(surface.mesh.info);
+  take_patches_of(domain, surface.mesh);
   std::optional<LocalLength> transition;
   if (!extension.transition.empty()) transition = local_length_from(extension.transition);
-  ExtrudedMesh made =
-      extrude_openings(patched, named_lengths_from(extension.lengths), LayerCells::kTetrahedra, transition);
+  ExtrudedMesh made = extrude_openings(surface.mesh, named_lengths_from(extension.lengths),
+                                       LayerCells::kTetrahedra, transition);
   for (const std::string& note : made.notes) context.warn(note);
   surface.mesh = std::move(made.mesh);
 }
@@ -156,11 +159,14 @@ void cut_and_extend(SurfaceInput& surface, const InputCuts& cuts, const SurfaceD
                     const Context& context) {
   surface.mesh.metric.clear();
   surface.mesh.sizes_mm.clear();
-  const std::vector<FlatEnd> ends = find_ends(surface.mesh, options);
+  std::vector<FlatEnd> ends = find_ends(surface.mesh, options);
   SurfaceCutter cutter(surface.mesh, context);
   for (const CutPlane& plane : cuts.planes) cutter.cut_off_beyond(plane);
   if (!cuts.places_mm.empty()) cutter.cut_at(cuts.places_mm);
-  if (!cuts.ends.empty()) cutter.clip_ends(local_length_from(cuts.ends), ends);
+  if (!cuts.ends.empty()) {
+    if (!cuts.planes.empty() || !cuts.places_mm.empty()) ends = find_ends(surface.mesh, options);
+    cutter.clip_ends(local_length_from(cuts.ends), ends);
+  }
   const std::unique_ptr<SurfaceDomain> domain = domain_of(surface.mesh, options);
   drop_what_was_cut_away(*domain, surface.closed);
   name_closed(surface.closed, domain->flat_ends());

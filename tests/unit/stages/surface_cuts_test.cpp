@@ -180,6 +180,15 @@ TEST_F(SurfaceCuts, EndsAreCutSquareAndSacsAreNot) {
   EXPECT_EQ(domain_of(cut, {})->flat_ends().size(), 2U);
 }
 
+TEST_F(SurfaceCuts, EndsThatAPlaneMadeAreCutToo) {
+  InputCuts cuts;
+  cuts.planes = {{{0, 0, 15}, {0.3, 0, 1}}};
+  cuts.ends = "1r";
+  const MixedMesh cut = read(soup_of({}), cuts).mesh;
+  EXPECT_NEAR(volume_of(cut), kPi * 4 * (15 - 2 * 2), 0.03 * kPi * 4 * 15);
+  EXPECT_NEAR(end_named(cut, "inlet_1").area_mm2, kPi * 4, 0.01 * kPi * 4);
+}
+
 TEST_F(SurfaceCuts, APlaceCutsTheVesselThere) {
   InputCuts cuts;
   cuts.places_mm = {{0.3, 0.2, 14}};

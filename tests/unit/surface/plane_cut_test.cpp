@@ -95,7 +95,7 @@ TEST(PlaneCut, BothHalvesOfRandomCutsMakeTheWhole) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> share(0.2, 0.8);
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 20; ++i) {
     const TriangleMesh& shape = shapes[static_cast<std::size_t>(i) % shapes.size()];
     // Between two points of the surface.
     std::uniform_int_distribution<std::size_t> vertex(0, shape.points.size() - 1);
