@@ -24,6 +24,7 @@ void add_triangles(const ClosedSurface& surface, const FeatureRegions& regions,
     own.box_mm.extend(a), own.box_mm.extend(b), own.box_mm.extend(c);
   }
   for (RegionShape& own : shapes) {
+    own.evenness = own.area_mm2 > 0 ? own.normal.norm() / own.area_mm2 : 0;
     own.normal.normalize();
     own.centre_mm /= own.area_mm2;
   }
@@ -31,7 +32,10 @@ void add_triangles(const ClosedSurface& surface, const FeatureRegions& regions,
 
 std::vector<bool> flat_regions(const ClosedSurface& surface, const FeatureRegions& regions,
                                const std::vector<RegionShape>& shapes) {
-  std::vector<bool> is_flat(shapes.size(), true);
+  // A long thin tube lies near a plane, too, for its area; its normals do not look one way.
+  constexpr double kLeastEvenness = 0.9;
+  std::vector<bool> is_flat;
+  for (const RegionShape& own : shapes) is_flat.push_back(own.evenness > kLeastEvenness);
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
     const std::uint32_t region = regions.of_triangle[t];
     const RegionShape& own = shapes[region];

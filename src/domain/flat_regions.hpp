@@ -12,6 +12,7 @@ struct RegionShape {
   double area_mm2 = 0;
   Vec3 centre_mm = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  // The mean, out of the object.
+  double evenness = 0;         // Of the normals: 1 if they are all alike.
   Box3 box_mm;
   bool is_flat_end = false;  // In one plane, ends at one closed curve, beside a region that is bent.
 };

@@ -84,7 +84,10 @@ struct SurfaceDomain::Parts {
     patches.assign(view.patch_info.begin(), view.patch_info.end());
     std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
     std::erase_if(used, [&](std::int32_t number) { return is_cap(patch_of_file(number)); });
-    has_named_patches = used.size() > 1;
+    // One is left where cuts took the others: its name stays.
+    const auto known =
+        std::count_if(patches.begin(), patches.end(), [](const Patch& p) { return !is_cap(&p); });
+    has_named_patches = used.size() > 1 || (used.size() == 1 && known > 1);
     name_regions();
     if (!options.keep_vertices) return;
     fixed_points = surface.points;

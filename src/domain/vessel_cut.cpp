@@ -28,13 +28,13 @@ class VesselCut {
         is_in_section_(image.voxels().size(), false),
         part_(image.voxels().size(), Side::kNone) {}
 
-  CutVessel make(double radius_mm, double max_widening) {
+  CutVessel make(double radius_mm, double max_widening, CutPart goes) {
     find_section();
     check_section(radius_mm, max_widening);
     std::vector<Index3> above = start_of(Side::kAbove), below = start_of(Side::kBelow);
     flood(above, Side::kAbove);
     flood(below, Side::kBelow);
-    if (below.size() < above.size()) {
+    if (goes == CutPart::kSmaller && below.size() < above.size()) {
       plane_.normal = -plane_.normal;
       std::swap(above, below);
     }
@@ -201,8 +201,9 @@ class VesselCut {
 
 }  // namespace
 
-CutVessel cut_off_vessel(LabelImage& image, const CutPlane& plane, double radius_mm, double max_widening) {
-  return VesselCut(image, plane).make(radius_mm, max_widening);
+CutVessel cut_off_vessel(LabelImage& image, const CutPlane& plane, double radius_mm, double max_widening,
+                         CutPart goes) {
+  return VesselCut(image, plane).make(radius_mm, max_widening, goes);
 }
 
 }  // namespace lumesh

@@ -13,6 +13,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -163,13 +164,15 @@ class Extruder {
   /// The vessel's direction in the section: that of the walls over half of its reach before it less what it
   /// has turned by since twice as far, as vessels bend.
   [[nodiscard]] Vec3 axis_at(const SweptSection& s) const {
-    constexpr double kLeastCos = 0.4, kMostBent = 0.94;  // Cosines.
+    constexpr double kLeastCos = 0.4, kMostBent = 0.94, kSquare = 0.997;  // Cosines.
     const std::optional<Vec3> near = wall_direction(s, 0.5 * s.reach_mm);
     const std::optional<Vec3> all = wall_direction(s, s.reach_mm);
     if (!all) return s.normal;
     const bool is_curve = near && near->dot(*all) > kMostBent;
     const Vec3 axis = is_curve ? Vec3((2 * *near - *all).normalized()) : *all;
-    return axis.dot(s.normal) > kLeastCos ? axis : s.normal;
+    // Facets and noise turn it by a few degrees: an end that is square within that is.
+    const bool is_square = axis.dot(s.normal) > kSquare || all->dot(s.normal) > kSquare;
+    return axis.dot(s.normal) > kLeastCos && !is_square ? axis : s.normal;
   }
   /// The direction that the normals of the walls at most so deep are most nearly square to, if they say one.
   [[nodiscard]] std::optional<Vec3> wall_direction(const SweptSection& s, double depth_mm) const {
@@ -227,16 +230,26 @@ class Extruder {
       if (std::abs((point(v) - s.centre_mm).dot(s.normal)) > 0.01 * s.reach_mm)
         throw Error(ErrorKind::kBadInput, fmt::format("{}: {} is not flat; extensions stand on flat openings",
                                                       option_name("extend"), name));
+    constexpr double kMostRadii = 1000, kLowestRow = 0.25;  // Of the edges.
+    if (!(length_mm <= kMostRadii * s.radius_mm))
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{}: {} would go on by {:.3g} mm, more than {:g} times its radius",
+                              option_name("extend"), name, length_mm, kMostRadii));
     const double cosine = s.axis.dot(s.normal);
-    const double least_mm = s.reach_mm * std::sqrt(std::max(0.0, 1 - cosine * cosine)) + s.edge_mm;
-    const std::optional<double> hit_mm = first_hit(s, std::max(length_mm, least_mm) + s.radius_mm);
+    const double slant_mm = s.reach_mm * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    const double least_mm = slant_mm + kLowestRow * s.edge_mm;
+    const std::optional<Hit> hit = first_hit(s, std::max(length_mm, least_mm) + s.radius_mm);
     double given_mm = std::max(length_mm, least_mm);
-    if (hit_mm) given_mm = std::min(given_mm, *hit_mm - s.radius_mm);
+    if (hit) given_mm = std::min(given_mm, hit->along_mm - s.radius_mm);
     if (given_mm < least_mm) given_mm = 0;
-    if (given_mm != length_mm)
-      result_.notes.push_back(fmt::format(
-          "{}: {} goes on by {:.4g} mm, not {:.4g} mm: {}", option_name("extend"), name, given_mm, length_mm,
-          given_mm > length_mm ? "it is cut off obliquely" : "another part of the mesh is in the way"));
+    if (given_mm != length_mm) {
+      const std::string reason =
+          given_mm < length_mm   ? "another part of the surface is in the way at " + place_text(hit->place_mm)
+          : slant_mm > length_mm ? std::string("it is cut off obliquely")
+                                 : fmt::format("its edges are {:.3g} mm long", s.edge_mm);
+      result_.notes.push_back(fmt::format("{}: {} goes on by {:.4g} mm, not {:.4g} mm: {}",
+                                          option_name("extend"), name, given_mm, length_mm, reason));
+    }
     if (given_mm == 0) return;
     if (mesh().view().cell_count() > 0) find_labels(s);
     find_circle(s);
@@ -300,8 +313,12 @@ class Extruder {
     return rim;
   }
 
-  /// How far along the axis another part of the boundary is nearer than an edge.
-  [[nodiscard]] std::optional<double> first_hit(const SweptSection& s, double last_mm) const {
+  struct Hit {
+    double along_mm = 0;
+    Vec3 place_mm = Vec3::Zero();
+  };
+  /// Where along the axis another part of the boundary is nearer than an edge.
+  [[nodiscard]] std::optional<Hit> first_hit(const SweptSection& s, double last_mm) const {
     std::vector<Cell<3>> beyond;
     for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
       const bool is_beyond = !s.has(p) && std::any_of(face.begin(), face.end(), [&](std::uint32_t v) {
@@ -314,8 +331,9 @@ class Extruder {
     const TriangleTree tree(mesh().points, beyond);
     for (double along_mm = 0; along_mm < last_mm + s.edge_mm; along_mm += 0.5 * s.edge_mm)
       for (const std::uint32_t v : s.vertices)
-        if (tree.nearest(point(v) + along_mm * s.axis, s.edge_mm).triangle != TriangleTree::kNone)
-          return along_mm;
+        if (const auto found = tree.nearest(point(v) + along_mm * s.axis, s.edge_mm);
+            found.triangle != TriangleTree::kNone)
+          return Hit{along_mm, found.point};
     return std::nullopt;
   }
 

@@ -71,7 +71,9 @@ void clip_ends(LabelImage& image, const LocalLength& length, std::vector<CutPlan
       const std::optional<Vec3> place = place_up(lines, from_end, length);
       if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
       const AxisPlace found = axis_at(lines, *place, planes);
-      planes.push_back(cut_off_vessel(image, found.across, found.radius_mm, kMaxWideningAtEnds).plane);
+      planes.push_back(
+          cut_off_vessel(image, towards_end(found, end), found.radius_mm, kMaxWideningAtEnds, CutPart::kAbove)
+              .plane);
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kBadInput) throw;
       context.warn(fmt::format("{}: the end at {} stays: {}", option_name("clip_ends"), place_text(end),

@@ -19,7 +19,9 @@
 #include "lumesh/layers/extrusion.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
+#include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/plane_cut.hpp"
+#include "lumesh/surface/shells.hpp"
 #include "vessel_axes.hpp"
 
 namespace lumesh {
@@ -27,9 +29,59 @@ namespace {
 
 using surfaces::SectionPlane;
 
+void append_lines(const Polylines& lines, Polylines& all) {
+  const auto first = static_cast<std::uint32_t>(all.points.size());
+  all.points.insert(all.points.end(), lines.points.begin(), lines.points.end());
+  for (std::vector<std::uint32_t> line : lines.lines) {
+    for (std::uint32_t& point : line) point += first;
+    all.lines.push_back(std::move(line));
+  }
+  for (const auto& [name, values] : lines.scalars) {
+    std::vector<double>& to = all.scalars[name];
+    to.insert(to.end(), values.begin(), values.end());
+  }
+}
+
+/// The triangles of each vessel that stands alone, with the cavities in it.
+std::vector<MixedMesh> pieces_of(const MixedMesh& surface) {
+  TriangleMesh turned{surface.points, surface.triangles, surface.triangle_patches, {}};
+  const surfaces::Parts parts = surfaces::turn_alike(turned);
+  const std::vector<surfaces::Shell> shells = surfaces::shells_of(turned.points, turned.triangles, parts);
+  std::vector<Box3> boxes(parts.count);
+  for (std::size_t t = 0; t < turned.triangles.size(); ++t)
+    for (const std::uint32_t v : turned.triangles[t]) boxes[parts.of_triangle[t]].extend(turned.points[v]);
+  std::vector<MixedMesh> pieces;
+  for (std::uint32_t outer = 0; outer < parts.count; ++outer) {
+    if (shells[outer].depth % 2 != 0) continue;
+    MixedMesh& piece = pieces.emplace_back();
+    piece.points = turned.points;
+    piece.info = surface.info;
+    for (std::size_t t = 0; t < turned.triangles.size(); ++t) {
+      const std::uint32_t part = parts.of_triangle[t];
+      const bool is_cavity =
+          shells[part].depth == shells[outer].depth + 1 && boxes[outer].contains(boxes[part]);
+      if (part != outer && !is_cavity) continue;
+      piece.triangles.push_back(turned.triangles[t]);
+      piece.triangle_patches.push_back(turned.patches[t]);
+    }
+  }
+  return pieces;
+}
+
+/// Of every piece; one that is no longer than wide has none.
 Polylines axes_of(const MixedMesh& surface) {
   Context quiet;
-  return extract_centerline(surface.view(), {}, quiet);
+  const std::vector<MixedMesh> pieces = pieces_of(surface);
+  if (pieces.size() == 1) return extract_centerline(surface.view(), {}, quiet);
+  Polylines all;
+  for (const MixedMesh& piece : pieces) {
+    try {
+      append_lines(extract_centerline(piece.view(), {}, quiet), all);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kBadInput) throw;
+    }
+  }
+  return all;
 }
 
 void take_patches_of(const SurfaceDomain& domain, MixedMesh& mesh) {
@@ -73,7 +125,7 @@ class SurfaceCutter {
 
   void cut_at(const std::vector<Vec3>& places) {
     const Polylines lines = axes_of(mesh_);
-    for (const Vec3& place : places) cut_off_end(axis_at(lines, place, {}), 3);
+    for (const Vec3& place : places) cut_off_end(axis_at(lines, place, {}), 3, CutPart::kSmaller);
   }
 
   /// Of vessels that end in an opening.
@@ -84,7 +136,9 @@ class SurfaceCutter {
       try {
         const std::optional<Vec3> place = place_up(lines, from_end, length);
         if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
-        cut_off_end(axis_at(lines, *place, {}), kMaxWideningAtEnds);
+        AxisPlace found = axis_at(lines, *place, {});
+        found.across = towards_end(found, lines.points[from_end.front()]);
+        cut_off_end(found, kMaxWideningAtEnds, CutPart::kAbove);
       } catch (const Error& error) {
         if (error.kind() != ErrorKind::kBadInput) throw;
         context_.warn(fmt::format("{}: the end at {} stays: {}", option_name("clip_ends"),
@@ -102,14 +156,15 @@ class SurfaceCutter {
     return {mesh_.points, mesh_.triangles, mesh_.triangle_patches, {}};
   }
 
-  void cut_off_end(const AxisPlace& place, double max_widening) {
+  void cut_off_end(const AxisPlace& place, double max_widening, CutPart goes) {
     std::vector<std::int32_t> ends;
     for (std::int32_t p = 0; p < patch_count(); ++p)
       if (mesh_.info.patches[static_cast<std::size_t>(p)].kind == PatchKind::kOpening) ends.push_back(p);
     TriangleMesh surface = triangles();
     const SectionPlane plane{place.across.point_mm, place.across.normal.normalized()};
     const double section_mm2 =
-        surfaces::cut_off_end(surface, plane, place.radius_mm, max_widening, patch_count(), ends).section_mm2;
+        surfaces::cut_off_end(surface, plane, place.radius_mm, max_widening, patch_count(), ends, goes)
+            .section_mm2;
     const std::string doubt = doubt_about_section(place, section_mm2);
     if (!doubt.empty()) context_.warn(doubt);
     replace_by(std::move(surface), 1);

@@ -74,6 +74,13 @@ std::optional<Vec3> place_up(const Polylines& lines, const std::vector<std::uint
   return std::nullopt;
 }
 
+CutPlane towards_end(const AxisPlace& place, const Vec3& end) {
+  CutPlane plane = place.across;
+  plane.normal.normalize();
+  if (plane.height(end) < 0) plane.normal = -plane.normal;
+  return plane;
+}
+
 std::string doubt_about_section(const AxisPlace& place, double section_mm2) {
   constexpr double kWide = 1.5;
   const double of_vessel = std::numbers::pi * place.radius_mm * place.radius_mm;

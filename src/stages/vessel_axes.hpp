@@ -32,6 +32,9 @@ inline constexpr double kMaxWideningAtEnds = 2;
 [[nodiscard]] std::optional<Vec3> place_up(const Polylines& lines, const std::vector<std::uint32_t>& from_end,
                                            const LocalLength& length);
 
+/// The plane there with its normal towards the end that is cut off.
+[[nodiscard]] CutPlane towards_end(const AxisPlace& place, const Vec3& end);
+
 /// What to say of a cut whose section is much wider than the vessel; empty otherwise.
 [[nodiscard]] std::string doubt_about_section(const AxisPlace& place, double section_mm2);
 

@@ -76,13 +76,13 @@ class Closer {
   bool flatten_one(const std::vector<Rim>& rims, std::size_t which, VertexPlanes& planes,
                    std::vector<std::uint8_t>& is_cut_away) {
     const Rim& rim = rims[which];
-    if (!rim.is_wide()) return false;
     const auto move = [&](double min_angle_deg) {
       std::optional<FlatRim> moved = move_into_plane(surface_, rim, planes, min_angle_deg);
       if (moved) openings_.push_back({rim, std::move(*moved)});
       return moved.has_value();
     };
-    if (is_almost_planar(rim) && move(kGoodAngleDeg)) return true;
+    if (is_almost_planar(rim) && rim.may_be_end() && move(kGoodAngleDeg)) return true;
+    if (!rim.is_wide()) return false;
     if (std::optional<CutBack> cut = cut_back(surface_, rims, which)) {
       for (const std::size_t r : cut->cut_away) is_cut_away[r] = 1;
       for (FlatRim& flat : cut->rims)

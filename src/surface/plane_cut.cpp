@@ -281,8 +281,8 @@ void drop_unused_points(TriangleMesh& surface) {
 /// Cuts one vessel.
 class EndCut {
  public:
-  EndCut(TriangleMesh& surface, const SectionPlane& plane, std::span<const std::int32_t> ends)
-      : surface_(surface), plane_(plane), ends_(ends) {}
+  EndCut(TriangleMesh& surface, const SectionPlane& plane, std::span<const std::int32_t> ends, CutPart goes)
+      : surface_(surface), plane_(plane), ends_(ends), goes_(goes) {}
 
   SurfaceCut make(double radius_mm, double max_widening, std::int32_t patch) {
     max_mm2_ = max_widening * std::numbers::pi * radius_mm * radius_mm;
@@ -369,7 +369,8 @@ class EndCut {
     };
     flood(loop.above, kAbove);
     flood(loop.below, kBelow);
-    const bool above_goes = area_of(mesh, part, kAbove) <= area_of(mesh, part, kBelow);
+    const bool above_goes =
+        goes_ == CutPart::kAbove || area_of(mesh, part, kAbove) <= area_of(mesh, part, kBelow);
     normal_ = above_goes ? plane_.normal : Vec3(-plane_.normal);
     for (std::uint8_t& mark : part) mark = mark == (above_goes ? kAbove : kBelow) ? 1 : 0;
     keep_triangles(mesh, part);
@@ -378,6 +379,7 @@ class EndCut {
   TriangleMesh& surface_;
   SectionPlane plane_;
   std::span<const std::int32_t> ends_;
+  CutPart goes_;
   double max_mm2_ = 0;
   double reach_of_ = 0;  // Of the section, from the plane's point.
   Vec3 normal_ = Vec3::Zero();
@@ -410,9 +412,10 @@ std::int32_t cut_off_beyond(TriangleMesh& surface, const SectionPlane& plane, st
 }
 
 SurfaceCut cut_off_end(TriangleMesh& surface, const SectionPlane& plane, double radius_mm,
-                       double max_widening, std::int32_t patch, std::span<const std::int32_t> ends) {
+                       double max_widening, std::int32_t patch, std::span<const std::int32_t> ends,
+                       CutPart goes) {
   TriangleMesh cut = surface;
-  const SurfaceCut made = EndCut(cut, plane, ends).make(radius_mm, max_widening, patch);
+  const SurfaceCut made = EndCut(cut, plane, ends, goes).make(radius_mm, max_widening, patch);
   surface = std::move(cut);
   return made;
 }

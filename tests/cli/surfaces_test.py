@@ -129,6 +129,20 @@ class SurfacesTest(ProgramTest):
         self.assert_refused(self.run_lumesh("delaunay", surface, "-o", mesh, "--cut-plane", "0", "0", "-1", "0", "0", "1"), BAD_INPUT,
                             "tube.stl", "nothing of the surface is left")
 
+    def test_names_stay_where_cuts_took_the_named_ends(self):
+        points, triangles = tube(length=20.0)
+        points = [*points, (0.0, 0.0, 0.0), (0.0, 0.0, 20.0)]
+        ends = [((i + 1) % 24, i, len(points) - 2) for i in range(24)]
+        ends += [(len(points) - 26 + i, len(points) - 26 + (i + 1) % 24, len(points) - 1) for i in range(24)]
+        named = self.folder / "named.stl"
+        named.write_text("".join(stl_text(points, part, name) for part, name in
+                                 ((triangles, "aorta"), (ends[:24], "ica"), (ends[24:], "rca"))))
+        for options, names in (((), ["aorta", "ica", "rca"]), (("--clip-ends", "1r"), ["aorta", "inlet_1", "outlet_1"]),
+                               (("--extend", "ica=2r"), ["aorta", "ica", "rca"])):
+            self.run_well("delaunay", named, "-o", self.folder / "mesh.vtu", *options, "-q")
+            told = json.loads(self.run_well("info", self.folder / "mesh.vtu", "--json").stdout)
+            self.assertEqual([p["name"] for p in told["patches"]], names, options)
+
     def test_a_case_file_cuts_and_extends(self):
         self.stl("tube.stl", *tube())
         case = self.folder / "case.toml"

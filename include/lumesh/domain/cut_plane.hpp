@@ -10,6 +10,7 @@
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/domain/carried_section.hpp"
+#include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
@@ -45,8 +46,8 @@ struct CutVessel {
 };
 
 /// Cuts one vessel of an image at a plane that it goes through: of the two parts that the vessel's section
-/// there parts, the one with fewer voxels goes, but for a stump of a few voxels beyond the plane by which the
-/// boundary is prolonged straight.
+/// there parts, the one with fewer voxels goes, or that on the normal's side, but for a stump of a few voxels
+/// beyond the plane by which the boundary is prolonged straight.
 ///
 /// @param image  Voxels that become background lose their labels here.
 /// @param plane  Its point lies in the vessel; its normal points to either side.
@@ -56,6 +57,6 @@ struct CutVessel {
 /// together elsewhere, or if another vessel is too near beside the section. Cost: linear in the voxels of the
 /// object, and a byte for each voxel of the image.
 [[nodiscard]] CutVessel cut_off_vessel(LabelImage& image, const CutPlane& plane, double radius_mm,
-                                       double max_widening = 3);
+                                       double max_widening = 3, CutPart goes = CutPart::kSmaller);
 
 }  // namespace lumesh

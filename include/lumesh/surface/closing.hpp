@@ -32,11 +32,11 @@ struct ClosedSurfaceMade {
 
 /// Closes a surface.
 ///
-/// Openings are rims with a radius of Rim::kMinEdges edges or more that are flat within Rim::kMaxBent of
-/// their radius, and more bent ones of which a plane just inside cuts off one simple loop within a radius.
-/// They are made planar (a rim almost in its plane is moved into it, else the surface is cut back by a plane
-/// just inside of the rim, else the rim is moved after all) and capped by fill_polygon(). What is left is a
-/// hole: fill_hole().
+/// Openings are planar rims that the wall leaves at an angle (Rim::may_be_end()), rims with a radius of
+/// Rim::kMinEdges edges or more that are flat within Rim::kMaxBent of their radius, and more bent ones of
+/// which a plane just inside cuts off one simple loop within a radius. They are made planar (a rim almost in
+/// its plane is moved into it, else the surface is cut back by a plane just inside of the rim, else the rim
+/// is moved after all) and capped by fill_polygon(). What is left is a hole: fill_hole().
 ///
 /// The first cap has patch `first_patch`, the next one the number behind, by falling area. Holes take the
 /// patch with most of their rims' edges. A surface without rims is only welded and turned; one with edges of

@@ -25,6 +25,9 @@ struct Rim {
   static constexpr double kMinEdges = 2;
   /// The deviation of an opening, in radii.
   static constexpr double kMaxBent = 0.15;
+  /// As coarse as an end of eight edges; where it is planar, and the wall leaves its plane at an angle, it is
+  /// one.
+  [[nodiscard]] bool may_be_end() const { return radius_mm >= 1.2 * mean_edge_mm; }
   [[nodiscard]] bool is_wide() const { return radius_mm >= kMinEdges * mean_edge_mm; }
   [[nodiscard]] bool is_flat() const { return deviation_mm <= kMaxBent * radius_mm; }
 };

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/mesh/triangle_mesh.hpp"
 
 namespace lumesh::surfaces {
@@ -28,15 +29,17 @@ struct SurfaceCut {
   Vec3 normal = Vec3::Zero();  ///< Of the cap, unit, towards what went.
 };
 
-/// Cuts one vessel of a closed surface at a plane through a point in it: of the two parts that its section
-/// there parts, the one with less area goes, and the section gets a cap. The rest stays to the last bit, but
-/// for vertices that slide into the plane.
+/// Cuts one vessel of a closed surface at a plane through a point in it. One of the two parts that its
+/// section there parts goes, and the section gets a cap. The rest stays to the last bit, but for vertices
+/// that slide into the plane.
 /// @param radius_mm  Of the vessel there. @param max_widening  Of the section, in circles of that radius.
-/// @param patch  Of the cap. @param ends  Patches that are flat ends.
+/// @param goes  Which part; the smaller one is that with less area. @param patch  Of the cap. @param ends
+/// Patches that are flat ends.
 /// @throws Error{kBadInput} if the plane has no section around the point, or one that is wider or divides an
 /// end, or if both parts hang together elsewhere. Cost: about 1 us
 /// per triangle.
 SurfaceCut cut_off_end(TriangleMesh& surface, const SectionPlane& plane, double radius_mm,
-                       double max_widening, std::int32_t patch, std::span<const std::int32_t> ends);
+                       double max_widening, std::int32_t patch, std::span<const std::int32_t> ends,
+                       CutPart goes = CutPart::kSmaller);
 
 }  // namespace lumesh::surfaces

@@ -189,6 +189,41 @@ TEST_F(SurfaceCuts, EndsThatAPlaneMadeAreCutToo) {
   EXPECT_NEAR(end_named(cut, "inlet_1").area_mm2, kPi * 4, 0.01 * kPi * 4);
 }
 
+TEST_F(SurfaceCuts, TheEndGoesThoughItIsTheLargerPart) {
+  InputCuts cuts;
+  cuts.ends = "12";
+  Tube tube;
+  tube.length_mm = 30;
+  const MixedMesh cut = read(soup_of(tube), cuts).mesh;
+  EXPECT_NEAR(volume_of(cut), kPi * 4 * (30 - 2 * 12), 0.03 * kPi * 4 * 6);
+}
+
+TEST_F(SurfaceCuts, VesselsThatStandAloneAreAllCut) {
+  TriangleSoup two = soup_of({});
+  two.append(soup_of({}).moved([](const Vec3& p) { return Vec3(p + Vec3(20, 0, 0)); }));
+  InputCuts ends, place;
+  ends.ends = "1r";
+  EXPECT_NEAR(volume_of(read(two, ends).mesh), 2 * kPi * 4 * (20 - 2 * 2), 0.03 * 2 * kPi * 4 * 16);
+  place.places_mm = {{20, 0, 14}};
+  EXPECT_NEAR(volume_of(read(two, place).mesh), kPi * 4 * (20 + 14), 0.02 * kPi * 4 * 34);
+}
+
+TEST_F(SurfaceCuts, AnExtensionIsAsShortOrAsLongAsAskedOrRefused) {
+  InputCuts cuts;
+  for (const double length_mm : {0.3, 2.0, 90.0}) {
+    cuts.extension.lengths = std::to_string(length_mm);
+    const MixedMesh longer = read(soup_of({}), cuts).mesh;
+    EXPECT_NEAR(end_named(longer, "inlet_1").centre_mm.z() - end_named(longer, "outlet_1").centre_mm.z(),
+                std::copysign(20 + 2 * length_mm, end_named(longer, "inlet_1").centre_mm.z() - 10), 1e-6)
+        << length_mm;
+  }
+  EXPECT_TRUE(told_.empty());
+  for (const char* const length : {"1e4r", "1e300r"}) {
+    cuts.extension.lengths = length;
+    EXPECT_THROW(static_cast<void>(read(soup_of({}), cuts)), Error) << length;
+  }
+}
+
 TEST_F(SurfaceCuts, APlaceCutsTheVesselThere) {
   InputCuts cuts;
   cuts.places_mm = {{0.3, 0.2, 14}};
