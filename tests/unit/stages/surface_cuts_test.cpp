@@ -36,7 +36,7 @@ struct Tube {
 };
 
 TriangleSoup soup_of(const Tube& tube) {
-  constexpr std::uint32_t kAround = 48, kRows = 80;
+  constexpr std::uint32_t kAround = 32, kRows = 48;
   TriangleSoup soup;
   for (std::uint32_t row = 0; row <= kRows; ++row) {
     const double s = tube.length_mm * row / kRows;
@@ -136,7 +136,7 @@ TEST_F(SurfaceCuts, WallsGoOnSmoothly) {
       turned_deg += std::acos(std::min(1.0, normal_of(t).dot(normal_of(u)))) * 180 / kPi;
       ++count;
     }
-  ASSERT_EQ(count, 48U);
+  ASSERT_EQ(count, 32U);
   EXPECT_LT(turned_deg / static_cast<double>(count), 3);
 }
 
