@@ -193,6 +193,17 @@ void drop_what_was_cut_away(const SurfaceDomain& domain, std::vector<surfaces::C
   });
 }
 
+void cut(MixedMesh& mesh, const InputCuts& cuts, const SurfaceDomainOptions& options,
+         const Context& context) {
+  std::vector<FlatEnd> ends = find_ends(mesh, options);
+  SurfaceCutter cutter(mesh, context);
+  for (const CutPlane& plane : cuts.planes) cutter.cut_off_beyond(plane);
+  if (!cuts.places_mm.empty()) cutter.cut_at(cuts.places_mm);
+  if (cuts.ends.empty()) return;
+  if (!cuts.planes.empty() || !cuts.places_mm.empty()) ends = find_ends(mesh, options);
+  cutter.clip_ends(local_length_from(cuts.ends), ends);
+}
+
 void extend_ends(const SurfaceDomain& domain, const ExtensionOptions& extension, SurfaceInput& surface,
                  const Context& context) {
   if (domain.flat_ends().empty())
@@ -214,14 +225,8 @@ void cut_and_extend(SurfaceInput& surface, const InputCuts& cuts, const SurfaceD
                     const Context& context) {
   surface.mesh.metric.clear();
   surface.mesh.sizes_mm.clear();
-  std::vector<FlatEnd> ends = find_ends(surface.mesh, options);
-  SurfaceCutter cutter(surface.mesh, context);
-  for (const CutPlane& plane : cuts.planes) cutter.cut_off_beyond(plane);
-  if (!cuts.places_mm.empty()) cutter.cut_at(cuts.places_mm);
-  if (!cuts.ends.empty()) {
-    if (!cuts.planes.empty() || !cuts.places_mm.empty()) ends = find_ends(surface.mesh, options);
-    cutter.clip_ends(local_length_from(cuts.ends), ends);
-  }
+  const bool is_cut = !cuts.planes.empty() || !cuts.places_mm.empty() || !cuts.ends.empty();
+  if (is_cut) cut(surface.mesh, cuts, options, context);
   const std::unique_ptr<SurfaceDomain> domain = domain_of(surface.mesh, options);
   drop_what_was_cut_away(*domain, surface.closed);
   name_closed(surface.closed, domain->flat_ends());
