@@ -94,8 +94,9 @@ class Adapter {
   void improve_quality() {
     for (int round = 0; round < options_.quality_passes && !stopped(); ++round) {
       reorder_if_grown();
-      phase("reconnect",
-            [&] { reconnect(mesh_, execution_, options_.reconnect_below, options_.reconnection, swaps_); });
+      // The first smoothing lifts most tetrahedra that are not bad: what it leaves is reconnected after it.
+      const double below = std::min(options_.reconnect_below, round == 0 ? kUnsmoothedQuality : 1);
+      phase("reconnect", [&] { reconnect(mesh_, execution_, below, options_.reconnection, swaps_); });
       phase("smooth", [&] { smooth(execution_, smoothing_); });
       collapse();
       split(options_.split_above);
@@ -118,7 +119,7 @@ class Adapter {
   }
 
  private:
-  static constexpr double kBadQuality = 0.5, kArcWeight = 4;
+  static constexpr double kBadQuality = 0.5, kUnsmoothedQuality = 0.6, kArcWeight = 4;
   static constexpr double kShareOfLevels = 0.5;  // Of the time.
 
   [[nodiscard]] operators::OperatorCounts counts() const { return execution_.counts().of_all_threads(); }

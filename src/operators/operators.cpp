@@ -83,6 +83,9 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
   const std::uint32_t epoch = scratch_->builder.epoch;
   TriedEdges& tried = scratch_->tried_removals;
   const Cell<4> corners = mesh.tet(t);
+  // Of a tetrahedron that was tried before, only the edges around which something has changed.
+  const std::uint32_t last_trial = rules.repeat ? 0 : mesh.trial_epoch(t);
+  const auto has_changed = [&](VertexId v) { return mesh.change_epoch(v) >= last_trial; };
   const std::size_t made_before = scratch_->builder.tets.size();
   const auto note_what_changed = [&] {
     if (rules.repeat) return Outcome::kApplied;  // Nobody asks.
@@ -93,7 +96,7 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
   };
   for (const auto& [i, j] : kTetEdges) {
     const VertexId a = mesh.vertex(t, i), b = mesh.vertex(t, j);
-    if (!rules.repeat && tried.would_fail(a, b)) continue;
+    if (!has_changed(a) || !has_changed(b) || (!rules.repeat && tried.would_fail(a, b))) continue;
     const Outcome outcome = remove_edge(t, i, j, rules);
     if (is_applied(outcome)) return note_what_changed();
     if (!rules.repeat && outcome == Outcome::kRejected) tried.note_failure(a, b);

@@ -268,6 +268,46 @@ TEST(Reconnect, FailsAgainWhereNoTetrahedronAtAnEdgeChanged) {
   EXPECT_GT(seen_by_one_vertex, 100u);
 }
 
+TEST(Reconnect, TriesTheEdgesAroundWhichSomethingChanged) {
+  Bench bench(fixtures::unit_cube(5), AnalyticKind::kPolar2, 1.5);
+  TetMesh& mesh = bench.mesh;
+  const auto trials = [&] {
+    const OperatorCounts counts = bench.kernel.counts();
+    return counts.edge_removal.rejected + counts.face_removal.rejected;
+  };
+  std::mt19937 random(7);
+  std::uint64_t of_changed = 0, of_all = 0;
+  std::uint32_t epoch = 0;
+  const auto begin_run = [&] {
+    ++epoch;
+    bench.kernel.begin_run({}, 2 * epoch, epoch);
+  };
+  for (int round = 0; round < 20; ++round) {
+    begin_run();
+    for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
+      if (mesh.alive(TetId(t))) bench.kernel.reconnect(TetId(t), {});
+    begin_run();
+    for (int i = 0; i < 3; ++i)
+      if (const TetId t(static_cast<std::uint32_t>(random() % mesh.tet_slots())); mesh.alive(t))
+        fixtures::try_operator(bench.kernel, mesh, t, 0, 1, random() % 4, {.min_length = 0.3}, {});
+    for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+      const TetId t(i);
+      if (!mesh.alive(t) || mesh.trial_epoch(t) == 0 || !has_changed_since_trial(mesh, t, kVerticesOfAnEdge))
+        continue;
+      begin_run();
+      const std::uint64_t before = trials();
+      if (bench.kernel.reconnect(t, {}) == Outcome::kApplied) continue;
+      const std::uint64_t between = trials();
+      ASSERT_EQ(bench.kernel.reconnect(t, {.repeat = true}), Outcome::kRejected) << "spared what would go";
+      of_changed += between - before;
+      of_all += trials() - between;
+    }
+  }
+  EXPECT_GT(of_all, 1000u);
+  EXPECT_LT(of_changed, 0.9 * static_cast<double>(of_all));
+  RecordProperty("trials", std::to_string(of_changed) + " of " + std::to_string(of_all));
+}
+
 TEST(PatchShapes, FindsPlanesAndLeavesTheRestFrozen) {
   const TetMesh cube = fixtures::unit_cube(2);
   for (const PatchShape& shape : planes_where_flat(cube)) {
