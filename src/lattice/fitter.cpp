@@ -17,8 +17,9 @@ namespace lumesh {
 
 namespace {
 
-constexpr double kThere = 0.02;  // voxels from its target at which a vertex counts as arrived
-constexpr double kLevel = 1e-4;  // voxels from its cut plane at which a vertex counts as in it
+constexpr double kThere = 0.02;              // voxels from its target at which a vertex counts as arrived
+constexpr double kLevel = 1e-4;              // voxels from its cut plane at which a vertex counts as in it
+constexpr AngleLimits kLevelLimits{8, 165};  // Last resort for openings that are not flat.
 constexpr double kParts[] = {1.0, 0.7, 0.4, 0.2, 0.1};  // of the way to its target that are tried
 
 /// A place brought into the cut planes of a vertex of this set.
@@ -140,17 +141,20 @@ void Fitter::squeeze_within_cuts() {
 }
 
 void Fitter::level_openings() {
+  const double last_resort = std::min(floor_, angle_floor(kLevelLimits));
   std::optional<SurfaceTree> tree;  // Made if there is anything to do.
   double moved_mm = 0;
-  for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
-    if (off_cuts_mm(domain_, boundary_.sets[v], mesh_.positions[v]) <= kLevel * domain_.voxel_size_mm())
-      continue;
-    if (!tree) tree.emplace(mesh_, boundary_);
-    for (const Vec3& place : places_in_cuts(v)) {
-      const std::optional<double> way_mm = level_vertex(v, place, *tree, moved_mm);
-      if (!way_mm) continue;
-      moved_mm = std::max(moved_mm, *way_mm);
-      break;
+  for (const double floor : {floor_, last_resort}) {
+    for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+      if (off_cuts_mm(domain_, boundary_.sets[v], mesh_.positions[v]) <= kLevel * domain_.voxel_size_mm())
+        continue;
+      if (!tree) tree.emplace(mesh_, boundary_);
+      for (const Vec3& place : places_in_cuts(v, floor)) {
+        const std::optional<double> way_mm = level_vertex(v, place, floor, *tree, moved_mm);
+        if (!way_mm) continue;
+        moved_mm = std::max(moved_mm, *way_mm);
+        break;
+      }
     }
   }
 }
@@ -158,14 +162,14 @@ void Fitter::level_openings() {
 /// Takes a vertex to a place and lets what is within two rings of it give way; all stays if angles or the
 /// surface do not allow that.
 /// @return How far anything has moved.
-std::optional<double> Fitter::level_vertex(std::uint32_t v, const Vec3& place, const SurfaceTree& tree,
-                                           double moved_mm) {
+std::optional<double> Fitter::level_vertex(std::uint32_t v, const Vec3& place, double floor,
+                                           const SurfaceTree& tree, double moved_mm) {
   constexpr int kSweeps = 4;
   constexpr double kGood = 0.3;
   const std::vector<std::uint32_t> near = two_rings(v);
   std::vector<Vec3> before;
   for (const std::uint32_t w : near) before.push_back(mesh_.positions[w]);
-  const double enough = std::min(floor_, worst_angles(near));
+  const double enough = std::min(floor, worst_angles(near));
   const auto put_back = [&] {
     for (std::size_t i = 0; i < near.size(); ++i) mesh_.positions[near[i]] = before[i];
     return std::nullopt;
@@ -211,14 +215,14 @@ double Fitter::worst_angles(std::span<const std::uint32_t> vertices) const {
 
 /// Places to try in the cut planes of a vertex: those that its star allows, the nearest to where it belongs
 /// first; where it allows none, those that others may give way for: the nearest, and that of the best angles.
-std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v) const {
+std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v, double floor) const {
   constexpr int kDirections = 16;
   const MaterialSet& set = boundary_.sets[v];
   const Vec3 x = mesh_.positions[v], middle = onto_cuts(domain_, set, x);
   StarQuality star(mesh_, v);
   const Score now = score(v, star, x, -2);
   const double edge = (x - mesh_.positions[other_corner(v)]).norm();
-  const double enough = std::min(floor_, now.angles);
+  const double enough = std::min(floor, now.angles);
   std::vector<std::pair<double, Vec3>> places;
   std::pair<double, Vec3> best{0, middle};
   const auto consider = [&](const Vec3& wish) {
@@ -226,7 +230,7 @@ std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v) const {
     if (off_cuts_mm(domain_, set, y) > kLevel * domain_.voxel_size_mm()) return;
     const Score then = score(v, star, y, -2);
     if (then.angles > best.first) best = {then.angles, y};
-    if (then.angles < enough || then.facing < std::min(floor_, now.facing)) return;
+    if (then.angles < enough || then.facing < std::min(floor, now.facing)) return;
     const std::optional<Vec3> on = on_boundary(v, y);
     places.emplace_back(on ? (*on - y).norm() : edge, y);
   };

@@ -59,6 +59,7 @@ class Fitter {
 
   /// Brings vertices of openings that an angle's limit has kept short of their cut plane into it, at the
   /// places nearest to their curves that the limits allow, where the surface does not come to cross itself.
+  /// What these do not allow may have angles of 8 to 165 degrees: single tetrahedra, but a flat opening.
   void level_openings();
 
   /// Attracts the surface to deviating probes; only vertices around these move.
@@ -100,11 +101,11 @@ class Fitter {
   [[nodiscard]] double distance_to_target(std::uint32_t v) const;
   [[nodiscard]] Score score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough) const;
   [[nodiscard]] double facing(std::uint32_t v, const Vec3& x) const;
-  std::optional<double> level_vertex(std::uint32_t v, const Vec3& place, const SurfaceTree& tree,
-                                     double moved_mm);
+  std::optional<double> level_vertex(std::uint32_t v, const Vec3& place, double floor,
+                                     const SurfaceTree& tree, double moved_mm);
   [[nodiscard]] std::vector<std::uint32_t> two_rings(std::uint32_t v) const;
   [[nodiscard]] double worst_angles(std::span<const std::uint32_t> vertices) const;
-  [[nodiscard]] std::vector<Vec3> places_in_cuts(std::uint32_t v) const;
+  [[nodiscard]] std::vector<Vec3> places_in_cuts(std::uint32_t v, double floor) const;
   bool put_if_valid(std::uint32_t v, const Vec3& place);
   void carry_vertex(std::uint32_t v, const Vec3& place);
   void fit_vertex(std::uint32_t v, double floor);

@@ -4,6 +4,7 @@
 
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/validate.hpp"
 #include "shapes.hpp"
 
 namespace lumesh {
@@ -107,6 +108,41 @@ TEST(Caps, AnObliqueCutPlaneMakesAFlatCap) {
   // Below the plane the axis is 22.5 long, and the cut is symmetric about the axis.
   const double volume = std::numbers::pi * 49 * 22.5;
   EXPECT_NEAR(test::label_volumes(mesh).at(1), volume, 0.01 * volume);
+}
+
+/// Vessels with a wall (label 2) that leave through the image's faces askew: where lumen, wall, border and
+/// outside meet, limits of 15 and 150 degrees held vertices back by up to a fifth of a voxel.
+TEST(Caps, OfVesselsWithAWallThatLeaveAskewAreFlat) {
+  std::mt19937 random(2026);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  std::size_t vertices = 0, off = 0;
+  for (int n = 0; n < 6; ++n) {
+    const Vec3 through(between(14, 18), between(14, 18), 16);
+    const Vec3 along = Vec3(between(-0.8, 0.8), between(-0.8, 0.8), 1).normalized();
+    const double lumen = between(4, 6);
+    const LabelImage image = voxels_of(frame_of({32, 32, 32}), {0, 1, 2}, [&](const Vec3& p) {
+      const double r = (p - through).cross(along).norm();
+      return r < lumen ? 1 : r < lumen + 2.5 ? 2 : 0;
+    });
+    const MixedMesh mesh = meshed(image);
+    EXPECT_TRUE(validate(mesh.view()).ok()) << validate(mesh.view()).text();
+    for (std::size_t patch = 0; patch < mesh.info.patches.size(); ++patch) {
+      if (mesh.info.patches[patch].kind != PatchKind::kOpening) continue;
+      for (const std::uint32_t v :
+           test::vertices_of(test::triangles_of(mesh, mesh.info.patches[patch].name))) {
+        const Vec3& p = mesh.points[v];
+        double nearest = 1e9;
+        for (int k = 0; k < 3; ++k)
+          nearest = std::min({nearest, std::abs(p[k] + 0.5), std::abs(p[k] - 31.5)});
+        ++vertices;
+        off += nearest > 1e-3 ? 1U : 0U;
+      }
+    }
+  }
+  EXPECT_GT(vertices, 1000U);
+  EXPECT_EQ(off, 0U) << "of " << vertices;
 }
 
 TEST(Caps, AnObjectThatFillsTheImageIsABoxOfSixCaps) {
