@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
+#include <utility>
 
 #include "lumesh/geometry/triangle.hpp"
 
@@ -21,6 +23,19 @@ FaceShape shape_of(const std::array<Vec3, 3>& corners, const std::array<Vec3, 3>
                                : FaceShape::kCreased;
 }
 
+/// An opening, for one, is as flat at a rim where the wall around leaves it at a small angle.
+bool is_plane(std::span<const Vec3> points, const std::vector<Cell<3>>& triangles) {
+  constexpr double kPlane = 1 - 1e-9;
+  Vec3 sum = Vec3::Zero();
+  double area = 0;
+  for (const auto& [a, b, c] : triangles) {
+    const Vec3 normal = triangle_area_normal(points[a], points[b], points[c]);
+    sum += normal;
+    area += normal.norm();
+  }
+  return sum.norm() > kPlane * area;
+}
+
 }  // namespace
 
 InputSurface::InputSurface(const TetMesh& mesh) : points_(mesh.points().begin(), mesh.points().end()) {
@@ -28,11 +43,16 @@ InputSurface::InputSurface(const TetMesh& mesh) : points_(mesh.points().begin(),
   std::vector<std::vector<Cell<3>>> triangles(mesh.info().patches.size());
   for (std::size_t i = 0; i < faces.triangles.size(); ++i)
     triangles[static_cast<std::size_t>(faces.patches[i])].push_back(faces.triangles[i]);
-  for (auto& patch : triangles) parts_.push_back({TriangleTree(points_, patch), std::move(patch)});
+  for (auto& patch : triangles) {
+    TriangleTree tree(points_, patch);
+    const bool is_flat = is_plane(points_, patch);
+    parts_.push_back({std::move(tree), std::move(patch), is_flat});
+  }
   normals_ = vertex_normals(points_, faces.triangles);
 }
 
 Vec3 InputSurface::smooth(PatchId patch, const TriangleTree::Nearest& nearest) const {
+  if (parts_[patch.value].is_plane) return nearest.point;
   const auto [a, b, c] = parts_[patch.value].triangles[nearest.triangle];
   const std::array<Vec3, 3> corners = {points_[a], points_[b], points_[c]};
   const std::array<Vec3, 3> normals = {normals_[a], normals_[b], normals_[c]};

@@ -27,6 +27,7 @@ class InputSurface {
   struct Part {
     TriangleTree tree;
     std::vector<Cell<3>> triangles;
+    bool is_plane = false;
   };
   std::vector<Part> parts_;             // One per patch.
   std::vector<Vec3> points_, normals_;  // Points of the mesh's vertices and mean normals of the faces around.

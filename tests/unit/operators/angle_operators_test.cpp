@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "fixtures/metric_cubes.hpp"
 #include "fixtures/rough_cube.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/operators/operators.hpp"
@@ -48,6 +49,26 @@ struct AngleBench {
     return smallest;
   }
 };
+
+/// A cube sheared until two of its sides go over into top and bottom at 14 degrees.
+TEST(InputSurface, OfAPlaneIsThePlaneHoweverSmoothlyOtherPatchesLeaveIt) {
+  TetMesh mesh = fixtures::unit_cube(4);
+  const auto sheared = [](const Vec3& p) { return Vec3(p.x() + 4 * p.z(), p.y(), p.z()); };
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    mesh.set_point(VertexId(v), sheared(mesh.point(VertexId(v))));
+  const InputSurface surface(mesh);
+  const BoundaryFaces faces = mesh.boundary_faces();
+  std::size_t on_top = 0;
+  for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
+    const auto& [a, b, c] = faces.triangles[i];
+    const Vec3 middle = (mesh.point(VertexId(a)) + mesh.point(VertexId(b)) + mesh.point(VertexId(c))) / 3;
+    if (middle.z() < 1) continue;
+    ++on_top;
+    const PatchId top(static_cast<std::uint32_t>(faces.patches[i]));
+    EXPECT_NEAR(surface.smooth(top, surface.nearest(top, middle, 1)).z(), 1, 1e-15);
+  }
+  EXPECT_EQ(on_top, 32U);
+}
 
 TEST(AngleQuality, IsTheWeighedSineOfTheWorstAngle) {
   const Vec3 a(1, 1, 1), b(1, -1, -1), c(-1, 1, -1), d(-1, -1, 1);
