@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
 #include <utility>
 
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/operators/patch_shapes.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -23,19 +23,6 @@ FaceShape shape_of(const std::array<Vec3, 3>& corners, const std::array<Vec3, 3>
                                : FaceShape::kCreased;
 }
 
-/// An opening, for one, is as flat at a rim where the wall around leaves it at a small angle.
-bool is_plane(std::span<const Vec3> points, const std::vector<Cell<3>>& triangles) {
-  constexpr double kPlane = 1 - 1e-9;
-  Vec3 sum = Vec3::Zero();
-  double area = 0;
-  for (const auto& [a, b, c] : triangles) {
-    const Vec3 normal = triangle_area_normal(points[a], points[b], points[c]);
-    sum += normal;
-    area += normal.norm();
-  }
-  return sum.norm() > kPlane * area;
-}
-
 }  // namespace
 
 InputSurface::InputSurface(const TetMesh& mesh) : points_(mesh.points().begin(), mesh.points().end()) {
@@ -43,11 +30,13 @@ InputSurface::InputSurface(const TetMesh& mesh) : points_(mesh.points().begin(),
   std::vector<std::vector<Cell<3>>> triangles(mesh.info().patches.size());
   for (std::size_t i = 0; i < faces.triangles.size(); ++i)
     triangles[static_cast<std::size_t>(faces.patches[i])].push_back(faces.triangles[i]);
-  for (auto& patch : triangles) {
-    TriangleTree tree(points_, patch);
-    const bool is_flat = is_plane(points_, patch);
-    parts_.push_back({std::move(tree), std::move(patch), is_flat});
-  }
+  // Openings, for one, are planes also at rims that the wall leaves at a small angle.
+  constexpr double kPlane =
+      1e-6;  // Of the mesh's size: about how exactly refinement puts points into a plane.
+  const PatchShapes planes = planes_where_flat(mesh, kPlane);
+  for (std::size_t p = 0; p < triangles.size(); ++p)
+    parts_.push_back({TriangleTree(points_, triangles[p]), std::move(triangles[p]),
+                      planes[p].freedom == PatchFreedom::kPlane});
   normals_ = vertex_normals(points_, faces.triangles);
 }
 

@@ -83,7 +83,8 @@ Outcome Operators<Lock>::reconnect(TetId t, const SwapRules& rules) {
   const std::uint32_t epoch = scratch_->builder.epoch;
   TriedEdges& tried = scratch_->tried_removals;
   const Cell<4> corners = mesh.tet(t);
-  // Of a tetrahedron that was tried before, only the edges around which something has changed.
+  // Of a tetrahedron that was tried before, only the edges around which something has changed; all faces,
+  // since some go together with faces farther off.
   const std::uint32_t last_trial = rules.repeat ? 0 : mesh.trial_epoch(t);
   const auto has_changed = [&](VertexId v) { return mesh.change_epoch(v) >= last_trial; };
   const std::size_t made_before = scratch_->builder.tets.size();
