@@ -128,7 +128,7 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
     const MixedMesh& surface = given.mesh;
     return naming(input.path, [&] {
       std::unique_ptr<Domain> domain =
-          context.phase("domain", [&] { return domain_of(surface, input.surface.domain); });
+          context.phase("domain", [&] { return given.domain(input.surface.domain); });
       DomainRead read{std::move(domain)};
       read.openings = find_openings(*read.domain);
       warn_of_unit(surface, read.openings, input.selection.unit, input.path, context);

@@ -14,6 +14,7 @@
 #include "lumesh/core/parse_number.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
+#include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/image/crossings.hpp"
 #include "lumesh/image/grey_values.hpp"
@@ -21,6 +22,7 @@
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/stages/input.hpp"
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
@@ -174,13 +176,13 @@ void add_openings_of_surface(const InfoCommand& command, json& all, Context& con
     const MixedMesh& surface = given.mesh;
     if (surface.triangles.size() > kMostTriangles)
       return leave_out(fmt::format("more than {} triangles", kMostTriangles));
-    const std::unique_ptr<SurfaceDomain> domain = domain_of(surface, {});
-    name_closed(given.closed, domain->flat_ends());
+    const PatchedSurface patched(surface_view(surface, given.resolution_mm));
+    name_closed(given.closed, patched.flat_ends());
     if (!given.closed.empty()) all["would_close"] = closed_json(given.closed);
-    const std::vector<Opening> openings = find_openings(*domain);
+    const std::vector<Opening> openings = openings_of(patched.flat_ends(), patched.resolution_mm());
     all["openings"] = describe_openings(openings);
     warn_of_unit(surface, openings, unit, path, context);
-    const std::string warning = closed_surface_warning(*domain);
+    const std::string warning = closed_surface_warning(patched.patches());
     if (!warning.empty()) context.warn(warning);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput || !command.cuts.none()) throw;

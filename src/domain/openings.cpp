@@ -262,17 +262,22 @@ class PlaneOpenings {
 
 }  // namespace
 
-std::vector<Opening> find_openings(const Domain& domain) {
+std::vector<Opening> openings_of(std::span<const FlatEnd> ends, double resolution_mm) {
   std::vector<Opening> all;
-  for (const FlatEnd& end : domain.flat_ends())
+  for (const FlatEnd& end : ends)
     all.push_back({.label = 1,
                    .area_mm2 = end.area_mm2,
                    .centre_mm = end.centre_mm,
                    .normal = end.normal,
                    .box_mm = end.box_mm,
-                   .voxel_mm = domain.resolution_mm(),
+                   .voxel_mm = resolution_mm,
                    .is_of_surface = true,
                    .name = end.name});
+  return all;
+}
+
+std::vector<Opening> find_openings(const Domain& domain) {
+  std::vector<Opening> all = openings_of(domain.flat_ends(), domain.resolution_mm());
   if (!all.empty()) return all;
   for (std::size_t cut = 0; cut < domain.cut_planes().size(); ++cut) {
     const std::vector<Opening> more = PlaneOpenings(domain, cut).find();

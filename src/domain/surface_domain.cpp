@@ -9,14 +9,12 @@
 
 #include "closed_surface.hpp"
 #include "distance_octree.hpp"
-#include "feature_regions.hpp"
-#include "flat_regions.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "opening_names.hpp"
+#include "named_regions.hpp"
 #include "surface_projector.hpp"
 
 namespace lumesh {
@@ -26,6 +24,7 @@ using surfaces::ClosestPoint;
 using surfaces::DistanceCell;
 using surfaces::DistanceOctree;
 using surfaces::FeatureRegions;
+using surfaces::NamedRegions;
 using surfaces::RegionBorders;
 using surfaces::SurfaceProjector;
 
@@ -41,121 +40,24 @@ Material material_over(std::uint32_t region) {
   return region == 0 ? 0 : region + 1;
 }
 
-double mean_edge(const ClosedSurface& surface) {
-  double sum = 0;
-  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
-    for (std::size_t i = 0; i < 3; ++i) sum += (surface.corner(t, (i + 1) % 3) - surface.corner(t, i)).norm();
-  return sum / static_cast<double>(3 * surface.triangles.size());
-}
-
 /// Cubes as large as a few triangles, within what memory allows.
-double min_cube(const ClosedSurface& surface, const Box3& box) {
+double min_cube(const NamedRegions& surface) {
   constexpr double kMax = 128, kFewest = 16;  // Cubes along the box.
-  const double length = box.sizes().maxCoeff();
-  return std::clamp(2 * mean_edge(surface), length / kMax, length / kFewest);
+  const double length = surface.box.sizes().maxCoeff();
+  return std::clamp(2 * surface.mean_edge_mm, length / kMax, length / kFewest);
 }
 
 }  // namespace
 
-void SurfaceDomainOptions::describe(OptionList& list) {
-  list.number("feature_angle", feature_angle_deg, {.min = 0, .max = 180, .excludes_min = true},
-              "Of a surface: edges where it turns by more are kept")
-      .in("degrees");
-  list.flag(
-      "keep_vertices", keep_vertices,
-      "Of a surface: its vertices are vertices of the mesh, exactly, but for those nearer to others than "
-      "about 0.7 "
-      "edge lengths");
-}
-
-void SurfaceDomainOptions::validate() const {
-  require_ranges_of(*this);
-}
-
 struct SurfaceDomain::Parts {
   Parts(const SurfaceView& view, const SurfaceDomainOptions& options)
-      : surface(surfaces::closed_surface(view)),
-        regions(surfaces::find_regions(surface, options.feature_angle_deg)),
+      : named(view, options),
         borders(surface, regions),
         projector(surface, regions),
-        box(bounding_box(surface.points)),
-        octree(projector, regions.count(), box, min_cube(surface, box)),
-        resolution_mm(std::min(0.5 * mean_edge(surface), box.diagonal().norm() / 128)) {
-    patches.assign(view.patch_info.begin(), view.patch_info.end());
-    std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
-    std::erase_if(used, [&](std::int32_t number) { return is_cap(patch_of_file(number)); });
-    // One is left where cuts took the others: its name stays.
-    const auto known =
-        std::count_if(patches.begin(), patches.end(), [](const Patch& p) { return !is_cap(&p); });
-    has_named_patches = used.size() > 1 || (used.size() == 1 && known > 1);
-    name_regions();
+        octree(projector, regions.count(), box, min_cube(named)) {
     if (!options.keep_vertices) return;
     fixed_points = surface.points;
     parallel::sort(fixed_points.begin(), fixed_points.end(), precedes);
-  }
-
-  /// The patch of each region, and the ends among them.
-  void name_regions() {
-    const std::vector<surfaces::RegionShape> shapes = surfaces::region_shapes(surface, regions);
-    // A patch of the file is an end if all of it is.
-    std::map<std::int32_t, bool> is_flat_patch;
-    std::map<std::int32_t, int> region_counts;
-    for (std::uint32_t r = 0; r < regions.count(); ++r) {
-      const auto [at, is_new] = is_flat_patch.try_emplace(regions.patches[r], true);
-      at->second = at->second && shapes[r].is_flat_end;
-      ++region_counts[regions.patches[r]];
-    }
-    for (std::uint32_t r = 0; r < regions.count(); ++r) {  // By falling area.
-      Patch patch{"", PatchKind::kWall, {1, kBackground}};
-      const Patch* const known = patch_of_file(regions.patches[r]);
-      const bool is_end = shapes[r].is_flat_end || is_cap(known);
-      if (is_cap(known) || (!has_named_patches && is_end)) {
-        patch = {free_opening_name(), PatchKind::kOpening, {1, kBackground}};
-      } else if (has_named_patches) {
-        patch.name = name_of_file(r);
-        const bool is_called_wall = patch.name.find("wall") != std::string::npos;
-        const bool is_flat = is_flat_patch.at(regions.patches[r]) && !is_called_wall;
-        if (is_flat || (known != nullptr && known->kind == PatchKind::kOpening))
-          patch.kind = PatchKind::kOpening;
-        keep_kind_of_file(r, patch);
-      } else {
-        patch.name = "wall";
-      }
-      const bool is_one_region = !has_named_patches || region_counts.at(regions.patches[r]) == 1;
-      if (patch.kind == PatchKind::kOpening && is_end && is_one_region)
-        ends.push_back(
-            {patch.name, shapes[r].area_mm2, shapes[r].centre_mm, shapes[r].normal, shapes[r].box_mm});
-      of_region.push_back(std::move(patch));
-    }
-  }
-  /// What an open end was closed with: an opening that is to get its name here.
-  [[nodiscard]] static bool is_cap(const Patch* patch) {
-    return patch != nullptr && patch->kind == PatchKind::kOpening && patch->name.empty();
-  }
-  /// The next one that the file has not.
-  [[nodiscard]] std::string free_opening_name() {
-    for (;;) {
-      std::string name = opening_name(named_openings++);
-      if (!has_named_patches || std::none_of(patches.begin(), patches.end(),
-                                             [&](const Patch& patch) { return patch.name == name; }))
-        return name;
-    }
-  }
-  [[nodiscard]] const Patch* patch_of_file(std::int32_t number) const {
-    const bool is_known = number >= 0 && static_cast<std::size_t>(number) < patches.size();
-    return is_known ? &patches[static_cast<std::size_t>(number)] : nullptr;
-  }
-  [[nodiscard]] std::string name_of_file(std::uint32_t region) const {
-    const Patch* const known = patch_of_file(regions.patches[region]);
-    return known != nullptr && !known->name.empty() ? known->name
-                                                    : "patch_" + std::to_string(regions.patches[region]);
-  }
-  /// What only users say.
-  void keep_kind_of_file(std::uint32_t region, Patch& patch) const {
-    const Patch* const known = patch_of_file(regions.patches[region]);
-    if (known == nullptr) return;
-    if (known->kind == PatchKind::kSymmetry) patch.kind = PatchKind::kSymmetry;
-    patch.flow = known->flow;
   }
 
   /// The closest point to x, quicker with the triangle that a cube of the octree knows.
@@ -175,18 +77,13 @@ struct SurfaceDomain::Parts {
     return material_over(found.cell->region);
   }
 
-  ClosedSurface surface;
-  FeatureRegions regions;
+  NamedRegions named;
+  const ClosedSurface& surface = named.surface;
+  const FeatureRegions& regions = named.regions;
+  const Box3& box = named.box;
   RegionBorders borders;
   SurfaceProjector projector;
-  Box3 box;
   DistanceOctree octree;
-  double resolution_mm;
-  std::vector<Patch> patches;
-  bool has_named_patches = false;  // Several, without caps.
-  std::size_t named_openings = 0;
-  std::vector<Patch> of_region;
-  std::vector<FlatEnd> ends;
   std::vector<Vec3> fixed_points;
 };
 
@@ -253,7 +150,7 @@ std::optional<Vec3> SurfaceDomain::project(const Vec3& start_mm, const MaterialS
 FieldSample SurfaceDomain::separation(const Vec3& point_mm, Material first, Material second) const {
   const SurfaceProjector& projector = parts_->projector;
   // So near to the surface, the way to the closest point is rounding.
-  const double on_surface_mm = 1e-9 * parts_->resolution_mm;
+  const double on_surface_mm = 1e-9 * parts_->named.resolution_mm;
   if (first == kInside || second == kInside) {
     const ClosestPoint closest =
         projector.nearest_of_region(point_mm, region_of(first == kInside ? second : first));
@@ -287,43 +184,26 @@ Box3 SurfaceDomain::bounds_mm() const {
 }
 
 double SurfaceDomain::resolution_mm() const {
-  return parts_->resolution_mm;
+  return parts_->named.resolution_mm;
 }
 
 std::optional<Patch> SurfaceDomain::patch_between(Material inside, Material outside) const {
   if (inside == outside || (inside != kInside && outside != kInside)) return std::nullopt;
   const std::uint32_t region = region_of(inside == kInside ? outside : inside);
-  if (!parts_->has_named_patches && parts_->regions.count() == 1) return std::nullopt;
-  return parts_->of_region[region];
+  if (!parts_->named.has_named_patches && parts_->regions.count() == 1) return std::nullopt;
+  return parts_->named.of_region[region];
 }
 
 bool SurfaceDomain::is_beyond_opening(Material m) const {
-  return m != kInside && parts_->of_region[region_of(m)].kind == PatchKind::kOpening;
+  return m != kInside && parts_->named.of_region[region_of(m)].kind == PatchKind::kOpening;
 }
 
 std::span<const FlatEnd> SurfaceDomain::flat_ends() const {
-  return parts_->ends;
+  return parts_->named.ends;
 }
 
 std::span<const Vec3> SurfaceDomain::fixed_points() const {
   return parts_->fixed_points;
-}
-
-MixedMesh SurfaceDomain::patched_surface() const {
-  MixedMesh mesh;
-  mesh.points = parts_->surface.points;
-  mesh.triangles = parts_->surface.triangles;
-  std::vector<Patch>& patches = mesh.info.patches;
-  std::vector<std::int32_t> number;
-  for (const Patch& patch : parts_->of_region) {
-    const auto at = std::find_if(patches.begin(), patches.end(),
-                                 [&](const Patch& other) { return other.name == patch.name; });
-    number.push_back(static_cast<std::int32_t>(at - patches.begin()));
-    if (at == patches.end()) patches.push_back(patch);
-  }
-  for (const std::uint32_t region : parts_->regions.of_triangle)
-    mesh.triangle_patches.push_back(number[region]);
-  return mesh;
 }
 
 std::uint32_t SurfaceDomain::region_count() const {

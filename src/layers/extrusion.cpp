@@ -62,6 +62,7 @@ class Extruder {
   Extruder(const MixedMesh& mesh, LayerCells cells, const std::optional<LocalLength>& transition)
       : cells_(cells), transition_(transition) {
     result_.mesh = mesh;
+    wall_edge_mm_ = mean_wall_edge_mm();
   }
 
   ExtrudedMesh make(std::span<const NamedLength> lengths) && {
@@ -82,6 +83,18 @@ class Extruder {
   [[nodiscard]] const std::vector<Patch>& patches() const { return mesh().info.patches; }
   [[nodiscard]] const Patch& patch(std::int32_t p) const { return patches()[static_cast<std::size_t>(p)]; }
   [[nodiscard]] const Vec3& point(std::uint32_t v) const { return mesh().points[v]; }
+
+  /// Of all walls; 0 without any.
+  [[nodiscard]] double mean_wall_edge_mm() const {
+    double sum_mm = 0;
+    std::size_t count = 0;
+    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+      if (patch(p).kind != PatchKind::kWall) return;
+      for (std::size_t i = 0; i < face.size(); ++i, ++count)
+        sum_mm += (point(face[i]) - point(face[(i + 1) % face.size()])).norm();
+    });
+    return count == 0 ? 0 : sum_mm / static_cast<double>(count);
+  }
 
   void check_names(std::span<const NamedLength> lengths) const {
     std::vector<std::string> names;
@@ -319,12 +332,23 @@ class Extruder {
   };
   /// Where along the axis another part of the boundary is nearer than an edge.
   [[nodiscard]] std::optional<Hit> first_hit(const SweptSection& s, double last_mm) const {
+    const Vec3 u = s.axis.unitOrthogonal(), v = s.axis.cross(u);
+    const double half_width_mm = s.reach_mm + s.edge_mm;  // Of what a square column around the axis holds.
+    const auto is_in_way = [&](std::span<const std::uint32_t> face) {
+      bool is_beyond = false;
+      Vec2 least = Vec2::Constant(half_width_mm), most = -least;
+      for (const std::uint32_t at : face) {
+        const Vec3 off = point(at) - s.centre_mm;
+        is_beyond = is_beyond || off.dot(s.normal) > 0.01 * s.edge_mm;
+        const Vec2 across(off.dot(u), off.dot(v));
+        least = least.cwiseMin(across);
+        most = most.cwiseMax(across);
+      }
+      return is_beyond && (least.array() < half_width_mm).all() && (most.array() > -half_width_mm).all();
+    };
     std::vector<Cell<3>> beyond;
     for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
-      const bool is_beyond = !s.has(p) && std::any_of(face.begin(), face.end(), [&](std::uint32_t v) {
-        return (point(v) - s.centre_mm).dot(s.normal) > 0.01 * s.edge_mm;
-      });
-      if (!is_beyond) return;
+      if (s.has(p) || !is_in_way(face)) return;
       for (std::size_t i = 2; i < face.size(); ++i) beyond.push_back({face[0], face[i - 1], face[i]});
     });
     if (beyond.empty()) return std::nullopt;
@@ -337,15 +361,26 @@ class Extruder {
     return std::nullopt;
   }
 
+  /// The section's edges; of a surface, whose rims are often finer than its walls, the walls' where longer.
+  [[nodiscard]] double row_height_mm(const SweptSection& s) const {
+    if (mesh().view().cell_count() > 0) return s.edge_mm;
+    return std::max(s.edge_mm, std::min(wall_edge_mm_, kMaxRowOfRadius * s.radius_mm));
+  }
+
   /// Rows of cells, from the section to the end.
   void sweep(const SweptSection& s, double length_mm) {
-    const auto rows = static_cast<std::size_t>(std::max(1.0, std::round(length_mm / s.edge_mm)));
+    const auto rows = static_cast<std::size_t>(std::max(1.0, std::round(length_mm / row_height_mm(s))));
     add_points(s, length_mm, rows);
     const bool has_quads = std::any_of(s.faces.begin(), s.faces.end(),
                                        [](const PatchFace& face) { return face.corners.size() == 4; });
     const bool splits = cells_ == LayerCells::kTetrahedra && !has_quads;
-    MixedMesh prisms;
     add_sides(s, rows, splits);
+    if (mesh().view().cell_count() > 0) add_cells(s, rows, splits);
+    move_opening(s, rows);
+  }
+
+  void add_cells(const SweptSection& s, std::size_t rows, bool splits) {
+    MixedMesh prisms;
     for (std::size_t row = 0; row < rows; ++row)
       for (const PatchFace& face : s.faces) {
         const auto low = [&](std::size_t i) { return vertex(s, face.corners[i], row); };
@@ -358,8 +393,7 @@ class Extruder {
           result_.mesh.hexahedron_labels.push_back(face.label);
         }
       }
-    if (mesh().view().cell_count() > 0) add_prisms(std::move(prisms), splits);
-    move_opening(s, rows);
+    add_prisms(prisms, splits);
   }
 
   /// The vertex that one of the section has in a row; row 0 is the section.
@@ -387,13 +421,12 @@ class Extruder {
   void add_sides(const SweptSection& s, std::size_t rows, bool splits) {
     std::map<std::uint64_t, std::pair<std::size_t, std::int32_t>>
         besides;  // Count of the section's faces; patch.
+    std::vector<bool> is_of_section(mesh().points.size(), false);
+    for (const std::uint32_t v : s.vertices) is_of_section[v] = true;
     for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
       for (std::size_t i = 0; i < face.size(); ++i) {
         const std::uint32_t from = face[i], to = face[(i + 1) % face.size()];
-        const auto has = [&](std::uint32_t v) {
-          return std::binary_search(s.vertices.begin(), s.vertices.end(), v);
-        };
-        if (!has(from) || !has(to)) continue;
+        if (!is_of_section[from] || !is_of_section[to]) continue;
         auto& [count, other] = besides.try_emplace(edge_key(from, to), 0, -1).first->second;
         if (s.has(p))
           ++count;
@@ -453,9 +486,12 @@ class Extruder {
         for (std::uint32_t& v : m.quadrilaterals[q]) v = vertex(s, v, rows);
   }
 
+  static constexpr double kMaxRowOfRadius = 0.5;  // Ramps to a circle are smooth then.
+
   LayerCells cells_;
   std::optional<LocalLength> transition_;
   ExtrudedMesh result_;
+  double wall_edge_mm_ = 0;      // The mean, before anything is extended.
   std::uint32_t first_new_ = 0;  // Of the sweep that is being made.
 };
 

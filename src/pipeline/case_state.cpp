@@ -16,7 +16,7 @@ const Domain& CaseState::domain() {
   if (!surface) return *domain_of_image();
   if (!surface_domain)
     surface_domain = naming(input_name, [&] {
-      return context.phase("domain", [&] { return domain_of(*surface, c.input.of_surface.domain); });
+      return context.phase("domain", [&] { return surface->domain(c.input.of_surface.domain); });
     });
   return *surface_domain;
 }

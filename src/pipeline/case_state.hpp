@@ -16,6 +16,7 @@
 #include "lumesh/pipeline/case.hpp"
 #include "lumesh/quality/evaluation.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/surface_input.hpp"
 
 namespace lumesh::pipeline {
 
@@ -29,8 +30,7 @@ struct CaseState {
   std::optional<LabelImage> image;   ///< Without what is cut off.
   std::vector<CutPlane> cut_planes;  ///< Of the image.
   std::optional<Phantom> phantom;
-  std::optional<MixedMesh> surface;              ///< Where there is no image.
-  std::vector<surfaces::ClosedRim> closed = {};  ///< Of the surface.
+  std::optional<SurfaceInput> surface;  ///< Where there is no image.
   std::shared_ptr<const SurfaceDomain> surface_domain =
       nullptr;                                                ///< Once a stage has needed it, as the next.
   std::shared_ptr<const ImageDomain> image_domain = nullptr;  ///< Once a stage has needed it.

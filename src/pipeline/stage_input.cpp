@@ -32,11 +32,9 @@ void read_file(CaseState& state) {
   const InputKeys& input = state.c.input;
   state.input_name = input.image.empty() ? input.surface : input.image;
   if (input.image.empty()) {
-    SurfaceInput read = state.context.phase("read", [&] {
+    state.surface = state.context.phase("read", [&] {
       return read_surface(input.surface, input.selection.unit, input.of_surface, input.cuts, state.context);
     });
-    state.surface = std::move(read.mesh);
-    state.closed = std::move(read.closed);
   } else {
     state.image = state.context.phase(
         "read", [&] { return read_selected_image(input.image, input.selection, state.context); });
@@ -68,13 +66,13 @@ void describe_image(const LabelImage& image, report::StageReport& stage) {
 }
 
 void describe_surface(CaseState& state, report::StageReport& stage) {
-  stage.figures.push_back({"Triangles", std::uint64_t{state.surface->triangles.size()}});
-  warn_of_unit(*state.surface, state.openings(), state.c.input.selection.unit, state.input_name,
+  stage.figures.push_back({"Triangles", std::uint64_t{state.surface->mesh.triangles.size()}});
+  warn_of_unit(state.surface->mesh, state.openings(), state.c.input.selection.unit, state.input_name,
                state.context);
-  if (state.closed.empty()) return;
-  name_closed(state.closed, state.domain().flat_ends());
+  if (state.surface->closed.empty()) return;
+  name_closed(state.surface->closed, state.domain().flat_ends());
   std::size_t number = 0;
-  for (const std::string& line : closing_lines(state.closed)) {
+  for (const std::string& line : closing_lines(state.surface->closed)) {
     state.context.info(line);
     stage.figures.push_back({fmt::format("Closed {}", ++number), line});
   }
@@ -117,7 +115,7 @@ void make_centerline(CaseState& state, report::StageReport& stage) {
   const CenterlineOptions& options = state.c.centerline.options;
   state.centerline = naming(state.input_name, [&] {
     return state.image ? extract_centerline(*state.image, options, state.context)
-                       : extract_centerline(state.surface->view(), options, state.context);
+                       : extract_centerline(state.surface->mesh.view(), options, state.context);
   });
   check_centerline_points(state);
   warn_of_dead_ends(state, stage);

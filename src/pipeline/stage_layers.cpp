@@ -76,7 +76,7 @@ double width_mm(const CaseState& state) {
     return frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).norm();
   }
   Box3 box;
-  for (const Vec3& p : state.surface->points) box.extend(p);
+  for (const Vec3& p : state.surface->mesh.points) box.extend(p);
   return box.diagonal().norm();
 }
 

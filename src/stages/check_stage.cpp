@@ -10,6 +10,7 @@
 
 #include "check_image.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/unit_doubt.hpp"
 #include "lumesh/mesh/validate.hpp"
@@ -33,7 +34,8 @@ void check_unit(const MixedMesh& mesh, std::span<const Opening> openings, CheckR
 std::vector<Opening> openings_of(MixedMesh surface) {
   try {
     static_cast<void>(close_open_ends(surface, {}, Context()));
-    return find_openings(*domain_of(surface, {}));
+    const PatchedSurface patched(surface_view(surface));
+    return openings_of(patched.flat_ends(), patched.resolution_mm());
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;
     return {};

@@ -96,10 +96,12 @@ void warn_of_unit(const MixedMesh& surface, std::span<const Opening> openings, c
   if (!doubt.empty()) context.warn(path.string() + ": " + doubt);
 }
 
+SurfaceView surface_view(const MixedMesh& surface, double resolution_mm) {
+  return {surface.points, surface.triangles, surface.triangle_patches, surface.info.patches, resolution_mm};
+}
+
 std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface, const SurfaceDomainOptions& options) {
-  return std::make_unique<SurfaceDomain>(
-      SurfaceView{surface.points, surface.triangles, surface.triangle_patches, surface.info.patches},
-      options);
+  return std::make_unique<SurfaceDomain>(surface_view(surface), options);
 }
 
 Polylines centerline_of(const Phantom& phantom) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -16,6 +15,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/layers/extrusion.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
@@ -84,25 +84,24 @@ Polylines axes_of(const MixedMesh& surface) {
   return all;
 }
 
-void take_patches_of(const SurfaceDomain& domain, MixedMesh& mesh) {
-  MixedMesh patched = domain.patched_surface();
+void take_patches_of(const PatchedSurface& surface, MixedMesh& mesh) {
+  MixedMesh patched = surface.mesh();
   std::swap(patched.info.patches, mesh.info.patches);
   patched.info = std::move(mesh.info);
   mesh = std::move(patched);
 }
 
 /// A patch for each flat end, and the rest: cuts keep off the ends, and axes end there. Names that the
-/// surface does not have are left to the domain of what the cuts leave.
-std::vector<FlatEnd> find_ends(MixedMesh& mesh, const SurfaceDomainOptions& options) {
-  const std::unique_ptr<SurfaceDomain> domain = domain_of(mesh, options);
+/// surface does not have are left to what the cuts leave.
+std::vector<FlatEnd> find_ends(const PatchedSurface& patched, MixedMesh& mesh) {
   const std::vector<Patch> given = mesh.info.patches;
-  take_patches_of(*domain, mesh);
+  take_patches_of(patched, mesh);
   for (Patch& patch : mesh.info.patches) {
     const bool is_given =
         std::any_of(given.begin(), given.end(), [&](const Patch& other) { return other.name == patch.name; });
     if (patch.kind == PatchKind::kOpening && !is_given) patch.name.clear();
   }
-  return {domain->flat_ends().begin(), domain->flat_ends().end()};
+  return {patched.flat_ends().begin(), patched.flat_ends().end()};
 }
 
 /// Whether a centerline ends there, rather than in a sac.
@@ -183,34 +182,34 @@ class SurfaceCutter {
 };
 
 /// What was closed has an end near its centre still.
-void drop_what_was_cut_away(const SurfaceDomain& domain, std::vector<surfaces::ClosedRim>& closed) {
+void drop_what_was_cut_away(std::span<const FlatEnd> ends, std::vector<surfaces::ClosedRim>& closed) {
   std::erase_if(closed, [&](const surfaces::ClosedRim& rim) {
     constexpr double kNear = 0.01;  // Of the radius.
-    const auto ends = domain.flat_ends();
     return rim.is_opening && std::none_of(ends.begin(), ends.end(), [&](const FlatEnd& end) {
              return (end.centre_mm - rim.centre_mm).norm() < kNear * rim.given.radius_mm;
            });
   });
 }
 
-void cut(MixedMesh& mesh, const InputCuts& cuts, const SurfaceDomainOptions& options,
-         const Context& context) {
-  std::vector<FlatEnd> ends = find_ends(mesh, options);
+void cut(const PatchedSurface& given, const InputCuts& cuts, const SurfaceDomainOptions& options,
+         MixedMesh& mesh, const Context& context) {
+  std::vector<FlatEnd> ends = find_ends(given, mesh);
   SurfaceCutter cutter(mesh, context);
   for (const CutPlane& plane : cuts.planes) cutter.cut_off_beyond(plane);
   if (!cuts.places_mm.empty()) cutter.cut_at(cuts.places_mm);
   if (cuts.ends.empty()) return;
-  if (!cuts.planes.empty() || !cuts.places_mm.empty()) ends = find_ends(mesh, options);
+  if (!cuts.planes.empty() || !cuts.places_mm.empty())
+    ends = find_ends(PatchedSurface(surface_view(mesh), options), mesh);
   cutter.clip_ends(local_length_from(cuts.ends), ends);
 }
 
-void extend_ends(const SurfaceDomain& domain, const ExtensionOptions& extension, SurfaceInput& surface,
+void extend_ends(const PatchedSurface& patched, const ExtensionOptions& extension, SurfaceInput& surface,
                  const Context& context) {
-  if (domain.flat_ends().empty())
+  if (patched.flat_ends().empty())
     throw Error(ErrorKind::kBadInput, option_name("extend") +
                                           ": the surface has no flat end; cut vessels with `cut_at` or "
                                           "`clip_ends`, which makes openings");
-  take_patches_of(domain, surface.mesh);
+  take_patches_of(patched, surface.mesh);
   std::optional<LocalLength> transition;
   if (!extension.transition.empty()) transition = local_length_from(extension.transition);
   ExtrudedMesh made = extrude_openings(surface.mesh, named_lengths_from(extension.lengths),
@@ -226,11 +225,15 @@ void cut_and_extend(SurfaceInput& surface, const InputCuts& cuts, const SurfaceD
   surface.mesh.metric.clear();
   surface.mesh.sizes_mm.clear();
   const bool is_cut = !cuts.planes.empty() || !cuts.places_mm.empty() || !cuts.ends.empty();
-  if (is_cut) cut(surface.mesh, cuts, options, context);
-  const std::unique_ptr<SurfaceDomain> domain = domain_of(surface.mesh, options);
-  drop_what_was_cut_away(*domain, surface.closed);
-  name_closed(surface.closed, domain->flat_ends());
-  if (cuts.extension.is_wanted()) extend_ends(*domain, cuts.extension, surface, context);
+  PatchedSurface patched(surface_view(surface.mesh), options);
+  surface.resolution_mm = patched.resolution_mm();
+  if (is_cut) {
+    cut(patched, cuts, options, surface.mesh, context);
+    patched = PatchedSurface(surface_view(surface.mesh), options);
+  }
+  drop_what_was_cut_away(patched.flat_ends(), surface.closed);
+  name_closed(surface.closed, patched.flat_ends());
+  if (cuts.extension.is_wanted()) extend_ends(patched, cuts.extension, surface, context);
 }
 
 }  // namespace lumesh

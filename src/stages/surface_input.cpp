@@ -66,6 +66,10 @@ void SurfaceInputOptions::validate() const {
   domain.validate();
 }
 
+std::unique_ptr<SurfaceDomain> SurfaceInput::domain(const SurfaceDomainOptions& options) const {
+  return std::make_unique<SurfaceDomain>(surface_view(mesh, resolution_mm), options);
+}
+
 MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path) {
   if (mesh.view().cell_count() > 0)
     throw Error(ErrorKind::kBadInput,
@@ -79,7 +83,7 @@ SurfaceInput read_surface(const std::filesystem::path& path, const std::string& 
                           const SurfaceInputOptions& options, const InputCuts& cuts, const Context& context) {
   MixedMesh read = read_surface_file(path, options.patch_array);
   if (!unit.empty()) read.info.unit = unit;
-  SurfaceInput input{as_surface(std::move(read), path), {}};
+  SurfaceInput input{as_surface(std::move(read), path), {}, 0};
   input.closed = close_open_ends(input.mesh, options, context);
   if (cuts.none()) return input;
   naming(path.string(), [&] { cut_and_extend(input, cuts, options.domain, context); });

@@ -171,14 +171,19 @@ std::string closed_vessel_warning(const LabelImage& image, std::span<const Openi
                              cut_place_text(*to_cut->cut_mm));
 }
 
-std::string closed_surface_warning(const Domain& domain) {
-  constexpr Material kInside = 1;
-  for (Material outside = 0; outside < domain.material_count(); ++outside) {
-    const std::optional<Patch> patch = domain.patch_between(kInside, outside);
-    if (outside != kInside && patch && is_plane(patch->kind)) return "";
-  }
+std::string closed_surface_warning(std::span<const Patch> patches) {
+  if (std::any_of(patches.begin(), patches.end(), [](const Patch& p) { return is_plane(p.kind); })) return "";
   return "the surface has no flat end, so the mesh has no openings; cut the vessels off flat before, with "
          "edges around the ends that are sharper than `feature_angle`, or mesh their image with `cut_at`";
+}
+
+std::string closed_surface_warning(const Domain& domain) {
+  constexpr Material kInside = 1;
+  std::vector<Patch> patches;
+  for (Material outside = 0; outside < domain.material_count(); ++outside)
+    if (const auto patch = domain.patch_between(kInside, outside); patch && outside != kInside)
+      patches.push_back(*patch);
+  return closed_surface_warning(patches);
 }
 
 }  // namespace lumesh

@@ -82,6 +82,10 @@ struct Opening {
 /// object, and 2 ms per opening.
 [[nodiscard]] std::vector<Opening> find_openings(const Domain& domain);
 
+/// Those that the flat ends of a surface are, in their order.
+/// @param resolution_mm  Of the surface, as Domain::resolution_mm().
+[[nodiscard]] std::vector<Opening> openings_of(std::span<const FlatEnd> ends, double resolution_mm);
+
 /// A place near the rim of an opening: in the cut plane, within `step_mm` of where a label ends there.
 struct RimPlace {
   Vec3 position_mm;

@@ -20,6 +20,8 @@ struct SurfaceView {
   std::span<const std::int32_t> patches{};  ///< One per triangle, or none.
   /// Name and kind of the patches; may have fewer. Openings without a name are numbered with the flat ends.
   std::span<const Patch> patch_info{};
+  /// Of the domain; 0: half the mean length of the edges, at most 1/128 of the box's diagonal.
+  double resolution_mm = 0;
 };
 
 class OptionList;
@@ -66,7 +68,7 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] FieldSample separation(const Vec3& point_mm, Material first, Material second) const override;
   [[nodiscard]] bool may_hold_object(const Vec3& low_mm, const Vec3& high_mm) const override;
   [[nodiscard]] Box3 bounds_mm() const override;
-  /// Half the mean length of the edges, at most 1/128 of the diagonal of bounds_mm().
+  /// Unless it was given, half the mean length of the edges, at most 1/128 of the diagonal of bounds_mm().
   [[nodiscard]] double resolution_mm() const override;
   [[nodiscard]] Label label_of(Material m) const override { return m == kInside ? 1 : kBackground; }
   [[nodiscard]] Material label_count() const override { return 2; }
@@ -81,8 +83,6 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] bool is_beyond_opening(Material m) const override;
   [[nodiscard]] std::span<const Vec3> fixed_points() const override;
 
-  /// The surface, turned outwards, each triangle with the patch of its region; patches of one name are one.
-  [[nodiscard]] MixedMesh patched_surface() const;
   [[nodiscard]] std::uint32_t region_count() const;
   /// Sum of the regions' areas, and what they enclose.
   [[nodiscard]] double area_mm2() const;

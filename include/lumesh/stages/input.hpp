@@ -90,6 +90,9 @@ void bring_to(MixedMesh& mesh, const MeshInfo& frame);
 void warn_of_unit(const MixedMesh& surface, std::span<const Opening> openings, const std::string& unit,
                   const std::filesystem::path& path, const Context& context);
 
+/// Triangles and patches of a surface. @param resolution_mm  As in SurfaceView; 0: of its edges.
+[[nodiscard]] SurfaceView surface_view(const MixedMesh& surface, double resolution_mm = 0);
+
 /// Its inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.
 [[nodiscard]] std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface,
                                                        const SurfaceDomainOptions& options);

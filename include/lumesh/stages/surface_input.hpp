@@ -29,6 +29,11 @@ struct SurfaceInputOptions {
 struct SurfaceInput {
   MixedMesh mesh;  ///< Caps are patches of PatchKind::kOpening without a name, last.
   std::vector<surfaces::ClosedRim> closed;
+  /// Of what was read, where it was cut or extended since, as sizes are taken from it; 0: of `mesh`.
+  double resolution_mm = 0;
+
+  /// The inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.
+  [[nodiscard]] std::unique_ptr<SurfaceDomain> domain(const SurfaceDomainOptions& options) const;
 };
 
 /// What was read from a file, in mm (LPS), quadrilaterals as two triangles each.

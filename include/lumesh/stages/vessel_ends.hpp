@@ -59,6 +59,9 @@ inline constexpr const char* kNoOpenings = "no vessel leaves the image, so the m
                                                 Context& context);
 
 /// A line for a closed surface without a flat end, of which a mesh has no opening; empty otherwise.
+/// @param patches  Of the surface.
+[[nodiscard]] std::string closed_surface_warning(std::span<const Patch> patches);
+/// The same of the surface's domain.
 [[nodiscard]] std::string closed_surface_warning(const Domain& domain);
 
 }  // namespace lumesh

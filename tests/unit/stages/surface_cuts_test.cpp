@@ -109,6 +109,52 @@ TEST_F(SurfaceCuts, AnExtensionHasTheLengthAndTheSectionOfItsEnd) {
   EXPECT_NEAR(volume_of(longer) - volume_of(plain), 2 * 5 * 2 * end_mm2, 0.01 * 20 * end_mm2);
 }
 
+// Sizes that nobody asks for are multiples of the resolution.
+TEST_F(SurfaceCuts, CutsAndExtensionsKeepTheResolution) {
+  const double plain_mm = read(soup_of(bent()), {}).domain({})->resolution_mm();
+  InputCuts longer, shorter;
+  longer.extension.lengths = "20r";
+  shorter.planes = {{Vec3(0, 0, 5), Vec3(0, 0, -1)}};
+  for (const InputCuts& cuts : {longer, shorter}) {
+    const SurfaceInput changed = read(soup_of(bent()), cuts);
+    EXPECT_DOUBLE_EQ(changed.domain({})->resolution_mm(), plain_mm);
+    EXPECT_GT(std::abs(domain_of(changed.mesh, {})->resolution_mm() - plain_mm), 0.05 * plain_mm);
+  }
+}
+
+// A rim is often finer than the wall, as that of a ragged cut is.
+TEST_F(SurfaceCuts, RowsOfAnExtensionAreAsHighAsTheWallsTriangles) {
+  TriangleSoup fine_rim = soup_of({});
+  const auto around = static_cast<std::uint32_t>(32);
+  for (std::uint32_t i = 0; i < around; ++i) {  // Each triangle at the end z = 20 becomes eight.
+    const std::uint32_t a = 48 * around + i, b = 48 * around + (i + 1) % around;
+    const auto at = std::find_if(fine_rim.triangles.begin(), fine_rim.triangles.end(), [&](const Cell<3>& t) {
+      return std::count(t.begin(), t.end(), a) == 1 && std::count(t.begin(), t.end(), b) == 1;
+    });
+    const std::uint32_t tip =
+        *std::find_if(at->begin(), at->end(), [&](std::uint32_t v) { return v != a && v != b; });
+    fine_rim.triangles.erase(at);
+    std::uint32_t from = b;
+    for (int k = 1; k <= 8; ++k) {
+      std::uint32_t to = a;
+      if (k < 8) {
+        to = static_cast<std::uint32_t>(fine_rim.points.size());
+        fine_rim.points.push_back(fine_rim.points[b] + k / 8.0 * (fine_rim.points[a] - fine_rim.points[b]));
+      }
+      fine_rim.triangles.push_back({from, to, tip});
+      from = to;
+    }
+  }
+  InputCuts cuts;
+  cuts.extension.lengths = "10r";
+  const SurfaceInput plain = read(fine_rim, {}), longer = read(fine_rim, cuts);
+  // 20 mm in rows of 0.3 to 0.5 mm with 256 edges around one end and 32 around the other, not of the rim's
+  // 0.05 mm.
+  const auto sides = static_cast<double>(longer.mesh.triangles.size() - plain.mesh.triangles.size());
+  EXPECT_LT(sides, 2.0 * (256 + 32) * 20 / 0.3);
+  EXPECT_GT(sides, 2.0 * (256 + 32) * 20 / 0.5);
+}
+
 TEST_F(SurfaceCuts, WallsGoOnSmoothly) {
   InputCuts cuts;
   cuts.extension.lengths = "3r";

@@ -1,0 +1,163 @@
+#include "named_regions.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "flat_regions.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/domain/patched_surface.hpp"
+#include "opening_names.hpp"
+
+namespace lumesh {
+
+void SurfaceDomainOptions::describe(OptionList& list) {
+  list.number("feature_angle", feature_angle_deg, {.min = 0, .max = 180, .excludes_min = true},
+              "Of a surface: edges where it turns by more are kept")
+      .in("degrees");
+  list.flag(
+      "keep_vertices", keep_vertices,
+      "Of a surface: its vertices are vertices of the mesh, exactly, but for those nearer to others than "
+      "about 0.7 "
+      "edge lengths");
+}
+
+void SurfaceDomainOptions::validate() const {
+  require_ranges_of(*this);
+}
+
+namespace surfaces {
+namespace {
+
+double mean_edge_mm_of(const ClosedSurface& surface) {
+  double sum = 0;
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i) sum += (surface.corner(t, (i + 1) % 3) - surface.corner(t, i)).norm();
+  return sum / static_cast<double>(3 * surface.triangles.size());
+}
+
+/// What an open end was closed with: an opening that is to get its name here.
+bool is_cap(const Patch* patch) {
+  return patch != nullptr && patch->kind == PatchKind::kOpening && patch->name.empty();
+}
+
+}  // namespace
+
+NamedRegions::NamedRegions(const SurfaceView& view, const SurfaceDomainOptions& options)
+    : surface(closed_surface(view)),
+      regions(find_regions(surface, options.feature_angle_deg)),
+      box(bounding_box(surface.points)),
+      mean_edge_mm(mean_edge_mm_of(surface)),
+      resolution_mm(view.resolution_mm > 0 ? view.resolution_mm
+                                           : std::min(0.5 * mean_edge_mm, box.diagonal().norm() / 128)),
+      patches_(view.patch_info.begin(), view.patch_info.end()) {
+  std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
+  std::erase_if(used, [&](std::int32_t number) { return is_cap(patch_of_file(number)); });
+  // One is left where cuts took the others: its name stays.
+  const auto known =
+      std::count_if(patches_.begin(), patches_.end(), [](const Patch& p) { return !is_cap(&p); });
+  has_named_patches = used.size() > 1 || (used.size() == 1 && known > 1);
+  name_regions();
+}
+
+/// The patch of each region, and the ends among them.
+void NamedRegions::name_regions() {
+  const std::vector<RegionShape> shapes = region_shapes(surface, regions);
+  // A patch of the file is an end if all of it is.
+  std::map<std::int32_t, bool> is_flat_patch;
+  std::map<std::int32_t, int> region_counts;
+  for (std::uint32_t r = 0; r < regions.count(); ++r) {
+    const auto [at, is_new] = is_flat_patch.try_emplace(regions.patches[r], true);
+    at->second = at->second && shapes[r].is_flat_end;
+    ++region_counts[regions.patches[r]];
+  }
+  for (std::uint32_t r = 0; r < regions.count(); ++r) {  // By falling area.
+    Patch patch{"", PatchKind::kWall, {1, kBackground}};
+    const Patch* const known = patch_of_file(regions.patches[r]);
+    const bool is_end = shapes[r].is_flat_end || is_cap(known);
+    if (is_cap(known) || (!has_named_patches && is_end)) {
+      patch = {free_opening_name(), PatchKind::kOpening, {1, kBackground}};
+    } else if (has_named_patches) {
+      patch.name = name_of_file(r);
+      const bool is_called_wall = patch.name.find("wall") != std::string::npos;
+      const bool is_flat = is_flat_patch.at(regions.patches[r]) && !is_called_wall;
+      if (is_flat || (known != nullptr && known->kind == PatchKind::kOpening))
+        patch.kind = PatchKind::kOpening;
+      keep_kind_of_file(r, patch);
+    } else {
+      patch.name = "wall";
+    }
+    const bool is_one_region = !has_named_patches || region_counts.at(regions.patches[r]) == 1;
+    if (patch.kind == PatchKind::kOpening && is_end && is_one_region)
+      ends.push_back(
+          {patch.name, shapes[r].area_mm2, shapes[r].centre_mm, shapes[r].normal, shapes[r].box_mm});
+    of_region.push_back(std::move(patch));
+  }
+}
+
+const Patch* NamedRegions::patch_of_file(std::int32_t number) const {
+  const bool is_known = number >= 0 && static_cast<std::size_t>(number) < patches_.size();
+  return is_known ? &patches_[static_cast<std::size_t>(number)] : nullptr;
+}
+
+std::string NamedRegions::name_of_file(std::uint32_t region) const {
+  const Patch* const known = patch_of_file(regions.patches[region]);
+  return known != nullptr && !known->name.empty() ? known->name
+                                                  : "patch_" + std::to_string(regions.patches[region]);
+}
+
+/// The next one that the file has not.
+std::string NamedRegions::free_opening_name() {
+  for (;;) {
+    std::string name = opening_name(named_openings_++);
+    if (!has_named_patches || std::none_of(patches_.begin(), patches_.end(),
+                                           [&](const Patch& patch) { return patch.name == name; }))
+      return name;
+  }
+}
+
+/// What only users say.
+void NamedRegions::keep_kind_of_file(std::uint32_t region, Patch& patch) const {
+  const Patch* const known = patch_of_file(regions.patches[region]);
+  if (known == nullptr) return;
+  if (known->kind == PatchKind::kSymmetry) patch.kind = PatchKind::kSymmetry;
+  patch.flow = known->flow;
+}
+
+}  // namespace surfaces
+
+PatchedSurface::PatchedSurface(const SurfaceView& surface, const SurfaceDomainOptions& options) {
+  options.validate();
+  regions_ = std::make_shared<const surfaces::NamedRegions>(surface, options);
+}
+
+std::span<const FlatEnd> PatchedSurface::flat_ends() const {
+  return regions_->ends;
+}
+
+std::span<const Patch> PatchedSurface::patches() const {
+  return regions_->of_region;
+}
+
+double PatchedSurface::resolution_mm() const {
+  return regions_->resolution_mm;
+}
+
+MixedMesh PatchedSurface::mesh() const {
+  MixedMesh mesh;
+  mesh.points = regions_->surface.points;
+  mesh.triangles = regions_->surface.triangles;
+  std::vector<Patch>& patches = mesh.info.patches;
+  std::vector<std::int32_t> number;
+  for (const Patch& patch : regions_->of_region) {
+    const auto at = std::find_if(patches.begin(), patches.end(),
+                                 [&](const Patch& other) { return other.name == patch.name; });
+    number.push_back(static_cast<std::int32_t>(at - patches.begin()));
+    if (at == patches.end()) patches.push_back(patch);
+  }
+  for (const std::uint32_t region : regions_->regions.of_triangle)
+    mesh.triangle_patches.push_back(number[region]);
+  return mesh;
+}
+
+}  // namespace lumesh

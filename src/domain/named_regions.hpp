@@ -1,0 +1,38 @@
+#pragma once
+/// @file A closed surface in regions, each with the patch that it is, and the flat ends among them.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "closed_surface.hpp"
+#include "feature_regions.hpp"
+#include "lumesh/domain/surface_domain.hpp"
+
+namespace lumesh::surfaces {
+
+struct NamedRegions {
+  /// @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain.
+  NamedRegions(const SurfaceView& view, const SurfaceDomainOptions& options);
+
+  ClosedSurface surface;
+  FeatureRegions regions;
+  Box3 box;
+  double mean_edge_mm;
+  double resolution_mm;
+  bool has_named_patches = false;  ///< Several, without caps.
+  std::vector<Patch> of_region;
+  std::vector<FlatEnd> ends;
+
+ private:
+  void name_regions();
+  [[nodiscard]] const Patch* patch_of_file(std::int32_t number) const;
+  [[nodiscard]] std::string name_of_file(std::uint32_t region) const;
+  [[nodiscard]] std::string free_opening_name();
+  void keep_kind_of_file(std::uint32_t region, Patch& patch) const;
+
+  std::vector<Patch> patches_;
+  std::size_t named_openings_ = 0;
+};
+
+}  // namespace lumesh::surfaces
