@@ -1,10 +1,14 @@
 #include "lumesh/adapt/improve.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "angles_json.hpp"
 #include "commands.hpp"
@@ -13,9 +17,12 @@
 #include "kernel_options.hpp"
 #include "long_run.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/report/picture.hpp"
+#include "lumesh/stages/input_cuts.hpp"
+#include "lumesh/stages/mesh_cut.hpp"
 #include "lumesh/stages/metric_input.hpp"
 #include "option_adapter.hpp"
 
@@ -27,13 +34,48 @@ struct ImproveCommand {
   std::string mesh_path, output_path, metric_path, json_path;
   std::vector<std::string> keep;
   bool ignores_sizes = false;
+  std::vector<CutPlane> cut_planes;
   ImproveOptions options;
   RunOptions run;
 };
 
+/// Cuts the mesh off where that is asked for, and says so.
+CutMesh cut(const ImproveCommand& command, MixedMesh& mesh, Context& context) {
+  constexpr double kSharpDeg = 25;  // Tetrahedra do not reach --min-dihedral in a sharper edge.
+  if (command.cut_planes.empty()) return {};
+  CutMesh made = context.phase(
+      "cut", [&] { return naming(command.mesh_path, [&] { return cut_mesh(mesh, command.cut_planes); }); });
+  if (!made.gone.empty()) context.info(fmt::format("{} lay beyond the cut", fmt::join(made.gone, ", ")));
+  for (const CutMesh::Opening& opening : made.openings) {
+    say(command.run, "cut: {} of {:.4g} mm² at {}\n", opening.name, opening.area_mm2,
+        place_text(opening.centre_mm));
+    if (opening.least_angle_deg < kSharpDeg)
+      context.warn(
+          fmt::format("the wall meets {} at {:.1f} degrees: tetrahedra there stay as flat; cut across "
+                      "the vessel",
+                      opening.name, opening.least_angle_deg));
+  }
+  return made;
+}
+
+nlohmann::ordered_json cut_json(const CutMesh& cut) {
+  nlohmann::ordered_json json = {{"tetrahedra_removed", cut.removed},
+                                 {"patches_removed", cut.gone},
+                                 {"openings", nlohmann::json::array()}};
+  for (const CutMesh::Opening& opening : cut.openings) {
+    const auto& [x, y, z] = std::tie(opening.centre_mm[0], opening.centre_mm[1], opening.centre_mm[2]);
+    json["openings"].push_back({{"name", opening.name},
+                                {"area_mm2", opening.area_mm2},
+                                {"centre_mm", {x, y, z}},
+                                {"least_angle_to_wall_deg", opening.least_angle_deg}});
+  }
+  return json;
+}
+
 nlohmann::ordered_json report_json(const ImproveReport& report, const ImproveOptions& options,
-                                   double seconds) {
+                                   const CutMesh& cut, double seconds) {
   nlohmann::ordered_json json;
+  if (!cut.openings.empty()) json["cut"] = cut_json(cut);
   json["complete"] = report.complete;
   json["targets_deg"] = {options.min_dihedral_deg, options.max_dihedral_deg};
   json["before"] = angles_json(report.before);
@@ -65,6 +107,16 @@ std::optional<metric::MetricField> sizes_of(const ImproveCommand& command, const
   return std::nullopt;
 }
 
+/// What the image was cut with that the mesh is compared with, if that is ever done.
+void note_cuts(const ImproveCommand& command, std::map<std::string, std::string>& provenance) {
+  InputCuts cuts;
+  cuts.planes = command.cut_planes;
+  std::vector<std::string> all = cut_options(provenance);
+  for (std::string& option : cut_options(cuts))
+    if (std::find(all.begin(), all.end(), option) == all.end()) all.push_back(std::move(option));
+  if (!all.empty()) provenance[kCutsKey] = fmt::format("{}", fmt::join(all, " "));
+}
+
 void run(ImproveCommand command) {
   const auto start = std::chrono::steady_clock::now();
   CommandRun session(command.run);
@@ -75,6 +127,7 @@ void run(ImproveCommand command) {
   check_output_folders({command.output_path, command.json_path});
   check_inputs_stay({command.json_path}, {command.mesh_path, command.metric_path});
   MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
+  const CutMesh made = cut(command, input, context);
   const std::optional<KeptCells> kept = kept_cells(command.keep, input, command.mesh_path);
   const MixedMesh& changing = changing_part(input, kept);
   TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(changing, command.mesh_path); });
@@ -84,6 +137,7 @@ void run(ImproveCommand command) {
 
   const ImproveReport report = improve(mesh, command.options, context);
   mesh.info().provenance = provenance_of(*command.run.command, command.mesh_path, input.info.provenance);
+  note_cuts(command, mesh.info().provenance);
   const BoundaryFaces faces = mesh.boundary_faces();
   const MixedMesh whole =
       kept ? context.phase("put back", [&] { return kept->put_back(mesh); }) : MixedMesh();
@@ -93,7 +147,7 @@ void run(ImproveCommand command) {
   context.phase("write", [&] { write_mesh(command.output_path, view); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_json(command.json_path, report_json(report, command.options, elapsed.count()).dump(2));
+    write_json(command.json_path, report_json(report, command.options, made, elapsed.count()).dump(2));
   print_counts(command.run, report.by_thread);
   say(command.run,
       "{}: {} tetrahedra, dihedral angles {:.2f} to {:.2f} degrees (before: {:.2f} to {:.2f}), {} tetrahedra "
@@ -118,6 +172,9 @@ void add_improve_command(CLI::App& program) {
       "Sizes that edges are to keep to (.sol, .solb), the same in all directions; default: the mesh's own");
   sub->add_flag("--ignore-sizes", command->ignores_sizes, "Leave out the metric that the mesh carries")
       ->excludes("--metric");
+  OptionList cuts;
+  describe_planes(cuts, command->cut_planes);
+  add_options(*sub, cuts);
   add_options_of(*sub, command->options);
   add_topology_option(*sub, command->options.team);
   add_keep_option(*sub, command->keep)->excludes("--metric");

@@ -7,7 +7,7 @@
 #include "flat_regions.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/domain/patched_surface.hpp"
-#include "opening_names.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 
 namespace lumesh {
 

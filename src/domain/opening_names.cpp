@@ -1,9 +1,9 @@
 #include "opening_names.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <set>
+
+#include "lumesh/mesh/patch_list.hpp"
 
 namespace lumesh {
 namespace {
@@ -80,16 +80,11 @@ void mark_rims(std::span<Opening> openings) {
     o.is_rim = o.squares != nullptr && surrounded_mm2(o, openings) > kMinSurrounded * o.area_mm2;
 }
 
-std::string opening_name(std::size_t number) {
-  return number == 0 ? "inlet_1" : fmt::format("outlet_{}", number);
-}
-
 void name_openings(const PatchNaming& naming, std::span<Opening> openings) {
   name_members(
       naming, openings, [](const Opening& o) { return !o.is_rim; }, opening_name);
   name_members(
-      naming, openings, [](const Opening& o) { return o.is_rim; },
-      [](std::size_t number) { return fmt::format("wall_rim_{}", number + 1); });
+      naming, openings, [](const Opening& o) { return o.is_rim; }, wall_rim_name);
 }
 
 }  // namespace lumesh

@@ -15,9 +15,6 @@ namespace lumesh {
 /// Sets is_rim of the openings of one cut plane.
 void mark_rims(std::span<Opening> openings);
 
-/// "inlet_1" for the first, "outlet_1", … for the others.
-[[nodiscard]] std::string opening_name(std::size_t number);
-
 [[nodiscard]] inline bool has_label(std::span<const Opening> openings, Label label) {
   return std::any_of(openings.begin(), openings.end(), [&](const Opening& o) { return o.label == label; });
 }

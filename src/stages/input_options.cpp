@@ -5,6 +5,7 @@
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_cuts.hpp"
+#include "lumesh/stages/mesh_cut.hpp"
 
 namespace lumesh {
 namespace {
@@ -138,13 +139,17 @@ void describe_out_unit(OptionList& list, std::string& unit) {
               "Unit of lengths in files that are written; OpenFOAM gets metres in any case");
 }
 
-void InputCuts::describe(OptionList& list) {
+void describe_planes(OptionList& list, std::vector<CutPlane>& planes) {
   list.rows("cut_planes",
-            {6, "0,0,10,0,0,-1", false, [this] { return rows_of(planes); },
-             [this](const auto& rows) { planes = planes_from(rows); }},
+            {6, "0,0,10,0,0,-1", false, [&planes] { return rows_of(planes); },
+             [&planes](const auto& rows) { planes = planes_from(rows); }},
             "Planes x, y, z, nx, ny, nz, through everything: what lies on the normal's side is cut off")
       .in("mm")
       .alias("cut_plane");
+}
+
+void InputCuts::describe(OptionList& list) {
+  describe_planes(list, planes);
   list.rows("cut_at",
             {3, "12.5,-40,8", false,
              [this] {

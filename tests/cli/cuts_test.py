@@ -93,6 +93,41 @@ class CutsTest(ProgramTest):
         self.assert_refused(self.run_lumesh("layers", mesh, "-o", longer, "--extend", "inlet_7=3r"), BAD_INPUT, "inlet_7", "outlet_1")
         self.assert_refused(self.run_lumesh("layers", mesh, "-o", longer), USAGE, "--extend")
 
+    def test_a_finished_mesh_is_cut(self):
+        plane = ["30", "10.6", "0", "1", "0", "0.2"]
+        whole = self.folder / "whole.vtu"
+        for mesher in ("lattice", "delaunay"):  # Of the image, cut alike, for comparison.
+            with self.subTest(mesher):
+                wanted = self.openings("info", self.image, "--cut-plane", *plane, "--json")
+                self.run_well(mesher, self.image, "-o", whole, "--edge-length", "1.5")
+                cut, numbers = self.folder / "cut.vtu", self.folder / "cut.json"
+                made = self.run_well("improve", whole, "-o", cut, "--cut-plane", *plane, "--json", numbers)
+                self.assertNotIn("warning", made.stderr)
+                report = json.loads(numbers.read_text())
+                self.assertEqual(report["after"]["tetrahedra_outside"], 0)
+                # The low vessel's outlet at the border goes, and both cuts are new; voxels make 3 % of the section.
+                new = sorted(o["area_mm2"] for o in report["cut"]["openings"])
+                section = math.pi * RADIUS**2 * math.hypot(1, 0.2)
+                self.assertEqual(len(new), 2)
+                for area in new:
+                    self.assertAlmostEqual(area / section, 1, delta=0.03)
+                self.run_well("evaluate", cut, "--image", self.image, "--cut-plane", *plane, "--json", numbers)
+                compared = json.loads(numbers.read_text())["openings"]
+                self.assertEqual(len(compared), len(wanted))
+                for opening in compared:
+                    self.assertLess(abs(opening["change_percent"]), 2)
+                self.assertIn("--cut-plane 30 10.6", self.run_well("evaluate", cut, "--image", self.image).stderr)
+
+    def test_cuts_of_a_mesh_that_make_no_sense_are_refused(self):
+        mesh, cut = self.folder / "mesh.vtu", self.folder / "cut.vtu"
+        self.run_well("lattice", self.image, "-o", mesh, "--edge-length", "1.5")
+        self.assert_refused(self.run_lumesh("improve", mesh, "-o", cut, "--cut-plane", "99", "0", "0", "1", "0", "0"), BAD_INPUT, "beyond")
+        self.assert_refused(self.run_lumesh("improve", mesh, "-o", cut, "--cut-plane", "-9", "0", "0", "1", "0", "0"), BAD_INPUT, "nothing of the mesh is left")
+        self.assertFalse(cut.exists())
+        layered = self.folder / "layered.vtu"
+        self.run_well("layers", mesh, "-o", layered, "--side", "inward", "--first-height", "0.1", "--count", "2", "--cells", "prisms")
+        self.assert_refused(self.run_lumesh("improve", layered, "-o", cut, "--cut-plane", "30", "10.6", "0", "1", "0", "0"), BAD_INPUT, "prisms")
+
     def test_ends_are_clipped_square(self):
         told = self.run_well("info", self.image, "--json", "--clip-ends", "1r")
         self.assertIn("(-0.5, 10.6, 10.4) mm stays", told.stderr)  # It is at the joint of the two tubes.

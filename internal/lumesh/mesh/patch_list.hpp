@@ -24,6 +24,15 @@ namespace lumesh {
   return wanted + "_" + std::to_string(next);
 }
 
+/// What openings without another name are called: "inlet_1", "outlet_1", "outlet_2", …
+[[nodiscard]] inline std::string opening_name(std::size_t number) {
+  return number == 0 ? "inlet_1" : "outlet_" + std::to_string(number);
+}
+/// And those of a wall around a lumen: "wall_rim_1", …
+[[nodiscard]] inline std::string wall_rim_name(std::size_t number) {
+  return "wall_rim_" + std::to_string(number + 1);
+}
+
 /// Whether a patch is where a wall, no lumen, is cut.
 [[nodiscard]] inline bool is_rim_name(std::string_view name) {
   constexpr std::string_view kRim = "wall_rim_";

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "fixtures/meshes.hpp"
+#include "fixtures/mixed_meshes.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/mesh/validate.hpp"
@@ -13,11 +14,6 @@
 
 namespace lumesh {
 namespace {
-
-MixedMesh mixed_of(const TetMesh& mesh) {
-  const BoundaryFaces faces = mesh.boundary_faces();
-  return copy_of(mesh.view(faces));
-}
 
 /// A cube of six tetrahedra, its corners moved by `place`; where that mirrors it, it is turned round.
 template <class Place>
@@ -28,7 +24,7 @@ MixedMesh cube_at(const Place& place, Label label = 1) {
     const auto at = [&](std::size_t i) -> const Vec3& { return soup.points[t[i]]; };
     if (tetrahedron_volume(at(0), at(1), at(2), at(3)) < 0) std::swap(t[0], t[1]);
   }
-  return mixed_of(soup.build());
+  return fixtures::mixed_of(soup.build());
 }
 MixedMesh cube_shifted(double x, Label label = 1) {
   return cube_at([x](const Vec3& p) { return Vec3(p + Vec3(x, 0, 0)); }, label);
@@ -88,7 +84,7 @@ std::set<std::string> patch_names(const MixedMesh& mesh) {
 constexpr int kBlock = 4;  // Cells along the side of the block of two labels.
 
 TEST(Merge, HalvesOfABlockBecomeTheBlock) {
-  const MixedMesh block = mixed_of(fixtures::two_label_block(kBlock).build());
+  const MixedMesh block = fixtures::mixed_of(fixtures::two_label_block(kBlock).build());
   const MixedMesh left = part_of(block, {1}).mesh, right = part_of(block, {2}).mesh;
   EXPECT_EQ(left.tetrahedra.size(), block.tetrahedra.size() / 2);
   EXPECT_EQ(left.points.size(), 3U * 5 * 5);
@@ -112,7 +108,7 @@ TEST(Merge, HalvesOfABlockBecomeTheBlock) {
 }
 
 TEST(Merge, PartsOfAMeshNameTheirCutFacesAsTheInterface) {
-  const MixedMesh block = mixed_of(fixtures::two_label_block(kBlock).build());
+  const MixedMesh block = fixtures::mixed_of(fixtures::two_label_block(kBlock).build());
   const LabelPart part = part_of(block, {1});
   const MixedMesh& left = part.mesh;
   ASSERT_TRUE(validate(left.view()).ok());
@@ -128,7 +124,7 @@ TEST(Merge, PartsOfAMeshNameTheirCutFacesAsTheInterface) {
 }
 
 TEST(Merge, RoundedPointsTakeThePlaceOfTheFirst) {
-  MixedMesh block = mixed_of(fixtures::two_label_block(kBlock).build());
+  MixedMesh block = fixtures::mixed_of(fixtures::two_label_block(kBlock).build());
   for (Vec3& p : block.points) p = p / 3 + Vec3(100.1, 50.2, 0.3);
   const MixedMesh left = part_of(block, {1}).mesh;
   MixedMesh right = part_of(block, {2}).mesh;
@@ -214,7 +210,7 @@ TEST(Merge, WhatDoesNotFitIsRefused) {
   EXPECT_NE(fault_of({&cube, &other_diagonal}).find("differ"), std::string::npos);
   const MixedMesh hexahedron = hexahedron_from(1, 2);
   EXPECT_NE(fault_of({&cube, &hexahedron}).find("differ"), std::string::npos);
-  MixedMesh finer = mixed_of([] {
+  MixedMesh finer = fixtures::mixed_of([] {
     fixtures::TetSoup soup = fixtures::cube_grid(2);
     for (Vec3& p : soup.points) p = p / 2 + Vec3(1, 0, 0);
     return soup.build();
@@ -225,7 +221,7 @@ TEST(Merge, WhatDoesNotFitIsRefused) {
 }
 
 TEST(Merge, TheSameForEveryNumberOfThreads) {
-  const MixedMesh block = mixed_of(fixtures::two_label_block(8).build());
+  const MixedMesh block = fixtures::mixed_of(fixtures::two_label_block(8).build());
   const MixedMesh left = part_of(block, {1}).mesh, right = part_of(block, {2}).mesh;
   const MixedMesh wanted = merged({&left, &right}).mesh;
   for (const int threads : {1, 3}) {
@@ -239,7 +235,7 @@ TEST(Merge, TheSameForEveryNumberOfThreads) {
 }
 
 TEST(Parts, LabelsAreCalledByNamesOrNumbers) {
-  MixedMesh mesh = mixed_of(fixtures::two_label_block(2).build());
+  MixedMesh mesh = fixtures::mixed_of(fixtures::two_label_block(2).build());
   mesh.info.label_names = {{2, "wall"}, {5, "plaque"}};
   EXPECT_EQ(labels_called(mesh, std::vector<std::string>{"wall"}), (std::set<Label>{2}));
   EXPECT_EQ(labels_called(mesh, std::vector<std::string>{"1", "wall"}), (std::set<Label>{1, 2}));

@@ -1,0 +1,176 @@
+#include "lumesh/stages/mesh_cut.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "lumesh/domain/patch_names.hpp"
+#include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/cut_off_cells.hpp"
+#include "lumesh/mesh/edge_key.hpp"
+#include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/stages/input.hpp"
+
+namespace lumesh {
+namespace {
+
+/// A new opening that has no name yet.
+struct Piece {
+  Label label = kBackground;
+  std::vector<Cell<3>> faces;
+  std::set<std::uint64_t> rim;  // Edges with one face.
+};
+
+/// Names of openings that a cut has made.
+class NewNames {
+ public:
+  NewNames(MixedMesh& mesh, std::int32_t first) : mesh_(mesh), naming_(mesh.info.label_names) {
+    std::vector<Patch>& patches = mesh.info.patches;
+    pieces_.resize(patches.size() - static_cast<std::size_t>(first));
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      if (const std::int32_t p = mesh.triangle_patches[t]; p >= first)
+        pieces_[static_cast<std::size_t>(p - first)].faces.push_back(mesh.triangles[t]);
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      pieces_[i].label = patches[static_cast<std::size_t>(first) + i].labels[0];
+      find_rim(pieces_[i]);
+    }
+    give(first);
+  }
+
+ private:
+  static void find_rim(Piece& piece) {
+    for (const Cell<3>& face : piece.faces)
+      for (std::size_t i = 0; i < 3; ++i)
+        if (const std::uint64_t edge = edge_key(face[i], face[(i + 1) % 3]); !piece.rim.insert(edge).second)
+          piece.rim.erase(edge);
+  }
+
+  /// All of another label's rim is of this one: it lies within.
+  [[nodiscard]] bool is_rim(const Piece& piece) const {
+    return std::any_of(pieces_.begin(), pieces_.end(), [&](const Piece& other) {
+      return other.label != piece.label &&
+             std::includes(piece.rim.begin(), piece.rim.end(), other.rim.begin(), other.rim.end());
+    });
+  }
+
+  void give(std::int32_t first) {
+    std::set<Label> labels, of_rims;
+    for (const Piece& piece : pieces_) (is_rim(piece) ? of_rims : labels).insert(piece.label);
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      const bool rim = is_rim(pieces_[i]);
+      const bool are_several = (rim ? of_rims : labels).size() > 1;
+      const std::string ending = are_several ? "_" + naming_.label(pieces_[i].label) : "";
+      mesh_.info.patches[static_cast<std::size_t>(first) + i].name = free_name(rim, ending);
+    }
+  }
+  [[nodiscard]] std::string free_name(bool is_rim, const std::string& ending) const {
+    const std::vector<Patch>& patches = mesh_.info.patches;
+    for (std::size_t number = 0;; ++number) {
+      std::string name = is_rim ? wall_rim_name(number) : opening_name(number);
+      name += ending;
+      if (std::none_of(patches.begin(), patches.end(), [&](const Patch& p) { return p.name == name; }))
+        return name;
+    }
+  }
+
+  MixedMesh& mesh_;
+  PatchNaming naming_;
+  std::vector<Piece> pieces_;
+};
+
+/// Names of those that go.
+std::vector<std::string> drop_empty_patches(MixedMesh& mesh) {
+  std::vector<Patch>& patches = mesh.info.patches;
+  std::vector<std::int32_t> number(patches.size(), -1);
+  const auto mark = [&](const std::vector<std::int32_t>& of_faces) {
+    for (const std::int32_t p : of_faces) number[static_cast<std::size_t>(p)] = 0;
+  };
+  mark(mesh.triangle_patches), mark(mesh.quadrilateral_patches);
+  std::vector<std::string> gone;
+  std::vector<Patch> kept;
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    if (number[p] < 0) {
+      gone.push_back(patches[p].name);
+      continue;
+    }
+    number[p] = static_cast<std::int32_t>(kept.size());
+    kept.push_back(std::move(patches[p]));
+  }
+  patches = std::move(kept);
+  for (std::int32_t& p : mesh.triangle_patches) p = number[static_cast<std::size_t>(p)];
+  for (std::int32_t& p : mesh.quadrilateral_patches) p = number[static_cast<std::size_t>(p)];
+  return gone;
+}
+
+/// Between two faces of a mesh whose normals point out of it.
+double angle_inside_deg(const Vec3& one, const Vec3& other) {
+  return std::acos(std::clamp(-one.dot(other), -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+/// Of the patches of some names; in mm (LPS).
+std::vector<CutMesh::Opening> measure(const MixedMesh& mesh, const std::set<std::string>& names) {
+  const Vec3 to_mm = frame_factors(mesh.info, MeshInfo());
+  const auto normal_of = [&](std::size_t t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    return triangle_normal(mesh.points[a], mesh.points[b], mesh.points[c]);
+  };
+  std::vector<CutMesh::Opening> openings;
+  for (std::size_t p = 0; p < mesh.info.patches.size(); ++p) {
+    if (!names.contains(mesh.info.patches[p].name)) continue;
+    CutMesh::Opening& opening = openings.emplace_back();
+    opening.name = mesh.info.patches[p].name;
+    std::map<std::uint64_t, std::size_t> at_edge;  // Its triangle.
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      for (std::size_t i = 0; i < 3 && mesh.triangle_patches[t] == static_cast<std::int32_t>(p); ++i)
+        at_edge[edge_key(mesh.triangles[t][i], mesh.triangles[t][(i + 1) % 3])] = t;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto patch = static_cast<std::size_t>(mesh.triangle_patches[t]);
+      if (mesh.info.patches[patch].kind != PatchKind::kWall) continue;
+      for (std::size_t i = 0; i < 3; ++i)
+        if (const auto at = at_edge.find(edge_key(mesh.triangles[t][i], mesh.triangles[t][(i + 1) % 3]));
+            at != at_edge.end())
+          opening.least_angle_deg =
+              std::min(opening.least_angle_deg, angle_inside_deg(normal_of(t), normal_of(at->second)));
+    }
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (mesh.triangle_patches[t] != static_cast<std::int32_t>(p)) continue;
+      std::array<Vec3, 3> corners;
+      for (std::size_t i = 0; i < 3; ++i) corners[i] = mesh.points[mesh.triangles[t][i]].cwiseProduct(to_mm);
+      const double area = triangle_area(corners[0], corners[1], corners[2]);
+      opening.area_mm2 += area;
+      opening.centre_mm += area / 3 * (corners[0] + corners[1] + corners[2]);
+    }
+    opening.centre_mm /= opening.area_mm2;
+  }
+  return openings;
+}
+
+}  // namespace
+
+CutMesh cut_mesh(MixedMesh& mesh, std::span<const CutPlane> planes) {
+  CutMesh made;
+  std::set<std::string> added;
+  const Vec3 factors = frame_factors(MeshInfo(), mesh.info);
+  for (const CutPlane& plane : planes) {
+    const CellsCutOff cut = cut_off_beyond(mesh, plane.point_mm.cwiseProduct(factors),
+                                           plane.normal.cwiseProduct(factors.cwiseSign()).normalized());
+    made.removed += cut.removed;
+    const auto first_new = static_cast<std::size_t>(cut.first_patch);
+    const std::size_t new_count = mesh.info.patches.size() - first_new;
+    // Names that are free once what lay beyond is gone.
+    for (const std::string& name : drop_empty_patches(mesh))
+      if (added.erase(name) == 0) made.gone.push_back(name);
+    const std::size_t first = mesh.info.patches.size() - new_count;
+    NewNames(mesh, static_cast<std::int32_t>(first));
+    for (std::size_t p = first; p < mesh.info.patches.size(); ++p) added.insert(mesh.info.patches[p].name);
+  }
+  made.openings = measure(mesh, added);
+  return made;
+}
+
+}  // namespace lumesh
