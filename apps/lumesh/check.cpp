@@ -1,13 +1,17 @@
 #include <fmt/core.h>
 
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "commands.hpp"
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/report/check_report.hpp"
 #include "lumesh/stages/check_stage.hpp"
 #include "option_adapter.hpp"
 
@@ -20,7 +24,7 @@ using json = nlohmann::ordered_json;
 struct CheckCommand {
   std::string path;
   ImageSelection selection;
-  std::string json_path;
+  std::string json_path, report_path;
   RunOptions run;
 };
 
@@ -67,10 +71,22 @@ void print_text(const CheckCommand& command, const CheckReport& report) {
   if (report.findings.empty()) print_out("nothing found\n");
 }
 
+void write_report(const CheckCommand& command, const CheckReport& report, Context& context) {
+  const report::CheckPictures pictures = context.phase("pictures", [&] {
+    if (const auto* image = std::get_if<LabelImage>(&report.checked))
+      return report::draw_check_pictures(*image, report.findings);
+    return report::draw_check_pictures(std::get<MixedMesh>(report.checked).view(), report.findings);
+  });
+  report::CheckedFile file = {std::filesystem::path(command.path).filename().string(), report.what,
+                              report.size, report.is_fit(), report.findings};
+  for (Finding& finding : file.findings) finding.remedy = with_flags(finding.remedy, *command.run.command);
+  write_text_file(command.report_path, report::check_html(file, pictures));
+}
+
 void run(const CheckCommand& command) {
   CommandRun session(command.run);
   Context& context = session.context;
-  check_files({command.json_path}, {command.path}, command.selection);
+  check_files({command.json_path, command.report_path}, {command.path}, command.selection);
   if (is_mesh_file(command.path)) {
     ImageSelection of_images = command.selection;
     require_not_given(*command.run.command, options_of(of_images),
@@ -79,6 +95,7 @@ void run(const CheckCommand& command) {
   const CheckReport report = check_file(command.path, command.selection, context);
   if (!command.json_path.empty()) write_json(command.json_path, to_json(command, report).dump(2));
   if (command.run.quiet == 0) print_text(command, report);
+  if (!command.report_path.empty()) write_report(command, report, context);
   if (!report.is_fit())
     throw Error(ErrorKind::kNotReached,
                 command.path + ": is unfit for meshing as it is; see the faults above");
@@ -96,6 +113,7 @@ void add_check_command(CLI::App& program) {
   describe_unit(selection, command->selection.unit);
   add_options(*sub, selection, "", {"probabilities"});
   add_json_option(*sub, command->json_path, command->run, "the same");
+  sub->add_option("--report", command->report_path, "Write it as a page with pictures (.html)");
   finish_command(
       *sub, command,
       "Exit codes: 0 fit for meshing, perhaps with remarks, 2 unreadable, 3 unfit.\nExample: lumesh check "

@@ -218,23 +218,6 @@ PixelPlace way_out(const OpeningMark& mark, const PixelPlace& at, const Camera& 
   return length > 1e-6 ? PixelPlace{way[0] / length, way[1] / length} : PixelPlace{0, -1};
 }
 
-bool is_hidden(const OpeningMark& mark, const Camera& camera, const std::vector<ScreenTriangle>& triangles) {
-  constexpr double kInFront = 3;  // Pixels: the opening's own triangles are not.
-  if (mark.normal.dot(camera.toward) < 0) return true;
-  const auto [x, y, depth] = camera.project(mark.centre_mm);
-  const PixelPlace p = {x, y};
-  return std::any_of(triangles.begin(), triangles.end(), [&, z = depth](const ScreenTriangle& t) {
-    const auto corner = [&](std::size_t i) { return PixelPlace{t.corners[i][0], t.corners[i][1]}; };
-    const std::array<double, 3> parts = {turn(p, corner(1), corner(2)), turn(corner(0), p, corner(2)),
-                                         turn(corner(0), corner(1), p)};
-    const auto [least, most] = std::minmax({parts[0], parts[1], parts[2]});
-    if ((least < 0 && most > 0) || least == most) return false;
-    const double sum = parts[0] + parts[1] + parts[2];
-    return (parts[0] * t.corners[0][2] + parts[1] * t.corners[1][2] + parts[2] * t.corners[2][2]) / sum >
-           z + kInFront;
-  });
-}
-
 /// What is known of a patch's triangles.
 struct PatchSums {
   std::int32_t patch = 0;
@@ -304,10 +287,25 @@ Margins margins_for(const std::vector<OpeningMark>& marks, double letter) {
   return {std::min(widest, kWidest * kLetterWidth * letter) + 2 * letter, 3 * letter};
 }
 
+bool is_behind(const Camera& camera, const Vec3& place, double margin_pixels,
+               const std::vector<ScreenTriangle>& triangles) {
+  const auto [x, y, depth] = camera.project(place);
+  const PixelPlace p = {x, y};
+  return std::any_of(triangles.begin(), triangles.end(), [&, z = depth](const ScreenTriangle& t) {
+    const auto corner = [&](std::size_t i) { return PixelPlace{t.corners[i][0], t.corners[i][1]}; };
+    const std::array<double, 3> parts = {turn(p, corner(1), corner(2)), turn(corner(0), p, corner(2)),
+                                         turn(corner(0), corner(1), p)};
+    const auto [least, most] = std::minmax({parts[0], parts[1], parts[2]});
+    if ((least < 0 && most > 0) || least == most) return false;
+    const double sum = parts[0] + parts[1] + parts[2];
+    return (parts[0] * t.corners[0][2] + parts[1] * t.corners[1][2] + parts[2] * t.corners[2][2]) / sum >
+           z + margin_pixels;
+  });
+}
+
 PictureLabels place_names(const std::vector<OpeningMark>& marks, const Camera& camera, const Picture& picture,
-                          const std::vector<ScreenTriangle>& triangles) {
+                          const std::vector<ScreenTriangle>& triangles, double letter) {
   if (marks.empty()) return {};
-  const double letter = letter_pixels(camera);
   const Cover cover(picture);
   const Surroundings surroundings(camera, cover, letter);
   std::vector<Name> names;
@@ -317,6 +315,7 @@ PictureLabels place_names(const std::vector<OpeningMark>& marks, const Camera& c
     names.push_back({at, surroundings.places(at, way_out(mark, at, camera), text_width(mark.name, letter))});
   }
   choose_places(names);
+  constexpr double kInFront = 3;  // Pixels: the opening's own triangles are not.
   PictureLabels result = {{}, letter};
   std::vector<Box> taken;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -325,7 +324,8 @@ PictureLabels place_names(const std::vector<OpeningMark>& marks, const Camera& c
     if (std::any_of(taken.begin(), taken.end(), [&](const Box& other) { return other.touches(box); }))
       continue;
     taken.push_back(box);
-    const bool hidden = is_hidden(marks[i], camera, triangles);
+    const bool hidden =
+        marks[i].normal.dot(camera.toward) < 0 || is_behind(camera, marks[i].centre_mm, kInFront, triangles);
     const PixelPlace at = hidden ? point_outside(names[i].at, chosen.from, letter, picture) : names[i].at;
     result.labels.push_back({marks[i].name, at, chosen.from, box.low, box.high, hidden});
   }

@@ -29,10 +29,16 @@ struct OpeningMark {
 /// Room for the names around the object.
 [[nodiscard]] Margins margins_for(const std::vector<OpeningMark>& marks, double letter_pixels);
 
+/// Whether a triangle is in front of a place, by more than a number of pixels.
+[[nodiscard]] bool is_behind(const Camera& camera, const Vec3& place, double margin_pixels,
+                             const std::vector<ScreenTriangle>& triangles);
+
 /// Puts the names beside the object: outward along the normals where there is room, no two texts over each
 /// other and none beyond the picture. Names for which there is no place are left out.
 /// @param triangles  That the picture was made of.
+/// @param letter     Height of a line, in pixels.
 [[nodiscard]] PictureLabels place_names(const std::vector<OpeningMark>& marks, const Camera& camera,
-                                        const Picture& picture, const std::vector<ScreenTriangle>& triangles);
+                                        const Picture& picture, const std::vector<ScreenTriangle>& triangles,
+                                        double letter);
 
 }  // namespace lumesh::report

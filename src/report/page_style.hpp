@@ -24,6 +24,7 @@ header p { flex-basis: 100%; margin: 0; color: var(--soft); }
 h2 { font-size: 12.5px; font-weight: 650; letter-spacing: 0.07em; text-transform: uppercase; color: var(--soft); margin: 0 0 14px; }
 .badge { font-size: 13px; font-weight: 600; padding: 3px 12px; border-radius: 99px; color: var(--good); background: var(--good-back); }
 .badge.bad { color: var(--bad); background: var(--bad-back); }
+.badge.plain { color: var(--soft); background: var(--hair); }
 .tiles { display: flex; flex-wrap: wrap; gap: 1px; background: var(--line); border: 1px solid var(--line); border-radius: 12px; overflow: hidden; margin-bottom: 22px; }
 .tile { flex: 1 1 138px; background: var(--card); padding: 15px 18px 13px; }
 .tile b { display: block; font-size: 23px; line-height: 1.25; font-weight: 620; letter-spacing: -0.015em; font-variant-numeric: tabular-nums; white-space: nowrap; }
@@ -63,6 +64,7 @@ h2.stage b { color: var(--accent); margin-right: 6px; } h2.stage span { font-siz
 .lead { color: var(--soft); margin: 0 0 18px; max-width: 46em; break-after: avoid; }
 .flow td { vertical-align: top; } .flow p { color: var(--soft); font-size: 13.5px; margin: 1px 0 0; } .flow .number { color: var(--accent); font-weight: 640; width: 1.6em; }
 .flow .share { width: 22%; vertical-align: middle; } .flow .share i { display: block; height: 10px; min-width: 2px; border-radius: 3px; background: var(--bar); }
+.findings td { vertical-align: top; } .findings th.text { text-align: left; } .findings .places, .findings code { white-space: nowrap; } ol.places { margin: 0; padding-left: 1.8em; columns: 330px; font-variant-numeric: tabular-nums; } ol.places li { break-inside: avoid; }
 a { color: inherit; text-decoration-color: var(--accent); text-underline-offset: 3px; }
 .aside { color: var(--soft); font-size: 13px; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 9px 22px; margin: 0; } dt { font-weight: 600; max-width: 14em; } dd { margin: 0; }

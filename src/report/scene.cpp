@@ -132,6 +132,18 @@ CutOptions cut_options(const MeshView& mesh, const PictureOptions& options, std:
           .enlarge_to_cells = enlarge_to_cells};
 }
 
+void lay_over(Picture& below, const Picture& above) {
+  for (std::size_t i = 0; i < below.rgba.size(); i += 4) {
+    const double over = above.rgba[i + 3] / 255.0, under = below.rgba[i + 3] / 255.0 * (1 - over);
+    const double alpha = over + under;
+    if (alpha <= 0) continue;
+    for (std::size_t c = 0; c < 3; ++c)
+      below.rgba[i + c] = static_cast<std::uint8_t>(
+          std::lround((above.rgba[i + c] * over + below.rgba[i + c] * under) / alpha));
+    below.rgba[i + 3] = static_cast<std::uint8_t>(std::lround(255 * alpha));
+  }
+}
+
 Camera best_camera(std::span<const Vec3> points, int width) {
   const ViewAngles angles = best_view(points);
   Camera camera = look_from(angles.azimuth_deg, angles.elevation_deg);

@@ -53,6 +53,9 @@ inline constexpr std::uint64_t kCellsOfEnlargedCut = 1200;  ///< So that each ca
 void add_polygon(const Camera& camera, std::span<const Vec3> corners, const Vec3& normal, Colour colour,
                  bool matt, std::vector<ScreenTriangle>& out);
 
+/// Lays one picture over another of the same size.
+void lay_over(Picture& below, const Picture& above);
+
 /// True if the camera sees a part of the box around the points.
 [[nodiscard]] bool in_view(const Camera& camera, std::span<const Vec3> points);
 

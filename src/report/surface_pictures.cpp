@@ -38,19 +38,6 @@ std::vector<ScreenTriangle> facing_triangles(const MeshView& mesh, const MeshSur
   return triangles;
 }
 
-/// Lays one picture over another of the same size.
-void lay_over(Picture& below, const Picture& above) {
-  for (std::size_t i = 0; i < below.rgba.size(); i += 4) {
-    const double over = above.rgba[i + 3] / 255.0, under = below.rgba[i + 3] / 255.0 * (1 - over);
-    const double alpha = over + under;
-    if (alpha <= 0) continue;
-    for (std::size_t c = 0; c < 3; ++c)
-      below.rgba[i + c] = static_cast<std::uint8_t>(
-          std::lround((above.rgba[i + c] * over + below.rgba[i + c] * under) / alpha));
-    below.rgba[i + 3] = static_cast<std::uint8_t>(std::lround(255 * alpha));
-  }
-}
-
 /// Colours of positive values, from the 1st to the 99th percentile in logarithmic steps.
 class LogarithmicColours {
  public:
@@ -264,13 +251,14 @@ SurfacePicture draw_surface(const MeshView& mesh, const MeshSurface& surface, co
   const std::vector<Vec3> points = surface_points(mesh, surface);
   const std::vector<OpeningMark> openings = opening_marks(mesh, surface);
   Camera camera = best_camera(points, options.width);
-  frame_points(camera, points, options.width, margins_for(openings, letter_pixels(camera)));
+  const double letter = letter_pixels(camera);
+  frame_points(camera, points, options.width, margins_for(openings, letter));
   const Palette palette(mesh, surface);
   const std::vector<ScreenTriangle> triangles =
       facing_triangles(mesh, surface, camera, Finish::kLit,
                        [&](std::size_t i) { return palette.of(surface.labels[i][0], surface.patches[i]); });
   Picture picture = rasterise(triangles, camera.width, camera.height, options.supersampling);
-  PictureLabels names = place_names(openings, camera, picture, triangles);
+  PictureLabels names = place_names(openings, camera, picture, triangles, letter_pixels(camera));
   return {std::move(picture), palette.legend(), {}, std::move(names)};
 }
 

@@ -78,16 +78,21 @@ bool CheckReport::is_fit() const {
 
 CheckReport check_file(const std::filesystem::path& path, const ImageSelection& selection, Context& context) {
   if (!is_mesh_file(path)) {
-    const LabelImage image =
-        context.phase("read", [&] { return read_selected_image(path, selection, context); });
-    return context.phase("check", [&] { return check_image(image); });
+    LabelImage image = context.phase("read", [&] { return read_selected_image(path, selection, context); });
+    CheckReport report = context.phase("check", [&] { return check_image(image); });
+    report.checked = std::move(image);
+    return report;
   }
   MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(path, selection.unit); });
   CheckReport report = context.phase("check", [&] {
-    if (mesh.view().cell_count() == 0) return check_surface(as_surface(std::move(mesh), path), path);
+    if (mesh.view().cell_count() == 0) {
+      mesh = as_surface(std::move(mesh), path);
+      return check_surface(mesh, path);
+    }
     bring_to_lps_mm(mesh);
     return check_mesh(mesh);
   });
+  report.checked = std::move(mesh);
   std::stable_partition(report.findings.begin(), report.findings.end(),
                         [](const Finding& finding) { return finding.severity == Severity::kFault; });
   return report;

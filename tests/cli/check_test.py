@@ -10,6 +10,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import nrrd
 from program import BAD_INPUT, NOT_REACHED, USAGE, ProgramTest
 
 SHARED = pathlib.Path(__file__).resolve().parents[3] / "shared/data"
@@ -87,6 +88,51 @@ class CheckTest(ProgramTest):
         mesh = self.folder / "mesh.vtu"
         self.run_well("delaunay", self.stl, "-o", mesh, "--delta", "1", "-q")
         self.assertEqual(self.check(mesh), {})
+
+    def test_a_report_shows_where_the_findings_are(self):
+        page = self.folder / "page <1>.html"
+        triangles = tube(10)
+        self.write(triangles)
+        self.run_well("check", self.stl, "--report", page, "-q")
+        html = page.read_text(encoding="utf-8")
+        self.assertIn("fit for meshing", html)
+        self.assertEqual(html.count("<img "), 1, "the surface alone")
+        del triangles[200]
+        self.write(triangles)
+        result = self.run_lumesh("check", self.stl, "--report", page, "--json")
+        self.assertEqual(result.returncode, NOT_REACHED, result.stderr)
+        hole = json.loads(result.stdout)["findings"][0]
+        html = page.read_text(encoding="utf-8")
+        self.assertIn("unfit for meshing", html)
+        self.assertEqual(html.count("<img "), 2, "overview and close-up")
+        self.assertIn("({:.4g}, {:.4g}, {:.4g})".format(*hole["places_mm"][0]), html)
+        self.assertIn(hole["remedy"], html)
+
+    def test_a_report_of_an_image_names_voxels(self):
+        page, image = self.folder / "page.html", self.folder / "in.nrrd"
+        voxels = nrrd.ball(16, 5)
+        voxels[0] = 1
+        nrrd.write(image, [16, 16, 16], voxels)
+        self.run_well("check", image, "--report", page)
+        html = page.read_text(encoding="utf-8")
+        self.assertIn("<code>islands</code>", html)
+        self.assertIn("voxel (0, 0, 0)", html)
+        self.assertEqual(html.count("<img "), 2)
+
+    def test_a_report_of_a_mesh_shows_its_outside(self):
+        page, mesh = self.folder / "page.html", self.folder / "mesh.vtu"
+        self.write(tube(10))
+        self.run_well("delaunay", self.stl, "-o", mesh, "--delta", "1", "-q")
+        self.run_well("check", mesh, "--report", page)
+        self.assertEqual(page.read_text(encoding="utf-8").count("<img "), 1)
+
+    def test_a_report_does_not_replace_the_input(self):
+        self.write(tube(10))
+        before = self.stl.read_bytes()
+        self.assert_refused(self.run_lumesh("check", self.stl, "--report", self.stl), USAGE, "in.stl")
+        self.assertEqual(self.stl.read_bytes(), before)
+        page = self.folder / "none" / "page.html"
+        self.assert_refused(self.run_lumesh("check", self.stl, "--report", page), BAD_INPUT, "page.html")
 
     def test_repair_makes_faults_good_and_says_what_it_did(self):
         triangles = tube(10)

@@ -4,18 +4,22 @@
 
 #include <filesystem>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/core/finding.hpp"
+#include "lumesh/image/label_image.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/stages/input.hpp"
 
 namespace lumesh {
 
 struct CheckReport {
-  std::string what;               ///< What the file holds: "surface", "mesh" or "image".
-  std::string size;               ///< In words: "6532 triangles, 3268 points".
-  std::vector<Finding> findings;  ///< Faults first.
+  std::string what;                                  ///< What the file holds: "surface", "mesh" or "image".
+  std::string size;                                  ///< In words: "6532 triangles, 3268 points".
+  std::vector<Finding> findings;                     ///< Faults first.
+  std::variant<MixedMesh, LabelImage> checked = {};  ///< What was looked at, in mm (LPS); for pictures.
 
   /// Whether it can be meshed, or computed on, as it is.
   [[nodiscard]] bool is_fit() const;
