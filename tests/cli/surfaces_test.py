@@ -219,17 +219,6 @@ class SurfacesTest(ProgramTest):
             for name in names:
                 self.assertIn(name, said.read_text())
 
-    def test_face_ids_of_simvascular_come_back(self):
-        found = [SHARED / "surfaces" / "tagged" / name for name in ("bifurcation.vtp", "two-cyls.vtp")]
-        if not all(path.exists() for path in found):
-            self.skipTest(f"no tagged surfaces in {SHARED}")
-        for model in found:
-            out = self.folder / f"{model.stem}-mesh-complete"
-            self.run_well("delaunay", model, "-o", out)
-            names = [{patch["name"] for patch in self.info(path)["patches"] if patch["faces"] > 0}
-                     for path in (model, out / "mesh-complete.exterior.vtp")]
-            self.assertEqual(names[0], names[1])
-
     def test_an_array_may_be_chosen_for_the_patches(self):
         points, triangles = tube(length=8.0)
         part = " ".join(str(7 if i < len(triangles) // 2 else 9) for i in range(len(triangles)))
