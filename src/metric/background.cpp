@@ -1,6 +1,7 @@
 #include "background.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "lumesh/metric/measures.hpp"
 
@@ -29,9 +30,19 @@ Weights barycentric(const TetMesh& mesh, TetId t, const Vec3& point) {
   return weights;
 }
 
-/// Walks through the face the point lies farthest behind, until there is none or the boundary is met.
+/// Walks through the face the point lies farthest behind, until there is none or the boundary is met. A point
+/// on a face or an edge may, by rounding, lie behind faces of all tetrahedra there: the walk, which depends
+/// on where it is alone, then goes round for ever, and is cut short to where kLongestWalk steps would end.
 TetId walk_to(const TetMesh& mesh, TetId t, const Vec3& point, Weights& weights) {
+  TetId marked = t;  // Where it was after as many steps as the last power of two, and this many steps.
+  int steps_to_marked = 0, last_step = kLongestWalk;
   for (int step = 0;; ++step) {
+    if (step > 0 && t == marked)
+      last_step = step + (kLongestWalk - step) % (step - steps_to_marked);
+    else if (std::has_single_bit(static_cast<unsigned>(step))) {
+      marked = t;
+      steps_to_marked = step;
+    }
     weights = barycentric(mesh, t, point);
     TetId next;
     double largest = 0;
@@ -41,7 +52,7 @@ TetId walk_to(const TetMesh& mesh, TetId t, const Vec3& point, Weights& weights)
       largest = weights[f];
       next = link.tet();
     }
-    if (!next.valid() || step == kLongestWalk) return t;
+    if (!next.valid() || step == last_step) return t;
     t = next;
   }
 }

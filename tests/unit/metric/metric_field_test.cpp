@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "fixtures/meshes.hpp"
+#include "fixtures/rough_cube.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
 
@@ -124,6 +127,35 @@ TEST(MetricField, OnABackgroundInterpolatesLogarithmsLinearly) {
     EXPECT_LT((pair.log.matrix() - expected.matrix()).norm(), 1e-12);
     EXPECT_LT((pair.metric.matrix() - exp(expected).matrix()).norm(), 1e-6);
   }
+}
+
+/// A cube of bad angles with a logarithm at random at each vertex, always the same ones.
+TetMesh mesh_with_random_logs() {
+  TetMesh mesh = fixtures::rough_cube(6, 7);
+  mesh.enable_metric();
+  std::mt19937 random(5);
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const double x = static_cast<double>(random()) / std::mt19937::max();
+    const SymTensor log_metric = SymTensor::diagonal(x, x, x);
+    mesh.set_metric(VertexId(v), exp(log_metric), log_metric);
+  }
+  return mesh;
+}
+
+/// By rounding such points often lie outside of all tetrahedra that share the edge or the face.
+TEST(MetricField, IsTheMeanOfTheEndsInTheMiddleOfEdgesAndFaces) {
+  const TetMesh mesh = mesh_with_random_logs();
+  const MetricField field = MetricField::on_background(mesh_with_random_logs());
+  MetricField::Hint hint = field.first_hint();
+  for (std::uint32_t t = 0; t < mesh.tet_count(); ++t)
+    for (int i = 0; i < 4; ++i) {
+      const auto log_at = [&](int corner) { return mesh.log_metric(mesh.vertex(TetId(t), corner % 4)).xx; };
+      const auto place_of = [&](int corner) { return Vec3(mesh.corner(TetId(t), corner % 4)); };
+      const Vec3 of_edge = 0.5 * (place_of(i) + place_of(i + 1));
+      const Vec3 of_face = (place_of(i) + place_of(i + 1) + place_of(i + 2)) / 3;
+      EXPECT_NEAR(field.at(of_edge, hint).log.xx, (log_at(i) + log_at(i + 1)) / 2, 1e-7);
+      EXPECT_NEAR(field.at(of_face, hint).log.xx, (log_at(i) + log_at(i + 1) + log_at(i + 2)) / 3, 1e-7);
+    }
 }
 
 TEST(MetricField, OutsideItsBackgroundTakesTheNearestValues) {
