@@ -41,14 +41,14 @@ class Faults {
   explicit Faults(const MeshView& mesh)
       : mesh_(mesh), cells_(mesh), origin_(mesh.points.empty() ? Vec3(Vec3::Zero()) : mesh.points[0]) {}
 
-  std::vector<std::string> find() {
-    if (!look_at_points()) return std::move(lines_);
+  std::vector<MeshFault> find() {
+    if (!look_at_points()) return std::move(faults_);
     look_at_cells();
     look_at_faces();
     look_at_edges();
     look_at_crossings();
     look_at_volume();
-    return std::move(lines_);
+    return std::move(faults_);
   }
 
  private:
@@ -58,9 +58,9 @@ class Faults {
         std::find_if(mesh_.points.begin(), mesh_.points.end(), [](const Vec3& x) { return !is_place(x); });
     if (bad == mesh_.points.end()) return true;
     const auto number = bad - mesh_.points.begin();
-    lines_.push_back(bad->allFinite()
-                         ? fmt::format("point {} lies beyond {:g}, {}", number, kFarthest, at(*bad))
-                         : fmt::format("point {} has a coordinate that is not finite", number));
+    faults_.push_back({bad->allFinite()
+                           ? fmt::format("point {} lies beyond {:g}, {}", number, kFarthest, at(*bad))
+                           : fmt::format("point {} has a coordinate that is not finite", number)});
     return false;
   }
 
@@ -97,8 +97,9 @@ class Faults {
     magnitude_ = sums.magnitude;
     if (sums.turned.count == 0) return;
     const CellTriangles faces = cells_.triangles(sums.turned.first);
-    lines_.push_back(fmt::format("{} cells are flat or turned inside out, one {}", sums.turned.count,
-                                 at(mesh_.points[faces.items[0][0]])));
+    const Vec3& place = mesh_.points[faces.items[0][0]];
+    faults_.push_back(
+        {fmt::format("{} cells are flat or turned inside out, one {}", sums.turned.count, at(place)), place});
   }
 
   /// The outside are the faces that only one cell has, whatever patches they are in.
@@ -106,7 +107,7 @@ class Faults {
     const MeshSurface surface = extract_surface(mesh_);
     outside_ = surface.outer();
     if (surface.overfull_faces > 0)
-      lines_.push_back(fmt::format("{} faces have more than two cells", surface.overfull_faces));
+      faults_.push_back({fmt::format("{} faces have more than two cells", surface.overfull_faces)});
   }
 
   void look_at_edges() {
@@ -132,23 +133,28 @@ class Faults {
     }
     if (bad.count == 0) return;
     const Edge& edge = edges[bad.first];
-    lines_.push_back(fmt::format("{} edges of the outside do not have one face on each side, one {}",
-                                 bad.count, at(0.5 * (mesh_.points[edge.low] + mesh_.points[edge.high]))));
+    const Vec3 place = 0.5 * (mesh_.points[edge.low] + mesh_.points[edge.high]);
+    faults_.push_back({fmt::format("{} edges of the outside do not have one face on each side, one {}",
+                                   bad.count, at(place)),
+                       place});
   }
 
   void look_at_crossings() {
     const std::vector<SelfCrossing> crossings = find_self_crossings(mesh_.points, outside_);
     if (crossings.empty()) return look_at_sheets();
-    lines_.push_back(fmt::format("the outside crosses or touches itself: {} pairs of triangles, one {}",
-                                 crossings.size(), at(crossings.front().place)));
+    const Vec3& place = crossings.front().place;
+    faults_.push_back({fmt::format("the outside crosses or touches itself: {} pairs of triangles, one {}",
+                                   crossings.size(), at(place)),
+                       place});
   }
 
   void look_at_sheets() {
-    if (!lines_.empty()) return;  // It has to be closed.
+    if (!faults_.empty()) return;  // It has to be closed.
     const std::vector<Vec3> places = find_doubled_places(mesh_.points, outside_);
     if (!places.empty())
-      lines_.push_back(
-          fmt::format("{} pieces of the mesh lie within others, one {}", places.size(), at(places.front())));
+      faults_.push_back(
+          {fmt::format("{} pieces of the mesh lie within others, one {}", places.size(), at(places.front())),
+           places.front()});
   }
 
   /// The divergence theorem: a third of the flux of the position through the outside is the volume within.
@@ -159,10 +165,10 @@ class Faults {
           (mesh_.points[a] - origin_).dot((mesh_.points[b] - origin_).cross(mesh_.points[c] - origin_)) / 6;
     constexpr double kRounding = 1e-9;
     if (std::abs(enclosed - volume_) <= kRounding * (magnitude_ + std::abs(enclosed))) return;
-    lines_.push_back(
-        fmt::format("the cells fill {:.9g} {}3 but the outside encloses {:.9g}: there are gaps or "
-                    "overlaps within",
-                    volume_, mesh_.info->unit, enclosed));
+    faults_.push_back(
+        {fmt::format("the cells fill {:.9g} {}3 but the outside encloses {:.9g}: there are gaps or "
+                     "overlaps within",
+                     volume_, mesh_.info->unit, enclosed)});
   }
 
   static constexpr std::size_t kBlock = 8192;
@@ -172,13 +178,19 @@ class Faults {
   Vec3 origin_;  // Near the mesh, so that little cancels.
   std::vector<Cell<3>> outside_;
   double volume_ = 0, magnitude_ = 0;
-  std::vector<std::string> lines_;
+  std::vector<MeshFault> faults_;
 };
 
 }  // namespace
 
-std::vector<std::string> find_faults(const MeshView& mesh) {
+std::vector<MeshFault> find_placed_faults(const MeshView& mesh) {
   return Faults(mesh).find();
+}
+
+std::vector<std::string> find_faults(const MeshView& mesh) {
+  std::vector<std::string> lines;
+  for (MeshFault& fault : find_placed_faults(mesh)) lines.push_back(std::move(fault.text));
+  return lines;
 }
 
 }  // namespace lumesh::quality

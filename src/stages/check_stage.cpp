@@ -56,8 +56,10 @@ CheckReport check_mesh(const MixedMesh& mesh) {
   constexpr const char* kRemedy = "mesh its image or surface anew";
   CheckReport report = {
       "mesh", fmt::format("{} cells, {} points", mesh.view().cell_count(), mesh.points.size()), {}};
-  for (const std::string& fault : quality::find_faults(mesh.view()))
-    report.findings.push_back({"invalid", Severity::kFault, 1, fault, kRemedy, {}});
+  for (const quality::MeshFault& fault : quality::find_placed_faults(mesh.view())) {
+    report.findings.push_back({"invalid", Severity::kFault, 1, fault.text, kRemedy, {}});
+    if (fault.place) report.findings.back().places_mm.push_back(*fault.place);
+  }
   if (mesh.view().cell_count() == mesh.tetrahedra.size()) {
     const ValidationReport validity = validate(mesh.view());
     for (const std::string& problem : validity.problems) {

@@ -11,6 +11,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import nrrd
+from cube import cube, write_medit
 from program import BAD_INPUT, NOT_REACHED, USAGE, ProgramTest
 
 SHARED = pathlib.Path(__file__).resolve().parents[3] / "shared/data"
@@ -125,6 +126,19 @@ class CheckTest(ProgramTest):
         self.run_well("delaunay", self.stl, "-o", mesh, "--delta", "1", "-q")
         self.run_well("check", mesh, "--report", page)
         self.assertEqual(page.read_text(encoding="utf-8").count("<img "), 1)
+
+    def test_faults_of_meshes_have_places_and_pictures(self):
+        page, mesh = self.folder / "page.html", self.folder / "mesh.mesh"
+        points, tetrahedra, triangles = cube(3)
+        a, b, *rest = tetrahedra[0]
+        write_medit(mesh, points, [(b, a, *rest), *tetrahedra[1:]], triangles)
+        result = self.run_lumesh("check", mesh, "--report", page, "--json")
+        self.assertEqual(result.returncode, NOT_REACHED, result.stderr)
+        turned = json.loads(result.stdout)["findings"][0]
+        self.assertIn("1 cells are flat or turned inside out", turned["text"])
+        self.assertEqual(len(turned["places_mm"]), 1)
+        self.assertLess(math.dist(turned["places_mm"][0], (0, 0, 0)), 1)
+        self.assertGreaterEqual(page.read_text(encoding="utf-8").count("<img "), 2)
 
     def test_a_report_does_not_replace_the_input(self):
         self.write(tube(10))

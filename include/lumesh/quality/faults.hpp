@@ -2,6 +2,7 @@
 /// @file The faults of a mesh that no simulation survives, found quickly: what commands ask of meshes they
 /// make.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,13 @@
 
 namespace lumesh::quality {
 
-/// One readable line per kind of fault, with how often and a place; empty if there is none:
+/// A kind of fault in one readable line, with how often and a place.
+struct MeshFault {
+  std::string text;
+  std::optional<Vec3> place = {};  ///< The same place, where there is one; finite.
+};
+
+/// One fault of each kind; empty if there is none:
 /// - cells that are not positive: tetrahedra by the exact predicate, others by their volume and Jacobians;
 /// - faces with more than two cells;
 /// - edges of the outside (the faces that only one cell has) without one face on each side;
@@ -21,6 +28,9 @@ namespace lumesh::quality {
 ///
 /// Threads: parallel inside, the same lines for every thread count. Cost: about 0.3 s per million cells, 1 us
 /// per face of the outside.
+[[nodiscard]] std::vector<MeshFault> find_placed_faults(const MeshView& mesh);
+
+/// Their lines alone.
 [[nodiscard]] std::vector<std::string> find_faults(const MeshView& mesh);
 
 }  // namespace lumesh::quality

@@ -52,6 +52,10 @@ TEST(Faults, ATurnedCellIsFound) {
   ASSERT_FALSE(faults.empty());
   EXPECT_NE(faults[0].find("1 cells are flat or turned inside out, one at (6, 6, 7)"), std::string::npos)
       << faults[0];
+  const std::vector<MeshFault> placed = find_placed_faults(mesh.view());
+  ASSERT_EQ(placed.size(), faults.size());
+  EXPECT_EQ(placed[0].text, faults[0]);
+  EXPECT_EQ(placed[0].place, Vec3(6, 6, 7));
 }
 
 TEST(Faults, PointsBeyondEveryBodyAreFound) {
