@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "checked_shape.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/report/check_report.hpp"
 #include "name_labels.hpp"
@@ -144,7 +145,8 @@ class Overviews {
     legend_ = legend_of(shape);
     for (std::size_t side = 0; side < 2; ++side) {
       Camera& camera = sides_[side].camera;
-      camera = look_from(front.azimuth_deg + (side == 0 ? 0 : 180), front.elevation_deg);
+      camera = side == 0 ? look_from(front.azimuth_deg, front.elevation_deg)
+                         : look_from(front.azimuth_deg + 180, -front.elevation_deg);
       frame_points(camera, points_, options.width);
       const double letter = letter_of_half(camera);
       frame_points(camera, points_, options.width, {3 * letter, 3 * letter});
@@ -327,6 +329,13 @@ double mean_edge_mm(const Shape& shape) {
   return shape.faces.empty() ? 0 : sum / (3 * static_cast<double>(shape.faces.size()));
 }
 
+double diagonal_mm(const Shape& shape) {
+  Box3 box;
+  for (const ShapeFace& face : shape.faces)
+    for (const Vec3& corner : face.corners) box.extend(corner);
+  return shape.faces.empty() ? 0 : box.diagonal().norm();
+}
+
 double distance_to(const Shape& shape, const Vec3& place) {
   double least = std::numeric_limits<double>::infinity();
   for (const ShapeFace& face : shape.faces) {
@@ -336,14 +345,14 @@ double distance_to(const Shape& shape, const Vec3& place) {
   return std::sqrt(least);
 }
 
-CloseUp close_up_of(const Shape& shape, double mean_edge, std::span<const Vec3> places, const Vec3& usual,
-                    const PictureOptions& options) {
+CloseUp close_up_of(const Shape& shape, double mean_edge, double diagonal, std::span<const Vec3> places,
+                    const Vec3& usual, const PictureOptions& options) {
   const Vec3& place = places[0];
   const double distance = distance_to(shape, place);
   // Edges near the place, which may be much shorter than elsewhere.
   const double local = mean_edge_mm(part_near(shape, place, distance + 3 * mean_edge));
-  const double width =
-      std::max(kCloseUpEdges * (local > 0 ? std::max(local, mean_edge / 10) : mean_edge), 3 * distance);
+  const double twenty_edges = kCloseUpEdges * (local > 0 ? std::max(local, mean_edge / 10) : mean_edge);
+  const double width = std::max(std::min(twenty_edges, diagonal), 3 * distance);
   const double reach = kReach * width, blind = width / (2 * kCloseUpEdges);
   Surrounded at = {shape, part_near(shape, place, reach), place, reach, blind, blind};
   Look look = look_at(at, usual);
@@ -441,9 +450,9 @@ CheckPictures draw_all(const Shape& shape, double depth_mm, std::span<const Find
 CheckPictures draw_check_pictures(const MeshView& mesh, std::span<const Finding> findings,
                                   const PictureOptions& options) {
   const Shape shape = shape_of(mesh);
-  const double mean_edge = mean_edge_mm(shape);
+  const double mean_edge = mean_edge_mm(shape), diagonal = diagonal_mm(shape);
   return draw_all(shape, 0.5 * mean_edge, findings, options, [&](const Finding& finding, const Vec3& usual) {
-    return close_up_of(shape, mean_edge, finding.places_mm, usual, options);
+    return close_up_of(shape, mean_edge, diagonal, finding.places_mm, usual, options);
   });
 }
 

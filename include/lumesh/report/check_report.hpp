@@ -42,9 +42,9 @@ struct CheckPictures {
 
 /// Draws a surface, or the outside of a mesh, in grey; its inner side is blue-grey, edges of one triangle are
 /// blue and those of three triangles or more orange. Rings around places are drawn over everything, dashed
-/// where something is in front. A close-up shows about 20 edges from left to right, or three times the way
-/// from the place to the surface if that is more, from where the place can be seen; the triangles that touch
-/// the place are red. Nothing is drawn where a coordinate is not finite.
+/// where something is in front. A close-up shows about 20 edges from left to right (no more than all; three
+/// times the way from the place to the surface if that is more), from where the place can be seen; the
+/// triangles that touch the place are red. Nothing is drawn where a coordinate is not finite.
 /// @param mesh      In mm; of one without cells its triangles are drawn.
 /// Threads: parallel inside, same pixels for every thread count. Cost: about 1 us per triangle and 0.1 s per
 /// picture.

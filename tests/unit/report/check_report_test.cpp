@@ -37,19 +37,21 @@ void add_side(int n, int axis, int at, int hole, MixedMesh& mesh) {
   mesh.triangle_patches.assign(mesh.triangles.size(), 0);
 }
 
-/// The surface of a cube with a hole of one square in the side towards the patient's back, at (5.5, 10, 5.5).
+/// The surface of a cube with a hole of one square in the side towards the patient's back, at (10.5,
+/// 20, 10.5).
 MixedMesh cube_with_hole_behind() {
   MixedMesh mesh;
   mesh.info.patches = {{"wall", PatchKind::kWall, {1, kBackground}}};
   for (int axis = 0; axis < 3; ++axis) {
-    add_side(10, axis, 0, -1, mesh);
-    add_side(10, axis, 10, axis == 1 ? 5 : -1, mesh);
+    add_side(20, axis, 0, -1, mesh);
+    add_side(20, axis, 20, axis == 1 ? 10 : -1, mesh);
   }
   return mesh;
 }
 
 Finding hole_behind() {
-  return {"holes", Severity::kFault, 1, "holes <b> in the wall", "lumesh repair IN -o OUT", {{5.5, 10, 5.5}}};
+  return {"holes",           Severity::kFault, 1, "holes <b> in the wall", "lumesh repair IN -o OUT",
+          {{10.5, 20, 10.5}}};
 }
 
 /// How many pixels have about this colour.
@@ -97,7 +99,7 @@ TEST(CheckPictures, MarkTrianglesAtThePlaceAndPlacesThatNothingCanShow) {
   std::vector<Finding> findings = {{"needles", Severity::kRemark, 2, "needles", "", {}, {}},
                                    {"components", Severity::kRemark, 1, "components", "", {}, {}}};
   findings[0].places_mm = {{2.6, 0, 2.2}, {2.7, 0, 2.2}};
-  findings[1].places_mm = {{5, 5, 5}};
+  findings[1].places_mm = {{10, 10, 10}};
   const CheckPictures pictures = draw_check_pictures(mesh.view(), findings, kSmall);
   const FindingPictures& front = pictures.of_findings[0];
   EXPECT_GT(count_near(front.close_up.drawn.picture, kAtPlace), 10u);
@@ -106,6 +108,20 @@ TEST(CheckPictures, MarkTrianglesAtThePlaceAndPlacesThatNothingCanShow) {
   EXPECT_TRUE(pictures.of_findings[1].close_up.is_cut_open) << "it is in the middle of the cube";
   ASSERT_EQ(pictures.of_findings[1].overview.names.labels.size(), 1u);
   EXPECT_TRUE(pictures.of_findings[1].overview.names.labels[0].is_hidden);
+}
+
+TEST(CheckPictures, OfPlacesBelowAreSeenFromBelowAndShowNoMoreThanAll) {
+  MixedMesh mesh;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int at : {0, 5}) add_side(5, axis, at, -1, mesh);
+  const std::vector<Finding> findings = {{"folds", Severity::kRemark, 1, "folds", "", {{2.5, 2.5, 0}}},
+                                         {"folds", Severity::kRemark, 1, "folds", "", {{2.5, 2.5, 5}}}};
+  const CheckPictures pictures = draw_check_pictures(mesh.view(), findings, kSmall);
+  for (const FindingPictures& place : pictures.of_findings) {
+    ASSERT_EQ(place.overview.names.labels.size(), 1u);
+    EXPECT_FALSE(place.overview.names.labels[0].is_hidden);
+    EXPECT_NEAR(place.close_up.width_mm, 5 * std::sqrt(3.0), 1e-9);
+  }
 }
 
 TEST(CheckPictures, AreOneOfTheWholeWhereNothingHasAPlace) {
@@ -154,7 +170,7 @@ TEST(CheckHtml, HasATableASectionForEachFindingWithPlacesAndItsPictures) {
   const std::string html = check_html(file, pictures);
   for (const char* words :
        {"a&lt;b&gt;.stl", "unfit for meshing", "surface, 1198 triangles &amp; 726 points", "holes &lt;b&gt;",
-        "<code>duplicate_points</code>", "lumesh repair IN -o OUT", "(5.5, 10, 5.5)", "12,345",
+        "<code>duplicate_points</code>", "lumesh repair IN -o OUT", "(10.5, 20, 10.5)", "12,345",
         "the first 2 of 12,345", "voxel (10, 11, 12)", "Seen from the opposite side.", "href=\"#finding-3\""})
     EXPECT_NE(html.find(words), std::string::npos) << words;
   EXPECT_EQ(html.find("<b> in the wall"), std::string::npos);
