@@ -79,7 +79,13 @@ class ExtensionPlanner {
     if (is_wanted) {
       constexpr double kLeastDepth = 3;  // Voxels.
       const auto axis = end_axis(domain_, section, std::max(main.radius_mm(), kLeastDepth * voxel_mm_));
-      if (axis) direction = *axis;
+      if (axis)
+        direction = *axis;
+      else
+        note(
+            g,
+            "goes on square to its plane: the vessel forks, bulges or begins there, so that its direction is "
+            "not clear; cut it further inside with `cut_at`");
     }
     radii_mm_[g] = main.radius_mm() * std::sqrt(direction.dot(normal));
     const auto with_air = [&](double voxels) {

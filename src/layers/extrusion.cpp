@@ -2,13 +2,16 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "lumesh/core/error.hpp"
@@ -42,6 +45,7 @@ struct SweptSection {
   /// Where it becomes a circle: over this length, and then so many times as far from the axis, by vertex.
   double transition_mm = 0;
   std::vector<double> of_circle = {};
+  bool is_clear = true;  // Whether the walls say the axis.
 
   /// The way that a vertex goes across the axis until so far along it.
   [[nodiscard]] Vec3 towards_circle(const Vec3& point, std::uint32_t v, double along_mm) const {
@@ -124,8 +128,18 @@ class Extruder {
     return sum / static_cast<double>(face.size());
   }
 
-  /// Patches of openings that share edges with this one, one after the other.
+  /// Of all faces of a patch.
+  [[nodiscard]] Vec3 normal_of(std::int32_t p) const {
+    Vec3 sum = Vec3::Zero();
+    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t of) {
+      if (of == p) sum += area_normal(face);
+    });
+    return sum.stableNormalized();
+  }
+  /// Patches of openings that share edges with this one and look the same way, one after the other.
   [[nodiscard]] std::vector<std::int32_t> joined_openings(std::int32_t first) const {
+    constexpr double kOnePlane = 0.999;
+    const Vec3 normal = normal_of(first);
     std::map<std::uint64_t, std::vector<std::int32_t>> at_edge;
     for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
       if (patch(p).kind != PatchKind::kOpening) return;
@@ -137,7 +151,9 @@ class Extruder {
       for (const auto& [edge, at] : at_edge) {
         if (std::find(at.begin(), at.end(), joined[i]) == at.end()) continue;
         for (const std::int32_t p : at)
-          if (std::find(joined.begin(), joined.end(), p) == joined.end()) joined.push_back(p);
+          if (std::find(joined.begin(), joined.end(), p) == joined.end() &&
+              normal_of(p).dot(normal) > kOnePlane)
+            joined.push_back(p);
       }
     return joined;
   }
@@ -169,39 +185,78 @@ class Extruder {
       s.reach_mm = std::max(s.reach_mm, (point(v) - s.centre_mm).norm());
     s.axis = axis_at(s);
     double largest_mm2 = 0;
-    for (const auto& [p, area] : area_of) largest_mm2 = std::max(largest_mm2, area);
+    for (const auto& [p, area] : area_of)
+      if (!is_ring(s, p)) largest_mm2 = std::max(largest_mm2, area);
     s.radius_mm = std::sqrt(largest_mm2 * s.axis.dot(s.normal) / std::numbers::pi);
     return s;
   }
 
-  /// The vessel's direction in the section: that of the walls over half of its reach before it less what it
-  /// has turned by since twice as far, as vessels bend.
-  [[nodiscard]] Vec3 axis_at(const SweptSection& s) const {
-    constexpr double kLeastCos = 0.4, kMostBent = 0.94, kSquare = 0.997;  // Cosines.
-    const std::optional<Vec3> near = wall_direction(s, 0.5 * s.reach_mm);
-    const std::optional<Vec3> all = wall_direction(s, s.reach_mm);
-    if (!all) return s.normal;
-    const bool is_curve = near && near->dot(*all) > kMostBent;
-    const Vec3 axis = is_curve ? Vec3((2 * *near - *all).normalized()) : *all;
-    // Facets and noise turn it by a few degrees: an end that is square within that is.
-    const bool is_square = axis.dot(s.normal) > kSquare || all->dot(s.normal) > kSquare;
-    return axis.dot(s.normal) > kLeastCos && !is_square ? axis : s.normal;
+  /// Whether a patch surrounds another one of the section, as a wall does the lumen: all of that one's rim is
+  /// its own, too.
+  [[nodiscard]] static bool is_ring(const SweptSection& s, std::int32_t p) {
+    const std::set<std::uint64_t> own = rim_edges(s, p);
+    return std::any_of(s.patches.begin(), s.patches.end(), [&](std::int32_t q) {
+      const std::set<std::uint64_t> other = rim_edges(s, q);
+      return q != p && !other.empty() && std::includes(own.begin(), own.end(), other.begin(), other.end());
+    });
   }
-  /// The direction that the normals of the walls at most so deep are most nearly square to, if they say one.
-  [[nodiscard]] std::optional<Vec3> wall_direction(const SweptSection& s, double depth_mm) const {
-    constexpr double kUnclear = 0.3;
-    Mat3 sum = Mat3::Zero();
+  static std::set<std::uint64_t> rim_edges(const SweptSection& s, std::int32_t p) {
+    std::set<std::uint64_t> rim;
+    for (const PatchFace& face : s.faces)
+      for (std::size_t i = 0; i < face.corners.size() && face.patch == p; ++i)
+        if (const std::uint64_t edge = edge_key(face.corners[i], face.corners[(i + 1) % face.corners.size()]);
+            !rim.insert(edge).second)
+          rim.erase(edge);
+    return rim;
+  }
+
+  /// The vessel's direction in the section; the normal where the walls do not say one, and where it is that
+  /// within what facets and noise turn it by.
+  [[nodiscard]] Vec3 axis_at(SweptSection& s) const {
+    constexpr double kLeastCos = 0.4, kSquare = 0.997;
+    constexpr double kClear = 0.15, kUnclear = 0.3;  // What walls differ by, as sines.
+    WallDirection axis = wall_direction(s, s.reach_mm);
+    if (axis.left > kClear)  // Something may join the vessel further in.
+      if (const WallDirection near = wall_direction(s, 0.5 * s.reach_mm); near.left < axis.left) axis = near;
+    s.is_clear = axis.left < kUnclear && axis.along.dot(s.normal) > kLeastCos;
+    return s.is_clear && axis.along.dot(s.normal) < kSquare ? axis.along : s.normal;
+  }
+  struct WallDirection {
+    Vec3 along = Vec3::Zero();
+    double left = std::numeric_limits<double>::infinity();  // R.m.s. of the equations; infinite: left open.
+  };
+  /// Of a vessel that bends and widens evenly before the section, with the normal N of the section: all wall
+  /// normals n at depth d have n (N + t + d b) = c + d e, solved for t, b, c and e by least squares over the
+  /// walls at most so deep.
+  [[nodiscard]] WallDirection wall_direction(const SweptSection& s, double depth_mm) const {
+    constexpr double kLeastPart = 1e-3;  // Of the largest eigenvalue.
+    using Vec6 = Eigen::Matrix<double, 6, 1>;
+    const Vec3 u = s.normal.unitOrthogonal(), v = s.normal.cross(u);
+    Eigen::Matrix<double, 6, 6> sums = Eigen::Matrix<double, 6, 6>::Zero();
+    Vec6 right = Vec6::Zero();
+    double area = 0, squares = 0;
     for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
       if (patch(p).kind != PatchKind::kWall) return;
       const Vec3 off = middle_of(face) - s.centre_mm;
-      if (std::abs(off.dot(s.normal)) > depth_mm || off.norm() > 1.5 * s.reach_mm) return;
+      const double depth = -off.dot(s.normal) / depth_mm;
+      if (std::abs(depth) > 1 || off.norm() > 1.5 * s.reach_mm) return;
       const Vec3 normal = area_normal(face);
-      sum += normal * normal.transpose() / std::max(normal.norm(), 1e-300);
+      const double weight = normal.norm();
+      if (weight == 0) return;
+      const Vec3 n = normal / weight;
+      Vec6 row;
+      row << n.dot(u), n.dot(v), depth * n.dot(u), depth * n.dot(v), -1, -depth;
+      const double given = -n.dot(s.normal);
+      sums += weight * row * row.transpose();
+      right += weight * given * row;
+      squares += weight * given * given;
+      area += weight;
     });
-    const Eigen::SelfAdjointEigenSolver<Mat3> solved(sum);
-    const Vec3 axis = solved.eigenvectors().col(0);
-    if (solved.eigenvalues()[0] >= kUnclear * solved.eigenvalues()[1]) return std::nullopt;
-    return axis.dot(s.normal) < 0 ? Vec3(-axis) : axis;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(sums);
+    if (!(area > 0) || !(solver.eigenvalues()[0] > kLeastPart * solver.eigenvalues()[5])) return {};
+    const Vec6 fit = sums.ldlt().solve(right);
+    return {(s.normal + fit[0] * u + fit[1] * v).normalized(),
+            std::sqrt(std::max(0.0, squares - fit.dot(right)) / area)};
   }
 
   [[nodiscard]] double wanted_mm(const SweptSection& s, std::span<const NamedLength> lengths) const {
@@ -248,6 +303,11 @@ class Extruder {
       throw Error(ErrorKind::kBadInput,
                   fmt::format("{}: {} would go on by {:.3g} mm, more than {:g} times its radius",
                               option_name("extend"), name, length_mm, kMostRadii));
+    if (!s.is_clear)
+      result_.notes.push_back(
+          fmt::format("{}: {} goes on square to itself: the walls before it do not say the "
+                      "vessel's direction; cut it further inside, where it runs straight",
+                      option_name("extend"), name));
     const double cosine = s.axis.dot(s.normal);
     const double slant_mm = s.reach_mm * std::sqrt(std::max(0.0, 1 - cosine * cosine));
     const double least_mm = slant_mm + kLowestRow * s.edge_mm;

@@ -83,19 +83,18 @@ class NewNames {
   std::vector<Piece> pieces_;
 };
 
-/// Names of those that go.
-std::vector<std::string> drop_empty_patches(MixedMesh& mesh) {
+/// Those that go.
+std::vector<Patch> drop_empty_patches(MixedMesh& mesh) {
   std::vector<Patch>& patches = mesh.info.patches;
   std::vector<std::int32_t> number(patches.size(), -1);
   const auto mark = [&](const std::vector<std::int32_t>& of_faces) {
     for (const std::int32_t p : of_faces) number[static_cast<std::size_t>(p)] = 0;
   };
   mark(mesh.triangle_patches), mark(mesh.quadrilateral_patches);
-  std::vector<std::string> gone;
-  std::vector<Patch> kept;
+  std::vector<Patch> gone, kept;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     if (number[p] < 0) {
-      gone.push_back(patches[p].name);
+      gone.push_back(std::move(patches[p]));
       continue;
     }
     number[p] = static_cast<std::int32_t>(kept.size());
@@ -162,11 +161,16 @@ CutMesh cut_mesh(MixedMesh& mesh, std::span<const CutPlane> planes) {
     made.removed += cut.removed;
     const auto first_new = static_cast<std::size_t>(cut.first_patch);
     const std::size_t new_count = mesh.info.patches.size() - first_new;
-    // Names that are free once what lay beyond is gone.
-    for (const std::string& name : drop_empty_patches(mesh))
-      if (added.erase(name) == 0) made.gone.push_back(name);
+    std::vector<Patch> lost;
+    for (Patch& patch : drop_empty_patches(mesh)) {
+      if (added.erase(patch.name) == 0) made.gone.push_back(patch.name);
+      if (patch.kind == PatchKind::kOpening) lost.push_back(std::move(patch));
+    }
     const std::size_t first = mesh.info.patches.size() - new_count;
-    NewNames(mesh, static_cast<std::int32_t>(first));
+    if (lost.size() == 1 && new_count == 1)
+      mesh.info.patches[first] = std::move(lost[0]);
+    else
+      NewNames(mesh, static_cast<std::int32_t>(first));
     for (std::size_t p = first; p < mesh.info.patches.size(); ++p) added.insert(mesh.info.patches[p].name);
   }
   made.openings = measure(mesh, added);

@@ -166,7 +166,24 @@ class SurfaceCutter {
             .section_mm2;
     const std::string doubt = doubt_about_section(place, section_mm2);
     if (!doubt.empty()) context_.warn(doubt);
+    Patch cap = lost_end(surface);
     replace_by(std::move(surface), 1);
+    mesh_.info.patches.back() = std::move(cap);
+  }
+
+  /// The only opening that a cut has left nothing of, which the new one stands for; else one without a name.
+  [[nodiscard]] Patch lost_end(const TriangleMesh& left) const {
+    std::vector<bool> was_there(mesh_.info.patches.size(), false),
+        is_there(mesh_.info.patches.size() + 1, false);
+    for (const std::int32_t p : mesh_.triangle_patches) was_there[static_cast<std::size_t>(p)] = true;
+    for (const std::int32_t p : left.patches) is_there[static_cast<std::size_t>(p)] = true;
+    const Patch* lost = nullptr;
+    for (std::size_t p = 0; p < was_there.size(); ++p) {
+      if (!was_there[p] || is_there[p] || mesh_.info.patches[p].kind != PatchKind::kOpening) continue;
+      if (lost != nullptr) return {"", PatchKind::kOpening, {1, kBackground}};
+      lost = &mesh_.info.patches[p];
+    }
+    return lost == nullptr ? Patch{"", PatchKind::kOpening, {1, kBackground}} : *lost;
   }
 
   void replace_by(TriangleMesh surface, std::int32_t caps) {

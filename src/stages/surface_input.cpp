@@ -44,10 +44,10 @@ std::string line_of(const ClosedRim& rim) {
   return fmt::format("capped {}: {}{}", rim.name.empty() ? "an opening" : rim.name, where, preparation(rim));
 }
 
-/// Wide enough for a vessel's end.
+/// As wide as a vessel's end, or at the end of a wall.
 bool may_be_opening(const ClosedRim& rim) {
   constexpr double kEdges = 2 * surfaces::Rim::kMinEdges;
-  return !rim.is_opening && rim.given.radius_mm >= kEdges * rim.given.mean_edge_mm;
+  return !rim.is_opening && (rim.ends_wall || rim.given.radius_mm >= kEdges * rim.given.mean_edge_mm);
 }
 
 }  // namespace

@@ -51,7 +51,9 @@ class Closer {
     flatten(rims);
     cap();
     const std::vector<std::vector<std::uint32_t>> walls = rim_triangles(surface_, holes_);
-    for (std::size_t h = 0; h < holes_.size(); ++h) fill(holes_[h], commonest_patch(surface_, walls[h]));
+    for (std::size_t h = 0; h < holes_.size(); ++h)
+      fill(holes_[h], commonest_patch(surface_, walls[h]),
+           cosine_to_wall(surface_, holes_[h], walls[h]) < kAcrossWall);
     surface_ = weld(surface_.points, surface_.triangles, surface_.patches);  // Without what was cut off.
     return {std::move(surface_), std::move(closed_)};
   }
@@ -86,7 +88,7 @@ class Closer {
     if (std::optional<CutBack> cut = cut_back(surface_, rims, which)) {
       for (const std::size_t r : cut->cut_away) is_cut_away[r] = 1;
       for (FlatRim& flat : cut->rims)
-        if (flat.rim.is_wide())
+        if (flat.rim.may_be_end())
           openings_.push_back({cut->rims.size() == 1 ? rim : flat.rim, flat});
         else
           holes_.push_back(std::move(flat.rim));
@@ -109,9 +111,10 @@ class Closer {
       closed_.push_back(std::move(closed));
     }
   }
-  void fill(const Rim& rim, std::int32_t patch) {
+  void fill(const Rim& rim, std::int32_t patch, bool ends_wall) {
     const std::size_t first = surface_.triangles.size();
     ClosedRim closed{false, {}, rim, rim.centre_mm, rim.normal};
+    closed.ends_wall = ends_wall && rim.may_be_end();
     closed.patch = patch;
     fill_hole(surface_, rim, closed.patch);
     measure_new(surface_, first, closed);

@@ -82,6 +82,18 @@ std::vector<std::vector<std::uint32_t>> rim_triangles(const TriangleMesh& surfac
   return triangles;
 }
 
+double cosine_to_wall(const TriangleMesh& surface, const Rim& rim, std::span<const std::uint32_t> triangles) {
+  double length = 0, cosine = 0;
+  for (std::size_t i = 0; i < rim.vertices.size(); ++i) {
+    const Vec3 &from = surface.points[rim.vertices[i]],
+               &to = surface.points[rim.vertices[(i + 1) % rim.vertices.size()]];
+    const double edge = (to - from).norm();
+    length += edge;
+    cosine += edge * std::abs(rim.normal.dot(normal_at(surface, triangles[i]).stableNormalized()));
+  }
+  return cosine / length;
+}
+
 std::int32_t commonest_patch(const TriangleMesh& surface, std::span<const std::uint32_t> triangles) {
   std::map<std::int32_t, std::size_t> counts;
   for (const std::uint32_t t : triangles) ++counts[surface.patches[t]];

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "lumesh/core/assert.hpp"
@@ -14,6 +15,19 @@ namespace {
 
 bool is_in_closed_triangle(const Vec2& p, const Vec2& a, const Vec2& b, const Vec2& c) {
   return orient2d(a, b, p) >= 0 && orient2d(b, c, p) >= 0 && orient2d(c, a, p) >= 0;
+}
+
+std::vector<Vec2> all_points(std::span<const Vec2> corners, std::span<const std::vector<Vec2>> holes) {
+  std::vector<Vec2> points(corners.begin(), corners.end());
+  for (const std::vector<Vec2>& hole : holes) points.insert(points.end(), hole.begin(), hole.end());
+  return points;
+}
+
+/// Whether a direction from p to x lies strictly within the corner of an anticlockwise outline at p.
+bool is_within_corner(const Vec2& before, const Vec2& p, const Vec2& after, const Vec2& x) {
+  const bool is_left_of_after = orient2d(p, after, x) > 0, is_right_of_before = orient2d(p, before, x) < 0;
+  return orient2d(before, p, after) > 0 ? is_left_of_after && is_right_of_before
+                                        : is_left_of_after || is_right_of_before;
 }
 
 Vec3 in_space(const Vec2& p) {
@@ -33,15 +47,96 @@ double largest_cosine(const Vec2& a, const Vec2& b, const Vec2& c) {
 
 }  // namespace
 
-FlatTriangulation::FlatTriangulation(std::span<const Vec2> corners)
-    : points_(corners.begin(), corners.end()), corner_count_(corners.size()), mesh_(cut_off_ears()) {}
+bool do_segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  const int abc = orient2d(a, b, c), abd = orient2d(a, b, d), cda = orient2d(c, d, a),
+            cdb = orient2d(c, d, b);
+  if (abc == 0 && abd == 0)  // On one line: their boxes tell.
+    return (a.cwiseMin(b).array() <= c.cwiseMax(d).array()).all() &&
+           (c.cwiseMin(d).array() <= a.cwiseMax(b).array()).all();
+  return abc * abd <= 0 && cda * cdb <= 0;
+}
 
-/// Meisters 1975: a simple polygon has two ears. Corners that are not convex keep an ear from being cut off
-/// when they lie on its edge, too, so that no triangle is flat.
-std::vector<Cell<3>> FlatTriangulation::cut_off_ears() const {
+FlatTriangulation::FlatTriangulation(std::span<const Vec2> corners, std::span<const std::vector<Vec2>> holes)
+    : points_(all_points(corners, holes)),
+      corner_count_(points_.size()),
+      mesh_(cut_off_ears(outline_with_holes(corners.size(), holes))) {}
+
+/// One outline that goes to each hole, around it and back, by the shortest ways that meet no other edge.
+std::vector<std::uint32_t> FlatTriangulation::outline_with_holes(
+    std::size_t outer, std::span<const std::vector<Vec2>> holes) const {
+  std::vector<std::uint32_t> outline(outer);
+  std::iota(outline.begin(), outline.end(), 0U);
+  std::vector<std::vector<std::uint32_t>> loops;
+  auto first = static_cast<std::uint32_t>(outer);
+  for (const std::vector<Vec2>& hole : holes) {
+    loops.emplace_back(hole.size());
+    std::iota(loops.back().begin(), loops.back().end(), first);
+    first += static_cast<std::uint32_t>(hole.size());
+  }
+  while (!loops.empty()) {
+    const Bridge bridge = shortest_bridge(outline, loops);
+    std::vector<std::uint32_t> loop = loops[bridge.loop];
+    loops.erase(loops.begin() + static_cast<std::ptrdiff_t>(bridge.loop));
+    std::rotate(loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(bridge.to), loop.end());
+    loop.push_back(loop.front());
+    loop.push_back(outline[bridge.from]);
+    outline.insert(outline.begin() + static_cast<std::ptrdiff_t>(bridge.from) + 1, loop.begin(), loop.end());
+  }
+  return outline;
+}
+
+/// From a corner of the outline to one of a hole.
+FlatTriangulation::Bridge FlatTriangulation::shortest_bridge(
+    const std::vector<std::uint32_t>& outline, const std::vector<std::vector<std::uint32_t>>& loops) const {
+  std::vector<std::pair<double, Bridge>> ways;
+  for (std::size_t h = 0; h < loops.size(); ++h)
+    for (std::size_t to = 0; to < loops[h].size(); ++to)
+      for (std::size_t from = 0; from < outline.size(); ++from)
+        ways.push_back({(points_[loops[h][to]] - points_[outline[from]]).squaredNorm(), {from, h, to}});
+  std::stable_sort(ways.begin(), ways.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  const auto corner = [&](const std::vector<std::uint32_t>& loop, std::size_t i) {
+    return loop[(i + loop.size()) % loop.size()];
+  };
+  const auto is_free = [&](const Bridge& way) {
+    const std::uint32_t p = outline[way.from], q = loops[way.loop][way.to];
+    const auto leaves = [&](const std::vector<std::uint32_t>& loop, std::size_t i, std::uint32_t x) {
+      return is_within_corner(points_[corner(loop, i + loop.size() - 1)], points_[loop[i]],
+                              points_[corner(loop, i + 1)], points_[x]);
+    };
+    if (!leaves(outline, way.from, q) || !leaves(loops[way.loop], way.to, p) || meets_edge(outline, p, q))
+      return false;
+    return std::none_of(loops.begin(), loops.end(), [&](const auto& loop) { return meets_edge(loop, p, q); });
+  };
+  const auto best =
+      std::find_if(ways.begin(), ways.end(), [&](const auto& way) { return is_free(way.second); });
+  LUMESH_ASSERT(best != ways.end());
+  return best->second;
+}
+
+/// Whether a way between two points meets an edge of a loop that ends at neither of them, or runs along one
+/// that does.
+bool FlatTriangulation::meets_edge(const std::vector<std::uint32_t>& loop, std::uint32_t p,
+                                   std::uint32_t q) const {
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const std::uint32_t a = loop[i], b = loop[(i + 1) % loop.size()];
+    const auto is_end = [&](std::uint32_t v) { return v == p || v == q; };
+    if (is_end(a) && is_end(b)) return true;
+    if (!is_end(a) && !is_end(b)) {
+      if (do_segments_meet(points_[p], points_[q], points_[a], points_[b])) return true;
+      continue;
+    }
+    const std::uint32_t shared = is_end(a) ? a : b, other = is_end(a) ? b : a, end = shared == p ? q : p;
+    const Vec2 along = points_[end] - points_[shared], edge = points_[other] - points_[shared];
+    if (orient2d(points_[shared], points_[end], points_[other]) == 0 && along.dot(edge) > 0) return true;
+  }
+  return false;
+}
+
+/// Meisters 1975: a simple polygon has two ears. Where the outline passes an edge twice, as to a hole and
+/// back, an ear is one whose third edge lies within the outline at both of its ends and meets no other.
+std::vector<Cell<3>> FlatTriangulation::cut_off_ears(std::vector<std::uint32_t> left) const {
   std::vector<Cell<3>> triangles;
-  std::vector<std::uint32_t> left(corner_count_);
-  for (std::uint32_t i = 0; i < left.size(); ++i) left[i] = i;
+  const bool is_simple = left.size() == points_.size();
   const auto at = [&](std::size_t i) -> const Vec2& {
     return points_[left[(i + left.size()) % left.size()]];
   };
@@ -51,6 +146,10 @@ std::vector<Cell<3>> FlatTriangulation::cut_off_ears() const {
   const auto is_ear = [&](std::size_t i) {
     if (!is_convex(i)) return false;
     const std::size_t before = i + left.size() - 1, after = i + 1;
+    if (!is_simple)
+      return is_within_corner(at(before - 1), at(before), at(i), at(after)) &&
+             is_within_corner(at(i), at(after), at(after + 1), at(before)) &&
+             !meets_edge(left, left[before % left.size()], left[after % left.size()]);
     for (std::size_t k = i + 2; k < i + left.size() - 1; ++k)
       if (is_in_closed_triangle(at(k), at(before), at(i), at(after)) && !is_convex(k % left.size()))
         return false;

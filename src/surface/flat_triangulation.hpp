@@ -11,11 +11,15 @@
 
 namespace lumesh::surfaces {
 
+/// Whether closed segments share a point, exactly.
+[[nodiscard]] bool do_segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d);
+
 /// Triangles stay anticlockwise by the exact predicate, and edges of the polygon stay.
 class FlatTriangulation {
  public:
-  /// Of a simple polygon that runs anticlockwise, by cutting off ears; not Delaunay yet.
-  explicit FlatTriangulation(std::span<const Vec2> corners);
+  /// Of a simple polygon that runs anticlockwise, without the holes in it, which run clockwise, by cutting
+  /// off ears; not Delaunay yet. Points are those of the polygon, then those of the holes in order.
+  explicit FlatTriangulation(std::span<const Vec2> corners, std::span<const std::vector<Vec2>> holes = {});
 
   /// Flips edges until all but those of the polygon are Delaunay (Lawson 1977).
   void make_delaunay();
@@ -40,7 +44,16 @@ class FlatTriangulation {
 
  private:
   using Side = FlippableTriangles::Side;
-  [[nodiscard]] std::vector<Cell<3>> cut_off_ears() const;
+  struct Bridge {
+    std::size_t from, loop, to;  // Place in the outline; which hole, and place in it.
+  };
+  [[nodiscard]] std::vector<std::uint32_t> outline_with_holes(std::size_t outer,
+                                                              std::span<const std::vector<Vec2>> holes) const;
+  [[nodiscard]] Bridge shortest_bridge(const std::vector<std::uint32_t>& outline,
+                                       const std::vector<std::vector<std::uint32_t>>& loops) const;
+  [[nodiscard]] bool meets_edge(const std::vector<std::uint32_t>& loop, std::uint32_t p,
+                                std::uint32_t q) const;
+  [[nodiscard]] std::vector<Cell<3>> cut_off_ears(std::vector<std::uint32_t> left) const;
   void flip_from(std::vector<Side> stack);
   [[nodiscard]] bool should_flip(const Side& at) const;
 

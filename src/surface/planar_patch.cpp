@@ -10,16 +10,6 @@
 namespace lumesh::surfaces {
 namespace {
 
-/// Whether closed segments share a point.
-bool do_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
-  const int abc = orient2d(a, b, c), abd = orient2d(a, b, d), cda = orient2d(c, d, a),
-            cdb = orient2d(c, d, b);
-  if (abc == 0 && abd == 0)  // On one line: their boxes tell.
-    return (a.cwiseMin(b).array() <= c.cwiseMax(d).array()).all() &&
-           (c.cwiseMin(d).array() <= a.cwiseMax(b).array()).all();
-  return abc * abd <= 0 && cda * cdb <= 0;
-}
-
 /// Of the circle around a triangle.
 struct Circle {
   Vec2 centre;
@@ -94,8 +84,8 @@ class Refinement {
   std::priority_queue<Wish> queue_;
 };
 
-/// The mean of the two edges at each corner.
-std::vector<double> sizes_of(std::span<const Vec2> corners) {
+/// Adds the mean of the two edges at each corner.
+void append_sizes(std::span<const Vec2> corners, std::vector<double>& all) {
   std::vector<double> sizes(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec2& next = corners[(i + 1) % corners.size()];
@@ -103,19 +93,45 @@ std::vector<double> sizes_of(std::span<const Vec2> corners) {
     sizes[i] += half;
     sizes[(i + 1) % corners.size()] += half;
   }
-  return sizes;
+  all.insert(all.end(), sizes.begin(), sizes.end());
 }
 
-bool runs_anticlockwise(std::span<const Vec2> corners) {
+double doubled_area(std::span<const Vec2> corners) {
   double twice = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec2 a = corners[i] - corners[0], b = corners[(i + 1) % corners.size()] - corners[0];
     twice += a.x() * b.y() - a.y() * b.x();
   }
-  return twice > 0;
+  return twice;
+}
+
+/// Whether a hole lies within a polygon, no edge of it meeting one of the polygon or of another hole.
+bool is_hole_of(std::span<const Vec2> corners, std::span<const std::vector<Vec2>> holes, std::size_t which) {
+  const std::vector<Vec2>& hole = holes[which];
+  if (!is_simple_polygon(hole) || doubled_area(hole) >= 0 || !is_inside(corners, hole[0])) return false;
+  const auto is_apart = [&](std::span<const Vec2> other) {
+    for (std::size_t i = 0; i < hole.size(); ++i)
+      for (std::size_t k = 0; k < other.size(); ++k)
+        if (do_segments_meet(hole[i], hole[(i + 1) % hole.size()], other[k], other[(k + 1) % other.size()]))
+          return false;
+    return true;
+  };
+  for (std::size_t h = 0; h < holes.size(); ++h)
+    if (h != which && (!is_apart(holes[h]) || is_inside(holes[h], hole[0]))) return false;
+  return is_apart(corners);
 }
 
 }  // namespace
+
+bool is_inside(std::span<const Vec2> corners, const Vec2& point) {
+  bool is_in = false;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2 &a = corners[i], &b = corners[(i + 1) % corners.size()];
+    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
+    if (orient2d(a, b, point) * (b.y() > a.y() ? 1 : -1) > 0) is_in = !is_in;
+  }
+  return is_in;
+}
 
 bool is_simple_polygon(std::span<const Vec2> corners) {
   const std::size_t count = corners.size();
@@ -135,7 +151,7 @@ bool is_simple_polygon(std::span<const Vec2> corners) {
         const Vec2 &a = is_next ? corners[e] : corners[f], &b = is_next ? end(e) : end(f),
                    &c = is_next ? end(f) : end(e);
         if (a == b || b == c || (orient2d(a, b, c) == 0 && (b - a).dot(c - b) < 0)) return false;
-      } else if (do_meet(corners[e], end(e), corners[f], end(f))) {
+      } else if (do_segments_meet(corners[e], end(e), corners[f], end(f))) {
         return false;
       }
     }
@@ -143,12 +159,19 @@ bool is_simple_polygon(std::span<const Vec2> corners) {
   return true;
 }
 
-std::optional<PlanarPatch> fill_polygon(std::span<const Vec2> corners) {
+std::optional<PlanarPatch> fill_polygon(std::span<const Vec2> corners,
+                                        std::span<const std::vector<Vec2>> holes) {
   constexpr int kPasses = 8;
-  if (!is_simple_polygon(corners) || !runs_anticlockwise(corners)) return std::nullopt;
-  FlatTriangulation triangulation(corners);
+  if (!is_simple_polygon(corners) || doubled_area(corners) <= 0) return std::nullopt;
+  std::vector<double> sizes;
+  append_sizes(corners, sizes);
+  for (std::size_t h = 0; h < holes.size(); ++h) {
+    if (!is_hole_of(corners, holes, h)) return std::nullopt;
+    append_sizes(holes[h], sizes);
+  }
+  FlatTriangulation triangulation(corners, holes);
   triangulation.make_delaunay();
-  Refinement(triangulation, sizes_of(corners)).run();
+  Refinement(triangulation, std::move(sizes)).run();
   for (int pass = 0; pass < kPasses; ++pass) {
     triangulation.smooth();
     triangulation.make_delaunay();

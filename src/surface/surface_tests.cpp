@@ -14,7 +14,6 @@
 namespace lumesh::surfaces {
 namespace {
 
-constexpr double kAcross = 0.7;  // Of an opening: the mean cosine between its plane's normal and the wall's.
 constexpr double kTooWide =
     0.05;  // Radius over the surface's diagonal; what is missing there nobody can tell.
 
@@ -28,20 +27,10 @@ std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface, std::sp
   std::vector<std::uint8_t> result;
   for (std::size_t r = 0; r < rims.size(); ++r) {
     const Rim& rim = rims[r];
-    double length = 0, cosine = 0;
-    for (std::size_t i = 0; i < rim.vertices.size(); ++i) {
-      const Vec3 &from = surface.points[rim.vertices[i]],
-                 &to = surface.points[rim.vertices[(i + 1) % rim.vertices.size()]];
-      const auto& [a, b, c] = surface.triangles[triangles[r][i]];
-      const double edge = (to - from).norm();
-      length += edge;
-      cosine +=
-          edge *
-          std::abs(rim.normal.dot(triangle_normal(surface.points[a], surface.points[b], surface.points[c])));
-    }
     const bool is_too_wide = rim.is_wide() && rim.radius_mm > kTooWide * box.diagonal().norm();
     const bool is_end = rim.is_wide() && rim.deviation_mm < rim.radius_mm;  // Torn ends are not flat.
-    result.push_back((is_end && cosine < kAcross * length) || is_too_wide ? 1 : 0);
+    result.push_back((is_end && cosine_to_wall(surface, rim, triangles[r]) < kAcrossWall) || is_too_wide ? 1
+                                                                                                         : 0);
   }
   return result;
 }

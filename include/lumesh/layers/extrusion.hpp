@@ -19,13 +19,15 @@ struct ExtrudedMesh {
 
 /// Sweeps openings of a mesh along the axes of their vessels by rows of prisms, of hexahedra where the
 /// opening has quadrilaterals; what the mesh has stays to the last bit, in front. Openings that touch in one
-/// plane, such as a lumen and its wall, go on together. The axis is the tangent in the opening of
-/// the direction to which the walls before it are most nearly parallel, extrapolated from half its reach and
-/// its reach; the normal where that is not clear. Cells have the
-/// labels of those they stand on, sides the patches of the faces they go on from; the end is flat, square to
-/// the axis, and is the opening. Rows are as high as the mean edge of the opening. One that would come nearer
-/// than an edge to another part of the boundary ends one radius before, with a note. Metric and wanted sizes
-/// are carried along.
+/// plane, such as a lumen and its wall, go on together. The axis is the tangent of the vessel in
+/// the opening: normals n of the walls at depth d before it have n (N + t + d b) = c + d e, with the normal N
+/// of the opening, where the vessel bends and widens evenly; t, b, c and e are fitted to the walls as deep as
+/// the opening reaches, or half as deep where those fit better. It is the normal within 4.5 degrees of it,
+/// and, with a note, where nothing fits. "5r" are radii of the lumen where a wall goes on with it. Cells have
+/// the labels of those they stand on, sides the patches of the faces they go on from; the end is flat, square
+/// to the axis, and is the opening. Rows are as high as the mean edge of the opening. One that would come
+/// nearer than an edge to another part of the boundary ends one radius before, with a note. Metric and wanted
+/// sizes are carried along.
 ///
 /// A surface without cells gets sides alone, and stays closed.
 ///

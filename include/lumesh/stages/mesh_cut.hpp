@@ -29,7 +29,8 @@ struct CutMesh {
 };
 
 /// Cuts a mesh off by planes through everything, one after the other: what lies on a normal's side goes, as
-/// cut_off_beyond() has it. New openings get the first names of "inlet_1", "outlet_1", … that are free, by
+/// cut_off_beyond() has it. The only opening in place of the only one that goes is called as that was; others
+/// get the first names of "inlet_1", "outlet_1", … that are free, by
 /// falling area, with the label behind where they are of several, and "wall_rim_1", … where a label surrounds
 /// another; patches without faces leave the list.
 /// @throws Error{kBadInput} as cut_off_beyond().

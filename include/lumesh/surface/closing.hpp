@@ -20,6 +20,7 @@ struct ClosedRim {
   double area_mm2 = 0;            ///< Of the new triangles.
   double cut_off_mm = 0;          ///< Height of what was cut off to make the rim planar.
   double moved_mm = 0;            ///< Farthest way of a vertex on the wall.
+  bool ends_wall = false;         ///< Of a hole: a wall runs up to it, as to the end of a vessel.
   std::int32_t patch = 0;         ///< Of the new triangles.
   std::size_t triangles = 0;      ///< New ones.
   double smallest_angle_deg = 0;  ///< Of the new triangles.

@@ -21,14 +21,18 @@ struct Rim {
   double mean_edge_mm = 0;
 
   [[nodiscard]] double height_mm(const Vec3& point_mm) const { return normal.dot(point_mm - centre_mm); }
-  /// An opening has a radius of at least this many edges; what is smaller is a hole of the wall.
+  /// An opening has a radius of at least this many edges, or as many edges around as that makes of a circle,
+  /// which are long where a rim is ragged; what is smaller is a hole of the wall.
   static constexpr double kMinEdges = 2;
+  static constexpr std::size_t kMinAround = 12;
   /// The deviation of an opening, in radii.
   static constexpr double kMaxBent = 0.15;
   /// As coarse as an end of eight edges; where it is planar, and the wall leaves its plane at an angle, it is
   /// one.
   [[nodiscard]] bool may_be_end() const { return radius_mm >= 1.2 * mean_edge_mm; }
-  [[nodiscard]] bool is_wide() const { return radius_mm >= kMinEdges * mean_edge_mm; }
+  [[nodiscard]] bool is_wide() const {
+    return radius_mm >= kMinEdges * mean_edge_mm || (vertices.size() >= kMinAround && may_be_end());
+  }
   [[nodiscard]] bool is_flat() const { return deviation_mm <= kMaxBent * radius_mm; }
 };
 

@@ -3,9 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "fixtures/meshes.hpp"
+#include "fixtures/mixed_meshes.hpp"
 #include "layer_fixtures.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/cell_corners.hpp"
+#include "lumesh/mesh/cut_off_cells.hpp"
 
 namespace lumesh {
 namespace {
@@ -95,6 +100,38 @@ TEST(ExtrudeOpenings, StopsBeforeAnotherPartOfTheMesh) {
     farthest = std::max(farthest, extruded.mesh.points[v].x());
   EXPECT_GT(farthest, 28);
   EXPECT_LT(farthest, 40 - 3.5);
+}
+
+/// A bar of 4 x 4 x 3.4 mm, cut off above and, at x = 3.3, aside: the openings "top", of its core, "ring"
+/// around it, and "side".
+MixedMesh cut_bar() {
+  fixtures::TetSoup soup = fixtures::cube_grid(4);
+  for (std::size_t t = 0; t < soup.tets.size(); ++t) {
+    Vec3 middle = Vec3::Zero();
+    for (const std::uint32_t v : soup.tets[t]) middle += soup.points[v] / 4;
+    soup.labels[t] = std::max(std::abs(middle.x() - 2), std::abs(middle.y() - 2)) < 1 ? 1 : 2;
+  }
+  MixedMesh mesh = fixtures::mixed_of(soup.build());
+  cut_off_beyond(mesh, Vec3(0, 0, 3.4), Vec3::UnitZ());
+  for (Patch& patch : mesh.info.patches)
+    if (patch.kind == PatchKind::kOpening) patch.name = patch.labels[0] == 1 ? "top" : "ring";
+  cut_off_beyond(mesh, Vec3(3.3, 0, 0), Vec3::UnitX());
+  mesh.info.patches.back().name = "side";
+  return mesh;
+}
+
+TEST(ExtrudeOpenings, MeasuresRadiiOfTheLumenWhereAWallGoesOnWithIt) {
+  const MixedMesh before = cut_bar();
+  const MixedMesh mesh = extrude_openings(before, named_lengths_from("top=5r"), LayerCells::kTetrahedra).mesh;
+  const double length = (middle_of(mesh, "top") - middle_of(before, "top")).norm();
+  EXPECT_NEAR(length, 5 * std::sqrt(4 / fixtures::kPi), 1e-9);  // The ring has an area of 9.2 mm².
+}
+
+TEST(ExtrudeOpenings, OpeningsThatMeetAtAnEdgeGoOnEachByItself) {
+  const MixedMesh before = cut_bar();
+  const ExtrudedMesh made = extrude_openings(before, named_lengths_from("top=2"), LayerCells::kTetrahedra);
+  EXPECT_NEAR((middle_of(made.mesh, "top") - middle_of(before, "top")).z(), 2, 1e-9);
+  EXPECT_NEAR((middle_of(made.mesh, "side") - middle_of(before, "side")).x(), 0, 1e-9);
 }
 
 TEST(ExtrudeOpenings, RefusesWhatIsNoOpening) {

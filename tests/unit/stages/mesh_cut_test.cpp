@@ -55,6 +55,17 @@ TEST(MeshCut, ANameIsFreeOnceItsOpeningIsCutOff) {
   EXPECT_TRUE(std::ranges::count(names_of(mesh), "outlet_1") == 0);
 }
 
+TEST(MeshCut, TheOpeningInPlaceOfOneKeepsWhatUsersSayOfIt) {
+  MixedMesh mesh = fixtures::mixed_of(fixtures::cube_grid(4).build());
+  static_cast<void>(cut_mesh(mesh, std::vector<CutPlane>{{Vec3(0, 0, 3.4), Vec3::UnitZ()}}));
+  mesh.info.patches.back().name = "ICA";
+  mesh.info.patches.back().flow = FlowSide::kOutlet;
+  const CutMesh made = cut_mesh(mesh, std::vector<CutPlane>{{Vec3(0, 0, 2.3), Vec3::UnitZ()}});
+  ASSERT_EQ(made.openings.size(), 1u);
+  EXPECT_EQ(made.openings[0].name, "ICA");
+  EXPECT_EQ(mesh.info.patches.back().flow, FlowSide::kOutlet);
+}
+
 TEST(MeshCut, PlanesAreInMillimetresAndInTheFrameOfPatients) {
   MixedMesh mesh = vessel_with_wall();
   mesh.info.unit = "m";

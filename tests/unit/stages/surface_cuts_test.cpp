@@ -8,8 +8,10 @@
 #include <functional>
 #include <map>
 #include <numbers>
+#include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -184,6 +186,42 @@ TEST_F(SurfaceCuts, WallsGoOnSmoothly) {
     }
   ASSERT_EQ(count, 32U);
   EXPECT_LT(turned_deg / static_cast<double>(count), 3);
+}
+
+TEST_F(SurfaceCuts, AnExtensionFollowsAVesselThatBendsAndTapersToAnObliqueEnd) {
+  TriangleSoup vessel = soup_of({});
+  for (Vec3& p : vessel.points) {  // About the curve x = z^2 / 100.
+    const double z = p.z();
+    p = Vec3((1 - 0.035 * z) * p.x() + 0.01 * z * z, (1 - 0.035 * z) * p.y(), z);
+  }
+  InputCuts cuts;
+  cuts.planes = {{Vec3(1.44, 0, 12), Vec3(0.35, 0, 1)}};
+  cuts.extension.lengths = "5r";
+  const FlatEnd end = end_named(read(vessel, cuts).mesh, "outlet_1");
+  EXPECT_LT(std::acos(end.normal.dot(Vec3(0.24, 0, 1).normalized())) * 180 / kPi, 0.2);
+  EXPECT_TRUE(told_.empty());
+}
+
+TEST_F(SurfaceCuts, AnEndThatIsClippedKeepsItsName) {
+  const TriangleSoup soup = soup_of(bent());
+  const std::filesystem::path path = write(soup);
+  std::ofstream file(path, std::ios::app);  // As the group of all walls: it comes last.
+  const std::size_t last = soup.points.size() - 32;
+  for (const auto& [name, first, turn] :
+       {std::tuple("ICA", std::size_t{0}, true), std::tuple("MCA", last, false)}) {
+    file << "g " << name << '\n';
+    for (std::size_t i = 1; i + 1 < 32; ++i)
+      file << "f " << first + 1 << ' ' << first + 1 + (turn ? i + 1 : i) << ' '
+           << first + 1 + (turn ? i : i + 1) << '\n';
+  }
+  file.close();
+  InputCuts cuts;
+  cuts.ends = "1r";
+  const SurfaceInput cut = read_surface(path, "", {}, cuts, context_);
+  const auto domain = cut.domain({});
+  std::set<std::string> names;
+  for (const FlatEnd& end : domain->flat_ends()) names.insert(end.name);
+  EXPECT_EQ(names, (std::set<std::string>{"ICA", "MCA"}));
 }
 
 TEST_F(SurfaceCuts, ASectionBecomesACircleOfItsArea) {

@@ -278,6 +278,24 @@ TEST(FillHole, FollowsTheWallAround) {
   }
 }
 
+/// Edges of a ragged rim are long, so that its radius is less than two of them.
+TEST(CloseSurface, CutsTheRaggedEndOfACoarseVesselOff) {
+  TriangleMesh tube = open_tube({.radius_mm = 3, .length_mm = 14, .around = 11});
+  double top = 0;
+  for (const Vec3& p : tube.points) top = std::max(top, p.z());
+  std::erase_if(tube.triangles, [&](const Cell<3>& t) {  // Every other triangle of the last row.
+    return std::count_if(t.begin(), t.end(), [&](auto v) { return tube.points[v].z() > top - 1e-9; }) == 2;
+  });
+  tube.patches.resize(tube.triangles.size());
+  const std::vector<Rim> rims = find_rims(tube);
+  ASSERT_TRUE(std::any_of(rims.begin(), rims.end(), [](const Rim& rim) {
+    return rim.vertices.size() == 22 && rim.radius_mm < 2 * rim.mean_edge_mm;
+  }));
+  const ClosedSurfaceMade made = closed(tube);
+  ASSERT_EQ(made.rims.size(), 2u);
+  for (const ClosedRim& rim : made.rims) EXPECT_TRUE(rim.is_opening);
+}
+
 TEST(FillHole, OfManyEdgesIsDivided) {
   TriangleMesh tube = open_tube({.radius_mm = 3, .length_mm = 0.2, .around = 260});
   for (const Rim& rim : find_rims(tube)) fill_hole(tube, rim, 0);

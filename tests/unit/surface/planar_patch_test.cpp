@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <numbers>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "lumesh/geometry/triangle.hpp"
 
@@ -111,6 +115,73 @@ TEST(PlanarPatch, OfPolygonsThatCrossOrTouchThemselvesIsNone) {
   EXPECT_FALSE(fill_polygon(std::vector<Vec2>{{0, 0}, {4, 0}, {4, 4}, {2, 0}, {0, 4}}));
   EXPECT_FALSE(fill_polygon(std::vector<Vec2>{{0, 0}, {4, 0}, {6, 0}, {4, 0}, {4, 4}}));
   EXPECT_FALSE(fill_polygon(std::vector<Vec2>{{0, 0}, {0, 4}, {4, 4}, {4, 0}}));  // Clockwise.
+}
+
+/// A star of random radii that runs clockwise.
+std::vector<Vec2> star_hole(const Vec2& centre, double radius, int corners, std::mt19937& random) {
+  std::uniform_real_distribution<double> factor(0.6, 1);
+  std::vector<Vec2> hole = round_polygon(corners, [&](double) { return factor(random) * radius; });
+  for (Vec2& p : hole) p += centre;
+  std::reverse(hole.begin(), hole.end());
+  return hole;
+}
+
+TEST(PlanarPatch, LeavesHolesOut) {
+  const unsigned seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  for (int trial = 0; trial < 40; ++trial) {
+    const auto polygon = round_polygon(20 + static_cast<int>(random() % 40), [](double) { return 10.0; });
+    std::vector<std::vector<Vec2>> holes;
+    const std::array<Vec2, 4> centres = {Vec2(-4.6, 0), Vec2(4.6, 0.1), Vec2(0, 4.7), Vec2(0.2, -4.7)};
+    const std::size_t count = trial % 4 + 1;
+    for (std::size_t h = 0; h < count; ++h)
+      holes.push_back(star_hole(centres[h], 3.2, 3 + static_cast<int>(random() % 30), random));
+    const auto patch = fill_polygon(polygon, holes);
+    ASSERT_TRUE(patch);
+    double area = polygon_area(polygon), made = 0;
+    std::size_t corners = polygon.size();
+    for (const auto& hole : holes) {
+      area += polygon_area(hole);  // Negative.
+      corners += hole.size();
+    }
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    for (const Cell<3>& t : patch->triangles) {
+      EXPECT_GT(orient2d(patch->points[t[0]], patch->points[t[1]], patch->points[t[2]]), 0);
+      const Vec2 u = patch->points[t[1]] - patch->points[t[0]], v = patch->points[t[2]] - patch->points[t[0]];
+      made += (u.x() * v.y() - u.y() * v.x()) / 2;
+      for (std::size_t s = 0; s < 3; ++s) ++edges[std::minmax(t[s], t[(s + 1) % 3])];
+    }
+    EXPECT_NEAR(made, area, 1e-12 * area);
+    const auto open = std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second == 1; });
+    EXPECT_EQ(static_cast<std::size_t>(open), corners);
+    EXPECT_TRUE(std::all_of(edges.begin(), edges.end(), [](const auto& e) { return e.second <= 2; }));
+  }
+}
+
+TEST(PlanarPatch, OfARingOfTwoRoundRimsHasGoodAngles) {
+  for (const double inner : {2.0, 3.5, 4.5}) {
+    const auto polygon = round_polygon(64, [](double) { return 5.0; });
+    auto hole = round_polygon(static_cast<int>(64 * inner / 5), [&](double) { return inner; });
+    std::reverse(hole.begin(), hole.end());
+    const auto patch = fill_polygon(polygon, std::vector<std::vector<Vec2>>{hole});
+    ASSERT_TRUE(patch);
+    EXPECT_GT(smallest_angle_deg(*patch), 25) << inner;
+  }
+}
+
+TEST(PlanarPatch, OfHolesThatAreNoneIsNone) {
+  const auto polygon = round_polygon(30, [](double) { return 5.0; });
+  std::mt19937 random(1);
+  const auto none = [&](const std::vector<std::vector<Vec2>>& holes) {
+    return !fill_polygon(polygon, holes);
+  };
+  std::vector<Vec2> turned = star_hole(Vec2::Zero(), 2, 9, random);
+  std::reverse(turned.begin(), turned.end());
+  EXPECT_TRUE(none({turned}));
+  EXPECT_TRUE(none({star_hole(Vec2(4, 0), 3, 9, random)}));   // Across the rim.
+  EXPECT_TRUE(none({star_hole(Vec2(20, 0), 3, 9, random)}));  // Outside.
+  EXPECT_TRUE(none({star_hole(Vec2(0, 0), 3, 9, random), star_hole(Vec2(0, 0), 1, 9, random)}));
 }
 
 }  // namespace
