@@ -130,8 +130,10 @@ class SurfaceCutter {
   /// Of vessels that end in an opening.
   void clip_ends(const LocalLength& length, std::span<const FlatEnd> ends) {
     const Polylines lines = axes_of(mesh_);
+    std::size_t found_ends = 0;
     for (const std::vector<std::uint32_t>& from_end : lines_from_ends(lines)) {
       if (!is_at_end(lines.points[from_end.front()], ends)) continue;
+      ++found_ends;
       try {
         const std::optional<Vec3> place = place_up(lines, from_end, length);
         if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
@@ -144,6 +146,9 @@ class SurfaceCutter {
                                   place_text(lines.points[from_end.front()]), error.what()));
       }
     }
+    if (found_ends == 0)
+      context_.warn(option_name("clip_ends") +
+                    ": no axis of a vessel comes to a flat end; all ends stay as they are");
   }
 
  private:

@@ -41,7 +41,8 @@ std::string line_of(const ClosedRim& rim) {
   const std::string where = fmt::format("radius {:.3g} mm at {}, {} edges", rim.given.radius_mm,
                                         place_text(rim.centre_mm), rim.given.vertices.size());
   if (!rim.is_opening) return fmt::format("filled a hole of the wall: {}", where);
-  return fmt::format("capped {}: {}{}", rim.name.empty() ? "an opening" : rim.name, where, preparation(rim));
+  return fmt::format("capped {}{}: {}{}", rim.name.empty() ? "an opening" : rim.name,
+                     rim.is_ring ? " by a ring" : "", where, preparation(rim));
 }
 
 /// As wide as a vessel's end, or at the end of a wall.

@@ -48,6 +48,7 @@ class Closer {
     turn_outwards(surface_, rims);
     std::stable_sort(rims.begin(), rims.end(),
                      [](const Rim& a, const Rim& b) { return a.area_mm2 > b.area_mm2; });
+    find_rings(rims);
     flatten(rims);
     cap();
     const std::vector<std::vector<std::uint32_t>> walls = rim_triangles(surface_, holes_);
@@ -59,10 +60,64 @@ class Closer {
   }
 
  private:
+  static constexpr std::size_t kNone = ~std::size_t{0};
   struct Opening {
     Rim given;
     FlatRim flat;
+    std::size_t rim = kNone;  // The number of the given one, where it was moved.
+    std::vector<Rim> inner = {};
   };
+
+  /// The smallest rim that each lies within, almost in its plane; of another part only where all of its own
+  /// part do, which is the inner skin of a wall then, and is turned.
+  void find_rings(std::vector<Rim>& rims) {
+    around_.assign(rims.size(), kNone);
+    if (rims.size() < 2) return;
+    const Parts parts = turn_alike(surface_);
+    std::vector<std::uint32_t> part_at(surface_.points.size(), 0);
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
+      for (const std::uint32_t v : surface_.triangles[t]) part_at[v] = parts.of_triangle[t];
+    const auto part_of = [&](std::size_t r) { return part_at[rims[r].vertices[0]]; };
+    std::vector<bool> is_inner(parts.count, true);
+    for (std::size_t r = 0; r < rims.size(); ++r) {
+      for (std::size_t outer = r; outer-- > 0 && around_[r] == kNone;)
+        if (lies_within(rims[r], rims[outer])) around_[r] = outer;
+      is_inner[part_of(r)] = is_inner[part_of(r)] && around_[r] != kNone;
+    }
+    for (std::size_t r = 0; r < rims.size(); ++r) {
+      if (around_[r] == kNone) continue;
+      const bool is_of_one_part = part_of(r) == part_of(around_[r]);
+      if (is_of_one_part ? rims[r].normal.dot(rims[around_[r]].normal) > 0 : !is_inner[part_of(r)])
+        around_[r] = kNone;
+    }
+    turn(parts, is_inner, rims, part_of);
+  }
+  [[nodiscard]] bool lies_within(const Rim& rim, const Rim& outer) const {
+    constexpr double kParallel = 0.95;
+    if (std::abs(rim.normal.dot(outer.normal)) < kParallel) return false;
+    const PlaneFrame frame(outer);
+    const std::vector<Vec2> polygon = frame.polygon(outer, surface_.points);
+    return std::all_of(rim.vertices.begin(), rim.vertices.end(), [&](std::uint32_t v) {
+      const Vec3& p = surface_.points[v];
+      return std::abs(outer.height_mm(p)) < Rim::kMaxBent * outer.radius_mm &&
+             is_inside(polygon, frame.flat(p));
+    });
+  }
+  /// The inner skins, with their rims. A part without rims is none.
+  template <class PartOf>
+  void turn(const Parts& parts, const std::vector<bool>& is_inner, std::vector<Rim>& rims,
+            const PartOf& part_of) {
+    std::vector<bool> turns(parts.count, false);
+    for (std::size_t r = 0; r < rims.size(); ++r)
+      turns[part_of(r)] = is_inner[part_of(r)] && around_[r] != kNone && part_of(around_[r]) != part_of(r);
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
+      if (turns[parts.of_triangle[t]]) std::swap(surface_.triangles[t][1], surface_.triangles[t][2]);
+    for (std::size_t r = 0; r < rims.size(); ++r)
+      if (turns[part_of(r)]) {
+        std::reverse(rims[r].vertices.begin(), rims[r].vertices.end());
+        rims[r].normal = -rims[r].normal;
+      }
+  }
   /// All before the first is capped: rims that touch move each other's vertices, and some are cut off with
   /// others.
   void flatten(const std::vector<Rim>& rims) {
@@ -80,9 +135,10 @@ class Closer {
     const Rim& rim = rims[which];
     const auto move = [&](double min_angle_deg) {
       std::optional<FlatRim> moved = move_into_plane(surface_, rim, planes, min_angle_deg);
-      if (moved) openings_.push_back({rim, std::move(*moved)});
+      if (moved) openings_.push_back({rim, std::move(*moved), which});
       return moved.has_value();
     };
+    if (join_ring(rim, around_[which], planes)) return true;
     if (is_almost_planar(rim) && rim.may_be_end() && move(kGoodAngleDeg)) return true;
     if (!rim.is_wide()) return false;
     if (std::optional<CutBack> cut = cut_back(surface_, rims, which)) {
@@ -96,14 +152,29 @@ class Closer {
     }
     return rim.is_flat() && move(kLeastAngleDeg);
   }
+  /// Brings a rim into the plane of the one around it, to be closed with that by a ring.
+  bool join_ring(const Rim& rim, std::size_t outer, VertexPlanes& planes) {
+    if (outer == kNone) return false;
+    const auto at =
+        std::find_if(openings_.begin(), openings_.end(), [&](const Opening& o) { return o.rim == outer; });
+    if (at == openings_.end()) return false;
+    const std::optional<FlatRim> moved = move_into_plane(surface_, rim, planes, kLeastAngleDeg,
+                                                         Plane{at->flat.rim.centre_mm, at->flat.rim.normal});
+    if (!moved) return false;
+    at->inner.push_back(moved->rim);
+    at->flat.moved_mm = std::max(at->flat.moved_mm, moved->moved_mm);
+    return true;
+  }
   void cap() {
-    for (const auto& [given, flat] : openings_) {
+    for (const auto& [given, flat, number, inner] : openings_) {
       const std::size_t first = surface_.triangles.size();
-      if (!cap_rim(surface_, flat.rim, next_patch_)) {
+      if (!cap_rim(surface_, flat.rim, next_patch_, inner)) {
         holes_.push_back(measured_rim(surface_.points, flat.rim.vertices));
+        for (const Rim& rim : inner) holes_.push_back(measured_rim(surface_.points, rim.vertices));
         continue;
       }
       ClosedRim closed{true, {}, given, flat.rim.centre_mm, flat.rim.normal};
+      closed.is_ring = !inner.empty();
       closed.cut_off_mm = flat.cut_off_mm;
       closed.moved_mm = flat.moved_mm;
       closed.patch = next_patch_++;
@@ -123,6 +194,7 @@ class Closer {
 
   TriangleMesh surface_;
   std::int32_t next_patch_;
+  std::vector<std::size_t> around_;  // Of each rim, one that it makes a ring with.
   std::vector<Opening> openings_;
   std::vector<Rim> holes_;
   std::vector<ClosedRim> closed_;
@@ -130,13 +202,19 @@ class Closer {
 
 }  // namespace
 
-bool cap_rim(TriangleMesh& surface, const Rim& rim, std::int32_t patch) {
+bool cap_rim(TriangleMesh& surface, const Rim& rim, std::int32_t patch, std::span<const Rim> inner) {
   const PlaneFrame frame(rim);
-  const std::optional<PlanarPatch> filled = fill_polygon(frame.polygon(rim, surface.points));
-  if (!filled) return false;
   std::vector<std::uint32_t> number(rim.vertices.rbegin(), rim.vertices.rend());
+  std::vector<std::vector<Vec2>> holes;
+  for (const Rim& other : inner) {
+    holes.push_back(frame.polygon(other, surface.points));
+    number.insert(number.end(), other.vertices.rbegin(), other.vertices.rend());
+  }
+  const std::optional<PlanarPatch> filled = fill_polygon(frame.polygon(rim, surface.points), holes);
+  if (!filled) return false;
+  const std::size_t given = number.size();
   for (std::size_t i = 0; i < filled->points.size(); ++i) {
-    if (i < rim.vertices.size()) {
+    if (i < given) {
       surface.points[number[i]] = frame.in_space(filled->points[i]);
     } else {
       number.push_back(static_cast<std::uint32_t>(surface.points.size()));

@@ -12,8 +12,6 @@
 namespace lumesh::surfaces {
 namespace {
 
-using Plane = std::pair<Vec3, Vec3>;  // Point and normal.
-
 /// The nearest point in all planes; none where they hardly meet in one.
 std::optional<Vec3> nearest_in(const std::vector<Plane>& planes, const Vec3& point) {
   Eigen::MatrixX3d normals(planes.size(), 3);
@@ -112,8 +110,8 @@ bool leaves_plane_at_angle(const TriangleMesh& surface, const Rim& rim, double m
 }
 
 std::optional<FlatRim> move_into_plane(TriangleMesh& surface, const Rim& rim, VertexPlanes& planes,
-                                       double min_angle_deg) {
-  const Plane plane = plane_of(rim, planes);
+                                       double min_angle_deg, const std::optional<Plane>& wanted) {
+  const Plane plane = wanted ? *wanted : plane_of(rim, planes);
   FlatRim flat{rim};
   flat.rim.centre_mm -= plane.second.dot(rim.centre_mm - plane.first) * plane.second;
   flat.rim.normal = plane.second.dot(rim.normal) < 0 ? Vec3(-plane.second) : plane.second;

@@ -32,15 +32,17 @@ struct CutBack {
 [[nodiscard]] std::optional<CutBack> cut_back(TriangleMesh& surface, const std::vector<Rim>& rims,
                                               std::size_t which);
 
+using Plane = std::pair<Vec3, Vec3>;  // Point and normal.
 /// Planes that vertices have to stay in.
-using VertexPlanes = std::map<std::uint32_t, std::vector<std::pair<Vec3, Vec3>>>;  // Point and normal.
+using VertexPlanes = std::map<std::uint32_t, std::vector<Plane>>;
 
 /// Moves the vertices of a rim into its plane, those of other rims within their planes.
-/// @param planes  Of the rims before; this one's is added.
+/// @param planes  Of the rims before; this one's is added. @param wanted  Instead of its own plane.
 /// @return None, with the surface as it was, if that would turn a triangle over or fold it onto the plane
 /// (leaves_plane_at_angle()), or the rim would cross itself.
 [[nodiscard]] std::optional<FlatRim> move_into_plane(TriangleMesh& surface, const Rim& rim,
-                                                     VertexPlanes& planes, double min_angle_deg);
+                                                     VertexPlanes& planes, double min_angle_deg,
+                                                     const std::optional<Plane>& wanted = std::nullopt);
 
 /// Coordinates in the plane of a rim, seen from outside.
 struct PlaneFrame {

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "flat_rims.hpp"
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/place_text.hpp"
@@ -20,6 +21,7 @@
 #include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/surface/closing.hpp"
 #include "lumesh/surface/edges.hpp"
+#include "lumesh/surface/planar_patch.hpp"
 #include "plane_slide.hpp"
 
 namespace lumesh::surfaces {
@@ -237,16 +239,33 @@ void slide_into_plane(TriangleMesh& surface, const SectionPlane& plane, std::vec
       slide.move(v);
 }
 
-/// Caps the loops of a surface that was cut by one plane.
+/// Caps the loops of a surface that was cut by one plane, those of hollow walls with rings.
 std::int32_t cap_sections(TriangleMesh& surface, const SectionPlane& plane, std::int32_t first_patch) {
-  std::int32_t count = 0;
-  for (const Rim& rim : find_rims(surface)) {
-    if (rim.normal.dot(plane.normal) < 0)
+  std::vector<Rim> outer, within;
+  for (Rim& rim : find_rims(surface)) {
+    const bool is_outer = rim.normal.dot(plane.normal) > 0;
+    rim.normal = is_outer ? plane.normal : Vec3(-plane.normal);  // Its own is the same but for rounding.
+    (is_outer ? outer : within).push_back(std::move(rim));
+  }
+  std::stable_sort(outer.begin(), outer.end(),
+                   [](const Rim& a, const Rim& b) { return a.area_mm2 > b.area_mm2; });
+  std::vector<std::vector<Rim>> inner(outer.size());
+  for (Rim& rim : within) {
+    std::size_t smallest = outer.size();
+    for (std::size_t r = 0; r < outer.size(); ++r) {
+      const PlaneFrame frame(outer[r]);
+      if (is_inside(frame.polygon(outer[r], surface.points), frame.flat(surface.points[rim.vertices[0]])))
+        smallest = r;
+    }
+    if (smallest == outer.size())
       refuse_cut("the section at " + place_text(rim.centre_mm) +
-                 " lies within another one: hollow walls are not cut as surfaces; cut their image");
-    Rim flat = rim;
-    flat.normal = plane.normal;  // Its own is the same but for rounding.
-    if (!cap_rim(surface, flat, first_patch + count))
+                 " is turned inside out; repair the surface first");
+    inner[smallest].push_back(std::move(rim));
+  }
+  std::int32_t count = 0;
+  for (std::size_t r = 0; r < outer.size(); ++r) {
+    const Rim& rim = outer[r];
+    if (!cap_rim(surface, rim, first_patch + count, inner[r]))
       refuse_cut("the section at " + place_text(rim.centre_mm) +
                  " crosses itself; move the plane, or repair the surface first (`lumesh repair`)");
     ++count;

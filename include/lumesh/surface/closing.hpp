@@ -20,6 +20,7 @@ struct ClosedRim {
   double area_mm2 = 0;            ///< Of the new triangles.
   double cut_off_mm = 0;          ///< Height of what was cut off to make the rim planar.
   double moved_mm = 0;            ///< Farthest way of a vertex on the wall.
+  bool is_ring = false;           ///< The cap goes around rims within it.
   bool ends_wall = false;         ///< Of a hole: a wall runs up to it, as to the end of a vessel.
   std::int32_t patch = 0;         ///< Of the new triangles.
   std::size_t triangles = 0;      ///< New ones.
@@ -39,6 +40,9 @@ struct ClosedSurfaceMade {
 /// its plane is moved into it, else the surface is cut back by a plane just inside of the rim, else the rim
 /// is moved after all) and capped by fill_polygon(). What is left is a hole: fill_hole().
 ///
+/// A part all rims of which lie within rims of another part, almost in their planes, is the inner skin of a
+/// wall: it is turned inwards, and a ring closes each pair of rims, if the outer one need not be cut back.
+///
 /// The first cap has patch `first_patch`, the next one the number behind, by falling area. Holes take the
 /// patch with most of their rims' edges. A surface without rims is only welded and turned; one with edges of
 /// more than two triangles too. Chains that end at such edges stay open.
@@ -49,8 +53,9 @@ struct ClosedSurfaceMade {
                                               std::int32_t first_patch);
 
 /// Closes a planar rim: moves its vertices by rounding, adds points and triangles.
-/// @return False, with the surface as it was, if the rim crosses itself.
-bool cap_rim(TriangleMesh& surface, const Rim& rim, std::int32_t patch);
+/// @param inner  Rims within it in the same plane, which run the other way: the cap is a ring then.
+/// @return False, with the surface as it was, if rims cross themselves or each other.
+bool cap_rim(TriangleMesh& surface, const Rim& rim, std::int32_t patch, std::span<const Rim> inner = {});
 
 /// Closes any rim with triangles that bend least and are smallest, refined to the rim's edges and made smooth
 /// with the wall around (its second differences vanish).

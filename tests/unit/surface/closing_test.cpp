@@ -296,6 +296,42 @@ TEST(CloseSurface, CutsTheRaggedEndOfACoarseVesselOff) {
   for (const ClosedRim& rim : made.rims) EXPECT_TRUE(rim.is_opening);
 }
 
+/// Two skins of a wall, each open at both ends; the inner one moved aside.
+TriangleMesh two_skins(double inner_radius_mm, const Vec3& aside, std::uint32_t around) {
+  TriangleMesh skins = open_tube({.radius_mm = 3, .length_mm = 12, .around = 48});
+  const TriangleMesh inner = open_tube({.radius_mm = inner_radius_mm, .length_mm = 12, .around = around});
+  const auto first = static_cast<std::uint32_t>(skins.points.size());
+  for (const Vec3& p : inner.points) skins.points.push_back(p + aside);
+  for (const auto& [a, b, c] : inner.triangles) skins.triangles.push_back({a + first, b + first, c + first});
+  skins.patches.resize(skins.triangles.size(), 0);
+  return skins;
+}
+
+TEST(CloseSurface, ClosesTheEndsOfAWallByRings) {
+  for (const double radius_mm : {1.0, 2.0, 2.7}) {
+    const double step = 0.002;  // Not quite in the plane of the outer rims.
+    const TriangleMesh skins = two_skins(radius_mm, Vec3(0.2, 0.05, step), radius_mm < 2 ? 20 : 40);
+    const ClosedSurfaceMade made = closed(skins);
+    ASSERT_EQ(made.rims.size(), 2u) << radius_mm;
+    const double n = radius_mm < 2 ? 20 : 40;
+    const auto polygon = [](double radius, double corners) {
+      return 0.5 * corners * radius * radius * std::sin(2 * kPi / corners);
+    };
+    const double ring_mm2 = polygon(3, 48) - polygon(radius_mm, n);
+    for (const ClosedRim& rim : made.rims) {
+      EXPECT_TRUE(rim.is_opening);
+      EXPECT_NEAR(rim.area_mm2, ring_mm2, 1e-9 * ring_mm2);
+      EXPECT_GT(rim.smallest_angle_deg, 15) << radius_mm;
+    }
+    EXPECT_NEAR(volume_of(made.surface), 12 * ring_mm2, 1e-3 * 12 * ring_mm2) << radius_mm;
+  }
+}
+
+TEST(CloseSurface, AVesselBesideAnotherIsNoInnerSkin) {
+  const ClosedSurfaceMade made = closed(two_skins(2, Vec3(6, 0, 0), 40));
+  EXPECT_EQ(made.rims.size(), 4u);
+}
+
 TEST(FillHole, OfManyEdgesIsDivided) {
   TriangleMesh tube = open_tube({.radius_mm = 3, .length_mm = 0.2, .around = 260});
   for (const Rim& rim : find_rims(tube)) fill_hole(tube, rim, 0);
