@@ -4,7 +4,9 @@
 #include <map>
 #include <tuple>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/grid.hpp"
+#include "lumesh/image/runs.hpp"
 
 namespace lumesh {
 
@@ -18,57 +20,60 @@ void for_each_beside(const ImageFrame& frame, const Index3& place, const Use& us
   });
 }
 
-/// Voxels of a box of which each piece is looked for once.
-class BoxSearch {
- public:
-  BoxSearch(const LabelImage& image, const VoxelBox& box)
-      : image_(image),
-        low_(box.low),
-        size_(box.high - box.low),
-        seen_(static_cast<std::size_t>(size_.cast<double>().prod()), 0) {}
+/// Background in a box, of which runs in sets that are joined through corners; set 0 reaches the box's
+/// border.
+struct Hollows {
+  image::RunImage runs;
+  DisjointSets sets;
 
-  [[nodiscard]] bool contains(const Index3& voxel) const {
-    const Index3 v = voxel - low_;
-    return (v.array() >= 0).all() && (v.array() < size_.array()).all();
-  }
-  [[nodiscard]] bool is_at_border(const Index3& voxel) const {
-    const Index3 v = voxel - low_;
-    return (v.array() == 0).any() || (v.array() + 1 == size_.array()).any();
-  }
-  /// Background that is joined to a voxel through corners and was not seen before.
-  std::vector<Index3> take_background(const Index3& start) {
-    std::vector<Index3> found;
-    if (!take(start)) return found;
-    found.push_back(start);
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      const Index3 place = found[i];
-      for_each_beside(image_.frame(), place, [&](const Index3& beside) {
-        if (contains(beside) && take(beside)) found.push_back(beside);
-      });
-    }
-    return found;
-  }
-  template <class Use>
-  void for_each_voxel(const Use& use) const {
-    for (int k = 0; k < size_.z(); ++k)
-      for (int j = 0; j < size_.y(); ++j)
-        for (int i = 0; i < size_.x(); ++i) use(Index3(low_ + Index3(i, j, k)));
-  }
+  Hollows(const LabelImage& image, const VoxelBox& box);
+  std::uint32_t set_of(std::size_t run) { return sets.find(static_cast<std::uint32_t>(run + 1)); }
 
  private:
-  bool take(const Index3& voxel) {
-    if (image_.at(voxel) != 0) return false;
-    const Index3 v = voxel - low_;
-    char& seen = seen_[grid_offset(size_, v)];
-    if (seen != 0) return false;
-    seen = 1;
-    return true;
-  }
-
-  const LabelImage& image_;
-  Index3 low_, size_;
-  std::vector<char> seen_;
+  void join(std::size_t row, std::size_t before);
 };
+
+image::RunImage background_runs(const LabelImage& image, const VoxelBox& box) {
+  const Index3 size = box.high - box.low;
+  return image::make_runs(size, [&](std::size_t row, std::vector<image::Run>& runs) {
+    const int j = static_cast<int>(row % static_cast<std::size_t>(size.y())),
+              k = static_cast<int>(row / static_cast<std::size_t>(size.y()));
+    const LabelImage::Index* const voxels =
+        image.voxels().data() + image.frame().offset(box.low + Index3(0, j, k));
+    for (int i = 0; i < size.x();) {
+      const int begin = i;
+      while (i < size.x() && voxels[i] == 0) ++i;
+      if (i > begin) runs.push_back({begin, i, 0});
+      while (i < size.x() && voxels[i] != 0) ++i;
+    }
+  });
+}
+
+Hollows::Hollows(const LabelImage& image, const VoxelBox& box)
+    : runs(background_runs(image, box)), sets(runs.runs.size() + 1) {
+  const Index3& size = runs.size;
+  for (int k = 0; k < size.z(); ++k)
+    for (int j = 0; j < size.y(); ++j) {
+      const std::size_t row = runs.row(j, k);
+      const bool is_border = j == 0 || k == 0 || j + 1 == size.y() || k + 1 == size.z();
+      for (std::size_t r = runs.first[row]; r < runs.first[row + 1]; ++r)
+        if (is_border || runs.runs[r].begin == 0 || runs.runs[r].end == size.x())
+          sets.merge(0, static_cast<std::uint32_t>(r + 1));
+      if (j > 0) join(row, runs.row(j - 1, k));
+      for (int beside = std::max(0, j - 1); k > 0 && beside <= std::min(j + 1, size.y() - 1); ++beside)
+        join(row, runs.row(beside, k - 1));
+    }
+}
+
+void Hollows::join(std::size_t row, std::size_t before) {
+  std::size_t a = runs.first[row], b = runs.first[before];
+  while (a < runs.first[row + 1] && b < runs.first[before + 1]) {
+    const image::Run &one = runs.runs[a], &other = runs.runs[b];
+    if (one.begin <= other.end && other.begin <= one.end)
+      sets.merge(static_cast<std::uint32_t>(a + 1), static_cast<std::uint32_t>(b + 1));
+    one.end < other.end ? ++a : ++b;
+  }
+}
 
 std::vector<std::vector<Index3>> enclosed_pieces(const LabelImage& image) {
   const LabelTopology all = union_topology(image);
@@ -77,14 +82,21 @@ std::vector<std::vector<Index3>> enclosed_pieces(const LabelImage& image) {
   VoxelBox box = all.box;
   box.low = (box.low - Index3::Ones()).cwiseMax(Index3::Zero());
   box.high = (box.high + Index3::Ones()).cwiseMin(image.frame().size);
-  BoxSearch search(image, box);
-  search.for_each_voxel([&](const Index3& voxel) {
-    if (search.is_at_border(voxel)) static_cast<void>(search.take_background(voxel));
-  });
-  search.for_each_voxel([&](const Index3& voxel) {
-    std::vector<Index3> piece = search.take_background(voxel);
-    if (!piece.empty()) pieces.push_back(std::move(piece));
-  });
+  Hollows hollows(image, box);
+  const std::uint32_t outside = hollows.sets.find(0);
+  std::map<std::uint32_t, std::size_t> piece_of;
+  for (int k = 0; k < hollows.runs.size.z(); ++k)
+    for (int j = 0; j < hollows.runs.size.y(); ++j) {
+      const std::size_t row = hollows.runs.row(j, k);
+      for (std::size_t r = hollows.runs.first[row]; r < hollows.runs.first[row + 1]; ++r) {
+        const std::uint32_t set = hollows.set_of(r);
+        if (set == outside) continue;
+        const auto [at, is_new] = piece_of.emplace(set, pieces.size());
+        if (is_new) pieces.emplace_back();
+        for (int i = hollows.runs.runs[r].begin; i < hollows.runs.runs[r].end; ++i)
+          pieces[at->second].emplace_back(box.low + Index3(i, j, k));
+      }
+    }
   return pieces;
 }
 
@@ -184,6 +196,7 @@ VoxelsChanged drop_small_components(LabelImage& image, std::size_t below) {
 
 std::vector<WallHole> find_wall_holes(const LabelImage& image) {
   constexpr double kEnclosedShare = 0.9;
+  if (image.values().size() < 3) return {};  // One label has no wall.
   FacesBetween faces;
   for_each_label_face(image, [&](const Index3& voxel, const Index3& beside) {
     if (image.at(voxel) != 0) ++faces[{image.at(voxel), image.at(beside)}];
