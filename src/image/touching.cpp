@@ -1,12 +1,14 @@
 #include "lumesh/image/touching.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <unordered_map>
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/grid.hpp"
+#include "lumesh/parallel/loops.hpp"
 #include "vessel_chunks.hpp"
 #include "voxel_edits.hpp"
 
@@ -26,6 +28,7 @@ struct ContactElement {
   std::uint32_t voxel = 0, other = 0;  ///< The same for a voxel between.
   std::uint32_t first = 0, second = 0;
   float half_width = 0;
+  bool is_neck = false;  ///< Its chunks meet at a neck, and not only chunks around them.
 
   [[nodiscard]] bool is_face() const { return voxel != other; }
 };
@@ -72,10 +75,13 @@ std::set<Pair> touching_pairs(const VesselChunks& chunks) {
   std::set<Pair> pairs;
   for (const auto& [begin, end] : runs_of_pairs(chunks.faces())) {
     const ChunkFace& middle = chunks.faces()[(begin + end) / 2];
-    if (!chunks.is_neck(middle.first, middle.second)) continue;
+    const bool is_neck = chunks.is_neck(middle.first, middle.second);
+    if (!is_neck && !chunks.hang_by_thread(middle.first, middle.second)) continue;
     const auto sides =
         chunks.passing_sides(middle.first, middle.second, chunks.place_of(middle.voxel).cast<double>());
     if (!sides) continue;
+    pairs.emplace(middle.first, middle.second);
+    if (!is_neck) continue;
     for (const std::uint32_t a : (*sides)[0])
       for (const std::uint32_t b : (*sides)[1]) pairs.emplace(std::min(a, b), std::max(a, b));
   }
@@ -95,11 +101,25 @@ std::uint32_t chunk_beside(const VesselChunks& chunks, const Index3& place, int 
   return found;
 }
 
+/// Background with a chunk beside a face, and another one beside a face or an edge.
+std::vector<std::uint32_t> voxels_between(const VesselChunks& chunks) {
+  return parallel::collect_blocks<std::uint32_t>(
+      chunks.voxel_count(), std::size_t{1} << 16,
+      [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& out) {
+        for (std::size_t v = begin; v < end; ++v) {
+          if (chunks.chunk_of(v) != kNoChunk || !chunks.is_beside(v)) continue;
+          const Index3 place = chunks.place_of(v);
+          const std::uint32_t first = chunk_beside(chunks, place, 1, [](std::uint32_t) { return true; });
+          if (chunk_beside(chunks, place, 2, [&](std::uint32_t b) { return b != first; }) != kNoChunk)
+            out.push_back(static_cast<std::uint32_t>(v));
+        }
+      });
+}
+
 /// Background between two chunks: beside a face of the one and an edge of the other.
 void add_voxels_between(const VesselChunks& chunks, std::vector<ContactElement>& elements) {
   PairsApart pairs(chunks);
-  for (std::size_t v = 0; v < chunks.voxel_count(); ++v) {
-    if (chunks.chunk_of(v) != kNoChunk) continue;
+  for (const std::uint32_t v : voxels_between(chunks)) {
     const Index3 place = chunks.place_of(v);
     std::uint32_t second = kNoChunk;
     const std::uint32_t first = chunk_beside(chunks, place, 1, [&](std::uint32_t a) {
@@ -108,8 +128,7 @@ void add_voxels_between(const VesselChunks& chunks, std::vector<ContactElement>&
       });
       return second != kNoChunk;
     });
-    if (first != kNoChunk)
-      elements.push_back({static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(v), first, second, 0});
+    if (first != kNoChunk) elements.push_back({v, v, first, second, 0, false});
   }
 }
 
@@ -118,7 +137,8 @@ std::vector<ContactElement> contacts_of(const VesselChunks& chunks, const std::s
   std::vector<ContactElement> elements;
   for (const ChunkFace& face : chunks.faces())
     if (pairs.contains({face.first, face.second}))
-      elements.push_back({face.voxel, face.other, face.first, face.second, face.half_width});
+      elements.push_back({face.voxel, face.other, face.first, face.second, face.half_width,
+                          chunks.is_neck(face.first, face.second)});
   add_voxels_between(chunks, elements);
   return elements;
 }
@@ -150,22 +170,29 @@ ThinPlace place_of_group(const VesselChunks& chunks, const std::vector<ContactEl
                          const std::vector<std::size_t>& group) {
   ThinPlace place{ThinPlace::Kind::kNear};
   float widest = 0;
-  Vec3 middle = Vec3::Zero();
   for (const std::size_t e : group) {
     if (elements[e].is_face()) {
       place.kind = ThinPlace::Kind::kTouching;
       ++place.size;
     }
     widest = std::max(widest, elements[e].half_width);
-    middle += chunks.place_of(elements[e].voxel).cast<double>() / static_cast<double>(group.size());
   }
   if (place.size == 0) place.size = group.size();
   place.thickness_voxels = widest > 0 ? 2 * static_cast<double>(widest) - 1 : 0;
-  const auto nearest = std::min_element(group.begin(), group.end(), [&](std::size_t a, std::size_t b) {
-    const auto off = [&](std::size_t e) {
-      return (chunks.place_of(elements[e].voxel).cast<double>() - middle).norm();
-    };
-    return off(a) < off(b);
+  // In the middle of the necks: faces of other chunks of the two vessels may lie within one of them.
+  const auto rank = [&](std::size_t e) {
+    return (elements[e].is_face() ? 1 : 0) + (elements[e].is_neck ? 1 : 0);
+  };
+  int most = 0;
+  for (const std::size_t e : group) most = std::max(most, rank(e));
+  std::vector<std::size_t> best;
+  std::copy_if(group.begin(), group.end(), std::back_inserter(best),
+               [&](std::size_t e) { return rank(e) == most; });
+  const auto at = [&](std::size_t e) { return Vec3(chunks.place_of(elements[e].voxel).cast<double>()); };
+  Vec3 middle = Vec3::Zero();
+  for (const std::size_t e : best) middle += at(e) / static_cast<double>(best.size());
+  const auto nearest = std::min_element(best.begin(), best.end(), [&](std::size_t a, std::size_t b) {
+    return (at(a) - middle).norm() < (at(b) - middle).norm();
   });
   place.voxel = chunks.low() + chunks.place_of(elements[*nearest].voxel);
   return place;

@@ -22,6 +22,7 @@ constexpr double kMostHalfWidth = 12;  // Smallest voxel edges; thicker parts co
 // A ball covers its vessel, and not the axis of the next.
 constexpr double kBallInHalfWidths = 1.3, kCoreInHalfWidths = 0.75, kWallShare = 0.8;
 constexpr double kNeckShare = 0.75;
+constexpr float kThread = 1.42F;     // Half width of one or two voxels, also along diagonals.
 constexpr float kThinVessel = 3.5F;  // Of such, voxels do not tell a neck from the vessel so well.
 constexpr double kNeckShareOfThin = 0.95;
 constexpr float kWider = 1.25;  // So much wider a way around tells that chunks of one vessel meet.
@@ -30,12 +31,23 @@ constexpr float kLeastVessel = 1.8F;  // Half width of what is followed as a ves
 constexpr double kReachInHalfWidths = 4;  // How far around a neck vessels are followed.
 constexpr double kLeastTurn = -0.1;  // Cosine between the two directions of a vessel, seen from its wall.
 
+constexpr double kOpposite = -0.5;  // The same, seen from its axis.
+constexpr double kTiny = 1e-9;
+constexpr float kAlike = 0.6F;  // Half widths along one vessel.
+
 const std::array<Index3, 6> kSides = {Index3(-1, 0, 0), Index3(1, 0, 0),  Index3(0, -1, 0),
                                       Index3(0, 1, 0),  Index3(0, 0, -1), Index3(0, 0, 1)};
 
 /// Voxels' distances are to centres; walls are half an edge before.
 double width_share(double saddle, double half_width) {
   return std::max(0.25, saddle - 0.5) / std::max(0.25, half_width - 0.5);
+}
+
+bool has_opposites(const std::vector<Vec3>& ways, double most) {
+  for (std::size_t a = 0; a < ways.size(); ++a)
+    for (std::size_t b = a + 1; b < ways.size(); ++b)
+      if (ways[a].dot(ways[b]) < most) return true;
+  return false;
 }
 
 std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
@@ -171,8 +183,8 @@ void VesselChunks::find_faces() {
 
 /// Whether a chunk lies between two others of about its width that are opposite to each other: in a vessel.
 bool VesselChunks::is_in_line(std::uint32_t chunk) const {
-  constexpr float kAlike = 0.6F, kWide = 0.7F;
-  constexpr double kOpposite = -0.7;
+  constexpr float kWide = 0.7F;
+  constexpr double kInLine = -0.7;
   const float width = chunks_[chunk].half_width;
   if (width < kLeastVessel) return false;
   std::vector<Vec3> ways;
@@ -183,7 +195,7 @@ bool VesselChunks::is_in_line(std::uint32_t chunk) const {
     ways.push_back(
         (chunks_[next].seed - chunks_[chunk].seed).cast<double>().cwiseProduct(edges_).normalized());
     for (const Vec3& way : ways)
-      if (way.dot(ways.back()) < kOpposite) return true;
+      if (way.dot(ways.back()) < kInLine) return true;
   }
   return false;
 }
@@ -272,6 +284,18 @@ bool VesselChunks::continue_interrupted_vessels() {
   return chunks_.size() > before;
 }
 
+bool VesselChunks::is_beside(std::size_t voxel) const {
+  const Index3 place = place_of(voxel);
+  std::size_t step = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    if ((place[axis] > 0 && chunk_of_[voxel - step] != kNoChunk) ||
+        (place[axis] + 1 < size_[axis] && chunk_of_[voxel + step] != kNoChunk))
+      return true;
+    step *= static_cast<std::size_t>(size_[axis]);
+  }
+  return false;
+}
+
 float VesselChunks::saddle(std::uint32_t a, std::uint32_t b) const {
   const auto found = saddles_.find(ordered(a, b));
   return found == saddles_.end() ? 0.0F : found->second;
@@ -286,7 +310,9 @@ float VesselChunks::widest_way_around(std::uint32_t a, std::uint32_t b) const {
     const auto off = [&](std::uint32_t from) {
       return (chunks_[chunk].seed - chunks_[from].seed).cast<double>().cwiseProduct(edges_).norm();
     };
-    return std::min(off(a), off(b)) > reach;
+    const auto thicker = static_cast<double>(chunks_[chunk].half_width -
+                                             std::max(chunks_[a].half_width, chunks_[b].half_width));
+    return std::min(off(a), off(b)) > reach + std::max(0.0, thicker);
   };
   std::priority_queue<std::pair<float, std::uint32_t>> ways;
   std::set<std::uint32_t> reached = {a};
@@ -319,7 +345,11 @@ bool VesselChunks::are_apart(std::uint32_t a, std::uint32_t b) const {
   return width == 0 || width_share(width, static_cast<double>(least)) <= kNeckShare;
 }
 
-bool VesselChunks::goes_on(const std::vector<std::uint32_t>& side, const Vec3& place) const {
+bool VesselChunks::hang_by_thread(std::uint32_t a, std::uint32_t b) const {
+  return saddle(a, b) <= kThread && are_apart(a, b);
+}
+
+bool VesselChunks::goes_on_from_wall(const std::vector<std::uint32_t>& side, const Vec3& place) const {
   std::vector<Vec3> ways;
   for (std::size_t i = 0; i < side.size(); ++i) {
     const Chunk& chunk = chunks_[side[i]];
@@ -327,10 +357,32 @@ bool VesselChunks::goes_on(const std::vector<std::uint32_t>& side, const Vec3& p
     if (i > 0) add(chunk.seed.cast<double>());  // The first one is where the place is.
     if (chunk.border_count > 0) add(chunk.border_sum / static_cast<double>(chunk.border_count));
   }
-  for (std::size_t a = 0; a < ways.size(); ++a)
-    for (std::size_t b = a + 1; b < ways.size(); ++b)
-      if (ways[a].dot(ways[b]) < kLeastTurn) return true;
-  return false;
+  return has_opposites(ways, kLeastTurn);
+}
+
+/// A vessel that bends away from the other turns both its ends to one side of its wall: seen from as deep as
+/// it is thick, what is as thick beside it goes on across the way that leads there.
+bool VesselChunks::goes_on_from_axis(const std::vector<std::uint32_t>& side, const Vec3& place) const {
+  constexpr double kLeastWay = 0.2, kNear = 2.5, kAcross = 0.7;
+  const Chunk& own = chunks_[side.front()];
+  const auto half_width = static_cast<double>(own.half_width);
+  const Vec3 inwards = (own.seed.cast<double>() - place).cwiseProduct(edges_);
+  const Vec3 to_axis = inwards * std::min(1.0, half_width / std::max(kTiny, inwards.norm()));
+  std::vector<Vec3> ways;
+  const auto add = [&](const Vec3& at) {
+    const Vec3 way = (at - place).cwiseProduct(edges_) - to_axis;
+    if (way.norm() >= kLeastWay * half_width && way.norm() <= kNear * half_width &&
+        std::abs(way.normalized().dot(to_axis.normalized())) <= kAcross)
+      ways.push_back(way.normalized());
+  };
+  for (std::size_t i = 0; i < side.size(); ++i) {
+    const Chunk& chunk = chunks_[side[i]];
+    if (std::min(chunk.half_width, own.half_width) < kAlike * std::max(chunk.half_width, own.half_width))
+      continue;
+    if (i > 0) add(chunk.seed.cast<double>());
+    if (chunk.border_count > 0) add(chunk.border_sum / static_cast<double>(chunk.border_count));
+  }
+  return has_opposites(ways, kOpposite);
 }
 
 std::optional<VesselChunks::Sides> VesselChunks::passing_sides(std::uint32_t a, std::uint32_t b,
@@ -364,7 +416,11 @@ std::optional<VesselChunks::Sides> VesselChunks::passing_sides(std::uint32_t a, 
     sides[of_b ? 1 : 0].push_back(chunk);
     look_around(chunk, of_b);
   }
-  if (!goes_on(sides[0], place) || !goes_on(sides[1], place)) return std::nullopt;
+  const bool is_clear = are_apart(a, b);  // Else these may be parts of one vessel.
+  const auto does_go_on = [&](const std::vector<std::uint32_t>& side) {
+    return goes_on_from_wall(side, place) || (is_clear && goes_on_from_axis(side, place));
+  };
+  if (!does_go_on(sides[0]) || !does_go_on(sides[1])) return std::nullopt;
   return sides;
 }
 

@@ -41,6 +41,8 @@ class VesselChunks {
   [[nodiscard]] bool is_neck(std::uint32_t a, std::uint32_t b) const;
   /// Whether two chunks hang together here by no more than a neck.
   [[nodiscard]] bool are_apart(std::uint32_t a, std::uint32_t b) const;
+  /// The same, and one or two voxels thick where they share faces.
+  [[nodiscard]] bool hang_by_thread(std::uint32_t a, std::uint32_t b) const;
   /// The chunks around a place between two, by the chunk to which the way is wider: of vessels side by side.
   using Sides = std::array<std::vector<std::uint32_t>, 2>;
   /// @return Empty unless the parts on both sides go on in two directions.
@@ -49,6 +51,8 @@ class VesselChunks {
   [[nodiscard]] const Index3& size() const { return size_; }
   [[nodiscard]] std::size_t voxel_count() const { return chunk_of_.size(); }
   [[nodiscard]] std::uint32_t chunk_of(std::size_t voxel) const { return chunk_of_[voxel]; }
+  /// Whether a voxel shares a face with any chunk.
+  [[nodiscard]] bool is_beside(std::size_t voxel) const;
   [[nodiscard]] Index3 place_of(std::size_t voxel) const {  ///< In the box.
     return grid_place(size_, voxel);
   }
@@ -70,7 +74,8 @@ class VesselChunks {
   /// @return Whether there is any: then its chunks are new, and all is to be parted anew.
   bool continue_interrupted_vessels();
   [[nodiscard]] float widest_way_around(std::uint32_t a, std::uint32_t b) const;
-  [[nodiscard]] bool goes_on(const std::vector<std::uint32_t>& side, const Vec3& place) const;
+  [[nodiscard]] bool goes_on_from_wall(const std::vector<std::uint32_t>& side, const Vec3& place) const;
+  [[nodiscard]] bool goes_on_from_axis(const std::vector<std::uint32_t>& side, const Vec3& place) const;
 
   Index3 low_ = Index3::Zero(), size_ = Index3::Zero();
   std::vector<float> distance_;  ///< In smallest voxel edges; 0 in the background.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -111,6 +112,92 @@ TEST(Touching, VesselsSideBySideAreFoundSeparatedAndJoined) {
       EXPECT_EQ(filled.voxels, 0U);
     }
   }
+}
+
+/// A vessel through the image; bent ones curve towards `aside` with the radius `bend`.
+struct Vessel {
+  Vec3 centre, way, aside;
+  double bend = 0, radius = 0, half_length = 1e9;
+
+  [[nodiscard]] bool contains(const Vec3& p) const {
+    const Vec3 off = p - centre;
+    if (bend == 0) return off.squaredNorm() - std::pow(off.dot(way), 2) <= radius * radius;
+    const Vec3 from = off - bend * aside;
+    const double x = from.dot(way), y = -from.dot(aside), z = from.dot(way.cross(aside));
+    const double most = std::min(half_length / bend, 0.75 * M_PI),
+                 angle = std::clamp(std::atan2(x, y), -most, most);
+    return Vec3(x - bend * std::sin(angle), y - bend * std::cos(angle), z).norm() <= radius;
+  }
+};
+
+LabelImage image_of(const Vessel& one, const Vessel& other) {
+  return fixtures::voxels_of(frame_of({56, 56, 56}), {0, 1},
+                             [&](const Vec3& p) { return one.contains(p) || other.contains(p) ? 1 : 0; });
+}
+
+void expect_found_and_separated(const LabelImage& image, const Vec3& contact, double most_off) {
+  const std::vector<ThinPlace> places = find_thin_places(image);
+  EXPECT_FALSE(has_kind(places, ThinPlace::Kind::kBridge));
+  ASSERT_TRUE(has_kind(places, ThinPlace::Kind::kTouching));
+  EXPECT_LE((places.front().voxel.cast<double>() - contact).norm(), most_off);
+  LabelImage separated = image;
+  change_touching(TouchChoice::kSeparate, separated);
+  EXPECT_EQ(voxel_components(separated, ComponentScope::kUnion).size(), 2U);
+}
+
+// Both ends of each vessel lie to one side of its wall.
+TEST(Touching, VesselsThatBendAwayFromEachOtherAreFound) {
+  const Vessel one = {
+      {23.655, 23.827, 30.009}, {-0.227, 0.749, 0.622}, {-0.647, -0.593, 0.479}, 13.32, 5.774};
+  const Vessel other = {
+      {29.559, 29.244, 25.633}, {0.151, 0.517, 0.843}, {0.647, 0.593, -0.479}, 27.65, 4.093};
+  expect_found_and_separated(image_of(one, other), {27.2, 27, 27.4}, 3);
+}
+
+TEST(Touching, SecondContactAtTheBorderOfTheImageIsSeparated) {
+  const Vessel straight = {{23.471, 28.483, 26.043}, {0.088, 0.927, 0.364}, Vec3::Zero(), 0, 4.268};
+  const Vessel bent = {
+      {30.387, 27.017, 28.114}, {-0.098, 0.627, 0.773}, {0.330, 0.753, -0.569}, 30.57, 3.723};
+  expect_found_and_separated(image_of(straight, bent), {27, 28, 27}, 4);
+}
+
+TEST(Touching, ThinVesselSunkIntoABentOneIsNoBridge) {
+  const Vessel bent = {
+      {29.636, 23.055, 27.629}, {0.165, 0.025, 0.986}, {0.418, -0.907, -0.047}, 20.18, 4.946};
+  const Vessel thin = {{27.056, 28.649, 27.921}, {0.816, 0.353, 0.458}, Vec3::Zero(), 0, 2.074};
+  expect_found_and_separated(image_of(bent, thin), {27.4, 26.9, 27.7}, 3);
+}
+
+// Its deepest part is no neck; beside that the two share single voxels.
+TEST(Touching, SharedFacesAreAContactAndNotNear) {
+  const Vessel thick = {{25.4450419, 31.1254990, 26.0704114},
+                        {-0.0900446, 0.3621287, 0.9277687},
+                        {-0.3689926, 0.8531271, -0.3688070},
+                        23.427057,
+                        5.043310,
+                        17.63462};
+  const Vessel thin = {{27.7483062, 25.8002503, 28.3725176},
+                       {-0.8934485, -0.2162412, 0.3936871},
+                       {0.2561139, 0.4747777, 0.8420165},
+                       32.423424,
+                       2.185641};
+  expect_found_and_separated(image_of(thick, thin), {26.8, 27.3, 28}, 4);
+}
+
+// Three faces are shared, far from the middle of where the vessels are near.
+TEST(Touching, PlaceIsThatOfTheContact) {
+  const Vessel one = {{22.9413700, 25.0951938, 30.8675349},
+                      {0.1460762, 0.6527126, 0.7433895},
+                      {0.6371796, -0.6368995, 0.4340060},
+                      18.367395,
+                      5.900605,
+                      15.72306};
+  const Vessel other = {{30.8060932, 29.3591055, 25.5783054},
+                        {0.5913624, -0.0978302, 0.8004497},
+                        {-0.2786154, 0.9066995, 0.3166535},
+                        33.925695,
+                        4.048821};
+  expect_found_and_separated(image_of(one, other), {27.8, 28, 28.3}, 1.5);
 }
 
 }  // namespace
