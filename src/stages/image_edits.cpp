@@ -1,6 +1,9 @@
 // Changes of voxels that users ask for, each of which is said.
 #include <fmt/core.h>
 
+#include <string>
+
+#include "lumesh/image/topology.hpp"
 #include "lumesh/image/touching.hpp"
 #include "lumesh/stages/input.hpp"
 
@@ -16,6 +19,25 @@ void say(const VoxelsChanged& changed, const char* what, const LabelImage& image
       changed.first.y(), changed.first.z(), place.x(), place.y(), place.z()));
 }
 
+std::string pieces_of(std::size_t count) {
+  return fmt::format("{} {}", count, count == 1 ? "piece" : "pieces");
+}
+
+/// How many pieces there are, joined through faces, unless one became two or all became one.
+void say_pieces(TouchChoice choice, std::size_t before, std::size_t now, bool has_changed,
+                const Context& context) {
+  const bool separates = choice == TouchChoice::kSeparate;
+  if (!has_changed)
+    context.warn(fmt::format("no vessels that touch{} were found; the object stays in {}",
+                             separates ? "" : " or are near", pieces_of(before)));
+  else if (separates && now <= before)
+    context.warn(fmt::format(
+        "vessels that were separated are still joined elsewhere: the object is in {} now, {} before",
+        pieces_of(now), before));
+  else if (now != (separates ? before + 1 : 1))
+    context.warn(fmt::format("the object is in {} now, {} before", pieces_of(now), before));
+}
+
 }  // namespace
 
 void edit_image(const ImageSelection& selection, Context& context, LabelImage& image) {
@@ -26,12 +48,15 @@ void edit_image(const ImageSelection& selection, Context& context, LabelImage& i
   if (selection.fill_cavities)
     say(fill_cavities(image), "that were enclosed got the label around them", image, context);
   if (selection.touching == TouchChoice::kKeep) return;
+  const std::size_t before = voxel_components(image, ComponentScope::kUnion).size();
   const VoxelsChanged changed =
       context.phase("touching", [&] { return change_touching(selection.touching, image); });
   say(changed,
       selection.touching == TouchChoice::kSeparate ? "between vessels that touch became background"
                                                    : "between vessels got the label around them",
       image, context);
+  say_pieces(selection.touching, before, voxel_components(image, ComponentScope::kUnion).size(),
+             changed.voxels > 0, context);
 }
 
 }  // namespace lumesh

@@ -146,6 +146,21 @@ class ImagesTest(ProgramTest):
             numbers = self.folder / "numbers.json"
             self.run_well("evaluate", self.mesh, "--json", numbers)
 
+    def test_numbers_of_pieces_are_said(self):
+        def pair(place):
+            i, j, k = place
+            return 1 if math.hypot(j - 7, k - 11.5) <= 3.2 or math.hypot(i - 12, j - 14.2) <= 3.4 else 0
+        voxels = cube(pair)
+        image = self.write("pair.nrrd", voxels)
+        said = self.run_well("info", image, "--touching", "separate").stderr
+        self.assertNotIn("pieces", said)
+        voxels[0] = 1
+        image = self.write("speck.nrrd", voxels)
+        self.assertIn("the object is in 2 pieces now, 2 before", self.run_well("info", image, "--touching", "join").stderr)
+        ball = self.write("ball.nrrd", cube(lambda p: 1 if depth(p, 7) >= 0 else 0))
+        self.assertIn("no vessels that touch were found; the object stays in 1 piece",
+                      self.run_well("info", ball, "--touching", "separate").stderr)
+
 
 if __name__ == "__main__":
     unittest.main()
