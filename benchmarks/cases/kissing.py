@@ -9,7 +9,8 @@ one or two voxels thick. Voxels of 0.5 mm.
 contact    `check` names vessels that touch if and only if voxels of both share a face (or are the same); near ones where they have an edge, a
            corner or a voxel between them at most; nothing at gaps above 2.5 voxels; a bridge within three voxels of where it is ("bridge" or
            "touching")
-pieces     voxels joined through faces, of the image, of what `info --touching` counts, and of meshes: keep as the image has, separate 2, join 1
+pieces     voxels joined through faces, of the image, of what `info --touching` counts, and of meshes: keep as the image has, separate what both vessels
+           have (2, or more where one leaves the image and returns), join one less
 changed    voxels that `info` counts more or less, against the warning's number and volume; meshes' volumes within 10 % and 0.5 % of the whole
 valid      each mesh by medit.py: positive cells, faces of two cells at most, closed outside, every outer face in a patch, no crossings outside
 adapt      of the meshes of `delaunay`, kept and separated, to a curvature metric, with odd seeds of 0.4 of its complexity
@@ -285,12 +286,13 @@ class Trial(Asked):
         more = label["voxels"] - own
         self.changes(choice, errors, more, VOXEL_MM ** 3)
         if choice == "separate":
-            expected = 2 if self.pair.bridge is None else None
+            expected = sum(map(voxel_pieces, self.pair.inside)) if self.pair.bridge is None else None
             if not self.pair.touch():
                 self.note("separate: nothing changed without contact", more == 0 or self.pair.bridge is not None,
                           f"{more:+d} voxels, found {sorted(self.found)}")
         elif choice == "join":
-            expected = 1 if self.pair.bridge is not None or self.pair.touch() or self.pair.near() else None
+            specks = sum(voxel_pieces(one) - 1 for one in self.pair.inside)
+            expected = 1 + specks if self.pair.bridge is not None or self.pair.touch() or self.pair.near() else None
             if self.pair.gap > 3 ** 0.5 + 1 and self.pair.bridge is None:
                 self.note("join: nothing changed at gaps above 2.7", more == 0, f"{more:+d} voxels")
         else:
