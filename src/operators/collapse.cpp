@@ -93,6 +93,38 @@ bool meet_only_around_edge(const TetMesh& mesh, VertexId from, VertexId to, cons
   return common == ring.tets.size();  // Each tetrahedron of the ring has one edge of its rim.
 }
 
+/// True if a face of the tetrahedra around `from` that is of a patch has the edge from there to w.
+bool has_patch_edge(const TetMesh& mesh, VertexId from, std::uint32_t w, std::span<const TetId> tets) {
+  return std::any_of(tets.begin(), tets.end(), [&](TetId t) {
+    const int end = mesh.index_of(t, VertexId(w));
+    if (end < 0) return false;
+    const int own = mesh.index_of(t, from);
+    for (int f = 0; f < 4; ++f)
+      if (f != own && f != end && mesh.patch(t, f).valid()) return true;
+    return false;
+  });
+}
+
+/// The link condition of the patches: where edges of them run from `from` and from `to` to one vertex, so
+/// does a face of them. Else two sheets of the surface would become one at the edge that is left.
+bool patches_meet_only_around_edge(const TetMesh& mesh, VertexId from, VertexId to, const EdgeRing& ring,
+                                   const VertexBall& ball_of_from, const VertexBall& ball_of_to) {
+  if (ring.patch_faces == 0) return true;
+  const auto is_face_of_patch = [&](std::uint32_t w) {
+    return std::any_of(ring.tets.begin(), ring.tets.end(), [&](TetId t) {
+      for (int f = 0; f < 4 && mesh.index_of(t, VertexId(w)) >= 0; ++f)
+        if (const VertexId v = mesh.vertex(t, f);
+            v != from && v != to && v.value != w && mesh.patch(t, f).valid())
+          return true;
+      return false;
+    });
+  };
+  return std::none_of(ring.rim.begin(), ring.rim.end(), [&](std::uint32_t w) {
+    return !is_face_of_patch(w) && has_patch_edge(mesh, from, w, ball_of_from.tets) &&
+           has_patch_edge(mesh, to, w, ball_of_to.tets);
+  });
+}
+
 /// True if an edge from `to` would be longer than allowed; where `from` has longer ones already, than the
 /// longest.
 bool makes_edge_too_long(const TetMesh& mesh, VertexId from, VertexId to, const VertexBall& ball,
@@ -213,6 +245,7 @@ Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRule
       if (!gather_ball(mesh, to.vertex, lock_, scratch_->other_ball)) return Outcome::kContended;
       if (!meet_only_around_edge(mesh, v, to.vertex, ring, ball, scratch_->other_ball, scratch_->link_edges))
         continue;
+      if (!patches_meet_only_around_edge(mesh, v, to.vertex, ring, ball, scratch_->other_ball)) continue;
     }
     commit_collapse(v, to.vertex);
     return Outcome::kApplied;

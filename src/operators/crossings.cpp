@@ -107,30 +107,48 @@ namespace {
 class DrawingApart {
  public:
   DrawingApart(TetMesh& mesh, const PatchShapes& shapes)
-      : mesh_(mesh), may_move_(mesh.vertex_slots(), 1), normals_(mesh.vertex_slots(), Vec3::Zero()) {
+      : mesh_(mesh),
+        moves_(mesh.vertex_slots(), Moves::kYes),
+        normals_(mesh.vertex_slots(), Vec3::Zero()),
+        is_held_flat_(mesh.vertex_slots(), false) {
     const BoundaryFaces faces = mesh.boundary_faces();
     outside_ = outside_of(faces);
     for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
-      const PatchShape& shape = shapes[static_cast<std::size_t>(faces.patches[f])];
+      const auto patch = static_cast<std::size_t>(faces.patches[f]);
+      const PatchShape& shape = shapes[patch];
+      const bool is_plane = shape.freedom == PatchFreedom::kPlane;
+      const PatchKind kind = mesh.info().patches[patch].kind;
+      const bool stays_flat = is_plane && (kind == PatchKind::kOpening || kind == PatchKind::kSymmetry);
       for (const std::uint32_t v : faces.triangles[f]) {
-        if (shape.freedom == PatchFreedom::kFrozen || mesh.dimension(VertexId(v)) < VertexDimension::kSurface)
-          may_move_[v] = 0;
-        if (shape.freedom == PatchFreedom::kPlane) normals_[v] = shape.normal;
+        const bool is_on_curve = mesh.dimension(VertexId(v)) < VertexDimension::kSurface;
+        if (shape.freedom == PatchFreedom::kFrozen || (is_on_curve && stays_flat))
+          moves_[v] = Moves::kNever;
+        else if (is_on_curve && moves_[v] == Moves::kYes)
+          moves_[v] = Moves::kAtLast;
+        if (is_plane) normals_[v] = shape.normal;
+        if (stays_flat) is_held_flat_[v] = true;
       }
     }
   }
 
   std::size_t run() {
-    constexpr int kRounds = 20;
+    constexpr int kRounds = 20;  // Then as many for those of curves too, and off flat walls.
     for (int round = 0;; ++round) {
       const std::vector<SelfCrossing> crossings = find_self_crossings(mesh_.points(), outside_);
-      if (crossings.empty() || round == kRounds) return crossings.size();
+      if (crossings.empty() || round == 2 * kRounds) return crossings.size();
       for (const std::uint32_t v : vertices_of(crossings))
-        if (may_move_[v] != 0) step(VertexId(v));
+        if (moves_[v] == Moves::kYes || (moves_[v] == Moves::kAtLast && round >= kRounds))
+          step(VertexId(v), round >= kRounds && !is_held_flat_[v]);
     }
   }
 
  private:
+  enum class Moves : std::uint8_t {
+    kYes,
+    kAtLast,  ///< A crease rather loses its place than that the mesh is invalid.
+    kNever,
+  };
+
   /// Ascending.
   [[nodiscard]] std::vector<std::uint32_t> vertices_of(const std::vector<SelfCrossing>& crossings) const {
     std::vector<std::uint32_t> vertices;
@@ -141,12 +159,12 @@ class DrawingApart {
     return vertices;
   }
 
-  void step(VertexId v) {
+  void step(VertexId v, bool may_leave_plane) {
     constexpr double kPart = 0.2;  // Of the way.
     const auto tets = star_.gather(mesh_, v);
     const Vec3 before = mesh_.point(v);
     Vec3 move = kPart * (middle_around(tets, before) - before);
-    move -= normals_[v.value].dot(move) * normals_[v.value];
+    if (!may_leave_plane) move -= normals_[v.value].dot(move) * normals_[v.value];
     mesh_.set_point(v, before + move);
     if (!std::all_of(tets.begin(), tets.end(), [&](TetId t) { return is_positive(mesh_, t); }))
       mesh_.set_point(v, before);
@@ -163,8 +181,9 @@ class DrawingApart {
 
   TetMesh& mesh_;
   std::vector<Cell<3>> outside_;
-  std::vector<std::uint8_t> may_move_;
-  std::vector<Vec3> normals_;  // Of the plane that a vertex lies in.
+  std::vector<Moves> moves_;
+  std::vector<Vec3> normals_;       // Of the plane that a vertex lies in.
+  std::vector<bool> is_held_flat_;  // In an opening or a plane of symmetry.
   VertexStar star_;
 };
 

@@ -31,7 +31,8 @@ UndoReport undo_crossings(std::span<Vec3> points, std::span<const Cell<4>> tets,
 
 /// Moves the sheets that cross or touch apart, each into its own cells: their vertices move towards the
 /// middle of the vertices around, step by step, as far as tetrahedra stay positive. Vertices of planes move
-/// within them; those of frozen patches, of curves and corners stay.
+/// within them, those of curves and corners stay; where that does not do, both move freely, but those of
+/// openings and planes of symmetry. Those of frozen patches stay.
 /// @param mesh  Compact.
 /// @param shapes  Shapes of the mesh's patches.
 /// @return The pairs of faces that still cross.

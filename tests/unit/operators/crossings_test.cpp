@@ -5,6 +5,7 @@
 #include "fixtures/meshes.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/validate.hpp"
+#include "lumesh/operators/creases.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -88,6 +89,17 @@ TEST(SheetCrossings, SheetsAreDrawnApart) {
   EXPECT_EQ(draw_apart(mesh, curved(mesh)), 0u);
   const ValidationReport report = validate(mesh);
   EXPECT_TRUE(report.ok()) << report.text();
+}
+
+/// The cubes' sides are planes, their edges creases: what small facets between creases of a wall are.
+TEST(SheetCrossings, FlatWallsAreDrawnApartButNotOpenings) {
+  for (const PatchKind kind : {PatchKind::kWall, PatchKind::kOpening}) {
+    TetMesh mesh = two_cubes(-0.1).build();
+    mesh.info().patches[0].kind = kind;
+    static_cast<void>(cut_patches_at_creases(mesh, 40));
+    EXPECT_EQ(draw_apart(mesh, planes_where_flat(mesh)) == 0, kind == PatchKind::kWall);
+    EXPECT_EQ(validate(mesh).ok(), kind == PatchKind::kWall);
+  }
 }
 
 TEST(SheetCrossings, NothingMovesWhereNothingCrosses) {

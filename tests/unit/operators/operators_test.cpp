@@ -169,6 +169,45 @@ TEST(CollapseEdge, KeepsCornersAndCurves) {
   EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
 }
 
+/// Two cones around points of the inside that share a triangle, vertices 0 to 2, and nothing else: a waist.
+TetMesh waist() {
+  fixtures::TetSoup soup;
+  soup.points = {{2, 0, 0}, {-1, 1.7, 0}, {-1, -1.7, 0}};
+  for (const double side : {1.0, -1.0}) {
+    const auto first = static_cast<std::uint32_t>(soup.points.size()), inside = first + 3;
+    for (int k = 0; k < 3; ++k) soup.points.emplace_back(2 * soup.points[k] + Vec3(0, 0, 4 * side));
+    soup.points.emplace_back(-0.5, 0, 3 * side);
+    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      const Vec3 &p = soup.points[a], &q = soup.points[b], &r = soup.points[c], &s = soup.points[inside];
+      if ((q - p).cross(r - p).dot(s - p) < 0) std::swap(a, b);
+      soup.tets.push_back({a, b, c, inside});
+    };
+    add(0, 1, 2);
+    add(first, first + 1, first + 2);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t next = (k + 1) % 3;
+      add(k, next, first + next);
+      add(k, first + k, first + next);
+    }
+  }
+  soup.labels.assign(soup.tets.size(), 1);
+  return soup.build();
+}
+
+TEST(CollapseEdge, LeavesNoEdgeWhereTheSurfaceMeetsItself) {
+  Bench bench(waist(), AnalyticKind::kLinear, 20);
+  ASSERT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
+  for (PatchShape& shape : bench.shapes) shape.freedom = PatchFreedom::kPlane;
+  const CollapseRules loose{.max_length = 1e9, .min_quality = 0, .min_relative_quality = 0};
+  const FoundEdge edge =
+      find_edge(bench.mesh, [](VertexId a, VertexId b) { return a == VertexId(0) && b == VertexId(1); });
+  ASSERT_TRUE(edge.t.valid());
+  ASSERT_EQ(bench.mesh.dimension(VertexId(0)), VertexDimension::kSurface);
+  EXPECT_EQ(bench.kernel.collapse_edge(edge.t, edge.i, edge.j, loose), Outcome::kRejected);
+  bench.mesh.compact();
+  EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
+}
+
 TEST(RemoveEdge, BettersTheWorstQualityAround) {
   Bench bench(fixtures::unit_cube(4), AnalyticKind::kPolar2, 1);
   TetMesh& mesh = bench.mesh;
