@@ -72,6 +72,11 @@ double Progress::State::share_at(Clock::time_point now) const {
   return std::max(share, done + within * rows[row].percent / 100);
 }
 
+double seconds_left(double seconds_so_far, double share) {
+  // Shares add up to one only within rounding, and -0 prints as such.
+  return share < 1 ? seconds_so_far * (1 / share - 1) : 0;
+}
+
 void Progress::State::write(bool is_terminal) {
   constexpr double kWorthATime = 0.05;
   constexpr auto kAgain = std::chrono::milliseconds(200);
@@ -83,7 +88,7 @@ void Progress::State::write(bool is_terminal) {
   std::string text = fmt::format("lumesh: {}", phase);
   if (share > 0) text += fmt::format(", {:.0f} %", 100 * share);
   if (share > kWorthATime)
-    text += fmt::format(", about {:.0f} s left", Seconds(now - start).count() * (1 / share - 1));
+    text += fmt::format(", about {:.0f} s left", seconds_left(Seconds(now - start).count(), share));
   // The cursor waits at the beginning: whatever is printed next takes the line's place.
   print_error("{}{}", text, is_terminal ? "\r" : "\n");
   std::fflush(stderr);

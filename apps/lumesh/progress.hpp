@@ -11,6 +11,9 @@
 
 namespace lumesh::cli {
 
+/// How long the rest takes, if it goes on like what was done; never negative. @param share  Above 0.
+[[nodiscard]] double seconds_left(double seconds_so_far, double share);
+
 /// Goes by the usual shares of a command's phases (usual_shares.hpp), within a phase by what the stage says
 /// or by the time that phases took so far; never falls. tick() may be called by another thread.
 class Progress {

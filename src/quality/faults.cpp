@@ -21,6 +21,16 @@ std::string at(const Vec3& x) {
   return fmt::format("at ({:.6g}, {:.6g}, {:.6g})", x.x(), x.y(), x.z());
 }
 
+/// "1 face has", "2 faces have".
+std::string counted(std::uint64_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+/// Before the place of one of them.
+const char* one_of(std::uint64_t count) {
+  return count == 1 ? "" : "one ";
+}
+
 /// How many, and one of them.
 struct Count {
   std::uint64_t count = 0;
@@ -99,7 +109,9 @@ class Faults {
     const CellTriangles faces = cells_.triangles(sums.turned.first);
     const Vec3& place = mesh_.points[faces.items[0][0]];
     faults_.push_back(
-        {fmt::format("{} cells are flat or turned inside out, one {}", sums.turned.count, at(place)), place});
+        {fmt::format("{} flat or turned inside out, {}{}", counted(sums.turned.count, "cell is", "cells are"),
+                     one_of(sums.turned.count), at(place)),
+         place});
   }
 
   /// The outside are the faces that only one cell has, whatever patches they are in.
@@ -107,7 +119,7 @@ class Faults {
     const MeshSurface surface = extract_surface(mesh_);
     outside_ = surface.outer();
     if (surface.overfull_faces > 0)
-      faults_.push_back({fmt::format("{} faces have more than two cells", surface.overfull_faces)});
+      faults_.push_back({counted(surface.overfull_faces, "face has", "faces have") + " more than two cells"});
   }
 
   void look_at_edges() {
@@ -134,8 +146,9 @@ class Faults {
     if (bad.count == 0) return;
     const Edge& edge = edges[bad.first];
     const Vec3 place = 0.5 * (mesh_.points[edge.low] + mesh_.points[edge.high]);
-    faults_.push_back({fmt::format("{} edges of the outside do not have one face on each side, one {}",
-                                   bad.count, at(place)),
+    faults_.push_back({fmt::format("{} not have one face on each side, {}{}",
+                                   counted(bad.count, "edge of the outside does", "edges of the outside do"),
+                                   one_of(bad.count), at(place)),
                        place});
   }
 
@@ -143,8 +156,9 @@ class Faults {
     const std::vector<SelfCrossing> crossings = find_self_crossings(mesh_.points, outside_);
     if (crossings.empty()) return look_at_sheets();
     const Vec3& place = crossings.front().place;
-    faults_.push_back({fmt::format("the outside crosses or touches itself: {} pairs of triangles, one {}",
-                                   crossings.size(), at(place)),
+    faults_.push_back({fmt::format("the outside crosses or touches itself: {}, {}{}",
+                                   counted(crossings.size(), "pair of triangles", "pairs of triangles"),
+                                   one_of(crossings.size()), at(place)),
                        place});
   }
 
@@ -152,9 +166,11 @@ class Faults {
     if (!faults_.empty()) return;  // It has to be closed.
     const std::vector<Vec3> places = find_doubled_places(mesh_.points, outside_);
     if (!places.empty())
-      faults_.push_back(
-          {fmt::format("{} pieces of the mesh lie within others, one {}", places.size(), at(places.front())),
-           places.front()});
+      faults_.push_back({fmt::format("{}, {}{}",
+                                     counted(places.size(), "piece of the mesh lies within another",
+                                             "pieces of the mesh lie within others"),
+                                     one_of(places.size()), at(places.front())),
+                         places.front()});
   }
 
   /// The divergence theorem: a third of the flux of the position through the outside is the volume within.

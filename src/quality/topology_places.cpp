@@ -47,8 +47,8 @@ std::vector<TopologyPlace> find_topology_places(const MeshView& mesh, const Labe
 std::string in_words(const TopologyPlace& place) {
   switch (place.change) {
     case TopologyChange::kExtraPiece:
-      return fmt::format("a piece of {:.3g} mm³ ({} cells) that holds no voxel", place.volume_mm3,
-                         place.cells);
+      return fmt::format("a piece of {:.3g} mm³ ({} cell{}) that holds no voxel", place.volume_mm3,
+                         place.cells, place.cells == 1 ? "" : "s");
     case TopologyChange::kMissingPiece:
       return fmt::format("a piece of {} voxels ({:.3g} mm³) that the mesh does not have", place.voxels,
                          place.volume_mm3);
@@ -56,7 +56,8 @@ std::string in_words(const TopologyPlace& place) {
       return fmt::format("a piece of {} voxels ({:.3g} mm³) is joined to another", place.voxels,
                          place.volume_mm3);
     case TopologyChange::kSplit:
-      return fmt::format("a part of {:.3g} mm³ ({} cells) is split off", place.volume_mm3, place.cells);
+      return fmt::format("a part of {:.3g} mm³ ({} cell{}) is split off", place.volume_mm3, place.cells,
+                         place.cells == 1 ? "" : "s");
     case TopologyChange::kFilled:
       return fmt::format("{}: {:.3g} mm³ too much", what_changes(place), place.volume_mm3);
     case TopologyChange::kCut:

@@ -135,7 +135,7 @@ class CheckTest(ProgramTest):
         result = self.run_lumesh("check", mesh, "--report", page, "--json")
         self.assertEqual(result.returncode, NOT_REACHED, result.stderr)
         turned = json.loads(result.stdout)["findings"][0]
-        self.assertIn("1 cells are flat or turned inside out", turned["text"])
+        self.assertIn("1 cell is flat or turned inside out", turned["text"])
         self.assertEqual(len(turned["places_mm"]), 1)
         self.assertLess(math.dist(turned["places_mm"][0], (0, 0, 0)), 1)
         self.assertGreaterEqual(page.read_text(encoding="utf-8").count("<img "), 2)

@@ -50,7 +50,7 @@ TEST(Faults, ATurnedCellIsFound) {
   mesh.points[7].z() -= 2;
   const std::vector<std::string> faults = find_faults(mesh.view());
   ASSERT_FALSE(faults.empty());
-  EXPECT_NE(faults[0].find("1 cells are flat or turned inside out, one at (6, 6, 7)"), std::string::npos)
+  EXPECT_NE(faults[0].find("1 cell is flat or turned inside out, at (6, 6, 7)"), std::string::npos)
       << faults[0];
   const std::vector<MeshFault> placed = find_placed_faults(mesh.view());
   ASSERT_EQ(placed.size(), faults.size());
@@ -100,8 +100,7 @@ TEST(Faults, APieceWithinAnotherIsFound) {
   for (std::size_t v = 4; v < 8; ++v) mesh.points[v] = Vec3(0.1, 0.1, 0.1) + 0.2 * mesh.points[v];
   const std::vector<std::string> faults = find_faults(mesh.view());
   ASSERT_EQ(faults.size(), 1u);
-  EXPECT_NE(faults[0].find("1 pieces of the mesh lie within others, one at (0.1, 0.1, 0.1)"),
-            std::string::npos)
+  EXPECT_NE(faults[0].find("1 piece of the mesh lies within another, at (0.1, 0.1, 0.1)"), std::string::npos)
       << faults[0];
 }
 

@@ -70,7 +70,7 @@ TEST(TopologyPlaces, APieceBetweenVoxelsIsExtra) {
   EXPECT_EQ(found[0].cells, 1U);
   EXPECT_NEAR(found[0].volume_mm3, 1.0 / 27, 1e-12);
   EXPECT_NEAR((found[0].centre_mm - Vec3(3 + 1.0 / 3, 11 + 1.0 / 3, 11 + 1.0 / 3)).norm(), 0, 1e-12);
-  EXPECT_EQ(in_words(found[0]), "a piece of 0.037 mm³ (1 cells) that holds no voxel");
+  EXPECT_EQ(in_words(found[0]), "a piece of 0.037 mm³ (1 cell) that holds no voxel");
 }
 
 TEST(TopologyPlaces, VoxelsWithoutCellsAreMissing) {
