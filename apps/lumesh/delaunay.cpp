@@ -37,7 +37,8 @@ struct DelaunayCommand {
 };
 
 nlohmann::ordered_json report_json(const DelaunayMesh& made, const OpeningsCompared& openings,
-                                   std::span<const surfaces::ClosedRim> closed, const Context& context) {
+                                   std::span<const surfaces::ClosedRim> closed,
+                                   const std::vector<std::string>& differences, const Context& context) {
   const DelaunayReport& report = made.report;
   const std::optional<ImproveReport>& improved = made.improved;
   const TetMesh& mesh = made.mesh;
@@ -63,6 +64,7 @@ nlohmann::ordered_json report_json(const DelaunayMesh& made, const OpeningsCompa
     json["improvement"] = {{"dihedral_deg_before", angles_json(improved->before)},
                            {"dihedral_deg", angles_json(improved->after)},
                            {"passes", improved->passes.size()}};
+  json["differences_from_image"] = differences;
   json["openings"] = nlohmann::ordered_json::parse(report::openings_json(openings));
   if (!closed.empty()) json["closed"] = closed_json(closed);
   json["seconds"] = nlohmann::json::object();
@@ -131,15 +133,15 @@ void run(DelaunayCommand command) {
   write_with_surface(view, command.out_unit, command.mesh_path, command.surface_path, context);
   for (const std::string& note : made.report.notes) context.warn(note);
   if (!given.closed_vessels.empty()) context.warn(given.closed_vessels);
-  if (given.shape)
-    for (const std::string& line : context.phase("check", [&] { return differences(*given.shape, mesh); }))
-      context.warn(line);
+  std::vector<std::string> others;
+  if (given.shape) others = context.phase("check", [&] { return differences(*given.shape, mesh); });
+  for (const std::string& line : others) context.warn(line);
   const OpeningsCompared openings = checked_openings(mesh.view(faces), domain, given.openings, context);
   if (sizing)
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_json(command.json_path, report_json(made, openings, given.closed, context).dump(2));
+    write_json(command.json_path, report_json(made, openings, given.closed, others, context).dump(2));
   print_summary(command, given, made, faces, openings, context, elapsed.count());
   require_sound(command.mesh_path, mesh.view(faces), context, long_run.reason(is_complete));
   long_run.check_complete(is_complete, command.mesh_path + " holds the best mesh so far");

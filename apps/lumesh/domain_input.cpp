@@ -146,7 +146,7 @@ DomainRead read_domain(const DomainInput& input, Context& context) {
   auto domain =
       naming(input.path, [&] { return domain_of_cut(image, planes, input.cuts, input.field, context); });
   DomainRead read = with_openings(std::move(domain), image, input, context);
-  if (planes.empty()) read.shape = context.phase("shape", [&] { return shape_of(image); });
+  read.shape = context.phase("shape", [&] { return shape_of(image, planes); });
   return read;
 }
 

@@ -32,7 +32,7 @@ void check_domain_options(const CLI::App& command, DomainInput& input);
 struct DomainRead {
   std::shared_ptr<const Domain> domain;
   std::vector<Opening> openings = {};            ///< Of the domain.
-  std::optional<ImageShape> shape = {};          ///< Of an image that is not cut.
+  std::optional<ImageShape> shape = {};          ///< Of an image.
   Polylines axes = {};                           ///< Where they are wanted.
   std::string closed_vessels = {};               ///< A line, if all its vessels end inside.
   std::vector<surfaces::ClosedRim> closed = {};  ///< What was closed of a surface.

@@ -85,6 +85,9 @@ void run(const LatticeCommand& command) {
   write_with_surface(result.mesh.view(), command.out_unit, command.mesh_path, command.surface_path, context);
   for (const std::string& note : result.report.notes) context.warn(note);
   if (!given.closed_vessels.empty()) context.warn(given.closed_vessels);
+  for (const std::string& line : context.phase(
+           "check", [&] { return differences_of_lattice(shape_of(image, planes), result.mesh.view()); }))
+    context.warn(line);
   const OpeningsCompared compared = checked_openings(result.mesh.view(), *domain, given.openings, context);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (command.run.quiet == 0) print_summary(command, result, compared, context, elapsed.count());

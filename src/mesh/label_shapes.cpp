@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "lumesh/geometry/tetrahedron.hpp"
@@ -50,8 +51,9 @@ struct Corner {
   friend auto operator<=>(const Corner&, const Corner&) = default;
 };
 
+/// Those of each face in a row.
 std::vector<Corner> boundary_corners(const TetMesh& mesh) {
-  auto corners = parallel::collect<Corner>(
+  return parallel::collect<Corner>(
       mesh.tet_count(),
       [&](std::size_t i, std::vector<Corner>& out) {
         const TetId t(static_cast<std::uint32_t>(i));
@@ -62,8 +64,25 @@ std::vector<Corner> boundary_corners(const TetMesh& mesh) {
         }
       },
       kTetsPerBlock);
-  parallel::sort(corners.begin(), corners.end());
-  return corners;
+}
+
+/// One vertex of each part of the boundaries that edges or vertices join.
+/// @param vertices  Ascending, each once.
+std::vector<Corner> surfaces(std::span<const Corner> corners, std::span<const Corner> vertices) {
+  SharedSets sets(vertices.size());
+  const auto place_of = [&](std::size_t corner) {
+    return static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), corners[corner]) -
+                                      vertices.begin());
+  };
+  parallel::for_each_index(corners.size() / 3, [&](std::size_t face) {
+    const std::uint32_t first = place_of(3 * face);
+    sets.unite(first, place_of(3 * face + 1));
+    sets.unite(first, place_of(3 * face + 2));
+  });
+  std::vector<Corner> firsts;
+  for (std::uint32_t v = 0; v < vertices.size(); ++v)
+    if (sets.smallest_of(v) == v) firsts.push_back(vertices[v]);
+  return firsts;
 }
 
 /// One tetrahedron of each piece.
@@ -93,19 +112,18 @@ std::vector<LabelShape> label_shapes(const TetMesh& mesh) {
   const auto shape_of = [&](Label label) -> LabelShape& {
     const auto at = std::lower_bound(shapes.begin(), shapes.end(), label,
                                      [](const LabelShape& s, Label l) { return s.label < l; });
-    return at != shapes.end() && at->label == label ? *at : *shapes.insert(at, {label, 0, 0});
+    return at != shapes.end() && at->label == label ? *at : *shapes.insert(at, {label});
   };
   for (const TetId t : pieces(mesh)) ++shape_of(mesh.label(t)).components;
   const std::vector<Corner> corners = boundary_corners(mesh);
-  for (LabelShape& shape : shapes) {
-    const auto begin = std::lower_bound(corners.begin(), corners.end(), Corner{shape.label, 0});
-    const auto end =
-        std::partition_point(begin, corners.end(), [&](const Corner& c) { return c.label == shape.label; });
-    std::int64_t vertices = 0;
-    for (auto at = begin; at != end; ++at) vertices += at == begin || *at != at[-1];
-    const std::int64_t faces = (end - begin) / 3;
-    shape.euler = (vertices - faces / 2) / 2;  // Each edge is one of two faces.
-  }
+  std::vector<Corner> vertices = corners;
+  parallel::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  for (const Corner& first : surfaces(corners, vertices)) ++shape_of(first.label).surfaces;
+  for (const Corner& vertex : vertices) shape_of(vertex.label).euler += 2;
+  for (std::size_t face = 0; 3 * face < corners.size(); ++face) --shape_of(corners[3 * face].label).euler;
+  for (LabelShape& shape : shapes)
+    shape.euler /= 4;  // Each edge is one of two faces, and V - F / 2 twice that of the solid.
   return shapes;
 }
 

@@ -16,6 +16,10 @@ void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
   LatticeResult result =
       mesh_lattice(*state.image, *state.domain_of_image(), state.c.lattice_options(), state.context);
   for (const std::string& note : result.report.notes) stage.warnings.push_back(note);
+  for (std::string& line : state.context.phase("check", [&] {
+         return differences_of_lattice(shape_of(*state.image, state.cut_planes), result.mesh.view());
+       }))
+    stage.warnings.push_back(std::move(line));
   if (state.c.makes_mixed_mesh())
     state.mixed = std::move(result.mesh);
   else
@@ -43,10 +47,10 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
     stage.figures.push_back({"Largest dihedral angle", after.max_deg, "°",
                              fmt::format("before improvement: {:.2f}", before.max_deg)});
   }
-  if (state.image && state.cut_planes.empty())
-    for (const std::string& line :
-         state.context.phase("check", [&] { return differences(shape_of(*state.image), state.mesh); }))
-      stage.warnings.push_back(line);
+  if (state.image)
+    for (std::string& line : state.context.phase(
+             "check", [&] { return differences(shape_of(*state.image, state.cut_planes), state.mesh); }))
+      stage.warnings.push_back(std::move(line));
 }
 
 void warn_of_closed_vessels(CaseState& state, report::StageReport& stage) {

@@ -5,26 +5,29 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
+#include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/quality/surface.hpp"
 
 namespace lumesh {
 namespace {
 
 constexpr std::size_t kLeastVoxels = 27, kMostListed = 3;
 
-/// Whether any tetrahedron of the piece's label has its middle in the piece's box.
-std::vector<bool> found_pieces(const ImageShape& image, const TetMesh& mesh) {
+/// Whether any cell of the piece's label has its middle in the piece's box.
+std::vector<bool> found_pieces(const ImageShape& image, const MeshView& mesh) {
   std::map<Label, std::vector<std::size_t>> missing;
   for (std::size_t p = 0; p < image.pieces.size(); ++p) missing[image.pieces[p].label].push_back(p);
   std::vector<bool> is_found(image.pieces.size(), false);
-  for (std::uint32_t i = 0; i < mesh.tet_count() && !missing.empty(); ++i) {
-    const TetId t(i);
-    const auto pieces = missing.find(mesh.label(t));
-    if (pieces == missing.end()) continue;
+  const auto look = [&](const auto& corners, Label label) {
+    const auto pieces = missing.find(label);
+    if (pieces == missing.end()) return;
     Vec3 sum = Vec3::Zero();
-    for (int k = 0; k < 4; ++k) sum += mesh.corner(t, k);
-    const Vec3 index = image.frame.to_index(0.25 * sum);
+    for (const std::uint32_t v : corners) sum += mesh.points[v];
+    const Vec3 index = image.frame.to_index(sum / static_cast<double>(corners.size()));
     std::erase_if(pieces->second, [&](std::size_t p) {
       const VoxelBox& box = image.pieces[p].box;
       const bool is_inside = ((index - box.low.cast<double>()).array() >= -1).all() &&
@@ -33,12 +36,29 @@ std::vector<bool> found_pieces(const ImageShape& image, const TetMesh& mesh) {
       return is_inside;
     });
     if (pieces->second.empty()) missing.erase(pieces);
-  }
+  };
+  const AllCells cells(mesh);
+  for (std::size_t i = 0; i < cells.size() && !missing.empty(); ++i) cells.visit(i, look);
   return is_found;
 }
 
-std::string lost_pieces(const ImageShape& image, const TetMesh& mesh) {
-  const std::vector<bool> is_found = found_pieces(image, mesh);
+std::vector<LabelShape> shapes_of_mixed(const MeshView& mesh) {
+  std::vector<LabelShape> shapes;
+  const quality::MeshSurface surface = quality::extract_surface(mesh);
+  for (const quality::SolidTopology& solid : quality::analyse_solids(mesh)) {
+    if (solid.label == quality::kOutside) continue;
+    const std::vector<Cell<3>> around = surface.around(solid.label);
+    shapes.push_back({solid.label, solid.components, solid.euler,
+                      std::ssize(quality::analyse_surface(mesh.points, around).components)});
+  }
+  return shapes;
+}
+
+bool is_any_of(std::span<const LabelShape> shapes, Label label) {
+  return std::any_of(shapes.begin(), shapes.end(), [&](const auto& s) { return s.label == label; });
+}
+
+std::string lost_pieces(const ImageShape& image, const std::vector<bool>& is_found, const char* remedy) {
   std::string list;
   std::size_t lost = 0;
   for (std::size_t p = 0; p < image.pieces.size(); ++p) {
@@ -50,30 +70,49 @@ std::string lost_pieces(const ImageShape& image, const TetMesh& mesh) {
                         piece.label, middle.x(), middle.y(), middle.z(), piece.voxel_count);
   }
   if (lost == 0) return {};
-  return fmt::format("{} piece{} of labels not in the mesh: {}{}; a smaller `delta` keeps more", lost,
-                     lost == 1 ? "" : "s", list, lost > kMostListed ? "; ..." : "");
+  return fmt::format("{} piece{} of labels not in the mesh: {}{}; {}", lost, lost == 1 ? "" : "s", list,
+                     lost > kMostListed ? "; ..." : "", remedy);
 }
 
-std::string other_shapes(const ImageShape& image, const TetMesh& mesh) {
-  const std::vector<LabelShape> solids = label_shapes(mesh);
+std::string pieces_in_words(std::uint64_t count) {
+  return fmt::format("{} piece{}", count, count == 1 ? "" : "s");
+}
+
+/// "label 1 with 1 piece and Euler number 1, of 2 and 2"; nothing if it is as in the image.
+std::string other_shape(const ImageShape& image, const LabelTopology& voxels, const LabelShape& mesh) {
+  if (image.is_cut) {
+    const std::uint64_t least = static_cast<std::uint64_t>(std::count_if(
+        image.pieces.begin(), image.pieces.end(), [&](const auto& p) { return p.label == voxels.label; }));
+    if (mesh.components >= least && mesh.components <= voxels.component_count) return {};
+    return fmt::format("label {} with {}, of {}", voxels.label, pieces_in_words(mesh.components),
+                       mesh.components < least ? least : voxels.component_count);
+  }
+  if (mesh.components != voxels.component_count || mesh.euler != voxels.euler_number)
+    return fmt::format("label {} with {} and Euler number {}, of {} and {}", voxels.label,
+                       pieces_in_words(mesh.components), mesh.euler, voxels.component_count,
+                       voxels.euler_number);
+  // Fewer where two pieces share a vertex: nothing can be said of cavities then.
+  const std::int64_t cavities = mesh.surfaces - static_cast<std::int64_t>(mesh.components);
+  if (cavities < 0 || cavities == static_cast<std::int64_t>(voxels.cavity_count)) return {};
+  return fmt::format("label {} with {} cavit{}, of {}", voxels.label, cavities, cavities == 1 ? "y" : "ies",
+                     voxels.cavity_count);
+}
+
+std::string other_shapes(const ImageShape& image, std::span<const LabelShape> shapes, const char* remedy) {
   std::string list;
   std::size_t others = 0;
   for (const LabelTopology& label : image.labels) {
-    const auto solid =
-        std::find_if(solids.begin(), solids.end(), [&](const auto& s) { return s.label == label.label; });
-    const std::uint64_t pieces = solid == solids.end() ? 0 : solid->components;
-    const std::int64_t euler = solid == solids.end() ? 0 : solid->euler;
-    if (pieces == label.component_count && euler == label.euler_number) continue;
-    if (++others <= kMostListed)
-      list +=
-          fmt::format("{}label {} with {} pieces and Euler number {}, of {} and {}", others == 1 ? "" : "; ",
-                      label.label, pieces, euler, label.component_count, label.euler_number);
+    const auto found =
+        std::find_if(shapes.begin(), shapes.end(), [&](const auto& s) { return s.label == label.label; });
+    const std::string other =
+        other_shape(image, label, found == shapes.end() ? LabelShape{label.label} : *found);
+    if (other.empty() || ++others > kMostListed) continue;
+    list += (others == 1 ? "" : "; ") + other;
   }
   if (others == 0) return {};
-  return fmt::format(
-      "{} label{} in the mesh differ{} from the image's voxels: {}{}; `boundary` exact keeps more details of "
-      "about a voxel, a smaller `delta` larger ones",
-      others, others == 1 ? "" : "s", others == 1 ? "s" : "", list, others > kMostListed ? "; ..." : "");
+  return fmt::format("{} label{} in the mesh differ{} from the image's voxels: {}{}; {}", others,
+                     others == 1 ? "" : "s", others == 1 ? "s" : "", list,
+                     others > kMostListed ? "; ..." : "", remedy);
 }
 
 std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
@@ -99,19 +138,69 @@ std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
       others > 1 ? fmt::format(", the worst of {} labels that are more than 5 % off", others) : "");
 }
 
-}  // namespace
+std::vector<std::string> without_empty(std::vector<std::string> lines) {
+  std::erase(lines, "");
+  return lines;
+}
 
-ImageShape shape_of(const LabelImage& image) {
+/// What lies beyond the planes becomes background.
+LabelImage cut_off(LabelImage image, std::span<const CutPlane> planes) {
+  const ImageFrame& frame = image.frame();
+  const auto is_beyond = [&](const Vec3& x) {
+    return std::any_of(planes.begin(), planes.end(),
+                       [&](const CutPlane& plane) { return plane.beyond_mm(x) > 0; });
+  };
+  parallel::for_each_index(
+      static_cast<std::size_t>(frame.size.z()),
+      [&](std::size_t k) {
+        for (int j = 0; j < frame.size.y(); ++j)
+          for (int i = 0; i < frame.size.x(); ++i) {
+            const Index3 voxel(i, j, static_cast<int>(k));
+            if (image.at(voxel) != 0 && is_beyond(frame.to_physical(voxel.cast<double>())))
+              image.at(voxel) = 0;
+          }
+      },
+      1);
+  return image;
+}
+
+ImageShape shape_of_whole(const LabelImage& image) {
   ImageShape shape{image.frame(), label_topology(image), voxel_components(image, ComponentScope::kEachLabel)};
   std::erase_if(shape.pieces, [](const VoxelComponent& c) { return c.voxel_count < kLeastVoxels; });
   return shape;
 }
 
+}  // namespace
+
+ImageShape shape_of(const LabelImage& image, std::span<const CutPlane> planes) {
+  ImageShape shape = planes.empty() ? shape_of_whole(image) : shape_of_whole(cut_off(image, planes));
+  shape.is_cut = !planes.empty();
+  return shape;
+}
+
 std::vector<std::string> differences(const ImageShape& image, const TetMesh& mesh) {
-  std::vector<std::string> lines;
-  for (std::string line : {lost_pieces(image, mesh), other_shapes(image, mesh), other_volumes(image, mesh)})
-    if (!line.empty()) lines.push_back(std::move(line));
-  return lines;
+  MeshView cells;
+  cells.points = mesh.points();
+  cells.tetrahedra = mesh.tets();
+  cells.tetrahedron_labels = mesh.labels();
+  return without_empty(
+      {lost_pieces(image, found_pieces(image, cells), "a smaller `delta` keeps more"),
+       other_shapes(image, label_shapes(mesh),
+                    "`boundary` exact keeps more details of about a voxel, a smaller `delta` "
+                    "larger ones"),
+       image.is_cut ? "" : other_volumes(image, mesh)});
+}
+
+std::vector<std::string> differences_of_lattice(const ImageShape& image, const MeshView& mesh) {
+  const bool is_mixed = mesh.cell_count() > mesh.tetrahedra.size();
+  const std::vector<LabelShape> shapes =
+      is_mixed ? shapes_of_mixed(mesh) : label_shapes(TetMesh::build(mesh));
+  ImageShape there = image;
+  std::erase_if(there.labels, [&](const auto& label) { return !is_any_of(shapes, label.label); });
+  std::erase_if(there.pieces, [&](const auto& piece) { return !is_any_of(shapes, piece.label); });
+  constexpr const char* kRemedy = "`boundary` exact with an `edge_length` of 0.7 voxels keeps more";
+  return without_empty(
+      {lost_pieces(there, found_pieces(there, mesh), kRemedy), other_shapes(there, shapes, kRemedy)});
 }
 
 }  // namespace lumesh

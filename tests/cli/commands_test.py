@@ -434,7 +434,7 @@ class ProgressTest(CommandTest):
         for line in lines:
             self.assertRegex(line, r"^lumesh: [\w ]+ took \d+\.\d\d s$")
         steps = [re.match(r"lumesh: (.*) took", line)[1] for line in lines]
-        self.assertEqual((steps[0], steps[-2:]), ("read", ["write", "validity"]))
+        self.assertEqual((steps[0], steps[-2:]), ("read", ["check", "validity"]))
         self.assertIn("boundary", steps)
         self.assertIn("tetrahedra", result.stdout)
 

@@ -161,6 +161,29 @@ class ImagesTest(ProgramTest):
         self.assertIn("no vessels that touch were found; the object stays in 1 piece",
                       self.run_well("info", ball, "--touching", "separate").stderr)
 
+    def test_meshers_tell_of_a_bridge_that_is_not_in_the_mesh(self):
+        def bridged(place):
+            i, j, k = place
+            if (j, k) == (11, 11) and 7 <= i <= 16:
+                return 1
+            return 1 if min(math.dist(place, (6, 11, 11)), math.dist(place, (17, 11, 11))) <= 3.5 else 0
+        image = self.write("bridged.nrrd", cube(bridged))
+        told = "label 1 with 2 pieces and Euler number 2, of 1 and 1;"
+        for options, remedy in ((("--mixed",), "--boundary exact"), ((), "--edge-length")):
+            result = self.run_well("lattice", image, "-o", self.mesh, *options)
+            self.assertIn(told, result.stderr)
+            self.assertIn(remedy, result.stderr)
+        numbers = self.folder / "numbers.json"
+        result = self.run_well("delaunay", image, "-o", self.mesh, "--json", numbers)
+        self.assertEqual(told in result.stderr, told in str(json.loads(numbers.read_text())["differences_from_image"]))
+        case = self.folder / "case.toml"
+        for mesher in ("lattice", "delaunay"):
+            case.write_text(f'mesher = "{mesher}"\n[input]\nimage = "bridged.nrrd"\n[output]\nmeshes = ["m.vtu"]\n')
+            report = self.run_lumesh("run", case, "-o", self.folder / "out")
+            if mesher == "lattice":
+                self.assertIn(told, report.stderr)
+                self.assertIn("with 2 pieces and Euler number 2", (self.folder / "out" / "report.html").read_text())
+
 
 if __name__ == "__main__":
     unittest.main()

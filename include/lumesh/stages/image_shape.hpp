@@ -1,9 +1,11 @@
 #pragma once
 /// @file Does a mesh have the shape of the image that it was made from?
 
+#include <span>
 #include <string>
 #include <vector>
 
+#include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
@@ -14,13 +16,19 @@ struct ImageShape {
   ImageFrame frame;
   std::vector<LabelTopology> labels;
   std::vector<VoxelComponent> pieces;  ///< Of each label, of some 27 voxels at least.
+  /// Only pieces can be compared: a plane through voxels changes handles, small pieces and volumes.
+  bool is_cut = false;
 };
 
-[[nodiscard]] ImageShape shape_of(const LabelImage& image);
+/// @param planes  What lies beyond them is left out.
+[[nodiscard]] ImageShape shape_of(const LabelImage& image, std::span<const CutPlane> planes = {});
 
 /// One line for pieces of labels that have no tetrahedron, with their places, and one for labels whose number
-/// of pieces or Euler number differs, and one if labels of 100 voxels or more fill another volume by more
-/// than 5 %; none if all is there. @param mesh  Compact.
+/// of pieces, Euler number or number of cavities differs, and one if labels of 100 voxels or more fill
+/// another volume by more than 5 %; none if all is there. @param mesh  Compact.
 [[nodiscard]] std::vector<std::string> differences(const ImageShape& image, const TetMesh& mesh);
+
+/// The same of a mesh of mesh_lattice(), whose notes tell of labels that are lost and of volumes.
+[[nodiscard]] std::vector<std::string> differences_of_lattice(const ImageShape& image, const MeshView& mesh);
 
 }  // namespace lumesh

@@ -1,5 +1,5 @@
 #pragma once
-/// @file How many pieces each label of a mesh has, and of which Euler number, and its volume.
+/// @file How many pieces and surfaces each label of a mesh has, and of which Euler number, and its volume.
 
 #include <cstdint>
 #include <map>
@@ -13,6 +13,7 @@ struct LabelShape {
   Label label = 0;
   std::uint64_t components = 0;  ///< Parts connected through faces.
   std::int64_t euler = 0;        ///< V - E + F - T of all of them: 1 for a ball, 0 for a ring.
+  std::int64_t surfaces = 0;     ///< Parts of its boundary: its components and its cavities.
   friend bool operator==(const LabelShape&, const LabelShape&) = default;
 };
 

@@ -187,17 +187,18 @@ TEST(DelaunayMesh, OfSeveralLabelsConformsWhereTheyMeet) {
     EXPECT_NEAR(volumes.at(label) / volume, 1, 0.015) << label;
 }
 
-/// Balls, half balls, a shell, a ring, two pieces of one label: by label_shapes(), whose truths these are.
+/// Pieces, Euler numbers and surfaces of balls, half balls, a shell, a ring, two pieces of one label: by
+/// label_shapes(), whose truths these are.
 TEST(DelaunayMesh, HasThePiecesAndTheEulerNumbersOfTheShapes) {
   using Shapes = std::vector<LabelShape>;
-  EXPECT_EQ(label_shapes(meshed(ball(11)).mesh), (Shapes{{1, 1, 1}}));
-  EXPECT_EQ(label_shapes(meshed(nested_balls(13)).mesh), (Shapes{{1, 1, 1}, {2, 1, 1}, {3, 1, 2}}));
+  EXPECT_EQ(label_shapes(meshed(ball(11)).mesh), (Shapes{{1, 1, 1, 1}}));
+  EXPECT_EQ(label_shapes(meshed(nested_balls(13)).mesh), (Shapes{{1, 1, 1, 1}, {2, 1, 1, 1}, {3, 1, 2, 2}}));
   const LabelImage ring_and_balls = voxels_of(frame_of({32, 32, 32}), {0, 1, 2}, [](const Vec3& p) {
     const Vec3 q = p - kCentre;
     if (std::hypot(std::hypot(q.x(), q.y()) - 9, q.z()) < 3.5) return 1;
     return (q - Vec3(0, 0, 10)).norm() < 3 || (q + Vec3(0, 0, 10)).norm() < 3 ? 2 : 0;
   });
-  EXPECT_EQ(label_shapes(meshed(ring_and_balls).mesh), (Shapes{{1, 1, 0}, {2, 2, 2}}));
+  EXPECT_EQ(label_shapes(meshed(ring_and_balls).mesh), (Shapes{{1, 1, 0, 1}, {2, 2, 2, 2}}));
 }
 
 void expect_same_bits(const TetMesh& mesh, const TetMesh& other) {
@@ -284,7 +285,7 @@ TEST(DelaunayMesh, EverySeedingAndSizeFindsEveryPiece) {
       for (const Seeding seeding : {Seeding::kLattice, Seeding::kSurface, Seeding::kFew}) {
         const TetMesh mesh =
             meshed(image, {.delta_mm = delta_mm, .size_mm = deltas * delta_mm, .seeding = seeding}).mesh;
-        EXPECT_EQ(label_shapes(mesh), (std::vector<LabelShape>{{1, 3, 3}, {2, 2, 2}}))
+        EXPECT_EQ(label_shapes(mesh), (std::vector<LabelShape>{{1, 3, 3, 3}, {2, 2, 2, 2}}))
             << delta_mm << ' ' << deltas << ' ' << static_cast<int>(seeding);
         double truth = 0;
         for (const Ball& ball : balls)
