@@ -46,6 +46,7 @@ CutMesh cut(const ImproveCommand& command, MixedMesh& mesh, Context& context) {
   CutMesh made = context.phase(
       "cut", [&] { return naming(command.mesh_path, [&] { return cut_mesh(mesh, command.cut_planes); }); });
   if (!made.gone.empty()) context.info(fmt::format("{} lay beyond the cut", fmt::join(made.gone, ", ")));
+  if (made.openings.empty()) say(command.run, "cut: openings beside the plane moved into it\n");
   for (const CutMesh::Opening& opening : made.openings) {
     say(command.run, "cut: {} of {:.4g} mm² at {}\n", opening.name, opening.area_mm2,
         place_text(opening.centre_mm));
@@ -156,7 +157,9 @@ void run(ImproveCommand command) {
       report.before.min_deg, report.before.max_deg, report.after.tets_outside, report.before.tets_outside,
       elapsed.count());
   const MeshView before = input.view();
-  require_sound(command.output_path, view, context, long_run.reason(report.complete), &before);
+  // A mesh that was cut is not the one that was given.
+  require_sound(command.output_path, view, context, long_run.reason(report.complete),
+                command.cut_planes.empty() ? &before : nullptr);
   long_run.check_complete(report.complete, command.output_path + " holds the best mesh so far");
 }
 

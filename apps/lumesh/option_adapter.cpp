@@ -178,10 +178,18 @@ class Adder {
         .add_option_function<std::vector<std::vector<double>>>(
             flags_of(option_),
             [self = *this, rows](const std::vector<std::vector<double>>& values) {
-              for (const std::vector<double>& row : values)
+              const auto width = static_cast<std::ptrdiff_t>(rows.width);
+              std::vector<std::vector<double>> numbers;  // Several rows may follow one option.
+              for (const std::vector<double>& row : values) {
                 if (!std::all_of(row.begin(), row.end(), [](double x) { return std::isfinite(x); }))
                   refuse(self.option_, "needs finite numbers");
-              self.set_rows(rows, values);
+                if (row.size() % rows.width != 0)
+                  refuse(self.option_,
+                         fmt::format("needs {} numbers for each, not {}", rows.width, row.size()));
+                for (auto at = row.begin(); at != row.end(); at += width)
+                  numbers.emplace_back(at, at + width);
+              }
+              self.set_rows(rows, numbers);
             },
             help_of(option_))
         ->type_size(static_cast<int>(rows.width));

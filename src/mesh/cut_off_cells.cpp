@@ -18,6 +18,7 @@
 #include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/mesh/cell_sides.hpp"
 #include "lumesh/mesh/edge_key.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 
 namespace lumesh {
@@ -29,7 +30,7 @@ namespace {
 
 /// Heights of points over a plane; what rounding has moved out of the plane is in it.
 std::vector<double> heights_over(const std::vector<Vec3>& points, const Vec3& origin, const Vec3& normal) {
-  constexpr double kRounding = 1e-12;
+  constexpr double kRounding = 1e-10;
   const double rounding = kRounding * bounding_box(points).diagonal().norm();
   std::vector<double> heights;
   heights.reserve(points.size());
@@ -100,22 +101,38 @@ class VertexSlide {
     return 0;
   }
 
-  /// Square to the plane inside, along the wall on one; none where walls bend or meet.
+  /// Square to the plane inside, along the wall on one; none where walls bend or meet. An opening that the
+  /// plane is parallel to goes with it.
   [[nodiscard]] std::optional<Vec3> way_of(std::uint32_t v) const {
     constexpr double kSteep = 0.1, kSmooth = 0.85;
-    if (triangles_.of(v).empty()) return Vec3(-heights_[v] * normal_);
-    const std::vector<Vec3> normals = normals_around(v);
+    std::vector<Vec3> normals = normals_around(v);
     Vec3 mean = Vec3::Zero();
-    for (const Vec3& normal : normals) mean += normal;
+    std::optional<std::int32_t> patch;
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      const std::uint32_t t = triangles_.of(v)[i];
+      if (is_parallel(t)) continue;
+      if (patch && mesh_.triangle_patches[t] != *patch) return std::nullopt;
+      patch = mesh_.triangle_patches[t];
+      mean += normals[i];
+    }
+    if (!patch) return Vec3(-heights_[v] * normal_);
     mean.stableNormalize();
-    const std::int32_t patch = mesh_.triangle_patches[triangles_.of(v).front()];
     for (std::size_t i = 0; i < normals.size(); ++i)
-      if (mesh_.triangle_patches[triangles_.of(v)[i]] != patch ||
-          normals[i].dot(mean) < kSmooth * normals[i].norm())
+      if (!is_parallel(triangles_.of(v)[i]) && normals[i].dot(mean) < kSmooth * normals[i].norm())
         return std::nullopt;
     const Vec3 along = normal_ - normal_.dot(mean) * mean;
     if (along.squaredNorm() < kSteep) return std::nullopt;
     return Vec3(-heights_[v] / along.squaredNorm() * along);
+  }
+
+  /// Whether a triangle is of an opening, or a plane of symmetry, that lies along the plane.
+  [[nodiscard]] bool is_parallel(std::uint32_t t) const {
+    constexpr double kParallel = 0.999;
+    const PatchKind kind = mesh_.info.patches[static_cast<std::size_t>(mesh_.triangle_patches[t])].kind;
+    const auto& [a, b, c] = mesh_.triangles[t];
+    return is_plane(kind) &&
+           std::abs(triangle_normal(mesh_.points[a], mesh_.points[b], mesh_.points[c]).dot(normal_)) >
+               kParallel;
   }
 
   [[nodiscard]] std::vector<double> volumes_around(std::uint32_t v) const {
@@ -148,7 +165,7 @@ class VertexSlide {
         return false;
     const std::vector<Vec3> normals_now = normals_around(v);
     for (std::size_t i = 0; i < normals.size(); ++i)
-      if (is_in_plane(mesh_.triangles[triangles_.of(v)[i]]) ||
+      if ((is_in_plane(mesh_.triangles[triangles_.of(v)[i]]) && !is_parallel(triangles_.of(v)[i])) ||
           normals_now[i].dot(normals[i]) < kCosine * normals_now[i].norm() * normals[i].norm())
         return false;
     return true;
@@ -349,14 +366,34 @@ class Cutter {
           faces.push_back({face, mesh_.tetrahedron_labels[t]});
       }
     made_.first_patch = static_cast<std::int32_t>(mesh_.info.patches.size());
+    const std::map<std::pair<Label, std::uint64_t>, std::int32_t> there = openings_in_plane();
     for (const Piece& piece : pieces_of(faces)) {
-      const auto patch = static_cast<std::int32_t>(mesh_.info.patches.size());
-      mesh_.info.patches.push_back({"", PatchKind::kOpening, {faces[piece.faces[0]].label, kBackground}});
+      auto patch = static_cast<std::int32_t>(mesh_.info.patches.size());
+      for (const std::size_t f : piece.faces)
+        for (std::size_t i = 0; i < 3; ++i)
+          if (const auto at =
+                  there.find({faces[f].label, edge_key(faces[f].corners[i], faces[f].corners[(i + 1) % 3])});
+              at != there.end())
+            patch = at->second;
+      if (patch == static_cast<std::int32_t>(mesh_.info.patches.size()))
+        mesh_.info.patches.push_back({"", PatchKind::kOpening, {faces[piece.faces[0]].label, kBackground}});
       for (const std::size_t f : piece.faces) {
         mesh_.triangles.push_back(faces[f].corners);
         mesh_.triangle_patches.push_back(patch);
       }
     }
+  }
+  /// By the edges of openings that are left in the plane: what the cut bares beside one belongs to it.
+  [[nodiscard]] std::map<std::pair<Label, std::uint64_t>, std::int32_t> openings_in_plane() const {
+    std::map<std::pair<Label, std::uint64_t>, std::int32_t> edges;
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      const Patch& patch = mesh_.info.patches[static_cast<std::size_t>(mesh_.triangle_patches[t])];
+      if (patch.kind != PatchKind::kOpening || !is_in_plane(mesh_.triangles[t])) continue;
+      for (std::size_t i = 0; i < 3; ++i)
+        edges[{patch.labels[0], edge_key(mesh_.triangles[t][i], mesh_.triangles[t][(i + 1) % 3])}] =
+            mesh_.triangle_patches[t];
+    }
+    return edges;
   }
   /// Connected through edges, of one label, by falling area.
   [[nodiscard]] std::vector<Piece> pieces_of(const std::vector<NewFace>& faces) const {

@@ -157,7 +157,7 @@ CutMesh cut_mesh(MixedMesh& mesh, std::span<const CutPlane> planes) {
   const Vec3 factors = frame_factors(MeshInfo(), mesh.info);
   for (const CutPlane& plane : planes) {
     const CellsCutOff cut = cut_off_beyond(mesh, plane.point_mm.cwiseProduct(factors),
-                                           plane.normal.cwiseProduct(factors.cwiseSign()).normalized());
+                                           plane.normal.cwiseProduct(factors.cwiseSign()).stableNormalized());
     made.removed += cut.removed;
     const auto first_new = static_cast<std::size_t>(cut.first_patch);
     const std::size_t new_count = mesh.info.patches.size() - first_new;

@@ -3,12 +3,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <map>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/surface/edges.hpp"
+#include "lumesh/surface/shells.hpp"
 #include "surface_cuts.hpp"
 
 namespace lumesh {
@@ -49,6 +52,25 @@ std::string line_of(const ClosedRim& rim) {
 bool may_be_opening(const ClosedRim& rim) {
   constexpr double kEdges = 2 * surfaces::Rim::kMinEdges;
   return !rim.is_opening && (rim.ends_wall || rim.given.radius_mm >= kEdges * rim.given.mean_edge_mm);
+}
+
+/// Of a part within another one, caps close a cavity: no flow passes them.
+void warn_of_caps_within(const MixedMesh& surface, std::span<const ClosedRim> rims, const Context& context) {
+  TriangleMesh turned{surface.points, surface.triangles, surface.triangle_patches, {}};
+  const surfaces::Parts parts = surfaces::turn_alike(turned);
+  if (parts.count < 2) return;
+  const std::vector<surfaces::Shell> shells = surfaces::shells_of(turned.points, turned.triangles, parts);
+  std::map<std::int32_t, std::uint32_t> part_of_patch;
+  for (std::size_t t = 0; t < turned.triangles.size(); ++t)
+    part_of_patch[turned.patches[t]] = parts.of_triangle[t];
+  for (const ClosedRim& rim : rims) {
+    const auto part = part_of_patch.find(rim.patch);
+    if (!rim.is_opening || part == part_of_patch.end() || shells[part->second].depth % 2 == 0) continue;
+    context.warn(fmt::format(
+        "the open end at {} lies within another part of the surface, and closing it leaves a cavity "
+        "there; an inner skin makes rings with the outer one only where both end in one plane",
+        place_text(rim.centre_mm)));
+  }
 }
 
 }  // namespace
@@ -104,6 +126,7 @@ std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOpt
   surface.triangle_patches = std::move(made.surface.patches);
   surface.metric.clear();
   surface.sizes_mm.clear();
+  warn_of_caps_within(surface, made.rims, context);
   for (const ClosedRim& rim : made.rims) {
     if (rim.is_opening) surface.info.patches.push_back({"", PatchKind::kOpening, {1, kBackground}});
     if (may_be_opening(rim))

@@ -78,6 +78,7 @@ class SurfaceCheck {
       const Vec3 &a = given_points_[t[0]], &b = given_points_[t[1]], &c = given_points_[t[2]];
       if (a == b || b == c || c == a) lines.add(a);
     }
+    if (lines.count == given_triangles_.size()) lines.severity = Severity::kFault;  // Nothing is left.
     keep(std::move(lines));
     Finding doubles = fault("duplicate_triangles", "triangles with the three corners of another");
     const std::vector<std::uint32_t> duplicates = duplicate_triangles(surface_.triangles);

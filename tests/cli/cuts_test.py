@@ -118,6 +118,17 @@ class CutsTest(ProgramTest):
                     self.assertLess(abs(opening["change_percent"]), 2)
                 self.assertIn("--cut-plane 30 10.6", self.run_well("evaluate", cut, "--image", self.image).stderr)
 
+    def test_several_planes_may_follow_one_option(self):
+        mesh, one, two = (self.folder / f"{name}.vtu" for name in ("mesh", "one", "two"))
+        self.run_well("lattice", self.image, "-o", mesh, "--edge-length", "2")
+        first, second = "30 0 0 1 0 0".split(), "14 0 0 -1 0 0".split()
+        self.run_well("improve", mesh, "-o", one, "--cut-plane", *first, *second)
+        self.run_well("improve", mesh, "-o", two, "--cut-plane", *first, "--cut-plane", *second)
+        names = [json.loads(self.run_well("info", m, "--json").stdout)["patches"] for m in (one, two)]
+        self.assertEqual(names[0], names[1])
+        self.assertEqual(len(names[0]), 5)
+        self.assert_refused(self.run_lumesh("lattice", self.image, "-o", one, "--cut-plane", *first, "1", "2", "3"), USAGE, "6 numbers", "not 9")
+
     def test_cuts_of_a_mesh_that_make_no_sense_are_refused(self):
         mesh, cut = self.folder / "mesh.vtu", self.folder / "cut.vtu"
         self.run_well("lattice", self.image, "-o", mesh, "--edge-length", "1.5")

@@ -123,6 +123,23 @@ TEST(CutOffCells, EachLabelGetsAnOpening) {
   EXPECT_TRUE(report.ok()) << report.text();
 }
 
+// Cutting off the corners of all tetrahedra at an opening would leave slivers.
+TEST(CutOffCells, AnOpeningCloseToThePlaneMovesIntoIt) {
+  for (const double by : {1e-6, 0.01}) {
+    MixedMesh mesh = cube(4);
+    cut_off_beyond(mesh, Vec3(0, 0, 0.62), Vec3::UnitZ());
+    mesh.info.patches.back().name = "inlet_1";
+    const std::size_t patches = mesh.info.patches.size(), tets = mesh.tetrahedra.size();
+    cut_off_beyond(mesh, Vec3(0, 0, 0.62 - by), Vec3::UnitZ());
+    for (std::size_t p = patches; p < mesh.info.patches.size(); ++p)  // At corners, where walls meet.
+      mesh.info.patches[p].name = "corner_" + std::to_string(p);
+    EXPECT_LT(mesh.tetrahedra.size(), 1.3 * static_cast<double>(tets)) << by;
+    EXPECT_NEAR(volume_of(mesh), 0.62 - by, 1e-12) << by;
+    EXPECT_NEAR(area_of(mesh, patches - 1), 1, 1e-12) << by;
+    EXPECT_TRUE(validate(mesh.view()).ok()) << by;
+  }
+}
+
 TEST(CutOffCells, SizesAndMetricsAreInterpolated) {
   MixedMesh mesh = cube(3);
   for (const Vec3& p : mesh.points) {
