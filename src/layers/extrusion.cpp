@@ -23,6 +23,7 @@
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/mesh/edge_key.hpp"
+#include "lumesh/mesh/edge_loops.hpp"
 #include "lumesh/mesh/tetrahedral_split.hpp"
 
 namespace lumesh {
@@ -191,14 +192,9 @@ class Extruder {
     return s;
   }
 
-  /// Whether a patch surrounds another one of the section, as a wall does the lumen: all of that one's rim is
-  /// its own, too.
+  /// Whether a patch surrounds others of the section, as a wall does the lumen: its rim has several loops.
   [[nodiscard]] static bool is_ring(const SweptSection& s, std::int32_t p) {
-    const std::set<std::uint64_t> own = rim_edges(s, p);
-    return std::any_of(s.patches.begin(), s.patches.end(), [&](std::int32_t q) {
-      const std::set<std::uint64_t> other = rim_edges(s, q);
-      return q != p && !other.empty() && std::includes(own.begin(), own.end(), other.begin(), other.end());
-    });
+    return s.patches.size() > 1 && loop_count(rim_edges(s, p)) > 1;
   }
   static std::set<std::uint64_t> rim_edges(const SweptSection& s, std::int32_t p) {
     std::set<std::uint64_t> rim;
@@ -497,7 +493,7 @@ class Extruder {
     for (const PatchFace& face : s.faces)
       for (std::size_t i = 0; i < face.corners.size(); ++i) {
         const std::uint32_t a = face.corners[i], b = face.corners[(i + 1) % face.corners.size()];
-        const std::int32_t p = besides.at(edge_key(a, b)).second;
+        const std::int32_t p = side_patch(besides.at(edge_key(a, b)).second, face.label);
         // Between two labels the side belongs to the first of its patch.
         const bool is_side =
             p >= 0 && (besides.at(edge_key(a, b)).first == 1 || patch(p).labels[0] == face.label);
@@ -506,6 +502,23 @@ class Extruder {
           add_side({vertex(s, a, row), vertex(s, b, row), vertex(s, b, row + 1), vertex(s, a, row + 1)}, p,
                    splits);
       }
+  }
+
+  /// The patch that goes on; where another opening meets the section at an edge, the label's wall.
+  [[nodiscard]] std::int32_t side_patch(std::int32_t beside, Label label) const {
+    if (beside < 0 || patch(beside).kind != PatchKind::kOpening) return beside;
+    std::int32_t wall = -1;
+    for (std::size_t p = 0; p < patches().size(); ++p)
+      if (patches()[p].kind == PatchKind::kWall && (wall < 0 || patches()[p].labels[0] == label)) {
+        wall = static_cast<std::int32_t>(p);
+        if (patches()[p].labels[0] == label) break;
+      }
+    if (wall < 0)
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{}: {} ends at an edge beside the section, and there is no wall "
+                              "to go on instead",
+                              option_name("extend"), patch(beside).name));
+    return wall;
   }
 
   void add_side(const Cell<4>& side, std::int32_t p, bool splits) {

@@ -12,7 +12,7 @@
 #include "lumesh/domain/patch_names.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/cut_off_cells.hpp"
-#include "lumesh/mesh/edge_key.hpp"
+#include "lumesh/mesh/edge_loops.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/stages/input.hpp"
 
@@ -50,12 +50,13 @@ class NewNames {
           piece.rim.erase(edge);
   }
 
-  /// All of another label's rim is of this one: it lies within.
+  /// A ring that has edges in common with what another label has within it.
   [[nodiscard]] bool is_rim(const Piece& piece) const {
-    return std::any_of(pieces_.begin(), pieces_.end(), [&](const Piece& other) {
-      return other.label != piece.label &&
-             std::includes(piece.rim.begin(), piece.rim.end(), other.rim.begin(), other.rim.end());
-    });
+    return loop_count(piece.rim) > 1 && std::any_of(pieces_.begin(), pieces_.end(), [&](const Piece& other) {
+             return other.label != piece.label &&
+                    std::any_of(other.rim.begin(), other.rim.end(),
+                                [&](std::uint64_t edge) { return piece.rim.contains(edge); });
+           });
   }
 
   void give(std::int32_t first) {

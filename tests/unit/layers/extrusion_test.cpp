@@ -131,7 +131,9 @@ TEST(ExtrudeOpenings, OpeningsThatMeetAtAnEdgeGoOnEachByItself) {
   const MixedMesh before = cut_bar();
   const ExtrudedMesh made = extrude_openings(before, named_lengths_from("top=2"), LayerCells::kTetrahedra);
   EXPECT_NEAR((middle_of(made.mesh, "top") - middle_of(before, "top")).z(), 2, 1e-9);
-  EXPECT_NEAR((middle_of(made.mesh, "side") - middle_of(before, "side")).x(), 0, 1e-9);
+  EXPECT_NEAR((middle_of(made.mesh, "side") - middle_of(before, "side")).norm(), 0, 1e-9);
+  EXPECT_NEAR(area_of(made.mesh, "side"), area_of(before, "side"), 1e-9);  // The sides are walls.
+  fixtures::expect_conforming(made.mesh);
 }
 
 TEST(ExtrudeOpenings, RefusesWhatIsNoOpening) {
