@@ -111,9 +111,7 @@ def main():
     parser.add_argument("--edge-length", type=float, help="mm; default: 0.25 of the artery, 0.3 of the bifurcation")
     parser.add_argument("--keep", type=pathlib.Path, help="folder for all cases")
     arguments = parser.parse_args()
-    missing = foam_case.missing("checkMesh", "simpleFoam")
-    if missing:
-        parser.error(f"OpenFOAM's {', '.join(missing)}: the Debian package openfoam has them")
+    foam_case.require(parser, "checkMesh", "simpleFoam")
     unknown = set(arguments.cases) - set(EDGES_MM)
     if unknown:
         parser.error(f"no case {', '.join(sorted(unknown))}; there are {', '.join(EDGES_MM)}")

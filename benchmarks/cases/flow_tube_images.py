@@ -215,9 +215,7 @@ def main():
     parser.add_argument("--boundary", default="smooth", choices=["smooth", "exact"])
     parser.add_argument("--json", type=pathlib.Path, help="add all figures to this file, a line for each tube")
     arguments = parser.parse_args()
-    missing = foam_case.missing("checkMesh", "simpleFoam")
-    if missing:
-        parser.error(f"OpenFOAM's {', '.join(missing)}: the Debian package openfoam has them")
+    foam_case.require(parser, "checkMesh", "simpleFoam")
     unknown = set(arguments.tubes) - set(TUBES)
     if unknown:
         parser.error(f"no tube {', '.join(sorted(unknown))}; there are {', '.join(TUBES)}")

@@ -129,18 +129,22 @@ class Extruder {
     return sum / static_cast<double>(face.size());
   }
 
-  /// Of all faces of a patch.
-  [[nodiscard]] Vec3 normal_of(std::int32_t p) const {
-    Vec3 sum = Vec3::Zero();
-    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t of) {
-      if (of == p) sum += area_normal(face);
+  /// Of all faces of each patch.
+  [[nodiscard]] std::vector<Vec3> patch_normals() const {
+    std::vector<Vec3> sums(patches().size(), Vec3::Zero());
+    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+      sums[static_cast<std::size_t>(p)] += area_normal(face);
     });
-    return sum.stableNormalized();
+    for (Vec3& sum : sums) sum.stableNormalize();
+    return sums;
   }
   /// Patches of openings that share edges with this one and look the same way, one after the other.
   [[nodiscard]] std::vector<std::int32_t> joined_openings(std::int32_t first) const {
     constexpr double kOnePlane = 0.999;
-    const Vec3 normal = normal_of(first);
+    const std::vector<Vec3> normals = patch_normals();
+    const auto looks_alike = [&](std::int32_t p) {
+      return normals[static_cast<std::size_t>(p)].dot(normals[static_cast<std::size_t>(first)]) > kOnePlane;
+    };
     std::map<std::uint64_t, std::vector<std::int32_t>> at_edge;
     for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
       if (patch(p).kind != PatchKind::kOpening) return;
@@ -152,8 +156,7 @@ class Extruder {
       for (const auto& [edge, at] : at_edge) {
         if (std::find(at.begin(), at.end(), joined[i]) == at.end()) continue;
         for (const std::int32_t p : at)
-          if (std::find(joined.begin(), joined.end(), p) == joined.end() &&
-              normal_of(p).dot(normal) > kOnePlane)
+          if (std::find(joined.begin(), joined.end(), p) == joined.end() && looks_alike(p))
             joined.push_back(p);
       }
     return joined;
@@ -199,10 +202,7 @@ class Extruder {
   static std::set<std::uint64_t> rim_edges(const SweptSection& s, std::int32_t p) {
     std::set<std::uint64_t> rim;
     for (const PatchFace& face : s.faces)
-      for (std::size_t i = 0; i < face.corners.size() && face.patch == p; ++i)
-        if (const std::uint64_t edge = edge_key(face.corners[i], face.corners[(i + 1) % face.corners.size()]);
-            !rim.insert(edge).second)
-          rim.erase(edge);
+      if (face.patch == p) toggle_edges(face.corners, rim);
     return rim;
   }
 

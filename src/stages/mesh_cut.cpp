@@ -37,19 +37,12 @@ class NewNames {
         pieces_[static_cast<std::size_t>(p - first)].faces.push_back(mesh.triangles[t]);
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       pieces_[i].label = patches[static_cast<std::size_t>(first) + i].labels[0];
-      find_rim(pieces_[i]);
+      for (const Cell<3>& face : pieces_[i].faces) toggle_edges(face, pieces_[i].rim);
     }
     give(first);
   }
 
  private:
-  static void find_rim(Piece& piece) {
-    for (const Cell<3>& face : piece.faces)
-      for (std::size_t i = 0; i < 3; ++i)
-        if (const std::uint64_t edge = edge_key(face[i], face[(i + 1) % 3]); !piece.rim.insert(edge).second)
-          piece.rim.erase(edge);
-  }
-
   /// A ring that has edges in common with what another label has within it.
   [[nodiscard]] bool is_rim(const Piece& piece) const {
     return loop_count(piece.rim) > 1 && std::any_of(pieces_.begin(), pieces_.end(), [&](const Piece& other) {

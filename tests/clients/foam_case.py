@@ -25,6 +25,13 @@ def missing(*programs):
     return [program for program in programs if not runs(program)]
 
 
+def require(parser, *programs):
+    """Ends a script with a message of its argument parser if a program is not there."""
+    absent = missing(*programs)
+    if absent:
+        parser.error(f"OpenFOAM's {', '.join(absent)}: the Debian package openfoam has them")
+
+
 def run(*command, **options):
     result = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=SECONDS, check=False, **options)
     if result.returncode != 0:

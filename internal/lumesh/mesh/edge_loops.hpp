@@ -1,5 +1,5 @@
 #pragma once
-/// @file Closed curves that edges make.
+/// @file Edges where faces end, and the closed curves that they make.
 
 #include <array>
 #include <cstdint>
@@ -14,6 +14,15 @@ namespace lumesh {
 /// The vertices of an edge, the lower one first.
 [[nodiscard]] inline std::array<std::uint32_t, 2> ends_of_edge(std::uint64_t edge) {
   return {static_cast<std::uint32_t>(edge >> 32), static_cast<std::uint32_t>(edge)};
+}
+
+/// Notes the edges of a face: of all faces noted, those with one face are left.
+template <class Corners>
+void toggle_edges(const Corners& corners, std::set<std::uint64_t>& rim) {
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    if (const std::uint64_t edge = edge_key(corners[i], corners[(i + 1) % corners.size()]);
+        !rim.insert(edge).second)
+      rim.erase(edge);
 }
 
 /// How many connected curves edges make. @param edges  By edge_key().

@@ -105,13 +105,7 @@ TEST(ExtrudeOpenings, StopsBeforeAnotherPartOfTheMesh) {
 /// A bar of 4 x 4 x 3.4 mm, cut off above and, at x = 3.3, aside: the openings "top", of its core, "ring"
 /// around it, and "side".
 MixedMesh cut_bar() {
-  fixtures::TetSoup soup = fixtures::cube_grid(4);
-  for (std::size_t t = 0; t < soup.tets.size(); ++t) {
-    Vec3 middle = Vec3::Zero();
-    for (const std::uint32_t v : soup.tets[t]) middle += soup.points[v] / 4;
-    soup.labels[t] = std::max(std::abs(middle.x() - 2), std::abs(middle.y() - 2)) < 1 ? 1 : 2;
-  }
-  MixedMesh mesh = fixtures::mixed_of(soup.build());
+  MixedMesh mesh = fixtures::vessel_with_wall();
   cut_off_beyond(mesh, Vec3(0, 0, 3.4), Vec3::UnitZ());
   for (Patch& patch : mesh.info.patches)
     if (patch.kind == PatchKind::kOpening) patch.name = patch.labels[0] == 1 ? "top" : "ring";

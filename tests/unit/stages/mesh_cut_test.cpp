@@ -13,16 +13,7 @@
 namespace lumesh {
 namespace {
 
-/// A bar of 4 x 4 x 4 mm, whose core is a lumen (label 1) and the rest its wall (label 2).
-MixedMesh vessel_with_wall() {
-  fixtures::TetSoup soup = fixtures::cube_grid(4);
-  for (std::size_t t = 0; t < soup.tets.size(); ++t) {
-    Vec3 middle = Vec3::Zero();
-    for (const std::uint32_t v : soup.tets[t]) middle += soup.points[v] / 4;
-    soup.labels[t] = std::max(std::abs(middle.x() - 2), std::abs(middle.y() - 2)) < 1 ? 1 : 2;
-  }
-  return fixtures::mixed_of(soup.build());
-}
+using fixtures::vessel_with_wall;
 
 std::vector<std::string> names_of(const MixedMesh& mesh) {
   std::vector<std::string> names;
