@@ -2,13 +2,10 @@
 
 #include <limits>
 
-#include "lumesh/core/disjoint_sets.hpp"
-
 namespace lumesh::image {
 
 namespace {
 
-constexpr std::uint32_t kOutsideSet = 0;
 // Halves, so that a step beyond does not overflow.
 constexpr std::int32_t kLeftEnd = std::numeric_limits<std::int32_t>::min() / 2;
 constexpr std::int32_t kRightEnd = std::numeric_limits<std::int32_t>::max() / 2;
@@ -32,14 +29,9 @@ class Gaps {
 
   [[nodiscard]] std::size_t count_enclosed() const {
     DisjointSets sets(sets_);
-    for (int k = 0; k < slices_; ++k)
-      for (int j = 0; j < rows_; ++j) {
-        if (j == 0 || k == 0 || j + 1 == rows_ || k + 1 == slices_)
-          for (const Gap& gap : row(j, k)) sets.merge(kOutsideSet, gap.set);
-        if (j > 0) join(row(j, k), row(j - 1, k), sets);
-        for (int beside = std::max(0, j - 1); k > 0 && beside <= std::min(j + 1, rows_ - 1); ++beside)
-          join(row(j, k), row(beside, k - 1), sets);
-      }
+    join_background(
+        rows_, slices_, [&](int j, int k) { return row(j, k); }, [](const Gap& gap) { return gap.set; },
+        sets);
     std::size_t roots = 0;
     for (std::uint32_t set = 0; set < sets_; ++set) roots += sets.find(set) == set ? 1 : 0;
     return roots - 1;
@@ -62,18 +54,6 @@ class Gaps {
     const auto at =
         static_cast<std::size_t>(k) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(j);
     return {gaps_.data() + first_[at], gaps_.data() + first_[at + 1]};
-  }
-
-  /// Gaps touch if they share an i or have neighbouring ones: corners join the background.
-  static void join(std::span<const Gap> first, std::span<const Gap> second, DisjointSets& sets) {
-    for (std::size_t a = 0, b = 0; a < first.size() && b < second.size();) {
-      if (first[a].begin <= second[b].end && second[b].begin <= first[a].end)
-        sets.merge(first[a].set, second[b].set);
-      if (first[a].end < second[b].end)
-        ++a;
-      else
-        ++b;
-    }
   }
 
   int rows_;

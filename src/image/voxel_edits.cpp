@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 
+#include "cavities.hpp"
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/image/runs.hpp"
@@ -28,9 +29,6 @@ struct Hollows {
 
   Hollows(const LabelImage& image, const VoxelBox& box);
   std::uint32_t set_of(std::size_t run) { return sets.find(static_cast<std::uint32_t>(run + 1)); }
-
- private:
-  void join(std::size_t row, std::size_t before);
 };
 
 image::RunImage background_runs(const LabelImage& image, const VoxelBox& box) {
@@ -51,28 +49,13 @@ image::RunImage background_runs(const LabelImage& image, const VoxelBox& box) {
 
 Hollows::Hollows(const LabelImage& image, const VoxelBox& box)
     : runs(background_runs(image, box)), sets(runs.runs.size() + 1) {
-  const Index3& size = runs.size;
-  for (int k = 0; k < size.z(); ++k)
-    for (int j = 0; j < size.y(); ++j) {
-      const std::size_t row = runs.row(j, k);
-      const bool is_border = j == 0 || k == 0 || j + 1 == size.y() || k + 1 == size.z();
-      for (std::size_t r = runs.first[row]; r < runs.first[row + 1]; ++r)
-        if (is_border || runs.runs[r].begin == 0 || runs.runs[r].end == size.x())
-          sets.merge(0, static_cast<std::uint32_t>(r + 1));
-      if (j > 0) join(row, runs.row(j - 1, k));
-      for (int beside = std::max(0, j - 1); k > 0 && beside <= std::min(j + 1, size.y() - 1); ++beside)
-        join(row, runs.row(beside, k - 1));
-    }
-}
-
-void Hollows::join(std::size_t row, std::size_t before) {
-  std::size_t a = runs.first[row], b = runs.first[before];
-  while (a < runs.first[row + 1] && b < runs.first[before + 1]) {
-    const image::Run &one = runs.runs[a], &other = runs.runs[b];
-    if (one.begin <= other.end && other.begin <= one.end)
-      sets.merge(static_cast<std::uint32_t>(a + 1), static_cast<std::uint32_t>(b + 1));
-    one.end < other.end ? ++a : ++b;
-  }
+  const auto number = [&](const image::Run& run) {
+    return static_cast<std::uint32_t>(&run - runs.runs.data() + 1);
+  };
+  for (const image::Run& run : runs.runs)
+    if (run.begin == 0 || run.end == runs.size.x()) sets.merge(image::kOutsideSet, number(run));
+  image::join_background(
+      runs.size.y(), runs.size.z(), [&](int j, int k) { return runs.of_row(runs.row(j, k)); }, number, sets);
 }
 
 std::vector<std::vector<Index3>> enclosed_pieces(const LabelImage& image) {
@@ -83,7 +66,7 @@ std::vector<std::vector<Index3>> enclosed_pieces(const LabelImage& image) {
   box.low = (box.low - Index3::Ones()).cwiseMax(Index3::Zero());
   box.high = (box.high + Index3::Ones()).cwiseMin(image.frame().size);
   Hollows hollows(image, box);
-  const std::uint32_t outside = hollows.sets.find(0);
+  const std::uint32_t outside = hollows.sets.find(image::kOutsideSet);
   std::map<std::uint32_t, std::size_t> piece_of;
   for (int k = 0; k < hollows.runs.size.z(); ++k)
     for (int j = 0; j < hollows.runs.size.y(); ++j) {
