@@ -206,10 +206,19 @@ void add_openings(LabelImage& image, const InputCuts& cuts, std::vector<CutPlane
   const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };
   if (image.values().size() > kMostLabels) return leave_out(fmt::format("more than {} labels", kMostLabels));
   try {
-    const std::vector<Opening> openings = find_openings(*domain_of_cut(image, planes, cuts, {}, context));
+    InputCuts before = cuts;
+    before.extension = {};
+    auto domain = domain_of_cut(image, planes, before, {}, context);
+    std::vector<Opening> openings = find_openings(*domain);
+    // Cuts come before extensions, and these end no vessel inside the image.
+    const std::vector<VesselEnd> ends = vessel_ends(image, planes, openings, ~std::size_t{0}, context);
+    if (cuts.extension.is_wanted()) {
+      domain = extended_domain(image, planes, *domain, openings, cuts.extension, context);
+      openings = find_openings(*domain);
+    }
     for (const std::string& doubt : doubts_about_sections(image, openings)) context.warn(doubt);
     all["openings"] = describe_openings(openings);
-    all["vessel_ends"] = describe_ends(vessel_ends(image, planes, openings, ~std::size_t{0}, context));
+    all["vessel_ends"] = describe_ends(ends);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput || cuts.extension.is_wanted()) throw;
     leave_out(error.what());

@@ -59,9 +59,7 @@ class VesselContinuation final : public FieldContinuation {
   [[nodiscard]] Part part(const Index3& low, const Index3& high) const override {
     const IndexBox box{low + first_, high + first_};
     const IndexBox image{Index3::Zero(), frame_.size - Index3::Ones()};
-    const bool is_by_tube =
-        std::any_of(boxes_.begin(), boxes_.end(), [&](const IndexBox& tube) { return tube.meets(box); });
-    if (is_by_tube || may_be_cut(box)) return Part::kMixed;
+    if (is_by_tube(box) || may_be_cut(box)) return Part::kMixed;
     return image.holds(box) ? Part::kKept : image.meets(box) ? Part::kMixed : Part::kEmpty;
   }
   /// Extensions of vessels that were cut run through the image.
@@ -122,12 +120,22 @@ class VesselContinuation final : public FieldContinuation {
     return false;
   }
 
+  /// The smallest ball around the centres of its voxels.
+  [[nodiscard]] Circle ball_around(const IndexBox& box) const {
+    const Vec3 diagonal = (box.high - box.low).cast<double>().cwiseProduct(frame_.spacing_mm);
+    return {frame_.to_physical(0.5 * (box.low + box.high).cast<double>()), 0.5 * diagonal.norm()};
+  }
+  [[nodiscard]] bool is_by_tube(const IndexBox& box) const {
+    const Circle ball = ball_around(box);
+    for (std::size_t t = 0; t < boxes_.size(); ++t)
+      if (boxes_[t].meets(box) && plan_.tubes[t].may_meet(ball.centre_mm, ball.radius_mm)) return true;
+    return false;
+  }
   /// Whether a cut may remove a voxel of the box.
   [[nodiscard]] bool may_be_cut(const IndexBox& box) const {
-    const Vec3 middle = frame_.to_physical(0.5 * (box.low + box.high).cast<double>());
-    const Vec3 half = 0.5 * (box.high - box.low).cast<double>().cwiseProduct(frame_.spacing_mm);
+    const Circle ball = ball_around(box);
     return std::any_of(cuts_.begin(), cuts_.end(),
-                       [&](const CutPlane& cut) { return cut.beyond_mm(middle) > -half.norm(); });
+                       [&](const CutPlane& cut) { return cut.beyond_mm(ball.centre_mm) > -ball.radius_mm; });
   }
 
   const ImageDomain& domain_;

@@ -38,6 +38,19 @@ struct VesselTube {
   [[nodiscard]] bool is_along(const Vec3& x) const {
     return (x - section->centre_mm).dot(section->normal) > 0 && (x - end_mm).dot(end_normal) <= stump_mm;
   }
+  /// Whether it may reach into a ball, with its air.
+  [[nodiscard]] bool may_meet(const Vec3& middle, double radius_mm) const {
+    const CarriedSection& s = *section;
+    if ((middle - s.centre_mm).dot(s.normal) < -radius_mm) return false;
+    if ((middle - end_mm).dot(end_normal) > stump_mm + radius_mm) return false;
+    if (s.off_axis_mm(middle) <= s.circle_mm + radius_mm) return true;
+    const Vec3 off = s.carried_back(middle) - s.first_mm;
+    const double margin_mm = radius_mm / s.direction.dot(s.normal);
+    const auto is_beside = [&](double at_mm, int squares) {
+      return at_mm < -margin_mm || at_mm > (squares - 1) * s.step_mm + margin_mm;
+    };
+    return !is_beside(off.dot(s.u), s.columns) && !is_beside(off.dot(s.v), s.rows);
+  }
 
   /// Positive inside of the object.
   [[nodiscard]] double outer_value(const LabelField& field, const Vec3& x) const {

@@ -58,6 +58,9 @@ class ContinuedFieldBuilder {
     return code < 0 ? nullptr : &old_.active_[static_cast<std::size_t>(code)];
   }
 
+  [[nodiscard]] const LabelIndex* row_at(int i, int j, int k) const {
+    return &image_.voxels()[image_.frame().offset({i, j, k})];
+  }
   /// Of the faces that the brick has to know, as LabelFieldBuilder has them.
   [[nodiscard]] std::vector<LabelField::Pair> pairs_around(const Index3& brick) const {
     constexpr int kReach = 3;
@@ -72,15 +75,18 @@ class ContinuedFieldBuilder {
       });
       if (!is_known) pairs.push_back({first_label, second});
     };
+    const int count = high.x() - low.x() + 1;
+    const auto add_faces = [&](const LabelIndex* row, const LabelIndex* beside, int faces) {
+      if (std::equal(row, row + faces, beside)) return;
+      for (int i = 0; i < faces; ++i)
+        if (row[i] != beside[i]) add(row[i], beside[i]);
+    };
     for (int k = low.z(); k <= high.z(); ++k)
       for (int j = low.y(); j <= high.y(); ++j) {
-        const LabelIndex* const row = &image_.voxels()[image_.frame().offset({0, j, k})];
-        for (int i = low.x(); i <= high.x(); ++i) {
-          const LabelIndex label = row[i];
-          if (i < high.x() && row[i + 1] != label) add(label, row[i + 1]);
-          if (j < high.y() && image_.at({i, j + 1, k}) != label) add(label, image_.at({i, j + 1, k}));
-          if (k < high.z() && image_.at({i, j, k + 1}) != label) add(label, image_.at({i, j, k + 1}));
-        }
+        const LabelIndex* const row = row_at(low.x(), j, k);
+        add_faces(row, row + 1, count - 1);
+        if (j < high.y()) add_faces(row, row_at(low.x(), j + 1, k), count);
+        if (k < high.z()) add_faces(row, row_at(low.x(), j, k + 1), count);
       }
     std::sort(pairs.begin(), pairs.end(), [](const LabelField::Pair& a, const LabelField::Pair& b) {
       return a.first != b.first ? a.first < b.first : a.second < b.second;

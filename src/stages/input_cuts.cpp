@@ -145,6 +145,23 @@ std::vector<CutPlane> cut_off(LabelImage& image, const InputCuts& cuts, Context&
   return planes;
 }
 
+std::shared_ptr<const ImageDomain> extended_domain(LabelImage& image, std::vector<CutPlane>& planes,
+                                                   const ImageDomain& domain,
+                                                   std::span<const Opening> openings,
+                                                   const ExtensionOptions& options, Context& context) {
+  if (openings.empty())
+    throw Error(ErrorKind::kBadInput, option_name("extend") +
+                                          ": no vessel leaves the image; cut them with `cut_at` or "
+                                          "`clip_ends`, which makes openings");
+  for (const std::string& doubt : doubts_about_sections(image, openings)) context.warn(doubt);
+  ExtendedImage extended =
+      context.phase("extensions", [&] { return extend_openings(image, domain, openings, options); });
+  for (const std::string& note : extended.notes) context.warn(note);
+  image = std::move(extended.image);
+  planes.assign(extended.domain->cut_planes().begin(), extended.domain->cut_planes().end());
+  return extended.domain;
+}
+
 std::shared_ptr<const ImageDomain> domain_of_cut(LabelImage& image, std::vector<CutPlane>& planes,
                                                  const InputCuts& cuts, const LabelFieldOptions& field,
                                                  Context& context) {
@@ -153,17 +170,7 @@ std::shared_ptr<const ImageDomain> domain_of_cut(LabelImage& image, std::vector<
   });
   if (!cuts.extension.is_wanted()) return domain;
   const std::vector<Opening> openings = context.phase("openings", [&] { return find_openings(*domain); });
-  if (openings.empty())
-    throw Error(ErrorKind::kBadInput, option_name("extend") +
-                                          ": no vessel leaves the image; cut them with `cut_at` or "
-                                          "`clip_ends`, which makes openings");
-  for (const std::string& doubt : doubts_about_sections(image, openings)) context.warn(doubt);
-  ExtendedImage extended =
-      context.phase("extensions", [&] { return extend_openings(image, *domain, openings, cuts.extension); });
-  for (const std::string& note : extended.notes) context.warn(note);
-  image = std::move(extended.image);
-  planes.assign(extended.domain->cut_planes().begin(), extended.domain->cut_planes().end());
-  return extended.domain;
+  return extended_domain(image, planes, *domain, openings, cuts.extension, context);
 }
 
 }  // namespace lumesh
