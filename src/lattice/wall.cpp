@@ -40,19 +40,27 @@ void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomai
   const NumberedBoundaries boundaries = numbered(boundary);
   const double max_mm = 0.25 * domain.voxel_size_mm();
   Shifts shifts;
-  const operators::PlaceOnPatch place = [&](PatchId patch, const Vec3& near) -> std::optional<SurfacePoint> {
+  const auto place_with = [&](const Shifts& all, PatchId patch,
+                              const Vec3& near) -> std::optional<SurfacePoint> {
     const auto& [inside, outside] = boundaries.sides[patch.value];
     if (domain.is_cut(outside)) return std::nullopt;
     auto found = operators::place_on_boundary(domain, inside, outside, near);
     if (!found) return std::nullopt;
-    const auto shift = shifts.find(std::minmax(inside, outside));
-    if (shift != shifts.end()) found->point += (inside < outside ? 1 : -1) * shift->second * found->normal;
+    const auto shift = all.find(std::minmax(inside, outside));
+    if (shift != all.end()) found->point += (inside < outside ? 1 : -1) * shift->second * found->normal;
     return (found->point - near).norm() <= max_mm ? found : std::nullopt;
+  };
+  const operators::PlaceOnPatch place = [&](PatchId patch, const Vec3& near) {
+    return place_with(shifts, patch, near);
+  };
+  const operators::PlaceOnPatch place_on_rims = [&](PatchId patch, const Vec3& near) {
+    return place_with({}, patch, near);  // Openings have areas of their own.
   };
   constexpr double kMarginDeg = 0.5;  // So that the extreme angles hardly change.
   const operators::SettlingRules rules{
       .may_become = operators::within_angles(limits.min_deg + kMarginDeg, limits.max_deg - kMarginDeg),
-      .keep_within = operators::within_cuts_of(domain)};
+      .keep_within = operators::within_cuts_of(domain),
+      .place_on_rims = place_on_rims};
   const auto settle = [&] {
     operators::settle(mesh.positions, mesh.tets, {boundaries.triangles, boundaries.of_triangle}, place,
                       rules);

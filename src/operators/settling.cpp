@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "area_means.hpp"
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
@@ -43,29 +44,52 @@ class Settling {
       find_corrected_targets();
       carry();
     }
+    constexpr int kRimRounds = 3;
+    for (int round = 0; round < kRimRounds && !rim_edges_.empty(); ++round) {
+      find_corrected_targets_of_rims();
+      carry();
+    }
     return settled;
   }
 
  private:
   /// A vertex between a patch that has places and a flat one that stays, or where one between two labels ends
-  /// at their flat ones: it may move within the plane.
+  /// at their flat ones: it may move within the plane. Where two planes meet, along the line of both.
   struct Rim {
     std::uint32_t vertex;
     std::array<std::int32_t, 3> patches;  // Two or three; the wall first once it is known.
     bool is_one = false;
-    [[nodiscard]] std::int32_t wall() const { return patches[0]; }
-    [[nodiscard]] bool is_flat_patch(std::int32_t patch) const {
-      return patch == patches[1] || patch == patches[2];
-    }
-    Vec3 area_normal = Vec3::Zero();  // Twice the area of the faces around that are flat.
-    double area = 0;
+    std::array<Vec3, 2> area_normals = {Vec3::Zero(), Vec3::Zero()};  // Of the flat patches around.
+    std::array<double, 2> areas = {0, 0};                             // Twice these, both.
 
+    [[nodiscard]] std::int32_t wall() const { return patches[0]; }
+    /// 0, 1, or 2 for none.
+    [[nodiscard]] std::size_t flat_number(std::int32_t patch) const {
+      return static_cast<std::size_t>(std::find(patches.begin() + 1, patches.end(), patch) - patches.begin() -
+                                      1);
+    }
     [[nodiscard]] bool is_flat() const {
       constexpr double kFlat = 1 - 1e-5;
-      return area_normal.norm() > kFlat * area;
+      for (std::size_t i = 0; i < 2; ++i)
+        if (areas[i] > 0 && !(area_normals[i].norm() > kFlat * areas[i])) return false;
+      const bool is_fold = !is_on_line() && area_normals[0].dot(area_normals[1]) < 0;
+      return areas[0] + areas[1] > 0 && !is_fold;
     }
-    [[nodiscard]] Vec3 within_plane(const Vec3& direction) const {
-      const Vec3 normal = area_normal.normalized();
+    [[nodiscard]] Vec3 line() const {
+      return areas[0] > 0 && areas[1] > 0 ? area_normals[0].normalized().cross(area_normals[1].normalized())
+                                          : Vec3::Zero();
+    }
+    [[nodiscard]] bool is_on_line() const {
+      constexpr double kMinSine = 0.1;
+      return line().norm() > kMinSine;
+    }
+    /// The part of a direction that it may move along.
+    [[nodiscard]] Vec3 within_planes(const Vec3& direction) const {
+      if (is_on_line()) {
+        const Vec3 along = line().normalized();
+        return direction.dot(along) * along;
+      }
+      const Vec3 normal = (area_normals[0] + area_normals[1]).normalized();
       return direction - direction.dot(normal) * normal;
     }
   };
@@ -82,7 +106,7 @@ class Settling {
   }
   /// In the plane of the flat patch, away from it.
   [[nodiscard]] Vec3 outwards_at(std::uint32_t v) const {
-    return rim_at(v).within_plane(places_[v].normal).normalized();
+    return rim_at(v).within_planes(places_[v].normal).normalized();
   }
 
   void find_patches_of_vertices() {
@@ -145,9 +169,10 @@ class Settling {
       const Vec3 normal = triangle_area_normal(points_[corners[0]], points_[corners[1]], points_[corners[2]]);
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = corners[k], w = corners[(k + 1) % 3];
-        if (rim_of_[v] != kNoRim && rim_at(v).is_flat_patch(patch)) {
-          rim_at(v).area_normal += normal;
-          rim_at(v).area += normal.norm();
+        const std::size_t flat = rim_of_[v] == kNoRim ? 2 : rim_at(v).flat_number(patch);
+        if (flat < 2) {
+          rim_at(v).area_normals[flat] += normal;
+          rim_at(v).areas[flat] += normal.norm();
         }
         if (is_at_wall(v) && is_at_wall(w)) edges.push_back({std::min(v, w), std::max(v, w)});
       }
@@ -173,7 +198,7 @@ class Settling {
         [&](std::size_t i) {
           const std::uint32_t v = free_[i];
           const auto found = is_rim(v)
-                                 ? place_on_rim(rim_at(v))
+                                 ? place_on_rim(rim_at(v), points_[v])
                                  : place_(PatchId(static_cast<std::uint32_t>(patch_of_[v])), points_[v]);
           if (found && (found->point - points_[v]).norm() <= kReach * edge_[v])
             places_[v] = *found;
@@ -184,16 +209,17 @@ class Settling {
     std::erase_if(free_, [&](std::uint32_t v) { return !is_free(v); });
   }
 
-  /// Where the wall meets the plane of the flat patch, with the wall's normal.
-  [[nodiscard]] std::optional<SurfacePoint> place_on_rim(const Rim& rim) const {
+  /// Where the wall meets the plane of the flat patch near a place of it, with the wall's normal.
+  [[nodiscard]] std::optional<SurfacePoint> place_on_rim(const Rim& rim, const Vec3& near) const {
     constexpr int kRounds = 3;          // Newton's.
     constexpr double kMinAcross = 0.3;  // Sine of the angle between wall and plane: else it grazes.
-    SurfacePoint at{points_[rim.vertex], {}};
+    const PlaceOnPatch& place_of = rules_.place_on_rims ? rules_.place_on_rims : place_;
+    SurfacePoint at{near, {}};
     for (int round = 0; round < kRounds; ++round) {
-      const auto wall = place_(PatchId(static_cast<std::uint32_t>(rim.wall())), at.point);
+      const auto wall = place_of(PatchId(static_cast<std::uint32_t>(rim.wall())), at.point);
       if (!wall) return std::nullopt;
       at.normal = wall->normal;
-      const Vec3 across = rim.within_plane(wall->normal);
+      const Vec3 across = rim.within_planes(wall->normal);
       if (across.norm() < kMinAcross) return std::nullopt;
       at.point -= (at.point - wall->point).dot(wall->normal) / across.squaredNorm() * across;
     }
@@ -270,10 +296,10 @@ class Settling {
     };
     std::vector<Chords> sums(rims_.size());
     for (const auto& [v, w] : rim_edges_) {
-      if (!is_free(v) || !is_free(w)) continue;
-      const double length = (places_[w].point - places_[v].point).norm();
-      const double height =
-          mean_arc_height({places_[v].point, outwards_at(v)}, {places_[w].point, outwards_at(w)});
+      const auto arc = arc_of({v, w});
+      if (!arc) continue;
+      const double length = (arc->to.point - arc->from.point).norm();
+      const double height = mean_arc_height(arc->from, arc->to);
       for (const std::uint32_t end : {v, w}) {
         Chords& sum = sums[static_cast<std::size_t>(rim_of_[end])];
         sum.height += length * height;
@@ -283,9 +309,76 @@ class Settling {
     for (std::size_t i = 0; i < rims_.size(); ++i) {
       const std::uint32_t v = rims_[i].vertex;
       if (!is_free(v)) continue;
-      const double mean = sums[i].length > 0 ? sums[i].height / sums[i].length : 0;
+      const double mean = sums[i].length > 0 && !rims_[i].is_on_line() ? sums[i].height / sums[i].length : 0;
       targets_[v] = offset_for_volume(v, mean, {places_[v].point, outwards_at(v)});
     }
+  }
+
+  /// Vertices that were held back, and arcs that are no parabolas, leave a flat patch an area other than that
+  /// of its curve: the vertices of the rim that may move make up for it, each by the same distance.
+  void find_corrected_targets_of_rims() {
+    std::vector<std::optional<double>> missing(rim_edges_.size());  // Area between an edge and its arc.
+    parallel::for_each_index(
+        rim_edges_.size(), [&](std::size_t i) { missing[i] = area_under_arc(rim_edges_[i]); }, 64);
+    const auto may_move = [&](std::uint32_t v) { return is_free(v) && !rim_at(v).is_on_line(); };
+    DisjointSets curves(rims_.size());
+    for (const auto& [v, w] : rim_edges_)
+      if (may_move(v) && may_move(w)) curves.merge(rim_number(v), rim_number(w));
+    struct Sum {
+      double missing = 0, length = 0;
+    };
+    std::vector<Sum> sums(rims_.size());
+    for (std::size_t i = 0; i < rim_edges_.size(); ++i) {
+      const auto& [v, w] = rim_edges_[i];
+      const double half = 0.5 * (points_[w] - points_[v]).norm();
+      for (const std::uint32_t end : {v, w}) {
+        if (!missing[i] || !may_move(end)) continue;
+        sums[curves.find(rim_number(end))].length += half;
+      }
+      const std::uint32_t one = may_move(v) ? v : w;
+      if (missing[i] && may_move(one)) sums[curves.find(rim_number(one))].missing += *missing[i];
+    }
+    targets_.assign(points_.begin(), points_.end());
+    for (std::uint32_t i = 0; i < rims_.size(); ++i) {
+      const std::uint32_t v = rims_[i].vertex;
+      if (!may_move(v)) continue;
+      const Sum& sum = sums[curves.find(i)];
+      if (sum.length == 0) continue;
+      const Vec3 outwards = outwards_at(v);
+      const double offset = (points_[v] - places_[v].point).dot(outwards);
+      targets_[v] = offset_for_volume(v, offset + sum.missing / sum.length, {places_[v].point, outwards});
+    }
+  }
+  [[nodiscard]] std::uint32_t rim_number(std::uint32_t v) const {
+    return static_cast<std::uint32_t>(rim_of_[v]);
+  }
+  /// Negative where the edge lies outside of the curve in the mean. None where an end has no place on it.
+  [[nodiscard]] std::optional<double> area_under_arc(const std::array<std::uint32_t, 2>& edge) const {
+    const auto arc = arc_of(edge);
+    if (!arc) return std::nullopt;
+    const auto& [from, to, rim] = *arc;
+    const Vec3 outwards = from.normal + to.normal, middle = 0.5 * (from.point + to.point);
+    const auto found = place_on_rim(*rim, middle + arc_height(from, to) * outwards.normalized());
+    if (!found) return std::nullopt;
+    const Vec3 along = (to.point - from.point).normalized();
+    const Vec3 across = (outwards - outwards.dot(along) * along).normalized();
+    const double offset = 0.5 * (points_[edge[0]] + points_[edge[1]] - from.point - to.point).dot(across);
+    return (to.point - from.point).norm() * (2 * (found->point - middle).dot(across) / 3 - offset);
+  }
+  /// The places of an edge's ends, with the normals that the curve has there within its plane.
+  struct Arc {
+    SurfacePoint from, to;
+    const Rim* rim;  // Of an end that is in this plane alone.
+  };
+  [[nodiscard]] std::optional<Arc> arc_of(const std::array<std::uint32_t, 2>& edge) const {
+    const auto [v, w] = edge;
+    if (!is_free(v) || !is_free(w)) return std::nullopt;
+    const Rim& rim = rim_at(rim_at(v).is_on_line() ? w : v);
+    if (rim.is_on_line()) return std::nullopt;
+    const auto within_plane = [&](const SurfacePoint& at) {
+      return SurfacePoint{at.point, rim.within_planes(at.normal).normalized()};
+    };
+    return Arc{within_plane(places_[v]), within_plane(places_[w]), &rim};
   }
 
   /// A place for a vertex, raised along the normal.
@@ -333,16 +426,19 @@ class Settling {
       }
     }
   }
-  /// The tetrahedra and faces whose corners move. What moves later has moved before.
+  /// The tetrahedra and faces whose corners may move.
   void find_touched() {
     if (!touched_tets_.empty()) return;
+    const auto has_free = [&](const auto& corners) {
+      return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return is_free(v); });
+    };
     touched_tets_ =
         parallel::collect<std::uint32_t>(tets_.size(), [&](std::size_t t, std::vector<std::uint32_t>& out) {
-          if (has_changed(tets_[t])) out.push_back(static_cast<std::uint32_t>(t));
+          if (has_free(tets_[t])) out.push_back(static_cast<std::uint32_t>(t));
         });
     touched_faces_ = parallel::collect<std::uint32_t>(faces_.triangles.size(),
                                                       [&](std::size_t i, std::vector<std::uint32_t>& out) {
-                                                        if (has_changed(faces_.triangles[i]))
+                                                        if (has_free(faces_.triangles[i]))
                                                           out.push_back(static_cast<std::uint32_t>(i));
                                                       });
   }

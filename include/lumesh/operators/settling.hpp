@@ -68,6 +68,8 @@ struct SettlingRules {
   KeepWithin keep_within = {};  ///< Null: everywhere.
   Stays stays = {};
   std::span<const std::uint8_t> movable = {};  ///< Flag per vertex; empty: all are.
+  /// Places for vertices at rims, where the wall's own are shifted; null: those that all others have.
+  PlaceOnPatch place_on_rims = {};
   /// Rounds that look at the surface over the middles of edges where the vertices have come to stand, and
   /// raise these by what is missing. 0 trusts the normals at the places, which do where edges are short.
   int corrections = 0;
@@ -82,8 +84,10 @@ struct SettlingReport {
 /// Carries every vertex inside a patch to its place, unless that is farther away than half the edges around.
 /// Vertices at the rim of a flat patch that stays, such as an opening, or of two such patches, go within its
 /// plane to where the other patch meets it, and over that curve by the mean height of the arcs beside: the
-/// flat patch has the area that the curve encloses. Vertices of other curves and corners stay. Where a
-/// tetrahedron forbids it, its vertices go half the way, a quarter of it, or stay.
+/// flat patch has the area that the curve encloses. Where some are held back, the others of the rim make up
+/// for that area. Vertices where two flat patches meet go along the line of both to the wall. Vertices of
+/// other curves and corners stay. Where a tetrahedron forbids it, its vertices go half the way, a quarter of
+/// it, or stay.
 ///
 /// @param faces  Faces that carry patches, each once.
 /// Parallel inside; bitwise identical for every thread count. Cost: about 1 us per vertex of a patch for its

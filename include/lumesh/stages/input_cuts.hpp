@@ -56,12 +56,9 @@ struct InputCuts {
 
 /// The second half of domain_of_cut(). @param domain  Of the image, not extended. @param openings  Its
 /// find_openings().
-[[nodiscard]] std::shared_ptr<const ImageDomain> extended_domain(LabelImage& image,
-                                                                 std::vector<CutPlane>& planes,
-                                                                 const ImageDomain& domain,
-                                                                 std::span<const Opening> openings,
-                                                                 const ExtensionOptions& options,
-                                                                 Context& context);
+[[nodiscard]] std::shared_ptr<const ImageDomain> extended_domain(
+    LabelImage& image, std::vector<CutPlane>& planes, const ImageDomain& domain,
+    std::span<const Opening> openings, const ExtensionOptions& options, Context& context);
 
 /// Why cut_off() would refuse to cut at a place; empty if it would not.
 /// @param lines  Through the vessel there, with the scalar "radius" in mm. @param before  What cuts the image

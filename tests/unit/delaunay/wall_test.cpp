@@ -105,6 +105,51 @@ TEST(Wall, IsThereToTheRimOfOpeningsThatSlant) {
   }
 }
 
+std::map<std::string, double> areas_of_openings(const TetMesh& mesh) {
+  std::map<std::string, double> areas;
+  const BoundaryFaces faces = mesh.boundary_faces();
+  for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
+    const auto& [a, b, c] = faces.triangles[i];
+    const Patch& patch = mesh.info().patches[static_cast<std::size_t>(faces.patches[i])];
+    if (patch.kind == PatchKind::kOpening)
+      areas[patch.name] += triangle_area(mesh.points()[a], mesh.points()[b], mesh.points()[c]);
+  }
+  return areas;
+}
+
+/// Of a polygon with eight corners on a circle a tenth of the area is missing.
+TEST(Wall, OpeningsHaveTheirAreasHoweverCoarse) {
+  const double circle = std::numbers::pi * kRadius * kRadius;
+  for (const double delta : {1.0, 2.0, 3.0}) {
+    const auto areas = areas_of_openings(tube_mesh(delta, 1));
+    ASSERT_EQ(areas.size(), 2u) << delta;
+    for (const auto& [name, area] : areas) EXPECT_NEAR(area / circle, 1, 1e-3) << name << ", " << delta;
+  }
+}
+
+/// Where two openings meet, the ends of the edge between them go along both planes to the wall.
+TEST(Wall, OpeningsThatMeetInAnEdgeHaveTheirAreas) {
+  AnalyticDomainOptions options;
+  options.bounds_mm = Box3(Vec3(-12, -12, -12), Vec3(12, 12, 12));
+  options.resolution_mm = 1;
+  options.cut_planes = {{Vec3(0, 0, 0), Vec3(1, 0, 1).normalized()},
+                        {Vec3(0, 0, 0), Vec3(-1, 0, 1).normalized()},
+                        {Vec3(0, 0, -11), -Vec3::UnitZ()}};
+  const AnalyticDomain domain({{1, cylinder_shape(Vec3::Zero(), Vec3::UnitZ(), kRadius)}}, options);
+  for (const double delta : {1.0, 2.0}) {
+    Context context;
+    DelaunayOptions with;
+    with.delta_mm = delta;
+    const TetMesh mesh = mesh_delaunay(domain, with, context).mesh;
+    ASSERT_TRUE(validate(mesh).ok());
+    const auto areas = areas_of_openings(mesh);
+    ASSERT_EQ(areas.size(), 3u) << delta;
+    const double circle = std::numbers::pi * kRadius * kRadius, slanted = circle / std::numbers::sqrt2;
+    for (const auto& [name, area] : areas)
+      EXPECT_NEAR(area / (area > 0.85 * circle ? circle : slanted), 1, 1e-3) << name << ", " << delta;
+  }
+}
+
 /// Points at the rim of a lumen stand over its curve, too, though openings lie on both sides of it.
 TEST(Wall, OpeningsWithinOpeningsHaveTheirAreas) {
   AnalyticDomainOptions options;
@@ -121,14 +166,7 @@ TEST(Wall, OpeningsWithinOpeningsHaveTheirAreas) {
   with.delta_mm = 1;
   const TetMesh mesh = mesh_delaunay(domain, with, context).mesh;
   ASSERT_TRUE(validate(mesh).ok());
-  std::map<std::string, double> areas;
-  const BoundaryFaces faces = mesh.boundary_faces();
-  for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
-    const auto& [a, b, c] = faces.triangles[i];
-    const Patch& patch = mesh.info().patches[static_cast<std::size_t>(faces.patches[i])];
-    if (patch.kind == PatchKind::kOpening)
-      areas[patch.name] += triangle_area(mesh.points()[a], mesh.points()[b], mesh.points()[c]);
-  }
+  const auto areas = areas_of_openings(mesh);
   ASSERT_EQ(areas.size(), 4u);
   const double lumen = std::numbers::pi * kLumen * kLumen,
                ring = std::numbers::pi * kRadius * kRadius - lumen;
