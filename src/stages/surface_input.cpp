@@ -68,7 +68,8 @@ void warn_of_caps_within(const MixedMesh& surface, std::span<const ClosedRim> ri
     if (!rim.is_opening || part == part_of_patch.end() || shells[part->second].depth % 2 == 0) continue;
     context.warn(fmt::format(
         "the open end at {} lies within another part of the surface, and closing it leaves a cavity "
-        "there; an inner skin makes rings with the outer one only where both end in one plane",
+        "there; an inner skin makes rings with the outer one only where both end within its radius of each "
+        "other; cut off the longer one before",
         place_text(rim.centre_mm)));
   }
 }

@@ -61,6 +61,8 @@ class Closer {
 
  private:
   static constexpr std::size_t kNone = ~std::size_t{0};
+  /// How far the skins of a wall may end apart, in radii: what a cut may take off.
+  static constexpr double kSkinReach = 1;
   struct Opening {
     Rim given;
     FlatRim flat;
@@ -81,7 +83,8 @@ class Closer {
     std::vector<bool> is_inner(parts.count, true);
     for (std::size_t r = 0; r < rims.size(); ++r) {
       for (std::size_t outer = r; outer-- > 0 && around_[r] == kNone;)
-        if (lies_within(rims[r], rims[outer])) around_[r] = outer;
+        if (lies_within(rims[r], rims[outer], part_of(r) == part_of(outer) ? Rim::kMaxBent : kSkinReach))
+          around_[r] = outer;
       is_inner[part_of(r)] = is_inner[part_of(r)] && around_[r] != kNone;
     }
     for (std::size_t r = 0; r < rims.size(); ++r) {
@@ -92,15 +95,15 @@ class Closer {
     }
     turn(parts, is_inner, rims, part_of);
   }
-  [[nodiscard]] bool lies_within(const Rim& rim, const Rim& outer) const {
+  /// @param reach  From the outer rim's plane at most, in its radii.
+  [[nodiscard]] bool lies_within(const Rim& rim, const Rim& outer, double reach) const {
     constexpr double kParallel = 0.95;
     if (std::abs(rim.normal.dot(outer.normal)) < kParallel) return false;
     const PlaneFrame frame(outer);
     const std::vector<Vec2> polygon = frame.polygon(outer, surface_.points);
     return std::all_of(rim.vertices.begin(), rim.vertices.end(), [&](std::uint32_t v) {
       const Vec3& p = surface_.points[v];
-      return std::abs(outer.height_mm(p)) < Rim::kMaxBent * outer.radius_mm &&
-             is_inside(polygon, frame.flat(p));
+      return std::abs(outer.height_mm(p)) < reach * outer.radius_mm && is_inside(polygon, frame.flat(p));
     });
   }
   /// The inner skins, with their rims. A part without rims is none.
@@ -139,6 +142,7 @@ class Closer {
       return moved.has_value();
     };
     if (join_ring(rim, around_[which], planes)) return true;
+    if (cut_ring(rims, which, is_cut_away)) return true;
     if (is_almost_planar(rim) && rim.may_be_end() && move(kGoodAngleDeg)) return true;
     if (!rim.is_wide()) return false;
     if (std::optional<CutBack> cut = cut_back(surface_, rims, which)) {
@@ -151,6 +155,28 @@ class Closer {
       return true;
     }
     return rim.is_flat() && move(kLeastAngleDeg);
+  }
+  /// Where rims within one do not end in its plane, as the skins of a wall that was cut off raggedly, one
+  /// plane cuts all. False if they do, or there is no such plane.
+  bool cut_ring(const std::vector<Rim>& rims, std::size_t which, std::vector<std::uint8_t>& is_cut_away) {
+    constexpr double kLevel = 0.25;  // Of an edge: vertices are moved as far.
+    const Rim& outer = rims[which];
+    std::vector<Rim> inner;
+    bool is_level = is_almost_planar(outer);
+    for (std::size_t r = which + 1; r < rims.size(); ++r) {
+      if (around_[r] != which) continue;
+      inner.push_back(rims[r]);
+      for (const std::uint32_t v : rims[r].vertices)
+        is_level = is_level && std::abs(outer.height_mm(surface_.points[v])) < kLevel * rims[r].mean_edge_mm;
+    }
+    if (inner.empty() || is_level) return false;
+    std::optional<RingCut> cut = cut_back_ring(surface_, outer, inner);
+    if (!cut) return false;
+    surface_ = std::move(cut->surface);
+    for (std::size_t r = which + 1; r < rims.size(); ++r)
+      if (around_[r] == which) is_cut_away[r] = 1;
+    openings_.push_back({outer, std::move(cut->outer), which, std::move(cut->inner)});
+    return true;
   }
   /// Brings a rim into the plane of the one around it, to be closed with that by a ring.
   bool join_ring(const Rim& rim, std::size_t outer, VertexPlanes& planes) {

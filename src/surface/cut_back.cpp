@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -20,12 +21,14 @@ namespace {
 class PlaneCut {
  public:
   /// @param may_go  Vertices of rims that may be cut off. @param depth_mm  Of the plane below the rim's.
+  /// @param facing  -1 for the inner skin of a wall, whose new rims face away from the rim's normal.
   PlaneCut(const TriangleMesh& surface, const Rim& rim, const std::vector<std::uint8_t>& may_go,
-           double depth_mm)
+           double depth_mm, double facing = 1)
       : surface_(surface),
         rim_(rim),
         may_go_(may_go),
         depth_mm_(depth_mm),
+        facing_(facing),
         heights_(surface.points.size(), -1) {}
 
   /// False if this plane does not do.
@@ -188,8 +191,8 @@ class PlaneCut {
     std::erase_if(loops, [&](const Rim& rim) { return in_plane(rim) == 0; });
     for (Rim& loop : loops) {
       if (static_cast<std::size_t>(in_plane(loop)) != loop.vertices.size()) return false;
-      if (loop.normal.dot(rim_.normal) <= 0) return false;
-      loop.normal = rim_.normal;  // Its own is the same but for rounding.
+      if (facing_ * loop.normal.dot(rim_.normal) <= 0) return false;
+      loop.normal = facing_ * rim_.normal;  // Its own is the same but for rounding.
       if (!is_simple_polygon(PlaneFrame(loop).polygon(loop, surface_.points))) return false;
       if (!leaves_plane_at_angle(surface_, loop, kGoodAngleDeg)) return false;
       loops_.push_back({std::move(loop), cut_off_mm_, moved_mm_});
@@ -200,7 +203,7 @@ class PlaneCut {
   TriangleMesh surface_;
   const Rim& rim_;
   const std::vector<std::uint8_t>& may_go_;
-  double depth_mm_;
+  double depth_mm_, facing_;
   std::vector<double> heights_;  // Over the plane, of each point.
   EdgeNeighbours neighbours_;
   parallel::Adjacency triangles_around_;
@@ -232,12 +235,56 @@ bool may_be_of_one_cut(const Rim& rim, const Rim& other) {
          std::abs(rim.height_mm(other.centre_mm)) < rim.deviation_mm + other.deviation_mm + rim.mean_edge_mm;
 }
 
+std::vector<std::uint8_t> flags_of(const TriangleMesh& surface, const Rim& rim) {
+  std::vector<std::uint8_t> flags(surface.points.size(), 0);
+  for (const std::uint32_t v : rim.vertices) flags[v] = 1;
+  return flags;
+}
+
+/// Cuts with a plane given by its depth below the outer rim. None if one of the cuts does not do.
+std::optional<RingCut> ring_cut_at(const TriangleMesh& surface, const Rim& outer, std::span<const Rim> inner,
+                                   double depth_mm) {
+  const std::vector<std::uint8_t> may_go = flags_of(surface, outer);
+  PlaneCut cut(surface, outer, may_go, depth_mm);
+  if (!cut.run() || cut.loops().size() != 1) return std::nullopt;
+  RingCut made{std::move(cut.surface()), cut.loops().front(), {}};
+  for (const Rim& rim : inner) {
+    Rim in_plane = rim;  // Seen from outside, as the outer one is.
+    in_plane.normal = outer.normal;
+    in_plane.centre_mm -= (outer.height_mm(rim.centre_mm) + depth_mm) * outer.normal;
+    const std::vector<std::uint8_t> inner_may_go = flags_of(made.surface, rim);
+    PlaneCut inner_cut(made.surface, in_plane, inner_may_go, 0, -1);
+    if (!inner_cut.run() || inner_cut.loops().size() != 1) return std::nullopt;
+    made.surface = std::move(inner_cut.surface());
+    const FlatRim& flat = inner_cut.loops().front();
+    made.inner.push_back(flat.rim);
+    made.outer.cut_off_mm = std::max(made.outer.cut_off_mm, flat.cut_off_mm);
+    made.outer.moved_mm = std::max(made.outer.moved_mm, flat.moved_mm);
+  }
+  return made;
+}
+
+/// Of the edges at a rim. Deeper where the surface comes to its end nearly in the plane, as a flange does.
+constexpr std::array<double, 4> kDepths = {0.0, 0.5, 1.0, 2.0};
+
 }  // namespace
+
+std::optional<RingCut> cut_back_ring(const TriangleMesh& surface, const Rim& outer,
+                                     std::span<const Rim> inner) {
+  Reach reach;
+  reach.include(surface, outer, outer);
+  for (const Rim& rim : inner) reach.include(surface, outer, rim);
+  for (const double edges : kDepths) {
+    const double depth_mm = -reach.lowest + edges * outer.mean_edge_mm;
+    if (reach.highest + depth_mm > outer.radius_mm) return std::nullopt;
+    if (auto made = ring_cut_at(surface, outer, inner, depth_mm)) return made;
+  }
+  return std::nullopt;
+}
 
 std::optional<CutBack> cut_back(TriangleMesh& surface, const std::vector<Rim>& rims, std::size_t which) {
   const Rim& rim = rims[which];
-  std::vector<std::uint8_t> may_go(surface.points.size(), 0);
-  for (const std::uint32_t v : rim.vertices) may_go[v] = 1;
+  std::vector<std::uint8_t> may_go = flags_of(surface, rim);
   Reach own;
   own.include(surface, rim, rim);
   Reach all = own;
@@ -259,8 +306,7 @@ std::optional<CutBack> cut_back(TriangleMesh& surface, const std::vector<Rim>& r
     surface = std::move(cut.surface());
     return made;
   };
-  // Deeper where the surface comes to its end nearly in the plane, as a flange does.
-  for (const double edges : {0.0, 0.5, 1.0, 2.0}) {
+  for (const double edges : kDepths) {
     if (auto made = tried(own, edges)) return made;
     if (is_alone) continue;
     if (auto made = tried(all, edges)) return made;

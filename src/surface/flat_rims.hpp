@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lumesh/geometry/predicates.hpp"
@@ -31,6 +32,18 @@ struct CutBack {
 /// @return None, with the surface as it was, if there is no such plane.
 [[nodiscard]] std::optional<CutBack> cut_back(TriangleMesh& surface, const std::vector<Rim>& rims,
                                               std::size_t which);
+
+struct RingCut {
+  TriangleMesh surface;
+  FlatRim outer;
+  std::vector<Rim> inner;  // Of the rims within, in their order.
+};
+
+/// The same for a rim and those within it, which are skins of one wall: one plane inside of all their
+/// vertices cuts them all, so that skins that end raggedly, or one before the other, end in one ring.
+/// @return None if there is no such plane within the outer rim's radius.
+[[nodiscard]] std::optional<RingCut> cut_back_ring(const TriangleMesh& surface, const Rim& outer,
+                                                   std::span<const Rim> inner);
 
 using Plane = std::pair<Vec3, Vec3>;  // Point and normal.
 /// Planes that vertices have to stay in.

@@ -327,6 +327,25 @@ TEST(CloseSurface, ClosesTheEndsOfAWallByRings) {
   }
 }
 
+/// Skins that end raggedly, or one up to a radius before the other, are cut by one plane.
+TEST(CloseSurface, OnePlaneCutsSkinsThatDoNotEndInOne) {
+  for (const double step : {0.0, 0.5, 1.5})
+    for (const double ragged : {0.0, 0.3}) {
+      TriangleMesh skins = two_skins(2, Vec3(0.2, 0.05, step), 40);
+      std::mt19937 random(7);
+      std::uniform_real_distribution<double> unit(0, 1);
+      for (Vec3& p : skins.points)
+        if (std::min(std::abs(p.z()), std::abs(p.z() - step)) < 1e-9) p.z() += ragged * unit(random);
+      const ClosedSurfaceMade made = closed(skins);
+      ASSERT_EQ(made.rims.size(), 2u) << step << ", " << ragged;
+      for (const ClosedRim& rim : made.rims) {
+        EXPECT_TRUE(rim.is_opening && rim.is_ring) << step << ", " << ragged;
+        const double ring_mm2 = kPi * (3 * 3 - 2 * 2);
+        EXPECT_NEAR(rim.area_mm2, ring_mm2, 0.02 * ring_mm2) << step << ", " << ragged;
+      }
+    }
+}
+
 TEST(CloseSurface, AVesselBesideAnotherIsNoInnerSkin) {
   const ClosedSurfaceMade made = closed(two_skins(2, Vec3(6, 0, 0), 40));
   EXPECT_EQ(made.rims.size(), 4u);
