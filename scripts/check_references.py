@@ -12,7 +12,7 @@ import sources
 
 # As far as it goes in a sentence; brackets within belong to it.
 DOI = re.compile(r"10\.\d{4,9}/(?:\([^\s()]*\)|[^\s()\[\]\"'`,;|{}])+(?:;2-[0-9A-Z])?")
-FOLDERS = ("include", "src", "apps", "docs", "tests", "benchmarks", "examples", "scripts")
+FOLDERS = ("include", "internal", "src", "apps", "docs", "tests", "benchmarks", "examples", "scripts")
 
 
 def dois_in(text):

@@ -73,7 +73,8 @@ class SectionWindow {
   std::vector<std::uint8_t> is_object_;
 };
 
-/// Slope at 0 of the polynomial through places at depths, by least squares.
+/// Slope at 0 of the polynomial through places at depths, by the normal equations of least squares in powers
+/// of depth / greatest depth. Why a parabola: docs/stages/domain.md, "Axis at an opening".
 Vec3 slope_at_plane(const std::vector<double>& depths, const std::vector<Vec3>& places, int degree) {
   const auto count = static_cast<Eigen::Index>(depths.size());
   Eigen::MatrixXd powers(count, degree + 1), values(count, 3);

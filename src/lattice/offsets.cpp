@@ -28,13 +28,14 @@ double mean_sag_mm(const ImageDomain& domain, const BoundaryTriangle& t, const s
   return mean;
 }
 
-/// Within the triangle: 8 % more than the mean of what bends evenly.
+/// Places within the triangle: 13/12 of the mean of what bends evenly (docs/stages/lattice.md, "Formulas").
 std::array<Vec3, 4> inner_places(const TriangleCorners& p) {
   const Vec3 sum = p[0] + p[1] + p[2];
   return {sum / 3, (sum + 3 * p[0]) / 6, (sum + 3 * p[1]) / 6, (sum + 3 * p[2]) / 6};
 }
 
-/// The mean at these is that of the triangle where the distance is a quadratic function.
+/// The mean at these is that of the triangle where the distance is a quadratic function: Hammer, Marlowe and
+/// Stroud 1956, doi:10.1090/S0025-5718-1956-0086389-6; shown in docs/stages/lattice.md, "Formulas".
 std::array<Vec3, 3> edge_middles(const TriangleCorners& p) {
   return {(p[0] + p[1]) / 2, (p[1] + p[2]) / 2, (p[2] + p[0]) / 2};
 }

@@ -221,9 +221,9 @@ class Extruder {
     Vec3 along = Vec3::Zero();
     double left = std::numeric_limits<double>::infinity();  // R.m.s. of the equations; infinite: left open.
   };
-  /// Of a vessel that bends and widens evenly before the section, with the normal N of the section: all wall
-  /// normals n at depth d have n (N + t + d b) = c + d e, solved for t, b, c and e by least squares over the
-  /// walls at most so deep.
+  /// Direction of a vessel that bends and widens evenly before the section, with the normal N of the section:
+  /// all wall normals n at depth d have n (N + t + d b) = c + d e, solved for t, b, c and e by least squares
+  /// over the walls at most so deep. Derived in docs/stages/layers.md, "Direction of an opening's vessel".
   [[nodiscard]] WallDirection wall_direction(const SweptSection& s, double depth_mm) const {
     constexpr double kLeastPart = 1e-3;  // Of the largest eigenvalue.
     using Vec6 = Eigen::Matrix<double, 6, 1>;

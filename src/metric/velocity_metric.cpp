@@ -105,7 +105,8 @@ std::vector<VelocityFit> fit(std::span<const Vec3> places, const DistinctSamples
   return fits;
 }
 
-/// How fast the velocity changes along directions: P = (G^T G)^(1/2), whose eigenvalues are |G d|.
+/// How fast the velocity changes along directions: P = (G^T G)^(1/2), the symmetric factor of the polar
+/// decomposition of G, whose eigenvalues are |G d| (docs/stages/metric.md, "Velocity").
 struct Rates {
   Mat3 tensor = Mat3::Zero();
   double largest = 0;
@@ -145,6 +146,8 @@ FlowScale scale_of(const std::vector<Rates>& rates, const DistinctSamples& sampl
   return {gradient, std::min(change * speed / gradient, diagonal)};
 }
 
+/// M = ((1 - 1/s^2) g S + I/s^2) / h_0^2, S = (1 - 1/f^2) P/sigma + (I - t t^T)/f^2, g = min(sigma/G_0, 1):
+/// derived in docs/stages/metric.md, "Velocity".
 SymTensor tensor_of(const Vec3& velocity, const Rates& rates, const FlowScale& scale,
                     const VelocityMetricOptions& options) {
   const double least = 1 / (options.stretch * options.stretch);

@@ -79,8 +79,9 @@ void edges_of_link(const TetMesh& mesh, VertexId centre, std::span<const TetId> 
 
 /// The link condition: nothing joins `from` and `to`, vertex or edge, but what lies around their edge. Else
 /// what is one with `from` and one with `to` would become the same twice. Where meshes are embedded positive
-/// tetrahedra say so by themselves; where the surface moves, they do not. Source: Dey, Edelsbrunner, Guha,
-/// Nekhayev 1999, Topology preserving edge contraction.
+/// tetrahedra say so by themselves; where the surface moves, they do not. Source: the link condition for
+/// 3-complexes of Dey, Edelsbrunner, Guha and Nekhayev 1999, Topology preserving edge contraction,
+/// Publications de l'Institut Mathematique 66(80), 23-45 (no DOI).
 bool meet_only_around_edge(const TetMesh& mesh, VertexId from, VertexId to, const EdgeRing& ring,
                            const VertexBall& ball_of_from, const VertexBall& ball_of_to, LinkEdges& edges) {
   for (const std::uint32_t v : ball_of_from.neighbours)

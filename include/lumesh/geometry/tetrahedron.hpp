@@ -34,7 +34,8 @@ inline constexpr std::array<std::array<int, 3>, 4> kTetFaces = {{{1, 2, 3}, {0, 
 }
 
 /// Mean ratio 12 (3V)^(2/3) / (sum of squared edges): 1 for the regular tetrahedron, 0 for a flat one,
-/// negative for an inverted one; 0 if all points coincide. Source: Liu and Joe 1994, doi:10.1007/BF01955874.
+/// negative for an inverted one; 0 if all points coincide. Source: Liu and Joe 1994, doi:10.1007/BF01955874;
+/// the constant is checked in docs/stages/adapt.md, "Lengths and shapes".
 [[nodiscard]] inline double mean_ratio(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const double volume = tetrahedron_volume(a, b, c, d);
   const double edges = sum_of_squared_edges(a, b, c, d);

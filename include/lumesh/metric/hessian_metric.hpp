@@ -30,7 +30,8 @@ struct HessianMetricOptions {
 /// the tensors are the same everywhere and in all directions.
 ///
 /// @throws as recover_hessians(), and Error{kUsage} for options out of range.
-/// Source: Loseille and Alauzet 2011, doi:10.1137/10078654X, the optimal metric in Lp norm for n = 3.
+/// Source: Loseille and Alauzet 2011, doi:10.1137/10078654X, the optimal metric in Lp norm for n = 3; derived
+/// in docs/stages/metric.md, "Hessian".
 [[nodiscard]] std::vector<SymTensor> metric_from_hessian(const TetMesh& mesh, std::span<const double> values,
                                                          const HessianMetricOptions& options = {});
 

@@ -47,8 +47,8 @@ class MetricField {
 
 /// Complexity of the metric stored on a mesh: the integral of sqrt(det M), with the vertices' values weighted
 /// by a quarter of their tetrahedra's volume. A mesh of unit elements has about twice as many vertices.
-/// Source: Loseille and Alauzet 2011, doi:10.1137/090754078. Parallel inside, bitwise identical for every
-/// thread count.
+/// Sources: Loseille and Alauzet 2011, doi:10.1137/090754078; eq. (1) and, of the vertices' values, eq. (2)
+/// of the paper (docs/paper.md). Parallel inside, bitwise identical for every thread count.
 [[nodiscard]] double complexity(const TetMesh& mesh);
 
 /// The same for tensors that are not stored on the mesh, one per vertex slot.

@@ -145,13 +145,14 @@ class Operators {
   /// triangulations of the ring, the one with the best worst quality (dynamic programming). Covers 3-2, 4-4
   /// and larger rings, and 2-2 where the edge lies on a patch. A tetrahedron with two faces on one curved
   /// patch is flat: it is taken away. Source: Shewchuk 2002, Two discrete optimization algorithms for the
-  /// topological improvement of tetrahedral meshes.
+  /// topological improvement of tetrahedral meshes, "edge removal" (a manuscript without a DOI; used and
+  /// described by Klingner and Shewchuk 2007, doi:10.1007/978-3-540-75103-8_1).
   Outcome remove_edge(TetId t, int i, int j, const SwapRules& rules);
 
   /// Replaces t and its neighbour behind `face` by three tetrahedra around a new edge (2-3); where these
   /// are not admissible, with the tetrahedra at faces next to it that lie between the same two vertices
   /// (multi-face removal: 4-4, 6-5 and on, the inverse of edge removal). Every new one is better than the
-  /// worse of t and its neighbour. Source: Shewchuk 2002, as for remove_edge().
+  /// worse of t and its neighbour. Source: Shewchuk 2002, "multi-face removal"; see remove_edge().
   Outcome remove_face(TetId t, int face, const SwapRules& rules);
 
   /// Moves a vertex to lessen the sum of 1 / quality around it plus that of its edges' deviation from unit

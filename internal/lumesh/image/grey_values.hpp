@@ -17,8 +17,9 @@ struct GreyValues {
   std::array<std::size_t, kBins> bins = {};  ///< Of equal width, from least to most.
 
   [[nodiscard]] double bin_width() const { return (most - least) / static_cast<double>(kBins); }
-  /// Parts darker from brighter values so that the two groups differ most (Otsu 1979,
-  /// doi:10.1109/TSMC.1979.4310076), to a bin.
+  /// Threshold between darker and brighter values for which the variance between the two groups,
+  /// w0 w1 (m0 - m1)^2 of their shares w and means m, is largest (Otsu 1979, doi:10.1109/TSMC.1979.4310076),
+  /// to a bin; between groups far apart, the middle of the gap.
   [[nodiscard]] double otsu_threshold() const;
   /// Share of the values at or above a value, to a bin.
   [[nodiscard]] double share_from(double value) const;

@@ -19,8 +19,9 @@ struct GradationOptions {
 /// Qualities are not measured anew. Parallel inside, bitwise identical for every thread count.
 /// @return the sweeps it took.
 /// @throws Error{kUsage} that names an option out of its range.
-/// Sources: Alauzet 2010, doi:10.1016/j.finel.2009.06.028 (sections on growth in metric, physical and mixed
-/// space).
+/// Source: Alauzet 2010, doi:10.1016/j.finel.2009.06.028, eq. (9) of section 4.1 (growth in metric space),
+/// eq. (10) (in physical space) and eq. (11) of section 5.1 (along edges); how the first two are mixed:
+/// docs/stages/metric.md, "Gradation".
 int limit_gradation(TetMesh& mesh, const GradationOptions& options = {});
 
 }  // namespace lumesh::metric

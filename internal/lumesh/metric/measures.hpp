@@ -20,7 +20,8 @@ namespace lumesh::metric {
 }
 
 /// Length of the edge from a to b when sizes vary geometrically along it. Source: Alauzet 2010,
-/// doi:10.1016/j.finel.2009.06.028; the same as UGAWG's MEASURES.md.
+/// doi:10.1016/j.finel.2009.06.028, page 185; "Metric Edge Length" of UGAWG's MEASURES.md; derived in
+/// docs/stages/adapt.md, "Lengths and shapes".
 [[nodiscard]] inline double edge_length(const Vec3& a, const SymTensor& metric_a, const Vec3& b,
                                         const SymTensor& metric_b) {
   const Vec3 edge = b - a;
@@ -135,7 +136,9 @@ class TraceFreeExp {
 /// qualities are only compared.
 ///
 /// Mean ratio: 36 / 3^(1/3) (sqrt(det M) V)^(2/3) / sum of e^T M e; the determinant cancels against the trace
-/// of log M. Source: Alauzet 2010, doi:10.1016/j.finel.2009.06.028.
+/// of log M. Sources: Liu and Joe 1994, doi:10.1007/BF01955874 (mean ratio); Alauzet 2010,
+/// doi:10.1016/j.finel.2009.06.028 (in a metric, whose mean is section 2.3.2, eq. (3)); constant and trace:
+/// docs/stages/adapt.md, "Lengths and shapes".
 [[nodiscard]] inline double mean_ratio_cubed(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d,
                                              const SymTensor& log_a, const SymTensor& log_b,
                                              const SymTensor& log_c, const SymTensor& log_d) {

@@ -3,8 +3,8 @@
 /// sqrt(v^T M v), so that a size h along a direction is the eigenvalue 1/h^2.
 ///
 /// Means are taken of the matrix logarithms (log-Euclidean): sizes average geometrically and directions
-/// turn, where a mean of the tensors themselves would shrink. Source: Arsigny et al. 2006,
-/// doi:10.1002/mrm.20965.
+/// turn, where a mean of the tensors themselves would shrink. Sources: Arsigny et al. 2006,
+/// doi:10.1002/mrm.20965; Alauzet 2010, doi:10.1016/j.finel.2009.06.028, section 2.3.2, eq. (3).
 
 #include <array>
 #include <span>
@@ -39,7 +39,8 @@ struct EigenSystem {
 
 /// The largest ellipsoid's metric that asks for no larger sizes than `a` and `b` do anywhere: >= both in the
 /// Loewner order. By simultaneous diagonalisation of a^-1/2 b a^-1/2, which is symmetric and so stays
-/// accurate at high anisotropy. Source: Alauzet 2010, doi:10.1016/j.finel.2009.06.028.
+/// accurate at high anisotropy. Source: the simultaneous reduction of Alauzet 2010,
+/// doi:10.1016/j.finel.2009.06.028; the symmetric form is derived in docs/stages/metric.md, "Intersection".
 [[nodiscard]] SymTensor intersection(const SymTensor& a, const SymTensor& b);
 
 }  // namespace lumesh::metric

@@ -12,7 +12,9 @@ namespace lumesh {
 /// Generalized winding numbers (Jacobson et al. 2013, doi:10.1145/2461912.2461916) by a tree of dipoles
 /// (Barill et al. 2018, doi:10.1145/3197517.3201337, order 1): 1 inside of a surface that points outwards, 0
 /// outside; between them where holes, turned or missing triangles leave doubt. Within 0.02 of the sum over
-/// all triangles. Threads: queries are const and may run at the same time. Cost: a query takes about 1 us.
+/// all triangles. Both sums are written out in docs/stages/repair.md, "Inside and outside"; the solid angle
+/// of a triangle is eq. (8) of van Oosterom and Strackee 1983, doi:10.1109/TBME.1983.325207. Threads: queries
+/// are const and may run at the same time. Cost: a query takes about 1 us.
 class WindingNumbers {
  public:
   /// Cost: O(n log n), one thread.
