@@ -55,9 +55,9 @@ nlohmann::ordered_json report_json(const DelaunayMesh& made, const OpeningsCompa
   for (const DelaunayRound& round : report.rounds)
     json["rounds"].push_back({{"seconds", round.seconds},
                               {"tetrahedra_looked_at", round.tets_looked_at},
-                              {"surface_wishes", round.surface_candidates},
-                              {"volume_wishes", round.volume_candidates},
-                              {"topology_wishes", round.topology_candidates},
+                              {"surface_candidates", round.surface_candidates},
+                              {"volume_candidates", round.volume_candidates},
+                              {"topology_candidates", round.topology_candidates},
                               {"inserted", round.inserted},
                               {"removed", round.removed}});
   if (improved)

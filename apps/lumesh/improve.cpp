@@ -100,10 +100,10 @@ std::optional<metric::MetricField> sizes_of(const ImproveCommand& command, const
   const std::vector<SymTensor> tensors = metric_of(input, command.mesh_path, command.metric_path);
   if (are_isotropic(tensors)) return background_field(mesh, tensors, 0);
   if (!command.metric_path.empty())
-    throw Error(ErrorKind::kBadInput,
-                command.metric_path +
-                    ": sizes differ by direction; improve betters angles for sizes that "
-                    "do not, use adapt for others");
+    throw Error(
+        ErrorKind::kBadInput,
+        command.metric_path +
+            ": sizes differ by direction; improve supports isotropic sizes only, use adapt for others");
   context.warn("the metric of " + command.mesh_path + " is left out: its sizes differ by direction");
   return std::nullopt;
 }

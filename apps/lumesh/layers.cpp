@@ -42,7 +42,7 @@ void write_reports(const LayersCommand& command, const MixedMesh& mesh, const re
   write_text_file(command.report_path, report::layers_html(title, layers, pictures, mesh.info.provenance));
 }
 
-/// Of a mesh without layers.
+/// Extends the openings of a mesh without growing layers.
 void run_extension(const LayersCommand& command, const MixedMesh& input, Context& context) {
   MixedMesh mesh = input;
   extend_mesh(mesh, command.mesh_path, command.extension, command.request.options.cells, context);

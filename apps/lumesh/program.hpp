@@ -21,7 +21,7 @@ class Program : public CLI::App {
   [[nodiscard]] Progress& progress() { return progress_; }
   /// Why a command was told to stop, for the beginning of a line.
   [[nodiscard]] std::string reason_of_stop() const;
-  /// That it has ended without a result.
+  /// Message printed when a run ends without a result.
   [[nodiscard]] std::string line_of_end() const { return reason_of_stop() + "no unfinished file is left"; }
 
  private:

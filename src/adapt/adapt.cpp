@@ -104,7 +104,7 @@ class Adapter {
             [&] { reconnect(mesh_, execution_, options_.reconnect_below, options_.reconnection, swaps_); });
       for (int i = 0; i < options_.smoothing_passes; ++i)
         phase("smooth", [&] { smooth(execution_, smoothing_); });
-      phase("mend", [&] { improve_worst_tets(); });
+      phase("improve worst", [&] { improve_worst_tets(); });
       close_pass("quality " + std::to_string(round));
       context_.progress(kShareOfLevels + (1 - kShareOfLevels) * (round + 1) / options_.quality_passes);
     }
@@ -237,7 +237,7 @@ std::vector<bool> vertices_outside(const TetMesh& mesh, const operators::KeepWit
   return outside;
 }
 
-/// Vertices of patches that keep their volume come to stand over them; no tetrahedron falls below a mean
+/// Vertices of patches that keep their volume are offset outwards; no tetrahedron falls below a mean
 /// ratio of 0.4 or, where it was near or below that, loses more than a tenth of it. What is still outside of
 /// the image then comes within, as long as no tetrahedron falls below a mean ratio of 0.02. Sheets of the
 /// outside that have come to cross each other are drawn apart.

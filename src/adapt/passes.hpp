@@ -21,14 +21,14 @@ void split_long_edges(const operators::Subject& subject, Execution& execution, d
                       double arc_weight, SplitRank rank, PointPlacement placement,
                       const operators::InsertionRules& rules);
 
-/// Draws every vertex with an edge shorter than `shortest` into its nearest neighbour that will do, those
+/// Collapses every vertex with an edge shorter than `shortest` onto its nearest admissible neighbour, those
 /// with the shortest edges first.
 template <class Execution>
 void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shortest,
                           const operators::CollapseRules& rules);
 
-/// Draws most vertices into others where those are too many by far (Operators::thin_out()): a sweep leaves
-/// less than half. The qualities of the mesh are to be measured afterwards.
+/// Coarsens by edge collapses where the mesh is much finer than the metric (Operators::thin_out()): a sweep
+/// leaves less than half of the vertices. The qualities of the mesh are to be measured afterwards.
 template <class Execution>
 void thin_out(const TetMesh& mesh, Execution& execution, const operators::ThinningRules& rules);
 

@@ -51,7 +51,7 @@ std::vector<BoundaryFace> boundary_faces(const TetMesh& mesh) {
                                          });
 }
 
-/// The part of the outside that a face of the boundary looks at: an opening if all its corners touch one,
+/// The part of the outside behind a face of the boundary: an opening if all its corners touch one,
 /// which so stays flat, else what is not cut off. The tetrahedron behind may lie in another near the rim.
 Material outside_of(const TetMesh& mesh, const Domain& domain, const Cell<3>& corners, Material behind) {
   const double touch_mm = 1e-2 * domain.resolution_mm();

@@ -49,7 +49,7 @@ Material side_of(const Domain& domain, TetId t, const TetMesh& mesh) {
   return domain.is_meshed(m) || domain.is_cut(m) ? m : 0;
 }
 
-/// The material that two faces of a tetrahedron look at, if they are flat and the tetrahedron is to have it.
+/// The material behind two faces of a tetrahedron, if they are flat and the tetrahedron is to have it.
 std::optional<Material> taker_of(const TetMesh& mesh, const Domain& domain, TetId t) {
   const Cell<4>& corners = mesh.tet(t);
   if (std::none_of(corners.begin(), corners.end(),

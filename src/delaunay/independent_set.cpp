@@ -80,7 +80,7 @@ struct SharedTet {
   friend auto operator<=>(const SharedTet&, const SharedTet&) = default;
 };
 
-/// Of the candidates that claim a tetrahedron, one that a candidate of higher priority is too near to loses.
+/// Drops each candidate that lies too near to one of higher priority that claims the same tetrahedron.
 template <class IsTooNear>
 void lose_to_each_other(std::vector<SharedTet> shared, const IsTooNear& is_too_near,
                         std::vector<std::uint32_t>& lost) {

@@ -80,7 +80,7 @@ class StarParts {
     });
   }
 
-  /// What most faces of a part look at that is not of material m.
+  /// The material behind most faces of a part, other than m.
   [[nodiscard]] Material neighbour_of(const std::vector<TetId>& part, Material m) const {
     std::map<Material, int> faces;
     for (const TetId t : part)

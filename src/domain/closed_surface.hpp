@@ -25,7 +25,7 @@ struct ClosedSurface {
 /// @throws Error{kBadInput} as SurfaceDomain. Cost: O(n log n); O(n) more for each shell.
 [[nodiscard]] ClosedSurface closed_surface(const SurfaceView& surface);
 
-/// Of six times the tetrahedron between a triangle and the origin.
+/// Six times the signed volume of the tetrahedron of a triangle and the origin.
 [[nodiscard]] inline double six_volumes(const ClosedSurface& surface, std::uint32_t t, const Vec3& origin) {
   return (surface.corner(t, 0) - origin)
       .dot((surface.corner(t, 1) - origin).cross(surface.corner(t, 2) - origin));

@@ -17,7 +17,7 @@ struct RegionShape {
   bool is_flat_end = false;  // In one plane, ends at one closed curve, beside a region that is bent.
 };
 
-/// Of every region.
+/// Shapes of all regions.
 [[nodiscard]] std::vector<RegionShape> region_shapes(const ClosedSurface& surface,
                                                      const FeatureRegions& regions);
 

@@ -42,8 +42,8 @@ class Connections {
     }
   }
 
-  /// True if nothing had to be done.
-  bool mend(const Block& block) {
+  /// Keeps a connection through a block open. Returns true if nothing had to be done.
+  bool repair(const Block& block) {
     const float middle = block.plus ? interpolated(block) : -interpolated(block);
     if (!(middle < 0)) return true;
     float weight = 1;  // of all corners together
@@ -106,7 +106,7 @@ void keep_connections(const Band& band, const std::vector<std::uint8_t>& near, L
   bool done = false;
   for (int sweep = 0; sweep < kSweeps && !done; ++sweep) {
     done = true;
-    for (const Block& block : blocks) done &= connections.mend(block);
+    for (const Block& block : blocks) done &= connections.repair(block);
   }
 }
 

@@ -127,24 +127,24 @@ void VesselChunks::choose_seeds() {
 /// Voxels go to the chunk whose ball they are nearest to, as far as it comes there through the object.
 void VesselChunks::flood() {
   chunk_of_.assign(distance_.size(), kNoChunk);
-  using Wish = std::tuple<float, std::uint32_t, std::uint32_t>;  // How far off the ball, voxel, chunk.
-  std::priority_queue<Wish, std::vector<Wish>, std::greater<>> wishes;
-  const auto wish = [&](const Index3& place, std::uint32_t chunk) {
+  using SeedEntry = std::tuple<float, std::uint32_t, std::uint32_t>;  // How far off the ball, voxel, chunk.
+  std::priority_queue<SeedEntry, std::vector<SeedEntry>, std::greater<>> entries;
+  const auto add = [&](const Index3& place, std::uint32_t chunk) {
     const double off = (place - chunks_[chunk].seed).cast<double>().cwiseProduct(edges_).norm() -
                        static_cast<double>(chunks_[chunk].half_width);
-    wishes.emplace(static_cast<float>(off), static_cast<std::uint32_t>(offset(place)), chunk);
+    entries.emplace(static_cast<float>(off), static_cast<std::uint32_t>(offset(place)), chunk);
   };
-  for (std::uint32_t c = 0; c < chunks_.size(); ++c) wish(chunks_[c].seed, c);
-  while (!wishes.empty()) {
-    const auto [off, voxel, chunk] = wishes.top();
-    wishes.pop();
+  for (std::uint32_t c = 0; c < chunks_.size(); ++c) add(chunks_[c].seed, c);
+  while (!entries.empty()) {
+    const auto [off, voxel, chunk] = entries.top();
+    entries.pop();
     if (chunk_of_[voxel] != kNoChunk) continue;
     chunk_of_[voxel] = chunk;
     const Index3 place = place_of(voxel);
     for (const Index3& side : kSides) {
       const Index3 next = place + side;
       if (contains(next) && distance_[offset(next)] > 0 && chunk_of_[offset(next)] == kNoChunk)
-        wish(next, chunk);
+        add(next, chunk);
     }
   }
 }

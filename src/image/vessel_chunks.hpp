@@ -1,5 +1,5 @@
 #pragma once
-/// @file The object of an image in chunks about as long as it is thick, and how they hang together.
+/// @file The vessels of an image in segments about as long as they are thick (chunks), and their adjacency.
 
 #include <array>
 #include <map>
@@ -39,7 +39,7 @@ class VesselChunks {
   [[nodiscard]] float saddle(std::uint32_t a, std::uint32_t b) const;
   /// Whether the way between two chunks is much thinner than both, and there is no wider one around.
   [[nodiscard]] bool is_neck(std::uint32_t a, std::uint32_t b) const;
-  /// Whether two chunks hang together here by no more than a neck.
+  /// Whether two chunks are connected here only through a bottleneck.
   [[nodiscard]] bool are_apart(std::uint32_t a, std::uint32_t b) const;
   /// The same, and one or two voxels thick where they share faces.
   [[nodiscard]] bool hang_by_thread(std::uint32_t a, std::uint32_t b) const;

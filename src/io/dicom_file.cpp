@@ -281,7 +281,7 @@ class Walk {
            kItem;
   }
 
-  /// Of a sequence.
+  /// Reads the items of a sequence.
   void items(std::uint64_t end, Coding coding, Ends ends, int depth) {
     while (ends == Ends::kAtMark || at_ < end) {
       const Element item = element(coding, end);

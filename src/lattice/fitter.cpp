@@ -159,7 +159,7 @@ void Fitter::level_openings() {
   }
 }
 
-/// Takes a vertex to a place and lets what is within two rings of it give way; all stays if angles or the
+/// Takes a vertex to a place and relaxes the vertices within two rings of it; all stays if angles or the
 /// surface do not allow that.
 /// @return How far anything has moved.
 std::optional<double> Fitter::level_vertex(std::uint32_t v, const Vec3& place, double floor,
@@ -225,8 +225,8 @@ std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v, double floor) const {
   const double enough = std::min(floor, now.angles);
   std::vector<std::pair<double, Vec3>> places;
   std::pair<double, Vec3> best{0, middle};
-  const auto consider = [&](const Vec3& wish) {
-    const Vec3 y = onto_cuts(domain_, set, wish);
+  const auto consider = [&](const Vec3& target) {
+    const Vec3 y = onto_cuts(domain_, set, target);
     if (off_cuts_mm(domain_, set, y) > kLevel * domain_.voxel_size_mm()) return;
     const Score then = score(v, star, y, -2);
     if (then.angles > best.first) best = {then.angles, y};

@@ -140,8 +140,8 @@ void note_volumes(const WorkMesh& mesh, const ImageDomain& domain, const std::ve
   Label label = 0;
   for (Material m = 1; m < filled.size(); ++m) {
     const double wanted = voxels[m] * domain.frame().voxel_volume_mm3();
-    const bool hardly_there = voxels[m] < 1;       // grazed by a cut plane
-    if (filled[m] <= 0 || hardly_there) continue;  // what is lost is said elsewhere
+    const bool is_below_one_voxel = voxels[m] < 1;       // Grazed by a cut plane.
+    if (filled[m] <= 0 || is_below_one_voxel) continue;  // Lost labels are reported by note_lost().
     const double change = filled[m] / wanted - 1;
     count += std::abs(change) > kMuch ? 1 : 0;
     if (std::abs(change) <= std::abs(worst)) continue;

@@ -340,7 +340,7 @@ Core deform_interior(const TetMesh& mesh, const BoundaryFaces& faces, const Extr
     smooth_lengths(frame.surface, shorter);
     keep_cells_well_shaped(frame, shorter);
     columns = std::move(shorter);
-    // What cannot be drawn back starts again; then columns only ever go, which ends.
+    // Otherwise restart from the initial mesh; columns only shrink from then on, so that the loop ends.
     if (attempt + 1 >= kPatientTries) deformation.emplace(mesh, faces, frame);
   }
 }

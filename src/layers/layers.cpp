@@ -54,7 +54,7 @@ const char* name_of(LayerLimit limit) {
                                                             "ridge",
                                                             "beside a patch that is not flat",
                                                             "poor cells",
-                                                            "skin would cut itself",
+                                                            "outer surface would intersect itself",
                                                             "no room in the mesh",
                                                             "next to a shorter column"};
   return kNames[static_cast<std::size_t>(limit)];

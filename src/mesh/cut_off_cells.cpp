@@ -298,7 +298,8 @@ class Cutter {
     keep_before(mesh_.quadrilaterals, mesh_.quadrilateral_patches);
   }
 
-  /// Of a patch, what lies in the plane is bared again from the other side, where a cell stays.
+  /// Divides the boundary; faces in the plane are dropped: add_openings() makes those with a cell that stays
+  /// anew.
   void divide_triangles(Division& division) {
     std::vector<Cell<3>> triangles;
     std::vector<std::int32_t> patches;
@@ -322,7 +323,7 @@ class Cutter {
   [[nodiscard]] bool is_in_plane(const Corners& corners) const {
     return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return heights_[v] == 0; });
   }
-  /// Of a cell that goes.
+  /// Records a face, if it lies in the plane, of a removed cell.
   void note_face(const Cell<3>& face) {
     if (is_in_plane(face)) beyond_.try_emplace(sorted_corners(face), true);
   }

@@ -32,7 +32,7 @@ Weights barycentric(const TetMesh& mesh, TetId t, const Vec3& point) {
 
 /// Walks through the face the point lies farthest behind, until there is none or the boundary is met. A point
 /// on a face or an edge may, by rounding, lie behind faces of all tetrahedra there: the walk, which depends
-/// on where it is alone, then goes round for ever, and is cut short to where kLongestWalk steps would end.
+/// on where it is alone, then may cycle, and is cut short to where kLongestWalk steps would end.
 TetId walk_to(const TetMesh& mesh, TetId t, const Vec3& point, Weights& weights) {
   TetId marked = t;  // Where it was after as many steps as the last power of two, and this many steps.
   int steps_to_marked = 0, last_step = kLongestWalk;

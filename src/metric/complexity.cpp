@@ -61,7 +61,8 @@ class DensityIntegral {
  private:
   static constexpr int kMaxHalvings = 21;
   static constexpr double kSmooth = 1;  // Of ln density along half an edge.
-  static constexpr double kFlat = 0.3;  // Of ln density over a tetrahedron: its corners will do.
+  static constexpr double kFlat =
+      0.3;  // Of ln density over a tetrahedron: evaluation at the corners suffices.
   struct Part {
     std::array<Sample, 4> corners;
     int halvings;

@@ -172,8 +172,8 @@ bool are_positive_after(const TetMesh& mesh, VertexId from, VertexId to, const V
   return true;
 }
 
-/// Of the tetrahedra around `from` after it went to `to`; negative where one vanishes. False if one would be
-/// inverted or fall below the floor.
+/// Qualities of the tetrahedra around `from` once moved to `to`; negative where one vanishes. False if one
+/// would be inverted or fall below the floor.
 bool measure_after(const TetMesh& mesh, const ShapeMeasure& measure, VertexId from, VertexId to,
                    const VertexBall& ball, StarShapes& shapes, double floor, std::vector<float>& qualities) {
   const bool in_metric = measure.kind == ShapeMeasure::Kind::kMeanRatio;
@@ -219,7 +219,7 @@ Outcome Operators<Lock>::collapse_vertex(VertexId v, double min_length, const Co
   });
 }
 
-/// Into the first vertex of `near` that will do.
+/// Collapses v onto the first admissible vertex of scratch_->near.
 template <class Lock>
 Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRules& rules) {
   const TetMesh& mesh = subject_.mesh;

@@ -18,7 +18,7 @@ std::optional<Material> material_of(const Domain& domain, Label label) {
   return std::nullopt;
 }
 
-/// Which part of the outside a face looks at: that on whose boundary its corners lie best; none where two are
+/// The part of the outside behind a face: that on whose boundary its corners lie best; none where two are
 /// as good, as between the rims of two openings.
 std::optional<Material> outside_of(const Domain& domain, const TetMesh& mesh, const Cell<3>& corners,
                                    Material inside) {

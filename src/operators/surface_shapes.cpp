@@ -149,8 +149,8 @@ void lower(PatchTriangles& patch, const std::vector<Vec3>& normals, const Height
     if (!is_at_rim[v] && means[v] != 0) patch.points[v] -= means[v] * normals[v];
 }
 
-/// Lets the points down by the mean sagitta, so that a smooth surface through them encloses about what the
-/// triangles enclosed.
+/// Offsets the points inwards by the mean sagitta, so that a smooth surface through them encloses about what
+/// the triangles enclosed.
 void lower_by_sagitta(PatchTriangles& patch) {
   const std::vector<Vec3> normals = vertex_normals(patch.points, patch.triangles);
   lower(patch, normals, [&, points = patch.points](std::size_t i) {

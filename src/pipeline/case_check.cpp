@@ -127,10 +127,10 @@ void check_mixed(const Case& c) {
         "[lattice] mixed makes hexahedra and pyramids, which [metric] and [adapt] do not change; {}",
         kRemedy));
   if (c.layers.is_wanted() && c.layers.options.side == LayerSide::kInward)
-    refuse(
-        fmt::format("[lattice] mixed makes hexahedra and pyramids, which do not give way to [layers] side = "
-                    "\"inward\"; {}",
-                    kRemedy));
+    refuse(fmt::format(
+        "[lattice] mixed makes hexahedra and pyramids, which layers cannot deform with [layers] side "
+        "= \"inward\"; {}",
+        kRemedy));
 }
 
 /// Formats hold the cells.

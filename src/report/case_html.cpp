@@ -372,7 +372,7 @@ std::string words_html(const CaseReport& report) {
   add("Mean ratio", "Quality of a tetrahedron: 1 if it is regular, 0 if it is flat.");
   if (std::any_of(report.stages.begin(), report.stages.end(), has_metric)) {
     add("Metric",
-        "The wish for size and shape of the elements at every place. They may be long along the vessel "
+        "The size and shape wanted of the elements at every place. They may be long along the vessel "
         "and thin across its wall, where the flow changes fast; seen through the metric, such an "
         "element is regular and its edges have length 1.");
     add("Edges of the length asked for",

@@ -228,7 +228,7 @@ bool is_within(const Shape& whole, const Vec3& place, const Vec3& direction, dou
   return from_within;
 }
 
-/// Out of the faces around a place; zero where they look to all sides.
+/// Mean outward normal near a place, weighed by area and distance; zero where the normals cancel.
 Vec3 outward_at(const Shape& part, const Vec3& place, double reach_mm) {
   Vec3 sum = Vec3::Zero();
   double area = 0;

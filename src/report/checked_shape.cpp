@@ -18,7 +18,7 @@ std::vector<Cell<3>> outer_triangles(const MeshView& mesh) {
   return surface_for_pictures(mesh).outer();
 }
 
-/// Of a surface that need not be closed: whether most of it looks to its middle.
+/// Whether most triangles of a surface, which need not be closed, face its centroid.
 bool points_inwards(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
   Vec3 middle = Vec3::Zero();
   double area = 0, six_volumes = 0;

@@ -60,7 +60,7 @@ void improve_within(const Domain& domain, const DelaunayRequest& request, const 
   if (const DihedralRange& after = made.improved->after; made.is_complete && after.tets_outside > 0)
     made.report.notes.push_back(fmt::format(
         "{} of {} tetrahedra have dihedral angles outside {:g} to {:g} degrees, from {:.4g} to {:.4g}, that "
-        "improvement does not better",
+        "improvement could not bring within the targets",
         after.tets_outside, made.mesh.tet_count(), improvement.min_dihedral_deg, improvement.max_dihedral_deg,
         after.min_deg, after.max_deg));
 }

@@ -16,12 +16,12 @@
 namespace lumesh {
 namespace {
 
-/// Layers outwards stand on triangles, and inwards only tetrahedra give way.
+/// Layers outwards stand on triangles, and inwards only tetrahedra can be deformed.
 void require_triangles(const MixedMesh& mesh, const LayerOptions& options) {
   if (options.side == LayerSide::kInward)
     throw Error(
         ErrorKind::kBadInput,
-        fmt::format("has hexahedra, prisms or pyramids, and inwards only tetrahedra give way to layers; mesh "
+        fmt::format("has hexahedra, prisms or pyramids, and only tetrahedra can be deformed inwards; mesh "
                     "without `mixed`, or set {} outward",
                     option_name("side")));
   if (!mesh.quadrilaterals.empty())

@@ -77,7 +77,7 @@ class NewNames {
   std::vector<Piece> pieces_;
 };
 
-/// Those that go.
+/// Removes patches without faces; returns them.
 std::vector<Patch> drop_empty_patches(MixedMesh& mesh) {
   std::vector<Patch>& patches = mesh.info.patches;
   std::vector<std::int32_t> number(patches.size(), -1);
@@ -100,12 +100,12 @@ std::vector<Patch> drop_empty_patches(MixedMesh& mesh) {
   return gone;
 }
 
-/// Between two faces of a mesh whose normals point out of it.
+/// Angle inside a mesh between two of its faces, whose normals point out of it.
 double angle_inside_deg(const Vec3& one, const Vec3& other) {
   return std::acos(std::clamp(-one.dot(other), -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-/// Of the patches of some names; in mm (LPS).
+/// Area, centre and least wall angle of each named opening, in mm (LPS).
 std::vector<CutMesh::Opening> measure(const MixedMesh& mesh, const std::set<std::string>& names) {
   const Vec3 to_mm = frame_factors(mesh.info, MeshInfo());
   const auto normal_of = [&](std::size_t t) {

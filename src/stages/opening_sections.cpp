@@ -13,7 +13,7 @@
 namespace lumesh {
 namespace {
 
-/// Voxel faces of one label that hang together on one side of the image.
+/// Connected voxel faces of one label on one side of the image.
 struct Section {
   Label label = kBackground;
   std::vector<Vec3> centres_mm;  ///< Of the faces.

@@ -60,7 +60,7 @@ const Vec3* place_of_opening(const std::vector<surfaces::Rim>& rims, const Trian
 
 [[noreturn]] void refuse(const std::string& why, const Vec3& place) {
   throw Error(ErrorKind::kNotReached,
-              fmt::format("cannot be repaired: {} at {}; mend it by hand or allow more: {}", why,
+              fmt::format("cannot be repaired: {} at {}; repair it by hand or allow more: {}", why,
                           place_text(place), option_name("max_distance")));
 }
 

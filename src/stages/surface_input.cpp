@@ -54,7 +54,7 @@ bool may_be_opening(const ClosedRim& rim) {
   return !rim.is_opening && (rim.ends_wall || rim.given.radius_mm >= kEdges * rim.given.mean_edge_mm);
 }
 
-/// Of a part within another one, caps close a cavity: no flow passes them.
+/// Warns of caps on a nested part: they enclose a cavity, not an opening.
 void warn_of_caps_within(const MixedMesh& surface, std::span<const ClosedRim> rims, const Context& context) {
   TriangleMesh turned{surface.points, surface.triangles, surface.triangle_patches, {}};
   const surfaces::Parts parts = surfaces::turn_alike(turned);

@@ -82,7 +82,7 @@ class PlaneCut {
     }
   }
   [[nodiscard]] PlaneSlide plane_slide() { return {surface_, triangles_around_, rim_.normal, heights_}; }
-  /// So near to the plane, a cut would leave one.
+  /// Whether no vertex is so near the plane that cutting leaves slivers.
   [[nodiscard]] bool makes_no_slivers() {
     constexpr double kNear = 1e-3;  // Of the edges there.
     const std::vector<std::uint32_t> corners = cut_corners();
@@ -96,7 +96,7 @@ class PlaneCut {
   }
   [[nodiscard]] double reach_mm() const { return rim_.radius_mm + rim_.deviation_mm; }
 
-  /// Finds the triangles that reach above the plane and hang together with the rim there. False if those go
+  /// Finds the triangles that reach above the plane and are connected with the rim there. False if those go
   /// far, or to another rim.
   bool flood() {
     is_cut_.assign(surface_.triangles.size(), 0);

@@ -203,7 +203,7 @@ class LayersTest(MeshTest):
         self.run_well("phantom", "sphere", "--size", 32, 32, 32, "--radius", 10, "-o", image)
         self.run_well("lattice", image, "-o", mesh, "--mixed", "--spacing", 1.5)
         layers = ["--first-height", 0.2, "--count", 2, "-o", self.out]
-        self.assert_refused(self.run_lumesh("layers", mesh, *layers, "--side", "inward"), BAD_INPUT, "ball.vtu", "only tetrahedra give way",
+        self.assert_refused(self.run_lumesh("layers", mesh, *layers, "--side", "inward"), BAD_INPUT, "ball.vtu", "only tetrahedra can be deformed",
                             "--side outward")
         layered = self.folder / "prisms.vtu"
         self.run_well("layers", self.vessel(), "--first-height", 0.1, "--count", 2, "--cells", "prisms", "-o", layered)

@@ -462,7 +462,7 @@ class LayersTest(CaseTest):
             (["layers.side=inward", "layers.into=9"], "there will be no label 9"),
             (["layers.cells=prisms", "output.meshes=a.xdmf"], "a.xdmf holds tetrahedra only"),
             (["mesher=lattice", "lattice.mixed=true", "output.meshes=a.xdmf"], "not the hexahedra of [lattice] mixed"),
-            (["mesher=lattice", "lattice.mixed=true", "layers.side=inward"], "do not give way to [layers] side"),
+            (["mesher=lattice", "lattice.mixed=true", "layers.side=inward"], "layers cannot deform with [layers] side"),
             (["mesher=lattice", "lattice.mixed=true", "metric.points=centerline"], "which [metric] and [adapt] do not change"),
         ]
         for settings, words in refused:

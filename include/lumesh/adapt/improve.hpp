@@ -67,9 +67,9 @@ struct ImproveReport {
   bool complete = true;                  ///< False if the context was cancelled before the end.
 };
 
-/// Betters the tetrahedra with angles outside the targets until there are none, nothing helps, or the passes
-/// are done. Each in turn is swapped away (edge and face removal), has its vertices moved to where the
-/// worst angle around them is best, has an edge collapsed, gets a new vertex nearby, or has its surface
+/// Improves tetrahedra whose dihedral angles lie outside the targets until there are none, nothing helps, or
+/// the passes are done. Each in turn is swapped away (edge and face removal), has its vertices moved to where
+/// the worst angle around them is best, has an edge collapsed, gets a new vertex nearby, or has its surface
 /// vertices slid along their patch: the first that improves the worst angle of what it changes, where both
 /// targets are equally good and count as the sine of the smaller one (operators::angle_quality()). So by this
 /// measure the mesh never becomes worse.

@@ -15,7 +15,7 @@ enum class ErrorKind {
   kMemory,      ///< The request needs more memory than there is.
 };
 
-/// A fault the user can mend: the message is one line that says what, where, and what to do.
+/// A fault the user can put right: the message is one line that says what, where, and what to do.
 class Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}

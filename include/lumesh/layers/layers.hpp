@@ -79,7 +79,7 @@ enum class LayerLimit : std::uint8_t {
   kRidge,      ///< No direction sees all triangles around.
   kRim,        ///< The column is beside a patch that is not flat, which it would cut off.
   kShape,      ///< Cells would turn over or become poor.
-  kSkin,       ///< The outer skin would cut itself or another part of the surface.
+  kSkin,       ///< The outer surface would intersect itself or another part of the surface.
   kRoom,       ///< The mesh within could not be deformed as far.
   kNeighbour,  ///< Heights change gradually; a column nearby is limited.
 };

@@ -36,7 +36,7 @@ struct SurfaceCut {
 /// @param goes  Which part; the smaller one is that with less area. @param patch  Of the cap. @param ends
 /// Patches that are flat ends.
 /// @throws Error{kBadInput} if the plane has no section around the point, or one that is wider or divides an
-/// end, or if both parts hang together elsewhere. Cost: about 1 us
+/// end, or if both parts stay connected. Cost: about 1 us
 /// per triangle.
 SurfaceCut cut_off_end(TriangleMesh& surface, const SectionPlane& plane, double radius_mm,
                        double max_widening, std::int32_t patch, std::span<const std::int32_t> ends,
