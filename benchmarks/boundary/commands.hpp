@@ -45,7 +45,7 @@ class Summary {
 
 void run_field(const RunOptions& options);
 void run_mesh(const RunOptions& options);
-/// Of random label images; `only` picks meshers.
+/// Topology of meshes of random label images; `only` picks meshers.
 void run_topology(const RunOptions& options);
 /// Time and memory of the field alone, from 0.1 to 10 million voxels in the band; reads only `json_path`.
 void run_cost(const RunOptions& options);

@@ -32,7 +32,7 @@ Wall wall_of(const MixedMesh& mesh) {
   return wall;
 }
 
-/// Of the cut planes at which the object leaves the image, in mm; infinite if there are none.
+/// Distance to the cut planes at which the object leaves the image, in mm; infinite if there are none.
 double distance_to_cuts(const ImageDomain& domain, const Vec3& point) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const CutPlane& plane : domain.cut_planes())

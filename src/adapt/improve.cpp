@@ -214,7 +214,7 @@ bool comes_before(const Vec3& a, const Vec3& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
 
-/// Of vertices inside patches, sorted.
+/// Places of vertices inside patches, sorted.
 std::vector<Vec3> places_on_surfaces(const TetMesh& mesh) {
   std::vector<Vec3> places;
   for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v)

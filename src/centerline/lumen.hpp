@@ -91,7 +91,7 @@ class Lumen {
     return static_cast<std::size_t>(at.x() % kBrick +
                                     kBrick * (at.y() % kBrick + kBrick * (at.z() % kBrick)));
   }
-  /// Of a voxel or the border's nearest one, 0 to kWhole.
+  /// Share of a voxel, or of the border's nearest one, 0 to kWhole.
   [[nodiscard]] double share_at(const Index3& v) const {
     const Index3 nearest = v.cwiseMax(0).cwiseMin(frame_.size - Index3::Ones());
     const Brick* brick = brick_at(nearest);

@@ -22,7 +22,7 @@ class TouchedMaterials {
       of_vertex_[i] = domain.materials_near(mesh.point(v), touch_mm);
     });
   }
-  /// Those that all of the vertices touch.
+  /// Materials that all of the vertices touch.
   template <std::size_t N>
   [[nodiscard]] MaterialSet common_to(const Cell<N>& vertices) const {
     MaterialSet common;

@@ -18,8 +18,8 @@ constexpr int kSamples = 48;  // Along each axis.
 /// Volume over the volume of a regular tetrahedron with edges of the wanted length.
 constexpr double kRegularVolume = 0.11785;  // sqrt(2) / 12
 
-/// Of a boundary that passes through a box, where its points stand so much closer than inside that tetrahedra
-/// there outnumber those of the volume.
+/// Tetrahedra at a boundary that passes through a box, where its points stand so much closer than inside that
+/// these there outnumber those of the volume.
 double tets_at_boundary(const Spacing& spacing, const Vec3& x, Material m, const Vec3& step) {
   constexpr double kMuchCloser = 0.4, kTetsPerPoint = 14, kAreaPerPoint = 1.1;  // The last in squares.
   const Domain::Surroundings here = spacing.domain().surroundings(x);

@@ -131,7 +131,7 @@ std::vector<IndependentSet::Replacement> IndependentSet::replacements(
   return replaced;
 }
 
-/// Of neighbours that all ask for points inside, most would not get theirs: finding the tetrahedra that each
+/// Where neighbours all ask for points inside, most would not get theirs: finding the tetrahedra that each
 /// would replace costs more than anything else.
 std::vector<Candidate> IndependentSet::without_lower_priority_neighbours(TetMesh& mesh,
                                                                          std::vector<Candidate> candidates,

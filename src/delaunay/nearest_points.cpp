@@ -66,7 +66,7 @@ struct NearestPoints::Builder {
     });
   }
 
-  /// Those of `from` that may be the nearest of a place in the block, and some more.
+  /// The points of `from` that may be the nearest of a place in the block, and some more.
   [[nodiscard]] std::vector<std::uint32_t> remaining(std::span<const std::uint32_t> from, std::uint32_t best,
                                                      const Block& block) const {
     std::vector<std::uint32_t> kept;
@@ -75,7 +75,8 @@ struct NearestPoints::Builder {
     return kept;
   }
 
-  /// Those of `kept` that stand for all of them within kMaxError, or none if it takes more than `max_count`.
+  /// The points of `kept` that stand for all of them within kMaxError, or none if it takes more than
+  /// `max_count`.
   [[nodiscard]] std::vector<std::uint32_t> reduced(std::span<const std::uint32_t> kept, std::uint32_t best,
                                                    const Block& block, std::size_t max_count) const {
     std::vector<std::uint32_t> few = {best};

@@ -8,7 +8,8 @@
 namespace lumesh {
 namespace {
 
-/// Of a ring's own area: walls are up to 1.2 radii of the lumen thick, and what lies in a lumen is thinner.
+/// Least share of a ring's own area: walls are up to 1.2 radii of the lumen thick, and what lies in a lumen
+/// is thinner.
 constexpr double kMinSurrounded = 0.25;
 
 /// The squares around a part that are joined to the edge of the grid: neither the part nor its holes.

@@ -223,7 +223,7 @@ class PlaneOpenings {
     return sum(fine, coarse, squares);
   }
 
-  /// Of the parts on the fine grid that the coarse one's squares belong to.
+  /// Opening of the parts on the fine grid that the coarse one's squares belong to.
   [[nodiscard]] Opening sum(const PlaneGrid& fine, const PlaneGrid& coarse,
                             const std::vector<std::size_t>& squares) const {
     const std::vector<std::uint32_t> part = fine.parts();

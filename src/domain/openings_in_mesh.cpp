@@ -83,7 +83,7 @@ std::string text_of_area(const OpeningInMesh& o) {
                      o.opening.area_mm2, place_text(o.opening.centre_mm));
 }
 
-/// Of one that is_wrong().
+/// Text of what is wrong with an opening that is_wrong().
 std::string wrong_of(const OpeningInMesh& o) {
   if (o.patches.empty())
     return fmt::format("{}, an opening of {:.4g} mm² at {}, is missing in the mesh", o.opening.name,

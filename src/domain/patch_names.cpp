@@ -181,14 +181,14 @@ class OpeningNames {
         {name_of(number), PatchKind::kOpening, {domain_.label_of(group.inside), kBackground}});
     return static_cast<std::int32_t>(result_.patches.size()) - 1;
   }
-  /// Those that the domain does not know are counted on.
+  /// Name of an opening; those that the domain does not know are counted on.
   [[nodiscard]] std::string name_of(std::size_t number) const {
     if (number < openings_.size()) return openings_[number].name;
     const auto rims =
         std::count_if(openings_.begin(), openings_.end(), [](const Opening& o) { return o.is_rim; });
     return opening_name(number - static_cast<std::size_t>(rims));
   }
-  /// Of the group's label; a new one where the mesh has none.
+  /// Wall of the group's label; a new one where the mesh has none.
   [[nodiscard]] std::int32_t wall_of(const OpeningGroups::Group& group) {
     const Label label = domain_.label_of(group.inside);
     for (std::size_t p = 0; p < result_.patches.size(); ++p)

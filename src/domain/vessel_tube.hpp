@@ -66,7 +66,7 @@ struct VesselTube {
     if (second == wall_label && first == lumen_label) return -blended(field, x, lumen, -value);
     return value;
   }
-  /// Of the object, at a place where outer_value() is positive.
+  /// Label of the object at a place where outer_value() is positive.
   [[nodiscard]] LabelIndex label_at(const LabelField& field, const Vec3& x) const {
     const LabelIndex label = field.object_label_at(field.frame().to_index(section->carried_back(x)));
     if (transition_mm < 0 || !has_lumen() || (label != wall_label && label != lumen_label)) return label;

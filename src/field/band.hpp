@@ -71,7 +71,7 @@ class Band {
   [[nodiscard]] int entry_count() const { return first_entry_.back(); }
   /// Whether the place where the boundary crosses is known of any face.
   [[nodiscard]] bool has_crossings() const { return !crossings_.empty(); }
-  /// Of the lanes of an entry: the fraction of the edge, from the segment's voxel, at which the boundary
+  /// For the lanes of an entry, the fraction of the edge, from the segment's voxel, at which the boundary
   /// crosses; 0 where it is not known. Only where has_crossings().
   [[nodiscard]] const float* crossings(int entry) const {
     return &crossings_[static_cast<std::size_t>(entry) * kLanes];

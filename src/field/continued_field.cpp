@@ -50,7 +50,7 @@ class ContinuedFieldBuilder {
   [[nodiscard]] Index3 clamped(const Index3& v) const {
     return v.cwiseMax(0).cwiseMin(f_.frame_.size - Index3::Ones());
   }
-  /// Of the old field, at the same place; null where it is uniform or there is none.
+  /// Brick of the old field at the same place; null where it is uniform or there is none.
   [[nodiscard]] const Brick* old_brick(const Index3& brick) const {
     const Index3 b = brick + first_brick_;
     if ((b.array() < 0).any() || (b.array() >= old_.bricks_.array()).any()) return nullptr;
@@ -61,7 +61,7 @@ class ContinuedFieldBuilder {
   [[nodiscard]] const LabelIndex* row_at(int i, int j, int k) const {
     return &image_.voxels()[image_.frame().offset({i, j, k})];
   }
-  /// Of the faces that the brick has to know, as LabelFieldBuilder has them.
+  /// Pairs of the faces that the brick has to know, as LabelFieldBuilder has them.
   [[nodiscard]] std::vector<LabelField::Pair> pairs_around(const Index3& brick) const {
     constexpr int kReach = 3;
     const Index3 first = brick * kBrick + Index3::Constant(LabelField::kFirst);
@@ -199,8 +199,8 @@ class ContinuedFieldBuilder {
         for (int i = 0; i < kCorners; ++i) *out++ = image_.at(clamped(first + Index3(i, j, k)));
   }
 
-  /// Of a voxel that the old field has in another brick only. Interpolation gives the voxels' own values
-  /// back.
+  /// Value at a voxel that the old field has in another brick only. Interpolation gives the voxels' own
+  /// values back.
   [[nodiscard]] float known_elsewhere(const Index3& voxel, const LabelField::Pair& pair) const {
     const Index3 at = voxel + first_brick_ * kBrick;
     return static_cast<float>(old_.difference_value(at.cast<double>(), pair.second, pair.first));

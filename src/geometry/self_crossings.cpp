@@ -114,7 +114,7 @@ bool meet_along_edge(const Corners& a, const Corners& b) {
   return plane.left_of(a[0], a[1], b[2]) > 0;
 }
 
-/// Of triangles with an area. @param shared  How many corners they have in common, in front.
+/// Whether two triangles with an area meet. @param shared  How many corners they have in common, in front.
 bool meet(const Corners& a, const Corners& b, std::size_t shared) {
   switch (shared) {
     case 0:

@@ -238,7 +238,7 @@ std::vector<ThinPlace> bridges_of(const VesselChunks& chunks, const std::set<Pai
   return places;
 }
 
-/// Of each face one voxel goes, the one nearer to the background, unless the other is gone already.
+/// Removes one voxel at each face, the one nearer to the background, unless the other is gone already.
 void separate(const std::vector<ContactElement>& elements, std::set<std::size_t>& gone) {
   std::unordered_map<std::uint32_t, std::size_t> faces_of;
   for (const ContactElement& e : elements)

@@ -143,7 +143,7 @@ class Walk {
     if (at->second.size() != 2) damaged();
     return number(at->second.data(), 2, coding_.is_big);
   }
-  /// Those of the image itself; none if they are packed.
+  /// Bytes of the image's own pixels; none if they are packed.
   [[nodiscard]] std::optional<std::uint64_t> pixel_bytes() const { return pixel_bytes_; }
   [[nodiscard]] bool has_pixels() const { return has_pixels_; }
 
@@ -296,7 +296,7 @@ class Walk {
     }
   }
 
-  /// Of packed pixels.
+  /// Reads the fragments of packed pixels.
   void fragments(Coding coding, std::uint64_t end) {
     for (;;) {
       const Element fragment = element(coding, end);

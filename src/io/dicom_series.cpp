@@ -24,7 +24,7 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
-/// Those that are DICOM.
+/// Files of a folder that are DICOM.
 std::vector<DicomFile> dicom_files_in(const fs::path& folder) {
   std::vector<DicomFile> found;
   for (const fs::path& file : files_in(folder))

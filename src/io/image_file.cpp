@@ -43,7 +43,7 @@ void check_options(const ImageReadOptions& options) {
                                                *options.threshold, *options.below));
 }
 
-/// Of those that are there.
+/// Gives names to the labels that are there.
 void name_labels(const std::map<Label, std::string>& names, LabelImage& image) {
   for (const Label label : image.values())
     if (const auto at = names.find(label); label != kBackground && at != names.end())

@@ -121,7 +121,7 @@ ImageHeader read_header(const fs::path& path, itk::ImageIOBase& io) {
   return header;
 }
 
-/// Of 3D Slicer's segmentations (.seg.nrrd): Segment0_Name:=…, Segment0_LabelValue:=….
+/// Names of 3D Slicer's segments (.seg.nrrd): Segment0_Name:=…, Segment0_LabelValue:=….
 std::map<Label, std::string> segment_names(const itk::ImageIOBase& io) {
   constexpr std::string_view kName = "_Name";
   const itk::MetaDataDictionary& fields = io.GetMetaDataDictionary();

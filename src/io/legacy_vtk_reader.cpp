@@ -33,7 +33,7 @@ class LegacyReader {
     return std::move(mesh_);
   }
 
-  /// Of an unstructured grid or of PolyData, which begin with them.
+  /// Reads the points of an unstructured grid or of PolyData, which begin with them.
   MixedMesh run_for_points() {
     read_header();
     if (dataset_ == "UNSTRUCTURED_GRID") {

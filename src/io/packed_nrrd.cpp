@@ -40,7 +40,7 @@ bool is_free_text(std::string_view line) {
          (colon != std::string_view::npos && line.substr(colon).starts_with(":="));
 }
 
-/// Of a line such as: space units: "m" "m" "m".
+/// Unit named by a line such as: space units: "m" "m" "m".
 double unit_mm(std::string_view line) {
   const std::size_t begin = line.find('"'), end = line.find('"', begin + 1);
   if (begin == std::string_view::npos || end == std::string_view::npos) return 1;
@@ -51,7 +51,7 @@ double unit_mm(std::string_view line) {
   return 1;
 }
 
-/// Of names of files by their numbers, such as "slice%03d.raw".
+/// Whether a text stands for names of files by their numbers, such as "slice%03d.raw".
 bool is_pattern(std::string_view text) {
   std::size_t at = text.find('%');
   if (at == std::string_view::npos) return false;

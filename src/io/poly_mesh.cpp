@@ -227,7 +227,7 @@ class PolyMeshBuilder {
     }
   }
 
-  /// Of the internal face with this side of its owner.
+  /// Number of the internal face with this side of its owner.
   [[nodiscard]] std::uint32_t number_of(std::uint32_t side) const {
     std::uint32_t face = first_face_[poly_.sides.cell_of(side)];
     while (poly_.faces[face] != side) ++face;

@@ -147,7 +147,7 @@ decltype(auto) visit_voxels(const RawImage& image, Visit&& visit) {
 struct VolumeRange {
   std::size_t first = 0, count = 1;
 };
-/// Those that are read: the frame that is asked for, or all, which only probabilities may be.
+/// Volumes that are read: the frame that is asked for, or all, which only probabilities may be.
 /// @throws Error{kBadInput} if there is no such frame, or one has to be asked for.
 [[nodiscard]] VolumeRange chosen_volumes(const std::filesystem::path& path, const ImageHeader& header,
                                          const FileChoice& choice);

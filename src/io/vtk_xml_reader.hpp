@@ -36,7 +36,7 @@ class VtkXmlReader {
   [[nodiscard]] std::vector<unsigned char> bytes(const pugi::xml_node& array, const char* what) const;
   [[nodiscard]] std::vector<unsigned char> unpack(std::string_view raw, const char* what) const;
   [[nodiscard]] std::uint64_t header_word(std::string_view raw, std::size_t index, const char* what) const;
-  /// Of an array that is about to be unpacked.
+  /// Checks the size of an array that is about to be unpacked.
   void check_size(std::uint64_t bytes, const char* what) const;
   template <class Value>
   [[nodiscard]] std::vector<Value> values(const pugi::xml_node& array, const char* what) const;

@@ -233,7 +233,7 @@ std::vector<double> DeviationFinder::deviating_probe_distances_mm(const WorkMesh
   return distances;
 }
 
-/// Of all triangles when most probes are searched, as the first time.
+/// Tree of the triangles near the probes; of all triangles when most probes are searched, as the first time.
 SurfaceTree DeviationFinder::tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
                                        const std::vector<std::uint32_t>& probes) const {
   if (probes.size() > probes_->size() / 16) return {mesh, boundary};

@@ -307,7 +307,7 @@ class ProtrusionGrower {
     }
   }
 
-  /// Of a point from the new triangles.
+  /// Distance of a point from the new triangles.
   [[nodiscard]] static double distance_mm(const Corners3& p, const Option& o, const Vec3& from) {
     double min2 = std::numeric_limits<double>::infinity();
     for (std::size_t e = 0; e < 3; ++e) {

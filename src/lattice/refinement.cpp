@@ -76,7 +76,7 @@ class Refiner {
         });
   }
 
-  /// Those at the upper faces of a cube.
+  /// Appends the tetrahedra at the upper faces of a cube.
   void append_coarse_tetrahedra(std::size_t cube, std::vector<Corners>& out) const {
     const auto nx = static_cast<std::size_t>(frame_.cells.x());
     const auto ny = static_cast<std::size_t>(frame_.cells.y());

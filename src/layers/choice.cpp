@@ -40,7 +40,7 @@ std::size_t patch_called(const std::string& name, const MeshInfo& info) {
   refuse(fmt::format("there is no patch {}; it has:{}", name, known));
 }
 
-/// Those named, or all walls there are on that side.
+/// Patches named, or all walls there are on that side.
 std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector<PatchSides>& sides,
                                          const LayerOptions& options) {
   std::vector<std::uint8_t> chosen(info.patches.size(), 0);

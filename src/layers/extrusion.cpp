@@ -89,7 +89,7 @@ class Extruder {
   [[nodiscard]] const Patch& patch(std::int32_t p) const { return patches()[static_cast<std::size_t>(p)]; }
   [[nodiscard]] const Vec3& point(std::uint32_t v) const { return mesh().points[v]; }
 
-  /// Of all walls; 0 without any.
+  /// Mean length of the edges of all walls; 0 without any.
   [[nodiscard]] double mean_wall_edge_mm() const {
     double sum_mm = 0;
     std::size_t count = 0;
@@ -129,7 +129,7 @@ class Extruder {
     return sum / static_cast<double>(face.size());
   }
 
-  /// Of all faces of each patch.
+  /// Mean normal of each patch, over all of its faces.
   [[nodiscard]] std::vector<Vec3> patch_normals() const {
     std::vector<Vec3> sums(patches().size(), Vec3::Zero());
     for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {

@@ -134,7 +134,7 @@ class PointJoiner {
   [[nodiscard]] JoinedPoints take() { return std::move(joined_); }
 
  private:
-  /// Of each point of the surface, the one it becomes; kNone: a new one.
+  /// For each point of the surface, the one it becomes; kNone: a new one.
   [[nodiscard]] std::vector<std::uint32_t> found_before(const PartSurface& part) const {
     std::vector<std::uint32_t> found(part.points.size());
     const PointGrid grid(joined_.points, on_surface_, extent_, joined_.tolerance);

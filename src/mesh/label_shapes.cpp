@@ -51,7 +51,7 @@ struct Corner {
   friend auto operator<=>(const Corner&, const Corner&) = default;
 };
 
-/// Those of each face in a row.
+/// Corners of each boundary face in a row.
 std::vector<Corner> boundary_corners(const TetMesh& mesh) {
   return parallel::collect<Corner>(
       mesh.tet_count(),

@@ -33,7 +33,7 @@ std::optional<GivenKind> given_kind(std::string_view word) {
   return std::nullopt;
 }
 
-/// Of a name, however it is spelt.
+/// Kind that a name means, however it is spelt.
 PatchKind kind_meant_by(std::string name) {
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

@@ -139,7 +139,7 @@ std::vector<Density> densities_at_vertices(const TetMesh& mesh, MetricField::Hin
   return densities;
 }
 
-/// Of the values at vertices, weighted by a quarter of their tetrahedra's volume.
+/// Integral of the values at vertices, weighted by a quarter of their tetrahedra's volume.
 double vertex_integral(const TetMesh& mesh, const std::vector<Density>& densities) {
   return parallel::reduce_blocks<double>(
       mesh.tet_slots(), kTetBlock, 0.0,

@@ -31,7 +31,7 @@ std::vector<Vec3> vertex_normals(std::span<const Vec3> points, std::span<const C
   return normals;
 }
 
-/// Of the height h(x, y) with first derivatives d, e and second ones a, b, c: what bends in which direction.
+/// Principal curvatures of the height h(x, y) with first derivatives d, e and second ones a, b, c.
 SurfaceCurvature curvature_of(const Mat3& frame, double d, double e, double a, double b, double c) {
   // First and second fundamental form; principal curvatures k solve II x = k I x.
   const double root = std::sqrt(1 + d * d + e * e);

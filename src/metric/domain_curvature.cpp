@@ -41,7 +41,7 @@ std::vector<Place> boundary_places(const TetMesh& mesh, const Domain& domain) {
   return places;
 }
 
-/// Of the level surface of the separation through the place; none where it has no normal.
+/// Curvature of the level surface of the separation through the place; none where it has no normal.
 std::optional<SurfaceCurvature> curvature_at(const Domain& domain, const Vec3& place, const Place& of) {
   const double step = domain.resolution_mm();
   const auto normal_at = [&](const Vec3& x) -> Vec3 {

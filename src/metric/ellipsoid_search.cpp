@@ -93,7 +93,7 @@ class EllipsoidSearch::Ascent {
     for (std::size_t i = 0; i < count_; ++i) kappa_[i] = lifted(i).dot(inverse_ * lifted(i));
   }
 
-  /// Of the points that have weight the one deepest inside, and of all the one farthest out.
+  /// The point deepest inside of those that have weight, and the one farthest out of all.
   [[nodiscard]] std::pair<std::size_t, std::size_t> extremes() const {
     std::size_t low = count_, high = 0;
     for (std::size_t i = 0; i < count_; ++i) {

@@ -39,7 +39,7 @@ Vec3 middle_of(const TetMesh& mesh, VertexId a, VertexId b, const EdgeRing& ring
   return 0.5 * (middle + sum / static_cast<double>(ring.rim.size()));
 }
 
-/// Of edges from one point, in the metric.
+/// Lengths of edges from one point, in the metric.
 struct LengthRange {
   double shortest = std::numeric_limits<double>::infinity(), longest = 0;
 };

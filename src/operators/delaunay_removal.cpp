@@ -10,7 +10,7 @@
 namespace lumesh::operators {
 namespace {
 
-/// Of a face by its corners in any order; places below 2^21.
+/// Key of a face by its corners in any order; places below 2^21.
 std::uint64_t face_key(Cell<3> corners) {
   std::sort(corners.begin(), corners.end());
   return std::uint64_t{corners[0]} << 42 | std::uint64_t{corners[1]} << 21 | corners[2];

@@ -49,7 +49,7 @@ std::vector<std::vector<std::uint32_t>> triangles_of_patches(const BoundaryFaces
 /// How far triangles and their corners lie from the boundary that they are to follow.
 struct Offsets {
   std::size_t triangles = 0, near = 0;
-  /// Of those near: areas, and areas times the mean distance outwards.
+  /// Sums over the triangles near: areas, and areas times the mean distance outwards.
   double area_mm2 = 0, of_triangles_mm3 = 0, of_corners_mm3 = 0;
 
   /// A mesh whose triangles enclose what the image's boundary does has its vertices over it, by the sagitta;

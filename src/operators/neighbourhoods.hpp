@@ -38,7 +38,7 @@ struct EdgeRing {
   std::vector<PatchId> patches;
   int patch_faces = 0;
 
-  /// Of a vertex put on the edge.
+  /// Dimension of a vertex put on the edge.
   [[nodiscard]] VertexDimension dimension() const {
     if (patch_faces == 0) return VertexDimension::kVolume;
     return patch_faces == 2 && patches.size() == 1 ? VertexDimension::kSurface : VertexDimension::kCurve;

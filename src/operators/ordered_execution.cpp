@@ -18,7 +18,7 @@ std::vector<std::uint32_t> numbers_up_to(std::uint32_t count) {
   return numbers;
 }
 
-/// Those of the old items that no run of this sweep freed or made anew, in their order.
+/// The old items that no run of this sweep freed or made anew, in their order.
 template <class Stamp>
 std::vector<std::uint32_t> untouched(const std::vector<std::uint32_t>& items, std::uint32_t first_stamp,
                                      const Stamp& stamp_of) {

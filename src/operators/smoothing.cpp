@@ -41,7 +41,7 @@ struct Freedom {
   }
 };
 
-/// Of a vertex at `point` of these patches: within their tangent planes.
+/// Freedom of a vertex at `point` of these patches: within their tangent planes.
 Freedom freedom_of(const Vec3& point, const std::vector<PatchId>& patches, const PatchShapes& shapes) {
   if (is_any_frozen(patches, shapes)) return {0, {}};
   if (patches.size() == 2 && is_any_curved(patches, shapes)) {

@@ -23,7 +23,7 @@ class StarShapes {
   /// Adds the tetrahedron between three vertices and the one that moves, positively oriented in this order.
   /// Copies what does not move.
   void add(const TetMesh& mesh, VertexId a, VertexId b, VertexId c);
-  /// Those around a vertex, in this order.
+  /// Gathers the tetrahedra around a vertex, in this order.
   void gather(const TetMesh& mesh, VertexId vertex, std::span<const TetId> tets);
 
   /// Cubes of the mean ratios with the vertex at `x`, of metric with logarithm `log_metric`; negative where a

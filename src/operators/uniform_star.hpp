@@ -40,7 +40,7 @@ class UniformStar {
     Vec3 sum;                              // a + b + c
     double squares;                        // Of the edges of a, b, c and of their distances from v.
   };
-  /// Of the tetrahedron of a face with v at p.
+  /// Cube of the mean ratio of the tetrahedron of a face with v at p.
   [[nodiscard]] static double ratio_cubed(const Face& face, const Vec3& p);
 
   std::vector<Neighbour> neighbours_;

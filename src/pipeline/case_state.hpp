@@ -49,11 +49,11 @@ struct CaseState {
   [[nodiscard]] int threads() const;
   /// What is meshed: the image's domain, or that of the surface; made when it is first asked for.
   [[nodiscard]] const Domain& domain();
-  /// Of the domain; found when they are first asked for.
+  /// Openings of the domain; found when they are first asked for.
   [[nodiscard]] const std::vector<Opening>& openings();
   /// The domain of the image.
   [[nodiscard]] const std::shared_ptr<const ImageDomain>& domain_of_image();
-  /// Of `mesh`; none of `mixed`, which has them itself.
+  /// Boundary faces of `mesh`; none of `mixed`, which has them itself.
   [[nodiscard]] BoundaryFaces boundary_faces() const;
   /// The mesh with these faces of its own, and with its metric if that means anything.
   [[nodiscard]] MeshView view(const BoundaryFaces& faces) const;

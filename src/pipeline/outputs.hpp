@@ -40,7 +40,7 @@ void prepare_folder(const Case& c);
 /// The mesh in all formats that are wanted, its surface, and the case as it was run; each with what it is.
 [[nodiscard]] std::vector<report::OutputFile> write_meshes(const CaseState& state,
                                                            const std::filesystem::path& folder);
-/// Of the mesh that write_meshes() writes.
+/// Faults of the mesh that write_meshes() writes.
 [[nodiscard]] std::vector<std::string> faults_of_written(const CaseState& state);
 /// The first mesh or the centerline, if files of the stages are wanted; into the folder "partial" while
 /// nobody knows whether the run ends and those of another one are there.

@@ -25,7 +25,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Those that a stage goes by.
+/// Sections of the case that a stage goes by.
 std::vector<std::string> sections_of(const std::string& stage, Mesher mesher) {
   if (stage == "mesh") return {mesher == Mesher::kLattice ? "lattice" : "delaunay", "input"};
   return {stage == "adapted" ? "adapt" : stage, "input"};

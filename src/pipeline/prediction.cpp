@@ -43,7 +43,8 @@ double complexity_at(const std::vector<SymTensor>& tensors, double size_factor, 
   return volume_mm3 * sum / static_cast<double>(std::max<std::size_t>(1, tensors.size()));
 }
 
-/// Of the metric that the sources ask for, scaled to the complexity wanted as far as bounds on sizes let it.
+/// Complexity of the metric that the sources ask for, scaled to the one wanted as far as bounds on sizes let
+/// it.
 double complexity_within_limits(CaseState& state, const ObjectSample& object, double volume_mm3) {
   const metric::MetricLimits limits = limits_of(state.c);
   const bool has_bounds = limits.smallest_mm > 0 || std::isfinite(limits.largest_mm);
@@ -145,7 +146,7 @@ class Prediction {
     made_.steps.push_back({std::move(what), seconds, tets});
   }
   [[nodiscard]] double per_core(double core_seconds) const { return core_seconds / state_.threads(); }
-  /// Of the mesh on which layers grow.
+  /// Triangles of the surface of the mesh on which layers grow.
   [[nodiscard]] double surface_triangles() {
     const Case& c = state_.c;
     if (state_.surface) static_cast<void>(state_.domain());  // Makes the domain of the surface.

@@ -9,9 +9,9 @@ struct OutsideSize {
   double area_mm2 = 0, volume_mm3 = 0;
 };
 
-/// Of all voxels that are not background. Faces at the border of the image, where openings will be, are left
-/// out; of the others two thirds count, since squares between voxels have 1.5 times the area of a smooth
-/// surface, on average over its directions. Parallel inside, the same bits for every thread count.
+/// Area around all voxels that are not background. Faces at the border of the image, where openings will be,
+/// are left out; of the others two thirds count, since squares between voxels have 1.5 times the area of a
+/// smooth surface, on average over its directions. Parallel inside, the same bits for every thread count.
 [[nodiscard]] OutsideSize outside_of(const LabelImage& image);
 
 }  // namespace lumesh::pipeline

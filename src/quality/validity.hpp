@@ -18,7 +18,7 @@ void find_problems(const MeshView& mesh, const TetMesh* kernel, const MeshSurfac
 
 /// Per label, ascending.
 [[nodiscard]] std::vector<VoxelTopology> voxel_topology(const LabelImage& image);
-/// Of all labels together.
+/// Topology of all labels together.
 [[nodiscard]] VoxelTopology union_voxel_topology(const LabelImage& image);
 
 }  // namespace lumesh::quality

@@ -24,7 +24,7 @@ struct ImagePlane {
                kOffSides * frame.spacing_mm.minCoeff()),
         spacing(frame.spacing_mm) {}
 
-  /// Of a place given as index.
+  /// Height of a place given as index.
   [[nodiscard]] double height(const Vec3& index) const {
     return normal.dot(index.cwiseProduct(spacing)) - offset;
   }

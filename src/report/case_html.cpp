@@ -145,7 +145,7 @@ std::string size_tiles(const StageReport& last) {
          tile(grouped(m.vertices), "vertices");
 }
 
-/// Of the last mesh, and of the run.
+/// Tiles of the last mesh, and of the run.
 std::string case_tiles(const CaseReport& report) {
   std::string html = "<div class=\"tiles\">";
   if (const StageReport* last = last_evaluated(report)) {
@@ -215,7 +215,7 @@ class Comparison {
   void add_metric(const std::string& name, const Cell& cell) {
     add(name, [&](const Evaluation& e) { return e.metric ? cell(*e.metric) : std::string(); });
   }
-  /// Of the distances to the image, in voxels.
+  /// Adds a row of the distances to the image, in voxels.
   template <class Cell>
   void add_distance(const std::string& name, const Cell& cell) {
     add(name, [&](const Evaluation& e) {

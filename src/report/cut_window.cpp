@@ -46,7 +46,7 @@ class SectionSums {
     double cells = 0;
   };
 
-  /// Of all windows of so many squares.
+  /// The best of all windows of so many squares.
   [[nodiscard]] Best best(std::size_t columns, std::size_t rows) const {
     Best found;
     double best_score = -1;

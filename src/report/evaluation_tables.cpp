@@ -83,7 +83,7 @@ std::string topology_places(const std::vector<TopologyPlace>& places) {
   return table_html(table);
 }
 
-/// Of the patches that an opening is, joined by " + "; each once.
+/// Kinds of the patches that an opening is, joined by " + "; each once.
 std::string kinds_of(const Evaluation& e, const std::string& patches) {
   constexpr std::string_view kBetween = " + ";
   std::string kinds;

@@ -30,7 +30,7 @@ constexpr std::array<Colour, 13> kDistinctColours = {{{208, 103, 91},
                                                       {90, 90, 120},
                                                       {15, 195, 255}}};
 constexpr Colour kWallColour = kDistinctColours[0];
-/// Of an opening; they repeat, without that of walls.
+/// Colour of an opening; colours repeat, without that of walls.
 Colour opening_colour(std::size_t index) {
   return kDistinctColours[1 + index % (kDistinctColours.size() - 1)];
 }

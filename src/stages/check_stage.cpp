@@ -30,7 +30,7 @@ void check_unit(const MixedMesh& mesh, std::span<const Opening> openings, CheckR
   if (!doubt.empty()) report.findings.push_back({"unit", Severity::kRemark, 1, doubt, "", {}});
 }
 
-/// Of its flat ends and what closes its open ones; none where its inside cannot be told.
+/// Openings at flat ends and at what closes open ones; none where the inside cannot be told.
 std::vector<Opening> openings_of(MixedMesh surface) {
   try {
     static_cast<void>(close_open_ends(surface, {}, Context()));

@@ -68,7 +68,7 @@ std::vector<MixedMesh> pieces_of(const MixedMesh& surface) {
   return pieces;
 }
 
-/// Of every piece; one that is no longer than wide has none.
+/// Axes of every piece; one that is no longer than wide has none.
 Polylines axes_of(const MixedMesh& surface) {
   Context quiet;
   const std::vector<MixedMesh> pieces = pieces_of(surface);
@@ -127,7 +127,7 @@ class SurfaceCutter {
     for (const Vec3& place : places) cut_off_end(axis_at(lines, place, {}), 3, CutPart::kSmaller);
   }
 
-  /// Of vessels that end in an opening.
+  /// Cuts off the ends of vessels that end in an opening.
   void clip_ends(const LocalLength& length, std::span<const FlatEnd> ends) {
     const Polylines lines = axes_of(mesh_);
     std::size_t found_ends = 0;

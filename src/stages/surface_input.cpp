@@ -31,7 +31,7 @@ void split_quadrilaterals(MixedMesh& mesh) {
   mesh.quadrilateral_patches.clear();
 }
 
-/// Of openings, what was done to their rims.
+/// Text of what was done to an opening's rim.
 std::string preparation(const ClosedRim& rim) {
   if (rim.cut_off_mm > 0) return fmt::format(", cut back by {:.2g} mm to be planar", rim.cut_off_mm);
   constexpr double kTold = 1e-3;  // Of the radius.

@@ -264,7 +264,7 @@ std::optional<RingCut> ring_cut_at(const TriangleMesh& surface, const Rim& outer
   return made;
 }
 
-/// Of the edges at a rim. Deeper where the surface comes to its end nearly in the plane, as a flange does.
+/// Depths of cuts, in edges at the rim; deeper where the surface ends nearly in the plane, as a flange does.
 constexpr std::array<double, 4> kDepths = {0.0, 0.5, 1.0, 2.0};
 
 }  // namespace

@@ -223,7 +223,7 @@ class SurfaceCheck {
     if (is_closed_ && is_manifold_ && !has_crossings_) look_at_nesting(volumes);
   }
 
-  /// Of a closed surface without crossings.
+  /// Looks at the nesting of a closed surface without crossings.
   void look_at_nesting(std::span<const double> volumes) {
     Finding inside_out =
         remark("inside_out", "components whose triangles point inwards; they are turned when meshed");

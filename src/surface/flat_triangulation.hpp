@@ -17,8 +17,8 @@ namespace lumesh::surfaces {
 /// Triangles stay anticlockwise by the exact predicate, and edges of the polygon stay.
 class FlatTriangulation {
  public:
-  /// Of a simple polygon that runs anticlockwise, without the holes in it, which run clockwise, by cutting
-  /// off ears; not Delaunay yet. Points are those of the polygon, then those of the holes in order.
+  /// Triangulates a simple polygon that runs anticlockwise, without the holes in it, which run clockwise, by
+  /// cutting off ears; not Delaunay yet. Points are those of the polygon, then those of the holes in order.
   explicit FlatTriangulation(std::span<const Vec2> corners, std::span<const std::vector<Vec2>> holes = {});
 
   /// Flips edges until all but those of the polygon are Delaunay (Lawson 1977).

@@ -97,7 +97,7 @@ class LeastFilling {
   [[nodiscard]] Vec3 normal(std::size_t i, std::size_t m, std::size_t k) const {
     return triangle_normal(point(i), point(m), point(k));
   }
-  /// Of the triangle beyond an edge or chord.
+  /// Normal of the triangle beyond an edge or chord.
   [[nodiscard]] const Vec3& normal_beyond(std::size_t i, std::size_t k) const {
     return k == i + 1 ? normals_[i] : chord_normals_[chord(i, k)];
   }

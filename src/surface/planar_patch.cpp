@@ -10,7 +10,7 @@
 namespace lumesh::surfaces {
 namespace {
 
-/// Of the circle around a triangle.
+/// Circle around a triangle.
 struct Circle {
   Vec2 centre;
   double radius;
@@ -48,7 +48,7 @@ class Refinement {
       return ratio != other.ratio ? ratio < other.ratio : corners < other.corners;
     }
   };
-  /// Of circles: an equilateral triangle with edges of the size has 0.58.
+  /// Largest radius of circles: an equilateral triangle with edges of the size has 0.58.
   static constexpr double kMaxRadius = 0.75;
   /// New points keep this far from others, in sizes.
   static constexpr double kMinApart = 0.6;

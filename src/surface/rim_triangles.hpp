@@ -9,7 +9,7 @@
 
 namespace lumesh::surfaces {
 
-/// Of each edge of each rim, from vertex i to the next, the triangle that has it. Cost: one pass over the
+/// For each edge of each rim, from vertex i to the next, the triangle that has it. Cost: one pass over the
 /// surface.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> rim_triangles(const TriangleMesh& surface,
                                                                     std::span<const Rim> rims);

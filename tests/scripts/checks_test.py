@@ -108,6 +108,22 @@ class ChecksTest(unittest.TestCase):
         self.write("docs/page.md", "Unknown 1991, [doi:10.1000/xyz.5](https://doi.org/10.1000/xyz.5).\n")
         self.assert_finds("check_references.py", "docs/page.md:1: 10.1000/xyz.5 is missing")
 
+    def test_words_finds_doc_lines_without_their_noun_beyond_the_budget(self):
+        self.write("src/mesh/few.cpp", "/// Of the planes.\n/// Planes of the patch.\n")
+        self.assertEqual(self.run_check("check_words.py")[0], 0)
+        self.write("src/mesh/many.cpp", "  /// Those of the planes.\n" + "int a;  ///< Of the patch.\n" * 200)
+        self.assert_finds("check_words.py", "202 doc lines begin with 'Of' or 'Those'")
+
+    def test_words_finds_pages_without_sources_or_picture(self):
+        self.write("docs/images/a.png", "")
+        self.write("docs/stages/a.md", "# a\n\n![A](../images/a.png)\n\n## Sources\n")
+        self.assertEqual(self.run_check("check_words.py")[0], 0)
+        self.write("docs/stages/b.md", "# b\n\n![B](../images/b.png)\n")
+        self.assert_finds("check_words.py", "docs/stages/b.md: no heading '## Sources'")
+        self.assert_finds("check_words.py", "docs/stages/b.md: the picture ../images/b.png is not there")
+        self.write("docs/stages/b.md", "# b\n\n## Sources\n")
+        self.assert_finds("check_words.py", "docs/stages/b.md: no picture")
+
     def test_sizes_finds_a_long_function(self):
         self.write("src/mesh/bad.cpp", "int long_one(int a) {\n" + "  a += 1;\n" * 90 + "  return a;\n}\n")
         self.assert_finds("check_sizes.py", "long_one has 93 lines, limit 80")

@@ -28,7 +28,7 @@ struct ImproveOptions {
   /// or longer than 1 / 0.6 in this metric, unless one as short or long was there, and no swap or collapse
   /// makes a longer one. The metric of the result.
   std::optional<metric::MetricField> sizes = {};
-  operators::Refusal refusal = {};  ///< Of tetrahedra that are not to be made; null: none.
+  operators::Refusal refusal = {};  ///< Refuses tetrahedra that are not to be made; null: none.
   /// Where patches truly run, if that is known: what slides ends there, as far as angles allow
   /// (operators::settle()). Else what slides keeps to the smooth surface through the vertices at the start.
   operators::PlaceOnPatch place = {};

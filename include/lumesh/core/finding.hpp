@@ -24,8 +24,8 @@ struct Finding {
   std::uint64_t count = 0;
   std::string text;    ///< The same for people, to be read after the count: "pairs of triangles …".
   std::string remedy;  ///< One line; empty where nothing has to be done.
-  std::vector<Vec3> places_mm;      ///< Of the first ones, at most kMostPlaces; may be empty.
-  std::vector<Index3> voxels = {};  ///< Of the same places in an image; else empty.
+  std::vector<Vec3> places_mm;      ///< Places of the first ones, at most kMostPlaces; may be empty.
+  std::vector<Index3> voxels = {};  ///< Voxels of the same places in an image; else empty.
 
   /// Counts one more, and keeps its place if there is room.
   void add(const Vec3& place_mm) {

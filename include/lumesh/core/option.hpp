@@ -91,7 +91,7 @@ using OptionTarget = std::variant<bool*, int*, std::size_t*, double*, std::optio
 struct Option {
   std::string name;  ///< As in case files: words joined by underscores.
   OptionTarget target;
-  OptionRange range;      ///< Of numbers.
+  OptionRange range;      ///< Range of numbers.
   std::string meaning;    ///< A phrase without a full stop.
   std::string unit = {};  ///< "mm", "degrees"; empty: none.
   std::vector<std::string> aliases = {};
@@ -99,7 +99,7 @@ struct Option {
   /// the target then gets.
   std::optional<std::string> zero_text = {};
   double zero_value = 0;
-  std::string default_text = {};  ///< Of a number that is not given, what it is then; empty: none.
+  std::string default_text = {};  ///< Text for a number that is not given: what it is then; empty: none.
   std::vector<std::string> excluded = {},
                            needed = {};  ///< Names of options not to be given with this one, or only with it.
 

@@ -10,8 +10,8 @@ namespace lumesh {
 /// How far inside of an extended vessel, with some air around it, a place is. Known by squares of the
 /// opening's plane, to which places go back along the direction.
 struct CarriedSection {
-  Vec3 centre_mm = Vec3::Zero();              ///< Of the section, on the plane.
-  Vec3 normal = Vec3::UnitZ();                ///< Of the plane, unit.
+  Vec3 centre_mm = Vec3::Zero();              ///< Centre of the section, on the plane.
+  Vec3 normal = Vec3::UnitZ();                ///< Unit normal of the plane.
   Vec3 direction = Vec3::UnitZ();             ///< Unit, along the vessel; leads out of the plane.
   Vec3 first_mm = Vec3::Zero();               ///< Centre of the first square.
   Vec3 u = Vec3::UnitX(), v = Vec3::UnitY();  ///< Unit, along rows and columns.

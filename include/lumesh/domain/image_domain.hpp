@@ -66,7 +66,7 @@ class ImageDomain final : public Domain {
   [[nodiscard]] Material material_count() const override {
     return static_cast<Material>(labels_.size() + cuts_.size());
   }
-  /// Those asked for and the image's borders where the object touches them; unit normals.
+  /// Cut planes asked for, and the image's borders where the object touches them; unit normals.
   [[nodiscard]] std::span<const CutPlane> cut_planes() const override { return cuts_; }
   [[nodiscard]] const LabelField& field() const { return field_; }
   [[nodiscard]] const ImageFrame& frame() const { return field_.frame(); }

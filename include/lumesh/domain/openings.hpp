@@ -62,12 +62,13 @@ struct Opening {
   double voxel_mm = 1;  ///< The resolution within the plane: what is nearer than this may belong to it.
   /// Where it is: squares of its plane; null if that is not known.
   std::shared_ptr<const OpeningSquares> squares = nullptr;
-  /// Of a wall: it surrounds openings of other labels that have a quarter of its area or more together.
+  /// True for a section of a wall: it surrounds openings of other labels that have a quarter of its area or
+  /// more together.
   bool is_rim = false;
   bool is_of_surface = false;  ///< One of flat_ends(): others may be openings, too.
-  std::string name = {};       ///< Of its patch in meshes, see find_openings().
+  std::string name = {};       ///< Name of its patch in meshes, see find_openings().
 
-  /// Of the circle with the same area.
+  /// Radius of the circle with the same area.
   [[nodiscard]] double radius_mm() const { return std::sqrt(area_mm2 / std::numbers::pi); }
   /// Length of its rim, about; where its squares are not known, that of the circle.
   [[nodiscard]] double perimeter_mm() const;
@@ -82,7 +83,7 @@ struct Opening {
 /// object, and 2 ms per opening.
 [[nodiscard]] std::vector<Opening> find_openings(const Domain& domain);
 
-/// Those that the flat ends of a surface are, in their order.
+/// Openings that the flat ends of a surface are, in their order.
 /// @param resolution_mm  Of the surface, as Domain::resolution_mm().
 [[nodiscard]] std::vector<Opening> openings_of(std::span<const FlatEnd> ends, double resolution_mm);
 
@@ -113,7 +114,7 @@ struct RimPlace {
 struct OpeningShape {
   std::size_t parts = 0;          ///< Connected over edges.
   std::size_t rims = 0;           ///< Closed loops of edges: one, and one for each hole.
-  std::size_t edges = 0;          ///< Of the rim that has the fewest.
+  std::size_t edges = 0;          ///< Edges of the rim that has the fewest.
   double off_mm = 0;              ///< Largest distance of a vertex from the plane …
   Vec3 off_at_mm = Vec3::Zero();  ///< … and the place of that vertex.
 };

@@ -20,7 +20,7 @@ struct SurfaceView {
   std::span<const std::int32_t> patches{};  ///< One per triangle, or none.
   /// Name and kind of the patches; may have fewer. Openings without a name are numbered with the flat ends.
   std::span<const Patch> patch_info{};
-  /// Of the domain; 0: half the mean length of the edges, at most 1/128 of the box's diagonal.
+  /// Resolution of the domain; 0: half the mean length of the edges, at most 1/128 of the box's diagonal.
   double resolution_mm = 0;
 };
 
@@ -73,7 +73,7 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] Label label_of(Material m) const override { return m == kInside ? 1 : kBackground; }
   [[nodiscard]] Material label_count() const override { return 2; }
   [[nodiscard]] Material material_count() const override { return region_count() + 1; }
-  /// Those of the file if it has several, else "inlet_1", "outlet_1", … for flat ends, by falling area, and
+  /// Patches of the file if it has several, else "inlet_1", "outlet_1", … for flat ends, by falling area, and
   /// "wall" for the rest; none for a surface of one region only.
   [[nodiscard]] std::optional<Patch> patch_between(Material inside, Material outside) const override;
 

@@ -45,8 +45,8 @@ inline constexpr std::array<std::array<int, 3>, 4> kTetFaces = {{{1, 2, 3}, {0, 
 
 /// Cosines of the extreme dihedral angles.
 struct DihedralCosines {
-  double largest_cosine = 1;    ///< Of the smallest angle.
-  double smallest_cosine = -1;  ///< Of the largest angle.
+  double largest_cosine = 1;    ///< Cosine of the smallest angle.
+  double smallest_cosine = -1;  ///< Cosine of the largest angle.
 };
 
 namespace detail {

@@ -43,7 +43,7 @@ struct ImageFrame {
 /// of them background.
 struct FaceCrossing {
   std::uint64_t voxel = 0;  ///< Offset of one of them in the image; the other is the next along the axis.
-  float fraction = 0.5F;    ///< Of the edge, from that voxel's centre: in (0, 1).
+  float fraction = 0.5F;    ///< Fraction of the edge, from that voxel's centre: in (0, 1).
   std::uint8_t axis = 0;
 };
 

@@ -38,7 +38,7 @@ struct PhantomSpec {
   double ring_radius_mm = 0;         ///< Torus: radius of its core circle.
   double wall_mm = 0;                ///< Layered: thickness of the wall; default 2 voxels.
   double noise_voxels = 0;           ///< The boundary moves by at most this, 0 to 2 voxels (largest spacing).
-  std::uint32_t seed = 1;            ///< Of the noise.
+  std::uint32_t seed = 1;            ///< Seed of the noise.
   Vec3 rotation_deg = Vec3::Zero();  ///< Turns of the direction cosines about x, then y, then z.
   Vec3 origin_mm = Vec3::Zero();     ///< Centre of voxel (0, 0, 0).
 };

@@ -32,7 +32,7 @@ struct ThinPlace {
   Kind kind = Kind::kTouching;
   Index3 voxel = Index3::Zero();  ///< In its middle.
   std::size_t size = 0;           ///< Voxel faces that are shared, or voxels between.
-  double thickness_voxels = 0;    ///< Of the neck, in smallest voxel edges; 0 if they are only near.
+  double thickness_voxels = 0;  ///< Thickness of the neck, in smallest voxel edges; 0 if they are only near.
 };
 
 /// Largest first, within each kind. Threads: same result for every number of them. Cost: O(n log n) in the
@@ -42,7 +42,7 @@ struct ThinPlace {
 /// Voxels that got another label.
 struct VoxelsChanged {
   std::size_t voxels = 0, places = 0;
-  double volume_mm3 = 0;          ///< Of the voxels.
+  double volume_mm3 = 0;          ///< Volume of the voxels.
   Index3 first = Index3::Zero();  ///< The first in memory.
 };
 

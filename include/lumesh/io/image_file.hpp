@@ -14,7 +14,7 @@
 
 namespace lumesh {
 
-/// Of an image of grey values that is read as if they were labels.
+/// Thrown for an image of grey values that is read as if they were labels.
 class NotLabels : public Error {
  public:
   using Error::Error;
@@ -45,7 +45,7 @@ struct ImageReadOptions {
   /// comes before all.
   std::vector<LabelledFile> label_images = {};
   std::optional<std::size_t> frame = {};  ///< The one that counts of several volumes.
-  std::optional<double> unit_mm = {};     ///< Of the lengths of the image, whatever its header says.
+  std::optional<double> unit_mm = {};     ///< Unit of the image's lengths, whatever its header says.
 };
 
 /// Reads a label image: NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), GIPL (.gipl,

@@ -123,7 +123,7 @@ struct LayerReport {
   std::vector<double> heights;  ///< Height of each layer of a complete column, in mm or times the scale.
   std::vector<LayerCoverage> patches;
   std::uint64_t cells = 0;          ///< Number of cells of the layers.
-  std::uint64_t core_pyramids = 0;  ///< Of the mesh that they stand on; they come before theirs.
+  std::uint64_t core_pyramids = 0;  ///< Pyramids of the mesh that they stand on; they come before theirs.
   std::uint64_t core_prisms = 0;
   LayerShares surface;                    ///< Shares on all patches together.
   [[nodiscard]] double complete() const;  ///< Share of the area of all patches.

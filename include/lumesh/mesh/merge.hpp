@@ -43,7 +43,7 @@ struct MergeReport {
     std::string name;
   };
   double tolerance = 0;             ///< As used.
-  std::uint64_t shared_points = 0;  ///< Of the result, in more than one part.
+  std::uint64_t shared_points = 0;  ///< Points of the result that are in more than one part.
   std::uint64_t shared_faces = 0;   ///< Triangles and quadrilaterals that two parts share.
   double shared_area = 0;           ///< In the square of the points' unit.
   double farthest = 0;              ///< Largest distance of points that became one.

@@ -34,7 +34,7 @@ struct Patch {
   std::string name;  ///< Such as "wall", "inlet_1", "interface_1_2".
   PatchKind kind = PatchKind::kWall;
   std::array<Label, 2> labels = {kBackground, kBackground};  ///< The two sides; a side outside the mesh is 0.
-  FlowSide flow = FlowSide::kUnknown;                        ///< Of an opening, where users say so.
+  FlowSide flow = FlowSide::kUnknown;                        ///< Side of an opening, where users say so.
 };
 
 /// What is known about a mesh besides its geometry; written into every format that can hold it.

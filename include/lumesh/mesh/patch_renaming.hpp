@@ -32,8 +32,8 @@ struct PatchRenaming {
   std::optional<GivenKind> kind = {};  ///< Else it follows from the name, see rename_patches().
 };
 
-/// Of "outlet_2=left_ica", or with a place in mm, "12.5,40,-3=left_ica", or with an area, "7.1mm2=left_ica".
-/// Behind the name may stand a kind: "outlet_2=left_ica:inlet".
+/// Renaming of a text: "outlet_2=left_ica", with a place in mm, "12.5,40,-3=left_ica", or an area,
+/// "7.1mm2=left_ica". Behind the name may stand a kind: "outlet_2=left_ica:inlet".
 /// @throws Error{kUsage} if the text is none, or the name has other characters than letters, digits, '_', '-'
 /// and '.', or does not begin with a letter or '_': solvers take such names only; or if the kind is none, or
 /// not that which files that say no more than names mean by the name (kind_of_name()).
@@ -46,11 +46,11 @@ struct PatchRenaming {
 struct NamedOpening {
   std::string name;
   Vec3 centre_mm = Vec3::Zero();
-  double radius_mm = 0;  ///< Of the circle with its area.
-  bool is_rim = false;   ///< Of a wall, around the opening that a place there means.
+  double radius_mm = 0;  ///< Radius of the circle with its area.
+  bool is_rim = false;   ///< True for a wall's rim around the opening that a place there means.
 };
 
-/// Those of a mesh: its patches of PatchKind::kOpening.
+/// Openings of a mesh: its patches of PatchKind::kOpening.
 [[nodiscard]] std::vector<NamedOpening> named_openings(const MeshView& mesh);
 
 /// Puts the openings that places and areas mean into renamings.

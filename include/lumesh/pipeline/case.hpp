@@ -54,7 +54,7 @@ struct OutputKeys {
   std::vector<std::string> meshes = {
       "mesh.vtu"};  ///< Files of the last mesh, each in the format of its name.
   std::string surface;
-  std::string unit = "mm";  ///< Of lengths in meshes.
+  std::string unit = "mm";  ///< Unit of lengths in meshes.
   std::string report = "report.html", json = "report.json";
   bool stages = false;  ///< Also files of the first mesh and the centerline.
 
@@ -87,7 +87,7 @@ struct Case {
   OutputKeys output;
   RunKeys run;
 
-  /// Of hexahedra, pyramids and tetrahedra: the lattice's.
+  /// Whether the mesh has hexahedra, pyramids and tetrahedra: the lattice's.
   [[nodiscard]] bool makes_mixed_mesh() const { return mesher == Mesher::kLattice && lattice.mixed; }
   /// The lattice's options with the edge length and the cells of the case.
   [[nodiscard]] LatticeOptions lattice_options() const;

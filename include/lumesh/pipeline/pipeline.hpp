@@ -14,7 +14,7 @@ namespace lumesh {
 struct CaseResult {
   report::CaseReport report;
   std::string folder;                     ///< Where the files are.
-  std::vector<std::string> faults;        ///< Of the mesh that was written (quality::find_faults()).
+  std::vector<std::string> faults;        ///< Faults of the mesh that was written (quality::find_faults()).
   std::vector<std::string> without_name;  ///< A line for each name of the case whose patch the mesh lacks.
   bool complete = true;  ///< False if the context was cancelled: files hold the best mesh so far.
 };
@@ -35,7 +35,7 @@ struct CasePrediction {
   struct Step {
     std::string what;       ///< One line.
     double seconds = 0;     ///< Wall time, 0 where next to none.
-    double tetrahedra = 0;  ///< Of the mesh it leaves; 0: none, or not known.
+    double tetrahedra = 0;  ///< Number in the mesh it leaves; 0: none, or not known.
   };
   std::vector<Step> steps;
   double peak_memory_bytes = 0;

@@ -70,10 +70,10 @@ struct LabelEvaluation {
 struct ImageEvaluation {
   ImageFrame frame;
   double voxel_size_mm = 1;
-  VoxelTopology all;                          ///< Of the union of its labels.
+  VoxelTopology all;                          ///< Topology of the union of its labels.
   KeptVoxels background_kept;                 ///< Background voxels near the object that no cell holds.
-  KeptVoxels voxels_kept;                     ///< Of all labels and the background.
-  std::optional<SurfaceDistances> distances;  ///< Of the union; none if the mesh has no surface.
+  KeptVoxels voxels_kept;                     ///< Voxels kept of all labels and the background.
+  std::optional<SurfaceDistances> distances;  ///< Distances of the union; none if the mesh has no surface.
 };
 
 struct Evaluation {
@@ -86,12 +86,12 @@ struct Evaluation {
   bool has_metric = false;                 ///< The mesh carries a metric and has tetrahedra.
   std::optional<MetricStatistics> metric;  ///< None without a metric, or with a bad one (see warnings).
   std::vector<LabelEvaluation> labels;     ///< Labels of the mesh and of the image, ascending.
-  SurfaceTopology boundary;                ///< Of the mesh as a whole, without the interfaces inside.
-  std::uint64_t components = 0;            ///< Of the mesh as a whole.
+  SurfaceTopology boundary;      ///< Topology of the mesh's whole boundary, without the interfaces inside.
+  std::uint64_t components = 0;  ///< Components of the mesh as a whole.
   std::int64_t euler = 0;
   std::uint64_t interface_triangles = 0;
   std::vector<PatchSummary> patches;
-  CurvatureSummary curvature;  ///< Of the outer surface without openings.
+  CurvatureSummary curvature;  ///< Curvature of the outer surface without openings.
   std::optional<ImageEvaluation> image;
   /// Narrowest section of each branch; none without an image or without axes.
   std::optional<std::vector<NarrowestSection>> sections;
@@ -105,7 +105,8 @@ struct Evaluation {
   std::optional<double> reference_voxel_mm;    ///< Voxel size of the phantom, if there is one.
 
   [[nodiscard]] bool valid() const { return problem_count == 0; }
-  /// Of all labels together, mm^3, and its relative error in per cent against the image's voxels, if there.
+  /// Volume of all labels together, mm^3, and its relative error in per cent against the image's voxels, if
+  /// there.
   [[nodiscard]] double volume_mm3() const;
   [[nodiscard]] double image_volume_error_percent() const;
 };
@@ -115,7 +116,7 @@ struct EvaluationInput {
   const ImageDomain* domain =
       nullptr;  ///< Optional: the image's with the cut planes; else made, by default options.
   const Phantom* phantom = nullptr;  ///< Optional: the truth behind the image.
-  std::vector<CutPlane> cut_planes;  ///< Those the mesh was made with.
+  std::vector<CutPlane> cut_planes;  ///< Cut planes that the mesh was made with.
   /// Optional: axes of the image's vessels with the scalar "radius", as extract_centerline() makes them.
   const Polylines* axes = nullptr;
   /// Optional: the mesh whose view is measured, with all its boundary faces. Its adjacency spares finding all

@@ -50,7 +50,7 @@ struct ImageDistances {
   double voxel_size_mm = 1;  ///< Geometric mean of the voxel's edges: the "voxel" of every relative figure.
   std::vector<LabelDistances>
       labels;  ///< Labels of the image, ascending; what touches the border is closed there.
-  std::optional<SurfaceDistances> outer;  ///< Of the union of all labels against the background.
+  std::optional<SurfaceDistances> outer;  ///< Distances of the union of all labels, against the background.
 };
 
 /// Compares a mesh with its image.

@@ -15,7 +15,7 @@ namespace lumesh {
 struct ImageShape {
   ImageFrame frame;
   std::vector<LabelTopology> labels;
-  std::vector<VoxelComponent> pieces;  ///< Of each label, of some 27 voxels at least.
+  std::vector<VoxelComponent> pieces;  ///< Pieces of each label, of some 27 voxels at least.
   /// Only pieces can be compared: a plane through voxels changes handles, small pieces and volumes.
   bool is_cut = false;
 };

@@ -38,7 +38,7 @@ struct RepairOutcome {
       report;  ///< Of the local repair; of a rebuilt surface components, genus and moved_mm count.
   std::uint64_t given_components = 0;
   double max_distance_mm = 0;
-  double spacing_mm = 0;  ///< Of the grid of a rebuilt surface.
+  double spacing_mm = 0;  ///< Spacing of the grid of a rebuilt surface.
 };
 
 /// Repairs a surface of triangles. The result has no fault that `check` finds (surfaces::findings_of()).

@@ -24,7 +24,7 @@ class KeptCells {
   [[nodiscard]] const MixedMesh& free_part() const { return free_.mesh; }
   /// Its patches that stand against kept cells.
   [[nodiscard]] const std::vector<PatchId>& frozen_patches() const { return free_.cut; }
-  /// Of each of its points, the number in the whole mesh.
+  /// Number in the whole mesh of each point of the free part.
   [[nodiscard]] const std::vector<std::uint32_t>& free_points() const { return free_.points; }
   [[nodiscard]] std::size_t kept_count() const { return kept_.mesh.view().cell_count(); }
 

@@ -19,7 +19,7 @@ class PatchedSurface {
   explicit PatchedSurface(const SurfaceView& surface, const SurfaceDomainOptions& options = {});
 
   [[nodiscard]] std::span<const FlatEnd> flat_ends() const;
-  /// Of the parts that sharp edges and patches of the file divide the surface into, the largest first.
+  /// Patches that sharp edges and the patches of the file divide the surface into, the largest first.
   [[nodiscard]] std::span<const Patch> patches() const;
   [[nodiscard]] double resolution_mm() const;  ///< As of the domain.
   /// The surface, turned outwards, each triangle with the patch of its part; patches of one name are one.

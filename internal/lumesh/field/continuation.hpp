@@ -22,7 +22,7 @@ class FieldContinuation {
   FieldContinuation& operator=(const FieldContinuation&) = delete;
   virtual ~FieldContinuation() = default;
 
-  /// Of a box of voxels, both corners included; kMixed where it is not known.
+  /// Part that a box of voxels lies in, both corners included; kMixed where it is not known.
   [[nodiscard]] virtual Part part(const Index3& low, const Index3& high) const = 0;
   [[nodiscard]] virtual bool is_kept(const Index3& voxel) const = 0;
   /// At a voxel that is not kept: the function of two labels, positive in `second`; first 0: of all labels

@@ -24,7 +24,7 @@ struct SelfCrossing {
 [[nodiscard]] std::vector<SelfCrossing> find_self_crossings(
     std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> triangles);
 
-/// Of a closed surface that points outwards and does not cross itself: a place on each of its sheets
+/// Misplaced sheets of a closed surface that points outwards and does not cross itself: a place on each sheet
 /// (connected triangles) that lies where it should not. Sheets that enclose something lie outside of
 /// all others, walls of cavities within one; else what is inside is there twice. Cost: about 0.1 us per
 /// triangle, and 1 us per sheet and triangle on the way from it along x. Threads: one.

@@ -26,7 +26,7 @@ namespace lumesh {
   return length > 0 ? Vec3(normal / length) : Vec3(Vec3::Zero());
 }
 
-/// Of the angle opposite the shortest side. Not a number if two corners are in one place.
+/// Cosine of the angle opposite the shortest side. Not a number if two corners are in one place.
 [[nodiscard]] inline double cosine_of_smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
   const double least = std::min({ab, bc, ca});

@@ -14,7 +14,7 @@ namespace lumesh {
 /// A corner and its three neighbours, seen right-handed, by their places in the cell in VTK order.
 using LocalCorner = std::array<std::uint8_t, 4>;
 inline constexpr std::array<LocalCorner, 1> kTetrahedronCorners = {{{0, 1, 2, 3}}};  // All are alike.
-/// Of the base; at the apex four edges meet.
+/// Corners of the pyramid's base; at the apex four edges meet.
 inline constexpr std::array<LocalCorner, 4> kPyramidCorners = {
     {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}}};
 inline constexpr std::array<LocalCorner, 6> kPrismCorners = {
@@ -28,7 +28,7 @@ inline constexpr std::array<LocalCorner, 8> kHexahedronCorners = {{{0, 1, 3, 4},
                                                                    {6, 5, 7, 2},
                                                                    {7, 6, 4, 3}}};
 
-/// Of a cell with `corners` corners: 4, 5, 6 or 8.
+/// Corners, with their neighbours, of a cell with `corners` corners: 4, 5, 6 or 8.
 [[nodiscard]] constexpr std::span<const LocalCorner> corners_of_cell(std::size_t corners) {
   return corners == 5   ? std::span<const LocalCorner>(kPyramidCorners)
          : corners == 6 ? std::span<const LocalCorner>(kPrismCorners)

@@ -22,7 +22,7 @@ inline constexpr std::array<LocalFace, 5> kPrismFaces = {
 inline constexpr std::array<LocalFace, 6> kHexFaces = {
     {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
 
-/// Of a cell with `corners` corners: 4, 5, 6 or 8.
+/// Faces of a cell with `corners` corners: 4, 5, 6 or 8.
 [[nodiscard]] constexpr std::span<const LocalFace> faces_of_cell(std::size_t corners) {
   return corners == 5   ? std::span<const LocalFace>(kPyramidFaces)
          : corners == 6 ? std::span<const LocalFace>(kPrismFaces)

@@ -6,7 +6,7 @@
 
 namespace lumesh {
 
-/// Of the edge between two vertices, whichever comes first: the lower one is in the upper half.
+/// Key of the edge between two vertices, whichever comes first: the lower one is in the upper half.
 [[nodiscard]] inline std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }

@@ -43,7 +43,7 @@ void for_each_edge(std::span<const TriangleSide> sides, const Visit& visit) {
 /// Instead of a neighbour: of an edge with one triangle, and of one with more than two.
 inline constexpr std::uint32_t kOpenEdge = ~0U, kCrowdedEdge = ~0U - 1;
 
-/// Of each triangle those behind its edges, from corner i to the next; kOpenEdge or kCrowdedEdge where not
+/// For each triangle, those behind its edges, from corner i to the next; kOpenEdge or kCrowdedEdge where not
 /// one is there.
 using EdgeNeighbours = std::vector<std::array<std::uint32_t, 3>>;
 

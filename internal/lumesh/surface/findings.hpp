@@ -30,7 +30,7 @@ inline constexpr double kFoldCosine = -0.99984769515639127;
 [[nodiscard]] std::vector<Finding> findings_of(std::span<const Vec3> points,
                                                std::span<const Cell<3>> triangles);
 
-/// Of each rim whether it is an opening: wide, within a radius of its plane, and at the end of a wall that
+/// For each rim, whether it is an opening: wide, within a radius of its plane, and at the end of a wall that
 /// comes to it across that. What is missing within a wall is a hole, however flat
 /// the wall is, unless its radius is more than 5 % of the surface's diagonal: that is nobody's to fill
 /// unasked.

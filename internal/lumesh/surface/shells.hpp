@@ -19,8 +19,8 @@ struct Shell {
   [[nodiscard]] bool is_turned() const { return (volume_mm3 < 0) != (depth % 2 != 0); }
 };
 
-/// Of closed parts whose triangles are turned alike. Threads: parallel inside, the same for every thread
-/// count. Cost: O(n) for each part.
+/// Shells of closed parts whose triangles are turned alike. Threads: parallel inside, the same for every
+/// thread count. Cost: O(n) for each part.
 [[nodiscard]] std::vector<Shell> shells_of(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
                                            const Parts& parts);
 

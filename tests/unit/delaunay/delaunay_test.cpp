@@ -69,7 +69,7 @@ std::map<Label, double> volumes_of(const TetMesh& mesh) {
   return volumes;
 }
 
-/// Of the domain, by counting points of a grid of a quarter of a voxel.
+/// Volumes of the domain, by counting points of a grid of a quarter of a voxel.
 std::map<Label, double> sampled_volumes(const LabelImage& image) {
   const ImageDomain domain(image, {});
   std::map<Label, double> volumes;

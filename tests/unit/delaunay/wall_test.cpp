@@ -117,7 +117,7 @@ std::map<std::string, double> areas_of_openings(const TetMesh& mesh) {
   return areas;
 }
 
-/// Of a polygon with eight corners on a circle a tenth of the area is missing.
+/// A polygon with eight corners on a circle lacks a tenth of its area.
 TEST(Wall, OpeningsHaveTheirAreasHoweverCoarse) {
   const double circle = std::numbers::pi * kRadius * kRadius;
   for (const double delta : {1.0, 2.0, 3.0}) {

@@ -68,7 +68,7 @@ TEST(FindOpenings, TellsSeveralApartByFallingArea) {
   for (std::size_t i = 5; i < openings.size(); ++i) EXPECT_LT(openings[i].area_mm2, 5) << "the ball's tip";
 }
 
-/// Of the five largest.
+/// Names of the openings found, five at most.
 std::vector<std::string> names_in(const LabelImage& image) {
   std::vector<std::string> names;
   for (const Opening& o : find_openings(ImageDomain(image, {}))) names.push_back(o.name);

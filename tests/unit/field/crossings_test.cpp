@@ -36,7 +36,7 @@ struct Wall {
   double radius = 0, roughness = 0;  // mean, and r.m.s. about it
 };
 
-/// Of a tube along x, by bisection on rays square to its axis.
+/// Wall of a tube along x, by bisection on rays square to its axis.
 Wall wall_along_x(const LabelField& field, const Vec3& axis, double radius) {
   double sum = 0, squares = 0;
   int count = 0;

@@ -36,7 +36,7 @@ struct WallFigures {
   double mean = 0, roughness = 0, normal_deg = 0;
 };
 
-/// Of a tube: radii and normals over its wall, away from the image's border.
+/// Radii and normals over the wall of a tube, away from the image's border.
 WallFigures wall_of(const LabelField& field, const TubeAxis& axis, double radius, double half_length) {
   const Vec3 a =
       axis.direction.cross(std::abs(axis.direction.x()) < 0.7 ? Vec3::UnitX() : Vec3::UnitY()).normalized();

@@ -109,7 +109,7 @@ struct FoamCase {
     face_zones = foam_entries(mesh / "faceZones");
   }
 
-  /// Of a plane face, along its normal.
+  /// Area of a plane face, along its normal.
   [[nodiscard]] Vec3 area(std::size_t face) const {
     Vec3 sum = Vec3::Zero();
     const auto& f = faces.at(face);

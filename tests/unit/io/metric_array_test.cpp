@@ -9,7 +9,8 @@ namespace {
 
 using fixtures::write_file;
 
-/// Of a tetrahedron's four points: 8 times and 4 times the tensor of different_tensors(), then unit tensors.
+/// Metrics of a tetrahedron's points: 8 times and 4 times the tensor of different_tensors(), then unit
+/// tensors.
 const std::vector<SymTensor> kFour = {{4, 0.5, -0.25, 9.25, 1.5, 16},
                                       {8, 1, -0.5, 18.5, 3, 32},
                                       SymTensor::diagonal(1, 1, 1),

@@ -293,7 +293,7 @@ TEST_F(MetricFile, OfDimension2IsRefusedInBinary) {
   expect_refused("m.solb", bytes, 1, "dimension 2");
 }
 
-/// Of the Unstructured Grid Adaptation Working Group, written by refine.
+/// The cube of the Unstructured Grid Adaptation Working Group, written by refine.
 class MetricOfTheCube : public testing::Test {
  protected:
   void SetUp() override {

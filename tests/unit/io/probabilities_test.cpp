@@ -21,7 +21,7 @@ using fixtures::write_file;
 constexpr int kSide = 12;
 constexpr std::size_t kVoxels = std::size_t{kSide} * kSide * kSide;
 
-/// Of a ball: 0.5 on its surface, rising by a half over a voxel.
+/// Probabilities of a ball: 0.5 on its surface, rising by a half over a voxel.
 std::vector<float> ball_of_probabilities() {
   std::vector<float> values;
   for (int k = 0; k < kSide; ++k)

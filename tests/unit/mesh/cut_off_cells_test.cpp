@@ -43,7 +43,7 @@ MixedMesh cube(int n) {
   return fixtures::mixed_of(TetMesh::build(block.points, block.tetrahedra, block.tetrahedron_labels));
 }
 
-/// Of the unit cube behind a plane at distance d from the origin, by inclusion and exclusion of corners
+/// Share of the unit cube behind a plane at distance d from the origin, by inclusion and exclusion of corners
 /// (Barrow and Smith 1979, Spline notation applied to a volume problem, Amer. Math. Monthly 86).
 double share_behind(const Vec3& n, double d) {
   double sum = 0;

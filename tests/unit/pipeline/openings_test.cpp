@@ -30,7 +30,7 @@ struct Tube {
   double radius;
 
   [[nodiscard]] bool holds(const Vec3& x) const { return (x - on_axis).cross(direction).norm() < radius; }
-  /// Of the ellipse in which a plane z = const cuts it.
+  /// Area of the ellipse in which a plane z = const cuts the tube.
   [[nodiscard]] double section() const { return std::numbers::pi * radius * radius / direction.z(); }
 };
 

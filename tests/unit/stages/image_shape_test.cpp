@@ -54,7 +54,7 @@ MixedMesh cells_at(const std::vector<Index3>& places, bool as_hexahedra) {
   return mesh;
 }
 
-/// Those of the voxels, whose middles are at (0, 0, 0) and on.
+/// Cells of the voxels, whose middles are at (0, 0, 0) and on.
 MixedMesh cells_of(const LabelImage& image, bool as_hexahedra) {
   std::vector<Index3> places;
   for (int k = 0; k < 10; ++k)

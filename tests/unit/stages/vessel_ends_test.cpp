@@ -53,7 +53,7 @@ TEST(VesselEnds, AForkHasNone) {
   EXPECT_TRUE(vessel_ends(fork, {}, openings_of(fork), kAll, context).empty());
 }
 
-/// Those that are cut where the ends say have the vessel's section, square to its axis.
+/// Vessels that are cut where the ends say have their section square to the axis.
 TEST(VesselEnds, TheirPlacesCutSquare) {
   Context context;
   LabelImage image = slanted_tube(-10, 45);

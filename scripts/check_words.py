@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""Checks the words of doc comments, and that pages of stages are whole.
+
+A doc line says what it documents ("Planes of the patch."), not whose it is ("Of its planes."). Doc lines (`///`, `///<`) that begin with
+"Of" or "Those" are counted against a budget, which only ever becomes smaller: what remains stands behind members whose name is the
+noun. A page of docs/stages has a heading "## Sources" and a picture, which is there.
+
+Usage: check_words.py [--list] [ROOT]      --list: the lines that count
+"""
+import pathlib
+import re
+import sys
+
+import sources
+
+BUDGET = 124
+FOLDERS = ("include", "internal", "src", "apps", "tests", "benchmarks", "examples")
+NO_NOUN = re.compile(r"///<?\s+(?:Of|Those)\s")
+PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]*)\)")
+
+
+def lines_without_noun(root):
+    for path in sources.source_files(root, FOLDERS):
+        for number, line in enumerate((root / path).read_text().splitlines(), 1):
+            if NO_NOUN.search(line): yield f"{path}:{number}: {line.strip()}"
+
+
+def faults_of_page(page, root):
+    text, name = page.read_text(), page.relative_to(root)
+    if not re.search(r"^## Sources$", text, re.MULTILINE): yield f"{name}: no heading '## Sources'"
+    pictures = PICTURE.findall(text)
+    if not pictures: yield f"{name}: no picture; scripts/stage_pictures.py makes them"
+    for picture in pictures:
+        if not (page.parent / picture).is_file(): yield f"{name}: the picture {picture} is not there"
+
+
+def main():
+    arguments = sys.argv[1:]
+    listed = "--list" in arguments
+    if listed: arguments.remove("--list")
+    root = pathlib.Path(arguments[0]) if arguments else sources.ROOT
+    lines = list(lines_without_noun(root))
+    faults = [fault for page in sorted((root / "docs/stages").glob("*.md")) for fault in faults_of_page(page, root)]
+    if len(lines) > BUDGET:
+        faults.append(f"{len(lines)} doc lines begin with 'Of' or 'Those', {BUDGET} may; name what they document (--list shows them)")
+    if listed or len(lines) > BUDGET: print("\n".join(lines))
+    print("\n".join(faults + [f"check_words: {len(lines)} of {BUDGET} doc lines without their noun, {len(faults)} faults"]))
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
