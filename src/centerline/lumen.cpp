@@ -11,7 +11,8 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// Lower envelope of parabolas with the curvature of squared distances (Felzenszwalb and Huttenlocher 2012,
-/// doi:10.4086/toc.2012.v008a019), which come from left to right.
+/// doi:10.4086/toc.2012.v008a019), which come from left to right: those of height f at p and q meet at
+/// ((f(q) + q^2) - (f(p) + p^2)) / (2 (q - p)).
 class Envelope {
  public:
   void clear() { arcs_.clear(); }

@@ -28,7 +28,8 @@ constexpr double kSilentAngleDeg = 0.01;
 constexpr double kLargestAngleDeg = 3.0;
 
 /// Nearest orthonormal matrix: the orthogonal factor of the polar decomposition (Higham 1986,
-/// doi:10.1137/0907079). Keeps the sign of the determinant.
+/// doi:10.1137/0907079), U V^T of the singular value decomposition U S V^T. Keeps the sign of the
+/// determinant.
 Mat3 nearest_orthonormal(const fs::path& path, const Mat3& direction, Context& context) {
   if (!direction.allFinite()) fail(path, "its direction cosines are not numbers; correct the header");
   Mat3 unit = direction;

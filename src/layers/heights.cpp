@@ -63,7 +63,8 @@ double growth_for_thickness(const LayerOptions& options, int count) {
 
 /// Radius of the largest ball that touches the surface at `point`, has its centre along `direction` and no
 /// part of the outside in it that looks back; at most `most`. What looks the same way is the point's own
-/// side, however bent: whether layers fit there, their cells and skin will tell.
+/// side, however bent: whether layers fit there, their cells and skin will tell. The ball through `point` and
+/// q has the radius |q - point|^2 / (2 direction . (q - point)); q becomes the point nearest to its centre.
 /// @param side  1 outside the mesh, -1 within it.
 /// Source: Ma, Bae and Choi 2012, 3D medial axis point approximation using nearest neighbors and the normal
 /// field, doi:10.1007/s00371-011-0594-7.

@@ -10,7 +10,8 @@ namespace lumesh::metric {
 /// Along a frozen boundary no edge can become what a metric asks for. Near it the metric therefore goes over,
 /// at the growth of sizes that is allowed, to one in which the boundary's own triangles are regular; across
 /// the boundary sizes stay those that are wanted. Source of the idea: required edges in Mmg (Dapogny et al.
-/// 2014, doi:10.1016/j.jcp.2014.01.005), whose sizes are imposed on their surroundings.
+/// 2014, doi:10.1016/j.jcp.2014.01.005), whose sizes are imposed on their surroundings. The tensor,
+/// 3/2 (sum of e e^T)^-1: docs/stages/metric.md, "A boundary that stays".
 class BoundarySizes {
  public:
   /// @param mesh    Compact. @param growth  > 1, of sizes from one edge to the next.

@@ -10,7 +10,8 @@
 namespace lumesh::operators {
 namespace {
 
-/// The shortest vector in the convex hull of some. Source: Gilbert 1966, doi:10.1137/0304007.
+/// The shortest vector w in the convex hull of some: again and again the shortest one between w and the v
+/// with the least v . w, until no v . w is below |w|^2. Source: Gilbert 1966, doi:10.1137/0304007.
 Vec3 shortest_combination(const std::vector<Vec3>& vectors) {
   constexpr int kMaxRounds = 60;
   constexpr double kNearly = 1e-3;

@@ -23,7 +23,8 @@ struct PatchTriangles {
 /// Vertices of the mesh to those of a patch.
 using OwnNumbers = std::map<std::uint32_t, std::uint32_t>;
 
-/// The circle that fits points of a plane best: centre and radius. Source: Kasa 1976,
+/// The circle that fits points of a plane best: centre c and radius r that make the sum of
+/// (|p|^2 - 2 c p - (r^2 - |c|^2))^2 least, linear in c and r^2 - |c|^2. Source: Kasa 1976,
 /// doi:10.1109/TIM.1976.6312298.
 Vec3 circle_through(const std::vector<Vec3>& points, const Vec3& u, const Vec3& v) {
   Mat3 sums = Mat3::Zero();

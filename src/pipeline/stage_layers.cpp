@@ -122,10 +122,11 @@ void check_layers(CaseState& state) {
 void make_layers(CaseState& state, report::StageReport& stage) {
   LayerOptions options = state.c.layers.with_label();
   options.into = label_grown_into(state);
-  stage.what = options.side == LayerSide::kInward
-                   ? "Thin cells along the wall, for the flow: the mesh gives way, and all of it fills what "
-                     "the mesh filled."
-                   : "Thin cells around the mesh, for the vessel's wall; the mesh itself stays as it is.";
+  stage.what =
+      options.side == LayerSide::kInward
+          ? "Thin cells along the wall, for the flow: the mesh is deformed, and all of it fills what "
+            "the mesh filled."
+          : "Thin cells around the mesh, for the vessel's wall; the mesh itself stays as it is.";
   LayerResult result =
       state.mixed ? grow_layers_on(*state.mixed, "[layers]", options, state.context)
                   : naming("[layers]", [&] { return grow_layers(state.mesh, options, state.context); });

@@ -202,8 +202,9 @@ class Overviews {
   std::array<Side, 2> sides_;
 };
 
-/// How far along a ray a face is; a negative number if the ray misses it. Source: Möller and Trumbore 1997,
-/// doi:10.1080/10867651.1997.10487468.
+/// How far along a ray a face is; a negative number if the ray misses it. from + t direction = a + u ab + v
+/// ac by Cramer's rule: with D = ab . (direction x ac) and q = (from - a) x ab, t = ac . q / D. Source:
+/// Möller and Trumbore 1997, doi:10.1080/10867651.1997.10487468.
 double distance_along(const ShapeFace& face, const Vec3& from, const Vec3& direction) {
   const Vec3 ab = face.corners[1] - face.corners[0], ac = face.corners[2] - face.corners[0];
   const Vec3 across = direction.cross(ac);

@@ -310,7 +310,8 @@ struct LinearForm {
   }
 };
 
-/// Kobbelt et al. 1998, doi:10.1145/280814.280831: the umbrella operator twice.
+/// The umbrella operator, mean of the neighbours less the point, twice is 0: U(U(p)) = 0. Source: Kobbelt et
+/// al. 1998, doi:10.1145/280814.280831.
 void Filling::solve() {
   const std::size_t fixed = corner_count();
   std::vector<std::set<std::uint32_t>> around(points_.size());

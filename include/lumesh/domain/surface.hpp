@@ -79,7 +79,9 @@ class MeshCurve {
                                                std::span<const std::array<std::uint32_t, 3>> triangles);
 
 /// The cubic patch over a triangle, from the normals at its corners, at the place over a point of the
-/// triangle, with a normal that varies quadratically. Source: Vlachos, Peters, Boyd, Mitchell 2001, Curved PN
+/// triangle, with a normal that varies quadratically. With the corners p, their mean V and the normals n, the
+/// control point of edge (i, j) next to i is (2 pi + pj - ((pj - pi) . ni) ni) / 3, and the middle one
+/// E + (E - V) / 2 with the mean E of these six. Source: Vlachos, Peters, Boyd, Mitchell 2001, Curved PN
 /// triangles, doi:10.1145/364338.364387.
 /// @param normals  Of unit length.
 [[nodiscard]] SurfacePoint over_triangle(const std::array<Vec3, 3>& corners,

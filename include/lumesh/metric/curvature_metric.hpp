@@ -36,7 +36,8 @@ struct CurvatureOptions {
 /// the distance rho from the normal), which makes spheres exact however coarse the mesh is.
 /// @param triangles  Turned alike.
 /// Parallel inside, bitwise identical for every thread count.
-/// Source: osculating quadrics by least squares, Cazals and Pouget 2005, doi:10.1016/j.cagd.2004.09.004.
+/// Source: osculating quadrics by least squares, Cazals and Pouget 2005, doi:10.1016/j.cagd.2004.09.004;
+/// docs/stages/metric.md, "Curvature".
 [[nodiscard]] std::vector<SurfaceCurvature> fit_curvatures(std::span<const Vec3> points,
                                                            std::span<const Cell<3>> triangles);
 

@@ -35,7 +35,7 @@ struct EllipsoidOptions {
 /// Threads: const on its input. Cost: about 6 us for 40 points, linear in their number.
 /// Sources: Khachiyan 1996, doi:10.1287/moor.21.2.307, with the away steps and the end of Todd and Yildirim
 /// 2007, doi:10.1016/j.dam.2007.02.013, and the first points of Kumar and Yildirim 2005,
-/// doi:10.1007/s10957-005-2653-6.
+/// doi:10.1007/s10957-005-2653-6; written out in docs/stages/metric.md, "Points".
 [[nodiscard]] Ellipsoid minimum_volume_ellipsoid(std::span<const Vec3> points,
                                                  const EllipsoidOptions& options = {});
 

@@ -59,7 +59,7 @@ struct VelocityFit {
 /// sample), there are fewer different samples than k, or none lies within one diagonal of the places' box of
 /// that; the message does not name a file. Error{kUsage} for options out of range. Parallel inside, bitwise
 /// identical for every thread count. Source of the fit: moving least squares, Lancaster and Salkauskas 1981,
-/// doi:10.1090/S0025-5718-1981-0616367-1.
+/// doi:10.1090/S0025-5718-1981-0616367-1; the metric is derived in docs/stages/metric.md, "Velocity".
 [[nodiscard]] std::vector<SymTensor> metric_from_velocity(std::span<const Vec3> places,
                                                           const VelocitySamples& samples,
                                                           const VelocityMetricOptions& options = {});

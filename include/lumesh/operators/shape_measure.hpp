@@ -34,7 +34,7 @@ struct ShapeMeasure {
 
 /// Smallest sine of the dihedral angles of (a, b, c, d), those of obtuse ones times `obtuse_weight`; negative
 /// if inverted. Source: the biased minimum sine of Klingner and Shewchuk 2007,
-/// doi:10.1007/978-3-540-75103-8_1.
+/// doi:10.1007/978-3-540-75103-8_1; docs/stages/improve.md, "How it works".
 [[nodiscard]] inline double angle_quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d,
                                           double obtuse_weight) {
   const DihedralCosines cosines = min_max_dihedral(a, b, c, d);
