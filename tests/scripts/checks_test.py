@@ -108,6 +108,14 @@ class ChecksTest(unittest.TestCase):
         self.write("docs/page.md", "Unknown 1991, [doi:10.1000/xyz.5](https://doi.org/10.1000/xyz.5).\n")
         self.assert_finds("check_references.py", "docs/page.md:1: 10.1000/xyz.5 is missing")
 
+    def test_references_finds_a_heading_that_is_missing(self):
+        self.write("docs/references.bib", "")
+        self.write("docs/stages/a.md", "# a\n\n### Large steps\n")
+        self.write("src/mesh/derived.cpp", '/// Derived in docs/stages/a.md, "Large\n/// steps".\n')
+        self.assertEqual(self.run_check("check_references.py")[0], 0)
+        self.write("src/mesh/derived.cpp", '/// Derived in docs/stages/a.md,\n/// "Small steps".\n')
+        self.assert_finds("check_references.py", 'docs/stages/a.md has no heading "Small steps"')
+
     def test_words_finds_doc_lines_without_their_noun_beyond_the_budget(self):
         self.write("src/mesh/few.cpp", "/// Of the planes.\n/// Planes of the patch.\n")
         self.assertEqual(self.run_check("check_words.py")[0], 0)
