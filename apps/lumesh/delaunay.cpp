@@ -73,7 +73,7 @@ nlohmann::ordered_json report_json(const DelaunayMesh& made, const OpeningsCompa
   return json;
 }
 
-/// What can be said before anything is read.
+/// Refuses what contradicts itself before anything is read.
 void check_options(DelaunayCommand& command) {
   command.request.validate();
   check_domain_options(*command.run.command, command.input);

@@ -108,7 +108,7 @@ std::optional<metric::MetricField> sizes_of(const ImproveCommand& command, const
   return std::nullopt;
 }
 
-/// What the image was cut with that the mesh is compared with, if that is ever done.
+/// Notes the cuts of the image that the mesh may be compared with later.
 void note_cuts(const ImproveCommand& command, std::map<std::string, std::string>& provenance) {
   InputCuts cuts;
   cuts.planes = command.cut_planes;

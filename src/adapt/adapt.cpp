@@ -17,7 +17,7 @@
 namespace lumesh {
 namespace {
 
-/// What one run of adapt() works with.
+/// State of one run of adapt().
 template <class Execution>
 class Adapter {
  public:
@@ -156,8 +156,8 @@ class Adapter {
   void collapse() {
     phase("collapse", [&] { collapse_short_edges(mesh_, execution_, options_.collapse_below, collapse_); });
   }
-  /// What was made later lies elsewhere in memory, and buckets have grown. Ordering costs little against
-  /// that.
+  /// Reorders a mesh that has grown: new elements lie elsewhere in memory, and buckets are larger. It costs
+  /// little against that.
   void reorder_if_grown() {
     constexpr double kGrown = 1.5;
     if (mesh_.tet_count() < kGrown * ordered_tets_) {

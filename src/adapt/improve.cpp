@@ -40,7 +40,7 @@ void measure_angles(TetMesh& mesh, double obtuse_weight) {
   });
 }
 
-/// What one run of improve() works with.
+/// State of one run of improve().
 template <class Execution>
 class Improver {
  public:
@@ -223,7 +223,7 @@ std::vector<Vec3> places_on_surfaces(const TetMesh& mesh) {
   return places;
 }
 
-/// What tetrahedra may become where vertices settle.
+/// Shapes that tetrahedra may become where vertices settle.
 operators::MayBecome settled_shapes(const ImproveOptions& options) {
   const auto within = operators::within_angles(options.min_dihedral_deg, options.max_dihedral_deg);
   if (!options.refusal) return within;

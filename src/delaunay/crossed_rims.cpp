@@ -10,7 +10,7 @@
 namespace lumesh::delaunay {
 namespace {
 
-/// What each vertex of a boundary touches.
+/// Materials that each vertex of a boundary touches.
 class TouchedMaterials {
  public:
   TouchedMaterials(const TetMesh& mesh, const Domain& domain) : mesh_(mesh) {
@@ -57,7 +57,7 @@ bool is_within_cuts(const TetMesh& mesh, const Domain& domain, TetId t) {
   return true;
 }
 
-/// What a tetrahedron is to be that lies on the kept side of all cuts, though the centre of its circumsphere
+/// Material of a tetrahedron that lies on the kept side of all cuts, though the centre of its circumsphere
 /// does not; none if it stays.
 std::optional<Material> material_within_cuts(const TetMesh& mesh, const Domain& domain, TetId t) {
   if (!domain.is_cut(static_cast<Material>(mesh.label(t))) || !is_within_cuts(mesh, domain, t))
@@ -84,7 +84,7 @@ bool crosses(const TetMesh& mesh, const Domain& domain, const TouchedMaterials& 
   return std::all_of(common.begin(), common.end(), [&](Material m) { return domain.is_meshed(m); });
 }
 
-/// What a tetrahedron at such a face is to be, if not what it is.
+/// Material that a tetrahedron at such a face is to have, if not its own.
 std::optional<Material> material_of(const TetMesh& mesh, const Domain& domain,
                                     const TouchedMaterials& touched, TetId t) {
   bool is_at_one = false;

@@ -171,7 +171,7 @@ class PlaneOpenings {
     return openings;
   }
 
-  /// What of the plane may cut the object.
+  /// Part of the plane that may cut the object.
   [[nodiscard]] PlaneGrid whole_plane(double step_mm) const {
     if (plane_.section)
       return {domain_, beyond_, plane_, u_, v_, plane_.point_mm, plane_.radius_mm, plane_.radius_mm, step_mm};

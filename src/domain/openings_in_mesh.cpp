@@ -14,7 +14,7 @@
 namespace lumesh {
 namespace {
 
-/// What one patch of openings is in a mesh.
+/// Figures of one patch of openings in a mesh.
 struct OpeningPatch {
   double area_mm2 = 0;
   Vec3 area_normal = Vec3::Zero();

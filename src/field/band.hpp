@@ -93,7 +93,7 @@ class Band {
     const SegmentPlace& p = grid_.place(lane / kLanes);
     return low_ + Index3(p.x * kLanes + lane % kLanes, p.y, p.z);
   }
-  /// What an array holds for a voxel of the image, or a ghost; what it holds for the null segment if that is
+  /// Value of an array for a voxel of the image, or a ghost; that of the null segment if that is
   /// not of the band.
   [[nodiscard]] float value_at(const LaneArray& values, const Index3& voxel) const {
     const Index3 v = voxel - low_;

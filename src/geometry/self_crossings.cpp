@@ -98,7 +98,8 @@ bool meet_apart(const Corners& a, const Corners& b) {
   return false;
 }
 
-/// What they have in common beyond the corner a[0] == b[0] reaches the edge opposite it of one of them.
+/// Whether two triangles have in common, beyond the corner a[0] == b[0], a part that reaches the edge
+/// opposite.
 bool meet_around_corner(const Corners& a, const Corners& b) {
   const int first = orient3d(b[0], b[1], b[2], a[1]), second = orient3d(b[0], b[1], b[2], a[2]);
   if (first * second > 0) return false;
@@ -145,7 +146,7 @@ std::size_t bring_shared_to_front(std::array<std::uint32_t, 3>& a, std::array<st
   return shared;
 }
 
-/// What a triangle adds to how often a closed surface winds around p, seen along the ray from p towards
+/// Share of a triangle in how often a closed surface winds around p, seen along the ray from p towards
 /// larger x: +1 or -1 if the ray goes through it, out of or into what is inside. Edges and corners of
 /// triangles count once, by the half-open rule.
 int winding_ahead(const Corners& t, const Vec3& p) {

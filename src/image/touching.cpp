@@ -266,7 +266,7 @@ void join(const VesselChunks& chunks, const std::vector<ContactElement>& element
     });
 }
 
-/// What a cut leaves alone between the vessels goes with it.
+/// Removes specks that a cut leaves alone between the vessels.
 void drop_specks(const std::set<std::size_t>& cut, LabelImage& image, VoxelsChanged& changed) {
   constexpr std::size_t kSpeck = 27;
   for (const VoxelComponent& piece : small_components(image, kSpeck, ComponentScope::kUnion)) {

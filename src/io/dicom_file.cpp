@@ -56,7 +56,7 @@ bool is_type(std::uint16_t type) {
   return has_long_length(type);
 }
 
-/// What is kept, with its type: GDCM ends the program where it is another.
+/// An element that is kept, with its type: GDCM ends the program where it is another.
 struct Kept {
   std::uint32_t tag;
   std::uint16_t type;

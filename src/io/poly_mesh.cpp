@@ -62,7 +62,7 @@ struct FaceRun {
   }
 };
 
-/// What polyMesh cannot say.
+/// Fault of faces that polyMesh cannot hold.
 std::string fault_of(const FaceRun& run, const SideNumbers& sides, const MeshFaces& faces) {
   const bool is_folded = run.side_count == 2 && sides.cell_of(run.sides[0]) == sides.cell_of(run.sides[1]);
   if (run.side_count > 0 && run.side_count <= 2 && !is_folded) return {};

@@ -36,7 +36,7 @@ enum class VoxelType : std::uint8_t {
   kDouble
 };
 
-/// What NRRD, NIfTI and MetaImage call each type, in its order.
+/// Names of each type in NRRD, NIfTI and MetaImage, in its order.
 struct VoxelTypeNames {
   VoxelType type;
   const char* nrrd;
@@ -58,13 +58,13 @@ inline constexpr std::array<VoxelTypeNames, 10> kVoxelTypes = {
   return kVoxelTypes[static_cast<std::size_t>(type)];
 }
 
-/// What is taken of an image file.
+/// Choice of what is taken of an image file.
 struct FileChoice {
   std::optional<std::size_t> frame = {};  ///< Of several volumes; none: all.
   std::optional<double> unit_mm = {};     ///< Of the header's lengths, whatever it says itself.
 };
 
-/// What the header of an image file says; nothing of it is checked.
+/// Contents of the header of an image file; nothing of it is checked.
 struct ImageHeader {
   std::array<std::int64_t, 3> size = {0, 0, 0};
   std::size_t volumes = 1;     ///< Frames of a 4-D image, or values of each voxel.
@@ -151,7 +151,7 @@ struct VolumeRange {
 /// @throws Error{kBadInput} if there is no such frame, or one has to be asked for.
 [[nodiscard]] VolumeRange chosen_volumes(const std::filesystem::path& path, const ImageHeader& header,
                                          const FileChoice& choice);
-/// What is said of a file with several volumes of which one is to be chosen.
+/// Message for a file with several volumes of which one is to be chosen.
 [[nodiscard]] std::string several_volumes_text(std::size_t volumes);
 
 /// Voxels with their values side by side in the file, sorted into volumes. @param kept  Of these volumes.
@@ -174,7 +174,7 @@ void keep_volumes(const VolumeRange& kept, RawImage& image);
 [[nodiscard]] bool unpack_nrrd(const std::filesystem::path& path, std::size_t voxel_bytes,
                                std::span<std::byte> voxels);
 
-/// What the header of an NRRD file says that ITK does not look at.
+/// Fields of an NRRD header that ITK does not look at.
 struct NrrdNotes {
   bool has_spacing = false;  ///< ITK takes 1 mm where it is missing.
   double unit_mm = 1;        ///< By "space units".

@@ -113,7 +113,7 @@ std::string decimals(double number, int count) {
   return text.str();
 }
 
-/// What the user should know about a mesh that is less than perfect.
+/// Notes for the user on a mesh that is less than perfect.
 void note_shortcomings(const LatticeOptions& options, LatticeReport& report) {
   if (report.levels_given_up > 0)
     report.notes.push_back("thin parts are refined " + std::to_string(report.levels_given_up) +

@@ -21,7 +21,7 @@ Key pack(const Index3& p) {
                    static_cast<std::uint32_t>(p.z()));
 }
 
-/// What was found for the last few lattice points: neighbouring tetrahedra share corners.
+/// Findings for the last few lattice points: neighbouring tetrahedra share corners.
 class PointMemo {
  public:
   PointMemo() { keys_.fill(parallel::KeySet::kEmpty); }

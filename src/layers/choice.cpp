@@ -10,7 +10,7 @@
 namespace lumesh::layers {
 namespace {
 
-/// What lies beside the faces of a patch.
+/// Labels beside the faces of a patch.
 struct PatchSides {
   std::set<Label> labels;
   bool has_inner_faces = false;  ///< With cells on both sides.

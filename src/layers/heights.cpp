@@ -131,7 +131,7 @@ void limit_by_neighbours(const LayerSurface& surface, const Cap& cap, int max_sw
   }
 }
 
-/// What heights are multiples of, at every vertex, in mm.
+/// Scale that heights are multiples of, at every vertex, in mm.
 std::vector<double> scales_of(const LayerSurface& surface, const Directions& directions, HeightScale scale,
                               double side, const Outside& outside) {
   constexpr int kSweeps = 10, kMaxSweeps = 500;

@@ -18,7 +18,7 @@ bool is_finer(const SymTensor& a, const SymTensor& b) {
   return d.xx >= 0 && d.xx * d.yy >= d.xy * d.xy && d.determinant() >= 0 && d.yy >= 0 && d.zz >= 0;
 }
 
-/// What the metric `from` demands at the other end of an edge: each axis grown by the edge's length. Source:
+/// Metric that `from` demands at the other end of an edge: each axis grown by the edge's length. Source:
 /// Alauzet 2010, doi:10.1016/j.finel.2009.06.028, eq. (9) to the power 1 - t and eq. (10) to the power t;
 /// docs/stages/metric.md, "Gradation".
 SymTensor grown(const EigenSystem& from, const Vec3& edge, const GradationOptions& options) {

@@ -127,7 +127,7 @@ double percentile_95(std::vector<double> values) {
   return *at;
 }
 
-/// What the sizes of all places are measured by.
+/// Scales that the sizes of all places are measured by.
 struct FlowScale {
   double gradient = 0;  // G_0; 0 where nothing flows.
   double size = 0;      // h_0.

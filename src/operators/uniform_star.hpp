@@ -32,7 +32,7 @@ class UniformStar {
     double squared_length = 0;
     bool given = false;
   };
-  /// What one tetrahedron adds to the sums below, with its other corners a, b, c.
+  /// Share of one tetrahedron in the sums below, with its other corners a, b, c.
   struct Face {
     std::array<std::uint32_t, 3> corners;  // Places of neighbours; positively oriented with v behind them.
     Vec3 normal;                           // (b - a) x (c - a).

@@ -51,7 +51,7 @@ bool has_keys(const Case& c, const std::string& section) {
   return section_text(c, section) != section_text(Case(), section);
 }
 
-/// What is set for the mesher that is not taken would be set for nothing.
+/// Refuses settings for the mesher that is not taken: they would be set for nothing.
 void refuse_other_mesher(const Case& c) {
   const bool is_lattice = c.mesher == Mesher::kLattice;
   const std::string other = is_lattice ? "delaunay" : "lattice";

@@ -47,7 +47,7 @@ struct CaseState {
   bool has_earlier_results = false;      ///< Whether the case's folder held results when the run began.
 
   [[nodiscard]] int threads() const;
-  /// What is meshed: the image's domain, or that of the surface; made when it is first asked for.
+  /// Domain to mesh: the image's, or that of the surface; made when it is first asked for.
   [[nodiscard]] const Domain& domain();
   /// Openings of the domain; found when they are first asked for.
   [[nodiscard]] const std::vector<Opening>& openings();
@@ -59,7 +59,7 @@ struct CaseState {
   [[nodiscard]] MeshView view(const BoundaryFaces& faces) const;
   [[nodiscard]] const MeshInfo& mesh_info() const { return mixed ? mixed->info : mesh.info(); }
   [[nodiscard]] MeshInfo& mesh_info() { return mixed ? mixed->info : mesh.info(); }
-  /// What every file says of its making.
+  /// Description of its making that every file holds.
   [[nodiscard]] MeshInfo info() const;
 };
 

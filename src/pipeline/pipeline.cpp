@@ -58,7 +58,7 @@ class CaseRun {
     write_stage_files(state_, "centerline", result_.report.files);
   }
 
-  /// What a stage leaves in the mesh, or its checkpoint.
+  /// Changes the mesh by a stage, or takes what its checkpoint has.
   template <class Make>
   void change_mesh(const std::string& name, const std::string& title, const Make& make) {
     const bool has_mesh = name != "mesh";

@@ -46,7 +46,7 @@ struct SmallPolygon {
   std::array<PlanePoint, 8> corners;
   std::size_t count = 0;
 
-  /// What of it has normal . p <= bound.
+  /// Part of it that has normal . p <= bound.
   [[nodiscard]] SmallPolygon below(const PlanePoint& normal, double bound) const {
     SmallPolygon kept;
     for (std::size_t i = 0; i < count; ++i) {

@@ -356,7 +356,7 @@ std::string configuration_html(const std::string& configuration) {
   return section("Settings in force", "<pre>" + escaped(configuration) + "</pre>");
 }
 
-/// What the words of the page mean.
+/// Meanings of the words of the page.
 std::string words_html(const CaseReport& report) {
   const auto has_metric = [](const StageReport& s) { return s.evaluation && s.evaluation->metric; };
   std::string html = "<dl>";

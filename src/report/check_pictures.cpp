@@ -114,7 +114,7 @@ PictureLabels numbers_of(const std::vector<Mark>& marks, const Camera& camera, c
   return labels;
 }
 
-/// What the colours mean that are in a picture.
+/// Meanings of the colours that are in a picture.
 std::vector<LegendItem> legend_of(const Shape& shape) {
   const auto has_face = [&](const Colour& colour) {
     return std::any_of(shape.faces.begin(), shape.faces.end(),

@@ -14,7 +14,7 @@ constexpr double kFilledShare = 0.6;   // More than this need not be filled.
 constexpr double kNarrowing = 0.8;     // From one width to the next.
 constexpr std::size_t kNarrowest = 6;  // Squares: narrower windows would be placed too coarsely.
 
-/// What lies left of and below each corner of a grid over the section.
+/// Sums left of and below each corner of a grid over the section.
 class SectionSums {
  public:
   explicit SectionSums(std::span<const SectionPlace> cells)

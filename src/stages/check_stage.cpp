@@ -51,7 +51,8 @@ CheckReport check_surface(const MixedMesh& surface, const std::filesystem::path&
   return report;
 }
 
-/// What no simulation survives, with places, then all that validate() asks for besides.
+/// Findings of a mesh: first what no simulation survives, with places, then all that validate() asks for
+/// besides.
 CheckReport check_mesh(const MixedMesh& mesh) {
   constexpr const char* kRemedy = "mesh its image or surface anew";
   CheckReport report = {

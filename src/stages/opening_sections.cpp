@@ -84,7 +84,7 @@ std::optional<std::size_t> opening_of(const Section& section, std::span<const Op
   return best;
 }
 
-/// What the voxels say of one opening.
+/// Figures of one opening by its voxels.
 struct Voxels {
   double area_mm2 = 0, face_mm2 = 0;
   std::size_t sections = 0;  ///< Of some faces.

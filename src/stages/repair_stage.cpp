@@ -40,7 +40,8 @@ std::uint64_t count_components(const TriangleMesh& surface) {
   return surfaces::turn_alike(copy).count;
 }
 
-/// What is inside of it is what the whole is about, whichever way its triangles are turned.
+/// The surface turned outwards: what is inside of it is what the whole is about, whichever way its triangles
+/// are turned.
 TriangleMesh turned_outwards(const MixedMesh& surface) {
   TriangleMesh mesh = surfaces::weld(surface.points, surface.triangles, surface.triangle_patches);
   surfaces::without_triangles(mesh, surfaces::duplicate_triangles(mesh.triangles));

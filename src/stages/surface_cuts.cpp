@@ -203,7 +203,7 @@ class SurfaceCutter {
   const Context& context_;
 };
 
-/// What was closed has an end near its centre still.
+/// Drops closed openings without an end near their centre: they were cut away.
 void drop_what_was_cut_away(std::span<const FlatEnd> ends, std::vector<surfaces::ClosedRim>& closed) {
   std::erase_if(closed, [&](const surfaces::ClosedRim& rim) {
     constexpr double kNear = 0.01;  // Of the radius.

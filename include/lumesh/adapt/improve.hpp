@@ -52,7 +52,7 @@ struct DihedralRange {
   std::uint64_t tets_outside = 0;  ///< With an angle outside the targets.
 };
 
-/// What one pass did.
+/// Figures of one pass.
 struct ImprovePass {
   double seconds = 0;
   std::uint32_t tets = 0, vertices = 0;  ///< Afterwards.

@@ -6,7 +6,7 @@
 
 namespace lumesh {
 
-/// What went wrong.
+/// Kind of a fault.
 enum class ErrorKind {
   kUsage,       ///< Wrong option or value of one.
   kBadInput,    ///< A file or a data set is missing, broken or unsuitable, or output cannot be written.
@@ -25,7 +25,7 @@ class Error : public std::runtime_error {
   ErrorKind kind_;
 };
 
-/// What body() returns; its errors name what it is about.
+/// Result of body(), whose errors name what it is about.
 template <class Body>
 auto naming(const std::string& name, const Body& body) {
   try {

@@ -9,7 +9,7 @@
 
 namespace lumesh {
 
-/// What a finding means for whoever wants a mesh.
+/// Meaning of a finding for whoever wants a mesh.
 enum class Severity : std::uint8_t {
   kRemark,  ///< Worth knowing; a mesh can be made.
   kFault,   ///< Unfit for meshing as it is.

@@ -49,7 +49,7 @@ struct OptionWord {
 
   /// The index of the word that `text` spells, if any.
   [[nodiscard]] std::optional<std::size_t> index_of(std::string_view text) const;
-  /// What is wrong with a text that spells none: "must be one of "a", "b", not "c"".
+  /// Fault of a text that spells none: "must be one of "a", "b", not "c"".
   [[nodiscard]] std::string complaint(std::string_view text) const;
 };
 
@@ -130,7 +130,7 @@ struct Option {
   }
 
   [[nodiscard]] bool is_called(std::string_view text) const;
-  /// What is wrong with a number: "must lie between 1 and 3, not at 5"; empty if nothing is.
+  /// Fault of a number: "must lie between 1 and 3, not at 5"; empty if there is none.
   [[nodiscard]] std::string complaint(double value) const;
   /// Range and unit in words: "mm, at least 0".
   [[nodiscard]] std::string domain_text() const;

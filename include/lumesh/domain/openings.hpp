@@ -110,7 +110,7 @@ struct RimPlace {
 [[nodiscard]] std::size_t opening_of_places(std::span<const Opening> openings, Label label,
                                             std::span<const Vec3> places_mm, const Vec3& normal);
 
-/// What the triangles of an opening make in a mesh.
+/// Shape that the triangles of an opening have in a mesh.
 struct OpeningShape {
   std::size_t parts = 0;          ///< Connected over edges.
   std::size_t rims = 0;           ///< Closed loops of edges: one, and one for each hole.

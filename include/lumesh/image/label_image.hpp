@@ -66,12 +66,12 @@ class LabelImage {
   [[nodiscard]] Index at(const Index3& v) const { return voxels_[frame_.offset(v)]; }
   [[nodiscard]] Index& at(const Index3& v) { return voxels_[frame_.offset(v)]; }
   [[nodiscard]] Label label_at(const Index3& v) const { return values_[at(v)]; }
-  /// What grey values or probabilities say of the boundary's place (crossings.hpp); ascending by voxel, then
+  /// Crossings of the boundary by grey values or probabilities (crossings.hpp); ascending by voxel, then
   /// axis. Empty where labels are all that is known. Faces without one are crossed anywhere; crossings
   /// without a face, as of labels that were taken out since, mean nothing.
   [[nodiscard]] const std::vector<FaceCrossing>& crossings() const { return crossings_; }
   [[nodiscard]] std::vector<FaceCrossing>& crossings() { return crossings_; }
-  /// What the file calls its labels; may be empty or partial.
+  /// Names that the file gives to labels; may be empty or partial.
   [[nodiscard]] const std::map<Label, std::string>& label_names() const { return label_names_; }
   [[nodiscard]] std::map<Label, std::string>& label_names() { return label_names_; }
 

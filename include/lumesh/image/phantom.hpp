@@ -26,8 +26,8 @@ enum class PhantomKind : std::uint8_t {
 /// @throws Error{kUsage} for an unknown name; the message lists the known ones.
 [[nodiscard]] PhantomKind phantom_kind_from_name(std::string_view name);
 
-/// What to make. A zero in a size, spacing, radius or wall stands for the kind's default; default radii scale
-/// with the extent of the image, so that the same shape fills images of every resolution.
+/// A phantom to make. A zero in a size, spacing, radius or wall stands for the kind's default; default radii
+/// scale with the extent of the image, so that the same shape fills images of every resolution.
 struct PhantomSpec {
   PhantomKind kind = PhantomKind::kSphere;
   Index3 size = Index3::Zero();      ///< Voxels, each 8 to 2048.

@@ -15,7 +15,7 @@
 
 namespace lumesh {
 
-/// What becomes of vessels side by side that touch, or are at most a voxel apart.
+/// Treatment of vessels side by side that touch, or are at most a voxel apart.
 enum class TouchChoice : std::uint8_t {
   kKeep,
   kSeparate,  ///< A layer of voxels between them becomes background.

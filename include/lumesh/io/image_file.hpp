@@ -29,7 +29,7 @@ struct LabelledFile {
   Label label = 1;
 };
 
-/// What to keep of an image that is read.
+/// Selection from an image that is read.
 struct ImageReadOptions {
   std::vector<Label> labels = {};  ///< Keep these only, the rest becomes background; empty = all.
   /// Voxels >= threshold become label 1, the rest background; excludes `labels`.

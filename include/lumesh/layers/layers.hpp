@@ -30,7 +30,7 @@ enum class HeightScale : std::uint8_t {
   kEdge,      ///< The mean length of the surface's edges around.
 };
 
-/// What a column of layers gives up where it cannot be as long as wanted.
+/// Part that a column of layers gives up where it cannot be as long as wanted.
 enum class ShortOfRoom : std::uint8_t {
   kDrop,    ///< Outer layers; the first height is kept.
   kShrink,  ///< The height of all layers alike.

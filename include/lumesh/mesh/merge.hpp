@@ -11,7 +11,7 @@
 
 namespace lumesh {
 
-/// What a label means that stands in several meshes under one number.
+/// Meaning of a label that stands in several meshes under one number.
 enum class EqualLabels : std::uint8_t {
   kByName,  ///< The same material, unless both have names that differ.
   kApart,   ///< Another material in each mesh.

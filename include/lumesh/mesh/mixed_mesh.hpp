@@ -14,7 +14,7 @@
 
 namespace lumesh {
 
-/// What a boundary patch is.
+/// Kind of a boundary patch.
 enum class PatchKind : std::uint8_t {
   kWall,       ///< Surface of the object against the background.
   kOpening,    ///< Flat cap where a vessel is cut (inlet or outlet).
@@ -37,7 +37,7 @@ struct Patch {
   FlowSide flow = FlowSide::kUnknown;                        ///< Side of an opening, where users say so.
 };
 
-/// What is known about a mesh besides its geometry; written into every format that can hold it.
+/// Description of a mesh besides its geometry; written into every format that can hold it.
 struct MeshInfo {
   std::string unit = "mm";
   std::string frame = "LPS";                      ///< Patient frame of the coordinates: "LPS" or "RAS".

@@ -15,7 +15,7 @@ namespace lumesh {
 /// A place written as "x,y,z"; none if it is anything else, or not finite.
 [[nodiscard]] std::optional<Vec3> place_from(std::string_view text);
 
-/// What users say that a patch is: "inlet", "outlet", "wall" or "symmetry".
+/// Kind that users give a patch: "inlet", "outlet", "wall" or "symmetry".
 struct GivenKind {
   PatchKind kind = PatchKind::kWall;
   FlowSide flow = FlowSide::kUnknown;

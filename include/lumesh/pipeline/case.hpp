@@ -23,7 +23,7 @@ namespace lumesh {
 
 enum class Mesher : std::uint8_t { kLattice, kDelaunay };
 
-/// What is meshed: an image, a closed surface, or a phantom, of which one is named.
+/// Input to mesh: an image, a closed surface, or a phantom, of which one is named.
 struct InputKeys {
   std::string image, surface;  ///< Paths.
   std::string phantom;         ///< "carotid", "bifurcation", …

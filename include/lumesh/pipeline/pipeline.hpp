@@ -30,7 +30,7 @@ struct CaseResult {
 /// @throws Error as the stages do; files are written beside their targets and renamed when complete.
 [[nodiscard]] CaseResult run_case(const Case& c, bool resumes, Context& context);
 
-/// What a case will do and about what it will take.
+/// Predicted steps of a case, and about what they will take.
 struct CasePrediction {
   struct Step {
     std::string what;       ///< One line.

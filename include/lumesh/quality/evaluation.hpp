@@ -66,7 +66,7 @@ struct LabelEvaluation {
   [[nodiscard]] double reference_volume_error_percent() const;
 };
 
-/// What the image says about the mesh as a whole.
+/// Measures of the mesh as a whole against the image.
 struct ImageEvaluation {
   ImageFrame frame;
   double voxel_size_mm = 1;
@@ -98,7 +98,7 @@ struct Evaluation {
   /// Where the mesh is cut off, against the image's boundary; none without an image, or where the mesh says
   /// nothing of patches.
   std::optional<OpeningsCompared> openings;
-  /// What the topology of labels differs in from their voxels', in words; empty with cuts, which voxels do
+  /// Differences of the labels' topology from their voxels', in words; empty with cuts, which voxels do
   /// not know of.
   std::vector<std::string> topology_differences;
   std::vector<TopologyPlace> topology_places;  ///< Where that is.

@@ -11,7 +11,7 @@
 
 namespace lumesh {
 
-/// What is to be found again in the mesh.
+/// Shape of the image that is to be found again in the mesh.
 struct ImageShape {
   ImageFrame frame;
   std::vector<LabelTopology> labels;

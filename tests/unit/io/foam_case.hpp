@@ -124,7 +124,7 @@ struct FoamCase {
   std::vector<FoamEntry> patches, cell_zones, face_zones;
 };
 
-/// What OpenFOAM asks of the order of faces, and that the faces of every cell enclose it.
+/// Asserts OpenFOAM's order of faces, and that the faces of every cell enclose it.
 /// @return The volume of every cell, by the divergence theorem.
 inline std::vector<double> sound_volumes(const FoamCase& c) {
   EXPECT_EQ(c.owner.size(), c.faces.size());
