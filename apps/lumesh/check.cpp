@@ -13,6 +13,7 @@
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/check_report.hpp"
 #include "lumesh/stages/check_stage.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {

@@ -17,6 +17,7 @@
 #include "lumesh/io/sha256.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/quality/faults.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "option_adapter.hpp"
 #include "program.hpp"
 

@@ -9,6 +9,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/length_unit.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 #include "option_adapter.hpp"

@@ -23,6 +23,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"

@@ -13,7 +13,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/stages/size_request.hpp"
+#include "lumesh/stages/delaunay_stage.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {

@@ -9,8 +9,8 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/quality/statistics.hpp"
 #include "lumesh/report/layers_report.hpp"
-#include "lumesh/stages/layer_request.hpp"
 #include "lumesh/stages/layers_stage.hpp"
 #include "option_adapter.hpp"
 

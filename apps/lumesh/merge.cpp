@@ -14,6 +14,7 @@
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
+#include "lumesh/stages/input_parts.hpp"
 
 namespace lumesh::cli {
 

@@ -13,6 +13,7 @@
 #include "lumesh/metric/sources.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/metric_input.hpp"
 #include "option_adapter.hpp"
 

@@ -14,6 +14,7 @@
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "phantom_files.hpp"
 
 namespace lumesh::cli {

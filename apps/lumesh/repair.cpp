@@ -10,6 +10,7 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/repair_stage.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "option_adapter.hpp"

@@ -1,21 +1,12 @@
+#include "lumesh/adapt/adapt_options.hpp"
+
 #include <fmt/core.h>
 
-#include "lumesh/adapt/adapt.hpp"
-#include "lumesh/adapt/boundary.hpp"
 #include "lumesh/adapt/improve.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 
 namespace lumesh {
-
-void describe_execution(OptionList& list, ExecutionKind& execution, parallel::TeamOptions& team) {
-  list.choice("execution", execution,
-              {{"ordered", ExecutionKind::kOrdered}, {"speculative", ExecutionKind::kSpeculative}},
-              "ordered: bitwise identical for every thread count; speculative: threads lock what they "
-              "change, and the "
-              "mesh differs from run to run, alike in quality");
-  team.describe(list);
-}
 
 void AdaptOptions::describe(OptionList& list) {
   list.number("split_above", split_above, between(1, 3), "Longer edges are split")

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lumesh/operators/creases.hpp"
+#include "lumesh/operators/settling.hpp"
 
 namespace lumesh {
 

@@ -10,6 +10,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/operators/ordered_execution.hpp"
+#include "lumesh/operators/settling.hpp"
 #include "lumesh/operators/speculative_execution.hpp"
 #include "lumesh/parallel/loops.hpp"
 

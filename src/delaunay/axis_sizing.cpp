@@ -8,7 +8,8 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
-#include "lumesh/delaunay/built_in_sizings.hpp"
+#include "lumesh/delaunay/sizing.hpp"
+#include "lumesh/mesh/polylines.hpp"
 #include "lumesh/metric/point_tree.hpp"
 
 namespace lumesh {

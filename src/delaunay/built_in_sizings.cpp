@@ -1,11 +1,10 @@
-#include "lumesh/delaunay/built_in_sizings.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/metric/point_tree.hpp"
 #include "lumesh/metric/tensor.hpp"

@@ -12,7 +12,7 @@
 #include "exterior_removal.hpp"
 #include "flat_tets.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/delaunay/built_in_sizings.hpp"
+#include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/operators/delaunay_kernel.hpp"
 #include "lumesh/operators/settling.hpp"
 #include "out_of_bounds.hpp"

@@ -5,7 +5,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
-#include "lumesh/delaunay/built_in_sizings.hpp"
+#include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/metric/point_tree.hpp"
 #include "nearest_points.hpp"

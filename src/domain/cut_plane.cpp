@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lumesh/image/label_image.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {

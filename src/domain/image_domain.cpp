@@ -5,6 +5,7 @@
 
 #include "descent.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -20,6 +21,10 @@ bool is_background(const LabelImage::Index* row, std::size_t width) {
 
 }  // namespace
 
+const ImageFrame& ImageDomain::frame() const {
+  return field_->frame();
+}
+
 Box3 voxel_box(const ImageFrame& frame, const Box3& box_mm) {
   Box3 voxels;
   for (int corner = 0; corner < 8; ++corner)
@@ -28,7 +33,9 @@ Box3 voxel_box(const ImageFrame& frame, const Box3& box_mm) {
 }
 
 ImageDomain::ImageDomain(const LabelImage& image, LabelField field, const std::vector<CutPlane>& cuts)
-    : field_(std::move(field)), labels_(image.values()), label_names_(image.label_names()) {
+    : field_(std::make_shared<const LabelField>(std::move(field))),
+      labels_(image.values()),
+      label_names_(image.label_names()) {
   const ImageFrame& f = image.frame();
   index_from_mm_ = f.spacing_mm.cwiseInverse().asDiagonal() * f.direction.transpose();
   voxel_size_mm_ = std::cbrt(f.voxel_volume_mm3());
@@ -110,7 +117,7 @@ ImageDomain::CutDistance ImageDomain::furthest_cut(const Vec3& point_mm, bool is
 Domain::Surroundings ImageDomain::surroundings(const Vec3& point_mm) const {
   const CutDistance cut = furthest_cut(point_mm, false);
   if (cut.beyond_mm > 0) return {static_cast<Material>(labels_.size() + cut.cut), cut.beyond_mm};
-  const LabelField::Winner winner = field_.winner(frame().to_index(point_mm));
+  const LabelField::Winner winner = field_->winner(frame().to_index(point_mm));
   const double clearance_mm = std::min(-cut.beyond_mm, winner.depth * unit_mm_);
   if (!has_bounded_cuts_ || winner.label == 0) return {winner.label, clearance_mm};
   const CutDistance stump = furthest_cut(point_mm, true);
@@ -121,7 +128,7 @@ Domain::Surroundings ImageDomain::surroundings(const Vec3& point_mm) const {
 Material ImageDomain::material_at(const Vec3& point_mm) const {
   const CutDistance cut = furthest_cut(point_mm, false);
   if (cut.beyond_mm > 0) return static_cast<Material>(labels_.size() + cut.cut);
-  const Material label = field_.label_at(frame().to_index(point_mm));
+  const Material label = field_->label_at(frame().to_index(point_mm));
   if (!has_bounded_cuts_ || label == 0) return label;
   const CutDistance stump = furthest_cut(point_mm, true);
   return stump.beyond_mm > 0 ? static_cast<Material>(labels_.size() + stump.cut) : label;
@@ -164,16 +171,16 @@ MaterialSet ImageDomain::with_stumps(const MaterialSet& labels, const Vec3& poin
 /// As if there were no cut planes.
 MaterialSet ImageDomain::labels_near(const Vec3& point_mm, double reach_mm) const {
   const Vec3 index = frame().to_index(point_mm);
-  const LabelField::LabelIndex own = field_.label_at(index);
+  const LabelField::LabelIndex own = field_->label_at(index);
   MaterialSet near{own};
   // All labels share the wall against the background: which of them stands behind it here, the label's own
   // functions tell.
-  const LabelField::LabelIndex object = own != 0 ? own : field_.object_label_at(index);
+  const LabelField::LabelIndex object = own != 0 ? own : field_->object_label_at(index);
   const auto is_near = [&](LabelField::LabelIndex a, LabelField::LabelIndex b) {
-    return std::abs(field_.difference_value(index, a, b)) * unit_mm_ <= reach_mm;
+    return std::abs(field_->difference_value(index, a, b)) * unit_mm_ <= reach_mm;
   };
   const bool wall_is_near = object != 0 && is_near(object, 0);
-  for (const LabelField::LabelIndex m : field_.labels_near(index)) {
+  for (const LabelField::LabelIndex m : field_->labels_near(index)) {
     if (m == 0        ? wall_is_near
         : m == object ? own != 0 || wall_is_near
                       : is_near(object, m) && (own != 0 || wall_is_near))
@@ -185,7 +192,7 @@ MaterialSet ImageDomain::labels_near(const Vec3& point_mm, double reach_mm) cons
 bool ImageDomain::may_hold_object(const Vec3& low_mm, const Vec3& high_mm) const {
   const Vec3 middle = frame().to_index(0.5 * (low_mm + high_mm));
   const Vec3 reach = index_from_mm_.cwiseAbs() * (0.5 * (high_mm - low_mm));
-  return field_.may_hold_object(middle - reach, middle + reach);
+  return field_->may_hold_object(middle - reach, middle + reach);
 }
 
 Box3 ImageDomain::bounds_mm() const {
@@ -220,16 +227,16 @@ FieldSample ImageDomain::separation(const Vec3& point_mm, Material first, Materi
     return result;
   }
   const FieldSample in_voxels =
-      field_.difference(frame().to_index(point_mm), static_cast<LabelImage::Index>(first),
-                        static_cast<LabelImage::Index>(second));
+      field_->difference(frame().to_index(point_mm), static_cast<LabelImage::Index>(first),
+                         static_cast<LabelImage::Index>(second));
   return {in_voxels.value * unit_mm_, index_from_mm_.transpose() * in_voxels.gradient * unit_mm_};
 }
 
 double ImageDomain::separation_value(const Vec3& point_mm, Material first, Material second) const {
   if (is_cut(first) || is_cut(second)) return separation(point_mm, first, second).value;
-  return unit_mm_ * field_.difference_value(frame().to_index(point_mm),
-                                            static_cast<LabelField::LabelIndex>(first),
-                                            static_cast<LabelField::LabelIndex>(second));
+  return unit_mm_ * field_->difference_value(frame().to_index(point_mm),
+                                             static_cast<LabelField::LabelIndex>(first),
+                                             static_cast<LabelField::LabelIndex>(second));
 }
 
 std::optional<Vec3> ImageDomain::project(const Vec3& start_mm, const MaterialSet& set,
@@ -244,10 +251,10 @@ std::optional<BoundaryPoint> ImageDomain::nearest_boundary(const Vec3& point_mm)
   const auto consider = [&](Material inside, Material outside) {
     const std::optional<Vec3> x = project(point_mm, {inside, outside}, reach);
     if (!x || (best && (*x - point_mm).norm() >= (best->position_mm - point_mm).norm())) return;
-    if (inside == 0 && !is_cut(outside) && field_.object_label_at(frame().to_index(*x)) != outside) return;
+    if (inside == 0 && !is_cut(outside) && field_->object_label_at(frame().to_index(*x)) != outside) return;
     best = BoundaryPoint{*x, -separation(*x, inside, outside).gradient.normalized(), {inside, outside}};
   };
-  for (const Material other : field_.labels_near(frame().to_index(point_mm))) {
+  for (const Material other : field_->labels_near(frame().to_index(point_mm))) {
     if (other != own && !is_cut(own)) consider(own, other);
   }
   if (is_meshed(own)) {

@@ -7,6 +7,7 @@
 #include "flat_regions.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/domain/patched_surface.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 
 namespace lumesh {

@@ -11,6 +11,7 @@
 
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "opening_names.hpp"
 

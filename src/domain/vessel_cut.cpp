@@ -1,3 +1,5 @@
+#include "lumesh/domain/vessel_cut.hpp"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -11,6 +13,8 @@
 #include "lumesh/core/grid.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/geometry/cut_part.hpp"
+#include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
 namespace {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "background.hpp"
+#include "lumesh/metric/analytic.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"

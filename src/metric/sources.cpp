@@ -4,6 +4,12 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/domain/domain.hpp"
+#include "lumesh/metric/analytic.hpp"
+#include "lumesh/metric/curvature_metric.hpp"
+#include "lumesh/metric/hessian_metric.hpp"
+#include "lumesh/metric/point_metric.hpp"
+#include "lumesh/metric/velocity_metric.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::metric {

@@ -7,6 +7,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/stages/input_parts.hpp"
 
 namespace lumesh {
 namespace {

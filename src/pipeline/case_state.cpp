@@ -5,6 +5,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/parallel/ordered_tasks.hpp"
+#include "lumesh/stages/input_cuts.hpp"
 
 namespace lumesh::pipeline {
 

@@ -16,6 +16,7 @@
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/picture.hpp"
+#include "lumesh/report/stage_parts.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {

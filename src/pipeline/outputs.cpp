@@ -14,6 +14,9 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/quality/faults.hpp"
+#include "lumesh/report/drawing.hpp"
+#include "lumesh/report/layers_report.hpp"
+#include "lumesh/report/stage_parts.hpp"
 
 namespace lumesh::pipeline {
 namespace {

@@ -6,6 +6,7 @@
 #include "lumesh/image/selection.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/sha256.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 #include "stages.hpp"
 

@@ -1,5 +1,6 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/metric/shaping.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {

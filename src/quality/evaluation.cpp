@@ -7,6 +7,15 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/quality/curvature.hpp"
+#include "lumesh/quality/hausdorff.hpp"
+#include "lumesh/quality/metric_statistics.hpp"
+#include "lumesh/quality/reference.hpp"
+#include "lumesh/quality/sections.hpp"
+#include "lumesh/quality/statistics.hpp"
+#include "lumesh/quality/topology_places.hpp"
+#include "lumesh/quality/voxels_kept.hpp"
 #include "validity.hpp"
 
 namespace lumesh::quality {

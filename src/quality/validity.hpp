@@ -1,7 +1,9 @@
 #pragma once
 /// @file Facts from other modules in the types of this one.
 
+#include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/quality/evaluation.hpp"
+#include "lumesh/quality/surface.hpp"
 
 namespace lumesh::quality {
 

@@ -4,6 +4,7 @@
 #include "layers_json.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/report/case_report.hpp"
+#include "lumesh/report/stage_parts.hpp"
 #include "lumesh/report/summary.hpp"
 
 namespace lumesh::report {

@@ -8,6 +8,7 @@
 
 #include "html_parts.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/quality/topology_places.hpp"
 #include "numbers.hpp"
 
 namespace lumesh::report {

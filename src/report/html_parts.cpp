@@ -7,6 +7,7 @@
 
 #include "lumesh/core/base64.hpp"
 #include "lumesh/core/version.hpp"
+#include "lumesh/report/drawing.hpp"
 #include "page_style.hpp"
 
 namespace lumesh::report {

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/quality/topology_places.hpp"
 #include "lumesh/report/summary.hpp"
 
 namespace lumesh::report {

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/quality/layered.hpp"
+#include "lumesh/quality/statistics.hpp"
 #include "lumesh/report/layers_report.hpp"
 
 namespace lumesh::report {

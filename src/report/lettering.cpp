@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "lumesh/report/drawing.hpp"
 #include "lumesh/report/picture.hpp"
 
 namespace lumesh::report {

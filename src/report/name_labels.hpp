@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "camera.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/quality/surface.hpp"
 #include "lumesh/report/picture.hpp"
 #include "raster.hpp"
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/report/drawing.hpp"
 #include "lumesh/report/picture.hpp"
 
 namespace lumesh::report {

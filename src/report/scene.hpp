@@ -5,6 +5,9 @@
 #include <vector>
 
 #include "camera.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/quality/surface.hpp"
+#include "lumesh/report/drawing.hpp"
 #include "lumesh/report/picture.hpp"
 #include "raster.hpp"
 

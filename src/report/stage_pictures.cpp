@@ -4,6 +4,7 @@
 
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/report/case_report.hpp"
+#include "lumesh/report/stage_parts.hpp"
 #include "numbers.hpp"
 #include "scene.hpp"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/quality/topology_places.hpp"
 #include "lumesh/report/summary.hpp"
 #include "numbers.hpp"
 

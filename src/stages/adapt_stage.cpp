@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "lumesh/adapt/adapt.hpp"
+#include "lumesh/adapt/boundary.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include "lumesh/image/topology.hpp"
 #include "lumesh/image/touching.hpp"
 
 namespace lumesh {

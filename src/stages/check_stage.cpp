@@ -16,6 +16,7 @@
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/quality/faults.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/surface/findings.hpp"
 

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "lumesh/core/option.hpp"
+#include "lumesh/domain/domain.hpp"
+#include "lumesh/operators/settling.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {

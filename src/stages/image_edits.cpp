@@ -6,6 +6,7 @@
 #include "lumesh/image/topology.hpp"
 #include "lumesh/image/touching.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_parts.hpp"
 
 namespace lumesh {
 namespace {

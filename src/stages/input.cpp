@@ -4,12 +4,15 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/image/phantom.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/point_data_file.hpp"
 #include "lumesh/io/points_file.hpp"
 #include "lumesh/io/unit_doubt.hpp"
 #include "lumesh/mesh/length_unit.hpp"
+#include "lumesh/mesh/polylines.hpp"
+#include "lumesh/stages/input_parts.hpp"
 
 namespace lumesh {
 namespace {

@@ -13,6 +13,8 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/domain/vessel_cut.hpp"
+#include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/vessel_ends.hpp"

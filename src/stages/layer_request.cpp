@@ -1,5 +1,3 @@
-#include "lumesh/stages/layer_request.hpp"
-
 #include <fmt/core.h>
 
 #include <array>
@@ -10,6 +8,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/parse_number.hpp"
 #include "lumesh/mesh/parts.hpp"
+#include "lumesh/stages/layers_stage.hpp"
 
 namespace lumesh {
 namespace {

@@ -15,6 +15,7 @@
 #include "lumesh/mesh/edge_loops.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_parts.hpp"
 
 namespace lumesh {
 namespace {

@@ -12,6 +12,7 @@
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/findings.hpp"
+#include "lumesh/surface/repair.hpp"
 #include "lumesh/surface/rims.hpp"
 #include "surface_rebuild.hpp"
 

@@ -1,5 +1,3 @@
-#include "lumesh/stages/size_request.hpp"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,6 +10,8 @@
 #include "lumesh/delaunay/sizing_plugin.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/polylines.hpp"
+#include "lumesh/stages/delaunay_stage.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/metric_input.hpp"
 

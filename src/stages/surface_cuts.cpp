@@ -18,6 +18,7 @@
 #include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/layers/extrusion.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/plane_cut.hpp"

@@ -10,6 +10,8 @@
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_parts.hpp"
+#include "lumesh/surface/closing.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/shells.hpp"
 #include "surface_cuts.hpp"

@@ -8,6 +8,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/image/crossings.hpp"
 #include "lumesh/parallel/loops.hpp"

@@ -5,13 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "lumesh/adapt/execution_kind.hpp"
 #include "lumesh/core/context.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/metric_field.hpp"
-#include "lumesh/operators/operators.hpp"
-#include "lumesh/operators/settling.hpp"
-#include "lumesh/parallel/team.hpp"
+#include "lumesh/operators/terms.hpp"
+#include "lumesh/parallel/team_options.hpp"
 
 namespace lumesh {
 

@@ -2,6 +2,7 @@
 /// @file Vectors, matrices and typed indices that every module shares.
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <compare>
 #include <cstdint>
 #include <limits>
@@ -10,8 +11,9 @@ namespace lumesh {
 
 using Vec3 = Eigen::Vector3d;  ///< A point or direction in physical millimetres (LPS) unless said otherwise.
 using Mat3 = Eigen::Matrix3d;
-using Index3 = Eigen::Vector3i;  ///< Voxel index (i, j, k); i runs fastest in memory.
-using Label = std::int32_t;      ///< Material label; 0 is the background.
+using Box3 = Eigen::AlignedBox3d;  ///< Axis-parallel box; empty when default-constructed.
+using Index3 = Eigen::Vector3i;    ///< Voxel index (i, j, k); i runs fastest in memory.
+using Label = std::int32_t;        ///< Material label; 0 is the background.
 
 inline constexpr Label kBackground = 0;
 

@@ -7,10 +7,8 @@
 #include <vector>
 
 #include "lumesh/core/context.hpp"
-#include "lumesh/delaunay/sizing.hpp"
-#include "lumesh/domain/domain.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
-#include "lumesh/parallel/team.hpp"
+#include "lumesh/parallel/team_options.hpp"
 
 namespace lumesh {
 
@@ -21,7 +19,9 @@ enum class Seeding : std::uint8_t {
   kFew,      ///< A few points of surfaces: all others are left to the rules.
 };
 
+class Domain;
 class OptionList;
+class Sizing;
 
 /// Options of mesh_delaunay(); describe() says what those mean that are not commented here.
 struct DelaunayOptions {
@@ -31,7 +31,7 @@ struct DelaunayOptions {
   double surface_distance_mm = 0;  ///< 0: delta alone says how close points stand.
   double radius_edge = 2;
   double facet_angle_deg = 30;
-  double lift = 1;  ///< See operators/settling.hpp.
+  double lift = 1;
   Seeding seeding = Seeding::kLattice;
   const Sizing* sizing = nullptr;  ///< Further wanted edge lengths; outlives the call.
   int max_rounds = 120;            ///< Limit on refinement rounds, >= 1.

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
-#include "lumesh/domain/carried_section.hpp"
-#include "lumesh/geometry/cut_part.hpp"
-#include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
+
+struct CarriedSection;
+class LabelImage;
 
 /// A plane that cuts the object off: what lies on the side of the normal is removed. With a radius and a
 /// depth it removes only what of the object lies in the cylinder that stands on the plane, so that it cuts
@@ -39,24 +39,5 @@ struct CutPlane {
 /// planes. Voxels that a plane passes through count by their share, taken as linear in the plane's place.
 [[nodiscard]] std::vector<double> count_kept_voxels(const LabelImage& image,
                                                     std::span<const CutPlane> planes);
-
-struct CutVessel {
-  CutPlane plane;          ///< For ImageDomainOptions: bounded, with the unit normal towards what went.
-  double section_mm2 = 0;  ///< By voxels.
-};
-
-/// Cuts one vessel of an image at a plane that it goes through: of the two parts that the vessel's section
-/// there parts, the one with fewer voxels goes, or that on the normal's side, but for a stump of a few voxels
-/// beyond the plane by which the boundary is prolonged straight.
-///
-/// @param image  Voxels that become background lose their labels here.
-/// @param plane  Its point lies in the vessel; its normal points to either side.
-/// @param radius_mm  Of the vessel there. @param max_widening  Of the section, in circles of that radius.
-/// @throws Error{kBadInput} if no voxel of the object is within two voxels of the point, if the section is
-/// wider than that or meets the image's border, if the parts hang
-/// together elsewhere, or if another vessel is too near beside the section. Cost: linear in the voxels of the
-/// object, and a byte for each voxel of the image.
-[[nodiscard]] CutVessel cut_off_vessel(LabelImage& image, const CutPlane& plane, double radius_mm,
-                                       double max_widening = 3, CutPart goes = CutPart::kSmaller);
 
 }  // namespace lumesh

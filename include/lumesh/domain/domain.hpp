@@ -12,9 +12,7 @@
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/domain/cut_plane.hpp"
-#include "lumesh/field/label_field.hpp"
-#include "lumesh/geometry/hilbert.hpp"
-#include "lumesh/geometry/perturbed_insphere.hpp"
+#include "lumesh/field/field_options.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
@@ -145,9 +143,7 @@ class Domain {
   /// Points of boundaries that are to be vertices of meshes, in the order of precedes(); none unless asked
   /// for.
   [[nodiscard]] virtual std::span<const Vec3> fixed_points() const { return {}; }
-  [[nodiscard]] bool is_fixed(const Vec3& point_mm) const {
-    return std::binary_search(fixed_points().begin(), fixed_points().end(), point_mm, precedes);
-  }
+  [[nodiscard]] bool is_fixed(const Vec3& point_mm) const;
   /// Those of a closed surface, by falling area; none of others, which have cut_planes().
   [[nodiscard]] virtual std::span<const FlatEnd> flat_ends() const { return {}; }
   /// What cuts the object off, unit normals; none where openings are no planes. Else the materials from

@@ -3,18 +3,22 @@
 
 #include <algorithm>
 #include <array>
-#include <initializer_list>
+#include <map>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/domain/domain.hpp"
-#include "lumesh/field/label_field.hpp"
+#include "lumesh/field/field_options.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
+
+class LabelField;
 
 /// Around a box, in voxels of a frame.
 [[nodiscard]] Box3 voxel_box(const ImageFrame& frame, const Box3& box_mm);
@@ -68,8 +72,8 @@ class ImageDomain final : public Domain {
   }
   /// Cut planes asked for, and the image's borders where the object touches them; unit normals.
   [[nodiscard]] std::span<const CutPlane> cut_planes() const override { return cuts_; }
-  [[nodiscard]] const LabelField& field() const { return field_; }
-  [[nodiscard]] const ImageFrame& frame() const { return field_.frame(); }
+  [[nodiscard]] const LabelField& field() const { return *field_; }
+  [[nodiscard]] const ImageFrame& frame() const;
   /// Geometric mean of the voxel's edges.
   [[nodiscard]] double voxel_size_mm() const { return voxel_size_mm_; }
   /// Index box (inclusive) of all voxels that are not background.
@@ -90,7 +94,7 @@ class ImageDomain final : public Domain {
   void add_cuts(const std::vector<CutPlane>& cuts);
   void add_border_cuts(const LabelImage& image);
 
-  LabelField field_;
+  std::shared_ptr<const LabelField> field_;  // Never null.
   std::vector<Label> labels_;
   std::map<Label, std::string> label_names_;
   std::vector<CutPlane> cuts_;  // unit normals

@@ -14,9 +14,10 @@
 
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
-#include "lumesh/mesh/patch_renaming.hpp"
 
 namespace lumesh {
+
+struct NamedOpening;
 
 /// Which squares of a plane, in rows, a part of it holds.
 struct OpeningSquares {

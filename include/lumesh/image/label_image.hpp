@@ -39,6 +39,12 @@ struct ImageFrame {
   }
 };
 
+/// Voxels [low, high) in each direction.
+struct VoxelBox {
+  Index3 low = Index3::Zero();
+  Index3 high = Index3::Zero();  ///< One past the last voxel.
+};
+
 /// Where the boundary of the object crosses the edge between the centres of two voxels that share a face, one
 /// of them background.
 struct FaceCrossing {

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "lumesh/image/label_image.hpp"
-#include "lumesh/image/topology.hpp"
 
 namespace lumesh {
 

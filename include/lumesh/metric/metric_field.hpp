@@ -1,16 +1,31 @@
 #pragma once
 /// @file The metric of every point of space.
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <variant>
 
+#include "lumesh/geometry/sym_tensor.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
-#include "lumesh/metric/analytic.hpp"
 
 namespace lumesh::metric {
 
 class Background;
+
+/// The metric of a point with its logarithm.
+struct MetricPair {
+  SymTensor metric, log;
+};
+
+/// Metrics given by formulas: the benchmark of the Unstructured Grid Adaptation Working Group (UGAWG). Sizes
+/// in the unit of the points, made for the unit cube. r and t are polar coordinates around the z axis.
+/// - linear: 0.1 along x and y, 0.001 + 0.198 |z - 0.5| along z.
+/// - polar-1: 0.001 + 0.198 |r - 0.5| along r, 0.1 along t and z.
+/// - polar-2: as polar-1, but 0.1 d + 0.025 (1 - d) along t with d = min(1, 10 |r - 0.5|), as published codes
+///   use it; the benchmark's own page misprints it.
+/// Source: https://github.com/UGAWG/adapt-benchmarks.
+enum class AnalyticKind : std::uint8_t { kLinear, kPolar1, kPolar2 };
 
 /// Either a formula, the same size everywhere, or tensors at the vertices of a background mesh, interpolated
 /// log-Euclidean. Threads: const members may run at the same time.

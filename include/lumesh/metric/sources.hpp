@@ -1,23 +1,53 @@
 #pragma once
-/// @file The sources that a metric is made of. A new source is a struct of this kind in files of its own, and
-/// its name in MetricSources.
+/// @file The sources that a metric is made of, and the data that they are made from. A new source is a struct
+/// of this kind in files of its own, and its name in MetricSources.
 
 #include <concepts>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "lumesh/core/context.hpp"
-#include "lumesh/metric/analytic.hpp"
-#include "lumesh/metric/curvature_metric.hpp"
-#include "lumesh/metric/hessian_metric.hpp"
-#include "lumesh/metric/point_metric.hpp"
+#include "lumesh/geometry/sym_tensor.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/metric/metric_field.hpp"
 #include "lumesh/metric/shaping.hpp"
-#include "lumesh/metric/source_data.hpp"
-#include "lumesh/metric/velocity_metric.hpp"
+#include "lumesh/metric/source_options.hpp"
+
+namespace lumesh {
+class Domain;
+}
 
 namespace lumesh::metric {
+
+/// Samples of a flow.
+struct Flow {
+  std::vector<Vec3> points, velocities;  ///< Of the same length; the velocities' unit is their own.
+};
+
+/// What the names in a MetricRequest stand for: mostly files. Coordinates are those of the mesh that gets the
+/// metric. All functions throw Error{kBadInput} that names the file, or Error{kUsage} for data that a front
+/// end has not.
+class SourceData {
+ public:
+  SourceData() = default;
+  SourceData(const SourceData&) = delete;
+  SourceData& operator=(const SourceData&) = delete;
+  virtual ~SourceData() = default;
+
+  /// One tensor per vertex, as the mesh carries them or, with a name, as a file holds them.
+  [[nodiscard]] virtual std::vector<SymTensor> tensors(const std::string& name) = 0;
+  [[nodiscard]] virtual std::vector<Vec3> points(const std::string& name) = 0;
+  /// @param array  Empty: "velocity", or the only one.
+  [[nodiscard]] virtual Flow flow(const std::string& name, const std::string& array) = 0;
+  /// One value per vertex: a point array of the mesh, or a file.
+  [[nodiscard]] virtual std::vector<double> solution(const std::string& name) = 0;
+  /// Whose boundary's curvature counts; null: the mesh's own.
+  [[nodiscard]] virtual std::shared_ptr<const Domain> boundary() = 0;
+};
 
 /// One formula of the UGAWG benchmark.
 struct AnalyticSource {

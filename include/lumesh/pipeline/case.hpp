@@ -9,15 +9,14 @@
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/field/field_options.hpp"
 #include "lumesh/image/phantom.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/metric/sources.hpp"
 #include "lumesh/stages/adapt_stage.hpp"
 #include "lumesh/stages/delaunay_stage.hpp"
 #include "lumesh/stages/input.hpp"
-#include "lumesh/stages/input_cuts.hpp"
-#include "lumesh/stages/layer_request.hpp"
-#include "lumesh/stages/surface_input.hpp"
+#include "lumesh/stages/layers_stage.hpp"
 
 namespace lumesh {
 

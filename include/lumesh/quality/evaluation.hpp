@@ -1,28 +1,25 @@
 #pragma once
 /// @file Everything that is said about one mesh.
 
+#include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "lumesh/core/context.hpp"
-#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/core/types.hpp"
+#include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/image/label_image.hpp"
-#include "lumesh/image/phantom.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
-#include "lumesh/mesh/polylines.hpp"
-#include "lumesh/mesh/tet_mesh.hpp"
-#include "lumesh/quality/curvature.hpp"
-#include "lumesh/quality/hausdorff.hpp"
-#include "lumesh/quality/metric_statistics.hpp"
-#include "lumesh/quality/reference.hpp"
-#include "lumesh/quality/sections.hpp"
-#include "lumesh/quality/statistics.hpp"
-#include "lumesh/quality/surface.hpp"
-#include "lumesh/quality/topology_places.hpp"
-#include "lumesh/quality/voxels_kept.hpp"
+#include "lumesh/quality/measures.hpp"
+
+namespace lumesh {
+class ImageDomain;
+class Phantom;
+class TetMesh;
+struct Polylines;
+}  // namespace lumesh
 
 namespace lumesh::quality {
 

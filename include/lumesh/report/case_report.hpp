@@ -10,8 +10,9 @@
 #include <vector>
 
 #include "lumesh/core/context.hpp"
+#include "lumesh/layers/layers.hpp"
 #include "lumesh/quality/evaluation.hpp"
-#include "lumesh/report/layers_report.hpp"
+#include "lumesh/quality/measures.hpp"
 #include "lumesh/report/picture.hpp"
 
 namespace lumesh::report {
@@ -35,9 +36,18 @@ struct NamedPicture {
   std::optional<CutWindow> window = {};  ///< Of a cut: which part of which plane it shows.
 };
 
-/// What draw_surface(), draw_surface_with_lines(), draw_surface_values() or draw_cut() drew, with a caption.
-[[nodiscard]] NamedPicture captioned(SurfacePicture drawn, std::string caption);
-[[nodiscard]] NamedPicture captioned(CutPicture drawn, std::string caption);
+/// A mesh with layers: what they achieved, and measures of its two parts apart.
+struct LayersOfMesh {
+  LayerReport report = {};
+  quality::MeshStatistics core = {};    ///< Of the tetrahedra that the layers stand on or lie around.
+  quality::MeshStatistics layers = {};  ///< Of the layers' own cells.
+  quality::FlatCellShapes shapes = {};  ///< Of the same.
+  double least_before_deg = 180;        ///< Dihedral angle of the mesh without layers.
+
+  /// A line with the place if the tetrahedra beside the layers have dihedral angles below 5 degrees that the
+  /// mesh had not before, else none: layers do not mend what gave way to them in a bad shape.
+  [[nodiscard]] std::string flat_cells_beside() const;
+};
 
 /// One step of the run, in the order of the run.
 struct StageReport {
@@ -81,19 +91,5 @@ struct CaseReport {
 /// The same without pictures as JSON; docs/stages/evaluate.md describes the fields. Numbers that are infinite
 /// become null.
 [[nodiscard]] std::string case_report_json(const CaseReport& report);
-
-/// What a stage says of itself in words and numbers (what, figures, warnings, what layers achieved), to be
-/// kept beside its mesh.
-[[nodiscard]] std::string stage_notes_json(const StageReport& stage);
-/// Puts such notes into a report. @throws Error{kBadInput} if the text is none of these.
-void take_stage_notes(const std::string& json, StageReport& stage);
-
-/// Pictures of the mesh that a stage left, with captions: its surface, a cut, and the fullest part of the cut
-/// enlarged until single elements can be seen. Colours of the cuts are mean ratios, in the metric where the
-/// mesh carries one. Cost: about 1.5 s for 300k tetrahedra on two cores.
-/// @param window  Which part to enlarge instead, such as that of another mesh's last picture.
-[[nodiscard]] std::vector<NamedPicture> draw_stage_pictures(
-    const MeshView& mesh, const std::optional<CutWindow>& window = std::nullopt,
-    const PictureOptions& options = {.width = 1000});
 
 }  // namespace lumesh::report

@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "lumesh/adapt/adapt.hpp"
-#include "lumesh/adapt/boundary.hpp"
+#include "lumesh/adapt/adapt_options.hpp"
+#include "lumesh/core/context.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/metric/metric_field.hpp"
 
 namespace lumesh {
 

@@ -1,13 +1,69 @@
 #pragma once
 /// @file The stage that meshes a domain by Delaunay refinement and improves its angles, for every front end.
 
+#include <map>
+#include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "lumesh/adapt/improve.hpp"
+#include "lumesh/core/context.hpp"
+#include "lumesh/core/types.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
-#include "lumesh/stages/size_request.hpp"
+#include "lumesh/delaunay/sizing.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh {
+
+class Domain;
+class OptionList;
+struct Polylines;
+
+/// Sizes from place to place, besides those of the mesher's own options.
+struct SizeRequest {
+  std::map<Label, double> label_sizes;
+  std::string points;                       ///< A path, or "centerline"; empty: none.
+  PointSizeOptions point_sizes = {.k = 0};  ///< k 0: not given, 1.
+  double adapt_const = 0;        ///< 0: kAdaptConst where neither floor nor k make sizes of the points.
+  BoundarySizeOptions boundary;  ///< Not wanted while the size there is 0.
+  std::string image, mesh;       ///< Paths.
+  std::string plugin;            ///< PATH[:OPTIONS].
+  double cells_per_diameter = 0;
+
+  /// Without cells_per_diameter, which both meshers have.
+  void describe(OptionList& list);
+  /// @throws Error{kUsage} that names the option.
+  void validate() const;
+  [[nodiscard]] bool needs_axes() const { return points == "centerline" || cells_per_diameter > 0; }
+  /// Whether the points give a criterion (criterion_from_points()) and no sizes.
+  [[nodiscard]] bool has_point_criterion() const {
+    return !points.empty() && (adapt_const > 0 || (point_sizes.floor_mm == 0 && point_sizes.k == 0));
+  }
+  static constexpr double kAdaptConst = 2;  ///< The paper's.
+  /// The path of the plugin, without its options.
+  [[nodiscard]] std::string plugin_path() const { return plugin.substr(0, plugin.find(':')); }
+};
+
+/// Edges along the diameter of vessels, an option of both meshers.
+void describe_cells_per_diameter(OptionList& list, double& cells);
+
+/// What the request names, once its files are read.
+class SizeData {
+ public:
+  /// @throws Error that names option or file, before anything large is read.
+  SizeData(SizeRequest request, Context& context);
+
+  /// The smallest of all sizes that are wanted; null if none are.
+  /// @param domain  Lives as long as the result. @param axes  Where the request needs them.
+  /// @throws Error{kBadInput} for a label that the domain has not, which does not name the input.
+  [[nodiscard]] std::unique_ptr<Sizing> on(const Domain& domain, const Polylines& axes) &&;
+
+ private:
+  SizeRequest request_;
+  std::vector<Vec3> points_;
+  std::vector<std::unique_ptr<Sizing>> parts_;
+};
 
 struct DelaunayRequest {
   DelaunayOptions delaunay;

@@ -1,26 +1,30 @@
 #pragma once
-/// @file What the pipeline and the program's commands begin with: images, surfaces and phantoms, brought into
-/// one form.
+/// @file What the pipeline and the program's commands begin with: images, surfaces and meshes, brought into
+/// one form, and what is cut off or extended of them.
 
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/core/option.hpp"
-#include "lumesh/domain/openings.hpp"
+#include "lumesh/core/types.hpp"
+#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/extension.hpp"
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/image/label_image.hpp"
-#include "lumesh/image/phantom.hpp"
 #include "lumesh/image/touching.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
-#include "lumesh/mesh/polylines.hpp"
-#include "lumesh/mesh/tet_mesh.hpp"
-#include "lumesh/metric/source_data.hpp"
+#include "lumesh/metric/sources.hpp"
+#include "lumesh/surface/reports.hpp"
 
 namespace lumesh {
+
+class ImageDomain;
+struct LabelFieldOptions;
 
 /// Which voxels of an image count.
 struct ImageSelection {
@@ -52,26 +56,80 @@ struct ImageSelection {
   void describe(OptionList& list, bool has_probabilities = true);
 };
 
-/// The unit of lengths in a file that is read, and in one that is written.
-void describe_unit(OptionList& list, std::string& unit);
-void describe_out_unit(OptionList& list, std::string& unit);
-
-/// Changes that the selection asks for of voxels that are there, each with a warning that says how many.
-void edit_image(const ImageSelection& selection, Context& context, LabelImage& image);
-
 /// @throws Error{kBadInput} that names the file.
 [[nodiscard]] LabelImage read_selected_image(const std::filesystem::path& path,
                                              const ImageSelection& selection, Context& context);
 
+/// What of an image or a surface is cut off, and how far it goes on beyond its openings.
+struct InputCuts {
+  std::vector<CutPlane> planes = {};  ///< As they are, through everything.
+  std::vector<Vec3> places_mm = {};   ///< Each cuts the one vessel there, square to its axis.
+  std::string ends = {};            ///< For local_length_from(): how far from each end it is cut; empty: not.
+  ExtensionOptions extension = {};  ///< Of what is left.
+
+  [[nodiscard]] bool none() const { return planes.empty() && is_whole(); }
+  /// But for planes, which a phantom can be cut with, too.
+  [[nodiscard]] bool is_whole() const { return places_mm.empty() && ends.empty() && !extension.is_wanted(); }
+
+  void describe(OptionList& list);
+  /// @throws Error{kUsage} that names the option.
+  void validate() const;
+};
+
+/// Cuts the vessels at the places, as cut_off_vessel() does, one after the other: each at the point of the
+/// centerlines of its piece that is the fewest radii away. Then each end of the centerlines of the whole is
+/// cut off, as far before it as `ends` says, in radii at that place; one that can't be stays, with a warning.
+///
+/// @param image  Loses what lies beyond.
+/// @return Those and the whole planes, for ImageDomainOptions.
+/// @throws Error{kBadInput} for a place without the object within three voxels, or more than two radii from
+/// any axis, or beyond a cut before it; and as extract_centerline() and cut_off_vessel() do. Cost and
+/// threads: for each place as these.
+[[nodiscard]] std::vector<CutPlane> cut_off(LabelImage& image, const InputCuts& cuts, Context& context);
+
+/// The domain of an image after cut_off(), extended as asked for. @param image, planes  Where it is extended:
+/// become those of the result. @throws Error{kBadInput} as ImageDomain and extend_openings(), and if there is
+/// no opening to extend.
+[[nodiscard]] std::shared_ptr<const ImageDomain> domain_of_cut(LabelImage& image,
+                                                               std::vector<CutPlane>& planes,
+                                                               const InputCuts& cuts,
+                                                               const LabelFieldOptions& field,
+                                                               Context& context);
+
+struct SurfaceInputOptions {
+  SurfaceDomainOptions domain;
+  std::string patch_array;  ///< Of .vtp: the array of cells that says the patches; empty: one known.
+  bool keeps_open = false;  ///< Open surfaces stay so, and are refused by what needs closed ones.
+
+  void describe(OptionList& list);
+  void validate() const;  ///< @throws Error{kUsage}, naming the field.
+};
+
+/// A surface of triangles in mm (LPS), and what was closed of it.
+struct SurfaceInput {
+  MixedMesh mesh;  ///< Caps are patches of PatchKind::kOpening without a name, last.
+  std::vector<surfaces::ClosedRim> closed;
+  /// Of what was read, where it was cut or extended since, as sizes are taken from it; 0: of `mesh`.
+  double resolution_mm = 0;
+
+  /// The inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.
+  [[nodiscard]] std::unique_ptr<SurfaceDomain> domain(const SurfaceDomainOptions& options) const;
+};
+
+/// Reads a surface, closes it where it is open, and cuts and extends it.
+/// @param unit  Of its coordinates; empty: as the file says, or mm.
+/// @throws Error{kBadInput} that names the file if it cannot be read or holds a volume, or cannot be cut.
+[[nodiscard]] SurfaceInput read_surface(const std::filesystem::path& path, const std::string& unit,
+                                        const SurfaceInputOptions& options, const InputCuts& cuts,
+                                        const Context& context);
+
+/// Its inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.
+[[nodiscard]] std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface,
+                                                       const SurfaceDomainOptions& options);
+
 /// Meshes may stand in another frame or unit than images do. Wanted edge lengths and those in the metric
 /// stay.
 void bring_to_lps_mm(MixedMesh& mesh);
-/// The same for the frame and unit of another mesh.
-void bring_to(MixedMesh& mesh, const MeshInfo& frame);
-
-/// What the coordinates of one mesh are multiplied by to stand in the frame and unit of another.
-[[nodiscard]] Vec3 frame_factors(const MeshInfo& from, const MeshInfo& to);
-
 /// The points of a file in the frame and unit of a mesh.
 /// @throws Error{kBadInput} that names the file.
 [[nodiscard]] std::vector<Vec3> read_points_in(const MeshInfo& frame, const std::filesystem::path& path);
@@ -83,25 +141,5 @@ void bring_to(MixedMesh& mesh, const MeshInfo& frame);
 
 /// A mesh in the unit that is said of it; empty: as the file says, or mm.
 [[nodiscard]] MixedMesh read_mesh_in(const std::filesystem::path& path, const std::string& unit);
-
-/// What to say of a surface so small, large or thin that its coordinates are hardly mm; empty otherwise.
-[[nodiscard]] std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings);
-/// Warns of it, unless the unit is given.
-void warn_of_unit(const MixedMesh& surface, std::span<const Opening> openings, const std::string& unit,
-                  const std::filesystem::path& path, const Context& context);
-
-/// Triangles and patches of a surface. @param resolution_mm  As in SurfaceView; 0: of its edges.
-[[nodiscard]] SurfaceView surface_view(const MixedMesh& surface, double resolution_mm = 0);
-
-/// Its inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.
-[[nodiscard]] std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface,
-                                                       const SurfaceDomainOptions& options);
-
-/// Axes of a phantom's vessels, with the arrays `radius` (mm) and `branch`.
-[[nodiscard]] Polylines centerline_of(const Phantom& phantom);
-/// Streamlines of a phantom's flow, with the array `velocity` (m/s).
-[[nodiscard]] Polylines velocity_of(const Phantom& phantom);
-/// The points of these streamlines as samples.
-[[nodiscard]] metric::Flow flow_of(const Phantom& phantom);
 
 }  // namespace lumesh

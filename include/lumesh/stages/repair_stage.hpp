@@ -6,7 +6,7 @@
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
-#include "lumesh/surface/repair.hpp"
+#include "lumesh/surface/reports.hpp"
 
 namespace lumesh {
 

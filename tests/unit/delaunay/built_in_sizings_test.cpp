@@ -1,6 +1,4 @@
 // The built-in sizes, against formulas.
-#include "lumesh/delaunay/built_in_sizings.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +7,10 @@
 #include "fixtures/images.hpp"
 #include "fixtures/meshes.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/mesh/polylines.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {

@@ -12,7 +12,7 @@
 #include <random>
 
 #include "lumesh/core/error.hpp"
-#include "lumesh/delaunay/built_in_sizings.hpp"
+#include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/parallel/team.hpp"
 
 namespace lumesh {

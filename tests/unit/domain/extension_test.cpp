@@ -10,6 +10,8 @@
 
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/domain/vessel_cut.hpp"
+#include "lumesh/field/label_field.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/parallel/loops.hpp"
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "../../fixtures/images.hpp"
+#include "lumesh/image/topology.hpp"
 
 namespace lumesh {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "fixtures/meshes.hpp"
 #include "fixtures/rough_cube.hpp"
+#include "lumesh/metric/analytic.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/metric/ellipsoid.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
 

@@ -12,6 +12,7 @@
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/parallel/cancellation.hpp"
+#include "lumesh/quality/statistics.hpp"
 
 namespace lumesh {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "fixtures/images.hpp"
 #include "fixtures/meshes.hpp"
+#include "lumesh/mesh/polylines.hpp"
 
 namespace lumesh::quality {
 namespace {

@@ -11,6 +11,8 @@
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/evaluation.hpp"
+#include "lumesh/quality/statistics.hpp"
+#include "lumesh/quality/surface.hpp"
 
 namespace lumesh::quality {
 namespace {

@@ -11,6 +11,7 @@
 #include "browser.hpp"
 #include "fixtures/meshes.hpp"
 #include "lumesh/report/html.hpp"
+#include "lumesh/report/stage_parts.hpp"
 
 namespace lumesh::report {
 namespace {

@@ -8,6 +8,8 @@
 #include "browser.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/report/case_report.hpp"
+#include "lumesh/report/drawing.hpp"
+#include "lumesh/report/stage_parts.hpp"
 
 namespace lumesh::report {
 namespace {

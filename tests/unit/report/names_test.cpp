@@ -9,9 +9,12 @@
 
 #include "browser.hpp"
 #include "fixtures/meshes.hpp"
+#include "lumesh/quality/surface.hpp"
 #include "lumesh/report/case_report.hpp"
+#include "lumesh/report/drawing.hpp"
 #include "lumesh/report/html.hpp"
 #include "lumesh/report/picture.hpp"
+#include "lumesh/report/stage_parts.hpp"
 
 namespace lumesh::report {
 namespace {

@@ -7,7 +7,10 @@
 
 #include "fixtures/meshes.hpp"
 #include "fixtures/surfaces.hpp"
+#include "lumesh/mesh/polylines.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/quality/surface.hpp"
+#include "lumesh/report/drawing.hpp"
 #include "lumesh/report/picture.hpp"
 
 namespace lumesh::report {

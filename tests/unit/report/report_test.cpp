@@ -12,6 +12,8 @@
 #include "fixtures/meshes.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/quality/surface.hpp"
+#include "lumesh/report/drawing.hpp"
 #include "lumesh/report/html.hpp"
 #include "lumesh/report/picture.hpp"
 #include "lumesh/report/summary.hpp"

@@ -9,6 +9,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
+#include "lumesh/domain/vessel_cut.hpp"
 
 namespace lumesh {
 namespace {

@@ -8,6 +8,7 @@
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/stages/input_cuts.hpp"
 
 namespace lumesh {

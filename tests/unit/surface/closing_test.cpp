@@ -11,6 +11,7 @@
 #include "fixtures/surfaces.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/surface/edges.hpp"
+#include "lumesh/surface/rims.hpp"
 #include "surface_shapes.hpp"
 
 namespace lumesh::surfaces {

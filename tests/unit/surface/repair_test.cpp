@@ -8,6 +8,8 @@
 
 #include "fixtures/surfaces.hpp"
 #include "generated_faults.hpp"
+#include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/surface/distance.hpp"
 #include "lumesh/surface/findings.hpp"
 #include "surface_shapes.hpp"
 

@@ -1,0 +1,46 @@
+#pragma once
+/// @file What boundary layers achieved, for people and for programs.
+
+#include <map>
+#include <string>
+
+#include "lumesh/layers/layers.hpp"
+#include "lumesh/report/case_report.hpp"
+#include "lumesh/report/picture.hpp"
+
+namespace lumesh::report {
+
+/// Dihedral angles below this are few in good meshes, and solvers may fail at them.
+inline constexpr double kFlatDihedralDeg = 5;
+
+/// @param mesh    LayerResult::mesh, or what was read of a file of it.
+/// @param report  LayerResult::report.
+/// @param least_before_deg  Smallest dihedral angle of the mesh without layers, if that is known.
+[[nodiscard]] LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report,
+                                          double least_before_deg = 180);
+
+/// A table with a row for each patch, reasons and worst places below it; lines of at most 100 columns.
+[[nodiscard]] std::string coverage_text(const LayerReport& report);
+
+/// The same numbers and those of the parts as JSON; docs/stages/layers.md describes the fields.
+[[nodiscard]] std::string layers_json(const LayersOfMesh& layers);
+
+/// The surface from two sides.
+struct LayerPictures {
+  SurfacePicture front;  ///< From where it spreads most.
+  SurfacePicture back;   ///< From the opposite side.
+};
+
+/// The surface that layers grew on, coloured by the share of the thickness wanted that they reached, from 0
+/// to 1; grey where one looks through an opening at its inner side. Threads: parallel inside, same pixels for
+/// every thread count.
+[[nodiscard]] LayerPictures draw_layer_shares(const LayerShares& surface,
+                                              const PictureOptions& options = {.width = 1000});
+
+/// A page of its own, self-contained as report_html() is: table, pictures, how the shares are distributed.
+/// @param title  Such as the file name of the mesh.
+[[nodiscard]] std::string layers_html(const std::string& title, const LayersOfMesh& layers,
+                                      const LayerPictures& pictures,
+                                      const std::map<std::string, std::string>& provenance);
+
+}  // namespace lumesh::report

@@ -1,0 +1,42 @@
+#pragma once
+/// @file Cuts of an image in words, places where it cannot be cut, and extensions of what was cut.
+
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/core/types.hpp"
+#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/extension.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/domain/openings.hpp"
+#include "lumesh/image/label_image.hpp"
+#include "lumesh/mesh/polylines.hpp"
+#include "lumesh/stages/input.hpp"
+
+namespace lumesh {
+
+/// The second half of domain_of_cut(). @param domain  Of the image, not extended. @param openings  Its
+/// find_openings().
+[[nodiscard]] std::shared_ptr<const ImageDomain> extended_domain(
+    LabelImage& image, std::vector<CutPlane>& planes, const ImageDomain& domain,
+    std::span<const Opening> openings, const ExtensionOptions& options, Context& context);
+
+/// Why cut_off() would refuse to cut at a place; empty if it would not.
+/// @param lines  Through the vessel there, with the scalar "radius" in mm. @param before  What cuts the image
+/// already. Cost: a copy of the image, and as cut_off_vessel().
+[[nodiscard]] std::string refusal_of_cut(const LabelImage& image, const Polylines& lines,
+                                         std::span<const CutPlane> before, const Vec3& place_mm);
+
+/// Each cut as the command line takes it: "--cut-at 1,2,3", "--cut-plane 1 2 3 0 0 1".
+[[nodiscard]] std::vector<std::string> cut_options(const InputCuts& cuts);
+/// What cuts the image that a mesh was made from, in the same words. @param provenance  Of the mesh: "cuts",
+/// else what "options" says of them.
+[[nodiscard]] std::vector<std::string> cut_options(const std::map<std::string, std::string>& provenance);
+/// The key of that in provenances; its value has the cuts one after the other.
+inline constexpr const char* kCutsKey = "cuts";
+
+}  // namespace lumesh

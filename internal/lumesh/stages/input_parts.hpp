@@ -1,0 +1,52 @@
+#pragma once
+/// @file Parts of what front ends begin with: units, edits of voxels, frames, and phantoms as inputs.
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/core/types.hpp"
+#include "lumesh/domain/openings.hpp"
+#include "lumesh/domain/surface_domain.hpp"
+#include "lumesh/image/label_image.hpp"
+#include "lumesh/image/phantom.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/mesh/polylines.hpp"
+#include "lumesh/metric/sources.hpp"
+#include "lumesh/stages/input.hpp"
+
+namespace lumesh {
+
+class OptionList;
+
+/// The unit of lengths in a file that is read, and in one that is written.
+void describe_unit(OptionList& list, std::string& unit);
+void describe_out_unit(OptionList& list, std::string& unit);
+
+/// Changes that the selection asks for of voxels that are there, each with a warning that says how many.
+void edit_image(const ImageSelection& selection, Context& context, LabelImage& image);
+
+/// The same for the frame and unit of another mesh.
+void bring_to(MixedMesh& mesh, const MeshInfo& frame);
+
+/// What the coordinates of one mesh are multiplied by to stand in the frame and unit of another.
+[[nodiscard]] Vec3 frame_factors(const MeshInfo& from, const MeshInfo& to);
+
+/// What to say of a surface so small, large or thin that its coordinates are hardly mm; empty otherwise.
+[[nodiscard]] std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings);
+/// Warns of it, unless the unit is given.
+void warn_of_unit(const MixedMesh& surface, std::span<const Opening> openings, const std::string& unit,
+                  const std::filesystem::path& path, const Context& context);
+
+/// Triangles and patches of a surface. @param resolution_mm  As in SurfaceView; 0: of its edges.
+[[nodiscard]] SurfaceView surface_view(const MixedMesh& surface, double resolution_mm = 0);
+
+/// Axes of a phantom's vessels, with the arrays `radius` (mm) and `branch`.
+[[nodiscard]] Polylines centerline_of(const Phantom& phantom);
+/// Streamlines of a phantom's flow, with the array `velocity` (m/s).
+[[nodiscard]] Polylines velocity_of(const Phantom& phantom);
+/// The points of these streamlines as samples.
+[[nodiscard]] metric::Flow flow_of(const Phantom& phantom);
+
+}  // namespace lumesh

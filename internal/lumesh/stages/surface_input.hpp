@@ -1,0 +1,33 @@
+#pragma once
+/// @file Parts of reading a surface: what is a surface, open ends closed, and what was closed told.
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/domain/domain.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/stages/input.hpp"
+#include "lumesh/surface/reports.hpp"
+
+namespace lumesh {
+
+/// What was read from a file, in mm (LPS), quadrilaterals as two triangles each.
+/// @throws Error{kBadInput} that names the file if it holds a volume.
+[[nodiscard]] MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path);
+
+/// Closes a surface as read_surface() does; one that is closed stays as it is. Warns of wide holes that
+/// became wall.
+[[nodiscard]] std::vector<surfaces::ClosedRim> close_open_ends(MixedMesh& surface,
+                                                               const SurfaceInputOptions& options,
+                                                               const Context& context);
+
+/// Gives openings without a name those that the domain of the surface has for their caps.
+void name_closed(std::vector<surfaces::ClosedRim>& closed, std::span<const FlatEnd> ends);
+
+/// One line for each, the smallest holes together.
+[[nodiscard]] std::vector<std::string> closing_lines(std::span<const surfaces::ClosedRim> closed);
+
+}  // namespace lumesh
