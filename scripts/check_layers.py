@@ -3,7 +3,8 @@
 
 1. A module includes only itself and what the dependency table of docs/design.md allows it; no private header of
    another module. 2. Headers of the API (include/) include no internal ones (internal/), and no header has the name of
-   another in both. 3. Heavy libraries never appear in either; ITK in one .cpp, VTK in none, CGAL in one.
+   another in both. 3. A header of the API is named in docs/api.md, or one that is named there needs it. 4. Heavy
+libraries never appear in shared headers; ITK in one .cpp, VTK in none, CGAL in one.
 
 Usage: check_layers.py [ROOT]
 """
@@ -99,6 +100,23 @@ def heavy_in_too_many(includes):
             yield f"{name} is included by {len(users)} files of src, {limit} may: " + ", ".join(map(str, users))
 
 
+def unneeded_in_api(root, includes):
+    """Yields headers of the API that no header named in docs/api.md needs."""
+    page = root / "docs/api.md"
+    if not page.is_file():
+        return
+    todo = [f"lumesh/{name}" for name in re.findall(r"`([\w/]+\.hpp)`", page.read_text())]
+    needed = set()
+    while todo:
+        path = pathlib.Path("include", todo.pop())
+        if path in includes and path not in needed:
+            needed.add(path)
+            todo += includes[path]
+    for path in includes:
+        if path.parts[0] == "include" and path not in needed:
+            yield f"{path}: docs/api.md does not name it, nor what needs it; it belongs into internal"
+
+
 def main():
     root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else sources.ROOT
     allowed = allowed_modules()
@@ -115,6 +133,7 @@ def main():
         for included in includes[path]:
             faults += faults_of_include(root, path, included, allowed)
     faults += heavy_in_too_many(includes)
+    faults += unneeded_in_api(root, includes)
     print("\n".join(faults + [f"check_layers: {len(includes)} files, {len(faults)} faults"]))
     return 1 if faults or not includes else 0
 

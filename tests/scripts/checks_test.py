@@ -81,6 +81,12 @@ class ChecksTest(unittest.TestCase):
         self.write("include/lumesh/mesh/bad.hpp", '#pragma once\n#include "lumesh/core/box.hpp"\n')
         self.assert_finds("check_layers.py", "a header of the API includes lumesh/core/box.hpp")
 
+    def test_layers_finds_a_header_of_the_api_that_nothing_named_needs(self):
+        self.write("docs/api.md", "`mesh/tet_mesh.hpp` is what a user needs.\n")
+        self.assertEqual(self.run_check("check_layers.py")[0], 0)
+        self.write("include/lumesh/mesh/spare.hpp", "#pragma once\n")
+        self.assert_finds("check_layers.py", "include/lumesh/mesh/spare.hpp: docs/api.md does not name it")
+
     def test_layers_finds_a_header_that_stands_in_both(self):
         self.write("internal/lumesh/core/types.hpp", "#pragma once\n")
         self.assert_finds("check_layers.py", "lumesh/core/types.hpp stands in include and internal")
