@@ -36,13 +36,6 @@ MetricPair from_polar_sizes(const Vec3& point, double r, double size_r, double s
 
 }  // namespace
 
-std::optional<AnalyticKind> analytic_kind_from(std::string_view name) {
-  if (name == "linear") return AnalyticKind::kLinear;
-  if (name == "polar-1") return AnalyticKind::kPolar1;
-  if (name == "polar-2") return AnalyticKind::kPolar2;
-  return std::nullopt;
-}
-
 MetricPair analytic_metric(AnalyticKind kind, const Vec3& point, double size_factor) {
   const double f = size_factor;
   if (kind == AnalyticKind::kLinear)

@@ -3,8 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "lumesh/core/assert.hpp"
-
 namespace lumesh::metric {
 namespace {
 
@@ -42,13 +40,6 @@ SymTensor log(const SymTensor& metric) {
 
 SymTensor exp(const SymTensor& log_metric) {
   return on_eigenvalues(log_metric, [](double value) { return std::exp(value); });
-}
-
-SymTensor weighted_log_mean(std::span<const SymTensor> logs, std::span<const double> weights) {
-  LUMESH_ASSERT(logs.size() == weights.size());
-  SymTensor sum;
-  for (std::size_t i = 0; i < logs.size(); ++i) sum = sum + weights[i] * logs[i];
-  return exp(sum);
 }
 
 SymTensor intersection(const SymTensor& a, const SymTensor& b) {

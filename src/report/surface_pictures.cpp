@@ -262,23 +262,6 @@ SurfacePicture draw_surface(const MeshView& mesh, const MeshSurface& surface, co
   return {std::move(picture), palette.legend(), {}, std::move(names)};
 }
 
-SurfacePicture draw_surface_values(const MeshView& mesh, const MeshSurface& surface,
-                                   std::span<const double> values, const std::string& value_name,
-                                   const PictureOptions& options) {
-  LUMESH_ASSERT(values.size() == mesh.points.size());
-  const Camera camera = best_camera(surface_points(mesh, surface), options.width);
-  std::vector<double> of_triangles;  // Geometric means.
-  of_triangles.reserve(surface.triangles.size());
-  for (const auto& [a, b, c] : surface.triangles)
-    of_triangles.push_back(std::cbrt(values[a] * values[b] * values[c]));
-  const LogarithmicColours colours(of_triangles);
-  const std::vector<ScreenTriangle> triangles = facing_triangles(
-      mesh, surface, camera, Finish::kMatt, [&](std::size_t i) { return colours.of(of_triangles[i]); });
-  return {rasterise(triangles, camera.width, camera.height, options.supersampling),
-          {},
-          colours.scale(value_name)};
-}
-
 SurfacePicture draw_surface_curvature(const MeshView& mesh, const MeshSurface& surface,
                                       const PictureOptions& options) {
   const quality::WallCurvature curvature = quality::wall_curvature(mesh, surface);

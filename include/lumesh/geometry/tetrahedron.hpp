@@ -135,11 +135,4 @@ inline std::array<Vec3, 4> tetrahedron_face_normals(const Vec3& a, const Vec3& b
   return std::sqrt(longest) / (2 * std::numbers::sqrt2 * std::numbers::sqrt3 * radius);
 }
 
-/// Circumradius / (3 inradius): 1 for the regular tetrahedron; infinite if flat or inverted.
-[[nodiscard]] inline double radius_ratio(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const double radius = inradius(a, b, c, d);
-  if (!(radius > 0)) return std::numeric_limits<double>::infinity();
-  return circumradius(a, b, c, d) / (3 * radius);
-}
-
 }  // namespace lumesh

@@ -50,8 +50,6 @@ class TriangleTree {
   [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> pairs(
       const std::function<bool(std::uint32_t, std::uint32_t)>& is_wanted) const;
 
-  [[nodiscard]] std::size_t triangle_count() const { return ids_.size(); }
-
  private:
   struct Box {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());

@@ -1,15 +1,9 @@
 #pragma once
 /// @file Metrics given by formulas: the benchmark of the Unstructured Grid Adaptation Working Group (UGAWG).
 
-#include <optional>
-#include <string_view>
-
 #include "lumesh/metric/metric_field.hpp"
 
 namespace lumesh::metric {
-
-/// linear, polar-1, polar-2.
-[[nodiscard]] std::optional<AnalyticKind> analytic_kind_from(std::string_view name);
 
 /// The metric at `point` with all sizes multiplied by `size_factor`.
 [[nodiscard]] MetricPair analytic_metric(AnalyticKind kind, const Vec3& point, double size_factor = 1);

@@ -7,7 +7,6 @@
 /// doi:10.1002/mrm.20965; Alauzet 2010, doi:10.1016/j.finel.2009.06.028, section 2.3.2, eq. (3).
 
 #include <array>
-#include <span>
 
 #include "lumesh/geometry/sym_tensor.hpp"
 
@@ -33,9 +32,6 @@ struct EigenSystem {
 /// Matrix logarithm of a metric, and the exponential, its inverse.
 [[nodiscard]] SymTensor log(const SymTensor& metric);
 [[nodiscard]] SymTensor exp(const SymTensor& log_metric);
-
-/// The log-Euclidean mean of metrics given by their logarithms; weights sum to 1.
-[[nodiscard]] SymTensor weighted_log_mean(std::span<const SymTensor> logs, std::span<const double> weights);
 
 /// The largest ellipsoid's metric that asks for no larger sizes than `a` and `b` do anywhere: >= both in the
 /// Loewner order. By simultaneous diagonalisation of a^-1/2 b a^-1/2, which is symmetric and so stays

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,15 +41,6 @@ struct LinesOptions {
                                                      const quality::MeshSurface& surface,
                                                      const Polylines& lines,
                                                      const LinesOptions& options = {});
-
-/// The surface coloured by a value of its points, such as the size that is wanted there, on a logarithmic
-/// scale from the 1st to the 99th percentile of its vertices' values.
-/// @param values      One per point of the mesh, above 0 at vertices of the surface.
-/// @param value_name  What the scale says: "edge length, mm".
-[[nodiscard]] SurfacePicture draw_surface_values(const MeshView& mesh, const quality::MeshSurface& surface,
-                                                 std::span<const double> values,
-                                                 const std::string& value_name,
-                                                 const PictureOptions& options = {});
 
 /// The surface coloured by its discrete mean curvature (quality::wall_curvature()): blue where it is hollow,
 /// grey where it is flat, red where it is convex. The scale ends at plus and minus area / volume, which is 2

@@ -11,7 +11,7 @@
 
 namespace lumesh::report {
 
-/// What draw_surface(), draw_surface_with_lines(), draw_surface_values() or draw_cut() drew, with a caption.
+/// What draw_surface(), draw_surface_with_lines() or draw_cut() drew, with a caption.
 [[nodiscard]] NamedPicture captioned(SurfacePicture drawn, std::string caption);
 [[nodiscard]] NamedPicture captioned(CutPicture drawn, std::string caption);
 

@@ -18,7 +18,6 @@ TEST(Tetrahedron, MeasuresOfTheRegularOneAreTextbookValues) {
               1e-14);  // A cube of edge 2 holds it: a third of 8.
   EXPECT_NEAR(mean_ratio(kA, kB, kC, kD), 1, 1e-14);
   EXPECT_NEAR(aspect_ratio(kA, kB, kC, kD), 1, 1e-14);
-  EXPECT_NEAR(radius_ratio(kA, kB, kC, kD), 1, 1e-14);
   EXPECT_NEAR(circumradius(kA, kB, kC, kD), std::sqrt(3.0), 1e-14);
   EXPECT_NEAR(inradius(kA, kB, kC, kD), std::sqrt(3.0) / 3, 1e-14);
   for (const double angle : dihedral_angles_deg(kA, kB, kC, kD))

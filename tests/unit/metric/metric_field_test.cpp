@@ -54,11 +54,6 @@ TEST(AnalyticMetric, CarriesItsLogarithm) {
   }
 }
 
-TEST(AnalyticMetric, IsKnownByName) {
-  EXPECT_EQ(analytic_kind_from("polar-1"), AnalyticKind::kPolar1);
-  EXPECT_EQ(analytic_kind_from("polar-3"), std::nullopt);
-}
-
 /// Two arms of 5 x 5 x 2 cubes that a bridge at y < 1 joins, between x = 0 and 5; logarithms vary linearly.
 TetMesh arms_with_linear_log() {
   const fixtures::TetSoup grid = fixtures::cube_grid(5);

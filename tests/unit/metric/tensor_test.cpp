@@ -52,15 +52,6 @@ TEST(Tensor, LogAndExpAreThoseOfEigenAndInverse) {
   }
 }
 
-TEST(Tensor, MeanOfTwoSizesIsTheirGeometricMean) {
-  const std::array<SymTensor, 2> logs = {log(SymTensor::diagonal(1, 1, 1)),
-                                         log(from_sizes(Mat3::Identity(), Vec3(10, 1, 4)))};
-  const std::array<double, 2> weights = {0.5, 0.5};
-  const SymTensor mean = weighted_log_mean(logs, weights);
-  EXPECT_NEAR(1 / std::sqrt(mean.xx), std::sqrt(10.0), 1e-12);
-  EXPECT_NEAR(1 / std::sqrt(mean.zz), 2, 1e-12);
-}
-
 TEST(Tensor, IntersectionAsksForNoLargerSizesThanEither) {
   std::mt19937 random(2);
   for (int i = 0; i < 200; ++i) {

@@ -90,20 +90,6 @@ TEST(LinesPicture, SamePixelsForEveryThreadCount) {
   EXPECT_EQ(draw(1), draw(4));
 }
 
-TEST(ValuesPicture, HasDarkAndLightEndsAndSaysWhatTheyAre) {
-  const MixedMesh mesh = cube_with_boundary(6);
-  std::vector<double> values;
-  for (const Vec3& p : mesh.points) values.push_back(std::pow(2, p.x()));  // 1 to 64
-  const SurfacePicture drawn = draw_surface_values(mesh.view(), surface_for_pictures(mesh.view()), values,
-                                                   "size in mm:", {.width = 90});
-  ASSERT_TRUE(drawn.scale);
-  EXPECT_EQ(drawn.scale->stops.size(), 9u);
-  EXPECT_EQ(drawn.scale->low, "size in mm: 1");
-  EXPECT_EQ(drawn.scale->high.substr(0, 2), "64");
-  EXPECT_GT(count_pixels(drawn.picture, true), 200u);   // Violet.
-  EXPECT_GT(count_pixels(drawn.picture, false), 200u);  // Yellow.
-}
-
 /// The surface of a torus of tube radius 1, some of it with ripples.
 MixedMesh torus(double ripple) {
   const fixtures::TriangleSoup soup = fixtures::torus_surface(4, 1, 96, 24);
