@@ -12,6 +12,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/triangle_mesh.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::centerline {
@@ -52,20 +53,11 @@ using DirectedEdge = std::array<std::uint32_t, 2>;
 
 /// Edges of one triangle only.
 std::vector<DirectedEdge> open_edges(const Boundary& boundary) {
-  std::vector<DirectedEdge> edges;
-  for (const Cell<3>& t : boundary.triangles)
-    for (std::size_t n = 0; n < 3; ++n) edges.push_back({t[n], t[(n + 1) % 3]});
-  const auto key = [](const DirectedEdge& e) { return std::minmax(e[0], e[1]); };
-  parallel::sort(edges.begin(), edges.end(), [&](const DirectedEdge& a, const DirectedEdge& b) {
-    return key(a) != key(b) ? key(a) < key(b) : a < b;
-  });
   std::vector<DirectedEdge> open;
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && key(edges[end]) == key(edges[i])) ++end;
-    if (end == i + 1) open.push_back(edges[i]);
-    i = end;
-  }
+  for_each_edge(sorted_sides(boundary.triangles), [&](std::span<const TriangleSide> edge) {
+    const Cell<3>& corners = boundary.triangles[edge[0].triangle];
+    if (edge.size() == 1) open.push_back({corners[edge[0].side], corners[(edge[0].side + 1) % 3]});
+  });
   return open;
 }
 

@@ -10,6 +10,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/findings.hpp"

@@ -9,6 +9,7 @@
 
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/key_table.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -156,7 +157,8 @@ void RegionBorders::find_curves(const ClosedSurface& surface, const FeatureRegio
 }
 
 void RegionBorders::find_corners(const ClosedSurface& surface, const FeatureRegions& regions) {
-  std::vector<std::array<std::uint32_t, 2>> meeting;  // Point and region.
+  using PointAndRegion = std::array<std::uint32_t, 2>;
+  std::vector<PointAndRegion> meeting;
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
     const std::uint32_t mine = regions.of_triangle[t];
     for (std::size_t s = 0; s < 3; ++s) {
@@ -167,16 +169,16 @@ void RegionBorders::find_corners(const ClosedSurface& surface, const FeatureRegi
     }
   }
   sort_unique(meeting);
-  for (std::size_t begin = 0, end = 0; begin < meeting.size(); begin = end) {
-    while (end < meeting.size() && meeting[end][0] == meeting[begin][0]) ++end;
-    if (end - begin < 3) continue;
-    Corner corner{surface.points[meeting[begin][0]], {}};
-    for (std::size_t i = begin; i < end; ++i) {
-      corner.regions.push_back(meeting[i][1]);
-      corners_of_[meeting[i][1]].push_back(static_cast<std::uint32_t>(corners_.size()));
+  const auto same = [](const PointAndRegion& a, const PointAndRegion& b) { return a[0] == b[0]; };
+  parallel::for_each_run(meeting, same, [&](std::span<const PointAndRegion> run) {
+    if (run.size() < 3) return;
+    Corner corner{surface.points[run[0][0]], {}};
+    for (const auto& [point, region] : run) {
+      corner.regions.push_back(region);
+      corners_of_[region].push_back(static_cast<std::uint32_t>(corners_.size()));
     }
     corners_.push_back(std::move(corner));
-  }
+  });
 }
 
 std::optional<Vec3> RegionBorders::nearest(const Vec3& x, std::span<const std::uint32_t> regions,

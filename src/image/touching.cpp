@@ -8,6 +8,7 @@
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/grid.hpp"
+#include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "vessel_chunks.hpp"
 #include "voxel_edits.hpp"
@@ -58,33 +59,25 @@ class PairsApart {
   std::map<Pair, bool> known_;
 };
 
-/// Where the faces of each pair of chunks begin and end.
-std::vector<std::pair<std::size_t, std::size_t>> runs_of_pairs(const std::vector<ChunkFace>& faces) {
-  std::vector<std::pair<std::size_t, std::size_t>> runs;
-  for (std::size_t begin = 0, end = 0; begin < faces.size(); begin = end) {
-    while (end < faces.size() && faces[end].first == faces[begin].first &&
-           faces[end].second == faces[begin].second)
-      ++end;
-    runs.emplace_back(begin, end);
-  }
-  return runs;
+bool is_of_pair(const ChunkFace& a, const ChunkFace& b) {
+  return a.first == b.first && a.second == b.second;
 }
 
 /// Pairs of chunks of vessels that touch: those at a neck, and all others of the same two vessels around it.
 std::set<Pair> touching_pairs(const VesselChunks& chunks) {
   std::set<Pair> pairs;
-  for (const auto& [begin, end] : runs_of_pairs(chunks.faces())) {
-    const ChunkFace& middle = chunks.faces()[(begin + end) / 2];
+  parallel::for_each_run(chunks.faces(), is_of_pair, [&](std::span<const ChunkFace> faces) {
+    const ChunkFace& middle = faces[faces.size() / 2];
     const bool is_neck = chunks.is_neck(middle.first, middle.second);
-    if (!is_neck && !chunks.hang_by_thread(middle.first, middle.second)) continue;
+    if (!is_neck && !chunks.hang_by_thread(middle.first, middle.second)) return;
     const auto sides =
         chunks.passing_sides(middle.first, middle.second, chunks.place_of(middle.voxel).cast<double>());
-    if (!sides) continue;
+    if (!sides) return;
     pairs.emplace(middle.first, middle.second);
-    if (!is_neck) continue;
+    if (!is_neck) return;
     for (const std::uint32_t a : (*sides)[0])
       for (const std::uint32_t b : (*sides)[1]) pairs.emplace(std::min(a, b), std::max(a, b));
-  }
+  });
   return pairs;
 }
 
@@ -205,14 +198,14 @@ std::vector<ThinPlace> bridges_of(const VesselChunks& chunks, const std::set<Pai
     return chunks.chunks()[chunk].half_width >= kThicker * than;
   };
   const auto& all = chunks.faces();
-  for (const auto& [begin, end] : runs_of_pairs(all)) {
-    const ChunkFace& middle = all[(begin + end) / 2];
+  parallel::for_each_run(all, is_of_pair, [&](std::span<const ChunkFace> faces) {
+    const ChunkFace& middle = faces[faces.size() / 2];
     const float width = chunks.saddle(middle.first, middle.second);
     if (width <= kThinHalfWidth && is_thicker(middle.first, width) && is_thicker(middle.second, width) &&
         chunks.is_neck(middle.first, middle.second) && !touching.contains({middle.first, middle.second}))
-      places.push_back({ThinPlace::Kind::kBridge, chunks.low() + chunks.place_of(middle.voxel), end - begin,
+      places.push_back({ThinPlace::Kind::kBridge, chunks.low() + chunks.place_of(middle.voxel), faces.size(),
                         2 * static_cast<double>(width) - 1});
-  }
+  });
   const auto is_thin = [&](std::uint32_t c) { return chunks.chunks()[c].half_width <= kThinHalfWidth; };
   DisjointSets strands(chunks.chunks().size());
   for (const auto& face : all)

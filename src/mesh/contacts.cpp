@@ -9,6 +9,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::detail {
@@ -135,11 +136,11 @@ double distance_between(const PartSurface& from, const PartSurface& to) {
 std::vector<Contact> find_contacts(std::span<const PartSurface> parts, const JoinedPoints& joined) {
   const std::vector<PartFace> faces = faces_with_shared_corners(parts, joined);
   std::vector<Contact> contacts;
-  for (std::size_t i = 0, next = 0; i < faces.size(); i = next) {
-    for (next = i + 1; next < faces.size() && faces[next].key == faces[i].key;) ++next;
-    if (next - i < 2) continue;
-    const PartFace &one = faces[i], &other = faces[i + 1];
-    if (next - i > 2 || !are_opposite(one.outward, other.outward))
+  const auto same = [](const PartFace& a, const PartFace& b) { return a.key == b.key; };
+  parallel::for_each_run(faces, same, [&](std::span<const PartFace> run) {
+    if (run.size() < 2) return;
+    const PartFace &one = run[0], &other = run[1];
+    if (run.size() > 2 || !are_opposite(one.outward, other.outward))
       throw Error(ErrorKind::kBadInput,
                   fmt::format("{} and {} overlap: both have a cell on the same side of the face at {}; leave "
                               "one out, or cut away what both have",
@@ -147,7 +148,7 @@ std::vector<Contact> find_contacts(std::span<const PartSurface> parts, const Joi
                               coordinates_text(middle_of(joined.points, one.outward))));
     contacts.push_back(
         {one.key, {one.outward, other.outward}, {one.part, other.part}, {one.label, other.label}});
-  }
+  });
   return contacts;
 }
 

@@ -10,6 +10,7 @@
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -289,35 +290,20 @@ struct TetMesh::Assembly {
 };
 
 void TetMesh::classify_vertices(const PatchTable& faces) {
-  struct Edge {
-    std::uint32_t a, b;
-    std::int32_t patch;
-    auto operator<=>(const Edge&) const = default;
-  };
-  std::vector<Edge> edges(faces.triangles.size() * 3);
-  parallel::for_each_index(faces.triangles.size(), [&](std::size_t i) {
-    const Cell<3> v = sorted_corners(faces.triangles[i]);
-    const std::int32_t patch = faces.patches[i];
-    edges[3 * i] = {v[0], v[1], patch};
-    edges[3 * i + 1] = {v[0], v[2], patch};
-    edges[3 * i + 2] = {v[1], v[2], patch};
-  });
-  parallel::sort(edges.begin(), edges.end());
   parallel::for_each_index(vertex_slots(), [&](std::size_t v) {
     if (dimensions_[v] != VertexDimension::kFreed) dimensions_[v] = VertexDimension::kVolume;
   });
   std::vector<std::uint32_t> ends;  // Both ends of every feature edge.
-  for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
-    const auto& [a, b, patch] = edges[i];
-    for (next = i + 1; next < edges.size() && edges[next].a == a && edges[next].b == b;) ++next;
-    for (const std::uint32_t v : {a, b}) dimensions_[v] = VertexDimension::kSurface;
-    if (next - i != 2 || edges[i + 1].patch != patch) ends.insert(ends.end(), {a, b});
-  }
+  for_each_edge(sorted_sides(faces.triangles), [&](std::span<const TriangleSide> edge) {
+    const auto patch_of = [&](std::size_t i) { return faces.patches[edge[i].triangle]; };
+    const std::array<std::uint32_t, 2> both = {edge[0].low, edge[0].high};
+    for (const std::uint32_t v : both) dimensions_[v] = VertexDimension::kSurface;
+    if (edge.size() != 2 || patch_of(0) != patch_of(1)) ends.insert(ends.end(), both.begin(), both.end());
+  });
   parallel::sort(ends.begin(), ends.end());
-  for (std::size_t i = 0, next = 0; i < ends.size(); i = next) {
-    for (next = i + 1; next < ends.size() && ends[next] == ends[i];) ++next;
-    dimensions_[ends[i]] = next - i == 2 ? VertexDimension::kCurve : VertexDimension::kCorner;
-  }
+  parallel::for_each_run(ends, std::equal_to<>(), [&](std::span<const std::uint32_t> run) {
+    dimensions_[run[0]] = run.size() == 2 ? VertexDimension::kCurve : VertexDimension::kCorner;
+  });
 }
 
 TetMesh TetMesh::build(std::span<const Vec3> points, std::span<const Cell<4>> tets,

@@ -6,6 +6,7 @@
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "validate_impl.hpp"
 
 namespace lumesh::detail {
@@ -19,13 +20,11 @@ struct SurfaceFace {
   bool outside;  // Nothing behind it.
 };
 
-/// An edge of a surface face: corner `corner` of face `face` to the next one.
-struct SurfaceEdge {
+/// A side of a surface face.
+struct SurfaceSide {
   Label label;
-  std::uint32_t low, high;
-  std::uint32_t face;
-  std::uint32_t corner;
-  auto operator<=>(const SurfaceEdge&) const = default;
+  TriangleSide side;
+  auto operator<=>(const SurfaceSide&) const = default;
 };
 
 std::vector<SurfaceFace> surface_faces(const TetMesh& mesh) {
@@ -60,42 +59,37 @@ LabelBoundary& entry_of(ValidationReport& report, Label label) {
                            [](const LabelBoundary& entry, Label value) { return entry.label < value; });
 }
 
-std::vector<SurfaceEdge> surface_edges(const std::vector<SurfaceFace>& faces) {
-  std::vector<SurfaceEdge> edges(faces.size() * 3);
+std::vector<SurfaceSide> surface_sides(const std::vector<SurfaceFace>& faces) {
+  std::vector<SurfaceSide> sides(faces.size() * 3);
   parallel::for_each_index(faces.size(), [&](std::size_t i) {
-    const SurfaceFace& face = faces[i];
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(face.corners[k], face.corners[(k + 1) % 3]);
-      edges[3 * i + k] = {face.label, low, high, static_cast<std::uint32_t>(i), k};
-    }
+    for (std::uint32_t k = 0; k < 3; ++k)
+      sides[3 * i + k] = {faces[i].label, side_of(faces[i].corners, i, k)};
   });
-  parallel::sort(edges.begin(), edges.end());
-  return edges;
+  parallel::sort(sides.begin(), sides.end());
+  return sides;
 }
 
 /// Joins faces across edges, and at each end the corners of the two faces; adds -E to the Euler numbers.
 void join_at_edges(const std::vector<SurfaceFace>& faces, DisjointSets& surfaces, DisjointSets& corners,
                    ValidationReport& report) {
-  const std::vector<SurfaceEdge> edges = surface_edges(faces);
+  const auto same = [](const SurfaceSide& a, const SurfaceSide& b) {
+    return a.label == b.label && a.side.is_of_edge(b.side);
+  };
   Findings findings;
-  for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
-    const SurfaceEdge& edge = edges[i];
-    const auto same = [&](const SurfaceEdge& other) {
-      return other.label == edge.label && other.low == edge.low && other.high == edge.high;
-    };
-    for (next = i + 1; next < edges.size() && same(edges[next]);) ++next;
-    --entry_of(report, edge.label).surface_euler;
-    if (next - i != 2) {
-      findings.add("edge " + list_of(Cell<2>{edge.low, edge.high}) + " has " + std::to_string(next - i) +
-                   " faces on the surface of label " + std::to_string(edge.label) + " instead of 2");
-      continue;
+  parallel::for_each_run(surface_sides(faces), same, [&](std::span<const SurfaceSide> edge) {
+    const auto& [label, side] = edge[0];
+    --entry_of(report, label).surface_euler;
+    if (edge.size() != 2) {
+      findings.add("edge " + list_of(Cell<2>{side.low, side.high}) + " has " + std::to_string(edge.size()) +
+                   " faces on the surface of label " + std::to_string(label) + " instead of 2");
+      return;
     }
-    const SurfaceEdge& other = edges[i + 1];
-    surfaces.merge(edge.face, other.face);
+    const TriangleSide& other = edge[1].side;
+    surfaces.merge(side.triangle, other.triangle);
     // The two faces run along the edge in opposite directions: the end of one is the start of the other.
-    corners.merge(3 * edge.face + edge.corner, 3 * other.face + (other.corner + 1) % 3);
-    corners.merge(3 * edge.face + (edge.corner + 1) % 3, 3 * other.face + other.corner);
-  }
+    corners.merge(3 * side.triangle + side.side, 3 * other.triangle + (other.side + 1) % 3);
+    corners.merge(3 * side.triangle + (side.side + 1) % 3, 3 * other.triangle + other.side);
+  });
   merge(report, findings);
 }
 
@@ -112,16 +106,17 @@ void check_rings(const std::vector<SurfaceFace>& faces, DisjointSets& corners, V
     all[i] = {faces[i / 3].label, faces[i / 3].corners[i % 3], corners.find(i)};
   parallel::sort(all.begin(), all.end());
   Findings findings;
-  for (std::size_t i = 0, next = 0; i < all.size(); i = next) {
+  const auto same = [](const Corner& a, const Corner& b) {
+    return a.label == b.label && a.vertex == b.vertex;
+  };
+  parallel::for_each_run(all, same, [&](std::span<const Corner> run) {
     std::size_t rings = 1;
-    for (next = i + 1;
-         next < all.size() && all[next].label == all[i].label && all[next].vertex == all[i].vertex; ++next)
-      rings += all[next].ring != all[next - 1].ring;
-    ++entry_of(report, all[i].label).surface_euler;
+    for (std::size_t i = 1; i < run.size(); ++i) rings += run[i].ring != run[i - 1].ring;
+    ++entry_of(report, run[0].label).surface_euler;
     if (rings > 1)
-      findings.add("vertex " + std::to_string(all[i].vertex) + " joins " + std::to_string(rings) +
-                   " sheets of the surface of label " + std::to_string(all[i].label) + " (pinched vertex)");
-  }
+      findings.add("vertex " + std::to_string(run[0].vertex) + " joins " + std::to_string(rings) +
+                   " sheets of the surface of label " + std::to_string(run[0].label) + " (pinched vertex)");
+  });
   merge(report, findings);
 }
 

@@ -10,6 +10,7 @@
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "vertex_rings.hpp"
@@ -80,40 +81,18 @@ SurfaceCurvature fitted_curvature(std::span<const Vec3> points, std::span<const 
   return curvature_of(frame, found[0], found[1], found[2] / reach, found[3] / reach, found[4] / reach);
 }
 
-/// Sides of triangles, each with the triangle it belongs to, so that the two sides of an edge stand together.
-struct Side {
-  std::uint32_t low, high, triangle;
-  auto operator<=>(const Side&) const = default;
-};
-
-std::vector<Side> sorted_sides(std::span<const Cell<3>> triangles) {
-  std::vector<Side> sides;
-  sides.reserve(3 * triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const auto [low, high] = std::minmax(triangles[t][i], triangles[t][(i + 1) % 3]);
-      sides.push_back({low, high, t});
-    }
-  parallel::sort(sides.begin(), sides.end());
-  return sides;
-}
-
 /// For each triangle the number of the smooth piece it belongs to: the lowest triangle of the piece.
 std::vector<std::uint32_t> smooth_pieces(std::span<const Vec3> points, const BoundaryFaces& faces,
                                          double feature_angle_deg) {
   DisjointSets pieces(faces.triangles.size());
   const double min_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
-  const std::vector<Side> sides = sorted_sides(faces.triangles);
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    for (end = begin;
-         end < sides.size() && sides[end].low == sides[begin].low && sides[end].high == sides[begin].high;)
-      ++end;
-    if (end - begin != 2) continue;
-    const std::uint32_t s = sides[begin].triangle, t = sides[begin + 1].triangle;
+  for_each_edge(sorted_sides(faces.triangles), [&](std::span<const TriangleSide> edge) {
+    if (edge.size() != 2) return;
+    const std::uint32_t s = edge[0].triangle, t = edge[1].triangle;
     const Vec3 n = area_vector(points, faces.triangles[s]), m = area_vector(points, faces.triangles[t]);
-    if (faces.patches[s] != faces.patches[t] || n.dot(m) < min_cosine * n.norm() * m.norm()) continue;
+    if (faces.patches[s] != faces.patches[t] || n.dot(m) < min_cosine * n.norm() * m.norm()) return;
     pieces.merge(s, t);
-  }
+  });
   std::vector<std::uint32_t> piece(faces.triangles.size());
   for (std::uint32_t t = 0; t < piece.size(); ++t) piece[t] = pieces.find(t);
   return piece;

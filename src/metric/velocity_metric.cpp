@@ -13,6 +13,7 @@
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/metric/point_tree.hpp"
 #include "lumesh/metric/tensor.hpp"
+#include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::metric {
@@ -46,15 +47,13 @@ DistinctSamples distinct_samples(const VelocitySamples& samples) {
     return key(i) < key(j);
   });
   DistinctSamples distinct;
-  for (std::size_t begin = 0; begin < order.size();) {
-    std::size_t end = begin;
+  const auto same = [&](std::uint32_t i, std::uint32_t j) { return points[i] == points[j]; };
+  parallel::for_each_run(order, same, [&](std::span<const std::uint32_t> run) {
     Vec3 sum = Vec3::Zero();
-    for (; end < order.size() && points[order[end]] == points[order[begin]]; ++end)
-      sum += velocities[order[end]];
-    distinct.points.emplace_back(points[order[begin]] + Vec3::Zero());  // -0 becomes 0.
-    distinct.velocities.emplace_back(sum / static_cast<double>(end - begin));
-    begin = end;
-  }
+    for (const std::uint32_t s : run) sum += velocities[s];
+    distinct.points.emplace_back(points[run[0]] + Vec3::Zero());  // -0 becomes 0.
+    distinct.velocities.emplace_back(sum / static_cast<double>(run.size()));
+  });
   return distinct;
 }
 

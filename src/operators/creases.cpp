@@ -7,6 +7,7 @@
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -17,34 +18,24 @@ bool is_between_labels(const BoundaryFaces& faces, std::size_t face) {
 
 /// The sets of faces of one patch that reach each other over edges without crease.
 DisjointSets smooth_parts(const TetMesh& mesh, const BoundaryFaces& faces, double angle_deg) {
-  struct Side {
-    std::uint32_t a, b, face;
-    auto operator<=>(const Side&) const = default;
-  };
-  std::vector<Side> sides;
   std::vector<Vec3> normals(faces.triangles.size());
   for (std::uint32_t i = 0; i < faces.triangles.size(); ++i) {
-    if (is_between_labels(faces, i)) continue;
-    const Cell<3>& v = faces.triangles[i];
-    normals[i] =
-        triangle_normal(mesh.point(VertexId(v[0])), mesh.point(VertexId(v[1])), mesh.point(VertexId(v[2])));
-    for (int k = 0; k < 3; ++k) {
-      const auto [a, b] = std::minmax(v[k], v[(k + 1) % 3]);
-      sides.push_back({a, b, i});
-    }
+    const auto& [a, b, c] = faces.triangles[i];
+    normals[i] = triangle_normal(mesh.point(VertexId(a)), mesh.point(VertexId(b)), mesh.point(VertexId(c)));
   }
-  std::sort(sides.begin(), sides.end());
   DisjointSets sets(faces.triangles.size());
   const double min_cosine = std::cos(angle_deg * std::numbers::pi / 180);
-  for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
-    for (next = i + 1; next < sides.size() && sides[next].a == sides[i].a && sides[next].b == sides[i].b;)
-      ++next;
-    for (std::size_t k = i + 1; k < next; ++k) {
-      const std::uint32_t one = sides[i].face, other = sides[k].face;
+  for_each_edge(sorted_sides(faces.triangles), [&](std::span<const TriangleSide> edge) {
+    constexpr std::uint32_t kNone = ~0U;
+    std::uint32_t one = kNone;
+    for (const TriangleSide& side : edge) {
+      const std::uint32_t other = side.triangle;
+      if (is_between_labels(faces, other)) continue;
+      if (one == kNone) one = other;
       if (faces.patches[one] == faces.patches[other] && normals[one].dot(normals[other]) >= min_cosine)
         sets.merge(one, other);
     }
-  }
+  });
   return sets;
 }
 

@@ -7,6 +7,7 @@
 #include "area_means.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 #include "lumesh/operators/settling.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -123,12 +124,10 @@ std::shared_ptr<const Surface> cylinder_of(const PatchTriangles& patch, double a
 
 /// Points at the rim of the patch.
 std::vector<bool> rim_points(const PatchTriangles& patch) {
-  std::map<std::array<std::uint32_t, 2>, int> sides;  // Of each edge.
-  for (const Cell<3>& t : patch.triangles)
-    for (int k = 0; k < 3; ++k) ++sides[{std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])}];
   std::vector<bool> is_at_rim(patch.points.size(), false);
-  for (const auto& [edge, count] : sides)
-    if (count == 1) is_at_rim[edge[0]] = is_at_rim[edge[1]] = true;
+  for_each_edge(sorted_sides(patch.triangles), [&](std::span<const TriangleSide> edge) {
+    if (edge.size() == 1) is_at_rim[edge[0].low] = is_at_rim[edge[0].high] = true;
+  });
   return is_at_rim;
 }
 
@@ -190,24 +189,15 @@ struct CurveEdge {
 
 /// Edges of curves, ordered by their patches.
 std::vector<CurveEdge> curve_edges(const BoundaryFaces& faces) {
-  struct Side {
-    std::uint32_t a, b, patch;
-    auto operator<=>(const Side&) const = default;
+  const auto patch_of = [&](const TriangleSide& side) {
+    return static_cast<std::uint32_t>(faces.patches[side.triangle]);
   };
-  std::vector<Side> sides;
-  for (std::size_t i = 0; i < faces.triangles.size(); ++i)
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = faces.triangles[i][k], b = faces.triangles[i][(k + 1) % 3];
-      sides.push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(faces.patches[i])});
-    }
-  std::sort(sides.begin(), sides.end());
   std::vector<CurveEdge> edges;
-  for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
-    for (next = i + 1; next < sides.size() && sides[next].a == sides[i].a && sides[next].b == sides[i].b;)
-      ++next;
-    if (next - i == 2 && sides[i].patch != sides[i + 1].patch)
-      edges.push_back({sides[i].a, sides[i].b, {sides[i].patch, sides[i + 1].patch}});
-  }
+  for_each_edge(sorted_sides(faces.triangles), [&](std::span<const TriangleSide> edge) {
+    if (edge.size() != 2) return;
+    const auto [low, high] = std::minmax({patch_of(edge[0]), patch_of(edge[1])});
+    if (low != high) edges.push_back({edge[0].low, edge[0].high, {low, high}});
+  });
   std::stable_sort(edges.begin(), edges.end(),
                    [](const CurveEdge& x, const CurveEdge& y) { return x.patches < y.patches; });
   return edges;
@@ -323,11 +313,10 @@ class SurfaceBuilder {
       if (shapes_[p].keeps_volume) lower_by_sagitta(patches_[p]);
     });
     std::vector<std::vector<MeshSurface::Rim>> rims(shapes_.size());
-    for (std::size_t i = 0, next = 0; i < edges_.size(); i = next) {
-      for (next = i + 1; next < edges_.size() && edges_[next].patches == edges_[i].patches;) ++next;
-      const auto [p, q] = edges_[i].patches;
-      if (!is_free(p) || !is_free(q) || meet_by_themselves(shapes_[p], shapes_[q])) continue;
-      const auto edges = std::span(edges_).subspan(i, next - i);
+    const auto same = [](const CurveEdge& a, const CurveEdge& b) { return a.patches == b.patches; };
+    parallel::for_each_run(edges_, same, [&](std::span<const CurveEdge> edges) {
+      const auto [p, q] = edges[0].patches;
+      if (!is_free(p) || !is_free(q) || meet_by_themselves(shapes_[p], shapes_[q])) return;
       Curve curve(edges, mesh_);
       for (const auto& [wall, flat] : {std::pair{p, q}, {q, p}})
         if (shapes_[wall].keeps_volume && shapes_[flat].freedom == PatchFreedom::kPlane)
@@ -343,7 +332,7 @@ class SurfaceBuilder {
           patches_[side].points[b] = curve.point(edges[k].b);
           rims[side].push_back({a, b, pieces[k]});
         }
-    }
+    });
     for_each_curved([&](std::size_t p) {
       if (shapes_[p].surface) return;
       shapes_[p].surface = shapes_[p].keeps_volume ? surface_of_volume(patches_[p], before[p], rims[p])

@@ -48,9 +48,9 @@ bool is_inside_wall(std::span<const Corner> corners) {
   }
   std::sort(neighbours.begin(), neighbours.end());
   bool all_twice = !neighbours.empty();
-  parallel::for_each_run(
-      std::span<const std::uint32_t>(neighbours), std::equal_to<>(),
-      [&](std::span<const std::uint32_t> run) { all_twice = all_twice && run.size() == 2; });
+  parallel::for_each_run(neighbours, std::equal_to<>(), [&](std::span<const std::uint32_t> run) {
+    all_twice = all_twice && run.size() == 2;
+  });
   return all_twice;
 }
 

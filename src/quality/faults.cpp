@@ -9,6 +9,7 @@
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/all_cells.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/surface.hpp"
 #include "validity.hpp"
@@ -123,28 +124,15 @@ class Faults {
   }
 
   void look_at_edges() {
-    struct Edge {
-      std::uint32_t low, high;
-      bool runs_up;
-      auto operator<=>(const Edge&) const = default;
-    };
-    std::vector<Edge> edges(3 * outside_.size());
-    parallel::for_each_index(outside_.size(), [&](std::size_t t) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t a = outside_[t][k], b = outside_[t][(k + 1) % 3];
-        edges[3 * t + k] = {std::min(a, b), std::max(a, b), a < b};
-      }
-    });
-    parallel::sort(edges.begin(), edges.end());
+    const std::vector<TriangleSide> sides = sorted_sides(outside_);
+    const auto runs_up = [&](const TriangleSide& side) { return side.runs_up(outside_[side.triangle]); };
     Count bad;
-    for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
-      next = i;
-      while (next < edges.size() && edges[next].low == edges[i].low && edges[next].high == edges[i].high)
-        ++next;
-      if (next - i != 2 || edges[i].runs_up == edges[i + 1].runs_up) bad.add(i);
-    }
+    for_each_edge(sides, [&](std::span<const TriangleSide> edge) {
+      if (edge.size() != 2 || runs_up(edge[0]) == runs_up(edge[1]))
+        bad.add(static_cast<std::size_t>(edge.data() - sides.data()));
+    });
     if (bad.count == 0) return;
-    const Edge& edge = edges[bad.first];
+    const TriangleSide& edge = sides[bad.first];
     const Vec3 place = 0.5 * (mesh_.points[edge.low] + mesh_.points[edge.high]);
     faults_.push_back({fmt::format("{} not have one face on each side, {}{}",
                                    counted(bad.count, "edge of the outside does", "edges of the outside do"),

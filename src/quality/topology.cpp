@@ -6,6 +6,7 @@
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/quality/surface.hpp"
 
 namespace lumesh::quality {
@@ -14,25 +15,17 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
-/// An edge as one triangle sees it.
-struct HalfEdge {
-  std::array<std::uint32_t, 2> ends;  ///< Ascending.
-  std::uint32_t reference;            ///< triangle * 3 + side; side s runs from corner s to corner s + 1.
-  std::uint32_t backward;             ///< 1 if the triangle runs it from the higher end to the lower.
-  auto operator<=>(const HalfEdge&) const = default;
-};
+/// Number of a side among those of all triangles.
+std::uint32_t number_of(const TriangleSide& side) {
+  return 3 * side.triangle + side.side;
+}
 
-parallel::KeyTable<HalfEdge> collect_half_edges(std::span<const Cell<3>> triangles,
-                                                std::size_t vertex_count) {
-  std::vector<HalfEdge> edges(triangles.size() * 3);
-  parallel::for_each_index(triangles.size(), [&](std::size_t t) {
-    for (std::size_t s = 0; s < 3; ++s) {
-      const std::uint32_t a = triangles[t][s], b = triangles[t][(s + 1) % 3];
-      edges[3 * t + s] = {
-          {std::min(a, b), std::max(a, b)}, static_cast<std::uint32_t>(3 * t + s), a > b ? 1u : 0u};
-    }
-  });
-  return {edges, vertex_count, [](const HalfEdge& edge) { return edge.ends[0]; }};
+/// In time that grows linearly, unlike sorted_sides(), and in its order.
+parallel::KeyTable<TriangleSide> collect_sides(std::span<const Cell<3>> triangles, std::size_t vertex_count) {
+  const auto visit = [&](std::size_t t, const auto& take) {
+    for (std::uint32_t s = 0; s < 3; ++s) take(side_of(triangles[t], t, s));
+  };
+  return {triangles.size(), vertex_count, visit, [](const TriangleSide& side) { return side.low; }};
 }
 
 /// The analysis of one surface, step by step.
@@ -57,20 +50,21 @@ class SurfaceWalk {
 
  private:
   void match_edges() {
-    const parallel::KeyTable<HalfEdge> edges = collect_half_edges(triangles_, points_.size());
-    const auto same = [](const HalfEdge& a, const HalfEdge& b) { return a.ends == b.ends; };
-    edges.for_each_run(same, [&](std::span<const HalfEdge> run) {
-      first_of_edge_.push_back(run[0].reference);
-      for (const HalfEdge& edge : run) pieces_.merge(run[0].reference / 3, edge.reference / 3);
-      if (run.size() == 1) {
+    const parallel::KeyTable<TriangleSide> sides = collect_sides(triangles_, points_.size());
+    for_each_edge(sides.items(), [&](std::span<const TriangleSide> edge) {
+      const auto runs_up = [&](std::size_t i) { return edge[i].runs_up(triangles_[edge[i].triangle]); };
+      const std::uint32_t first = number_of(edge[0]);
+      first_of_edge_.push_back(first);
+      for (const TriangleSide& side : edge) pieces_.merge(edge[0].triangle, side.triangle);
+      if (edge.size() == 1) {
         ++result_.open_edges;
-        broken_edges_.push_back(run[0].reference);
-      } else if (run.size() > 2 || run[0].backward == run[1].backward) {
+        broken_edges_.push_back(first);
+      } else if (edge.size() > 2 || runs_up(0) == runs_up(1)) {
         ++result_.non_manifold_edges;
-        broken_edges_.push_back(run[0].reference);
+        broken_edges_.push_back(first);
       } else {
-        mates_[run[0].reference] = run[1].reference;
-        mates_[run[1].reference] = run[0].reference;
+        mates_[first] = number_of(edge[1]);
+        mates_[number_of(edge[1])] = first;
       }
     });
   }
@@ -108,11 +102,10 @@ class SurfaceWalk {
     });
     parallel::sort(corners.begin(), corners.end());
     const auto same = [](std::uint64_t a, std::uint64_t b) { return a >> 32 == b >> 32; };
-    parallel::for_each_run(std::span<const std::uint64_t>(corners), same,
-                           [&](std::span<const std::uint64_t> run) {
-                             ++result_.vertices;
-                             count_vertex(run);
-                           });
+    parallel::for_each_run(corners, same, [&](std::span<const std::uint64_t> run) {
+      ++result_.vertices;
+      count_vertex(run);
+    });
   }
 
   void count_vertex(std::span<const std::uint64_t> corners) {

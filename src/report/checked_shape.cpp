@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/surface.hpp"
 #include "lumesh/surface/edges.hpp"
@@ -176,8 +177,7 @@ Shape shape_of(const MeshView& mesh) {
   for (const auto& [a, b, c] : outer)
     shape.faces.push_back({{mesh.points[a], mesh.points[b], mesh.points[c]}, kShapeColour, 7, true, false});
   const TriangleMesh welded = surfaces::weld(mesh.points, outer, {});
-  const std::vector<surfaces::TriangleSide> sides = surfaces::sorted_sides(welded.triangles);
-  surfaces::for_each_edge(sides, [&](std::span<const surfaces::TriangleSide> edge) {
+  for_each_edge(sorted_sides(welded.triangles), [&](std::span<const TriangleSide> edge) {
     if (edge.size() == 2) return;
     shape.lines.push_back({welded.points[edge[0].low], welded.points[edge[0].high],
                            edge.size() == 1 ? kOpenEdgeColour : kCrowdedEdgeColour});

@@ -4,6 +4,7 @@
 #include <tuple>
 #include <utility>
 
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::surfaces {
@@ -47,19 +48,6 @@ TriangleMesh weld(std::span<const Vec3> points, std::span<const Cell<3>> triangl
     surface.patches.push_back(patches.empty() ? 0 : patches[t]);
   }
   return surface;
-}
-
-std::vector<TriangleSide> sorted_sides(std::span<const Cell<3>> triangles) {
-  std::vector<TriangleSide> sides(3 * triangles.size());
-  parallel::for_each_index(triangles.size(), [&](std::size_t t) {
-    const Cell<3>& corners = triangles[t];
-    for (std::uint32_t s = 0; s < 3; ++s) {
-      const auto [low, high] = std::minmax(corners[s], corners[(s + 1) % 3]);
-      sides[3 * t + s] = {low, high, static_cast<std::uint32_t>(t), s};
-    }
-  });
-  parallel::sort(sides.begin(), sides.end());
-  return sides;
 }
 
 EdgeNeighbours edge_neighbours(std::span<const Cell<3>> triangles) {

@@ -13,6 +13,7 @@
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 
 namespace lumesh::surfaces {
 namespace {

@@ -7,6 +7,7 @@
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/surface/closing.hpp"
 #include "lumesh/surface/distance.hpp"

@@ -18,6 +18,7 @@
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/surface/closing.hpp"
 #include "lumesh/surface/edges.hpp"

@@ -22,6 +22,11 @@ void for_each_run(std::span<const Item> items, const Same& same, const Visit& vi
   }
 }
 
+template <class Item, class Same, class Visit>
+void for_each_run(const std::vector<Item>& items, const Same& same, const Visit& visit) {
+  for_each_run(std::span<const Item>(items), same, visit);
+}
+
 /// Items sorted by a key first, a number below `key_count`, then by operator<. They are dealt to ranges of
 /// keys, within these to single keys, whose few items are then sorted: linear cost, and parallel throughout,
 /// with the same order for every thread count. Memory: that of the items, once, and 8 bytes per key.

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "lumesh/mesh/triangle_mesh.hpp"
@@ -18,27 +17,6 @@ namespace lumesh::surfaces {
 /// thread count.
 [[nodiscard]] TriangleMesh weld(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
                                 std::span<const std::int32_t> patches);
-
-/// Side `side` of a triangle runs from that corner to the next one; low < high are its ends.
-struct TriangleSide {
-  std::uint32_t low, high, triangle, side;
-
-  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> edge() const { return {low, high}; }
-  auto operator<=>(const TriangleSide&) const = default;
-};
-
-/// All sides, ascending: those of one edge follow each other. Threads: parallel inside, the same for every
-/// thread count.
-[[nodiscard]] std::vector<TriangleSide> sorted_sides(std::span<const Cell<3>> triangles);
-
-/// Calls visit(sides) for each edge in that order, with the sides that lie on it.
-template <class Visit>
-void for_each_edge(std::span<const TriangleSide> sides, const Visit& visit) {
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    while (end < sides.size() && sides[end].edge() == sides[begin].edge()) ++end;
-    visit(sides.subspan(begin, end - begin));
-  }
-}
 
 /// Instead of a neighbour: of an edge with one triangle, and of one with more than two.
 inline constexpr std::uint32_t kOpenEdge = ~0U, kCrowdedEdge = ~0U - 1;
