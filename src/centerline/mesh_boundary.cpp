@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/triangle_mesh.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
@@ -110,19 +110,13 @@ class CapFinder {
       if (boundary_.is_opening[t] != 0) use(t);
   }
   void measure(Cap& cap, double outwards) const {
-    Vec3 normal = Vec3::Zero();
-    double area = 0;
-    for (const std::size_t t : cap.triangles) {
-      const Vec3 own = boundary_.area_vector(t);
-      normal += outwards * own;
-      area += own.norm();
-      cap.middle +=
-          own.norm() / 3 * (boundary_.corner(t, 0) + boundary_.corner(t, 1) + boundary_.corner(t, 2));
-    }
-    if (!(normal.norm() > 0)) return;
-    cap.middle /= area;
-    cap.normal = normal.normalized();
-    cap.radius = std::sqrt(area / std::numbers::pi);
+    AreaSum sum;
+    for (const std::size_t t : cap.triangles)
+      sum.add(boundary_.corner(t, 0), boundary_.corner(t, 1), boundary_.corner(t, 2));
+    if (!(sum.normal.norm() > 0)) return;
+    cap.middle = sum.centre();
+    cap.normal = outwards * sum.normal.normalized();
+    cap.radius = circle_radius(sum.area);
   }
 
   const Boundary& boundary_;

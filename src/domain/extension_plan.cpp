@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -19,10 +19,6 @@ constexpr double kStump = 5;    // Layers of voxels beyond the end, by which the
 constexpr double kAir = 4;      // Voxels around an extension: as far as the functions of a field reach.
 constexpr double kCutAir = 2;   // The same of what its end cuts off, which has to leave others.
 constexpr double kApart = 2.5;  // Voxels between two vessels whose boundaries don't feel each other.
-
-double circle_radius_mm(double area_mm2) {
-  return std::sqrt(area_mm2 / std::numbers::pi);
-}
 
 class ExtensionPlanner {
  public:
@@ -120,13 +116,13 @@ class ExtensionPlanner {
   void set_circles(const OpeningGroup& group, VesselTube& tube, CarriedSection& carried, double radius_mm) {
     const double cosine = carried.direction.dot(carried.normal);
     tube.transition_mm = transition_->in_mm(radius_mm);
-    tube.outer = {carried.centre_mm, circle_radius_mm(group.section.area_mm2 * cosine)};
+    tube.outer = {carried.centre_mm, circle_radius(group.section.area_mm2 * cosine)};
     carried.circle_mm = tube.outer.radius_mm + kAir * voxel_mm_;
     const auto is_rim = [&](std::size_t m) { return openings_[m].is_rim; };
     if (group.members.size() != 2 || is_rim(group.members[0]) == is_rim(group.members[1])) return;
     const Opening& wall = openings_[group.members[is_rim(group.members[0]) ? 0 : 1]];
     const Opening& lumen = main_opening(group);
-    tube.lumen.radius_mm = circle_radius_mm(lumen.area_mm2 * cosine);
+    tube.lumen.radius_mm = circle_radius(lumen.area_mm2 * cosine);
     // Half of the wall stays at the thinnest place.
     const double most_mm = 0.5 * (tube.outer.radius_mm - tube.lumen.radius_mm);
     const Vec3 off = lumen.centre_mm - carried.centre_mm;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "lumesh/geometry/triangle.hpp"
 
@@ -39,7 +38,7 @@ std::vector<bool> flat_regions(const ClosedSurface& surface, const FeatureRegion
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
     const std::uint32_t region = regions.of_triangle[t];
     const RegionShape& own = shapes[region];
-    const double max_mm = kMaxBent * std::sqrt(own.area_mm2 / std::numbers::pi);
+    const double max_mm = kMaxBent * circle_radius(own.area_mm2);
     for (std::size_t i = 0; i < 3; ++i)
       if (std::abs(own.normal.dot(surface.corner(t, i) - own.centre_mm)) > max_mm) is_flat[region] = false;
   }

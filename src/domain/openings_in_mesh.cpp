@@ -16,18 +16,15 @@ namespace {
 
 /// Figures of one patch of openings in a mesh.
 struct OpeningPatch {
-  double area_mm2 = 0;
-  Vec3 area_normal = Vec3::Zero();
+  AreaSum sum;
   std::vector<Vec3> centres_mm;  // Of its triangles.
   std::vector<Cell<3>> triangles;
   static constexpr double kFlat = 0.99;
 
-  [[nodiscard]] bool is_flat() const { return area_normal.norm() > kFlat * area_mm2; }
+  [[nodiscard]] bool is_flat() const { return sum.normal.norm() > kFlat * sum.area; }
   void add(const Cell<3>& corners, std::span<const Vec3> points) {
     const Vec3 &a = points[corners[0]], &b = points[corners[1]], &c = points[corners[2]];
-    const Vec3 normal = 0.5 * triangle_area_normal(a, b, c);
-    area_mm2 += normal.norm();
-    area_normal += normal;
+    sum.add(a, b, c);
     centres_mm.push_back((a + b + c) / 3);
     triangles.push_back(corners);
   }
@@ -130,16 +127,16 @@ OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening>
   std::vector<std::vector<Cell<3>>> triangles(openings.size());
   const std::vector<OpeningPatch> patches = opening_patches(mesh);
   for (std::size_t p = 0; p < patches.size(); ++p) {
-    if (!(patches[p].area_mm2 > 0)) continue;
+    if (!(patches[p].sum.area > 0)) continue;
     const Patch& patch = mesh.info->patches[p];
     const bool is_opening = patch.kind == PatchKind::kOpening;
     if (!is_opening && !patches[p].is_flat()) continue;  // What users call symmetry need not be a plane.
     const std::size_t at = opening_of_places(openings, patch.labels[0], patches[p].centres_mm,
-                                             patches[p].area_normal.normalized());
+                                             patches[p].sum.normal.normalized());
     if (at < openings.size()) {
       OpeningInMesh& found = result.openings[at];
       found.patches += (found.patches.empty() ? "" : " + ") + patch.name;
-      found.mesh_area_mm2 += patches[p].area_mm2;
+      found.mesh_area_mm2 += patches[p].sum.area;
       triangles[at].insert(triangles[at].end(), patches[p].triangles.begin(), patches[p].triangles.end());
     } else if (!is_opening) {
       continue;

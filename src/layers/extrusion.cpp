@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
@@ -165,7 +164,8 @@ class Extruder {
   [[nodiscard]] SweptSection section_at(std::int32_t first) const {
     SweptSection s;
     s.patches = joined_openings(first);
-    double area_mm2 = 0, edges_mm = 0;
+    AreaSum sum;
+    double edges_mm = 0;
     std::map<std::int32_t, double> area_of;
     std::size_t edge_count = 0;
     for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
@@ -174,16 +174,14 @@ class Extruder {
       s.vertices.insert(s.vertices.end(), face.begin(), face.end());
       const Vec3 normal = area_normal(face);
       area_of[p] += normal.norm();
-      area_mm2 += normal.norm();
-      s.normal += normal;
-      s.centre_mm += normal.norm() * middle_of(face);
+      sum.add(normal, middle_of(face));
       for (std::size_t i = 0; i < face.size(); ++i, ++edge_count)
         edges_mm += (point(face[i]) - point(face[(i + 1) % face.size()])).norm();
     });
     if (s.faces.empty()) return s;
     sort_unique(s.vertices);
-    s.normal.normalize();
-    s.centre_mm /= area_mm2;
+    s.normal = sum.normal.normalized();
+    s.centre_mm = sum.centre();
     s.edge_mm = edges_mm / static_cast<double>(edge_count);
     for (const std::uint32_t v : s.vertices)
       s.reach_mm = std::max(s.reach_mm, (point(v) - s.centre_mm).norm());
@@ -191,7 +189,7 @@ class Extruder {
     double largest_mm2 = 0;
     for (const auto& [p, area] : area_of)
       if (!is_ring(s, p)) largest_mm2 = std::max(largest_mm2, area);
-    s.radius_mm = std::sqrt(largest_mm2 * s.axis.dot(s.normal) / std::numbers::pi);
+    s.radius_mm = circle_radius(largest_mm2 * s.axis.dot(s.normal));
     return s;
   }
 

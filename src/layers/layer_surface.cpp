@@ -81,19 +81,17 @@ operators::PatchShapes shapes_around(const TetMesh& mesh, const BoundaryFaces& f
   constexpr double kFlat = 0.02;  // Of the patch's size.
   operators::PatchShapes shapes = operators::planes_where_flat(mesh);
   const std::size_t patches = shapes.size();
-  std::vector<Vec3> normals(patches, Vec3::Zero()), middles(patches, Vec3::Zero());
-  std::vector<double> areas(patches, 0), off(patches, 0), size(patches, 0);
+  std::vector<AreaSum> sums(patches);
+  std::vector<Vec3> normals(patches), middles(patches);
+  std::vector<double> off(patches, 0), size(patches, 0);
   const auto patch_of = [&](std::size_t f) { return static_cast<std::size_t>(faces.patches[f]); };
   const auto point = [&](std::size_t f, std::size_t k) {
     return mesh.point(VertexId(faces.triangles[f][k]));
   };
-  for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
-    const Vec3 normal = triangle_area_normal(point(f, 0), point(f, 1), point(f, 2));
-    normals[patch_of(f)] += normal;
-    middles[patch_of(f)] += normal.norm() / 3 * (point(f, 0) + point(f, 1) + point(f, 2));
-    areas[patch_of(f)] += normal.norm();
-  }
-  for (std::size_t p = 0; p < patches; ++p) normals[p].normalize(), middles[p] /= areas[p];
+  for (std::size_t f = 0; f < faces.triangles.size(); ++f)
+    sums[patch_of(f)].add(point(f, 0), point(f, 1), point(f, 2));
+  for (std::size_t p = 0; p < patches; ++p)
+    normals[p] = sums[p].normal.normalized(), middles[p] = sums[p].centre();
   for (std::size_t f = 0; f < faces.triangles.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t p = patch_of(f);

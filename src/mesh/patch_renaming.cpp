@@ -199,21 +199,18 @@ std::vector<PatchRenaming> renamings_from(std::span<const std::string> texts) {
 
 std::vector<NamedOpening> named_openings(const MeshView& mesh) {
   const std::vector<Patch>& patches = mesh.info->patches;
-  std::vector<double> area(patches.size(), 0);
-  std::vector<Vec3> moment(patches.size(), Vec3::Zero());
+  std::vector<AreaSum> sums(patches.size());
   for_each_patch_triangle(mesh, [&](const Cell<3>& t, std::int32_t patch) {
     const auto p = static_cast<std::size_t>(patch);
     if (p >= patches.size() || patches[p].kind != PatchKind::kOpening) return;
     const auto& [a, b, c] = t;
-    const double size = triangle_area(mesh.points[a], mesh.points[b], mesh.points[c]);
-    area[p] += size;
-    moment[p] += size / 3 * (mesh.points[a] + mesh.points[b] + mesh.points[c]);
+    sums[p].add(mesh.points[a], mesh.points[b], mesh.points[c]);
   });
   std::vector<NamedOpening> openings;
   for (std::size_t p = 0; p < patches.size(); ++p)
-    if (area[p] > 0)
-      openings.push_back({patches[p].name, moment[p] / area[p], std::sqrt(area[p] / std::numbers::pi),
-                          is_rim_name(patches[p].name)});
+    if (sums[p].area > 0)
+      openings.push_back(
+          {patches[p].name, sums[p].centre(), circle_radius(sums[p].area), is_rim_name(patches[p].name)});
   return openings;
 }
 

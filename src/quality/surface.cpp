@@ -109,9 +109,7 @@ MeshSurface extract_surface(const TetMesh& mesh) {
 namespace {
 
 struct PlaneFit {
-  double area = 0;
-  Vec3 centre = Vec3::Zero();  // Area-weighted sum first.
-  Vec3 normal = Vec3::Zero();  // Sum of area normals.
+  AreaSum sum;
   double largest_cosine = -1;  // Of the smallest angles.
   std::uint64_t faces = 0;
 };
@@ -146,10 +144,7 @@ std::vector<PatchSummary> summarise_patches(const MeshView& mesh, const MeshSurf
     const std::int32_t patch = surface.patches[i];
     const bool known = patch >= 0 && static_cast<std::size_t>(patch) < named;
     PlaneFit& fit = fits[known ? static_cast<std::size_t>(patch) : named];
-    const Vec3 normal = triangle_area_normal(mesh.points[a], mesh.points[b], mesh.points[c]) / 2;
-    fit.area += normal.norm();
-    fit.centre += normal.norm() / 3 * (mesh.points[a] + mesh.points[b] + mesh.points[c]);
-    fit.normal += normal;
+    fit.sum.add(mesh.points[a], mesh.points[b], mesh.points[c]);
     const double cosine = cosine_of_smallest_angle(mesh.points[a], mesh.points[b], mesh.points[c]);
     fit.largest_cosine = cosine <= 1 ? std::max(fit.largest_cosine, cosine) : 1;
     ++fit.faces;
@@ -162,10 +157,11 @@ std::vector<PatchSummary> summarise_patches(const MeshView& mesh, const MeshSurf
     summary.kind = p < named ? mesh.info->patches[p].kind : PatchKind::kWall;
     summary.flow = p < named ? mesh.info->patches[p].flow : FlowSide::kUnknown;
     summary.faces = fits[p].faces;
-    summary.area_mm2 = fits[p].area;
+    summary.area_mm2 = fits[p].sum.area;
     summary.smallest_angle_deg = std::acos(fits[p].largest_cosine) * 180 / std::numbers::pi;
-    if (fits[p].area > 0) summary.centre_mm = fits[p].centre / fits[p].area;
-    if (fits[p].normal.norm() > 1e-6 * fits[p].area) summary.normal = fits[p].normal.normalized();
+    if (fits[p].sum.area > 0) summary.centre_mm = fits[p].sum.centre();
+    const Vec3& normal = fits[p].sum.normal;
+    if (normal.norm() > 1e-6 * fits[p].sum.area) summary.normal = normal.normalized();
     if (p < named && is_plane(summary.kind))
       summary.flatness_mm = flatness(mesh, surface, static_cast<std::int32_t>(p));
     result.push_back(std::move(summary));

@@ -131,15 +131,15 @@ std::vector<CutMesh::Opening> measure(const MixedMesh& mesh, const std::set<std:
           opening.least_angle_deg =
               std::min(opening.least_angle_deg, angle_inside_deg(normal_of(t), normal_of(at->second)));
     }
+    AreaSum sum;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       if (mesh.triangle_patches[t] != static_cast<std::int32_t>(p)) continue;
       std::array<Vec3, 3> corners;
       for (std::size_t i = 0; i < 3; ++i) corners[i] = mesh.points[mesh.triangles[t][i]].cwiseProduct(to_mm);
-      const double area = triangle_area(corners[0], corners[1], corners[2]);
-      opening.area_mm2 += area;
-      opening.centre_mm += area / 3 * (corners[0] + corners[1] + corners[2]);
+      sum.add(corners[0], corners[1], corners[2]);
     }
-    opening.centre_mm /= opening.area_mm2;
+    opening.area_mm2 = sum.area;
+    opening.centre_mm = sum.centre();
   }
   return openings;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,6 +15,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/patched_surface.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/layers/extrusion.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
@@ -108,7 +108,7 @@ std::vector<FlatEnd> find_ends(const PatchedSurface& patched, MixedMesh& mesh) {
 /// Whether a centerline ends there, rather than in a sac.
 bool is_at_end(const Vec3& tip, std::span<const FlatEnd> ends) {
   return std::any_of(ends.begin(), ends.end(), [&](const FlatEnd& end) {
-    return (tip - end.centre_mm).norm() < std::sqrt(end.area_mm2 / std::numbers::pi);
+    return (tip - end.centre_mm).norm() < circle_radius(end.area_mm2);
   });
 }
 

@@ -24,16 +24,15 @@ bool is_almost_planar(const Rim& rim) {
 void measure_new(const TriangleMesh& surface, std::size_t first, ClosedRim& closed) {
   double largest_cosine = -1;
   closed.triangles = surface.triangles.size() - first;
-  Vec3 moment = Vec3::Zero();
+  AreaSum sum;
   for (std::size_t t = first; t < surface.triangles.size(); ++t) {
     const auto& [a, b, c] = surface.triangles[t];
     const Vec3 &p = surface.points[a], &q = surface.points[b], &r = surface.points[c];
-    const double area = triangle_area(p, q, r);
-    closed.area_mm2 += area;
-    moment += area / 3 * (p + q + r);
+    sum.add(p, q, r);
     largest_cosine = std::max(largest_cosine, cosine_of_smallest_angle(p, q, r));
   }
-  if (closed.area_mm2 > 0) closed.centre_mm = moment / closed.area_mm2;
+  closed.area_mm2 = sum.area;
+  if (sum.area > 0) closed.centre_mm = sum.centre();
   closed.smallest_angle_deg = std::acos(std::min(1.0, largest_cosine)) * 180 / std::numbers::pi;
 }
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/surface/edges.hpp"
 
 namespace lumesh::surfaces {
@@ -100,7 +100,7 @@ Rim measured_rim(std::span<const Vec3> points, std::vector<std::uint32_t> vertic
   rim.centre_mm = length > 0 ? Vec3(rim.centre_mm / length) : at(0);
   rim.mean_edge_mm = length / static_cast<double>(count);
   rim.area_mm2 = area_vector.norm();
-  rim.radius_mm = std::sqrt(rim.area_mm2 / std::numbers::pi);
+  rim.radius_mm = circle_radius(rim.area_mm2);
   rim.normal = rim.area_mm2 > 0 ? Vec3(area_vector / rim.area_mm2) : Vec3(Vec3::Zero());
   for (std::size_t i = 0; i < count; ++i)
     rim.deviation_mm = std::max(rim.deviation_mm, std::abs(rim.height_mm(at(i))));

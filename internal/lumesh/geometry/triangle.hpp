@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "lumesh/core/types.hpp"
 
@@ -18,6 +19,35 @@ namespace lumesh {
 [[nodiscard]] inline double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   return 0.5 * triangle_area_normal(a, b, c).norm();
 }
+
+/// Of the circle of an area, in the root of its unit.
+[[nodiscard]] inline double circle_radius(double area) {
+  return std::sqrt(area / std::numbers::pi);
+}
+
+/// What flat faces have together, added in the order in which they come.
+struct AreaSum {
+  double area = 0;
+  Vec3 normal = Vec3::Zero();  ///< Sum of normals as long as the areas.
+  Vec3 moment = Vec3::Zero();  ///< Sum of centres times areas.
+
+  void add(const Vec3& a, const Vec3& b, const Vec3& c) {
+    const Vec3 own = 0.5 * triangle_area_normal(a, b, c);
+    const double size = own.norm();
+    area += size;
+    normal += own;
+    moment += size / 3 * (a + b + c);
+  }
+  /// @param area_normal  As long as the area of the face.
+  void add(const Vec3& area_normal, const Vec3& face_centre) {
+    const double size = area_normal.norm();
+    area += size;
+    normal += area_normal;
+    moment += size * face_centre;
+  }
+  /// Not a number where there is no area.
+  [[nodiscard]] Vec3 centre() const { return moment / area; }
+};
 
 /// Unit normal by the right-hand rule; zero for a triangle without area.
 [[nodiscard]] inline Vec3 triangle_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
