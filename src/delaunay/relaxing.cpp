@@ -6,22 +6,18 @@
 
 #include "cut_off.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "point_levels.hpp"
 
 namespace lumesh::delaunay {
 namespace {
 
 constexpr double kReach = 1.7;  // In spacings: as far as two points push each other.
 
-/// Those of one level have spacings in [2^level, 2^(level+1)).
-int exponent_of(double spacing) {
-  return std::ilogb(spacing);
-}
-
 /// The points of one level by cubes twice as large as they stand apart at most.
 class PointCubes {
  public:
   explicit PointCubes(int exponent) : exponent_(exponent), cube_mm_(std::exp2(exponent + 2)) {}
-  void add(const Vec3& point, std::uint32_t number) { placed_.push_back({cube_of(point), number}); }
+  void add(const Vec3& point, std::uint32_t number) { placed_.push_back({cube_of(point, cube_mm_), number}); }
   void sort() { parallel::sort(placed_.begin(), placed_.end()); }
 
   [[nodiscard]] int exponent() const { return exponent_; }
@@ -29,7 +25,8 @@ class PointCubes {
   /// Visits the numbers of points in the cubes that a ball meets, in order.
   template <class Visit>
   void for_each_near(const Vec3& x, double radius_mm, const Visit& visit) const {
-    const Index3 low = cube_of(x - Vec3::Constant(radius_mm)), high = cube_of(x + Vec3::Constant(radius_mm));
+    const Index3 low = cube_of(x - Vec3::Constant(radius_mm), cube_mm_);
+    const Index3 high = cube_of(x + Vec3::Constant(radius_mm), cube_mm_);
     for (int k = low.z(); k <= high.z(); ++k)
       for (int j = low.y(); j <= high.y(); ++j)
         for (auto at = std::lower_bound(placed_.begin(), placed_.end(), Placed{{low.x(), j, k}, 0});
@@ -46,9 +43,6 @@ class PointCubes {
              std::tie(other.cube.z(), other.cube.y(), other.cube.x(), other.number);
     }
   };
-  [[nodiscard]] Index3 cube_of(const Vec3& x) const {
-    return (x / cube_mm_).array().floor().cast<int>().matrix();
-  }
 
   int exponent_;
   double cube_mm_;
@@ -93,7 +87,7 @@ class Relaxation {
 
   void sort_into_levels() {
     for (std::uint32_t i = 0; i < points_.size(); ++i) {
-      const int exponent = exponent_of(candidate(i).spacing);
+      const int exponent = level_of(candidate(i).spacing);
       auto level = std::find_if(levels_.begin(), levels_.end(),
                                 [&](const PointCubes& one) { return one.exponent() == exponent; });
       if (level == levels_.end()) level = levels_.insert(levels_.end(), PointCubes(exponent));

@@ -5,24 +5,15 @@
 #include <tuple>
 
 #include "lumesh/parallel/loops.hpp"
+#include "point_levels.hpp"
 
 namespace lumesh::delaunay {
 namespace {
-
-/// Those of one level have spacings in [2^level, 2^(level+1)); a level's space is cut into cubes twice as
-/// large.
-int level_of(double spacing) {
-  return std::ilogb(spacing);
-}
 
 struct Placed {
   Index3 cube;
   std::uint32_t candidate;
 };
-
-bool comes_before(const Index3& a, const Index3& b) {
-  return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]);
-}
 
 /// The candidates of one level by cubes, and which of them were taken.
 struct Level {
@@ -33,9 +24,6 @@ struct Level {
   std::vector<std::uint32_t> items;
   std::vector<std::vector<std::uint32_t>> taken;  // Of each cube.
 
-  [[nodiscard]] Index3 cube_of(const Vec3& x) const {
-    return (x / cube_mm).array().floor().cast<int>().matrix();
-  }
   [[nodiscard]] const std::vector<std::uint32_t>* taken_in(const Index3& cube) const {
     const auto at = std::lower_bound(cubes.begin(), cubes.end(), cube, comes_before);
     if (at == cubes.end() || *at != cube) return nullptr;
@@ -77,7 +65,7 @@ class Thinning {
     level.cube_mm = std::exp2(exponent + 2);
     auto placed = parallel::collect<Placed>(candidates_.size(), [&](std::size_t i, std::vector<Placed>& out) {
       if (level_of(candidates_[i].spacing) == exponent)
-        out.push_back({level.cube_of(candidates_[i].point), static_cast<std::uint32_t>(i)});
+        out.push_back({cube_of(candidates_[i].point, level.cube_mm), static_cast<std::uint32_t>(i)});
     });
     parallel::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
       if (a.cube != b.cube) return comes_before(a.cube, b.cube);
@@ -118,8 +106,8 @@ class Thinning {
     const BoundaryCandidate& mine = candidates_[item];
     for (const Level& level : levels_) {
       const double reach = std::min(mine.spacing, 0.5 * level.cube_mm);
-      const Index3 low = level.cube_of(mine.point - Vec3::Constant(reach));
-      const Index3 high = level.cube_of(mine.point + Vec3::Constant(reach));
+      const Index3 low = cube_of(mine.point - Vec3::Constant(reach), level.cube_mm);
+      const Index3 high = cube_of(mine.point + Vec3::Constant(reach), level.cube_mm);
       for (int k = low.z(); k <= high.z(); ++k)
         for (int j = low.y(); j <= high.y(); ++j)
           for (int i = low.x(); i <= high.x(); ++i)

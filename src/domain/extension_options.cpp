@@ -8,20 +8,12 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "lumesh/domain/extension.hpp"
 
 namespace lumesh {
-namespace {
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-}  // namespace
-
 LocalLength local_length_from(const std::string& text) {
-  std::string number = trimmed(text);
+  std::string number(trimmed(text));
   LocalLength length;
   length.is_in_radii = number.ends_with('r');
   if (length.is_in_radii) number.pop_back();

@@ -111,9 +111,7 @@ std::string NamedRegions::name_of_file(std::uint32_t region) const {
 std::string NamedRegions::free_opening_name() {
   for (;;) {
     std::string name = opening_name(named_openings_++);
-    if (!has_named_patches || std::none_of(patches_.begin(), patches_.end(),
-                                           [&](const Patch& patch) { return patch.name == name; }))
-      return name;
+    if (!has_named_patches || !has_patch_called(patches_, name)) return name;
   }
 }
 
@@ -151,10 +149,9 @@ MixedMesh PatchedSurface::mesh() const {
   std::vector<Patch>& patches = mesh.info.patches;
   std::vector<std::int32_t> number;
   for (const Patch& patch : regions_->of_region) {
-    const auto at = std::find_if(patches.begin(), patches.end(),
-                                 [&](const Patch& other) { return other.name == patch.name; });
-    number.push_back(static_cast<std::int32_t>(at - patches.begin()));
-    if (at == patches.end()) patches.push_back(patch);
+    const std::size_t at = patch_called(patches, patch.name);
+    number.push_back(static_cast<std::int32_t>(at));
+    if (at == patches.size()) patches.push_back(patch);
   }
   for (const std::uint32_t region : regions_->regions.of_triangle)
     mesh.triangle_patches.push_back(number[region]);

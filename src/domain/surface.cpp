@@ -91,7 +91,7 @@ std::vector<Vec3> vertex_normals(std::span<const Vec3> points,
     const Vec3 normal = triangle_normal(points[v[0]], points[v[1]], points[v[2]]);
     for (int k = 0; k < 3; ++k) {
       const Vec3 left = points[v[(k + 1) % 3]] - points[v[k]], right = points[v[(k + 2) % 3]] - points[v[k]];
-      normals[v[k]] += std::atan2(left.cross(right).norm(), left.dot(right)) * normal;
+      normals[v[k]] += angle_between(left, right) * normal;
     }
   }
   for (Vec3& normal : normals) normal.normalize();  // Leaves a sum of zero as it is.

@@ -46,7 +46,7 @@ NearestPart part_at_closest(const ClosedSurface& surface, const Vec3& x, const C
 double angle_at(const ClosedSurface& surface, std::uint32_t t, std::size_t i) {
   const Vec3 u = surface.corner(t, (i + 1) % 3) - surface.corner(t, i);
   const Vec3 v = surface.corner(t, (i + 2) % 3) - surface.corner(t, i);
-  return std::atan2(u.cross(v).norm(), u.dot(v));
+  return angle_between(u, v);
 }
 
 /// Calls visit(triangle) for all triangles around a corner of one.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "lumesh/core/smoothstep.hpp"
 #include "lumesh/domain/carried_section.hpp"
 #include "lumesh/field/label_field.hpp"
 
@@ -90,8 +91,7 @@ struct VesselTube {
     const Vec3& d = section->direction;
     const Vec3 off = x - circle.centre_mm;
     const double along_mm = (x - section->centre_mm).dot(d);
-    const double t = transition_mm > 0 ? std::clamp(along_mm / transition_mm, 0.0, 1.0) : 1;
-    const double share = t * t * (3 - 2 * t);
+    const double share = smoothstep(along_mm, transition_mm);
     constexpr double kLimit = LabelField::kStoredLimit;
     const double r2 = (off - off.dot(d) * d).squaredNorm(), radius = circle.radius_mm;
     const double of_circle = (radius * radius - r2) / (2 * radius * field.frame().spacing_mm.minCoeff());

@@ -3,21 +3,13 @@
 #include <array>
 #include <utility>
 
+#include "lumesh/core/spread_bits.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
 namespace {
 
 constexpr int kBitsPerAxis = 21;
-
-/// Spreads the low 21 bits so that two free bits follow each.
-std::uint64_t spread_bits(std::uint64_t x) {
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
-}
 
 /// Skilling's transform of cell coordinates into the transposed Hilbert index.
 void to_transposed_index(std::array<std::uint32_t, 3>& x) {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "file_fault.hpp"
+#include "lumesh/core/trimmed.hpp"
 
 namespace lumesh::io {
 namespace {
@@ -95,13 +96,6 @@ struct Element {
   std::uint32_t length = 0;
 };
 
-/// Without the blank or zero that makes the length even.
-std::string trimmed(std::string text) {
-  while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.pop_back();
-  text.erase(0, std::min(text.find_first_not_of(' '), text.size()));
-  return text;
-}
-
 /// Walks through the elements of a file and keeps the few values that are wanted.
 class Walk {
  public:
@@ -135,7 +129,8 @@ class Walk {
 
   [[nodiscard]] std::string text(std::uint32_t tag) const {
     const auto at = values_.find(tag);
-    return at == values_.end() ? std::string() : trimmed(at->second);
+    // A blank or a zero makes the length even.
+    return at == values_.end() ? std::string() : std::string(trimmed(at->second, {" \0", 2}));
   }
   [[nodiscard]] std::uint64_t short_number(std::uint32_t tag, std::uint64_t otherwise) const {
     const auto at = values_.find(tag);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "file_fault.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "raw_image.hpp"
 
 namespace lumesh::io {
@@ -23,13 +24,11 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Without blanks around it; damaged files have other control characters too, which must not reach messages.
-std::string trimmed(std::string_view text) {
+std::string cleaned(std::string_view text) {
   std::string clean(text);
   for (char& c : clean)
     if (static_cast<unsigned char>(c) < ' ') c = ' ';
-  const std::size_t begin = clean.find_first_not_of(' ');
-  if (begin == std::string::npos) return {};
-  return clean.substr(begin, clean.find_last_not_of(' ') - begin + 1);
+  return std::string(trimmed(clean));
 }
 
 /// The "key = value" lines up to ElementDataFile, after which the voxels may follow.
@@ -44,8 +43,8 @@ class MetaHeader {
       const std::string_view text(line.c_str());
       const std::size_t equals = text.find('=');
       if (equals == std::string_view::npos) break;
-      const std::string key = trimmed(text.substr(0, equals));
-      values_.emplace(key, trimmed(text.substr(equals + 1)));
+      const std::string key = cleaned(text.substr(0, equals));
+      values_.emplace(key, cleaned(text.substr(equals + 1)));
       if (key != "ElementDataFile") continue;
       size_ = static_cast<std::size_t>(in.tellg());
       return;

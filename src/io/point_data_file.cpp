@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "file_fault.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "mesh_formats.hpp"
 #include "point_arrays.hpp"
 #include "text_scanner.hpp"
@@ -40,12 +41,7 @@ namespace {
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kAround = " \t\r\"";
-  const std::size_t begin = std::min(text.find_first_not_of(kAround), text.size());
-  const std::size_t end = text.find_last_not_of(kAround);
-  return end == std::string_view::npos ? std::string_view() : text.substr(begin, end + 1 - begin);
-}
+constexpr std::string_view kAround = " \t\r\"";  // Fields.
 
 /// Splits lines at what the first one uses: commas, semicolons, or blanks.
 class RowSplitter {
@@ -63,7 +59,7 @@ class RowSplitter {
       const bool at_end = at == line.size();
       if (!at_end && line[at] == '"') quoted = !quoted;
       if (!at_end && (quoted || !separates(line[at]))) continue;
-      const std::string_view field = trimmed(line.substr(begin, at - begin));
+      const std::string_view field = trimmed(line.substr(begin, at - begin), kAround);
       if (separator_ != ' ' || !field.empty()) fields.push_back(field);
       begin = at + 1;
     }
@@ -139,7 +135,7 @@ TextTable read_table(const std::filesystem::path& path, std::string_view content
     const std::string_view line = content.substr(begin, end - begin);
     begin = end + 1;
     ++number;
-    if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
+    if (const auto text = trimmed(line, kAround); text.empty() || text.starts_with('#')) continue;
     if (!splitter) {
       splitter.emplace(line);
       for (const std::string_view name : splitter->fields_of(line)) table.names.emplace_back(name);

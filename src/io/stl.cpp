@@ -64,10 +64,9 @@ class SurfaceBuilder {
     std::vector<std::int32_t> patch_of;
     for (std::string& name : solids_) {
       if (solids_.size() == 1) name = "wall";
-      const auto at = std::find_if(mesh_.info.patches.begin(), mesh_.info.patches.end(),
-                                   [&](const Patch& patch) { return patch.name == name; });
-      patch_of.push_back(static_cast<std::int32_t>(at - mesh_.info.patches.begin()));
-      if (at == mesh_.info.patches.end()) mesh_.info.patches.push_back({name, kind_of_name(name), {}});
+      const std::size_t at = patch_called(mesh_.info.patches, name);
+      patch_of.push_back(static_cast<std::int32_t>(at));
+      if (at == mesh_.info.patches.size()) mesh_.info.patches.push_back({name, kind_of_name(name), {}});
     }
     for (std::int32_t& patch : mesh_.triangle_patches) patch = patch_of[static_cast<std::size_t>(patch)];
     return std::move(mesh_);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -266,8 +267,8 @@ class ProtrusionGrower {
     return found;
   }
 
-  [[nodiscard]] Eigen::AlignedBox3d box_of(const Triangle& t, const Vec3& apex) const {
-    Eigen::AlignedBox3d box(apex);
+  [[nodiscard]] Box3 box_of(const Triangle& t, const Vec3& apex) const {
+    Box3 box(apex);
     for (const std::uint32_t v : t) box.extend(mesh_.positions[v]);
     return box;
   }
@@ -356,7 +357,7 @@ class ProtrusionGrower {
 
   /// Whether the sides of a cap would cut the surface or come close to folding onto it.
   [[nodiscard]] bool hits_surface(const Option& o) const {
-    const Eigen::AlignedBox3d box = box_of(boundary_.triangles[o.triangle].vertices, o.apex);
+    const Box3 box = box_of(boundary_.triangles[o.triangle].vertices, o.apex);
     const std::vector<std::uint32_t> near = tree_.overlapping(box.min(), box.max());
     return std::any_of(near.begin(), near.end(), [&](std::uint32_t i) {
       return i != o.triangle && i != o.neighbour && hits(boundary_.triangles[i].vertices, o);

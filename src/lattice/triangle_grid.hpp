@@ -10,6 +10,7 @@
 
 #include "cells.hpp"
 #include "lumesh/core/grid.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "work_mesh.hpp"
 
@@ -31,12 +32,12 @@ using Corners3 = std::array<Vec3, 3>;
 class TriangleGrid {
  public:
   explicit TriangleGrid(double cell_mm) : cell_mm_(cell_mm) {}
-  void add(const Triangle& t, const Eigen::AlignedBox3d& box) {
+  void add(const Triangle& t, const Box3& box) {
     for_each_cell(box, [&](std::uint64_t cell) { cells_[cell].push_back(t); });
   }
   /// Whether `condition` holds for a triangle in one of the cells of a box.
   template <class Condition>
-  [[nodiscard]] bool any(const Eigen::AlignedBox3d& box, const Condition& condition) const {
+  [[nodiscard]] bool any(const Box3& box, const Condition& condition) const {
     bool found = false;
     for_each_cell(box, [&](std::uint64_t cell) {
       const auto at = cells_.find(cell);
@@ -47,7 +48,7 @@ class TriangleGrid {
 
  private:
   template <class Body>
-  void for_each_cell(const Eigen::AlignedBox3d& box, const Body& body) const {
+  void for_each_cell(const Box3& box, const Body& body) const {
     for_each_place(cell_of(box.min(), cell_mm_), cell_of(box.max(), cell_mm_),
                    [&](const Index3& cell) { body(cell_key(cell)); });
   }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 
 namespace lumesh::layers {
 namespace {
@@ -31,10 +32,8 @@ std::vector<PatchSides> sides_of_patches(const TetMesh& mesh, const BoundaryFace
   throw Error(ErrorKind::kBadInput, message);
 }
 
-std::size_t patch_called(const std::string& name, const MeshInfo& info) {
-  const auto found = std::find_if(info.patches.begin(), info.patches.end(),
-                                  [&](const Patch& patch) { return patch.name == name; });
-  if (found != info.patches.end()) return static_cast<std::size_t>(found - info.patches.begin());
+std::size_t wanted_patch(const std::string& name, const MeshInfo& info) {
+  if (const std::size_t p = patch_called(info.patches, name); p < info.patches.size()) return p;
   std::string known;
   for (const Patch& patch : info.patches) known += " " + patch.name;
   refuse(fmt::format("there is no patch {}; it has:{}", name, known));
@@ -48,7 +47,7 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
     return options.into == 0 || sides[p].labels.contains(options.into);
   };
   for (const std::string& name : options.patches) {
-    const std::size_t p = patch_called(name, info);
+    const std::size_t p = wanted_patch(name, info);
     if (!is_at_label(p))
       refuse(fmt::format("patch {} is not at label {}; it is at {}", name, label_list({options.into}, info),
                          label_list(sides[p].labels, info)));

@@ -16,6 +16,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/core/smoothstep.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -50,8 +51,7 @@ struct SweptSection {
   /// The way that a vertex goes across the axis until so far along it.
   [[nodiscard]] Vec3 towards_circle(const Vec3& point, std::uint32_t v, double along_mm) const {
     if (of_circle.empty()) return Vec3::Zero();
-    const double t = along_mm < transition_mm ? std::max(0.0, along_mm / transition_mm) : 1;
-    const double ramp = t * t * (3 - 2 * t);
+    const double ramp = smoothstep(along_mm, transition_mm);
     const auto at = std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin();
     const Vec3 off = point - centre_mm;
     return ramp * (of_circle[static_cast<std::size_t>(at)] - 1) * (off - off.dot(axis) * axis);

@@ -108,12 +108,6 @@ std::vector<std::string> names_of(const MeshInfo& info) {
   return names;
 }
 
-const Patch* patch_called(const MeshInfo& info, const std::string& name) {
-  const auto at = std::find_if(info.patches.begin(), info.patches.end(),
-                               [&](const Patch& patch) { return patch.name == name; });
-  return at == info.patches.end() ? nullptr : &*at;
-}
-
 bool takes_kind(const Patch& patch, const PatchRenaming& renaming) {
   return !renaming.kind || patch.kind != PatchKind::kInterface;
 }
@@ -237,10 +231,11 @@ std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
 void rename_patches(MeshInfo& info, std::span<const PatchRenaming> renamings) {
   std::vector<Patch> patches = info.patches;
   for (const PatchRenaming& renaming : renamings) {
-    const Patch* const patch = patch_called(info, renaming.patch);
-    if (patch == nullptr) throw Error(ErrorKind::kBadInput, text_of_missing(info, renaming));
-    if (!takes_kind(*patch, renaming)) throw Error(ErrorKind::kBadInput, text_of_interface(renaming));
-    set_name_and_kind(renaming, patches[static_cast<std::size_t>(patch - info.patches.data())]);
+    const std::size_t p = patch_called(info.patches, renaming.patch);
+    if (p == patches.size()) throw Error(ErrorKind::kBadInput, text_of_missing(info, renaming));
+    if (!takes_kind(info.patches[p], renaming))
+      throw Error(ErrorKind::kBadInput, text_of_interface(renaming));
+    set_name_and_kind(renaming, patches[p]);
   }
   std::set<std::string> seen;
   for (const Patch& patch : patches)
@@ -253,15 +248,15 @@ std::vector<std::string> rename_found(MeshInfo& info, std::span<const PatchRenam
   std::vector<PatchRenaming> found;
   std::vector<std::string> missing;
   for (const PatchRenaming& renaming : renamings) {
-    const Patch* const patch = patch_called(info, renaming.patch);
-    if (patch == nullptr)
+    const std::size_t p = patch_called(info.patches, renaming.patch);
+    if (p == info.patches.size())
       missing.push_back(text_of_missing(info, renaming));
-    else if (!takes_kind(*patch, renaming))
+    else if (!takes_kind(info.patches[p], renaming))
       missing.push_back(text_of_interface(renaming));
     else
       found.push_back(renaming);
     // The ring that layers make of an opening is called after it.
-    if (const std::string ring = renaming.patch + "_layer"; patch_called(info, ring) != nullptr)
+    if (const std::string ring = renaming.patch + "_layer"; has_patch_called(info.patches, ring))
       found.push_back({.patch = ring, .name = renaming.name + "_layer", .kind = renaming.kind});
   }
   rename_patches(info, found);

@@ -10,6 +10,7 @@
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -21,7 +22,7 @@ namespace {
 
 /// Twice the area, along the normal.
 Vec3 area_vector(std::span<const Vec3> points, const Cell<3>& t) {
-  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
+  return triangle_area_normal(points[t[0]], points[t[1]], points[t[2]]);
 }
 
 std::vector<Vec3> vertex_normals(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {

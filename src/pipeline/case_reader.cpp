@@ -15,6 +15,7 @@
 #include "case_sections.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/nearest_word.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "lumesh/io/text_file.hpp"
 
 namespace lumesh {
@@ -253,11 +254,6 @@ bool is_text(const OptionTarget& target) {
   return std::holds_alternative<std::string*>(target) || std::holds_alternative<OptionPath>(target);
 }
 
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
-}
-
 /// As a TOML string.
 std::string quoted(const std::string& text) {
   std::ostringstream out;
@@ -272,7 +268,7 @@ void read_setting(const std::string& setting, const std::vector<CaseSection>& se
   const std::string how = "--set " + setting + ": write SECTION.KEY=VALUE, such as metric.k=40";
   const std::size_t equals = setting.find('=');
   if (equals == std::string::npos || equals == 0) throw Error(ErrorKind::kUsage, how);
-  const std::string name = trimmed(setting.substr(0, equals)), value = trimmed(setting.substr(equals + 1));
+  const std::string name(trimmed(setting.substr(0, equals))), value(trimmed(setting.substr(equals + 1)));
   bool takes_text = false;
   for (const CaseSection& section : sections) {
     if (section.name == name) throw Error(ErrorKind::kUsage, how);

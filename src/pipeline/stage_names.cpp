@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
@@ -9,14 +10,10 @@ namespace {
 
 /// After the patches themselves, where these took the names.
 void rename_coverages(std::span<const PatchRenaming> renamings, const MeshInfo& info, LayerReport& report) {
-  const auto has_patch = [&](const std::string& name) {
-    return std::any_of(info.patches.begin(), info.patches.end(),
-                       [&](const Patch& patch) { return patch.name == name; });
-  };
   for (LayerCoverage& coverage : report.patches) {
     const auto of_patch =
         std::find_if(renamings.begin(), renamings.end(), [&](const PatchRenaming& renaming) {
-          return renaming.patch == coverage.patch && has_patch(renaming.name);
+          return renaming.patch == coverage.patch && has_patch_called(info.patches, renaming.name);
         });
     if (of_patch != renamings.end()) coverage.patch = of_patch->name;
   }

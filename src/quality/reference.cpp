@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "on_planes.hpp"
 #include "samples.hpp"
@@ -102,7 +103,7 @@ class LabelComparison {
     const Vec3 foot = centre - distance * outward_normal(phantom_, centre, label_, step);
     const Vec3 truth = outward_normal(phantom_, foot, label_, step);
     const Vec3 normal = triangle_normal(a, b, c);
-    const double angle = std::atan2(normal.cross(truth).norm(), normal.dot(truth)) * 180 / std::numbers::pi;
+    const double angle = angle_between(normal, truth) * 180 / std::numbers::pi;
     out.push_back({angle, triangle_area(a, b, c), centre});
   }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/edge_key.hpp"
 #include "plane_sections.hpp"
 
@@ -34,10 +35,8 @@ bool surrounds(const Outline& loop, const PlanePoint& p) {
 double distance_to(const Outline& loop, const PlanePoint& p) {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < loop.size(); ++i) {
-    const PlanePoint a = loop[i] - p, along = loop[(i + 1) % loop.size()] - loop[i];
-    const double squared = along.squaredNorm();
-    const double t = squared > 0 ? std::clamp(-a.dot(along) / squared, 0.0, 1.0) : 0;
-    smallest = std::min(smallest, (a + t * along).norm());
+    const PlanePoint &a = loop[i], &b = loop[(i + 1) % loop.size()];
+    smallest = std::min(smallest, (a - p + share_along_segment(p, a, b) * (b - a)).norm());
   }
   return smallest;
 }

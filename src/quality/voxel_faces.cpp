@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "lumesh/core/spread_bits.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::quality {
@@ -83,16 +84,6 @@ std::vector<std::uint64_t> count_voxels(const LabelImage& image) {
         for (std::size_t i = 0; i < all.size(); ++i) all[i] += more[i];
         return all;
       });
-}
-
-/// Spreads the low 21 bits to every third bit (Morton order).
-std::uint64_t spread_bits(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffffULL;
-  x = (x | x << 16) & 0x1f0000ff0000ffULL;
-  x = (x | x << 8) & 0x100f00f00f00f00fULL;
-  x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
-  return (x | x << 2) & 0x1249249249249249ULL;
 }
 
 std::uint64_t morton_code(const VoxelFace& face) {

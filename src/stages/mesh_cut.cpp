@@ -64,12 +64,10 @@ class NewNames {
     }
   }
   [[nodiscard]] std::string free_name(bool is_rim, const std::string& ending) const {
-    const std::vector<Patch>& patches = mesh_.info.patches;
     for (std::size_t number = 0;; ++number) {
       std::string name = is_rim ? wall_rim_name(number) : opening_name(number);
       name += ending;
-      if (std::none_of(patches.begin(), patches.end(), [&](const Patch& p) { return p.name == name; }))
-        return name;
+      if (!has_patch_called(mesh_.info.patches, name)) return name;
     }
   }
 

@@ -10,6 +10,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/findings.hpp"
 #include "lumesh/surface/repair.hpp"
@@ -114,7 +115,7 @@ double RepairRequest::max_distance_mm(double diagonal_mm) const {
 RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& request, Context& context) {
   request.validate();
   if (surface.triangles.empty()) throw Error(ErrorKind::kBadInput, "the surface has no triangles");
-  Eigen::AlignedBox3d box;
+  Box3 box;
   for (const Cell<3>& t : surface.triangles)
     for (const std::uint32_t v : t) box.extend(surface.points[v]);
   RepairOutcome outcome;

@@ -17,6 +17,7 @@
 #include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/layers/extrusion.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
@@ -98,9 +99,7 @@ std::vector<FlatEnd> find_ends(const PatchedSurface& patched, MixedMesh& mesh) {
   const std::vector<Patch> given = mesh.info.patches;
   take_patches_of(patched, mesh);
   for (Patch& patch : mesh.info.patches) {
-    const bool is_given =
-        std::any_of(given.begin(), given.end(), [&](const Patch& other) { return other.name == patch.name; });
-    if (patch.kind == PatchKind::kOpening && !is_given) patch.name.clear();
+    if (patch.kind == PatchKind::kOpening && !has_patch_called(given, patch.name)) patch.name.clear();
   }
   return {patched.flat_ends().begin(), patched.flat_ends().end()};
 }

@@ -7,6 +7,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh {
 namespace {
@@ -27,8 +28,7 @@ AxisPlace nearest_axis(const Polylines& lines, const Vec3& place_mm) {
   for (const auto& line : lines.lines) {
     for (std::size_t i = 0; i + 1 < line.size(); ++i) {
       const Vec3 &a = lines.points[line[i]], &b = lines.points[line[i + 1]];
-      const double along =
-          std::clamp((place_mm - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-300), 0.0, 1.0);
+      const double along = share_along_segment(place_mm, a, b);
       const Vec3 foot = a + along * (b - a);
       const std::size_t at = along < 0.5 ? i : i + 1;
       const double radius_mm = lines.scalars.at("radius")[line[at]];

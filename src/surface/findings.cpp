@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -202,18 +203,18 @@ class SurfaceCheck {
 
   void look_at_parts() {
     Finding parts = remark("components", "components"), specks = remark("specks", "");
-    std::vector<Eigen::AlignedBox3d> boxes(parts_.count);
+    std::vector<Box3> boxes(parts_.count);
     std::vector<double> volumes(parts_.count, 0);
-    Eigen::AlignedBox3d whole;
+    Box3 whole;
     for (std::size_t t = 0; t < alike_.triangles.size(); ++t) {
-      Eigen::AlignedBox3d& box = boxes[parts_.of_triangle[t]];
+      Box3& box = boxes[parts_.of_triangle[t]];
       for (std::size_t i = 0; i < 3; ++i) box.extend(corner(t, i));
       whole.extend(box);
       const auto& [a, b, c] = alike_.triangles[t];
       volumes[parts_.of_triangle[t]] +=
           tetrahedron_volume(alike_.points[0], alike_.points[a], alike_.points[b], alike_.points[c]);
     }
-    for (const Eigen::AlignedBox3d& box : boxes) {
+    for (const Box3& box : boxes) {
       if (parts_.count > 1) parts.add(box.center());
       if (box.diagonal().norm() < kSpeckShare * whole.diagonal().norm()) specks.add(box.center());
     }

@@ -39,7 +39,7 @@ struct Topology {
 
 struct PartMeasures {
   double area_mm2 = 0;
-  Eigen::AlignedBox3d box;
+  Box3 box;
   bool is_open = false;
   std::vector<std::uint32_t> triangles;
 };

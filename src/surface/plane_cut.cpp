@@ -180,7 +180,7 @@ class PlaneSections {
       const double across = p.x() * q.y() - p.y() * q.x();
       doubled += across;
       turn += std::atan2(across, p.dot(q));
-      const double along = std::clamp(-p.dot(q - p) / std::max((q - p).squaredNorm(), 1e-300), 0.0, 1.0);
+      const double along = share_along_segment(Vec2(Vec2::Zero()), p, q);
       loop.off_mm = std::min(loop.off_mm, (p + along * (q - p)).norm());
       ends.insert(ends.end(), {side.low, side.high});
     }

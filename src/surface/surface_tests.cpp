@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/adjacency.hpp"
@@ -21,7 +22,7 @@ constexpr double kTooWide =
 
 std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface, std::span<const Rim> rims) {
   const std::vector<std::vector<std::uint32_t>> triangles = rim_triangles(surface, rims);
-  Eigen::AlignedBox3d box;
+  Box3 box;
   for (const Cell<3>& t : surface.triangles)
     for (const std::uint32_t v : t) box.extend(surface.points[v]);
   std::vector<std::uint8_t> result;

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/surface/shells.hpp"
 
@@ -53,7 +54,7 @@ void WindingNumbers::build(std::span<std::uint32_t> order, std::uint32_t begin,
   nodes_[at].begin = begin;
   nodes_[at].end = begin + static_cast<std::uint32_t>(order.size());
   if (!nodes_[at].is_leaf()) {
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const std::uint32_t t : order) box.extend(middles[t]);
     int axis = 0;
     box.sizes().maxCoeff(&axis);

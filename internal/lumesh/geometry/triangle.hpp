@@ -20,6 +20,11 @@ namespace lumesh {
   return 0.5 * triangle_area_normal(a, b, c).norm();
 }
 
+/// In [0, pi]; accurate for small angles too.
+[[nodiscard]] inline double angle_between(const Vec3& u, const Vec3& v) {
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
 /// Of the circle of an area, in the root of its unit.
 [[nodiscard]] inline double circle_radius(double area) {
   return std::sqrt(area / std::numbers::pi);
@@ -63,13 +68,21 @@ struct AreaSum {
   return (ab + bc + ca - 2 * least) / (2 * std::sqrt(ab * bc * ca / least));
 }
 
+/// How far from `a` to `b` the nearest point of segment (a, b) to `p` lies, in [0, 1]; 0 if the segment has
+/// no length.
+template <int N>
+[[nodiscard]] double share_along_segment(const Eigen::Matrix<double, N, 1>& p,
+                                         const Eigen::Matrix<double, N, 1>& a,
+                                         const Eigen::Matrix<double, N, 1>& b) {
+  const Eigen::Matrix<double, N, 1> direction = b - a;
+  const double squared_length = direction.squaredNorm();
+  return squared_length > 0 ? std::clamp(direction.dot(p - a) / squared_length, 0.0, 1.0) : 0;
+}
+
 /// Nearest point of segment (a, b) to `p`; a segment of length zero is its point.
 [[nodiscard]] inline Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 direction = b - a;
-  const double squared_length = direction.squaredNorm();
-  if (!(squared_length > 0)) return a;
-  const double t = direction.dot(p - a) / squared_length;
-  return t <= 0 ? a : t >= 1 ? b : Vec3(a + t * direction);
+  const double t = share_along_segment(p, a, b);
+  return t <= 0 ? a : t >= 1 ? b : Vec3(a + t * (b - a));
 }
 
 /// Nearest point of triangle (a, b, c) to `p`; a triangle without area is its edges.

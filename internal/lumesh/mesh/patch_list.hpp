@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,13 +12,20 @@
 
 namespace lumesh {
 
+/// Number of the first patch of a name, or how many patches there are.
+[[nodiscard]] inline std::size_t patch_called(std::span<const Patch> patches, std::string_view name) {
+  const auto at =
+      std::find_if(patches.begin(), patches.end(), [&](const Patch& patch) { return patch.name == name; });
+  return static_cast<std::size_t>(at - patches.begin());
+}
+[[nodiscard]] inline bool has_patch_called(std::span<const Patch> patches, std::string_view name) {
+  return patch_called(patches, name) < patches.size();
+}
+
 /// A name that no patch has: the wanted one, or with a number behind it.
 [[nodiscard]] inline std::string free_patch_name(const std::vector<Patch>& patches,
                                                  const std::string& wanted) {
-  const auto is_taken = [&](const std::string& name) {
-    return std::any_of(patches.begin(), patches.end(),
-                       [&](const Patch& patch) { return patch.name == name; });
-  };
+  const auto is_taken = [&](const std::string& name) { return has_patch_called(patches, name); };
   if (!is_taken(wanted)) return wanted;
   int next = 2;
   while (is_taken(wanted + "_" + std::to_string(next))) ++next;

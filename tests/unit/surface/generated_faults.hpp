@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/triangle_mesh.hpp"
 #include "lumesh/surface/rims.hpp"
@@ -124,7 +125,7 @@ class FaultMaker {
     for (; rings >= 0; --rings)
       for (int trial = 0; trial < kTrials; ++trial) {
         std::vector<std::uint32_t> patch = patch_around(any_triangle(), rings);
-        Eigen::AlignedBox3d box;
+        Box3 box;
         bool is_at_rim = false;  // What is missing there nobody knows.
         for (const std::uint32_t t : patch)
           for (const std::uint32_t v : surface_.triangles[t]) {
@@ -164,7 +165,7 @@ class FaultMaker {
 
   const TriangleMesh surface_;
   std::mt19937 random_;
-  Eigen::AlignedBox3d box_;
+  Box3 box_;
   std::vector<std::uint8_t> is_at_rim_;  // Of each point.
 };
 

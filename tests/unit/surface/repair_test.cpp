@@ -8,6 +8,7 @@
 
 #include "fixtures/surfaces.hpp"
 #include "generated_faults.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/surface/distance.hpp"
 #include "lumesh/surface/findings.hpp"
@@ -20,7 +21,7 @@ TriangleMesh mesh_of(const fixtures::TriangleSoup& soup) {
   return {soup.points, soup.triangles, std::vector<std::int32_t>(soup.triangles.size(), 0), {}};
 }
 double diagonal_of(const TriangleMesh& surface) {
-  Eigen::AlignedBox3d box;
+  Box3 box;
   for (const Vec3& p : surface.points) box.extend(p);
   return box.diagonal().norm();
 }

@@ -1,0 +1,25 @@
+#pragma once
+// Points of about one spacing, by cubes of space.
+
+#include <cmath>
+#include <tuple>
+
+#include "lumesh/core/types.hpp"
+
+namespace lumesh::delaunay {
+
+/// Those of one level have spacings in [2^level, 2^(level+1)).
+inline int level_of(double spacing) {
+  return std::ilogb(spacing);
+}
+
+/// The cube of a level that a point lies in.
+inline Index3 cube_of(const Vec3& x, double cube_mm) {
+  return (x / cube_mm).array().floor().cast<int>().matrix();
+}
+
+inline bool comes_before(const Index3& a, const Index3& b) {
+  return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]);
+}
+
+}  // namespace lumesh::delaunay
