@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -60,8 +61,7 @@ void print_text(const CheckCommand& command, const CheckReport& report) {
   for (const Finding& finding : report.findings) {
     print_out("{:<7} {:>8}  {}\n", word_for(finding.severity), finding.count, finding.text);
     std::string places;
-    for (const Vec3& p : finding.places_mm)
-      places += fmt::format(" ({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z());
+    for (const Vec3& p : finding.places_mm) places += " " + coordinates_text(p, 4);
     if (!places.empty()) print_out("{:18}at{} mm\n", "", places);
     std::string voxels;
     for (const Index3& v : finding.voxels) voxels += fmt::format(" ({}, {}, {})", v.x(), v.y(), v.z());

@@ -3,11 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <string>
 #include <utility>
 
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
@@ -21,12 +22,6 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorKind::kBadInput, message);
-}
-
-std::string place(const Vec3& p) {
-  std::ostringstream text;
-  text << '(' << p.x() << ' ' << p.y() << ' ' << p.z() << ')';
-  return text.str();
 }
 
 void check_arrays(const SurfaceView& surface) {
@@ -53,11 +48,11 @@ ClosedSurface welded(const SurfaceView& view) {
 
 [[noreturn]] void throw_bad_edge(const ClosedSurface& surface, const TriangleSide& one, std::size_t triangles,
                                  std::size_t open_edges) {
-  const std::string ends = place(surface.points[one.low]) + " to " + place(surface.points[one.high]) + " mm";
+  const std::string ends =
+      coordinates_text(surface.points[one.low]) + " to " + coordinates_text(surface.points[one.high]) + " mm";
   if (triangles == 1)
-    refuse("the surface is not closed: " + std::to_string(open_edges) +
-           (open_edges == 1 ? " edge has" : " edges have") + " one triangle only, such as that from " + ends +
-           "; close the holes first (`lumesh repair`)");
+    refuse("the surface is not closed: " + counted(open_edges, "edge has", "edges have") +
+           " one triangle only, such as that from " + ends + "; close the holes first (`lumesh repair`)");
   refuse("the surface is not a manifold: the edge from " + ends + " has " + std::to_string(triangles) +
          " triangles; repair it first (`lumesh repair`)");
 }
@@ -93,7 +88,7 @@ Parts turn_parts_alike(ClosedSurface& surface) {
       const std::uint32_t from = surface.triangles[t][s], to = surface.triangles[t][(s + 1) % 3];
       if (runs_along(surface.triangles[surface.neighbours[t][s]], from, to))
         refuse("the surface has one side only, as a Moebius strip: triangles cannot be turned alike at " +
-               place(surface.points[from]) + " mm");
+               coordinates_text(surface.points[from]) + " mm");
     }
   return parts;
 }
@@ -103,7 +98,8 @@ void turn_outwards(ClosedSurface& surface) {
   const Parts parts = turn_parts_alike(surface);
   const std::vector<Shell> shells = shells_of(surface.points, surface.triangles, parts);
   for (const Shell& shell : shells)
-    if (shell.volume_mm3 == 0) refuse("the surface encloses nothing at " + place(shell.place_mm) + " mm");
+    if (shell.volume_mm3 == 0)
+      refuse("the surface encloses nothing at " + coordinates_text(shell.place_mm) + " mm");
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
     if (shells[parts.of_triangle[t]].is_turned()) turn(surface, t);
 }
@@ -126,8 +122,8 @@ void check_fans(const ClosedSurface& surface) {
       ++seen;
     } while (t != start[v].first && seen <= around[v]);
     if (seen != around[v])
-      refuse("the surface is not a manifold: it touches itself in the point " + place(surface.points[v]) +
-             " mm; repair it first (`lumesh repair`)");
+      refuse("the surface is not a manifold: it touches itself in the point " +
+             coordinates_text(surface.points[v]) + " mm; repair it first (`lumesh repair`)");
   }
 }
 
@@ -158,8 +154,8 @@ void check_crossings(const ClosedSurface& surface) {
     return !is_close_along(surface.neighbours, crossing.first, crossing.second);
   });
   if (sheets == crossings.end()) return;
-  refuse("the surface crosses or touches itself: " + std::to_string(crossings.size()) +
-         (crossings.size() == 1 ? " pair" : " pairs") + " of triangles, such as at " + place(sheets->place) +
+  refuse("the surface crosses or touches itself: " + counted(crossings.size(), "pair") +
+         " of triangles, such as at " + coordinates_text(sheets->place) +
          " mm; join its parts or repair it first (`lumesh repair`)");
 }
 

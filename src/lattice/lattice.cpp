@@ -9,6 +9,7 @@
 #include "boundary_choice.hpp"
 #include "fit.hpp"
 #include "hexahedra.hpp"
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/patch_names.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -120,9 +121,9 @@ void note_shortcomings(const LatticeOptions& options, LatticeReport& report) {
                            " levels less than wanted, to stay near " +
                            std::to_string(options.max_tetrahedra) + " tetrahedra; raise `max_tetrahedra`");
   if (report.non_manifold_vertices > 0)
-    report.notes.push_back(
-        "a label's boundary is not a manifold at " + std::to_string(report.non_manifold_vertices) +
-        (report.non_manifold_vertices == 1 ? " vertex" : " vertices") + "; try another `edge_length`");
+    report.notes.push_back("a label's boundary is not a manifold at " +
+                           counted(report.non_manifold_vertices, "vertex", "vertices") +
+                           "; try another `edge_length`");
   if (report.deviating_points > 0)
     report.notes.push_back(
         "the surface and the image's boundary are up to " + decimals(report.furthest_deviation_mm, 2) +
@@ -170,8 +171,8 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
   result.report.furthest_deviation_mm = fit.furthest_deviation_mm;
   if (fit.vertices_beyond > 0)
     result.report.notes.push_back(
-        std::to_string(fit.vertices_beyond) + (fit.vertices_beyond == 1 ? " vertex lies" : " vertices lie") +
-        " up to " + decimals(fit.furthest_beyond_mm, 3) +
+        counted(fit.vertices_beyond, "vertex lies", "vertices lie") + " up to " +
+        decimals(fit.furthest_beyond_mm, 3) +
         " mm beyond the image's border or a cut plane; another `edge_length` helps");
   note_shortcomings(options, result.report);
   note_volumes(built.mesh, domain, voxels, result.report);

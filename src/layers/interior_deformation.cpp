@@ -12,6 +12,7 @@
 #include "lumesh/adapt/keep.hpp"
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/vertex_neighbours.hpp"
@@ -71,10 +72,9 @@ void check_places(const TetMesh& mesh) {
   const auto twice = std::adjacent_find(known.begin(), known.end(),
                                         [](const auto& a, const auto& b) { return a.first == b.first; });
   if (twice == known.end()) return;
-  const Vec3& at = mesh.point(VertexId(twice->second));
-  throw Error(ErrorKind::kBadInput, fmt::format("two vertices of the surface lie at {:.6g} {:.6g} {:.6g} mm; "
+  throw Error(ErrorKind::kBadInput, fmt::format("two vertices of the surface lie at {} mm; "
                                                 "move them apart, or make them one",
-                                                at.x(), at.y(), at.z()));
+                                                coordinates_text(mesh.point(VertexId(twice->second)))));
 }
 
 constexpr std::uint32_t kNoColumn = ~0u;

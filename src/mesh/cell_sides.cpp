@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
 
 namespace lumesh {
@@ -40,10 +41,6 @@ Vec3 middle_of(std::span<const Vec3> points, const FaceCorners& face) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < count; ++i) sum += points[face[i]];
   return sum / static_cast<double>(count);
-}
-
-std::string coordinates_text(const Vec3& place) {
-  return fmt::format("{:.6g} {:.6g} {:.6g}", place.x(), place.y(), place.z());
 }
 
 CellSides::CellSides(const MeshView& mesh)

@@ -7,6 +7,7 @@
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/parallel/key_table.hpp"

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/parallel/loops.hpp"
 

@@ -8,6 +8,7 @@
 #include "contacts.hpp"
 #include "joined_points.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"

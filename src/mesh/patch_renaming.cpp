@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_words.hpp"
@@ -67,8 +68,7 @@ std::string list_of(std::span<const NamedOpening> openings) {
   if (openings.empty()) return "there are no openings";
   std::vector<std::string> texts;
   for (const NamedOpening& o : openings)
-    texts.push_back(fmt::format("{} at ({:.1f}, {:.1f}, {:.1f}) of {:.3g} mm2", o.name, o.centre_mm.x(),
-                                o.centre_mm.y(), o.centre_mm.z(), area_of(o)));
+    texts.push_back(fmt::format("{} at {} of {:.3g} mm2", o.name, decimals_text(o.centre_mm, 1), area_of(o)));
   return fmt::format("there are {}", fmt::join(texts, ", "));
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "lumesh/core/disjoint_sets.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
@@ -178,14 +179,12 @@ void check_crossings(const TetMesh& mesh, const std::vector<SurfaceFace>& faces,
     for (const std::uint32_t v : corners) points[v] = mesh.point(VertexId(v));
   Findings findings;
   for (const SelfCrossing& crossing : find_self_crossings(points, outside))
-    findings.add(
-        fmt::format("the outside crosses or touches itself at ({:.6g}, {:.6g}, {:.6g}): faces {} and {}",
-                    crossing.place.x(), crossing.place.y(), crossing.place.z(),
-                    list_of(outside[crossing.first]), list_of(outside[crossing.second])));
+    findings.add(fmt::format("the outside crosses or touches itself at {}: faces {} and {}",
+                             coordinates_text(crossing.place), list_of(outside[crossing.first]),
+                             list_of(outside[crossing.second])));
   if (findings.count == 0 && report.ok())
     for (const Vec3& place : find_doubled_places(points, outside))
-      findings.add(fmt::format("at ({:.6g}, {:.6g}, {:.6g}) the mesh lies within itself", place.x(),
-                               place.y(), place.z()));
+      findings.add("at " + coordinates_text(place) + " the mesh lies within itself");
   merge(report, findings);
 }
 

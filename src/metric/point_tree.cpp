@@ -10,6 +10,7 @@
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -52,8 +53,7 @@ class NearestFirst {
 };
 
 std::string text_of(const Box3& box) {
-  return fmt::format("({:.4g} {:.4g} {:.4g}) to ({:.4g} {:.4g} {:.4g})", box.min()[0], box.min()[1],
-                     box.min()[2], box.max()[0], box.max()[1], box.max()[2]);
+  return coordinates_text(box.min(), 4) + " to " + coordinates_text(box.max(), 4);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "case_sections.hpp"
 #include "lumesh/adapt/estimate.hpp"
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
@@ -126,8 +127,8 @@ class Prediction {
     layer_cells_ = triangles * static_cast<double>(layers) * (are_prisms ? 1 : 3);
     const double seconds = kOutwardPerTriangle * triangles + (is_inward ? kInwardPerTet * last_tets_ : 0);
     if (!are_prisms) last_tets_ += layer_cells_;
-    step(fmt::format("{}{} boundary {} {}, of about {:.3g} {}", options.counts_by_sizes() ? "about " : "",
-                     layers, layers == 1 ? "layer" : "layers", is_inward ? "inward" : "outward", layer_cells_,
+    step(fmt::format("{}{} {}, of about {:.3g} {}", options.counts_by_sizes() ? "about " : "",
+                     counted(layers, "boundary layer"), is_inward ? "inward" : "outward", layer_cells_,
                      are_prisms ? "prisms" : "tetrahedra"),
          per_core(seconds), last_tets_);
   }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "lumesh/core/counted.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/all_cells.hpp"
@@ -19,12 +21,7 @@ namespace lumesh::quality {
 namespace {
 
 std::string at(const Vec3& x) {
-  return fmt::format("at ({:.6g}, {:.6g}, {:.6g})", x.x(), x.y(), x.z());
-}
-
-/// "1 face has", "2 faces have".
-std::string counted(std::uint64_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
+  return "at " + coordinates_text(x);
 }
 
 /// Before the place of one of them.

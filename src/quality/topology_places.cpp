@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "lumesh/core/counted.hpp"
 #include "pieces.hpp"
 
 namespace lumesh::quality {
@@ -12,8 +13,8 @@ namespace {
 
 /// "one handle less", of a number that is not zero.
 std::string more_or_less(std::int64_t more, const char* one, const char* many) {
-  const std::int64_t count = more < 0 ? -more : more;
-  return fmt::format("{} {} {}", count, count == 1 ? one : many, more < 0 ? "less" : "more");
+  const auto count = static_cast<std::uint64_t>(more < 0 ? -more : more);
+  return counted(count, one, many) + (more < 0 ? " less" : " more");
 }
 
 std::string what_changes(const TopologyPlace& place) {
@@ -47,8 +48,8 @@ std::vector<TopologyPlace> find_topology_places(const MeshView& mesh, const Labe
 std::string in_words(const TopologyPlace& place) {
   switch (place.change) {
     case TopologyChange::kExtraPiece:
-      return fmt::format("a piece of {:.3g} mm³ ({} cell{}) that holds no voxel", place.volume_mm3,
-                         place.cells, place.cells == 1 ? "" : "s");
+      return fmt::format("a piece of {:.3g} mm³ ({}) that holds no voxel", place.volume_mm3,
+                         counted(place.cells, "cell"));
     case TopologyChange::kMissingPiece:
       return fmt::format("a piece of {} voxels ({:.3g} mm³) that the mesh does not have", place.voxels,
                          place.volume_mm3);
@@ -56,8 +57,8 @@ std::string in_words(const TopologyPlace& place) {
       return fmt::format("a piece of {} voxels ({:.3g} mm³) is joined to another", place.voxels,
                          place.volume_mm3);
     case TopologyChange::kSplit:
-      return fmt::format("a part of {:.3g} mm³ ({} cell{}) is split off", place.volume_mm3, place.cells,
-                         place.cells == 1 ? "" : "s");
+      return fmt::format("a part of {:.3g} mm³ ({}) is split off", place.volume_mm3,
+                         counted(place.cells, "cell"));
     case TopologyChange::kFilled:
       return fmt::format("{}: {:.3g} mm³ too much", what_changes(place), place.volume_mm3);
     case TopologyChange::kCut:

@@ -7,6 +7,7 @@
 #include "evaluation_tables.hpp"
 #include "html_parts.hpp"
 #include "layers_html.hpp"
+#include "lumesh/core/counted.hpp"
 #include "lumesh/report/case_report.hpp"
 #include "numbers.hpp"
 
@@ -88,9 +89,9 @@ std::string case_header(const CaseReport& report) {
   // What measures say of earlier meshes is over with these.
   std::size_t warnings = last != nullptr ? last->evaluation->warnings.size() : 0;
   for (const StageReport& stage : report.stages) warnings += stage.warnings.size();
-  html += fmt::format("<p>From the image to the mesh in {} {}, {}", report.stages.size(),
-                      report.stages.size() == 1 ? "step" : "steps", duration(report.seconds));
-  if (warnings > 0) html += fmt::format("; {} {}", warnings, warnings == 1 ? "warning" : "warnings");
+  html += fmt::format("<p>From the image to the mesh in {}, {}", counted(report.stages.size(), "step"),
+                      duration(report.seconds));
+  if (warnings > 0) html += "; " + counted(warnings, "warning");
   return html + ".</p></header>\n";
 }
 
@@ -139,8 +140,7 @@ std::string size_tiles(const StageReport& last) {
     return tile(grouped(m.tetrahedra.count), "tetrahedra") + tile(grouped(m.vertices), "vertices");
   const LayerReport& layers = last.layers->report;
   return tile(grouped(last.layers->core.tetrahedra.count), "tetrahedra besides the layers") +
-         tile(grouped(layers.cells), fmt::format("cells of {} boundary {}", layers.layers,
-                                                 layers.layers == 1 ? "layer" : "layers")) +
+         tile(grouped(layers.cells), "cells of " + counted(layers.layers, "boundary layer")) +
          tile(fmt::format("{:.1f} %", 100 * layers.complete()), "of the area with all of their thickness") +
          tile(grouped(m.vertices), "vertices");
 }

@@ -4,6 +4,7 @@
 
 #include "html_parts.hpp"
 #include "lumesh/core/assert.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/report/check_report.hpp"
 #include "numbers.hpp"
 
@@ -23,10 +24,6 @@ std::string check_header(const CheckedFile& file) {
   return html + "<p>" + escaped(file.what) + ", " + escaped(file.size) + "</p></header>\n";
 }
 
-std::string place_words(const Vec3& p) {
-  return fmt::format("({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z());
-}
-
 std::string finding_link(std::size_t index) {
   return fmt::format("finding-{}", index + 1);
 }
@@ -36,7 +33,7 @@ std::string first_places(const Finding& finding) {
   constexpr std::size_t kShown = 3;
   std::string html;
   for (std::size_t i = 0; i < std::min(kShown, finding.places_mm.size()); ++i)
-    html += (i > 0 ? "<br>" : "") + place_words(finding.places_mm[i]);
+    html += (i > 0 ? "<br>" : "") + coordinates_text(finding.places_mm[i], 4);
   return html + (finding.places_mm.size() > kShown ? " …" : "");
 }
 
@@ -62,7 +59,7 @@ std::string findings_table(const CheckedFile& file) {
 std::string places_list(const Finding& finding) {
   std::string html = "<ol class=\"places\">";
   for (std::size_t i = 0; i < finding.places_mm.size(); ++i) {
-    html += "<li>" + place_words(finding.places_mm[i]) + " mm";
+    html += "<li>" + coordinates_text(finding.places_mm[i], 4) + " mm";
     if (i < finding.voxels.size()) {
       const Index3& v = finding.voxels[i];
       html += fmt::format(", voxel ({}, {}, {})", v.x(), v.y(), v.z());
@@ -90,7 +87,7 @@ std::string overview_html(const Finding& finding, const FindingPictures& picture
 
 std::string close_up_html(const Finding& finding, const CloseUp& close_up) {
   std::string caption = fmt::format("Place 1, at {} mm; the picture is {:.3g} mm wide.",
-                                    place_words(finding.places_mm[0]), close_up.width_mm);
+                                    coordinates_text(finding.places_mm[0], 4), close_up.width_mm);
   if (close_up.is_cut_open) caption += " What is in front of the place is left out.";
   return section("Close-up", picture_with(close_up.drawn, "Close-up: " + finding.text, caption));
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "html_parts.hpp"
+#include "lumesh/core/counted.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/quality/topology_places.hpp"
 #include "numbers.hpp"
@@ -257,10 +258,10 @@ std::string boundary_section(const Evaluation& e) {
                      opening ? table_place(p.centre_mm) : "", opening ? direction_text(p.normal) : "",
                      opening ? flatness_text(p.flatness_mm) : ""});
   }
-  std::string note = fmt::format("{}, {}; {} {} of genus {}, {} triangles.", b.closed() ? "Closed" : "Open",
-                                 b.manifold() ? "manifold" : "not manifold", b.components.size(),
-                                 b.components.size() == 1 ? "piece" : "pieces",
-                                 b.genus() < 0 ? "–" : std::to_string(b.genus()), grouped(b.triangles));
+  std::string note =
+      fmt::format("{}, {}; {} of genus {}, {} triangles.", b.closed() ? "Closed" : "Open",
+                  b.manifold() ? "manifold" : "not manifold", counted(b.components.size(), "piece"),
+                  b.genus() < 0 ? "–" : std::to_string(b.genus()), grouped(b.triangles));
   if (!b.manifold())
     note += fmt::format(" {} open edges, {} non-manifold edges, {} non-manifold vertices.", b.open_edges,
                         b.non_manifold_edges, b.non_manifold_vertices);

@@ -7,6 +7,7 @@
 #include "evaluation_plots.hpp"
 #include "evaluation_tables.hpp"
 #include "html_parts.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "numbers.hpp"
 #include "scene.hpp"
 
@@ -79,12 +80,12 @@ std::string curvature_section(const SurfacePicture& drawn, const CurvatureSummar
 
 std::string cut_section(const std::string& title, const CutPicture& cut) {
   if (cut.picture.width == 0) return "";
-  const Vec3 &p = cut.point_mm, &n = cut.normal;
-  return section(title, "<figure>" + image_tag(cut.picture, title) +
-                            fmt::format("<figcaption>{} cells on the plane through ({:.1f}, {:.1f}, {:.1f}) "
-                                        "mm, normal ({:.2f}, {:.2f}, {:.2f})</figcaption></figure>",
-                                        grouped(cut.cells), p.x(), p.y(), p.z(), n.x(), n.y(), n.z()) +
-                            scale_html(cut.scale));
+  return section(title,
+                 "<figure>" + image_tag(cut.picture, title) +
+                     fmt::format("<figcaption>{} cells on the plane through {}, "
+                                 "normal {}</figcaption></figure>",
+                                 grouped(cut.cells), place_text(cut.point_mm), decimals_text(cut.normal, 2)) +
+                     scale_html(cut.scale));
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lumesh/core/counted.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/quality/topology_places.hpp"
 #include "lumesh/report/summary.hpp"
@@ -34,11 +36,9 @@ std::string quality_text(const Evaluation& e) {
   const TetrahedronStatistics& t = e.statistics.tetrahedra;
   std::string text;
   if (t.count > 0) {
-    const Vec3 &low = t.smallest_dihedral_deg.centre_mm, &high = t.largest_dihedral_deg.centre_mm;
-    text += fmt::format(
-        "dihedral       {:.2f}° at ({:.1f}, {:.1f}, {:.1f})  to  {:.2f}° at ({:.1f}, {:.1f}, {:.1f})\n",
-        t.smallest_dihedral_deg.value, low.x(), low.y(), low.z(), t.largest_dihedral_deg.value, high.x(),
-        high.y(), high.z());
+    const auto &low = t.smallest_dihedral_deg, &high = t.largest_dihedral_deg;
+    text += fmt::format("dihedral       {:.2f}° at {}  to  {:.2f}° at {}\n", low.value,
+                        decimals_text(low.centre_mm, 1), high.value, decimals_text(high.centre_mm, 1));
     text += fmt::format(
         "               mean of smallest {:.1f}°; tetrahedra below 5/10/15°: {}/{}/{}, above 150/160/165°: "
         "{}/{}/{}\n",
@@ -75,10 +75,10 @@ std::string metric_text(const MetricStatistics& m) {
 
 std::string boundary_text(const Evaluation& e) {
   const SurfaceTopology& b = e.boundary;
-  std::string text = fmt::format("boundary       {}, {}, {} {}, genus {}, {} triangles",
-                                 b.closed() ? "closed" : "OPEN", b.manifold() ? "manifold" : "NOT MANIFOLD",
-                                 b.components.size(), b.components.size() == 1 ? "component" : "components",
-                                 b.genus() < 0 ? "–" : std::to_string(b.genus()), grouped(b.triangles));
+  std::string text =
+      fmt::format("boundary       {}, {}, {}, genus {}, {} triangles", b.closed() ? "closed" : "OPEN",
+                  b.manifold() ? "manifold" : "NOT MANIFOLD", counted(b.components.size(), "component"),
+                  b.genus() < 0 ? "–" : std::to_string(b.genus()), grouped(b.triangles));
   if (e.interface_triangles) text += fmt::format(", {} between labels", grouped(e.interface_triangles));
   text += "\n";
   if (!b.manifold())
@@ -121,9 +121,8 @@ std::string places_text(const std::vector<TopologyPlace>& places) {
   constexpr std::size_t kMostPlaces = 12;
   std::string text;
   for (std::size_t i = 0; i < std::min(kMostPlaces, places.size()); ++i) {
-    const Vec3& p = places[i].centre_mm;
-    text += fmt::format("  label {} at ({:.2f}, {:.2f}, {:.2f}) mm: {}\n", places[i].label, p.x(), p.y(),
-                        p.z(), in_words(places[i]));
+    text += fmt::format("  label {} at {} mm: {}\n", places[i].label, decimals_text(places[i].centre_mm, 2),
+                        in_words(places[i]));
   }
   if (places.size() > kMostPlaces)
     text += fmt::format("  … {} more places, which the JSON lists\n", places.size() - kMostPlaces);
@@ -165,10 +164,9 @@ std::string kept_row(const std::string& name, const KeptVoxels& kept, double vox
       fmt::format("  {:<10}{:>9} %{:>10}{:>12}", name, fmt::format("{:.3f}", 100 * kept.share()),
                   grouped(kept.counted - kept.kept), grouped(kept.counted));
   if (const auto& worst = kept.worst) {
-    const Vec3& p = worst->centre_mm;
-    text += fmt::format("{:>8.3f}{:>8.3g}  ({:.1f}, {:.1f}, {:.1f})  {} {} {}", worst->distance_mm / voxel,
-                        worst->distance_mm, p.x(), p.y(), p.z(), worst->voxel.x(), worst->voxel.y(),
-                        worst->voxel.z());
+    text +=
+        fmt::format("{:>8.3f}{:>8.3g}  {}  {} {} {}", worst->distance_mm / voxel, worst->distance_mm,
+                    decimals_text(worst->centre_mm, 1), worst->voxel.x(), worst->voxel.y(), worst->voxel.z());
   }
   return text + "\n";
 }
@@ -191,12 +189,11 @@ std::string openings_text(const OpeningsCompared& compared) {
   std::string text = fmt::format("\n{:<34}{:>12}{:>14}{:>11}{:>11}  {}\n", "openings", "mesh mm²",
                                  "image mm²", "change", "radius mm", "centre and normal");
   for (const OpeningInMesh& o : compared.openings) {
-    const Vec3 &p = o.opening.centre_mm, &n = o.opening.normal;
-    text += fmt::format(
-        "  {:<32}{:>12}{:>13}{:>9.1f} %{:>11}  ({:.1f}, {:.1f}, {:.1f})  ({:.2f}, {:.2f}, {:.2f}){}\n",
-        o.patches.empty() ? "none" : o.patches, five_digits(o.mesh_area_mm2), five_digits(o.opening.area_mm2),
-        o.change_percent(), five_digits(o.opening.radius_mm()), p.x(), p.y(), p.z(), n.x(), n.y(), n.z(),
-        is_wrong(o) ? "  WRONG" : "");
+    text += fmt::format("  {:<32}{:>12}{:>13}{:>9.1f} %{:>11}  {}  {}{}\n",
+                        o.patches.empty() ? "none" : o.patches, five_digits(o.mesh_area_mm2),
+                        five_digits(o.opening.area_mm2), o.change_percent(),
+                        five_digits(o.opening.radius_mm()), decimals_text(o.opening.centre_mm, 1),
+                        decimals_text(o.opening.normal, 2), is_wrong(o) ? "  WRONG" : "");
   }
   for (const std::string& name : compared.others) text += fmt::format("  {:<32}none of the image's\n", name);
   return text;
@@ -212,10 +209,9 @@ std::string sections_text(std::vector<NarrowestSection> sections) {
                                  "voxels mm²", "change", "at mm");
   for (std::size_t i = 0; i < std::min(kMostBranches, sections.size()); ++i) {
     const NarrowestSection& s = sections[i];
-    const Vec3& p = s.centre_mm;
-    text += fmt::format("  branch {:<15}{:>12}{:>13}{:>9.1f} %  ({:.1f}, {:.1f}, {:.1f}){}\n", s.branch,
+    text += fmt::format("  branch {:<15}{:>12}{:>13}{:>9.1f} %  {}{}\n", s.branch,
                         five_digits(s.mesh_area_mm2), five_digits(s.voxel_area_mm2), s.change_percent(),
-                        p.x(), p.y(), p.z(), s.tightened() ? "  TIGHTENED" : "");
+                        decimals_text(s.centre_mm, 1), s.tightened() ? "  TIGHTENED" : "");
   }
   if (sections.size() > kMostBranches)
     text += fmt::format("  … {} more branches that lose less\n", sections.size() - kMostBranches);

@@ -8,6 +8,7 @@
 
 #include "lumesh/adapt/adapt.hpp"
 #include "lumesh/adapt/boundary.hpp"
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
@@ -50,10 +51,10 @@ std::string note_on_vertices_outside(const TetMesh& mesh, const operators::KeepW
   }
   if (count == 0) return "";
   return fmt::format(
-      "{} {} up to {:.2g} mm beyond the image's border or a cut plane, the furthest at {}; a "
+      "{} up to {:.2g} mm beyond the image's border or a cut plane, the furthest at {}; a "
       "smaller {} or {} may help",
-      count, count == 1 ? "vertex lies" : "vertices lie", furthest_mm, place_text(worst),
-      option_name("gradation"), option_name("max_size"));
+      counted(count, "vertex lies", "vertices lie"), furthest_mm, place_text(worst), option_name("gradation"),
+      option_name("max_size"));
 }
 
 std::vector<LabelChange> changes_of(const std::map<Label, double>& before,

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "lumesh/core/counted.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/image/touching.hpp"
 #include "lumesh/stages/input.hpp"
@@ -14,14 +16,9 @@ namespace {
 void say(const VoxelsChanged& changed, const char* what, const LabelImage& image, const Context& context) {
   if (changed.voxels == 0) return;
   const Vec3 place = image.frame().to_physical(changed.first.cast<double>());
-  context.warn(fmt::format(
-      "{} voxels, {:.4g} mm³, {} ({} {}, such as ({}, {}, {}) at {:.4g}, {:.4g}, {:.4g} mm)", changed.voxels,
-      changed.volume_mm3, what, changed.places, changed.places == 1 ? "place" : "places", changed.first.x(),
-      changed.first.y(), changed.first.z(), place.x(), place.y(), place.z()));
-}
-
-std::string pieces_of(std::size_t count) {
-  return fmt::format("{} {}", count, count == 1 ? "piece" : "pieces");
+  context.warn(fmt::format("{} voxels, {:.4g} mm³, {} ({}, such as ({}, {}, {}) at {} mm)", changed.voxels,
+                           changed.volume_mm3, what, counted(changed.places, "place"), changed.first.x(),
+                           changed.first.y(), changed.first.z(), coordinates_text(place, 4)));
 }
 
 /// How many pieces there are, joined through faces, unless one became two or all became one.
@@ -30,13 +27,13 @@ void say_pieces(TouchChoice choice, std::size_t before, std::size_t now, bool ha
   const bool separates = choice == TouchChoice::kSeparate;
   if (!has_changed)
     context.warn(fmt::format("no vessels that touch{} were found; the object stays in {}",
-                             separates ? "" : " or are near", pieces_of(before)));
+                             separates ? "" : " or are near", counted(before, "piece")));
   else if (separates && now <= before)
     context.warn(fmt::format(
         "vessels that were separated are still joined elsewhere: the object is in {} now, {} before",
-        pieces_of(now), before));
+        counted(now, "piece"), before));
   else if (now != (separates ? before + 1 : 1))
-    context.warn(fmt::format("the object is in {} now, {} before", pieces_of(now), before));
+    context.warn(fmt::format("the object is in {} now, {} before", counted(now, "piece"), before));
 }
 
 }  // namespace

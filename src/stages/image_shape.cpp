@@ -7,6 +7,8 @@
 #include <map>
 #include <optional>
 
+#include "lumesh/core/counted.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -66,16 +68,12 @@ std::string lost_pieces(const ImageShape& image, const std::vector<bool>& is_fou
     const VoxelComponent& piece = image.pieces[p];
     const Vec3 middle =
         image.frame.to_physical(0.5 * (piece.box.low + piece.box.high).cast<double>() - Vec3::Constant(0.5));
-    list += fmt::format("{}label {} at ({:.4g}, {:.4g}, {:.4g}) mm of {} voxels", lost == 1 ? "" : "; ",
-                        piece.label, middle.x(), middle.y(), middle.z(), piece.voxel_count);
+    list += fmt::format("{}label {} at {} mm of {} voxels", lost == 1 ? "" : "; ", piece.label,
+                        coordinates_text(middle, 4), piece.voxel_count);
   }
   if (lost == 0) return {};
-  return fmt::format("{} piece{} of labels not in the mesh: {}{}; {}", lost, lost == 1 ? "" : "s", list,
+  return fmt::format("{} of labels not in the mesh: {}{}; {}", counted(lost, "piece"), list,
                      lost > kMostListed ? "; ..." : "", remedy);
-}
-
-std::string pieces_in_words(std::uint64_t count) {
-  return fmt::format("{} piece{}", count, count == 1 ? "" : "s");
 }
 
 /// "label 1 with 1 piece and Euler number 1, of 2 and 2"; nothing if it is as in the image.
@@ -84,17 +82,18 @@ std::string other_shape(const ImageShape& image, const LabelTopology& voxels, co
     const std::uint64_t least = static_cast<std::uint64_t>(std::count_if(
         image.pieces.begin(), image.pieces.end(), [&](const auto& p) { return p.label == voxels.label; }));
     if (mesh.components >= least && mesh.components <= voxels.component_count) return {};
-    return fmt::format("label {} with {}, of {}", voxels.label, pieces_in_words(mesh.components),
+    return fmt::format("label {} with {}, of {}", voxels.label, counted(mesh.components, "piece"),
                        mesh.components < least ? least : voxels.component_count);
   }
   if (mesh.components != voxels.component_count || mesh.euler != voxels.euler_number)
     return fmt::format("label {} with {} and Euler number {}, of {} and {}", voxels.label,
-                       pieces_in_words(mesh.components), mesh.euler, voxels.component_count,
+                       counted(mesh.components, "piece"), mesh.euler, voxels.component_count,
                        voxels.euler_number);
   // Fewer where two pieces share a vertex: nothing can be said of cavities then.
   const std::int64_t cavities = mesh.surfaces - static_cast<std::int64_t>(mesh.components);
   if (cavities < 0 || cavities == static_cast<std::int64_t>(voxels.cavity_count)) return {};
-  return fmt::format("label {} with {} cavit{}, of {}", voxels.label, cavities, cavities == 1 ? "y" : "ies",
+  return fmt::format("label {} with {}, of {}", voxels.label,
+                     counted(static_cast<std::uint64_t>(cavities), "cavity", "cavities"),
                      voxels.cavity_count);
 }
 
@@ -110,8 +109,8 @@ std::string other_shapes(const ImageShape& image, std::span<const LabelShape> sh
     list += (others == 1 ? "" : "; ") + other;
   }
   if (others == 0) return {};
-  return fmt::format("{} label{} in the mesh differ{} from the image's voxels: {}{}; {}", others,
-                     others == 1 ? "" : "s", others == 1 ? "s" : "", list,
+  return fmt::format("{} from the image's voxels: {}{}; {}",
+                     counted(others, "label in the mesh differs", "labels in the mesh differ"), list,
                      others > kMostListed ? "; ..." : "", remedy);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "lumesh/centerline/centerline.hpp"
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
@@ -160,8 +161,7 @@ std::string closed_vessel_warning(const LabelImage& image, std::span<const Openi
   if (!openings.empty()) return "";
   const std::vector<VesselEnd> ends = vessel_ends(image, {}, openings, 1, context);
   if (ends.empty()) return "";
-  const std::string begin =
-      kNoOpenings + fmt::format("{} {} inside: ", ends.size(), ends.size() == 1 ? "ends" : "end");
+  const std::string begin = kNoOpenings + counted(ends.size(), "ends", "end") + " inside: ";
   const VesselEnd* const to_cut = first_to_cut(ends);
   if (to_cut == nullptr) return begin + "none can be cut with `cut_at` (lumesh info says why)";
   return begin + fmt::format("cut {} square with `cut_at` {} (lumesh info lists all)",

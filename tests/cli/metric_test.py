@@ -91,7 +91,7 @@ class PointsTest(MetricCommandTest):
         self.refused(BAD_INPUT, "--points", empty, None, "empty.csv", "no points")
         self.refused(BAD_INPUT, "--points", one, None, "one.csv", "one place")
         self.refused(BAD_INPUT, "--points", few, None, "few.csv", "9 different points", "40")
-        self.refused(BAD_INPUT, "--points", far, None, "far.csv", "far", "(0.5 0.5 20) to (0.5 0.5 69)", "(0 0 0) to (1 1 1)")
+        self.refused(BAD_INPUT, "--points", far, None, "far.csv", "far", "(0.5, 0.5, 20) to (0.5, 0.5, 69)", "(0, 0, 0) to (1, 1, 1)")
         self.refused(BAD_INPUT, "--points", broken, None, "broken.csv", "line 2")
         self.refused(BAD_INPUT, "--points", self.folder / "none.csv", None, "none.csv", "no such file")
 

@@ -42,8 +42,6 @@ inline void append_face(const FaceCorners& face, std::int32_t patch, MixedMesh& 
 [[nodiscard]] bool are_opposite(const FaceCorners& a, const FaceCorners& b);
 /// Mean of its corners.
 [[nodiscard]] Vec3 middle_of(std::span<const Vec3> points, const FaceCorners& face);
-/// "1.2 3.4 5.6", for messages.
-[[nodiscard]] std::string coordinates_text(const Vec3& place);
 
 /// One face of one cell.
 struct CellSide {

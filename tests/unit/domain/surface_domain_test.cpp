@@ -464,17 +464,17 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BrokenSurface{"Empty", [](TriangleSoup& s) { s = {}; }, "has no triangles"},
         BrokenSurface{"Open", [](TriangleSoup& s) { s.triangles.pop_back(); },
-                      "3 edges have one triangle only, such as that from (0 0 1) to (0 1 1) mm"},
+                      "3 edges have one triangle only, such as that from (0, 0, 1) to (0, 1, 1) mm"},
         BrokenSurface{"Fin",
                       [](TriangleSoup& s) {
                         s.points.emplace_back(2, 2, 2);
                         s.triangles.push_back({0, 1, 8});
                       },
-                      "the edge from (0 0 0) to (1 0 0) mm has 3 triangles"},
+                      "the edge from (0, 0, 0) to (1, 0, 0) mm has 3 triangles"},
         BrokenSurface{
             "TouchingPoints",
             [](TriangleSoup& s) { s.append(s.moved([](const Vec3& p) { return Vec3(p + Vec3::Ones()); })); },
-            "touches itself in the point (1 1 1) mm"},
+            "touches itself in the point (1, 1, 1) mm"},
         BrokenSurface{"CrossingShells",
                       [](TriangleSoup& s) {
                         s.append(s.moved([](const Vec3& p) { return Vec3(p + Vec3(0.5, 0.4, 0.3)); }));

@@ -154,8 +154,8 @@ TEST(PointMetric, RefusesPointsFarOutsideAndSaysBothBoxes) {
   EXPECT_EQ(fault_of(places, points), "");
   for (Vec3& p : points) p += Vec3(-3.5, 0, 0);
   const std::string fault = fault_of(places, points);
-  EXPECT_NE(fault.find("(-3.5 0 0) to (-3.5 0 4.9)"), std::string::npos) << fault;
-  EXPECT_NE(fault.find("(0 0 0) to (1 2 2)"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("(-3.5, 0, 0) to (-3.5, 0, 4.9)"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("(0, 0, 0) to (1, 2, 2)"), std::string::npos) << fault;
 }
 
 }  // namespace
