@@ -12,7 +12,6 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -20,6 +19,7 @@
 #include "lumesh/mesh/cell_sides.hpp"
 #include "lumesh/mesh/edge_key.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/mesh/plane_heights.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 
 namespace lumesh {
@@ -27,19 +27,6 @@ namespace {
 
 [[noreturn]] void refuse_cut(const std::string& message) {
   throw Error(ErrorKind::kBadInput, option_name("cut_planes") + ": " + message);
-}
-
-/// Heights of points over a plane; what rounding has moved out of the plane is in it.
-std::vector<double> heights_over(const std::vector<Vec3>& points, const Vec3& origin, const Vec3& normal) {
-  constexpr double kRounding = 1e-10;
-  const double rounding = kRounding * bounding_box(points).diagonal().norm();
-  std::vector<double> heights;
-  heights.reserve(points.size());
-  for (const Vec3& p : points) {
-    const double height = normal.dot(p - origin);
-    heights.push_back(std::abs(height) < rounding ? 0 : height);
-  }
-  return heights;
 }
 
 template <class Corners>
@@ -105,7 +92,7 @@ class VertexSlide {
   /// Square to the plane inside, along the wall on one; none where walls bend or meet. An opening that the
   /// plane is parallel to goes with it.
   [[nodiscard]] std::optional<Vec3> way_of(std::uint32_t v) const {
-    constexpr double kSteep = 0.1, kSmooth = 0.85;
+    constexpr double kSmooth = 0.85;
     std::vector<Vec3> normals = normals_around(v);
     Vec3 mean = Vec3::Zero();
     std::optional<std::int32_t> patch;
@@ -121,9 +108,7 @@ class VertexSlide {
     for (std::size_t i = 0; i < normals.size(); ++i)
       if (!is_parallel(triangles_.of(v)[i]) && normals[i].dot(mean) < kSmooth * normals[i].norm())
         return std::nullopt;
-    const Vec3 along = normal_ - normal_.dot(mean) * mean;
-    if (along.squaredNorm() < kSteep) return std::nullopt;
-    return Vec3(-heights_[v] / along.squaredNorm() * along);
+    return way_into_plane(heights_[v], normal_, mean);
   }
 
   /// Whether a triangle is of an opening, or a plane of symmetry, that lies along the plane.
@@ -213,29 +198,28 @@ class Division {
   }
 
   std::uint32_t point_of(std::uint32_t low, std::uint32_t high) {
-    const auto [at, is_new] =
-        middles_.try_emplace({low, high}, static_cast<std::uint32_t>(mesh_.points.size()));
-    if (!is_new) return at->second;
-    const double share = heights_[low] / (heights_[low] - heights_[high]);
-    const auto between = [&](auto& values) {
-      if (!values.empty()) values.push_back((1 - share) * values[low] + share * values[high]);
-    };
-    between(mesh_.points);
-    between(mesh_.metric);
-    between(mesh_.sizes_mm);
-    heights_.push_back(0);
-    return at->second;
+    return middles_.point_of(low, high, heights_, [&](std::uint32_t a, std::uint32_t b, double share) {
+      const auto between = [&](auto& values) {
+        if (!values.empty()) values.push_back((1 - share) * values[a] + share * values[b]);
+      };
+      between(mesh_.points);
+      between(mesh_.metric);
+      between(mesh_.sizes_mm);
+    });
   }
 
   MixedMesh& mesh_;
   std::vector<double>& heights_;
-  std::map<Edge, std::uint32_t> middles_;
+  EdgeCrossings middles_;
 };
 
 class Cutter {
  public:
   Cutter(const MixedMesh& mesh, const Vec3& origin, const Vec3& normal)
-      : mesh_(mesh), origin_(origin), normal_(normal), heights_(heights_over(mesh.points, origin, normal)) {}
+      : mesh_(mesh),
+        origin_(origin),
+        normal_(normal),
+        heights_(heights_over(mesh.points, origin, normal, 1e-10)) {}
 
   CellsCutOff run() {
     check_sides();

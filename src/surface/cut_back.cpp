@@ -2,17 +2,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <utility>
 
 #include "flat_rims.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/plane_heights.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/planar_patch.hpp"
 #include "plane_slide.hpp"
 #include "rim_triangles.hpp"
+#include "triangle_part.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -130,15 +130,11 @@ class PlaneCut {
 
   /// The point of an edge in the plane; the same from both sides.
   std::uint32_t crossing(std::uint32_t a, std::uint32_t b) {
-    const auto [low, high] = std::minmax(a, b);
-    const auto [at, is_new] =
-        crossings_.try_emplace({low, high}, static_cast<std::uint32_t>(surface_.points.size()));
-    if (!is_new) return at->second;
-    const double share = heights_[low] / (heights_[low] - heights_[high]);
-    surface_.points.push_back(surface_.points[low] + share * (surface_.points[high] - surface_.points[low]));
-    heights_.push_back(0);
-    is_in_plane_.push_back(1);
-    return at->second;
+    return crossings_.point_of(a, b, heights_, [&](std::uint32_t low, std::uint32_t high, double share) {
+      std::vector<Vec3>& points = surface_.points;
+      points.push_back(points[low] + share * (points[high] - points[low]));
+      is_in_plane_.push_back(1);
+    });
   }
 
   /// Keeps of each triangle what is not above. False if nothing is left to cut.
@@ -158,27 +154,15 @@ class PlaneCut {
         continue;
       }
       ++count;
-      // What is left of a triangle has three or four corners, in order.
-      std::vector<std::uint32_t> left;
-      for (std::size_t s = 0; s < 3; ++s) {
-        const std::uint32_t a = surface_.triangles[t][s], b = surface_.triangles[t][(s + 1) % 3];
-        if (heights_[a] <= 0) left.push_back(a);
-        if (heights_[a] * heights_[b] < 0) left.push_back(crossing(a, b));
-      }
+      for_each_in_part(
+          surface_.triangles[t], -1, heights_, surface_.points,
+          [&](std::uint32_t a, std::uint32_t b) { return crossing(a, b); },
+          [&](const Cell<3>& part) { keep(part, t); });
       for (const std::uint32_t v : surface_.triangles[t]) cut_off_mm_ = std::max(cut_off_mm_, heights_[v]);
-      if (left.size() == 4 && is_second_diagonal_shorter(left))
-        std::rotate(left.begin(), left.begin() + 1, left.end());
-      for (std::size_t i = 2; i < left.size(); ++i) keep({left[0], left[i - 1], left[i]}, t);
     }
     surface_.triangles = std::move(triangles);
     surface_.patches = std::move(patches);
     return count > 0;
-  }
-  [[nodiscard]] bool is_second_diagonal_shorter(const std::vector<std::uint32_t>& q) const {
-    const auto length2 = [&](std::size_t a, std::size_t b) {
-      return (surface_.points[q[a]] - surface_.points[q[b]]).squaredNorm();
-    };
-    return length2(1, 3) < length2(0, 2);
   }
 
   /// The loops in the plane are the new rims.
@@ -210,7 +194,7 @@ class PlaneCut {
   std::vector<std::uint32_t> reached_;  // Corners of what reaches above the plane, and of the rim.
   std::vector<std::uint8_t> is_cut_;
   std::vector<std::uint8_t> is_in_plane_;  // Of points: on the new rim.
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> crossings_;
+  EdgeCrossings crossings_;
   std::vector<std::uint8_t> is_reached_;
   double cut_off_mm_ = 0, moved_mm_ = 0;
   std::vector<FlatRim> loops_;

@@ -18,12 +18,14 @@
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/plane_heights.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/surface/closing.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/planar_patch.hpp"
 #include "plane_slide.hpp"
+#include "triangle_part.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -83,37 +85,24 @@ class Divider {
     add_part(corners, t, Side::kAbove, 1);
   }
 
-  /// What lies on one side has three or four corners, in order.
   void add_part(const Cell<3>& corners, std::uint32_t t, Side side, double sign) {
-    std::vector<std::uint32_t> part;
-    for (std::size_t s = 0; s < 3; ++s) {
-      const std::uint32_t a = corners[s], b = corners[(s + 1) % 3];
-      if (sign * made_.heights[a] >= 0) part.push_back(a);
-      if (made_.heights[a] * made_.heights[b] < 0) part.push_back(crossing(a, b));
-    }
-    const auto length2 = [&](std::size_t a, std::size_t b) {
-      return (made_.mesh.points[part[a]] - made_.mesh.points[part[b]]).squaredNorm();
-    };
-    if (part.size() == 4 && length2(1, 3) < length2(0, 2))
-      std::rotate(part.begin(), part.begin() + 1, part.end());
-    for (std::size_t i = 2; i < part.size(); ++i) add({part[0], part[i - 1], part[i]}, t, side);
+    for_each_in_part(
+        corners, sign, made_.heights, made_.mesh.points,
+        [&](std::uint32_t a, std::uint32_t b) { return crossing(a, b); },
+        [&](const Cell<3>& part) { add(part, t, side); });
   }
 
   /// The point of an edge in the plane; the same from both sides.
   std::uint32_t crossing(std::uint32_t a, std::uint32_t b) {
-    const auto [low, high] = std::minmax(a, b);
-    std::vector<Vec3>& points = made_.mesh.points;
-    const auto [at, is_new] = crossings_.try_emplace({low, high}, static_cast<std::uint32_t>(points.size()));
-    if (!is_new) return at->second;
-    const double share = made_.heights[low] / (made_.heights[low] - made_.heights[high]);
-    points.push_back(points[low] + share * (points[high] - points[low]));
-    made_.heights.push_back(0);
-    return at->second;
+    return crossings_.point_of(a, b, made_.heights, [&](std::uint32_t low, std::uint32_t high, double share) {
+      std::vector<Vec3>& points = made_.mesh.points;
+      points.push_back(points[low] + share * (points[high] - points[low]));
+    });
   }
 
   const TriangleMesh& surface_;
   DividedSurface made_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> crossings_;
+  EdgeCrossings crossings_;
 };
 
 /// Edges in the plane that part what lies above from what lies below, and make a closed curve.
@@ -196,16 +185,8 @@ class PlaneSections {
   std::map<std::uint32_t, SectionLoop> loops_;  // By their lowest points.
 };
 
-/// What rounding has moved out of the plane is in it.
 std::vector<double> heights_over(const SectionPlane& plane, const std::vector<Vec3>& points) {
-  constexpr double kRounding = 1e-11;
-  const double rounding_mm = kRounding * bounding_box(points).diagonal().norm();
-  std::vector<double> heights;
-  for (const Vec3& p : points) {
-    const double height = plane.height_mm(p);
-    heights.push_back(std::abs(height) < rounding_mm ? 0 : height);
-  }
-  return heights;
+  return lumesh::heights_over(points, plane.point_mm, plane.normal, 1e-11);
 }
 
 /// Vertices where the surface is smooth and of one patch: others are kept by what they lie on.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/plane_heights.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -31,16 +32,14 @@ Vec3 PlaneSlide::area_normal(std::uint32_t t) const {
 }
 
 bool PlaneSlide::move(std::uint32_t v) {
-  constexpr double kSteep = 0.1;
   std::vector<Vec3> normals;
   Vec3 mean = Vec3::Zero();
   for (const std::uint32_t t : around_.of(v)) mean += normals.emplace_back(area_normal(t));
   mean.stableNormalize();
-  const Vec3 along = normal_ - normal_.dot(mean) * mean;
-  const double rise = along.squaredNorm();
-  if (rise < kSteep) return false;
+  const std::optional<Vec3> way = way_into_plane(heights_[v], normal_, mean);
+  if (!way) return false;
   const Vec3 before = surface_.points[v];
-  surface_.points[v] -= heights_[v] / rise * along;
+  surface_.points[v] += *way;
   const double height = std::exchange(heights_[v], 0);
   bool is_good = true;
   for (std::size_t i = 0; i < normals.size() && is_good; ++i) {

@@ -1,0 +1,63 @@
+#pragma once
+/// @file What cuts along planes have in common: heights of points, and the points of edges in the plane.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "lumesh/core/types.hpp"
+#include "lumesh/geometry/hilbert.hpp"
+
+namespace lumesh {
+
+/// Heights of points over a plane; what rounding has moved out of the plane is in it.
+/// @param rounding  In diagonals of the points' box.
+[[nodiscard]] inline std::vector<double> heights_over(std::span<const Vec3> points, const Vec3& origin,
+                                                      const Vec3& normal, double rounding) {
+  const double most = rounding * bounding_box(points).diagonal().norm();
+  std::vector<double> heights;
+  heights.reserve(points.size());
+  for (const Vec3& p : points) {
+    const double height = normal.dot(p - origin);
+    heights.push_back(std::abs(height) < most ? 0 : height);
+  }
+  return heights;
+}
+
+/// The way along a surface into a plane, for a point at a height over it; none where the surface is nearly
+/// parallel to the plane. @param plane_normal, surface_normal  Unit.
+[[nodiscard]] inline std::optional<Vec3> way_into_plane(double height, const Vec3& plane_normal,
+                                                        const Vec3& surface_normal) {
+  constexpr double kSteep = 0.1;
+  const Vec3 along = plane_normal - plane_normal.dot(surface_normal) * surface_normal;
+  const double rise = along.squaredNorm();
+  if (rise < kSteep) return std::nullopt;
+  return Vec3(-height / rise * along);
+}
+
+/// New points where edges pass through a plane; each edge has one.
+class EdgeCrossings {
+ public:
+  /// Number of the point of an edge. @param heights  Of all points; the new one's is added.
+  /// @param make  make(low, high, share) adds the point, which lies so far from one end to the other.
+  template <class Make>
+  std::uint32_t point_of(std::uint32_t a, std::uint32_t b, std::vector<double>& heights, const Make& make) {
+    const auto [low, high] = std::minmax(a, b);
+    const auto [at, is_new] = points_.try_emplace({low, high}, static_cast<std::uint32_t>(heights.size()));
+    if (is_new) {
+      make(low, high, heights[low] / (heights[low] - heights[high]));
+      heights.push_back(0);
+    }
+    return at->second;
+  }
+
+ private:
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> points_;
+};
+
+}  // namespace lumesh
