@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "lumesh/core/squares.hpp"
+
 namespace lumesh {
 namespace {
 
@@ -22,37 +24,29 @@ class SectionWindow {
   SectionWindow(const Domain& domain, const Vec3& middle_mm, const Vec3& normal, double half_mm)
       : middle_(middle_mm), u_(normal.unitOrthogonal()), v_(normal.cross(u_)), step_(half_mm / kHalf) {
     is_object_.assign(std::size_t{kSide} * kSide, 0);
-    for (int j = 0; j < kSide; ++j)
-      for (int i = 0; i < kSide; ++i)
-        is_object_[at(i, j)] = domain.is_meshed(domain.material_at(place(i, j))) ? 1 : 0;
+    for (std::size_t s = 0; s < is_object_.size(); ++s)
+      is_object_[s] = domain.is_meshed(domain.material_at(place(s))) ? 1 : 0;
   }
 
   /// The connected part at the middle, or the nearest one.
   [[nodiscard]] std::optional<SectionFound> find() {
-    int best_i = -1, best_j = -1, least = std::numeric_limits<int>::max();
-    for (int j = 0; j < kSide; ++j)
-      for (int i = 0; i < kSide; ++i) {
-        const int off = (i - kHalf) * (i - kHalf) + (j - kHalf) * (j - kHalf);
-        if (is_object_[at(i, j)] != 0 && off < least) least = off, best_i = i, best_j = j;
-      }
-    if (best_i < 0) return std::nullopt;
+    std::size_t best = is_object_.size();
+    int least = std::numeric_limits<int>::max();
+    for (std::size_t s = 0; s < is_object_.size(); ++s) {
+      const int off = (column(s) - kHalf) * (column(s) - kHalf) + (row(s) - kHalf) * (row(s) - kHalf);
+      if (is_object_[s] != 0 && off < least) least = off, best = s;
+    }
+    if (best == is_object_.size()) return std::nullopt;
     SectionFound found;
     std::size_t count = 0;
-    std::vector<std::array<int, 2>> open;
-    const auto enter = [&](int i, int j) {
-      if (i < 0 || j < 0 || i >= kSide || j >= kSide || is_object_[at(i, j)] == 0) return;
-      is_object_[at(i, j)] = 0;
-      open.push_back({i, j});
-      found.is_whole = found.is_whole && i > 0 && j > 0 && i < kSide - 1 && j < kSide - 1;
-      found.centre_mm += place(i, j);
+    flood_squares(kSide, is_object_.size(), best, [&](std::size_t s) {
+      if (is_object_[s] == 0) return false;
+      is_object_[s] = 0;
+      found.is_whole = found.is_whole && is_within(column(s)) && is_within(row(s));
+      found.centre_mm += place(s);
       ++count;
-    };
-    enter(best_i, best_j);
-    while (!open.empty()) {
-      const auto [i, j] = open.back();
-      open.pop_back();
-      enter(i - 1, j), enter(i + 1, j), enter(i, j - 1), enter(i, j + 1);
-    }
+      return true;
+    });
     found.centre_mm /= static_cast<double>(count);
     found.area_mm2 = static_cast<double>(count) * step_ * step_;
     return found;
@@ -61,11 +55,11 @@ class SectionWindow {
  private:
   static constexpr int kHalf = 24, kSide = 2 * kHalf + 1;
 
-  [[nodiscard]] static std::size_t at(int i, int j) {
-    return static_cast<std::size_t>(i) + std::size_t{kSide} * static_cast<std::size_t>(j);
-  }
-  [[nodiscard]] Vec3 place(int i, int j) const {
-    return middle_ + step_ * ((i - kHalf) * u_ + (j - kHalf) * v_);
+  [[nodiscard]] static int column(std::size_t square) { return static_cast<int>(square) % kSide; }
+  [[nodiscard]] static int row(std::size_t square) { return static_cast<int>(square) / kSide; }
+  [[nodiscard]] static bool is_within(int along) { return along > 0 && along < kSide - 1; }
+  [[nodiscard]] Vec3 place(std::size_t square) const {
+    return middle_ + step_ * ((column(square) - kHalf) * u_ + (row(square) - kHalf) * v_);
   }
 
   Vec3 middle_, u_, v_;

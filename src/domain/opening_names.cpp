@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "lumesh/core/squares.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 
 namespace lumesh {
@@ -12,32 +13,10 @@ namespace {
 /// is thinner.
 constexpr double kMinSurrounded = 0.25;
 
-/// The squares around a part that are joined to the edge of the grid: neither the part nor its holes.
-std::vector<std::uint8_t> squares_around(const OpeningSquares& part) {
-  const int columns = part.columns, rows = part.rows;
-  std::vector<std::uint8_t> is_around(part.is_inside.size(), 0);
-  std::vector<std::array<int, 2>> open;
-  const auto enter = [&](int column, int row) {
-    if (column < 0 || row < 0 || column >= columns || row >= rows) return;
-    const std::size_t at = part.square(column, row);
-    if (part.is_inside[at] != 0 || is_around[at] != 0) return;
-    is_around[at] = 1;
-    open.push_back({column, row});
-  };
-  for (int column = 0; column < columns; ++column) enter(column, 0), enter(column, rows - 1);
-  for (int row = 0; row < rows; ++row) enter(0, row), enter(columns - 1, row);
-  while (!open.empty()) {
-    const auto [column, row] = open.back();
-    open.pop_back();
-    enter(column - 1, row), enter(column + 1, row), enter(column, row - 1), enter(column, row + 1);
-  }
-  return is_around;
-}
-
 /// Area of other labels' openings in the holes of one.
 double surrounded_mm2(const Opening& ring, std::span<const Opening> all) {
   const OpeningSquares& own = *ring.squares;
-  const std::vector<std::uint8_t> is_around = squares_around(own);
+  const PiecesAround around(own);
   double area_mm2 = 0;
   for (const Opening& other : all) {
     if (other.label == ring.label || !other.squares) continue;
@@ -46,8 +25,11 @@ double surrounded_mm2(const Opening& ring, std::span<const Opening> all) {
       for (int column = 0; column < part.columns; ++column) {
         if (part.is_inside[part.square(column, row)] == 0) continue;
         const auto square = own.square_at(part.centre_of(column, row));
-        const bool is_in_hole = square && own.is_inside[*square] == 0 && is_around[*square] == 0;
-        area_mm2 += is_in_hole ? part.step_mm * part.step_mm : 0;
+        if (!square) continue;
+        const std::size_t columns = static_cast<std::size_t>(own.columns);
+        const std::uint32_t piece =
+            around.at(static_cast<int>(*square % columns), static_cast<int>(*square / columns));
+        area_mm2 += piece > PiecesAround::kOutside ? part.step_mm * part.step_mm : 0;
       }
   }
   return area_mm2;
@@ -74,6 +56,14 @@ void name_members(const PatchNaming& naming, std::span<Opening> openings, const 
 }
 
 }  // namespace
+
+PiecesAround::PiecesAround(const OpeningSquares& opening)
+    : columns(static_cast<std::size_t>(opening.columns) + 2),
+      numbers(connected_squares(
+          columns, columns * (static_cast<std::size_t>(opening.rows) + 2), [&](std::size_t square) {
+            const int column = static_cast<int>(square % columns), row = static_cast<int>(square / columns);
+            return opening.hold(column - 1, row - 1) ? 0 : 1;
+          })) {}
 
 void mark_rims(std::span<Opening> openings) {
   if (openings.size() < 2) return;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +12,20 @@
 #include "lumesh/domain/patch_names.hpp"
 
 namespace lumesh {
+
+/// Connected pieces of the squares that an opening does not hold, on its grid with one more square on every
+/// side.
+struct PiecesAround {
+  static constexpr std::uint32_t kOutside = 1;  // The piece around it; those behind are holes.
+
+  explicit PiecesAround(const OpeningSquares& opening);
+  [[nodiscard]] std::uint32_t at(int column, int row) const {
+    return numbers[static_cast<std::size_t>(column + 1) + columns * static_cast<std::size_t>(row + 1)];
+  }
+
+  std::size_t columns;
+  std::vector<std::uint32_t> numbers;  // 0 for squares of the opening.
+};
 
 /// Sets is_rim of the openings of one cut plane.
 void mark_rims(std::span<Opening> openings);

@@ -9,6 +9,7 @@
 #include <map>
 #include <utility>
 
+#include "lumesh/core/squares.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
@@ -75,24 +76,9 @@ class PlaneGrid {
 
   /// Connected squares of one meshed material: a number for each square, 0 for none.
   [[nodiscard]] std::vector<std::uint32_t> parts() const {
-    std::vector<std::uint32_t> part(size(), 0);
-    std::vector<std::size_t> open;
-    std::uint32_t next = 0;
-    for (std::size_t start = 0; start < size(); ++start) {
-      if (part[start] != 0 || !domain_.is_meshed(materials_[start])) continue;
-      part[start] = ++next;
-      open.push_back(start);
-      while (!open.empty()) {
-        const std::size_t at = open.back();
-        open.pop_back();
-        for_each_neighbour(at, [&](std::size_t beside) {
-          if (part[beside] != 0 || materials_[beside] != materials_[start]) return;
-          part[beside] = next;
-          open.push_back(beside);
-        });
-      }
-    }
-    return part;
+    return connected_squares(static_cast<std::size_t>(columns_), size(), [&](std::size_t s) {
+      return domain_.is_meshed(materials_[s]) ? materials_[s] : Material{0};
+    });
   }
 
  private:
@@ -291,32 +277,15 @@ std::vector<Opening> find_openings(const Domain& domain) {
 }
 
 std::size_t OpeningSquares::holes(double min_area_mm2) const {
-  const auto wide = static_cast<std::size_t>(columns) + 2, high = static_cast<std::size_t>(rows) + 2;
-  std::vector<std::uint8_t> is_seen(wide * high, 0);
-  std::vector<std::size_t> open;
-  // Squares outside of the grid belong to the first piece, which is no hole.
-  const auto piece_from = [&](std::size_t start) {
-    std::size_t size = 0;
-    open.push_back(start);
-    while (!open.empty()) {
-      const std::size_t at = open.back(), column = at % wide, row = at / wide;
-      open.pop_back();
-      if (is_seen[at] != 0 || hold(static_cast<int>(column) - 1, static_cast<int>(row) - 1)) continue;
-      is_seen[at] = 1;
-      ++size;
-      if (column > 0) open.push_back(at - 1);
-      if (column + 1 < wide) open.push_back(at + 1);
-      if (row > 0) open.push_back(at - wide);
-      if (row + 1 < high) open.push_back(at + wide);
-    }
-    return size;
-  };
-  std::size_t count = 0;
-  for (std::size_t start = 0; start < is_seen.size(); ++start)
-    if (const std::size_t size = piece_from(start);
-        start > 0 && static_cast<double>(size) * step_mm * step_mm > min_area_mm2)
-      ++count;
-  return count;
+  const PiecesAround around(*this);
+  std::vector<std::size_t> sizes(PiecesAround::kOutside + 1, 0);
+  for (const std::uint32_t piece : around.numbers) {
+    if (piece >= sizes.size()) sizes.resize(piece + 1, 0);
+    ++sizes[piece];
+  }
+  return static_cast<std::size_t>(std::count_if(
+      sizes.begin() + PiecesAround::kOutside + 1, sizes.end(),
+      [&](std::size_t size) { return static_cast<double>(size) * step_mm * step_mm > min_area_mm2; }));
 }
 
 /// Cauchy and Crofton: a curve crosses the lines of a grid 4 / pi times per step of its length, on average.

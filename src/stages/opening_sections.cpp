@@ -7,8 +7,8 @@
 #include <map>
 #include <optional>
 
-#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/core/squares.hpp"
 
 namespace lumesh {
 namespace {
@@ -32,38 +32,30 @@ struct Section {
 void add_sections(const LabelImage& image, int axis, bool is_last, std::vector<Section>& sections) {
   const ImageFrame& frame = image.frame();
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const auto columns = static_cast<std::uint32_t>(frame.size[u]),
-             rows = static_cast<std::uint32_t>(frame.size[v]);
-  const auto voxel = [&](std::uint32_t column, std::uint32_t row) {
+  const auto columns = static_cast<std::size_t>(frame.size[u]),
+             count = columns * static_cast<std::size_t>(frame.size[v]);
+  const auto voxel = [&](std::size_t face) {
     Index3 at;
     at[axis] = is_last ? frame.size[axis] - 1 : 0;
-    at[u] = static_cast<int>(column);
-    at[v] = static_cast<int>(row);
+    at[u] = static_cast<int>(face % columns);
+    at[v] = static_cast<int>(face / columns);
     return at;
   };
-  DisjointSets sets(std::size_t{columns} * rows);
-  for (std::uint32_t row = 0; row < rows; ++row)
-    for (std::uint32_t column = 0; column < columns; ++column) {
-      const std::uint32_t face = column + columns * row;
-      const LabelImage::Index label = image.at(voxel(column, row));
-      if (label == 0) continue;
-      if (column > 0 && image.at(voxel(column - 1, row)) == label) sets.merge(face, face - 1);
-      if (row > 0 && image.at(voxel(column, row - 1)) == label) sets.merge(face, face - columns);
-    }
-  std::map<std::uint32_t, Section> by_set;
-  for (std::uint32_t row = 0; row < rows; ++row)
-    for (std::uint32_t column = 0; column < columns; ++column) {
-      const Index3 at = voxel(column, row);
-      if (image.at(at) == 0) continue;
-      Section& section = by_set[sets.find(column + columns * row)];
-      Vec3 centre = at.cast<double>();
-      centre[axis] += is_last ? 0.5 : -0.5;
-      section.label = image.label_at(at);
-      section.centres_mm.push_back(frame.to_physical(centre));
-      section.face_mm2 = frame.spacing_mm[u] * frame.spacing_mm[v];
-      section.normal = frame.direction.col(axis) * (is_last ? 1 : -1);
-    }
-  for (auto& entry : by_set) sections.push_back(std::move(entry.second));
+  const std::vector<std::uint32_t> part =
+      connected_squares(columns, count, [&](std::size_t face) { return image.at(voxel(face)); });
+  std::map<std::uint32_t, Section> by_part;
+  for (std::size_t face = 0; face < count; ++face) {
+    if (part[face] == 0) continue;
+    const Index3 at = voxel(face);
+    Section& section = by_part[part[face]];
+    Vec3 centre = at.cast<double>();
+    centre[axis] += is_last ? 0.5 : -0.5;
+    section.label = image.label_at(at);
+    section.centres_mm.push_back(frame.to_physical(centre));
+    section.face_mm2 = frame.spacing_mm[u] * frame.spacing_mm[v];
+    section.normal = frame.direction.col(axis) * (is_last ? 1 : -1);
+  }
+  for (auto& entry : by_part) sections.push_back(std::move(entry.second));
 }
 
 /// The opening that holds most faces of a section; none if none holds any.
