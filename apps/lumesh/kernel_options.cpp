@@ -10,19 +10,6 @@ namespace lumesh::cli {
 
 namespace {
 
-struct NamedCount {
-  const char* name;
-  operators::OperatorCount count;
-};
-
-std::vector<NamedCount> named_counts(const operators::OperatorCounts& counts) {
-  return {{"insertion", counts.insertion},
-          {"collapse", counts.collapse},
-          {"edge_removal", counts.edge_removal},
-          {"face_removal", counts.face_removal},
-          {"smoothing", counts.smoothing}};
-}
-
 nlohmann::ordered_json migrations_json(const parallel::TaskMigrations& migrations) {
   return {{"local", migrations.local}, {"remote", migrations.remote}};
 }
@@ -47,8 +34,10 @@ int threads_of(const RunOptions& run) {
 
 nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts) {
   nlohmann::ordered_json json;
-  for (const auto& [name, count] : named_counts(counts))
+  for (const auto& [name, member] : operators::OperatorCounts::all()) {
+    const operators::OperatorCount& count = counts.*member;
     json[name] = {{"applied", count.applied}, {"rejected", count.rejected}, {"contended", count.contended}};
+  }
   return json;
 }
 
@@ -63,9 +52,12 @@ void add_counts_json(nlohmann::ordered_json& report, const operators::ExecutionC
 
 void print_counts(const RunOptions& run, const operators::ExecutionCounts& counts) {
   if (run.verbose == 0) return;
-  for (const auto& [name, count] : named_counts(counts.of_all_threads()))
+  const operators::OperatorCounts all = counts.of_all_threads();
+  for (const auto& [name, member] : operators::OperatorCounts::all()) {
+    const operators::OperatorCount& count = all.*member;
     print_error("lumesh: {}: {} applied, {} rejected, {} contended\n", name, count.applied, count.rejected,
                 count.contended);
+  }
   for (std::size_t thread = 0; thread < counts.by_thread.size(); ++thread) {
     const operators::OperatorCount count = counts.by_thread[thread].of_all();
     const parallel::TaskMigrations& got = counts.migrations[thread];

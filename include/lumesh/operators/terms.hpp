@@ -72,28 +72,29 @@ struct OperatorCount {
 struct OperatorCounts {
   OperatorCount insertion, collapse, edge_removal, face_removal, smoothing;
 
+  struct Named {
+    const char* name;
+    OperatorCount OperatorCounts::*count;
+  };
+  static constexpr std::array<Named, 5> all() {
+    return {{{"insertion", &OperatorCounts::insertion},
+             {"collapse", &OperatorCounts::collapse},
+             {"edge_removal", &OperatorCounts::edge_removal},
+             {"face_removal", &OperatorCounts::face_removal},
+             {"smoothing", &OperatorCounts::smoothing}}};
+  }
+
   OperatorCounts& operator+=(const OperatorCounts& other) {
-    insertion += other.insertion;
-    collapse += other.collapse;
-    edge_removal += other.edge_removal;
-    face_removal += other.face_removal;
-    smoothing += other.smoothing;
+    for (const Named& one : all()) this->*one.count += other.*one.count;
     return *this;
   }
   OperatorCounts& operator-=(const OperatorCounts& other) {
-    insertion -= other.insertion;
-    collapse -= other.collapse;
-    edge_removal -= other.edge_removal;
-    face_removal -= other.face_removal;
-    smoothing -= other.smoothing;
+    for (const Named& one : all()) this->*one.count -= other.*one.count;
     return *this;
   }
   [[nodiscard]] OperatorCount of_all() const {
-    OperatorCount sum = insertion;
-    sum += collapse;
-    sum += edge_removal;
-    sum += face_removal;
-    sum += smoothing;
+    OperatorCount sum;
+    for (const Named& one : all()) sum += this->*one.count;
     return sum;
   }
   [[nodiscard]] std::uint64_t applied() const { return of_all().applied; }
