@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lumesh/domain/openings.hpp"
-#include "lumesh/domain/patch_names.hpp"
+#include "lumesh/mesh/patch_naming.hpp"
 
 namespace lumesh {
 

@@ -10,7 +10,7 @@
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/geometry/triangle.hpp"
-#include "lumesh/mesh/patch_words.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "opening_names.hpp"
 
 namespace lumesh {
@@ -233,36 +233,6 @@ std::vector<BoundaryTriangle> with_flat_openings(std::span<const BoundaryTriangl
 }
 
 }  // namespace
-
-PatchNaming::PatchNaming(const std::map<Label, std::string>& label_names)
-    : words_(label_words(label_names)) {}
-
-std::string PatchNaming::word(Label label) const {
-  const auto at = words_.find(label);
-  return at != words_.end() ? at->second : std::to_string(label);
-}
-
-std::string PatchNaming::wall(Label label, bool is_only) const {
-  return is_only ? "wall" : "wall_" + word(label);
-}
-
-std::string PatchNaming::between(Label a, Label b) const {
-  const std::string name = word(std::min(a, b)) + "_" + word(std::max(a, b));
-  // Of other labels, too, such as a_b and c for a and b_c: numbers tell them apart.
-  const auto is_word = [&](const std::string& text) {
-    return (!text.empty() && text.find_first_not_of("0123456789") == std::string::npos) ||
-           std::any_of(words_.begin(), words_.end(), [&](const auto& one) { return one.second == text; });
-  };
-  int readings = 0;
-  for (std::size_t at = name.find('_'); at != std::string::npos; at = name.find('_', at + 1))
-    readings += is_word(name.substr(0, at)) && is_word(name.substr(at + 1)) ? 1 : 0;
-  return "interface_" +
-         (readings > 1 ? std::to_string(std::min(a, b)) + "_" + std::to_string(std::max(a, b)) : name);
-}
-
-std::string PatchNaming::label(Label label) const {
-  return words_.contains(label) ? word(label) : "label_" + std::to_string(label);
-}
 
 PatchAssignment name_patches(std::span<const BoundaryTriangle> given, std::span<const Vec3> positions,
                              const Domain& domain) {

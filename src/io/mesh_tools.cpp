@@ -5,7 +5,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/cell_sides.hpp"
 #include "lumesh/mesh/parts.hpp"
-#include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/mesh/patch_naming.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -17,11 +17,6 @@ struct LabelFace {
   std::array<Label, 2> labels;  // Inside, outside.
   FaceCorners outward;
 };
-
-std::string patch_name(Label inside, Label outside, bool single_label) {
-  if (outside != kBackground) return name_between(inside, outside);
-  return single_label ? "wall" : "wall_" + std::to_string(inside);
-}
 
 }  // namespace
 
@@ -53,6 +48,7 @@ void extract_boundary(MixedMesh& mesh) {
   });
   std::stable_sort(faces.begin(), faces.end(),
                    [](const LabelFace& a, const LabelFace& b) { return a.labels < b.labels; });
+  const PatchNaming naming(mesh.info.label_names);
   const bool single_label = labels_of(mesh).size() <= 1;
   mesh.triangles.clear();
   mesh.triangle_patches.clear();
@@ -61,10 +57,12 @@ void extract_boundary(MixedMesh& mesh) {
   mesh.info.patches.clear();
   for (const LabelFace& face : faces) {
     const auto& [inside, outside] = face.labels;
-    if (mesh.info.patches.empty() || mesh.info.patches.back().labels != face.labels)
-      mesh.info.patches.push_back({patch_name(inside, outside, single_label),
-                                   outside == kBackground ? PatchKind::kWall : PatchKind::kInterface,
-                                   face.labels});
+    if (mesh.info.patches.empty() || mesh.info.patches.back().labels != face.labels) {
+      const bool is_wall = outside == kBackground;
+      mesh.info.patches.push_back(
+          {is_wall ? naming.wall(inside, single_label) : naming.between(inside, outside),
+           is_wall ? PatchKind::kWall : PatchKind::kInterface, face.labels});
+    }
     append_face(face.outward, static_cast<std::int32_t>(mesh.info.patches.size()) - 1, mesh);
   }
 }

@@ -9,6 +9,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
+#include "lumesh/mesh/patch_naming.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/key_table.hpp"
@@ -263,14 +264,13 @@ struct TetMesh::Assembly {
     parallel::sort_unique(pairs);
     const auto walls =
         std::count_if(pairs.begin(), pairs.end(), [](const Pair& p) { return p[0] == kBackground; });
+    const PatchNaming naming(mesh.info_.label_names);
     mesh.info_.patches.clear();
     for (const auto& [outside, inside] : pairs) {
       const bool wall = outside == kBackground;
-      const std::string name = !wall ? "interface_" + std::to_string(inside) + "_" + std::to_string(outside)
-                               : walls == 1 ? "wall"
-                                            : "wall_" + std::to_string(inside);
-      mesh.info_.patches.push_back(
-          {name, wall ? PatchKind::kWall : PatchKind::kInterface, {inside, outside}});
+      mesh.info_.patches.push_back({wall ? naming.wall(inside, walls == 1) : naming.between(inside, outside),
+                                    wall ? PatchKind::kWall : PatchKind::kInterface,
+                                    {inside, outside}});
     }
     return [pairs = std::move(pairs)](Label inside, Label outside, const Cell<3>&) {
       const Pair key = {outside, inside};

@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "lumesh/core/error.hpp"
-#include "lumesh/domain/patch_names.hpp"
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/layers/layers.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/mesh/patch_naming.hpp"
 #include "lumesh/stages/layers_stage.hpp"
 #include "stages.hpp"
 

@@ -9,11 +9,11 @@
 #include <set>
 #include <utility>
 
-#include "lumesh/domain/patch_names.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/cut_off_cells.hpp"
 #include "lumesh/mesh/edge_loops.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/mesh/patch_naming.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
 

@@ -201,9 +201,13 @@ TEST(Boundary, IsFoundBetweenLabelsAndOutside) {
   std::map<std::string, int> faces;
   for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches})
     for (const std::int32_t p : *patches) ++faces[mesh.info.patches.at(static_cast<std::size_t>(p)).name];
-  const std::map<std::string, int> expected = {
-      {"wall_1", 4},        {"wall_2", 3},        {"wall_3", 4},       {"wall_7", 3},
-      {"interface_1_2", 1}, {"interface_1_3", 1}, {"interface_2_7", 1}};
+  const std::map<std::string, int> expected = {{"wall_lumen", 4},
+                                               {"wall_2", 3},
+                                               {"wall_3", 4},
+                                               {"wall_clot_old_new", 3},
+                                               {"interface_lumen_2", 1},
+                                               {"interface_lumen_3", 1},
+                                               {"interface_2_clot_old_new", 1}};
   EXPECT_EQ(faces, expected);
 }
 

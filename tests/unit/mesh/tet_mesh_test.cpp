@@ -103,6 +103,16 @@ TEST(TetMeshBuild, NamesPatchesByTheLabelsThatMeet) {
   EXPECT_EQ(fixtures::cube_of_5().build().info().patches[0].name, "wall");
 }
 
+TEST(TetMeshBuild, NamesPatchesAfterLabelsThatHaveNames) {
+  const auto soup = fixtures::two_label_block(2);
+  MeshInfo info;
+  info.label_names = {{2, "left ICA"}};
+  const TetMesh mesh = TetMesh::build(soup.points, soup.tets, soup.labels, info);
+  EXPECT_EQ(mesh.info().patches[0].name, "wall_1");
+  EXPECT_EQ(mesh.info().patches[1].name, "wall_left_ICA");
+  EXPECT_EQ(mesh.info().patches[2].name, "interface_1_left_ICA");
+}
+
 TEST(TetMeshBuild, TellsABackgroundRegionFromTheOutside) {
   auto soup = fixtures::two_label_block(2);
   for (Label& label : soup.labels) label -= 1;  // Labels 0 and 1.
