@@ -25,9 +25,8 @@ std::vector<Vec3> normals_of(const LayerSurface& surface) {
 double angle_at(const LayerSurface& surface, std::uint32_t triangle, std::uint32_t v) {
   const Cell<3>& c = surface.triangles[triangle];
   const std::size_t k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
-  const Vec3 a = (surface.points[c[(k + 1) % 3]] - surface.points[v]).normalized(),
-             b = (surface.points[c[(k + 2) % 3]] - surface.points[v]).normalized();
-  return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
+  return angle_between(surface.points[c[(k + 1) % 3]] - surface.points[v],
+                       surface.points[c[(k + 2) % 3]] - surface.points[v]);
 }
 
 class DirectionFinder {
