@@ -62,7 +62,7 @@ struct AdaptPass {
 struct AdaptReport {
   std::vector<AdaptPass> passes;
   operators::ExecutionCounts by_thread;  ///< Who did what depends on chance in every execution.
-  double complexity = 0;                 ///< Of the metric as the adapted mesh sees it.
+  double complexity = 0;                 ///< Complexity of the metric as the adapted mesh sees it.
   bool complete = true;                  ///< False if the context was cancelled before the end.
 };
 

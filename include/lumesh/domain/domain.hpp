@@ -74,7 +74,7 @@ struct BoundaryPoint {
 
 /// A part of a closed surface where a vessel was cut off.
 struct FlatEnd {
-  std::string name;  ///< Of its patch.
+  std::string name;  ///< Name of its patch.
   double area_mm2 = 0;
   Vec3 centre_mm = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();  ///< Unit, out of the object.
@@ -130,7 +130,7 @@ class Domain {
     return surroundings(point_mm).material;
   }
   [[nodiscard]] virtual Label label_of(Material m) const = 0;
-  /// What the input calls its labels; may be empty or partial.
+  /// Names that the input gives to labels; may be empty or partial.
   [[nodiscard]] virtual std::map<Label, std::string> label_names() const { return {}; }
   /// Number of the labels with the background; materials from there on are openings.
   [[nodiscard]] virtual Material label_count() const = 0;
@@ -144,14 +144,14 @@ class Domain {
   /// for.
   [[nodiscard]] virtual std::span<const Vec3> fixed_points() const { return {}; }
   [[nodiscard]] bool is_fixed(const Vec3& point_mm) const;
-  /// Those of a closed surface, by falling area; none of others, which have cut_planes().
+  /// Flat ends of a closed surface, by falling area; none of other domains, which have cut_planes().
   [[nodiscard]] virtual std::span<const FlatEnd> flat_ends() const { return {}; }
-  /// What cuts the object off, unit normals; none where openings are no planes. Else the materials from
+  /// Planes that cut the object off, unit normals; none where openings are no planes. Else the materials from
   /// label_count() on are what lies beyond each.
   [[nodiscard]] virtual std::span<const CutPlane> cut_planes() const { return {}; }
   /// The plane that a material which is_cut() lies beyond; only where there are cut planes.
   [[nodiscard]] const CutPlane& cut_plane(Material m) const { return cut_planes()[m - label_count()]; }
-  /// What lies beyond one of cut_planes(), by its number.
+  /// Material beyond one of cut_planes(), by its number.
   [[nodiscard]] Material material_beyond(std::size_t cut) const {
     return static_cast<Material>(label_count() + cut);
   }

@@ -9,7 +9,7 @@ namespace lumesh {
 
 class OptionList;
 
-/// What to do where the voxels contradict a smooth boundary.
+/// Rule where the voxels contradict a smooth boundary.
 enum class BoundaryFidelity : std::uint8_t {
   kSmooth,  ///< Voxels that noise explains better may change side.
   kExact,   ///< Every voxel's centre keeps its side.

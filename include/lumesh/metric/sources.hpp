@@ -25,10 +25,10 @@ namespace lumesh::metric {
 
 /// Samples of a flow.
 struct Flow {
-  std::vector<Vec3> points, velocities;  ///< Of the same length; the velocities' unit is their own.
+  std::vector<Vec3> points, velocities;  ///< Arrays of the same length; the velocities' unit is their own.
 };
 
-/// What the names in a MetricRequest stand for: mostly files. Coordinates are those of the mesh that gets the
+/// Data behind the names in a MetricRequest: mostly files. Coordinates are those of the mesh that gets the
 /// metric. All functions throw Error{kBadInput} that names the file, or Error{kUsage} for data that a front
 /// end has not.
 class SourceData {

@@ -95,7 +95,8 @@ struct EdgeBand {
   }
 };
 
-/// Of the tetrahedra only. Metric lengths have no unit; an edge of the length that the metric asks for has 1.
+/// Statistics of the tetrahedra only. Metric lengths have no unit; an edge as long as the metric asks for
+/// has 1.
 struct MetricStatistics : EdgeBand {  // Distinct edges: one of many tetrahedra counts once, as below.
   /// Edges with an end that is on no boundary face of the view: what an adaptation that keeps the surface can
   /// change. None if the view has no boundary faces.
@@ -110,7 +111,7 @@ struct MetricStatistics : EdgeBand {  // Distinct edges: one of many tetrahedra 
   std::uint64_t poor_tetrahedra = 0;  ///< With a mean ratio below kPoorMeanRatio.
   Histogram mean_ratio;               ///< 50 bins over [0, 1].
   double complexity = 0;
-  std::uint64_t vertices = 0;  ///< Those of tetrahedra.
+  std::uint64_t vertices = 0;  ///< Vertices of tetrahedra.
   std::uint64_t tetrahedra = 0;
 
   [[nodiscard]] double vertices_per_complexity() const { return static_cast<double>(vertices) / complexity; }
@@ -153,7 +154,7 @@ struct SurfaceTopology {
   [[nodiscard]] std::int64_t genus() const;  ///< Sum over the components; -1 if one has none.
 };
 
-/// What a named patch looks like.
+/// Figures of a named patch.
 struct PatchSummary {
   std::string name;
   PatchKind kind = PatchKind::kWall;
@@ -161,8 +162,9 @@ struct PatchSummary {
   std::uint64_t faces = 0;
   double area_mm2 = 0;
   Vec3 centre_mm = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();       ///< Area-weighted mean, unit length; zero if the patch closes on itself.
-  double smallest_angle_deg = 180;  ///< Of its triangles; 0 if one has two corners in one place.
+  Vec3 normal = Vec3::Zero();  ///< Area-weighted mean, unit length; zero if the patch closes on itself.
+  double smallest_angle_deg =
+      180;                 ///< Smallest angle of its triangles; 0 if one has two corners in one place.
   double flatness_mm = 0;  ///< Largest distance of a vertex to the best plane (meaningful for openings).
 };
 
@@ -211,7 +213,7 @@ struct MissedVoxel {
 /// Voxels of one label, of the background, or of all, by their centres.
 struct KeptVoxels {
   std::uint64_t counted = 0;
-  std::uint64_t kept = 0;            ///< Of these: in a cell of their label, or, background, in none.
+  std::uint64_t kept = 0;            ///< Voxels of these in a cell of their label, or, background, in none.
   std::optional<MissedVoxel> worst;  ///< The farthest; of equals the first in memory. None if nothing is
                                      ///< missed, or the mesh does not have the label.
 
@@ -243,12 +245,12 @@ inline constexpr double kTightenedPercent = 3;
 struct NarrowestSection {
   std::size_t branch = 0;          ///< Number of the line.
   Vec3 centre_mm = Vec3::Zero();   ///< On the axis.
-  Vec3 direction = Vec3::UnitZ();  ///< Of the axis: the plane's unit normal.
+  Vec3 direction = Vec3::UnitZ();  ///< Direction of the axis: the plane's unit normal.
   double mesh_area_mm2 = 0;        ///< Mean over five parallel planes within one voxel; 0 if the mesh is not
                                    ///< there.
   double voxel_area_mm2 = 0;       ///< On the same planes.
 
-  /// What the mesh has more than the voxels; negative: it is narrower.
+  /// Excess of the mesh's area over that of the voxels; negative: it is narrower.
   [[nodiscard]] double change_percent() const { return 100 * (mesh_area_mm2 / voxel_area_mm2 - 1); }
   [[nodiscard]] bool tightened() const { return change_percent() < -kTightenedPercent; }
 };
@@ -270,9 +272,9 @@ struct TopologyPlace {
   Vec3 centre_mm =
       Vec3::Zero();  ///< Middle of the piece; where the parts meet; middle of what is cut or filled.
   VoxelBox box;  ///< Around the piece; the place alone of kJoined and kSplit; around what is cut or filled.
-  std::uint64_t cells = 0;   ///< Of the extra piece, or of the smaller one that was split off.
-  std::uint64_t voxels = 0;  ///< Of the missing piece, or of the smaller one that was joined.
-  double volume_mm3 = 0;     ///< Of these, or of what is cut or filled.
+  std::uint64_t cells = 0;   ///< Cells of the extra piece, or of the smaller one that was split off.
+  std::uint64_t voxels = 0;  ///< Voxels of the missing piece, or of the smaller one that was joined.
+  double volume_mm3 = 0;     ///< Volume of these, or of what is cut or filled.
   std::int64_t handles = 0,
                cavities = 0;  ///< More than in the voxels; one of the two only, where both can be.
 };

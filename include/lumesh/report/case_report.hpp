@@ -33,19 +33,20 @@ struct NamedPicture {
   std::vector<LegendItem> legend;
   std::optional<ColourScale> scale = {};
   PictureLabels names = {};
-  std::optional<CutWindow> window = {};  ///< Of a cut: which part of which plane it shows.
+  std::optional<CutWindow> window = {};  ///< Window of a cut: which part of which plane it shows.
 };
 
 /// A mesh with layers: what they achieved, and measures of its two parts apart.
 struct LayersOfMesh {
   LayerReport report = {};
-  quality::MeshStatistics core = {};    ///< Of the tetrahedra that the layers stand on or lie around.
-  quality::MeshStatistics layers = {};  ///< Of the layers' own cells.
-  quality::FlatCellShapes shapes = {};  ///< Of the same.
+  quality::MeshStatistics core =
+      {};  ///< Statistics of the tetrahedra that the layers stand on or lie around.
+  quality::MeshStatistics layers = {};  ///< Statistics of the layers' own cells.
+  quality::FlatCellShapes shapes = {};  ///< Shapes of the layers' own cells.
   double least_before_deg = 180;        ///< Dihedral angle of the mesh without layers.
 
   /// A line with the place if the tetrahedra beside the layers have dihedral angles below 5 degrees that the
-  /// mesh had not before, else none: layers do not mend what gave way to them in a bad shape.
+  /// mesh had not before, else none: flat cells of the input stay flat.
   [[nodiscard]] std::string flat_cells_beside() const;
 };
 
@@ -58,9 +59,10 @@ struct StageReport {
   std::vector<Figure> figures;
   std::vector<std::string> warnings;
   std::vector<NamedPicture> pictures;
-  /// Of the mesh that the stage left: gives the plots of its elements, and of its metric where it has one.
+  /// Measures of the mesh that the stage left: gives the plots of its elements, and of its metric where it
+  /// has one.
   std::optional<quality::Evaluation> evaluation;
-  /// Of a mesh with boundary layers; its evaluation is then one of the whole mesh, and plots are of the core.
+  /// Layers of the mesh; its evaluation is then one of the whole mesh, and plots are of the core.
   std::optional<LayersOfMesh> layers;
   std::vector<PhaseTime> steps;  ///< Within the stage.
 };

@@ -40,7 +40,7 @@ struct ImageSelection {
   std::size_t drop_below = 0;   ///< Pieces of fewer voxels become background.
   bool fill_cavities = false;   ///< Background that the labels enclose gets a label.
   TouchChoice touching = TouchChoice::kKeep;  ///< What becomes of vessels side by side that touch.
-  std::string unit;                ///< Of lengths in the file; empty: as it says. See describe_unit().
+  std::string unit;                ///< Unit of lengths in the file; empty: as it says. See describe_unit().
   bool largest_component = false;  ///< Only the largest connected piece of all labels together.
 
   /// Names of the options that are not as they are by default.
@@ -98,7 +98,7 @@ struct InputCuts {
 
 struct SurfaceInputOptions {
   SurfaceDomainOptions domain;
-  std::string patch_array;  ///< Of .vtp: the array of cells that says the patches; empty: one known.
+  std::string patch_array;  ///< Name of the array of a .vtp's cells that says the patches; empty: one known.
   bool keeps_open = false;  ///< Open surfaces stay so, and are refused by what needs closed ones.
 
   void describe(OptionList& list);
@@ -109,7 +109,8 @@ struct SurfaceInputOptions {
 struct SurfaceInput {
   MixedMesh mesh;  ///< Caps are patches of PatchKind::kOpening without a name, last.
   std::vector<surfaces::ClosedRim> closed;
-  /// Of what was read, where it was cut or extended since, as sizes are taken from it; 0: of `mesh`.
+  /// Resolution of what was read, where it was cut or extended since, as sizes are taken from it; 0: that of
+  /// `mesh`.
   double resolution_mm = 0;
 
   /// The inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.

@@ -14,10 +14,10 @@ namespace lumesh::surfaces {
 /// its area vector (the direction along which it surrounds the most area).
 struct Rim {
   std::vector<std::uint32_t> vertices;  ///< In order; the surface goes from each one to the next.
-  Vec3 centre_mm = Vec3::Zero();        ///< Of its edges.
+  Vec3 centre_mm = Vec3::Zero();        ///< Centre of its edges.
   Vec3 normal = Vec3::Zero();  ///< Unit, out of the object where triangles point outwards; zero for a slit.
   double area_mm2 = 0;         ///< That it surrounds in its plane.
-  double radius_mm = 0;        ///< Of the circle with the same area.
+  double radius_mm = 0;        ///< Radius of the circle with the same area.
   double deviation_mm = 0;     ///< Largest distance of a vertex from the plane.
   double mean_edge_mm = 0;
 
@@ -40,18 +40,18 @@ struct Rim {
 /// A rim, and what it was closed with.
 struct ClosedRim {
   bool is_opening = false;        ///< A flat cap; else a piece of the wall.
-  std::string name = {};          ///< Of the opening, where somebody gave it one.
+  std::string name = {};          ///< Name of the opening, where somebody gave it one.
   Rim given;                      ///< As it was; its vertices count no more.
-  Vec3 centre_mm = Vec3::Zero();  ///< Of the area of the new triangles.
+  Vec3 centre_mm = Vec3::Zero();  ///< Centre of the area of the new triangles.
   Vec3 normal = Vec3::Zero();     ///< Unit, out of the object.
-  double area_mm2 = 0;            ///< Of the new triangles.
+  double area_mm2 = 0;            ///< Area of the new triangles.
   double cut_off_mm = 0;          ///< Height of what was cut off to make the rim planar.
   double moved_mm = 0;            ///< Farthest way of a vertex on the wall.
   bool is_ring = false;           ///< The cap goes around rims within it.
-  bool ends_wall = false;         ///< Of a hole: a wall runs up to it, as to the end of a vessel.
-  std::int32_t patch = 0;         ///< Of the new triangles.
+  bool ends_wall = false;         ///< True for a hole to which a wall runs up, as to the end of a vessel.
+  std::int32_t patch = 0;         ///< Patch of the new triangles.
   std::size_t triangles = 0;      ///< New ones.
-  double smallest_angle_deg = 0;  ///< Of the new triangles.
+  double smallest_angle_deg = 0;  ///< Smallest angle of the new triangles.
 };
 
 struct FarthestPoint {
@@ -59,13 +59,13 @@ struct FarthestPoint {
   Vec3 place_mm = Vec3::Zero();  ///< On the surface that was walked over.
 };
 
-/// What a repair did.
+/// Counts of a repair.
 struct RepairReport {
   std::uint64_t duplicate_triangles = 0;  ///< Left out.
   std::uint64_t dropped_parts = 0;        ///< Specks, and parts that lie on others.
-  std::uint64_t dropped_triangles = 0;    ///< Of those parts.
-  std::uint64_t singular_edges = 0;       ///< Of three triangles or more, cut.
-  std::uint64_t singular_points = 0;      ///< Of more than one fan, divided.
+  std::uint64_t dropped_triangles = 0;    ///< Triangles of those parts.
+  std::uint64_t singular_edges = 0;       ///< Edges of three triangles or more, cut.
+  std::uint64_t singular_points = 0;      ///< Points of more than one fan, divided.
   std::uint64_t turned_triangles = 0;
   std::uint64_t flipped_edges = 0;      ///< Beside triangles without area.
   std::uint64_t holes = 0;              ///< Filled ones of the given surface.

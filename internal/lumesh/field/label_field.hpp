@@ -32,7 +32,7 @@ class LabelField {
   using LabelIndex = LabelImage::Index;
   /// Values are cut off here; in edges of the smallest voxel edge.
   static constexpr double kFieldLimit = 2.25;
-  /// What is stored is cut off a little above.
+  /// Bound of stored values, which are cut off a little above the limit.
   static constexpr double kStoredLimit = kFieldLimit + 0.25;
 
   /// Copies what it needs; the image may be dropped afterwards. Cost: linear in the image for the scan, then
@@ -139,13 +139,13 @@ class LabelField {
   [[nodiscard]] LabelIndex label_in(const Place& place) const;
 
   ImageFrame frame_;
-  Vec3 edges_ = Vec3::Ones();  ///< Of the voxel, in units of the smallest.
+  Vec3 edges_ = Vec3::Ones();  ///< Edges of the voxel, in units of the smallest.
   Index3 bricks_ = Index3::Zero();
   std::vector<std::int32_t>
       brick_of_;  ///< Per brick of the image: index into active_, or -1 - label if uniform.
   std::vector<Brick> active_;
-  std::vector<LabelIndex> labels_;   ///< Of the active bricks, one after the other, ascending.
-  std::vector<Pair> pairs_;          ///< Of the active bricks; as many blocks.
+  std::vector<LabelIndex> labels_;   ///< Labels of the active bricks, one after the other, ascending.
+  std::vector<Pair> pairs_;          ///< Pairs of the active bricks; as many blocks.
   std::vector<LabelIndex> corners_;  ///< Labels of the voxels at the cells' corners, x fastest.
   std::vector<LabelIndex>
       all_labels_;  ///< 0, 1, 2, …: what labels_near() returns parts of in uniform bricks.

@@ -7,7 +7,6 @@
 /// Vertices carry metrics (TetMesh::enable_metric()), and the stored quality of every tetrahedron stays
 /// right.
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>

@@ -9,10 +9,11 @@ namespace lumesh::quality {
 /// Lengths and shapes of the tetrahedra in mesh.metric.
 ///
 /// - Edges: logarithmic mean of the lengths in the metrics of both ends, which is exact for sizes that grow
-///   geometrically along the edge. Source: Alauzet 2010, doi:10.1016/j.finel.2009.06.028.
+///   geometrically along the edge. Source: Alauzet 2010, doi:10.1016/j.finel.2009.06.028, page 185.
 /// - Mean ratio: in the log-Euclidean mean of the metrics of the four vertices. Same source.
 /// - Complexity: the integral of sqrt(det M); each vertex has the weight of a quarter of its tetrahedra.
-///   Source: Loseille and Alauzet 2011, doi:10.1137/090754078.
+///   Sources: Loseille and Alauzet 2011, doi:10.1137/090754078; eqs. (1) and (2) of the paper
+///   (docs/paper.md).
 /// - Free edges: a vertex is on the boundary if a boundary triangle or quadrilateral of the view has it.
 ///
 /// @param mesh  With tetrahedra, and a metric for each point in 1/mm^2.

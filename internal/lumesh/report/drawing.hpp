@@ -28,7 +28,7 @@ namespace lumesh::report {
 struct LinesOptions {
   int width = 1400;
   int supersampling = 3;
-  double thickness_pixels = 9;  ///< Of the lines.
+  double thickness_pixels = 9;  ///< Thickness of the lines.
   std::string scalar =
       {};  ///< Name in Polylines::scalars, such as "radius"; empty, or not there: a colour per line.
   std::string scalar_name = {};  ///< What the scale says: "radius, mm".
@@ -59,13 +59,13 @@ enum class CutDirection : std::uint8_t {
   kSide,   ///< About a quarter turn to the right, at least 45 degrees from the front.
 };
 
-/// What the colours of a cut tell.
+/// Quantity that the colours of a cut show.
 enum class CutColours : std::uint8_t {
-  kMeanRatio,        ///< Of the tetrahedra; other shapes: scaled Jacobian.
+  kMeanRatio,        ///< Mean ratio of the tetrahedra; other shapes: scaled Jacobian.
   kMetricMeanRatio,  ///< In the metric that the mesh carries; other shapes: scaled Jacobian.
 };
 
-/// What of a cut is shown, and how.
+/// Choice of what a cut shows, and how.
 struct CutOptions {
   int width = 1400;
   int supersampling = 3;

@@ -15,7 +15,7 @@ namespace lumesh::report {
 [[nodiscard]] NamedPicture captioned(SurfacePicture drawn, std::string caption);
 [[nodiscard]] NamedPicture captioned(CutPicture drawn, std::string caption);
 
-/// What a stage says of itself in words and numbers (what, figures, warnings, what layers achieved), to be
+/// Notes of a stage in words and numbers (what, figures, warnings, what layers achieved), to be
 /// kept beside its mesh.
 [[nodiscard]] std::string stage_notes_json(const StageReport& stage);
 /// Puts such notes into a report. @throws Error{kBadInput} if the text is none of these.

@@ -30,10 +30,10 @@ void edit_image(const ImageSelection& selection, Context& context, LabelImage& i
 /// The same for the frame and unit of another mesh.
 void bring_to(MixedMesh& mesh, const MeshInfo& frame);
 
-/// What the coordinates of one mesh are multiplied by to stand in the frame and unit of another.
+/// Factors by which coordinates of one mesh come to the frame and unit of another.
 [[nodiscard]] Vec3 frame_factors(const MeshInfo& from, const MeshInfo& to);
 
-/// What to say of a surface so small, large or thin that its coordinates are hardly mm; empty otherwise.
+/// Doubt about a surface so small, large or thin that its coordinates are hardly mm; empty otherwise.
 [[nodiscard]] std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings);
 /// Warns of it, unless the unit is given.
 void warn_of_unit(const MixedMesh& surface, std::span<const Opening> openings, const std::string& unit,

@@ -14,7 +14,7 @@
 
 namespace lumesh {
 
-/// What was read from a file, in mm (LPS), quadrilaterals as two triangles each.
+/// Surface of what was read from a file, in mm (LPS), quadrilaterals as two triangles each.
 /// @throws Error{kBadInput} that names the file if it holds a volume.
 [[nodiscard]] MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path);
 
