@@ -1,43 +1,18 @@
 #!/usr/bin/env python3
 """Checks who includes whom.
 
-1. A module includes only itself and what the dependency table of docs/design.md allows it; no private header of
-   another module. 2. Headers of the API (include/) include no internal ones (internal/), and no header has the name of
+1. A module includes only itself and what CMakeLists.txt lets it depend on; no private header of another module;
+docs/design.md has the same table, and a graph of it (--graph prints that). 2. Headers of the API (include/) include no internal ones (internal/), and no header has the name of
    another in both. 3. A header of the API is named in docs/api.md, or one that is named there needs it. 4. Heavy
 libraries never appear in shared headers; ITK in one .cpp, VTK in none, CGAL in one.
 
-Usage: check_layers.py [ROOT]
+Usage: check_layers.py [--graph] [ROOT]
 """
 import pathlib
 import re
 import sys
 
 import sources
-
-# "x: y z": x may include y and z, and what they include. The same table stands in docs/design.md, section 2.
-TABLE = """
-core:
-parallel: core
-geometry: core parallel
-image: core parallel
-field: image
-mesh: geometry parallel
-surface: mesh
-io: image mesh
-domain: field surface
-metric: mesh domain
-operators: mesh domain metric
-centerline: image mesh
-lattice: operators
-delaunay: operators
-adapt: operators
-layers: adapt
-quality: mesh domain metric
-report: quality layers
-stages: surface lattice delaunay adapt layers centerline io quality
-pipeline: stages report
-apps: pipeline
-"""
 
 # Libraries that cost seconds per file or leak macros: how many files under src/ may include each.
 HEAVY = {"ITK": (r"itk\w+\.h", 1), "VTK": (r"vtk\w+\.h", 1), "CGAL": (r"CGAL/.*", 1),
@@ -52,15 +27,44 @@ SHARED = ["include", "internal"]
 INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]', re.MULTILINE)
 
 
+def dependencies():
+    """What each module depends on, from CMakeLists.txt, in its order."""
+    text = (sources.ROOT / "CMakeLists.txt").read_text()
+    found = re.findall(r"^lumesh_module\((\w+)(?: DEPENDS ([a-z ]+?))?(?: ALONE [^)]*)?\)", text, re.MULTILINE)
+    return {module: names.split() for module, names in found} | {"apps": ["pipeline"]}
+
+
 def allowed_modules():
-    """Each module with everything it may include: the closure of the table. The order of the table rules out cycles."""
+    """Each module with everything it may include: the closure of its dependencies. Their order rules out cycles."""
     closure = {}
-    for line in TABLE.strip().splitlines():
-        module, _, names = line.partition(":")
+    for module, names in dependencies().items():
         closure[module] = {module}
-        for name in names.split():
-            closure[module] |= closure[name]  # KeyError: the table names a module before it stands there
+        for name in names:
+            closure[module] |= closure[name]  # KeyError: a module depends on one that stands behind it
     return closure
+
+
+def graph():
+    """The dependencies as a Mermaid graph, without those that follow from others."""
+    allowed, lines = allowed_modules(), ["```mermaid", "graph BT"]
+    for module, names in dependencies().items():
+        lines += [f"  {module} --> {name}" for name in names
+                  if not any(name in allowed[other] for other in names if other != name)]
+    return "\n".join([*lines, "```"])
+
+
+def faults_of_design(root):
+    """Yields where the table and the graph of docs/design.md differ from CMakeLists.txt."""
+    page = root / "docs/design.md"
+    if not page.is_file():
+        return
+    text = page.read_text()
+    rows = dict(re.findall(r"^\| `(\w+)` \|[^|]*\| ([a-z ]*?) *\|$", text, re.MULTILINE))
+    for module, names in dependencies().items():
+        if rows.get(module) != " ".join(names):
+            yield f"docs/design.md: `{module}` depends on '{' '.join(names)}' in CMakeLists.txt"
+    if graph() not in text:
+        yield "docs/design.md: the graph of modules is another; check_layers.py --graph prints it"
 
 
 def module_of(path):
@@ -77,7 +81,7 @@ def faults_of_include(root, path, included, allowed):
     if included.startswith("lumesh/"):
         module = included.split("/")[1]
         if module not in allowed[module_of(path)]:
-            yield f"{path}: {module_of(path)} may not include {included} (see the table in docs/design.md)"
+            yield f"{path}: {module_of(path)} may not include {included} (see CMakeLists.txt)"
         homes = [folder for folder in SHARED if (root / folder / included).is_file()]
         if len(homes) != 1:
             yield f"{path}: {included} stands in {' and '.join(homes) or 'neither include nor internal'}"
@@ -118,7 +122,11 @@ def unneeded_in_api(root, includes):
 
 
 def main():
-    root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else sources.ROOT
+    arguments = sys.argv[1:]
+    if arguments == ["--graph"]:
+        print(graph())
+        return 0
+    root = pathlib.Path(arguments[0]) if arguments else sources.ROOT
     allowed = allowed_modules()
     includes, faults = {}, []
     for path in sources.source_files(root, ["include/lumesh", "internal/lumesh", "src", "apps"]):
@@ -127,13 +135,14 @@ def main():
                 faults.append(f"{path}: a header for plain C includes nothing of lumesh")
             continue
         if module_of(path) not in allowed:
-            faults.append(f"{path}: module {module_of(path)} is not in the dependency table")
+            faults.append(f"{path}: module {module_of(path)} is not in CMakeLists.txt")
             continue
         includes[path] = INCLUDE.findall((root / path).read_text())
         for included in includes[path]:
             faults += faults_of_include(root, path, included, allowed)
     faults += heavy_in_too_many(includes)
     faults += unneeded_in_api(root, includes)
+    faults += faults_of_design(root)
     print("\n".join(faults + [f"check_layers: {len(includes)} files, {len(faults)} faults"]))
     return 1 if faults or not includes else 0
 

@@ -22,7 +22,7 @@ browser_packages=(chromium)
 # Solvers that run on what lumesh writes, 0.8 GB; their tests skip themselves where they are missing.
 solver_packages=(openfoam python3-dolfinx)
 # What checks the source; ccache makes the second build quick.
-check_packages=(clang-format clang-tidy ccache)
+check_packages=(clang-format-14 clang-tidy ccache)
 
 packages_of() {
   case $1 in
