@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -31,26 +30,6 @@ struct LatticeCommand {
   [[nodiscard]] FrameParts frames() { return {&input.selection, input.path, {&mesh_path, &surface_path}}; }
 };
 
-/// The labels of an image, the first ones of many.
-std::string label_list(const LabelImage& image) {
-  constexpr std::size_t kMost = 20;
-  std::string list;
-  for (std::size_t i = 1; i < image.values().size(); ++i) {
-    if (i > kMost) return list + ", ...";
-    list += (i > 1 ? ", " : "") + std::to_string(image.values()[i]);
-  }
-  return list;
-}
-
-void require_labels(const LatticeCommand& command, const LabelImage& image) {
-  const std::vector<Label>& present = image.values();
-  for (const auto& entry : command.options.label_fidelity)
-    if (entry.first == kBackground || !std::binary_search(present.begin(), present.end(), entry.first))
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("{}: {} has no label {} to mesh; it has {}", option_name("label_fidelity"),
-                              command.input.path, entry.first, label_list(image)));
-}
-
 void print_summary(const LatticeCommand& command, const LatticeResult& result,
                    const OpeningsCompared& openings, const Context& context, double seconds) {
   const MixedMesh& mesh = result.mesh;
@@ -74,7 +53,7 @@ void run(const LatticeCommand& command) {
   LatticeOptions options = command.options;
   if (command.cells_per_diameter > 0)
     options.fidelity = LatticeOptions::fidelity_of_cells(command.cells_per_diameter);
-  require_labels(command, image);
+  naming(input.path, [&] { options.require_labels_of(image); });  // Before the time for a domain is spent.
   const std::shared_ptr<const ImageDomain> domain =
       naming(input.path, [&] { return domain_of_cut(image, planes, input.cuts, input.field, context); });
   const DomainRead given = with_openings(domain, image, input, context);

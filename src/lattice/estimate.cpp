@@ -28,6 +28,7 @@ double estimated_tetrahedra(const LabelImage& image, const ImageDomain& domain,
   constexpr double kTetsPerCube = 12, kTransitions = 1.04;
   constexpr std::size_t kPlaces = 20000;
   options.validate();
+  options.require_labels_of(image);
   const std::vector<double> of_labels = count_kept_voxels(image, domain.cut_planes());
   const double voxels = std::accumulate(of_labels.begin(), of_labels.end(), 0.0);
   const auto object_voxels = static_cast<std::size_t>(std::ceil(voxels));

@@ -186,6 +186,7 @@ void finish_lattice(const LabelImage& image, BuiltLattice built, const ImageDoma
 LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
                            Context& context) {
   options.validate();
+  options.require_labels_of(image);
   const std::vector<double> voxels =
       context.phase("count", [&] { return count_kept_voxels(image, domain.cut_planes()); });
   const auto object_voxels =

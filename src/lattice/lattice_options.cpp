@@ -1,4 +1,7 @@
+#include <span>
+
 #include "lumesh/core/option.hpp"
+#include "lumesh/image/labels_named.hpp"
 #include "lumesh/lattice/lattice.hpp"
 
 namespace lumesh {
@@ -38,6 +41,10 @@ void LatticeOptions::describe(OptionList& list) {
 
 void LatticeOptions::validate() const {
   require_ranges_of(*this);
+}
+
+void LatticeOptions::require_labels_of(const LabelImage& image) const {
+  require_labels(option_name("label_fidelity"), label_fidelity, std::span(image.values()).subspan(1));
 }
 
 }  // namespace lumesh

@@ -101,6 +101,7 @@ void read_input(CaseState& state, report::StageReport& stage) {
     if (!state.image) return;
     state.cut_planes =
         state.context.phase("cuts", [&] { return cut_off(*state.image, state.c.input.cuts, state.context); });
+    if (state.c.mesher == Mesher::kLattice) state.c.lattice_options().require_labels_of(*state.image);
     if (state.c.input.cuts.extension.is_wanted())
       state.image_domain = domain_of_cut(*state.image, state.cut_planes, state.c.input.cuts,
                                          state.c.input.field, state.context);

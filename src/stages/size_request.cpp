@@ -8,6 +8,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/delaunay/sizing_plugin.hpp"
+#include "lumesh/image/labels_named.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/polylines.hpp"
@@ -17,22 +18,6 @@
 
 namespace lumesh {
 namespace {
-
-void require_labels(const std::map<Label, double>& sizes, const Domain& domain) {
-  std::map<Label, bool> present;
-  std::string list;
-  for (Material m = 1; m < domain.label_count(); ++m) {
-    present[domain.label_of(m)] = true;
-    constexpr Material kMaxListed = 20;
-    if (m <= kMaxListed) list += fmt::format("{}{}", m == 1 ? "" : ", ", domain.label_of(m));
-    if (m == kMaxListed + 1) list += ", ...";
-  }
-  for (const auto& entry : sizes)
-    if (!present.contains(entry.first))
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("{} names label {}, which is not there to be meshed; labels: {}",
-                              option_name("label_size"), entry.first, list));
-}
 
 /// A file of sizes beside a mesh whose format holds none, as Medit's programs want it; "" if there is none.
 std::string solution_beside(const std::filesystem::path& mesh_path) {
@@ -158,7 +143,10 @@ SizeData::SizeData(SizeRequest request, Context& context) : request_(std::move(r
 std::unique_ptr<Sizing> SizeData::on(const Domain& domain, const Polylines& axes) && {
   if (request_.cells_per_diameter > 0) parts_.push_back(size_from_axes(axes, request_.cells_per_diameter));
   if (!request_.label_sizes.empty()) {
-    require_labels(request_.label_sizes, domain);
+    std::vector<Label> labels;
+    for (Material m = 1; m < domain.label_count(); ++m) labels.push_back(domain.label_of(m));
+    std::sort(labels.begin(), labels.end());
+    require_labels(option_name("label_size"), request_.label_sizes, labels);
     parts_.push_back(size_per_label(request_.label_sizes));
   }
   if (!request_.points.empty()) {

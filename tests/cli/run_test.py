@@ -292,6 +292,8 @@ class RunTest(CaseTest):
             ("[input]\nphantom = \"sphere\"\n[adapt]\nboundary = -1\n", "must be one of \"adapt\", \"frozen\""),
             ("[input]\nphantom = \"sphere\"\n[adapt]\nboundary = 5\n", "must be one of \"adapt\", \"frozen\""),
             ("[input]\nphantom = \"sphere\"\n[adapt]\nsplit_above = 1\ncollapse_below = 0.8\n", "[adapt] collapse_below"),
+            ("mesher = \"lattice\"\n[input]\nphantom = \"sphere\"\nphantom_size = [32, 32, 32]\n[lattice]\nlabel_fidelity = [\"7=0.9\"]\n",
+             "has no label 7 to mesh, which [lattice] label_fidelity names; it has 1"),
         ]
         (self.folder / "two.csv").write_text("1 2 3\n4 5 6\n")
         (self.folder / "one.csv").write_text("1 2 3\n")

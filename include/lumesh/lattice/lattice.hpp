@@ -34,6 +34,8 @@ struct LatticeOptions {
 
   void describe(OptionList& list);
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
+  /// @throws Error{kBadInput} for a fidelity of a label that the image does not have.
+  void require_labels_of(const LabelImage& image) const;
 };
 
 /// Figures and notes for the report.
@@ -63,9 +65,10 @@ struct LatticeResult {
 /// @return         A conforming mesh, positively oriented, in mm (LPS); patches "wall", "inlet_1",
 /// "outlet_1", …,
 ///                 "interface_A_B".
-/// @throws Error{kBadInput} if nothing can be meshed, Error{kMemory} if the lattice would not fit into
-/// memory. Threads: data-parallel, bitwise identical for every thread count. Cost: linear in the number of
-/// tetrahedra. Reference: the paper's section 3.1; Molino et al. 2003 for the red-green lattice.
+/// @throws Error{kBadInput} if nothing can be meshed, or as require_labels_of(), Error{kMemory} if the
+/// lattice would not fit into memory. Threads: data-parallel, bitwise identical for every thread count. Cost:
+/// linear in the number of tetrahedra. Reference: the paper's section 3.1; Molino et al. 2003 for the
+/// red-green lattice.
 [[nodiscard]] LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain,
                                          const LatticeOptions& options, Context& context);
 

@@ -232,6 +232,15 @@ TEST(Lattice, FidelityOfALabelRefinesThatLabel) {
   EXPECT_GT(static_cast<double>(count(fine, 1)), 1.5 * static_cast<double>(count(fine, 2)));
 }
 
+TEST(Lattice, FidelityOfALabelThatTheImageDoesNotHaveIsRefused) {
+  const LabelImage image = nested_balls(13);
+  for (const Label label : {0, 7}) {
+    LatticeOptions options;
+    options.label_fidelity[label] = 0.92;
+    EXPECT_THROW(static_cast<void>(meshed(image, options)), Error);
+  }
+}
+
 TEST(Lattice, SmallerSpacingGivesMoreTetrahedraAndBothLieOnTheSurface) {
   const LabelImage image = ball(frame_of({48, 48, 48}), kSmallCentre, 15);
   LatticeOptions coarse, fine;
