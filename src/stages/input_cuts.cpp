@@ -17,7 +17,6 @@
 #include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/stages/opening_sections.hpp"
-#include "lumesh/stages/vessel_ends.hpp"
 #include "vessel_axes.hpp"
 
 namespace lumesh {
@@ -66,22 +65,12 @@ void clip_ends(LabelImage& image, const LocalLength& length, std::vector<CutPlan
   Context quiet;
   const Polylines lines = extract_centerline(image, {}, quiet);
   const double voxel_mm = image.frame().spacing_mm.maxCoeff();
-  for (const std::vector<std::uint32_t>& from_end : lines_from_ends(lines)) {
-    const Vec3& end = lines.points[from_end.front()];
-    if (lines.scalars.at("radius")[from_end.front()] < voxel_mm) continue;
-    try {
-      const std::optional<Vec3> place = place_up(lines, from_end, length);
-      if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
-      const AxisPlace found = axis_at(lines, *place, planes);
-      planes.push_back(
-          cut_off_vessel(image, towards_end(found, end), found.radius_mm, kMaxWideningAtEnds, CutPart::kAbove)
-              .plane);
-    } catch (const Error& error) {
-      if (error.kind() != ErrorKind::kBadInput) throw;
-      context.warn(fmt::format("{}: the end at {} stays: {}", option_name("clip_ends"), place_text(end),
-                               error.what()));
-    }
-  }
+  const auto is_wide = [&](std::uint32_t tip) { return lines.scalars.at("radius")[tip] >= voxel_mm; };
+  const auto cut = [&](const AxisPlace& at) {
+    planes.push_back(
+        cut_off_vessel(image, at.across, at.radius_mm, kMaxWideningAtEnds, CutPart::kAbove).plane);
+  };
+  static_cast<void>(cut_ends(lines, length, is_wide, planes, cut, context));
 }
 
 }  // namespace

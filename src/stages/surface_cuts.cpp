@@ -13,14 +13,12 @@
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
-#include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/layers/extrusion.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
-#include "lumesh/stages/vessel_ends.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/plane_cut.hpp"
 #include "lumesh/surface/shells.hpp"
@@ -130,22 +128,9 @@ class SurfaceCutter {
   /// Cuts off the ends of vessels that end in an opening.
   void clip_ends(const LocalLength& length, std::span<const FlatEnd> ends) {
     const Polylines lines = axes_of(mesh_);
-    std::size_t found_ends = 0;
-    for (const std::vector<std::uint32_t>& from_end : lines_from_ends(lines)) {
-      if (!is_at_end(lines.points[from_end.front()], ends)) continue;
-      ++found_ends;
-      try {
-        const std::optional<Vec3> place = place_up(lines, from_end, length);
-        if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
-        AxisPlace found = axis_at(lines, *place, {});
-        found.across = towards_end(found, lines.points[from_end.front()]);
-        cut_off_end(found, kMaxWideningAtEnds, CutPart::kAbove);
-      } catch (const Error& error) {
-        if (error.kind() != ErrorKind::kBadInput) throw;
-        context_.warn(fmt::format("{}: the end at {} stays: {}", option_name("clip_ends"),
-                                  place_text(lines.points[from_end.front()]), error.what()));
-      }
-    }
+    const std::size_t found_ends = cut_ends(
+        lines, length, [&](std::uint32_t tip) { return is_at_end(lines.points[tip], ends); }, {},
+        [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); }, context_);
     if (found_ends == 0)
       context_.warn(option_name("clip_ends") +
                     ": no axis of a vessel comes to a flat end; all ends stay as they are");

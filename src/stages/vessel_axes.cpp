@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <numbers>
+#include <optional>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
 
 namespace lumesh {
 namespace {
@@ -40,6 +43,29 @@ AxisPlace nearest_axis(const Polylines& lines, const Vec3& place_mm) {
   return nearest;
 }
 
+/// The place on a line so far from its end; none where it is not as long.
+std::optional<Vec3> place_up(const Polylines& lines, const std::vector<std::uint32_t>& from_end,
+                             const LocalLength& length) {
+  const std::vector<double>& radius = lines.scalars.at("radius");
+  double way_mm = 0, lacking_mm = length.in_mm(radius[from_end[0]]);
+  for (std::size_t i = 1; i < from_end.size(); ++i) {
+    const Vec3 &before = lines.points[from_end[i - 1]], &at = lines.points[from_end[i]];
+    way_mm += (at - before).norm();
+    const double beyond_mm = way_mm - length.in_mm(radius[from_end[i]]);
+    if (beyond_mm >= 0) return before + lacking_mm / (lacking_mm + beyond_mm) * (at - before);
+    lacking_mm = -beyond_mm;
+  }
+  return std::nullopt;
+}
+
+/// The plane there with its normal towards the end that is cut off.
+CutPlane towards_end(const AxisPlace& place, const Vec3& end) {
+  CutPlane plane = place.across;
+  plane.normal.normalize();
+  if (plane.height(end) < 0) plane.normal = -plane.normal;
+  return plane;
+}
+
 }  // namespace
 
 AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const CutPlane> before) {
@@ -60,25 +86,27 @@ AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const Cut
   return found;
 }
 
-std::optional<Vec3> place_up(const Polylines& lines, const std::vector<std::uint32_t>& from_end,
-                             const LocalLength& length) {
-  const std::vector<double>& radius = lines.scalars.at("radius");
-  double way_mm = 0, lacking_mm = length.in_mm(radius[from_end[0]]);
-  for (std::size_t i = 1; i < from_end.size(); ++i) {
-    const Vec3 &before = lines.points[from_end[i - 1]], &at = lines.points[from_end[i]];
-    way_mm += (at - before).norm();
-    const double beyond_mm = way_mm - length.in_mm(radius[from_end[i]]);
-    if (beyond_mm >= 0) return before + lacking_mm / (lacking_mm + beyond_mm) * (at - before);
-    lacking_mm = -beyond_mm;
+std::size_t cut_ends(const Polylines& lines, const LocalLength& length,
+                     const std::function<bool(std::uint32_t)>& is_end, const std::vector<CutPlane>& before,
+                     const std::function<void(const AxisPlace&)>& cut, const Context& context) {
+  std::size_t count = 0;
+  for (const std::vector<std::uint32_t>& from_end : lines_from_ends(lines)) {
+    if (!is_end(from_end.front())) continue;
+    ++count;
+    const Vec3& end = lines.points[from_end.front()];
+    try {
+      const std::optional<Vec3> place = place_up(lines, from_end, length);
+      if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
+      AxisPlace found = axis_at(lines, *place, before);
+      found.across = towards_end(found, end);
+      cut(found);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kBadInput) throw;
+      context.warn(fmt::format("{}: the end at {} stays: {}", option_name("clip_ends"), place_text(end),
+                               error.what()));
+    }
   }
-  return std::nullopt;
-}
-
-CutPlane towards_end(const AxisPlace& place, const Vec3& end) {
-  CutPlane plane = place.across;
-  plane.normal.normalize();
-  if (plane.height(end) < 0) plane.normal = -plane.normal;
-  return plane;
+  return count;
 }
 
 std::string doubt_about_section(const AxisPlace& place, double section_mm2) {

@@ -2,12 +2,13 @@
 // Places on the axes of vessels, where they are cut.
 
 #include <cstdint>
+#include <functional>
 #include <limits>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "lumesh/core/context.hpp"
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/domain/extension.hpp"
 #include "lumesh/mesh/polylines.hpp"
@@ -28,12 +29,16 @@ struct AxisPlace {
 /// Sections of ends that are cut unasked, in circles of the vessel's radius: wider ones fork or bulge.
 inline constexpr double kMaxWideningAtEnds = 2;
 
-/// The place on a line so far from its end; none where it is not as long.
-[[nodiscard]] std::optional<Vec3> place_up(const Polylines& lines, const std::vector<std::uint32_t>& from_end,
-                                           const LocalLength& length);
-
-/// The plane there with its normal towards the end that is cut off.
-[[nodiscard]] CutPlane towards_end(const AxisPlace& place, const Vec3& end);
+/// Has the vessels cut at so far from each of their ends; an end that cannot be cut off stays, with a
+/// warning.
+/// @param lines  As above. @param is_end  Whether the end of a line at this point is one to cut off.
+/// @param before  Cuts that were made; may grow by `cut`.
+/// @param cut  Cuts at a place whose normal points to the end. @throws Error{kBadInput} if it cannot be.
+/// @return  Number of these ends.
+[[nodiscard]] std::size_t cut_ends(const Polylines& lines, const LocalLength& length,
+                                   const std::function<bool(std::uint32_t)>& is_end,
+                                   const std::vector<CutPlane>& before,
+                                   const std::function<void(const AxisPlace&)>& cut, const Context& context);
 
 /// What to say of a cut whose section is much wider than the vessel; empty otherwise.
 [[nodiscard]] std::string doubt_about_section(const AxisPlace& place, double section_mm2);
