@@ -142,13 +142,6 @@ void print_warning(std::string_view text) {
   print_error("lumesh: warning: {}\n", text);
 }
 
-LabelImage read_cut_image(const std::string& path, const ImageSelection& selection, const InputCuts& cuts,
-                          std::vector<CutPlane>& planes, Context& context) {
-  LabelImage image = context.phase("read", [&] { return read_selected_image(path, selection, context); });
-  planes = naming(path, [&] { return context.phase("cuts", [&] { return cut_off(image, cuts, context); }); });
-  return image;
-}
-
 void add_mesh_argument(CLI::App& command, std::string& path, const std::string& name) {
   command.add_option(name, path, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")->required();
 }
@@ -272,28 +265,6 @@ std::map<std::string, std::string> provenance_of(const CLI::App& command, const 
   const std::vector<std::string> cuts = cut_options(known ? before : result);
   if (!cuts.empty()) result[kCutsKey] = fmt::format("{}", fmt::join(cuts, " "));
   return result;
-}
-
-std::vector<std::string> doubts_about_image(const std::string& image_path, const std::string& mesh_path,
-                                            const MeshInfo& info, std::string_view consequence) {
-  const auto made_from = info.provenance.find("input_sha256");
-  if (made_from == info.provenance.end() || made_from->second.empty()) return {};
-  const std::string found = file_sha256(image_path);
-  if (found.empty() || found == made_from->second) return {};
-  const auto input = info.provenance.find("input");
-  return {fmt::format("{}: is not the file that {} was made from{} (SHA-256 {:.8}, not {:.8}); {}",
-                      image_path, mesh_path, input == info.provenance.end() ? "" : ", " + input->second,
-                      found, made_from->second, consequence)};
-}
-
-std::vector<std::string> doubts_about_cuts(const InputCuts& given, const std::string& mesh_path,
-                                           const MeshInfo& info) {
-  const std::vector<std::string> made_with = cut_options(info.provenance);
-  if (cut_options(given).size() >= made_with.size()) return {};
-  return {fmt::format(
-      "{}: was made of an image that was cut or extended, and sizes are those of that image only if the same "
-      "cuts are given: {}",
-      mesh_path, fmt::join(made_with, " "))};
 }
 
 void require_sound(const std::string& path, const MeshView& mesh, Context& context,

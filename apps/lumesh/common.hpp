@@ -95,12 +95,6 @@ void say(const RunOptions& options, fmt::format_string<Args...> format, Args&&..
 /// One warning line on stderr.
 void print_warning(std::string_view text);
 
-/// An image without what is cut off. @param planes  What cuts it, for its domain.
-/// @throws Error{kBadInput} that names the file.
-[[nodiscard]] LabelImage read_cut_image(const std::string& path, const ImageSelection& selection,
-                                        const InputCuts& cuts, std::vector<CutPlane>& planes,
-                                        Context& context);
-
 /// The positional argument of a command that reads a volume mesh, -o of one that writes one, and --surface of
 /// one that can write its boundary, too.
 void add_mesh_argument(CLI::App& command, std::string& path, const std::string& name = "mesh");
@@ -142,16 +136,6 @@ void check_files(std::initializer_list<std::string> outputs, const std::vector<s
 [[nodiscard]] std::map<std::string, std::string> provenance_of(
     const CLI::App& command, const std::string& input_path,
     const std::map<std::string, std::string>& before = {});
-
-/// What makes it doubtful that a mesh was made of an image: nothing, or one line that ends with the
-/// consequence.
-[[nodiscard]] std::vector<std::string> doubts_about_image(const std::string& image_path,
-                                                          const std::string& mesh_path, const MeshInfo& info,
-                                                          std::string_view consequence);
-
-/// A line if fewer cuts are given than the mesh was made with, else nothing.
-[[nodiscard]] std::vector<std::string> doubts_about_cuts(const InputCuts& given, const std::string& mesh_path,
-                                                         const MeshInfo& info);
 
 /// Looks at a mesh that was written, quickly.
 /// @param besides  What else has to be said then.

@@ -2,23 +2,17 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/image/phantom.hpp"
-#include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
-#include "lumesh/io/polylines_file.hpp"
 #include "lumesh/io/text_file.hpp"
-#include "lumesh/parallel/loops.hpp"
-#include "lumesh/quality/evaluation.hpp"
 #include "lumesh/report/drawing.hpp"
 #include "lumesh/report/html.hpp"
 #include "lumesh/report/picture.hpp"
 #include "lumesh/report/summary.hpp"
+#include "lumesh/stages/evaluation_stage.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -26,35 +20,12 @@ namespace lumesh::cli {
 namespace {
 
 struct EvaluateCommand {
-  std::string mesh_path, image_path, centerline_path, reference_path, json_path, report_path, picture_path;
-  ImageSelection selection;
-  InputCuts cuts;
+  std::string mesh_path, json_path, report_path, picture_path;
+  EvaluationRequest request;
   std::vector<double> required_dihedral_deg;
   std::size_t times = 0;
   RunOptions run;
 };
-
-/// Axes of the vessels: of the file, or of the image; no lines where they are not wanted or there are none.
-Polylines axes_of(const EvaluateCommand& command, const LabelImage& image, Context& context) {
-  if (command.centerline_path == "none") return {};
-  if (!command.centerline_path.empty()) {
-    Polylines axes =
-        context.phase("read centerline", [&] { return read_polylines(command.centerline_path); });
-    if (!axes.scalars.contains("radius"))
-      throw Error(ErrorKind::kBadInput,
-                  command.centerline_path + ": has no radius at its points; make it with lumesh centerline");
-    return axes;
-  }
-  return context.phase("centerline", [&]() -> Polylines {
-    try {
-      Context silent;  // That small pieces have no lines says nothing about the mesh.
-      return extract_centerline(image, {}, silent);
-    } catch (const Error& error) {
-      if (error.kind() != ErrorKind::kBadInput) throw;
-      return {};  // The object is no vessel.
-    }
-  });
-}
 
 void require_valid(const EvaluateCommand& command, const quality::Evaluation& evaluation) {
   if (evaluation.valid()) return;
@@ -98,50 +69,13 @@ void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
 void run(const EvaluateCommand& command) {
   CommandRun session(command.run);
   Context& context = session.context;
-  command.cuts.validate();
+  const EvaluationRequest& request = command.request;
   check_files({command.json_path, command.report_path, command.picture_path},
-              {command.mesh_path, command.image_path, command.centerline_path, command.reference_path},
-              command.selection);
-  if (!command.centerline_path.empty() && command.image_path.empty())
-    throw Error(ErrorKind::kUsage, "--centerline is for the comparison with an image; give --image, too");
-  if (!command.reference_path.empty() && !command.cuts.is_whole())
-    throw Error(ErrorKind::kUsage,
-                "--reference is of the whole object, which --cut-at, --clip-ends and --extend leave no more; "
-                "leave one of them out");
+              {command.mesh_path, request.image, request.centerline, request.reference}, request.selection);
+  request.validate();
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);
-  quality::EvaluationInput input;
-  input.cut_planes = command.cuts.planes;  // Of a phantom without an image, too.
-  std::vector<std::string> warnings;
-  LabelImage image;
-  std::shared_ptr<const ImageDomain> domain;
-  if (!command.image_path.empty()) {
-    image = read_cut_image(command.image_path, command.selection, command.cuts, input.cut_planes, context);
-    if (command.cuts.extension.is_wanted()) {
-      domain = naming(command.image_path,
-                      [&] { return domain_of_cut(image, input.cut_planes, command.cuts, {}, context); });
-      input.domain = domain.get();
-    }
-    input.image = &image;
-    warnings = context.phase("provenance", [&] {
-      return doubts_about_image(command.image_path, command.mesh_path, mesh.info,
-                                "distances and volumes may mean nothing");
-    });
-    for (std::string& doubt : doubts_about_cuts(command.cuts, command.mesh_path, mesh.info))
-      warnings.push_back(std::move(doubt));
-  }
-  for (const std::string& warning : warnings) context.warn(warning);
-  Polylines axes;
-  if (input.image) axes = axes_of(command, image, context);
-  if (!axes.lines.empty()) input.axes = &axes;
-  std::optional<Phantom> phantom;
-  if (!command.reference_path.empty()) {
-    phantom.emplace(phantom_spec_from_json(read_text_file(command.reference_path)));
-    input.phantom = &*phantom;
-  }
-  quality::Evaluation evaluation =
-      naming(command.mesh_path, [&] { return quality::evaluate(mesh.view(), input, context); });
-  evaluation.warnings.insert(evaluation.warnings.begin(), warnings.begin(), warnings.end());
+  const quality::Evaluation evaluation = evaluate_mesh(mesh, command.mesh_path, request, context);
   say(command.run, "{}\n{}", command.mesh_path, report::summary_text(evaluation));
   write_outputs(command, mesh.view(), evaluation, context);
   if (command.times > 0) {
@@ -158,18 +92,18 @@ void run(const EvaluateCommand& command) {
 void add_evaluate_command(CLI::App& program) {
   const auto command = std::make_shared<EvaluateCommand>();
   CLI::App* sub = program.add_subcommand("evaluate", "Measure a mesh, by itself and against its image");
+  EvaluationRequest& request = command->request;
   sub->add_option("mesh", command->mesh_path, "Mesh (" + formats_for(MeshUse::kReadVolume) + ")")->required();
-  sub->add_option("--image", command->image_path, "Label image the mesh was made from");
-  add_options_of(*sub, command->selection);
-  add_unit_option(*sub, command->selection.unit);
+  sub->add_option("--image", request.image, "Label image the mesh was made from");
+  add_options_of(*sub, request.selection);
+  add_unit_option(*sub, request.selection.unit);
   sub->get_option("--unit")->needs("--image");
-  add_options_of(*sub, command->cuts);
+  add_options_of(*sub, request.cuts);
   for (const char* option : {"--cut-at", "--clip-ends", "--extend"})
     sub->get_option(option)->needs("--image");
-  sub->add_option("--centerline", command->centerline_path,
+  sub->add_option("--centerline", request.centerline,
                   "Axes of the vessels (.vtp, by lumesh centerline), or none; default: found in the image");
-  sub->add_option("--reference", command->reference_path,
-                  "Parameters of the phantom behind the image (.json)");
+  sub->add_option("--reference", request.reference, "Parameters of the phantom behind the image (.json)");
   add_json_option(*sub, command->json_path, command->run, "all numbers");
   sub->add_option("--report", command->report_path, "Write a report with plots and pictures (.html)");
   sub->add_option("--picture", command->picture_path, "Write a picture of the surface (.png)");

@@ -12,6 +12,7 @@
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/metric/sources.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/stages/changing_mesh.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/metric_input.hpp"
@@ -81,18 +82,6 @@ class MeshSources final : public metric::SourceData {
   Context& context_;
 };
 
-/// The mesh with the metric of its part that is free to change; kept cells have the one they carry, or that
-/// of their own edges.
-MixedMesh with_metric(const MixedMesh& whole, const KeptCells& kept, const TetMesh& changed) {
-  MixedMesh mesh = whole;
-  mesh.info.provenance = changed.info().provenance;
-  if (mesh.metric.empty()) mesh.metric = own_metric(mesh);
-  const MeshView view = changed.view();
-  for (std::size_t v = 0; v < kept.free_points().size(); ++v)
-    mesh.metric[kept.free_points()[v]] = view.metric[v];
-  return mesh;
-}
-
 void run(MetricCommand command) {
   CommandRun session(command.run);
   Context& context = session.context;
@@ -105,24 +94,20 @@ void run(MetricCommand command) {
   command.request.validate();
   const std::string& mesh_path = command.mesh_path;
   MixedMesh input = context.phase("read", [&] { return read_mesh(mesh_path); });
-  const std::optional<KeptCells> kept = kept_cells(command.keep, input, mesh_path);
-  const MixedMesh& changing = changing_part(input, kept);
+  ChangingMesh changing(input, command.keep, mesh_path, context);
+  TetMesh& mesh = changing.changing();
   metric::MetricLimits limits = command.request.limits_for(false);
-  if (kept) limits.kept_patches = kept->frozen_patches();
-  TetMesh mesh = context.phase("build", [&] { return tetrahedra_of(changing, mesh_path); });
-  MeshSources data(command, changing, mesh, context);
+  limits.kept_patches = changing.frozen_patches();
+  MeshSources data(command, changing.given(), mesh, context);
   const std::vector<SymTensor> wanted = metric::requested_metric(mesh, command.request, data, context);
   const double complexity =
       context.phase("limits", [&] { return metric::shape_metric(mesh, wanted, limits); });
-  mesh.info().provenance = provenance_of(*command.run.command, mesh_path, input.info.provenance);
-  const BoundaryFaces faces = mesh.boundary_faces();
-  const MixedMesh whole = kept ? with_metric(input, *kept, mesh) : MixedMesh();
+  changing.finish_metric(provenance_of(*command.run.command, mesh_path, input.info.provenance));
   context.phase("write", [&] {
-    const MeshView view = kept ? whole.view() : mesh.view(faces);
     if (alone)
-      write_metric(command.output_path, view.metric);
+      write_metric(command.output_path, changing.view().metric);
     else
-      write_mesh(command.output_path, view);
+      write_mesh(command.output_path, changing.view());
   });
   if (const std::string unmet = metric::unmet_complexity(complexity, limits); !unmet.empty())
     context.warn(unmet);

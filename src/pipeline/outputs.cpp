@@ -17,6 +17,7 @@
 #include "lumesh/report/drawing.hpp"
 #include "lumesh/report/layers_report.hpp"
 #include "lumesh/report/stage_parts.hpp"
+#include "lumesh/stages/evaluation_stage.hpp"
 
 namespace lumesh::pipeline {
 namespace {
@@ -61,15 +62,10 @@ void describe_mesh(const CaseState& state, report::StageReport& stage) {
   const MeshInfo info = info_with_given_names(state);
   MeshView view = state.view(faces);
   view.info = &info;
-  quality::EvaluationInput input;
-  input.image = state.image ? &*state.image : nullptr;
-  const bool is_whole = state.c.input.cuts.is_whole();
-  input.phantom = state.phantom && is_whole ? &*state.phantom : nullptr;
-  input.domain = state.image_domain.get();
-  input.cut_planes = state.cut_planes;
+  quality::EvaluationInput input = evaluation_input(
+      state.image ? &*state.image : nullptr, state.image_domain.get(),
+      state.phantom ? &*state.phantom : nullptr, state.c.input.cuts, state.cut_planes, state.centerline);
   input.kernel = state.mixed ? nullptr : &state.mesh;
-  // Lines of a surface have no voxels beside them.
-  if (state.image && !state.centerline.lines.empty()) input.axes = &state.centerline;
   stage.evaluation =
       state.context.phase("measures", [&] { return quality::evaluate(view, input, state.context); });
   if (!state.c.output.report.empty())

@@ -136,6 +136,13 @@ std::vector<CutPlane> cut_off(LabelImage& image, const InputCuts& cuts, Context&
   return planes;
 }
 
+LabelImage read_cut_image(const std::string& path, const ImageSelection& selection, const InputCuts& cuts,
+                          std::vector<CutPlane>& planes, Context& context) {
+  LabelImage image = context.phase("read", [&] { return read_selected_image(path, selection, context); });
+  planes = naming(path, [&] { return context.phase("cuts", [&] { return cut_off(image, cuts, context); }); });
+  return image;
+}
+
 std::shared_ptr<const ImageDomain> extended_domain(LabelImage& image, std::vector<CutPlane>& planes,
                                                    const ImageDomain& domain,
                                                    std::span<const Opening> openings,

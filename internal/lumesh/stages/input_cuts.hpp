@@ -19,6 +19,12 @@
 
 namespace lumesh {
 
+/// An image without what is cut off. @param planes  Become those that cut it, for its domain.
+/// @throws Error{kBadInput} that names the file.
+[[nodiscard]] LabelImage read_cut_image(const std::string& path, const ImageSelection& selection,
+                                        const InputCuts& cuts, std::vector<CutPlane>& planes,
+                                        Context& context);
+
 /// The second half of domain_of_cut(). @param domain  Of the image, not extended. @param openings  Its
 /// find_openings().
 [[nodiscard]] std::shared_ptr<const ImageDomain> extended_domain(

@@ -1,0 +1,53 @@
+#pragma once
+/// @file Meshes of files while a stage changes them, wholly or but for cells that stay as they are.
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lumesh/adapt/keep.hpp"
+#include "lumesh/core/context.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+
+namespace lumesh {
+
+class ChangingMesh {
+ public:
+  /// @param input  Outlives this; where cells are kept and it lists no faces, it gets them.
+  /// @param keep  Names or numbers of labels whose cells stay as they are.
+  /// @throws Error{kBadInput} that names the file, as KeptCells and tetrahedra_of() do.
+  ChangingMesh(MixedMesh& input, const std::vector<std::string>& keep, const std::string& name,
+               Context& context);
+
+  /// The input, or its part that is free to change.
+  [[nodiscard]] const MixedMesh& given() const { return kept_ ? kept_->free_part() : *input_; }
+  /// The tetrahedra of that, which change.
+  [[nodiscard]] TetMesh& changing() { return changing_; }
+  [[nodiscard]] const TetMesh& changing() const { return changing_; }
+  [[nodiscard]] bool has_kept() const { return kept_.has_value(); }
+  [[nodiscard]] std::size_t kept_count() const { return kept_ ? kept_->kept_count() : 0; }
+  /// Patches of the changing part that stand against kept cells; none where no cells are kept.
+  [[nodiscard]] std::vector<PatchId> frozen_patches() const;
+
+  /// Ends the changes: kept cells come back. Afterwards nothing may change.
+  /// @param provenance  Of the mesh as it has become.
+  void finish(const std::map<std::string, std::string>& provenance, Context& context);
+  /// The same where nothing but the metric has changed: kept cells have the one they carry, or that of their
+  /// own edges, and points and cells have the numbers that they had.
+  void finish_metric(const std::map<std::string, std::string>& provenance);
+  /// The whole mesh, once it is finished.
+  [[nodiscard]] MeshView view() const { return kept_ ? whole_.view() : changing_.view(faces_); }
+  /// Boundary faces of the changing part, once it is finished.
+  [[nodiscard]] const BoundaryFaces& faces() const { return faces_; }
+
+ private:
+  const MixedMesh* input_;
+  std::optional<KeptCells> kept_;
+  TetMesh changing_;
+  BoundaryFaces faces_;
+  MixedMesh whole_;  // Where cells are kept.
+};
+
+}  // namespace lumesh

@@ -1,0 +1,28 @@
+#pragma once
+/// @file What a mesh says of the image that it was made from, against what it is compared with.
+
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+#include "lumesh/stages/input.hpp"
+
+namespace lumesh {
+
+/// Doubts that a mesh was made of an image: none, or one line that ends with the consequence.
+[[nodiscard]] std::vector<std::string> doubts_about_image(const std::string& image_path,
+                                                          const std::string& mesh_path, const MeshInfo& info,
+                                                          std::string_view consequence);
+
+/// A line if fewer cuts are given than the mesh was made with, else nothing.
+[[nodiscard]] std::vector<std::string> doubts_about_cuts(const InputCuts& given, const std::string& mesh_path,
+                                                         const MeshInfo& info);
+
+/// Notes cuts of a finished mesh beside those of its image, which it may be compared with later.
+void note_cuts(std::span<const CutPlane> planes, std::map<std::string, std::string>& provenance);
+
+}  // namespace lumesh

@@ -1,0 +1,124 @@
+#include "lumesh/stages/mesh_adaptation.hpp"
+
+#include <fmt/core.h>
+
+#include <memory>
+#include <utility>
+
+#include "lumesh/adapt/estimate.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/metric/shaping.hpp"
+#include "lumesh/stages/input_cuts.hpp"
+#include "lumesh/stages/metric_input.hpp"
+#include "lumesh/stages/provenance.hpp"
+
+namespace lumesh {
+namespace {
+
+/// The image that the surface is to follow, if there is one.
+std::shared_ptr<const ImageDomain> image_of(const MeshAdaptationRequest& request, Context& context) {
+  if (request.image.empty()) return nullptr;
+  std::vector<CutPlane> planes;
+  LabelImage image = read_cut_image(request.image, request.selection, request.cuts, planes, context);
+  return naming(request.image, [&] { return domain_of_cut(image, planes, request.cuts, {}, context); });
+}
+
+/// The metric that the mesh is adapted to. Where it stands against kept cells, sizes go over to theirs, which
+/// the complexity has to allow for.
+/// @param complexity  Becomes 0 where scaling would change the sizes at the kept cells.
+metric::MetricField wanted_field(const MeshAdaptationRequest& request, const std::string& name,
+                                 ChangingMesh& mesh, double& complexity, const Context& context) {
+  if (request.analytic.is_wanted()) return metric::MetricField::analytic(*request.analytic.formula);
+  if (!mesh.has_kept())
+    return background_field(mesh.changing(), metric_of(mesh.given(), name, request.tensors.file),
+                            request.gradation);
+  const metric::MetricLimits limits{
+      .growth = request.gradation, .kept_patches = mesh.frozen_patches(), .complexity = complexity};
+  const double seen = metric::shape_metric(mesh.changing(), metric_of(mesh.given(), name, ""), limits);
+  if (const std::string unmet = metric::unmet_complexity(seen, limits); !unmet.empty()) {
+    context.warn(unmet);
+    complexity = 0;
+  }
+  return background_field(mesh.changing(), mesh.changing().view().metric, 0);
+}
+
+void warn_of_doubts(const MeshAdaptationRequest& request, const std::string& name, const MeshInfo& info,
+                    const AdaptResult& result, const Context& context) {
+  for (const std::string& doubt :
+       doubts_about_image(request.image, name, info, "the surface may have become another one"))
+    context.warn(doubt);
+  if (request.cuts.none() && info.provenance.contains(kCutsKey))
+    for (const std::string& doubt : doubts_about_cuts(request.cuts, name, info))
+      if (doubt.find("--extend") != std::string::npos) context.warn(doubt);
+  if (result.patches_on_image == 0)
+    context.warn(request.image + ": no patch follows it; all are planes, cylinders or mixed");
+}
+
+/// Small complexities do not suffice for what the surface needs.
+void warn_of_many_vertices(const TetMesh& mesh, const AdaptReport& report, const Context& context) {
+  constexpr double kMany = 6;  // Per unit of complexity.
+  if (!report.complete || mesh.vertex_count() < kMany * report.complexity) return;
+  context.warn(fmt::format(
+      "{} vertices for a complexity of {:.3g}, of which about 2 each are usual: the surface needs more "
+      "than the sizes ask for",
+      mesh.vertex_count(), report.complexity));
+}
+
+}  // namespace
+
+void MeshAdaptationRequest::describe_metric(OptionList& list) {
+  tensors.describe(list);
+  analytic.describe(list);
+  list.number("gradation", gradation, above(1),
+              "Sizes of the mesh's or file's metric grow at most by this factor from one edge of unit "
+              "length to the next")
+      .zero("as the metric says")
+      .excludes("analytic");
+  list.number("complexity", complexity, above(0),
+              "Sizes are scaled until the adapted mesh has this complexity, within 2 %: about half its "
+              "vertices")
+      .zero("as the metric says");
+}
+
+void MeshAdaptationRequest::validate() const {
+  stage.validate();
+  cuts.validate();
+  if (const std::vector<std::string> given = selection.given(); image.empty() && !given.empty())
+    throw Error(ErrorKind::kUsage, fmt::format("{} says what of {} to take; give it",
+                                               option_name(given.front()), option_name("image")));
+  if (image.empty() && !cuts.none())
+    throw Error(ErrorKind::kUsage, fmt::format("cuts and {} say what of {} to take; give it",
+                                               option_name("extend"), option_name("image")));
+  if (!image.empty() && stage.boundary.is_frozen)
+    throw Error(ErrorKind::kUsage, fmt::format("{} is what an adapted surface follows; leave out {} frozen",
+                                               option_name("image"), option_name("boundary")));
+}
+
+AdaptedMesh adapt_mesh(MixedMesh& input, const std::string& name, const MeshAdaptationRequest& request,
+                       Context& context) {
+  if (request.analytic.is_wanted()) input.metric.clear();
+  if (!request.keep.empty() && request.tensors.is_wanted())
+    input.metric = metric_of(input, name, request.tensors.file);
+  AdaptedMesh made{ChangingMesh(input, request.keep, name, context), {}};
+  TetMesh& mesh = made.mesh.changing();
+  if (!made.mesh.has_kept()) naming(name, [&] { require_one_piece(mesh, request.stage); });
+  double complexity = request.complexity;
+  metric::MetricField field = wanted_field(request, name, made.mesh, complexity, context);
+  const double expected = complexity > 0
+                              ? complexity
+                              : context.phase("complexity", [&] { return metric::complexity(field, mesh); });
+  naming(name, [&] { check_fits_memory(expected); });
+  AdaptRequest stage = request.stage;
+  stage.boundary.image = image_of(request, context);
+  stage.boundary.frozen_patches = made.mesh.frozen_patches();
+  made.result = naming(stage.boundary.image ? request.image : name,
+                       [&] { return adapt_mesh(mesh, field, stage, complexity, context); });
+  for (const std::string& note : made.result.notes) context.warn(note);
+  if (stage.boundary.image) warn_of_doubts(request, name, mesh.info(), made.result, context);
+  warn_of_many_vertices(mesh, made.result.report, context);
+  return made;
+}
+
+}  // namespace lumesh
