@@ -18,6 +18,7 @@
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/report/summary.hpp"
 #include "lumesh/stages/delaunay_stage.hpp"
+#include "lumesh/stages/surface_input.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -27,7 +28,7 @@ namespace {
 struct DelaunayCommand {
   std::string mesh_path, surface_path, json_path, out_unit = "mm";
   DomainInput input;
-  OpeningOptions openings;
+  OpeningRequest openings;
   DelaunayRequest request;
   RunOptions run;
 
@@ -85,15 +86,15 @@ void check_options(DelaunayCommand& command) {
               command.input.selection);
 }
 
-void print_summary(const DelaunayCommand& command, const DomainRead& given, const DelaunayMesh& made,
+void print_summary(const DelaunayCommand& command, DomainRead& given, const DelaunayMesh& made,
                    const BoundaryFaces& faces, const OpeningsCompared& openings, const Context& context,
                    double seconds) {
   const TetMesh& mesh = made.mesh;
-  const Domain& domain = *given.domain;
+  const Domain& domain = given.domain();
   const std::optional<ImproveReport>& improved = made.improved;
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles\n", command.mesh_path,
       mesh.tet_count(), mesh.vertex_count(), faces.triangles.size());
-  for (const std::string& line : closing_lines(given.closed)) say(command.run, "  {}\n", line);
+  for (const std::string& line : closing_lines(given.closed())) say(command.run, "  {}\n", line);
   say(command.run, "{}", patch_lines(mesh.info(), faces.patches, openings));
   if (!domain.fixed_points().empty())
     say(command.run, "  {} of the surface's {} vertices are vertices of the mesh\n",
@@ -112,14 +113,15 @@ void run(DelaunayCommand command) {
   check_options(command);
   const std::string& input_path = command.input.path;
   SizeData sizes = context.phase("read", [&] { return SizeData(command.request.sizes, context); });
-  command.input.needs_axes = command.request.sizes.needs_axes();
-  const DomainRead given = read_domain(command.input, context);
-  const Domain& domain = *given.domain;
+  DomainRead given = read_domain(command.input, context);
+  const DomainRead::Survey survey = given.survey(command.request.sizes.needs_axes());
+  given.drop_image();
+  const Domain& domain = given.domain();
   const std::unique_ptr<Sizing> sizing = naming(input_path, [&] {
-    return context.phase("sizes", [&] { return std::move(sizes).on(domain, given.axes); });
+    return context.phase("sizes", [&] { return std::move(sizes).on(domain, survey.axes); });
   });
   command.request.improvement.team.threads = threads_of(command.run);
-  const std::vector<PatchRenaming> renamings = renamings_for(command.openings, given.openings);
+  const std::vector<PatchRenaming> renamings = renamings_for(command.openings, given.openings());
   DelaunayMesh made =
       naming(input_path, [&] { return make_delaunay_mesh(domain, command.request, sizing.get(), context); });
   TetMesh& mesh = made.mesh;
@@ -132,20 +134,19 @@ void run(DelaunayCommand command) {
   view.metric = {};  // What improvement works with says nothing.
   write_with_surface(view, command.out_unit, command.mesh_path, command.surface_path, context);
   for (const std::string& note : made.report.notes) context.warn(note);
-  if (!given.closed_vessels.empty()) context.warn(given.closed_vessels);
-  std::vector<std::string> others;
-  if (given.shape) others = context.phase("check", [&] { return differences(*given.shape, mesh); });
+  if (!survey.closed_vessels.empty()) context.warn(survey.closed_vessels);
+  const std::vector<std::string> others = given.differences_from(mesh);
   for (const std::string& line : others) context.warn(line);
-  const OpeningsCompared openings = checked_openings(mesh.view(faces), domain, given.openings, context);
+  const OpeningsCompared openings = checked_openings(mesh.view(faces), domain, given.openings(), context);
   if (sizing)
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_json(command.json_path, report_json(made, openings, given.closed, others, context).dump(2));
+    write_json(command.json_path, report_json(made, openings, given.closed(), others, context).dump(2));
   print_summary(command, given, made, faces, openings, context, elapsed.count());
   require_sound(command.mesh_path, mesh.view(faces), context, long_run.reason(is_complete));
   long_run.check_complete(is_complete, command.mesh_path + " holds the best mesh so far");
-  require_openings(command.openings, command.mesh_path, openings, without_name);
+  command.openings.require(command.mesh_path, openings, without_name);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ struct LatticeCommand {
   std::string mesh_path, surface_path, out_unit = "mm";
   DomainInput input;
   double cells_per_diameter = 0;
-  OpeningOptions openings;
+  OpeningRequest openings;
   LatticeOptions options;
   RunOptions run;
 
@@ -48,30 +48,27 @@ void run(const LatticeCommand& command) {
   input.cuts.validate();
   check_surface_output(command.surface_path);
   check_files({command.mesh_path, command.surface_path}, {command.input.path}, command.input.selection);
-  std::vector<CutPlane> planes;
-  LabelImage image = read_cut_image(input.path, input.selection, input.cuts, planes, context);
+  DomainRead given = read_domain(input, context);
   LatticeOptions options = command.options;
   if (command.cells_per_diameter > 0)
     options.fidelity = LatticeOptions::fidelity_of_cells(command.cells_per_diameter);
-  naming(input.path, [&] { options.require_labels_of(image); });  // Before the time for a domain is spent.
-  const std::shared_ptr<const ImageDomain> domain =
-      naming(input.path, [&] { return domain_of_cut(image, planes, input.cuts, input.field, context); });
-  const DomainRead given = with_openings(domain, image, input, context);
-  const std::vector<PatchRenaming> renamings = renamings_for(command.openings, given.openings);
-  LatticeResult result = mesh_lattice(image, *domain, options, context);
+  // Before the time for a domain is spent.
+  naming(input.path, [&] { options.require_labels_of(*given.image); });
+  const DomainRead::Survey survey = given.survey(false);
+  const ImageDomain& domain = *given.domain_of_image();
+  const std::vector<PatchRenaming> renamings = renamings_for(command.openings, given.openings());
+  LatticeResult result = mesh_lattice(*given.image, domain, options, context);
   const std::vector<std::string> without_name = rename_found(result.mesh.info, renamings);
   result.mesh.info.provenance = provenance_of(*command.run.command, input.path);
   write_with_surface(result.mesh.view(), command.out_unit, command.mesh_path, command.surface_path, context);
   for (const std::string& note : result.report.notes) context.warn(note);
-  if (!given.closed_vessels.empty()) context.warn(given.closed_vessels);
-  for (const std::string& line : context.phase(
-           "check", [&] { return differences_of_lattice(shape_of(image, planes), result.mesh.view()); }))
-    context.warn(line);
-  const OpeningsCompared compared = checked_openings(result.mesh.view(), *domain, given.openings, context);
+  if (!survey.closed_vessels.empty()) context.warn(survey.closed_vessels);
+  for (const std::string& line : given.differences_from_lattice(result.mesh.view())) context.warn(line);
+  const OpeningsCompared compared = checked_openings(result.mesh.view(), domain, given.openings(), context);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (command.run.quiet == 0) print_summary(command, result, compared, context, elapsed.count());
   require_sound(command.mesh_path, result.mesh.view(), context);
-  require_openings(command.openings, command.mesh_path, compared, without_name);
+  command.openings.require(command.mesh_path, compared, without_name);
 }
 
 }  // namespace

@@ -9,29 +9,25 @@
 
 namespace lumesh::pipeline {
 
+namespace {
+
+DomainInput domain_input_of(const InputKeys& input) {
+  const bool is_surface = input.image.empty();
+  return {is_surface ? input.surface : input.image,
+          is_surface,
+          input.selection,
+          input.cuts,
+          input.field,
+          input.of_surface};
+}
+
+}  // namespace
+
+CaseState::CaseState(const Case& of, Context& in)
+    : c(of), context(in), given(domain_input_of(of.input), in) {}
+
 int CaseState::threads() const {
   return c.run.threads > 0 ? c.run.threads : parallel::available_threads();
-}
-
-const Domain& CaseState::domain() {
-  if (!surface) return *domain_of_image();
-  if (!surface_domain)
-    surface_domain = naming(input_name, [&] {
-      return context.phase("domain", [&] { return surface->domain(c.input.of_surface.domain); });
-    });
-  return *surface_domain;
-}
-
-const std::vector<Opening>& CaseState::openings() {
-  if (!found_openings) found_openings = find_openings(domain());
-  return *found_openings;
-}
-
-const std::shared_ptr<const ImageDomain>& CaseState::domain_of_image() {
-  if (image_domain) return image_domain;
-  image_domain = naming(
-      input_name, [&] { return domain_of_cut(*image, cut_planes, c.input.cuts, c.input.field, context); });
-  return image_domain;
 }
 
 BoundaryFaces CaseState::boundary_faces() const {
@@ -49,7 +45,7 @@ MeshInfo CaseState::info() const {
   MeshInfo info;
   info.provenance = {{"program", std::string("lumesh ") + kVersion},
                      {"command", "run"},
-                     {"input", input_name},
+                     {"input", given.name},
                      {"input_sha256", input_sha256}};
   if (!c.input.cuts.none())
     info.provenance[kCutsKey] = fmt::format("{}", fmt::join(cut_options(c.input.cuts), " "));

@@ -8,33 +8,24 @@
 #include <utility>
 #include <vector>
 
-#include "lumesh/domain/image_domain.hpp"
-#include "lumesh/domain/openings.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/pipeline/case.hpp"
 #include "lumesh/quality/evaluation.hpp"
-#include "lumesh/stages/input.hpp"
-#include "lumesh/stages/surface_input.hpp"
+#include "lumesh/stages/domain_read.hpp"
 
 namespace lumesh::pipeline {
 
 struct CaseState {
-  CaseState(const Case& of, Context& in) : c(of), context(in) {}
+  CaseState(const Case& of, Context& in);
 
   const Case& c;
   Context& context;
 
-  std::string input_name, input_sha256;
-  std::optional<LabelImage> image;   ///< Without what is cut off.
-  std::vector<CutPlane> cut_planes;  ///< Of the image.
+  DomainRead given;
+  std::string input_sha256;
   std::optional<Phantom> phantom;
-  std::optional<SurfaceInput> surface;  ///< Where there is no image.
-  std::shared_ptr<const SurfaceDomain> surface_domain =
-      nullptr;                                                ///< Once a stage has needed it, as the next.
-  std::shared_ptr<const ImageDomain> image_domain = nullptr;  ///< Once a stage has needed it.
-  std::optional<std::vector<Opening>> found_openings = {};    ///< Once a stage has needed them.
   Polylines centerline;
   std::optional<SizeData> sizes = {};  ///< Of the Delaunay mesher, read; taken by sizing_of().
   std::map<std::string, std::vector<Vec3>> points_read = {};                    ///< By file.
@@ -47,12 +38,6 @@ struct CaseState {
   bool has_earlier_results = false;      ///< Whether the case's folder held results when the run began.
 
   [[nodiscard]] int threads() const;
-  /// Domain to mesh: the image's, or that of the surface; made when it is first asked for.
-  [[nodiscard]] const Domain& domain();
-  /// Openings of the domain; found when they are first asked for.
-  [[nodiscard]] const std::vector<Opening>& openings();
-  /// The domain of the image.
-  [[nodiscard]] const std::shared_ptr<const ImageDomain>& domain_of_image();
   /// Boundary faces of `mesh`; none of `mixed`, which has them itself.
   [[nodiscard]] BoundaryFaces boundary_faces() const;
   /// The mesh with these faces of its own, and with its metric if that means anything.

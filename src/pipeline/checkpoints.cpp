@@ -114,8 +114,9 @@ std::map<std::string, std::string> stage_keys(const CaseState& state) {
   const Case& c = state.c;
   const auto key = [](const std::string& text) { return text_sha256(text); };
   std::map<std::string, std::string> keys;
-  const std::string input = key(kVersion + file_sha256("/proc/self/exe") + state.input_sha256 +
-                                (state.image ? content_of(*state.image) : "") + section_text(c, "input"));
+  const std::string input =
+      key(kVersion + file_sha256("/proc/self/exe") + state.input_sha256 +
+          (state.given.image ? content_of(*state.given.image) : "") + section_text(c, "input"));
   keys["centerline"] = key(input + section_text(c, "centerline"));
   const bool lattice = c.mesher == Mesher::kLattice;
   const std::string mesher = lattice ? "lattice" : "delaunay";

@@ -35,7 +35,7 @@ std::string text_of_case(const CaseState& state) {
   return fmt::format(
       "# lumesh {}: the case {} with every setting that was in force but [run] and the folder\n# input {}\n# "
       "SHA-256 {}\n\n{}",
-      kVersion, state.c.name, state.input_name, state.input_sha256, case_text(again));
+      kVersion, state.c.name, state.given.name, state.input_sha256, case_text(again));
 }
 
 /// What it says of its patches, under the names that the user gives: the stages go by their own.
@@ -62,9 +62,10 @@ void describe_mesh(const CaseState& state, report::StageReport& stage) {
   const MeshInfo info = info_with_given_names(state);
   MeshView view = state.view(faces);
   view.info = &info;
-  quality::EvaluationInput input = evaluation_input(
-      state.image ? &*state.image : nullptr, state.image_domain.get(),
-      state.phantom ? &*state.phantom : nullptr, state.c.input.cuts, state.cut_planes, state.centerline);
+  quality::EvaluationInput input =
+      evaluation_input(state.given.image ? &*state.given.image : nullptr, state.given.image_domain(),
+                       state.phantom ? &*state.phantom : nullptr, state.c.input.cuts, state.given.cut_planes,
+                       state.centerline);
   input.kernel = state.mixed ? nullptr : &state.mesh;
   stage.evaluation =
       state.context.phase("measures", [&] { return quality::evaluate(view, input, state.context); });

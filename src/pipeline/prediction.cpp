@@ -79,8 +79,8 @@ class Prediction {
     report::StageReport stage;
     pipeline::read_input(state_, stage);
     find_named_openings(state_);
-    step("input: " + state_.input_name, 0, 0);
-    if (state_.image) object_ = sample_object(*state_.image, kPlaces);
+    step("input: " + state_.given.name, 0, 0);
+    if (state_.given.image) object_ = sample_object(*state_.given.image, kPlaces);
     base_bytes_ = static_cast<double>(peak_memory_bytes());
   }
   void make_centerline() {
@@ -93,8 +93,9 @@ class Prediction {
   void make_mesh() {
     const Case& c = state_.c;
     if (c.mesher == Mesher::kLattice) {
-      const double voxels = static_cast<double>(state_.image->voxels().size());
-      first_tets_ = estimated_tetrahedra(*state_.image, *state_.domain_of_image(), c.lattice_options());
+      const double voxels = static_cast<double>(state_.given.image->voxels().size());
+      first_tets_ =
+          estimated_tetrahedra(*state_.given.image, *state_.given.domain_of_image(), c.lattice_options());
       step("first mesh, by the lattice", kDomainPerVoxel * voxels + per_core(kLatticePerTet * first_tets_),
            first_tets_);
     } else {
@@ -108,7 +109,7 @@ class Prediction {
   }
   void adapt() {
     step("metric", per_core(kMetricPerVertex * kVerticesPerTet * first_tets_), 0);
-    const double voxel_mm3 = state_.image ? state_.image->frame().voxel_volume_mm3() : 0;
+    const double voxel_mm3 = state_.given.image ? state_.given.image->frame().voxel_volume_mm3() : 0;
     const double complexity =
         complexity_within_limits(state_, object_, static_cast<double>(object_.voxels) * voxel_mm3);
     if (complexity == 0) return step("adapted mesh; its size is known once the first mesh is there", 0, 0);
@@ -150,20 +151,20 @@ class Prediction {
   /// Triangles of the surface of the mesh on which layers grow.
   [[nodiscard]] double surface_triangles() {
     const Case& c = state_.c;
-    if (state_.surface) static_cast<void>(state_.domain());  // Makes the domain of the surface.
-    const OutsideSize outside =
-        state_.image ? outside_of(*state_.image)
-                     : OutsideSize{state_.surface_domain->area_mm2(), state_.surface_domain->volume_mm3()};
+    const OutsideSize outside = state_.given.image
+                                    ? outside_of(*state_.given.image)
+                                    : OutsideSize{state_.given.domain_of_surface().area_mm2(),
+                                                  state_.given.domain_of_surface().volume_mm3()};
     const auto on_area = [&](double factor, double tets) {
       return factor * outside.area_mm2 * std::pow(tets / outside.volume_mm3, 2.0 / 3);
     };
     if (c.metric.has_source() && !c.adapt.boundary.is_frozen) return on_area(kAdaptedTriangles, last_tets_);
     if (c.mesher == Mesher::kLattice) return on_area(kLatticeTriangles, first_tets_);
     return kDelaunayTriangles * outside.area_mm2 /
-           std::pow(delaunay_delta_mm(c.delaunay_request().delaunay, state_.domain()), 2);
+           std::pow(delaunay_delta_mm(c.delaunay_request().delaunay, state_.given.domain()), 2);
   }
   double tets_of_delaunay() {
-    const Domain& domain = state_.domain();
+    const Domain& domain = state_.given.domain();
     const std::unique_ptr<Sizing> sizing = sizing_of(state_, domain);
     DelaunayOptions options = state_.c.delaunay_request().delaunay;
     options.sizing = sizing.get();

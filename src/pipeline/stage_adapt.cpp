@@ -32,11 +32,12 @@ void adapt_mesh(CaseState& state, report::StageReport& stage) {
   check_fits_memory(given);
   AdaptRequest request = state.c.adapt;
   request.adapt.team.threads = state.threads();
-  if (!request.boundary.is_frozen && state.image) request.boundary.image = state.domain_of_image();
-  naming(state.input_name, [&] { require_one_piece(state.mesh, request); });
+  if (!request.boundary.is_frozen && state.given.image)
+    request.boundary.image = state.given.domain_of_image();
+  naming(state.given.name, [&] { require_one_piece(state.mesh, request); });
   metric::MetricField field = state.context.phase(
       "background", [&] { return background_field(state.mesh, state.mesh.view().metric, 0); });
-  const AdaptResult adapted = naming(state.input_name, [&] {
+  const AdaptResult adapted = naming(state.given.name, [&] {
     return lumesh::adapt_mesh(state.mesh, field, request, wanted, state.context);
   });
   const AdaptReport& report = adapted.report;

@@ -7,6 +7,7 @@
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/sha256.hpp"
 #include "lumesh/stages/input_parts.hpp"
+#include "lumesh/stages/surface_input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 #include "stages.hpp"
 
@@ -21,26 +22,12 @@ void make_phantom(CaseState& state) {
   } catch (const Error& error) {
     throw Error(ErrorKind::kBadInput, std::string("[input] ") + error.what());
   }
-  state.input_name = "phantom " + state.c.input.phantom;
+  state.given.name = "phantom " + state.c.input.phantom;
   state.input_sha256 = text_sha256(to_json_text(state.phantom->spec()));
-  state.image = state.context.phase("voxels", [&] { return state.phantom->rasterise(); });
+  state.given.image = state.context.phase("voxels", [&] { return state.phantom->rasterise(); });
   const ImageSelection& selection = state.c.input.selection;
-  if (!selection.labels.empty()) select_labels(*state.image, selection.labels);
-  edit_image(selection, state.context, *state.image);
-}
-
-void read_file(CaseState& state) {
-  const InputKeys& input = state.c.input;
-  state.input_name = input.image.empty() ? input.surface : input.image;
-  if (input.image.empty()) {
-    state.surface = state.context.phase("read", [&] {
-      return read_surface(input.surface, input.selection.unit, input.of_surface, input.cuts, state.context);
-    });
-  } else {
-    state.image = state.context.phase(
-        "read", [&] { return read_selected_image(input.image, input.selection, state.context); });
-  }
-  state.input_sha256 = state.context.phase("hash", [&] { return file_sha256(state.input_name); });
+  if (!selection.labels.empty()) select_labels(*state.given.image, selection.labels);
+  edit_image(selection, state.context, *state.given.image);
 }
 
 void describe_image(const LabelImage& image, report::StageReport& stage) {
@@ -67,13 +54,11 @@ void describe_image(const LabelImage& image, report::StageReport& stage) {
 }
 
 void describe_surface(CaseState& state, report::StageReport& stage) {
-  stage.figures.push_back({"Triangles", std::uint64_t{state.surface->mesh.triangles.size()}});
-  warn_of_unit(state.surface->mesh, state.openings(), state.c.input.selection.unit, state.input_name,
-               state.context);
-  if (state.surface->closed.empty()) return;
-  name_closed(state.surface->closed, state.domain().flat_ends());
+  stage.figures.push_back({"Triangles", std::uint64_t{state.given.surface->mesh.triangles.size()}});
+  state.given.look_at_surface();
+  if (state.given.surface->closed.empty()) return;
   std::size_t number = 0;
-  for (const std::string& line : closing_lines(state.surface->closed)) {
+  for (const std::string& line : closing_lines(state.given.surface->closed)) {
     state.context.info(line);
     stage.figures.push_back({fmt::format("Closed {}", ++number), line});
   }
@@ -81,10 +66,10 @@ void describe_surface(CaseState& state, report::StageReport& stage) {
 
 /// Where no vessel has an opening, the mesh's stage says so.
 void warn_of_dead_ends(CaseState& state, report::StageReport& stage) {
-  if (!state.image || state.openings().empty()) return;
-  const double voxel_mm = state.image->frame().spacing_mm.maxCoeff();
-  std::vector<VesselEnd> ends = vessel_ends(state.centerline, voxel_mm, state.openings());
-  try_cuts(*state.image, state.centerline, state.cut_planes, 1, ends);
+  if (!state.given.image || state.given.openings().empty()) return;
+  const double voxel_mm = state.given.image->frame().spacing_mm.maxCoeff();
+  std::vector<VesselEnd> ends = vessel_ends(state.centerline, voxel_mm, state.given.openings());
+  try_cuts(*state.given.image, state.centerline, state.given.cut_planes, 1, ends);
   if (!ends.empty()) stage.warnings.push_back(dead_end_warning(ends));
 }
 
@@ -92,33 +77,29 @@ void warn_of_dead_ends(CaseState& state, report::StageReport& stage) {
 
 void read_input(CaseState& state, report::StageReport& stage) {
   stage.what = "What is meshed: the voxels that belong to the vessel, or its surface.";
-  if (state.c.input.phantom.empty())
-    read_file(state);
-  else
+  if (state.c.input.phantom.empty()) {
+    state.given.read();
+    state.input_sha256 = state.context.phase("hash", [&] { return file_sha256(state.given.name); });
+  } else {
     make_phantom(state);
-  stage.figures.push_back({"Input", state.input_name});
-  naming(state.input_name, [&] {
-    if (!state.image) return;
-    state.cut_planes =
-        state.context.phase("cuts", [&] { return cut_off(*state.image, state.c.input.cuts, state.context); });
-    if (state.c.mesher == Mesher::kLattice) state.c.lattice_options().require_labels_of(*state.image);
+  }
+  stage.figures.push_back({"Input", state.given.name});
+  if (state.given.image) {
+    state.given.cut_image();
+    if (state.c.mesher == Mesher::kLattice)
+      naming(state.given.name, [&] { state.c.lattice_options().require_labels_of(*state.given.image); });
     if (state.c.input.cuts.extension.is_wanted())
-      state.image_domain = domain_of_cut(*state.image, state.cut_planes, state.c.input.cuts,
-                                         state.c.input.field, state.context);
-    describe_image(*state.image, stage);
-  });
+      static_cast<void>(state.given.domain_of_image());  // Extends the image.
+    naming(state.given.name, [&] { describe_image(*state.given.image, stage); });
+  }
   read_sources(state);
   check_layers(state);
-  if (state.surface) describe_surface(state, stage);
+  if (state.given.surface) describe_surface(state, stage);
 }
 
 void make_centerline(CaseState& state, report::StageReport& stage) {
   stage.what = "The axes of the vessels, from opening to opening, with the radius of the vessel along them.";
-  const CenterlineOptions& options = state.c.centerline.options;
-  state.centerline = naming(state.input_name, [&] {
-    return state.image ? extract_centerline(*state.image, options, state.context)
-                       : extract_centerline(state.surface->mesh.view(), options, state.context);
-  });
+  state.centerline = state.given.axes(state.c.centerline.options);
   check_centerline_points(state);
   warn_of_dead_ends(state, stage);
   stage.figures.push_back({"Lines", std::uint64_t{state.centerline.lines.size()}});

@@ -40,17 +40,17 @@ std::vector<std::string> patches_of_image(const LabelImage& image) {
 void check_patches(CaseState& state) {
   if (state.c.layers.options.patches.empty()) return;
   const std::vector<std::string> possible =
-      state.image ? patches_of_image(*state.image) : patches_of_surface(state.domain());
+      state.given.image ? patches_of_image(*state.given.image) : patches_of_surface(state.given.domain());
   for (const std::string& name : state.c.layers.options.patches) {
     // How many openings there are only the mesh tells.
-    if ((state.image && is_opening_name(name)) ||
+    if ((state.given.image && is_opening_name(name)) ||
         std::find(possible.begin(), possible.end(), name) != possible.end())
       continue;
     std::string known;
     for (const std::string& one : possible) known += " " + one;
     throw Error(ErrorKind::kBadInput,
                 fmt::format("[layers] patches: there will be no patch {}; there will be:{}{}", name, known,
-                            state.image ? " and inlet_1, outlet_1, … where it has openings" : ""));
+                            state.given.image ? " and inlet_1, outlet_1, … where it has openings" : ""));
   }
 }
 
@@ -58,12 +58,12 @@ void check_patches(CaseState& state) {
 Label label_grown_into(const CaseState& state) {
   const std::string& into = state.c.layers.into;
   if (into.empty()) return kBackground;
-  std::vector<Label> labels = state.image ? state.image->values() : std::vector<Label>{1};
+  std::vector<Label> labels = state.given.image ? state.given.image->values() : std::vector<Label>{1};
   std::erase(labels, kBackground);
   for (const Label label : labels)
     if (into == std::to_string(label)) return label;
-  if (state.image)
-    for (const auto& [label, name] : state.image->label_names())
+  if (state.given.image)
+    for (const auto& [label, name] : state.given.image->label_names())
       if (into == name && std::find(labels.begin(), labels.end(), label) != labels.end()) return label;
   throw Error(ErrorKind::kBadInput, fmt::format("[layers] into: there will be no label {}; there will be: {}",
                                                 into, fmt::join(labels, ", ")));
@@ -71,12 +71,12 @@ Label label_grown_into(const CaseState& state) {
 
 /// From one corner to the other of a box around all that can be meshed.
 double width_mm(const CaseState& state) {
-  if (state.image) {
-    const ImageFrame& frame = state.image->frame();
+  if (state.given.image) {
+    const ImageFrame& frame = state.given.image->frame();
     return frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).norm();
   }
   Box3 box;
-  for (const Vec3& p : state.surface->mesh.points) box.extend(p);
+  for (const Vec3& p : state.given.surface->mesh.points) box.extend(p);
   return box.diagonal().norm();
 }
 

@@ -1,10 +1,8 @@
 #include <fmt/core.h>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/lattice/lattice.hpp"
-#include "lumesh/stages/image_shape.hpp"
-#include "lumesh/stages/opening_sections.hpp"
-#include "lumesh/stages/vessel_ends.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
@@ -13,12 +11,10 @@ namespace {
 void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
   stage.what =
       "A first mesh of good shapes on a lattice that is fitted to the image: what the metric is given on.";
-  LatticeResult result =
-      mesh_lattice(*state.image, *state.domain_of_image(), state.c.lattice_options(), state.context);
+  LatticeResult result = mesh_lattice(*state.given.image, *state.given.domain_of_image(),
+                                      state.c.lattice_options(), state.context);
   for (const std::string& note : result.report.notes) stage.warnings.push_back(note);
-  for (std::string& line : state.context.phase("check", [&] {
-         return differences_of_lattice(shape_of(*state.image, state.cut_planes), result.mesh.view());
-       }))
+  for (std::string& line : state.given.differences_from_lattice(result.mesh.view()))
     stage.warnings.push_back(std::move(line));
   if (state.c.makes_mixed_mesh())
     state.mixed = std::move(result.mesh);
@@ -28,13 +24,13 @@ void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
 
 void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
   stage.what = "A graded mesh by Delaunay refinement of the image, its surface and volume at once.";
-  const Domain& domain = state.domain();
+  const Domain& domain = state.given.domain();
   const std::unique_ptr<Sizing> sizing =
       state.context.phase("sizes", [&] { return sizing_of(state, domain); });
   DelaunayRequest request = state.c.delaunay_request();
   request.improvement.team.threads = state.threads();
   DelaunayMesh made = naming(
-      state.input_name, [&] { return make_delaunay_mesh(domain, request, sizing.get(), state.context); });
+      state.given.name, [&] { return make_delaunay_mesh(domain, request, sizing.get(), state.context); });
   state.mesh = std::move(made.mesh);
   state.is_complete = state.is_complete && made.is_complete;
   for (const std::string& note : made.report.notes) stage.warnings.push_back(note);
@@ -47,34 +43,20 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
     stage.figures.push_back({"Largest dihedral angle", after.max_deg, "°",
                              fmt::format("before improvement: {:.2f}", before.max_deg)});
   }
-  if (state.image)
-    for (std::string& line : state.context.phase(
-             "check", [&] { return differences(shape_of(*state.image, state.cut_planes), state.mesh); }))
-      stage.warnings.push_back(std::move(line));
-}
-
-void warn_of_closed_vessels(CaseState& state, report::StageReport& stage) {
-  if (!state.image) {
-    const std::string line = closed_surface_warning(state.domain());
-    if (!line.empty()) stage.warnings.push_back(line);
-    return;
-  }
-  if (!state.openings().empty()) return;
-  const std::vector<VesselEnd> ends = vessel_ends(*state.image, {}, {}, 1, state.context);
-  if (!ends.empty()) stage.warnings.push_back(kNoOpenings + dead_end_warning(ends));
+  for (std::string& line : state.given.differences_from(state.mesh))
+    stage.warnings.push_back(std::move(line));
 }
 
 }  // namespace
 
 std::unique_ptr<Sizing> sizing_of(CaseState& state, const Domain& domain) {
-  return naming(state.input_name, [&] { return std::move(*state.sizes).on(domain, state.centerline); });
+  return naming(state.given.name, [&] { return std::move(*state.sizes).on(domain, state.centerline); });
 }
 
 void make_mesh(CaseState& state, report::StageReport& stage) {
-  warn_of_closed_vessels(state, stage);
-  if (state.image)
-    for (std::string& doubt : doubts_about_sections(*state.image, state.openings()))
-      stage.warnings.push_back(std::move(doubt));
+  if (std::string line = state.given.closed_vessels(); !line.empty())
+    stage.warnings.push_back(std::move(line));
+  for (std::string& doubt : state.given.doubts_about_openings()) stage.warnings.push_back(std::move(doubt));
   if (state.c.mesher == Mesher::kLattice)
     mesh_by_lattice(state, stage);
   else

@@ -31,7 +31,7 @@ class CaseSources final : public metric::SourceData {
                 name + ": a case has no mesh before it makes one, whose solution could be read");
   }
   std::shared_ptr<const Domain> boundary() override {
-    return state_.image ? state_.domain_of_image() : nullptr;
+    return state_.given.image ? state_.given.domain_of_image() : nullptr;
   }
 
  private:

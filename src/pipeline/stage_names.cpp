@@ -24,7 +24,8 @@ void rename_coverages(std::span<const PatchRenaming> renamings, const MeshInfo& 
 void find_named_openings(CaseState& state) {
   if (state.c.openings.names.empty()) return;
   naming("[openings] names", [&] {
-    state.renamings = with_patches(renamings_from(state.c.openings.names), named_openings(state.openings()));
+    state.renamings =
+        with_patches(renamings_from(state.c.openings.names), named_openings(state.given.openings()));
   });
 }
 

@@ -1,0 +1,94 @@
+#pragma once
+/// @file What is meshed: the labels of an image, or the inside of a surface.
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lumesh/centerline/centerline.hpp"
+#include "lumesh/core/context.hpp"
+#include "lumesh/domain/image_domain.hpp"
+#include "lumesh/domain/openings.hpp"
+#include "lumesh/domain/surface_domain.hpp"
+#include "lumesh/field/field_options.hpp"
+#include "lumesh/mesh/polylines.hpp"
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/stages/image_shape.hpp"
+#include "lumesh/stages/input.hpp"
+
+namespace lumesh {
+
+struct DomainInput {
+  std::string path;
+  bool is_surface = false;  ///< Else an image.
+  ImageSelection selection;
+  InputCuts cuts;
+  LabelFieldOptions field;  ///< Of an image.
+  SurfaceInputOptions surface;
+};
+
+/// An image or a surface as it is read, and what meshers ask of it, made when it is first asked for. Errors
+/// name the file.
+class DomainRead {
+ public:
+  DomainRead(DomainInput input, Context& context);
+
+  /// Reads the file, and cuts and extends a surface.
+  void read();
+  /// Cuts an image off, without its extensions.
+  void cut_image();
+
+  /// Domain to mesh: the image's with its extensions, or that of the surface.
+  [[nodiscard]] const Domain& domain();
+  [[nodiscard]] const std::shared_ptr<const ImageDomain>& domain_of_image();
+  [[nodiscard]] const SurfaceDomain& domain_of_surface();
+  [[nodiscard]] const std::vector<Opening>& openings();
+  /// Axes of the vessels.
+  [[nodiscard]] Polylines axes(const CenterlineOptions& options) const;
+
+  /// Warns of a surface whose unit is in doubt, and names what was closed of it.
+  void look_at_surface();
+  /// Lines on openings that the voxels of an image do not show.
+  [[nodiscard]] std::vector<std::string> doubts_about_openings();
+  /// A line if no vessel has an opening, else empty.
+  [[nodiscard]] std::string closed_vessels();
+  /// Lines on differences of a mesh from the image, as differences(); none from a surface.
+  [[nodiscard]] std::vector<std::string> differences_from(const TetMesh& mesh);
+  /// The same as differences_of_lattice().
+  [[nodiscard]] std::vector<std::string> differences_from_lattice(const MeshView& mesh);
+  /// All that is to be known before meshing, with its warnings.
+  struct Survey {
+    Polylines axes;              ///< Axes of the vessels, where they are wanted.
+    std::string closed_vessels;  ///< A line for later; see closed_vessels().
+  };
+  [[nodiscard]] Survey survey(bool needs_axes);
+  /// Frees the voxels of an image, whose domain and shape are kept. Only these can be asked for then.
+  void drop_image();
+
+  /// What was closed of a surface.
+  [[nodiscard]] std::span<const surfaces::ClosedRim> closed() const;
+
+  std::string name;                       ///< Of what is meshed: the path, unless it is none.
+  std::optional<LabelImage> image;        ///< Without what is cut off.
+  std::vector<CutPlane> cut_planes = {};  ///< Of the image.
+  std::optional<SurfaceInput> surface;    ///< Where there is no image.
+  /// The domain of the image, once it was asked for.
+  [[nodiscard]] const ImageDomain* image_domain() const { return image_domain_.get(); }
+
+ private:
+  [[nodiscard]] const ImageShape& shape();
+
+  DomainInput input_;
+  Context& context_;
+  std::shared_ptr<const SurfaceDomain> surface_domain_;
+  std::shared_ptr<const ImageDomain> image_domain_;
+  std::optional<std::vector<Opening>> openings_;
+  std::optional<ImageShape> shape_;
+};
+
+/// Reads it, and cuts an image off.
+[[nodiscard]] DomainRead read_domain(const DomainInput& input, Context& context);
+
+}  // namespace lumesh

@@ -1,0 +1,121 @@
+#include "lumesh/stages/domain_read.hpp"
+
+#include <utility>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/stages/input_parts.hpp"
+#include "lumesh/stages/opening_sections.hpp"
+#include "lumesh/stages/surface_input.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
+
+namespace lumesh {
+
+DomainRead::DomainRead(DomainInput input, Context& context)
+    : name(input.path), input_(std::move(input)), context_(context) {}
+
+void DomainRead::read() {
+  context_.phase("read", [&] {
+    if (input_.is_surface)
+      surface = read_surface(input_.path, input_.selection.unit, input_.surface, input_.cuts, context_);
+    else
+      image = read_selected_image(input_.path, input_.selection, context_);
+  });
+}
+
+void DomainRead::cut_image() {
+  cut_planes = naming(
+      name, [&] { return context_.phase("cuts", [&] { return cut_off(*image, input_.cuts, context_); }); });
+}
+
+const Domain& DomainRead::domain() {
+  if (surface) return domain_of_surface();
+  return *domain_of_image();
+}
+
+const std::shared_ptr<const ImageDomain>& DomainRead::domain_of_image() {
+  if (!image_domain_)
+    image_domain_ =
+        naming(name, [&] { return domain_of_cut(*image, cut_planes, input_.cuts, input_.field, context_); });
+  return image_domain_;
+}
+
+const SurfaceDomain& DomainRead::domain_of_surface() {
+  if (!surface_domain_)
+    surface_domain_ = naming(name, [&] {
+      return context_.phase("domain", [&] { return surface->domain(input_.surface.domain); });
+    });
+  return *surface_domain_;
+}
+
+const std::vector<Opening>& DomainRead::openings() {
+  if (!openings_) openings_ = find_openings(domain());
+  return *openings_;
+}
+
+Polylines DomainRead::axes(const CenterlineOptions& options) const {
+  return naming(name, [&] {
+    return image ? extract_centerline(*image, options, context_)
+                 : extract_centerline(surface->mesh.view(), options, context_);
+  });
+}
+
+void DomainRead::look_at_surface() {
+  warn_of_unit(surface->mesh, openings(), input_.selection.unit, name, context_);
+  name_closed(surface->closed, domain().flat_ends());
+}
+
+std::vector<std::string> DomainRead::doubts_about_openings() {
+  if (!image) return {};
+  return doubts_about_sections(*image, openings());
+}
+
+std::string DomainRead::closed_vessels() {
+  return surface ? closed_surface_warning(domain()) : closed_vessel_warning(*image, openings(), context_);
+}
+
+DomainRead::Survey DomainRead::survey(bool needs_axes) {
+  // The domain first: it refuses noise, whose shape takes long to tell.
+  static_cast<void>(domain());
+  context_.phase("openings", [&] { static_cast<void>(openings()); });
+  if (surface) look_at_surface();
+  for (const std::string& doubt : doubts_about_openings()) context_.warn(doubt);
+  Survey found;
+  if (needs_axes) found.axes = context_.phase("axes", [&] { return axes({}); });
+  found.closed_vessels =
+      surface ? closed_vessels() : context_.phase("ends", [&] { return closed_vessels(); });
+  return found;
+}
+
+const ImageShape& DomainRead::shape() {
+  if (!shape_) shape_ = shape_of(*image, cut_planes);
+  return *shape_;
+}
+
+std::vector<std::string> DomainRead::differences_from(const TetMesh& mesh) {
+  if (surface) return {};
+  return context_.phase("check", [&] { return differences(shape(), mesh); });
+}
+
+std::vector<std::string> DomainRead::differences_from_lattice(const MeshView& mesh) {
+  return context_.phase("check", [&] { return differences_of_lattice(shape(), mesh); });
+}
+
+void DomainRead::drop_image() {
+  if (!image) return;
+  context_.phase("shape", [&] { static_cast<void>(shape()); });
+  image.reset();
+}
+
+std::span<const surfaces::ClosedRim> DomainRead::closed() const {
+  if (!surface) return {};
+  return surface->closed;
+}
+
+DomainRead read_domain(const DomainInput& input, Context& context) {
+  DomainRead given(input, context);
+  given.read();
+  if (given.image) given.cut_image();
+  return given;
+}
+
+}  // namespace lumesh
