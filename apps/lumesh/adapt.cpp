@@ -1,9 +1,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
-#include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
@@ -13,6 +11,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "lumesh/stages/mesh_adaptation.hpp"
 #include "option_adapter.hpp"
 
@@ -25,30 +24,6 @@ struct AdaptCommand {
   MeshAdaptationRequest request;
   RunOptions run;
 };
-
-nlohmann::ordered_json report_json(const AdaptResult& result, const Context& context, double seconds) {
-  const AdaptReport& report = result.report;
-  nlohmann::ordered_json json;
-  json["complete"] = report.complete;
-  json["complexity"] = report.complexity;
-  json["seconds"] = seconds;
-  for (const LabelChange& label : result.volumes)
-    json["volumes"].push_back({{"label", label.label},
-                               {"before_mm3", label.before_mm3},
-                               {"after_mm3", label.after_mm3},
-                               {"change_percent", label.percent()}});
-  std::map<std::string, double> phases;
-  for (const PhaseTime& phase : context.phases()) phases[phase.name] += phase.seconds;
-  json["seconds_by_step"] = phases;
-  add_counts_json(json, report.by_thread);
-  for (const AdaptPass& pass : report.passes)
-    json["passes"].push_back({{"name", pass.name},
-                              {"seconds", pass.seconds},
-                              {"tetrahedra", pass.tets},
-                              {"vertices", pass.vertices},
-                              {"operators", counts_json(pass.counts)}});
-  return json;
-}
 
 /// Refuses before anything is read what contradicts itself.
 void check_options(const AdaptCommand& command) {
@@ -83,7 +58,7 @@ void run(AdaptCommand command) {
   });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_json(command.json_path, report_json(made.result, context, elapsed.count()).dump(2));
+    write_json(command.json_path, report::adapt_json(made.result, context, elapsed.count()));
   print_counts(command.run, report.by_thread);
   say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",
       command.output_path, made.mesh.changing().tet_count(), made.mesh.changing().vertex_count(),

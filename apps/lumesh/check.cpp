@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <variant>
 
 #include "commands.hpp"
@@ -13,6 +12,7 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/check_report.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "lumesh/stages/check_stage.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "option_adapter.hpp"
@@ -20,8 +20,6 @@
 namespace lumesh::cli {
 
 namespace {
-
-using json = nlohmann::ordered_json;
 
 struct CheckCommand {
   std::string path;
@@ -34,28 +32,6 @@ const char* word_for(Severity severity) {
   return severity == Severity::kFault ? "fault" : "remark";
 }
 
-json to_json(const CheckCommand& command, const CheckReport& report) {
-  json all = {{"file", command.path},
-              {"kind", report.what},
-              {"size", report.size},
-              {"fit", report.is_fit()},
-              {"findings", json::array()}};
-  for (const Finding& finding : report.findings) {
-    json places = json::array();
-    for (const Vec3& p : finding.places_mm) places.push_back({p.x(), p.y(), p.z()});
-    json voxels = json::array();
-    for (const Index3& v : finding.voxels) voxels.push_back({v.x(), v.y(), v.z()});
-    all["findings"].push_back({{"kind", finding.kind},
-                               {"severity", word_for(finding.severity)},
-                               {"count", finding.count},
-                               {"text", finding.text},
-                               {"remedy", with_flags(finding.remedy, *command.run.command)},
-                               {"places_mm", std::move(places)}});
-    if (!voxels.empty()) all["findings"].back()["voxels"] = std::move(voxels);
-  }
-  return all;
-}
-
 void print_text(const CheckCommand& command, const CheckReport& report) {
   print_out("{}: {}, {}\n", command.path, report.what, report.size);
   for (const Finding& finding : report.findings) {
@@ -66,8 +42,7 @@ void print_text(const CheckCommand& command, const CheckReport& report) {
     std::string voxels;
     for (const Index3& v : finding.voxels) voxels += fmt::format(" ({}, {}, {})", v.x(), v.y(), v.z());
     if (!voxels.empty()) print_out("{:18}voxels{}\n", "", voxels);
-    if (!finding.remedy.empty())
-      print_out("{:18}remedy: {}\n", "", with_flags(finding.remedy, *command.run.command));
+    if (!finding.remedy.empty()) print_out("{:18}remedy: {}\n", "", finding.remedy);
   }
   if (report.findings.empty()) print_out("nothing found\n");
 }
@@ -78,9 +53,8 @@ void write_report(const CheckCommand& command, const CheckReport& report, Contex
       return report::draw_check_pictures(*image, report.findings);
     return report::draw_check_pictures(std::get<MixedMesh>(report.checked).view(), report.findings);
   });
-  report::CheckedFile file = {std::filesystem::path(command.path).filename().string(), report.what,
-                              report.size, report.is_fit(), report.findings};
-  for (Finding& finding : file.findings) finding.remedy = with_flags(finding.remedy, *command.run.command);
+  const report::CheckedFile file = {std::filesystem::path(command.path).filename().string(), report.what,
+                                    report.size, report.is_fit(), report.findings};
   write_text_file(command.report_path, report::check_html(file, pictures));
 }
 
@@ -93,8 +67,9 @@ void run(const CheckCommand& command) {
     require_not_given(*command.run.command, options_of(of_images),
                       fmt::format("is for images, and {} is none", command.path));
   }
-  const CheckReport report = check_file(command.path, command.selection, context);
-  if (!command.json_path.empty()) write_json(command.json_path, to_json(command, report).dump(2));
+  CheckReport report = check_file(command.path, command.selection, context);
+  for (Finding& finding : report.findings) finding.remedy = with_flags(finding.remedy, *command.run.command);
+  if (!command.json_path.empty()) write_json(command.json_path, report::check_json(command.path, report));
   if (command.run.quiet == 0) print_text(command, report);
   if (!command.report_path.empty()) write_report(command, report, context);
   if (!report.is_fit())

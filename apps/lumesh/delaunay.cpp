@@ -2,10 +2,7 @@
 
 #include <chrono>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "angles_json.hpp"
-#include "closed_json.hpp"
 #include "commands.hpp"
 #include "common.hpp"
 #include "domain_input.hpp"
@@ -16,7 +13,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/length_unit.hpp"
-#include "lumesh/report/summary.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "lumesh/stages/delaunay_stage.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "option_adapter.hpp"
@@ -36,43 +33,6 @@ struct DelaunayCommand {
     return {&input.selection, input.path, {&mesh_path, &surface_path, &json_path}};
   }
 };
-
-nlohmann::ordered_json report_json(const DelaunayMesh& made, const OpeningsCompared& openings,
-                                   std::span<const surfaces::ClosedRim> closed,
-                                   const std::vector<std::string>& differences, const Context& context) {
-  const DelaunayReport& report = made.report;
-  const std::optional<ImproveReport>& improved = made.improved;
-  const TetMesh& mesh = made.mesh;
-  nlohmann::ordered_json json;
-  json["complete"] = report.complete && (!improved || improved->complete);
-  json["rules_hold"] = report.rules_hold;
-  json["criterion_asks"] = report.criterion_asks;
-  json["input_vertices_kept"] = report.fixed_points_kept;
-  json["tetrahedra"] = mesh.tet_count();
-  json["vertices"] = mesh.vertex_count();
-  json["seeds"] = {
-      {"inside", report.inner_seeds}, {"outside", report.outer_seeds}, {"boundary", report.boundary_seeds}};
-  json["rounds"] = nlohmann::json::array();
-  for (const DelaunayRound& round : report.rounds)
-    json["rounds"].push_back({{"seconds", round.seconds},
-                              {"tetrahedra_looked_at", round.tets_looked_at},
-                              {"surface_candidates", round.surface_candidates},
-                              {"volume_candidates", round.volume_candidates},
-                              {"topology_candidates", round.topology_candidates},
-                              {"inserted", round.inserted},
-                              {"removed", round.removed}});
-  if (improved)
-    json["improvement"] = {{"dihedral_deg_before", angles_json(improved->before)},
-                           {"dihedral_deg", angles_json(improved->after)},
-                           {"passes", improved->passes.size()}};
-  json["differences_from_image"] = differences;
-  json["openings"] = nlohmann::ordered_json::parse(report::openings_json(openings));
-  if (!closed.empty()) json["closed"] = closed_json(closed);
-  json["seconds"] = nlohmann::json::object();
-  for (const PhaseTime& phase : context.phases())
-    json["seconds"][phase.name] = json["seconds"].value(phase.name, 0.0) + phase.seconds;
-  return json;
-}
 
 /// Refuses what contradicts itself before anything is read.
 void check_options(DelaunayCommand& command) {
@@ -142,7 +102,7 @@ void run(DelaunayCommand command) {
     for (const std::string& warning : sizing->warnings()) context.warn(warning);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_json(command.json_path, report_json(made, openings, given.closed(), others, context).dump(2));
+    write_json(command.json_path, report::delaunay_json(made, openings, given.closed(), others, context));
   print_summary(command, given, made, faces, openings, context, elapsed.count());
   require_sound(command.mesh_path, mesh.view(faces), context, long_run.reason(is_complete));
   long_run.check_complete(is_complete, command.mesh_path + " holds the best mesh so far");

@@ -2,10 +2,7 @@
 
 #include <chrono>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <tuple>
 
-#include "angles_json.hpp"
 #include "commands.hpp"
 #include "common.hpp"
 #include "keep_option.hpp"
@@ -13,6 +10,7 @@
 #include "long_run.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "lumesh/stages/improve_stage.hpp"
 #include "option_adapter.hpp"
 
@@ -30,40 +28,6 @@ void say_cut(const RunOptions& run, const CutMesh& cut) {
   if (cut.openings.empty()) say(run, "cut: openings beside the plane moved into it\n");
   for (const CutMesh::Opening& opening : cut.openings)
     say(run, "cut: {} of {:.4g} mm² at {}\n", opening.name, opening.area_mm2, place_text(opening.centre_mm));
-}
-
-nlohmann::ordered_json cut_json(const CutMesh& cut) {
-  nlohmann::ordered_json json = {{"tetrahedra_removed", cut.removed},
-                                 {"patches_removed", cut.gone},
-                                 {"openings", nlohmann::json::array()}};
-  for (const CutMesh::Opening& opening : cut.openings) {
-    const auto& [x, y, z] = std::tie(opening.centre_mm[0], opening.centre_mm[1], opening.centre_mm[2]);
-    json["openings"].push_back({{"name", opening.name},
-                                {"area_mm2", opening.area_mm2},
-                                {"centre_mm", {x, y, z}},
-                                {"least_angle_to_wall_deg", opening.least_angle_deg}});
-  }
-  return json;
-}
-
-nlohmann::ordered_json report_json(const ImproveReport& report, const ImproveOptions& options,
-                                   const CutMesh& cut, double seconds) {
-  nlohmann::ordered_json json;
-  if (!cut.openings.empty()) json["cut"] = cut_json(cut);
-  json["complete"] = report.complete;
-  json["targets_deg"] = {options.min_dihedral_deg, options.max_dihedral_deg};
-  json["before"] = angles_json(report.before);
-  json["after"] = angles_json(report.after);
-  json["seconds"] = seconds;
-  add_counts_json(json, report.by_thread);
-  json["passes"] = nlohmann::json::array();
-  for (const ImprovePass& pass : report.passes)
-    json["passes"].push_back({{"seconds", pass.seconds},
-                              {"tetrahedra", pass.tets},
-                              {"vertices", pass.vertices},
-                              {"dihedral_deg", angles_json(pass.angles)},
-                              {"operators", counts_json(pass.counts)}});
-  return json;
 }
 
 void run(ImproveCommand command) {
@@ -87,7 +51,7 @@ void run(ImproveCommand command) {
   context.phase("write", [&] { write_mesh(command.output_path, made.view()); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.json_path.empty())
-    write_json(command.json_path, report_json(report, request.options, made.cut, elapsed.count()).dump(2));
+    write_json(command.json_path, report::improve_json(report, request.options, made.cut, elapsed.count()));
   print_counts(command.run, report.by_thread);
   say(command.run,
       "{}: {} tetrahedra, dihedral angles {:.2f} to {:.2f} degrees (before: {:.2f} to {:.2f}), {} tetrahedra "

@@ -8,20 +8,6 @@
 
 namespace lumesh::cli {
 
-namespace {
-
-nlohmann::ordered_json migrations_json(const parallel::TaskMigrations& migrations) {
-  return {{"local", migrations.local}, {"remote", migrations.remote}};
-}
-
-parallel::TaskMigrations sum_of(const std::vector<parallel::TaskMigrations>& all) {
-  parallel::TaskMigrations sum;
-  for (const parallel::TaskMigrations& one : all) sum += one;
-  return sum;
-}
-
-}  // namespace
-
 void add_topology_option(CLI::App& command, parallel::TeamOptions& team) {
   command
       .add_option("--topology", team.synthetic_topology, "Balance as on this machine, as hwloc describes it")
@@ -30,24 +16,6 @@ void add_topology_option(CLI::App& command, parallel::TeamOptions& team) {
 
 int threads_of(const RunOptions& run) {
   return run.threads > 0 ? run.threads : parallel::available_threads();
-}
-
-nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts) {
-  nlohmann::ordered_json json;
-  for (const auto& [name, member] : operators::OperatorCounts::all()) {
-    const operators::OperatorCount& count = counts.*member;
-    json[name] = {{"applied", count.applied}, {"rejected", count.rejected}, {"contended", count.contended}};
-  }
-  return json;
-}
-
-void add_counts_json(nlohmann::ordered_json& report, const operators::ExecutionCounts& counts) {
-  report["operators"] = counts_json(counts.of_all_threads());
-  report["hand_overs"] = migrations_json(sum_of(counts.migrations));
-  report["threads"] = nlohmann::ordered_json::array();
-  for (std::size_t thread = 0; thread < counts.by_thread.size(); ++thread)
-    report["threads"].push_back({{"operators", counts_json(counts.by_thread[thread])},
-                                 {"hand_overs", migrations_json(counts.migrations[thread])}});
 }
 
 void print_counts(const RunOptions& run, const operators::ExecutionCounts& counts) {

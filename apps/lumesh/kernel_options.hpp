@@ -2,7 +2,6 @@
 /// @file What commands share that change a mesh by the operators: who works how on it, and what was done.
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "common.hpp"
 #include "lumesh/adapt/adapt.hpp"
@@ -15,11 +14,7 @@ void add_topology_option(CLI::App& command, parallel::TeamOptions& team);
 /// Threads as the user gave them: 0 stands for all cores.
 [[nodiscard]] int threads_of(const RunOptions& run);
 
-/// Applied, rejected and contended of every operator.
-[[nodiscard]] nlohmann::ordered_json counts_json(const operators::OperatorCounts& counts);
-/// Adds to a report: "operators", the sum; "threads", what each did and got; "hand_overs", the sum.
-void add_counts_json(nlohmann::ordered_json& report, const operators::ExecutionCounts& counts);
-/// The same on stderr, with -v.
+/// What each thread did, on stderr, with -v.
 void print_counts(const RunOptions& run, const operators::ExecutionCounts& counts);
 
 }  // namespace lumesh::cli

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
@@ -13,7 +12,7 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/report/picture.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "lumesh/stages/input_parts.hpp"
 
 namespace lumesh::cli {
@@ -62,17 +61,6 @@ void warn_of_problems(const MixedMesh& mesh, const std::string& path, const Cont
                              report.problem_count, report.problems.front()));
 }
 
-std::string report_json(const MergeReport& report, const std::vector<std::string>& paths) {
-  nlohmann::ordered_json json = {
-      {"shared_faces", report.shared_faces}, {"shared_points", report.shared_points},
-      {"shared_area", report.shared_area},   {"tolerance", report.tolerance},
-      {"farthest", report.farthest},         {"renumbered", nlohmann::json::array()}};
-  for (const MergeReport::Renumbered& label : report.renumbered)
-    json["renumbered"].push_back(
-        {{"file", paths[label.part]}, {"from", label.from}, {"to", label.to}, {"name", label.name}});
-  return json.dump(2);
-}
-
 void run(MergeCommand command) {
   CommandRun session(command.run);
   Context& context = session.context;
@@ -91,7 +79,7 @@ void run(MergeCommand command) {
   context.phase("check", [&] { warn_of_problems(mesh, command.output_path, context); });
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view()); });
   const MergeReport& report = result.report;
-  if (!command.json_path.empty()) write_json(command.json_path, report_json(report, command.paths));
+  if (!command.json_path.empty()) write_json(command.json_path, report::merge_json(report, command.paths));
   for (const MergeReport::Renumbered& label : report.renumbered)
     say(command.run, "{}: label {}{} is label {} now\n", command.paths[label.part], label.from,
         label.name.empty() ? "" : " (" + label.name + ")", label.to);

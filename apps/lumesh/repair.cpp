@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
@@ -9,6 +8,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/repair_stage.hpp"
@@ -19,39 +19,11 @@ namespace lumesh::cli {
 
 namespace {
 
-using json = nlohmann::ordered_json;
-
 struct RepairCommand {
   std::string from, to, json_path;
   RepairRequest request;
   RunOptions run;
 };
-
-json to_json(const RepairOutcome& outcome) {
-  const surfaces::RepairReport& r = outcome.report;
-  const Vec3& at = r.moved.place_mm;
-  return {{"method", outcome.was_rebuilt ? "rebuild" : "local"},
-          {"local_failure", outcome.local_failure},
-          {"max_distance_mm", outcome.max_distance_mm},
-          {"moved_mm", r.moved.distance_mm},
-          {"moved_at_mm", {at.x(), at.y(), at.z()}},
-          {"given_components", outcome.given_components},
-          {"components", r.components},
-          {"openings", r.openings},
-          {"duplicate_triangles", r.duplicate_triangles},
-          {"dropped_components", r.dropped_parts},
-          {"dropped_triangles", r.dropped_triangles},
-          {"singular_edges", r.singular_edges},
-          {"singular_points", r.singular_points},
-          {"turned_triangles", r.turned_triangles},
-          {"flipped_edges", r.flipped_edges},
-          {"holes", r.holes},
-          {"widest_hole_mm", r.widest_hole_mm},
-          {"rounds", r.rounds},
-          {"removed_triangles", r.removed_triangles},
-          {"new_triangles", r.new_triangles},
-          {"grid_spacing_mm", outcome.spacing_mm}};
-}
 
 void say_what_was_done(const RepairCommand& command, const RepairOutcome& outcome) {
   const surfaces::RepairReport& r = outcome.report;
@@ -97,7 +69,7 @@ void run(RepairCommand command) {
   outcome.surface.info.provenance =
       provenance_of(*command.run.command, command.from, surface.info.provenance);
   context.phase("write", [&] { write_surface(command.to, outcome.surface.view()); });
-  if (!command.json_path.empty()) write_json(command.json_path, to_json(outcome).dump(2));
+  if (!command.json_path.empty()) write_json(command.json_path, report::repair_json(outcome));
   say_what_was_done(command, outcome);
 }
 

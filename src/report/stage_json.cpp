@@ -1,0 +1,229 @@
+#include "lumesh/report/stage_json.hpp"
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "closed_json.hpp"
+#include "lumesh/report/summary.hpp"
+
+namespace lumesh::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json place(const Vec3& p) {
+  return Json::array({p.x(), p.y(), p.z()});
+}
+
+/// Dihedral angles.
+Json angles_json(const DihedralRange& angles) {
+  return {{"min", angles.min_deg}, {"max", angles.max_deg}, {"tetrahedra_outside", angles.tets_outside}};
+}
+
+Json migrations_json(const parallel::TaskMigrations& migrations) {
+  return {{"local", migrations.local}, {"remote", migrations.remote}};
+}
+
+parallel::TaskMigrations sum_of(const std::vector<parallel::TaskMigrations>& all) {
+  parallel::TaskMigrations sum;
+  for (const parallel::TaskMigrations& one : all) sum += one;
+  return sum;
+}
+
+/// Applied, rejected and contended of every operator.
+Json counts_json(const operators::OperatorCounts& counts) {
+  Json json;
+  for (const auto& [name, member] : operators::OperatorCounts::all()) {
+    const operators::OperatorCount& count = counts.*member;
+    json[name] = {{"applied", count.applied}, {"rejected", count.rejected}, {"contended", count.contended}};
+  }
+  return json;
+}
+
+/// Adds the sum over all threads, and what each thread did and got.
+void add_counts_json(Json& report, const operators::ExecutionCounts& counts) {
+  report["operators"] = counts_json(counts.of_all_threads());
+  report["hand_overs"] = migrations_json(sum_of(counts.migrations));
+  report["threads"] = Json::array();
+  for (std::size_t thread = 0; thread < counts.by_thread.size(); ++thread)
+    report["threads"].push_back({{"operators", counts_json(counts.by_thread[thread])},
+                                 {"hand_overs", migrations_json(counts.migrations[thread])}});
+}
+
+Json cut_json(const CutMesh& cut) {
+  Json json = {{"tetrahedra_removed", cut.removed},
+               {"patches_removed", cut.gone},
+               {"openings", nlohmann::json::array()}};
+  for (const CutMesh::Opening& opening : cut.openings) {
+    const auto& [x, y, z] = std::tie(opening.centre_mm[0], opening.centre_mm[1], opening.centre_mm[2]);
+    json["openings"].push_back({{"name", opening.name},
+                                {"area_mm2", opening.area_mm2},
+                                {"centre_mm", {x, y, z}},
+                                {"least_angle_to_wall_deg", opening.least_angle_deg}});
+  }
+  return json;
+}
+
+}  // namespace
+
+nlohmann::ordered_json closed_json(std::span<const surfaces::ClosedRim> closed) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const surfaces::ClosedRim& rim : closed) {
+    nlohmann::ordered_json one = {{"kind", rim.is_opening ? "opening" : "hole"}};
+    if (!rim.name.empty()) one["name"] = rim.name;
+    one["centre_mm"] = place(rim.centre_mm);
+    one["normal"] = place(rim.normal);
+    one["area_mm2"] = rim.area_mm2;
+    one["rim_radius_mm"] = rim.given.radius_mm;
+    one["rim_edges"] = rim.given.vertices.size();
+    one["rim_deviation_mm"] = rim.given.deviation_mm;
+    one["cut_off_mm"] = rim.cut_off_mm;
+    one["moved_mm"] = rim.moved_mm;
+    one["triangles"] = rim.triangles;
+    one["smallest_angle_deg"] = rim.smallest_angle_deg;
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+std::string adapt_json(const AdaptResult& result, const Context& context, double seconds) {
+  const AdaptReport& report = result.report;
+  Json json;
+  json["complete"] = report.complete;
+  json["complexity"] = report.complexity;
+  json["seconds"] = seconds;
+  for (const LabelChange& label : result.volumes)
+    json["volumes"].push_back({{"label", label.label},
+                               {"before_mm3", label.before_mm3},
+                               {"after_mm3", label.after_mm3},
+                               {"change_percent", label.percent()}});
+  std::map<std::string, double> phases;
+  for (const PhaseTime& phase : context.phases()) phases[phase.name] += phase.seconds;
+  json["seconds_by_step"] = phases;
+  add_counts_json(json, report.by_thread);
+  for (const AdaptPass& pass : report.passes)
+    json["passes"].push_back({{"name", pass.name},
+                              {"seconds", pass.seconds},
+                              {"tetrahedra", pass.tets},
+                              {"vertices", pass.vertices},
+                              {"operators", counts_json(pass.counts)}});
+  return json.dump(2);
+}
+
+std::string delaunay_json(const DelaunayMesh& made, const OpeningsCompared& openings,
+                          std::span<const surfaces::ClosedRim> closed,
+                          const std::vector<std::string>& differences, const Context& context) {
+  const DelaunayReport& report = made.report;
+  const std::optional<ImproveReport>& improved = made.improved;
+  const TetMesh& mesh = made.mesh;
+  Json json;
+  json["complete"] = report.complete && (!improved || improved->complete);
+  json["rules_hold"] = report.rules_hold;
+  json["criterion_asks"] = report.criterion_asks;
+  json["input_vertices_kept"] = report.fixed_points_kept;
+  json["tetrahedra"] = mesh.tet_count();
+  json["vertices"] = mesh.vertex_count();
+  json["seeds"] = {
+      {"inside", report.inner_seeds}, {"outside", report.outer_seeds}, {"boundary", report.boundary_seeds}};
+  json["rounds"] = nlohmann::json::array();
+  for (const DelaunayRound& round : report.rounds)
+    json["rounds"].push_back({{"seconds", round.seconds},
+                              {"tetrahedra_looked_at", round.tets_looked_at},
+                              {"surface_candidates", round.surface_candidates},
+                              {"volume_candidates", round.volume_candidates},
+                              {"topology_candidates", round.topology_candidates},
+                              {"inserted", round.inserted},
+                              {"removed", round.removed}});
+  if (improved)
+    json["improvement"] = {{"dihedral_deg_before", angles_json(improved->before)},
+                           {"dihedral_deg", angles_json(improved->after)},
+                           {"passes", improved->passes.size()}};
+  json["differences_from_image"] = differences;
+  json["openings"] = Json::parse(openings_json(openings));
+  if (!closed.empty()) json["closed"] = closed_json(closed);
+  json["seconds"] = nlohmann::json::object();
+  for (const PhaseTime& phase : context.phases())
+    json["seconds"][phase.name] = json["seconds"].value(phase.name, 0.0) + phase.seconds;
+  return json.dump(2);
+}
+
+std::string improve_json(const ImproveReport& report, const ImproveOptions& options, const CutMesh& cut,
+                         double seconds) {
+  Json json;
+  if (!cut.openings.empty()) json["cut"] = cut_json(cut);
+  json["complete"] = report.complete;
+  json["targets_deg"] = {options.min_dihedral_deg, options.max_dihedral_deg};
+  json["before"] = angles_json(report.before);
+  json["after"] = angles_json(report.after);
+  json["seconds"] = seconds;
+  add_counts_json(json, report.by_thread);
+  json["passes"] = nlohmann::json::array();
+  for (const ImprovePass& pass : report.passes)
+    json["passes"].push_back({{"seconds", pass.seconds},
+                              {"tetrahedra", pass.tets},
+                              {"vertices", pass.vertices},
+                              {"dihedral_deg", angles_json(pass.angles)},
+                              {"operators", counts_json(pass.counts)}});
+  return json.dump(2);
+}
+
+std::string check_json(const std::string& path, const CheckReport& report) {
+  Json all = {{"file", path},
+              {"kind", report.what},
+              {"size", report.size},
+              {"fit", report.is_fit()},
+              {"findings", Json::array()}};
+  for (const Finding& finding : report.findings) {
+    Json places = Json::array();
+    for (const Vec3& p : finding.places_mm) places.push_back(place(p));
+    Json voxels = Json::array();
+    for (const Index3& v : finding.voxels) voxels.push_back({v.x(), v.y(), v.z()});
+    all["findings"].push_back({{"kind", finding.kind},
+                               {"severity", finding.severity == Severity::kFault ? "fault" : "remark"},
+                               {"count", finding.count},
+                               {"text", finding.text},
+                               {"remedy", finding.remedy},
+                               {"places_mm", std::move(places)}});
+    if (!voxels.empty()) all["findings"].back()["voxels"] = std::move(voxels);
+  }
+  return all.dump(2);
+}
+
+std::string repair_json(const RepairOutcome& outcome) {
+  const surfaces::RepairReport& r = outcome.report;
+  const Json json = {{"method", outcome.was_rebuilt ? "rebuild" : "local"},
+                     {"local_failure", outcome.local_failure},
+                     {"max_distance_mm", outcome.max_distance_mm},
+                     {"moved_mm", r.moved.distance_mm},
+                     {"moved_at_mm", place(r.moved.place_mm)},
+                     {"given_components", outcome.given_components},
+                     {"components", r.components},
+                     {"openings", r.openings},
+                     {"duplicate_triangles", r.duplicate_triangles},
+                     {"dropped_components", r.dropped_parts},
+                     {"dropped_triangles", r.dropped_triangles},
+                     {"singular_edges", r.singular_edges},
+                     {"singular_points", r.singular_points},
+                     {"turned_triangles", r.turned_triangles},
+                     {"flipped_edges", r.flipped_edges},
+                     {"holes", r.holes},
+                     {"widest_hole_mm", r.widest_hole_mm},
+                     {"rounds", r.rounds},
+                     {"removed_triangles", r.removed_triangles},
+                     {"new_triangles", r.new_triangles},
+                     {"grid_spacing_mm", outcome.spacing_mm}};
+  return json.dump(2);
+}
+
+std::string merge_json(const MergeReport& report, const std::vector<std::string>& paths) {
+  Json json = {{"shared_faces", report.shared_faces}, {"shared_points", report.shared_points},
+               {"shared_area", report.shared_area},   {"tolerance", report.tolerance},
+               {"farthest", report.farthest},         {"renumbered", nlohmann::json::array()}};
+  for (const MergeReport::Renumbered& label : report.renumbered)
+    json["renumbered"].push_back(
+        {{"file", paths[label.part]}, {"from", label.from}, {"to", label.to}, {"name", label.name}});
+  return json.dump(2);
+}
+
+}  // namespace lumesh::report
