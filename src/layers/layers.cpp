@@ -16,8 +16,10 @@
 #include "layer_cells.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/layers/thickness.hpp"
 #include "lumesh/mesh/merge.hpp"
 #include "lumesh/mesh/parts.hpp"
+#include "lumesh/metric/background_field.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/metric/shaping.hpp"
 
@@ -78,19 +80,15 @@ std::string LayerReport::shortfall() const {
       100 * complete());
 }
 
-namespace {
-
-/// Layers thicker than the whole mesh are a slip, mostly of units.
-void require_fitting_thickness(const LayerSurface& surface, const Columns& columns, double thickness) {
-  const double smallest = *std::min_element(columns.wanted_mm.begin(), columns.wanted_mm.end());
-  const double width = bounding_box(surface.points).diagonal().norm();
-  if (smallest > width)
-    throw Error(
-        ErrorKind::kBadInput,
-        fmt::format("layers {:g} thick are more than the surface is wide ({:.4g} mm); heights are in mm, or "
-                    "multiples of what they are relative to",
-                    thickness, width));
+void require_fitting_thickness(double thinnest_mm, double thickness, std::string_view on, double width_mm) {
+  if (thinnest_mm <= width_mm) return;
+  throw Error(ErrorKind::kBadInput,
+              fmt::format("layers {:g} thick are more than the {} is wide ({:.4g} mm); heights are in mm, or "
+                          "multiples of what they are relative to",
+                          thickness, on, width_mm));
 }
+
+namespace {
 
 /// Columns as high as can be said before the mesh itself is asked.
 WantedColumns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options,
@@ -99,7 +97,9 @@ WantedColumns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const 
   const Outside outside(mesh, faces);
   WantedColumns wanted = wanted_columns(frame.surface, frame.directions, options, outside);
   Columns& columns = wanted.columns;
-  require_fitting_thickness(frame.surface, columns, wanted.heights.back());
+  require_fitting_thickness(*std::min_element(columns.wanted_mm.begin(), columns.wanted_mm.end()),
+                            wanted.heights.back(), "surface",
+                            bounding_box(frame.surface.points).diagonal().norm());
   keep_from_other_sides(frame.surface, frame.directions, outside, side, columns);
   smooth_lengths(frame.surface, columns);
   if (options.counts_by_sizes()) columns.ask_for_what_is();  // As many as there is room for.
@@ -107,12 +107,9 @@ WantedColumns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const 
 }
 
 /// The metric of a mesh as it is now, if it has one.
-std::optional<metric::MetricField> field_of(const TetMesh& mesh, const BoundaryFaces& faces) {
+std::optional<metric::MetricField> field_of(const TetMesh& mesh) {
   if (!mesh.has_metric()) return std::nullopt;
-  const MeshView view = mesh.view(faces);
-  TetMesh background = TetMesh::build(view);
-  metric::set_metric(background, view.metric);
-  return metric::MetricField::on_background(std::move(background));
+  return metric::background_field(mesh, mesh.view().metric, 0);
 }
 
 LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
@@ -148,7 +145,7 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choic
     return layers_on(mesh, faces, surface.vertices,
                      [&](const Vec3&, VertexId foot) { return mesh.metric(foot); });
   const Core core = context.phase("room", [&] { return deform_interior(mesh, faces, frame, columns); });
-  const std::optional<metric::MetricField> field = field_of(mesh, faces);
+  const std::optional<metric::MetricField> field = field_of(mesh);
   return layers_on(core.mesh, core.mesh.boundary_faces(), core.vertices,
                    [&](const Vec3& point, VertexId foot) {
                      metric::MetricField::Hint hint = core.mesh.metric_hint(foot);

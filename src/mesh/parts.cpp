@@ -9,6 +9,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/parse_number.hpp"
+#include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/mesh/cell_sides.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -191,10 +192,10 @@ MixedMesh copy_of(const MeshView& view) {
 
 std::set<Label> labels_of(const MixedMesh& mesh) {
   std::set<Label> labels;
-  for (const auto* list :
-       {&mesh.tetrahedron_labels, &mesh.pyramid_labels, &mesh.prism_labels, &mesh.hexahedron_labels})
-    for (std::size_t i = 0; i < list->size(); ++i)
-      if (i == 0 || (*list)[i] != (*list)[i - 1]) labels.insert((*list)[i]);
+  const MeshView view = mesh.view();
+  const AllCells cells(view);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    if (c == 0 || cells.label(c) != cells.label(c - 1)) labels.insert(cells.label(c));
   return labels;
 }
 

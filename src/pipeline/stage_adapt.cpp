@@ -2,9 +2,10 @@
 
 #include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/metric/background_field.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/metric/shaping.hpp"
-#include "lumesh/stages/metric_input.hpp"
+#include "lumesh/stages/adapt_stage.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
@@ -36,7 +37,7 @@ void adapt_mesh(CaseState& state, report::StageReport& stage) {
     request.boundary.image = state.given.domain_of_image();
   naming(state.given.name, [&] { require_one_piece(state.mesh, request); });
   metric::MetricField field = state.context.phase(
-      "background", [&] { return background_field(state.mesh, state.mesh.view().metric, 0); });
+      "background", [&] { return metric::background_field(state.mesh, state.mesh.view().metric, 0); });
   const AdaptResult adapted = naming(state.given.name, [&] {
     return lumesh::adapt_mesh(state.mesh, field, request, wanted, state.context);
   });

@@ -2,10 +2,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <numeric>
+#include <span>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/layers/layers.hpp"
+#include "lumesh/layers/thickness.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_naming.hpp"
 #include "lumesh/stages/layers_stage.hpp"
@@ -80,27 +83,25 @@ double width_mm(const CaseState& state) {
   return box.diagonal().norm();
 }
 
-/// Layers thicker than all that is meshed are a slip, mostly of units.
+double thickness_of(std::span<const double> heights) {
+  return std::accumulate(heights.begin(), heights.end(), 0.0);
+}
+
 void check_thickness(const CaseState& state) {
-  if (state.c.layers.options.scale != HeightScale::kAbsolute) return;
-  double thickness_mm = 0;
-  for (const double height : layer_heights(state.c.layers.options)) thickness_mm += height;
-  if (thickness_mm > width_mm(state))
-    throw Error(
-        ErrorKind::kBadInput,
-        fmt::format("[layers] layers of {:g} mm are more than the input is wide ({:.4g} mm); heights are "
-                    "in mm, or set relative_to",
-                    thickness_mm, width_mm(state)));
+  const LayerOptions& options = state.c.layers.options;
+  if (options.scale != HeightScale::kAbsolute) return;
+  const double thickness_mm = thickness_of(layer_heights(options));
+  naming("[layers]",
+         [&] { require_fitting_thickness(thickness_mm, thickness_mm, "input", width_mm(state)); });
 }
 
 void add_layer_figures(const LayerResult& result, report::StageReport& stage) {
   const MixedMesh& mesh = result.mesh;
-  double thickness = 0;
-  for (const double height : result.report.heights) thickness += height;
   stage.figures = {{"Layers", static_cast<std::uint64_t>(result.report.layers)},
                    {"Cells of layers", result.report.cells},
                    {"Complete", 100 * result.report.complete(), "%", "share of the area"},
-                   {"Thickness of all layers", thickness, "", "as asked for, in mm or multiples"},
+                   {"Thickness of all layers", thickness_of(result.report.heights), "",
+                    "as asked for, in mm or multiples"},
                    {"Tetrahedra", std::uint64_t{mesh.tetrahedra.size()}},
                    {"Vertices", std::uint64_t{mesh.points.size()}}};
   if (!mesh.hexahedra.empty()) stage.figures.push_back({"Hexahedra", std::uint64_t{mesh.hexahedra.size()}});

@@ -19,6 +19,7 @@
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/opening_sections.hpp"
@@ -140,10 +141,9 @@ json describe_mesh(MixedMesh mesh) {
               {"patches", json::array()},
               {"provenance", mesh.info.provenance}};
   std::map<Label, std::size_t> cells;
-  for (const auto* labels :
-       {&mesh.tetrahedron_labels, &mesh.pyramid_labels, &mesh.prism_labels, &mesh.hexahedron_labels}) {
-    for (const Label l : *labels) ++cells[l];
-  }
+  const MeshView view = mesh.view();
+  const AllCells all_cells(view);
+  for (std::size_t c = 0; c < all_cells.size(); ++c) ++cells[all_cells.label(c)];
   for (const auto& [label, count] : cells) all["labels"].push_back({{"label", label}, {"cells", count}});
   std::vector<std::size_t> faces(mesh.info.patches.size(), 0);
   for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches}) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/quality/layered.hpp"
 #include "lumesh/quality/statistics.hpp"
 #include "lumesh/report/layers_report.hpp"
@@ -13,14 +14,11 @@ namespace {
 
 std::uint64_t used_points(const MeshView& mesh) {
   std::vector<std::uint8_t> used(mesh.points.size(), 0);
-  const auto mark = [&](const auto& cells) {
-    for (const auto& cell : cells)
-      for (const std::uint32_t v : cell) used[v] = 1;
-  };
-  mark(mesh.tetrahedra);
-  mark(mesh.pyramids);
-  mark(mesh.prisms);
-  mark(mesh.hexahedra);
+  const AllCells cells(mesh);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    cells.visit(c, [&](const auto& corners, Label) {
+      for (const std::uint32_t v : corners) used[v] = 1;
+    });
   return static_cast<std::uint64_t>(std::count(used.begin(), used.end(), std::uint8_t{1}));
 }
 

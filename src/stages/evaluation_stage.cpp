@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/domain/image_domain.hpp"
@@ -13,6 +12,7 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/provenance.hpp"
+#include "vessel_axes.hpp"
 
 namespace lumesh {
 namespace {
@@ -27,15 +27,7 @@ Polylines evaluation_axes(const EvaluationRequest& request, const LabelImage& im
                   request.centerline + ": has no radius at its points; make it with lumesh centerline");
     return axes;
   }
-  return context.phase("centerline", [&]() -> Polylines {
-    try {
-      Context silent;  // That small pieces have no lines says nothing about the mesh.
-      return extract_centerline(image, {}, silent);
-    } catch (const Error& error) {
-      if (error.kind() != ErrorKind::kBadInput) throw;
-      return {};  // The object is no vessel.
-    }
-  });
+  return context.phase("centerline", [&] { return axes_if_any(image); });
 }
 
 std::vector<std::string> doubts_about(const EvaluationRequest& request, const std::string& name,

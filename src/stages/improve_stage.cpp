@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/metric/background_field.hpp"
 #include "lumesh/stages/metric_input.hpp"
 #include "lumesh/stages/provenance.hpp"
 
@@ -35,7 +36,7 @@ std::optional<metric::MetricField> sizes_of(const ImproveRequest& request, const
   const MixedMesh& given = mesh.given();
   if (request.ignores_sizes || (request.metric.empty() && given.metric.empty())) return std::nullopt;
   const std::vector<SymTensor> tensors = metric_of(given, name, request.metric);
-  if (are_isotropic(tensors)) return background_field(mesh.changing(), tensors, 0);
+  if (are_isotropic(tensors)) return metric::background_field(mesh.changing(), tensors, 0);
   if (!request.metric.empty())
     throw Error(
         ErrorKind::kBadInput,

@@ -9,6 +9,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/metric/background_field.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/metric_input.hpp"
@@ -32,8 +33,8 @@ metric::MetricField wanted_field(const MeshAdaptationRequest& request, const std
                                  ChangingMesh& mesh, double& complexity, const Context& context) {
   if (request.analytic.is_wanted()) return metric::MetricField::analytic(*request.analytic.formula);
   if (!mesh.has_kept())
-    return background_field(mesh.changing(), metric_of(mesh.given(), name, request.tensors.file),
-                            request.gradation);
+    return metric::background_field(mesh.changing(), metric_of(mesh.given(), name, request.tensors.file),
+                                    request.gradation);
   const metric::MetricLimits limits{
       .growth = request.gradation, .kept_patches = mesh.frozen_patches(), .complexity = complexity};
   const double seen = metric::shape_metric(mesh.changing(), metric_of(mesh.given(), name, ""), limits);
@@ -41,7 +42,7 @@ metric::MetricField wanted_field(const MeshAdaptationRequest& request, const std
     context.warn(unmet);
     complexity = 0;
   }
-  return background_field(mesh.changing(), mesh.changing().view().metric, 0);
+  return metric::background_field(mesh.changing(), mesh.changing().view().metric, 0);
 }
 
 void warn_of_doubts(const MeshAdaptationRequest& request, const std::string& name, const MeshInfo& info,

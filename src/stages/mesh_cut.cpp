@@ -14,6 +14,7 @@
 #include "lumesh/mesh/edge_loops.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_naming.hpp"
+#include "lumesh/mesh/patches_in_use.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
 
@@ -79,14 +80,12 @@ class NewNames {
 /// Removes patches without faces; returns them.
 std::vector<Patch> drop_empty_patches(MixedMesh& mesh) {
   std::vector<Patch>& patches = mesh.info.patches;
+  const std::vector<bool> in_use =
+      patches_in_use(patches.size(), {mesh.triangle_patches, mesh.quadrilateral_patches});
   std::vector<std::int32_t> number(patches.size(), -1);
-  const auto mark = [&](const std::vector<std::int32_t>& of_faces) {
-    for (const std::int32_t p : of_faces) number[static_cast<std::size_t>(p)] = 0;
-  };
-  mark(mesh.triangle_patches), mark(mesh.quadrilateral_patches);
   std::vector<Patch> gone, kept;
   for (std::size_t p = 0; p < patches.size(); ++p) {
-    if (number[p] < 0) {
+    if (!in_use[p]) {
       gone.push_back(std::move(patches[p]));
       continue;
     }

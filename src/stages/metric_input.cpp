@@ -7,8 +7,6 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/io/metric_file.hpp"
-#include "lumesh/metric/gradation.hpp"
-#include "lumesh/metric/shaping.hpp"
 #include "lumesh/metric/tensor.hpp"
 
 namespace lumesh {
@@ -60,14 +58,6 @@ bool are_isotropic(const std::vector<SymTensor>& tensors) {
     const Vec3 values = metric::eigen_system(tensor).values;
     return values.maxCoeff() <= kSame * values.minCoeff();
   });
-}
-
-metric::MetricField background_field(const TetMesh& mesh, std::span<const SymTensor> tensors,
-                                     double gradation) {
-  TetMesh background = TetMesh::build(mesh.points(), mesh.tets(), mesh.labels());
-  metric::set_metric(background, tensors);
-  if (gradation > 0) metric::limit_gradation(background, {.growth = gradation});
-  return metric::MetricField::on_background(std::move(background));
 }
 
 }  // namespace lumesh

@@ -17,6 +17,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/layers/extrusion.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/mesh/patches_in_use.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/surface/edges.hpp"
@@ -70,17 +71,13 @@ std::vector<MixedMesh> pieces_of(const MixedMesh& surface) {
 
 /// Axes of every piece; one that is no longer than wide has none.
 Polylines axes_of(const MixedMesh& surface) {
-  Context quiet;
   const std::vector<MixedMesh> pieces = pieces_of(surface);
-  if (pieces.size() == 1) return extract_centerline(surface.view(), {}, quiet);
-  Polylines all;
-  for (const MixedMesh& piece : pieces) {
-    try {
-      append_lines(extract_centerline(piece.view(), {}, quiet), all);
-    } catch (const Error& error) {
-      if (error.kind() != ErrorKind::kBadInput) throw;
-    }
+  if (pieces.size() == 1) {
+    Context quiet;
+    return extract_centerline(surface.view(), {}, quiet);
   }
+  Polylines all;
+  for (const MixedMesh& piece : pieces) append_lines(axes_if_any(piece.view()), all);
   return all;
 }
 
@@ -163,12 +160,11 @@ class SurfaceCutter {
 
   /// The only opening that a cut has left nothing of, which the new one stands for; else one without a name.
   [[nodiscard]] Patch lost_end(const TriangleMesh& left) const {
-    std::vector<bool> was_there(mesh_.info.patches.size(), false),
-        is_there(mesh_.info.patches.size() + 1, false);
-    for (const std::int32_t p : mesh_.triangle_patches) was_there[static_cast<std::size_t>(p)] = true;
-    for (const std::int32_t p : left.patches) is_there[static_cast<std::size_t>(p)] = true;
+    const std::size_t count = mesh_.info.patches.size();
+    const std::vector<bool> was_there = patches_in_use(count, {mesh_.triangle_patches}),
+                            is_there = patches_in_use(count + 1, {left.patches});
     const Patch* lost = nullptr;
-    for (std::size_t p = 0; p < was_there.size(); ++p) {
+    for (std::size_t p = 0; p < count; ++p) {
       if (!was_there[p] || is_there[p] || mesh_.info.patches[p].kind != PatchKind::kOpening) continue;
       if (lost != nullptr) return {"", PatchKind::kOpening, {1, kBackground}};
       lost = &mesh_.info.patches[p];

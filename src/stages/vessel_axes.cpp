@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
@@ -14,6 +15,17 @@
 
 namespace lumesh {
 namespace {
+
+template <class Object>
+Polylines axes_or_none(const Object& object) {
+  Context quiet;
+  try {
+    return extract_centerline(object, {}, quiet);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    return {};
+  }
+}
 
 /// The way of a line around one of its points, over two radii; without its ends, which bend into the corners
 /// of oblique tips.
@@ -47,11 +59,11 @@ AxisPlace nearest_axis(const Polylines& lines, const Vec3& place_mm) {
 std::optional<Vec3> place_up(const Polylines& lines, const std::vector<std::uint32_t>& from_end,
                              const LocalLength& length) {
   const std::vector<double>& radius = lines.scalars.at("radius");
-  double way_mm = 0, lacking_mm = length.in_mm(radius[from_end[0]]);
+  const std::vector<double> lengths_mm = lengths_along(lines, from_end);
+  double lacking_mm = length.in_mm(radius[from_end[0]]);
   for (std::size_t i = 1; i < from_end.size(); ++i) {
     const Vec3 &before = lines.points[from_end[i - 1]], &at = lines.points[from_end[i]];
-    way_mm += (at - before).norm();
-    const double beyond_mm = way_mm - length.in_mm(radius[from_end[i]]);
+    const double beyond_mm = lengths_mm[i] - length.in_mm(radius[from_end[i]]);
     if (beyond_mm >= 0) return before + lacking_mm / (lacking_mm + beyond_mm) * (at - before);
     lacking_mm = -beyond_mm;
   }
@@ -67,6 +79,14 @@ CutPlane towards_end(const AxisPlace& place, const Vec3& end) {
 }
 
 }  // namespace
+
+Polylines axes_if_any(const LabelImage& image) {
+  return axes_or_none(image);
+}
+
+Polylines axes_if_any(const MeshView& mesh) {
+  return axes_or_none(mesh);
+}
 
 AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const CutPlane> before) {
   const AxisPlace found = nearest_axis(lines, place);

@@ -11,6 +11,8 @@
 #include "lumesh/core/context.hpp"
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/domain/extension.hpp"
+#include "lumesh/image/label_image.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/polylines.hpp"
 
 namespace lumesh {
@@ -20,6 +22,11 @@ struct AxisPlace {
   double radius_mm = 0;
   CutPlane across;  ///< Square to the axis.
 };
+
+/// Axes of vessels in an image or a mesh without what is warned of; none where nothing is longer than wide.
+/// @throws Error as extract_centerline(), but for kBadInput.
+[[nodiscard]] Polylines axes_if_any(const LabelImage& image);
+[[nodiscard]] Polylines axes_if_any(const MeshView& mesh);
 
 /// The vessel that a place is the fewest radii off, and not two or more.
 /// @param lines  With the scalar "radius" in mm. @param before  Cuts that were made.

@@ -4,26 +4,15 @@
 
 #include <algorithm>
 
-#include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/stages/input_cuts.hpp"
+#include "vessel_axes.hpp"
 
 namespace lumesh {
 namespace {
-
-/// Nothing where nothing is longer than wide.
-Polylines lines_in(const LabelImage& image, const Context& context) {
-  Context quiet;  // What it warns of, other stages say.
-  if (context.cancelled()) return {};
-  try {
-    return extract_centerline(image, {}, quiet);
-  } catch (const Error&) {
-    return {};
-  }
-}
 
 /// A vessel is a good deal longer than wide.
 bool is_vessel(const Polylines& lines, const std::vector<std::uint32_t>& line) {
@@ -48,12 +37,10 @@ std::vector<Vec3> places_up(const Polylines& lines, std::span<const std::uint32_
                             double radius_mm) {
   constexpr std::size_t kMost = 2;
   std::vector<Vec3> places;
-  double length_mm = 0;
-  for (std::size_t i = 1; i < from_tip.size() && places.size() < kMost; ++i) {
-    const Vec3& at = lines.points[from_tip[i]];
-    length_mm += (at - lines.points[from_tip[i - 1]]).norm();
-    if (length_mm >= static_cast<double>(places.size() + 1) * radius_mm) places.push_back(at);
-  }
+  const std::vector<double> lengths_mm = lengths_along(lines, from_tip);
+  for (std::size_t i = 1; i < from_tip.size() && places.size() < kMost; ++i)
+    if (lengths_mm[i] >= static_cast<double>(places.size() + 1) * radius_mm)
+      places.push_back(lines.points[from_tip[i]]);
   return places;
 }
 
@@ -75,6 +62,13 @@ std::vector<std::vector<std::uint32_t>> lines_from_ends(const Polylines& lines) 
       if (!is_on_another(lines, line, from_tip->front())) from_ends.push_back(*from_tip);
   }
   return from_ends;
+}
+
+std::vector<double> lengths_along(const Polylines& lines, std::span<const std::uint32_t> line) {
+  std::vector<double> lengths_mm(line.size(), 0);
+  for (std::size_t i = 1; i < line.size(); ++i)
+    lengths_mm[i] = lengths_mm[i - 1] + (lines.points[line[i]] - lines.points[line[i - 1]]).norm();
+  return lengths_mm;
 }
 
 std::vector<VesselEnd> vessel_ends(const Polylines& lines, double least_radius_mm,
@@ -118,7 +112,8 @@ void try_cuts(const LabelImage& image, const Polylines& lines, std::span<const C
 
 std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const CutPlane> cuts,
                                    std::span<const Opening> openings, std::size_t enough, Context& context) {
-  const Polylines lines = lines_in(image, context);
+  if (context.cancelled()) return {};
+  const Polylines lines = axes_if_any(image);  // What that would warn of, other stages say.
   std::vector<VesselEnd> ends = vessel_ends(lines, image.frame().spacing_mm.maxCoeff(), openings);
   try_cuts(image, lines, cuts, enough, ends);
   return ends;

@@ -2,9 +2,9 @@
 /// @file Meshes with a metric, as the stages take them.
 
 #include <string>
+#include <vector>
 
 #include "lumesh/mesh/tet_mesh.hpp"
-#include "lumesh/metric/metric_field.hpp"
 
 namespace lumesh {
 
@@ -20,9 +20,5 @@ namespace lumesh {
 
 /// True if the sizes of every tensor are the same in all directions, within a hundredth.
 [[nodiscard]] bool are_isotropic(const std::vector<SymTensor>& tensors);
-
-/// A background of `mesh` with these tensors, and with bounded growth where `gradation` > 0.
-[[nodiscard]] metric::MetricField background_field(const TetMesh& mesh, std::span<const SymTensor> tensors,
-                                                   double gradation);
 
 }  // namespace lumesh

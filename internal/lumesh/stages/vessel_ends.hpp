@@ -26,6 +26,9 @@ struct VesselEnd {
 /// @param lines  With the scalar "radius" in mm.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> lines_from_ends(const Polylines& lines);
 
+/// Length of a line from its first point to each of its points, in mm.
+[[nodiscard]] std::vector<double> lengths_along(const Polylines& lines, std::span<const std::uint32_t> line);
+
 /// Ends of centerlines that lie at no opening, by falling radius: vessels that were segmented so far only,
 /// and bulges; of lines more than twice as long as their largest radius.
 /// @param lines  With the scalar "radius" in mm. @param least_radius_mm  Thinner ones are left out.
