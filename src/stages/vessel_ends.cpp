@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "lumesh/core/counted.hpp"
-#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/stages/input_cuts.hpp"
@@ -136,11 +136,11 @@ std::string dead_end_warning(std::span<const VesselEnd> ends) {
   const std::string remedy =
       to_cut == nullptr
           ? fmt::format("it cannot be cut: {}", ends.front().refusal)
-          : fmt::format("to open {}: cut_at = [[{}]] in [input]",
+          : fmt::format("to open {}, cut it square with {} {}",
                         to_cut == ends.data()
                             ? "it"
                             : fmt::format("that of {:.3g} mm, the widest that can be cut", to_cut->radius_mm),
-                        cut_place_text(*to_cut->cut_mm));
+                        option_name("cut_at"), cut_place_text(*to_cut->cut_mm));
   return fmt::format("{} inside the image and {} closed there, {} {:.3g} mm in radius; {}",
                      is_one ? "1 vessel ends" : fmt::format("{} vessels end", ends.size()),
                      is_one ? "is" : "are", is_one ? "about" : "the widest", ends.front().radius_mm, remedy);
@@ -156,14 +156,16 @@ std::string closed_vessel_warning(const LabelImage& image, std::span<const Openi
   if (!openings.empty()) return "";
   const std::vector<VesselEnd> ends = vessel_ends(image, {}, openings, 1, context);
   if (ends.empty()) return "";
-  const std::string begin = kNoOpenings + counted(ends.size(), "ends", "end") + " inside: ";
+  const std::string begin = "no vessel leaves the image, so the mesh has no openings; " +
+                            counted(ends.size(), "ends", "end") + " inside: ";
   const VesselEnd* const to_cut = first_to_cut(ends);
-  if (to_cut == nullptr) return begin + "none can be cut with `cut_at` (lumesh info says why)";
-  return begin + fmt::format("cut {} square with `cut_at` {} (lumesh info lists all)",
+  if (to_cut == nullptr)
+    return begin + fmt::format("none can be cut with {} (lumesh info says why)", option_name("cut_at"));
+  return begin + fmt::format("cut {} square with {} {} (lumesh info lists all)",
                              ends.size() == 1        ? "it"
                              : to_cut == ends.data() ? "the widest"
                                                      : "one",
-                             cut_place_text(*to_cut->cut_mm));
+                             option_name("cut_at"), cut_place_text(*to_cut->cut_mm));
 }
 
 std::string closed_surface_warning(std::span<const Patch> patches) {

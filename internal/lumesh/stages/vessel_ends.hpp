@@ -50,10 +50,7 @@ void try_cuts(const LabelImage& image, const Polylines& lines, std::span<const C
 /// "x,y,z", as the option --cut-at takes it.
 [[nodiscard]] std::string cut_place_text(const Vec3& place_mm);
 
-/// What begins the warning of an image whose vessels all end inside.
-inline constexpr const char* kNoOpenings = "no vessel leaves the image, so the mesh has no openings; ";
-
-/// A line that says how a case opens the widest one that can be cut; empty without any.
+/// A line that says how to open the widest one that can be cut; empty without any.
 [[nodiscard]] std::string dead_end_warning(std::span<const VesselEnd> ends);
 
 /// A line for an image none of whose vessels has an opening, but which has vessel ends; empty otherwise. No
