@@ -5,7 +5,6 @@
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/report/drawing.hpp"
@@ -22,30 +21,9 @@ namespace {
 struct EvaluateCommand {
   std::string mesh_path, json_path, report_path, picture_path;
   EvaluationRequest request;
-  std::vector<double> required_dihedral_deg;
   std::size_t times = 0;
   RunOptions run;
 };
-
-void require_valid(const EvaluateCommand& command, const quality::Evaluation& evaluation) {
-  if (evaluation.valid()) return;
-  throw Error(
-      ErrorKind::kNotReached,
-      fmt::format(
-          "{}: the mesh is invalid: {}{}", command.mesh_path, evaluation.problems.front(),
-          evaluation.problem_count > 1 ? fmt::format("; {} problems in all", evaluation.problem_count) : ""));
-}
-
-void require_angles(const EvaluateCommand& command, const quality::Evaluation& evaluation) {
-  if (command.required_dihedral_deg.empty()) return;
-  const double low = evaluation.statistics.tetrahedra.smallest_dihedral_deg.value;
-  const double high = evaluation.statistics.tetrahedra.largest_dihedral_deg.value;
-  if (low >= command.required_dihedral_deg[0] && high <= command.required_dihedral_deg[1]) return;
-  throw Error(ErrorKind::kNotReached,
-              fmt::format("{}: dihedral angles {:.2f} to {:.2f} degrees leave the required {} to {}",
-                          command.mesh_path, low, high, command.required_dihedral_deg[0],
-                          command.required_dihedral_deg[1]));
-}
 
 void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
                    const quality::Evaluation& evaluation, Context& context) {
@@ -83,8 +61,7 @@ void run(const EvaluateCommand& command) {
     for (const PhaseTime& phase : context.phases())
       say(command.run, "  {:<30}{:>8.2f} s\n", phase.name, phase.seconds);
   }
-  require_valid(command, evaluation);
-  require_angles(command, evaluation);
+  request.require_met(command.mesh_path, evaluation);
 }
 
 }  // namespace
@@ -107,7 +84,7 @@ void add_evaluate_command(CLI::App& program) {
   add_json_option(*sub, command->json_path, command->run, "all numbers");
   sub->add_option("--report", command->report_path, "Write a report with plots and pictures (.html)");
   sub->add_option("--picture", command->picture_path, "Write a picture of the surface (.png)");
-  sub->add_option("--require-dihedral", command->required_dihedral_deg,
+  sub->add_option("--require-dihedral", request.required_dihedral_deg,
                   "Exit with 3 unless every dihedral angle lies between these two, degrees")
       ->expected(2);
   sub->add_flag("--times", command->times, "Print how long each step took");

@@ -1,5 +1,3 @@
-#include "lumesh/mesh/merge.hpp"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,11 +7,8 @@
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
-#include "lumesh/io/text_file.hpp"
-#include "lumesh/mesh/validate.hpp"
-#include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/stage_json.hpp"
-#include "lumesh/stages/input_parts.hpp"
+#include "lumesh/stages/merge_stage.hpp"
 
 namespace lumesh::cli {
 
@@ -36,31 +31,6 @@ void check_inputs(const MergeCommand& command) {
   }
 }
 
-/// The meshes of all files, in the unit and frame of the first.
-std::vector<MixedMesh> read_meshes(const std::vector<std::string>& paths) {
-  std::vector<MixedMesh> meshes;
-  for (const std::string& path : paths) {
-    MixedMesh& mesh = meshes.emplace_back(read_mesh(path));
-    if (mesh.view().cell_count() == 0)
-      throw Error(ErrorKind::kBadInput, path + ": has no cells; give a mesh of a volume");
-    if (const std::size_t inverted = count_inverted_cells(mesh.view()); inverted > 0)
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("{}: {} cells have no positive volume; repair it first", path, inverted));
-    if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
-    bring_to(mesh, meshes.front().info);
-  }
-  return meshes;
-}
-
-/// What is wrong with the result, where that is known: files may hold surfaces that are not manifold.
-void warn_of_problems(const MixedMesh& mesh, const std::string& path, const Context& context) {
-  if (mesh.view().cell_count() > mesh.tetrahedra.size()) return;  // require_sound() looks at other cells.
-  const ValidationReport report = validate(mesh.view());
-  if (!report.ok())
-    context.warn(fmt::format("{}: {} problems, such as: {}; `lumesh evaluate` lists them", path,
-                             report.problem_count, report.problems.front()));
-}
-
 void run(MergeCommand command) {
   CommandRun session(command.run);
   Context& context = session.context;
@@ -69,16 +39,13 @@ void run(MergeCommand command) {
   for (const std::string& path : command.paths) check_inputs_stay({command.output_path}, {path});
   check_inputs(command);
   if (command.equal_labels == "apart") command.options.equal_labels = EqualLabels::kApart;
-  const std::vector<MixedMesh> meshes = context.phase("read", [&] { return read_meshes(command.paths); });
-  std::vector<MergePart> parts;
-  for (std::size_t p = 0; p < meshes.size(); ++p) parts.push_back({&meshes[p], command.paths[p]});
-  MergeResult result = context.phase("merge", [&] { return merge_meshes(parts, command.options); });
-  MixedMesh& mesh = result.mesh;
-  mesh.info.provenance =
-      provenance_of(*command.run.command, command.paths.front(), meshes.front().info.provenance);
-  context.phase("check", [&] { warn_of_problems(mesh, command.output_path, context); });
+  MergedFiles merged = merge_files(command.paths, command.options, context);
+  MixedMesh& mesh = merged.result.mesh;
+  mesh.info.provenance = provenance_of(*command.run.command, command.paths.front(), merged.provenance);
+  const std::string problems = context.phase("check", [&] { return problems_of(mesh); });
+  if (!problems.empty()) context.warn(command.output_path + ": " + problems);
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view()); });
-  const MergeReport& report = result.report;
+  const MergeReport& report = merged.result.report;
   if (!command.json_path.empty()) write_json(command.json_path, report::merge_json(report, command.paths));
   for (const MergeReport::Renumbered& label : report.renumbered)
     say(command.run, "{}: label {}{} is label {} now\n", command.paths[label.part], label.from,

@@ -1,5 +1,7 @@
 #include "lumesh/stages/evaluation_stage.hpp"
 
+#include <fmt/core.h>
+
 #include <memory>
 #include <optional>
 #include <utility>
@@ -64,6 +66,22 @@ void EvaluationRequest::validate() const {
     throw Error(ErrorKind::kUsage, option_name("reference") + " is of the whole object, which " +
                                        option_name("cut_at") + ", " + option_name("clip_ends") + " and " +
                                        option_name("extend") + " leave no more; leave one of them out");
+}
+
+void EvaluationRequest::require_met(const std::string& name, const quality::Evaluation& evaluation) const {
+  if (!evaluation.valid())
+    throw Error(ErrorKind::kNotReached,
+                fmt::format("{}: the mesh is invalid: {}{}", name, evaluation.problems.front(),
+                            evaluation.problem_count > 1
+                                ? fmt::format("; {} problems in all", evaluation.problem_count)
+                                : ""));
+  if (required_dihedral_deg.empty()) return;
+  const double low = evaluation.statistics.tetrahedra.smallest_dihedral_deg.value;
+  const double high = evaluation.statistics.tetrahedra.largest_dihedral_deg.value;
+  if (low >= required_dihedral_deg[0] && high <= required_dihedral_deg[1]) return;
+  throw Error(ErrorKind::kNotReached,
+              fmt::format("{}: dihedral angles {:.2f} to {:.2f} degrees leave the required {} to {}", name,
+                          low, high, required_dihedral_deg[0], required_dihedral_deg[1]));
 }
 
 quality::Evaluation evaluate_mesh(const MixedMesh& mesh, const std::string& name,

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/image/phantom.hpp"
@@ -24,14 +25,18 @@ namespace lumesh {
 
 /// Files that a mesh of a file is measured against.
 struct EvaluationRequest {
-  std::string image;         ///< The image that the mesh was made from; empty: none.
-  ImageSelection selection;  ///< Voxels of that image that count.
-  InputCuts cuts;            ///< Cuts of that image.
-  std::string centerline;    ///< Axes of its vessels, or "none"; empty: found in the image.
-  std::string reference;     ///< Parameters of the phantom behind the image; empty: none.
+  std::string image;                          ///< The image that the mesh was made from; empty: none.
+  ImageSelection selection;                   ///< Voxels of that image that count.
+  InputCuts cuts;                             ///< Cuts of that image.
+  std::string centerline;                     ///< Axes of its vessels, or "none"; empty: found in the image.
+  std::string reference;                      ///< Parameters of the phantom behind the image; empty: none.
+  std::vector<double> required_dihedral_deg;  ///< Least and greatest that are good enough; empty: any.
 
   /// @throws Error{kUsage} that names the option.
   void validate() const;
+  /// @param name  Of the mesh. @throws Error{kNotReached} if it is invalid, or its angles are not good
+  /// enough.
+  void require_met(const std::string& name, const quality::Evaluation& evaluation) const;
 };
 
 /// Measures a mesh, as quality::evaluate(). Its warnings begin with those of an image that hardly is the

@@ -1,0 +1,31 @@
+#pragma once
+/// @file Axes of vessels of an image, a mesh or a surface from a file, for every front end.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "lumesh/centerline/centerline.hpp"
+#include "lumesh/core/context.hpp"
+#include "lumesh/mesh/polylines.hpp"
+#include "lumesh/stages/input.hpp"
+
+namespace lumesh {
+
+struct CenterlineRequest {
+  std::string path;          ///< Image, mesh or surface.
+  ImageSelection selection;  ///< Voxels of an image that count; its unit is that of meshes, too.
+  CenterlineOptions options;
+  SurfaceInputOptions surface;  ///< How open ends of a surface are closed.
+};
+
+struct CenterlineMade {
+  Polylines lines;
+  std::map<std::string, std::string> provenance;  ///< Of a mesh.
+  std::vector<surfaces::ClosedRim> closed;        ///< What was closed of a surface.
+};
+
+/// @throws Error{kBadInput} that names the file.
+[[nodiscard]] CenterlineMade find_centerline(const CenterlineRequest& request, Context& context);
+
+}  // namespace lumesh
