@@ -65,7 +65,8 @@ class VesselContinuation final : public FieldContinuation {
   /// Extensions of vessels that were cut run through the image.
   [[nodiscard]] bool is_kept(const Index3& voxel) const override {
     const Index3 v = voxel + first_;
-    return is_kept_of_image(v) && tube_at(frame_.to_physical(v.cast<double>())).tube == nullptr;
+    const VesselTube* const tube = tube_at(frame_.to_physical(v.cast<double>())).tube;
+    return tube == nullptr ? is_kept_of_image(v) : tube->stays && is_known(v);
   }
   [[nodiscard]] double value(const Index3& voxel, LabelField::LabelIndex first,
                              LabelField::LabelIndex second) const override {
@@ -108,6 +109,12 @@ class VesselContinuation final : public FieldContinuation {
       if (outer > best.outer) best = {&tube, outer};
     }
     return best;
+  }
+
+  /// Whether the field of the image has a value there: two voxels beyond it, too.
+  [[nodiscard]] bool is_known(const Index3& v) const {
+    constexpr int kBeyond = 2;
+    return (v.array() >= -kBeyond).all() && (v.array() < frame_.size.array() + kBeyond).all();
   }
 
   /// Not those at the image's borders.

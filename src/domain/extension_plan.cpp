@@ -145,7 +145,8 @@ class ExtensionPlanner {
       }
     }
     const CarriedSection& section = *tube.section;
-    if (length_mm == 0) tube.transition_mm = -1;
+    tube.stays = length_mm == 0;
+    if (tube.stays) tube.transition_mm = -1;
     tube.end_mm = section.centre_mm + length_mm * section.direction;
     tube.end_normal = section.direction;
     tube.stump_mm = kStump * domain_.frame().thickness_along_mm(tube.end_normal);

@@ -28,6 +28,7 @@ struct VesselTube {
   Vec3 end_mm = Vec3::Zero();                    ///< On the end's plane, on the axis.
   Vec3 end_normal = Vec3::UnitZ();               ///< Unit.
   double stump_mm = 0;                           ///< Beyond the end's plane it goes on by this.
+  bool stays = false;                            ///< Without length: as the field has it.
   double transition_mm = -1;                     ///< To circles; negative: the section is kept.
   Circle outer;                                  ///< Of all labels.
   Circle lumen;                                  ///< Where there is a wall around one.
@@ -56,30 +57,32 @@ struct VesselTube {
   /// Positive inside of the object.
   [[nodiscard]] double outer_value(const LabelField& field, const Vec3& x) const {
     if (!box_mm.contains(x) || !is_along(x)) return -LabelField::kStoredLimit;
-    return blended(field, x, outer, section_value(field, section->carried_back(x)));
+    return blended(field, x, outer, section_value(field, x));
   }
   /// Positive in the second.
   [[nodiscard]] double pair_value(const LabelField& field, const Vec3& x, LabelIndex first,
                                   LabelIndex second) const {
-    const double value =
-        field.difference_value(field.frame().to_index(section->carried_back(x)), second, first);
+    const double value = field.difference_value(field.frame().to_index(source_of(x)), second, first);
     if (first == wall_label && second == lumen_label) return blended(field, x, lumen, value);
     if (second == wall_label && first == lumen_label) return -blended(field, x, lumen, -value);
     return value;
   }
   /// Label of the object at a place where outer_value() is positive.
   [[nodiscard]] LabelIndex label_at(const LabelField& field, const Vec3& x) const {
-    const LabelIndex label = field.object_label_at(field.frame().to_index(section->carried_back(x)));
+    const LabelIndex label = field.object_label_at(field.frame().to_index(source_of(x)));
     if (transition_mm < 0 || !has_lumen() || (label != wall_label && label != lumen_label)) return label;
     return pair_value(field, x, wall_label, lumen_label) > 0 ? lumen_label : wall_label;
   }
 
  private:
+  /// Where the field knows what is there.
+  [[nodiscard]] Vec3 source_of(const Vec3& x) const { return stays ? x : section->carried_back(x); }
   /// Without what of the plane is another vessel's. Beyond the image, where the opening is at an edge of it,
   /// the field only repeats itself.
-  [[nodiscard]] double section_value(const LabelField& field, const Vec3& on_plane) const {
+  [[nodiscard]] double section_value(const LabelField& field, const Vec3& x) const {
+    const Vec3 on_plane = section->carried_back(x);
     if (section->inside_section_mm(on_plane) <= 0) return -LabelField::kStoredLimit;
-    const double value = field.difference_value(field.frame().to_index(on_plane), 1, 0);
+    const double value = field.difference_value(field.frame().to_index(stays ? x : on_plane), 1, 0);
     const double off_mm = -bare->inside_section_mm(on_plane);
     const double most = (section->step_mm - off_mm) / field.frame().spacing_mm.minCoeff();
     return most > 0 ? value : std::max(-LabelField::kStoredLimit, std::min(value, most));

@@ -1,14 +1,46 @@
 #include "lumesh/stages/domain_read.hpp"
 
+#include <fmt/core.h>
+
 #include <utility>
 
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/quality/surface.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 
 namespace lumesh {
+
+namespace {
+
+struct Outside {
+  std::uint64_t pieces = 0;
+  std::int64_t euler = 0;
+
+  Outside(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
+    for (const quality::SurfaceComponent& piece : quality::analyse_surface(points, triangles).components) {
+      ++pieces;
+      euler += piece.euler;
+    }
+  }
+};
+
+/// A line where narrow gaps were closed, or pieces lost; none elsewhere.
+std::vector<std::string> differences_from_surface(const MixedMesh& surface, const TetMesh& mesh) {
+  const Outside given(surface.points, surface.triangles);
+  const Outside made(mesh.points(), mesh.boundary_faces().triangles);
+  if (made.pieces == given.pieces && made.euler == given.euler) return {};
+  return {
+      fmt::format("the outside of the mesh has {} and Euler number {}, of {} and {} of the surface: parts "
+                  "closer than the "
+                  "elements are large were joined, or small ones lost; a smaller `delta` keeps them",
+                  counted(made.pieces, "piece"), made.euler, given.pieces, given.euler)};
+}
+
+}  // namespace
 
 DomainRead::DomainRead(DomainInput input, Context& context)
     : name(input.path), input_(std::move(input)), context_(context) {}
@@ -92,8 +124,9 @@ const ImageShape& DomainRead::shape() {
 }
 
 std::vector<std::string> DomainRead::differences_from(const TetMesh& mesh) {
-  if (surface) return {};
-  return context_.phase("check", [&] { return differences(shape(), mesh); });
+  return context_.phase("check", [&] {
+    return surface ? differences_from_surface(surface->mesh, mesh) : differences(shape(), mesh);
+  });
 }
 
 std::vector<std::string> DomainRead::differences_from_lattice(const MeshView& mesh) {

@@ -132,11 +132,18 @@ std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOpt
   warn_of_caps_within(surface, made.rims, context);
   for (const ClosedRim& rim : made.rims) {
     if (rim.is_opening) surface.info.patches.push_back({"", PatchKind::kOpening, {1, kBackground}});
-    if (may_be_opening(rim))
+    constexpr double kFarApart = 0.3;  // In radii.
+    if (rim.is_ring && rim.cut_off_mm > kFarApart * rim.given.radius_mm)
       context.warn(
-          fmt::format("the surface ends at {} in a rim of radius {:.3g} mm that is bent by {:.2g} mm; it is "
-                      "filled as wall, as a hole is; if a vessel ends there, cut it off flat before",
-                      place_text(rim.centre_mm), rim.given.radius_mm, rim.given.deviation_mm));
+          fmt::format("the end at {} was cut back by {:.2g} mm, to where both skins of its wall are; if what "
+                      "lies within it is no skin of its wall, mesh it without",
+                      place_text(rim.centre_mm), rim.cut_off_mm));
+    if (may_be_opening(rim))
+      context.warn(fmt::format(
+          "the surface ends at {} in a rim of radius {:.3g} mm with {} edges that is bent by {:.2g} "
+          "mm; it is filled as wall, as a hole is; if a vessel ends there, cut it off flat before, "
+          "with eight edges around at least",
+          place_text(rim.centre_mm), rim.given.radius_mm, rim.given.vertices.size(), rim.given.deviation_mm));
   }
   return std::move(made.rims);
 }

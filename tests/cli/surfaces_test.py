@@ -111,6 +111,16 @@ class SurfacesTest(ProgramTest):
         self.assertEqual([end["kind"] for end in report["closed"]], ["opening", "opening", "hole"])
         self.assertIn("filled a hole of the wall", out)
 
+    def test_vessels_that_the_mesh_joins_are_told(self):
+        points, triangles = tube(length=20)
+        for gap, joins in ((0.07, True), (1.5, False)):
+            beside = [(x + 4 + gap, y, z + 0.1) for x, y, z in points]
+            both = [*triangles, *(tuple(v + len(points) for v in t) for t in triangles)]
+            path = self.stl("pair.stl", [*points, *beside], both)
+            result = self.run_lumesh("delaunay", path, "-o", self.folder / "pair.mesh")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual("outside of the mesh has 1 piece" in result.stderr, joins, result.stderr)
+
     def test_ends_are_cut_and_extended(self):
         surface, mesh = self.stl("tube.stl", *tube()), self.folder / "tube.vtu"
         told = json.loads(self.run_well("info", surface, "--clip-ends", "1r", "--json").stdout)

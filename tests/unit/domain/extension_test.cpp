@@ -91,6 +91,17 @@ TEST(ExtendOpenings, LeavesTheImageAsItWas) {
       }
 }
 
+/// What the field has beyond the border shapes the section there, too.
+TEST(ExtendOpenings, LeavesOtherOpeningsAsTheyWere) {
+  const StraightTube tube{{19.3, 18.2, 16}, Vec3(0.6, -0.3, 1).normalized(), 4};
+  const Extended e(image_of(tube), "inlet_1=4r");
+  ASSERT_EQ(e.openings.size(), 2U);
+  for (const Opening& before : e.openings) {
+    if (before.name == "inlet_1") continue;
+    EXPECT_NEAR(e.ends.at(before.name).area_mm2, before.area_mm2, 0.005 * before.area_mm2) << before.name;
+  }
+}
+
 TEST(ExtendOpenings, KeepsLumenAndWallAPair) {
   const StraightTube tube{{19.3, 18.2, 16}, Vec3(0.1, -0.2, 1).normalized(), 5};
   for (const std::string transition : {"", "1r"}) {

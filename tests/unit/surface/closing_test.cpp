@@ -279,6 +279,15 @@ TEST(FillHole, FollowsTheWallAround) {
   }
 }
 
+/// Too coarse to be openings; but a wall runs up to each, which is told.
+TEST(CloseSurface, SeesWallsThatRunUpToFiveToSevenEdges) {
+  for (const std::uint32_t around : {5U, 7U}) {
+    const ClosedSurfaceMade made = closed(open_tube({.radius_mm = 2, .length_mm = 12, .around = around}));
+    ASSERT_EQ(made.rims.size(), 2u) << around;
+    for (const ClosedRim& rim : made.rims) EXPECT_TRUE(!rim.is_opening && rim.ends_wall) << around;
+  }
+}
+
 /// Edges of a ragged rim are long, so that its radius is less than two of them.
 TEST(CloseSurface, CutsTheRaggedEndOfACoarseVesselOff) {
   TriangleMesh tube = open_tube({.radius_mm = 3, .length_mm = 14, .around = 11});
