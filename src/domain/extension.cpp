@@ -65,8 +65,9 @@ class VesselContinuation final : public FieldContinuation {
   /// Extensions of vessels that were cut run through the image.
   [[nodiscard]] bool is_kept(const Index3& voxel) const override {
     const Index3 v = voxel + first_;
+    if (!is_known(v)) return false;
     const VesselTube* const tube = tube_at(frame_.to_physical(v.cast<double>())).tube;
-    return tube == nullptr ? is_kept_of_image(v) : tube->stays && is_known(v);
+    return tube == nullptr ? is_kept_of_image(v) : tube->stays;
   }
   [[nodiscard]] double value(const Index3& voxel, LabelField::LabelIndex first,
                              LabelField::LabelIndex second) const override {
