@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "extension_plan.hpp"
@@ -63,19 +64,15 @@ class VesselContinuation final : public FieldContinuation {
     return image.holds(box) ? Part::kKept : image.meets(box) ? Part::kMixed : Part::kEmpty;
   }
   /// Extensions of vessels that were cut run through the image.
-  [[nodiscard]] bool is_kept(const Index3& voxel) const override {
-    const Index3 v = voxel + first_;
-    if (!is_known(v)) return false;
-    const VesselTube* const tube = tube_at(frame_.to_physical(v.cast<double>())).tube;
-    return tube == nullptr ? is_kept_of_image(v) : tube->stays;
-  }
-  [[nodiscard]] double value(const Index3& voxel, LabelField::LabelIndex first,
-                             LabelField::LabelIndex second) const override {
+  [[nodiscard]] std::optional<double> value(const Index3& voxel, LabelField::LabelIndex first,
+                                            LabelField::LabelIndex second) const override {
     const Index3 v = voxel + first_;
     const Vec3 x = frame_.to_physical(v.cast<double>());
-    const LabelField& field = domain_.field();
+    const bool is_of_image = is_kept_of_image(v);
     const AtPlace at = tube_at(x);
-    if (is_kept_of_image(v) && field.difference_value(v.cast<double>(), 1, 0) > at.outer)
+    if (at.tube == nullptr ? is_of_image : at.tube->stays && is_known(v)) return std::nullopt;
+    const LabelField& field = domain_.field();
+    if (is_of_image && field.difference_value(v.cast<double>(), 1, 0) > at.outer)
       return field.difference_value(v.cast<double>(), second, first);
     if (first == 0) return at.outer;
     return at.tube == nullptr ? 0 : at.tube->pair_value(field, x, first, second);

@@ -219,9 +219,8 @@ class ContinuedFieldBuilder {
         for (int i = 0; i < kStored; ++i) {
           const int at = i + LabelField::kRowPad * (j + kStored * k);
           const Index3 voxel = first + Index3(i, j, k);
-          if (!beyond_.is_kept(voxel))
-            out[at] = std::clamp(static_cast<float>(beyond_.value(voxel, pair.first, pair.second)), -kLimit,
-                                 kLimit);
+          if (const auto value = beyond_.value(voxel, pair.first, pair.second))
+            out[at] = std::clamp(static_cast<float>(*value), -kLimit, kLimit);
           else
             out[at] = known != nullptr ? known[at] : known_elsewhere(voxel, pair);
         }

@@ -100,10 +100,11 @@ class Settling {
     return is_free(v) && patch_of_[v] == faces_.patches[face];
   }
   [[nodiscard]] bool is_rim(std::uint32_t v) const { return !rim_of_.empty() && rim_of_[v] != kNoRim; }
-  [[nodiscard]] Rim& rim_at(std::uint32_t v) { return rims_[static_cast<std::size_t>(rim_of_[v])]; }
-  [[nodiscard]] const Rim& rim_at(std::uint32_t v) const {
-    return rims_[static_cast<std::size_t>(rim_of_[v])];
+  [[nodiscard]] std::uint32_t rim_number(std::uint32_t v) const {
+    return static_cast<std::uint32_t>(rim_of_[v]);
   }
+  [[nodiscard]] Rim& rim_at(std::uint32_t v) { return rims_[rim_number(v)]; }
+  [[nodiscard]] const Rim& rim_at(std::uint32_t v) const { return rims_[rim_number(v)]; }
   /// In the plane of the flat patch, away from it.
   [[nodiscard]] Vec3 outwards_at(std::uint32_t v) const {
     return rim_at(v).within_planes(places_[v].normal).normalized();
@@ -289,27 +290,29 @@ class Settling {
     });
   }
 
+  /// What is summed along a rim, with the length.
+  struct ValueOnLength {
+    double value = 0, length = 0;
+    [[nodiscard]] double mean() const { return value / length; }
+  };
   /// The rim's edges lie as much outside of the curve as inside: a flat patch has the area that it encloses.
   void find_targets_of_rims() {
-    struct Chords {
-      double height = 0, length = 0;
-    };
-    std::vector<Chords> sums(rims_.size());
+    std::vector<ValueOnLength> sums(rims_.size());
     for (const auto& [v, w] : rim_edges_) {
       const auto arc = arc_of({v, w});
       if (!arc) continue;
       const double length = (arc->to.point - arc->from.point).norm();
       const double height = mean_arc_height(arc->from, arc->to);
       for (const std::uint32_t end : {v, w}) {
-        Chords& sum = sums[static_cast<std::size_t>(rim_of_[end])];
-        sum.height += length * height;
+        ValueOnLength& sum = sums[rim_number(end)];
+        sum.value += length * height;
         sum.length += length;
       }
     }
     for (std::size_t i = 0; i < rims_.size(); ++i) {
       const std::uint32_t v = rims_[i].vertex;
       if (!is_free(v)) continue;
-      const double mean = sums[i].length > 0 && !rims_[i].is_on_line() ? sums[i].height / sums[i].length : 0;
+      const double mean = sums[i].length > 0 && !rims_[i].is_on_line() ? sums[i].mean() : 0;
       targets_[v] = offset_for_volume(v, mean, {places_[v].point, outwards_at(v)});
     }
   }
@@ -324,10 +327,7 @@ class Settling {
     DisjointSets curves(rims_.size());
     for (const auto& [v, w] : rim_edges_)
       if (may_move(v) && may_move(w)) curves.merge(rim_number(v), rim_number(w));
-    struct Sum {
-      double missing = 0, length = 0;
-    };
-    std::vector<Sum> sums(rims_.size());
+    std::vector<ValueOnLength> sums(rims_.size());
     for (std::size_t i = 0; i < rim_edges_.size(); ++i) {
       const auto& [v, w] = rim_edges_[i];
       const double half = 0.5 * (points_[w] - points_[v]).norm();
@@ -336,21 +336,18 @@ class Settling {
         sums[curves.find(rim_number(end))].length += half;
       }
       const std::uint32_t one = may_move(v) ? v : w;
-      if (missing[i] && may_move(one)) sums[curves.find(rim_number(one))].missing += *missing[i];
+      if (missing[i] && may_move(one)) sums[curves.find(rim_number(one))].value += *missing[i];
     }
     targets_.assign(points_.begin(), points_.end());
     for (std::uint32_t i = 0; i < rims_.size(); ++i) {
       const std::uint32_t v = rims_[i].vertex;
       if (!may_move(v)) continue;
-      const Sum& sum = sums[curves.find(i)];
+      const ValueOnLength& sum = sums[curves.find(i)];
       if (sum.length == 0) continue;
       const Vec3 outwards = outwards_at(v);
       const double offset = (points_[v] - places_[v].point).dot(outwards);
-      targets_[v] = offset_for_volume(v, offset + sum.missing / sum.length, {places_[v].point, outwards});
+      targets_[v] = offset_for_volume(v, offset + sum.mean(), {places_[v].point, outwards});
     }
-  }
-  [[nodiscard]] std::uint32_t rim_number(std::uint32_t v) const {
-    return static_cast<std::uint32_t>(rim_of_[v]);
   }
   /// Negative where the edge lies outside of the curve in the mean. None where an end has no place on it.
   [[nodiscard]] std::optional<double> area_under_arc(const std::array<std::uint32_t, 2>& edge) const {

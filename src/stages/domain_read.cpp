@@ -35,8 +35,8 @@ std::vector<std::string> differences_from_surface(const MixedMesh& surface, cons
   if (made.pieces == given.pieces && made.euler == given.euler) return {};
   return {
       fmt::format("the outside of the mesh has {} and Euler number {}, of {} and {} of the surface: parts "
-                  "closer than the "
-                  "elements are large were joined, or small ones lost; a smaller `delta` keeps them",
+                  "closer than the elements are large were joined, or small ones lost; a smaller `delta` "
+                  "keeps them",
                   counted(made.pieces, "piece"), made.euler, given.pieces, given.euler)};
 }
 

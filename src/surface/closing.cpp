@@ -161,13 +161,14 @@ class Closer {
     constexpr double kLevel = 0.25;  // Of an edge: vertices are moved as far.
     const Rim& outer = rims[which];
     std::vector<Rim> inner;
-    bool is_level = is_almost_planar(outer);
-    for (std::size_t r = which + 1; r < rims.size(); ++r) {
-      if (around_[r] != which) continue;
-      inner.push_back(rims[r]);
-      for (const std::uint32_t v : rims[r].vertices)
-        is_level = is_level && std::abs(outer.height_mm(surface_.points[v])) < kLevel * rims[r].mean_edge_mm;
-    }
+    for (std::size_t r = which + 1; r < rims.size(); ++r)
+      if (around_[r] == which) inner.push_back(rims[r]);
+    const bool is_level =
+        is_almost_planar(outer) && std::all_of(inner.begin(), inner.end(), [&](const Rim& rim) {
+          return std::all_of(rim.vertices.begin(), rim.vertices.end(), [&](std::uint32_t v) {
+            return std::abs(outer.height_mm(surface_.points[v])) < kLevel * rim.mean_edge_mm;
+          });
+        });
     if (inner.empty() || is_level) return false;
     std::optional<RingCut> cut = cut_back_ring(surface_, outer, inner);
     if (!cut) return false;

@@ -2,6 +2,7 @@
 /// @file What a label field goes on with beyond the image that it was fitted to.
 
 #include <cstdint>
+#include <optional>
 
 #include "lumesh/field/label_field.hpp"
 
@@ -24,11 +25,10 @@ class FieldContinuation {
 
   /// Part that a box of voxels lies in, both corners included; kMixed where it is not known.
   [[nodiscard]] virtual Part part(const Index3& low, const Index3& high) const = 0;
-  [[nodiscard]] virtual bool is_kept(const Index3& voxel) const = 0;
-  /// At a voxel that is not kept: the function of two labels, positive in `second`; first 0: of all labels
-  /// against the background.
-  [[nodiscard]] virtual double value(const Index3& voxel, LabelField::LabelIndex first,
-                                     LabelField::LabelIndex second) const = 0;
+  /// The function of two labels at a voxel, positive in `second`; first 0: of all labels against the
+  /// background. None where the field's own value is kept.
+  [[nodiscard]] virtual std::optional<double> value(const Index3& voxel, LabelField::LabelIndex first,
+                                                    LabelField::LabelIndex second) const = 0;
 };
 
 }  // namespace lumesh

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include "fixtures/openings.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/domain/analytic_domain.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -16,6 +17,8 @@
 
 namespace lumesh {
 namespace {
+
+using fixtures::openings_of;
 
 constexpr double kRadius = 5, kLength = 30;  // Of the tube; as many voxels if these are 1 mm.
 const Vec3 kOnAxis(0.31, 0.17, 0.43), kAxis = Vec3(0.48, 0.60, 0.64).normalized();
@@ -105,25 +108,14 @@ TEST(Wall, IsThereToTheRimOfOpeningsThatSlant) {
   }
 }
 
-std::map<std::string, double> areas_of_openings(const TetMesh& mesh) {
-  std::map<std::string, double> areas;
-  const BoundaryFaces faces = mesh.boundary_faces();
-  for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
-    const auto& [a, b, c] = faces.triangles[i];
-    const Patch& patch = mesh.info().patches[static_cast<std::size_t>(faces.patches[i])];
-    if (patch.kind == PatchKind::kOpening)
-      areas[patch.name] += triangle_area(mesh.points()[a], mesh.points()[b], mesh.points()[c]);
-  }
-  return areas;
-}
-
 /// A polygon with eight corners on a circle lacks a tenth of its area.
 TEST(Wall, OpeningsHaveTheirAreasHoweverCoarse) {
   const double circle = std::numbers::pi * kRadius * kRadius;
   for (const double delta : {1.0, 2.0, 3.0}) {
-    const auto areas = areas_of_openings(tube_mesh(delta, 1));
-    ASSERT_EQ(areas.size(), 2u) << delta;
-    for (const auto& [name, area] : areas) EXPECT_NEAR(area / circle, 1, 1e-3) << name << ", " << delta;
+    const auto openings = openings_of(tube_mesh(delta, 1));
+    ASSERT_EQ(openings.size(), 2u) << delta;
+    for (const auto& [name, opening] : openings)
+      EXPECT_NEAR(opening.area / circle, 1, 1e-3) << name << ", " << delta;
   }
 }
 
@@ -142,11 +134,12 @@ TEST(Wall, OpeningsThatMeetInAnEdgeHaveTheirAreas) {
     with.delta_mm = delta;
     const TetMesh mesh = mesh_delaunay(domain, with, context).mesh;
     ASSERT_TRUE(validate(mesh).ok());
-    const auto areas = areas_of_openings(mesh);
-    ASSERT_EQ(areas.size(), 3u) << delta;
+    const auto openings = openings_of(mesh);
+    ASSERT_EQ(openings.size(), 3u) << delta;
     const double circle = std::numbers::pi * kRadius * kRadius, slanted = circle / std::numbers::sqrt2;
-    for (const auto& [name, area] : areas)
-      EXPECT_NEAR(area / (area > 0.85 * circle ? circle : slanted), 1, 1e-3) << name << ", " << delta;
+    for (const auto& [name, opening] : openings)
+      EXPECT_NEAR(opening.area / (opening.area > 0.85 * circle ? circle : slanted), 1, 1e-3)
+          << name << ", " << delta;
   }
 }
 
@@ -166,13 +159,13 @@ TEST(Wall, OpeningsWithinOpeningsHaveTheirAreas) {
   with.delta_mm = 1;
   const TetMesh mesh = mesh_delaunay(domain, with, context).mesh;
   ASSERT_TRUE(validate(mesh).ok());
-  const auto areas = areas_of_openings(mesh);
-  ASSERT_EQ(areas.size(), 4u);
+  const auto openings = openings_of(mesh);
+  ASSERT_EQ(openings.size(), 4u);
   const double lumen = std::numbers::pi * kLumen * kLumen,
                ring = std::numbers::pi * kRadius * kRadius - lumen;
-  for (const auto& [name, area] : areas) {
+  for (const auto& [name, opening] : openings) {
     const double truth = name.starts_with("wall_rim") ? ring : lumen;
-    EXPECT_NEAR(area / truth, 1, 3e-3) << name;
+    EXPECT_NEAR(opening.area / truth, 1, 3e-3) << name;
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "fixtures/curved_meshes.hpp"
 #include "fixtures/images.hpp"
+#include "fixtures/openings.hpp"
 #include "lumesh/adapt/adapt.hpp"
 #include "lumesh/adapt/boundary.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
@@ -22,6 +23,9 @@
 
 namespace lumesh {
 namespace {
+
+using fixtures::MeshOpening;
+using fixtures::openings_of;
 
 constexpr int kSize = 36;
 
@@ -44,32 +48,6 @@ Tube random_tube(double radius, std::mt19937_64& random) {
 LabelImage image_of(const Tube& tube) {
   return fixtures::voxels_of(fixtures::frame_of({kSize, kSize, kSize}), {0, 1},
                              [&](const Vec3& x) { return tube.holds(x) ? 1 : 0; });
-}
-
-struct MeshOpening {
-  double area = 0;
-  int edges_around = 0;
-};
-
-std::map<std::string, MeshOpening> openings_of(const MeshView& mesh) {
-  std::map<std::string, MeshOpening> found;
-  std::map<std::string, std::map<std::pair<std::uint32_t, std::uint32_t>, int>> edges;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Patch& patch = mesh.info->patches[static_cast<std::size_t>(mesh.triangle_patches[i])];
-    if (patch.kind != PatchKind::kOpening) continue;
-    const Cell<3>& t = mesh.triangles[i];
-    found[patch.name].area += triangle_area(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
-    for (int k = 0; k < 3; ++k) ++edges[patch.name][std::minmax(t[k], t[(k + 1) % 3])];
-  }
-  for (auto& [name, opening] : found)
-    opening.edges_around = static_cast<int>(
-        std::count_if(edges[name].begin(), edges[name].end(), [](const auto& e) { return e.second == 1; }));
-  return found;
-}
-
-std::map<std::string, MeshOpening> openings_of(const TetMesh& mesh) {
-  const BoundaryFaces faces = mesh.boundary_faces();
-  return openings_of(mesh.view(faces));
 }
 
 /// The area of the object in a plane z = const, from places on a fine grid.
