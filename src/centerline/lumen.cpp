@@ -44,14 +44,33 @@ class Envelope {
 
 }  // namespace
 
-Lumen::Lumen(const ImageFrame& frame, std::vector<Index3> voxels)
-    : frame_(frame), voxels_(std::move(voxels)) {
+Lumen::Lumen(const ImageFrame& frame, std::vector<Index3> voxels, const std::vector<Index3>& beyond)
+    : frame_(frame), voxels_(voxels) {
   voxel_mm_ = std::cbrt(frame.voxel_volume_mm3());
-  if (voxels_.empty()) return;
+  if (voxels.empty()) return;
+  add_in_order(beyond);
   make_bricks();
+  voxels_ = std::move(voxels);
   number();
   keep_largest_piece();
+  const std::vector<Index3> own = voxels_;
+  add_in_order(beyond);
+  number();
+  mark_inside();
   measure_walls();
+  if (beyond.empty()) return;
+  for (std::size_t id = 0; id < own.size(); ++id) wall_mm_[id] = wall_mm_[find(own[id])];
+  wall_mm_.resize(own.size());
+  voxels_ = own;
+  number();
+}
+
+/// Into the voxels, all in memory order.
+void Lumen::add_in_order(const std::vector<Index3>& others) {
+  const auto middle = static_cast<std::ptrdiff_t>(voxels_.size());
+  voxels_.insert(voxels_.end(), others.begin(), others.end());
+  std::inplace_merge(voxels_.begin(), voxels_.begin() + middle, voxels_.end(),
+                     [&](const Index3& a, const Index3& b) { return frame_.offset(a) < frame_.offset(b); });
 }
 
 void Lumen::make_bricks() {
@@ -84,18 +103,23 @@ void Lumen::make_bricks() {
 
 void Lumen::number() {
   parallel::for_each_index(
-      stored_.size(),
-      [&](std::size_t b) {
-        stored_[b].ids.fill(kNoVoxel);
-        stored_[b].shares.fill(0);
-      },
-      16);
+      stored_.size(), [&](std::size_t b) { stored_[b].ids.fill(kNoVoxel); }, 16);
   parallel::for_each_index(voxels_.size(), [&](std::size_t id) {
     const Index3& v = voxels_[id];
     Brick& brick = stored_[static_cast<std::size_t>(brick_of_[brick_offset(v - low_)])];
     brick.ids[cell(v)] = static_cast<std::uint32_t>(id);
-    brick.shares[cell(v)] = static_cast<std::uint8_t>(kWhole);
   });
+}
+
+void Lumen::mark_inside() {
+  parallel::for_each_index(
+      stored_.size(),
+      [&](std::size_t b) {
+        Brick& brick = stored_[b];
+        for (std::size_t c = 0; c < kCells; ++c)
+          brick.shares[c] = static_cast<std::uint8_t>(brick.ids[c] == kNoVoxel ? 0 : kWhole);
+      },
+      16);
 }
 
 void Lumen::keep_largest_piece() {

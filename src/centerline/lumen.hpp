@@ -27,9 +27,11 @@ struct Opening {
 /// memory order, so that they decide ties. Const calls from any thread.
 class Lumen {
  public:
-  /// Keeps the largest piece; of equals the one with the first voxel. @param voxels  Ascending in memory
-  /// order.
-  Lumen(const ImageFrame& frame, std::vector<Index3> voxels);
+  /// Keeps the largest piece; of equals the one with the first voxel.
+  /// @param voxels  Ascending in memory order.
+  /// @param beyond  Ascending too, none of `voxels`: where vessels go on beyond openings. No wall is there,
+  /// but they are not of the lumen, so that two openings that face each other are not joined.
+  Lumen(const ImageFrame& frame, std::vector<Index3> voxels, const std::vector<Index3>& beyond = {});
 
   [[nodiscard]] const ImageFrame& frame() const { return frame_; }
   [[nodiscard]] std::size_t size() const { return voxels_.size(); }
@@ -99,7 +101,9 @@ class Lumen {
   }
   void make_bricks();
   void number();
+  void mark_inside();
   void keep_largest_piece();
+  void add_in_order(const std::vector<Index3>& others);
   void measure_walls();
   void pass_along(int axis, std::vector<double>& squared) const;
 
@@ -118,22 +122,29 @@ class Lumen {
 template <class Share>
 void Lumen::refine_shares(const Share& share) {
   refined_ = true;
+  const auto is_inside = [&](const Index3& v) {
+    const Brick* brick = brick_at(v);
+    return brick != nullptr && brick->shares[cell(v)] != 0;
+  };
+  std::vector<std::array<std::uint8_t, kCells>> refined(stored_.size());
   parallel::for_each_index(
       stored_.size(),
       [&](std::size_t b) {
+        refined[b] = stored_[b].shares;
         for (std::size_t c = 0; c < kCells; ++c) {
           const auto n = static_cast<int>(c);
           const Index3 v = stored_[b].low + Index3(n % kBrick, n / kBrick % kBrick, n / (kBrick * kBrick));
-          const bool own = stored_[b].ids[c] != kNoVoxel;
+          const bool own = refined[b][c] != 0;
           bool near = false;
           for (int a = 0; a < 6 && !near; ++a)
-            near = (find(v + (a % 2 == 0 ? 1 : -1) * Index3::Unit(a / 2)) != kNoVoxel) != own;
+            near = is_inside(v + (a % 2 == 0 ? 1 : -1) * Index3::Unit(a / 2)) != own;
           if (near)
-            stored_[b].shares[c] =
+            refined[b][c] =
                 static_cast<std::uint8_t>(std::clamp(share(position(v), own), 0.0, 1.0) * kWhole + 0.5);
         }
       },
       16);
+  for (std::size_t b = 0; b < stored_.size(); ++b) stored_[b].shares = refined[b];
 }
 
 }  // namespace lumesh::centerline

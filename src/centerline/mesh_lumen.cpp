@@ -153,8 +153,14 @@ Grid grid_around(const Boundary& boundary, const CenterlineOptions& options) {
   return grid;
 }
 
-/// Voxels of the prisms that stand on the triangles of a cap, outside.
-void go_on_beyond(const Cap& cap, const Boundary& boundary, const Grid& grid, std::vector<Index3>& voxels) {
+/// A voxel in a prism that stands on a triangle of a cap, from a voxel below it upwards.
+struct PrismVoxel {
+  Index3 at;
+  double height_mm;
+};
+
+std::vector<PrismVoxel> prisms_on(const Cap& cap, const Boundary& boundary, const Grid& grid) {
+  std::vector<PrismVoxel> voxels;
   const Vec3 up = grid.beyond_mm(cap) * cap.normal;
   for (const std::size_t t : cap.triangles) {
     std::array<Vec3, 3> corner;
@@ -166,26 +172,60 @@ void go_on_beyond(const Cap& cap, const Boundary& boundary, const Grid& grid, st
     }
     const Index3 first = grid.frame.to_index(low).array().floor().cast<int>();
     const Index3 last = grid.frame.to_index(high).array().ceil().cast<int>();
-    const auto holds = [&](const Vec3& p) {
-      const double height = cap.height(p);
+    const auto holds = [&](const Vec3& p, double height) {
       if (height < -grid.voxel_mm() || height > grid.beyond_mm(cap)) return false;
       std::array<double, 3> side;
       for (std::size_t n = 0; n < 3; ++n)
         side[n] = (corner[(n + 1) % 3] - corner[n]).cross(p - corner[n]).dot(cap.normal);
       return (side[0] >= 0 && side[1] >= 0 && side[2] >= 0) || (side[0] <= 0 && side[1] <= 0 && side[2] <= 0);
     };
-    for (int k = first.z(); k <= last.z(); ++k)
-      for (int j = first.y(); j <= last.y(); ++j)
-        for (int i = first.x(); i <= last.x(); ++i)
-          if (holds(grid.frame.to_physical(Vec3(i, j, k)))) voxels.emplace_back(i, j, k);
+    for (int k = first.z(); k <= last.z(); ++k) {
+      for (int j = first.y(); j <= last.y(); ++j) {
+        for (int i = first.x(); i <= last.x(); ++i) {
+          const Vec3 p = grid.frame.to_physical(Vec3(i, j, k));
+          if (holds(p, cap.height(p))) voxels.push_back({{i, j, k}, cap.height(p)});
+        }
+      }
+    }
   }
+  return voxels;
 }
 
-/// Ascending in memory order, each once, inside the frame.
-void tidy(std::vector<Index3>& voxels, const ImageFrame& frame) {
-  std::erase_if(voxels, [&](const Index3& v) { return !frame.contains(v); });
-  const auto before = [&](const Index3& a, const Index3& b) { return frame.offset(a) < frame.offset(b); };
-  if (!std::is_sorted(voxels.begin(), voxels.end(), before)) parallel::sort_unique(voxels, before);
+/// The voxels of a mesh, and those beyond its caps, both ascending in memory order, each once.
+struct MeshVoxels {
+  std::vector<Index3> inside;
+  std::vector<Index3> beyond;
+};
+
+/// The last layer of voxels below each cap belongs to those beyond: so nothing joins what lies at two caps
+/// that face each other. Where another vessel lies in a cap's way, the prisms end at it.
+MeshVoxels voxels_of(const Boundary& boundary, const Grid& grid) {
+  const auto before = [&](const Index3& a, const Index3& b) {
+    return grid.frame.offset(a) < grid.frame.offset(b);
+  };
+  const auto ascend = [&](std::vector<Index3>& voxels) {
+    std::erase_if(voxels, [&](const Index3& v) { return !grid.frame.contains(v); });
+    if (!std::is_sorted(voxels.begin(), voxels.end(), before)) parallel::sort_unique(voxels, before);
+  };
+  MeshVoxels voxels;
+  std::vector<Index3> all = RowFiller(boundary, grid.frame).voxels();
+  ascend(all);
+  for (const Cap& cap : grid.caps) {
+    const std::vector<PrismVoxel> prisms = prisms_on(cap, boundary, grid);
+    const auto is_above_inside = [&](const PrismVoxel& voxel) {
+      return voxel.height_mm > 0 && std::binary_search(all.begin(), all.end(), voxel.at, before);
+    };
+    double end_mm = grid.beyond_mm(cap);
+    for (const PrismVoxel& voxel : prisms)
+      if (voxel.height_mm > 2 * grid.voxel_mm() && is_above_inside(voxel))
+        end_mm = std::min(end_mm, voxel.height_mm);
+    for (const PrismVoxel& voxel : prisms)
+      if (voxel.height_mm <= end_mm && !is_above_inside(voxel)) voxels.beyond.push_back(voxel.at);
+  }
+  ascend(voxels.beyond);
+  std::set_difference(all.begin(), all.end(), voxels.beyond.begin(), voxels.beyond.end(),
+                      std::back_inserter(voxels.inside), before);
+  return voxels;
 }
 
 /// Places the wall between voxels by its distance from them. Beyond a cap it goes on as at the cap.
@@ -222,7 +262,7 @@ void add_openings(const Grid& grid, Lumen& lumen) {
           const std::uint32_t id = lumen.find(middle + Index3(i, j, k));
           if (id == kNoVoxel) continue;
           const double height = cap.height(grid.frame.origin_mm + lumen.position(id));
-          if (std::abs(height) > 0.9 * grid.voxel_mm()) continue;
+          if (height > 0 || height < -2.2 * grid.voxel_mm()) continue;
           if (opening.voxel == kNoVoxel || lumen.wall_mm(id) > lumen.wall_mm(opening.voxel))
             opening.voxel = id;
         }
@@ -240,13 +280,11 @@ void add_openings(const Grid& grid, Lumen& lumen) {
 Lumen lumen_of_mesh(const MeshView& mesh, const CenterlineOptions& options, Context& context) {
   const Boundary boundary = boundary_of(mesh, context);
   const Grid grid = grid_around(boundary, options);
-  std::vector<Index3> voxels = RowFiller(boundary, grid.frame).voxels();
-  for (const Cap& cap : grid.caps) go_on_beyond(cap, boundary, grid, voxels);
-  tidy(voxels, grid.frame);
-  if (voxels.empty())
+  MeshVoxels voxels = voxels_of(boundary, grid);
+  if (voxels.inside.empty())
     throw Error(ErrorKind::kBadInput,
                 fmt::format("no voxel of {:g} mm lies inside the mesh", grid.voxel_mm()));
-  Lumen lumen(grid.frame, std::move(voxels));
+  Lumen lumen(grid.frame, std::move(voxels.inside), voxels.beyond);
   if (lumen.left_out() > 0)
     context.warn(fmt::format("what lies outside the largest connected piece, {:.3g} mm3, is left out",
                              static_cast<double>(lumen.left_out()) * grid.frame.voxel_volume_mm3()));

@@ -89,6 +89,31 @@ TEST(MeshLines, TakeHolesAsOpeningsAndSaySo) {
   EXPECT_NE(warning.find("2 holes"), std::string::npos) << warning;
 }
 
+/// The closed tube along a circle around z, so that its caps face each other.
+MixedMesh bent_tube(double circle, double gap) {
+  MixedMesh mesh = closed_tube();
+  for (Vec3& p : mesh.points) {
+    const double turn = (gap / 2 + p.z() / kLength * (2 * std::numbers::pi * circle - gap)) / circle;
+    const double away = circle + p.x() - 1;
+    p = {away * std::cos(turn), away * std::sin(turn), p.y() - 2};
+  }
+  return mesh;
+}
+
+TEST(MeshLines, DoNotCrossTheGapBetweenCapsThatFaceEachOther) {
+  constexpr double kCircle = 9;
+  for (const double gap : {0.1, 0.4, 1.0, 3.0, 6.0}) {
+    Context context;
+    const Polylines lines = extract_centerline(bent_tube(kCircle, gap).view(), {}, context);
+    ASSERT_EQ(lines.lines.size(), 1U) << "gap " << gap;
+    EXPECT_NEAR(length_mm(lines), 2 * std::numbers::pi * kCircle - gap, 0.5) << "gap " << gap;
+    for (const std::uint32_t end : {lines.lines[0].front(), lines.lines[0].back()}) {
+      EXPECT_NEAR(std::abs(lines.points[end].y()), gap / 2, 0.05) << "gap " << gap;
+      EXPECT_LT((lines.points[end] - Vec3(kCircle, 0, 0)).norm(), 0.15 * kTube + gap / 2) << "gap " << gap;
+    }
+  }
+}
+
 TEST(MeshLines, EndOneRadiusBeforeCapsThatAreWall) {
   MixedMesh mesh = closed_tube();
   mesh.triangle_patches.assign(mesh.triangles.size(), kWallPatch);
