@@ -100,8 +100,12 @@ void turn_outwards(ClosedSurface& surface) {
   for (const Shell& shell : shells)
     if (shell.volume_mm3 == 0)
       refuse("the surface encloses nothing at " + coordinates_text(shell.place_mm) + " mm");
-  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
-    if (shells[parts.of_triangle[t]].is_turned()) turn(surface, t);
+  surface.is_enclosed.resize(surface.triangles.size());
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+    const Shell& shell = shells[parts.of_triangle[t]];
+    if (shell.is_turned()) turn(surface, t);
+    surface.is_enclosed[t] = shell.depth > 0 ? 1 : 0;
+  }
 }
 
 /// All triangles at a point must form one fan.

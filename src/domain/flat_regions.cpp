@@ -37,6 +37,7 @@ std::vector<bool> flat_regions(const ClosedSurface& surface, const FeatureRegion
   for (const RegionShape& own : shapes) is_flat.push_back(own.evenness > kLeastEvenness);
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
     const std::uint32_t region = regions.of_triangle[t];
+    if (surface.is_enclosed[t] != 0) is_flat[region] = false;
     const RegionShape& own = shapes[region];
     const double max_mm = kMaxBent * circle_radius(own.area_mm2);
     for (std::size_t i = 0; i < 3; ++i)

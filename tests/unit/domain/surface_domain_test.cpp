@@ -324,6 +324,17 @@ TEST(SurfaceDomain, SidesOfABoxAndRingsAreNoEnds) {
   EXPECT_TRUE(SurfaceDomain(both.view()).flat_ends().empty());
 }
 
+TEST(SurfaceDomain, FlatEndsOfABodyInTheLumenAreNoOpenings) {
+  TriangleSoup soup = capped_tube(2, 2, 0);
+  TriangleSoup rod = capped_tube(0.5, 0.5, 0);
+  for (Vec3& p : rod.points) p.z() = 2 + 0.5 * p.z();  // Half as long, within.
+  ASSERT_EQ(SurfaceDomain(soup.view()).flat_ends().size(), 2U);
+  soup.append(rod);
+  const SurfaceDomain domain(soup.view());
+  ASSERT_EQ(domain.flat_ends().size(), 2U);
+  for (const FlatEnd& end : domain.flat_ends()) EXPECT_NEAR(end.area_mm2, 12.4, 0.3);  // A disc of 2 mm.
+}
+
 TEST(SurfaceDomain, NamesPatchesAsTheFileOrByAreaAndWallWhereThereIsOne) {
   const auto names_of = [](const SurfaceDomain& domain) {
     std::vector<std::string> names;
