@@ -1,15 +1,23 @@
 #!/usr/bin/env python3
-"""Random label images, as nasty as vessels get, through both meshers: how many meshes are wrong, by lumesh's own check and by a
-check that knows nothing of it (points of space that lie in more than one tetrahedron, or outside of the image).
+"""Random label images, as nasty as vessels get, through every stage that makes meshes: how many are wrong, by lumesh's own check and by a
+check that knows nothing of it (points of space that lie in more than one tetrahedron, or outside of the image), and how many differ
+between numbers of threads.
 
 Kinds: blobs, tubes, checkerboards, thin sheets, mixtures of them, vessels that kiss; 1 to 20 labels, some in a frame of background,
-voxels 1:1:1 and 1:1:2. Lines on stderr, JSON on stdout. Needs numpy.
+voxels 1:1:1 and 1:1:2. Stages: `lattice`, `delaunay --delta 1.5`, `run` (Delaunay, adapted to the curvature of its surface), `adapt` (of the
+lattice's mesh, to the same) and `layers` (three inwards in the mesh of `delaunay`).
 
-Usage: validity.py [--program PATH] [--threads N] [--first SEED] [--images N] [--time-limit S]
+A fault is: a crash or any exit code but 0 and 3 (told), a mesh that `evaluate` calls invalid although the command ended with 0 (silent), places
+within two tetrahedra, a mesh outside of the image by more than 0.05 voxels, other bits with other numbers of threads. Lines on stderr, JSON on stdout; exit status 1
+if there is any. Needs numpy.
+
+Usage: validity.py [--program PATH] [--threads N,N,...] [--first SEED] [--images N] [--jobs J] [--stages A,B,...] [--time-limit S]
 """
 import argparse
 import collections
+import hashlib
 import json
+import multiprocessing
 import pathlib
 import subprocess
 import sys
@@ -112,61 +120,133 @@ def doubled_points(points, tetrahedra, seed, per_voxel=2):
     return int((covered > 1).sum())
 
 
-def check(scene, mesh, program, seed):
+def medit_text(program, mesh):
+    """The mesh without what tells of the command that made it."""
     text = mesh.with_suffix(".mesh")
     subprocess.run([program, "convert", str(mesh), str(text), "-q"], check=True, capture_output=True)
+    return text, b"".join(line for line in text.read_bytes().splitlines(True) if not line.startswith(b"#"))
+
+
+def check(scene, mesh, program, seed):
+    text, lines = medit_text(program, mesh)
     points, tetrahedra, _ = read_medit(text)
     points = numpy.array(points) / scene.spacing
     tetrahedra = numpy.array(tetrahedra)[:, :4] - 1
     beyond = float(max((-0.5 - points).max(), (points - numpy.array(scene.labels.shape) + 0.5).max()))
     is_valid = subprocess.run([program, "evaluate", str(mesh), "-q"], capture_output=True).returncode == 0
-    return {"valid": is_valid, "doubled": doubled_points(points, tetrahedra, seed), "beyond_voxels": beyond}
+    return {"valid": is_valid, "doubled": doubled_points(points, tetrahedra, seed), "beyond_voxels": beyond,
+            "hash": hashlib.sha256(lines).hexdigest()}
 
 
-def run_one(arguments, seed, mesher, scene, folder):
-    image, mesh = folder / "image.nrrd", folder / "mesh.vtu"
-    mesh.unlink(missing_ok=True)
-    options = ["--delta", "1.5"] if mesher == "delaunay" else []
-    command = [arguments.program, mesher, str(image), "-o", str(mesh), "-q", "--threads", str(arguments.threads), *options]
-    result = {"seed": seed, "kind": scene.kind, "mesher": mesher}
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=arguments.time_limit)
-    except subprocess.TimeoutExpired:
-        return result | {"code": "time"}
-    result["code"] = done.returncode
-    if mesh.exists():
-        result |= check(scene, mesh, arguments.program, seed)
-    return result
+class Stages:
+    """All stages on one image; those that follow take the mesh of the one before."""
+
+    ALL = ("lattice", "delaunay", "run", "adapt", "layers")
+
+    def __init__(self, arguments, seed, folder):
+        self.arguments, self.seed, self.folder = arguments, seed, folder
+        self.scene = Scene(seed)
+        self.image = folder / "image.nrrd"
+        self.scene.write(self.image)
+
+    def commands(self, stage, threads):
+        """One after another; the last one makes the mesh that is checked."""
+        made = self.folder / f"{stage}-{threads}.vtu"
+        common = ["-q", "--threads", str(threads)]
+        first = self.folder / f"{'delaunay' if stage == 'layers' else 'lattice'}-{self.arguments.threads[0]}.vtu"
+        if stage == "lattice":
+            return [["lattice", self.image, "-o", made, *common]], made
+        if stage == "delaunay":
+            return [["delaunay", self.image, "-o", made, "--delta", "1.5", *common]], made
+        if stage == "run":
+            case, results = self.folder / "case.toml", self.folder / f"run-{threads}"
+            case.write_text(f'[input]\nimage = "{self.image}"\n[metric]\ncurvature = true\n[adapt]\n[output]\nmeshes = ["run.vtu"]\n')
+            return [["run", case, "-o", results, *common]], results / "run.vtu"
+        if stage == "adapt":
+            metric = self.folder / f"metric-{threads}.vtu"
+            return [["metric", first, "--curvature", "-o", metric, "-q"],
+                    ["adapt", metric, "-o", made, "--allow-pieces", *common]], made
+        return [["layers", first, "--side", "inward", "--first-height", "0.25", "--count", "3", "-o", made, *common]], made
+
+    def run(self, stage, threads):
+        result = {"seed": self.seed, "kind": self.scene.kind, "stage": stage, "threads": threads}
+        commands, made = self.commands(stage, threads)
+        for command in commands:
+            try:
+                done = subprocess.run([self.arguments.program, *map(str, command)], capture_output=True, text=True,
+                                      timeout=self.arguments.time_limit)
+            except subprocess.TimeoutExpired:
+                return result | {"code": "time"}
+            result["code"] = done.returncode
+            if done.returncode != 0:
+                result["said"] = done.stderr.strip()[-300:]
+                break
+        if made.exists():
+            result |= check(self.scene, made, self.arguments.program, self.seed)
+        return result
+
+    def run_all(self):
+        results = []
+        for stage in self.arguments.stages:
+            of_stage = [self.run(stage, threads) for threads in self.arguments.threads]
+            same = len({r.get("hash") for r in of_stage}) == 1
+            results.append(of_stage[0] | {"same_bits": same})
+        return results
+
+
+def faults(result):
+    """What is wrong that the command itself did not tell, or what it may not do at all."""
+    code = result["code"]
+    found = [] if code in (0, 2, 3) else [f"exit {code}"]
+    if code == 0 and not result.get("valid", True):
+        found.append("invalid, not told")
+    if result.get("doubled", 0) > 0 and code != 3:
+        found.append("overlaps")
+    if result.get("beyond_voxels", 0) > 0.05 and code != 3:
+        found.append("outside of the image")
+    if not result["same_bits"]:
+        found.append("other bits")
+    return found
+
+
+def work(job):
+    arguments, seed = job
+    if not Scene(seed).labels.any():
+        return []
+    with tempfile.TemporaryDirectory() as name:
+        return Stages(arguments, seed, pathlib.Path(name)).run_all()
+
+
+def numbers(text):
+    return [int(n) for n in text.split(",")]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=str(run.ROOT / "build/release/bin/lumesh"))
-    parser.add_argument("--threads", type=int, default=0)
+    parser.add_argument("--threads", type=numbers, default=[1, 2, 5])
     parser.add_argument("--first", type=int, default=1000)
     parser.add_argument("--images", type=int, default=60)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--stages", type=lambda text: text.split(","), default=list(Stages.ALL))
     parser.add_argument("--time-limit", type=float, default=120)
     arguments = parser.parse_args()
     results = []
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        for seed in range(arguments.first, arguments.first + arguments.images):
-            scene = Scene(seed)
-            if not scene.labels.any():
-                continue
-            scene.write(folder / "image.nrrd")
-            for mesher in ("lattice", "delaunay"):
-                results.append(run_one(arguments, seed, mesher, scene, folder))
-                r = results[-1]
-                if r["code"] != 0 or not r["valid"] or r["doubled"] or r["beyond_voxels"] > 0.01:
-                    print(r, file=sys.stderr, flush=True)
-    for mesher in ("lattice", "delaunay"):
-        of = [r for r in results if r["mesher"] == mesher]
+    with multiprocessing.Pool(arguments.jobs) as pool:
+        jobs = [(arguments, seed) for seed in range(arguments.first, arguments.first + arguments.images)]
+        for of_image in pool.imap_unordered(work, jobs):
+            for result in of_image:
+                result["faults"] = faults(result)
+                results.append(result)
+                if result["faults"] or result["code"] != 0:
+                    print({key: value for key, value in result.items() if key != "hash"}, file=sys.stderr, flush=True)
+    for stage in arguments.stages:
+        of = [r for r in results if r["stage"] == stage]
         codes = dict(collections.Counter(r["code"] for r in of))
-        print(f"{mesher}: {len(of)} images, exit codes {codes}; invalid by evaluate {sum(not r.get('valid', True) for r in of)}, "
-              f"overlapping by sampling {sum(r.get('doubled', 0) > 0 for r in of)}, "
-              f"outside of the image {sum(r.get('beyond_voxels', 0) > 0.01 for r in of)}", file=sys.stderr)
+        kinds = dict(collections.Counter(fault for r in of for fault in r["faults"]))
+        print(f"{stage}: {len(of)} images, exit codes {codes}, faults {kinds}", file=sys.stderr)
     print(json.dumps(results, indent=1))
+    sys.exit(any(r["faults"] for r in results))
 
 
 if __name__ == "__main__":

@@ -9,11 +9,11 @@
 namespace lumesh::delaunay {
 namespace {
 
-/// Flag per vertex: beyond a cut plane by more than vertices of its opening are, or far from the object.
+/// Flag per vertex: beyond a cut plane or the bounds of the object by more than vertices of openings are.
 std::vector<std::uint8_t> vertices_out(const TetMesh& mesh, const Domain& domain) {
-  const Vec3 margin_mm = Vec3::Constant(domain.resolution_mm());
-  const Box3 bounds = domain.bounds_mm(), box(bounds.min() - margin_mm, bounds.max() + margin_mm);
   const double much_mm = 0.05 * domain.resolution_mm();
+  const Box3 bounds = domain.bounds_mm();
+  const Box3 box(bounds.min() - Vec3::Constant(much_mm), bounds.max() + Vec3::Constant(much_mm));
   std::vector<std::uint8_t> is_out(mesh.vertex_slots(), 0);
   parallel::for_each_index(is_out.size(), [&](std::size_t i) {
     const VertexId v(static_cast<std::uint32_t>(i));

@@ -34,7 +34,7 @@ void require_one_piece(const TetMesh& mesh, const AdaptRequest& request) {
 
 namespace {
 
-/// A line on vertices beyond the image, which no tetrahedron let come within; empty if there are none.
+/// A line on vertices beyond the border, which no tetrahedron let come within; empty if there are none.
 std::string note_on_vertices_outside(const TetMesh& mesh, const operators::KeepWithin& keep_within) {
   if (!keep_within) return "";
   constexpr double kSeen = 1e-6;
@@ -51,7 +51,7 @@ std::string note_on_vertices_outside(const TetMesh& mesh, const operators::KeepW
   }
   if (count == 0) return "";
   return fmt::format(
-      "{} up to {:.2g} mm beyond the image's border or a cut plane, the furthest at {}; a "
+      "{} up to {:.2g} mm beyond the image's border or the plane of an opening, the furthest at {}; a "
       "smaller {} or {} may help",
       counted(count, "vertex lies", "vertices lie"), furthest_mm, place_text(worst), option_name("gradation"),
       option_name("max_size"));
