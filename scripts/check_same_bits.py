@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks that builds of lumesh make the same meshes to the last bit: by other compilers, with and without optimisation, on one and on
 several threads. Give it two programs or more, such as those of the presets release and debug, and of
-`cmake --preset release -B build/clang -DCMAKE_CXX_COMPILER=clang++`.
+`cmake --preset release -B build/clang -DCMAKE_CXX_COMPILER=clang++`. A command that fails, or does not write its file, is a fault.
 
 Usage: check_same_bits.py PROGRAM...
 """
@@ -27,7 +27,7 @@ COMMANDS = [
 
 
 def digests(program, threads):
-    """SHA-256 by file."""
+    """SHA-256 by file, up to the first command that fails, and what is wrong with that one, or nothing."""
     with tempfile.TemporaryDirectory(prefix="lumesh_bits_") as folder:
         found = {}
         for command in COMMANDS:
@@ -35,8 +35,10 @@ def digests(program, threads):
             options = ["--threads", str(threads)] if words[0] != "convert" else []
             run = subprocess.run([program, *words, *options], cwd=folder, capture_output=True, text=True, check=False)
             path = pathlib.Path(folder, words[-1])
-            found[path.name] = hashlib.sha256(path.read_bytes()).hexdigest() if run.returncode == 0 else run.stderr.strip()
-        return found
+            if run.returncode: return found, f"{command}: exit code {run.returncode}, {run.stderr.strip() or 'no message'}"
+            if not path.is_file(): return found, f"{command}: {path.name} was not written"
+            found[path.name] = hashlib.sha256(path.read_bytes()).hexdigest()
+        return found, None
 
 
 def main():
@@ -44,17 +46,18 @@ def main():
     if not programs:
         sys.exit(__doc__)
     runs = [(program, threads) for program in programs for threads in (1, 3)]
-    first, differences = None, 0
+    first, differences, failures = {}, 0, 0
     for program, threads in runs:
-        found = digests(program, threads)
-        first = first or found
-        different = [name for name in first if first[name] != found[name]]
+        found, failure = digests(program, threads)
+        different = [name for name, digest in found.items() if first.setdefault(name, digest) != digest]
         differences += len(different)
-        print(f"{program}, {threads} threads: {', '.join(different) + ' differ' if different else 'same'}", flush=True)
+        failures += failure is not None
+        said = [", ".join(different) + " differ"] if different else []
+        print(f"{program}, {threads} threads: {'; '.join([*said, failure] if failure else said) or 'same'}", flush=True)
     for name, digest in first.items():
         print(f"{digest}  {name}")
-    print(f"check_same_bits: {len(runs)} runs, {differences} differences")
-    return 1 if differences else 0
+    print(f"check_same_bits: {len(runs)} runs, {differences} differences, {failures} failed")
+    return 1 if differences or failures else 0
 
 
 if __name__ == "__main__":

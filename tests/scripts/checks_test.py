@@ -44,6 +44,27 @@ class ChecksTest(unittest.TestCase):
             for name in ("check_layers.py", "check_sizes.py", "check_primitives.py"):
                 self.assertEqual(self.run_check(name)[0], 1, name)
 
+    def same_bits(self, body):
+        """Of a program that is a shell script: every word with a dot is a file that it writes."""
+        program = self.root / "program"
+        program.write_text(f'#!/bin/sh\n{body}\n')
+        program.chmod(0o755)
+        result = subprocess.run([sys.executable, SCRIPTS / "check_same_bits.py", program], capture_output=True, text=True, check=False)
+        self.assertEqual(result.stderr, "")
+        return result.returncode, result.stdout
+
+    def test_same_bits_finds_commands_that_fail_alike_and_files_that_differ(self):
+        write = 'for word; do case $word in *.*) echo "$1" > "$word";; esac; done'
+        status, output = self.same_bits(write)
+        self.assertEqual(status, 0, output)
+        self.assertIn("2 runs, 0 differences, 0 failed", output)
+        for body, words in (("exit 1", "exit code 1, no message"), (f"[ $1 = adapt ] && echo bad >&2 && exit 2; {write}", "exit code 2, bad"),
+                            (f"[ $1 = adapt ] && exit; {write}", "adapted.vtu was not written"),
+                            (write.replace("$1", "$*"), "b.nrrd, lattice.vtu")):
+            status, output = self.same_bits(body)
+            self.assertEqual(status, 1, output)
+            self.assertIn(words, output)
+
     def test_layers_finds_an_include_of_a_higher_module(self):
         self.write("include/lumesh/io/mesh_file.hpp", "#pragma once\n")
         self.write("src/mesh/bad.cpp", '#include "lumesh/io/mesh_file.hpp"\n')
