@@ -15,10 +15,10 @@
 ///   - They leave the rounding mode and the treatment of subnormal numbers alone.
 /// The library stays loaded until the program ends.
 
-#include <stddef.h>  // NOLINT(modernize-deprecated-headers,hicpp-deprecated-headers): C reads this too.
+#include <stddef.h>  // C reads this too.
 
 /// Version of what stands here. A plugin compiled for another one is refused.
-#define LUMESH_SIZING_ABI_VERSION 1  // NOLINT(modernize-macro-to-enum,cppcoreguidelines-macro-usage)
+#define LUMESH_SIZING_ABI_VERSION 1
 
 /// Stands before the definition of each function, so that it can be found in the library.
 #ifdef __cplusplus
@@ -28,7 +28,7 @@
 #endif
 
 /// Required: returns LUMESH_SIZING_ABI_VERSION.
-LUMESH_SIZING_EXPORT int lumesh_sizing_abi_version(void);  // NOLINT(modernize-redundant-void-arg)
+LUMESH_SIZING_EXPORT int lumesh_sizing_abi_version(void);
 
 /// Optional: called once before all others, on one thread. A plugin without it takes no options.
 ///

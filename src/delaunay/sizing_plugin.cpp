@@ -109,7 +109,7 @@ struct PluginSizing::Library {
     if (destroy == nullptr) return;
     try {
       destroy(state);
-    } catch (...) {  // NOLINT(bugprone-empty-catch): the run is over, and nothing is left to save.
+    } catch (...) {  // The run is over, and nothing is left to save.
     }
   }
   Library(const Library&) = delete;

@@ -23,7 +23,7 @@ struct CrossingCounts {
 struct ObjectValues {
   double low, high;
 
-  // NOLINTNEXTLINE(google-explicit-constructor): a level alone is where the object begins.
+  // Not explicit: a level alone is where the object begins.
   ObjectValues(double from, double to = std::numeric_limits<double>::infinity()) : low(from), high(to) {}
   [[nodiscard]] bool contain(double value) const { return value >= low && value <= high; }
 };
