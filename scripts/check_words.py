@@ -19,8 +19,8 @@ NO_NOUN = re.compile(r"///<?\s+(?:Of|Those)\s")
 PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]*)\)")
 
 
-def lines_without_noun(root):
-    for path in sources.source_files(root, FOLDERS):
+def lines_without_noun(root, files):
+    for path in files:
         for number, line in enumerate((root / path).read_text().splitlines(), 1):
             if NO_NOUN.search(line): yield f"{path}:{number}: {line.strip()}"
 
@@ -39,12 +39,13 @@ def main():
     listed = "--list" in arguments
     if listed: arguments.remove("--list")
     root = pathlib.Path(arguments[0]) if arguments else sources.ROOT
-    lines = list(lines_without_noun(root))
-    faults = [fault for page in sorted((root / "docs/stages").glob("*.md")) for fault in faults_of_page(page, root)]
+    files, pages = sources.source_files(root, FOLDERS), sorted((root / "docs/stages").glob("*.md"))
+    lines = list(lines_without_noun(root, files))
+    faults = [fault for page in pages for fault in faults_of_page(page, root)] + sources.faults_of_nothing(files, root)
     if len(lines) > BUDGET:
         faults.append(f"{len(lines)} doc lines begin with 'Of' or 'Those', {BUDGET} may; name what they document (--list shows them)")
     if listed or len(lines) > BUDGET: print("\n".join(lines))
-    print("\n".join(faults + [f"check_words: {len(lines)} of {BUDGET} doc lines without their noun, {len(faults)} faults"]))
+    print("\n".join(faults + [f"check_words: {len(files)} files, {len(pages)} pages, {len(lines)} of {BUDGET} doc lines without their noun, {len(faults)} faults"]))
     return 1 if faults else 0
 
 

@@ -17,6 +17,11 @@ def source_files(root, folders):
     return sorted(found)
 
 
+def faults_of_nothing(files, where):
+    """A check that found no file to look at has shown nothing: its only fault then."""
+    return [] if files else [f"{where}: no file to check"]
+
+
 TOKENS = re.compile(
     r"""R"(?P<tag>[^()\s\\]{0,16})\(.*?\)(?P=tag)"   # raw strings
       | //[^\n]* | /\*.*?\*/                         # comments

@@ -13,6 +13,8 @@ class ChecksTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.root = pathlib.Path(self.folder.name)
+        self.write_modules("core", "parallel DEPENDS core", "image DEPENDS core", "mesh DEPENDS core", "io DEPENDS image mesh ALONE itk.cpp",
+                           "lattice DEPENDS mesh", "adapt DEPENDS mesh")
         self.write("include/lumesh/core/types.hpp", "#pragma once\n")
         self.write("include/lumesh/mesh/tet_mesh.hpp", '#pragma once\n#include "lumesh/core/types.hpp"\n')
         self.write("src/mesh/tet_mesh.cpp", '#include "lumesh/mesh/tet_mesh.hpp"\nint three() {\n  return 3;\n}\n')
@@ -23,6 +25,9 @@ class ChecksTest(unittest.TestCase):
     def write(self, path, text):
         (self.root / path).parent.mkdir(parents=True, exist_ok=True)
         (self.root / path).write_text(text)
+
+    def write_modules(self, *modules):
+        self.write("CMakeLists.txt", "".join(f"lumesh_module({module})\n" for module in (*modules, "pipeline DEPENDS mesh")))
 
     def run_check(self, name):
         result = subprocess.run([sys.executable, SCRIPTS / name, self.root], capture_output=True, text=True, check=False)
@@ -38,11 +43,23 @@ class ChecksTest(unittest.TestCase):
         for name in ("check_layers.py", "check_sizes.py", "check_primitives.py"):
             self.assertEqual(self.run_check(name)[0], 0, name)
 
-    def test_an_empty_tree_fails(self):
+    def test_a_tree_without_files_is_a_fault(self):
         with tempfile.TemporaryDirectory() as folder:
-            self.root = pathlib.Path(folder)
-            for name in ("check_layers.py", "check_sizes.py", "check_primitives.py"):
-                self.assertEqual(self.run_check(name)[0], 1, name)
+            for self.root in (pathlib.Path(folder), pathlib.Path(folder, "nonexistent")):
+                for name in ("check_layers.py", "check_sizes.py", "check_primitives.py", "check_references.py", "check_words.py"):
+                    status, output = self.run_check(name)
+                    self.assertEqual(status, 1, name)
+                    self.assertIn(f"{self.root}: no file to check", output)
+                    self.assertIn("1 faults", output)
+
+    def test_layers_takes_the_modules_of_the_tree_that_it_checks(self):
+        self.write("src/mesh/bad.cpp", '#include "lumesh/image/label_image.hpp"\n')
+        self.write("include/lumesh/image/label_image.hpp", "#pragma once\n")
+        self.assert_finds("check_layers.py", "mesh may not include lumesh/image/label_image.hpp")
+        self.write_modules("core", "image DEPENDS core", "mesh DEPENDS image")
+        self.assertEqual(self.run_check("check_layers.py")[0], 0)
+        self.write_modules("image", "mesh DEPENDS image")
+        self.assert_finds("check_layers.py", "module core is not in CMakeLists.txt")
 
     def same_bits(self, body):
         """Of a program that is a shell script: every word with a dot is a file that it writes."""
