@@ -176,6 +176,20 @@ class ChecksTest(unittest.TestCase):
         self.write("docs/stages/b.md", "# b\n\n## Sources\n")
         self.assert_finds("check_words.py", "docs/stages/b.md: no picture")
 
+    def test_test_patterns_finds_patterns_and_folders_that_no_test_has(self):
+        self.write("tests/unit/mesh/a_test.cpp", "TEST(Mesh, IsWhole) {}\nTEST_P(MeshOnThreads, IsTheSame) {}\n"
+                   "INSTANTIATE_TEST_SUITE_P(\n    Threads, MeshOnThreads, testing::Values(1));\n")
+        tests = "set(LUMESH_THREAD_TESTS test_mesh)\nset(LUMESH_NOT_SANITIZED\n    Mesh.IsW*\n    */MeshOnThreads.*)\nset(LUMESH_NOT_ASAN Mesh.?sWhole)\n"
+        self.write("tests/CMakeLists.txt", tests)
+        self.assertEqual(self.run_check("check_test_patterns.py")[0], 0, self.run_check("check_test_patterns.py")[1])
+        for old, new, words in (("Mesh.IsW*", "Mesh.WasWhole*", "LUMESH_NOT_SANITIZED: no test has a name like Mesh.WasWhole*"),
+                                ("*/MeshOn", "MeshOn", "no test has a name like MeshOnThreads.*"),
+                                ("?sWhole", "IsHalf", "LUMESH_NOT_ASAN: no test has a name like Mesh.IsHalf"),
+                                ("set(LUMESH_NOT_ASAN Mesh.?sWhole)", "", "LUMESH_NOT_ASAN has no pattern"),
+                                ("test_mesh", "test_net", "test_net has no folder tests/unit/net")):
+            self.write("tests/CMakeLists.txt", tests.replace(old, new))
+            self.assert_finds("check_test_patterns.py", words)
+
     def test_sizes_finds_a_long_function(self):
         self.write("src/mesh/bad.cpp", "int long_one(int a) {\n" + "  a += 1;\n" * 90 + "  return a;\n}\n")
         self.assert_finds("check_sizes.py", "long_one has 93 lines, limit 80")
