@@ -1,8 +1,12 @@
 #!/usr/bin/env python3
 """Writes the tables of options in docs/ from the program's own list (lumesh options --json), or checks that they agree.
 
-A table stands between the lines `<!-- options SECTION -->` and `<!-- end of options -->`: with the flags of the command line,
-or, in docs/stages/run.md, with the keys of case files.
+A table stands between the lines `<!-- options SECTION -->`, or `<!-- options SECTION from NAME to NAME -->` for a part of it, and
+`<!-- end of options -->`: with the flags of the command line, or, in docs/stages/run.md, with the keys of case files.
+
+--check also looks whether each flag of `lumesh COMMAND --help` stands on docs/stages/COMMAND.md or on docs/options.md, to which the
+page links then; whether each flag at the beginning of a row of that page's options is one of the command; and whether a file that may be
+left out (`--json [FILE]`) is written so.
 
 Usage: option_tables.py [--check] [--program PATH]
 """
@@ -15,7 +19,10 @@ import sys
 
 from sources import ROOT
 
-BLOCK = re.compile(r"(<!-- options (\w+) -->\n).*?(<!-- end of options -->)", re.DOTALL)
+BLOCK = re.compile(r"(<!-- options (\w+)(?: from (\w+) to (\w+))? -->\n).*?(<!-- end of options -->)", re.DOTALL)
+COMMON = "docs/options.md"  # Options of many commands, once for all of them.
+FLAG = re.compile(r"(?<![\w-])--?[a-z][\w-]*")
+OF_HELP = re.compile(r"^  (-[\w,-]+)(.*)$", re.MULTILINE)
 
 
 def cell(text):
@@ -44,6 +51,46 @@ def table_of(options, is_case):
     return "\n".join([head, "|---|---|---|---|", *map(row_of_key if is_case else row_of_flag, options)]) + "\n"
 
 
+def part_of(options, first, last):
+    """Those from the one named `first` to that named `last`, or all."""
+    if not first: return options
+    names = [option["name"] for option in options]
+    return options[names.index(first):names.index(last) + 1]
+
+
+def options_of_page(text):
+    """The flags at the beginning of rows between the heading "Options" and the next one."""
+    section = re.search(r"^## Options\n(.*?)(?=^## |\Z)", text, re.MULTILINE | re.DOTALL)
+    for row in re.findall(r"^\| (`-.*?) \|", section[1] if section else "", re.MULTILINE):
+        for code in re.findall(r"`([^`]*)`", row): yield from FLAG.findall(code)[:1]
+
+
+def faults_of_page(command, help_text, text, common):
+    """What the page of a command, and that of common options, lack of its help, and what they say besides."""
+    name = f"docs/stages/{command}.md"
+    known = {flag: rest for flags, rest in OF_HELP.findall(help_text) for flag in flags.split(",")}
+    here, there = set(FLAG.findall(text)), set(FLAG.findall(common))
+    for flag in known:
+        if flag not in here | there: yield f"{name}: {flag} stands neither here nor in {COMMON}"
+    if not known.keys() <= here and "(../options.md" not in text: yield f"{name}: has no link to {COMMON}, where the other options are"
+    for flag in dict.fromkeys(options_of_page(text)):
+        if flag not in known: yield f"{name}: lumesh {command} has no option {flag}"
+    for flag, rest in known.items():
+        if rest.startswith(" [FILE]") and f"{flag} FILE`" in text: yield f"{name}: {flag} [FILE] it is, a file may be left out"
+
+
+def faults_of_pages(program):
+    common = (ROOT / COMMON).read_text(encoding="utf-8")
+    commands = re.search(r"^Subcommands:\n((?:  .*\n)*)", helps(program), re.MULTILINE)[1].split("\n")
+    for command in (line.split()[0] for line in commands if line):
+        page = ROOT / f"docs/stages/{command}.md"
+        if page.is_file(): yield from faults_of_page(command, helps(program, command), page.read_text(encoding="utf-8"), common)
+
+
+def helps(program, *command):
+    return subprocess.run([program, *command, "--help"], check=True, capture_output=True, text=True).stdout
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="change nothing, and fail where a table differs")
@@ -57,7 +104,7 @@ def main():
 
         def table(match, is_case=is_case):
             seen.add((match[2], is_case))
-            return match[1] + table_of(sections[match[2]], is_case) + match[3]
+            return match[1] + table_of(part_of(sections[match[2]], match[3], match[4]), is_case) + match[5]
 
         text = page.read_text(encoding="utf-8")
         wanted = BLOCK.sub(table, text)
@@ -70,7 +117,9 @@ def main():
         print(f"{page}: its tables of options differ from the program's; run scripts/option_tables.py")
     for name in missing:
         print(f"docs/stages/run.md: has no table of options {name}")
-    return 1 if missing or (stale and arguments.check) else 0
+    faults = list(faults_of_pages(arguments.program)) if arguments.check else []
+    print("".join(f"{fault}\n" for fault in faults), end="")
+    return 1 if missing or faults or (stale and arguments.check) else 0
 
 
 if __name__ == "__main__":

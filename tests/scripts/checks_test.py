@@ -7,6 +7,8 @@ import tempfile
 import unittest
 
 SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "scripts"
+sys.path.insert(0, str(SCRIPTS))
+import option_tables  # noqa: E402
 
 
 class ChecksTest(unittest.TestCase):
@@ -189,6 +191,28 @@ class ChecksTest(unittest.TestCase):
                                 ("test_mesh", "test_net", "test_net has no folder tests/unit/net")):
             self.write("tests/CMakeLists.txt", tests.replace(old, new))
             self.assert_finds("check_test_patterns.py", words)
+
+    def test_option_tables_finds_flags_without_a_page_and_rows_without_a_flag(self):
+        helps = "Options:\n  -o,--output TEXT REQUIRED   Mesh\n  --json [FILE]               Numbers\n                              --no-flag\n"
+        common = "| `-o FILE`, `--output FILE` |\n"
+        page = "# mesh\n\n## Options\n\n[All](../options.md).\n\n| `--json [FILE]` | off | As `lumesh x --y` |\n\n## Else\n\n| `--z` |\n"
+
+        def faults(text, common=common):
+            return list(option_tables.faults_of_page("mesh", helps, text, common))
+
+        self.assertEqual(faults(page), [])
+        self.assertIn("--output stands neither here", faults(page, "`--output-all`, `-o FILE`")[0])
+        self.assertIn("--json stands neither here", faults(page.replace("--json [FILE]", "FILE"))[0])
+        self.assertIn("has no link to docs/options.md", faults(page.replace("../options.md", "all.md"))[0])
+        self.assertIn("a file may be left out", faults(page.replace("[FILE]", "FILE"))[0])
+        self.assertIn("has no option --fine", faults(page.replace("| `--json", "| `--fine`, `-o F` | |\n| `--json"))[0])
+
+    def test_option_tables_takes_a_part_of_a_section(self):
+        options = [{"name": name} for name in "abcd"]
+        self.assertEqual(option_tables.part_of(options, "b", "c"), options[1:3])
+        self.assertEqual(option_tables.part_of(options, None, None), options)
+        match = option_tables.BLOCK.search("<!-- options input from b to c -->\n| x |\n<!-- end of options -->")
+        self.assertEqual(match.groups()[1:4], ("input", "b", "c"))
 
     def test_sizes_finds_a_long_function(self):
         self.write("src/mesh/bad.cpp", "int long_one(int a) {\n" + "  a += 1;\n" * 90 + "  return a;\n}\n")
