@@ -15,7 +15,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import nrrd
-from program import BAD_INPUT, LUMESH, NOT_REACHED, USAGE, ProgramTest, take_signals
+from program import BAD_INPUT, LUMESH, NOT_REACHED, USAGE, ProgramTest, take_signals, wait_for_line
 
 SIZE = 24
 
@@ -387,17 +387,16 @@ class SignalTest(CommandTest):
     def test_one_signal_ends_every_command_and_leaves_nothing_behind(self):
         big = self.folder / "big.nrrd"
         self.run_well("phantom", "carotid", "-o", big, "--size", 256, 256, 254, "--spacing", 2)
+        self.make_mesh()
         good = self.folder / "good.vtu"
         good.write_bytes(b"what was there")
         before = {path.name for path in self.folder.iterdir()}
-        for command in (("lattice", big, "--spacing", 1.5), ("delaunay", big, "--delta", 1), ("evaluate", self.image, "--image", big)):
+        for command in (("lattice", big, "--spacing", 1.5), ("delaunay", big, "--delta", 1), ("evaluate", self.mesh, "--image", big)):
             for which in (signal.SIGTERM, signal.SIGINT):
                 with self.subTest(command[0], signal=which), subprocess.Popen(
-                        [LUMESH, *map(str, command), *(("-o", str(good)) if command[0] != "evaluate" else ())],
+                        [LUMESH, *map(str, command), "-v", *(("-o", str(good)) if command[0] != "evaluate" else ())],
                         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=take_signals) as process:
-                    time.sleep(0.4)
-                    if process.poll() is not None:
-                        continue  # On a fast machine.
+                    wait_for_line(process, "cuts took")  # The image is read, and what takes long begins.
                     process.send_signal(which)
                     sent = time.monotonic()
                     errors = process.communicate(timeout=60)[1]
@@ -408,9 +407,13 @@ class SignalTest(CommandTest):
         self.assertEqual({path.name for path in self.folder.iterdir()}, before)
 
     def test_what_nohup_ignores_stays_ignored(self):
-        words = f"trap '' HUP; '{LUMESH}' lattice '{self.image}' -o '{self.mesh}' --spacing 0.3 & sleep 0.2; kill -HUP $!; wait $!"
-        result = subprocess.run(["bash", "-c", words], capture_output=True, text=True, timeout=120, check=False)
-        self.assertEqual(result.returncode, 0, result.stderr)
+        with subprocess.Popen([LUMESH, "lattice", self.image, "-v", "-o", self.mesh, "--spacing", "0.3"], stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE, text=True, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)) as process:
+            wait_for_line(process, "cuts took")
+            self.assertIsNone(process.poll())
+            process.send_signal(signal.SIGHUP)
+            errors = process.communicate(timeout=120)[1]
+        self.assertEqual(process.returncode, 0, errors)
         self.assertTrue(self.mesh.exists())
 
 

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 
 USAGE, BAD_INPUT, NOT_REACHED, TIME_LIMIT, MEMORY = 1, 2, 3, 4, 5
@@ -16,6 +17,21 @@ def take_signals():
     """For preexec_fn: what the tests themselves were told to ignore, as in the background of a script, lumesh is not."""
     for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(which, signal.SIG_DFL)
+
+
+def wait_for_line(process, words, seconds=120):
+    """Reads stderr of a command, with -v the steps that have ended, up to a line with these words, which it returns. Where none comes in
+    time, the command is ended; what stands behind the line is for communicate()."""
+    deadline = threading.Timer(seconds, process.kill)
+    deadline.start()
+    try:
+        said = []
+        for line in iter(process.stderr.readline, ""):
+            if words in line: return line
+            said.append(line)
+    finally:
+        deadline.cancel()
+    raise AssertionError(f"no line with '{words}' on stderr:\n{''.join(said)}")
 
 
 class ProgramTest(unittest.TestCase):
