@@ -21,8 +21,8 @@ int threads_of(const RunOptions& run) {
 void print_counts(const RunOptions& run, const operators::ExecutionCounts& counts) {
   if (run.verbose == 0) return;
   const operators::OperatorCounts all = counts.of_all_threads();
-  for (const auto& [name, member] : operators::OperatorCounts::all()) {
-    const operators::OperatorCount& count = all.*member;
+  for (const auto& [id, name] : operators::kOperatorNames) {
+    const operators::OperatorCount& count = all[id];
     print_error("lumesh: {}: {} applied, {} rejected, {} contended\n", name, count.applied, count.rejected,
                 count.contended);
   }

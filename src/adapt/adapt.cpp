@@ -18,7 +18,7 @@ namespace lumesh {
 namespace {
 
 /// State of one run of adapt().
-template <class Execution>
+template <operators::Execution Execution>
 class Adapter {
  public:
   Adapter(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
@@ -43,7 +43,7 @@ class Adapter {
     std::uint32_t before = 0, partitioned = mesh_.vertex_count();
     do {
       before = mesh_.vertex_count();
-      phase("thin out", [&] { lumesh::thin_out(mesh_, execution_, thinning_); });
+      phase("thin out", [&] { passes().thin_out(thinning_); });
       if (mesh_.vertex_count() > kGone * partitioned) continue;
       partition();
       partitioned = mesh_.vertex_count();
@@ -82,7 +82,7 @@ class Adapter {
         const std::uint32_t before = mesh_.vertex_count();
         reorder_if_grown();
         split(bound);
-        phase("reconnect", [&] { reconnect(mesh_, execution_, kBadQuality, options_.reconnection, swaps_); });
+        phase("reconnect", [&] { passes().reconnect(kBadQuality, options_.reconnection, swaps_); });
         if (mesh_.vertex_count() < kDry * before) break;
       }
       close_pass("level " + std::to_string(level));
@@ -96,14 +96,14 @@ class Adapter {
       reorder_if_grown();
       // The first smoothing lifts most tetrahedra that are not bad: what it leaves is reconnected after it.
       const double below = std::min(options_.reconnect_below, round == 0 ? kUnsmoothedQuality : 1);
-      phase("reconnect", [&] { reconnect(mesh_, execution_, below, options_.reconnection, swaps_); });
-      phase("smooth", [&] { smooth(execution_, smoothing_); });
+      phase("reconnect", [&] { passes().reconnect(below, options_.reconnection, swaps_); });
+      phase("smooth", [&] { passes().smooth(smoothing_); });
       collapse();
       split(options_.split_above);
       phase("reconnect",
-            [&] { reconnect(mesh_, execution_, options_.reconnect_below, options_.reconnection, swaps_); });
+            [&] { passes().reconnect(options_.reconnect_below, options_.reconnection, swaps_); });
       for (int i = 0; i < options_.smoothing_passes; ++i)
-        phase("smooth", [&] { smooth(execution_, smoothing_); });
+        phase("smooth", [&] { passes().smooth(smoothing_); });
       phase("improve worst", [&] { improve_worst_tets(); });
       close_pass("quality " + std::to_string(round));
       context_.progress(kShareOfLevels + (1 - kShareOfLevels) * (round + 1) / options_.quality_passes);
@@ -123,6 +123,7 @@ class Adapter {
   static constexpr double kShareOfLevels = 0.5;  // Of the time.
 
   [[nodiscard]] operators::OperatorCounts counts() const { return execution_.counts().of_all_threads(); }
+  [[nodiscard]] Passes<Execution> passes() { return {subject_, execution_}; }
   [[nodiscard]] bool stopped() const { return context_.cancelled(); }
   /// A step that leaves the mesh valid; none begins once the run has been told to stop.
   template <class Step>
@@ -137,7 +138,7 @@ class Adapter {
     execution_.repartition();
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
       const std::uint64_t before = counts().applied();
-      improve_worst(mesh_, execution_, kBadQuality, swaps_, smoothing_);
+      passes().improve_worst(kBadQuality, swaps_, smoothing_);
       if (counts().applied() == before) break;
     }
   }
@@ -149,12 +150,11 @@ class Adapter {
   void split(double bound) {
     const double arc_weight = has_curved_patch_ && bound > options_.split_above ? kArcWeight : 0;
     for (const SplitRank rank : {SplitRank::kCurves, SplitRank::kSurfaces, SplitRank::kAll})
-      phase("split", [&] {
-        split_long_edges(subject_, execution_, bound, arc_weight, rank, options_.placement, insertion_);
-      });
+      phase("split",
+            [&] { passes().split_long_edges(bound, arc_weight, rank, options_.placement, insertion_); });
   }
   void collapse() {
-    phase("collapse", [&] { collapse_short_edges(mesh_, execution_, options_.collapse_below, collapse_); });
+    phase("collapse", [&] { passes().collapse_short_edges(options_.collapse_below, collapse_); });
   }
   /// Reorders a mesh that has grown: new elements lie elsewhere in memory, and buckets are larger. It costs
   /// little against that.
@@ -195,7 +195,7 @@ class Adapter {
   AdaptReport report_;
 };
 
-template <class Execution>
+template <operators::Execution Execution>
 AdaptReport adapt_by(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
                      const AdaptOptions& options, Context& context) {
   context.results_exist();

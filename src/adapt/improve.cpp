@@ -9,6 +9,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/metric/metric_field.hpp"
+#include "lumesh/operators/operators.hpp"
 #include "lumesh/operators/ordered_execution.hpp"
 #include "lumesh/operators/settling.hpp"
 #include "lumesh/operators/speculative_execution.hpp"
@@ -42,7 +43,7 @@ void measure_angles(TetMesh& mesh, double obtuse_weight) {
 }
 
 /// State of one run of improve().
-template <class Execution>
+template <operators::Execution Execution>
 class Improver {
  public:
   using Kernel = typename Execution::Kernel;  // clang 14 wants the word.
@@ -92,17 +93,21 @@ class Improver {
       contended |= outcome == Outcome::kContended;
       return outcome == Outcome::kApplied;
     };
-    const auto move = [&](auto operation) {  // All four vertices.
+    const auto move = [&](const auto& operation) {  // All four vertices.
       bool moved = false;
-      for (int k = 0; k < 4; ++k) moved |= is_applied((kernel.*operation)(mesh_.vertex(t, k), rules_));
+      for (int k = 0; k < 4; ++k) moved |= is_applied(kernel.apply(operation, mesh_.vertex(t, k)));
       return moved;
     };
-    if (is_applied(kernel.reconnect(t, swaps_)) || move(&Kernel::optimise_vertex)) return;
+    if (is_applied(kernel.apply(operators::TetReconnection{swaps_}, t)) ||
+        move(operators::VertexOptimisation{rules_}))
+      return;
     for (const auto& [i, j] : kTetEdges)
-      if (is_applied(kernel.collapse_edge(t, i, j, collapse_)) ||
-          is_applied(kernel.collapse_edge(t, j, i, collapse_)))
+      if (is_applied(kernel.apply(operators::EdgeCollapse{collapse_}, {t, i, j})) ||
+          is_applied(kernel.apply(operators::EdgeCollapse{collapse_}, {t, j, i})))
         return;
-    if (is_applied(kernel.insert_for_angles(t, rules_)) || move(&Kernel::slide_vertex)) return;
+    if (is_applied(kernel.apply(operators::AngleInsertion{rules_}, t)) ||
+        move(operators::VertexSliding{rules_}))
+      return;
     if (contended) mesh_.set_trial_epoch(t, 0);  // Another time it may go.
   }
 
@@ -158,7 +163,7 @@ DihedralRange dihedral_range(const TetMesh& mesh, const ImproveOptions& options)
 
 namespace {
 
-template <class Execution>
+template <operators::Execution Execution>
 void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, ImproveReport& report) {
   // Where targets are out of reach, points would be put in for ever.
   constexpr int kPatience = 8;

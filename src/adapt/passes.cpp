@@ -6,13 +6,15 @@
 #include <cstddef>
 
 #include "lumesh/metric/measures.hpp"
+#include "lumesh/operators/operators.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/relaxed.hpp"
 
 namespace lumesh {
 namespace {
 
-using operators::Outcome;
+using operators::CentroidInsertion, operators::EdgeSplit, operators::Outcome, operators::TetReconnection,
+    operators::Thinning, operators::VertexCollapse, operators::VertexSmoothing;
 
 struct RankedEdge {
   double length;
@@ -118,10 +120,10 @@ std::vector<float> nearest_below(const TetMesh& mesh, double shortest) {
 
 }  // namespace
 
-template <class Execution>
-void split_long_edges(const operators::Subject& subject, Execution& execution, double longest,
-                      double arc_weight, SplitRank rank, PointPlacement placement,
-                      const operators::InsertionRules& rules) {
+template <operators::Execution Execution>
+void Passes<Execution>::split_long_edges(double longest, double arc_weight, SplitRank rank,
+                                         PointPlacement placement,
+                                         const operators::InsertionRules& rules) const {
   const bool at_centroids = placement == PointPlacement::kCentroid && rank == SplitRank::kAll;
   execution.for_each_tet_by_priority(
       [&](TetId t) {
@@ -131,38 +133,41 @@ void split_long_edges(const operators::Subject& subject, Execution& execution, d
       [&](auto& kernel, TetId t) {
         const EdgeList edges = long_edges(subject, t, longest, arc_weight, rank);
         if (at_centroids && !edges.empty() &&
-            kernel.insert_centroid(t, rules_for(edges.begin()->length, longest, rules)) == Outcome::kApplied)
+            kernel.apply(CentroidInsertion{rules_for(edges.begin()->length, longest, rules)}, t) ==
+                Outcome::kApplied)
           return;
         for (const RankedEdge& one : edges) {
           const auto [i, j] = kTetEdges[one.edge];
-          if (kernel.split_edge(t, i, j, fraction_of(one.length), rules_for(one.length, longest, rules)) ==
-              Outcome::kApplied)
-            return;
+          const EdgeSplit split{fraction_of(one.length), rules_for(one.length, longest, rules)};
+          if (kernel.apply(split, {t, i, j}) == Outcome::kApplied) return;
         }
       });
 }
 
-template <class Execution>
-void collapse_short_edges(const TetMesh& mesh, Execution& execution, double shortest,
-                          const operators::CollapseRules& rules) {
-  const std::vector<float> nearest = nearest_below(mesh, shortest);
+template <operators::Execution Execution>
+void Passes<Execution>::collapse_short_edges(double shortest, const operators::CollapseRules& rules) const {
+  const std::vector<float> nearest = nearest_below(subject.mesh, shortest);
   execution.for_each_vertex_by_priority(
       [&](VertexId v) {
         return static_cast<float>(shortest) - nearest[v.value];
       },  // 0 where none is shorter.
-      [&](auto& kernel, VertexId v) { kernel.collapse_vertex(v, shortest, rules); });
+      [&](auto& kernel, VertexId v) {
+        kernel.apply(VertexCollapse{shortest, rules}, v);
+      });
 }
 
-template <class Execution>
-void thin_out(const TetMesh& mesh, Execution& execution, const operators::ThinningRules& rules) {
-  std::vector<std::uint8_t> kept(mesh.vertex_slots(), 0);
+template <operators::Execution Execution>
+void Passes<Execution>::thin_out(const operators::ThinningRules& rules) const {
+  std::vector<std::uint8_t> kept(subject.mesh.vertex_slots(), 0);
   execution.for_each_vertex_by_priority([](VertexId /*v*/) { return 1.0; },
-                                        [&](auto& kernel, VertexId v) { kernel.thin_out(v, kept, rules); });
+                                        [&](auto& kernel, VertexId v) {
+                                          kernel.apply(Thinning{kept, rules}, v);
+                                        });
 }
 
-template <class Execution>
-void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnection which,
-               operators::SwapRules rules) {
+template <operators::Execution Execution>
+void Passes<Execution>::reconnect(double below, Reconnection which, operators::SwapRules rules) const {
+  const TetMesh& mesh = subject.mesh;
   rules.repeat = which == Reconnection::kOriginal;
   execution.for_each_tet_by_priority(
       [&](TetId t) {
@@ -172,12 +177,13 @@ void reconnect(const TetMesh& mesh, Execution& execution, double below, Reconnec
                    ? priority
                    : 0;
       },
-      [&](auto& kernel, TetId t) { kernel.reconnect(t, rules); });
+      [&](auto& kernel, TetId t) { kernel.apply(TetReconnection{rules}, t); });
 }
 
-template <class Execution>
-void improve_worst(const TetMesh& mesh, Execution& execution, double below, operators::SwapRules swaps,
-                   const operators::SmoothingRules& smoothing) {
+template <operators::Execution Execution>
+void Passes<Execution>::improve_worst(double below, operators::SwapRules swaps,
+                                      const operators::SmoothingRules& smoothing) const {
+  const TetMesh& mesh = subject.mesh;
   swaps.repeat = true;  // Vertices move in between.
   execution.for_each_tet_by_priority(
       [&](TetId t) {
@@ -185,37 +191,18 @@ void improve_worst(const TetMesh& mesh, Execution& execution, double below, oper
         return priority <= 0 || operators::has_changed_since_trial(mesh, t) ? priority : 0;
       },
       [&](auto& kernel, TetId t) {
-        if (kernel.reconnect(t, swaps) == Outcome::kApplied) return;
-        for (int k = 0; k < 4; ++k) kernel.smooth_vertex(mesh.vertex(t, k), smoothing);
+        if (kernel.apply(TetReconnection{swaps}, t) == Outcome::kApplied) return;
+        for (int k = 0; k < 4; ++k) kernel.apply(VertexSmoothing{smoothing}, mesh.vertex(t, k));
       });
 }
 
-template <class Execution>
-void smooth(Execution& execution, const operators::SmoothingRules& rules) {
-  execution.for_each_vertex([&](auto& kernel, VertexId v) { kernel.smooth_vertex(v, rules); });
+template <operators::Execution Execution>
+void Passes<Execution>::smooth(const operators::SmoothingRules& rules) const {
+  execution.for_each_vertex([&](auto& kernel, VertexId v) { kernel.apply(VertexSmoothing{rules}, v); });
 }
 
-template void split_long_edges(const operators::Subject&, operators::OrderedExecution&, double, double,
-                               SplitRank, PointPlacement, const operators::InsertionRules&);
-template void collapse_short_edges(const TetMesh&, operators::OrderedExecution&, double,
-                                   const operators::CollapseRules&);
-template void thin_out(const TetMesh&, operators::OrderedExecution&, const operators::ThinningRules&);
-template void reconnect(const TetMesh&, operators::OrderedExecution&, double, Reconnection,
-                        operators::SwapRules);
-template void improve_worst(const TetMesh&, operators::OrderedExecution&, double, operators::SwapRules,
-                            const operators::SmoothingRules&);
-template void smooth(operators::OrderedExecution&, const operators::SmoothingRules&);
-
-template void split_long_edges(const operators::Subject&, operators::SpeculativeExecution&, double, double,
-                               SplitRank, PointPlacement, const operators::InsertionRules&);
-template void collapse_short_edges(const TetMesh&, operators::SpeculativeExecution&, double,
-                                   const operators::CollapseRules&);
-template void thin_out(const TetMesh&, operators::SpeculativeExecution&, const operators::ThinningRules&);
-template void reconnect(const TetMesh&, operators::SpeculativeExecution&, double, Reconnection,
-                        operators::SwapRules);
-template void improve_worst(const TetMesh&, operators::SpeculativeExecution&, double, operators::SwapRules,
-                            const operators::SmoothingRules&);
-template void smooth(operators::SpeculativeExecution&, const operators::SmoothingRules&);
+template struct Passes<operators::OrderedExecution>;
+template struct Passes<operators::SpeculativeExecution>;
 
 double longest_edge(const TetMesh& mesh) {
   constexpr std::size_t kBlock = 4096;

@@ -18,6 +18,7 @@
 #include "lumesh/mesh/vertex_neighbours.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
+#include "lumesh/operators/operators.hpp"
 #include "lumesh/operators/ordered_execution.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -226,13 +227,15 @@ void InteriorDeformation::improve_interior() {
       flags_at_tets([&](TetId t) { return has_short_edge(t, kShort); });
   execution_->for_each_vertex_by_priority(
       [&](VertexId v) { return at_short[v.value] != 0 ? 1.0 : 0.0; },
-      [&](auto& kernel, VertexId v) { kernel.collapse_vertex(v, kShort, {}); });
+      [&](auto& kernel, VertexId v) { kernel.apply(operators::VertexCollapse{kShort}, v); });
   execution_->repartition();
-  execution_->for_each_tet_by_priority([&](TetId t) { return kPoor - mesh_.quality(t); },
-                                       [](auto& kernel, TetId t) { kernel.reconnect(t, {}); });
+  execution_->for_each_tet_by_priority(
+      [&](TetId t) { return kPoor - mesh_.quality(t); },
+      [](auto& kernel, TetId t) { kernel.apply(operators::TetReconnection{}, t); });
   const std::vector<std::uint8_t> at_poor = flags_at_tets([&](TetId t) { return mesh_.quality(t) < kPoor; });
-  execution_->for_each_vertex_by_priority([&](VertexId v) { return at_poor[v.value] != 0 ? 1.0 : 0.0; },
-                                          [](auto& kernel, VertexId v) { kernel.smooth_vertex(v, {}); });
+  execution_->for_each_vertex_by_priority(
+      [&](VertexId v) { return at_poor[v.value] != 0 ? 1.0 : 0.0; },
+      [](auto& kernel, VertexId v) { kernel.apply(operators::VertexSmoothing{}, v); });
   execution_->repartition();
 }
 

@@ -1,7 +1,9 @@
+#include "lumesh/operators/angle_optimisation.hpp"
+
 #include <algorithm>
 #include <limits>
 
-#include "scratch.hpp"
+#include "apply.hpp"
 #include "surface_fan.hpp"
 
 namespace lumesh::operators {
@@ -61,63 +63,14 @@ bool may_follow(const LengthRange& after, const LengthRange& before, const Angle
          after.longest <= std::max(rules.max_length, before.longest);
 }
 
-}  // namespace
-
-template <class Lock>
-Outcome Operators<Lock>::optimise_vertex(VertexId v, const AngleRules& rules) {
-  return on_held(counts_.smoothing, v, v, [&] { return optimise_held_vertex(v, rules); });
-}
-
-template <class Lock>
-Outcome Operators<Lock>::optimise_held_vertex(VertexId v, const AngleRules& rules) {
-  const TetMesh& mesh = subject_.mesh;
-  if (mesh.dimension(v) != VertexDimension::kVolume) return Outcome::kRejected;
-  if (!gather_ball(mesh, v, lock_, scratch_->ball)) return Outcome::kContended;
-  const double worst = gather_angles(v);
-  Vec3 to = mesh.point(v);
-  const bool better = scratch_->angles.climb(to, rules.max_steps) >= worst + rules.min_gain;
-  return better && move_in_angles(v, to, rules) ? Outcome::kApplied : Outcome::kRejected;
-}
-
-template <class Lock>
-Outcome Operators<Lock>::slide_vertex(VertexId v, const AngleRules& rules) {
-  return on_held(counts_.smoothing, v, v, [&] { return slide_held_vertex(v, rules); });
-}
-
-template <class Lock>
-Outcome Operators<Lock>::slide_held_vertex(VertexId v, const AngleRules& rules) {
-  const TetMesh& mesh = subject_.mesh;
-  const VertexBall& ball = scratch_->ball;
-  if (subject_.surface == nullptr || mesh.dimension(v) != VertexDimension::kSurface)
-    return Outcome::kRejected;
-  if (!gather_ball(mesh, v, lock_, scratch_->ball)) return Outcome::kContended;
-  const double worst = gather_angles(v);
-  const SurfaceFan fan(mesh, v, ball);
-  scratch_->angles.keep_in_plane(fan.normal());
-  Vec3 to = mesh.point(v);
-  if (scratch_->angles.climb(to, rules.max_steps) < worst + rules.min_gain) return Outcome::kRejected;
-  // Where the surface is curved, less of the way may do.
-  constexpr int kTries = 6;
-  for (int i = 0; i < kTries; ++i, to = 0.5 * (mesh.point(v) + to)) {
-    const auto found = subject_.surface->nearest(ball.patches[0], to, fan.edge_length());
-    if (found.triangle == TriangleTree::kNone) continue;
-    const Vec3 place = subject_.surface->smooth(ball.patches[0], found);
-    if (scratch_->angles.worst_at(place) >= worst + rules.min_gain &&
-        fan.fits(place, *subject_.surface, rules) && move_in_angles(v, place, rules))
-      return Outcome::kApplied;
-  }
-  return Outcome::kRejected;
-}
-
 /// Gathers the angles of the ball. @return the worst quality there.
-template <class Lock>
-double Operators<Lock>::gather_angles(VertexId v) {
-  const TetMesh& mesh = subject_.mesh;
-  scratch_->angles.begin(subject_.measure.obtuse_weight);
+double gather_angles(const Subject& subject, Scratch& scratch, VertexId v) {
+  const TetMesh& mesh = subject.mesh;
+  scratch.angles.begin(subject.measure.obtuse_weight);
   double worst = 1;
-  for (const TetId t : scratch_->ball.tets) {
+  for (const TetId t : scratch.ball.tets) {
     const auto [x, y, z] = kTetFaces[mesh.index_of(t, v)];
-    scratch_->angles.add(mesh.corner(t, x), mesh.corner(t, z), mesh.corner(t, y));
+    scratch.angles.add(mesh.corner(t, x), mesh.corner(t, z), mesh.corner(t, y));
     worst = std::min<double>(worst, mesh.quality(t));
   }
   return worst;
@@ -125,20 +78,20 @@ double Operators<Lock>::gather_angles(VertexId v) {
 
 /// Moves the vertex of the ball, unless a tetrahedron were flat or inverted by the exact predicate, or
 /// refused as it is not yet, or an edge too short or too long.
-template <class Lock>
-bool Operators<Lock>::move_in_angles(VertexId v, const Vec3& to, const AngleRules& rules) {
-  TetMesh& mesh = subject_.mesh;
-  Builder& builder = scratch_->builder;
-  const VertexBall& ball = scratch_->ball;
+bool move_in_angles(const Subject& subject, Scratch& scratch, VertexId v, const Vec3& to,
+                    const AngleRules& rules) {
+  TetMesh& mesh = subject.mesh;
+  Builder& builder = scratch.builder;
+  const VertexBall& ball = scratch.ball;
   for (const TetId t : ball.tets) {
     const auto [x, y, z] = kTetFaces[mesh.index_of(t, v)];
     const Vec3 &a = mesh.corner(t, x), &b = mesh.corner(t, z), &c = mesh.corner(t, y);
     if (orient3d(a, b, c, to) <= 0) return false;
-    if (subject_.measure.refuses(a, b, c, to) && !subject_.measure.refuses(a, b, c, mesh.point(v)))
+    if (subject.measure.refuses(a, b, c, to) && !subject.measure.refuses(a, b, c, mesh.point(v)))
       return false;
   }
   TetId hint = mesh.metric_hint(v);
-  const metric::MetricPair pair = subject_.field.at(to, hint);
+  const metric::MetricPair pair = subject.field.at(to, hint);
   if (rules.bounds_lengths() &&
       !may_follow(lengths_from(mesh, to, pair.metric, ball.neighbours),
                   lengths_from(mesh, mesh.point(v), mesh.metric(v), ball.neighbours), rules))
@@ -149,50 +102,24 @@ bool Operators<Lock>::move_in_angles(VertexId v, const Vec3& to, const AngleRule
   for (const TetId t : ball.tets)
     mesh.set_quality(t,
                      static_cast<float>(angle_quality(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2),
-                                                      mesh.corner(t, 3), subject_.measure.obtuse_weight)));
+                                                      mesh.corner(t, 3), subject.measure.obtuse_weight)));
   builder.note_change(ball.neighbours);
   mesh.set_change_epoch(v, builder.epoch);
   return true;
 }
 
-template <class Lock>
-Outcome Operators<Lock>::insert_for_angles(TetId t, const AngleRules& rules) {
-  return on_held(counts_.insertion, subject_.mesh.vertex(t, 0), subject_.mesh.vertex(t, 1),
-                 [&] { return insert_near_held_tet(t, rules); });
-}
-
-template <class Lock>
-Outcome Operators<Lock>::insert_near_held_tet(TetId t, const AngleRules& rules) {
-  if (!try_lock(t)) return Outcome::kContended;
-  int best = -1;
-  double best_quality = 0;
-  NewVertex vertex;
-  for (int hole = 0; hole < kHoles; ++hole) {
-    const double quality = prepare_hole(t, hole, rules, vertex.point);
-    if (quality > best_quality) best = hole, best_quality = quality;
-  }
-  if (best < 0) return Outcome::kRejected;
-  prepare_hole(t, best, rules, vertex.point);  // The same as before: nothing has changed.
-  vertex.hint = subject_.mesh.metric_hint(subject_.mesh.vertex(t, 0));
-  vertex.metric = subject_.field.at(vertex.point, vertex.hint);
-  const VertexId v = scratch_->cavity.fill(scratch_->builder, vertex);
-  lock_.take_ownership(v);
-  return Outcome::kApplied;
-}
-
 /// The hole with a number below kHoles, and the best place in it: its worst quality, or -1 where that is not
 /// better than what is there.
-template <class Lock>
-double Operators<Lock>::prepare_hole(TetId t, int hole, const AngleRules& rules, Vec3& place) {
-  const TetMesh& mesh = subject_.mesh;
-  EdgeRing& ring = scratch_->ring;
-  Cavity& cavity = scratch_->cavity;
+double prepare_hole(auto& site, TetId t, int hole, const AngleRules& rules, Vec3& place) {
+  const TetMesh& mesh = site.mesh;
+  EdgeRing& ring = site.scratch.ring;
+  Cavity& cavity = site.scratch.cavity;
   const int edge = hole / 2;
   const bool enlarged = hole % 2 == 1;
   NewVertex vertex;
   if (edge < 6) {
     const VertexId a = mesh.vertex(t, kTetEdges[edge][0]), b = mesh.vertex(t, kTetEdges[edge][1]);
-    if (!gather_ring(mesh, t, a, b, lock_, ring)) return -1;
+    if (!gather_ring(mesh, t, a, b, site.lock, ring)) return -1;
     if (ring.patch_faces > 0) cut_to_sector(mesh, t, ring);
     vertex.point = middle_of(mesh, a, b, ring);
     cavity.begin(ring.tets);
@@ -201,26 +128,75 @@ double Operators<Lock>::prepare_hole(TetId t, int hole, const AngleRules& rules,
     cavity.begin({&t, 1});
   }
   vertex.hint = mesh.metric_hint(mesh.vertex(t, 0));
-  vertex.metric = subject_.field.at(vertex.point, vertex.hint);
-  if (enlarged && !cavity.enlarge(mesh, vertex, rules.max_cavity_tets, lock_)) return -1;
-  if (!cavity.shrink_to_star_shaped(mesh, vertex, subject_.shapes)) return -1;
+  vertex.metric = site.subject.field.at(vertex.point, vertex.hint);
+  if (enlarged && !cavity.enlarge(mesh, vertex, rules.max_cavity_tets, site.lock)) return -1;
+  if (!cavity.shrink_to_star_shaped(mesh, vertex, site.subject.shapes)) return -1;
   place = vertex.point;
-  const double quality = cavity.optimise(mesh, place, scratch_->angles, subject_.measure, rules);
+  const double quality = cavity.optimise(mesh, place, site.scratch.angles, site.subject.measure, rules);
   if (quality < 0 || !rules.bounds_lengths()) return quality;
-  const metric::MetricPair there = subject_.field.at(place, vertex.hint);
+  const metric::MetricPair there = site.subject.field.at(place, vertex.hint);
   const LengthRange none{rules.min_length, rules.max_length};  // No edge there that could be an excuse.
   return may_follow(lengths_from(mesh, place, there.metric, cavity.hull_vertices()), none, rules) ? quality
                                                                                                   : -1;
 }
 
-template Outcome Operators<NoLock>::optimise_vertex(VertexId, const AngleRules&);
-template Outcome Operators<NoLock>::slide_vertex(VertexId, const AngleRules&);
-template Outcome Operators<NoLock>::insert_for_angles(TetId, const AngleRules&);
-template Outcome Operators<OrderedLock>::optimise_vertex(VertexId, const AngleRules&);
-template Outcome Operators<OrderedLock>::slide_vertex(VertexId, const AngleRules&);
-template Outcome Operators<OrderedLock>::insert_for_angles(TetId, const AngleRules&);
-template Outcome Operators<SpeculativeLock>::optimise_vertex(VertexId, const AngleRules&);
-template Outcome Operators<SpeculativeLock>::slide_vertex(VertexId, const AngleRules&);
-template Outcome Operators<SpeculativeLock>::insert_for_angles(TetId, const AngleRules&);
+}  // namespace
+
+Outcome VertexOptimisation::operator()(auto& site, VertexId v) const {
+  const TetMesh& mesh = site.mesh;
+  if (mesh.dimension(v) != VertexDimension::kVolume) return Outcome::kRejected;
+  if (!gather_ball(mesh, v, site.lock, site.scratch.ball)) return Outcome::kContended;
+  const double worst = gather_angles(site.subject, site.scratch, v);
+  Vec3 to = mesh.point(v);
+  const bool better = site.scratch.angles.climb(to, rules.max_steps) >= worst + rules.min_gain;
+  return better && move_in_angles(site.subject, site.scratch, v, to, rules) ? Outcome::kApplied
+                                                                            : Outcome::kRejected;
+}
+
+Outcome VertexSliding::operator()(auto& site, VertexId v) const {
+  const TetMesh& mesh = site.mesh;
+  const VertexBall& ball = site.scratch.ball;
+  if (site.subject.surface == nullptr || mesh.dimension(v) != VertexDimension::kSurface)
+    return Outcome::kRejected;
+  if (!gather_ball(mesh, v, site.lock, site.scratch.ball)) return Outcome::kContended;
+  const double worst = gather_angles(site.subject, site.scratch, v);
+  const SurfaceFan fan(mesh, v, ball);
+  site.scratch.angles.keep_in_plane(fan.normal());
+  Vec3 to = mesh.point(v);
+  if (site.scratch.angles.climb(to, rules.max_steps) < worst + rules.min_gain) return Outcome::kRejected;
+  // Where the surface is curved, less of the way may do.
+  constexpr int kTries = 6;
+  for (int i = 0; i < kTries; ++i, to = 0.5 * (mesh.point(v) + to)) {
+    const auto found = site.subject.surface->nearest(ball.patches[0], to, fan.edge_length());
+    if (found.triangle == TriangleTree::kNone) continue;
+    const Vec3 place = site.subject.surface->smooth(ball.patches[0], found);
+    if (site.scratch.angles.worst_at(place) >= worst + rules.min_gain &&
+        fan.fits(place, *site.subject.surface, rules) &&
+        move_in_angles(site.subject, site.scratch, v, place, rules))
+      return Outcome::kApplied;
+  }
+  return Outcome::kRejected;
+}
+
+Outcome AngleInsertion::operator()(auto& site, TetId t) const {
+  int best = -1;
+  double best_quality = 0;
+  NewVertex vertex;
+  for (int hole = 0; hole < kHoles; ++hole) {
+    const double quality = prepare_hole(site, t, hole, rules, vertex.point);
+    if (quality > best_quality) best = hole, best_quality = quality;
+  }
+  if (best < 0) return Outcome::kRejected;
+  prepare_hole(site, t, best, rules, vertex.point);  // The same as before: nothing has changed.
+  vertex.hint = site.mesh.metric_hint(site.mesh.vertex(t, 0));
+  vertex.metric = site.subject.field.at(vertex.point, vertex.hint);
+  const VertexId v = site.scratch.cavity.fill(site.scratch.builder, vertex);
+  site.lock.take_ownership(v);
+  return Outcome::kApplied;
+}
+
+template struct OperatorCode<VertexOptimisation>;
+template struct OperatorCode<VertexSliding>;
+template struct OperatorCode<AngleInsertion>;
 
 }  // namespace lumesh::operators

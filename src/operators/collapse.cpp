@@ -1,7 +1,9 @@
+#include "lumesh/operators/collapse.hpp"
+
 #include <algorithm>
 
+#include "apply.hpp"
 #include "lumesh/core/sort_unique.hpp"
-#include "scratch.hpp"
 #include "surface_rules.hpp"
 
 namespace lumesh::operators {
@@ -196,71 +198,12 @@ bool measure_after(const TetMesh& mesh, const ShapeMeasure& measure, VertexId fr
   return are_positive_after(mesh, from, to, ball, qualities);
 }
 
-}  // namespace
-
-template <class Lock>
-Outcome Operators<Lock>::collapse_edge(TetId t, int from, int to, const CollapseRules& rules) {
-  const VertexId a = subject_.mesh.vertex(t, from), b = subject_.mesh.vertex(t, to);
-  return on_held(counts_.collapse, a, b, [&] {
-    if (!gather_ball(subject_.mesh, a, lock_, scratch_->ball)) return Outcome::kContended;
-    scratch_->near.assign(1, {b, 0});
-    return collapse_gathered_vertex(a, rules);
-  });
-}
-
-template <class Lock>
-Outcome Operators<Lock>::collapse_vertex(VertexId v, double min_length, const CollapseRules& rules) {
-  return on_held(counts_.collapse, v, v, [&] {
-    TetMesh& mesh = subject_.mesh;
-    if (mesh.dimension(v) == VertexDimension::kCorner) return Outcome::kRejected;
-    if (!gather_ball(mesh, v, lock_, scratch_->ball)) return Outcome::kContended;
-    neighbours_near(mesh, v, scratch_->ball, min_length, scratch_->near);
-    return collapse_gathered_vertex(v, rules);
-  });
-}
-
-/// Collapses v onto the first admissible vertex of scratch_->near.
-template <class Lock>
-Outcome Operators<Lock>::collapse_gathered_vertex(VertexId v, const CollapseRules& rules) {
-  const TetMesh& mesh = subject_.mesh;
-  const VertexBall& ball = scratch_->ball;
-  EdgeRing& ring = scratch_->ring;
-  StarShapes& shapes = scratch_->shapes;
-  float worst = 1;
-  for (const TetId x : ball.tets) worst = std::min(worst, mesh.quality(x));
-  const double floor =
-      worst < rules.min_quality ? worst : std::max(rules.min_quality, rules.min_relative_quality * worst);
-  if (subject_.measure.kind == ShapeMeasure::Kind::kMeanRatio) shapes.gather(mesh, v, ball.tets);
-  for (const NearVertex& to : scratch_->near) {
-    const auto shared = std::find_if(ball.tets.begin(), ball.tets.end(),
-                                     [&](TetId x) { return mesh.index_of(x, to.vertex) >= 0; });
-    if (shared == ball.tets.end()) continue;
-    if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.max_length)) continue;
-    if (!measure_after(mesh, subject_.measure, v, to.vertex, ball, shapes, floor, scratch_->qualities))
-      continue;
-    // Within the ball, which is held.
-    if (!gather_ring(mesh, *shared, v, to.vertex, lock_, ring)) return Outcome::kContended;
-    if (!keeps_patches(mesh, v, ring, subject_.shapes) || !can_vanish(mesh, v, to.vertex, ring)) continue;
-    if (!keeps_to_surface(mesh, v, to.vertex, ball, subject_.shapes)) continue;
-    if (mesh.dimension(to.vertex) != VertexDimension::kVolume) {
-      if (!gather_ball(mesh, to.vertex, lock_, scratch_->other_ball)) return Outcome::kContended;
-      if (!meet_only_around_edge(mesh, v, to.vertex, ring, ball, scratch_->other_ball, scratch_->link_edges))
-        continue;
-      if (!patches_meet_only_around_edge(mesh, v, to.vertex, ring, ball, scratch_->other_ball)) continue;
-    }
-    commit_collapse(v, to.vertex);
-    return Outcome::kApplied;
-  }
-  return Outcome::kRejected;
-}
-
-template <class Lock>
-void Operators<Lock>::commit_collapse(VertexId from, VertexId to) {
-  TetMesh& mesh = subject_.mesh;
-  Builder& builder = scratch_->builder;
-  const VertexBall& ball = scratch_->ball;
-  const std::vector<float>& qualities = scratch_->qualities;
-  for (const TetId x : scratch_->ring.tets) close_gap(mesh, x, mesh.index_of(x, from), mesh.index_of(x, to));
+/// Moves `from` to `to`, with the ball, the ring and the qualities afterwards in the scratch.
+void commit_collapse(TetMesh& mesh, Scratch& scratch, VertexId from, VertexId to) {
+  Builder& builder = scratch.builder;
+  const VertexBall& ball = scratch.ball;
+  const std::vector<float>& qualities = scratch.qualities;
+  for (const TetId x : scratch.ring.tets) close_gap(mesh, x, mesh.index_of(x, from), mesh.index_of(x, to));
   for (std::size_t i = 0; i < ball.tets.size(); ++i) {
     const TetId x = ball.tets[i];
     if (qualities[i] < 0) continue;
@@ -270,53 +213,95 @@ void Operators<Lock>::commit_collapse(VertexId from, VertexId to) {
     mesh.set_quality(x, qualities[i]);
     for (const std::uint32_t w : v) mesh.set_incident_tet(VertexId(w), x);
   }
-  for (const TetId x : scratch_->ring.tets) builder.free_tet(x);
+  for (const TetId x : scratch.ring.tets) builder.free_tet(x);
   builder.free_vertex(from);
 }
 
-template <class Lock>
-Outcome Operators<Lock>::thin_out(VertexId v, std::span<std::uint8_t> kept, const ThinningRules& rules) {
-  return on_held(counts_.collapse, v, v, [&] {
-    TetMesh& mesh = subject_.mesh;
-    VertexBall& ball = scratch_->ball;
-    if (kept[v.value] != 0 || mesh.dimension(v) == VertexDimension::kCorner) return Outcome::kRejected;
-    if (!gather_ball(mesh, v, lock_, ball)) return Outcome::kContended;
-    if (is_any_curved(ball.patches, subject_.shapes)) return Outcome::kRejected;
-    UniformStar& star = scratch_->uniform;
-    star.gather(mesh, v, ball);
-    const double floor_cubed = std::min(star.worst_cubed(), metric::cube(rules.min_quality));
-    for (std::uint32_t place = 0; star.next_nearest(rules.min_length, place);) {
-      const VertexId to(ball.neighbours[place]);
-      if (!star.fits_at(place, floor_cubed, scratch_->qualities)) continue;
-      if (!are_positive_after(mesh, v, to, ball, scratch_->qualities)) continue;
-      const auto shared = std::find_if(ball.tets.begin(), ball.tets.end(),
-                                       [&](TetId x) { return mesh.index_of(x, to) >= 0; });
-      if (!gather_ring(mesh, *shared, v, to, lock_, scratch_->ring)) return Outcome::kContended;
-      if (!keeps_patches(mesh, v, scratch_->ring, subject_.shapes)) continue;
-      if (!can_vanish(mesh, v, to, scratch_->ring)) continue;
-      commit_collapse(v, to);
-      kept[to.value] = 1;
-      return Outcome::kApplied;
+/// Collapses v onto the first admissible vertex of Scratch::near.
+Outcome collapse_gathered_vertex(auto& site, VertexId v, const CollapseRules& rules) {
+  const TetMesh& mesh = site.mesh;
+  const VertexBall& ball = site.scratch.ball;
+  EdgeRing& ring = site.scratch.ring;
+  StarShapes& shapes = site.scratch.shapes;
+  float worst = 1;
+  for (const TetId x : ball.tets) worst = std::min(worst, mesh.quality(x));
+  const double floor =
+      worst < rules.min_quality ? worst : std::max(rules.min_quality, rules.min_relative_quality * worst);
+  if (site.subject.measure.kind == ShapeMeasure::Kind::kMeanRatio) shapes.gather(mesh, v, ball.tets);
+  for (const NearVertex& to : site.scratch.near) {
+    const auto shared = std::find_if(ball.tets.begin(), ball.tets.end(),
+                                     [&](TetId x) { return mesh.index_of(x, to.vertex) >= 0; });
+    if (shared == ball.tets.end()) continue;
+    if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.max_length)) continue;
+    if (!measure_after(mesh, site.subject.measure, v, to.vertex, ball, shapes, floor, site.scratch.qualities))
+      continue;
+    // Within the ball, which is held.
+    if (!gather_ring(mesh, *shared, v, to.vertex, site.lock, ring)) return Outcome::kContended;
+    if (!keeps_patches(mesh, v, ring, site.subject.shapes) || !can_vanish(mesh, v, to.vertex, ring)) continue;
+    if (!keeps_to_surface(mesh, v, to.vertex, ball, site.subject.shapes)) continue;
+    if (mesh.dimension(to.vertex) != VertexDimension::kVolume) {
+      if (!gather_ball(mesh, to.vertex, site.lock, site.scratch.other_ball)) return Outcome::kContended;
+      if (!meet_only_around_edge(mesh, v, to.vertex, ring, ball, site.scratch.other_ball,
+                                 site.scratch.link_edges))
+        continue;
+      if (!patches_meet_only_around_edge(mesh, v, to.vertex, ring, ball, site.scratch.other_ball)) continue;
     }
-    return Outcome::kRejected;
-  });
+    commit_collapse(site.mesh, site.scratch, v, to.vertex);
+    return Outcome::kApplied;
+  }
+  return Outcome::kRejected;
 }
 
-template Outcome Operators<NoLock>::collapse_edge(TetId, int, int, const CollapseRules&);
-template Outcome Operators<NoLock>::collapse_vertex(VertexId, double, const CollapseRules&);
-template Outcome Operators<NoLock>::collapse_gathered_vertex(VertexId, const CollapseRules&);
-template void Operators<NoLock>::commit_collapse(VertexId, VertexId);
-template Outcome Operators<NoLock>::thin_out(VertexId, std::span<std::uint8_t>, const ThinningRules&);
-template Outcome Operators<OrderedLock>::collapse_edge(TetId, int, int, const CollapseRules&);
-template Outcome Operators<OrderedLock>::collapse_vertex(VertexId, double, const CollapseRules&);
-template Outcome Operators<OrderedLock>::collapse_gathered_vertex(VertexId, const CollapseRules&);
-template void Operators<OrderedLock>::commit_collapse(VertexId, VertexId);
-template Outcome Operators<OrderedLock>::thin_out(VertexId, std::span<std::uint8_t>, const ThinningRules&);
-template Outcome Operators<SpeculativeLock>::collapse_edge(TetId, int, int, const CollapseRules&);
-template Outcome Operators<SpeculativeLock>::collapse_vertex(VertexId, double, const CollapseRules&);
-template Outcome Operators<SpeculativeLock>::collapse_gathered_vertex(VertexId, const CollapseRules&);
-template void Operators<SpeculativeLock>::commit_collapse(VertexId, VertexId);
-template Outcome Operators<SpeculativeLock>::thin_out(VertexId, std::span<std::uint8_t>,
-                                                      const ThinningRules&);
+}  // namespace
+
+Outcome collapse_held_vertex(auto& site, VertexId v, VertexId into, const CollapseRules& rules) {
+  if (!gather_ball(site.mesh, v, site.lock, site.scratch.ball)) return Outcome::kContended;
+  site.scratch.near.assign(1, {into, 0});
+  return collapse_gathered_vertex(site, v, rules);
+}
+
+Outcome EdgeCollapse::operator()(auto& site, const TetEdge& edge) const {
+  const auto [from, to] = vertices_of(site.mesh, edge);
+  return collapse_held_vertex(site, from, to, rules);
+}
+
+Outcome VertexCollapse::operator()(auto& site, VertexId v) const {
+  if (site.mesh.dimension(v) == VertexDimension::kCorner) return Outcome::kRejected;
+  if (!gather_ball(site.mesh, v, site.lock, site.scratch.ball)) return Outcome::kContended;
+  neighbours_near(site.mesh, v, site.scratch.ball, min_length, site.scratch.near);
+  return collapse_gathered_vertex(site, v, rules);
+}
+
+Outcome Thinning::operator()(auto& site, VertexId v) const {
+  TetMesh& mesh = site.mesh;
+  VertexBall& ball = site.scratch.ball;
+  if (kept[v.value] != 0 || mesh.dimension(v) == VertexDimension::kCorner) return Outcome::kRejected;
+  if (!gather_ball(mesh, v, site.lock, ball)) return Outcome::kContended;
+  if (is_any_curved(ball.patches, site.subject.shapes)) return Outcome::kRejected;
+  UniformStar& star = site.scratch.uniform;
+  star.gather(mesh, v, ball);
+  const double floor_cubed = std::min(star.worst_cubed(), metric::cube(rules.min_quality));
+  for (std::uint32_t place = 0; star.next_nearest(rules.min_length, place);) {
+    const VertexId to(ball.neighbours[place]);
+    if (!star.fits_at(place, floor_cubed, site.scratch.qualities)) continue;
+    if (!are_positive_after(mesh, v, to, ball, site.scratch.qualities)) continue;
+    const auto shared =
+        std::find_if(ball.tets.begin(), ball.tets.end(), [&](TetId x) { return mesh.index_of(x, to) >= 0; });
+    if (!gather_ring(mesh, *shared, v, to, site.lock, site.scratch.ring)) return Outcome::kContended;
+    if (!keeps_patches(mesh, v, site.scratch.ring, site.subject.shapes)) continue;
+    if (!can_vanish(mesh, v, to, site.scratch.ring)) continue;
+    commit_collapse(mesh, site.scratch, v, to);
+    kept[to.value] = 1;
+    return Outcome::kApplied;
+  }
+  return Outcome::kRejected;
+}
+
+template struct OperatorCode<EdgeCollapse>;
+template struct OperatorCode<VertexCollapse>;
+template struct OperatorCode<Thinning>;
+template Outcome collapse_held_vertex(Site<NoLock>&, VertexId, VertexId, const CollapseRules&);
+template Outcome collapse_held_vertex(Site<OrderedLock>&, VertexId, VertexId, const CollapseRules&);
+template Outcome collapse_held_vertex(Site<SpeculativeLock>&, VertexId, VertexId, const CollapseRules&);
 
 }  // namespace lumesh::operators

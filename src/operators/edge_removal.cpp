@@ -2,7 +2,8 @@
 #include <array>
 #include <limits>
 
-#include "scratch.hpp"
+#include "apply.hpp"
+#include "lumesh/operators/reconnection.hpp"
 #include "surface_rules.hpp"
 
 namespace lumesh::operators {
@@ -214,29 +215,56 @@ bool may_remove(const TetMesh& mesh, const EdgeRing& ring, const PatchShapes& sh
          std::all_of(ring.tets.begin(), ring.tets.end(), [&](TetId t) { return mesh.label(t) == label; });
 }
 
-}  // namespace
-
-template <class Lock>
-Outcome Operators<Lock>::remove_edge(TetId t, int i, int j, const SwapRules& rules) {
-  const VertexId a = subject_.mesh.vertex(t, i), b = subject_.mesh.vertex(t, j);
-  return on_held(counts_.edge_removal, a, b, [&] { return remove_held_edge(t, a, b, rules); });
+/// True if t can be taken away with two of its faces on the outside, those without c or without d, so that
+/// the surface stays a manifold: the edge (c, d), which comes to light, lay in the volume until now.
+bool leaves_manifold(const TetMesh& mesh, TetId t, VertexId a, VertexId b, const EdgeRing& ring_of_cd) {
+  const auto may_come_to_light = [&](VertexId opposite) {
+    const int face = mesh.index_of(t, opposite);
+    return !mesh.link(t, face).is_boundary() && !mesh.interface_patch(t, face).valid();
+  };
+  return may_come_to_light(a) && may_come_to_light(b) && ring_of_cd.patch_faces == 0;
 }
 
-template <class Lock>
-Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const SwapRules& rules) {
-  TetMesh& mesh = subject_.mesh;
-  EdgeRing& ring = scratch_->ring;
-  if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
-  if (is_flat_tet(ring, subject_.shapes)) return remove_held_boundary_sliver(t, a, b);
-  if (!may_remove(mesh, ring, subject_.shapes, rules.max_ring_tets)) return Outcome::kRejected;
+/// Takes a boundary sliver away, whose ring is gathered: t alone, with two faces on one curved patch at edge
+/// (a, b).
+Outcome remove_boundary_sliver(auto& site, TetId t, VertexId a, VertexId b) {
+  TetMesh& mesh = site.mesh;
+  EdgeRing& ring = site.scratch.ring;
+  const PatchId patch = ring.patches[0];
+  const VertexId c(ring.rim[0]), d(ring.rim[1]);
+  if (!keeps_to_surface_across(mesh, ring, a, b, site.subject.shapes)) return Outcome::kRejected;
+  if (!gather_ring(mesh, t, c, d, site.lock, ring)) return Outcome::kContended;
+  if (!leaves_manifold(mesh, t, a, b, ring)) return Outcome::kRejected;
+
+  for (const VertexId opposite : {a, b}) {
+    const FaceLink behind = mesh.link(t, mesh.index_of(t, opposite));
+    mesh.set_link(behind.tet(), behind.face(), FaceLink::boundary(patch));
+    for (const std::uint32_t v : mesh.face_corners(behind.tet(), behind.face()))
+      mesh.set_incident_tet(VertexId(v), behind.tet());
+  }
+  site.scratch.builder.note_change(mesh.tet(t));
+  site.scratch.builder.free_tet(t);
+  return Outcome::kApplied;
+}
+
+}  // namespace
+
+Outcome EdgeRemoval::operator()(auto& site, const TetEdge& edge) const {
+  const auto [a, b] = vertices_of(site.mesh, edge);
+  const TetId t = edge.tet;
+  TetMesh& mesh = site.mesh;
+  EdgeRing& ring = site.scratch.ring;
+  if (!gather_ring(mesh, t, a, b, site.lock, ring)) return Outcome::kContended;
+  if (is_flat_tet(ring, site.subject.shapes)) return remove_boundary_sliver(site, t, a, b);
+  if (!may_remove(mesh, ring, site.subject.shapes, rules.max_ring_tets)) return Outcome::kRejected;
   double worst = 1;
   for (const TetId x : ring.tets) worst = std::min<double>(worst, mesh.quality(x));
   const double min_quality = worst + rules.min_gain;
-  RimTriangulation triangulation(mesh, subject_.measure, ring, a, b);
+  RimTriangulation triangulation(mesh, site.subject.measure, ring, a, b);
   if (!triangulation.find(metric::cube(min_quality), rules.max_length) || !triangulation.is_positive() ||
-      !keeps_to_surface_across(mesh, ring, a, b, subject_.shapes))
+      !keeps_to_surface_across(mesh, ring, a, b, site.subject.shapes))
     return Outcome::kRejected;
-  switch (makes_edge_twice(mesh, ring, triangulation.triangles(), lock_, scratch_->ball)) {
+  switch (makes_edge_twice(mesh, ring, triangulation.triangles(), site.lock, site.scratch.ball)) {
     case Joined::kNotLocked:
       return Outcome::kContended;
     case Joined::kYes:
@@ -244,12 +272,10 @@ Outcome Operators<Lock>::remove_held_edge(TetId t, VertexId a, VertexId b, const
     case Joined::kNo:
       break;
   }
-  RingReplacement(scratch_->builder, subject_.measure, ring, a, b).apply(triangulation);
+  RingReplacement(site.scratch.builder, site.subject.measure, ring, a, b).apply(triangulation);
   return Outcome::kApplied;
 }
 
-template Outcome Operators<NoLock>::remove_edge(TetId, int, int, const SwapRules&);
-template Outcome Operators<OrderedLock>::remove_edge(TetId, int, int, const SwapRules&);
-template Outcome Operators<SpeculativeLock>::remove_edge(TetId, int, int, const SwapRules&);
+template struct OperatorCode<EdgeRemoval>;
 
 }  // namespace lumesh::operators

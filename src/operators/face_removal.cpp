@@ -2,7 +2,8 @@
 #include <array>
 #include <span>
 
-#include "scratch.hpp"
+#include "apply.hpp"
+#include "lumesh/operators/reconnection.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -131,25 +132,18 @@ void replace(Builder& builder, const SandwichedFaces<Lock>& faces) {
 
 }  // namespace
 
-template <class Lock>
-Outcome Operators<Lock>::remove_face(TetId t, int face, const SwapRules& rules) {
-  return on_held(counts_.face_removal, subject_.mesh.vertex(t, 0), subject_.mesh.vertex(t, 1),
-                 [&] { return remove_held_face(t, face, rules); });
-}
-
-template <class Lock>
-Outcome Operators<Lock>::remove_held_face(TetId t, int face, const SwapRules& rules) {
-  const TetMesh& mesh = subject_.mesh;
-  if (!try_lock(t)) return Outcome::kContended;
+Outcome FaceRemoval::operator()(auto& site, const TetFace& at) const {
+  const auto [t, face] = at;
+  const TetMesh& mesh = site.mesh;
   const FaceLink link = mesh.link(t, face);
   if (link.is_boundary() || mesh.interface_patch(t, face).valid()) return Outcome::kRejected;
-  if (!lock_.try_lock(mesh.vertex(link.tet(), link.face()))) return Outcome::kContended;
+  if (!site.lock.try_lock(mesh.vertex(link.tet(), link.face()))) return Outcome::kContended;
   const double min_quality = std::min(mesh.quality(t), mesh.quality(link.tet())) + rules.min_gain;
-  SandwichedFaces faces(mesh, subject_.measure, lock_, metric::cube(min_quality), rules.max_faces);
+  SandwichedFaces faces(mesh, site.subject.measure, site.lock, metric::cube(min_quality), rules.max_faces);
   if (!faces.find(t, face, link.tet(), link.face()))
     return faces.contended() ? Outcome::kContended : Outcome::kRejected;
   if (is_longer_than(rules.max_length, mesh, faces.below(), faces.above())) return Outcome::kRejected;
-  switch (are_joined(mesh, faces.below(), faces.above(), lock_, scratch_->ball)) {
+  switch (are_joined(mesh, faces.below(), faces.above(), site.lock, site.scratch.ball)) {
     case Joined::kNotLocked:
       return Outcome::kContended;
     case Joined::kYes:
@@ -157,12 +151,10 @@ Outcome Operators<Lock>::remove_held_face(TetId t, int face, const SwapRules& ru
     case Joined::kNo:
       break;
   }
-  replace(scratch_->builder, faces);
+  replace(site.scratch.builder, faces);
   return Outcome::kApplied;
 }
 
-template Outcome Operators<NoLock>::remove_face(TetId, int, const SwapRules&);
-template Outcome Operators<OrderedLock>::remove_face(TetId, int, const SwapRules&);
-template Outcome Operators<SpeculativeLock>::remove_face(TetId, int, const SwapRules&);
+template struct OperatorCode<FaceRemoval>;
 
 }  // namespace lumesh::operators

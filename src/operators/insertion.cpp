@@ -1,7 +1,9 @@
+#include "lumesh/operators/insertion.hpp"
+
 #include <algorithm>
 #include <cmath>
 
-#include "scratch.hpp"
+#include "apply.hpp"
 #include "surface_rules.hpp"
 
 namespace lumesh::operators {
@@ -31,96 +33,82 @@ bool is_encroaching(const TetMesh& mesh, const NewVertex& vertex, std::span<cons
   });
 }
 
-}  // namespace
-
-template <class Lock>
-Outcome Operators<Lock>::split_edge(TetId t, int i, int j, double fraction, const InsertionRules& rules) {
-  const VertexId a = subject_.mesh.vertex(t, i), b = subject_.mesh.vertex(t, j);
-  // Each tetrahedron around the edge asks for it again.
-  TriedEdges& tried = scratch_->tried_splits;
-  if (tried.would_fail(a, b)) return Outcome::kRejected;
-  const Outcome outcome = on_held(counts_.insertion, a, b, [&] {
-    // The same point whoever asks, and from which end.
-    const Vec3 &p = subject_.mesh.point(a), &q = subject_.mesh.point(b);
-    return std::lexicographical_compare(q.begin(), q.end(), p.begin(), p.end())
-               ? split_held_edge(t, b, a, 1 - fraction, rules)
-               : split_held_edge(t, a, b, fraction, rules);
-  });
-  if (outcome == Outcome::kRejected) tried.note_failure(a, b);
-  if (outcome == Outcome::kApplied) tried.note_change(scratch_->cavity.hull_vertices());
-  return outcome;
+/// Collapses the vertices that encroach on a new one onto it.
+void draw_in_near_vertices(auto& site, VertexId into) {
+  const CollapseRules rules{.max_length = 2, .min_quality = 1e-3, .min_relative_quality = 0.3};
+  std::vector<VertexId>& encroaching = site.scratch.encroaching;
+  encroaching.assign(site.scratch.cavity.too_near().begin(), site.scratch.cavity.too_near().end());
+  for (const VertexId v : encroaching)
+    site.counts[OperatorId::kCollapse].add(collapse_held_vertex(site, v, into, rules));
 }
 
-template <class Lock>
-Outcome Operators<Lock>::split_held_edge(TetId t, VertexId a, VertexId b, double fraction,
-                                         const InsertionRules& rules) {
-  TetMesh& mesh = subject_.mesh;
-  EdgeRing& ring = scratch_->ring;
-  if (!gather_ring(mesh, t, a, b, lock_, ring)) return Outcome::kContended;
-  if (is_any_frozen(ring.patches, subject_.shapes)) return Outcome::kRejected;
-  const auto place = place_on_patches(point_on_edge(mesh, a, b, fraction), ring.patches, subject_.shapes);
+/// @param around  What holds the new vertex.
+Outcome insert_in_hole(auto& site, const NewVertex& vertex, std::span<const TetId> around,
+                       const InsertionRules& rules) {
+  const TetMesh& mesh = site.mesh;
+  Cavity& cavity = site.scratch.cavity;
+  cavity.begin(around);
+  if (!cavity.enlarge(mesh, vertex, rules.max_cavity_tets, site.lock) ||
+      !cavity.shrink_to_star_shaped(mesh, vertex, site.subject.shapes) ||
+      !cavity.accept(mesh, vertex, site.subject.shapes, rules))
+    return Outcome::kRejected;
+  const VertexId v = cavity.fill(site.scratch.builder, vertex);
+  site.lock.take_ownership(v);
+  if (!cavity.too_near().empty()) draw_in_near_vertices(site, v);
+  return Outcome::kApplied;
+}
+
+Outcome split_held_edge(auto& site, TetId t, VertexId a, VertexId b, double fraction,
+                        const InsertionRules& rules) {
+  TetMesh& mesh = site.mesh;
+  EdgeRing& ring = site.scratch.ring;
+  if (!gather_ring(mesh, t, a, b, site.lock, ring)) return Outcome::kContended;
+  if (is_any_frozen(ring.patches, site.subject.shapes)) return Outcome::kRejected;
+  const auto place = place_on_patches(point_on_edge(mesh, a, b, fraction), ring.patches, site.subject.shapes);
   if (!place) return Outcome::kRejected;
 
   NewVertex vertex;
   vertex.point = *place;
   vertex.hint = mesh.metric_hint(a);
-  vertex.metric = subject_.field.at(vertex.point, vertex.hint);
+  vertex.metric = site.subject.field.at(vertex.point, vertex.hint);
   vertex.dimension = ring.dimension();
   vertex.patches = ring.patches;
   vertex.edge_a = a, vertex.edge_b = b;
   if (is_encroaching(mesh, vertex, ring.rim, rules.min_length)) return Outcome::kRejected;
-  return insert_in_hole(vertex, ring.tets, rules);
+  return insert_in_hole(site, vertex, ring.tets, rules);
 }
 
-template <class Lock>
-Outcome Operators<Lock>::insert_centroid(TetId t, const InsertionRules& rules) {
-  const TetMesh& mesh = subject_.mesh;
-  return on_held(counts_.insertion, mesh.vertex(t, 0), mesh.vertex(t, 1), [&] {
-    if (!try_lock(t)) return Outcome::kContended;
-    NewVertex vertex;
-    vertex.point = 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
-    vertex.hint = mesh.metric_hint(mesh.vertex(t, 0));
-    vertex.metric = subject_.field.at(vertex.point, vertex.hint);
-    if (is_encroaching(mesh, vertex, mesh.tet(t), rules.min_length)) return Outcome::kRejected;
-    return insert_in_hole(vertex, {&t, 1}, rules);
-  });
+}  // namespace
+
+bool EdgeSplit::would_fail(auto& site, const TetEdge& edge) const {
+  const auto [a, b] = vertices_of(site.mesh, edge);
+  return site.scratch.tried_splits.would_fail(a, b);  // Each tetrahedron around the edge asks for it again.
 }
 
-/// @param around  What holds the new vertex.
-template <class Lock>
-Outcome Operators<Lock>::insert_in_hole(const NewVertex& vertex, std::span<const TetId> around,
-                                        const InsertionRules& rules) {
-  const TetMesh& mesh = subject_.mesh;
-  Cavity& cavity = scratch_->cavity;
-  cavity.begin(around);
-  if (!cavity.enlarge(mesh, vertex, rules.max_cavity_tets, lock_) ||
-      !cavity.shrink_to_star_shaped(mesh, vertex, subject_.shapes) ||
-      !cavity.accept(mesh, vertex, subject_.shapes, rules))
-    return Outcome::kRejected;
-  const VertexId v = cavity.fill(scratch_->builder, vertex);
-  lock_.take_ownership(v);
-  if (!cavity.too_near().empty()) draw_in_near_vertices(v);
-  return Outcome::kApplied;
+Outcome EdgeSplit::operator()(auto& site, const TetEdge& edge) const {
+  const auto [a, b] = vertices_of(site.mesh, edge);
+  // The same point whoever asks, and from which end.
+  const Vec3 &p = site.mesh.point(a), &q = site.mesh.point(b);
+  const Outcome outcome = std::lexicographical_compare(q.begin(), q.end(), p.begin(), p.end())
+                              ? split_held_edge(site, edge.tet, b, a, 1 - fraction, rules)
+                              : split_held_edge(site, edge.tet, a, b, fraction, rules);
+  TriedEdges& tried = site.scratch.tried_splits;
+  if (outcome == Outcome::kRejected && !site.lock.contended()) tried.note_failure(a, b);
+  if (outcome == Outcome::kApplied) tried.note_change(site.scratch.cavity.hull_vertices());
+  return outcome;
 }
 
-template <class Lock>
-void Operators<Lock>::draw_in_near_vertices(VertexId into) {
-  const CollapseRules rules{.max_length = 2, .min_quality = 1e-3, .min_relative_quality = 0.3};
-  TetMesh& mesh = subject_.mesh;
-  Scratch& scratch = *scratch_;
-  scratch.encroaching.assign(scratch.cavity.too_near().begin(), scratch.cavity.too_near().end());
-  for (const VertexId v : scratch.encroaching) {
-    scratch.near.assign(1, {into, 0});
-    counts_.collapse.add(gather_ball(mesh, v, lock_, scratch.ball) ? collapse_gathered_vertex(v, rules)
-                                                                   : Outcome::kContended);
-  }
+Outcome CentroidInsertion::operator()(auto& site, TetId t) const {
+  const TetMesh& mesh = site.mesh;
+  NewVertex vertex;
+  vertex.point = 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
+  vertex.hint = mesh.metric_hint(mesh.vertex(t, 0));
+  vertex.metric = site.subject.field.at(vertex.point, vertex.hint);
+  if (is_encroaching(mesh, vertex, mesh.tet(t), rules.min_length)) return Outcome::kRejected;
+  return insert_in_hole(site, vertex, {&t, 1}, rules);
 }
 
-template Outcome Operators<NoLock>::split_edge(TetId, int, int, double, const InsertionRules&);
-template Outcome Operators<NoLock>::insert_centroid(TetId, const InsertionRules&);
-template Outcome Operators<OrderedLock>::split_edge(TetId, int, int, double, const InsertionRules&);
-template Outcome Operators<OrderedLock>::insert_centroid(TetId, const InsertionRules&);
-template Outcome Operators<SpeculativeLock>::split_edge(TetId, int, int, double, const InsertionRules&);
-template Outcome Operators<SpeculativeLock>::insert_centroid(TetId, const InsertionRules&);
+template struct OperatorCode<EdgeSplit>;
+template struct OperatorCode<CentroidInsertion>;
 
 }  // namespace lumesh::operators

@@ -32,8 +32,7 @@ std::vector<std::uint32_t> untouched(const std::vector<std::uint32_t>& items, st
 }  // namespace
 
 OrderedExecution::OrderedExecution(const Subject& subject, const parallel::TeamOptions& team)
-    : subject_(subject), team_(team), kernels_(kernels_for<OrderedLock>(subject, team_)) {
-  forget_trials(subject.mesh);
+    : KernelTeam(subject, team) {
   reorder();
 }
 
@@ -87,18 +86,24 @@ void OrderedExecution::begin_run(Kernel& kernel, std::uint32_t bucket, std::uint
   kernel.begin_run(OrderedLock(subject_.mesh, runs_.data(), run, bucket), 2 * run, epoch_);
 }
 
-void OrderedExecution::run_buckets(
-    const std::function<void(Kernel&, std::uint32_t bucket, std::uint32_t run)>& body) {
+template <class Item, class Step>
+std::vector<OrderedExecution::Made> OrderedExecution::run_buckets(Lists<Item>& lists, const Step& step) {
   ++epoch_;
   is_cut_ = false;
   const std::uint32_t first = next_run_;
   next_run_ += partition_.buckets;
   LUMESH_ASSERT(next_run_ < kLastRun);
+  std::vector<Made> made(partition_.buckets);
   parallel::run_ordered(team_, partition_.conflicts, order_, [&](std::uint32_t bucket, int thread) {
     Kernel& kernel = kernels_[static_cast<std::size_t>(thread)];
     begin_run(kernel, bucket, first + bucket);
-    body(kernel, bucket, first + bucket);
+    for (const Item& item : lists.of(bucket)) {
+      if (is_told_to_stop_()) break;
+      step(kernel, item);
+    }
+    made[bucket] = what_was_made(kernel, first + bucket);
   });
+  return made;
 }
 
 template <class Priority, class BucketOf, class Step>
@@ -120,14 +125,8 @@ void OrderedExecution::for_each_by_priority(const std::vector<std::uint32_t>& it
       },
       1);
   const std::uint32_t first_stamp = 2 * next_run_;
-  std::vector<Made> made(partition_.buckets);
-  run_buckets([&](Kernel& kernel, std::uint32_t bucket, std::uint32_t run) {
-    for (const PrioritisedItem& one : lists.of(bucket)) {
-      if (is_told_to_stop_()) break;
-      step(kernel, one.item, first_stamp);
-    }
-    made[bucket] = what_was_made(kernel, run);
-  });
+  const std::vector<Made> made = run_buckets(
+      lists, [&](Kernel& kernel, const PrioritisedItem& one) { step(kernel, one.item, first_stamp); });
   const TetMesh& mesh = subject_.mesh;
   tets_ = untouched(tets_, first_stamp, [&](std::uint32_t t) { return mesh.stamp(TetId(t)); });
   vertices_ = untouched(vertices_, first_stamp, [&](std::uint32_t v) { return mesh.stamp(VertexId(v)); });
@@ -162,12 +161,7 @@ void OrderedExecution::for_each_vertex_by_priority(const std::function<double(Ve
 void OrderedExecution::for_each_vertex(const std::function<void(Kernel&, VertexId)>& step) {
   Lists<std::uint32_t> lists =
       lists_by_bucket(vertices_, [&](std::uint32_t v) { return subject_.mesh.lock_word(VertexId(v)); });
-  run_buckets([&](Kernel& kernel, std::uint32_t bucket, std::uint32_t /*run*/) {
-    for (const std::uint32_t v : lists.of(bucket)) {
-      if (is_told_to_stop_()) break;
-      step(kernel, VertexId(v));
-    }
-  });
+  run_buckets(lists, [&](Kernel& kernel, std::uint32_t v) { step(kernel, VertexId(v)); });
 }
 
 /// Live ones, each once: the stamp of what is listed becomes odd.
@@ -205,10 +199,6 @@ void OrderedExecution::append_made(const std::vector<Made>& made) {
   append(
       vertices_, [](const Made& one) -> const auto& { return one.vertices; },
       [&](std::uint32_t v) { return mesh.stamp(VertexId(v)); });
-}
-
-ExecutionCounts OrderedExecution::counts() const {
-  return counts_of(kernels_, team_);
 }
 
 }  // namespace lumesh::operators

@@ -2,36 +2,19 @@
 /// @file The working memory of one thread's operators.
 
 #include <cmath>
-#include <span>
 
 #include "angle_star.hpp"
 #include "builder.hpp"
 #include "cavity.hpp"
 #include "links.hpp"
 #include "local_map.hpp"
-#include "lumesh/core/assert.hpp"
-#include "lumesh/operators/operators.hpp"
+#include "lumesh/operators/kernel.hpp"
 #include "neighbourhoods.hpp"
-#include "soundness.hpp"
 #include "star_shapes.hpp"
 #include "tried_edges.hpp"
 #include "uniform_star.hpp"
 
 namespace lumesh::operators {
-
-/// Frees what was locked since it was made.
-template <class Lock>
-class LockScope {
- public:
-  explicit LockScope(Lock& lock) : lock_(lock), mark_(lock.mark()) {}
-  ~LockScope() { lock_.release_to(mark_); }
-  LockScope(const LockScope&) = delete;
-  LockScope& operator=(const LockScope&) = delete;
-
- private:
-  Lock& lock_;
-  std::size_t mark_;
-};
 
 struct NearVertex {
   VertexId vertex;
@@ -43,8 +26,7 @@ struct LinkEdges {
   std::vector<std::uint64_t> of_from, of_to;
 };
 
-template <class Lock>
-struct Operators<Lock>::Scratch {
+struct Scratch {
   Scratch(TetMesh& mesh, int owner) : builder{mesh, owner} {}
 
   Builder builder;
@@ -58,22 +40,11 @@ struct Operators<Lock>::Scratch {
   StarShapes shapes;
   UniformStar uniform;
   AngleStar angles;
-  TriedEdges tried_splits, tried_removals;  // Of this run, by split_edge() and reconnect().
+  TriedEdges tried_splits, tried_removals;  // Of this run, by EdgeSplit and TetReconnection.
 };
 
-template <class Lock>
-template <class Body>
-Outcome Operators<Lock>::on_held(OperatorCount& count, VertexId a, VertexId b, const Body& body) {
-  const LockScope scope(lock_);
-  const std::size_t made = scratch_->builder.tets.size();
-  Outcome outcome = lock_.try_lock(a) && lock_.try_lock(b) ? body() : Outcome::kContended;
-  if (outcome == Outcome::kRejected && lock_.contended()) outcome = Outcome::kContended;
-  count.add(outcome);
-  LUMESH_PARANOID_ASSERT(outcome != Outcome::kApplied ||
-                         (are_sound(subject_.mesh, std::span(scratch_->builder.tets).subspan(made)) &&
-                          is_sound_around(subject_.mesh, a)));
-  return outcome;
-}
+/// Collapses v, which is held, onto `into`, a neighbour. Not counted.
+Outcome collapse_held_vertex(auto& site, VertexId v, VertexId into, const CollapseRules& rules);
 
 /// Quality cubed of the tetrahedron (a, b, c, d) of vertices of the mesh; -1 if it is flat, inverted or
 /// refused.

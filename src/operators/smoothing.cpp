@@ -1,8 +1,10 @@
+#include "lumesh/operators/smoothing.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "scratch.hpp"
+#include "apply.hpp"
 #include "surface_rules.hpp"
 
 namespace lumesh::operators {
@@ -139,24 +141,59 @@ Vec3 step_of(const Objective& objective, const Freedom& freedom, const SymTensor
   return length > limit ? Vec3(limit / length * *step) : *step;
 }
 
-}  // namespace
-
-template <class Lock>
-Outcome Operators<Lock>::smooth_vertex(VertexId v, const SmoothingRules& rules) {
-  return on_held(counts_.smoothing, v, v, [&] { return smooth_held_vertex(v, rules); });
+/// Moves the vertex of the ball, unless the sum were not below `below` or a tetrahedron below the floor.
+bool move_if_better(auto& site, VertexId v, const Vec3& to, double below, double floor,
+                    const SmoothingRules& rules) {
+  TetMesh& mesh = site.mesh;
+  VertexBall& ball = site.scratch.ball;
+  std::vector<float>& qualities = site.scratch.qualities;
+  TetId hint = mesh.metric_hint(v);
+  const metric::MetricPair pair = site.subject.field.at(to, hint);
+  double sum = 0;
+  for (const std::uint32_t w : ball.neighbours) {
+    const VertexId n(w);
+    sum += rules.length_weight *
+           length_deviation(metric::edge_length(to, pair.metric, mesh.point(n), mesh.metric(n)));
+  }
+  if (!(sum < below)) return false;
+  constexpr double kNoticed = 0.1;  // Shorter moves open no way to reconnect that was closed before.
+  qualities.clear();
+  const double floor_cubed = 0.999 * metric::cube(floor);  // Stored qualities are rounded.
+  for (const double cubed : site.scratch.shapes.ratios_cubed_at(to, pair.log)) {
+    if (!(cubed >= floor_cubed) || !(cubed > 0)) return false;
+    const double quality = metric::cube_root(cubed);
+    qualities.push_back(static_cast<float>(quality));
+    sum += 1 / quality;
+    if (!(sum < below)) return false;
+  }
+  for (const TetId t : ball.tets) {
+    const auto [x, y, z] = kTetFaces[mesh.index_of(t, v)];
+    if (orient3d(mesh.corner(t, x), mesh.corner(t, z), mesh.corner(t, y), to) <= 0) return false;
+  }
+  if (!keeps_to_surface_at(mesh, v, to, pair.metric, ball, site.subject.shapes)) return false;
+  const double moved = std::sqrt(mesh.metric(v).quadratic(to - mesh.point(v)));
+  mesh.set_point(v, to);
+  mesh.set_metric(v, pair.metric, pair.log);
+  mesh.set_metric_hint(v, hint);
+  for (std::size_t i = 0; i < ball.tets.size(); ++i) mesh.set_quality(ball.tets[i], qualities[i]);
+  if (moved < kNoticed) return true;
+  site.scratch.builder.note_change(ball.neighbours);
+  mesh.set_change_epoch(v, site.scratch.builder.epoch);
+  return true;
 }
 
-template <class Lock>
-Outcome Operators<Lock>::smooth_held_vertex(VertexId v, const SmoothingRules& rules) {
-  TetMesh& mesh = subject_.mesh;
-  VertexBall& ball = scratch_->ball;
+}  // namespace
+
+Outcome VertexSmoothing::operator()(auto& site, VertexId v) const {
+  TetMesh& mesh = site.mesh;
+  VertexBall& ball = site.scratch.ball;
   if (mesh.dimension(v) == VertexDimension::kCorner) return Outcome::kRejected;
-  if (!gather_ball(mesh, v, lock_, ball)) return Outcome::kContended;
+  if (!gather_ball(mesh, v, site.lock, ball)) return Outcome::kContended;
   const Vec3 old = mesh.point(v);
-  const Freedom freedom = freedom_of(old, ball.patches, subject_.shapes);
+  const Freedom freedom = freedom_of(old, ball.patches, site.subject.shapes);
   if (freedom.dimensions == 0) return Outcome::kRejected;
 
-  StarShapes& shapes = scratch_->shapes;
+  StarShapes& shapes = site.scratch.shapes;
   shapes.gather(mesh, v, ball.tets);
   Objective before{shapes.sums_at(old, mesh.log_metric(v))};
   float worst = 1;
@@ -168,55 +205,12 @@ Outcome Operators<Lock>::smooth_held_vertex(VertexId v, const SmoothingRules& ru
   if (!(mesh.metric(v).quadratic(step) > rules.min_step * rules.min_step)) return Outcome::kRejected;
   const double floor = std::min<double>(worst, rules.quality_floor);
   for (int i = 0; i < rules.halvings; ++i, step *= 0.5) {
-    const auto place = place_on_patches(old + step, ball.patches, subject_.shapes);
-    if (place && move_if_better(v, *place, before.value, floor, rules)) return Outcome::kApplied;
+    const auto place = place_on_patches(old + step, ball.patches, site.subject.shapes);
+    if (place && move_if_better(site, v, *place, before.value, floor, rules)) return Outcome::kApplied;
   }
   return Outcome::kRejected;
 }
 
-template <class Lock>
-bool Operators<Lock>::move_if_better(VertexId v, const Vec3& to, double below, double floor,
-                                     const SmoothingRules& rules) {
-  TetMesh& mesh = subject_.mesh;
-  VertexBall& ball = scratch_->ball;
-  std::vector<float>& qualities = scratch_->qualities;
-  TetId hint = mesh.metric_hint(v);
-  const metric::MetricPair pair = subject_.field.at(to, hint);
-  double sum = 0;
-  for (const std::uint32_t w : ball.neighbours) {
-    const VertexId n(w);
-    sum += rules.length_weight *
-           length_deviation(metric::edge_length(to, pair.metric, mesh.point(n), mesh.metric(n)));
-  }
-  if (!(sum < below)) return false;
-  constexpr double kNoticed = 0.1;  // Shorter moves open no way to reconnect that was closed before.
-  qualities.clear();
-  const double floor_cubed = 0.999 * metric::cube(floor);  // Stored qualities are rounded.
-  for (const double cubed : scratch_->shapes.ratios_cubed_at(to, pair.log)) {
-    if (!(cubed >= floor_cubed) || !(cubed > 0)) return false;
-    const double quality = metric::cube_root(cubed);
-    qualities.push_back(static_cast<float>(quality));
-    sum += 1 / quality;
-    if (!(sum < below)) return false;
-  }
-  for (const TetId t : ball.tets) {
-    const auto [x, y, z] = kTetFaces[mesh.index_of(t, v)];
-    if (orient3d(mesh.corner(t, x), mesh.corner(t, z), mesh.corner(t, y), to) <= 0) return false;
-  }
-  if (!keeps_to_surface_at(mesh, v, to, pair.metric, ball, subject_.shapes)) return false;
-  const double moved = std::sqrt(mesh.metric(v).quadratic(to - mesh.point(v)));
-  mesh.set_point(v, to);
-  mesh.set_metric(v, pair.metric, pair.log);
-  mesh.set_metric_hint(v, hint);
-  for (std::size_t i = 0; i < ball.tets.size(); ++i) mesh.set_quality(ball.tets[i], qualities[i]);
-  if (moved < kNoticed) return true;
-  scratch_->builder.note_change(ball.neighbours);
-  mesh.set_change_epoch(v, scratch_->builder.epoch);
-  return true;
-}
-
-template Outcome Operators<NoLock>::smooth_vertex(VertexId, const SmoothingRules&);
-template Outcome Operators<OrderedLock>::smooth_vertex(VertexId, const SmoothingRules&);
-template Outcome Operators<SpeculativeLock>::smooth_vertex(VertexId, const SmoothingRules&);
+template struct OperatorCode<VertexSmoothing>;
 
 }  // namespace lumesh::operators

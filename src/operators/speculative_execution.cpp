@@ -17,8 +17,8 @@ std::size_t speculative_bucket_size(std::size_t items) {
 }
 
 /// Calls step and tells whether all it did was to contend.
-template <class Kernel, class Step>
-bool only_contends(Kernel& kernel, const Step& step) {
+template <class Step>
+bool only_contends(const Kernel<SpeculativeLock>& kernel, const Step& step) {
   const OperatorCount before = kernel.counts().of_all();
   step();
   const OperatorCount after = kernel.counts().of_all();
@@ -28,8 +28,7 @@ bool only_contends(Kernel& kernel, const Step& step) {
 }  // namespace
 
 SpeculativeExecution::SpeculativeExecution(const Subject& subject, const parallel::TeamOptions& team)
-    : subject_(subject), team_(team), kernels_(kernels_for<SpeculativeLock>(subject, team_)) {
-  forget_trials(subject.mesh);
+    : KernelTeam(subject, team) {
   reorder();
 }
 
@@ -109,10 +108,6 @@ void SpeculativeExecution::for_each_vertex(const std::function<void(Kernel&, Ver
   run_buckets(vertices, [&](Kernel& kernel, std::uint32_t v) {
     return !only_contends(kernel, [&] { step(kernel, VertexId(v)); });
   });
-}
-
-ExecutionCounts SpeculativeExecution::counts() const {
-  return counts_of(kernels_, team_);
 }
 
 }  // namespace lumesh::operators

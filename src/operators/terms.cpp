@@ -14,3 +14,23 @@ void describe_execution(OptionList& list, ExecutionKind& execution, parallel::Te
 }
 
 }  // namespace lumesh
+
+namespace lumesh::operators {
+
+OperatorCounts ExecutionCounts::of_all_threads() const {
+  OperatorCounts sum;
+  for (const OperatorCounts& counts : by_thread) sum += counts;
+  return sum;
+}
+
+ExecutionCounts& ExecutionCounts::operator+=(const ExecutionCounts& other) {
+  by_thread.resize(other.by_thread.size());
+  migrations.resize(other.migrations.size());
+  for (std::size_t thread = 0; thread < by_thread.size(); ++thread) {
+    by_thread[thread] += other.by_thread[thread];
+    migrations[thread] += other.migrations[thread];
+  }
+  return *this;
+}
+
+}  // namespace lumesh::operators

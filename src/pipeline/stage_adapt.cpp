@@ -13,11 +13,13 @@ namespace {
 
 void add_passes(const AdaptReport& report, report::StageReport& stage) {
   stage.figures.push_back({"Passes", std::uint64_t{report.passes.size()}});
+  using operators::OperatorId;
   const operators::OperatorCounts counts = report.by_thread.of_all_threads();
-  stage.figures.push_back({"Points put in", counts.insertion.applied});
-  stage.figures.push_back({"Edges collapsed", counts.collapse.applied});
-  stage.figures.push_back({"Swaps", counts.edge_removal.applied + counts.face_removal.applied});
-  stage.figures.push_back({"Vertices moved", counts.smoothing.applied});
+  stage.figures.push_back({"Points put in", counts[OperatorId::kInsertion].applied});
+  stage.figures.push_back({"Edges collapsed", counts[OperatorId::kCollapse].applied});
+  stage.figures.push_back(
+      {"Swaps", counts[OperatorId::kEdgeRemoval].applied + counts[OperatorId::kFaceRemoval].applied});
+  stage.figures.push_back({"Vertices moved", counts[OperatorId::kSmoothing].applied});
 }
 
 }  // namespace

@@ -34,8 +34,8 @@ parallel::TaskMigrations sum_of(const std::vector<parallel::TaskMigrations>& all
 /// Applied, rejected and contended of every operator.
 Json counts_json(const operators::OperatorCounts& counts) {
   Json json;
-  for (const auto& [name, member] : operators::OperatorCounts::all()) {
-    const operators::OperatorCount& count = counts.*member;
+  for (const auto& [id, name] : operators::kOperatorNames) {
+    const operators::OperatorCount& count = counts[id];
     json[name] = {{"applied", count.applied}, {"rejected", count.rejected}, {"contended", count.contended}};
   }
   return json;

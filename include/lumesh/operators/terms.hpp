@@ -69,32 +69,37 @@ struct OperatorCount {
   }
 };
 
-struct OperatorCounts {
-  OperatorCount insertion, collapse, edge_removal, face_removal, smoothing;
+/// What an operator is counted as.
+enum class OperatorId : std::uint8_t { kInsertion, kCollapse, kEdgeRemoval, kFaceRemoval, kSmoothing };
 
-  struct Named {
-    const char* name;
-    OperatorCount OperatorCounts::*count;
-  };
-  static constexpr std::array<Named, 5> all() {
-    return {{{"insertion", &OperatorCounts::insertion},
-             {"collapse", &OperatorCounts::collapse},
-             {"edge_removal", &OperatorCounts::edge_removal},
-             {"face_removal", &OperatorCounts::face_removal},
-             {"smoothing", &OperatorCounts::smoothing}}};
-  }
+struct OperatorName {
+  OperatorId id;
+  const char* name;
+};
+/// In the order of the ids.
+inline constexpr std::array kOperatorNames = {OperatorName{OperatorId::kInsertion, "insertion"},
+                                              OperatorName{OperatorId::kCollapse, "collapse"},
+                                              OperatorName{OperatorId::kEdgeRemoval, "edge_removal"},
+                                              OperatorName{OperatorId::kFaceRemoval, "face_removal"},
+                                              OperatorName{OperatorId::kSmoothing, "smoothing"}};
+
+struct OperatorCounts {
+  std::array<OperatorCount, kOperatorNames.size()> by_id = {};
+
+  OperatorCount& operator[](OperatorId id) { return by_id[static_cast<std::size_t>(id)]; }
+  const OperatorCount& operator[](OperatorId id) const { return by_id[static_cast<std::size_t>(id)]; }
 
   OperatorCounts& operator+=(const OperatorCounts& other) {
-    for (const Named& one : all()) this->*one.count += other.*one.count;
+    for (std::size_t i = 0; i < by_id.size(); ++i) by_id[i] += other.by_id[i];
     return *this;
   }
   OperatorCounts& operator-=(const OperatorCounts& other) {
-    for (const Named& one : all()) this->*one.count -= other.*one.count;
+    for (std::size_t i = 0; i < by_id.size(); ++i) by_id[i] -= other.by_id[i];
     return *this;
   }
   [[nodiscard]] OperatorCount of_all() const {
     OperatorCount sum;
-    for (const Named& one : all()) sum += this->*one.count;
+    for (const OperatorCount& count : by_id) sum += count;
     return sum;
   }
   [[nodiscard]] std::uint64_t applied() const { return of_all().applied; }

@@ -9,7 +9,7 @@
 
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/operators/locks.hpp"
-#include "lumesh/operators/operators.hpp"
+#include "lumesh/operators/terms.hpp"
 
 namespace lumesh::operators {
 

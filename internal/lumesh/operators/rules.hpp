@@ -22,7 +22,7 @@ struct CollapseRules {
   double min_relative_quality = 0.3;  ///< New worst over old worst quality.
 };
 
-/// Limits on thin_out(), where vertices are too many by far.
+/// Limits on Thinning, where vertices are too many by far.
 struct ThinningRules {
   double min_length = 8;      ///< Vertices are collapsed onto others nearer than this, in their own metric.
   double min_quality = 0.05;  ///< See CollapseRules; in the vertex's own metric.
@@ -37,7 +37,7 @@ struct SwapRules {
   std::size_t max_faces = kMaxFaces;  ///< Faces of one multi-face removal; 1 is the 2-3 swap alone.
   double min_gain = 1e-3;             ///< Gain of the worst quality.
   double max_length = std::numeric_limits<double>::infinity();  ///< Length of each new edge.
-  bool repeat = false;  ///< reconnect() tries edges and faces again that failed in the same run.
+  bool repeat = false;  ///< TetReconnection tries edges and faces again that failed in the same run.
 };
 
 /// Weights of and limits on vertex moves.
@@ -49,7 +49,7 @@ struct SmoothingRules {
   int halvings = 2;            ///< Halvings of a step that does not improve the sum, >= 1.
 };
 
-/// Limits on operators that improve dihedral angles: optimise_vertex(), slide_vertex(), insert_for_angles().
+/// Limits on operators that improve dihedral angles (angle_optimisation.hpp).
 struct AngleRules {
   double min_gain = 1e-3;     ///< Gain of the worst quality.
   int max_steps = 20;         ///< Steps of the search for one place.

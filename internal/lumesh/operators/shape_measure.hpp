@@ -11,8 +11,7 @@
 
 namespace lumesh::operators {
 
-/// Edge removal, face removal and collapse work with either, split_edge() and smooth_vertex() with the mean
-/// ratio, optimise_vertex(), slide_vertex() and insert_for_angles() with the angles.
+/// Operators work with either, or with the one that they name (kMeasure).
 struct ShapeMeasure {
   enum class Kind : std::uint8_t {
     kMeanRatio,       ///< Mean ratio in the metric of the vertices.

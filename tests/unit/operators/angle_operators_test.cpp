@@ -3,9 +3,9 @@
 #include <random>
 
 #include "fixtures/metric_cubes.hpp"
+#include "fixtures/random_operator.hpp"
 #include "fixtures/rough_cube.hpp"
 #include "lumesh/mesh/validate.hpp"
-#include "lumesh/operators/operators.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -24,7 +24,7 @@ struct AngleBench {
   metric::MetricField field = metric::MetricField::uniform(1);
   PatchShapes shapes;
   InputSurface surface;
-  Operators<NoLock> kernel;
+  Kernel<NoLock> kernel;
 
   explicit AngleBench(TetMesh start)
       : mesh(std::move(start)),
@@ -109,7 +109,7 @@ TetMesh octahedron_around(const Vec3& inner) {
 TEST(OptimiseVertex, FindsTheCentreOfAnOctahedron) {
   for (const Vec3& start : {Vec3(0.3, 0.2, 0.1), Vec3(-0.1, 0.5, 0.2), Vec3(0.02, -0.03, 0.7)}) {
     AngleBench bench(octahedron_around(start));
-    EXPECT_EQ(bench.kernel.optimise_vertex(VertexId(6), {.min_gain = 1e-6, .max_steps = 200}),
+    EXPECT_EQ(bench.kernel.apply(VertexOptimisation{{.min_gain = 1e-6, .max_steps = 200}}, VertexId(6)),
               Outcome::kApplied);
     EXPECT_LT(bench.mesh.point(VertexId(6)).norm(), 0.03) << bench.mesh.point(VertexId(6)).transpose();
     double smallest = 1;  // Angles near 90 degrees are obtuse or not by chance.
@@ -124,7 +124,7 @@ TEST(OptimiseVertex, FindsTheCentreOfAnOctahedron) {
 
 TEST(OptimiseVertex, LeavesVerticesOfPatches) {
   AngleBench bench(octahedron_around(Vec3(0.3, 0.2, 0.1)));
-  EXPECT_EQ(bench.kernel.optimise_vertex(VertexId(0), {}), Outcome::kRejected);
+  EXPECT_EQ(bench.kernel.apply(VertexOptimisation{}, VertexId(0)), Outcome::kRejected);
 }
 
 /// Half a ball: a square with a vertex in it, under one point.
@@ -145,8 +145,8 @@ TEST(SlideVertex, StaysInThePlaneOfItsPatch) {
   };
   AngleBench bench(TetMesh::build(soup.points, soup.tets, soup.labels, choose, info));
   const double before = bench.worst();
-  EXPECT_EQ(bench.kernel.slide_vertex(VertexId(0), {}), Outcome::kRejected);  // On a curve.
-  EXPECT_EQ(bench.kernel.slide_vertex(VertexId(4), {}), Outcome::kApplied);
+  EXPECT_EQ(bench.kernel.apply(VertexSliding{}, VertexId(0)), Outcome::kRejected);  // On a curve.
+  EXPECT_EQ(bench.kernel.apply(VertexSliding{}, VertexId(4)), Outcome::kApplied);
   EXPECT_EQ(bench.mesh.point(VertexId(4))[2], 0);
   EXPECT_GT(bench.worst(), 1.5 * before);
   EXPECT_NEAR(validate(bench.mesh).labels[0].volume, 4.0 / 3, 1e-12);
@@ -162,7 +162,7 @@ TEST(InsertForAngles, PutsAVertexIntoTheCentreOfAnOctahedron) {
   }
   AngleBench bench(soup.build());
   EXPECT_NEAR(bench.worst(), kObtuseWeight * std::sin(2 * std::atan(std::sqrt(2.0))), 1e-6);
-  EXPECT_EQ(bench.kernel.insert_for_angles(TetId(0), {}), Outcome::kApplied);
+  EXPECT_EQ(bench.kernel.apply(AngleInsertion{}, TetId(0)), Outcome::kApplied);
   EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
   EXPECT_EQ(bench.mesh.tet_count(), 8u);
   EXPECT_NEAR(bench.worst(), std::sqrt(2.0 / 3), 1e-6);
@@ -171,26 +171,14 @@ TEST(InsertForAngles, PutsAVertexIntoTheCentreOfAnOctahedron) {
 TEST(AngleOperators, KeepTheMeshValidAndNeverLowerTheWorstQuality) {
   AngleBench bench(fixtures::rough_cube(4, 7, true));
   std::mt19937 random(8);
-  OperatorCounts last;
+  const fixtures::RandomRules rules{.collapse = {.min_quality = 1}};
   for (int round = 0; round < 3; ++round) {
     const double before = bench.worst();
     for (int step = 0; step < 400; ++step) {
       const TetId t(static_cast<std::uint32_t>(random() % bench.mesh.tet_slots()));
       if (!bench.mesh.alive(t)) continue;
-      const VertexId v = bench.mesh.vertex(t, static_cast<int>(random() % 4));
-      switch (random() % 4) {
-        case 0:
-          bench.kernel.optimise_vertex(v, {});
-          break;
-        case 1:
-          bench.kernel.slide_vertex(v, {});
-          break;
-        case 2:
-          bench.kernel.insert_for_angles(t, {});
-          break;
-        default:
-          bench.kernel.reconnect(t, {});
-      }
+      const int i = static_cast<int>(random() % 4), j = (i + 1 + static_cast<int>(random() % 3)) % 4;
+      fixtures::try_operator<fixtures::AngleOperators>(bench.kernel, bench.mesh, {t, i, j}, random(), rules);
     }
     const ValidationReport report = validate(bench.mesh);
     ASSERT_TRUE(report.ok()) << report.text();
@@ -200,8 +188,8 @@ TEST(AngleOperators, KeepTheMeshValidAndNeverLowerTheWorstQuality) {
     if (!bench.mesh.alive(TetId(t))) continue;
     EXPECT_NEAR(bench.mesh.quality(TetId(t)), angle_quality_of(bench.mesh, TetId(t)), 1e-6);
   }
-  EXPECT_GT(bench.kernel.counts().insertion.applied, 10u);
-  EXPECT_GT(bench.kernel.counts().smoothing.applied, 40u);
+  EXPECT_GT(bench.kernel.counts()[OperatorId::kInsertion].applied, 10u);
+  EXPECT_GT(bench.kernel.counts()[OperatorId::kSmoothing].applied, 40u);
 }
 
 }  // namespace

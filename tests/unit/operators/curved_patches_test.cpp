@@ -31,15 +31,12 @@ struct CurvedBench {
   [[nodiscard]] Subject subject() { return {mesh, field, shapes}; }
 };
 
-void random_steps(CurvedBench& bench, int count, std::mt19937& random, Operators<NoLock>& kernel) {
-  const InsertionRules dense{.min_length = 0.3};
-  const CollapseRules loose{.max_length = 4, .min_quality = 0.01, .min_relative_quality = 0.01};
+void random_steps(CurvedBench& bench, int count, std::mt19937& random, Kernel<NoLock>& kernel) {
   for (int n = 0; n < count; ++n) {
     const TetId t(static_cast<std::uint32_t>(random() % bench.mesh.tet_slots()));
     if (!bench.mesh.alive(t)) continue;
     const int i = static_cast<int>(random() % 4), j = (i + 1 + static_cast<int>(random() % 3)) % 4;
-    const auto which = random() % 6;
-    fixtures::try_operator(kernel, bench.mesh, t, i, j, which, dense, loose);
+    fixtures::try_operator(kernel, bench.mesh, {t, i, j}, random());
   }
 }
 
@@ -89,7 +86,7 @@ TEST(ShapesOfPatches, FindsACylinderInAnyDirectionAndTellsItFromABall) {
 
 TEST(CurvedPatches, RandomOperatorsKeepAPipeValidAndItsVerticesInPlace) {
   CurvedBench bench(fixtures::quarter_pipe(5), 0.15);
-  Operators<NoLock> kernel(bench.subject());
+  Kernel<NoLock> kernel(bench.subject());
   std::mt19937 random(7);
   for (int round = 0; round < 5; ++round) {
     random_steps(bench, 5000, random, kernel);
@@ -101,15 +98,15 @@ TEST(CurvedPatches, RandomOperatorsKeepAPipeValidAndItsVerticesInPlace) {
     EXPECT_NEAR(report.labels[0].volume, 0.75 * std::numbers::pi / 4, 0.02);
   }
   const OperatorCounts& counts = kernel.counts();
-  EXPECT_GT(counts.insertion.applied, 100u);
-  EXPECT_GT(counts.collapse.applied, 50u);
-  EXPECT_GT(counts.edge_removal.applied, 50u);
-  EXPECT_GT(counts.smoothing.applied, 100u);
+  EXPECT_GT(counts[OperatorId::kInsertion].applied, 100u);
+  EXPECT_GT(counts[OperatorId::kCollapse].applied, 50u);
+  EXPECT_GT(counts[OperatorId::kEdgeRemoval].applied, 50u);
+  EXPECT_GT(counts[OperatorId::kSmoothing].applied, 100u);
 }
 
 TEST(CurvedPatches, RandomOperatorsKeepABallValidAndItsVolume) {
   CurvedBench bench(fixtures::ball(2), 0.3);
-  Operators<NoLock> kernel(bench.subject());
+  Kernel<NoLock> kernel(bench.subject());
   std::mt19937 random(8);
   for (int round = 0; round < 5; ++round) {
     random_steps(bench, 4000, random, kernel);
@@ -134,7 +131,7 @@ TEST(CurvedPatches, FrozenOnesStayAsTheyAre) {
     return count;
   };
   const std::size_t before = inner_faces();
-  Operators<NoLock> kernel(bench.subject());
+  Kernel<NoLock> kernel(bench.subject());
   std::mt19937 random(9);
   random_steps(bench, 8000, random, kernel);
   bench.mesh.compact();
@@ -165,8 +162,8 @@ TEST(CurvedPatches, AFlatTetrahedronOfASmoothPatchIsTakenAway) {
   const TetId flat(static_cast<std::uint32_t>(soup.tets.size()) - 1);
   ASSERT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
 
-  Operators<NoLock> kernel(bench.subject());
-  EXPECT_EQ(kernel.remove_edge(flat, 0, 2, {}), Outcome::kApplied);
+  Kernel<NoLock> kernel(bench.subject());
+  EXPECT_EQ(kernel.apply(EdgeRemoval{}, {flat, 0, 2}), Outcome::kApplied);
   EXPECT_FALSE(bench.mesh.alive(flat));
   bench.mesh.compact();
   EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();

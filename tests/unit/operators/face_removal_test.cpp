@@ -35,7 +35,7 @@ TetMesh double_pyramid(int corners, double height) {
   return mesh;
 }
 
-class FaceRemoval : public testing::TestWithParam<int> {};
+class FaceRemovals : public testing::TestWithParam<int> {};
 
 double worst_quality(const TetMesh& mesh) {
   double worst = 1;
@@ -44,7 +44,7 @@ double worst_quality(const TetMesh& mesh) {
   return worst;
 }
 
-TEST_P(FaceRemoval, TurnsFacesBetweenTwoVerticesIntoTheirEdge) {
+TEST_P(FaceRemovals, TurnsFacesBetweenTwoVerticesIntoTheirEdge) {
   const int corners = GetParam();
   TetMesh mesh = double_pyramid(corners, 0.4);
   const double volume = validate(mesh).labels[0].volume;
@@ -52,8 +52,8 @@ TEST_P(FaceRemoval, TurnsFacesBetweenTwoVerticesIntoTheirEdge) {
   const double worst = worst_quality(mesh);
   const MetricField field = MetricField::uniform(1);
   const PatchShapes shapes = all_frozen(mesh);
-  Operators<NoLock> kernel({mesh, field, shapes});
-  ASSERT_EQ(kernel.remove_face(TetId(0), 3, {}), Outcome::kApplied);
+  Kernel<NoLock> kernel({mesh, field, shapes});
+  ASSERT_EQ(kernel.apply(FaceRemoval{}, {TetId(0), 3}), Outcome::kApplied);
   mesh.compact();
   const ValidationReport report = validate(mesh);
   ASSERT_TRUE(report.ok()) << report.text();
@@ -70,22 +70,22 @@ TEST_P(FaceRemoval, TurnsFacesBetweenTwoVerticesIntoTheirEdge) {
   EXPECT_EQ(mesh.tet_count(), 2 * static_cast<std::uint32_t>(corners - 2) - removed + 2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Corners, FaceRemoval, testing::Values(3, 4, 5, 6, 8),
+INSTANTIATE_TEST_SUITE_P(Corners, FaceRemovals, testing::Values(3, 4, 5, 6, 8),
                          testing::PrintToStringParamName());
 
-TEST(FaceRemoval, LeavesWhatItWouldNotBetter) {
+TEST(FaceRemovals, LeavesWhatItWouldNotBetter) {
   const MetricField field = MetricField::uniform(1);
   for (const auto& [corners, height] : {std::pair(3, 3.0), std::pair(20, 0.4)}) {  // Needles; too many faces.
     TetMesh mesh = double_pyramid(corners, height);
     const PatchShapes shapes = all_frozen(mesh);
-    Operators<NoLock> kernel({mesh, field, shapes});
-    EXPECT_EQ(kernel.remove_face(TetId(0), 3, {}), Outcome::kRejected);
+    Kernel<NoLock> kernel({mesh, field, shapes});
+    EXPECT_EQ(kernel.apply(FaceRemoval{}, {TetId(0), 3}), Outcome::kRejected);
     EXPECT_EQ(mesh.tet_count(), 2u * static_cast<std::uint32_t>(corners) - 4);
     EXPECT_TRUE(validate(mesh).ok());
   }
 }
 
-TEST(FaceRemoval, KeepsInterfaces) {
+TEST(FaceRemovals, KeepsInterfaces) {
   TetMesh whole = double_pyramid(5, 0.4);
   std::vector<Label> labels;
   for (std::uint32_t t = 0; t < whole.tet_count(); ++t)
@@ -94,10 +94,10 @@ TEST(FaceRemoval, KeepsInterfaces) {
   const MetricField field = MetricField::uniform(1);
   metric::assign_metric(mesh, field);
   const PatchShapes shapes = all_frozen(mesh);
-  Operators<NoLock> kernel({mesh, field, shapes});
+  Kernel<NoLock> kernel({mesh, field, shapes});
   for (std::uint32_t t = 0; t < mesh.tet_count(); ++t)
     for (int face = 0; face < 4; ++face)
-      EXPECT_EQ(kernel.remove_face(TetId(t), face, {}), Outcome::kRejected);
+      EXPECT_EQ(kernel.apply(FaceRemoval{}, {TetId(t), face}), Outcome::kRejected);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ struct Bench {
   TetMesh mesh;
   MetricField field;
   PatchShapes shapes;
-  Operators<NoLock> kernel;
+  Kernel<NoLock> kernel;
 
   Bench(TetMesh cube, AnalyticKind kind, double size_factor)
       : mesh(prepared(std::move(cube), kind, size_factor)),
@@ -55,12 +55,11 @@ struct Bench {
   }
 
   /// Any operator on any tetrahedron.
-  Outcome random_step(std::mt19937& random, const InsertionRules& insertion, const CollapseRules& collapse) {
+  Outcome random_step(std::mt19937& random, const fixtures::RandomRules& rules = {}) {
     const TetId t(static_cast<std::uint32_t>(random() % mesh.tet_slots()));
     if (!mesh.alive(t)) return Outcome::kRejected;
     const int i = static_cast<int>(random() % 4), j = (i + 1 + static_cast<int>(random() % 3)) % 4;
-    const auto which = random() % 6;
-    return fixtures::try_operator(kernel, mesh, t, i, j, which, insertion, collapse);
+    return fixtures::try_operator(kernel, mesh, {t, i, j}, random(), rules);
   }
 };
 
@@ -78,12 +77,10 @@ TEST_P(RandomOperators, KeepTheMeshValid) {
   Bench bench(given.two_labels ? fixtures::unit_cube_of_two_labels(4) : fixtures::unit_cube(4), given.kind,
               given.size_factor);
   const std::vector<double> before = volumes_by_label(bench.mesh);
-  const InsertionRules dense{.min_length = 0.3};
-  const CollapseRules loose{.max_length = 4, .min_quality = 0.01, .min_relative_quality = 0.01};
   std::mt19937 random(11);
   for (std::uint32_t round = 0; round < 6; ++round) {
     bench.kernel.begin_run({}, 0, round);  // Edges that failed may be tried again.
-    for (int i = 0; i < 5000; ++i) bench.random_step(random, dense, loose);
+    for (int i = 0; i < 5000; ++i) bench.random_step(random);
     bench.mesh.compact();
     const ValidationReport report = validate(bench.mesh);
     ASSERT_TRUE(report.ok()) << "round " << round << ": " << report.text();
@@ -93,11 +90,11 @@ TEST_P(RandomOperators, KeepTheMeshValid) {
   ASSERT_EQ(after.size(), before.size());
   for (std::size_t i = 0; i < after.size(); ++i) EXPECT_NEAR(after[i], before[i], 1e-12);
   const OperatorCounts& counts = bench.kernel.counts();
-  EXPECT_GT(counts.insertion.applied, 100u);
-  EXPECT_GT(counts.collapse.applied, 20u);
-  EXPECT_GT(counts.edge_removal.applied, 100u);
-  EXPECT_GT(counts.face_removal.applied, 0u);
-  EXPECT_GT(counts.smoothing.applied, 100u);
+  EXPECT_GT(counts[OperatorId::kInsertion].applied, 100u);
+  EXPECT_GT(counts[OperatorId::kCollapse].applied, 20u);
+  EXPECT_GT(counts[OperatorId::kEdgeRemoval].applied, 100u);
+  EXPECT_GT(counts[OperatorId::kFaceRemoval].applied, 0u);
+  EXPECT_GT(counts[OperatorId::kSmoothing].applied, 100u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Metrics, RandomOperators,
@@ -107,13 +104,9 @@ INSTANTIATE_TEST_SUITE_P(Metrics, RandomOperators,
                                          RandomCase{"TwoLabels", true, AnalyticKind::kPolar2, 1.5}),
                          [](const auto& info) { return info.param.name; });
 
-/// Edge (i, j) of t with both ends as given, anywhere in the mesh.
-struct FoundEdge {
-  TetId t;
-  int i = 0, j = 0;
-};
+/// An edge with both ends as given, anywhere in the mesh.
 template <class Test>
-FoundEdge find_edge(const TetMesh& mesh, const Test& test) {
+TetEdge find_edge(const TetMesh& mesh, const Test& test) {
   for (std::uint32_t t = 0; t < mesh.tet_count(); ++t)
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < 4; ++j)
@@ -127,8 +120,8 @@ TEST(SplitEdge, PutsTheVertexWhereTheMetricHalvesTheEdge) {
     const Vec3 edge = bench.mesh.point(b) - bench.mesh.point(a);
     return edge == Vec3(0, 0, 1);
   });
-  ASSERT_TRUE(vertical.t.valid());
-  ASSERT_EQ(bench.kernel.split_edge(vertical.t, vertical.i, vertical.j, 0.5, {}), Outcome::kApplied);
+  ASSERT_TRUE(vertical.tet.valid());
+  ASSERT_EQ(bench.kernel.apply(EdgeSplit{}, vertical), Outcome::kApplied);
   const Vec3& added = bench.mesh.point(VertexId(8));
   EXPECT_NEAR(added[2], 0.5, 1e-12);  // The metric is the same at both ends.
   EXPECT_TRUE(added[0] == 0 || added[0] == 1);
@@ -141,11 +134,11 @@ TEST(SplitEdge, LeavesFrozenPatchesAlone) {
   bench.shapes = all_frozen(bench.mesh);
   const std::size_t faces = bench.mesh.boundary_faces().triangles.size();
   std::mt19937 random(3);
-  for (int i = 0; i < 5000; ++i) bench.random_step(random, {}, {});
+  for (int i = 0; i < 5000; ++i) bench.random_step(random, {{}, {}});
   bench.mesh.compact();
   EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
   EXPECT_EQ(bench.mesh.boundary_faces().triangles.size(), faces);
-  EXPECT_GT(bench.kernel.counts().insertion.applied, 10u);
+  EXPECT_GT(bench.kernel.counts()[OperatorId::kInsertion].applied, 10u);
 }
 
 TEST(CollapseEdge, KeepsCornersAndCurves) {
@@ -159,12 +152,12 @@ TEST(CollapseEdge, KeepsCornersAndCurves) {
   using enum VertexDimension;
   for (const auto& [from, to] :
        {std::pair{kCorner, kCurve}, {kCurve, kSurface}, {kSurface, kVolume}, {kCurve, kVolume}}) {
-    const FoundEdge edge = on(from, to);
-    ASSERT_TRUE(edge.t.valid());
-    EXPECT_EQ(bench.kernel.collapse_edge(edge.t, edge.i, edge.j, loose), Outcome::kRejected);
+    const TetEdge edge = on(from, to);
+    ASSERT_TRUE(edge.tet.valid());
+    EXPECT_EQ(bench.kernel.apply(EdgeCollapse{loose}, edge), Outcome::kRejected);
   }
-  const FoundEdge along = on(kCurve, kCorner);
-  EXPECT_EQ(bench.kernel.collapse_edge(along.t, along.i, along.j, loose), Outcome::kApplied);
+  const TetEdge along = on(kCurve, kCorner);
+  EXPECT_EQ(bench.kernel.apply(EdgeCollapse{loose}, along), Outcome::kApplied);
   bench.mesh.compact();
   EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
 }
@@ -199,11 +192,11 @@ TEST(CollapseEdge, LeavesNoEdgeWhereTheSurfaceMeetsItself) {
   ASSERT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
   for (PatchShape& shape : bench.shapes) shape.freedom = PatchFreedom::kPlane;
   const CollapseRules loose{.max_length = 1e9, .min_quality = 0, .min_relative_quality = 0};
-  const FoundEdge edge =
+  const TetEdge edge =
       find_edge(bench.mesh, [](VertexId a, VertexId b) { return a == VertexId(0) && b == VertexId(1); });
-  ASSERT_TRUE(edge.t.valid());
+  ASSERT_TRUE(edge.tet.valid());
   ASSERT_EQ(bench.mesh.dimension(VertexId(0)), VertexDimension::kSurface);
-  EXPECT_EQ(bench.kernel.collapse_edge(edge.t, edge.i, edge.j, loose), Outcome::kRejected);
+  EXPECT_EQ(bench.kernel.apply(EdgeCollapse{loose}, edge), Outcome::kRejected);
   bench.mesh.compact();
   EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
 }
@@ -223,7 +216,7 @@ TEST(RemoveEdge, BettersTheWorstQualityAround) {
       corners.insert(mesh.tet(x).begin(), mesh.tet(x).end());
     });
     const float gain = 0.01f;
-    if (bench.kernel.remove_edge(t, 0, 1, {.min_gain = gain}) != Outcome::kApplied) continue;
+    if (bench.kernel.apply(EdgeRemoval{{.min_gain = gain}}, {t, 0, 1}) != Outcome::kApplied) continue;
     ++applied;
     float worst_after = 1;
     for (const VertexId end : {a, b}) {
@@ -242,7 +235,8 @@ TEST(RemoveEdge, BettersTheWorstQualityAround) {
 TEST(SmoothVertex, KeepsSurfacesFlatAndCornersInPlace) {
   Bench bench(fixtures::unit_cube(4), AnalyticKind::kPolar2, 2);
   for (int sweep = 0; sweep < 3; ++sweep)
-    for (std::uint32_t v = 0; v < bench.mesh.vertex_count(); ++v) bench.kernel.smooth_vertex(VertexId(v), {});
+    for (std::uint32_t v = 0; v < bench.mesh.vertex_count(); ++v)
+      bench.kernel.apply(VertexSmoothing{}, VertexId(v));
   EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
   for (std::uint32_t v = 0; v < bench.mesh.vertex_count(); ++v) {
     const Vec3& p = bench.mesh.point(VertexId(v));
@@ -250,7 +244,7 @@ TEST(SmoothVertex, KeepsSurfacesFlatAndCornersInPlace) {
     for (int k = 0; k < 3; ++k) on_sides += p[k] == 0 || p[k] == 1 ? 1 : 0;
     EXPECT_EQ(on_sides, 3 - static_cast<int>(bench.mesh.dimension(VertexId(v))));
   }
-  EXPECT_GT(bench.kernel.counts().smoothing.applied, 50u);
+  EXPECT_GT(bench.kernel.counts()[OperatorId::kSmoothing].applied, 50u);
 }
 
 TEST(Reconnect, IsNotWorthAnotherTrialUntilSomethingChangesAround) {
@@ -260,13 +254,14 @@ TEST(Reconnect, IsNotWorthAnotherTrialUntilSomethingChangesAround) {
   const SwapRules again{.repeat = true};
   std::vector<TetId> in_vain;
   for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
-    if (mesh.alive(TetId(t)) && bench.kernel.reconnect(TetId(t), again) == Outcome::kRejected)
+    if (mesh.alive(TetId(t)) && bench.kernel.apply(TetReconnection{again}, TetId(t)) == Outcome::kRejected)
       in_vain.push_back(TetId(t));
   ASSERT_GT(in_vain.size(), 50u);
   bench.kernel.begin_run({}, 4, 2);
   TetId unchanged;
   for (const TetId t : in_vain)
-    if (mesh.alive(t) && mesh.trial_epoch(t) == 1 && bench.kernel.reconnect(t, again) == Outcome::kRejected)
+    if (mesh.alive(t) && mesh.trial_epoch(t) == 1 &&
+        bench.kernel.apply(TetReconnection{again}, t) == Outcome::kRejected)
       unchanged = t;
   ASSERT_TRUE(unchanged.valid());
   EXPECT_FALSE(has_changed_since_trial(mesh, unchanged));
@@ -276,7 +271,7 @@ TEST(Reconnect, IsNotWorthAnotherTrialUntilSomethingChangesAround) {
   for_each_tet_around(mesh, mesh.vertex(unchanged, 0), [&](TetId x) {
     for (const auto& [i, j] : kTetEdges)
       if (!split && mesh.alive(x) && mesh.index_of(unchanged, mesh.vertex(x, i)) < 0)
-        split = bench.kernel.split_edge(x, i, j, 0.5, {.min_length = 0.1}) == Outcome::kApplied;
+        split = bench.kernel.apply(EdgeSplit{0.5, {.min_length = 0.1}}, {x, i, j}) == Outcome::kApplied;
   });
   ASSERT_TRUE(split);
   EXPECT_TRUE(!mesh.alive(unchanged) || has_changed_since_trial(mesh, unchanged));
@@ -290,17 +285,17 @@ TEST(Reconnect, FailsAgainWhereNoTetrahedronAtAnEdgeChanged) {
   for (std::uint32_t round = 1; round <= 20; ++round) {
     bench.kernel.begin_run({}, 4 * round, 2 * round - 1);
     for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
-      if (mesh.alive(TetId(t))) bench.kernel.reconnect(TetId(t), {});
+      if (mesh.alive(TetId(t))) bench.kernel.apply(TetReconnection{}, TetId(t));
     bench.kernel.begin_run({}, 4 * round + 2, 2 * round);
     for (int i = 0; i < 3; ++i)
       if (const TetId t(static_cast<std::uint32_t>(random() % mesh.tet_slots())); mesh.alive(t))
-        fixtures::try_operator(bench.kernel, mesh, t, 0, 1, random() % 4, {.min_length = 0.3}, {});
+        fixtures::try_operator(bench.kernel, mesh, {t, 0, 1}, random() % 4);
     for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
       const TetId t(i);
       if (!mesh.alive(t) || has_changed_since_trial(mesh, t, kVerticesOfAnEdge)) continue;
       ++spared;
       seen_by_one_vertex += has_changed_since_trial(mesh, t) ? 1 : 0;
-      ASSERT_EQ(bench.kernel.reconnect(t, {.repeat = true}), Outcome::kRejected);
+      ASSERT_EQ(bench.kernel.apply(TetReconnection{{.repeat = true}}, t), Outcome::kRejected);
     }
   }
   EXPECT_GT(spared, 1000u);
@@ -312,7 +307,7 @@ TEST(Reconnect, TriesTheEdgesAroundWhichSomethingChanged) {
   TetMesh& mesh = bench.mesh;
   const auto trials = [&] {
     const OperatorCounts counts = bench.kernel.counts();
-    return counts.edge_removal.rejected + counts.face_removal.rejected;
+    return counts[OperatorId::kEdgeRemoval].rejected + counts[OperatorId::kFaceRemoval].rejected;
   };
   std::mt19937 random(7);
   std::uint64_t of_changed = 0, of_all = 0;
@@ -324,20 +319,21 @@ TEST(Reconnect, TriesTheEdgesAroundWhichSomethingChanged) {
   for (int round = 0; round < 20; ++round) {
     begin_run();
     for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
-      if (mesh.alive(TetId(t))) bench.kernel.reconnect(TetId(t), {});
+      if (mesh.alive(TetId(t))) bench.kernel.apply(TetReconnection{}, TetId(t));
     begin_run();
     for (int i = 0; i < 3; ++i)
       if (const TetId t(static_cast<std::uint32_t>(random() % mesh.tet_slots())); mesh.alive(t))
-        fixtures::try_operator(bench.kernel, mesh, t, 0, 1, random() % 4, {.min_length = 0.3}, {});
+        fixtures::try_operator(bench.kernel, mesh, {t, 0, 1}, random() % 4);
     for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
       const TetId t(i);
       if (!mesh.alive(t) || mesh.trial_epoch(t) == 0 || !has_changed_since_trial(mesh, t, kVerticesOfAnEdge))
         continue;
       begin_run();
       const std::uint64_t before = trials();
-      if (bench.kernel.reconnect(t, {}) == Outcome::kApplied) continue;
+      if (bench.kernel.apply(TetReconnection{}, t) == Outcome::kApplied) continue;
       const std::uint64_t between = trials();
-      ASSERT_EQ(bench.kernel.reconnect(t, {.repeat = true}), Outcome::kRejected) << "spared what would go";
+      ASSERT_EQ(bench.kernel.apply(TetReconnection{{.repeat = true}}, t), Outcome::kRejected)
+          << "spared what would go";
       of_changed += between - before;
       of_all += trials() - between;
     }

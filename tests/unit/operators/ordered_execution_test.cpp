@@ -61,7 +61,7 @@ TEST(OrderedExecution, LeavesTheRestOfASweepOutOnceItIsToldToStop) {
   std::atomic<int> steps = 0;
   execution.stop_by([&] { return steps >= 20; });
   const auto work = [&](OrderedExecution::Kernel& kernel, TetId t) {
-    fixtures::try_operator(kernel, bench.mesh, t, 0, 1, steps++ % 4, {.min_length = 0.2}, {});
+    fixtures::try_operator(kernel, bench.mesh, {t, 0, 1}, steps++);
   };
   execution.for_each_tet_by_priority([](TetId) { return 1.0; }, work);
   EXPECT_GE(steps, 20);
@@ -83,7 +83,7 @@ TEST(OrderedExecution, CanHoldEveryTetrahedronOnceTheMeshIsCutAnew) {
         [&](OrderedExecution::Kernel& kernel, TetId t) {
           const std::uint32_t r = fixtures::random_by_place(bench.mesh, t, sweep);
           const int i = static_cast<int>(r % 4), j = (i + 1 + static_cast<int>(r / 4 % 3)) % 4;
-          fixtures::try_operator(kernel, bench.mesh, t, i, j, r / 16 % 4, {.min_length = 0.2}, {});
+          fixtures::try_operator(kernel, bench.mesh, {t, i, j}, r / 16);
         });
   const auto held = [&] {
     std::atomic<std::uint32_t> count = 0;

@@ -39,7 +39,7 @@ TEST_P(SpeculativeExecutionOnThreads, GivesEachItemItsTurnUntilItNoLongerContend
                                      });
   for (std::size_t t = 0; t < tets.size(); ++t) ASSERT_EQ(tets[t], t % 2 == 0 ? 1 : 0);
   execution.for_each_vertex([&](SpeculativeExecution::Kernel& kernel, VertexId v) {
-    if (kernel.smooth_vertex(v, {}) != Outcome::kContended) ++vertices[v.value];
+    if (kernel.apply(VertexSmoothing{}, v) != Outcome::kContended) ++vertices[v.value];
   });
   for (const std::uint8_t turns : vertices) ASSERT_EQ(turns, 1);
   for (std::uint32_t v = 0; v < bench.mesh.vertex_count(); ++v)
@@ -53,8 +53,7 @@ TEST_P(SpeculativeExecutionOnThreads, LeavesTheRestOfASweepOutOnceItIsToldToStop
   execution.stop_by([&] { return steps >= 20; });
   execution.for_each_tet_by_priority([](TetId) { return 1.0; },
                                      [&](SpeculativeExecution::Kernel& kernel, TetId t) {
-                                       fixtures::try_operator(kernel, bench.mesh, t, 0, 1, steps++ % 4,
-                                                              {.min_length = 0.2}, {});
+                                       fixtures::try_operator(kernel, bench.mesh, {t, 0, 1}, steps++);
                                      });
   EXPECT_GE(steps, 20);
   EXPECT_LT(steps, 20 + std::max(1, GetParam().threads));
@@ -84,13 +83,13 @@ TEST(SpeculativeLock, NeverGetsAFreedVertexNorOneThatIsNotAdopted) {
 }
 
 /// Minutes: --gtest_also_run_disabled_tests --gtest_filter='*Million*'
-template <class Execution>
+template <Execution T>
 void shake_a_million_times(int threads) {
   constexpr std::uint64_t kOperators = 1'000'000;
   std::uint64_t tried = 0;
   for (unsigned round = 0; tried < kOperators; ++round) {
     SweepBench bench(8 + static_cast<int>(round % 3));
-    const OperatorCount all = fixtures::shake<Execution>(bench, {.threads = threads}, 6).of_all();
+    const OperatorCount all = fixtures::shake<T>(bench, {.threads = threads}, 6).of_all();
     tried += all.applied + all.rejected;
     const ValidationReport report = validate(bench.mesh);
     ASSERT_TRUE(report.ok()) << "round " << round << ", " << threads << " threads: " << report.text();
