@@ -36,9 +36,7 @@ bool is_encroaching(const TetMesh& mesh, const NewVertex& vertex, std::span<cons
 /// Collapses the vertices that encroach on a new one onto it.
 void draw_in_near_vertices(auto& site, VertexId into) {
   const CollapseRules rules{.max_length = 2, .min_quality = 1e-3, .min_relative_quality = 0.3};
-  std::vector<VertexId>& encroaching = site.scratch.encroaching;
-  encroaching.assign(site.scratch.cavity.too_near().begin(), site.scratch.cavity.too_near().end());
-  for (const VertexId v : encroaching)
+  for (const VertexId v : site.scratch.cavity.too_near())
     site.counts[OperatorId::kCollapse].add(collapse_held_vertex(site, v, into, rules));
 }
 
@@ -54,7 +52,7 @@ Outcome insert_in_hole(auto& site, const NewVertex& vertex, std::span<const TetI
     return Outcome::kRejected;
   const VertexId v = cavity.fill(site.scratch.builder, vertex);
   site.lock.take_ownership(v);
-  if (!cavity.too_near().empty()) draw_in_near_vertices(site, v);
+  draw_in_near_vertices(site, v);
   return Outcome::kApplied;
 }
 

@@ -18,7 +18,18 @@ namespace lumesh::operators {
 }
 
 /// The corners of t besides i and j, ordered so that (i, j, first, second) is positively oriented.
-[[nodiscard]] std::array<int, 2> other_corners(int i, int j);
+[[nodiscard]] inline std::array<int, 2> other_corners(int i, int j) {
+  std::array<int, 2> others{};
+  for (int k = 0, n = 0; k < 4; ++k)
+    if (k != i && k != j) others[n++] = k;
+  // (i, j, first, second) must be an even permutation of (0, 1, 2, 3).
+  const std::array<int, 4> order = {i, j, others[0], others[1]};
+  int inversions = 0;
+  for (int k = 0; k < 4; ++k)
+    for (int m = k + 1; m < 4; ++m) inversions += order[k] > order[m] ? 1 : 0;
+  if (inversions % 2 != 0) std::swap(others[0], others[1]);
+  return others;
+}
 
 /// For lists of a few.
 template <class Item>

@@ -36,7 +36,6 @@ struct Scratch {
   Cavity cavity;
   std::vector<float> qualities;
   std::vector<NearVertex> near;
-  std::vector<VertexId> encroaching;
   StarShapes shapes;
   UniformStar uniform;
   AngleStar angles;
