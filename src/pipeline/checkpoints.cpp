@@ -22,9 +22,6 @@
 namespace lumesh::pipeline {
 namespace {
 
-constexpr const char* kCenterline = "centerline";
-constexpr const char* kLayers = "layers";
-
 /// Hash of a file that a key of the case names; empty for words and for none.
 std::string hash_of(const std::string& path) {
   if (path.empty() || path == "centerline" || path == "phantom") return path;
@@ -64,11 +61,11 @@ std::string content_of(const LabelImage& image) {
 
 }  // namespace
 
-std::filesystem::path Checkpoints::file_of(const std::string& stage) const {
-  return folder_ / (stage + (stage == kCenterline ? ".vtp" : ".vtu"));
+std::filesystem::path Checkpoints::file_of(CaseStage stage) const {
+  return folder_ / (std::string(names_of(stage).word) + (stage == CaseStage::kCenterline ? ".vtp" : ".vtu"));
 }
 
-bool Checkpoints::has(const std::string& stage, const std::string& key) const {
+bool Checkpoints::has(CaseStage stage, const std::string& key) const {
   const std::filesystem::path file = file_of(stage);
   if (!resumes_ || !std::filesystem::is_regular_file(file) ||
       !std::filesystem::is_regular_file(notes_of(file)))
@@ -78,11 +75,11 @@ bool Checkpoints::has(const std::string& stage, const std::string& key) const {
   return std::getline(in, line) && line + "\n" == key_line(key, file);
 }
 
-void Checkpoints::keep(const std::string& stage, const CaseState& state, const report::StageReport& report,
+void Checkpoints::keep(CaseStage stage, const CaseState& state, const report::StageReport& report,
                        const std::string& key) const {
   if (folder_.empty()) return;
   const std::filesystem::path file = file_of(stage);
-  if (stage == kCenterline) {
+  if (stage == CaseStage::kCenterline) {
     write_polylines(file, state.centerline, state.info());
   } else {
     const BoundaryFaces faces = state.boundary_faces();
@@ -92,11 +89,11 @@ void Checkpoints::keep(const std::string& stage, const CaseState& state, const r
   write_text_file(std::filesystem::path(file) += ".key", key_line(key, file));
 }
 
-void Checkpoints::load(const std::string& stage, CaseState& state, report::StageReport& report) const {
+void Checkpoints::load(CaseStage stage, CaseState& state, report::StageReport& report) const {
   const std::filesystem::path file = file_of(stage), notes = notes_of(file);
-  if (stage == kCenterline) {
+  if (stage == CaseStage::kCenterline) {
     state.centerline = read_polylines(file);
-  } else if (stage == kLayers || state.c.makes_mixed_mesh()) {
+  } else if (stage == CaseStage::kLayers || state.c.makes_mixed_mesh()) {
     state.mixed = read_mesh(file);
   } else {
     const MixedMesh mesh = read_mesh(file);
@@ -110,16 +107,17 @@ void Checkpoints::load(const std::string& stage, CaseState& state, report::Stage
 }
 
 /// The program itself counts as its version: two builds of one version may differ.
-std::map<std::string, std::string> stage_keys(const CaseState& state) {
+std::map<CaseStage, std::string> stage_keys(const CaseState& state) {
+  using enum CaseStage;
   const Case& c = state.c;
   const auto key = [](const std::string& text) { return text_sha256(text); };
-  std::map<std::string, std::string> keys;
+  std::map<CaseStage, std::string> keys;
   const std::string input =
       key(kVersion + file_sha256("/proc/self/exe") + state.input_sha256 +
           (state.given.image ? content_of(*state.given.image) : "") + section_text(c, "input"));
-  keys["centerline"] = key(input + section_text(c, "centerline"));
+  keys[kCenterline] = key(input + section_text(c, "centerline"));
   const bool lattice = c.mesher == Mesher::kLattice;
-  const std::string mesher = lattice ? "lattice" : "delaunay";
+  const std::string mesher = section_of(c.mesher);
   const auto files_of = [&](const std::string& section) {
     std::string hashes;
     for (const CaseFileRead& file : files_read_by(c))
@@ -130,14 +128,14 @@ std::map<std::string, std::string> stage_keys(const CaseState& state) {
   const bool metric_by_line = c.metric.source<metric::PointSource>().points == "centerline";
   // Speculative improvement of angles depends on chance.
   const bool by_chance = !lattice && c.adapt.adapt.execution == ExecutionKind::kSpeculative;
-  keys["mesh"] =
-      key(input + section_text(c, "") + section_text(c, mesher) + (sized_by_line ? keys["centerline"] : "") +
+  keys[kMesh] =
+      key(input + section_text(c, "") + section_text(c, mesher) + (sized_by_line ? keys[kCenterline] : "") +
           files_of(mesher) + (by_chance ? "speculative" : ""));
   const bool frozen = c.metric.limits_for(c.adapt.boundary.is_frozen).keeps_boundary;  // It imposes sizes.
-  keys["metric"] = key(keys["mesh"] + section_text(c, "metric") + (metric_by_line ? keys["centerline"] : "") +
-                       files_of("metric") + (frozen ? "frozen" : ""));
-  keys["adapted"] = key(keys["metric"] + section_text(c, "adapt"));
-  keys["layers"] = key(keys[c.metric.has_source() ? "adapted" : "mesh"] + section_text(c, "layers"));
+  keys[kMetric] = key(keys[kMesh] + section_text(c, "metric") + (metric_by_line ? keys[kCenterline] : "") +
+                      files_of("metric") + (frozen ? "frozen" : ""));
+  keys[kAdapted] = key(keys[kMetric] + section_text(c, "adapt"));
+  keys[kLayers] = key(keys[c.metric.has_source() ? kAdapted : kMesh] + section_text(c, "layers"));
   return keys;
 }
 

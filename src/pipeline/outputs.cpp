@@ -142,6 +142,14 @@ void make_folder(const std::filesystem::path& folder) {
                 folder.string() + ": cannot be made or written to; set another [output] folder");
 }
 
+/// The folder of the case, or one in it that is put into its place by settle_stage_files(); made if need be.
+std::filesystem::path folder_of_stage_files(const CaseState& state) {
+  const std::filesystem::path folder =
+      state.has_earlier_results ? folder_of(state.c) / kPartial : folder_of(state.c);
+  make_folder(folder);
+  return folder;
+}
+
 }  // namespace
 
 void prepare_folder(const Case& c) {
@@ -194,23 +202,20 @@ std::vector<std::string> faults_of_written(const CaseState& state) {
   return state.context.phase("validity", [&] { return quality::find_faults(view); });
 }
 
-void write_stage_files(const CaseState& state, const std::string& stage,
-                       std::vector<report::OutputFile>& files) {
+void write_centerline(const CaseState& state, std::vector<report::OutputFile>& files) {
   if (!state.c.output.stages) return;
-  const std::filesystem::path folder =
-      state.has_earlier_results ? folder_of(state.c) / kPartial : folder_of(state.c);
-  make_folder(folder);
-  if (stage == "centerline") {
-    write_polylines(folder / kCenterlineFile, state.centerline, state.info());
-    files.push_back({kCenterlineFile, "the centerline with its radius"});
-  } else {
-    const BoundaryFaces faces = state.boundary_faces();
-    const MeshInfo info = info_with_given_names(state);
-    MeshView view = state.view(faces);
-    view.info = &info;
-    write_mesh(folder / kFirstFile, MeshInUnit(view, state.c.output.unit).view());
-    files.push_back({kFirstFile, state.has_metric ? "the first mesh with its metric" : "the first mesh"});
-  }
+  write_polylines(folder_of_stage_files(state) / kCenterlineFile, state.centerline, state.info());
+  files.push_back({kCenterlineFile, "the centerline with its radius"});
+}
+
+void write_first_mesh(const CaseState& state, std::vector<report::OutputFile>& files) {
+  if (!state.c.output.stages) return;
+  const BoundaryFaces faces = state.boundary_faces();
+  const MeshInfo info = info_with_given_names(state);
+  MeshView view = state.view(faces);
+  view.info = &info;
+  write_mesh(folder_of_stage_files(state) / kFirstFile, MeshInUnit(view, state.c.output.unit).view());
+  files.push_back({kFirstFile, state.has_metric ? "the first mesh with its metric" : "the first mesh"});
 }
 
 void settle_stage_files(const CaseState& state, const std::vector<report::OutputFile>& files) {

@@ -42,10 +42,11 @@ void prepare_folder(const Case& c);
                                                            const std::filesystem::path& folder);
 /// Faults of the mesh that write_meshes() writes.
 [[nodiscard]] std::vector<std::string> faults_of_written(const CaseState& state);
-/// The first mesh or the centerline, if files of the stages are wanted; into the folder "partial" while
-/// nobody knows whether the run ends and those of another one are there.
-void write_stage_files(const CaseState& state, const std::string& stage,
-                       std::vector<report::OutputFile>& files);
+/// The centerline, if files of the stages are wanted; into the folder "partial" while nobody knows whether
+/// the run ends and those of another one are there.
+void write_centerline(const CaseState& state, std::vector<report::OutputFile>& files);
+/// The same of the first mesh.
+void write_first_mesh(const CaseState& state, std::vector<report::OutputFile>& files);
 /// Puts these into the place of those of another run, once the run has ended.
 void settle_stage_files(const CaseState& state, const std::vector<report::OutputFile>& files);
 

@@ -9,6 +9,7 @@
 #include <ctime>
 
 #include "case_sections.hpp"
+#include "case_stage.hpp"
 #include "checkpoints.hpp"
 #include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/error.hpp"
@@ -25,12 +26,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Sections of the case that a stage goes by.
-std::vector<std::string> sections_of(const std::string& stage, Mesher mesher) {
-  if (stage == "mesh") return {mesher == Mesher::kLattice ? "lattice" : "delaunay", "input"};
-  return {stage == "adapted" ? "adapt" : stage, "input"};
-}
-
 /// One run: its state, its report, and what is kept on disk.
 class CaseRun {
  public:
@@ -42,7 +37,7 @@ class CaseRun {
   }
 
   void read_input() {
-    stage("input", "Input", [&](report::StageReport& report) {
+    stage(CaseStage::kInput, [&](report::StageReport& report) {
       pipeline::read_input(state_, report);
       check_fits_memory(state_.c.metric.limits.complexity);  // Before the time for a mesh is spent.
       find_named_openings(state_);
@@ -51,29 +46,29 @@ class CaseRun {
   }
 
   void make_centerline() {
-    stage("centerline", "Centerline", [&](report::StageReport& report) {
-      take_or_make("centerline", report, pipeline::make_centerline);
+    stage(CaseStage::kCenterline, [&](report::StageReport& report) {
+      take_or_make(CaseStage::kCenterline, report, pipeline::make_centerline);
     });
     centerline_stage_ = result_.report.stages.size() - 1;
-    write_stage_files(state_, "centerline", result_.report.files);
+    write_centerline(state_, result_.report.files);
   }
 
   /// Changes the mesh by a stage, or takes what its checkpoint has.
   template <class Make>
-  void change_mesh(const std::string& name, const std::string& title, const Make& make) {
-    const bool has_mesh = name != "mesh";
+  void change_mesh(CaseStage which, const Make& make) {
+    const bool has_mesh = which != CaseStage::kMesh;
     if (has_mesh && state_.context.cancelled()) state_.is_complete = false;
     if (!state_.is_complete) return;
     const auto change = [&] {
-      stage(name, title, [&](report::StageReport& report) {
-        take_or_make(name, report, [&](CaseState& state, report::StageReport& of_stage) {
+      stage(which, [&](report::StageReport& report) {
+        take_or_make(which, report, [&](CaseState& state, report::StageReport& of_stage) {
           make(state, of_stage);
-          if (name == "mesh" || name == "adapted") add_counts(of_stage);
+          if (which == CaseStage::kMesh || which == CaseStage::kAdapted) add_counts(of_stage);
         });
         state_.mesh_info().provenance = state_.info().provenance;
       });
     };
-    if (name == "metric" || name == "layers")
+    if (which == CaseStage::kMetric || which == CaseStage::kLayers)
       unless_stopped(change);
     else
       change();  // These end in good order when they are told to stop, or there is no mesh yet.
@@ -102,7 +97,7 @@ class CaseRun {
         [&] { result_.report.stages[centerline_stage_].pictures.push_back(picture_of_centerline(state_)); });
     describing_s_ += seconds_since(start);
   }
-  void keep_first_mesh() { write_stage_files(state_, "first", result_.report.files); }
+  void keep_first_mesh() { write_first_mesh(state_, result_.report.files); }
 
   CaseResult finish() {
     const auto start = std::chrono::steady_clock::now();
@@ -151,23 +146,23 @@ class CaseRun {
 
   /// From the checkpoint, if there is one for this very input and these settings.
   template <class Make>
-  void take_or_make(const std::string& name, report::StageReport& report, const Make& make) {
-    if (checkpoints_.has(name, keys_[name])) {
-      checkpoints_.load(name, state_, report);
+  void take_or_make(CaseStage which, report::StageReport& report, const Make& make) {
+    if (checkpoints_.has(which, keys_[which])) {
+      checkpoints_.load(which, state_, report);
       report.what += " Taken from the checkpoint of an earlier run with the same input and settings.";
       return;
     }
     make(state_, report);
-    if (state_.is_complete) checkpoints_.keep(name, state_, report, keys_[name]);
+    if (state_.is_complete) checkpoints_.keep(which, state_, report, keys_[which]);
   }
 
   template <class Make>
-  void stage(const std::string& name, const std::string& title, const Make& make) {
+  void stage(CaseStage which, const Make& make) {
     const auto start = std::chrono::steady_clock::now();
     const std::size_t phases = state_.context.phases().size();
     report::StageReport& report = result_.report.stages.emplace_back();
-    report.name = title;
-    const std::vector<std::string> sections = sections_of(name, state_.c.mesher);
+    report.name = names_of(which).title;
+    const std::vector<std::string> sections = sections_of(which, state_.c.mesher);
     try {
       make(report);
     } catch (const Error& error) {
@@ -179,7 +174,7 @@ class CaseRun {
       warning = with_case_keys(warning, sections);
       state_.context.warn(warning);
     }
-    say(name, report.seconds, counts_line(report));
+    say(names_of(which).word, report.seconds, counts_line(report));
   }
   /// Times of the phases since then, those of one name together.
   void add_steps(report::StageReport& report, std::size_t first) const {
@@ -210,7 +205,7 @@ class CaseRun {
 
   CaseState state_;
   Checkpoints checkpoints_;
-  std::map<std::string, std::string> keys_;
+  std::map<CaseStage, std::string> keys_;
   CaseResult result_;
   std::size_t centerline_stage_ = kNone;
   double describing_s_ = 0;
@@ -247,17 +242,17 @@ CaseResult run_case(const Case& c, bool resumes, Context& context) {
   pipeline::CaseRun run(c, resumes, context);
   run.read_input();
   if (c.needs_centerline()) run.make_centerline();
-  run.change_mesh("mesh", "First mesh", pipeline::make_mesh);
+  run.change_mesh(pipeline::CaseStage::kMesh, pipeline::make_mesh);
   run.draw_centerline();
   if (c.metric.has_source()) {
-    run.change_mesh("metric", "Metric", pipeline::make_metric);
+    run.change_mesh(pipeline::CaseStage::kMetric, pipeline::make_metric);
     run.keep_first_mesh();
     run.describe("first");
-    run.change_mesh("adapted", "Adapted mesh", pipeline::adapt_mesh);
+    run.change_mesh(pipeline::CaseStage::kAdapted, pipeline::adapt_mesh);
   }
   if (c.layers.is_wanted()) {
     run.describe(c.metric.has_source() ? "adapted" : "first");
-    run.change_mesh("layers", "Boundary layers", pipeline::make_layers);
+    run.change_mesh(pipeline::CaseStage::kLayers, pipeline::make_layers);
   }
   run.name_patches();
   run.describe("last");

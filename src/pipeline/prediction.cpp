@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "case_sections.hpp"
+#include "case_stage.hpp"
 #include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
@@ -197,8 +198,8 @@ CasePrediction predict_case(const Case& c, Context& context) {
     if (c.layers.is_wanted()) prediction.grow_layers();
     return prediction.finish();
   } catch (const Error& error) {
-    const std::string mesher = c.mesher == Mesher::kLattice ? "lattice" : "delaunay";
-    throw Error(error.kind(), pipeline::with_case_keys(error.what(), {mesher, "input"}));
+    throw Error(error.kind(),
+                pipeline::with_case_keys(error.what(), sections_of(pipeline::CaseStage::kMesh, c.mesher)));
   }
 }
 
