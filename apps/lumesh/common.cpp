@@ -4,14 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <set>
 
 #include "lumesh/core/error.hpp"
-#include "lumesh/core/parse_number.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/sha256.hpp"
@@ -184,15 +182,6 @@ void add_name_option(CLI::App& command, std::vector<std::string>& names) {
           return std::string(error.what());
         }
       });
-}
-
-CLI::Validator positive_number() {
-  return {[](const std::string& text) {
-            const std::optional<double> number = parse_number<double>(text);
-            const bool good = number && std::isfinite(*number) && *number > 0;
-            return good ? std::string() : fmt::format("\"{}\" is not a positive number", text);
-          },
-          "POSITIVE"};
 }
 
 void check_volume_output(const std::string& path) {

@@ -107,9 +107,6 @@ void add_out_unit_option(CLI::App& command, std::string& unit);
 /// --name, of commands that make meshes; texts for renaming_from().
 void add_name_option(CLI::App& command, std::vector<std::string>& names);
 
-/// Accepts what is a finite number above 0, and says so otherwise.
-[[nodiscard]] CLI::Validator positive_number();
-
 /// @throws Error{kUsage} unless the name ends as those of files that hold tetrahedra.
 void check_volume_output(const std::string& path);
 

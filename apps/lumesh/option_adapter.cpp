@@ -33,6 +33,11 @@ std::string help_of(const Option& option) {
   throw CLI::ValidationError(flag_of(option.name), complaint);
 }
 
+Option without_zero(Option option) {
+  option.zero_text.reset();
+  return option;
+}
+
 /// The text as a number in the option's range. 0 for what is not given is taken only where another value is
 /// the default: elsewhere leaving the option out says the same, and a 0 is a slip.
 /// @param is_given_by_default  Whether the option has a value of its own without the command line.
@@ -42,9 +47,7 @@ Number number_in_range(const Option& option, const std::string& text, bool is_gi
   if (!number) refuse(option, fmt::format("\"{}\" is not a number", text));
   if (std::is_integral_v<Number> && *number != std::floor(*number))
     refuse(option, fmt::format("\"{}\" is not a whole number", text));
-  Option strict = option;
-  if (!is_given_by_default) strict.zero_text.reset();
-  const std::string complaint = strict.complaint(*number);
+  const std::string complaint = (is_given_by_default ? option : without_zero(option)).complaint(*number);
   if (!complaint.empty()) refuse(option, complaint);
   if (std::is_integral_v<Number> &&
       std::abs(*number) > static_cast<double>(std::numeric_limits<Number>::max()))
@@ -132,6 +135,7 @@ class Adder {
   }
   CLI::Option* operator()(const OptionRows& rows) const {
     constexpr std::size_t kMaxInOneWord = 3;
+    if (rows.is_single && (rows.least == 0 || rows.least == rows.width)) return row_of_words(rows);
     return rows.width > kMaxInOneWord ? rows_of_words(rows) : rows_of_commas(rows);
   }
 
@@ -172,6 +176,27 @@ class Adder {
     } catch (const Error& senseless) {
       refuse(option_, senseless.what());
     }
+  }
+  /// Exactly one row, a word for each number; a number alone fills a row without a least count.
+  CLI::Option* row_of_words(const OptionRows& rows) const {
+    const auto width = static_cast<int>(rows.width);
+    return command_
+        .add_option_function<std::vector<double>>(
+            flags_of(option_),
+            [self = *this, rows](std::vector<double> row) {
+              for (const double number : row)
+                if (const std::string complaint = without_zero(self.option_).complaint(number);
+                    !complaint.empty())
+                  refuse(self.option_, complaint);
+              if (row.size() == 1) row.resize(rows.width, row.front());
+              if (!rows.takes(row.size()))
+                refuse(self.option_,
+                       fmt::format("needs {}, or one for all, not {}", rows.width_text(), row.size()));
+              self.set_rows(rows, {std::move(row)});
+            },
+            help_of(option_))
+        ->expected(rows.least == 0 ? 1 : width, width)
+        ->default_str(option_.value_text());
   }
   CLI::Option* rows_of_words(const OptionRows& rows) const {
     return command_

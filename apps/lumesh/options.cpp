@@ -33,12 +33,13 @@ nlohmann::ordered_json sections_json() {
     for (const Option& option : section.options.all()) options.push_back(option_json(option));
   }
   // Stages that cases have as a part of others only, or not at all.
-  ImproveOptions improvement;
-  const OptionList of_improve = options_of(improvement);
-  for (const Option& option : of_improve.all()) json["improve"].push_back(option_json(option));
-  RepairRequest repair;
-  const OptionList of_repair = options_of(repair);
-  for (const Option& option : of_repair.all()) json["repair"].push_back(option_json(option));
+  const auto add = [&](const char* command, auto described) {
+    const OptionList options = options_of(described);
+    for (const Option& option : options.all()) json[command].push_back(option_json(option));
+  };
+  add("improve", ImproveOptions());
+  add("repair", RepairRequest());
+  add("phantom", PhantomSpec());
   return json;
 }
 

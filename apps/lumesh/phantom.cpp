@@ -15,6 +15,7 @@
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
+#include "option_adapter.hpp"
 #include "phantom_files.hpp"
 
 namespace lumesh::cli {
@@ -24,30 +25,12 @@ namespace {
 struct PhantomCommand {
   std::string kind;
   std::string image_path;
-  std::vector<int> size;
-  std::vector<double> spacing_mm;
-  std::vector<double> rotation_deg;
-  std::vector<double> origin_mm;
   PhantomSpec spec;
   std::filesystem::path parameters_path;
   std::string centerline_path;
   std::string velocity_path;
   RunOptions run;
 };
-
-PhantomSpec make_spec(const PhantomCommand& command) {
-  PhantomSpec spec = command.spec;
-  spec.kind = phantom_kind_from_name(command.kind);
-  if (!command.size.empty()) spec.size = Index3(command.size.data());
-  const std::vector<double>& spacing = command.spacing_mm;
-  if (spacing.size() == 2)
-    throw Error(ErrorKind::kUsage, "--spacing: give one value, or one for each of x, y, z");
-  if (spacing.size() == 1) spec.spacing_mm.setConstant(spacing[0]);
-  if (spacing.size() == 3) spec.spacing_mm = Vec3(spacing.data());
-  if (!command.rotation_deg.empty()) spec.rotation_deg = Vec3(command.rotation_deg.data());
-  if (!command.origin_mm.empty()) spec.origin_mm = Vec3(command.origin_mm.data());
-  return spec;
-}
 
 /// "case1.nrrd" -> "case1.phantom.json"; a double extension such as .nii.gz goes as a whole.
 std::filesystem::path parameters_beside(std::filesystem::path image) {
@@ -81,14 +64,15 @@ void print_summary(const PhantomCommand& command, const Phantom& phantom, const 
               label.component_count, label.euler_number);
 }
 
-void run(const PhantomCommand& command) {
+void run(PhantomCommand command) {
   CommandRun session(command.run);
   Context& context = session.context;
   const std::filesystem::path parameters =
       command.parameters_path.empty() ? parameters_beside(command.image_path) : command.parameters_path;
   check_output_folders(
       {command.image_path, parameters.string(), command.centerline_path, command.velocity_path});
-  const Phantom phantom(make_spec(command));
+  command.spec.kind = phantom_kind_from_name(command.kind);
+  const Phantom phantom(command.spec);
   const Polylines centerline = centerline_of(phantom);
   const Polylines velocity = velocity_of(phantom);
   check_lines(command.centerline_path, centerline, command);
@@ -107,32 +91,9 @@ void run(const PhantomCommand& command) {
 void add_phantom_command(CLI::App& program) {
   const auto command = std::make_shared<PhantomCommand>();
   CLI::App* sub = program.add_subcommand("phantom", "Make a synthetic image of which the truth is known");
-  PhantomSpec& spec = command->spec;
   sub->add_option("kind", command->kind, "carotid, bifurcation, layered, sphere or torus")->required();
   sub->add_option("-o,--output", command->image_path, "Image to write (.nrrd, .nii, .nii.gz)")->required();
-  sub->add_option("--size", command->size, "Voxels along x, y, z; default by kind (carotid 512 512 508)")
-      ->expected(3);
-  sub->add_option("--spacing", command->spacing_mm,
-                  "Voxel edge in mm, one value or three; default 1, bifurcation 0.15")
-      ->expected(1, 3)
-      ->check(positive_number());
-  sub->add_option(
-      "--radius", spec.radius_mm,
-      "Inlet, ball or tube radius in mm; default 14, bifurcation 9, layered and sphere 20, torus 11 "
-      "voxels of the default image, scaled with the image's extent");
-  sub->add_option("--end-radius", spec.end_radius_mm,
-                  "Smallest outlet in mm; default 0.29 (bifurcation 0.67) radii");
-  sub->add_option("--sac-radius", spec.sac_radius_mm,
-                  "Sac or dome in mm; default 35 (bifurcation 16) such voxels");
-  sub->add_option("--ring-radius", spec.ring_radius_mm,
-                  "Core circle of the torus in mm; default 28 such voxels");
-  sub->add_option("--wall", spec.wall_mm, "Wall of layered in mm; default 2 voxels");
-  sub->add_option("--noise", spec.noise_voxels, "Largest shift of the boundary in voxels, 0 to 2; default 0");
-  sub->add_option("--seed", spec.seed, "Of the noise; default 1");
-  sub->add_option("--rotate", command->rotation_deg, "Turn the frame about x, y, z in degrees; default 0 0 0")
-      ->expected(3);
-  sub->add_option("--origin", command->origin_mm, "Centre of the first voxel in mm; default 0 0 0")
-      ->expected(3);
+  add_options_of(*sub, command->spec);
   sub->add_option("--parameters", command->parameters_path,
                   "Where to write the parameters, for lumesh evaluate; default: beside the image, "
                   "case1.nrrd: case1.phantom.json");

@@ -113,8 +113,12 @@ std::string Option::value_text() const {
           },
           [](const OptionWord& word) { return word.words[word.get()]; },
           [](const OptionPath& path) { return or_none(*path.path); },
-          [](const OptionRows& rows) {
-            return joined(rows.get(),
+          [&](const OptionRows& rows) {
+            const auto values = rows.get();
+            const auto is_zero = [](double number) { return number == 0; };
+            if (zero_text && rows.is_single && std::ranges::all_of(values.front(), is_zero))
+              return *zero_text;
+            return joined(values,
                           [](const std::vector<double>& row) { return "[" + joined(row, text_of) + "]"; });
           },
           [](const OptionLabelledFiles& labelled) {

@@ -172,7 +172,7 @@ Phantom::Phantom(const PhantomSpec& spec) {
   impl->frame = {full.size, full.spacing_mm, full.origin_mm, rotation(full.rotation_deg)};
   impl->geometry = image::make_geometry(full);
   if (full.noise_voxels > 0) {
-    impl->noise.emplace(full.seed, full.spacing_mm.maxCoeff());
+    impl->noise.emplace(static_cast<std::uint32_t>(full.seed), full.spacing_mm.maxCoeff());
     impl->noise_mm = full.noise_voxels * full.spacing_mm.maxCoeff();
     impl->lipschitz = 1 + full.noise_voxels * image::WaveNoise::kSlope;
   }

@@ -6,6 +6,8 @@
 #include <type_traits>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/core/three_numbers.hpp"
 #include "lumesh/image/phantom.hpp"
 #include "phantom_kinds.hpp"
 
@@ -107,6 +109,37 @@ PhantomKind phantom_kind_from_name(std::string_view name) {
   std::string known;
   for (const std::string_view kind : kKindNames) known += (known.empty() ? "" : ", ") + std::string(kind);
   throw Error(ErrorKind::kUsage, "no phantom \"" + std::string(name) + "\"; choose one of " + known);
+}
+
+void PhantomSpec::describe(OptionList& list) {
+  describe_image(list);
+  const auto length = [&](const char* name, double& target, const char* meaning) {
+    list.number(name, target, at_least(0), meaning).in("mm").zero("by kind");
+  };
+  length("radius", radius_mm,
+         "Radius of the inlet, ball or tube; default 14, bifurcation 9, layered and sphere 20, torus 11 "
+         "voxels of the default image, scaled with the image's extent");
+  length("end_radius", end_radius_mm, "Radius of the smallest outlet; default 0.29 (bifurcation 0.67) radii");
+  length("sac_radius", sac_radius_mm, "Radius of the sac or dome; default 35 (bifurcation 16) such voxels");
+  length("ring_radius", ring_radius_mm, "Radius of the torus' core circle; default 28 such voxels");
+  length("wall", wall_mm, "Thickness of the wall of layered; default 2 voxels");
+  list.number("seed", seed, at_least(0), "Seed of the noise");
+  list.rows("rotate", exactly_three_numbers(rotation_deg, "0,30,0"),
+            "Turns of the image's axes about x, then y, then z")
+      .in("degrees");
+  list.rows("origin", exactly_three_numbers(origin_mm, "-10,0,25.5"), "Centre of the first voxel").in("mm");
+}
+
+void PhantomSpec::describe_image(OptionList& list, const std::string& prefix) {
+  list.rows(prefix + "size", three_numbers(size, "256,256,254"), "Number of the phantom's voxels")
+      .zero("by kind")
+      .range = between(8, 2048);
+  list.rows(prefix + "spacing", three_numbers(spacing_mm, "0.5,0.5,0.6"), "Size of the phantom's voxels")
+      .in("mm")
+      .zero("by kind")
+      .range = above(0);
+  list.number(prefix + "noise", noise_voxels, between(0, 2), "How far the phantom's boundary moves")
+      .in("voxels");
 }
 
 PhantomSpec resolve(const PhantomSpec& spec) {

@@ -2,50 +2,16 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-
-#include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/stages/input_parts.hpp"
 
 namespace lumesh {
-namespace {
-
-/// Three numbers; a number alone stands for all of them.
-template <class Vector>
-OptionRows three_numbers(Vector& target, std::string example) {
-  using Number = typename Vector::Scalar;
-  return {3, std::move(example), true,
-          [&target] {
-            std::vector<double> row;
-            for (int i = 0; i < 3; ++i) row.push_back(static_cast<double>(target[i]));
-            return std::vector<std::vector<double>>{std::move(row)};
-          },
-          [&target](const auto& rows) {
-            for (int i = 0; i < 3; ++i) {
-              const double value = rows[0][static_cast<std::size_t>(i)];
-              if (std::is_integral_v<Number> && value != std::floor(value))
-                throw Error(ErrorKind::kUsage, "must be whole numbers");
-              target[i] = static_cast<Number>(value);
-            }
-          }};
-}
-
-}  // namespace
 
 void InputKeys::describe(OptionList& list) {
   list.path("image", image, "Label image: NIfTI, NRRD, MetaImage, GIPL, DICOM folder");
   list.path("surface", surface, "Or a surface, open ends are capped: " + formats_for(MeshUse::kRead));
   list.text("phantom", phantom, "Or a synthetic image: carotid, bifurcation, layered, sphere, torus");
-  list.rows("phantom_size", three_numbers(phantom_spec.size, "256,256,254"),
-            "Voxels of the phantom; 0: the kind's default");
-  list.rows("phantom_spacing", three_numbers(phantom_spec.spacing_mm, "0.5,0.5,0.6"),
-            "Size of the phantom's voxels; 0: the kind's default")
-      .in("mm");
-  list.number("phantom_noise", phantom_spec.noise_voxels, between(0, 2),
-              "How far the phantom's boundary moves")
-      .in("voxels");
+  phantom_spec.describe_image(list, "phantom_");
   selection.describe(list);
   describe_unit(list, selection.unit);
   cuts.describe(list);

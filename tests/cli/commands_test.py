@@ -59,6 +59,23 @@ class OptionsTest(CommandTest):
                     result = self.run_lumesh(*command, "-o", self.folder / "out.vtu", option, value)
                     self.assert_refused(result, USAGE, option)
 
+    def test_numbers_of_phantoms_are_words(self):
+        image = self.folder / "other.nrrd"
+        def told(*options):
+            self.run_well("phantom", "sphere", "-o", image, *options)
+            return json.loads(self.run_well("info", image, "--json").stdout)
+
+        self.assertEqual(told("--size", 24)["size_voxels"], [24, 24, 24])
+        self.assertEqual(told("--spacing", 0.5, 0.5, 1, "--size", 32, 32, 16)["spacing_mm"], [0.5, 0.5, 1])
+        self.run_well("phantom", "sphere", "-o", image, "--size", 24, "--origin", -1, "-2.5", 3, "--rotate", 0, -30, 0)
+        self.assertEqual(json.loads(self.run_well("info", image, "--json").stdout)["origin_mm"], [-1, -2.5, 3])
+        for options, words in ((("--size", 24, 24), "3 numbers"), (("--size", 24.5), "whole"), (("--size", 4), "between 8 and 2048"),
+                               (("--origin", 1), "--origin"), (("--noise", 3), "between 0 and 2"), (("--radius", "-1"), "at least 0")):
+            with self.subTest(options):
+                self.assert_refused(self.run_lumesh("phantom", "sphere", "-o", image, *options), USAGE, options[0], words)
+        sections = json.loads(self.run_well("options", "--json").stdout)
+        self.assertIn("ring_radius", [option["name"] for option in sections["phantom"]])
+
     def test_a_cut_plane_without_a_direction_is_refused_everywhere(self):
         self.make_mesh()
         for plane in ("0 0 0 0 0 0", "0 0 10 0 0 nan", "inf 0 0 1 0 0"):
@@ -469,7 +486,7 @@ class OptionListTest(ProgramTest):
 
     def test_help_has_every_option_of_its_stage(self):
         sections = json.loads(self.run_well("options", "--json").stdout)
-        for command in ("lattice", "delaunay", "adapt", "layers", "metric", "centerline", "improve"):
+        for command in ("lattice", "delaunay", "adapt", "layers", "metric", "centerline", "improve", "phantom"):
             words = " ".join(self.run_well(command, "--help").stdout.split())
             for option in sections[command]:
                 if command == "centerline" and option["name"] == "make":  # A case makes it where it is needed.
@@ -499,7 +516,7 @@ class OptionListTest(ProgramTest):
                 key, _, value = line.removeprefix("# ").partition(" =")
                 text[section, key] = value.split(" # ")[0].strip().strip("'")
         for name, options in sections.items():
-            for option in options if name not in ("improve", "repair") else []:
+            for option in options if name not in ("improve", "repair", "phantom") else []:
                 with self.subTest(section=name, option=option["name"]):
                     value = text[name, option["name"]]
                     if "words" in option:

@@ -1,6 +1,7 @@
 #pragma once
 /// @file Synthetic images of which the truth is known: vessels and bodies given by exact distance functions.
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -11,6 +12,8 @@
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
+
+class OptionList;
 
 enum class PhantomKind : std::uint8_t {
   kCarotid,      ///< Siphon with a sac and three tapering branches, cut by the image border. Label 1.
@@ -38,9 +41,14 @@ struct PhantomSpec {
   double ring_radius_mm = 0;         ///< Torus: radius of its core circle.
   double wall_mm = 0;                ///< Layered: thickness of the wall; default 2 voxels.
   double noise_voxels = 0;           ///< The boundary moves by at most this, 0 to 2 voxels (largest spacing).
-  std::uint32_t seed = 1;            ///< Seed of the noise.
+  std::size_t seed = 1;              ///< Seed of the noise; its lowest 32 bits count.
   Vec3 rotation_deg = Vec3::Zero();  ///< Turns of the direction cosines about x, then y, then z.
   Vec3 origin_mm = Vec3::Zero();     ///< Centre of voxel (0, 0, 0).
+
+  /// All but the kind.
+  void describe(OptionList& list);
+  /// Size, spacing and noise alone. @param prefix  Of the names, where options of other things are beside.
+  void describe_image(OptionList& list, const std::string& prefix = "");
 };
 
 /// The spec with every default filled in.
