@@ -1,6 +1,3 @@
-#include <fmt/core.h>
-
-#include <chrono>
 #include <memory>
 
 #include "commands.hpp"
@@ -8,11 +5,10 @@
 #include "keep_option.hpp"
 #include "kernel_options.hpp"
 #include "long_run.hpp"
-#include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/report/stage_json.hpp"
-#include "lumesh/stages/mesh_adaptation.hpp"
+#include "lumesh/report/stage_text.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -25,48 +21,35 @@ struct AdaptCommand {
   RunOptions run;
 };
 
-/// Refuses before anything is read what contradicts itself.
-void check_options(const AdaptCommand& command) {
-  const MeshAdaptationRequest& request = command.request;
-  request.validate();
-  check_volume_output(command.output_path);
-  if (!command.metric_output_path.empty() && !is_metric_file(command.metric_output_path))
-    throw Error(ErrorKind::kUsage, "--metric-output " + command.metric_output_path + ": must be " +
-                                       formats_for(MeshUse::kMetricAlone, " or "));
-  check_output_folders({command.output_path, command.metric_output_path, command.json_path});
-  check_inputs_stay({command.metric_output_path, command.json_path},
-                    {command.mesh_path, request.tensors.file, request.image});
-}
-
 void run(AdaptCommand command) {
-  const auto start = std::chrono::steady_clock::now();
   CommandRun session(command.run);
   Context& context = session.context;
   LongRun long_run(command.run);
-  check_options(command);
-  command.request.stage.adapt.team.threads = threads_of(command.run);
+  MeshAdaptationRequest& request = command.request;
+  std::string &output_path = command.output_path, &metric_path = command.metric_output_path;
+  request.validate();
+  check_volume_output(output_path);
+  check_metric_output("--metric-output", metric_path);
+  check_output_folders({output_path, metric_path, command.json_path});
+  check_inputs_stay({metric_path, command.json_path},
+                    {command.mesh_path, request.tensors.file, request.image});
+  request.stage.adapt.team.threads = threads_of(command.run);
   MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
-  AdaptedMesh made = adapt_mesh(input, command.mesh_path, command.request, context);
+  AdaptedMesh made = adapt_mesh(input, command.mesh_path, request, context);
   const AdaptReport& report = made.result.report;
-  made.mesh.finish(provenance_of(*command.run.command, command.mesh_path, input.info.provenance), context);
-  long_run.begin_writing({&command.output_path, &command.json_path, &command.metric_output_path},
-                         report.complete);
-  const MeshView mesh = made.mesh.view();
+  made.mesh.finish(provenance_of(command.run.making(), command.mesh_path, input.info.provenance), context);
+  long_run.begin_writing({&output_path, &command.json_path, &metric_path}, report.complete);
+  const MeshView mesh = made.mesh.view(), before = input.view();
   context.phase("write", [&] {
-    write_mesh(command.output_path, mesh);
-    if (!command.metric_output_path.empty()) write_metric(command.metric_output_path, mesh.metric);
+    write_mesh(output_path, mesh);
+    if (!metric_path.empty()) write_metric(metric_path, mesh.metric);
   });
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  if (!command.json_path.empty())
-    write_json(command.json_path, report::adapt_json(made.result, context, elapsed.count()));
+  write_json(
+      command.json_path,
+      report::adapt_json(made, session.notes({{output_path, kMeshWords}, {metric_path, "its metric"}})));
   print_counts(command.run, report.by_thread);
-  say(command.run, "{}: {} tetrahedra, {} vertices, {} boundary triangles, complexity {:.0f}; {:.2f} s\n",
-      command.output_path, made.mesh.changing().tet_count(), made.mesh.changing().vertex_count(),
-      made.mesh.faces().triangles.size(), report.complexity, elapsed.count());
-  if (made.mesh.has_kept()) say(command.run, "with {} cells as they were\n", made.mesh.kept_count());
-  const MeshView before = input.view();
-  require_sound(command.output_path, mesh, context, long_run.reason(report.complete), &before);
-  long_run.check_complete(report.complete, command.output_path + " holds the best mesh so far");
+  say(command.run, "{}", report::adapt_text(output_path, made, session.seconds()));
+  long_run.require_sound(output_path, mesh, context, report.complete, &before);
 }
 
 }  // namespace

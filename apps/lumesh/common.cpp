@@ -1,6 +1,5 @@
 #include "common.hpp"
 
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,12 +8,9 @@
 #include <fstream>
 #include <set>
 
-#include "lumesh/core/error.hpp"
-#include "lumesh/core/version.hpp"
 #include "lumesh/io/mesh_file.hpp"
-#include "lumesh/io/sha256.hpp"
 #include "lumesh/io/text_file.hpp"
-#include "lumesh/quality/faults.hpp"
+#include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "option_adapter.hpp"
 #include "program.hpp"
@@ -74,6 +70,10 @@ void require_json_or_new(const std::string& path) {
 
 }  // namespace
 
+Making RunOptions::making() const {
+  return {command->get_name(), given_options(*command)};
+}
+
 void finish_options(CLI::App& app, RunOptions& options, const std::string& footer, bool has_threads) {
   if (has_threads)
     app.add_option("--threads,--nthreads", options.threads, "Threads; 0 = all cores")
@@ -92,8 +92,9 @@ void finish_options(CLI::App& app, RunOptions& options, const std::string& foote
   app.footer(footer);
 }
 
-void add_json_option(CLI::App& command, std::string& path, RunOptions& options, const std::string& holds) {
-  command
+CLI::Option* add_json_option(CLI::App& command, std::string& path, RunOptions& options,
+                             const std::string& holds) {
+  return command
       .add_option_function<std::vector<std::string>>(
           "--json",
           [&path, &options](const std::vector<std::string>& values) {
@@ -110,15 +111,18 @@ void add_json_option(CLI::App& command, std::string& path, RunOptions& options, 
 
 void write_json(const std::string& path, const std::string& text) {
   const std::string whole = text.ends_with('\n') ? text : text + "\n";
+  if (path.empty()) return;
   if (path == kStandardOutput)
     print_out("{}", whole);
   else
     write_text_file(path, whole);
 }
 
-Context make_context(const RunOptions& options) {
-  Context context(
-      {}, [command = options.command](std::string_view text) { print_warning(with_flags(text, *command)); });
+CommandRun::CommandRun(const RunOptions& options)
+    : limit_(options.threads), context({}, [this, command = options.command](std::string_view text) {
+        warnings_.push_back(with_flags(text, *command));
+        print_warning(warnings_.back());
+      }) {
   Program& program = program_of(*options.command);
   program.cancellation().begin(options.time_limit_s);
   context.stop_by(program.cancellation().token());
@@ -127,7 +131,18 @@ Context make_context(const RunOptions& options) {
   if (options.verbose > 0)
     context.report_phases_to(
         [](const PhaseTime& phase) { print_error("lumesh: {} took {:.2f} s\n", phase.name, phase.seconds); });
-  return context;
+}
+
+double CommandRun::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+report::CommandNotes CommandRun::notes(std::vector<report::OutputFile> files) const {
+  return {std::move(files), warnings_, seconds(), context.phases()};
+}
+
+std::vector<report::OutputFile> files_of(const MeshOutput& output) {
+  return {{output.mesh, kMeshWords}, {output.surface, "its boundary"}};
 }
 
 void put(std::FILE* stream, const std::string& text) {
@@ -196,6 +211,12 @@ void check_surface_output(const std::string& path) {
               path + ": unknown surface format; use " + formats_for(MeshUse::kWriteSurface, " or "));
 }
 
+void check_metric_output(const std::string& option, const std::string& path) {
+  if (path.empty() || is_for(path, MeshUse::kMetricAlone)) return;
+  throw Error(ErrorKind::kUsage,
+              option + " " + path + ": must be " + formats_for(MeshUse::kMetricAlone, " or "));
+}
+
 void check_inputs_stay(std::initializer_list<std::string> outputs, const std::vector<std::string>& inputs) {
   std::error_code ignored;  // Of files that do not exist, which is told when they are read.
   // All files of a folder are read, as of a DICOM series.
@@ -239,39 +260,6 @@ void check_files(std::initializer_list<std::string> outputs, const std::vector<s
   check_output_folders(outputs);
   check_inputs_stay(outputs, inputs);
   check_inputs_stay(outputs, selection.other_files());
-}
-
-std::map<std::string, std::string> provenance_of(const CLI::App& command, const std::string& input_path,
-                                                 const std::map<std::string, std::string>& before) {
-  const auto input = before.find("input"), hash = before.find("input_sha256");
-  const bool known = input != before.end() && hash != before.end();
-  std::map<std::string, std::string> result = {
-      {"program", std::string("lumesh ") + kVersion},
-      {"command", command.get_name()},
-      {"options", given_options(command)},
-      {"input", known ? input->second : input_path},
-      {"input_sha256", known ? hash->second : file_sha256(input_path)}};
-  const std::vector<std::string> cuts = cut_options(known ? before : result);
-  if (!cuts.empty()) result[kCutsKey] = fmt::format("{}", fmt::join(cuts, " "));
-  return result;
-}
-
-void require_sound(const std::string& path, const MeshView& mesh, Context& context,
-                   const std::string& besides, const MeshView* made_from) {
-  const std::vector<std::string> faults =
-      context.phase("validity", [&] { return quality::find_faults(mesh); });
-  if (faults.empty()) return;
-  const bool was_before = made_from != nullptr && !quality::find_faults(*made_from).empty();
-  throw Error(
-      ErrorKind::kNotReached,
-      fmt::format("{}{}: the mesh is invalid{}: {}; do not use it. `lumesh evaluate` lists all problems",
-                  besides, path, was_before ? ", as the one that it was made from" : "",
-                  fmt::join(faults, "; ")));
-}
-
-void warn_of_faults(const std::string& path, const MeshView& mesh) {
-  for (const std::string& fault : quality::find_faults(mesh))
-    print_warning(fmt::format("{}: the mesh is invalid: {}; it is kept as it is", path, fault));
 }
 
 }  // namespace lumesh::cli

@@ -4,23 +4,21 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <initializer_list>
 #include <limits>
-#include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/image/label_image.hpp"
-#include "lumesh/mesh/mixed_mesh.hpp"
-#include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/report/command_notes.hpp"
 #include "lumesh/stages/input.hpp"
-#include "lumesh/stages/input_cuts.hpp"
+#include "lumesh/stages/mesh_output.hpp"
+#include "lumesh/stages/provenance.hpp"
 
 namespace lumesh::cli {
 
@@ -40,6 +38,9 @@ struct RunOptions {
   std::size_t quiet = 0;
   double time_limit_s = std::numeric_limits<double>::infinity();
   CLI::App* command = nullptr;  ///< Whose names of options warnings use; finish_options() sets it.
+
+  /// How the command makes a mesh: with the options given, but for those that do not change it.
+  [[nodiscard]] Making making() const;
 };
 /// --time-limit, -v and -q, behind --threads where it has any, and the example in the help.
 void finish_options(CLI::App& app, RunOptions& options, const std::string& footer, bool has_threads);
@@ -60,19 +61,33 @@ void finish_command(CLI::App& app, const std::shared_ptr<Command>& command, cons
 /// --json [FILE], of all commands that have it: "-", as without a FILE, is the standard output, which says
 /// nothing else then. A file that is there and is no JSON is refused: an option that may go without a value
 /// is easily given that of its neighbour. @param holds  What is written, for the help.
-void add_json_option(CLI::App& command, std::string& path, RunOptions& options, const std::string& holds);
-/// Writes what that asks for.
+CLI::Option* add_json_option(CLI::App& command, std::string& path, RunOptions& options,
+                             const std::string& holds);
+/// Writes what that asks for; nothing where it was not given.
 void write_json(const std::string& path, const std::string& text);
-/// Work of a command begins: stops and the time limit end it (Program), warnings go to stderr; with -v so
-/// does each phase as it ends, with its time, else how far the command is.
-[[nodiscard]] Context make_context(const RunOptions& options);
-/// What a command runs in, made before anything else.
-struct CommandRun {
-  parallel::ThreadLimit limit;
-  Context context;
+/// What a command runs in, made before anything else. Stops and the time limit end it (Program), warnings go
+/// to stderr; with -v so does each phase as it ends, with its time, else how far the command is.
+class CommandRun {
+ public:
+  explicit CommandRun(const RunOptions& options);
+  CommandRun(const CommandRun&) = delete;
+  CommandRun& operator=(const CommandRun&) = delete;
 
-  explicit CommandRun(const RunOptions& options) : limit(options.threads), context(make_context(options)) {}
+  [[nodiscard]] double seconds() const;
+  /// Notes on the command so far. @param files  What it wrote; see CommandNotes.
+  [[nodiscard]] report::CommandNotes notes(std::vector<report::OutputFile> files) const;
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  parallel::ThreadLimit limit_;
+  std::vector<std::string> warnings_;
+
+ public:
+  Context context;
 };
+/// Words for a mesh among the files of a command.
+inline constexpr const char* kMeshWords = "the mesh, with labels and patches";
+[[nodiscard]] std::vector<report::OutputFile> files_of(const MeshOutput& output);
 /// Writes to a stream, on a terminal in the place of the line that tells the progress. What cannot be written
 /// is lost: results matter more; the end of the program looks whether stdout took all.
 void put(std::FILE* stream, const std::string& text);
@@ -113,6 +128,9 @@ void check_volume_output(const std::string& path);
 /// The same for files that hold surfaces; an empty name is not a wanted one.
 void check_surface_output(const std::string& path);
 
+/// The same for files that hold a metric alone. @param option  That names it.
+void check_metric_output(const std::string& option, const std::string& path);
+
 /// Refuses outputs that could not be written, before time is spent on them; empty names are not wanted ones.
 /// @throws Error{kBadInput} if a folder does not exist or the name is that of a folder, Error{kUsage} if two
 /// outputs are the same file.
@@ -124,24 +142,5 @@ void check_inputs_stay(std::initializer_list<std::string> outputs, const std::ve
 /// Both of these checks of all outputs, and that they do not replace other images that a selection reads.
 void check_files(std::initializer_list<std::string> outputs, const std::vector<std::string>& inputs,
                  const ImageSelection& selection = {});
-
-/// What a mesh says of its making: program, command, the options given that change the mesh, input and its
-/// hash.
-/// @param before  What the input says, where that is a mesh: what it was made from stays the input, so that
-/// the
-///                result can be compared with its image.
-[[nodiscard]] std::map<std::string, std::string> provenance_of(
-    const CLI::App& command, const std::string& input_path,
-    const std::map<std::string, std::string>& before = {});
-
-/// Looks at a mesh that was written, quickly.
-/// @param besides  What else has to be said then.
-/// @param made_from  The mesh that it was made from, if any, which may have had faults before.
-/// @throws Error{kNotReached} if it has faults that no simulation survives (quality/faults.hpp).
-void require_sound(const std::string& path, const MeshView& mesh, Context& context,
-                   const std::string& besides = "", const MeshView* made_from = nullptr);
-
-/// The same as warnings, of a mesh that is handed on as it is.
-void warn_of_faults(const std::string& path, const MeshView& mesh);
 
 }  // namespace lumesh::cli

@@ -1,15 +1,9 @@
-#include <fmt/core.h>
-
-#include <filesystem>
 #include <memory>
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
-#include "lumesh/report/drawing.hpp"
-#include "lumesh/report/html.hpp"
-#include "lumesh/report/picture.hpp"
+#include "lumesh/report/stage_pages.hpp"
 #include "lumesh/report/summary.hpp"
 #include "lumesh/stages/evaluation_stage.hpp"
 #include "option_adapter.hpp"
@@ -25,25 +19,6 @@ struct EvaluateCommand {
   RunOptions run;
 };
 
-void write_outputs(const EvaluateCommand& command, const MeshView& mesh,
-                   const quality::Evaluation& evaluation, Context& context) {
-  if (!command.json_path.empty()) write_json(command.json_path, report::evaluation_json(evaluation));
-  if (command.report_path.empty() && command.picture_path.empty()) return;
-  if (!command.report_path.empty()) {
-    const report::ReportPictures pictures =
-        context.phase("pictures", [&] { return report::draw_report_pictures(mesh); });
-    const std::string title = std::filesystem::path(command.mesh_path).filename().string();
-    context.phase("report", [&] {
-      write_text_file(command.report_path, report::report_html(title, evaluation, pictures));
-    });
-  }
-  if (!command.picture_path.empty()) {
-    constexpr report::Colour kPaper = {250, 250, 248};
-    const report::SurfacePicture surface = report::draw_surface(mesh, report::surface_for_pictures(mesh));
-    write_text_file(command.picture_path, report::encode_png(report::with_names(surface, kPaper)));
-  }
-}
-
 void run(const EvaluateCommand& command) {
   CommandRun session(command.run);
   Context& context = session.context;
@@ -55,7 +30,11 @@ void run(const EvaluateCommand& command) {
   bring_to_lps_mm(mesh);
   const quality::Evaluation evaluation = evaluate_mesh(mesh, command.mesh_path, request, context);
   say(command.run, "{}\n{}", command.mesh_path, report::summary_text(evaluation));
-  write_outputs(command, mesh.view(), evaluation, context);
+  write_json(command.json_path, report::evaluation_json(evaluation));
+  if (!command.report_path.empty())
+    write_text_file(command.report_path,
+                    report::evaluation_page(command.mesh_path, mesh.view(), evaluation, context));
+  if (!command.picture_path.empty()) write_text_file(command.picture_path, report::surface_png(mesh.view()));
   if (command.times > 0) {
     say(command.run, "\ntime\n");
     for (const PhaseTime& phase : context.phases())

@@ -1,6 +1,3 @@
-#include <fmt/core.h>
-
-#include <chrono>
 #include <memory>
 
 #include "commands.hpp"
@@ -8,10 +5,9 @@
 #include "keep_option.hpp"
 #include "kernel_options.hpp"
 #include "long_run.hpp"
-#include "lumesh/core/place_text.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/report/stage_json.hpp"
-#include "lumesh/stages/improve_stage.hpp"
+#include "lumesh/report/stage_text.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -24,14 +20,7 @@ struct ImproveCommand {
   RunOptions run;
 };
 
-void say_cut(const RunOptions& run, const CutMesh& cut) {
-  if (cut.openings.empty()) say(run, "cut: openings beside the plane moved into it\n");
-  for (const CutMesh::Opening& opening : cut.openings)
-    say(run, "cut: {} of {:.4g} mm² at {}\n", opening.name, opening.area_mm2, place_text(opening.centre_mm));
-}
-
 void run(ImproveCommand command) {
-  const auto start = std::chrono::steady_clock::now();
   CommandRun session(command.run);
   Context& context = session.context;
   LongRun long_run(command.run);
@@ -43,27 +32,19 @@ void run(ImproveCommand command) {
   request.options.team.threads = threads_of(command.run);
   MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
   ImprovedMesh made = improve_mesh(input, command.mesh_path, request, context);
-  const ImproveReport& report = made.report;
-  if (!request.cut_planes.empty()) say_cut(command.run, made.cut);
-  made.finish(provenance_of(*command.run.command, command.mesh_path, input.info.provenance), request,
+  const bool is_complete = made.report.complete;
+  made.finish(provenance_of(command.run.making(), command.mesh_path, input.info.provenance), request,
               context);
-  long_run.begin_writing({&command.output_path, &command.json_path}, report.complete);
+  long_run.begin_writing({&command.output_path, &command.json_path}, is_complete);
   context.phase("write", [&] { write_mesh(command.output_path, made.view()); });
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  if (!command.json_path.empty())
-    write_json(command.json_path, report::improve_json(report, request.options, made.cut, elapsed.count()));
-  print_counts(command.run, report.by_thread);
-  say(command.run,
-      "{}: {} tetrahedra, dihedral angles {:.2f} to {:.2f} degrees (before: {:.2f} to {:.2f}), {} tetrahedra "
-      "outside the targets (before: {}); {:.2f} s\n",
-      command.output_path, made.mesh.changing().tet_count(), report.after.min_deg, report.after.max_deg,
-      report.before.min_deg, report.before.max_deg, report.after.tets_outside, report.before.tets_outside,
-      elapsed.count());
+  write_json(command.json_path,
+             report::improve_json(made, request.options, session.notes({{command.output_path, kMeshWords}})));
+  print_counts(command.run, made.report.by_thread);
+  say(command.run, "{}", report::improve_text(command.output_path, made, request, session.seconds()));
   const MeshView before = input.view();
   // A mesh that was cut is not the one that was given.
-  require_sound(command.output_path, made.view(), context, long_run.reason(report.complete),
-                request.cut_planes.empty() ? &before : nullptr);
-  long_run.check_complete(report.complete, command.output_path + " holds the best mesh so far");
+  long_run.require_sound(command.output_path, made.view(), context, is_complete,
+                         request.cut_planes.empty() ? &before : nullptr);
 }
 
 }  // namespace

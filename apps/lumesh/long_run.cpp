@@ -47,4 +47,10 @@ void LongRun::check_complete(bool complete, const std::string& what_is_left) con
   if (!complete) throw Error(ErrorKind::kTimeLimit, reason(complete) + what_is_left);
 }
 
+void LongRun::require_sound(const std::string& path, const MeshView& mesh, Context& context, bool complete,
+                            const MeshView* made_from) const {
+  lumesh::require_sound(path, mesh, context, reason(complete), made_from);
+  check_complete(complete, path + " holds the best mesh so far");
+}
+
 }  // namespace lumesh::cli

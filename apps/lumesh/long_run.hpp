@@ -20,6 +20,9 @@ class LongRun {
   [[nodiscard]] std::string reason(bool complete) const;
   /// @throws Error{kTimeLimit} if the run was told to stop; `what_is_left` says what the user has now.
   void check_complete(bool complete, const std::string& what_is_left) const;
+  /// lumesh::require_sound() of the mesh that was written, then this.
+  void require_sound(const std::string& path, const MeshView& mesh, Context& context, bool complete,
+                     const MeshView* made_from = nullptr) const;
 
  private:
   Program& program_;

@@ -1,14 +1,11 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <memory>
 
 #include "commands.hpp"
 #include "common.hpp"
-#include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/report/stage_json.hpp"
-#include "lumesh/stages/merge_stage.hpp"
+#include "lumesh/report/stage_text.hpp"
 
 namespace lumesh::cli {
 
@@ -21,39 +18,32 @@ struct MergeCommand {
   RunOptions run;
 };
 
-void check_inputs(const MergeCommand& command) {
+void check_names(const MergeCommand& command) {
+  check_volume_output(command.output_path);
+  check_output_folders({command.output_path, command.json_path});
+  check_inputs_stay({command.output_path}, command.paths);
   if (command.paths.size() < 2)
     throw Error(ErrorKind::kUsage, "one mesh alone cannot be merged; name two or more");
-  for (const std::string& path : command.paths) {
-    if (std::count(command.paths.begin(), command.paths.end(), path) > 1)
+  for (const std::string& path : command.paths)
+    if (std::ranges::count(command.paths, path) > 1)
       throw Error(ErrorKind::kUsage, path + ": is named twice; a mesh cannot be merged with itself");
-    check_inputs_stay({command.json_path}, {path});
-  }
+  check_inputs_stay({command.json_path}, command.paths);
 }
 
 void run(MergeCommand command) {
   CommandRun session(command.run);
   Context& context = session.context;
-  check_volume_output(command.output_path);
-  check_output_folders({command.output_path, command.json_path});
-  for (const std::string& path : command.paths) check_inputs_stay({command.output_path}, {path});
-  check_inputs(command);
+  check_names(command);
   if (command.equal_labels == "apart") command.options.equal_labels = EqualLabels::kApart;
   MergedFiles merged = merge_files(command.paths, command.options, context);
   MixedMesh& mesh = merged.result.mesh;
-  mesh.info.provenance = provenance_of(*command.run.command, command.paths.front(), merged.provenance);
+  mesh.info.provenance = provenance_of(command.run.making(), command.paths.front(), merged.provenance);
   const std::string problems = context.phase("check", [&] { return problems_of(mesh); });
   if (!problems.empty()) context.warn(command.output_path + ": " + problems);
   context.phase("write", [&] { write_mesh(command.output_path, mesh.view()); });
-  const MergeReport& report = merged.result.report;
-  if (!command.json_path.empty()) write_json(command.json_path, report::merge_json(report, command.paths));
-  for (const MergeReport::Renumbered& label : report.renumbered)
-    say(command.run, "{}: label {}{} is label {} now\n", command.paths[label.part], label.from,
-        label.name.empty() ? "" : " (" + label.name + ")", label.to);
-  say(command.run,
-      "{}: {} cells, {} points; {} faces ({:.6g} {}2) and {} points shared, up to {:.2g} apart\n",
-      command.output_path, mesh.view().cell_count(), mesh.points.size(), report.shared_faces,
-      report.shared_area, mesh.info.unit, report.shared_points, report.farthest);
+  write_json(command.json_path, report::merge_json(merged.result.report, command.paths,
+                                                   session.notes({{command.output_path, kMeshWords}})));
+  say(command.run, "{}", report::merge_text(command.output_path, merged.result, command.paths));
   require_sound(command.output_path, mesh.view(), context);
 }
 

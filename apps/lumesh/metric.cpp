@@ -3,7 +3,6 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "keep_option.hpp"
-#include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/stages/metric_stage.hpp"
@@ -22,25 +21,25 @@ struct MetricCommand {
 void run(const MetricCommand& command) {
   CommandRun session(command.run);
   Context& context = session.context;
-  check_output_folders({command.output_path});
-  const bool alone = is_metric_file(command.output_path);
-  if (!alone && !is_for(command.output_path, MeshUse::kCarryMetric))
+  const std::string &mesh_path = command.mesh_path, &output_path = command.output_path;
+  check_output_folders({output_path});
+  const bool alone = is_metric_file(output_path);
+  if (!alone && !is_for(output_path, MeshUse::kCarryMetric))
     throw Error(ErrorKind::kUsage,
-                fmt::format("{}: only {}, {} files carry a metric", command.output_path,
+                fmt::format("{}: only {}, {} files carry a metric", output_path,
                             formats_for(MeshUse::kCarryMetric), formats_for(MeshUse::kMetricAlone, " and ")));
   command.request.validate();
-  const std::string& mesh_path = command.mesh_path;
   MixedMesh input = context.phase("read", [&] { return read_mesh(mesh_path); });
   MeshWithMetric made = give_metric(input, mesh_path, command.request, context);
-  made.mesh.finish_metric(provenance_of(*command.run.command, mesh_path, input.info.provenance));
+  made.mesh.finish_metric(provenance_of(command.run.making(), mesh_path, input.info.provenance));
   context.phase("write", [&] {
     if (alone)
-      write_metric(command.output_path, made.mesh.view().metric);
+      write_metric(output_path, made.mesh.view().metric);
     else
-      write_mesh(command.output_path, made.mesh.view());
+      write_mesh(output_path, made.mesh.view());
   });
   if (!made.unmet.empty()) context.warn(made.unmet);
-  say(command.run, "{}: metric of {} vertices, complexity {:.4g} on this mesh\n", command.output_path,
+  say(command.run, "{}: metric of {} vertices, complexity {:.4g} on this mesh\n", output_path,
       made.mesh.changing().vertex_count(), made.complexity);
 }
 

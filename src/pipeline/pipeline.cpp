@@ -2,6 +2,7 @@
 
 #include <fmt/chrono.h>
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -236,6 +237,36 @@ std::string counts_line(const report::StageReport& stage) {
 }
 
 }  // namespace pipeline
+
+std::string CaseResult::text() const {
+  return fmt::format("{}: {} in {:.1f} s, {:.2g} GB at the peak\n", folder, report.title, report.seconds,
+                     static_cast<double>(report.peak_memory_bytes) / 1e9);
+}
+
+void CaseResult::require_good(const std::string& besides) const {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ErrorKind::kNotReached, fmt::format("{}{}: {}", besides, folder, what));
+  };
+  if (!faults.empty()) refuse(fmt::format("the mesh is invalid: {}; do not use it", fmt::join(faults, "; ")));
+  const std::optional<report::LayersOfMesh>& layers = report.stages.back().layers;
+  if (const std::string shortfall = layers ? layers->report.shortfall() : ""; !shortfall.empty())
+    refuse(shortfall);
+  if (!without_name.empty()) refuse(without_name.front());
+}
+
+std::vector<Case> cases_of_frames(const Case& c) {
+  if (!c.input.selection.all_frames) return {c};
+  const std::filesystem::path folder = pipeline::folder_of(c);
+  std::vector<Case> cases;
+  const std::size_t count = count_frames(c.input.image);
+  for (std::size_t frame = 0; frame < count; ++frame) {
+    Case& one = cases.emplace_back(c);
+    one.input.selection.all_frames = false;
+    one.input.selection.frame = static_cast<double>(frame);
+    one.output.folder = (folder / fmt::format("frame_{:03}", frame)).string();
+  }
+  return cases;
+}
 
 CaseResult run_case(const Case& c, bool resumes, Context& context) {
   pipeline::prepare_folder(c);

@@ -187,6 +187,20 @@ double CasePrediction::seconds() const {
   return sum;
 }
 
+std::string CasePrediction::text() const {
+  std::string text;
+  for (const Step& step : steps) {
+    const std::string time = step.seconds > 0 ? fmt::format("about {:>7.1f} s", step.seconds) : "";
+    const std::string size =
+        step.tetrahedra > 0 ? fmt::format(", about {:.3g} tetrahedra", step.tetrahedra) : "";
+    text += fmt::format("{:<16} {}{}\n", time, step.what, size);
+  }
+  return text + fmt::format(
+                    "about {:.3g} s in all, {:.2g} GB of memory of {:.3g} GB that are free; nothing "
+                    "was made\n",
+                    seconds(), peak_memory_bytes / 1e9, static_cast<double>(free_memory_bytes) / 1e9);
+}
+
 CasePrediction predict_case(const Case& c, Context& context) {
   pipeline::check_inputs(c);
   try {

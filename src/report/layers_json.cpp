@@ -1,5 +1,7 @@
 #include "layers_json.hpp"
 
+#include "command_notes_json.hpp"
+
 namespace lumesh::report {
 
 namespace {
@@ -122,8 +124,8 @@ LayerReport layer_report_of(const LayerJson& json) {
   return report;
 }
 
-std::string layers_json(const LayersOfMesh& layers) {
-  return layers_of_mesh_json(layers).dump(2) + "\n";
+std::string layers_json(const LayersOfMesh& layers, const CommandNotes& notes) {
+  return with_notes(layers_of_mesh_json(layers), notes);
 }
 
 }  // namespace lumesh::report

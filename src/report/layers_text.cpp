@@ -49,6 +49,13 @@ LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report, double lea
   return layers;
 }
 
+LayersOfMesh measure_layers(const MeshView& before, LayerResult& grown, Context& context) {
+  return context.phase("measures", [&] {
+    const quality::TetrahedronStatistics given = quality::measure(before).tetrahedra;
+    return measure_layers(grown.mesh.view(), std::move(grown.report), given.smallest_dihedral_deg.value);
+  });
+}
+
 std::string coverage_text(const LayerReport& report) {
   std::string text =
       fmt::format("{:<20} {:>10} {:>6} {:>10} {:>10} {:>10} {:>9} {:>9}\n", "patch", "area mm2", "layers",
@@ -67,6 +74,20 @@ std::string coverage_text(const LayerReport& report) {
                           place.at.y(), place.at.z(), 100 * place.achieved, name_of(place.why));
   }
   return text;
+}
+
+std::string layers_text(const std::string& path, const LayersOfMesh& layers) {
+  return coverage_text(layers.report) +
+         fmt::format(
+             "{}: {} layers, {} cells on {} tetrahedra, {:.1f} % of the area complete, dihedral angles "
+             "beside from {:.1f} degrees on\n",
+             path, layers.report.layers, layers.report.cells, layers.core.tetrahedra.count,
+             100 * layers.report.complete(), layers.core.tetrahedra.smallest_dihedral_deg.value);
+}
+
+std::string extension_text(const std::string& path, const MeshView& before, const MixedMesh& mesh) {
+  const std::size_t cells = mesh.view().cell_count();
+  return fmt::format("{}: {} cells more, {} in all\n", path, cells - before.cell_count(), cells);
 }
 
 }  // namespace lumesh::report

@@ -1,10 +1,10 @@
 #include "lumesh/report/stage_json.hpp"
 
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "closed_json.hpp"
+#include "command_notes_json.hpp"
 #include "lumesh/report/summary.hpp"
 
 namespace lumesh::report {
@@ -65,6 +65,12 @@ Json cut_json(const CutMesh& cut) {
   return json;
 }
 
+void add_comparison(Json& json, const FirstMeshInput& input, const FirstMeshComparison& compared) {
+  json["differences_from_image"] = compared.differences;
+  json["openings"] = Json::parse(openings_json(compared.openings));
+  if (!input.given.closed().empty()) json["closed"] = closed_json(input.given.closed());
+}
+
 }  // namespace
 
 nlohmann::ordered_json closed_json(std::span<const surfaces::ClosedRim> closed) {
@@ -87,20 +93,19 @@ nlohmann::ordered_json closed_json(std::span<const surfaces::ClosedRim> closed) 
   return all;
 }
 
-std::string adapt_json(const AdaptResult& result, const Context& context, double seconds) {
-  const AdaptReport& report = result.report;
-  Json json;
-  json["complete"] = report.complete;
-  json["complexity"] = report.complexity;
-  json["seconds"] = seconds;
-  for (const LabelChange& label : result.volumes)
+std::string adapt_json(const AdaptedMesh& made, const CommandNotes& notes) {
+  const AdaptReport& report = made.result.report;
+  Json json = {{"complete", report.complete},
+               {"complexity", report.complexity},
+               {"tetrahedra", made.mesh.changing().tet_count()},
+               {"vertices", made.mesh.changing().vertex_count()},
+               {"boundary_triangles", made.mesh.faces().triangles.size()},
+               {"kept_cells", made.mesh.kept_count()}};
+  for (const LabelChange& label : made.result.volumes)
     json["volumes"].push_back({{"label", label.label},
                                {"before_mm3", label.before_mm3},
                                {"after_mm3", label.after_mm3},
                                {"change_percent", label.percent()}});
-  std::map<std::string, double> phases;
-  for (const PhaseTime& phase : context.phases()) phases[phase.name] += phase.seconds;
-  json["seconds_by_step"] = phases;
   add_counts_json(json, report.by_thread);
   for (const AdaptPass& pass : report.passes)
     json["passes"].push_back({{"name", pass.name},
@@ -108,15 +113,14 @@ std::string adapt_json(const AdaptResult& result, const Context& context, double
                               {"tetrahedra", pass.tets},
                               {"vertices", pass.vertices},
                               {"operators", counts_json(pass.counts)}});
-  return json.dump(2);
+  return with_notes(std::move(json), notes);
 }
 
-std::string delaunay_json(const DelaunayMesh& made, const OpeningsCompared& openings,
-                          std::span<const surfaces::ClosedRim> closed,
-                          const std::vector<std::string>& differences, const Context& context) {
-  const DelaunayReport& report = made.report;
-  const std::optional<ImproveReport>& improved = made.improved;
-  const TetMesh& mesh = made.mesh;
+std::string delaunay_json(const DelaunayFileMesh& made, const FirstMeshComparison& compared,
+                          const CommandNotes& notes) {
+  const DelaunayReport& report = made.made.report;
+  const std::optional<ImproveReport>& improved = made.made.improved;
+  const TetMesh& mesh = made.made.mesh;
   Json json;
   json["complete"] = report.complete && (!improved || improved->complete);
   json["rules_hold"] = report.rules_hold;
@@ -139,24 +143,20 @@ std::string delaunay_json(const DelaunayMesh& made, const OpeningsCompared& open
     json["improvement"] = {{"dihedral_deg_before", angles_json(improved->before)},
                            {"dihedral_deg", angles_json(improved->after)},
                            {"passes", improved->passes.size()}};
-  json["differences_from_image"] = differences;
-  json["openings"] = Json::parse(openings_json(openings));
-  if (!closed.empty()) json["closed"] = closed_json(closed);
-  json["seconds"] = nlohmann::json::object();
-  for (const PhaseTime& phase : context.phases())
-    json["seconds"][phase.name] = json["seconds"].value(phase.name, 0.0) + phase.seconds;
-  return json.dump(2);
+  add_comparison(json, made.input, compared);
+  json["seconds"] = steps_json(notes);
+  return with_files_and_warnings(std::move(json), notes);
 }
 
-std::string improve_json(const ImproveReport& report, const ImproveOptions& options, const CutMesh& cut,
-                         double seconds) {
+std::string improve_json(const ImprovedMesh& made, const ImproveOptions& options, const CommandNotes& notes) {
+  const ImproveReport& report = made.report;
   Json json;
-  if (!cut.openings.empty()) json["cut"] = cut_json(cut);
+  if (!made.cut.openings.empty()) json["cut"] = cut_json(made.cut);
   json["complete"] = report.complete;
+  json["tetrahedra"] = made.mesh.changing().tet_count();
   json["targets_deg"] = {options.min_dihedral_deg, options.max_dihedral_deg};
   json["before"] = angles_json(report.before);
   json["after"] = angles_json(report.after);
-  json["seconds"] = seconds;
   add_counts_json(json, report.by_thread);
   json["passes"] = nlohmann::json::array();
   for (const ImprovePass& pass : report.passes)
@@ -165,7 +165,7 @@ std::string improve_json(const ImproveReport& report, const ImproveOptions& opti
                               {"vertices", pass.vertices},
                               {"dihedral_deg", angles_json(pass.angles)},
                               {"operators", counts_json(pass.counts)}});
-  return json.dump(2);
+  return with_notes(std::move(json), notes);
 }
 
 std::string check_json(const std::string& path, const CheckReport& report) {
@@ -190,7 +190,7 @@ std::string check_json(const std::string& path, const CheckReport& report) {
   return all.dump(2);
 }
 
-std::string repair_json(const RepairOutcome& outcome) {
+std::string repair_json(const RepairOutcome& outcome, const CommandNotes& notes) {
   const surfaces::RepairReport& r = outcome.report;
   const Json json = {{"method", outcome.was_rebuilt ? "rebuild" : "local"},
                      {"local_failure", outcome.local_failure},
@@ -213,17 +213,18 @@ std::string repair_json(const RepairOutcome& outcome) {
                      {"removed_triangles", r.removed_triangles},
                      {"new_triangles", r.new_triangles},
                      {"grid_spacing_mm", outcome.spacing_mm}};
-  return json.dump(2);
+  return with_notes(json, notes);
 }
 
-std::string merge_json(const MergeReport& report, const std::vector<std::string>& paths) {
+std::string merge_json(const MergeReport& report, const std::vector<std::string>& paths,
+                       const CommandNotes& notes) {
   Json json = {{"shared_faces", report.shared_faces}, {"shared_points", report.shared_points},
                {"shared_area", report.shared_area},   {"tolerance", report.tolerance},
                {"farthest", report.farthest},         {"renumbered", nlohmann::json::array()}};
   for (const MergeReport::Renumbered& label : report.renumbered)
     json["renumbered"].push_back(
         {{"file", paths[label.part]}, {"from", label.from}, {"to", label.to}, {"name", label.name}});
-  return json.dump(2);
+  return with_notes(std::move(json), notes);
 }
 
 }  // namespace lumesh::report

@@ -58,6 +58,19 @@ void LayerRequest::validate() const {
                                                option_name("into"), option_name("side")));
 }
 
+void LayersAndExtension::describe(OptionList& list) {
+  layers.describe(list);
+  extension.describe_lengths(list);
+}
+
+void LayersAndExtension::validate() const {
+  if (layers.is_wanted()) layers.validate();
+  if (!layers.is_wanted() && !extension.is_wanted())
+    throw Error(ErrorKind::kUsage, fmt::format("give {} for layers, or {} for flow extensions",
+                                               option_name("first_height"), option_name("extend")));
+  extension.validate();
+}
+
 LayerOptions LayerRequest::with_label() const {
   LayerOptions result = options;
   naming(fmt::format("{} \"{}\"", option_name("label"), label), [&] { take_layer_label(label, result); });

@@ -84,6 +84,12 @@ LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name, const
   return result;
 }
 
+LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name, const LayerRequest& request,
+                           Context& context) {
+  const LayerOptions options = naming(name, [&] { return request.resolved(mesh); });
+  return grow_layers_on(mesh, name, options, context);
+}
+
 void extend_mesh(MixedMesh& mesh, const std::string& name, const ExtensionOptions& extension,
                  LayerCells cells, Context& context) {
   if (!extension.is_wanted()) return;

@@ -4,10 +4,26 @@
 
 #include <algorithm>
 
+#include "lumesh/core/version.hpp"
 #include "lumesh/io/sha256.hpp"
 #include "lumesh/stages/input_cuts.hpp"
 
 namespace lumesh {
+
+std::map<std::string, std::string> provenance_of(const Making& making, const std::string& input_path,
+                                                 const std::map<std::string, std::string>& before) {
+  const auto input = before.find("input"), hash = before.find("input_sha256");
+  const bool known = input != before.end() && hash != before.end();
+  std::map<std::string, std::string> result = {
+      {"program", std::string("lumesh ") + kVersion},
+      {"command", making.command},
+      {"options", making.options},
+      {"input", known ? input->second : input_path},
+      {"input_sha256", known ? hash->second : file_sha256(input_path)}};
+  const std::vector<std::string> cuts = cut_options(known ? before : result);
+  if (!cuts.empty()) result[kCutsKey] = fmt::format("{}", fmt::join(cuts, " "));
+  return result;
+}
 
 std::vector<std::string> doubts_about_image(const std::string& image_path, const std::string& mesh_path,
                                             const MeshInfo& info, std::string_view consequence) {

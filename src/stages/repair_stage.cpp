@@ -11,6 +11,9 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/stages/input_parts.hpp"
+#include "lumesh/stages/surface_input.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/findings.hpp"
 #include "lumesh/surface/repair.hpp"
@@ -139,6 +142,16 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
   outcome.surface.triangles = std::move(result.triangles);
   outcome.surface.triangle_patches = std::move(result.patches);
   outcome.surface.info = surface.info;
+  return outcome;
+}
+
+RepairOutcome repair_file(const std::string& path, const RepairRequest& request, Context& context) {
+  const MixedMesh surface = context.phase("read", [&] { return as_surface(read_mesh(path), path); });
+  warn_of_unit(surface, {}, "", path, context);
+  RepairOutcome outcome = naming(path, [&] {
+    return context.phase("repair", [&] { return repair_surface(surface, request, context); });
+  });
+  outcome.surface.info.provenance = surface.info.provenance;
   return outcome;
 }
 

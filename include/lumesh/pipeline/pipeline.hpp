@@ -17,6 +17,13 @@ struct CaseResult {
   std::vector<std::string> faults;        ///< Faults of the mesh that was written (quality::find_faults()).
   std::vector<std::string> without_name;  ///< A line for each name of the case whose patch the mesh lacks.
   bool complete = true;  ///< False if the context was cancelled: files hold the best mesh so far.
+
+  /// A line on time and memory.
+  [[nodiscard]] std::string text() const;
+  /// @param besides  What else has to be said then.
+  /// @throws Error{kNotReached} if the mesh is invalid, layers are hardly there, or a patch with a name by
+  /// the case is missing.
+  void require_good(const std::string& besides) const;
 };
 
 /// Runs the stages that the case asks for, one after the other: input, centerline, first mesh, metric,
@@ -30,6 +37,10 @@ struct CaseResult {
 /// @throws Error as the stages do; files are written beside their targets and renamed when complete.
 [[nodiscard]] CaseResult run_case(const Case& c, bool resumes, Context& context);
 
+/// The case itself, or, where all frames of its image are wanted, a case for each, with a folder of its own
+/// in that of the case. @throws Error{kBadInput} as count_frames().
+[[nodiscard]] std::vector<Case> cases_of_frames(const Case& c);
+
 /// Predicted steps of a case, and about what they will take.
 struct CasePrediction {
   struct Step {
@@ -42,6 +53,8 @@ struct CasePrediction {
   std::uint64_t free_memory_bytes = 0;
 
   [[nodiscard]] double seconds() const;
+  /// A line for each step, and one on the whole.
+  [[nodiscard]] std::string text() const;
 };
 
 /// Reads the input and samples the metric's sources at voxels; makes no mesh and writes nothing. How far

@@ -4,12 +4,12 @@
 #include <string>
 
 #include "lumesh/core/context.hpp"
+#include "lumesh/domain/extension.hpp"
 #include "lumesh/layers/layers.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
 
-struct ExtensionOptions;
 class OptionList;
 
 /// Boundary layers as front ends ask for them: labels by name or number.
@@ -29,12 +29,26 @@ struct LayerRequest {
   [[nodiscard]] LayerOptions with_label() const;
 };
 
+/// What a finished mesh gets at its surface: layers, extensions of its openings, or both.
+struct LayersAndExtension {
+  LayerRequest layers;
+  ExtensionOptions extension;  ///< The lengths alone.
+
+  void describe(OptionList& list);
+  /// @throws Error{kUsage} that names the option, also where neither is wanted.
+  void validate() const;
+};
+
 /// As grow_layers(). Outwards the mesh may have hexahedra, pyramids and prisms, which stay as they are:
 /// layers see its triangles and its volume alone. @param name  Of the mesh, for messages.
 /// @throws what grow_layers() and tetrahedra_of() throw, and Error{kBadInput} for such cells inwards, for
 /// quadrilaterals on the boundary, and for cells so warped that they cannot be split into tetrahedra.
 [[nodiscard]] LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name,
                                          const LayerOptions& options, Context& context);
+
+/// The same as a request has it, whose labels are those of the mesh.
+[[nodiscard]] LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name,
+                                         const LayerRequest& request, Context& context);
 
 /// Sweeps the openings of a mesh on, as extrude_openings(), in place; warns of those that are not as asked
 /// for. Nothing where no extension is wanted.

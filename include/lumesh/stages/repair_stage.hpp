@@ -45,5 +45,8 @@ struct RepairOutcome {
 /// @throws Error{kNotReached} with the place if that cannot be had within the distance, Error{kBadInput}.
 [[nodiscard]] RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& request,
                                            Context& context);
+/// The same of a file, which errors name; warns of a unit that is in doubt. The provenance is the file's.
+[[nodiscard]] RepairOutcome repair_file(const std::string& path, const RepairRequest& request,
+                                        Context& context);
 
 }  // namespace lumesh

@@ -4,8 +4,10 @@
 #include <map>
 #include <string>
 
+#include "lumesh/core/context.hpp"
 #include "lumesh/layers/layers.hpp"
 #include "lumesh/report/case_report.hpp"
+#include "lumesh/report/command_notes.hpp"
 #include "lumesh/report/picture.hpp"
 
 namespace lumesh::report {
@@ -19,11 +21,22 @@ inline constexpr double kFlatDihedralDeg = 5;
 [[nodiscard]] LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report,
                                           double least_before_deg = 180);
 
+/// The same of layers that were just grown, before anything else changes the mesh; takes their report.
+/// @param before  The mesh that they grew on.
+[[nodiscard]] LayersOfMesh measure_layers(const MeshView& before, LayerResult& grown, Context& context);
+
 /// A table with a row for each patch, reasons and worst places below it; lines of at most 100 columns.
 [[nodiscard]] std::string coverage_text(const LayerReport& report);
 
+/// The same, and a line on the whole mesh. @param path  Name of the mesh.
+[[nodiscard]] std::string layers_text(const std::string& path, const LayersOfMesh& layers);
+
+/// A line on a mesh whose openings were extended. @param before  The mesh without the extensions.
+[[nodiscard]] std::string extension_text(const std::string& path, const MeshView& before,
+                                         const MixedMesh& mesh);
+
 /// The same numbers and those of the parts as JSON; docs/stages/layers.md describes the fields.
-[[nodiscard]] std::string layers_json(const LayersOfMesh& layers);
+[[nodiscard]] std::string layers_json(const LayersOfMesh& layers, const CommandNotes& notes);
 
 /// The surface from two sides.
 struct LayerPictures {

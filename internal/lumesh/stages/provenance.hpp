@@ -1,5 +1,6 @@
 #pragma once
-/// @file What a mesh says of the image that it was made from, against what it is compared with.
+/// @file What a mesh says of its making, and of the image that it was made from against what it is compared
+/// with.
 
 #include <map>
 #include <span>
@@ -12,6 +13,19 @@
 #include "lumesh/stages/input.hpp"
 
 namespace lumesh {
+
+/// How a front end makes a mesh.
+struct Making {
+  std::string command;
+  std::string options;  ///< Options given that change the mesh, as the front end spells them.
+};
+
+/// What a mesh says of that: program, command, options, input and its hash, cuts.
+/// @param before  What the input says, where that is a mesh: what it was made from stays the input, so that
+/// the result can be compared with its image.
+[[nodiscard]] std::map<std::string, std::string> provenance_of(
+    const Making& making, const std::string& input_path,
+    const std::map<std::string, std::string>& before = {});
 
 /// Doubts that a mesh was made of an image: none, or one line that ends with the consequence.
 [[nodiscard]] std::vector<std::string> doubts_about_image(const std::string& image_path,

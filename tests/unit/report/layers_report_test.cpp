@@ -73,7 +73,7 @@ TEST(LayersReport, TellsTheSameInTextJsonAndPage) {
         "all layers on 62.5 % of the area, 0.75 in the mean",
         "first height within 2 % on 87.5 % of what has layers, 0.969 to 1.125 of it"})
     EXPECT_NE(text.find(words), std::string::npos) << words;
-  const auto json = nlohmann::json::parse(layers_json(layers));
+  const auto json = nlohmann::json::parse(layers_json(layers, {}));
   EXPECT_EQ(json.at("patches").at(0).at("layers"), 1);
   EXPECT_EQ(json["patches"][0].at("layered"), 1.0);
   EXPECT_EQ(json["patches"][0].at("first_height_kept"), 0.875);

@@ -1,0 +1,31 @@
+#pragma once
+/// @file Finished meshes: where they are written, and whether they can be computed on.
+
+#include <string>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+
+namespace lumesh {
+
+/// Files that a mesh goes to.
+struct MeshOutput {
+  std::string mesh = {};     ///< Path.
+  std::string surface = {};  ///< Path of its boundary alone; empty: not written.
+  std::string unit = "mm";   ///< Unit of lengths in both; empty: as they are.
+  MeshWriteOptions options = {};
+};
+void write_mesh(const MeshOutput& output, const MeshView& mesh, Context& context);
+
+/// Looks at a mesh that was written, quickly.
+/// @param besides  What else has to be said then. @param made_from  The mesh that it was made from, if any,
+/// which may have had faults before.
+/// @throws Error{kNotReached} if it has faults that no simulation survives (quality/faults.hpp).
+void require_sound(const std::string& path, const MeshView& mesh, Context& context,
+                   const std::string& besides = "", const MeshView* made_from = nullptr);
+
+/// The same as warnings, of a mesh that is handed on as it is.
+void warn_of_faults(const std::string& path, const MeshView& mesh, const Context& context);
+
+}  // namespace lumesh

@@ -1,0 +1,40 @@
+#include "lumesh/stages/mesh_output.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <vector>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/mesh/length_unit.hpp"
+#include "lumesh/quality/faults.hpp"
+
+namespace lumesh {
+
+void write_mesh(const MeshOutput& output, const MeshView& mesh, Context& context) {
+  context.phase("write", [&] {
+    const MeshInUnit written(mesh, output.unit);
+    write_mesh(output.mesh, written.view(), output.options);
+    if (!output.surface.empty()) write_surface(output.surface, written.view(), output.options);
+  });
+}
+
+void require_sound(const std::string& path, const MeshView& mesh, Context& context,
+                   const std::string& besides, const MeshView* made_from) {
+  const std::vector<std::string> faults =
+      context.phase("validity", [&] { return quality::find_faults(mesh); });
+  if (faults.empty()) return;
+  const bool was_before = made_from != nullptr && !quality::find_faults(*made_from).empty();
+  throw Error(
+      ErrorKind::kNotReached,
+      fmt::format("{}{}: the mesh is invalid{}: {}; do not use it. `lumesh evaluate` lists all problems",
+                  besides, path, was_before ? ", as the one that it was made from" : "",
+                  fmt::join(faults, "; ")));
+}
+
+void warn_of_faults(const std::string& path, const MeshView& mesh, const Context& context) {
+  for (const std::string& fault : quality::find_faults(mesh))
+    context.warn(fmt::format("{}: the mesh is invalid: {}; it is kept as it is", path, fault));
+}
+
+}  // namespace lumesh
