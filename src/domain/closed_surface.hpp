@@ -16,7 +16,7 @@ struct ClosedSurface {
   std::vector<std::array<std::uint32_t, 3>>
       neighbours;             ///< Triangle behind the edge from corner i to the next.
   std::vector<Vec3> normals;  ///< Of triangles, unit length; one without area has that of its neighbour.
-  std::vector<std::uint8_t> is_enclosed;  ///< Of triangles: by another shell, so that nothing flows through.
+  std::vector<std::uint8_t> is_enclosed;  ///< Flag per triangle: its shell lies within another one.
 
   [[nodiscard]] const Vec3& corner(std::uint32_t triangle, std::size_t i) const {
     return points[triangles[triangle][i]];
