@@ -5,6 +5,7 @@
 #include "frames.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "lumesh/report/stage_text.hpp"
 #include "option_adapter.hpp"
 
@@ -14,10 +15,10 @@ namespace {
 
 struct CenterlineCommand {
   CenterlineRequest request;
-  std::string output_path;
+  std::string output_path, json_path;
   RunOptions run;
 
-  [[nodiscard]] FrameParts frames() { return {&request.selection, request.path, {&output_path}}; }
+  [[nodiscard]] FrameParts frames() { return {&request.selection, request.path, {&output_path, &json_path}}; }
 };
 
 /// Refuses before work what could not be done.
@@ -32,7 +33,7 @@ void check(CenterlineCommand& command) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("--voxel is for meshes, and {} is an image; leave it out", request.path));
   request.options.validate();
-  check_files({command.output_path}, {request.path}, request.selection);
+  check_files({command.output_path, command.json_path}, {request.path}, request.selection);
 }
 
 void run(CenterlineCommand command) {
@@ -43,6 +44,9 @@ void run(CenterlineCommand command) {
   MeshInfo info;
   info.provenance = provenance_of(command.run.making(), command.request.path, made.provenance);
   context.phase("write", [&] { write_polylines(command.output_path, made.lines, info); });
+  write_json(command.json_path,
+             report::centerline_json(
+                 made, session.notes({{command.output_path, "the centerline with its radius"}})));
   say(command.run, "{}", report::centerline_text(command.output_path, made, session.seconds()));
 }
 
@@ -62,6 +66,7 @@ void add_centerline_command(CLI::App& program) {
   add_options(*sub, options_of(request.selection), "", {"probabilities"});
   add_options(*sub, options_of(request.surface), "", {"feature_angle", "patch_array"});
   add_unit_option(*sub, request.selection.unit);
+  add_json_option(*sub, command->json_path, command->run, "counts, length, radii and times");
   finish_command(
       *sub, command, [](const CenterlineCommand& c) { run_frames(c); },
       "Example: lumesh centerline case1.nrrd -o case1_lines.vtp");

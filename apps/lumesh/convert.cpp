@@ -2,6 +2,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "lumesh/report/stage_text.hpp"
 
 namespace lumesh::cli {
@@ -10,7 +11,7 @@ namespace {
 
 struct ConvertCommand {
   ConversionRequest request;
-  std::string compat, msh_version = "4.1";
+  std::string json_path, compat, msh_version = "4.1";
   RunOptions run;
 };
 
@@ -31,11 +32,12 @@ void run(ConvertCommand command) {
     throw Error(ErrorKind::kUsage,
                 "no name for the mesh to write; give it as in: lumesh convert case1.vtu case1.msh");
   check_surface_output(output.surface);
-  check_output_folders({output.mesh, output.surface});
-  check_inputs_stay({output.surface}, {request.from});
+  check_output_folders({output.mesh, output.surface, command.json_path});
+  check_inputs_stay({output.surface, command.json_path}, {request.from});
   if (!request.only_labels.empty()) check_inputs_stay({output.mesh}, {request.from});
   CommandRun session(command.run);
   const MixedMesh mesh = convert_mesh(request, session.context);
+  write_json(command.json_path, report::conversion_json(mesh, session.notes(files_of(output))));
   say(command.run, "{}", report::conversion_text(output.mesh, mesh));
 }
 
@@ -66,6 +68,7 @@ void add_convert_command(CLI::App& program) {
   add_unit_option(*sub, request.unit);
   sub->add_option("--out-unit", output.unit, "Unit of lengths in what is written; default: as they are")
       ->check(CLI::IsMember({"mm", "cm", "m", "um"}));
+  add_json_option(*sub, command->json_path, command->run, "counts and patches");
   finish_command(*sub, command, "Example: lumesh convert case1.vtu case1.msh --msh-version 2.2", false);
 }
 

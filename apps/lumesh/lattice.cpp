@@ -4,6 +4,7 @@
 #include "common.hpp"
 #include "domain_input.hpp"
 #include "frames.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "lumesh/report/stage_text.hpp"
 #include "option_adapter.hpp"
 
@@ -14,10 +15,11 @@ namespace {
 struct LatticeCommand {
   LatticeRequest request;
   MeshOutput output;
+  std::string json_path;
   RunOptions run;
 
   [[nodiscard]] FrameParts frames() {
-    return {&request.input.selection, request.input.path, {&output.mesh, &output.surface}};
+    return {&request.input.selection, request.input.path, {&output.mesh, &output.surface, &json_path}};
   }
 };
 
@@ -28,10 +30,11 @@ void run(const LatticeCommand& command) {
   const MeshOutput& output = command.output;
   input.cuts.validate();
   check_surface_output(output.surface);
-  check_files({output.mesh, output.surface}, {input.path}, input.selection);
+  check_files({output.mesh, output.surface, command.json_path}, {input.path}, input.selection);
   LatticeMesh made = make_lattice_mesh(command.request, command.run.making(), context);
   write_mesh(output, made.made.mesh.view(), context);
   const FirstMeshComparison compared = compare_with_input(made, context);
+  write_json(command.json_path, report::lattice_json(made, compared, session.notes(files_of(output))));
   say(command.run, "{}",
       report::lattice_text(output.mesh, made, compared.openings, context, session.seconds()));
   require_sound(output.mesh, made.made.mesh.view(), context);
@@ -47,6 +50,7 @@ void add_lattice_command(CLI::App& program) {
   sub->add_option("image", request.input.path, std::string("Label image ") + kImageFormats)->required();
   add_mesh_output(*sub, command->output.mesh);
   add_surface_output(*sub, command->output.surface);
+  add_json_option(*sub, command->json_path, command->run, "counts, openings, differences and times");
   add_options_of(*sub, request.options);
   OptionList cells;
   describe_cells_per_diameter(cells, request.cells_per_diameter);

@@ -5,7 +5,7 @@
 #include "keep_option.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
-#include "lumesh/stages/metric_stage.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -13,7 +13,7 @@ namespace lumesh::cli {
 namespace {
 
 struct MetricCommand {
-  std::string mesh_path, output_path;
+  std::string mesh_path, output_path, json_path;
   MeshMetricRequest request;
   RunOptions run;
 };
@@ -22,7 +22,8 @@ void run(const MetricCommand& command) {
   CommandRun session(command.run);
   Context& context = session.context;
   const std::string &mesh_path = command.mesh_path, &output_path = command.output_path;
-  check_output_folders({output_path});
+  check_output_folders({output_path, command.json_path});
+  check_inputs_stay({command.json_path}, {mesh_path, command.request.image});
   const bool alone = is_metric_file(output_path);
   if (!alone && !is_for(output_path, MeshUse::kCarryMetric))
     throw Error(ErrorKind::kUsage,
@@ -39,6 +40,9 @@ void run(const MetricCommand& command) {
       write_mesh(output_path, made.mesh.view());
   });
   if (!made.unmet.empty()) context.warn(made.unmet);
+  write_json(command.json_path,
+             report::metric_json(
+                 made, session.notes({{output_path, alone ? "the metric" : "the mesh with its metric"}})));
   say(command.run, "{}: metric of {} vertices, complexity {:.4g} on this mesh\n", output_path,
       made.mesh.changing().vertex_count(), made.complexity);
 }
@@ -63,6 +67,7 @@ void add_metric_command(CLI::App& program) {
   for (const Option& option : of_image.all()) sub->get_option(flag_of(option.name))->needs("--image");
   // Their rows are those of all points.
   add_keep_option(*sub, request.keep)->excludes("--metric")->excludes("--hessian");
+  add_json_option(*sub, command->json_path, command->run, "counts, complexity and times");
   finish_command(
       *sub, command,
       "Example: lumesh metric vessel.vtu --points centerline.vtp --gradation 1.3 --complexity 180000 -o "

@@ -2,6 +2,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "lumesh/report/stage_text.hpp"
 #include "lumesh/stages/phantom_stage.hpp"
 #include "option_adapter.hpp"
@@ -11,7 +12,7 @@ namespace lumesh::cli {
 namespace {
 
 struct PhantomCommand {
-  std::string kind;
+  std::string kind, json_path;
   PhantomRequest request;
   RunOptions run;
 };
@@ -20,9 +21,14 @@ void run(PhantomCommand command) {
   CommandRun session(command.run);
   PhantomRequest& request = command.request;
   const std::string parameters = request.parameters_path();
-  check_output_folders({request.image, parameters, request.centerline, request.velocity});
+  check_output_folders({request.image, parameters, request.centerline, request.velocity, command.json_path});
   request.spec.kind = phantom_kind_from_name(command.kind);
   const PhantomMade made = make_phantom(request, session.context);
+  write_json(command.json_path,
+             report::phantom_json(made, session.notes({{request.image, "the image"},
+                                                       {parameters, "the parameters of the phantom"},
+                                                       {request.centerline, "the centerline with its radius"},
+                                                       {request.velocity, "streamlines with velocity"}})));
   say(command.run, "{}", report::phantom_text(request, made));
 }
 
@@ -40,6 +46,7 @@ void add_phantom_command(CLI::App& program) {
                   "case1.nrrd: case1.phantom.json");
   sub->add_option("--centerline", request.centerline, "Also write the centerline with its radius (.vtp)");
   sub->add_option("--velocity", request.velocity, "Also write streamlines with velocity in m/s (.vtp)");
+  add_json_option(*sub, command->json_path, command->run, "what the labels amount to, and their truth");
   finish_command(
       *sub, command,
       "Example: lumesh phantom carotid -o case1.nrrd --centerline centerline.vtp --velocity flow.vtp");

@@ -2,6 +2,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "lumesh/report/stage_json.hpp"
 #include "lumesh/report/stage_text.hpp"
 
 namespace lumesh::cli {
@@ -10,14 +11,17 @@ namespace {
 
 struct RenameCommand {
   RenamingRequest request;
+  std::string json_path;
   RunOptions run;
 };
 
 void run(const RenameCommand& command) {
   const RenamingRequest& request = command.request;
-  check_output_folders({request.to});
+  check_output_folders({request.to, command.json_path});
+  check_inputs_stay({command.json_path}, {request.from});
   CommandRun session(command.run);
   const RenamedMesh made = rename_mesh(request, session.context);
+  write_json(command.json_path, report::renaming_json(made, session.notes(files_of({.mesh = request.to}))));
   say(command.run, "{}", report::renaming_text(request.to, made));
 }
 
@@ -30,6 +34,7 @@ void add_rename_command(CLI::App& program) {
   add_mesh_output(*sub, command->request.to);
   add_name_option(*sub, command->request.names);
   sub->get_option("--name")->required();
+  add_json_option(*sub, command->json_path, command->run, "what was renamed, and all patches");
   finish_command(
       *sub, command,
       "Example: lumesh rename case1.vtu -o named.vtu --name inlet_1=aorta:inlet --name 12.5,40,-3=left_ica",

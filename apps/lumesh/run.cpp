@@ -4,6 +4,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "frames.hpp"
 #include "long_run.hpp"
 #include "lumesh/pipeline/pipeline.hpp"
 
@@ -12,7 +13,7 @@ namespace lumesh::cli {
 namespace {
 
 struct RunCommand {
-  std::string case_path, folder;
+  std::string case_path, folder, json_path;
   std::vector<std::string> settings;
   bool only_predicts = false, resumes = false, keeps_checkpoints = false;
   RunOptions run;
@@ -30,7 +31,7 @@ Case case_of(const RunCommand& command) {
   return c;
 }
 
-void run(const RunCommand& command, const Case& c) {
+void run(const RunCommand& command, const Case& c, const std::string& json_path) {
   RunOptions options = command.run;
   options.threads = c.run.threads;
   if (c.run.time_limit_s > 0) options.time_limit_s = c.run.time_limit_s;
@@ -43,12 +44,16 @@ void run(const RunCommand& command, const Case& c) {
   const LongRun long_run(options);
   const CaseResult result = run_case(c, command.resumes, session.context);
   say(command.run, "{}", result.text());
+  write_json(json_path, report::case_report_json(result.report));
   result.require_good(long_run.reason(result.complete));
   long_run.check_complete(result.complete, result.folder + " holds the best mesh so far");
 }
 
 void run(const RunCommand& command) {
-  for (const Case& c : cases_of_frames(case_of(command))) run(command, c);
+  check_files({command.json_path}, {command.case_path});
+  const std::vector<Case> cases = cases_of_frames(case_of(command));
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    run(command, cases[i], cases.size() > 1 ? numbered(command.json_path, i) : command.json_path);
 }
 
 }  // namespace
@@ -68,6 +73,7 @@ void add_run_command(CLI::App& program) {
   sub->add_flag("--resume", command->resumes,
                 "Take stages from checkpoints whose input and settings are the same; keeps checkpoints, too")
       ->excludes(dry);
+  add_json_option(*sub, command->json_path, command->run, "the numbers of the case's report")->excludes(dry);
   finish_command(*sub, command, "Example: lumesh run examples/case1_carotid.toml -o case1");
 }
 

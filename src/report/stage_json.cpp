@@ -1,10 +1,12 @@
 #include "lumesh/report/stage_json.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "closed_json.hpp"
 #include "command_notes_json.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/report/summary.hpp"
 
 namespace lumesh::report {
@@ -49,6 +51,24 @@ void add_counts_json(Json& report, const operators::ExecutionCounts& counts) {
   for (std::size_t thread = 0; thread < counts.by_thread.size(); ++thread)
     report["threads"].push_back({{"operators", counts_json(counts.by_thread[thread])},
                                  {"hand_overs", migrations_json(counts.migrations[thread])}});
+}
+
+/// Patches with their numbers of faces. @param of_faces  The patches of each kind of face.
+Json faces_by_patch_json(const MeshInfo& info,
+                         std::initializer_list<std::span<const std::int32_t>> of_faces) {
+  Json json = Json::array();
+  for (std::size_t p = 0; p < info.patches.size(); ++p) {
+    const Patch& patch = info.patches[p];
+    std::ptrdiff_t faces = 0;
+    for (const std::span<const std::int32_t> patches : of_faces)
+      faces += std::ranges::count(patches, static_cast<std::int32_t>(p));
+    json.push_back({{"name", patch.name}, {"kind", kind_word(patch.kind, patch.flow)}, {"faces", faces}});
+  }
+  return json;
+}
+
+Json lines_json(const Polylines& lines) {
+  return {{"lines", lines.lines.size()}, {"points", lines.points.size()}, {"length_mm", length_mm(lines)}};
 }
 
 Json cut_json(const CutMesh& cut) {
@@ -116,6 +136,24 @@ std::string adapt_json(const AdaptedMesh& made, const CommandNotes& notes) {
   return with_notes(std::move(json), notes);
 }
 
+std::string lattice_json(const LatticeMesh& made, const FirstMeshComparison& compared,
+                         const CommandNotes& notes) {
+  const MixedMesh& mesh = made.made.mesh;
+  const LatticeReport& report = made.made.report;
+  Json json = {{"tetrahedra", mesh.tetrahedra.size()},
+               {"hexahedra", mesh.hexahedra.size()},
+               {"pyramids", mesh.pyramids.size()},
+               {"vertices", mesh.points.size()},
+               {"boundary_triangles", mesh.triangles.size()},
+               {"patches", faces_by_patch_json(mesh.info, {mesh.triangle_patches})},
+               {"lost_labels", report.lost_labels},
+               {"non_manifold_vertices", report.non_manifold_vertices},
+               {"levels_given_up", report.levels_given_up},
+               {"furthest_deviation_mm", report.furthest_deviation_mm}};
+  add_comparison(json, made.input, compared);
+  return with_notes(std::move(json), notes);
+}
+
 std::string delaunay_json(const DelaunayFileMesh& made, const FirstMeshComparison& compared,
                           const CommandNotes& notes) {
   const DelaunayReport& report = made.made.report;
@@ -148,6 +186,14 @@ std::string delaunay_json(const DelaunayFileMesh& made, const FirstMeshCompariso
   return with_files_and_warnings(std::move(json), notes);
 }
 
+std::string metric_json(const MeshWithMetric& made, const CommandNotes& notes) {
+  return with_notes({{"vertices", made.mesh.changing().vertex_count()},
+                     {"tetrahedra", made.mesh.changing().tet_count()},
+                     {"kept_cells", made.mesh.kept_count()},
+                     {"complexity", made.complexity}},
+                    notes);
+}
+
 std::string improve_json(const ImprovedMesh& made, const ImproveOptions& options, const CommandNotes& notes) {
   const ImproveReport& report = made.report;
   Json json;
@@ -165,6 +211,57 @@ std::string improve_json(const ImprovedMesh& made, const ImproveOptions& options
                               {"vertices", pass.vertices},
                               {"dihedral_deg", angles_json(pass.angles)},
                               {"operators", counts_json(pass.counts)}});
+  return with_notes(std::move(json), notes);
+}
+
+std::string centerline_json(const CenterlineMade& made, const CommandNotes& notes) {
+  Json json = lines_json(made.lines);
+  const auto [least, most] = std::ranges::minmax(made.lines.scalars.at("radius"));
+  json["radius_mm"] = {{"min", least}, {"max", most}};
+  if (!made.closed.empty()) json["closed"] = closed_json(made.closed);
+  return with_notes(std::move(json), notes);
+}
+
+std::string phantom_json(const PhantomMade& made, const CommandNotes& notes) {
+  const PhantomSpec& spec = made.phantom.spec();
+  Json json = {{"kind", phantom_kind_name(spec.kind)},
+               {"size_voxels", {spec.size.x(), spec.size.y(), spec.size.z()}},
+               {"spacing_mm", place(spec.spacing_mm)},
+               {"labels", Json::array()}};
+  for (const LabelTopology& label : made.labels) {
+    const PhantomTruth truth = made.phantom.truth(label.label);
+    json["labels"].push_back({{"label", label.label},
+                              {"voxels", label.voxel_count},
+                              {"volume_mm3", label.volume_mm3},
+                              {"components", label.component_count},
+                              {"euler", label.euler_number},
+                              {"reference",
+                               {{"volume_mm3", made.phantom.volume_mm3(label.label)},
+                                {"components", truth.component_count},
+                                {"euler", truth.euler_number}}}});
+  }
+  if (!made.centerline.lines.empty()) json["centerline"] = lines_json(made.centerline);
+  return with_notes(std::move(json), notes);
+}
+
+std::string conversion_json(const MixedMesh& mesh, const CommandNotes& notes) {
+  return with_notes(
+      {{"cells", mesh.view().cell_count()},
+       {"points", mesh.points.size()},
+       {"boundary_faces", mesh.triangles.size() + mesh.quadrilaterals.size()},
+       {"unit", mesh.info.unit},
+       {"patches", faces_by_patch_json(mesh.info, {mesh.triangle_patches, mesh.quadrilateral_patches})}},
+      notes);
+}
+
+std::string renaming_json(const RenamedMesh& made, const CommandNotes& notes) {
+  Json json = {{"renamed", Json::array()}};
+  for (const PatchRenaming& renaming : made.renamings) {
+    json["renamed"].push_back({{"from", renaming.patch}, {"to", renaming.name}});
+    if (renaming.kind) json["renamed"].back()["kind"] = renaming.kind->word();
+  }
+  json["patches"] =
+      faces_by_patch_json(made.mesh.info, {made.mesh.triangle_patches, made.mesh.quadrilateral_patches});
   return with_notes(std::move(json), notes);
 }
 

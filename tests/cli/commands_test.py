@@ -61,10 +61,7 @@ class OptionsTest(CommandTest):
 
     def test_numbers_of_phantoms_are_words(self):
         image = self.folder / "other.nrrd"
-        def told(*options):
-            self.run_well("phantom", "sphere", "-o", image, *options)
-            return json.loads(self.run_well("info", image, "--json").stdout)
-
+        told = lambda *options: json.loads(self.run_well("phantom", "sphere", "-o", image, *options, "--json").stdout)
         self.assertEqual(told("--size", 24)["size_voxels"], [24, 24, 24])
         self.assertEqual(told("--spacing", 0.5, 0.5, 1, "--size", 32, 32, 16)["spacing_mm"], [0.5, 0.5, 1])
         self.run_well("phantom", "sphere", "-o", image, "--size", 24, "--origin", -1, "-2.5", 3, "--rotate", 0, -30, 0)
