@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that every pattern of tests in tests/CMakeLists.txt (LUMESH_NOT_SANITIZED, LUMESH_NOT_ASAN) matches a test, and that every
-program in LUMESH_THREAD_TESTS has a folder: a test that gets another name would otherwise leave or enter these sets in silence.
+"""Checks that every pattern of tests in tests/CMakeLists.txt (LUMESH_NOT_SANITIZED, LUMESH_NOT_ASAN, LUMESH_NOT_TSAN) matches a test, and
+that every program in LUMESH_THREAD_TESTS has a folder: a test that gets another name would otherwise leave or enter these sets in silence.
 Names are those of TEST, TEST_F and TEST_P in the sources; those of TEST_P are taken as INSTANTIATION/SUITE.NAME/0.
 
 Usage: check_test_patterns.py [ROOT]
@@ -12,7 +12,7 @@ import sys
 
 import sources
 
-PATTERNS = ("LUMESH_NOT_SANITIZED", "LUMESH_NOT_ASAN")
+PATTERNS = ("LUMESH_NOT_SANITIZED", "LUMESH_NOT_ASAN", "LUMESH_NOT_TSAN")
 TEST = re.compile(r"^(TEST|TEST_F|TEST_P)\(\s*(\w+),\s*(\w+)\s*\)", re.MULTILINE)
 INSTANTIATION = re.compile(r"^INSTANTIATE_TEST_SUITE_P\(\s*(\w+),\s*(\w+)", re.MULTILINE)
 
