@@ -83,6 +83,23 @@ TEST(Adapt, MakesAUnitMeshOfTheLinearMetric) {
   EXPECT_NEAR(mesh.tet_count() / 4652.0, 11, 1.2);
 }
 
+// Polar-1 of UGAWG: sizes are 0.001 across the cylinder of radius 0.5 and 0.1 along it, so that they turn by
+// 11 degrees within one element. Bands as measured, a little wider (docs/measurements.md, adaptation).
+TEST(Adapt, NearlyMakesAUnitMeshOfPolar1) {
+  TetMesh mesh = fixtures::unit_cube(3);
+  const auto shapes = operators::planes_where_flat(mesh);
+  Context context;
+  adapt(mesh, MetricField::analytic(AnalyticKind::kPolar1), shapes, {}, context);
+  const ValidationReport report = validate(mesh);
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_NEAR(report.labels[0].volume, 1, 1e-12);
+  const Conformity found = conformity_of(mesh);
+  EXPECT_GT(found.share_in_band, 0.93);
+  EXPECT_GT(found.mean_quality, 0.77);
+  EXPECT_GT(found.least_quality, 0.25);
+  EXPECT_LT(found.longest, 3.2);
+}
+
 TEST(Adapt, PutsPointsOnCentroidsToo) {
   const auto adapted = [](PointPlacement placement) {
     TetMesh mesh = fixtures::unit_cube(3);
