@@ -181,7 +181,8 @@ class ChecksTest(unittest.TestCase):
     def test_test_patterns_finds_patterns_and_folders_that_no_test_has(self):
         self.write("tests/unit/mesh/a_test.cpp", "TEST(Mesh, IsWhole) {}\nTEST_P(MeshOnThreads, IsTheSame) {}\n"
                    "INSTANTIATE_TEST_SUITE_P(\n    Threads, MeshOnThreads, testing::Values(1));\n")
-        tests = "set(LUMESH_THREAD_TESTS test_mesh)\nset(LUMESH_NOT_SANITIZED\n    Mesh.IsW*\n    */MeshOnThreads.*)\nset(LUMESH_NOT_ASAN Mesh.?sWhole)\n"
+        tests = "set(LUMESH_THREAD_TESTS test_mesh)\nset(LUMESH_NOT_SANITIZED\n    Mesh.IsW*\n    */MeshOnThreads.*)\nset(LUMESH_NOT_ASAN Mesh.?sWhole)\n" \
+                "set(LUMESH_NOT_TSAN Mesh.Is?hole)\n"
         self.write("tests/CMakeLists.txt", tests)
         self.assertEqual(self.run_check("check_test_patterns.py")[0], 0, self.run_check("check_test_patterns.py")[1])
         for old, new, words in (("Mesh.IsW*", "Mesh.WasWhole*", "LUMESH_NOT_SANITIZED: no test has a name like Mesh.WasWhole*"),
