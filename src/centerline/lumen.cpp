@@ -1,6 +1,8 @@
 #include "lumen.hpp"
 
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "lumesh/core/grid.hpp"
 
@@ -45,52 +47,57 @@ class Envelope {
 }  // namespace
 
 Lumen::Lumen(const ImageFrame& frame, std::vector<Index3> voxels, const std::vector<Index3>& beyond)
-    : frame_(frame), voxels_(voxels) {
+    : frame_(frame), voxels_(std::move(voxels)) {
   voxel_mm_ = std::cbrt(frame.voxel_volume_mm3());
-  if (voxels.empty()) return;
-  add_in_order(beyond);
-  make_bricks();
-  voxels_ = std::move(voxels);
+  if (voxels_.empty()) return;
+  make_bricks(beyond);
   number();
   keep_largest_piece();
-  const std::vector<Index3> own = voxels_;
-  add_in_order(beyond);
+  if (beyond.empty()) {
+    mark_inside();
+    measure_walls();
+  } else {
+    measure_walls_with(beyond);
+  }
+}
+
+/// For a while the voxels beyond are of the lumen.
+void Lumen::measure_walls_with(const std::vector<Index3>& beyond) {
+  const std::vector<Index3> own = std::move(voxels_);
+  voxels_.clear();
+  std::merge(own.begin(), own.end(), beyond.begin(), beyond.end(), std::back_inserter(voxels_),
+             MemoryOrder{frame_});
   number();
   mark_inside();
   measure_walls();
-  if (beyond.empty()) return;
   for (std::size_t id = 0; id < own.size(); ++id) wall_mm_[id] = wall_mm_[find(own[id])];
   wall_mm_.resize(own.size());
   voxels_ = own;
   number();
 }
 
-/// Into the voxels, all in memory order.
-void Lumen::add_in_order(const std::vector<Index3>& others) {
-  const auto middle = static_cast<std::ptrdiff_t>(voxels_.size());
-  voxels_.insert(voxels_.end(), others.begin(), others.end());
-  std::inplace_merge(voxels_.begin(), voxels_.begin() + middle, voxels_.end(),
-                     [&](const Index3& a, const Index3& b) { return frame_.offset(a) < frame_.offset(b); });
-}
-
-void Lumen::make_bricks() {
+void Lumen::make_bricks(const std::vector<Index3>& beyond) {
   Index3 high = voxels_.front();
   low_ = high;
-  for (const Index3& v : voxels_) {
-    low_ = low_.cwiseMin(v);
-    high = high.cwiseMax(v);
+  for (const std::vector<Index3>* some : {&std::as_const(voxels_), &beyond}) {
+    for (const Index3& v : *some) {
+      low_ = low_.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
   }
   low_ -= Index3::Ones();
   bricks_ = ((high - low_).array() + 2 + kBrick - 1) / kBrick;
   brick_of_.assign(grid_count(bricks_), -1);
   // Bricks of the neighbours, too: their shares of the inside may be refined.
   std::vector<std::uint8_t> wanted(brick_of_.size(), 0);
-  parallel::for_each_index(voxels_.size(), [&](std::size_t id) {
-    for (int corner = 0; corner < 8; ++corner) {
-      const Index3 side((corner & 1) * 2 - 1, (corner >> 1 & 1) * 2 - 1, (corner >> 2 & 1) * 2 - 1);
-      parallel::raise(wanted[brick_offset(voxels_[id] + side - low_)]);
-    }
-  });
+  for (const std::vector<Index3>* some : {&std::as_const(voxels_), &beyond}) {
+    parallel::for_each_index(some->size(), [&](std::size_t n) {
+      for (int corner = 0; corner < 8; ++corner) {
+        const Index3 side((corner & 1) * 2 - 1, (corner >> 1 & 1) * 2 - 1, (corner >> 2 & 1) * 2 - 1);
+        parallel::raise(wanted[brick_offset((*some)[n] + side - low_)]);
+      }
+    });
+  }
   std::int32_t count = 0;
   for (std::size_t b = 0; b < wanted.size(); ++b)
     if (wanted[b] != 0) brick_of_[b] = count++;

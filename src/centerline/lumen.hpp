@@ -15,6 +15,12 @@ namespace lumesh::centerline {
 
 inline constexpr std::uint32_t kNoVoxel = std::numeric_limits<std::uint32_t>::max();
 
+/// Whether a voxel comes before another one in memory.
+struct MemoryOrder {
+  const ImageFrame& frame;
+  bool operator()(const Index3& a, const Index3& b) const { return frame.offset(a) < frame.offset(b); }
+};
+
 /// Where a vessel is cut.
 struct Opening {
   Vec3 point = Vec3::Zero();   ///< On the plane of the cut.
@@ -99,12 +105,12 @@ class Lumen {
     const Brick* brick = brick_at(nearest);
     return brick == nullptr ? 0.0 : brick->shares[cell(nearest)];
   }
-  void make_bricks();
+  void make_bricks(const std::vector<Index3>& beyond);
   void number();
   void mark_inside();
   void keep_largest_piece();
-  void add_in_order(const std::vector<Index3>& others);
   void measure_walls();
+  void measure_walls_with(const std::vector<Index3>& beyond);
   void pass_along(int axis, std::vector<double>& squared) const;
 
   ImageFrame frame_;

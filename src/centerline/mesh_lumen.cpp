@@ -5,6 +5,7 @@
 
 #include "inputs.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "mesh_boundary.hpp"
 
@@ -179,14 +180,10 @@ std::vector<PrismVoxel> prisms_on(const Cap& cap, const Boundary& boundary, cons
         side[n] = (corner[(n + 1) % 3] - corner[n]).cross(p - corner[n]).dot(cap.normal);
       return (side[0] >= 0 && side[1] >= 0 && side[2] >= 0) || (side[0] <= 0 && side[1] <= 0 && side[2] <= 0);
     };
-    for (int k = first.z(); k <= last.z(); ++k) {
-      for (int j = first.y(); j <= last.y(); ++j) {
-        for (int i = first.x(); i <= last.x(); ++i) {
-          const Vec3 p = grid.frame.to_physical(Vec3(i, j, k));
-          if (holds(p, cap.height(p))) voxels.push_back({{i, j, k}, cap.height(p)});
-        }
-      }
-    }
+    for_each_place(first, last, [&](const Index3& at) {
+      const Vec3 p = grid.frame.to_physical(at.cast<double>());
+      if (holds(p, cap.height(p))) voxels.push_back({at, cap.height(p)});
+    });
   }
   return voxels;
 }
@@ -200,9 +197,7 @@ struct MeshVoxels {
 /// The last layer of voxels below each cap belongs to those beyond: so nothing joins what lies at two caps
 /// that face each other. Where another vessel lies in a cap's way, the prisms end at it.
 MeshVoxels voxels_of(const Boundary& boundary, const Grid& grid) {
-  const auto before = [&](const Index3& a, const Index3& b) {
-    return grid.frame.offset(a) < grid.frame.offset(b);
-  };
+  const MemoryOrder before{grid.frame};
   const auto ascend = [&](std::vector<Index3>& voxels) {
     std::erase_if(voxels, [&](const Index3& v) { return !grid.frame.contains(v); });
     if (!std::is_sorted(voxels.begin(), voxels.end(), before)) parallel::sort_unique(voxels, before);
@@ -210,6 +205,14 @@ MeshVoxels voxels_of(const Boundary& boundary, const Grid& grid) {
   MeshVoxels voxels;
   std::vector<Index3> all = RowFiller(boundary, grid.frame).voxels();
   ascend(all);
+  // What of the last layer lies beside the prisms, at the rim, would be pieces of their own.
+  const auto add_layer_around = [&](const Index3& middle, const Cap& cap) {
+    for_each_place(middle - Index3::Ones(), middle + Index3::Ones(), [&](const Index3& at) {
+      if (cap.height(grid.frame.to_physical(at.cast<double>())) > -grid.voxel_mm() &&
+          std::binary_search(all.begin(), all.end(), at, before))
+        voxels.beyond.push_back(at);
+    });
+  };
   for (const Cap& cap : grid.caps) {
     const std::vector<PrismVoxel> prisms = prisms_on(cap, boundary, grid);
     const auto is_above_inside = [&](const PrismVoxel& voxel) {
@@ -219,8 +222,10 @@ MeshVoxels voxels_of(const Boundary& boundary, const Grid& grid) {
     for (const PrismVoxel& voxel : prisms)
       if (voxel.height_mm > 2 * grid.voxel_mm() && is_above_inside(voxel))
         end_mm = std::min(end_mm, voxel.height_mm);
-    for (const PrismVoxel& voxel : prisms)
+    for (const PrismVoxel& voxel : prisms) {
       if (voxel.height_mm <= end_mm && !is_above_inside(voxel)) voxels.beyond.push_back(voxel.at);
+      if (voxel.height_mm <= 0) add_layer_around(voxel.at, cap);
+    }
   }
   ascend(voxels.beyond);
   std::set_difference(all.begin(), all.end(), voxels.beyond.begin(), voxels.beyond.end(),

@@ -53,6 +53,12 @@ class CenterlineTest(ProgramTest):
         self.assertTrue(provenance["input"].endswith("tube.nrrd"))
         self.assertEqual(provenance["input_sha256"], hashlib.sha256(self.image.read_bytes()).hexdigest())
 
+    def test_nothing_of_a_mesh_in_one_piece_is_left_out_at_its_openings(self):
+        image, mesh = self.folder / "carotid.nrrd", self.folder / "carotid.vtu"
+        self.run_well("phantom", "carotid", "--size", "128", "128", "127", "--spacing", "4", "-o", image, "-q")
+        self.run_well("delaunay", image, "-o", mesh, "-q")
+        self.assertEqual(self.run_well("centerline", mesh, "-o", self.out).stderr, "")
+
     def test_quiet_says_nothing(self):
         self.assertEqual(self.run_well("centerline", self.image, "-o", self.out, "-q").stdout, "")
 
