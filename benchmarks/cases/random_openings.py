@@ -49,6 +49,7 @@ import run  # noqa: E402  (ROOT)
 
 sys.path.insert(0, str(run.ROOT / "tests/cli"))
 import nrrd  # noqa: E402
+from cube import lines_of  # noqa: E402
 
 MESHERS = ("lattice", "delaunay")
 CLASSES = ("plain", "thin", "oblique", "at an edge")
@@ -313,17 +314,12 @@ def check_image(arguments, seed, folder):
             if size == SIZES[seed % len(SIZES)]:
                 other = folder / f"{seed}-2.mesh"
                 make_mesh(arguments.program, mesher, options, size * scene.voxel_mm, 2, other)
-                if not (path.exists() and other.exists() and strip(path) == strip(other)):
+                if not (path.exists() and other.exists() and lines_of(path) == lines_of(other)):
                     mesh_faults.append("threads: other bits with 2")
             told = [line for line in words.splitlines() if line.strip()]
             result["meshes"].append({"mesher": mesher, "size": size, "faults": mesh_faults, "told": told, "off": off,
                                      "seconds": round(time.monotonic() - start, 2)})
     return result
-
-
-def strip(path):
-    """A file's text without the options in its header."""
-    return [line for line in path.read_text(encoding="ascii").splitlines() if not line.startswith("#")]
 
 
 def work(job):

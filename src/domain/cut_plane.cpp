@@ -23,6 +23,20 @@ double kept_share(const ImageFrame& frame, std::span<const CutPlane> planes, con
 
 }  // namespace
 
+Vec3 nearest_within(std::span<const CutPlane> planes, Vec3 point_mm) {
+  constexpr int kRounds = 50;  // Planes at a right angle need one; each other corner comes nearer.
+  bool is_beyond = true;
+  for (int round = 0; round < kRounds && is_beyond; ++round) {
+    is_beyond = false;
+    for (const CutPlane& plane : planes) {
+      if (plane.beyond_mm(point_mm) <= 0) continue;
+      point_mm -= plane.height(point_mm) * plane.normal;
+      is_beyond = true;
+    }
+  }
+  return point_mm;
+}
+
 double CutPlane::beyond_mm(const Vec3& x) const {
   const double above = height(x);
   if (!is_bounded()) return above;

@@ -34,6 +34,11 @@ def cube(n):
     return points, tetrahedra, triangles
 
 
+def lines_of(path):
+    """A Medit file's lines but for comments, which tell how it was made."""
+    return [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+
+
 def write_medit(path, points, tetrahedra, triangles):
     """Tetrahedra and triangles as cube() gives them; what is empty is left out."""
     sections = {"Vertices": [(*p, 0) for p in points], "Triangles": triangles, "Tetrahedra": tetrahedra}

@@ -10,7 +10,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from cube import cube, write_medit
+from cube import cube, lines_of, write_medit
 from program import BAD_INPUT, USAGE, MeshTest
 
 
@@ -90,7 +90,7 @@ class LayersTest(MeshTest):
     def bits_of(self, mesh, *arguments):
         out = self.folder / "bits.mesh"
         self.run_well("layers", mesh, "-o", out, *arguments)
-        return [line for line in out.read_text().splitlines() if not line.startswith("#")]
+        return lines_of(out)
 
     def test_the_same_bits_for_every_number_of_threads(self):
         mesh = self.vessel()

@@ -35,6 +35,9 @@ struct CutPlane {
   [[nodiscard]] double beyond_mm(const Vec3& x) const;
 };
 
+/// The point, or one on the planes that it lies beyond; their normals are of unit length.
+[[nodiscard]] Vec3 nearest_within(std::span<const CutPlane> planes, Vec3 point_mm);
+
 /// Voxels of each label (in the order of image.values(), 0 for the background) on the kept side of all
 /// planes. Voxels that a plane passes through count by their share, taken as linear in the plane's place.
 [[nodiscard]] std::vector<double> count_kept_voxels(const LabelImage& image,

@@ -164,18 +164,8 @@ class Domain {
   /// Whether a cut plane removes the point.
   [[nodiscard]] bool beyond_cut(const Vec3& point_mm) const { return beyond_cuts_mm(point_mm) > 0; }
   /// The point, or one on the cut planes that it lies beyond.
-  [[nodiscard]] Vec3 within_cuts(Vec3 point_mm) const {
-    constexpr int kRounds = 50;  // Planes at a right angle need one; each other corner comes nearer.
-    bool is_beyond = true;
-    for (int round = 0; round < kRounds && is_beyond; ++round) {
-      is_beyond = false;
-      for (const CutPlane& plane : cut_planes()) {
-        if (plane.beyond_mm(point_mm) <= 0) continue;
-        point_mm -= plane.height(point_mm) * plane.normal;
-        is_beyond = true;
-      }
-    }
-    return point_mm;
+  [[nodiscard]] Vec3 within_cuts(const Vec3& point_mm) const {
+    return nearest_within(cut_planes(), point_mm);
   }
   /// True for materials that the mesh is made of.
   [[nodiscard]] bool is_meshed(Material m) const { return m > 0 && m < label_count(); }

@@ -25,7 +25,7 @@ class AdaptedBoundary {
   [[nodiscard]] std::size_t patches_on_image() const { return patches_on_image_; }
   /// Within the image, if there is one, else between the planes of openings that all of the mesh lies on one
   /// side of. Good as long as this is.
-  [[nodiscard]] operators::KeepWithin keep_within() const;
+  [[nodiscard]] const operators::KeepWithin& keep_within() const { return keep_within_; }
   /// Joins what was cut at creases: `mesh` has the patches again that it had.
   void restore_patches(TetMesh& mesh) const;
 
@@ -34,7 +34,7 @@ class AdaptedBoundary {
   operators::PatchShapes shapes_;
   std::size_t patches_on_image_ = 0;
   std::shared_ptr<const ImageDomain> image_;
-  operators::KeepWithin keep_within_;  ///< Without an image.
+  operators::KeepWithin keep_within_;
 };
 
 }  // namespace lumesh
