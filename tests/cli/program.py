@@ -34,6 +34,11 @@ def wait_for_line(process, words, seconds=120):
     raise AssertionError(f"no line with '{words}' on stderr:\n{''.join(said)}")
 
 
+def lines_but_steps(errors):
+    """Lines on stderr but those of -v: a step may still end beside what ends the program."""
+    return [line for line in errors.splitlines() if " took " not in line]
+
+
 class ProgramTest(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="lumesh_cli_"))
