@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "crossed_rims.hpp"
 #include "estimate.hpp"
@@ -134,6 +135,52 @@ std::size_t settle_in(const Domain& domain, const DelaunayOptions& options, TetM
   return operators::settle(mesh, operators::places_in_domain(mesh, domain), rules).held_back;
 }
 
+/// Where points are inserted before the rules ask for any.
+struct AllSeeds {
+  delaunay::Seeds lattice;
+  std::vector<std::uint32_t> boundary;               ///< One of the candidates each, relaxed on the surfaces.
+  std::vector<delaunay::BoundaryCandidate> to_find;  ///< What the rules have to find most of.
+};
+
+AllSeeds all_seeds(const Domain& domain, const delaunay::Spacing& spacing, Seeding seeding,
+                   Context& context) {
+  AllSeeds seeds;
+  seeds.lattice = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
+  seeds.to_find = thin_out(seeds.lattice, seeding, domain.bounds_mm());
+  context.phase("surface", [&] {
+    seeds.boundary = delaunay::thinned(seeds.lattice.boundary);
+    delaunay::relax(domain, seeds.boundary, seeds.lattice.boundary);
+  });
+  return seeds;
+}
+
+DelaunayReport report_on(const AllSeeds& seeds) {
+  DelaunayReport report;
+  report.inner_seeds = seeds.lattice.inner.size();
+  report.outer_seeds = seeds.lattice.outer.size();
+  report.boundary_seeds = seeds.boundary.size();
+  return report;
+}
+
+/// Labels changed where the boundary would not be a manifold, flat at cuts, or within bounds.
+/// @return The number of vertices at which it was pinched.
+std::size_t relabelled(TetMesh& mesh, const Domain& domain, std::vector<VertexId> pinched) {
+  const std::size_t count = delaunay::relabel_pinched(mesh, domain, std::move(pinched));
+  delaunay::relabel_at_cuts(mesh, domain);
+  delaunay::relabel_crossed_rims(mesh, domain);
+  delaunay::relabel_flat(mesh, domain);
+  delaunay::relabel_out_of_bounds(mesh, domain);
+  return count;
+}
+
+void note_pinched(DelaunayReport& report) {
+  if (report.pinched_vertices == 0) return;
+  report.notes.push_back(fmt::format(
+      "at {} vertices parts would have touched in a point or an edge only: tetrahedra there changed "
+      "their label; a smaller `delta` leaves fewer",
+      report.pinched_vertices));
+}
+
 }  // namespace
 
 double delaunay_delta_mm(const DelaunayOptions& options, const Domain& domain) {
@@ -146,40 +193,22 @@ double delaunay_delta_mm(const DelaunayOptions& options, const Domain& domain) {
 
 DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options, Context& context) {
   options.validate();
+  check_fits(options, domain);
   const std::unique_ptr<Sizing> graded = graded_sizing(domain, options);
   const delaunay::Spacing spacing = spacing_of(domain, options, graded.get());
-  const Box3 box = domain.bounds_mm();
-  check_fits(options, domain);
   delaunay::check_memory(spacing);
-  auto seeds = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
-  const auto to_find = thin_out(seeds, options.seeding, box);
-  const auto boundary = context.phase("surface", [&] { return delaunay::thinned(seeds.boundary); });
-  context.phase("surface", [&] { delaunay::relax(domain, boundary, seeds.boundary); });
-  DelaunayResult result{hull_around(box, seeds.outer), {}};
-  result.report.inner_seeds = seeds.inner.size();
-  result.report.outer_seeds = seeds.outer.size();
-  result.report.boundary_seeds = boundary.size();
+  const AllSeeds seeds = all_seeds(domain, spacing, options.seeding, context);
+  DelaunayResult result{hull_around(domain.bounds_mm(), seeds.lattice.outer), report_on(seeds)};
+  DelaunayReport& report = result.report;
   delaunay::Refinement refinement(result.mesh, spacing, options);
-  context.phase("insertion", [&] { refinement.insert_seeds(seeds, boundary); });
-  context.phase("refinement", [&] {
-    result.report.complete = refined(refinement, to_find, options, result.report, context);
-  });
-  result.report.pinched_vertices = context.phase("topology", [&] {
-    const std::size_t pinched = delaunay::relabel_pinched(result.mesh, domain, refinement.pinched());
-    delaunay::relabel_at_cuts(result.mesh, domain);
-    delaunay::relabel_crossed_rims(result.mesh, domain);
-    delaunay::relabel_flat(result.mesh, domain);
-    delaunay::relabel_out_of_bounds(result.mesh, domain);
-    return pinched;
-  });
+  context.phase("insertion", [&] { refinement.insert_seeds(seeds.lattice, seeds.boundary); });
+  report.complete = context.phase(
+      "refinement", [&] { return refined(refinement, seeds.to_find, options, report, context); });
+  report.pinched_vertices =
+      context.phase("topology", [&] { return relabelled(result.mesh, domain, refinement.pinched()); });
   context.phase("carving", [&] { delaunay::remove_exterior(result.mesh, domain); });
-  result.report.held_back =
-      context.phase("settling", [&] { return settle_in(domain, options, result.mesh); });
-  if (result.report.pinched_vertices > 0)
-    result.report.notes.push_back(fmt::format(
-        "at {} vertices parts would have touched in a point or an edge only: tetrahedra there changed "
-        "their label; a smaller `delta` leaves fewer",
-        result.report.pinched_vertices));
+  report.held_back = context.phase("settling", [&] { return settle_in(domain, options, result.mesh); });
+  note_pinched(report);
   if (result.mesh.tet_count() == 0)
     throw Error(ErrorKind::kBadInput,
                 "nothing of the object is left; choose a smaller `delta`, or other cut planes");

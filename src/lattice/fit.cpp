@@ -1,6 +1,8 @@
 #include "fit.hpp"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "crossings.hpp"
 #include "defects.hpp"
@@ -13,6 +15,8 @@
 namespace lumesh {
 
 namespace {
+
+constexpr double kGood = 0.3;  // Angle quality of 30 degrees nearly.
 
 /// @param deviations    Those of outlier triangles count.
 /// @param distances_mm  Distances of the deviating probes from the surface.
@@ -50,43 +54,58 @@ void level_openings(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& s
   Fitter(mesh, boundary, none, setting, all_stay).level_openings();
 }
 
-}  // namespace
-
-FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
-                        const ImageDomain& domain, const FitOptions& options) {
-  constexpr double kGood = 0.3;              // angle quality of 30 degrees nearly
-  constexpr double kProtrusionVoxels = 1.1;  // probes further from the surface attract it
-  const FitSetting setting{image, domain, {options.min_dihedral_deg, options.max_dihedral_deg}};
-  VertexTargets targets;
+/// Carries the boundary of the whole lattice roughly to its place and removes tetrahedra that are exposed
+/// there.
+/// @return Places in the lattice of the vertices that are left.
+std::vector<Vec3> approach(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& setting,
+                           VertexBlocks& blocks) {
   std::vector<Vec3> lattice_mm = mesh.positions;
-  VertexBlocks blocks = make_vertex_blocks(mesh, vertices_near_boundary(mesh, boundary));
+  VertexTargets targets;
   Fitter(mesh, boundary, targets, setting, blocks).approach(4);
-  const std::vector<std::uint32_t> kept = remove_exposed(mesh, boundary, domain);
+  const std::vector<std::uint32_t> kept = remove_exposed(mesh, boundary, setting.domain);
   keep_vertices(blocks, kept);
   for (std::size_t v = 0; v < kept.size(); ++v) lattice_mm[v] = lattice_mm[kept[v]];
   lattice_mm.resize(kept.size());
-  mesh.neighbours = UninitialisedVector<Corner4>();  // not needed any more
+  mesh.neighbours = UninitialisedVector<Corner4>();  // Not needed any more.
+  return lattice_mm;
+}
 
-  targets = {};
-  Fitter fitter(mesh, boundary, targets, setting, blocks);
+/// Vertices of the boundary come to the surface, so that facets are neither within it nor beyond it in the
+/// mean.
+void fit_boundary(Fitter& fitter, DeviationFinder& finder, const WorkMesh& mesh,
+                  const BoundaryModel& boundary, const ImageDomain& domain, VertexTargets& targets) {
+  constexpr double kProtrusionVoxels = 1.1;  // probes further from the surface attract it
   fitter.approach(1);
-  DeviationFinder finder(domain, options.probes);
   fitter.attract_to_protrusions(
       finder.find_probe_deviations(mesh, boundary, kProtrusionVoxels * domain.voxel_size_mm()), 3);
   targets.offset_mm = fitter.averaged(sag_offsets_mm(mesh, boundary, domain));
   fitter.fit(2);
   fitter.fit_and_improve(4, kGood);
+}
+
+}  // namespace
+
+FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
+                        const ImageDomain& domain, const FitOptions& options) {
+  const FitSetting setting{image, domain, {options.min_dihedral_deg, options.max_dihedral_deg}};
+  VertexBlocks blocks = make_vertex_blocks(mesh, vertices_near_boundary(mesh, boundary));
+  std::vector<Vec3> lattice_mm = approach(mesh, boundary, setting, blocks);
+  VertexTargets targets;
+  Fitter fitter(mesh, boundary, targets, setting, blocks);
+  DeviationFinder finder(domain, options.probes);
+  fit_boundary(fitter, finder, mesh, boundary, domain, targets);
   undo_crossings(mesh, boundary, domain, lattice_mm, setting.limits);
-  const std::vector<Vec3> fitted_mm = mesh.positions;
-  fitter.bring_within_cuts(3, 4, kGood);
-  undo_crossings(mesh, boundary, domain, fitted_mm, setting.limits);
+  const auto without_crossing = [&](const auto& step) {
+    const std::vector<Vec3> before_mm = mesh.positions;
+    step();
+    undo_crossings(mesh, boundary, domain, before_mm, setting.limits);
+  };
+  without_crossing([&] { fitter.bring_within_cuts(3, 4, kGood); });
   fitter.squeeze_within_cuts();
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
   const std::vector<Deviation> deviations = repair_defects(whole, setting, finder, options.probes.size());
-  const std::vector<Vec3> repaired_mm = mesh.positions;
-  settle_wall(mesh, boundary, domain, setting.limits);
-  undo_crossings(mesh, boundary, domain, repaired_mm, setting.limits);
+  without_crossing([&] { settle_wall(mesh, boundary, domain, setting.limits); });
   level_openings(mesh, boundary, setting);
   FitReport report =
       report_on(deviations, finder.deviating_probe_distances_mm(mesh, boundary), domain.voxel_size_mm());

@@ -261,6 +261,10 @@ void Columns::shorten(std::size_t v, double to_mm, LayerLimit why) {
   if (profile.shrinks() && why != LayerLimit::kNeighbour && fraction[v] < kHardlyAny) fraction[v] = 0;
 }
 
+bool Columns::are_empty() const {
+  return std::all_of(fraction.begin(), fraction.end(), [](double share) { return share == 0; });
+}
+
 void Columns::ask_for_what_is() {
   for (std::size_t v = 0; v < fraction.size(); ++v)
     if (fraction[v] > 0) asked[v] = fraction[v], limit[v] = LayerLimit::kNone;

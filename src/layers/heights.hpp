@@ -70,6 +70,8 @@ struct Columns {
   /// Share of the thickness asked for.
   [[nodiscard]] double reached(std::size_t v) const { return fraction[v] / asked[v]; }
   [[nodiscard]] double length_mm(std::size_t v) const { return fraction[v] * wanted_mm[v]; }
+  /// No column has a layer.
+  [[nodiscard]] bool are_empty() const;
   /// Takes what columns have for all that is asked of them.
   void ask_for_what_is();
   /// Makes a column shorter, for a reason.

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -90,9 +90,17 @@ void require_fitting_thickness(double thinnest_mm, double thickness, std::string
 
 namespace {
 
-/// Columns as high as can be said before the mesh itself is asked.
-WantedColumns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options,
-                         const ExtrusionFrame& frame) {
+LayerSurface chosen_surface(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
+                            bool is_inward) {
+  LayerSurface surface = surface_of(mesh, faces, choice, is_inward);
+  if (surface.triangles.empty())
+    throw Error(ErrorKind::kBadInput, "no patch for layers has a triangle; name one with `patch`");
+  return surface;
+}
+
+/// Columns as high as the surface alone allows, well shaped or not.
+WantedColumns columns_by_heights(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options,
+                                 const ExtrusionFrame& frame) {
   const double side = options.side == LayerSide::kInward ? -1 : 1;
   const Outside outside(mesh, faces);
   WantedColumns wanted = wanted_columns(frame.surface, frame.directions, options, outside);
@@ -106,51 +114,67 @@ WantedColumns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const 
   return wanted;
 }
 
-/// The metric of a mesh as it is now, if it has one.
-std::optional<metric::MetricField> field_of(const TetMesh& mesh) {
-  if (!mesh.has_metric()) return std::nullopt;
-  return metric::background_field(mesh, mesh.view().metric, 0);
+/// Columns as high as can be said before the mesh itself is asked.
+WantedColumns columns_on(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options,
+                         const ExtrusionFrame& frame, Context& context) {
+  WantedColumns wanted =
+      context.phase("heights", [&] { return columns_by_heights(mesh, faces, options, frame); });
+  const TetMesh* outside = options.side == LayerSide::kInward ? nullptr : &mesh;
+  context.phase("shape", [&] { keep_cells_well_shaped(frame, wanted.columns); });
+  context.phase("skin", [&] { keep_skin_simple(frame, outside, wanted.columns); });
+  return wanted;
+}
+
+/// The metric of the mesh as it was, at points of one whose interior was deformed; none where it has none.
+/// @param deformed  Outlives what is returned.
+MetricAtFoot metric_before(const TetMesh& mesh, const TetMesh& deformed) {
+  if (!mesh.has_metric()) return nullptr;
+  const auto field =
+      std::make_shared<const metric::MetricField>(metric::background_field(mesh, mesh.view().metric, 0));
+  return [field, &deformed](const Vec3& point, VertexId foot) {
+    metric::MetricField::Hint hint = deformed.metric_hint(foot);
+    return field->at(point, hint).metric;
+  };
+}
+
+MetricAtFoot metric_at_foot(const TetMesh& mesh) {
+  if (!mesh.has_metric()) return nullptr;
+  return [&mesh](const Vec3&, VertexId foot) { return mesh.metric(foot); };
+}
+
+LayerReport report_on(const TetMesh& mesh, const ExtrusionFrame& frame, const WantedColumns& wanted,
+                      bool is_inward) {
+  LayerReport report;
+  report.layers = static_cast<int>(wanted.heights.size());
+  report.heights = differences_of(wanted.heights);
+  report.patches = coverage_of(mesh, frame, wanted.columns);
+  report.surface = shares_on(frame.surface, wanted.columns, is_inward);
+  return report;
 }
 
 LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
                     const LayerOptions& options, Context& context) {
   const bool is_inward = options.side == LayerSide::kInward;
   const LayerSurface surface =
-      context.phase("surface", [&] { return surface_of(mesh, faces, choice, is_inward); });
-  if (surface.triangles.empty())
-    throw Error(ErrorKind::kBadInput, "no patch for layers has a triangle; name one with `patch`");
+      context.phase("surface", [&] { return chosen_surface(mesh, faces, choice, is_inward); });
   const Directions directions = context.phase("directions", [&] { return marching_directions(surface); });
   const ExtrusionFrame frame{surface, directions};
-  WantedColumns wanted = context.phase("heights", [&] { return columns_on(mesh, faces, options, frame); });
+  WantedColumns wanted = columns_on(mesh, faces, options, frame, context);
   Columns& columns = wanted.columns;
-  context.phase("shape", [&] { keep_cells_well_shaped(frame, columns); });
-  context.phase("skin", [&] { keep_skin_simple(frame, is_inward ? nullptr : &mesh, columns); });
-  const auto layers_on = [&](const TetMesh& volume, const BoundaryFaces& of_volume,
-                             const std::vector<std::uint32_t>& vertices, const MetricAtFoot& metric) {
+  const auto layers_on = [&](const Footing& footing) {
     LayerResult result;
-    result.mesh = context.phase("cells", [&] {
-      return with_layers({volume, of_volume, choice, vertices, mesh.has_metric() ? metric : nullptr}, frame,
-                         columns, options, options.label);
-    });
-    result.report.layers = static_cast<int>(wanted.heights.size());
-    result.report.heights = differences_of(wanted.heights);
-    result.report.patches = coverage_of(mesh, frame, columns);
-    result.report.surface = shares_on(surface, columns, is_inward);
-    if (std::all_of(columns.fraction.begin(), columns.fraction.end(), [](double f) { return f == 0; }))
+    result.mesh =
+        context.phase("cells", [&] { return with_layers(footing, frame, columns, options, options.label); });
+    result.report = report_on(mesh, frame, wanted, is_inward);
+    result.report.cells = result.mesh.view().cell_count() - footing.mesh.tet_count();
+    if (columns.are_empty())
       context.warn("no layers: nowhere are cells of these heights sound; see the reasons");
-    result.report.cells = result.mesh.view().cell_count() - volume.tet_count();
     return result;
   };
-  if (!is_inward)
-    return layers_on(mesh, faces, surface.vertices,
-                     [&](const Vec3&, VertexId foot) { return mesh.metric(foot); });
+  if (!is_inward) return layers_on({mesh, faces, choice, surface.vertices, metric_at_foot(mesh)});
   const Core core = context.phase("room", [&] { return deform_interior(mesh, faces, frame, columns); });
-  const std::optional<metric::MetricField> field = field_of(mesh);
-  return layers_on(core.mesh, core.mesh.boundary_faces(), core.vertices,
-                   [&](const Vec3& point, VertexId foot) {
-                     metric::MetricField::Hint hint = core.mesh.metric_hint(foot);
-                     return field->at(point, hint).metric;
-                   });
+  return layers_on(
+      {core.mesh, core.mesh.boundary_faces(), choice, core.vertices, metric_before(mesh, core.mesh)});
 }
 
 /// Layers within one label of several: that part alone is deformed, and keeps its faces against the others.
