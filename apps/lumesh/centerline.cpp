@@ -64,7 +64,7 @@ void add_centerline_command(CLI::App& program) {
       ->required();
   add_options_of(*sub, request.options);
   add_options(*sub, options_of(request.selection), "", {"probabilities"});
-  add_options(*sub, options_of(request.surface), "", {"feature_angle", "patch_array"});
+  add_options(*sub, options_of(request.surface), "", {"feature_angle", "patch_array", "keep_vertices"});
   add_unit_option(*sub, request.selection.unit);
   add_json_option(*sub, command->json_path, command->run, "counts, length, radii and times");
   finish_command(

@@ -101,18 +101,18 @@ double SizeGrid::predict(int cap, double object_mm3) const {
 
 void SizeGrid::keep_within(std::size_t max_tetrahedra, std::size_t object_voxels) {
   const double object_mm3 = static_cast<double>(object_voxels) * image_.frame().voxel_volume_mm3();
-  predicted_ = predict(cap_, object_mm3);
-  while (predicted_ > static_cast<double>(max_tetrahedra) && cap_ > min_level_)
-    predicted_ = predict(--cap_, object_mm3);
+  double predicted = predict(cap_, object_mm3);
+  while (predicted > static_cast<double>(max_tetrahedra) && cap_ > min_level_)
+    predicted = predict(--cap_, object_mm3);
   constexpr double kBytesEach =
       900;  // measured: lattice, numbering and fit together, per tetrahedron of the mesh
   const double free_bytes = static_cast<double>(available_memory_bytes());
-  if (predicted_ * kBytesEach > free_bytes) {
+  if (predicted * kBytesEach > free_bytes) {
     throw Error(
         ErrorKind::kMemory,
         fmt::format("about {:.2g} tetrahedra would need {:.2g} GB of memory and {:.2g} GB are free; choose a "
                     "larger `edge_length`",
-                    predicted_, predicted_ * kBytesEach / 1e9, free_bytes / 1e9));
+                    predicted, predicted * kBytesEach / 1e9, free_bytes / 1e9));
   }
   for (std::uint8_t& cell : wanted_) {
     cell = (cell & kFirm) != 0 ? static_cast<std::uint8_t>(cell & ~kFirm)

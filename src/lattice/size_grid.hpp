@@ -22,8 +22,6 @@ class SizeGrid {
   SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
            double coarsest_mm, std::size_t object_voxels);
 
-  /// Tetrahedra the object will get, roughly (within a factor of two).
-  [[nodiscard]] double predicted_tetrahedra() const { return predicted_; }
   /// Levels given up to stay within LatticeOptions::max_tetrahedra.
   [[nodiscard]] int levels_given_up() const { return max_level_ - cap_; }
 
@@ -72,7 +70,6 @@ class SizeGrid {
   int min_level_;
   int max_level_;
   int cap_;
-  double predicted_ = 0;
   std::vector<std::uint8_t> firm_;        // per label: kFirm or 0
   std::vector<double> thickness_factor_;  // per label: spacing allowed per unit of chord
   Index3 cells_;

@@ -50,9 +50,8 @@ void warn_of_doubts(const MeshAdaptationRequest& request, const std::string& nam
   for (const std::string& doubt :
        doubts_about_image(request.image, name, info, "the surface may have become another one"))
     context.warn(doubt);
-  if (request.cuts.none() && info.provenance.contains(kCutsKey))
-    for (const std::string& doubt : doubts_about_cuts(request.cuts, name, info))
-      if (doubt.find("--extend") != std::string::npos) context.warn(doubt);
+  if (request.cuts.none() && was_extended(info))
+    for (const std::string& doubt : doubts_about_cuts(request.cuts, name, info)) context.warn(doubt);
   if (result.patches_on_image == 0)
     context.warn(request.image + ": no patch follows it; all are planes, cylinders or mixed");
 }

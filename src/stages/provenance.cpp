@@ -37,6 +37,12 @@ std::vector<std::string> doubts_about_image(const std::string& image_path, const
                       found, made_from->second, consequence)};
 }
 
+bool was_extended(const MeshInfo& info) {
+  const std::vector<std::string> made_with = cut_options(info.provenance);
+  return std::any_of(made_with.begin(), made_with.end(),
+                     [](const std::string& option) { return option.starts_with("--extend"); });
+}
+
 std::vector<std::string> doubts_about_cuts(const InputCuts& given, const std::string& mesh_path,
                                            const MeshInfo& info) {
   const std::vector<std::string> made_with = cut_options(info.provenance);

@@ -44,9 +44,4 @@ struct SymTensor {
   }
 };
 
-/// Sum of the products of all nine pairs of entries: trace(a b).
-[[nodiscard]] constexpr double contraction(const SymTensor& a, const SymTensor& b) {
-  return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + 2 * (a.xy * b.xy + a.xz * b.xz + a.yz * b.yz);
-}
-
 }  // namespace lumesh

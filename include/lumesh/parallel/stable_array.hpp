@@ -122,7 +122,6 @@ class SlotPool {
     mine.freed.push_back(slot);
   }
 
-  [[nodiscard]] int owner_count() const { return static_cast<int>(owners_.size()); }
   /// One past the highest slot of any block.
   [[nodiscard]] std::uint32_t end() const {
     return shared_ ? shared_->end.load(std::memory_order_relaxed) : 0;

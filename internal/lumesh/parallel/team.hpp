@@ -26,8 +26,6 @@ class Team {
 
   [[nodiscard]] int size() const { return static_cast<int>(nodes_.size()); }
   [[nodiscard]] Balance balance() const { return options_.balance; }
-  /// Never true on a synthetic topology.
-  [[nodiscard]] bool pins() const { return pins_; }
   [[nodiscard]] const Topology& topology() const { return topology_; }
   [[nodiscard]] int node_of(int thread) const { return nodes_[static_cast<std::size_t>(thread)]; }
 

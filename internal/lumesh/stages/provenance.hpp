@@ -32,6 +32,9 @@ struct Making {
                                                           const std::string& mesh_path, const MeshInfo& info,
                                                           std::string_view consequence);
 
+/// Whether a mesh was made of an image that was extended at openings.
+[[nodiscard]] bool was_extended(const MeshInfo& info);
+
 /// A line if fewer cuts are given than the mesh was made with, else nothing.
 [[nodiscard]] std::vector<std::string> doubts_about_cuts(const InputCuts& given, const std::string& mesh_path,
                                                          const MeshInfo& info);

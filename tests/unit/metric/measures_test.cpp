@@ -58,7 +58,7 @@ TEST(TraceFreeExp, AgreesWithEigenvalues) {
     for (int k = 0; k < 3; ++k)
       EXPECT_NEAR(fast.quadratic(system.axes.col(k)) / system.values[k], 1, 2e-3 * std::pow(10, i % 3 - 2.0));
     const SymTensor s = SymTensor::from(sample.point() * sample.point().transpose());
-    EXPECT_NEAR(TraceFreeExp(log_metric).contraction_with(s), contraction(fast, s),
+    EXPECT_NEAR(TraceFreeExp(log_metric).contraction_with(s), (fast.matrix() * s.matrix()).trace(),
                 1e-12 * fast.matrix().norm());
   }
 }
