@@ -152,12 +152,22 @@ Vec3 normal_of(const ClosedSurface& surface, std::uint32_t t) {
 
 /// Where sheets cross, there is no telling inside from outside. Folds of a few triangles over each other, as
 /// real surfaces have, do no harm.
-void check_crossings(const ClosedSurface& surface) {
+/// @param patches  Of the file; caps of open ends are openings without a name.
+void check_crossings(const ClosedSurface& surface, std::span<const Patch> patches) {
   const std::vector<SelfCrossing> crossings = find_self_crossings(surface.points, surface.triangles);
   const auto sheets = std::find_if(crossings.begin(), crossings.end(), [&](const SelfCrossing& crossing) {
     return !is_close_along(surface.neighbours, crossing.first, crossing.second);
   });
   if (sheets == crossings.end()) return;
+  const auto is_of_cap = [&](std::uint32_t t) {
+    const auto patch = static_cast<std::size_t>(surface.patches[t]);
+    return patch < patches.size() && patches[patch].kind == PatchKind::kOpening &&
+           patches[patch].name.empty();
+  };
+  if (is_of_cap(sheets->first) || is_of_cap(sheets->second))
+    refuse("the cap of an open end crosses another part of the surface at " +
+           coordinates_text(sheets->place) +
+           " mm: one part goes on beyond where the other ends; cut both off in one plane, or leave one out");
   refuse("the surface crosses or touches itself: " + counted(crossings.size(), "pair") +
          " of triangles, such as at " + coordinates_text(sheets->place) +
          " mm; join its parts or repair it first (`lumesh repair`)");
@@ -171,7 +181,7 @@ ClosedSurface closed_surface(const SurfaceView& view) {
   find_neighbours(surface);
   turn_outwards(surface);
   check_fans(surface);
-  check_crossings(surface);
+  check_crossings(surface, view.patch_info);
   surface.normals.resize(surface.triangles.size());
   parallel::for_each_index(surface.triangles.size(), [&](std::size_t t) {
     surface.normals[t] = normal_of(surface, static_cast<std::uint32_t>(t));

@@ -90,8 +90,8 @@ void NamedRegions::name_regions() {
     }
     const bool is_one_region = !has_named_patches || region_counts.at(regions.patches[r]) == 1;
     if (patch.kind == PatchKind::kOpening && is_end && is_one_region)
-      ends.push_back(
-          {patch.name, shapes[r].area_mm2, shapes[r].centre_mm, shapes[r].normal, shapes[r].box_mm});
+      ends.push_back({patch.name, shapes[r].area_mm2, shapes[r].centre_mm, shapes[r].normal, shapes[r].box_mm,
+                      triangles_of(r)});
     of_region.push_back(std::move(patch));
   }
 }
@@ -105,6 +105,14 @@ std::string NamedRegions::name_of_file(std::uint32_t region) const {
   const Patch* const known = patch_of_file(regions.patches[region]);
   return known != nullptr && !known->name.empty() ? known->name
                                                   : "patch_" + std::to_string(regions.patches[region]);
+}
+
+std::vector<std::array<Vec3, 3>> NamedRegions::triangles_of(std::uint32_t region) const {
+  std::vector<std::array<Vec3, 3>> triangles_mm;
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    if (regions.of_triangle[t] == region)
+      triangles_mm.push_back({surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)});
+  return triangles_mm;
 }
 
 /// The next one that the file has not.

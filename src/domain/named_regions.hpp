@@ -28,6 +28,7 @@ struct NamedRegions {
   void name_regions();
   [[nodiscard]] const Patch* patch_of_file(std::int32_t number) const;
   [[nodiscard]] std::string name_of_file(std::uint32_t region) const;
+  [[nodiscard]] std::vector<std::array<Vec3, 3>> triangles_of(std::uint32_t region) const;
   [[nodiscard]] std::string free_opening_name();
   void keep_kind_of_file(std::uint32_t region, Patch& patch) const;
 

@@ -15,6 +15,7 @@
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "opening_names.hpp"
+#include "opening_squares.hpp"
 
 namespace lumesh {
 namespace {
@@ -258,6 +259,7 @@ std::vector<Opening> openings_of(std::span<const FlatEnd> ends, double resolutio
                    .normal = end.normal,
                    .box_mm = end.box_mm,
                    .voxel_mm = resolution_mm,
+                   .squares = squares_of(end),
                    .is_of_surface = true,
                    .name = end.name});
   return all;
@@ -274,30 +276,6 @@ std::vector<Opening> find_openings(const Domain& domain) {
                    [](const Opening& a, const Opening& b) { return a.area_mm2 > b.area_mm2; });
   name_openings(PatchNaming(domain.label_names()), all);
   return all;
-}
-
-std::size_t OpeningSquares::holes(double min_area_mm2) const {
-  const PiecesAround around(*this);
-  std::vector<std::size_t> sizes(PiecesAround::kOutside + 1, 0);
-  for (const std::uint32_t piece : around.numbers) {
-    if (piece >= sizes.size()) sizes.resize(piece + 1, 0);
-    ++sizes[piece];
-  }
-  return static_cast<std::size_t>(std::count_if(
-      sizes.begin() + PiecesAround::kOutside + 1, sizes.end(),
-      [&](std::size_t size) { return static_cast<double>(size) * step_mm * step_mm > min_area_mm2; }));
-}
-
-/// Cauchy and Crofton: a curve crosses the lines of a grid 4 / pi times per step of its length, on average.
-double Opening::perimeter_mm() const {
-  if (!squares) return 2 * std::numbers::pi * radius_mm();
-  std::size_t crossings = 0;
-  for (int row = -1; row < squares->rows; ++row)
-    for (int column = -1; column < squares->columns; ++column) {
-      const bool here = squares->hold(column, row);
-      crossings += (squares->hold(column + 1, row) != here) + (squares->hold(column, row + 1) != here);
-    }
-  return std::numbers::pi / 4 * squares->step_mm * static_cast<double>(crossings);
 }
 
 std::vector<RimPlace> find_rim_places(const Domain& domain, double step_mm) {

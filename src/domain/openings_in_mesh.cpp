@@ -104,12 +104,15 @@ std::vector<std::string> flaws_of(const OpeningInMesh& o) {
   if (change > kDoubtfulPercent && change <= kWrongOpeningPercent &&
       opening.radius_mm() >= kThin * opening.voxel_mm)
     lines.push_back(text_of_area(o));
-  if (!opening.squares) return lines;  // Ends of surfaces are as flat and as round as these are.
+  if (opening.is_of_surface) return lines;  // Ends of surfaces are as flat and as round as these are.
   if (o.shape.off_mm > kOff * opening.voxel_mm)
     lines.push_back(fmt::format("{} is not flat: {} is {:.2g} mm off its plane", o.patches,
                                 place_text(o.shape.off_at_mm), o.shape.off_mm));
   const double voxel_mm2 = opening.voxel_mm * opening.voxel_mm;
-  const std::size_t most = 1 + opening.squares->holes(0), least = 1 + opening.squares->holes(voxel_mm2);
+  const std::vector<double> holes_mm2 = opening.squares->hole_areas_mm2();
+  const std::size_t most = 1 + holes_mm2.size();
+  const auto least = static_cast<std::size_t>(
+      1 + std::count_if(holes_mm2.begin(), holes_mm2.end(), [&](double mm2) { return mm2 > voxel_mm2; }));
   if (o.shape.parts == 1 && (o.shape.rims < least || o.shape.rims > most))
     lines.push_back(fmt::format("{} at {} has {} rims, not {}", o.patches, place_text(opening.centre_mm),
                                 o.shape.rims, least));

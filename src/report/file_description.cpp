@@ -204,7 +204,8 @@ void add_openings(LabelImage& image, const InputCuts& cuts, std::vector<CutPlane
       domain = extended_domain(image, planes, *domain, openings, cuts.extension, context);
       openings = find_openings(*domain);
     }
-    for (const std::string& doubt : doubts_about_sections(image, openings)) context.warn(doubt);
+    for (const std::string& doubt : doubts_about_sections(image, domain->cut_planes(), openings))
+      context.warn(doubt);
     all["openings"] = describe_openings(openings);
     all["vessel_ends"] = describe_ends(ends);
   } catch (const Error& error) {

@@ -98,7 +98,7 @@ void DomainRead::look_at_surface() {
 
 std::vector<std::string> DomainRead::doubts_about_openings() {
   if (!image) return {};
-  return doubts_about_sections(*image, openings());
+  return doubts_about_sections(*image, domain().cut_planes(), openings());
 }
 
 std::string DomainRead::closed_vessels() {

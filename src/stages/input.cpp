@@ -88,7 +88,7 @@ MixedMesh read_mesh_in(const std::filesystem::path& path, const std::string& uni
 std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings) {
   if (surface.points.empty()) return "";
   double widest_mm = 0;
-  for (const Opening& opening : openings) widest_mm = std::max(widest_mm, opening.radius_mm());
+  for (const Opening& opening : openings) widest_mm = std::max(widest_mm, opening.lumen_radius_mm());
   return unit_doubt(bounding_box(surface.points).sizes().maxCoeff(), widest_mm);
 }
 

@@ -151,7 +151,8 @@ std::shared_ptr<const ImageDomain> extended_domain(LabelImage& image, std::vecto
     throw Error(ErrorKind::kBadInput, option_name("extend") +
                                           ": no vessel leaves the image; cut them with `cut_at` or "
                                           "`clip_ends`, which makes openings");
-  for (const std::string& doubt : doubts_about_sections(image, openings)) context.warn(doubt);
+  for (const std::string& doubt : doubts_about_sections(image, domain.cut_planes(), openings))
+    context.warn(doubt);
   ExtendedImage extended =
       context.phase("extensions", [&] { return extend_openings(image, domain, openings, options); });
   for (const std::string& note : extended.notes) context.warn(note);

@@ -28,8 +28,10 @@ struct Section {
   }
 };
 
-/// The sections on one side: the first or last layer along an axis.
-void add_sections(const LabelImage& image, int axis, bool is_last, std::vector<Section>& sections) {
+/// The sections on one side: the first or last layer along an axis, but what planes cut off of it.
+void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int axis, bool is_last,
+                  std::vector<Section>& sections) {
+  constexpr double kRounding = 1e-6;  // Voxels: these faces are in planes themselves.
   const ImageFrame& frame = image.frame();
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   const auto columns = static_cast<std::size_t>(frame.size[u]),
@@ -47,11 +49,16 @@ void add_sections(const LabelImage& image, int axis, bool is_last, std::vector<S
   for (std::size_t face = 0; face < count; ++face) {
     if (part[face] == 0) continue;
     const Index3 at = voxel(face);
+    Vec3 index = at.cast<double>();
+    index[axis] += is_last ? 0.5 : -0.5;
+    const Vec3 centre_mm = frame.to_physical(index);
+    const bool is_cut_off = std::any_of(cuts.begin(), cuts.end(), [&](const CutPlane& cut) {
+      return cut.beyond_mm(centre_mm) > kRounding * frame.spacing_mm.minCoeff();
+    });
+    if (is_cut_off) continue;
     Section& section = by_part[part[face]];
-    Vec3 centre = at.cast<double>();
-    centre[axis] += is_last ? 0.5 : -0.5;
     section.label = image.label_at(at);
-    section.centres_mm.push_back(frame.to_physical(centre));
+    section.centres_mm.push_back(centre_mm);
     section.face_mm2 = frame.spacing_mm[u] * frame.spacing_mm[v];
     section.normal = frame.direction.col(axis) * (is_last ? 1 : -1);
   }
@@ -101,11 +108,12 @@ std::string doubt_of(const Opening& opening, const Voxels& voxels) {
 
 }  // namespace
 
-std::vector<std::string> doubts_about_sections(const LabelImage& image, std::span<const Opening> openings) {
+std::vector<std::string> doubts_about_sections(const LabelImage& image, std::span<const CutPlane> cuts,
+                                               std::span<const Opening> openings) {
   constexpr std::size_t kFaces = 8;  // Fewer may be a wall that grazes the border.
   std::vector<Section> sections;
   for (int axis = 0; axis < 3; ++axis)
-    for (const bool is_last : {false, true}) add_sections(image, axis, is_last, sections);
+    for (const bool is_last : {false, true}) add_sections(image, cuts, axis, is_last, sections);
   std::vector<Voxels> of_openings(openings.size());
   std::vector<std::string> doubts;
   for (const Section& section : sections) {

@@ -77,6 +77,26 @@ class SurfacesTest(ProgramTest):
             self.assertIn(f"capped {end['name']}: radius", out)
         self.assertEqual({p["name"] for p in self.info(mesh)["patches"]}, {"wall", "inlet_1", "outlet_1"})
 
+    def test_each_end_of_nested_skins_is_found_in_the_mesh(self):
+        """A lumen within a wall of two skins: the ends of both stand in the same planes, around the same centres."""
+        skins = self.folder / "skins.stl"
+        skins.write_text("".join(stl_text(*tube(radius=r, length=6)) for r in (3.0, 2.4, 1.8)))
+        _, report, _ = self.mesh(skins, "--edge-length", 0.6, "--strict")
+        polygon = 12 * math.sin(math.pi / 12)
+        expected = sorted([1.8**2, 1.8**2, 3**2 - 2.4**2, 3**2 - 2.4**2])
+        areas = sorted(opening["mesh_area_mm2"] / polygon for opening in report["openings"])
+        self.assertEqual(len(areas), 4)
+        for area, wanted in zip(areas, expected):
+            self.assertAlmostEqual(area / wanted, 1, delta=0.01)
+
+    def test_a_part_that_goes_on_beyond_the_cap_of_another_is_told(self):
+        points, triangles = tube(radius=1.5, length=20)
+        inner = [(x, y, z - 4) for x, y, z in points]
+        skins = self.folder / "skins.stl"
+        skins.write_text(stl_text(*tube(radius=2.0, length=12)) + stl_text(inner, triangles))
+        self.assert_refused(self.run_lumesh("delaunay", skins, "-o", self.folder / "mesh.vtu"), BAD_INPUT, "skins.stl",
+                            "the cap of an open end crosses another part of the surface", "cut both off in one plane")
+
     def test_the_mesh_takes_layers_and_goes_to_openfoam(self):
         mesh, _, _ = self.mesh(self.stl("tube.stl", *tube()), "--edge-length", 0.8)
         foam = self.folder / "case" / "case.foam"

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/domain/cut_plane.hpp"
@@ -79,6 +80,7 @@ struct FlatEnd {
   Vec3 centre_mm = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();  ///< Unit, out of the object.
   Box3 box_mm;
+  std::vector<std::array<Vec3, 3>> triangles_mm;  ///< Corners of its triangles.
 };
 
 /// Space divided into materials, in mm. Const calls from any thread; most cost well under a microsecond.

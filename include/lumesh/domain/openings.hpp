@@ -48,8 +48,8 @@ struct OpeningSquares {
   [[nodiscard]] Vec3 centre_of(int column, int row) const {
     return first_mm + step_mm * (column * u + row * v);
   }
-  /// Number of holes of at least this area.
-  [[nodiscard]] std::size_t holes(double min_area_mm2) const;
+  /// Areas of its holes.
+  [[nodiscard]] std::vector<double> hole_areas_mm2() const;
 };
 
 /// A connected part of one label's section in one cut plane (a border of the image, or one that was asked
@@ -71,8 +71,15 @@ struct Opening {
 
   /// Radius of the circle with the same area.
   [[nodiscard]] double radius_mm() const { return std::sqrt(area_mm2 / std::numbers::pi); }
+  /// Whether it is the section of a hollow wall: there is a hole in it, of a quarter of its area or more.
+  [[nodiscard]] bool is_hollow() const { return hole_mm2() > 0; }
+  /// Radius of the circle with the area of that hole; its own where it is not hollow.
+  [[nodiscard]] double lumen_radius_mm() const;
   /// Length of its rim, about; where its squares are not known, that of the circle.
   [[nodiscard]] double perimeter_mm() const;
+
+ private:
+  [[nodiscard]] double hole_mm2() const;
 };
 
 /// The openings of a domain by falling area: its flat_ends(), or the parts of its cut planes; none if it has

@@ -9,6 +9,7 @@
 
 #include "fixtures/images.hpp"
 #include "lumesh/domain/analytic_domain.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/patch_names.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -199,8 +200,7 @@ MixedMesh plate(const Holds& holds) {
 
 TEST(CompareOpenings, TellsPartsRimsAndWhatIsNotFlat) {
   const std::vector<Opening> openings = {square_with_hole()};
-  EXPECT_EQ(openings[0].squares->holes(0), 1U);
-  EXPECT_EQ(openings[0].squares->holes(4), 0U);
+  EXPECT_EQ(openings[0].squares->hole_areas_mm2(), std::vector<double>{4});
   const auto is_hole = [](int x, int y) { return (x == 3 || x == 4) && (y == 3 || y == 4); };
   MixedMesh mesh = plate([&](int x, int y) { return !is_hole(x, y); });
   const OpeningsCompared good = compare_openings(mesh.view(), openings);
@@ -285,6 +285,42 @@ TEST(NamePatches, FollowsTheOpeningsOfTheDomain) {
   };
   EXPECT_EQ(kind_of(2), PatchKind::kOpening);
   EXPECT_EQ(kind_of(1), PatchKind::kWall) << "openings are flat";
+}
+
+/// Triangles between two circles around the origin, with 48 corners each; a disc where the inner one is a
+/// point.
+FlatEnd ring(const std::string& name, double inner, double outer, const Vec3& normal) {
+  constexpr int kAround = 48;
+  const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
+  const auto at = [&](double radius, int i) {
+    const double angle = 2 * std::numbers::pi * i / kAround;
+    return Vec3(radius * (std::cos(angle) * u + std::sin(angle) * v));
+  };
+  FlatEnd end{name,
+              0.5 * kAround * std::sin(2 * std::numbers::pi / kAround) * (outer * outer - inner * inner),
+              Vec3::Zero(),
+              normal,
+              {},
+              {}};
+  for (int i = 0; i < kAround; ++i) {
+    end.triangles_mm.push_back({at(inner, i), at(outer, i), at(outer, i + 1)});
+    if (inner > 0) end.triangles_mm.push_back({at(inner, i), at(outer, i + 1), at(inner, i + 1)});
+    end.box_mm.extend(at(outer, i));
+  }
+  return end;
+}
+
+TEST(OpeningOfPlaces, KnowsADiscFromTheRingAroundIt) {
+  const Vec3 normal = Vec3(0.2, -0.4, 1).normalized();
+  const std::vector<FlatEnd> ends = {ring("disc", 0, 4, normal), ring("ring", 5, 6, normal)};
+  const std::vector<Opening> openings = openings_of(ends, 0.5);
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    std::vector<Vec3> places;
+    for (const auto& triangle : ends[e].triangles_mm)
+      places.emplace_back((triangle[0] + triangle[1] + triangle[2]) / 3);
+    EXPECT_EQ(opening_of_places(openings, 1, places, normal), e);
+    EXPECT_NEAR(openings[e].perimeter_mm() / (2 * std::numbers::pi * (e == 0 ? 4 : 11)), 1, 0.03);
+  }
 }
 
 }  // namespace

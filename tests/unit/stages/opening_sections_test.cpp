@@ -30,8 +30,24 @@ TEST(OpeningSections, ThoseOfTubesAreNotDoubted) {
       const LabelImage image = two_tubes(radius, slant);
       const std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
       EXPECT_EQ(openings.size(), 4U) << radius;
-      EXPECT_EQ(doubts_about_sections(image, openings), std::vector<std::string>()) << radius << " " << slant;
+      EXPECT_EQ(doubts_about_sections(image, {}, openings), std::vector<std::string>())
+          << radius << " " << slant;
     }
+}
+
+/// A cut leaves some voxels behind its plane, for the boundary to go on there.
+TEST(OpeningSections, WhatWasCutOffIsNotDoubted) {
+  const LabelImage image = two_tubes(5.2, 0.4);
+  const Vec3 axis(0.4, 0.1, 1);
+  for (const double height : {9.0, 10.0, 11.0}) {
+    const std::vector<CutPlane> cuts = {{Vec3(46, 20, 15) + height * axis, axis.normalized(), 12, 20}};
+    const ImageDomain domain(image, {{}, cuts});
+    const std::vector<Opening> openings = find_openings(domain);
+    EXPECT_EQ(openings.size(), 4U);
+    EXPECT_EQ(doubts_about_sections(image, {}, openings).size(), 1U) << "the test is of no use";
+    EXPECT_EQ(doubts_about_sections(image, domain.cut_planes(), openings), std::vector<std::string>())
+        << height;
+  }
 }
 
 TEST(OpeningSections, AreasSectionsAndGapsThatAreWrongAreTold) {
@@ -39,12 +55,12 @@ TEST(OpeningSections, AreasSectionsAndGapsThatAreWrongAreTold) {
   std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
   ASSERT_EQ(openings.size(), 4U);
   openings[1].area_mm2 *= 1.5;
-  std::vector<std::string> doubts = doubts_about_sections(image, openings);
+  std::vector<std::string> doubts = doubts_about_sections(image, {}, openings);
   ASSERT_EQ(doubts.size(), 1U);
   EXPECT_NE(doubts[0].find(openings[1].name), std::string::npos) << doubts[0];
   EXPECT_NE(doubts[0].find("% more than its"), std::string::npos) << doubts[0];
   openings.erase(openings.begin() + 1);
-  doubts = doubts_about_sections(image, openings);
+  doubts = doubts_about_sections(image, {}, openings);
   ASSERT_EQ(doubts.size(), 1U);
   EXPECT_NE(doubts[0].find("is in no opening"), std::string::npos) << doubts[0];
 }
@@ -61,7 +77,7 @@ TEST(OpeningSections, AnOpeningThatJoinsTwoIsTold) {
   openings[0].squares = std::make_shared<const OpeningSquares>(all);
   openings.resize(1);
   bool is_told = false;
-  for (const std::string& doubt : doubts_about_sections(image, openings))
+  for (const std::string& doubt : doubts_about_sections(image, {}, openings))
     is_told = is_told || doubt.find("joins 2 sections") != std::string::npos;
   EXPECT_TRUE(is_told);
 }
