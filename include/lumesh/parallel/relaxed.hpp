@@ -15,7 +15,7 @@ inline void store_relaxed(std::uint32_t& word, std::uint32_t value) {
   std::atomic_ref<std::uint32_t>(word).store(value, std::memory_order_relaxed);
 }
 
-/// @return true if the word was `expected` and is `value` now.
+/// @return true if the word was `expected` and is `value` now. Test: ReplaceRelaxed.OneOfAllWinsEachWord.
 inline bool replace_relaxed(std::uint32_t& word, std::uint32_t expected, std::uint32_t value) {
   return std::atomic_ref<std::uint32_t>(word).compare_exchange_strong(expected, value,
                                                                       std::memory_order_relaxed);

@@ -101,6 +101,7 @@ void invoke_both(First&& first, Second&& second) {
 }
 
 /// Sets a flag that several threads may set in the same loop; nobody may read it before the loop ends.
+/// Test: Raise.MarksWhatAnyBodyMarks.
 inline void raise(std::uint8_t& flag) {
   std::atomic_ref(flag).store(1, std::memory_order_relaxed);
 }

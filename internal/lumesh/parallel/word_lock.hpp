@@ -9,8 +9,9 @@ namespace lumesh::parallel {
 
 inline constexpr std::uint32_t kFreeWord = 0;
 
-/// Acquires a free word for `owner` (not 0). @return false if another holds it. Tests: FreeTasks.* in
-/// tests/unit/parallel/balance_test.cpp, and the speculative executions of tests/unit/operators.
+/// Acquires a free word for `owner` (not 0). @return false if another holds it. Tests: WordLock.*
+/// (every order of two owners), FreeTasks.* in tests/unit/parallel/balance_test.cpp, and the speculative
+/// executions of tests/unit/operators.
 [[nodiscard]] inline bool try_acquire(std::uint32_t& word, std::uint32_t owner) {
   std::uint32_t expected = kFreeWord;
   // Acquire pairs with the release in unlock(): whoever acquires a word sees all that was written under it
