@@ -112,7 +112,7 @@ def main():
             stale.append(page.relative_to(ROOT).as_posix())
             if not arguments.check:
                 page.write_text(wanted, encoding="utf-8")
-    missing = [name for name in sections if (name, True) not in seen and name not in ("improve", "repair", "phantom")]  # no sections of a case
+    missing = [name for name in sections if (name, True) not in seen and name not in ("improve", "repair", "phantom", "convert", "merge")]  # no sections of a case
     for page in stale if arguments.check else []:
         print(f"{page}: its tables of options differ from the program's; run scripts/option_tables.py")
     for name in missing:

@@ -165,8 +165,9 @@ void add_mesh_output(CLI::App& command, std::string& path) {
 }
 
 void add_surface_output(CLI::App& command, std::string& path) {
-  command.add_option("--surface", path,
-                     "Also write the boundary (" + formats_for(MeshUse::kWriteSurface) + ")");
+  OptionList list;
+  describe_surface_output(list, path);
+  add_options(command, list);
 }
 
 void add_unit_option(CLI::App& command, std::string& unit) {

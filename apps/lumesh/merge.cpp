@@ -6,6 +6,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/report/stage_json.hpp"
 #include "lumesh/report/stage_text.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -13,7 +14,7 @@ namespace {
 
 struct MergeCommand {
   std::vector<std::string> paths;
-  std::string output_path, json_path, equal_labels = "by-name";
+  std::string output_path, json_path;
   MergeOptions options;
   RunOptions run;
 };
@@ -34,7 +35,6 @@ void run(MergeCommand command) {
   CommandRun session(command.run);
   Context& context = session.context;
   check_names(command);
-  if (command.equal_labels == "apart") command.options.equal_labels = EqualLabels::kApart;
   MergedFiles merged = merge_files(command.paths, command.options, context);
   MixedMesh& mesh = merged.result.mesh;
   mesh.info.provenance = provenance_of(command.run.making(), command.paths.front(), merged.provenance);
@@ -56,16 +56,7 @@ void add_merge_command(CLI::App& program) {
                   "Two or more meshes to read (" + formats_for(MeshUse::kReadVolume) + ")")
       ->required();
   add_mesh_output(*sub, command->output_path);
-  sub->add_option("--tolerance", command->options.tolerance,
-                  "Points of the surfaces no farther apart are one, in the mesh's unit; default: 2e-6 of the "
-                  "largest coordinate, at most a tenth of the shortest edge");
-  sub->add_option("--equal-labels", command->equal_labels,
-                  "Labels of one number in several files: by-name: one material unless their names differ; "
-                  "apart: another material in each file")
-      ->check(CLI::IsMember({"by-name", "apart"}))
-      ->capture_default_str();
-  sub->add_flag("--allow-gaps", command->options.surfaces_match,
-                "Take surfaces that nearly lie on each other for thin gaps between the meshes");
+  add_options_of(*sub, command->options);
   add_json_option(*sub, command->json_path, command->run, "what was joined");
   finish_command(*sub, command, "Example: lumesh merge lumen.vtu wall.vtu -o vessel.vtu");
 }

@@ -7,6 +7,8 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "lumesh/pipeline/case.hpp"
+#include "lumesh/stages/conversion.hpp"
+#include "lumesh/stages/merge_stage.hpp"
 #include "lumesh/stages/repair_stage.hpp"
 #include "option_adapter.hpp"
 
@@ -39,6 +41,8 @@ nlohmann::ordered_json sections_json() {
   };
   add("improve", ImproveOptions());
   add("repair", RepairRequest());
+  add("convert", ConversionRequest());
+  add("merge", MergeOptions());
   add("phantom", PhantomSpec());
   return json;
 }

@@ -1,2 +1,2 @@
 # Eight floats by value between functions of this module alone: how others would pass them does not matter.
-target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi>)
+target_compile_options(${target} PRIVATE -Wno-psabi)

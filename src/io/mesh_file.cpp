@@ -7,11 +7,23 @@
 #include <vector>
 
 #include "file_fault.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "mesh_formats.hpp"
 #include "utf8.hpp"
 
 namespace lumesh {
+
+void MeshWriteOptions::describe(OptionList& list) {
+  list.choice("msh_version", msh_version, {{"4.1", MshVersion::k41}, {"2.2", MshVersion::k22}},
+              "Version of a .msh file; MFEM and older programs want 2.2");
+  list.choice("compat", compat,
+              {{"none", LabelAlias::kNone},
+               {"gmsh", LabelAlias::kGmsh},
+               {"medit", LabelAlias::kMedit},
+               {"simvascular", LabelAlias::kSimVascular}},
+              "The label array once more, under the name that this program looks for; .vtu, .vtk, .vtp only");
+}
 
 std::string io::lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();

@@ -8,6 +8,7 @@
 #include "contacts.hpp"
 #include "joined_points.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -15,6 +16,19 @@
 #include "merged_names.hpp"
 
 namespace lumesh {
+
+void MergeOptions::describe(OptionList& list) {
+  list.number("tolerance", tolerance, {.min = 0},
+              "Points of the surfaces no farther apart are one, in the mesh's unit; 0: equal to the last bit")
+      .by_default("2e-6 of the largest coordinate, at most a tenth of the shortest edge");
+  list.choice("equal_labels", equal_labels,
+              {{"by-name", EqualLabels::kByName}, {"apart", EqualLabels::kApart}},
+              "Labels of one number in several files: by-name: one material unless their names differ; "
+              "apart: another material in each file");
+  list.flag("allow_gaps", surfaces_match,
+            "Take surfaces that nearly lie on each other, but differ, for thin gaps between the meshes");
+}
+
 namespace {
 
 using namespace detail;

@@ -1,8 +1,12 @@
 #include "lumesh/stages/conversion.hpp"
 
+#include <sstream>
+
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_parts.hpp"
 
 namespace lumesh {
 namespace {
@@ -13,14 +17,36 @@ MixedMesh read_with_boundary(const std::string& path, const std::string& unit, C
   return mesh;
 }
 
+std::vector<std::string> separate(const std::vector<std::string>& texts) {
+  std::vector<std::string> words;
+  for (const std::string& text : texts) {
+    std::istringstream stream(text);
+    for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
+  }
+  return words;
+}
+
 }  // namespace
+
+void ConversionRequest::describe(OptionList& list) {
+  list.texts(
+      "only_labels", only_labels,
+      "Take the cells of these labels only, by names or numbers, such as 1,wall; what lay between them and "
+      "others is on the outside then");
+  describe_surface_output(list, output.surface);
+  output.options.describe(list);
+  describe_unit(list, unit);
+  list.choice("out_unit", output.unit,
+              {{"file", std::string()}, {"mm", "mm"}, {"cm", "cm"}, {"m", "m"}, {"um", "um"}},
+              "Unit of lengths in what is written; file: as they are; OpenFOAM gets metres in any case");
+}
 
 MixedMesh convert_mesh(const ConversionRequest& request, Context& context) {
   MixedMesh mesh = read_with_boundary(request.from, request.unit, context);
   if (!request.only_labels.empty())
     mesh = context.phase("labels", [&] {
       return naming(request.from,
-                    [&] { return part_of(mesh, labels_called(mesh, request.only_labels)).mesh; });
+                    [&] { return part_of(mesh, labels_called(mesh, separate(request.only_labels))).mesh; });
     });
   write_mesh(request.output, mesh.view(), context);
   if (mesh.view().cell_count() > 0) warn_of_faults(request.from, mesh.view(), context);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/quality/faults.hpp"
 
@@ -17,6 +18,10 @@ void write_mesh(const MeshOutput& output, const MeshView& mesh, Context& context
     write_mesh(output.mesh, written.view(), output.options);
     if (!output.surface.empty()) write_surface(output.surface, written.view(), output.options);
   });
+}
+
+void describe_surface_output(OptionList& list, std::string& path) {
+  list.path("surface", path, "Also write the boundary alone (" + formats_for(MeshUse::kWriteSurface) + ")");
 }
 
 void require_sound(const std::string& path, const MeshView& mesh, Context& context,

@@ -513,7 +513,7 @@ class OptionListTest(ProgramTest):
                 key, _, value = line.removeprefix("# ").partition(" =")
                 text[section, key] = value.split(" # ")[0].strip().strip("'")
         for name, options in sections.items():
-            for option in options if name not in ("improve", "repair", "phantom") else []:
+            for option in options if name not in ("improve", "repair", "phantom", "convert", "merge") else []:
                 with self.subTest(section=name, option=option["name"]):
                     value = text[name, option["name"]]
                     if "words" in option:

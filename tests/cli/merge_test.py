@@ -114,7 +114,7 @@ class MergeTest(MeshTest):
             ([one], USAGE, "two or more"),
             ([one, one], USAGE, "named twice"),
             ([one, self.folder / "none.mesh"], BAD_INPUT, "none.mesh"),
-            ([one, far, "--tolerance", -1], BAD_INPUT, "tolerance"),
+            ([one, far, "--tolerance", -1], USAGE, "tolerance"),
             ([one, far, "--tolerance", 1], BAD_INPUT, "shortest edge"),
         ]
         for arguments, code, *words in refused:

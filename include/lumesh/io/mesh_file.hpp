@@ -11,6 +11,8 @@
 
 namespace lumesh {
 
+class OptionList;
+
 /// Extra names for the label array, for programs that look for their own.
 enum class LabelAlias : std::uint8_t {
   kNone,
@@ -24,6 +26,8 @@ enum class MshVersion : std::uint8_t { k22, k41 };
 struct MeshWriteOptions {
   LabelAlias compat = LabelAlias::kNone;     ///< VTU, VTP and VTK files only.
   MshVersion msh_version = MshVersion::k41;  ///< .msh files only.
+
+  void describe(OptionList& list);
 };
 
 /// Writes a mesh: .vtu, .vtk (legacy, binary), .mesh, .meshb, .msh (ASCII); its boundary faces: .stl

@@ -11,6 +11,8 @@
 
 namespace lumesh {
 
+class OptionList;
+
 /// Meaning of a label that stands in several meshes under one number.
 enum class EqualLabels : std::uint8_t {
   kByName,  ///< The same material, unless both have names that differ.
@@ -27,6 +29,8 @@ struct MergeOptions {
   bool allows_apart = false;  ///< Takes meshes that share no face, too.
   /// Parts that come from one mesh: surfaces that nearly touch are grooves of it, and not looked at.
   bool surfaces_match = false;
+
+  void describe(OptionList& list);
 };
 
 /// One of the meshes.

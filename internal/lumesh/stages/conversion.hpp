@@ -13,10 +13,13 @@
 namespace lumesh {
 
 struct ConversionRequest {
-  std::string from;                      ///< Path.
-  std::string unit;                      ///< Unit of lengths in it; empty: as it says.
-  std::vector<std::string> only_labels;  ///< Names or numbers of labels whose cells are taken; empty: all.
+  std::string from;  ///< Path.
+  std::string unit;  ///< Unit of lengths in it; empty: as it says.
+  /// Names or numbers of labels whose cells are taken, several with commas between them; empty: all.
+  std::vector<std::string> only_labels;
   MeshOutput output;
+
+  void describe(OptionList& list);
 };
 
 /// @return The mesh that was written, in its own unit.

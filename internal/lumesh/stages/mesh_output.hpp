@@ -9,6 +9,8 @@
 
 namespace lumesh {
 
+class OptionList;
+
 /// Files that a mesh goes to.
 struct MeshOutput {
   std::string mesh = {};     ///< Path.
@@ -17,6 +19,8 @@ struct MeshOutput {
   MeshWriteOptions options = {};
 };
 void write_mesh(const MeshOutput& output, const MeshView& mesh, Context& context);
+/// The option for the path of a boundary alone.
+void describe_surface_output(OptionList& list, std::string& path);
 
 /// Looks at a mesh that was written, quickly.
 /// @param besides  What else has to be said then. @param made_from  The mesh that it was made from, if any,
