@@ -119,7 +119,10 @@ DomainRead::Survey DomainRead::survey(bool needs_axes) {
 }
 
 const ImageShape& DomainRead::shape() {
-  if (!shape_) shape_ = shape_of(*image, cut_planes);
+  if (!shape_) {
+    shape_ = shape_of(*image, cut_planes);
+    shape_->is_exact = input_.field.fidelity == BoundaryFidelity::kExact;
+  }
   return *shape_;
 }
 

@@ -132,9 +132,10 @@ std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
   }
   if (others == 0) return {};
   return fmt::format(
-      "label {} fills {:.1f} % {} than its voxels{}; a smaller `delta` or `boundary` exact may help", label,
+      "label {} fills {:.1f} % {} than its voxels{}; a smaller `delta`{} may help", label,
       100 * std::abs(worst), worst < 0 ? "less" : "more",
-      others > 1 ? fmt::format(", the worst of {} labels that are more than 5 % off", others) : "");
+      others > 1 ? fmt::format(", the worst of {} labels that are more than 5 % off", others) : "",
+      image.is_exact ? "" : " or `boundary` exact");
 }
 
 std::vector<std::string> without_empty(std::vector<std::string> lines) {
@@ -185,8 +186,9 @@ std::vector<std::string> differences(const ImageShape& image, const TetMesh& mes
   return without_empty(
       {lost_pieces(image, found_pieces(image, cells), "a smaller `delta` keeps more"),
        other_shapes(image, label_shapes(mesh),
-                    "`boundary` exact keeps more details of about a voxel, a smaller `delta` "
-                    "larger ones"),
+                    image.is_exact ? "a smaller `delta` keeps more"
+                                   : "`boundary` exact keeps more details of about a voxel, a smaller "
+                                     "`delta` larger ones"),
        image.is_cut ? "" : other_volumes(image, mesh)});
 }
 
@@ -197,9 +199,11 @@ std::vector<std::string> differences_of_lattice(const ImageShape& image, const M
   ImageShape there = image;
   std::erase_if(there.labels, [&](const auto& label) { return !is_any_of(shapes, label.label); });
   std::erase_if(there.pieces, [&](const auto& piece) { return !is_any_of(shapes, piece.label); });
-  constexpr const char* kRemedy = "`boundary` exact with an `edge_length` of 0.7 voxels keeps more";
+  const char* const remedy = image.is_exact
+                                 ? "an `edge_length` of 0.7 voxels keeps more"
+                                 : "`boundary` exact with an `edge_length` of 0.7 voxels keeps more";
   return without_empty(
-      {lost_pieces(there, found_pieces(there, mesh), kRemedy), other_shapes(there, shapes, kRemedy)});
+      {lost_pieces(there, found_pieces(there, mesh), remedy), other_shapes(there, shapes, remedy)});
 }
 
 }  // namespace lumesh

@@ -60,17 +60,52 @@ CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> 
   return cut.plane;
 }
 
-void clip_ends(LabelImage& image, const LocalLength& length, std::vector<CutPlane>& planes,
-               Context& context) {
-  Context quiet;
-  const Polylines lines = extract_centerline(image, {}, quiet);
+/// Cuts the ends of the piece that a voxel belongs to.
+/// @return  Where these are; of none that is narrower than a voxel.
+std::vector<Vec3> clip_piece(LabelImage& image, const Index3& voxel, const LocalLength& length,
+                             std::vector<CutPlane>& planes, Context& context) {
+  const Polylines lines = axes_of_piece(image, voxel);
   const double voxel_mm = image.frame().spacing_mm.maxCoeff();
   const auto is_wide = [&](std::uint32_t tip) { return lines.scalars.at("radius")[tip] >= voxel_mm; };
   const auto cut = [&](const AxisPlace& at) {
     planes.push_back(
         cut_off_vessel(image, at.across, at.radius_mm, kMaxWideningAtEnds, CutPart::kAbove).plane);
   };
-  static_cast<void>(cut_ends(lines, length, is_wide, planes, cut, context));
+  return cut_ends(lines, length, is_wide, planes, cut, context);
+}
+
+/// Ends without an axis of their own are those that several vessels share, and those of small pieces.
+void warn_of_sections_that_stay(const LabelImage& image, std::span<const CutPlane> planes,
+                                std::span<const Vec3> tried, const Context& context) {
+  for (const BorderSection& section : border_sections(image, planes)) {
+    const Vec3 centre = section.centre_mm();
+    const double near_mm = 2 * section.reach_mm();
+    const bool is_known = std::any_of(tried.begin(), tried.end(),
+                                      [&](const Vec3& end) { return (end - centre).norm() < near_mm; });
+    if (section.is_wide() && !is_known)
+      context.warn(
+          fmt::format("{}: the section of {:.3g} mm² at {} stays: no axis of a vessel ends there; cut it "
+                      "with `cut_plane`",
+                      option_name("clip_ends"), section.area_mm2(), place_text(centre)));
+  }
+}
+
+void clip_ends(LabelImage& image, const LocalLength& length, std::vector<CutPlane>& planes,
+               Context& context) {
+  constexpr std::size_t kLeastVoxels = 50, kMostPieces = 20;  // Each costs as much as the whole image.
+  std::vector<Vec3> tried;
+  std::size_t pieces = 0;
+  for (const VoxelComponent& piece : voxel_components(image, ComponentScope::kUnion)) {  // Largest first.
+    if (pieces > 0 && (piece.voxel_count < kLeastVoxels || pieces == kMostPieces)) break;
+    try {
+      const std::vector<Vec3> ends = clip_piece(image, piece.first, length, planes, context);
+      tried.insert(tried.end(), ends.begin(), ends.end());
+    } catch (const Error& error) {  // Nothing of it is longer than wide.
+      if (error.kind() != ErrorKind::kBadInput || pieces == 0) throw;
+    }
+    ++pieces;
+  }
+  warn_of_sections_that_stay(image, planes, tried, context);
 }
 
 }  // namespace

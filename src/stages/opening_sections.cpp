@@ -13,24 +13,9 @@
 namespace lumesh {
 namespace {
 
-/// Connected voxel faces of one label on one side of the image.
-struct Section {
-  Label label = kBackground;
-  std::vector<Vec3> centres_mm;  ///< Of the faces.
-  double face_mm2 = 0;
-  Vec3 normal = Vec3::UnitX();  ///< Out of the image.
-
-  [[nodiscard]] double area_mm2() const { return face_mm2 * static_cast<double>(centres_mm.size()); }
-  [[nodiscard]] Vec3 centre_mm() const {
-    Vec3 sum = Vec3::Zero();
-    for (const Vec3& p : centres_mm) sum += p;
-    return sum / static_cast<double>(centres_mm.size());
-  }
-};
-
 /// The sections on one side: the first or last layer along an axis, but what planes cut off of it.
 void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int axis, bool is_last,
-                  std::vector<Section>& sections) {
+                  std::vector<BorderSection>& sections) {
   constexpr double kRounding = 1e-6;  // Voxels: these faces are in planes themselves.
   const ImageFrame& frame = image.frame();
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -45,7 +30,7 @@ void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int a
   };
   const std::vector<std::uint32_t> part =
       connected_squares(columns, count, [&](std::size_t face) { return image.at(voxel(face)); });
-  std::map<std::uint32_t, Section> by_part;
+  std::map<std::uint32_t, BorderSection> by_part;
   for (std::size_t face = 0; face < count; ++face) {
     if (part[face] == 0) continue;
     const Index3 at = voxel(face);
@@ -56,7 +41,7 @@ void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int a
       return cut.beyond_mm(centre_mm) > kRounding * frame.spacing_mm.minCoeff();
     });
     if (is_cut_off) continue;
-    Section& section = by_part[part[face]];
+    BorderSection& section = by_part[part[face]];
     section.label = image.label_at(at);
     section.centres_mm.push_back(centre_mm);
     section.face_mm2 = frame.spacing_mm[u] * frame.spacing_mm[v];
@@ -66,7 +51,7 @@ void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int a
 }
 
 /// The opening that holds most faces of a section; none if none holds any.
-std::optional<std::size_t> opening_of(const Section& section, std::span<const Opening> openings) {
+std::optional<std::size_t> opening_of(const BorderSection& section, std::span<const Opening> openings) {
   std::optional<std::size_t> best;
   std::size_t most = 0;
   for (std::size_t i = 0; i < openings.size(); ++i) {
@@ -96,6 +81,12 @@ std::string doubt_of(const Opening& opening, const Voxels& voxels) {
         "{} at {} joins {} sections that are separate in the voxels; the image is too coarse there, or "
         "cut them apart with {}",
         opening.name, place_text(opening.centre_mm), voxels.sections, "`cut_plane`");
+  if (opening.is_hollow())
+    return fmt::format(
+        "{} at {} is the section of a wall whose lumen has no label: at the border its area may be a tenth "
+        "off; give "
+        "the lumen a label, or cut some voxels further in with {}",
+        opening.name, place_text(opening.centre_mm), "`cut_plane`");
   const double off = opening.area_mm2 - voxels.area_mm2;
   if (std::abs(off) <= kShare * voxels.area_mm2 + kVoxels * std::sqrt(voxels.area_mm2 * voxels.face_mm2))
     return "";
@@ -108,22 +99,38 @@ std::string doubt_of(const Opening& opening, const Voxels& voxels) {
 
 }  // namespace
 
-std::vector<std::string> doubts_about_sections(const LabelImage& image, std::span<const CutPlane> cuts,
-                                               std::span<const Opening> openings) {
-  constexpr std::size_t kFaces = 8;  // Fewer may be a wall that grazes the border.
-  std::vector<Section> sections;
+Vec3 BorderSection::centre_mm() const {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : centres_mm) sum += p;
+  return sum / static_cast<double>(centres_mm.size());
+}
+
+double BorderSection::reach_mm() const {
+  const Vec3 centre = centre_mm();
+  double reach_mm = 0;
+  for (const Vec3& p : centres_mm) reach_mm = std::max(reach_mm, (p - centre).norm());
+  return reach_mm + std::sqrt(face_mm2);
+}
+
+std::vector<BorderSection> border_sections(const LabelImage& image, std::span<const CutPlane> cuts) {
+  std::vector<BorderSection> sections;
   for (int axis = 0; axis < 3; ++axis)
     for (const bool is_last : {false, true}) add_sections(image, cuts, axis, is_last, sections);
+  return sections;
+}
+
+std::vector<std::string> doubts_about_sections(const LabelImage& image, std::span<const CutPlane> cuts,
+                                               std::span<const Opening> openings) {
   std::vector<Voxels> of_openings(openings.size());
   std::vector<std::string> doubts;
-  for (const Section& section : sections) {
+  for (const BorderSection& section : border_sections(image, cuts)) {
     const std::optional<std::size_t> opening = opening_of(section, openings);
     if (opening) {
       Voxels& voxels = of_openings[*opening];
       voxels.area_mm2 += section.area_mm2();
       voxels.face_mm2 = section.face_mm2;
-      if (section.centres_mm.size() >= kFaces) ++voxels.sections;
-    } else if (section.centres_mm.size() >= kFaces) {
+      if (section.is_wide()) ++voxels.sections;
+    } else if (section.is_wide()) {
       doubts.push_back(fmt::format("the section of {} voxel faces of label {} at {} is in no opening",
                                    section.centres_mm.size(), section.label,
                                    place_text(section.centre_mm())));

@@ -13,6 +13,7 @@
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/layers/extrusion.hpp"
@@ -125,12 +126,15 @@ class SurfaceCutter {
   /// Cuts off the ends of vessels that end in an opening.
   void clip_ends(const LocalLength& length, std::span<const FlatEnd> ends) {
     const Polylines lines = axes_of(mesh_);
-    const std::size_t found_ends = cut_ends(
+    const std::vector<Vec3> tried = cut_ends(
         lines, length, [&](std::uint32_t tip) { return is_at_end(lines.points[tip], ends); }, {},
         [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); }, context_);
-    if (found_ends == 0)
-      context_.warn(option_name("clip_ends") +
-                    ": no axis of a vessel comes to a flat end; all ends stay as they are");
+    for (const FlatEnd& end : ends)
+      if (std::none_of(tried.begin(), tried.end(),
+                       [&](const Vec3& tip) { return is_at_end(tip, std::span(&end, 1)); }))
+        context_.warn(
+            fmt::format("{}: {} at {} stays: no axis of a vessel ends there; cut it with `cut_plane`",
+                        option_name("clip_ends"), end.name, place_text(end.centre_mm)));
   }
 
  private:

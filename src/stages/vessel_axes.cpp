@@ -106,14 +106,15 @@ AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const Cut
   return found;
 }
 
-std::size_t cut_ends(const Polylines& lines, const LocalLength& length,
-                     const std::function<bool(std::uint32_t)>& is_end, const std::vector<CutPlane>& before,
-                     const std::function<void(const AxisPlace&)>& cut, const Context& context) {
-  std::size_t count = 0;
+std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
+                           const std::function<bool(std::uint32_t)>& is_end,
+                           const std::vector<CutPlane>& before,
+                           const std::function<void(const AxisPlace&)>& cut, const Context& context) {
+  std::vector<Vec3> ends;
   for (const std::vector<std::uint32_t>& from_end : lines_from_ends(lines)) {
     if (!is_end(from_end.front())) continue;
-    ++count;
     const Vec3& end = lines.points[from_end.front()];
+    ends.push_back(end);
     try {
       const std::optional<Vec3> place = place_up(lines, from_end, length);
       if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
@@ -126,7 +127,7 @@ std::size_t cut_ends(const Polylines& lines, const LocalLength& length,
                                error.what()));
     }
   }
-  return count;
+  return ends;
 }
 
 std::string doubt_about_section(const AxisPlace& place, double section_mm2) {

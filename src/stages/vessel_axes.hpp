@@ -41,11 +41,12 @@ inline constexpr double kMaxWideningAtEnds = 2;
 /// @param lines  As above. @param is_end  Whether the end of a line at this point is one to cut off.
 /// @param before  Cuts that were made; may grow by `cut`.
 /// @param cut  Cuts at a place whose normal points to the end. @throws Error{kBadInput} if it cannot be.
-/// @return  Number of these ends.
-[[nodiscard]] std::size_t cut_ends(const Polylines& lines, const LocalLength& length,
-                                   const std::function<bool(std::uint32_t)>& is_end,
-                                   const std::vector<CutPlane>& before,
-                                   const std::function<void(const AxisPlace&)>& cut, const Context& context);
+/// @return  These ends.
+[[nodiscard]] std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
+                                         const std::function<bool(std::uint32_t)>& is_end,
+                                         const std::vector<CutPlane>& before,
+                                         const std::function<void(const AxisPlace&)>& cut,
+                                         const Context& context);
 
 /// What to say of a cut whose section is much wider than the vessel; empty otherwise.
 [[nodiscard]] std::string doubt_about_section(const AxisPlace& place, double section_mm2);

@@ -18,6 +18,7 @@ struct ImageShape {
   std::vector<VoxelComponent> pieces;  ///< Pieces of each label, of some 27 voxels at least.
   /// Only pieces can be compared: a plane through voxels changes handles, small pieces and volumes.
   bool is_cut = false;
+  bool is_exact = false;  ///< Its boundary is `exact`, which remedies need not name.
 };
 
 /// @param planes  What lies beyond them is left out.

@@ -10,10 +10,28 @@
 
 namespace lumesh {
 
+/// Connected voxel faces of one label on one side of the image.
+struct BorderSection {
+  Label label = kBackground;
+  std::vector<Vec3> centres_mm;  ///< Of the faces.
+  double face_mm2 = 0;
+  Vec3 normal = Vec3::UnitX();  ///< Out of the image.
+
+  [[nodiscard]] double area_mm2() const { return face_mm2 * static_cast<double>(centres_mm.size()); }
+  [[nodiscard]] Vec3 centre_mm() const;
+  [[nodiscard]] double reach_mm() const;  ///< No face is farther from the centre.
+  /// Whether it has 8 faces or more: fewer may be a wall that grazes the border.
+  [[nodiscard]] bool is_wide() const { return centres_mm.size() >= 8; }
+};
+
+/// All sections but what lies beyond cuts. Cost: linear in the faces of the border.
+[[nodiscard]] std::vector<BorderSection> border_sections(const LabelImage& image,
+                                                         std::span<const CutPlane> cuts);
+
 /// A line for each opening at the border whose section is far from what the faces of the border's voxels say:
 /// its area by more than a tenth and 0.7 voxels times the section's width, or joined from separate sections;
-/// and for sections of at least 8 faces that are in no opening. Smooth sections and voxels differ by less,
-/// measured on oblique cylinders of 1.5 to 20 voxels in radius.
+/// for sections of at least 8 faces that are in no opening; and for sections of hollow walls. Smooth sections
+/// and voxels differ by less, measured on oblique cylinders of 1.5 to 20 voxels in radius.
 /// @param cuts  What lies beyond them is left out. Cost: linear in the faces of the border.
 [[nodiscard]] std::vector<std::string> doubts_about_sections(const LabelImage& image,
                                                              std::span<const CutPlane> cuts,

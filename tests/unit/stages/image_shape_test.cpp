@@ -21,6 +21,10 @@ TEST(ImageShape, VolumesThatAreOffAreTold) {
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_NE(lines[0].find("label 1 fills 42.1 % less than its voxels;"), std::string::npos) << lines[0];
   EXPECT_TRUE(differences(shape_of(cube_image(4)), mesh).empty()) << "64 voxels are too few to say";
+  EXPECT_NE(lines[0].find("exact"), std::string::npos) << lines[0];
+  ImageShape exact = shape_of(cube_image(6));
+  exact.is_exact = true;
+  EXPECT_EQ(differences(exact, mesh).at(0).find("exact"), std::string::npos) << "it is so already";
 }
 
 /// Two cubes of 4 x 4 x 4 voxels, with or without a layer of voxels between.

@@ -167,5 +167,40 @@ TEST(InputCuts, WhatCannotBeCutIsRefusedWithThePlace) {
   }
 }
 
+/// All tubes of the radius that go through (10, 18, z) along one of the axes in the plane of x and z; with
+/// the flag, all meet at the upper border.
+LabelImage tubes(const std::vector<double>& heights, double radius, bool do_meet) {
+  return fixtures::voxels_of(fixtures::frame_of({60, 36, 72}), {0, 1}, [=](const Vec3& p) {
+    for (const double z : heights) {
+      const Vec3 start(0, 18, z),
+          axis = do_meet ? Vec3(60, 0, 36 - z).normalized() : Vec3(1, 0, 0.3).normalized();
+      const Vec3 off = p - start;
+      if ((off - off.dot(axis) * axis).norm() < radius) return 1;
+    }
+    return 0;
+  });
+}
+
+TEST(InputCuts, EndsOfEveryPieceAreClipped) {
+  std::vector<std::string> warnings;
+  Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+  LabelImage image = tubes({12, 40}, 5, false);
+  const std::vector<CutPlane> planes = cut_off(image, {{}, {}, "1r"}, context);
+  EXPECT_EQ(planes.size(), 4U);
+  EXPECT_TRUE(warnings.empty()) << warnings.front();
+  for (const Opening& opening : find_openings(ImageDomain(image, {{}, planes})))
+    EXPECT_GT(std::abs(opening.normal.dot(Vec3(1, 0, 0.3).normalized())), 0.99) << opening.name;
+}
+
+TEST(InputCuts, AnEndThatTwoVesselsShareStaysAndIsTold) {
+  std::vector<std::string> warnings;
+  Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+  LabelImage image = tubes({6, 66}, 5, true);
+  EXPECT_EQ(cut_off(image, {{}, {}, "1r"}, context).size(), 2U);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("stays: no axis of a vessel ends there"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("(59.5, 18.0, "), std::string::npos) << warnings[0];
+}
+
 }  // namespace
 }  // namespace lumesh
