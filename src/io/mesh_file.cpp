@@ -67,7 +67,7 @@ constexpr unsigned kVolumeIn = bits(kRead, kReadVolume), kTetrahedraOut = bits(k
                    kSurface = bits(kRead, kWrite, kWriteSurface);
 
 /// Every format, and all that is said of formats anywhere, in the order of the lists.
-constexpr std::array<MeshFormat, 15> kFormats = {{
+constexpr auto kFormats = std::to_array<MeshFormat>({
     {".vtu", ".vtu", kVolumeIn | kMixedOut | bits(kCarryMetric), io::read_vtu, io::write_vtu},
     {".vtk", ".vtk", kVolumeIn | kMixedOut | bits(kCarryMetric), io::read_legacy_vtk, io::write_legacy_vtk},
     {".vtk.gz", "", kVolumeIn, io::read_legacy_vtk, nullptr},
@@ -84,7 +84,7 @@ constexpr std::array<MeshFormat, 15> kFormats = {{
     {".obj", ".obj", bits(kRead), io::read_obj, nullptr},
     {".sol", ".sol", bits(kMetricAlone), nullptr, nullptr},
     {".solb", ".solb", bits(kMetricAlone), nullptr, nullptr},
-}};
+});
 
 /// @return nullptr if there is none that can be used so.
 const MeshFormat* format_of(const Path& path, MeshUse use) {

@@ -30,10 +30,10 @@ struct MeshWriteOptions {
   void describe(OptionList& list);
 };
 
-/// Writes a mesh: .vtu, .vtk (legacy, binary), .mesh, .meshb, .msh (ASCII); its boundary faces: .stl
-/// (binary), .vtp. For solvers: .foam (an empty file, beside it OpenFOAM's folder constant/polyMesh, ASCII,
-/// in metres); of tetrahedra only, .xdmf with the files beside it that FEniCS reads, and SimVascular's folder
-/// under a name that ends in mesh-complete.
+/// Writes a mesh in any format of formats_for(MeshUse::kWrite); surface formats get its boundary faces. For
+/// solvers: .foam (an empty file, beside it OpenFOAM's folder constant/polyMesh, ASCII, in metres); of
+/// tetrahedra only, .xdmf with the files beside it that FEniCS reads, and SimVascular's folder under a name
+/// that ends in mesh-complete.
 ///
 /// Cells carry their label, boundary faces their patch; docs/stages/convert.md says what each format holds.
 /// A metric goes into .vtu and .vtk, as the point array `metric`; for Medit's files see metric_file.hpp.
@@ -45,13 +45,13 @@ struct MeshWriteOptions {
 void write_mesh(const std::filesystem::path& path, const MeshView& mesh,
                 const MeshWriteOptions& options = {});
 
-/// Writes the boundary faces alone, with the points they use, as .vtp (with int32 `patch`) or .stl.
-/// Faces are as in `mesh`; see extract_boundary() for meshes without any. Errors as write_mesh().
+/// Writes the boundary faces alone, with the points they use, in a format of
+/// formats_for(MeshUse::kWriteSurface). Faces are as in `mesh`; see extract_boundary() for meshes without
+/// any. Errors as write_mesh().
 void write_surface(const std::filesystem::path& path, const MeshView& mesh,
                    const MeshWriteOptions& options = {});
 
-/// Reads .vtu, .vtk (legacy, also .vtk.gz), .mesh, .meshb, .msh (4.1 and 2.2, ASCII), and surfaces .vtp,
-/// .stl.
+/// Reads volumes and surfaces in every format of formats_for(MeshUse::kRead).
 ///
 /// Cells keep the order of the file, in VTK's vertex order. Labels come from `label` or another program's
 /// array (docs/stages/convert.md); 1 if there is none. The metric is the point array `metric` of .vtu and
