@@ -191,11 +191,20 @@ bool MetricRequest::has_source() const {
   return has;
 }
 
+std::vector<std::string> MetricRequest::source_options() {
+  std::vector<std::string> names;
+  MetricSources all;
+  for_each_source(all, [&](auto& source) { names.push_back(options_of(source).all().front().name); });
+  return names;
+}
+
 MetricLimits MetricRequest::limits_for(bool is_frozen) const {
   constexpr double kGradation = 1.5;
   MetricLimits result = limits;
-  const bool is_made = source<PointSource>().is_wanted() || source<VelocitySource>().is_wanted() ||
-                       source<HessianSource>().is_wanted() || source<CurvatureSource>().is_wanted();
+  bool is_made = false;
+  for_each_source(sources, [&]<class Source>(const Source& source) {
+    if constexpr (!requires { Source::kIsTakenAsIs; }) is_made = is_made || source.is_wanted();
+  });
   result.growth = gradation.value_or(is_made ? kGradation : 0);
   result.keeps_boundary = frozen_sizes.value_or(is_frozen);
   return result;

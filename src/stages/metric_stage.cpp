@@ -1,8 +1,10 @@
 #include "lumesh/stages/metric_stage.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
@@ -25,12 +27,14 @@ class MeshSources final : public metric::SourceData {
       : request_(request), name_(name), mesh_(mesh), context_(context) {}
 
   std::vector<SymTensor> tensors(const std::string& file) override {
-    if (file.empty() && mesh_.given().metric.empty())
-      throw Error(
-          ErrorKind::kBadInput,
-          fmt::format("{}: carries no metric; give what it is to be made of: {}, {}, {}, {}, {} or {}", name_,
-                      option_name("points"), option_name("velocity"), option_name("hessian"),
-                      option_name("curvature"), option_name("metric"), option_name("analytic")));
+    if (file.empty() && mesh_.given().metric.empty()) {
+      std::vector<std::string> options;
+      for (const std::string& name : metric::MetricRequest::source_options())
+        options.push_back(option_name(name));
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{}: carries no metric; give what it is to be made of: {}", name_,
+                              fmt::join(options, " or ")));
+    }
     return metric_of(mesh_.given(), name_, file);
   }
   std::vector<Vec3> points(const std::string& file) override {

@@ -1,6 +1,7 @@
 #pragma once
 /// @file The sources that a metric is made of, and the data that they are made from. A new source is a struct
-/// of this kind in files of its own, and its name in MetricSources.
+/// of this kind, here or in a header of its own, and its name in MetricSources. The option that is described
+/// first names it. One that sets kIsTakenAsIs is not held to the usual growth of sizes.
 
 #include <concepts>
 #include <memory>
@@ -51,6 +52,7 @@ class SourceData {
 
 /// One formula of the UGAWG benchmark.
 struct AnalyticSource {
+  static constexpr bool kIsTakenAsIs = true;
   std::optional<AnalyticKind> formula;
 
   void describe(OptionList& list);
@@ -60,6 +62,7 @@ struct AnalyticSource {
 
 /// Tensors of a file.
 struct TensorSource {
+  static constexpr bool kIsTakenAsIs = true;
   std::string file;
 
   void describe(OptionList& list);
@@ -131,6 +134,8 @@ struct MetricRequest {
   /// @throws Error{kUsage} that names the option.
   void validate() const;
   [[nodiscard]] bool has_source() const;
+  /// Options by which the sources are asked for, in the order of MetricSources.
+  [[nodiscard]] static std::vector<std::string> source_options();
   /// The limits, with the gradation and the sizes along a boundary that stays. @param is_frozen  Whether the
   /// boundary will stay.
   [[nodiscard]] MetricLimits limits_for(bool is_frozen) const;
