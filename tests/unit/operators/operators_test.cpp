@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <set>
+#include <tuple>
 
 #include "fixtures/metric_cubes.hpp"
 #include "fixtures/random_operator.hpp"
@@ -42,6 +44,8 @@ struct Bench {
   MetricField field;
   PatchShapes shapes;
   Kernel<NoLock> kernel;
+  /// How often each operator of the list was applied by random_step().
+  std::array<std::size_t, std::tuple_size_v<fixtures::MeanRatioOperators>> applied = {};
 
   Bench(TetMesh cube, AnalyticKind kind, double size_factor)
       : mesh(prepared(std::move(cube), kind, size_factor)),
@@ -59,7 +63,10 @@ struct Bench {
     const TetId t(static_cast<std::uint32_t>(random() % mesh.tet_slots()));
     if (!mesh.alive(t)) return Outcome::kRejected;
     const int i = static_cast<int>(random() % 4), j = (i + 1 + static_cast<int>(random() % 3)) % 4;
-    return fixtures::try_operator(kernel, mesh, {t, i, j}, random(), rules);
+    const std::size_t number = random() % applied.size();
+    const Outcome outcome = fixtures::try_operator(kernel, mesh, {t, i, j}, number, rules);
+    if (outcome == Outcome::kApplied) ++applied[number];
+    return outcome;
   }
 };
 
@@ -95,6 +102,7 @@ TEST_P(RandomOperators, KeepTheMeshValid) {
   EXPECT_GT(counts[OperatorId::kEdgeRemoval].applied, 100u);
   EXPECT_GT(counts[OperatorId::kFaceRemoval].applied, 0u);
   EXPECT_GT(counts[OperatorId::kSmoothing].applied, 100u);
+  for (std::size_t i = 0; i < bench.applied.size(); ++i) EXPECT_GT(bench.applied[i], 0u) << "operator " << i;
 }
 
 INSTANTIATE_TEST_SUITE_P(Metrics, RandomOperators,
