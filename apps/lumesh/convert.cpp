@@ -38,7 +38,6 @@ void add_convert_command(CLI::App& program) {
   const auto command = std::make_shared<ConvertCommand>();
   ConversionRequest& request = command->request;
   MeshOutput& output = request.output;
-  output.unit = "";  // As it is.
   CLI::App* sub = program.add_subcommand("convert", "Convert a mesh between file formats");
   sub->add_option("from", request.from, "Mesh to read (" + formats_for(MeshUse::kRead) + ")")->required();
   sub->add_option("to,-o,--output", output.mesh,

@@ -270,7 +270,8 @@ auto with_reader(const fs::path& path, const Use& use, const Otherwise& otherwis
     if (read_dicom_file(path)) return otherwise();
     fail(path,
          "is not an image lumesh can read; it takes NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage "
-         "(.mha, .mhd), GIPL and DICOM; surfaces and meshes are .stl, .obj, .vtp, .vtu, .vtk, .mesh, .meshb "
+         "(.mha, .mhd), GIPL and DICOM; surfaces and meshes are .stl, .obj, .off, .vtp, .vtu, .vtk, .mesh, "
+         ".meshb "
          "or .msh, to "
          "which meshio and ParaView convert others, such as .ply");
   } catch (const itk::ExceptionObject& fault) {

@@ -82,6 +82,7 @@ constexpr auto kFormats = std::to_array<MeshFormat>({
     {".stl", ".stl", kSurface, io::read_stl, write_plainly<io::write_stl>},
     {".stl.gz", "", bits(kRead), io::read_stl, nullptr},
     {".obj", ".obj", bits(kRead), io::read_obj, nullptr},
+    {".off", ".off", kSurface, io::read_off, write_plainly<io::write_off>},
     {".sol", ".sol", bits(kMetricAlone), nullptr, nullptr},
     {".solb", ".solb", bits(kMetricAlone), nullptr, nullptr},
 });

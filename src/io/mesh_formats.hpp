@@ -27,6 +27,7 @@ void write_foam(const std::filesystem::path& path, const MeshView& mesh);
 /// The same before there is a mesh.
 void check_foam_case(const std::filesystem::path& path);
 void write_stl(const std::filesystem::path& path, const MeshView& mesh);
+void write_off(const std::filesystem::path& path, const MeshView& mesh);
 /// For FEniCS: NAME.xdmf with NAME.h5, NAME_facets.xdmf with NAME_facets.h5, NAME_tags.json. Tetrahedra only.
 void write_xdmf(const std::filesystem::path& path, const MeshView& mesh);
 /// A folder for svMultiPhysics; it replaces one that holds nothing else. Tetrahedra only.
@@ -42,6 +43,7 @@ void check_simvascular_folder(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_vtp_surface_by(const std::filesystem::path& path,
                                             const std::string& patch_array);
 [[nodiscard]] MixedMesh read_obj(const std::filesystem::path& path);
+[[nodiscard]] MixedMesh read_off(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_legacy_vtk(const std::filesystem::path& path);
 /// Points and info alone.
 [[nodiscard]] MixedMesh read_vtk_xml_points(const std::filesystem::path& path, std::string_view dataset_type);

@@ -51,7 +51,7 @@ class Files:
         self.folder = folder
         folder.mkdir()
         make(folder, folder / "a.vtu")
-        for name in ("a.vtk", "a.mesh", "a.meshb", "a.vtp", "a.stl", "a.foam", "a41.msh"):
+        for name in ("a.vtk", "a.mesh", "a.meshb", "a.vtp", "a.stl", "a.off", "a.foam", "a41.msh"):
             lumesh("convert", folder / "a.vtu", folder / name)
         lumesh("convert", folder / "a.vtu", folder / "a22.msh", "--msh-version", "2.2")
         self.info = json.loads(lumesh("info", folder / "a.vtu", "--json"))
@@ -174,6 +174,15 @@ class VtkTest(unittest.TestCase):
     def test_stl_has_the_area_of_the_surface(self, files):
         area = readers.vtk_sizes(readers.vtk_data(files / "a.vtp"), "Area").sum()
         self.assertAlmostEqual(readers.vtk_sizes(readers.vtk_data(files / "a.stl"), "Area").sum() / area, 1, places=6)
+
+
+class OffTest(unittest.TestCase):
+    @for_each()
+    def test_off_holds_every_triangle_where_it_has_no_others(self, files):
+        if "quad" not in readers.meshio_mesh(files / "a41.msh", "gmsh:physical").cells:  # meshio takes triangles alone.
+            mesh = readers.meshio_mesh(files / "a.off", None)
+            self.assertEqual(mesh.count(["triangle"]), files.faces)
+            self.assertEqual(len(mesh.points), readers.vtk_data(files / "a.vtp").GetNumberOfPoints())
 
 
 class OpenFoamTest(unittest.TestCase):

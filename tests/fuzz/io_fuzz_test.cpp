@@ -271,6 +271,9 @@ TEST_F(IoFuzz, Gmsh22) {
 TEST_F(IoFuzz, Stl) {
   fuzz_mesh("m.stl");
 }
+TEST_F(IoFuzz, Off) {
+  fuzz_mesh("m.off");
+}
 TEST_F(IoFuzz, Vtp) {
   fuzz_mesh("m.vtp");
 }

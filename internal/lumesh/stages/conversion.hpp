@@ -17,7 +17,7 @@ struct ConversionRequest {
   std::string unit;  ///< Unit of lengths in it; empty: as it says.
   /// Names or numbers of labels whose cells are taken, several with commas between them; empty: all.
   std::vector<std::string> only_labels;
-  MeshOutput output;
+  MeshOutput output{.unit = ""};
 
   void describe(OptionList& list);
 };
