@@ -16,7 +16,7 @@ struct ConvertCommand {
   RunOptions run;
 };
 
-void run(ConvertCommand command) {
+void run(const ConvertCommand& command) {
   const ConversionRequest& request = command.request;
   const MeshOutput& output = request.output;
   if (output.mesh.empty())

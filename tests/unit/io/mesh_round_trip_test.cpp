@@ -280,7 +280,7 @@ TEST(MeshFormats, EachNameServesWhatItsFormatHolds) {
   EXPECT_FALSE(is_for("a.sol", MeshUse::kRead));
   for (const char* unknown : {"a", "a.", "a/", "vtu", "a.vtu.gz"})
     EXPECT_FALSE(is_for(unknown, MeshUse::kRead) || is_for(unknown, MeshUse::kWrite)) << unknown;
-  EXPECT_EQ(formats_for(MeshUse::kWriteSurface, " or "), ".vtp or .stl");
+  EXPECT_EQ(formats_for(MeshUse::kWriteSurface, " or "), ".vtp, .stl or .off");
 }
 
 }  // namespace
