@@ -161,8 +161,7 @@ void check_crossings(const ClosedSurface& surface, std::span<const Patch> patche
   if (sheets == crossings.end()) return;
   const auto is_of_cap = [&](std::uint32_t t) {
     const auto patch = static_cast<std::size_t>(surface.patches[t]);
-    return patch < patches.size() && patches[patch].kind == PatchKind::kOpening &&
-           patches[patch].name.empty();
+    return patch < patches.size() && is_cap(patches[patch]);
   };
   if (is_of_cap(sheets->first) || is_of_cap(sheets->second))
     refuse("the cap of an open end crosses another part of the surface at " +

@@ -23,6 +23,11 @@ struct ClosedSurface {
   }
 };
 
+/// Whether a patch is what an open end was closed with: an opening that gets its name later.
+[[nodiscard]] inline bool is_cap(const Patch& patch) {
+  return patch.kind == PatchKind::kOpening && patch.name.empty();
+}
+
 /// @throws Error{kBadInput} as SurfaceDomain. Cost: O(n log n); O(n) more for each shell.
 [[nodiscard]] ClosedSurface closed_surface(const SurfaceView& surface);
 

@@ -71,11 +71,13 @@ class ExtensionPlanner {
     const Opening& main = main_opening(group);
     VesselTube& tube = plan_.tubes[g];
     Vec3 direction = normal;
-    const bool is_wanted = wanted_mm(group, main.lumen_radius_mm()) > 0;
+    const bool is_hollow = main.is_hollow();
+    const double radius_mm = main.lumen_radius_mm();
+    const bool is_wanted = wanted_mm(group, radius_mm) > 0;
     if (is_wanted) {
       constexpr double kLeastDepth = 3;     // Voxels.
       constexpr double kRadiiOfHollow = 2;  // The places of thin walls are noisier.
-      const double depth_mm = (main.is_hollow() ? kRadiiOfHollow : 1) * main.lumen_radius_mm();
+      const double depth_mm = (is_hollow ? kRadiiOfHollow : 1) * radius_mm;
       const auto axis = end_axis(domain_, section, std::max(depth_mm, kLeastDepth * voxel_mm_));
       if (axis)
         direction = *axis;
@@ -85,7 +87,7 @@ class ExtensionPlanner {
             "goes on square to its plane: the vessel forks, bulges or begins there, so that its direction is "
             "not clear; cut it further inside with `cut_at`");
     }
-    radii_mm_[g] = main.lumen_radius_mm() * std::sqrt(direction.dot(normal));
+    radii_mm_[g] = radius_mm * std::sqrt(direction.dot(normal));
     const auto with_air = [&](double voxels) {
       return section_of(openings_, plan_.groups, g, direction, voxels * voxel_mm_, voxel_mm_);
     };
@@ -93,7 +95,7 @@ class ExtensionPlanner {
     tube.section = carried;
     tube.of_cut = of_cut;
     tube.bare = with_air(0);
-    if (is_wanted && transition_ && main.is_hollow()) {
+    if (is_wanted && transition_ && is_hollow) {
       note(g, "keeps its section, which is that of a hollow wall: a circle would close its lumen");
     } else if (is_wanted && transition_) {
       set_circles(group, tube, *carried, radii_mm_[g]);

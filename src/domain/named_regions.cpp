@@ -37,11 +37,6 @@ double mean_edge_mm_of(const ClosedSurface& surface) {
   return sum / static_cast<double>(3 * surface.triangles.size());
 }
 
-/// What an open end was closed with: an opening that is to get its name here.
-bool is_cap(const Patch* patch) {
-  return patch != nullptr && patch->kind == PatchKind::kOpening && patch->name.empty();
-}
-
 }  // namespace
 
 NamedRegions::NamedRegions(const SurfaceView& view, const SurfaceDomainOptions& options)
@@ -53,10 +48,10 @@ NamedRegions::NamedRegions(const SurfaceView& view, const SurfaceDomainOptions& 
                                            : std::min(0.5 * mean_edge_mm, box.diagonal().norm() / 128)),
       patches_(view.patch_info.begin(), view.patch_info.end()) {
   std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
-  std::erase_if(used, [&](std::int32_t number) { return is_cap(patch_of_file(number)); });
+  std::erase_if(used, [&](std::int32_t number) { return is_cap_of_file(number); });
   // One is left where cuts took the others: its name stays.
   const auto known =
-      std::count_if(patches_.begin(), patches_.end(), [](const Patch& p) { return !is_cap(&p); });
+      std::count_if(patches_.begin(), patches_.end(), [](const Patch& p) { return !is_cap(p); });
   has_named_patches = used.size() > 1 || (used.size() == 1 && known > 1);
   name_regions();
 }
@@ -75,8 +70,9 @@ void NamedRegions::name_regions() {
   for (std::uint32_t r = 0; r < regions.count(); ++r) {  // By falling area.
     Patch patch{"", PatchKind::kWall, {1, kBackground}};
     const Patch* const known = patch_of_file(regions.patches[r]);
-    const bool is_end = shapes[r].is_flat_end || is_cap(known);
-    if (is_cap(known) || (!has_named_patches && is_end)) {
+    const bool is_cap_there = is_cap_of_file(regions.patches[r]);
+    const bool is_end = shapes[r].is_flat_end || is_cap_there;
+    if (is_cap_there || (!has_named_patches && is_end)) {
       patch = {free_opening_name(), PatchKind::kOpening, {1, kBackground}};
     } else if (has_named_patches) {
       patch.name = name_of_file(r);
@@ -99,6 +95,11 @@ void NamedRegions::name_regions() {
 const Patch* NamedRegions::patch_of_file(std::int32_t number) const {
   const bool is_known = number >= 0 && static_cast<std::size_t>(number) < patches_.size();
   return is_known ? &patches_[static_cast<std::size_t>(number)] : nullptr;
+}
+
+bool NamedRegions::is_cap_of_file(std::int32_t number) const {
+  const Patch* const known = patch_of_file(number);
+  return known != nullptr && is_cap(*known);
 }
 
 std::string NamedRegions::name_of_file(std::uint32_t region) const {

@@ -27,6 +27,7 @@ struct NamedRegions {
  private:
   void name_regions();
   [[nodiscard]] const Patch* patch_of_file(std::int32_t number) const;
+  [[nodiscard]] bool is_cap_of_file(std::int32_t number) const;
   [[nodiscard]] std::string name_of_file(std::uint32_t region) const;
   [[nodiscard]] std::vector<std::array<Vec3, 3>> triangles_of(std::uint32_t region) const;
   [[nodiscard]] std::string free_opening_name();

@@ -9,10 +9,6 @@
 namespace lumesh {
 namespace {
 
-/// Least share of a ring's own area: walls are up to 1.2 radii of the lumen thick, and what lies in a lumen
-/// is thinner.
-constexpr double kMinSurrounded = 0.25;
-
 /// Area of other labels' openings in the holes of one.
 double surrounded_mm2(const Opening& ring, std::span<const Opening> all) {
   const OpeningSquares& own = *ring.squares;

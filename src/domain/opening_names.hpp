@@ -13,6 +13,10 @@
 
 namespace lumesh {
 
+/// Least share of a ring's own area that it surrounds where it is the section of a wall: walls are up to 1.2
+/// radii of the lumen thick, and what lies in a lumen is thinner.
+inline constexpr double kMinSurrounded = 0.25;
+
 /// Connected pieces of the squares that an opening does not hold, on its grid with one more square on every
 /// side.
 struct PiecesAround {

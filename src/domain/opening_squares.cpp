@@ -73,15 +73,15 @@ std::vector<double> OpeningSquares::hole_areas_mm2() const {
 }
 
 double Opening::hole_mm2() const {
-  constexpr double kMinLumen = 0.25;  // Of the wall's own area, as for rims around other labels.
   if (!squares) return 0;
   const std::vector<double> holes_mm2 = squares->hole_areas_mm2();
   const double largest = holes_mm2.empty() ? 0 : *std::max_element(holes_mm2.begin(), holes_mm2.end());
-  return largest > kMinLumen * area_mm2 ? largest : 0;
+  return largest > kMinSurrounded * area_mm2 ? largest : 0;
 }
 
 double Opening::lumen_radius_mm() const {
-  return is_hollow() ? std::sqrt(hole_mm2() / std::numbers::pi) : radius_mm();
+  const double hole = hole_mm2();
+  return hole > 0 ? std::sqrt(hole / std::numbers::pi) : radius_mm();
 }
 
 /// Cauchy and Crofton: a curve crosses the lines of a grid 4 / pi times per step of its length, on average.

@@ -104,7 +104,8 @@ std::vector<std::string> flaws_of(const OpeningInMesh& o) {
   if (change > kDoubtfulPercent && change <= kWrongOpeningPercent &&
       opening.radius_mm() >= kThin * opening.voxel_mm)
     lines.push_back(text_of_area(o));
-  if (opening.is_of_surface || !opening.squares) return lines;  // Ends of surfaces are as flat and as round as these are.
+  // Ends of surfaces are as flat and as round as these are.
+  if (opening.is_of_surface || !opening.squares) return lines;
   if (o.shape.off_mm > kOff * opening.voxel_mm)
     lines.push_back(fmt::format("{} is not flat: {} is {:.2g} mm off its plane", o.patches,
                                 place_text(o.shape.off_at_mm), o.shape.off_mm));

@@ -15,6 +15,7 @@
 #include "dicom_series.hpp"
 #include "dicom_slices.hpp"
 #include "file_fault.hpp"
+#include "lumesh/io/mesh_file.hpp"
 #include "raw_image.hpp"
 #include "utf8.hpp"
 
@@ -270,10 +271,9 @@ auto with_reader(const fs::path& path, const Use& use, const Otherwise& otherwis
     if (read_dicom_file(path)) return otherwise();
     fail(path,
          "is not an image lumesh can read; it takes NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage "
-         "(.mha, .mhd), GIPL and DICOM; surfaces and meshes are .stl, .obj, .off, .vtp, .vtu, .vtk, .mesh, "
-         ".meshb "
-         "or .msh, to "
-         "which meshio and ParaView convert others, such as .ply");
+         "(.mha, .mhd), GIPL and DICOM; surfaces and meshes are " +
+             formats_for(MeshUse::kRead, " or ") +
+             ", to which meshio and ParaView convert others, such as .ply");
   } catch (const itk::ExceptionObject& fault) {
     fail(path, fmt::format("is damaged or incomplete ({}); save it again", one_line(fault)));
   }
