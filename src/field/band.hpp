@@ -53,6 +53,7 @@ class Band {
   [[nodiscard]] const Vec3& edges() const { return edges_; }
 
   // A bit for each lane of a segment.
+  [[nodiscard]] const std::vector<std::uint8_t>& alive() const { return alive_; }
   [[nodiscard]] std::uint8_t alive(int segment) const { return alive_[index(segment)]; }
   [[nodiscard]] std::uint8_t plus(int segment) const { return plus_[index(segment)]; }
   /// Voxels of one of the two labels; for ghosts, what their nearest voxel is.

@@ -137,7 +137,7 @@ void ConjugateGradients::set_diagonals(FitState& state) {
   for_each_segment_block(band.end(), [&](int begin, int end) {
     diagonal_block(band, difference_diagonal_, diagonal, state.hold, begin, end, mass, inverse_diagonal_);
   });
-  state.levels.set_energy(state.energy.stiffness, mass, kThird, kSecond);
+  state.levels.set_energy(state.energy.stiffness, mass, kThird, kSecond, band.edges());
 }
 
 /// The residual; returns residual^2 / diagonal, summed.

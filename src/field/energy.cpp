@@ -3,53 +3,53 @@
 // boundary conditions).
 #include "energy.hpp"
 
+#include "differences.hpp"
 #include "lumesh/core/wide.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "stencil.hpp"
 
 namespace lumesh::field {
 
 namespace {
 
-/// out = transpose(rows) * weights * rows * u of all differences.
-[[gnu::always_inline]] inline void add_differences(const Stencil& u, const DifferenceWeights& w,
-                                                   const Lanes& stiffness, Stencil& out) {
-  const Lanes dx = u.x1 - u.o, dy = u.y1 - u.o, dz = u.z1 - u.o;
-  const Lanes xx = dx - (u.o - u.xm), yy = dy - (u.o - u.ym), zz = dz - (u.o - u.zm);
-  const Lanes dx_y = u.xy - u.y1, dx_z = u.xz - u.z1;  // the difference along x, one further along y, z
-  const Lanes xy = dx_y - dx, xz = dx_z - dx, yz = (u.yz - u.z1) - dy;
-  const auto weighted = [&](const Lanes& row, float weight) __attribute__((always_inline)) {
+/// The rows times their weights, 0 where a row reaches outside the band.
+[[gnu::always_inline]] inline Differences weighted(const Differences& d, const DifferenceWeights& w,
+                                                   const Lanes& stiffness) {
+  const auto times = [&](const Lanes& row, float weight) __attribute__((always_inline)) {
     return keep_numbers(row) * (stiffness * weight);
   };
-  const Lanes xxx = weighted(((u.x2 - u.x1) - dx) - xx, w.xxx);
-  const Lanes yyy = weighted(((u.y2 - u.y1) - dy) - yy, w.yyy);
-  const Lanes zzz = weighted(((u.z2 - u.z1) - dz) - zz, w.zzz);
-  const Lanes xxy = weighted((dx_y - (u.y1 - u.xmy)) - xx, w.xxy);
-  const Lanes xyy = weighted(((u.xy - u.x1) - (u.x1 - u.xym)) - yy, w.xyy);
-  const Lanes xxz = weighted((dx_z - (u.z1 - u.xmz)) - xx, w.xxz);
-  const Lanes xzz = weighted(((u.xz - u.x1) - (u.x1 - u.xzm)) - zz, w.xzz);
-  const Lanes yyz = weighted(((u.yz - u.z1) - (u.z1 - u.ymz)) - yy, w.yyz);
-  const Lanes yzz = weighted(((u.yz - u.y1) - (u.y1 - u.yzm)) - zz, w.yzz);
-  const Lanes xyz = weighted(((u.xyz - u.yz) - dx_z) - xy, w.xyz);
-  const Lanes sxx = weighted(xx, w.xx), syy = weighted(yy, w.yy), szz = weighted(zz, w.zz);
-  const Lanes sxy = weighted(xy, w.xy), sxz = weighted(xz, w.xz), syz = weighted(yz, w.yz);
+  return {times(d.xxx, w.xxx), times(d.yyy, w.yyy), times(d.zzz, w.zzz), times(d.xxy, w.xxy),
+          times(d.xyy, w.xyy), times(d.xxz, w.xxz), times(d.xzz, w.xzz), times(d.yyz, w.yyz),
+          times(d.yzz, w.yzz), times(d.xyz, w.xyz), times(d.xx, w.xx),   times(d.yy, w.yy),
+          times(d.zz, w.zz),   times(d.xy, w.xy),   times(d.xz, w.xz),   times(d.yz, w.yz)};
+}
 
+[[gnu::always_inline]] inline void subtract_targets(const ThirdTargets& targets, int segment,
+                                                    Differences& d) {
+  const std::int32_t place = targets.place.empty() ? 0 : targets.place[static_cast<std::size_t>(segment)];
+  if (place == 0) return;
+  const auto rows = third_of(d);
+  for (std::size_t n = 0; n < kThirdCount; ++n) *rows[n] -= load(targets.third[n].at(place));
+}
+
+/// out = the transpose of the rows, times them.
+[[gnu::always_inline]] inline void transpose(const Differences& d, Stencil& out) {
   // The transposes of the same factors. c… is the coefficient of the second difference …, d… of a first one.
-  const Lanes cxx = sxx - xxx - xxy - xxz, cyy = syy - yyy - xyy - yyz, czz = szz - zzz - xzz - yzz;
-  const Lanes cxy = sxy - xyz;
-  const Lanes ddx = cxx - xxx - cxy - sxz, ddy = cyy - yyy - syz, ddz = czz - zzz;
-  const Lanes ddx_y = xxy + cxy, ddx_z = xxz + sxz - xyz, ddy_z = yyz + syz;
-  out.x2 = xxx, out.xm = cxx, out.y2 = yyy, out.ym = cyy, out.z2 = zzz, out.zm = czz;
-  out.x1 = ddx - xxx - (xyy + xyy) - (xzz + xzz);
+  const Lanes cxx = d.xx - d.xxx - d.xxy - d.xxz, cyy = d.yy - d.yyy - d.xyy - d.yyz,
+              czz = d.zz - d.zzz - d.xzz - d.yzz;
+  const Lanes cxy = d.xy - d.xyz;
+  const Lanes ddx = cxx - d.xxx - cxy - d.xz, ddy = cyy - d.yyy - d.yz, ddz = czz - d.zzz;
+  const Lanes ddx_y = d.xxy + cxy, ddx_z = d.xxz + d.xz - d.xyz, ddy_z = d.yyz + d.yz;
+  out.x2 = d.xxx, out.xm = cxx, out.y2 = d.yyy, out.ym = cyy, out.z2 = d.zzz, out.zm = czz;
+  out.x1 = ddx - d.xxx - (d.xyy + d.xyy) - (d.xzz + d.xzz);
   out.o = -cxx - ddx - cyy - ddy - czz - ddz;
-  out.xy = ddx_y + xyy;
-  out.y1 = ddy - yyy - ddx_y - xxy - (yzz + yzz);
-  out.xmy = xxy, out.xym = xyy;
-  out.xz = ddx_z + xzz;
-  out.z1 = ddz - zzz - ddx_z - xxz - ddy_z - yyz;
-  out.xmz = xxz, out.xzm = xzz;
-  out.yz = ddy_z + yzz - xyz;
-  out.xyz = xyz, out.ymz = yyz, out.yzm = yzz;
+  out.xy = ddx_y + d.xyy;
+  out.y1 = ddy - d.yyy - ddx_y - d.xxy - (d.yzz + d.yzz);
+  out.xmy = d.xxy, out.xym = d.xyy;
+  out.xz = ddx_z + d.xzz;
+  out.z1 = ddz - d.zzz - ddx_z - d.xxz - ddy_z - d.yyz;
+  out.xmz = d.xxz, out.xzm = d.xzz;
+  out.yz = ddy_z + d.yzz - d.xyz;
+  out.xyz = d.xyz, out.ymz = d.yyz, out.yzm = d.yzz;
 }
 
 /// out = the sums of weights times squared coefficients.
@@ -184,10 +184,13 @@ template <Form form>
     const auto& rows = band.rows(s);
     const Stencil u = gather(rows, s, x);
     Stencil out;
-    if constexpr (form == Form::kDiagonal)
+    if constexpr (form == Form::kDiagonal) {
       add_difference_squares(u, e.differences, load(e.stiffness.at(s)), out);
-    else
-      add_differences(u, e.differences, load(e.stiffness.at(s)), out);
+    } else {
+      Differences d = differences_of(u);
+      if constexpr (form == Form::kResidual) subtract_targets(e.targets, s, d);
+      transpose(weighted(d, e.differences, load(e.stiffness.at(s))), out);
+    }
     int entry = band.first_entry(s);
     if (form != Form::kDiagonal && entry != band.first_entry(s + 1)) {
       if (band.faces(s, 0) != 0) add_face_rows<form, 0>(u, e.faces, entry++, out);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "binomial.hpp"
+#include "border_derivatives.hpp"
 #include "conjugate_gradients.hpp"
 #include "connections.hpp"
 #include "crossing_data.hpp"
@@ -82,6 +83,7 @@ class Fit {
           stiffness_.update(solve <= kSoftenings ? Step::kSoften : Step::kJudgeOnly, state_))
         solver_.take_stiffness(state_);
       hold_violated_sides(state_);
+      border_.update(state_.values, state_.energy);
     }
     iterations_ += solver_.minimise(solve <= kSoftenings ? kTolerance : kLastTolerance, state_);
   }
@@ -179,6 +181,7 @@ class Fit {
   StiffnessAdaptation stiffness_;
   ConjugateGradients solver_;
   DampedFaces damped_;
+  BorderDerivatives border_{state_.band};
   int iterations_ = 0;
 };
 

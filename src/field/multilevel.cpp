@@ -114,9 +114,10 @@ LUMESH_WIDE_LOOPS void add_fine(const Transfer& t, LaneArray& fine, int begin, i
   }
 }
 
-LUMESH_WIDE_LOOPS void copy_alive(const Band& band, const Transfer& t, LaneArray& out, int begin, int end) {
+LUMESH_WIDE_LOOPS void copy_alive(const std::vector<std::uint8_t>& alive, const Transfer& t, LaneArray& out,
+                                  int begin, int end) {
   for (int s = begin; s < end; ++s) {
-    store(out.at(s), keep(t.load_fine(s), mask_of(band.alive(s))));
+    store(out.at(s), keep(t.load_fine(s), mask_of(alive[static_cast<std::size_t>(s)])));
   }
 }
 
@@ -191,17 +192,18 @@ void Transfer::prolong(const LaneArray& coarse) {
                          [&](int begin, int end) { TransferLoops::spread(*this, coarse, begin, end); });
 }
 
-Multilevel::Multilevel(const Band& band) : band_(band) {
-  levels_.reserve(kLevels);
-  for (int l = 0; l < kLevels; ++l)
-    levels_.emplace_back(l == 0 ? band.grid() : levels_.back().transfer.coarse());
+Multilevel::Multilevel(const SegmentGrid& grid, const std::vector<std::uint8_t>& alive, int levels)
+    : alive_(alive) {
+  levels_.reserve(static_cast<std::size_t>(levels));
+  for (int l = 0; l < levels; ++l) levels_.emplace_back(l == 0 ? grid : levels_.back().transfer.coarse());
 }
 
-void Multilevel::set_energy(const LaneArray& stiffness, const LaneArray& mass, double third, double second) {
+void Multilevel::set_energy(const LaneArray& stiffness, const LaneArray& mass, double third, double second,
+                            const Vec3& edges) {
   // Integrals of the squares of a cubic B-spline and of its first three derivatives; the mass of neighbours'
   // splines.
   constexpr double kValue = 0.4794, kSlope = 2.0 / 3, kBend = 8.0 / 3, kTwist = 20, kMass = 0.23;
-  const Vec3 i = band_.edges().cwiseProduct(band_.edges()).cwiseInverse();
+  const Vec3 i = edges.cwiseProduct(edges).cwiseInverse();
   double cubes = 0, mixed = 0, squares = 0, products = 0;
   for (int a = 0; a < 3; ++a) {
     cubes += i[a] * i[a] * i[a];
@@ -209,7 +211,7 @@ void Multilevel::set_energy(const LaneArray& stiffness, const LaneArray& mass, d
     products += i[a] * i[(a + 1) % 3];
     for (int b = 0; b < 3; ++b) mixed += a == b ? 0 : i[a] * i[a] * i[b];
   }
-  const double volume = band_.edges().prod();
+  const double volume = edges.prod();
   const double of_third = third * volume *
                           (cubes * kTwist * kValue * kValue + 3 * mixed * kBend * kSlope * kValue +
                            6 * i.prod() * kSlope * kSlope * kSlope);
@@ -267,15 +269,16 @@ void Multilevel::smooth(const LaneArray& values, int levels, LaneArray& out) {
     Level& level = levels_[static_cast<std::size_t>(l)];
     level.transfer.prolong(level.residual);
     LaneArray& finer = l == 0 ? out : levels_[static_cast<std::size_t>(l - 1)].residual;
-    for_each_segment_block(
-        l == 0 ? band_.end() : levels_[static_cast<std::size_t>(l - 1)].transfer.coarse().end(),
-        [&](int begin, int end) {
-          if (l == 0) {
-            copy_alive(band_, level.transfer, finer, begin, end);
-            return;
-          }
-          for (int s = begin; s < end; ++s) store(finer.at(s), level.transfer.load_fine(s));
-        });
+    for_each_segment_block(l == 0 ? static_cast<int>(alive_.size())
+                                  : levels_[static_cast<std::size_t>(l - 1)].transfer.coarse().end(),
+                           [&](int begin, int end) {
+                             if (l == 0) {
+                               copy_alive(alive_, level.transfer, finer, begin, end);
+                               return;
+                             }
+                             for (int s = begin; s < end; ++s)
+                               store(finer.at(s), level.transfer.load_fine(s));
+                           });
   }
 }
 

@@ -46,12 +46,16 @@ class Multilevel {
  public:
   static constexpr int kLevels = 5;
 
-  explicit Multilevel(const Band& band);
+  explicit Multilevel(const Band& band) : Multilevel(band.grid(), band.alive(), kLevels) {}
+  /// Refers to the lanes that are alive.
+  Multilevel(const SegmentGrid& grid, const std::vector<std::uint8_t>& alive, int levels);
 
   /// Takes the diagonals of the levels from the stiffness and the weights of single voxels (`mass`), both 0
   /// outside the band.
   /// @param third, second  Weights of third and second derivatives.
-  void set_energy(const LaneArray& stiffness, const LaneArray& mass, double third, double second);
+  /// @param edges  Of a voxel.
+  void set_energy(const LaneArray& stiffness, const LaneArray& mass, double third, double second,
+                  const Vec3& edges);
   /// Starts z = M r: afterwards correction() gives the coarse levels' part. Returns r . z of that part.
   double precondition(const LaneArray& residual);
   [[nodiscard]] const Transfer& finest() const { return levels_.front().transfer; }
@@ -73,7 +77,7 @@ class Multilevel {
   };
   void smooth(const LaneArray& values, int levels, LaneArray& out);
 
-  const Band& band_;
+  const std::vector<std::uint8_t>& alive_;
   std::vector<Level> levels_;
 };
 

@@ -329,7 +329,8 @@ class RunTest(CaseTest):
         self.assert_refused(self.run_lumesh("run", self.case, "--set", "metric.k=many"), BAD_INPUT, "whole number")
 
     def test_stages_speak_of_keys_and_resumed_ones_say_the_same(self):
-        settings = ("--set", "lattice.max_tetrahedra=500")
+        # So few tetrahedra may leave pieces.
+        settings = ("--set", "lattice.max_tetrahedra=500", "--set", "adapt.allow_pieces=true")
         first = self.run_case("--checkpoints", *settings)
         self.assertIn("[lattice] max_tetrahedra", first.stderr)
         self.assertNotIn("--max-tetrahedra", first.stderr)

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "../src/field/band.hpp"
+#include "../src/field/border_derivatives.hpp"
 #include "../src/field/energy.hpp"
 #include "../src/field/face_data.hpp"
 #include "../src/field/fit_state.hpp"
@@ -106,6 +107,39 @@ TEST_F(FieldSolver, QuadricsCostNothingAndCubicsWhatTheirDerivativesSay) {
   }
   const double expected = static_cast<double>(cubes) * 6e-6 * edges.prod();
   EXPECT_NEAR(product(band, cubic, image_of_cubic), expected, 2e-3 * expected);
+}
+
+TEST_F(FieldSolver, NearTheBorderThirdDerivativesAreThoseFurtherIn) {
+  // u = x y z + x^3 / 6 has differences xyz and xxx of 1e-3 times the edges, all others are 0.
+  const LaneArray cubic = values_of(band, std::nanf(""), [&](const Index3& v) {
+    const Vec3 x = 0.1 * v.cast<double>().cwiseProduct(band.edges());
+    return x.prod() + x.x() * x.x() * x.x() / 6;
+  });
+  Energy energy;
+  energy.band = &band;
+  BorderDerivatives(band).update(cubic, energy);
+  const ThirdTargets& targets = energy.targets;
+  ASSERT_EQ(targets.place.size(), band.segment_count());
+  int whole = 0, fading = 0;
+  for (int s = 1; s < band.end(); ++s) {
+    const std::int32_t place = targets.place[static_cast<std::size_t>(s)];
+    for (int lane = 0; place != 0 && lane < kLanes; ++lane) {
+      if (!Band::has(band.alive(s), lane)) continue;
+      const Index3 v = band.voxel(s * kLanes + lane);
+      const auto target = [&](std::size_t row) { return 1e3F * targets.third[row].at(place)[lane]; };
+      EXPECT_NEAR(target(9), 1.4F * target(0), 0.01F) << v.transpose();
+      for (const std::size_t other : {1, 2, 3, 4, 5, 6, 7, 8}) EXPECT_NEAR(target(other), 0, 0.01F);
+      EXPECT_LT(target(0), 0.81F) << "not all of it, " << v.transpose();
+      // Through these faces the tube leaves.
+      if (v.x() <= 3 || v.x() >= image.frame().size.x() - 4) {
+        EXPECT_GT(target(0), 0.78F) << v.transpose();
+        ++whole;
+      }
+      fading += target(0) < 0.7F ? 1 : 0;
+    }
+  }
+  EXPECT_GT(whole, 100);
+  EXPECT_GT(fading, 100);
 }
 
 TEST_F(FieldSolver, TheOperatorIsSymmetric) {

@@ -1,0 +1,37 @@
+#pragma once
+// What third derivatives the function is to have near the border of the image.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "energy.hpp"
+#include "multilevel.hpp"
+#include "segment_grid.hpp"
+
+namespace lumesh::field {
+
+/// Inside, constant third derivatives, as those of a vessel that bends, exert no force. Where the image ends
+/// nothing further out holds the function, and least third derivatives would straighten it: there they are to
+/// be those a few voxels further in, in the mean.
+class BorderDerivatives {
+ public:
+  explicit BorderDerivatives(const Band& band);
+
+  /// Takes the targets from the function.
+  void update(const LaneArray& values, Energy& energy);
+
+ private:
+  void take_place(Energy& energy) const;
+  void take_derivatives(const LaneArray& values, Energy& energy);
+
+  SegmentGrid grid_;                    // of the segments near the border
+  std::vector<std::int32_t> segments_;  // of the band, by segment of the grid
+  std::vector<std::uint8_t> alive_;
+  LaneArray fade_;     // from 1 at the border to 0 where no targets are
+  LaneArray counted_;  // 1 at the voxels of which means are taken
+  LaneArray count_, laplacian_;
+  std::optional<Multilevel> windows_;  // none where no object touches the border
+};
+
+}  // namespace lumesh::field
