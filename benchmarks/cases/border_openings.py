@@ -3,8 +3,8 @@
 
 Beyond its border an image says nothing, so that a section there is the least certain of all. Two kinds of truth:
 
-- vessels known by formula, a half of which leave an image of 64^3 voxels, of 2.5 to 8 voxels in radius (walls: lumen), up to 35 degrees off
-  square: straight, tapering, bent (to 4 to 10 of their radii), straight for 2 to 15 voxels after a bend, and bent with a wall around a lumen
+- vessels known by formula, of 2.5 to 8 voxels in radius (walls: lumen), that leave an image of 64^3 voxels through one face, up to 35 degrees
+  off square: straight, tapering, bent (to 4 to 10 of their radii), straight for 2 to 15 voxels after a bend, and bent with a wall around a lumen
   without a label;
 - label images, whole, from their files: cut in two by planes of voxel faces, and the openings of one half against the section there
   of the smooth boundary of the whole image (`--cut-plane`), which knows what lies on both sides. The whole one's error there is that of
@@ -13,13 +13,12 @@ Beyond its border an image says nothing, so that a section there is the least ce
 Prints, for each kind, how many openings, and the errors of their areas in per cent of the true ones: mean, r.m.s., median
 size, worst, and which that is. Needs numpy.
 
-Usage: border_openings.py [--program PATH] [--first SEED] [--vessels N] [--planes N] [--image FILE.nrrd ...]
+Usage: border_openings.py [--program PATH] [--first SEED] [--vessels N] [--radii LEAST MOST] [--planes N] [--image FILE.nrrd ...]
 """
 import argparse
 import json
 import math
 import pathlib
-import subprocess
 import sys
 import tempfile
 
@@ -28,7 +27,7 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import run  # noqa: E402  (ROOT)
 from digitised import across, unit, write_nrrd  # noqa: E402
-from extensions import read_nrrd  # noqa: E402
+from extensions import Lumesh, read_nrrd  # noqa: E402
 
 KINDS = ("straight", "tapering", "bent", "bent further in", "bent wall")
 SIZE = 64  # Voxels.
@@ -41,16 +40,15 @@ IMAGES = [DATA / "aneurism/aneurism_label_t37.nrrd", DATA / "aneurism/aneurism_x
 class Vessel:
     """Leaves the image through its face of highest x."""
 
-    def __init__(self, kind, seed):
+    def __init__(self, kind, seed, radii):
         draw = np.random.default_rng(seed)
-        self.kind, self.radius = kind, draw.uniform(2.5, 8)
+        self.kind, self.radius = kind, draw.uniform(*radii)
         tilt, turn = math.radians(draw.uniform(0, 35)), draw.uniform(0, 2 * math.pi)
         self.tilt = math.degrees(tilt)
         self.along = np.array([math.cos(tilt), math.sin(tilt) * math.cos(turn), math.sin(tilt) * math.sin(turn)])
         self.end = np.array([SIZE - 0.5, SIZE / 2 + draw.uniform(-3, 3), SIZE / 2 + draw.uniform(-3, 3)])
         self.taper = draw.uniform(-0.06, 0.06) if kind == "tapering" else 0.0
         self.bend = draw.uniform(4, 10)
-        circle = self.bend * self.radius
         while True:  # The axis lies on a circle, of which the quarter inside the image ends well inside.
             self.to_centre = across(self.along, draw.uniform(0, 2 * math.pi))
             if (self.along - self.to_centre)[0] > 0.8:
@@ -91,14 +89,10 @@ class Vessel:
         return f"radius {self.radius:.1f}, {self.tilt:.0f} degrees off{bend}"
 
 
-class Lumesh:
-    def __init__(self, program, folder):
-        self.program, self.folder = program, folder
-
-    def openings(self, image, *options):
-        words = [self.program, "info", str(image), "--json", *map(str, options)]
-        done = subprocess.run(words, capture_output=True, text=True, check=True)
-        return json.loads(done.stdout)["openings"]
+def openings_of(lumesh, image, normal, *options):
+    """Those that look that way."""
+    told, _, _ = lumesh("info", image, "--json", *options)
+    return [o for o in json.loads(told)["openings"] if np.dot(o["normal"], normal) > 0.9]
 
 
 class Errors:
@@ -117,20 +111,21 @@ class Errors:
                   f"  {rows[worst][1]}")
 
 
-def measure_vessels(lumesh, first, count, errors):
+def measure_vessels(lumesh, first, count, radii, errors):
     for kind in KINDS:
         for seed in range(first, first + count):
-            vessel = Vessel(kind, seed)
+            vessel = Vessel(kind, seed, radii)
             path = lumesh.folder / "vessel.nrrd"
             write_nrrd(path, vessel.labels(), (0, 0, 0))
-            area = sum(o["area_mm2"] for o in lumesh.openings(path) if o["normal"][0] > 0.9)
+            area = sum(o["area_mm2"] for o in openings_of(lumesh, path, (1, 0, 0)))
             errors.add(kind, area / vessel.section() - 1, f"seed {seed}: {vessel}")
 
 
 def measure_image(lumesh, image, first, count, errors):
     labels, voxel_mm = read_nrrd(image)
     draw = np.random.default_rng(first)
-    path = lumesh.folder / "half.nrrd"
+    whole, path = lumesh.folder / "whole.nrrd", lumesh.folder / "half.nrrd"
+    write_nrrd(whole, labels, (0, 0, 0), voxel_mm)
     for _ in range(count):
         axis = int(draw.integers(3))
         used = np.flatnonzero((labels > 0).any(axis=tuple(a for a in range(3) if a != axis)))
@@ -139,10 +134,8 @@ def measure_image(lumesh, image, first, count, errors):
         write_nrrd(path, half, (0, 0, 0), voxel_mm)
         normal = np.eye(3)[axis]
         plane = normal * (place - 0.5) * voxel_mm
-        ones = [o for o in lumesh.openings(path) if np.dot(o["normal"], normal) > 0.9]
-        truth = [o for o in lumesh.openings(path.with_name("whole.nrrd"), "--cut-plane", *plane, *normal)
-                 if np.dot(o["normal"], normal) > 0.9]
-        for one in truth:
+        ones = openings_of(lumesh, path, normal)
+        for one in openings_of(lumesh, whole, normal, "--cut-plane", *plane, *normal):
             if one["radius_mm"] < LEAST_RADIUS * voxel_mm:
                 continue
             gaps = [np.linalg.norm(np.subtract(o["centre_mm"], one["centre_mm"])) for o in ones]
@@ -158,16 +151,15 @@ def main():
     parser.add_argument("--program", default=str(run.ROOT / "build/release/bin/lumesh"))
     parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--vessels", type=int, default=24, help="of each kind")
+    parser.add_argument("--radii", type=float, nargs=2, default=(2.5, 8), metavar=("LEAST", "MOST"), help="voxels")
     parser.add_argument("--planes", type=int, default=12, help="of each image; 0: none")
     parser.add_argument("--image", type=pathlib.Path, action="append", help="label images, cubic voxels (.nrrd)")
     options = parser.parse_args()
     errors = Errors()
     with tempfile.TemporaryDirectory() as folder:
-        lumesh = Lumesh(options.program, pathlib.Path(folder))
-        measure_vessels(lumesh, options.first, options.vessels, errors)
-        for image in options.image or [i for i in IMAGES if i.exists()]:
-            labels, voxel_mm = read_nrrd(image)
-            write_nrrd(lumesh.folder / "whole.nrrd", labels, (0, 0, 0), voxel_mm)
+        lumesh = Lumesh(str(pathlib.Path(options.program).resolve()), pathlib.Path(folder))
+        measure_vessels(lumesh, options.first, options.vessels, options.radii, errors)
+        for image in (options.image or [i for i in IMAGES if i.exists()]) if options.planes else ():
             measure_image(lumesh, image, options.first, options.planes, errors)
     errors.print()
 

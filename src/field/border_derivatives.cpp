@@ -37,7 +37,7 @@ class Cuts {
   /// Distance of a voxel from the nearest of these faces, in voxels; negative for ghosts, kFaded if there is
   /// none so near.
   [[nodiscard]] int depth(const Index3& voxel) const {
-    const unsigned faces = near_[cube_of(voxel)];
+    const unsigned faces = near_[index(cube_of(voxel))];
     int least = kFaded;
     for (int a = 0; faces != 0 && a < 3; ++a) {
       if ((faces >> (2 * a) & 1U) != 0) least = std::min(least, voxel[a]);
@@ -52,8 +52,8 @@ class Cuts {
   [[nodiscard]] std::size_t index(const Index3& cube) const {
     return static_cast<std::size_t>(cube.x() + size_.x() * (cube.y() + size_.y() * cube.z()));
   }
-  [[nodiscard]] std::size_t cube_of(const Index3& voxel) const {
-    return index(voxel.cwiseMax(0).cwiseMin(last_) / kCube);
+  [[nodiscard]] Index3 cube_of(const Index3& voxel) const {
+    return voxel.cwiseMax(0).cwiseMin(last_) / kCube;
   }
   void add(const Index3& ghost) {
     unsigned faces = 0;
@@ -61,10 +61,10 @@ class Cuts {
       if (ghost[a] < 0) faces |= 1U << (2 * a);
       if (ghost[a] > last_[a]) faces |= 1U << (2 * a + 1);
     }
-    std::uint8_t& cut = cut_[cube_of(ghost)];
+    const Index3 cube = cube_of(ghost);
+    std::uint8_t& cut = cut_[index(cube)];
     if ((cut & faces) == faces) return;
     cut = static_cast<std::uint8_t>(cut | faces);
-    const Index3 cube = ghost.cwiseMax(0).cwiseMin(last_) / kCube;
     const Index3 low = (cube - Index3::Constant(kFarthestCube)).cwiseMax(0);
     const Index3 high = (cube + Index3::Constant(kFarthestCube)).cwiseMin(size_ - Index3::Ones());
     for (int k = low.z(); k <= high.z(); ++k)
@@ -81,7 +81,7 @@ class Cuts {
 
 }  // namespace
 
-BorderDerivatives::BorderDerivatives(const Band& band)
+BorderDerivatives::BorderDerivatives(const Band& band, ThirdTargets& targets)
     : grid_(band.grid().size_x(), band.grid().size_y(), band.grid().size_z()) {
   const Cuts cuts(band);
   const auto is_near = [&](Lane first) {
@@ -91,12 +91,15 @@ BorderDerivatives::BorderDerivatives(const Band& band)
     if (band.alive(s) != 0 && is_near(s * kLanes)) grid_.insert(band.grid().place(s));
   grid_.number();
   if (grid_.end() == 1) return;
+  targets.place.assign(band.segment_count(), 0);
+  for (LaneArray& rows : targets.third) rows.assign(grid_.end(), 0);
   segments_.assign(static_cast<std::size_t>(grid_.end()), 0), alive_.assign(segments_.size(), 0);
   fade_.assign(grid_.end(), 0), counted_.assign(grid_.end(), 0);
   for (int n = 1; n < grid_.end(); ++n) {
     const int s = band.grid().find(grid_.place(n));
     const auto at = static_cast<std::size_t>(n);
     segments_[at] = s, alive_[at] = band.alive(s);
+    targets.place[static_cast<std::size_t>(s)] = n;
     for (int lane = 0; lane < kLanes; ++lane) {
       if (!Band::has(alive_[at], lane)) continue;
       const int depth = cuts.depth(band.voxel(s * kLanes + lane));
@@ -111,7 +114,6 @@ BorderDerivatives::BorderDerivatives(const Band& band)
 
 void BorderDerivatives::update(const LaneArray& values, Energy& energy) {
   if (!windows_) return;
-  take_place(energy);
   take_derivatives(values, energy);
   const auto sum_over_window = [&](LaneArray& v) {
     windows_->sum_over_window(v, Multilevel::Window::kFar, v);
@@ -134,13 +136,6 @@ void BorderDerivatives::update(const LaneArray& values, Energy& energy) {
       for (int n = begin; n < end; ++n) store(rows.at(n), load(rows.at(n)) * load(share.at(n)));
     });
   }
-}
-
-void BorderDerivatives::take_place(Energy& energy) const {
-  if (!energy.targets.place.empty()) return;
-  energy.targets.place.assign(energy.band->segment_count(), 0);
-  for (int n = 1; n < grid_.end(); ++n)
-    energy.targets.place[static_cast<std::size_t>(segments_[static_cast<std::size_t>(n)])] = n;
 }
 
 /// The third differences and the Laplacian of the voxels that count, and 1 for each of these. A voxel counts

@@ -16,19 +16,19 @@ namespace lumesh::field {
 /// be those a few voxels further in, in the mean.
 class BorderDerivatives {
  public:
-  explicit BorderDerivatives(const Band& band);
+  /// Sets where the targets are, all 0 at first.
+  BorderDerivatives(const Band& band, ThirdTargets& targets);
 
   /// Takes the targets from the function.
   void update(const LaneArray& values, Energy& energy);
 
  private:
-  void take_place(Energy& energy) const;
   void take_derivatives(const LaneArray& values, Energy& energy);
 
   SegmentGrid grid_;                    // of the segments near the border
   std::vector<std::int32_t> segments_;  // of the band, by segment of the grid
   std::vector<std::uint8_t> alive_;
-  LaneArray fade_;     // from 1 at the border to 0 where no targets are
+  LaneArray fade_;     // what share of a mean is taken, 0 where no targets are
   LaneArray counted_;  // 1 at the voxels of which means are taken
   LaneArray count_, laplacian_;
   std::optional<Multilevel> windows_;  // none where no object touches the border

@@ -181,7 +181,7 @@ class Fit {
   StiffnessAdaptation stiffness_;
   ConjugateGradients solver_;
   DampedFaces damped_;
-  BorderDerivatives border_{state_.band};
+  BorderDerivatives border_{state_.band, state_.energy.targets};
   int iterations_ = 0;
 };
 

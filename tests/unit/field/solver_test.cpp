@@ -117,7 +117,7 @@ TEST_F(FieldSolver, NearTheBorderThirdDerivativesAreThoseFurtherIn) {
   });
   Energy energy;
   energy.band = &band;
-  BorderDerivatives(band).update(cubic, energy);
+  BorderDerivatives(band, energy.targets).update(cubic, energy);
   const ThirdTargets& targets = energy.targets;
   ASSERT_EQ(targets.place.size(), band.segment_count());
   int whole = 0, fading = 0;
