@@ -16,11 +16,14 @@ BoundaryModel find_boundary(const WorkMesh& mesh, const ImageDomain& domain) {
       out.push_back({face_of(mesh.tets[t], f), own, other});
     }
   });
+  // Materials that a vertex shares no face with do not bind it: at a wall that meets a cut plane at a small
+  // angle it would be drawn to a rim some edges away.
   model.sets.resize(mesh.positions.size());
-  parallel::for_each_index(mesh.positions.size(), [&](std::size_t v) {
-    for (const std::uint32_t t : mesh.star(static_cast<std::uint32_t>(v)))
-      model.sets[v].insert(mesh.materials[t]);
-  });
+  for (const BoundaryTriangle& t : model.triangles)
+    for (const std::uint32_t v : t.vertices) {
+      model.sets[v].insert(t.inside);
+      model.sets[v].insert(t.outside);
+    }
   return model;
 }
 

@@ -12,7 +12,7 @@ namespace lumesh {
 /// The boundary as the fit sees it.
 struct BoundaryModel {
   std::vector<BoundaryTriangle> triangles;
-  std::vector<MaterialSet> sets;  ///< Per vertex: materials that meet there; fewer than two inside.
+  std::vector<MaterialSet> sets;  ///< Per vertex: materials on the two sides of its triangles; none inside.
 };
 
 /// Whether a vertex of this set lies in a cut plane; of its materials, cuts are the last.

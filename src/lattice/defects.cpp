@@ -1,5 +1,6 @@
 #include "defects.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,12 +32,13 @@ constexpr double kGoodAsItIs = 0.25;
 constexpr double kGoodAnew = 0.3;
 constexpr std::size_t kAtOnce = 6;  // deviations that tetrahedra are added for in one turn
 
-/// Badness of a defect: its largest deviation, in twentieths of a voxel (smaller steps are no improvement),
-/// and the number of deviations.
+constexpr double kSteps = 20;  // of the largest deviation in a voxel; smaller ones are no improvement
+
+/// Badness of a defect: its largest deviation in steps and the number of deviations.
 std::pair<double, std::size_t> badness(const std::vector<Deviation>& deviations, double voxel_mm) {
   double worst_mm = 0;
   for (const Deviation& m : deviations) worst_mm = std::max(worst_mm, m.off_mm);
-  return {std::ceil(20 * worst_mm / voxel_mm), deviations.size()};
+  return {std::ceil(kSteps * worst_mm / voxel_mm), deviations.size()};
 }
 
 /// Places moved by up to half an amplitude along each axis, otherwise for another seed.
@@ -78,6 +80,10 @@ class Defect {
     constexpr int kMaxFailures = 3;  // tries in a row that leave too many deviations to improve on
     std::vector<Deviation> deviations = keep_if_best();
     const auto at_start = best_badness_;
+    const bool is_beside = is_at_opening();
+    min_cosine_ = is_beside ? 0.5 : 0;
+    may_steepen_ = at_start.first > kSteps * (is_beside ? 1.25 : 0.75);
+    max_steep_ = count_steep();
     const MeshPart first = part_;
     take_turns(std::move(deviations), false);
     // After fitting anew; where there were many deviations at the start, about as many can still be repaired.
@@ -103,7 +109,7 @@ class Defect {
   [[nodiscard]] bool is_worth_try(std::size_t n) const {
     constexpr double kLittle = 1.2;  // voxels
     constexpr std::size_t kFew = 3;
-    return best_badness_.second > 0 && (n < kFew || best_badness_.first > 20 * kLittle);
+    return best_badness_.second > 0 && (n < kFew || best_badness_.first > kSteps * kLittle);
   }
 
   /// Takes the vertices near the centre back to their places in the lattice, where nothing is folded,
@@ -141,7 +147,7 @@ class Defect {
   std::vector<Deviation> keep_if_best() {
     std::vector<Deviation> deviations = find_deviations();
     const auto now = badness(deviations, voxel_mm_);
-    if (now < best_badness_ && crosses_no_more()) {
+    if (now < best_badness_ && steepens_no_more() && crosses_no_more()) {
       best_badness_ = now;
       best_ = part_;
     }
@@ -154,6 +160,34 @@ class Defect {
     if (crossings > max_crossings_) return false;
     max_crossings_ = crossings;
     return true;
+  }
+
+  [[nodiscard]] bool is_at_opening() const {
+    return std::any_of(part_.boundary.triangles.begin(), part_.boundary.triangles.end(),
+                       [&](const BoundaryTriangle& t) { return setting_.domain.is_cut(t.outside); });
+  }
+
+  /// No more triangles of the wall than in the best state are folded, or beside an opening stand at more than
+  /// 60 degrees to the domain's boundary; but where the deviation was gross, 0.75 or 1.25 voxels.
+  [[nodiscard]] bool steepens_no_more() {
+    if (may_steepen_) return true;
+    const std::size_t steep = count_steep();
+    if (steep > max_steep_) return false;
+    max_steep_ = steep;
+    return true;
+  }
+
+  [[nodiscard]] std::size_t count_steep() const {
+    const std::vector<Vec3>& at = part_.mesh.positions;
+    return static_cast<std::size_t>(std::count_if(
+        part_.boundary.triangles.begin(), part_.boundary.triangles.end(), [&](const BoundaryTriangle& t) {
+          if (t.outside != 0) return false;
+          const auto& [a, b, c] = t.vertices;
+          const Vec3 outwards = (at[b] - at[a]).cross(at[c] - at[a]);
+          const Vec3 inwards =
+              setting_.domain.separation((at[a] + at[b] + at[c]) / 3, t.inside, t.outside).gradient;
+          return -outwards.dot(inwards) < min_cosine_ * outwards.norm() * inwards.norm();
+        }));
   }
 
   [[nodiscard]] std::vector<Deviation> find_deviations() {
@@ -208,6 +242,9 @@ class Defect {
 
   MeshPart part_;
   OuterSurroundings surroundings_;
+  bool may_steepen_ = true;
+  double min_cosine_ = 0;
+  std::size_t max_steep_ = 0;
   std::size_t max_crossings_ = std::numeric_limits<std::size_t>::max();
   Vec3 centre_mm_;
   const FitSetting& setting_;

@@ -9,6 +9,7 @@
 #include "exposed_tetrahedra.hpp"
 #include "fitter.hpp"
 #include "offsets.hpp"
+#include "rims.hpp"
 #include "vertex_blocks.hpp"
 #include "wall.hpp"
 
@@ -62,6 +63,7 @@ std::vector<Vec3> approach(WorkMesh& mesh, BoundaryModel& boundary, const FitSet
   std::vector<Vec3> lattice_mm = mesh.positions;
   VertexTargets targets;
   Fitter(mesh, boundary, targets, setting, blocks).approach(4);
+  choose_rims(mesh, boundary, setting.domain);
   const std::vector<std::uint32_t> kept = remove_exposed(mesh, boundary, setting.domain);
   keep_vertices(blocks, kept);
   for (std::size_t v = 0; v < kept.size(); ++v) lattice_mm[v] = lattice_mm[kept[v]];
@@ -105,6 +107,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
   const std::vector<Deviation> deviations = repair_defects(whole, setting, finder, options.probes.size());
+  choose_rims(mesh, boundary, domain);  // Triangles that have come to lie in a cut plane.
   without_crossing([&] { settle_wall(mesh, boundary, domain, setting.limits); });
   level_openings(mesh, boundary, setting);
   FitReport report =

@@ -30,9 +30,9 @@ Vec3 onto_cuts(const ImageDomain& domain, const MaterialSet& set, Vec3 place) {
   return place;
 }
 
-/// How far a vertex of this set is from the cut plane that it belongs in, at most.
+/// How far a vertex of this set is from the cut plane that it belongs in, or beyond another one, at most.
 double off_cuts_mm(const ImageDomain& domain, const MaterialSet& set, const Vec3& place) {
-  double off_mm = 0;
+  double off_mm = beyond_cuts_mm(domain, set, place);
   if (!is_on_cut(domain, set)) return off_mm;
   for (const Material m : set)
     if (domain.is_cut(m)) off_mm = std::max(off_mm, std::abs(domain.cut_plane(m).height(place)));
@@ -218,7 +218,7 @@ double Fitter::worst_angles(std::span<const std::uint32_t> vertices) const {
 std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v, double floor) const {
   constexpr int kDirections = 16;
   const MaterialSet& set = boundary_.sets[v];
-  const Vec3 x = mesh_.positions[v], middle = onto_cuts(domain_, set, x);
+  const Vec3 x = mesh_.positions[v], middle = within_cuts(domain_, set, onto_cuts(domain_, set, x));
   StarQuality star(mesh_, v);
   const Score now = score(v, star, x, -2);
   const double edge = (x - mesh_.positions[other_corner(v)]).norm();
@@ -226,7 +226,7 @@ std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v, double floor) const {
   std::vector<std::pair<double, Vec3>> places;
   std::pair<double, Vec3> best{0, middle};
   const auto consider = [&](const Vec3& target) {
-    const Vec3 y = onto_cuts(domain_, set, target);
+    const Vec3 y = within_cuts(domain_, set, onto_cuts(domain_, set, target));
     if (off_cuts_mm(domain_, set, y) > kLevel * domain_.voxel_size_mm()) return;
     const Score then = score(v, star, y, -2);
     if (then.angles > best.first) best = {then.angles, y};
@@ -234,8 +234,9 @@ std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v, double floor) const {
     const std::optional<Vec3> on = on_boundary(v, y);
     places.emplace_back(on ? (*on - y).norm() : edge, y);
   };
-  const CutPlane& plane = domain_.cut_plane(set[set.size() - 1]);
-  const Vec3 first = plane.normal.unitOrthogonal(), second = plane.normal.cross(first);
+  const Vec3 normal = is_on_cut(domain_, set) ? domain_.cut_plane(set[set.size() - 1]).normal
+                                              : Vec3((x - middle).normalized());
+  const Vec3 first = normal.unitOrthogonal(), second = normal.cross(first);
   consider(middle);
   for (const double reach : {0.08, 0.16, 0.3, 0.5, 0.8})
     for (int n = 0; n < kDirections; ++n) {
