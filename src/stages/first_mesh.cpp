@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/stages/folded_walls.hpp"
 
 namespace lumesh {
 namespace {
@@ -16,6 +17,12 @@ void warn_of_mesher(const std::vector<std::string>& notes, const FirstMeshInput&
                     const Context& context) {
   for (const std::string& note : notes) context.warn(note);
   if (!input.closed_vessels.empty()) context.warn(input.closed_vessels);
+}
+
+void add_folds(const MeshView& mesh, DomainRead& given, FirstMeshComparison& compared) {
+  if (given.surface) return;
+  for (std::string& note : note_of_folds(mesh, *given.domain_of_image()))
+    compared.differences.push_back(std::move(note));
 }
 
 }  // namespace
@@ -69,6 +76,7 @@ FirstMeshComparison compare_with_input(LatticeMesh& mesh, Context& context) {
   const MeshView view = mesh.made.mesh.view();
   warn_of_mesher(mesh.made.report.notes, mesh.input, context);
   FirstMeshComparison compared{given.differences_from_lattice(view), {}};
+  add_folds(view, given, compared);
   for (const std::string& line : compared.differences) context.warn(line);
   compared.openings = checked_openings(view, *given.domain_of_image(), given.openings(), context);
   return compared;
@@ -76,11 +84,12 @@ FirstMeshComparison compare_with_input(LatticeMesh& mesh, Context& context) {
 
 FirstMeshComparison compare_with_input(DelaunayFileMesh& mesh, Context& context) {
   DomainRead& given = mesh.input.given;
+  const MeshView view = mesh.made.mesh.view(mesh.faces);
   warn_of_mesher(mesh.made.report.notes, mesh.input, context);
   FirstMeshComparison compared{given.differences_from(mesh.made.mesh), {}};
+  add_folds(view, given, compared);
   for (const std::string& line : compared.differences) context.warn(line);
-  compared.openings =
-      checked_openings(mesh.made.mesh.view(mesh.faces), given.domain(), given.openings(), context);
+  compared.openings = checked_openings(view, given.domain(), given.openings(), context);
   if (mesh.sizing)
     for (const std::string& warning : mesh.sizing->warnings()) context.warn(warning);
   return compared;

@@ -1,0 +1,79 @@
+#include "lumesh/stages/folded_walls.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lumesh/core/counted.hpp"
+#include "lumesh/core/place_text.hpp"
+#include "lumesh/parallel/loops.hpp"
+
+namespace lumesh {
+
+namespace {
+
+struct Folds {
+  std::size_t count = 0;
+  double worst_cosine = 0;
+  Vec3 worst_mm = Vec3::Zero();
+
+  void add(const Folds& other) {
+    count += other.count;
+    if (other.worst_cosine >= worst_cosine) return;
+    worst_cosine = other.worst_cosine;
+    worst_mm = other.worst_mm;
+  }
+};
+
+/// Per patch: the material inside where it is a wall, the background elsewhere.
+std::vector<Material> materials_inside_walls(const MeshView& mesh, const ImageDomain& domain) {
+  std::vector<Material> inside(mesh.info->patches.size(), 0);
+  for (std::size_t p = 0; p < inside.size(); ++p) {
+    const Patch& patch = mesh.info->patches[p];
+    if (patch.kind != PatchKind::kWall) continue;
+    for (Material m = 1; m < domain.label_count(); ++m)
+      if (domain.label_of(m) == patch.labels[0]) inside[p] = m;
+  }
+  return inside;
+}
+
+/// The triangle alone, if it is a fold.
+Folds fold_at(const MeshView& mesh, const ImageDomain& domain, std::size_t triangle, Material inside) {
+  const auto& [a, b, c] = mesh.triangles[triangle];
+  const Vec3 outwards = (mesh.points[b] - mesh.points[a]).cross(mesh.points[c] - mesh.points[a]);
+  const Vec3 centroid = (mesh.points[a] + mesh.points[b] + mesh.points[c]) / 3;
+  const Vec3 inwards = domain.separation(centroid, inside, 0).gradient;
+  const double cosine = -outwards.dot(inwards) / std::max(outwards.norm() * inwards.norm(), 1e-300);
+  return cosine < 0 ? Folds{1, cosine, centroid} : Folds{};
+}
+
+}  // namespace
+
+std::vector<std::string> note_of_folds(const MeshView& mesh, const ImageDomain& domain) {
+  const std::vector<Material> inside = materials_inside_walls(mesh, domain);
+  const Folds folds = parallel::reduce_blocks(
+      mesh.triangles.size(), 1024, Folds{},
+      [&](std::size_t begin, std::size_t end) {
+        Folds found;
+        for (std::size_t t = begin; t < end; ++t)
+          if (const Material m = inside[static_cast<std::size_t>(mesh.triangle_patches[t])]; m != 0)
+            found.add(fold_at(mesh, domain, t, m));
+        return found;
+      },
+      [](Folds a, const Folds& b) {
+        a.add(b);
+        return a;
+      });
+  if (folds.count == 0) return {};
+  return {
+      fmt::format("the wall is folded: {} against the image's boundary, the worst at {} by {:.0f} degrees; a "
+                  "smaller `edge_length` "
+                  "may help",
+                  counted(folds.count, "triangle faces", "triangles face"), place_text(folds.worst_mm),
+                  std::acos(folds.worst_cosine) * 180 / std::numbers::pi)};
+}
+
+}  // namespace lumesh
