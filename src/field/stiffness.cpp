@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "binomial.hpp"
+#include "differences.hpp"
 #include "lumesh/core/wide.hpp"
 #include "medial_axis.hpp"
 #include "segment_loops.hpp"
@@ -31,6 +32,7 @@ constexpr float kThinShare = 0.05F;  // windows with more thin voxels than this 
 constexpr float kNoiseHold =
     0.0154F;  // hold = this / mean violation: 1 / (12 s^2) for a violation of normal distribution
 constexpr float kClean = 0.0006F;  // mean violation below which sides are kept for certain
+constexpr float kCrease = 0.5F;    // third derivative beyond which the function turns within a voxel
 constexpr float kTiny = 1e-6F;
 
 /// 2^x to a few units in the last place, by operations that are the same everywhere. Coefficients: Taylor's,
@@ -172,6 +174,22 @@ struct StiffnessLoops {
     for (int s = begin; s < end; ++s)
       store(out.at(s), keep(least(load(wrong.at(s)), kMostCounted), mask_of(band.boundary(s))));
   }
+  /// Voxels where the function has a crease: the square of its third derivatives, each of the tensor, is
+  /// large. squares: what that of each kind counts.
+  static LUMESH_WIDE_LOOPS void find_creases(const FitState& state,
+                                             const std::array<float, kThirdCount>& squares, int begin,
+                                             int end, Bits& creases) {
+    for (int s = begin; s < end; ++s) {
+      const std::uint8_t alive = state.band.alive(s);
+      if (alive == 0) continue;
+      Differences d = differences_of(gather(state.band.rows(s), s, state.values.data()));
+      const auto third = third_of(d);
+      Lanes sum = {};
+      for (std::size_t k = 0; k < kThirdCount; ++k) sum += squares[k] * *third[k] * *third[k];
+      creases[static_cast<std::size_t>(s)] =
+          static_cast<std::uint8_t>(bits_of(keep_numbers(sum) > Lanes{} + kCrease * kCrease) & alive);
+    }
+  }
   /// far_sums: windows of violations. Near the border a place has to be worse than
   /// those around on the average: else what is too stiff further in, and has bent the function out there,
   /// softens it where too little holds it.
@@ -183,7 +201,8 @@ struct StiffnessLoops {
       const Lanes far_wrong = keep(load(far_sums.at(s)), mask_of(a.near_border_[at]));
       const LaneMask too_stiff = (boundary > Lanes{} + kTiny) & (wrong > kTooStiff * boundary) &
                                  (wrong * load(a.boundary_far_.at(s)) >= far_wrong * boundary);
-      const auto bits = static_cast<std::uint8_t>(bits_of(too_stiff) & ~a.locked_[at] & band.alive(s));
+      const auto bits = static_cast<std::uint8_t>(
+          ((bits_of(too_stiff) & ~a.locked_[at]) | (a.creases_[at] & ~a.near_border_[at])) & band.alive(s));
       const Lanes old = load(a.logarithm_.at(s)), lower = old - kStep;
       store(a.logarithm_.at(s), mask_of(bits) ? (lower > Lanes{} + kLeast ? lower : Lanes{} + kLeast) : old);
       a.softened_[at] = bits;
@@ -245,7 +264,7 @@ StiffnessAdaptation::StiffnessAdaptation(const LaneArray& start, Noise noise, Fi
   for (LaneArray* array : {&boundary_narrow_, &boundary_wide_, &boundary_far_, &logarithm_, &last_logarithm_,
                            &wrong_, &last_wrong_, &wrong_sum_, &scratch_, &other_, &more_})
     array->assign(end, 0);
-  for (Bits* bits : {&turning_, &thin_around_, &locked_, &beyond_noise_, &softened_})
+  for (Bits* bits : {&turning_, &thin_around_, &creases_, &locked_, &beyond_noise_, &softened_})
     bits->assign(state.band.segment_count(), 0);
   for_each_segment(end, [&](int s, std::size_t) {
     store(scratch_.at(s), keep(Lanes{} + 1.0F, mask_of(state.band.boundary(s))));
@@ -388,9 +407,37 @@ bool StiffnessAdaptation::soften(FitState& state) {
     StiffnessLoops::sizes(band, last_wrong_, begin, end, far_wrong);
   });
   state.levels.sum_over_window(far_wrong, Window::kFar, far_wrong);
+  // Bumps that are kept exactly would all be creases.
+  if (noise_ == Noise::kExpected) find_creases(state);
   for_each_segment_block(
       band.end(), [&](int begin, int end) { StiffnessLoops::soften(*this, band, far_wrong, begin, end); });
   return has_any(softened_);
+}
+
+/// Where the boundary has a crease, as at the mouth of a branch, a function that is stiff across swings on
+/// both sides of it, and no side need be violated: the branch would be narrower behind its mouth.
+void StiffnessAdaptation::find_creases(const FitState& state) {
+  constexpr std::array<std::array<int, 3>, kThirdCount> kPowers = {{{3, 0, 0},
+                                                                    {0, 3, 0},
+                                                                    {0, 0, 3},
+                                                                    {2, 1, 0},
+                                                                    {1, 2, 0},
+                                                                    {2, 0, 1},
+                                                                    {1, 0, 2},
+                                                                    {0, 2, 1},
+                                                                    {0, 1, 2},
+                                                                    {1, 1, 1}}};
+  std::array<float, kThirdCount> squares{};
+  for (std::size_t k = 0; k < kThirdCount; ++k) {
+    const auto& [x, y, z] = kPowers[k];
+    const int most = std::max({x, y, z}), times = most == 3 ? 1 : most == 2 ? 3 : 6;  // In the tensor.
+    const Vec3& h = state.band.edges();
+    squares[k] =
+        static_cast<float>(times / std::pow(std::pow(h.x(), x) * std::pow(h.y(), y) * std::pow(h.z(), z), 2));
+  }
+  for_each_segment_block(state.band.end(), [&](int begin, int end) {
+    StiffnessLoops::find_creases(state, squares, begin, end, creases_);
+  });
 }
 
 /// Stiffness without jumps: the mean of its logarithm over the next voxels, weights 1 2 1 along each axis.

@@ -8,7 +8,8 @@ namespace lumesh::field {
 /// Softens the differences' weights where the voxels' sides are violated in the mean over a window. A step of
 /// softening has to pay: where the violation does not fall to half of what it was, the labels are noisy
 /// there; the step is taken back, the place locked, and single voxels pull with the weight that the noise's
-/// variance gives them. What then comes to be violated by more than noise does is unlocked for good.
+/// variance gives them. Creases of the function are softened too, whatever the sides. What then comes to be
+/// violated by more than noise does is unlocked for good.
 class StiffnessAdaptation {
  public:
   enum class Noise : std::uint8_t { kExpected, kNone };
@@ -35,12 +36,13 @@ class StiffnessAdaptation {
   bool unlock(FitState& state);
   bool judge(FitState& state);
   bool soften(FitState& state);
+  void find_creases(const FitState& state);
   void smooth_logarithm(FitState& state);
   void lower_holds_where_locked(FitState& state);
 
   Noise noise_;
   LaneArray boundary_narrow_, boundary_wide_, boundary_far_;  // how much boundary the windows hold
-  Bits turning_, thin_around_, near_border_;
+  Bits turning_, thin_around_, near_border_, creases_;
   Bits locked_, beyond_noise_, softened_;
   LaneArray logarithm_, last_logarithm_;  // of the stiffness, to base 2
   LaneArray wrong_, last_wrong_;          // violation of each voxel, outliers left out
