@@ -47,8 +47,14 @@ Polylines lines_of(const Lumen& lumen, const CenterlineOptions& options, Context
 }  // namespace
 
 Polylines extract_centerline(const LabelImage& image, const CenterlineOptions& options, Context& context) {
+  return extract_centerline(image, {}, options, context);
+}
+
+Polylines extract_centerline(const LabelImage& image, std::span<const CutPlane> cuts,
+                             const CenterlineOptions& options, Context& context) {
   options.validate();
-  const Lumen lumen = context.phase("lumen", [&] { return centerline::lumen_of_image(image, context); });
+  const Lumen lumen =
+      context.phase("lumen", [&] { return centerline::lumen_of_image(image, cuts, context); });
   return lines_of(lumen, options, context);
 }
 

@@ -3,27 +3,13 @@
 #include <array>
 #include <map>
 
+#include "cut_voxels.hpp"
 #include "inputs.hpp"
 #include "lumesh/core/error.hpp"
 
 namespace lumesh::centerline {
 
 namespace {
-
-std::vector<Index3> foreground(const LabelImage& image) {
-  const Index3& size = image.frame().size;
-  const auto rows = static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
-  return parallel::collect<Index3>(
-      rows,
-      [&](std::size_t row, std::vector<Index3>& out) {
-        const auto j = static_cast<int>(row % static_cast<std::size_t>(size.y()));
-        const auto k = static_cast<int>(row / static_cast<std::size_t>(size.y()));
-        const LabelImage::Index* labels = image.voxels().data() + image.frame().offset({0, j, k});
-        for (int i = 0; i < size.x(); ++i)
-          if (labels[i] != 0) out.emplace_back(i, j, k);
-      },
-      512);
-}
 
 /// The faces of the frame that a voxel lies at: 2 axis + (1 at the far end).
 std::vector<int> faces_at(const Index3& voxel, const Index3& size) {
@@ -35,27 +21,38 @@ std::vector<int> faces_at(const Index3& voxel, const Index3& size) {
   return faces;
 }
 
-/// The voxel with the most room in a patch of border voxels, and the face of the border that most of them lie
-/// at.
-Opening opening_of(const Lumen& lumen, const std::vector<std::uint32_t>& patch) {
-  std::array<std::size_t, 6> votes = {};
-  Vec3 middle = Vec3::Zero();
-  for (const std::uint32_t id : patch) {
-    for (const int face : faces_at(lumen.voxel(id), lumen.frame().size))
-      ++votes[static_cast<std::size_t>(face)];
-    middle += lumen.position(id) / static_cast<double>(patch.size());
-  }
-  const auto face = static_cast<int>(std::max_element(votes.begin(), votes.end()) - votes.begin());
-  Opening opening;
+/// The voxel with the most room; of equals the one nearest to a place. None of an empty list.
+std::uint32_t roomiest(const Lumen& lumen, const std::vector<std::uint32_t>& ids, const Vec3& middle) {
+  std::uint32_t best = kNoVoxel;
   const auto better = [&](std::uint32_t a, std::uint32_t b) {
     if (lumen.wall_mm(a) != lumen.wall_mm(b)) return lumen.wall_mm(a) > lumen.wall_mm(b);
     return (lumen.position(a) - middle).squaredNorm() < (lumen.position(b) - middle).squaredNorm();
   };
+  for (const std::uint32_t id : ids)
+    if (best == kNoVoxel || better(id, best)) best = id;
+  return best;
+}
+
+Vec3 middle_of(const Lumen& lumen, const std::vector<std::uint32_t>& ids) {
+  Vec3 middle = Vec3::Zero();
+  for (const std::uint32_t id : ids) middle += lumen.position(id) / static_cast<double>(ids.size());
+  return middle;
+}
+
+/// At the face of the border that most voxels of a patch of border voxels lie at.
+Opening opening_of(const Lumen& lumen, const std::vector<std::uint32_t>& patch) {
+  std::array<std::size_t, 6> votes = {};
+  for (const std::uint32_t id : patch)
+    for (const int face : faces_at(lumen.voxel(id), lumen.frame().size))
+      ++votes[static_cast<std::size_t>(face)];
+  const auto face = static_cast<int>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+  std::vector<std::uint32_t> at_face;
   for (const std::uint32_t id : patch) {
     const std::vector<int> faces = faces_at(lumen.voxel(id), lumen.frame().size);
-    if (std::find(faces.begin(), faces.end(), face) == faces.end()) continue;
-    if (opening.voxel == kNoVoxel || better(id, opening.voxel)) opening.voxel = id;
+    if (std::find(faces.begin(), faces.end(), face) != faces.end()) at_face.push_back(id);
   }
+  Opening opening;
+  opening.voxel = roomiest(lumen, at_face, middle_of(lumen, patch));
   opening.normal = (face % 2 == 0 ? -1.0 : 1.0) * Vec3::Unit(face / 2);
   opening.point = lumen.position(opening.voxel) + 0.5 * opening.normal * lumen.frame().spacing_mm[face / 2];
   return opening;
@@ -84,17 +81,54 @@ std::vector<Opening> border_openings(const Lumen& lumen) {
   return openings;
 }
 
+Vec3 to_space(const Lumen& lumen, const Vec3& position) {
+  return lumen.frame().origin_mm + lumen.frame().direction * position;
+}
+
+/// Moves an opening along the normal of a plane into it.
+void lay_into(const CutPlane& plane, const Lumen& lumen, Opening& opening) {
+  opening.normal = lumen.frame().direction.transpose() * plane.normal;
+  opening.point -= plane.height(to_space(lumen, opening.point)) * opening.normal;
+}
+
+std::vector<Opening> cut_openings(const Lumen& lumen, const std::vector<CutSection>& sections) {
+  std::vector<Opening> openings;
+  for (const CutSection& section : sections) {
+    std::vector<std::uint32_t> ids;
+    for (const Index3& v : section.voxels)
+      if (const std::uint32_t id = lumen.find(v); id != kNoVoxel) ids.push_back(id);
+    if (ids.empty()) continue;  // Of a piece that is left out.
+    Opening& opening = openings.emplace_back();
+    opening.voxel = roomiest(lumen, ids, middle_of(lumen, ids));
+    opening.point = lumen.position(opening.voxel);
+    lay_into(section.plane, lumen, opening);
+  }
+  return openings;
+}
+
+/// Openings at the border and at the planes; of those at the border a plane may take off half a voxel.
+std::vector<Opening> all_openings(const Lumen& lumen, const CutVoxels& cut) {
+  std::vector<Opening> openings = border_openings(lumen);
+  for (Opening& opening : openings)
+    for (const CutPlane& plane : cut.planes)
+      if (plane.beyond_mm(to_space(lumen, opening.point)) > 0) lay_into(plane, lumen, opening);
+  const std::vector<Opening> at_planes = cut_openings(lumen, cut.sections);
+  openings.insert(openings.end(), at_planes.begin(), at_planes.end());
+  return openings;
+}
+
 }  // namespace
 
-Lumen lumen_of_image(const LabelImage& image, Context& context) {
-  std::vector<Index3> voxels = foreground(image);
-  if (voxels.empty()) throw Error(ErrorKind::kBadInput, "no voxel is foreground, so that there is no vessel");
-  if (voxels.size() == image.frame().voxel_count())
+Lumen lumen_of_image(const LabelImage& image, std::span<const CutPlane> cuts, Context& context) {
+  CutVoxels cut = voxels_before(image, cuts);
+  if (cut.inside.empty())
+    throw Error(ErrorKind::kBadInput, "no voxel is foreground, so that there is no vessel");
+  if (cut.inside.size() == image.frame().voxel_count())
     throw Error(ErrorKind::kBadInput, "every voxel is foreground, so that there is no wall");
-  Lumen lumen(image.frame(), std::move(voxels));
+  Lumen lumen(image.frame(), std::move(cut.inside), cut.beyond);
   if (lumen.left_out() > 0)
     context.warn(fmt::format("{} voxels outside the largest connected piece are left out", lumen.left_out()));
-  lumen.openings = border_openings(lumen);
+  lumen.openings = all_openings(lumen, cut);
   return lumen;
 }
 

@@ -1,14 +1,18 @@
 #pragma once
 /// @file The inside of vessels from what users have: images and meshes.
 
+#include <span>
+
 #include "lumen.hpp"
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/context.hpp"
+#include "lumesh/domain/cut_plane.hpp"
 
 namespace lumesh::centerline {
 
-/// Openings are where the object touches the border of the image.
-[[nodiscard]] Lumen lumen_of_image(const LabelImage& image, Context& context);
+/// The voxels before all planes. Openings are where the object touches the border of the image, and its
+/// sections at the planes.
+[[nodiscard]] Lumen lumen_of_image(const LabelImage& image, std::span<const CutPlane> cuts, Context& context);
 
 /// The voxels whose centres a mesh's boundary encloses; beyond openings the vessel goes on by one radius.
 [[nodiscard]] Lumen lumen_of_mesh(const MeshView& mesh, const CenterlineOptions& options, Context& context);

@@ -86,7 +86,7 @@ const std::vector<Opening>& DomainRead::openings() {
 
 Polylines DomainRead::axes(const CenterlineOptions& options) const {
   return naming(name, [&] {
-    return image ? extract_centerline(*image, options, context_)
+    return image ? extract_centerline(*image, cut_planes, options, context_)
                  : extract_centerline(surface->mesh.view(), options, context_);
   });
 }

@@ -20,7 +20,8 @@ namespace lumesh {
 namespace {
 
 /// Axes of the vessels: of the file, or of the image; no lines where they are not wanted or there are none.
-Polylines evaluation_axes(const EvaluationRequest& request, const LabelImage& image, Context& context) {
+Polylines evaluation_axes(const EvaluationRequest& request, const LabelImage& image,
+                          std::span<const CutPlane> planes, Context& context) {
   if (request.centerline == "none") return {};
   if (!request.centerline.empty()) {
     Polylines axes = context.phase("read centerline", [&] { return read_polylines(request.centerline); });
@@ -29,7 +30,7 @@ Polylines evaluation_axes(const EvaluationRequest& request, const LabelImage& im
                   request.centerline + ": has no radius at its points; make it with lumesh centerline");
     return axes;
   }
-  return context.phase("centerline", [&] { return axes_if_any(image); });
+  return context.phase("centerline", [&] { return axes_if_any(image, planes); });
 }
 
 std::vector<std::string> doubts_about(const EvaluationRequest& request, const std::string& name,
@@ -97,7 +98,7 @@ quality::Evaluation evaluate_mesh(const MixedMesh& mesh, const std::string& name
       domain =
           naming(request.image, [&] { return domain_of_cut(*image, planes, request.cuts, {}, context); });
     doubts = doubts_about(request, name, mesh.info, context);
-    axes = evaluation_axes(request, *image, context);
+    axes = evaluation_axes(request, *image, planes, context);
   }
   std::optional<Phantom> phantom;
   if (!request.reference.empty()) phantom.emplace(phantom_spec_from_json(read_text_file(request.reference)));

@@ -16,11 +16,11 @@
 namespace lumesh {
 namespace {
 
-template <class Object>
-Polylines axes_or_none(const Object& object) {
+template <class Extract>
+Polylines axes_or_none(const Extract& extract) {
   Context quiet;
   try {
-    return extract_centerline(object, {}, quiet);
+    return extract(quiet);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;
     return {};
@@ -80,12 +80,12 @@ CutPlane towards_end(const AxisPlace& place, const Vec3& end) {
 
 }  // namespace
 
-Polylines axes_if_any(const LabelImage& image) {
-  return axes_or_none(image);
+Polylines axes_if_any(const LabelImage& image, std::span<const CutPlane> cuts) {
+  return axes_or_none([&](Context& quiet) { return extract_centerline(image, cuts, {}, quiet); });
 }
 
 Polylines axes_if_any(const MeshView& mesh) {
-  return axes_or_none(mesh);
+  return axes_or_none([&](Context& quiet) { return extract_centerline(mesh, {}, quiet); });
 }
 
 AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const CutPlane> before) {

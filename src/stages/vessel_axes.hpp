@@ -23,9 +23,10 @@ struct AxisPlace {
   CutPlane across;  ///< Square to the axis.
 };
 
-/// Axes of vessels in an image or a mesh without what is warned of; none where nothing is longer than wide.
+/// Axes of vessels in an image that planes cut, or in a mesh, without what is warned of; none where nothing
+/// is longer than wide.
 /// @throws Error as extract_centerline(), but for kBadInput.
-[[nodiscard]] Polylines axes_if_any(const LabelImage& image);
+[[nodiscard]] Polylines axes_if_any(const LabelImage& image, std::span<const CutPlane> cuts);
 [[nodiscard]] Polylines axes_if_any(const MeshView& mesh);
 
 /// The vessel that a place is the fewest radii off, and not two or more.

@@ -113,7 +113,7 @@ void try_cuts(const LabelImage& image, const Polylines& lines, std::span<const C
 std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const CutPlane> cuts,
                                    std::span<const Opening> openings, std::size_t enough, Context& context) {
   if (context.cancelled()) return {};
-  const Polylines lines = axes_if_any(image);  // What that would warn of, other stages say.
+  const Polylines lines = axes_if_any(image, cuts);  // What that would warn of, other stages say.
   std::vector<VesselEnd> ends = vessel_ends(lines, image.frame().spacing_mm.maxCoeff(), openings);
   try_cuts(image, lines, cuts, enough, ends);
   return ends;

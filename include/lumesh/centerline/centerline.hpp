@@ -1,13 +1,16 @@
 #pragma once
 /// @file The axes of a vessel tree with the radius of the vessel around them, without clicks.
 ///
-/// Lines run from opening to opening. An opening is where the object leaves the image, or a patch of a mesh
-/// that is an opening; vessels that end inside count as well. A tree of paths with a centring cost through
-/// the voxels says which vessels there are; then a tube is fitted to the wall around each of them, robustly,
-/// so that a side sac or the mouth of a branch, which the tube does not explain, leaves its line where the
-/// vessel is.
+/// Lines run from opening to opening. An opening is where the object leaves the image or is cut, or a patch
+/// of a mesh that is an opening; vessels that end inside count as well. A tree of paths with a centring cost
+/// through the voxels says which vessels there are; then a tube is fitted to the wall around each of them,
+/// robustly, so that a side sac or the mouth of a branch, which the tube does not explain, leaves its line
+/// where the vessel is.
+
+#include <span>
 
 #include "lumesh/core/context.hpp"
+#include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/polylines.hpp"
@@ -42,6 +45,13 @@ struct CenterlineOptions {
 /// doi:10.1109/TMI.2003.812261 (cost by the inscribed radius); Geman and McClure 1987 (weights).
 [[nodiscard]] Polylines extract_centerline(const LabelImage& image, const CenterlineOptions& options,
                                            Context& context);
+
+/// The same of what lies before all planes; the sections in these are openings, too, and lines end in the
+/// planes.
+///
+/// @param cuts  Planes that cut the image, as cut_off() and ImageDomain::cut_planes() have them.
+[[nodiscard]] Polylines extract_centerline(const LabelImage& image, std::span<const CutPlane> cuts,
+                                           const CenterlineOptions& options, Context& context);
 
 /// The same for the volume inside a mesh's boundary triangles and quadrilaterals; where there are none, for
 /// its tetrahedra. Patches of kind kOpening, or with names that begin with "inlet" or "outlet", are openings,

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
 
 namespace lumesh {
 namespace {
@@ -34,6 +39,49 @@ TEST(DomainRead, TheSurveyHasAxesWhereTheyAreWantedAndNothingToSayOfOpenVessels)
   EXPECT_TRUE(plain.axes.lines.empty());
   EXPECT_EQ(plain.closed_vessels, "");
   EXPECT_EQ(given.survey(true).axes.lines.size(), 1U);
+}
+
+/// A wide trunk that leaves the image at both ends, and a narrow branch that leaves it at a side.
+LabelImage trunk_with_branch() {
+  return fixtures::voxels_of(fixtures::frame_of({50, 40, 80}), {0, 1}, [](const Vec3& p) {
+    const bool is_trunk = (p - Vec3(19.7, 20.1, p.z())).norm() < 9;
+    const bool is_branch = p.x() > 19 && std::hypot(p.y() - 20, p.z() - 40.2) < 3.6;
+    return is_trunk || is_branch ? 1 : 0;
+  });
+}
+
+/// Whether the line begins or ends so near to an opening, in its plane.
+bool has_tip_at(const Polylines& lines, const std::vector<std::uint32_t>& line, const Opening& opening) {
+  return std::any_of(line.begin(), line.end(), [&](std::uint32_t p) {
+    const bool is_tip = p == line.front() || p == line.back();
+    const Vec3 off = lines.points[p] - opening.centre_mm;
+    return is_tip && off.norm() < 0.6 && std::abs(off.dot(opening.normal)) < 0.01;
+  });
+}
+
+/// What cuts leave behind their planes is no end of a vessel.
+TEST(DomainRead, AxesEndInTheOpeningsOfWhatIsCutAndExtended) {
+  const auto expect_between_openings = [](const InputCuts& cuts, const std::string& what) {
+    Context context;
+    DomainInput input;
+    input.cuts = cuts;
+    DomainRead given(input, context);
+    given.image = trunk_with_branch();
+    given.cut_image();
+    const DomainRead::Survey survey = given.survey(true);
+    const auto& lines = survey.axes.lines;
+    ASSERT_EQ(given.openings().size(), 3U) << what;
+    ASSERT_EQ(lines.size(), 2U) << what;
+    for (const std::size_t trunk : {0, 1})
+      EXPECT_TRUE(has_tip_at(survey.axes, lines[0], given.openings()[trunk])) << what << " " << trunk;
+    EXPECT_TRUE(has_tip_at(survey.axes, lines[1], given.openings()[2])) << what;
+    EXPECT_TRUE(vessel_ends(survey.axes, 1, given.openings()).empty()) << what;
+  };
+  expect_between_openings({.ends = "1r"}, "clipped ends");
+  expect_between_openings({.places_mm = {Vec3(19.7, 20.1, 12)}}, "one cut");
+  expect_between_openings({.planes = {{Vec3(0, 0, 66.3), Vec3(0, 0.1, 2)}}}, "a plane");
+  expect_between_openings({.extension = {"3r", ""}}, "extensions");
+  expect_between_openings({.ends = "1r", .extension = {"3r", ""}}, "clipped ends with extensions");
 }
 
 TEST(DomainRead, ErrorsNameTheFile) {
