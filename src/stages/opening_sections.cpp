@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <optional>
 
 #include "lumesh/core/place_text.hpp"
@@ -74,14 +75,37 @@ struct Voxels {
   std::size_t sections = 0;  ///< Of some faces.
 };
 
-std::string doubt_of(const Opening& opening, const Voxels& voxels) {
+bool are_in_one_plane(const Opening& a, const Opening& b) {
+  constexpr double kAlike = 0.999;
+  return a.normal.dot(b.normal) > kAlike &&
+         std::abs(a.normal.dot(b.centre_mm - a.centre_mm)) < 0.5 * std::min(a.voxel_mm, b.voxel_mm);
+}
+
+/// Whether a section is that of a wall whose lumen is background: what other labels have of its hole is no
+/// hole.
+bool is_hollow_of_background(const Opening& opening, std::span<const Opening> openings) {
+  if (!opening.is_hollow()) return false;
+  auto filled = std::make_shared<OpeningSquares>(*opening.squares);
+  for (const Opening& other : openings) {
+    if (other.label == opening.label || !other.squares || !are_in_one_plane(opening, other)) continue;
+    for (int row = 0; row < filled->rows; ++row)
+      for (int column = 0; column < filled->columns; ++column)
+        if (other.squares->hold(filled->centre_of(column, row)))
+          filled->is_inside[filled->square(column, row)] = 1;
+  }
+  Opening all = opening;
+  all.squares = filled;
+  return all.is_hollow();
+}
+
+std::string doubt_of(const Opening& opening, const Voxels& voxels, std::span<const Opening> openings) {
   constexpr double kShare = 0.1, kVoxels = 0.7;
   if (voxels.sections > 1)
     return fmt::format(
         "{} at {} joins {} sections that are separate in the voxels; the image is too coarse there, or "
         "cut them apart with {}",
         opening.name, place_text(opening.centre_mm), voxels.sections, "`cut_plane`");
-  if (opening.is_hollow())
+  if (is_hollow_of_background(opening, openings))
     return fmt::format(
         "{} at {} is the section of a wall whose lumen has no label: at the border its area may be a tenth "
         "off; give "
@@ -138,7 +162,7 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
   }
   for (std::size_t i = 0; i < openings.size(); ++i)
     if (of_openings[i].area_mm2 > 0)
-      if (std::string doubt = doubt_of(openings[i], of_openings[i]); !doubt.empty())
+      if (std::string doubt = doubt_of(openings[i], of_openings[i], openings); !doubt.empty())
         doubts.push_back(std::move(doubt));
   return doubts;
 }

@@ -65,6 +65,25 @@ TEST(OpeningSections, AreasSectionsAndGapsThatAreWrongAreTold) {
   EXPECT_NE(doubts[0].find("is in no opening"), std::string::npos) << doubts[0];
 }
 
+/// Two vessels along z within one wall of label 2, the first with label 1 in it, the other with `second`.
+LabelImage two_vessels_in_a_wall(int second) {
+  return fixtures::voxels_of(fixtures::frame_of({64, 40, 30}), {0, 1, 2}, [=](const Vec3& p) {
+    const double first = (p - Vec3(20, 20, p.z())).norm(), other = (p - Vec3(42, 20, p.z())).norm();
+    return first < 8 ? 1 : other < 8 ? second : std::min(first, other) < 12 ? 2 : 0;
+  });
+}
+
+TEST(OpeningSections, OnlyAWallWhoseLumenIsBackgroundIsDoubted) {
+  for (const int second : {0, 1}) {
+    const LabelImage image = two_vessels_in_a_wall(second);
+    const std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+    const std::vector<std::string> doubts = doubts_about_sections(image, {}, openings);
+    EXPECT_EQ(doubts.size(), second == 0 ? 2U : 0U);
+    for (const std::string& doubt : doubts)
+      EXPECT_NE(doubt.find("a wall whose lumen has no label"), std::string::npos) << doubt;
+  }
+}
+
 TEST(OpeningSections, AnOpeningThatJoinsTwoIsTold) {
   const LabelImage image = two_tubes(5.2, 0);
   std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
