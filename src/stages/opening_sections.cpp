@@ -73,6 +73,12 @@ std::optional<std::size_t> opening_of(const BorderSection& section, std::span<co
 struct Voxels {
   double area_mm2 = 0, face_mm2 = 0;
   std::size_t sections = 0;  ///< Of some faces.
+
+  /// Whether there are too few faces to tell the section of a vessel.
+  [[nodiscard]] bool is_tiny() const {
+    constexpr double kFaces = 3.5;
+    return area_mm2 < kFaces * face_mm2;
+  }
 };
 
 bool are_in_one_plane(const Opening& a, const Opening& b) {
@@ -121,6 +127,14 @@ std::string doubt_of(const Opening& opening, const Voxels& voxels, std::span<con
       off > 0 ? "more" : "less", voxels.area_mm2, "`cut_plane`");
 }
 
+/// A line for all of them, at least one.
+std::string doubt_of_tiny(const std::vector<const Opening*>& tiny) {
+  const bool is_one = tiny.size() == 1;
+  return fmt::format("{} at {}{} {} 3 voxel faces or fewer, too few to tell the section of a vessel",
+                     tiny.front()->name, place_text(tiny.front()->centre_mm),
+                     is_one ? "" : fmt::format(" and {} more", tiny.size() - 1), is_one ? "has" : "have");
+}
+
 }  // namespace
 
 Vec3 BorderSection::centre_mm() const {
@@ -160,10 +174,17 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
                                    place_text(section.centre_mm())));
     }
   }
-  for (std::size_t i = 0; i < openings.size(); ++i)
-    if (of_openings[i].area_mm2 > 0)
-      if (std::string doubt = doubt_of(openings[i], of_openings[i], openings); !doubt.empty())
-        doubts.push_back(std::move(doubt));
+  std::vector<const Opening*> tiny;
+  for (std::size_t i = 0; i < openings.size(); ++i) {
+    if (of_openings[i].area_mm2 == 0) continue;
+    std::string doubt = doubt_of(openings[i], of_openings[i], openings);
+    if (doubt.empty()) continue;
+    if (of_openings[i].is_tiny())
+      tiny.push_back(&openings[i]);
+    else
+      doubts.push_back(std::move(doubt));
+  }
+  if (!tiny.empty()) doubts.push_back(doubt_of_tiny(tiny));
   return doubts;
 }
 

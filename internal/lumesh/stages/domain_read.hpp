@@ -37,7 +37,7 @@ class DomainRead {
 
   /// Reads the file, and cuts and extends a surface.
   void read();
-  /// Cuts an image off, without its extensions.
+  /// Cuts an image off, without its extensions; warns of small pieces.
   void cut_image();
 
   /// Domain to mesh: the image's with its extensions, or that of the surface.

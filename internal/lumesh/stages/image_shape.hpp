@@ -24,6 +24,10 @@ struct ImageShape {
 /// @param planes  What lies beyond them is left out.
 [[nodiscard]] ImageShape shape_of(const LabelImage& image, std::span<const CutPlane> planes = {});
 
+/// A line if there are pieces, of all labels together, of less than a hundredth of the largest one's voxels;
+/// else empty. @param planes  Pieces beyond them do not count. Cost: as voxel_components().
+[[nodiscard]] std::string small_pieces_warning(const LabelImage& image, std::span<const CutPlane> planes);
+
 /// One line for pieces of labels that have no tetrahedron, with their places, and one for labels whose number
 /// of pieces, Euler number or number of cavities differs, and one if labels of 100 voxels or more fill
 /// another volume by more than 5 %; none if all is there. @param mesh  Compact.

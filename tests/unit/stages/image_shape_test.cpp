@@ -27,6 +27,23 @@ TEST(ImageShape, VolumesThatAreOffAreTold) {
   EXPECT_EQ(differences(exact, mesh).at(0).find("exact"), std::string::npos) << "it is so already";
 }
 
+TEST(ImageShape, SmallPiecesAreToldWithTheirRemedy) {
+  LabelImage image = cube_image(7);
+  EXPECT_EQ(small_pieces_warning(image, {}), "");
+  image.at({9, 9, 9}) = 1;
+  EXPECT_EQ(small_pieces_warning(image, {}),
+            "1 small piece besides the largest (1 voxel at (9.0, 9.0, 9.0) mm); `largest_component` or "
+            "`drop_below` 2 removes it");
+  image.at({0, 9, 0}) = image.at({1, 9, 0}) = 1;
+  EXPECT_EQ(small_pieces_warning(image, {}),
+            "2 small pieces besides the largest (3 voxels together, one at (0.0, 9.0, 0.0) mm); "
+            "`largest_component` or `drop_below` 3 removes them");
+  const CutPlane plane{Vec3(0, 7.5, 0), Vec3::UnitY()};
+  EXPECT_EQ(small_pieces_warning(image, {&plane, 1}), "") << "they are beyond a plane";
+  image.at({2, 9, 0}) = image.at({3, 9, 0}) = 1;
+  EXPECT_EQ(small_pieces_warning(image, {}).find("1 small piece besides"), 0U) << "one of 4 of 343 is none";
+}
+
 /// Two cubes of 4 x 4 x 4 voxels, with or without a layer of voxels between.
 LabelImage two_cubes(bool are_joined) {
   return fixtures::voxels_of(fixtures::frame_of({12, 12, 12}), {0, 1}, [&](const Vec3& p) {

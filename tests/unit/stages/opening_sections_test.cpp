@@ -84,6 +84,20 @@ TEST(OpeningSections, OnlyAWallWhoseLumenIsBackgroundIsDoubted) {
   }
 }
 
+/// Percentages of a voxel say nothing.
+TEST(OpeningSections, OpeningsOfSingleVoxelsAreToldInOneLine) {
+  LabelImage image = two_tubes(5.2, 0);
+  for (const int j : {3, 20, 36}) image.at({0, j, 12}) = 1;
+  std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+  std::size_t tiny = 0;
+  for (Opening& o : openings)
+    if (o.normal.x() < 0) ++tiny, o.area_mm2 = 14;
+  ASSERT_EQ(tiny, 3U);
+  const std::vector<std::string> doubts = doubts_about_sections(image, {}, openings);
+  ASSERT_EQ(doubts.size(), 1U);
+  EXPECT_NE(doubts[0].find(" and 2 more have 3 voxel faces or fewer"), std::string::npos) << doubts[0];
+}
+
 TEST(OpeningSections, AnOpeningThatJoinsTwoIsTold) {
   const LabelImage image = two_tubes(5.2, 0);
   std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
