@@ -1,13 +1,17 @@
 #include "lumesh/stages/opening_sections.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
+#include "lumesh/core/disjoint_sets.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/core/squares.hpp"
 
@@ -135,6 +139,64 @@ std::string doubt_of_tiny(const std::vector<const Opening*>& tiny) {
                      is_one ? "" : fmt::format(" and {} more", tiny.size() - 1), is_one ? "has" : "have");
 }
 
+bool is_at_border(const ImageFrame& frame, const Opening& opening) {
+  constexpr double kAlike = 0.999, kNear = 1e-3;  // Voxels.
+  const Vec3 index = frame.to_index(opening.centre_mm);
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(frame.direction.col(axis).dot(opening.normal)) > kAlike)
+      return std::abs(index[axis] + 0.5) < kNear || std::abs(index[axis] + 0.5 - frame.size[axis]) < kNear;
+  return false;
+}
+
+/// Whether two openings in different faces of the image have parts of one edge.
+bool meet_at_edge(const Opening& a, const Opening& b) {
+  constexpr double kAcross = 0.1, kHalf = 0.5;  // Cosine; voxels.
+  const double voxel_mm = std::max(a.voxel_mm, b.voxel_mm);
+  if (a.label != b.label || std::abs(a.normal.dot(b.normal)) > kAcross) return false;
+  if (a.box_mm.exteriorDistance(b.box_mm) > voxel_mm) return false;
+  for (int row = 0; row < a.squares->rows; ++row)
+    for (int column = 0; column < a.squares->columns; ++column) {
+      const Vec3 x = a.squares->centre_of(column, row);
+      if (!a.squares->hold(column, row) || b.normal.dot(b.centre_mm - x) > kHalf * voxel_mm) continue;
+      if (b.squares->hold(x - kHalf * voxel_mm * a.normal)) return true;
+    }
+  return false;
+}
+
+/// The openings that are worth a boundary condition.
+std::vector<std::uint32_t> openings_at_border(const LabelImage& image, std::span<const Opening> openings) {
+  constexpr double kFaces = 3.5;
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t i = 0; i < openings.size(); ++i) {
+    const Opening& o = openings[i];
+    if (!o.is_rim && o.squares && o.area_mm2 > kFaces * o.voxel_mm * o.voxel_mm &&
+        is_at_border(image.frame(), o))
+      found.push_back(i);
+  }
+  return found;
+}
+
+/// A line for each vessel that leaves the image through an edge: each face has a part of its section.
+std::vector<std::string> doubts_about_edges(const LabelImage& image, std::span<const Opening> openings) {
+  const std::vector<std::uint32_t> at_border = openings_at_border(image, openings);
+  DisjointSets sets(openings.size());
+  for (const std::uint32_t a : at_border)
+    for (const std::uint32_t b : at_border)
+      if (a < b && meet_at_edge(openings[a], openings[b])) sets.merge(a, b);
+  std::map<std::uint32_t, std::vector<std::string>> names;
+  for (const std::uint32_t i : at_border) names[sets.find(i)].push_back(openings[i].name);
+  std::vector<std::string> doubts;
+  for (const auto& [first, parts] : names)
+    if (parts.size() > 1)
+      doubts.push_back(fmt::format(
+          "{} and {} at {} are parts of one section, through an edge of the image: one vessel would have {} "
+          "boundary conditions; cut it before the edge with {} or {}",
+          fmt::join(std::span(parts).first(parts.size() - 1), ", "), parts.back(),
+          place_text(openings[first].centre_mm), parts.size(), option_name("cut_at"),
+          option_name("clip_ends")));
+  return doubts;
+}
+
 }  // namespace
 
 Vec3 BorderSection::centre_mm() const {
@@ -185,6 +247,7 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
       doubts.push_back(std::move(doubt));
   }
   if (!tiny.empty()) doubts.push_back(doubt_of_tiny(tiny));
+  for (std::string& doubt : doubts_about_edges(image, openings)) doubts.push_back(std::move(doubt));
   return doubts;
 }
 

@@ -30,8 +30,9 @@ struct BorderSection {
 
 /// A line for each opening at the border whose section is far from what the faces of the border's voxels say:
 /// its area by more than a tenth and 0.7 voxels times the section's width, or joined from separate sections;
-/// for sections of at least 8 faces that are in no opening; and for sections of hollow walls. Smooth sections
-/// and voxels differ by less, measured on oblique cylinders of 1.5 to 20 voxels in radius.
+/// for sections of at least 8 faces that are in no opening; for sections of hollow walls; and for openings in
+/// two or three faces of the image that one vessel leaves through their edge. Smooth sections and voxels
+/// differ by less, measured on oblique cylinders of 1.5 to 20 voxels in radius.
 /// @param cuts  What lies beyond them is left out. Cost: linear in the faces of the border.
 [[nodiscard]] std::vector<std::string> doubts_about_sections(const LabelImage& image,
                                                              std::span<const CutPlane> cuts,

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include "fixtures/images.hpp"
@@ -96,6 +98,28 @@ TEST(OpeningSections, OpeningsOfSingleVoxelsAreToldInOneLine) {
   const std::vector<std::string> doubts = doubts_about_sections(image, {}, openings);
   ASSERT_EQ(doubts.size(), 1U);
   EXPECT_NE(doubts[0].find(" and 2 more have 3 voxel faces or fewer"), std::string::npos) << doubts[0];
+}
+
+/// A tube from the middle of the image through its edge at the largest y and z, at an angle to z.
+LabelImage tube_through_edge(double degrees) {
+  const double angle = degrees * std::numbers::pi / 180;
+  const Vec3 on_edge(20, 39.5, 39.5), along(0, std::sin(angle), std::cos(angle));
+  return fixtures::voxels_of(fixtures::frame_of({40, 40, 40}), {0, 1}, [=](const Vec3& p) {
+    const Vec3 off = p - on_edge;
+    return off.dot(along) > -25 && (off - off.dot(along) * along).norm() < 5.3 ? 1 : 0;
+  });
+}
+
+TEST(OpeningSections, PartsOfOneSectionInTwoFacesOfTheImageAreTold) {
+  for (const double degrees : {20.0, 45.0, 70.0}) {
+    const LabelImage image = tube_through_edge(degrees);
+    const std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+    ASSERT_EQ(openings.size(), 2U) << degrees;
+    const std::vector<std::string> doubts = doubts_about_sections(image, {}, openings);
+    ASSERT_FALSE(doubts.empty()) << degrees;
+    EXPECT_EQ(doubts.back().find("inlet_1 and outlet_1 at ("), 0U) << doubts.back();
+    EXPECT_NE(doubts.back().find("before the edge with `cut_at` or `clip_ends`"), std::string::npos);
+  }
 }
 
 TEST(OpeningSections, AnOpeningThatJoinsTwoIsTold) {
