@@ -78,7 +78,7 @@ double seconds_left(double seconds_so_far, double share) {
 }
 
 void Progress::State::write(bool is_terminal) {
-  constexpr double kWorthATime = 0.05;
+  constexpr double kWorthATime = 0.05, kNearlyAll = 0.97;
   constexpr auto kAgain = std::chrono::milliseconds(200);
   constexpr auto kNextLine = std::chrono::seconds(30);
   const Clock::time_point now = Clock::now();
@@ -86,8 +86,10 @@ void Progress::State::write(bool is_terminal) {
   next_line = now + (is_terminal ? std::chrono::milliseconds(kAgain) : std::chrono::milliseconds(kNextLine));
   share = share_at(now);
   std::string text = fmt::format("lumesh: {}", phase);
-  if (share > 0) text += fmt::format(", {:.0f} %", 100 * share);
-  if (share > kWorthATime)
+  // Behind the last usual phases nobody knows how much comes: a case may have layers, or not.
+  const bool is_known = share < kNearlyAll;
+  if (is_known && share > 0) text += fmt::format(", {:.0f} %", 100 * share);
+  if (is_known && share > kWorthATime)
     text += fmt::format(", about {:.0f} s left", seconds_left(Seconds(now - start).count(), share));
   // The cursor waits at the beginning: whatever is printed next takes the line's place.
   print_error("{}{}", text, is_terminal ? "\r" : "\n");

@@ -73,7 +73,7 @@ inline constexpr UsualShare kUsualShares[] = {
     {"layers", "heights", 5},
     {"layers", "shape", 2},
     {"layers", "skin", 3},
-    {"layers", "room", 48},
+    {"layers", "interior deformation", 48},
     {"layers", "cells", 1},
     {"layers", "measures", 9},
     {"layers", "write", 8},

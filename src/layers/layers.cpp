@@ -172,7 +172,8 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choic
     return result;
   };
   if (!is_inward) return layers_on({mesh, faces, choice, surface.vertices, metric_at_foot(mesh)});
-  const Core core = context.phase("room", [&] { return deform_interior(mesh, faces, frame, columns); });
+  const Core core =
+      context.phase("interior deformation", [&] { return deform_interior(mesh, faces, frame, columns); });
   return layers_on(
       {core.mesh, core.mesh.boundary_faces(), choice, core.vertices, metric_before(mesh, core.mesh)});
 }
