@@ -109,8 +109,8 @@ class Bench:
         times = []
         for _ in range(self.repeats):
             said = self.lumesh("layers", bare, "-o", out, "--json", numbers, *layers, "--verbose").stderr
-            phases = dict(re.findall(r"lumesh: (\w+) took ([\d.]+) s", said))
-            times.append(sum(float(phases.get(name, 0)) for name in ("surface", "directions", "heights", "shape", "skin", "room", "cells")))
+            phases = dict(re.findall(r"lumesh: ([\w ]+) took ([\d.]+) s", said))
+            times.append(sum(float(phases.get(name, 0)) for name in ("surface", "directions", "heights", "shape", "skin", "interior deformation", "cells")))
         before, after, told = self.evaluate(bare), self.evaluate(out), json.loads(numbers.read_text())
         seconds = statistics.median(times)
         row = {"cells": told["cells"], "complete": told["complete"], "bare": told["patches"][0]["bare"],
