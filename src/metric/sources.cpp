@@ -41,7 +41,7 @@ void AnalyticSource::describe(OptionList& list) {
                {"polar-1", Formula(AnalyticKind::kPolar1)},
                {"polar-2", Formula(AnalyticKind::kPolar2)}},
               "A formula of the UGAWG benchmark, made for the unit cube")
-      .in("the mesh's unit")
+      .in("mm")
       .excludes("metric");
 }
 

@@ -53,10 +53,22 @@ MixedMesh convert_mesh(const ConversionRequest& request, Context& context) {
   return mesh;
 }
 
+namespace {
+
+/// Openings with their places in mm (LPS), of a mesh that stays in its own frame and unit.
+std::vector<NamedOpening> openings_in_mm(const MixedMesh& mesh) {
+  if (frame_factors(mesh.info, MeshInfo()) == Vec3::Ones()) return named_openings(mesh.view());
+  MixedMesh in_mm = mesh;
+  bring_to_lps_mm(in_mm);
+  return named_openings(in_mm.view());
+}
+
+}  // namespace
+
 RenamedMesh rename_mesh(const RenamingRequest& request, Context& context) {
   RenamedMesh made{read_with_boundary(request.from, "", context), {}};
   naming(request.from, [&] {
-    made.renamings = with_patches(renamings_from(request.names), named_openings(made.mesh.view()));
+    made.renamings = with_patches(renamings_from(request.names), openings_in_mm(made.mesh));
     rename_patches(made.mesh.info, made.renamings);
   });
   context.phase("write", [&] { write_mesh(request.to, made.mesh.view()); });

@@ -35,7 +35,7 @@ std::optional<metric::MetricField> sizes_of(const ImproveRequest& request, const
                                             const ChangingMesh& mesh, const Context& context) {
   const MixedMesh& given = mesh.given();
   if (request.ignores_sizes || (request.metric.empty() && given.metric.empty())) return std::nullopt;
-  const std::vector<SymTensor> tensors = metric_of(given, name, request.metric);
+  const std::vector<SymTensor> tensors = mesh.given_metric(name, request.metric);
   if (are_isotropic(tensors)) return metric::background_field(mesh.changing(), tensors, 0);
   if (!request.metric.empty())
     throw Error(

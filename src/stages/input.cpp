@@ -42,20 +42,25 @@ Vec3 frame_factors(const MeshInfo& from, const MeshInfo& to) {
   return to_lps_mm(from).cwiseQuotient(to_lps_mm(to));
 }
 
-void bring_to_lps_mm(MixedMesh& mesh) {
+SymTensor in_frame(const SymTensor& m, const Vec3& factors) {
+  const Vec3 f = factors.cwiseInverse();
+  return {m.xx * f[0] * f[0], m.xy * f[0] * f[1], m.xz * f[0] * f[2],
+          m.yy * f[1] * f[1], m.yz * f[1] * f[2], m.zz * f[2] * f[2]};
+}
+
+MeshInfo bring_to_lps_mm(MixedMesh& mesh) {
+  MeshInfo own;
+  own.frame = mesh.info.frame;
+  own.unit = mesh.info.unit;
   bring_to(mesh, MeshInfo());
+  return own;
 }
 
 void bring_to(MixedMesh& mesh, const MeshInfo& frame) {
   const Vec3 factors = frame_factors(mesh.info, frame);
   if (factors == Vec3::Ones()) return;
   for (Vec3& p : mesh.points) p = p.cwiseProduct(factors);
-  // Lengths in the metric stay as they are; it is per square of the coordinates' unit.
-  for (SymTensor& m : mesh.metric) {
-    const Vec3 f = factors.cwiseInverse();
-    m = {m.xx * f[0] * f[0], m.xy * f[0] * f[1], m.xz * f[0] * f[2],
-         m.yy * f[1] * f[1], m.yz * f[1] * f[2], m.zz * f[2] * f[2]};
-  }
+  for (SymTensor& m : mesh.metric) m = in_frame(m, factors);
   mesh.info.frame = frame.frame;
   mesh.info.unit = frame.unit;
 }

@@ -33,11 +33,11 @@ metric::MetricField wanted_field(const MeshAdaptationRequest& request, const std
                                  ChangingMesh& mesh, double& complexity, const Context& context) {
   if (request.analytic.is_wanted()) return metric::MetricField::analytic(*request.analytic.formula);
   if (!mesh.has_kept())
-    return metric::background_field(mesh.changing(), metric_of(mesh.given(), name, request.tensors.file),
+    return metric::background_field(mesh.changing(), mesh.given_metric(name, request.tensors.file),
                                     request.gradation);
   const metric::MetricLimits limits{
       .growth = request.gradation, .kept_patches = mesh.frozen_patches(), .complexity = complexity};
-  const double seen = metric::shape_metric(mesh.changing(), metric_of(mesh.given(), name, ""), limits);
+  const double seen = metric::shape_metric(mesh.changing(), mesh.given_metric(name, ""), limits);
   if (const std::string unmet = metric::unmet_complexity(seen, limits); !unmet.empty()) {
     context.warn(unmet);
     complexity = 0;

@@ -35,7 +35,7 @@ class MeshSources final : public metric::SourceData {
                   fmt::format("{}: carries no metric; give what it is to be made of: {}", name_,
                               fmt::join(options, " or ")));
     }
-    return metric_of(mesh_.given(), name_, file);
+    return mesh_.given_metric(name_, file);
   }
   std::vector<Vec3> points(const std::string& file) override {
     return context_.phase("read points", [&] {
@@ -57,9 +57,6 @@ class MeshSources final : public metric::SourceData {
   std::shared_ptr<const Domain> boundary() override {
     const std::string& path = request_.image;
     if (path.empty()) return nullptr;
-    if (frame_factors(mesh_.changing().info(), MeshInfo()) != Vec3::Ones())
-      throw Error(ErrorKind::kBadInput,
-                  name_ + ": does not stand in LPS and mm, as images do; bring it there first");
     const LabelImage image =
         context_.phase("read image", [&] { return read_selected_image(path, request_.selection, context_); });
     return naming(path, [&] {

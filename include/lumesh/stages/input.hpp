@@ -128,9 +128,12 @@ struct SurfaceInput {
 [[nodiscard]] std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface,
                                                        const SurfaceDomainOptions& options);
 
-/// Meshes may stand in another frame or unit than images do. Wanted edge lengths and those in the metric
-/// stay.
-void bring_to_lps_mm(MixedMesh& mesh);
+/// Meshes may stand in another frame or unit than images and options do. Wanted edge lengths and those in the
+/// metric stay.
+/// @return The frame and unit that the mesh had, with which bring_to() brings it back.
+MeshInfo bring_to_lps_mm(MixedMesh& mesh);
+/// The mesh in the frame and unit of another one.
+void bring_to(MixedMesh& mesh, const MeshInfo& frame);
 /// The points of a file in the frame and unit of a mesh.
 /// @throws Error{kBadInput} that names the file.
 [[nodiscard]] std::vector<Vec3> read_points_in(const MeshInfo& frame, const std::filesystem::path& path);

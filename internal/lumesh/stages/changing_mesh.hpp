@@ -13,9 +13,11 @@
 
 namespace lumesh {
 
+/// In LPS and mm, in which all options are, until it is finished; then in the frame and unit of its file.
 class ChangingMesh {
  public:
-  /// @param input  Outlives this; where cells are kept and it lists no faces, it gets them.
+  /// @param input  Outlives this; is brought to LPS and mm. Where cells are kept and it lists no faces, it
+  /// gets them.
   /// @param keep  Names or numbers of labels whose cells stay as they are.
   /// @throws Error{kBadInput} that names the file, as KeptCells and tetrahedra_of() do.
   ChangingMesh(MixedMesh& input, const std::vector<std::string>& keep, const std::string& name,
@@ -23,6 +25,9 @@ class ChangingMesh {
 
   /// The input, or its part that is free to change.
   [[nodiscard]] const MixedMesh& given() const { return kept_ ? kept_->free_part() : *input_; }
+  /// The metric of that: of a file, which is in the unit of the mesh's own one, or without a name the one
+  /// that it carries. @throws Error{kBadInput} as metric_of() does.
+  [[nodiscard]] std::vector<SymTensor> given_metric(const std::string& name, const std::string& file) const;
   /// The tetrahedra of that, which change.
   [[nodiscard]] TetMesh& changing() { return changing_; }
   [[nodiscard]] const TetMesh& changing() const { return changing_; }
@@ -44,6 +49,7 @@ class ChangingMesh {
 
  private:
   const MixedMesh* input_;
+  MeshInfo own_;  // Frame and unit of the file.
   std::optional<KeptCells> kept_;
   TetMesh changing_;
   BoundaryFaces faces_;

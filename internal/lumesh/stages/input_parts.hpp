@@ -27,11 +27,11 @@ void describe_out_unit(OptionList& list, std::string& unit);
 /// Changes that the selection asks for of voxels that are there, each with a warning that says how many.
 void edit_image(const ImageSelection& selection, Context& context, LabelImage& image);
 
-/// The same for the frame and unit of another mesh.
-void bring_to(MixedMesh& mesh, const MeshInfo& frame);
-
 /// Factors by which coordinates of one mesh come to the frame and unit of another.
 [[nodiscard]] Vec3 frame_factors(const MeshInfo& from, const MeshInfo& to);
+/// The metric of coordinates that were multiplied by such factors, of the same edge lengths; it is per square
+/// of the coordinates' unit.
+[[nodiscard]] SymTensor in_frame(const SymTensor& metric, const Vec3& factors);
 
 /// Doubt about a surface so small, large or thin that its coordinates are hardly mm; empty otherwise.
 [[nodiscard]] std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings);
