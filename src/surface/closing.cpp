@@ -9,17 +9,12 @@
 #include "flat_rims.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/surface/edges.hpp"
+#include "lumesh/surface/findings.hpp"
 #include "lumesh/surface/planar_patch.hpp"
 #include "rim_triangles.hpp"
 
 namespace lumesh::surfaces {
 namespace {
-
-/// Flat but for what files round, and for what hardly moves a triangle.
-bool is_almost_planar(const Rim& rim) {
-  constexpr double kShare = 0.02;  // Of an edge.
-  return rim.deviation_mm <= kShare * rim.mean_edge_mm;
-}
 
 void measure_new(const TriangleMesh& surface, std::size_t first, ClosedRim& closed) {
   double largest_cosine = -1;
@@ -48,6 +43,7 @@ class Closer {
     std::stable_sort(rims.begin(), rims.end(),
                      [](const Rim& a, const Rim& b) { return a.area_mm2 > b.area_mm2; });
     find_rings(rims);
+    is_within_wall_ = rims_within_walls(surface_, rims);
     flatten(rims);
     cap();
     const std::vector<std::vector<std::uint32_t>> walls = rim_triangles(surface_, holes_);
@@ -142,7 +138,8 @@ class Closer {
     };
     if (join_ring(rim, around_[which], planes)) return true;
     if (cut_ring(rims, which, is_cut_away)) return true;
-    if (is_almost_planar(rim) && rim.may_be_end() && move(kGoodAngleDeg)) return true;
+    if (is_within_wall_[which] != 0) return false;
+    if (rim.is_almost_planar() && rim.may_be_end() && move(kGoodAngleDeg)) return true;
     if (!rim.is_wide()) return false;
     if (std::optional<CutBack> cut = cut_back(surface_, rims, which)) {
       for (const std::size_t r : cut->cut_away) is_cut_away[r] = 1;
@@ -164,7 +161,7 @@ class Closer {
     for (std::size_t r = which + 1; r < rims.size(); ++r)
       if (around_[r] == which) inner.push_back(rims[r]);
     const bool is_level =
-        is_almost_planar(outer) && std::all_of(inner.begin(), inner.end(), [&](const Rim& rim) {
+        outer.is_almost_planar() && std::all_of(inner.begin(), inner.end(), [&](const Rim& rim) {
           return std::all_of(rim.vertices.begin(), rim.vertices.end(), [&](std::uint32_t v) {
             return std::abs(outer.height_mm(surface_.points[v])) < kLevel * rim.mean_edge_mm;
           });
@@ -221,7 +218,8 @@ class Closer {
 
   TriangleMesh surface_;
   std::int32_t next_patch_;
-  std::vector<std::size_t> around_;  // Of each rim, one that it makes a ring with.
+  std::vector<std::size_t> around_;           // Of each rim, one that it makes a ring with.
+  std::vector<std::uint8_t> is_within_wall_;  // Of each rim: it is a hole of the wall.
   std::vector<Opening> openings_;
   std::vector<Rim> holes_;
   std::vector<ClosedRim> closed_;

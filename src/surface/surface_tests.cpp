@@ -15,23 +15,38 @@
 namespace lumesh::surfaces {
 namespace {
 
-constexpr double kTooWide =
-    0.05;  // Radius over the surface's diagonal; what is missing there nobody can tell.
-
-}  // namespace
-
-std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface, std::span<const Rim> rims) {
-  const std::vector<std::vector<std::uint32_t>> triangles = rim_triangles(surface, rims);
+/// Radius of a rim above which nobody can tell what is missing there.
+double too_wide_mm(const TriangleMesh& surface) {
+  constexpr double kShare = 0.05;  // Of the diagonal.
   Box3 box;
   for (const Cell<3>& t : surface.triangles)
     for (const std::uint32_t v : t) box.extend(surface.points[v]);
+  return kShare * box.diagonal().norm();
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> rims_within_walls(const TriangleMesh& surface, std::span<const Rim> rims) {
+  const std::vector<std::vector<std::uint32_t>> triangles = rim_triangles(surface, rims);
+  const double limit_mm = too_wide_mm(surface);
   std::vector<std::uint8_t> result;
   for (std::size_t r = 0; r < rims.size(); ++r) {
+    const bool is_too_wide = rims[r].is_wide() && rims[r].radius_mm > limit_mm;
+    const bool is_across = cosine_to_wall(surface, rims[r], triangles[r]) < kAcrossWall;
+    result.push_back(is_too_wide || is_across ? 0 : 1);
+  }
+  return result;
+}
+
+std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface, std::span<const Rim> rims) {
+  const double limit_mm = too_wide_mm(surface);
+  std::vector<std::uint8_t> result = rims_within_walls(surface, rims);
+  for (std::size_t r = 0; r < rims.size(); ++r) {
     const Rim& rim = rims[r];
-    const bool is_too_wide = rim.is_wide() && rim.radius_mm > kTooWide * box.diagonal().norm();
-    const bool is_end = rim.is_wide() && rim.deviation_mm < rim.radius_mm;  // Torn ends are not flat.
-    result.push_back((is_end && cosine_to_wall(surface, rim, triangles[r]) < kAcrossWall) || is_too_wide ? 1
-                                                                                                         : 0);
+    const bool is_too_wide = rim.is_wide() && rim.radius_mm > limit_mm;
+    const bool is_end = (rim.is_wide() && rim.deviation_mm < rim.radius_mm) ||  // Torn ends are not flat.
+                        (rim.is_almost_planar() && rim.may_be_end());
+    result[r] = result[r] == 0 && (is_end || is_too_wide) ? 1 : 0;
   }
   return result;
 }

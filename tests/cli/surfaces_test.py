@@ -42,6 +42,28 @@ def stl_text(points, triangles, name="vessel"):
     return "\n".join([*lines, f"endsolid {name}", ""])
 
 
+def fan(points, first, around, is_low):
+    """A flat end of a tube, from its middle, which is added to the points."""
+    points.append((0.0, 0.0, points[first][2]))
+    ring = [(first + i, first + (i + 1) % around) for i in range(around)]
+    return [(b, a, len(points) - 1) if is_low else (a, b, len(points) - 1) for a, b in ring]
+
+
+def closed_tube(around=24):
+    """Points, and triangles of the wall, the low end and the high one."""
+    points, wall = tube(around=around)
+    last = len(points) - around
+    return points, wall, fan(points, 0, around, True), fan(points, last, around, False)
+
+
+def with_hole(points, triangles, radius):
+    """Without the triangles near the middle of a side of the tube."""
+    def is_near(t):
+        middle = [sum(points[v][i] for v in t) / 3 for i in range(3)]
+        return math.dist(middle, (2, 0, 6)) < radius
+    return [t for t in triangles if not is_near(t)]
+
+
 class SurfacesTest(ProgramTest):
     def stl(self, name, points, triangles):
         path = self.folder / name
@@ -56,6 +78,34 @@ class SurfacesTest(ProgramTest):
             text += f"g {name}\n" + "".join("f %d %d %d\n" % tuple(v + 1 for v in t) for t in triangles[i * size:(i + 1) * size])
         path.write_text(text)
         return path
+
+    def solids(self, *parts):
+        """A file of named solids: (name, points, triangles) each."""
+        path = self.folder / "solids.stl"
+        path.write_text("".join(stl_text(points, triangles, name) for name, points, triangles in parts))
+        return path
+
+    def vtp(self, points, triangles, **arrays):
+        """Triangles with whole numbers, one for each, in named arrays."""
+        def array(kind, name, values, components=1):
+            return (f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" format="ascii">'
+                    + " ".join(map(str, values)) + "</DataArray>")
+        path = self.folder / "tube.vtp"
+        path.write_text(
+            '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64"><PolyData>'
+            f'<Piece NumberOfPoints="{len(points)}" NumberOfPolys="{len(triangles)}" NumberOfVerts="0" NumberOfLines="0" '
+            'NumberOfStrips="0"><CellData>' + "".join(array("Int32", name, values) for name, values in arrays.items())
+            + "</CellData><Points>" + array("Float64", "points", [x for p in points for x in p], 3) + "</Points><Polys>"
+            + array("Int64", "connectivity", [v for t in triangles for v in t])
+            + array("Int64", "offsets", range(3, 3 * len(triangles) + 1, 3)) + "</Polys></Piece></PolyData></VTKFile>")
+        return path
+
+    def patches_made(self, source, *options):
+        """Patches of the mesh with their kinds, and what stderr says."""
+        mesh, report = self.folder / "mesh.vtu", self.folder / "converted.json"
+        told = self.run_well("delaunay", source, "-o", mesh, "--edge-length", 0.8, *options).stderr
+        self.run_well("convert", mesh, self.folder / "converted.vtu", "--json", report)
+        return {p["name"]: p["kind"] for p in json.loads(report.read_text())["patches"]}, told
 
     def info(self, path):
         return json.loads(self.run_well("info", path, "--json").stdout)
@@ -213,6 +263,17 @@ class SurfacesTest(ProgramTest):
         self.assertEqual([end["area_mm2"] for end in ends[0]], [end["area_mm2"] for end in ends[1]])
         for one, other in zip(ends[0], ends[2]):
             self.assertAlmostEqual(one["area_mm2"], other["area_mm2"], places=9)
+
+    def test_holes_are_those_that_check_finds(self):
+        points, triangles = tube(length=20.0, around=48)
+        source = self.stl("hole.stl", points, with_hole(points, triangles, 0.75))
+        findings = json.loads(self.run_lumesh("check", source, "--json").stdout)["findings"]
+        self.assertEqual({f["kind"]: f["count"] for f in findings if f["kind"] in ("holes", "openings")}, {"holes": 1, "openings": 2})
+        names, told = self.patches_made(source)
+        self.assertEqual(names, {"wall": "wall", "inlet_1": "opening", "outlet_1": "opening"})
+        _, report, out = self.mesh(source, "--edge-length", 0.8)
+        self.assertEqual([end["kind"] for end in report["closed"]], ["opening", "opening", "hole"])
+        self.assertIn("filled a hole of the wall: radius 0.7", out)
 
     def test_groups_of_obj_are_patches(self):
         points, triangles = tube()

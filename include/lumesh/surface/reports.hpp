@@ -34,6 +34,11 @@ struct Rim {
   [[nodiscard]] bool is_wide() const {
     return radius_mm >= kMinEdges * mean_edge_mm || (vertices.size() >= kMinAround && may_be_end());
   }
+  /// Flat but for what files round, and for what hardly moves a triangle.
+  [[nodiscard]] bool is_almost_planar() const {
+    constexpr double kShare = 0.02;  // Of an edge.
+    return deviation_mm <= kShare * mean_edge_mm;
+  }
   [[nodiscard]] bool is_flat() const { return deviation_mm <= kMaxBent * radius_mm; }
 };
 

@@ -22,7 +22,8 @@ struct ClosedSurfaceMade {
 /// Rim::kMinEdges edges or more that are flat within Rim::kMaxBent of their radius, and more bent ones of
 /// which a plane just inside cuts off one simple loop within a radius. They are made planar (a rim almost in
 /// its plane is moved into it, else the surface is cut back by a plane just inside of the rim, else the rim
-/// is moved after all) and capped by fill_polygon(). What is left is a hole: fill_hole().
+/// is moved after all) and capped by fill_polygon(). What is left, and what lies within a wall
+/// (rims_within_walls()), is a hole: fill_hole().
 ///
 /// A part all rims of which lie within rims of another part, almost in their planes, is the inner skin of a
 /// wall: it is turned inwards, and a ring closes each pair of rims, if the outer one need not be cut back.

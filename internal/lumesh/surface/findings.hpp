@@ -30,11 +30,16 @@ inline constexpr double kFoldCosine = -0.99984769515639127;
 [[nodiscard]] std::vector<Finding> findings_of(std::span<const Vec3> points,
                                                std::span<const Cell<3>> triangles);
 
-/// For each rim, whether it is an opening: wide, within a radius of its plane, and at the end of a wall that
-/// comes to it across that. What is missing within a wall is a hole, however flat
+/// For each rim, whether it is an opening: wide and within a radius of its plane, or coarse and planar, and
+/// at the end of a wall that comes to it across that. What is missing within a wall is a hole, however flat
 /// the wall is, unless its radius is more than 5 % of the surface's diagonal: that is nobody's to fill
 /// unasked.
 [[nodiscard]] std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface,
+                                                          std::span<const Rim> rims);
+
+/// For each rim, whether it lies within a wall, of which it is a hole: the wall does not come to it across
+/// its plane, and its radius is at most those 5 %. What closes surfaces and what checks them both ask this.
+[[nodiscard]] std::vector<std::uint8_t> rims_within_walls(const TriangleMesh& surface,
                                                           std::span<const Rim> rims);
 
 /// The triangles that have the three corners of an earlier one, ascending.
