@@ -10,6 +10,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "mesh_formats.hpp"
+#include "part_names.hpp"
 #include "utf8.hpp"
 
 namespace lumesh {
@@ -127,18 +128,21 @@ void write_surface(const Path& path, const MeshView& mesh, const MeshWriteOption
 }
 
 MixedMesh read_mesh(const Path& path) {
-  return read_surface_file(path, "");
+  return read_surface_file(path, "").mesh;
 }
 
-MixedMesh read_surface_file(const Path& path, const std::string& patch_array) {
+SurfaceFile read_surface_file(const Path& path, const std::string& patch_array) {
   io::check_file(path);
   const MeshFormat& format = known_format_of(path, kRead);
   if (!patch_array.empty() && format.read != io::read_vtp_surface)
     io::fail(path, "has no arrays of cells; `patch_array` is for .vtp");
-  MixedMesh mesh = patch_array.empty() ? format.read(path) : io::read_vtp_surface_by(path, patch_array);
+  SurfaceFile file{patch_array.empty() ? format.read(path) : io::read_vtp_surface_by(path, patch_array), {}};
+  MixedMesh& mesh = file.mesh;
   for (Patch& patch : mesh.info.patches) patch.name = io::as_utf8(std::move(patch.name));
   for (auto& [label, name] : mesh.info.label_names) name = io::as_utf8(std::move(name));
-  return mesh;
+  if (format.read == io::read_stl) file.renamed = io::name_patches_by_words(mesh.info.patches, "solid");
+  if (format.read == io::read_obj) file.renamed = io::name_patches_by_words(mesh.info.patches, "group");
+  return file;
 }
 
 bool is_mesh_folder(const Path& path) {

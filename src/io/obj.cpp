@@ -6,9 +6,8 @@
 #include <sstream>
 
 #include "file_fault.hpp"
-#include "lumesh/mesh/patch_list.hpp"
-#include "lumesh/mesh/patch_words.hpp"
 #include "mesh_formats.hpp"
+#include "part_names.hpp"
 #include "unpacked_file.hpp"
 
 namespace lumesh::io {
@@ -71,13 +70,13 @@ class ObjReader {
     }
   }
 
-  /// What follows belongs to it; groups of one name are one.
+  /// What follows belongs to it; groups of one name, as it stands in the file, are one.
   void begin_group(const std::string& text) {
-    std::string name = patch_word(text);
+    std::string name = without_spaces_around(text);
     if (name.empty()) name = "wall";
     const auto [at, is_new] =
         numbers_.try_emplace(name, static_cast<std::int32_t>(mesh_.info.patches.size()));
-    if (is_new) mesh_.info.patches.push_back({name, kind_of_name(name), {}});
+    if (is_new) mesh_.info.patches.push_back({name, PatchKind::kWall, {}});
     group_ = at->second;
   }
 

@@ -11,10 +11,9 @@
 #include <sstream>
 
 #include "file_fault.hpp"
-#include "lumesh/mesh/patch_list.hpp"
-#include "lumesh/mesh/patch_words.hpp"
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
+#include "part_names.hpp"
 #include "unpacked_file.hpp"
 
 namespace lumesh::io {
@@ -54,21 +53,22 @@ class SurfaceBuilder {
     mesh_.triangles.push_back(triangle);
     mesh_.triangle_patches.push_back(static_cast<std::int32_t>(solids_.size()) - 1);
   }
-  /// What follows belongs to it; solids of one name are one.
+  /// What follows belongs to it; solids of one name, as it stands in the file, are one.
   void begin_solid(const std::string& name) {
     solids_.push_back(name.empty() ? "solid_" + std::to_string(solids_.size() + 1) : name);
   }
-  /// One patch "wall", or one for each solid where there are several.
+  /// One patch "wall", or one for each name of solids that have triangles where there are several.
   MixedMesh finish() {
     if (mesh_.triangles.empty()) fail_damaged(path_, "holds no triangle");
-    std::vector<std::int32_t> patch_of;
-    for (std::string& name : solids_) {
-      if (solids_.size() == 1) name = "wall";
-      const std::size_t at = patch_called(mesh_.info.patches, name);
-      patch_of.push_back(static_cast<std::int32_t>(at));
-      if (at == mesh_.info.patches.size()) mesh_.info.patches.push_back({name, kind_of_name(name), {}});
+    std::vector<Patch>& patches = mesh_.info.patches;
+    std::map<std::string, std::int32_t> numbers;
+    for (std::int32_t& patch : mesh_.triangle_patches) {
+      const std::string& name = solids_[static_cast<std::size_t>(patch)];
+      const auto [at, is_new] = numbers.try_emplace(name, static_cast<std::int32_t>(patches.size()));
+      if (is_new) patches.push_back({name, PatchKind::kWall, {}});
+      patch = at->second;
     }
-    for (std::int32_t& patch : mesh_.triangle_patches) patch = patch_of[static_cast<std::size_t>(patch)];
+    if (patches.size() == 1) patches[0].name = "wall";
     return std::move(mesh_);
   }
 
@@ -112,8 +112,8 @@ MixedMesh parse_text(const std::filesystem::path& path, const std::string& text)
     if (word == "solid" || word == "endsolid") {
       std::string name;  // It may hold any words.
       std::getline(in, name);
-      const bool has_name = name.find_first_not_of(" \t\r") != std::string::npos;
-      if (word == "solid") surface.begin_solid(has_name ? patch_word(name) : "wall");
+      name = without_spaces_around(name);
+      if (word == "solid") surface.begin_solid(name.empty() ? "wall" : name);
     }
     is_complete = word == "endsolid" || (is_complete && word != "facet");
     if ((word == "outer" || word == "endsolid") && corner != 3) fail_damaged(path, "a facet is damaged");

@@ -4,6 +4,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/io/surface_file.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
@@ -12,7 +13,10 @@ namespace lumesh {
 namespace {
 
 MixedMesh read_with_boundary(const std::string& path, const std::string& unit, Context& context) {
-  MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(path, unit); });
+  SurfaceFile read = context.phase("read", [&] { return read_surface_file(path, ""); });
+  if (!read.renamed.empty()) context.warn(path + ": " + read.renamed);
+  MixedMesh mesh = std::move(read.mesh);
+  if (!unit.empty()) mesh.info.unit = unit;
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
   return mesh;
 }

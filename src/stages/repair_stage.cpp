@@ -11,7 +11,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/hilbert.hpp"
-#include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/surface_file.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/surface/edges.hpp"
@@ -146,7 +146,9 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
 }
 
 RepairOutcome repair_file(const std::string& path, const RepairRequest& request, Context& context) {
-  const MixedMesh surface = context.phase("read", [&] { return as_surface(read_mesh(path), path); });
+  SurfaceFile read = context.phase("read", [&] { return read_surface_file(path, ""); });
+  if (!read.renamed.empty()) context.warn(path + ": " + read.renamed);
+  const MixedMesh surface = as_surface(std::move(read.mesh), path);
   warn_of_unit(surface, {}, "", path, context);
   RepairOutcome outcome = naming(path, [&] {
     return context.phase("repair", [&] { return repair_surface(surface, request, context); });

@@ -264,6 +264,15 @@ class SurfacesTest(ProgramTest):
         for one, other in zip(ends[0], ends[2]):
             self.assertAlmostEqual(one["area_mm2"], other["area_mm2"], places=9)
 
+    def test_different_names_stay_different_patches(self):
+        points, wall, low, high = closed_tube()
+        names, told = self.patches_made(self.solids(("wall", points, wall), ("outlet:1", points, low), ("outlet 1", points, high)))
+        self.assertEqual(names, {"wall": "wall", "outlet_1": "opening", "outlet_1_2": "opening"})
+        self.assertIn('"outlet 1" is outlet_1_2', told)
+        names, told = self.patches_made(self.solids(("стенка wall", points, wall), ("вход", points, low), ("出口1", points, high)))
+        self.assertEqual(names, {"wall": "wall", "solid_2": "opening", "solid_3": "opening"})
+        self.assertIn('"вход" is solid_2, "出口1" is solid_3', told)
+
     def test_holes_are_those_that_check_finds(self):
         points, triangles = tube(length=20.0, around=48)
         source = self.stl("hole.stl", points, with_hole(points, triangles, 0.75))

@@ -1,0 +1,47 @@
+#include "part_names.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/mesh/patch_words.hpp"
+
+namespace lumesh::io {
+namespace {
+
+/// Whether all that told people one name from another is lost, as of one in Chinese with a number behind it.
+bool is_word_without_letters(const std::string& word, const std::string& name) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const auto is_foreign = [](char c) { return static_cast<unsigned char>(c) >= 0x80; };
+  return std::none_of(word.begin(), word.end(), is_letter) &&
+         (word.empty() || std::any_of(name.begin(), name.end(), is_foreign));
+}
+
+}  // namespace
+
+std::string without_spaces_around(std::string_view text) {
+  constexpr std::string_view kSpaces = " \t\r\n";
+  const std::size_t first = text.find_first_not_of(kSpaces);
+  if (first == std::string_view::npos) return "";
+  return std::string(text.substr(first, text.find_last_not_of(kSpaces) - first + 1));
+}
+
+std::string name_patches_by_words(std::vector<Patch>& patches, std::string_view otherwise) {
+  std::vector<Patch> named;
+  std::vector<std::string> told;
+  for (const Patch& patch : patches) {
+    const std::string word = patch_word(patch.name);
+    const bool is_lost = is_word_without_letters(word, patch.name);
+    const std::string name =
+        free_patch_name(named, is_lost ? fmt::format("{}_{}", otherwise, named.size() + 1) : word);
+    if (is_lost || name != word) told.push_back(fmt::format("\"{}\" is {}", patch.name, name));
+    named.push_back({name, kind_of_name(name), {}});
+  }
+  patches = std::move(named);
+  if (told.empty()) return "";
+  return fmt::format("names of patches keep ASCII's letters, digits and _ - . only: {}",
+                     fmt::join(told, ", "));
+}
+
+}  // namespace lumesh::io

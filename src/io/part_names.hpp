@@ -1,0 +1,20 @@
+#pragma once
+// Names that files of surfaces give solids and groups, which may be any text.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumesh/mesh/mixed_mesh.hpp"
+
+namespace lumesh::io {
+
+/// The text without spaces, tabs and ends of lines before and behind it.
+[[nodiscard]] std::string without_spaces_around(std::string_view text);
+
+/// Calls patches by patch_word() of their names, and gives them the kind that it says. Different names stay
+/// different, a_b and a_b_2; one of which no letter is left becomes `otherwise` with its number.
+/// @return A line that says which names became what, where that is not their word; empty otherwise.
+[[nodiscard]] std::string name_patches_by_words(std::vector<Patch>& patches, std::string_view otherwise);
+
+}  // namespace lumesh::io
