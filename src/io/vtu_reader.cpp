@@ -199,16 +199,23 @@ bool are_numbers_of_patches(const std::vector<std::int64_t>& numbers) {
                      [](std::int64_t id) { return id >= 0 && id <= kLargest; });
 }
 
-/// Ours, SimVascular's, or VMTK's; the latter are left out where they are no numbers of patches.
-PatchNumbers known_patches(const VtkXmlReader& file, std::size_t polygons) {
+/// One number for all tells no patches apart.
+bool is_one_number(const std::vector<std::int64_t>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [&](std::int64_t id) { return id == numbers.front(); });
+}
+
+/// Ours, SimVascular's, or VMTK's, the first that tells patches apart. @param has_names  Of patches, of ours.
+PatchNumbers known_patches(const VtkXmlReader& file, std::size_t polygons, bool has_names) {
   const pugi::xml_node cells = file.piece().child("CellData");
   for (const auto& [array, unnamed] :
        {std::pair{"patch", "patch_"}, {"ModelFaceID", "face_"}, {"CellEntityIds", "face_"}}) {
     const pugi::xml_node found = VtkXmlReader::find_array(cells, array);
     if (!found) continue;
     PatchNumbers numbers{file.integers(found, array), unnamed};
-    if (array != std::string_view("patch") && !are_numbers_of_patches(numbers.of_polygon))
-      numbers.of_polygon.assign(polygons, 0);
+    const bool is_ours = array == std::string_view("patch");
+    if (is_ours && has_names) return numbers;
+    if (is_one_number(numbers.of_polygon) || (!is_ours && !are_numbers_of_patches(numbers.of_polygon)))
+      continue;
     return numbers;
   }
   return {std::vector<std::int64_t>(polygons, 0)};
@@ -228,6 +235,7 @@ PatchNumbers patches_by(const VtkXmlReader& file, const std::string& name) {
   if (!are_numbers_of_patches(numbers.of_polygon))
     file.fail("array \"" + name +
               "\" holds numbers that are negative or above 65000, which patches cannot have");
+  if (is_one_number(numbers.of_polygon)) std::fill(numbers.of_polygon.begin(), numbers.of_polygon.end(), 0);
   return numbers;
 }
 
@@ -242,8 +250,9 @@ MixedMesh read_polygons(const std::filesystem::path& path, const std::string& pa
   const auto connectivity =
       file.integers(VtkXmlReader::find_array(polys, "connectivity"), "polygon connectivity");
   const auto offsets = file.integers(VtkXmlReader::find_array(polys, "offsets"), "polygon offsets");
-  const auto [patches, unnamed] =
-      patch_array.empty() ? known_patches(file, offsets.size()) : patches_by(file, patch_array);
+  const auto [patches, unnamed] = patch_array.empty()
+                                      ? known_patches(file, offsets.size(), !mesh.info.patches.empty())
+                                      : patches_by(file, patch_array);
   if (patches.size() < offsets.size()) file.fail("does not hold as many patches as polygons");
   std::int64_t begin = 0;
   for (std::size_t p = 0; p < offsets.size(); ++p) {

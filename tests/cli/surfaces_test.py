@@ -273,6 +273,19 @@ class SurfacesTest(ProgramTest):
         self.assertEqual(names, {"wall": "wall", "solid_2": "opening", "solid_3": "opening"})
         self.assertIn('"вход" is solid_2, "出口1" is solid_3', told)
 
+    def test_an_array_of_one_number_hides_nothing(self):
+        points, wall, low, high = closed_tube()
+        triangles = wall + low + high
+        ones, ids = [1] * len(triangles), [7] * len(wall) + [8] * len(low) + [9] * len(high)
+        for options in ((), ("--patch-array", "ModelFaceID")):
+            names, told = self.patches_made(self.vtp(points, triangles, ModelFaceID=ones), *options)
+            self.assertEqual(names, {"wall": "wall", "inlet_1": "opening", "outlet_1": "opening"})
+            self.assertEqual(told, "")
+        names, _ = self.patches_made(self.vtp(points, triangles, ModelFaceID=ones, CellEntityIds=ids))
+        self.assertEqual(names, {"face_7": "wall", "face_8": "opening", "face_9": "opening"})
+        names, _ = self.patches_made(self.solids(("vessel", points, triangles), ("nothing", points, [])))
+        self.assertEqual(names, {"wall": "wall", "inlet_1": "opening", "outlet_1": "opening"})
+
     def test_holes_are_those_that_check_finds(self):
         points, triangles = tube(length=20.0, around=48)
         source = self.stl("hole.stl", points, with_hole(points, triangles, 0.75))
