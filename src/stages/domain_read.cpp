@@ -104,7 +104,8 @@ std::vector<std::string> DomainRead::doubts_about_openings() {
 }
 
 std::string DomainRead::closed_vessels() {
-  return surface ? closed_surface_warning(domain()) : closed_vessel_warning(*image, openings(), context_);
+  return surface ? closed_surface_warning(domain())
+                 : closed_vessel_warning(*image, cut_planes, openings(), context_);
 }
 
 DomainRead::Survey DomainRead::survey(bool needs_axes) {

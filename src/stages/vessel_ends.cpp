@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <set>
 
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/option.hpp"
@@ -151,13 +152,20 @@ std::string cut_place_text(const Vec3& place_mm) {
   return fmt::format("{:.6g},{:.6g},{:.6g}", p.x(), p.y(), p.z());
 }
 
-std::string closed_vessel_warning(const LabelImage& image, std::span<const Opening> openings,
-                                  Context& context) {
-  if (!openings.empty()) return "";
-  const std::vector<VesselEnd> ends = vessel_ends(image, {}, openings, 1, context);
+std::string closed_vessel_warning(const LabelImage& image, std::span<const CutPlane> cuts,
+                                  std::span<const Opening> openings, Context& context) {
+  std::vector<std::string> names;  // Of lumens.
+  for (const Opening& opening : openings)
+    if (!is_rim_name(opening.name)) names.push_back(opening.name);
+  if (names.size() > 1) return "";
+  const std::vector<VesselEnd> ends = vessel_ends(image, cuts, openings, 1, context);
   if (ends.empty()) return "";
-  const std::string begin = "no vessel leaves the image, so the mesh has no openings; " +
-                            counted(ends.size(), "ends", "end") + " inside: ";
+  const std::string begin =
+      (names.empty()
+           ? "no vessel leaves the image, so the mesh has no openings; "
+           : fmt::format("\"{}\" is the only opening, and nothing flows through a vessel with one; ",
+                         names.front().empty() ? "inlet_1" : names.front())) +
+      counted(ends.size(), "ends", "end") + " inside: ";
   const VesselEnd* const to_cut = first_to_cut(ends);
   if (to_cut == nullptr)
     return begin + fmt::format("none can be cut with {} (lumesh info says why)", option_name("cut_at"));
@@ -169,7 +177,16 @@ std::string closed_vessel_warning(const LabelImage& image, std::span<const Openi
 }
 
 std::string closed_surface_warning(std::span<const Patch> patches) {
-  if (std::any_of(patches.begin(), patches.end(), [](const Patch& p) { return is_plane(p.kind); })) return "";
+  std::set<std::string> openings;
+  for (const Patch& patch : patches)
+    if (is_plane(patch.kind)) openings.insert(patch.name);
+  if (openings.size() > 1) return "";
+  if (openings.size() == 1)
+    return fmt::format(
+        "\"{}\" is the only opening of the surface, and nothing flows through a vessel with one; an end that "
+        "is "
+        "rounded, or cut off obliquely, is taken as wall: cut it off with {}, or give a smaller {}",
+        *openings.begin(), option_name("cut_at"), option_name("feature_angle"));
   return "the surface has no flat end, so the mesh has no openings; cut the vessels off flat before, with "
          "edges around the ends that are sharper than `feature_angle`, or mesh their image with `cut_at`";
 }

@@ -286,6 +286,14 @@ class SurfacesTest(ProgramTest):
         names, _ = self.patches_made(self.solids(("vessel", points, triangles), ("nothing", points, [])))
         self.assertEqual(names, {"wall": "wall", "inlet_1": "opening", "outlet_1": "opening"})
 
+    def test_one_opening_alone_is_told(self):
+        points, wall, low, high = closed_tube()
+        tip = points[-1]
+        points[-1] = (0.0, 0.0, tip[2] + 1.4)  # A cone, which meets the wall at 35 degrees less than a flat end.
+        names, told = self.patches_made(self.stl("cone.stl", points, wall + low + high), "--feature-angle", 70)
+        self.assertEqual(names, {"wall": "wall", "inlet_1": "opening"})
+        self.assertIn('"inlet_1" is the only opening of the surface, and nothing flows through a vessel with one', told)
+
     def test_holes_are_those_that_check_finds(self):
         points, triangles = tube(length=20.0, around=48)
         source = self.stl("hole.stl", points, with_hole(points, triangles, 0.75))

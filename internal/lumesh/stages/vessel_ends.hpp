@@ -53,12 +53,12 @@ void try_cuts(const LabelImage& image, const Polylines& lines, std::span<const C
 /// A line that says how to open the widest one that can be cut; empty without any.
 [[nodiscard]] std::string dead_end_warning(std::span<const VesselEnd> ends);
 
-/// A line for an image none of whose vessels has an opening, but which has vessel ends; empty otherwise. No
-/// cuts were made.
-[[nodiscard]] std::string closed_vessel_warning(const LabelImage& image, std::span<const Opening> openings,
-                                                Context& context);
+/// A line for an image whose vessels have one opening or none, but which has vessel ends; empty otherwise.
+/// @param cuts  That were made of it.
+[[nodiscard]] std::string closed_vessel_warning(const LabelImage& image, std::span<const CutPlane> cuts,
+                                                std::span<const Opening> openings, Context& context);
 
-/// A line for a closed surface without a flat end, of which a mesh has no opening; empty otherwise.
+/// A line for a closed surface with one flat end or none, through which nothing flows; empty otherwise.
 /// @param patches  Of the surface.
 [[nodiscard]] std::string closed_surface_warning(std::span<const Patch> patches);
 /// The same of the surface's domain.

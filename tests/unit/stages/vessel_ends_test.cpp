@@ -127,15 +127,21 @@ TEST(VesselEnds, ADeadEndBesideOpeningsIsToldWithThePlace) {
 TEST(VesselEnds, ClosedVesselsAreWarnedOfAndOthersNot) {
   Context context;
   const LabelImage closed = slanted_tube(-10, 45), half = slanted_tube(-100, 40);
-  EXPECT_NE(
-      closed_vessel_warning(closed, {}, context).find("2 end inside: cut the widest square with `cut_at`"),
-      std::string::npos)
-      << closed_vessel_warning(closed, {}, context);
-  EXPECT_EQ(closed_vessel_warning(half, openings_of(half), context), "");
+  EXPECT_NE(closed_vessel_warning(closed, {}, {}, context)
+                .find("2 end inside: cut the widest square with `cut_at`"),
+            std::string::npos)
+      << closed_vessel_warning(closed, {}, {}, context);
+  EXPECT_EQ(
+      closed_vessel_warning(half, {}, openings_of(half), context)
+          .find(
+              "\"inlet_1\" is the only opening, and nothing flows through a vessel with one; 1 ends inside"),
+      0U);
+  const LabelImage through = slanted_tube(-100, 100);
+  EXPECT_EQ(closed_vessel_warning(through, {}, openings_of(through), context), "");
   const LabelImage ball = fixtures::voxels_of(fixtures::frame_of({24, 24, 24}), {0, 1}, [](const Vec3& p) {
     return (p - Vec3::Constant(11.6)).norm() < 8 ? 1 : 0;
   });
-  EXPECT_EQ(closed_vessel_warning(ball, {}, context), "") << "no vessel";
+  EXPECT_EQ(closed_vessel_warning(ball, {}, {}, context), "") << "no vessel";
 }
 
 }  // namespace
