@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh::surfaces {
@@ -65,17 +66,40 @@ struct RegionRim {
   }
 };
 
+/// For each region the first of those beside each other in one plane, as the patches of one end are.
+std::vector<std::uint32_t> regions_of_planes(const ClosedSurface& surface, const FeatureRegions& regions,
+                                             const std::vector<RegionShape>& shapes,
+                                             const std::vector<bool>& is_flat) {
+  constexpr double kLeastCosine = 0.99;
+  const auto is_one_plane = [&](const RegionShape& a, const RegionShape& b) {
+    const double max_mm = kMaxBent * circle_radius(std::max(a.area_mm2, b.area_mm2));
+    return a.normal.dot(b.normal) > kLeastCosine &&
+           std::abs(a.normal.dot(b.centre_mm - a.centre_mm)) <= max_mm;
+  };
+  DisjointSets planes(shapes.size());
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    for (const std::uint32_t neighbour : surface.neighbours[t]) {
+      const std::uint32_t a = regions.of_triangle[t], b = regions.of_triangle[neighbour];
+      if (a < b && is_flat[a] && is_flat[b] && is_one_plane(shapes[a], shapes[b])) planes.merge(a, b);
+    }
+  std::vector<std::uint32_t> first;
+  for (std::uint32_t r = 0; r < shapes.size(); ++r) first.push_back(planes.find(r));
+  return first;
+}
+
+/// Rims of planes, each at the number of its first region.
 std::vector<RegionRim> rims_of(const ClosedSurface& surface, const FeatureRegions& regions,
-                               const std::vector<bool>& is_flat) {
+                               const std::vector<bool>& is_flat, const std::vector<std::uint32_t>& plane_of) {
   std::vector<RegionRim> rims(is_flat.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
     const std::uint32_t region = regions.of_triangle[t];
     if (!is_flat[region]) continue;
+    RegionRim& rim = rims[plane_of[region]];
     for (std::size_t s = 0; s < 3; ++s) {
       const std::uint32_t other = regions.of_triangle[surface.neighbours[t][s]];
-      if (other == region) continue;
-      rims[region].is_on_bent = rims[region].is_on_bent && !is_flat[other];
-      rims[region].next[surface.triangles[t][s]] = surface.triangles[t][(s + 1) % 3];
+      if (plane_of[other] == plane_of[region]) continue;
+      rim.is_on_bent = rim.is_on_bent && !is_flat[other];
+      rim.next[surface.triangles[t][s]] = surface.triangles[t][(s + 1) % 3];
     }
   }
   return rims;
@@ -87,9 +111,12 @@ std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const Featu
   std::vector<RegionShape> shapes(regions.count());
   add_triangles(surface, regions, shapes);
   const std::vector<bool> is_flat = flat_regions(surface, regions, shapes);
-  const std::vector<RegionRim> rims = rims_of(surface, regions, is_flat);
-  for (std::size_t r = 0; r < shapes.size(); ++r)
-    shapes[r].is_flat_end = is_flat[r] && rims[r].is_on_bent && rims[r].is_one_curve();
+  const std::vector<std::uint32_t> plane_of = regions_of_planes(surface, regions, shapes, is_flat);
+  const std::vector<RegionRim> rims = rims_of(surface, regions, is_flat, plane_of);
+  for (std::size_t r = 0; r < shapes.size(); ++r) {
+    const RegionRim& rim = rims[plane_of[r]];
+    shapes[r].is_flat_end = is_flat[r] && rim.is_on_bent && rim.is_one_curve();
+  }
   return shapes;
 }
 

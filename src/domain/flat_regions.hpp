@@ -14,8 +14,8 @@ struct RegionShape {
   Vec3 normal = Vec3::Zero();  // The mean, out of the object.
   double evenness = 0;         // Of the normals: 1 if they are all alike.
   Box3 box_mm;
-  bool is_flat_end = false;  // In one plane, ends at one closed curve, beside a region that is bent; on the
-                             // outside of the object, not around a cavity.
+  bool is_flat_end = false;  // In one plane that ends at one closed curve, beside regions that are bent; on
+                             // the outside of the object, not around a cavity. Several regions may share it.
 };
 
 /// Shapes of all regions.

@@ -1,11 +1,13 @@
 #include "named_regions.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <set>
 
-#include "flat_regions.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/patch_list.hpp"
@@ -90,6 +92,41 @@ void NamedRegions::name_regions() {
                       triangles_of(r)});
     of_region.push_back(std::move(patch));
   }
+  if (has_named_patches) note_doubts(shapes);
+}
+
+/// Ends that are taken for wall because a few bent triangles belong to their patch, and ends of one name.
+void NamedRegions::note_doubts(std::span<const RegionShape> shapes) {
+  constexpr double kLeastFlat = 0.5;  // Of the patch's area.
+  struct Flat {
+    std::uint32_t first_region = 0;
+    double area_mm2 = 0, flat_mm2 = 0;
+    std::vector<std::string> places = {};
+  };
+  std::map<std::int32_t, Flat> patches;
+  for (std::uint32_t r = 0; r < shapes.size(); ++r) {
+    Flat& flat = patches.try_emplace(regions.patches[r], Flat{r}).first->second;
+    flat.area_mm2 += shapes[r].area_mm2;
+    if (!shapes[r].is_flat_end) continue;
+    flat.flat_mm2 += shapes[r].area_mm2;
+    flat.places.push_back(place_text(shapes[r].centre_mm));
+  }
+  for (const auto& [number, flat] : patches) {
+    const Patch& patch = of_region[flat.first_region];
+    const bool is_called_wall = patch.name.find("wall") != std::string::npos;
+    if (patch.kind == PatchKind::kWall && !is_called_wall && flat.flat_mm2 >= kLeastFlat * flat.area_mm2)
+      notes.push_back(
+          fmt::format("patch \"{}\" is flat in {:.0f} % of its area, at {}, but is taken as wall, as other "
+                      "triangles of it "
+                      "are not in that plane; leave these to the wall's patch to make it an opening",
+                      patch.name, 100 * flat.flat_mm2 / flat.area_mm2, fmt::join(flat.places, " and ")));
+    if (patch.kind == PatchKind::kOpening && flat.places.size() > 1)
+      notes.push_back(
+          fmt::format("patch \"{}\" lies in {} separate places, at {}: openings of one name are one patch; "
+                      "give them names "
+                      "of their own",
+                      patch.name, flat.places.size(), fmt::join(flat.places, " and ")));
+  }
 }
 
 const Patch* NamedRegions::patch_of_file(std::int32_t number) const {
@@ -141,6 +178,10 @@ PatchedSurface::PatchedSurface(const SurfaceView& surface, const SurfaceDomainOp
 
 std::span<const FlatEnd> PatchedSurface::flat_ends() const {
   return regions_->ends;
+}
+
+std::span<const std::string> PatchedSurface::patch_notes() const {
+  return regions_->notes;
 }
 
 std::span<const Patch> PatchedSurface::patches() const {

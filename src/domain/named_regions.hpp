@@ -2,11 +2,13 @@
 /// @file A closed surface in regions, each with the patch that it is, and the flat ends among them.
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "closed_surface.hpp"
 #include "feature_regions.hpp"
+#include "flat_regions.hpp"
 #include "lumesh/domain/surface_domain.hpp"
 
 namespace lumesh::surfaces {
@@ -23,9 +25,11 @@ struct NamedRegions {
   bool has_named_patches = false;  ///< Several, without caps.
   std::vector<Patch> of_region;
   std::vector<FlatEnd> ends;
+  std::vector<std::string> notes;  ///< Lines on patches of the file that are hardly what they were meant for.
 
  private:
   void name_regions();
+  void note_doubts(std::span<const RegionShape> shapes);
   [[nodiscard]] const Patch* patch_of_file(std::int32_t number) const;
   [[nodiscard]] bool is_cap_of_file(std::int32_t number) const;
   [[nodiscard]] std::string name_of_file(std::uint32_t region) const;

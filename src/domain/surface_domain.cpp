@@ -206,6 +206,10 @@ std::span<const Vec3> SurfaceDomain::fixed_points() const {
   return parts_->fixed_points;
 }
 
+std::span<const std::string> SurfaceDomain::patch_notes() const {
+  return parts_->named.notes;
+}
+
 std::uint32_t SurfaceDomain::region_count() const {
   return parts_->regions.count();
 }

@@ -170,6 +170,7 @@ void add_openings_of_surface(const DescriptionRequest& request, json& all, Conte
     const std::vector<Opening> openings = openings_of(patched.flat_ends(), patched.resolution_mm());
     all["openings"] = describe_openings(openings);
     warn_of_unit(surface, openings, unit, path, context);
+    for (const std::string& note : patched.patch_notes()) context.warn(note);
     const std::string warning = closed_surface_warning(patched.patches());
     if (!warning.empty()) context.warn(warning);
   } catch (const Error& error) {

@@ -273,6 +273,30 @@ class SurfacesTest(ProgramTest):
         self.assertEqual(names, {"wall": "wall", "solid_2": "opening", "solid_3": "opening"})
         self.assertIn('"вход" is solid_2, "出口1" is solid_3', told)
 
+    def test_ends_of_one_name_are_told(self):
+        points, wall, low, high = closed_tube()
+        names, told = self.patches_made(self.solids(("wall", points, wall), ("end", points, low), ("end", points, high)))
+        self.assertEqual(names, {"wall": "wall", "end": "opening"})
+        self.assertIn('patch "end" lies in 2 separate places, at (0.0, 0.0, 0.0) mm and (0.0, 0.0, 12.0) mm', told)
+
+    def test_an_end_of_several_patches_stays_open(self):
+        points, wall, low, high = closed_tube()
+        names, told = self.patches_made(
+            self.solids(("lumen", points, wall), ("in", points, low), ("left", points, high[:12]), ("right", points, high[12:])))
+        self.assertEqual(names, {"lumen": "wall", "in": "opening", "left": "opening", "right": "opening"})
+        self.assertEqual(told, "")
+        ids = [1] * len(wall) + [2] * len(low) + [3] * 8 + [4] * 16
+        names, _ = self.patches_made(self.vtp(points, wall + low + high, ModelFaceID=ids))
+        self.assertEqual(names, {"face_1": "wall", "face_2": "opening", "face_3": "opening", "face_4": "opening"})
+
+    def test_an_end_with_triangles_of_the_wall_is_told(self):
+        points, wall, low, high = closed_tube()
+        names, told = self.patches_made(
+            self.solids(("lumen", points, wall[:-48]), ("in", points, low), ("out", points, high + wall[-48:])))
+        self.assertEqual(names, {"lumen": "wall", "in": "opening", "out": "wall"})
+        self.assertRegex(told, 'patch "out" is flat in [67]. % of its area, at .0.0, 0.0, 12.0. mm, but is taken as wall')
+        self.assertIn('"in" is the only opening of the surface', told)
+
     def test_an_array_of_one_number_hides_nothing(self):
         points, wall, low, high = closed_tube()
         triangles = wall + low + high

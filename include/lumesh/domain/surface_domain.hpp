@@ -83,6 +83,9 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] bool is_beyond_opening(Material m) const override;
   [[nodiscard]] std::span<const Vec3> fixed_points() const override;
 
+  /// Lines on patches of the file that are hardly what they were meant for: ends taken for wall because a few
+  /// bent triangles belong to them, ends of one name.
+  [[nodiscard]] std::span<const std::string> patch_notes() const;
   [[nodiscard]] std::uint32_t region_count() const;
   /// Sum of the regions' areas, and what they enclose.
   [[nodiscard]] double area_mm2() const;

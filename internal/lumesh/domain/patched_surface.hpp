@@ -21,6 +21,8 @@ class PatchedSurface {
   [[nodiscard]] std::span<const FlatEnd> flat_ends() const;
   /// Patches that sharp edges and the patches of the file divide the surface into, the largest first.
   [[nodiscard]] std::span<const Patch> patches() const;
+  /// Lines on patches of the file that are hardly what they were meant for.
+  [[nodiscard]] std::span<const std::string> patch_notes() const;
   [[nodiscard]] double resolution_mm() const;  ///< As of the domain.
   /// The surface, turned outwards, each triangle with the patch of its part; patches of one name are one.
   [[nodiscard]] MixedMesh mesh() const;
