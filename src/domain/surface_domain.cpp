@@ -11,6 +11,7 @@
 #include "distance_octree.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/parallel/loops.hpp"
