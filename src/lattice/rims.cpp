@@ -14,6 +14,8 @@ namespace lumesh {
 
 namespace {
 
+constexpr Material kOfAnotherLabel = std::numeric_limits<Material>::max();
+
 class RimChoice {
  public:
   RimChoice(const WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain)
@@ -71,7 +73,7 @@ class RimChoice {
       const CutPlane& plane = domain_.cut_plane(outside);
       const double height_mm = plane.height(centroid);
       const Vec3 within = centroid - (height_mm + little_mm) * plane.normal;
-      const bool is_there = !domain_.beyond_cut(within) && domain_.is_meshed(domain_.material_at(within));
+      const bool is_there = !domain_.beyond_cut(within) && domain_.material_at(within) == triangle.inside;
       return is_there ? std::abs(height_mm) : kFar;
     }
     const std::optional<Vec3> wall =
@@ -96,17 +98,18 @@ class RimChoice {
   bool change_if_nearer(std::uint32_t t) {
     BoundaryTriangle& triangle = boundary_.triangles[t];
     const Material own = triangle.outside;
-    std::array<Material, 3> beside = {own, own, own};
-    for (std::size_t e = 0; e < 3; ++e)
-      if (const auto other = across(t, triangle.vertices[e], triangle.vertices[(e + 1) % 3]))
-        beside[e] = outside(*other);
-    std::optional<double> own_mm;
-    for (const Material m : beside) {
-      if (m == own || !may_become(t, m, beside)) continue;
-      if (!own_mm) own_mm = distance_mm(t, own);
-      if (distance_mm(t, m) < *own_mm) triangle.outside = m;
+    std::array<Material, 3> beside{};
+    for (std::size_t e = 0; e < 3; ++e) {
+      const auto other = across(t, triangle.vertices[e], triangle.vertices[(e + 1) % 3]);
+      beside[e] =
+          other && boundary_.triangles[*other].inside == triangle.inside ? outside(*other) : kOfAnotherLabel;
     }
-    if (triangle.outside == own) return false;
+    // No two others may be chosen: with one edge each, the vertices opposite have triangles of both.
+    const auto other = std::find_if(beside.begin(), beside.end(), [&](Material m) {
+      return m != own && m != kOfAnotherLabel && may_become(t, m, beside);
+    });
+    if (other == beside.end() || distance_mm(t, *other) >= distance_mm(t, own)) return false;
+    triangle.outside = *other;
     touched_.insert(touched_.end(), triangle.vertices.begin(), triangle.vertices.end());
     return true;
   }
@@ -122,8 +125,10 @@ class RimChoice {
     const auto edge =
         static_cast<std::size_t>(std::find(beside.begin(), beside.end(), other) - beside.begin());
     const auto around = surface_.triangles(triangle.vertices[(edge + 2) % 3]);
-    return std::all_of(around.begin(), around.end(),
-                       [&](std::uint32_t i) { return !is_outer(i) || outside(i) == triangle.outside; });
+    return std::all_of(around.begin(), around.end(), [&](std::uint32_t i) {
+      return !is_outer(i) ||
+             (outside(i) == triangle.outside && boundary_.triangles[i].inside == triangle.inside);
+    });
   }
 
   void renew_sets() {

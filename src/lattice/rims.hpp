@@ -7,8 +7,8 @@ namespace lumesh {
 
 /// Gives triangles beside rims the outside material whose surface is nearest to them: the cut plane where it
 /// cuts the object, or the wall. Where a wall meets a cut plane at a small angle, the lattice's rim may be
-/// some edges away from the true one, further than vertices can be carried. Every opening and every part of a
-/// wall keeps its topology.
+/// some edges away from the true one, further than vertices can be carried. The topology of each label's
+/// openings and walls stays.
 void choose_rims(const WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain);
 
 }  // namespace lumesh

@@ -46,7 +46,8 @@ Folds fold_at(const MeshView& mesh, const ImageDomain& domain, std::size_t trian
   const Vec3 outwards = (mesh.points[b] - mesh.points[a]).cross(mesh.points[c] - mesh.points[a]);
   const Vec3 centroid = (mesh.points[a] + mesh.points[b] + mesh.points[c]) / 3;
   const Vec3 inwards = domain.separation(centroid, inside, 0).gradient;
-  const double cosine = -outwards.dot(inwards) / std::max(outwards.norm() * inwards.norm(), 1e-300);
+  const double cosine =
+      std::max(-1.0, -outwards.dot(inwards) / std::max(outwards.norm() * inwards.norm(), 1e-300));
   return cosine < 0 ? Folds{1, cosine, centroid} : Folds{};
 }
 
