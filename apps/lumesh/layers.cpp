@@ -5,6 +5,7 @@
 #include "common.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/report/stage_pages.hpp"
+#include "lumesh/stages/changing_mesh.hpp"
 #include "lumesh/stages/layers_stage.hpp"
 #include "option_adapter.hpp"
 
@@ -33,7 +34,7 @@ void run(const LayersCommand& command) {
   check_output_folders({to, command.json_path, command.report_path});
   check_inputs_stay({command.json_path, command.report_path}, {from});
   MixedMesh input = context.phase("read", [&] { return read_mesh(from); });
-  const MeshInfo own = bring_to_lps_mm(input);
+  const OwnPoints own(input);
   const MeshView before = input.view();
   std::optional<LayerResult> grown;
   if (wanted.is_wanted()) grown = grow_layers_on(input, from, wanted, context);
@@ -42,7 +43,7 @@ void run(const LayersCommand& command) {
   MixedMesh mesh = grown ? std::move(grown->mesh) : input;
   extend_mesh(mesh, from, extension, wanted.options.cells, context);
   mesh.info.provenance = provenance_of(command.run.making(), from, input.info.provenance);
-  bring_to(mesh, own);
+  own.bring_back(mesh);
   context.phase("write", [&] { write_mesh(to, mesh.view()); });
   say(command.run, "{}",
       layers ? report::layers_text(to, *layers) : report::extension_text(to, before, mesh));

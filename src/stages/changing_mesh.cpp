@@ -1,6 +1,11 @@
 #include "lumesh/stages/changing_mesh.hpp"
 
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -8,28 +13,50 @@
 #include "lumesh/stages/metric_input.hpp"
 
 namespace lumesh {
-namespace {
 
-/// What bring_to() does of meshes that are not changing any more.
-void bring_back(TetMesh& mesh, const MeshInfo& frame) {
-  const Vec3 factors = frame_factors(mesh.info(), frame);
-  mesh.info().frame = frame.frame;
-  mesh.info().unit = frame.unit;
-  if (factors == Vec3::Ones()) return;
+OwnPoints::OwnPoints(MixedMesh& mesh) : mesh_(&mesh) {
+  const bool is_other = frame_factors(mesh.info, MeshInfo()) != Vec3::Ones();
+  if (is_other) own_ = mesh.points;
+  frame_ = bring_to_lps_mm(mesh);
+  if (!is_other) return;
+  factors_ = frame_factors(MeshInfo(), frame_);
+  order_.resize(own_.size());
+  std::iota(order_.begin(), order_.end(), 0U);
+  std::sort(order_.begin(), order_.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return precedes(mesh.points[a], mesh.points[b]); });
+}
+
+Vec3 OwnPoints::place(const Vec3& point_mm) const {
+  const std::vector<Vec3>& points = mesh_->points;
+  const auto found = std::lower_bound(order_.begin(), order_.end(), point_mm,
+                                      [&](std::uint32_t i, const Vec3& p) { return precedes(points[i], p); });
+  return found != order_.end() && points[*found] == point_mm ? own_[*found] : point_mm.cwiseProduct(factors_);
+}
+
+void OwnPoints::bring_back(MixedMesh& mesh) const {
+  if (own_.empty()) return;
+  for (Vec3& p : mesh.points) p = place(p);
+  for (SymTensor& m : mesh.metric) m = in_frame(m, factors_);
+  mesh.info.frame = frame_.frame;
+  mesh.info.unit = frame_.unit;
+}
+
+void OwnPoints::bring_back(TetMesh& mesh) const {
+  mesh.info().frame = frame_.frame;
+  mesh.info().unit = frame_.unit;
+  if (own_.empty()) return;
   for (std::uint32_t i = 0; i < mesh.vertex_count(); ++i) {
     const VertexId v(i);
-    mesh.set_point(v, mesh.point(v).cwiseProduct(factors));
+    mesh.set_point(v, place(mesh.point(v)));
     if (!mesh.has_metric()) continue;
-    const SymTensor metric = in_frame(mesh.metric(v), factors);
+    const SymTensor metric = in_frame(mesh.metric(v), factors_);
     mesh.set_metric(v, metric, metric::log(metric));
   }
 }
 
-}  // namespace
-
 ChangingMesh::ChangingMesh(MixedMesh& input, const std::vector<std::string>& keep, const std::string& name,
                            Context& context)
-    : input_(&input), own_(bring_to_lps_mm(input)) {
+    : input_(&input), own_(input) {
   if (!keep.empty()) {
     if (input.triangles.empty() && input.quadrilaterals.empty()) extract_boundary(input);
     naming(name, [&] { kept_.emplace(input, labels_called(input, keep)); });
@@ -43,7 +70,7 @@ std::vector<PatchId> ChangingMesh::frozen_patches() const {
 
 std::vector<SymTensor> ChangingMesh::given_metric(const std::string& name, const std::string& file) const {
   std::vector<SymTensor> metric = metric_of(given(), name, file);
-  const Vec3 factors = frame_factors(own_, input_->info);
+  const Vec3 factors = frame_factors(own_.frame(), input_->info);
   if (!file.empty() && factors != Vec3::Ones())
     for (SymTensor& m : metric) m = in_frame(m, factors);
   return metric;
@@ -54,23 +81,23 @@ void ChangingMesh::finish(const std::map<std::string, std::string>& provenance, 
   faces_ = changing_.boundary_faces();
   if (kept_) {
     whole_ = context.phase("put back", [&] { return kept_->put_back(changing_); });
-    bring_to(whole_, own_);
+    own_.bring_back(whole_);
   } else {
-    bring_back(changing_, own_);
+    own_.bring_back(changing_);
   }
 }
 
 void ChangingMesh::finish_metric(const std::map<std::string, std::string>& provenance) {
   changing_.info().provenance = provenance;
   faces_ = changing_.boundary_faces();
-  if (!kept_) return bring_back(changing_, own_);
+  if (!kept_) return own_.bring_back(changing_);
   whole_ = *input_;
   whole_.info.provenance = provenance;
   if (whole_.metric.empty()) whole_.metric = own_metric(whole_);
   const MeshView changed = changing_.view();
   for (std::size_t v = 0; v < kept_->free_points().size(); ++v)
     whole_.metric[kept_->free_points()[v]] = changed.metric[v];
-  bring_to(whole_, own_);
+  own_.bring_back(whole_);
 }
 
 }  // namespace lumesh

@@ -68,6 +68,17 @@ class UnitsTest(ProgramTest):
         mm, _ = self.compare("layers", "--first-height", 0.01, "--growth", 1.2, "--count", 3)
         self.assertAlmostEqual(max(y for _, y, _ in self.points(mm)), 1 + 0.01 * (1 + 1.2 + 1.44), delta=0.002)
 
+    def test_points_that_stay_keep_their_bits(self):
+        """0.075 cm is 0.75 mm, and 0.75 mm is 0.07500000000000001 cm."""
+        before = self.points(self.cm)
+        self.assertTrue(any(10 * x * 0.1 != x for p in before for x in p))
+        metric, layered = self.folder / "metric.vtu", self.folder / "layered.vtu"
+        self.run_well("metric", self.cm, "--curvature", "--max-size", 0.3, "-o", metric)
+        self.assertEqual(self.points(metric), before)
+        self.run_well("layers", self.cm, "--first-height", 0.01, "--count", 2, "-o", layered)
+        after = {tuple(p) for p in self.points(layered)}
+        self.assertTrue(all(tuple(p) in after for p in before))
+
     def test_layers_within_and_the_figures_of_layers(self):
         told = []
         for unit in ("mm", "cm"):

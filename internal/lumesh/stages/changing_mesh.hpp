@@ -13,6 +13,28 @@
 
 namespace lumesh {
 
+/// Points of a mesh in the frame and unit of its file, while it is in LPS and mm: there and back again is off
+/// by roundings.
+class OwnPoints {
+ public:
+  /// Brings the mesh to LPS and mm; it outlives this, and keeps its points.
+  explicit OwnPoints(MixedMesh& mesh);
+
+  [[nodiscard]] const MeshInfo& frame() const { return frame_; }  ///< And unit of the file.
+  /// A place in the frame of the file: bitwise what it was where nothing has moved it.
+  [[nodiscard]] Vec3 place(const Vec3& point_mm) const;
+  /// Brings a mesh, in LPS and mm, back to the frame of the file.
+  void bring_back(MixedMesh& mesh) const;
+  void bring_back(TetMesh& mesh) const;
+
+ private:
+  const MixedMesh* mesh_;
+  MeshInfo frame_;
+  Vec3 factors_ = Vec3::Ones();       // From LPS and mm.
+  std::vector<Vec3> own_;             // Empty where the file is in LPS and mm.
+  std::vector<std::uint32_t> order_;  // Of the mesh's points by precedes().
+};
+
 /// In LPS and mm, in which all options are, until it is finished; then in the frame and unit of its file.
 class ChangingMesh {
  public:
@@ -49,7 +71,7 @@ class ChangingMesh {
 
  private:
   const MixedMesh* input_;
-  MeshInfo own_;  // Frame and unit of the file.
+  OwnPoints own_;
   std::optional<KeptCells> kept_;
   TetMesh changing_;
   BoundaryFaces faces_;
