@@ -115,16 +115,14 @@ void NamedRegions::note_doubts(std::span<const RegionShape> shapes) {
     const Patch& patch = of_region[flat.first_region];
     const bool is_called_wall = patch.name.find("wall") != std::string::npos;
     if (patch.kind == PatchKind::kWall && !is_called_wall && flat.flat_mm2 >= kLeastFlat * flat.area_mm2)
-      notes.push_back(
-          fmt::format("patch \"{}\" is flat in {:.0f} % of its area, at {}, but is taken as wall, as other "
-                      "triangles of it "
-                      "are not in that plane; leave these to the wall's patch to make it an opening",
-                      patch.name, 100 * flat.flat_mm2 / flat.area_mm2, fmt::join(flat.places, " and ")));
+      notes.push_back(fmt::format(
+          "patch \"{}\" is flat in {:.0f} % of its area, at {}, but is taken as wall, as other "
+          "triangles of it are not in that plane; leave these to the wall's patch to make it an opening",
+          patch.name, 100 * flat.flat_mm2 / flat.area_mm2, fmt::join(flat.places, " and ")));
     if (patch.kind == PatchKind::kOpening && flat.places.size() > 1)
       notes.push_back(
           fmt::format("patch \"{}\" lies in {} separate places, at {}: openings of one name are one patch; "
-                      "give them names "
-                      "of their own",
+                      "give them names of their own",
                       patch.name, flat.places.size(), fmt::join(flat.places, " and ")));
   }
 }

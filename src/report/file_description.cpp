@@ -171,7 +171,7 @@ void add_openings_of_surface(const DescriptionRequest& request, json& all, Conte
     all["openings"] = describe_openings(openings);
     warn_of_unit(surface, openings, unit, path, context);
     for (const std::string& note : patched.patch_notes()) context.warn(note);
-    const std::string warning = closed_surface_warning(patched.patches());
+    const std::string warning = closed_surface_warning(patched.patches(), patched.flat_ends());
     if (!warning.empty()) context.warn(warning);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput || !request.cuts.none()) throw;

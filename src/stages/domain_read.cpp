@@ -57,8 +57,9 @@ void DomainRead::read() {
 void DomainRead::cut_image() {
   cut_planes = naming(
       name, [&] { return context_.phase("cuts", [&] { return cut_off(*image, input_.cuts, context_); }); });
-  if (const std::string pieces = small_pieces_warning(*image, cut_planes); !pieces.empty())
-    context_.warn(pieces);
+  const std::string pieces =
+      context_.phase("pieces", [&] { return small_pieces_warning(*image, cut_planes); });
+  if (!pieces.empty()) context_.warn(pieces);
 }
 
 const Domain& DomainRead::domain() {

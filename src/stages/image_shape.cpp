@@ -180,25 +180,22 @@ ImageShape shape_of(const LabelImage& image, std::span<const CutPlane> planes) {
 
 std::string small_pieces_warning(const LabelImage& image, std::span<const CutPlane> planes) {
   constexpr double kSmall = 0.01;
-  std::vector<VoxelComponent> pieces = voxel_components(image, ComponentScope::kUnion);
+  std::vector<VoxelComponent> pieces =
+      voxel_components(planes.empty() ? image : cut_off(image, planes), ComponentScope::kUnion);
   if (pieces.size() < 2) return "";
+  const std::size_t others = pieces.size() - 1;
   const double most = kSmall * static_cast<double>(pieces.front().voxel_count);
-  const auto place_of = [&](const VoxelComponent& piece) {
-    return image.frame().to_physical(piece.first.cast<double>());
-  };
-  std::erase_if(pieces, [&](const VoxelComponent& piece) {
-    return static_cast<double>(piece.voxel_count) >= most ||
-           std::any_of(planes.begin(), planes.end(),
-                       [&](const CutPlane& plane) { return plane.beyond_mm(place_of(piece)) > 0; });
-  });
+  std::erase_if(pieces,
+                [&](const VoxelComponent& piece) { return static_cast<double>(piece.voxel_count) >= most; });
   if (pieces.empty()) return "";
   std::size_t voxels = 0;
   for (const VoxelComponent& piece : pieces) voxels += piece.voxel_count;
   return fmt::format(
-      "{} besides the largest ({} at {}); `largest_component` or `drop_below` {} removes {}",
+      "{} besides the largest ({} at {}); {}`drop_below` {} removes {}",
       counted(pieces.size(), "small piece"),
       pieces.size() == 1 ? counted(voxels, "voxel") : fmt::format("{} voxels together, one", voxels),
-      place_text(place_of(pieces.front())), pieces.front().voxel_count + 1,
+      place_text(image.frame().to_physical(pieces.front().first.cast<double>())),
+      pieces.size() == others ? "`largest_component` or " : "", pieces.front().voxel_count + 1,
       pieces.size() == 1 ? "it" : "them");
 }
 

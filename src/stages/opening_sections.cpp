@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "lumesh/core/disjoint_sets.hpp"
@@ -184,10 +185,16 @@ std::vector<std::string> doubts_about_edges(const LabelImage& image, std::span<c
     for (const std::uint32_t b : at_border)
       if (a < b && meet_at_edge(openings[a], openings[b])) sets.merge(a, b);
   std::map<std::uint32_t, std::vector<std::string>> names;
-  for (const std::uint32_t i : at_border) names[sets.find(i)].push_back(openings[i].name);
+  std::set<std::uint32_t> wide;  // From one face of the image to the opposite one, as tissue is.
+  for (const std::uint32_t i : at_border) {
+    names[sets.find(i)].push_back(openings[i].name);
+    for (const std::uint32_t j : at_border)
+      if (sets.find(i) == sets.find(j) && openings[i].normal.dot(openings[j].normal) < -0.5)
+        wide.insert(sets.find(i));
+  }
   std::vector<std::string> doubts;
   for (const auto& [first, parts] : names)
-    if (parts.size() > 1)
+    if (parts.size() > 1 && !wide.contains(first))
       doubts.push_back(fmt::format(
           "{} and {} at {} are parts of one section, through an edge of the image: one vessel would have {} "
           "boundary conditions; cut it before the edge with {} or {}",

@@ -176,11 +176,13 @@ std::string closed_vessel_warning(const LabelImage& image, std::span<const CutPl
                              option_name("cut_at"), cut_place_text(*to_cut->cut_mm));
 }
 
-std::string closed_surface_warning(std::span<const Patch> patches) {
+std::string closed_surface_warning(std::span<const Patch> patches, std::span<const FlatEnd> ends) {
   std::set<std::string> openings;
   for (const Patch& patch : patches)
-    if (is_plane(patch.kind)) openings.insert(patch.name);
-  if (openings.size() > 1) return "";
+    if (patch.kind == PatchKind::kOpening) openings.insert(patch.name);
+  // A patch that lies in several places is no flat end.
+  const bool is_one_end = openings.size() == 1 && ends.size() == 1 && ends.front().name == *openings.begin();
+  if (!openings.empty() && !is_one_end) return "";
   if (openings.size() == 1)
     return fmt::format(
         "\"{}\" is the only opening of the surface, and nothing flows through a vessel with one; an end that "
@@ -197,7 +199,7 @@ std::string closed_surface_warning(const Domain& domain) {
   for (Material outside = 0; outside < domain.material_count(); ++outside)
     if (const auto patch = domain.patch_between(kInside, outside); patch && outside != kInside)
       patches.push_back(*patch);
-  return closed_surface_warning(patches);
+  return closed_surface_warning(patches, domain.flat_ends());
 }
 
 }  // namespace lumesh

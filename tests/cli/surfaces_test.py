@@ -278,6 +278,7 @@ class SurfacesTest(ProgramTest):
         names, told = self.patches_made(self.solids(("wall", points, wall), ("end", points, low), ("end", points, high)))
         self.assertEqual(names, {"wall": "wall", "end": "opening"})
         self.assertIn('patch "end" lies in 2 separate places, at (0.0, 0.0, 0.0) mm and (0.0, 0.0, 12.0) mm', told)
+        self.assertNotIn("only opening", told)
 
     def test_an_end_of_several_patches_stays_open(self):
         points, wall, low, high = closed_tube()

@@ -25,7 +25,7 @@ struct ImageShape {
 [[nodiscard]] ImageShape shape_of(const LabelImage& image, std::span<const CutPlane> planes = {});
 
 /// A line if there are pieces, of all labels together, of less than a hundredth of the largest one's voxels;
-/// else empty. @param planes  Pieces beyond them do not count. Cost: as voxel_components().
+/// else empty. @param planes  What lies beyond them is left out. Cost: as voxel_components().
 [[nodiscard]] std::string small_pieces_warning(const LabelImage& image, std::span<const CutPlane> planes);
 
 /// One line for pieces of labels that have no tetrahedron, with their places, and one for labels whose number

@@ -60,7 +60,9 @@ void try_cuts(const LabelImage& image, const Polylines& lines, std::span<const C
 
 /// A line for a closed surface with one flat end or none, through which nothing flows; empty otherwise.
 /// @param patches  Of the surface.
-[[nodiscard]] std::string closed_surface_warning(std::span<const Patch> patches);
+/// @param ends  Its flat ends.
+[[nodiscard]] std::string closed_surface_warning(std::span<const Patch> patches,
+                                                 std::span<const FlatEnd> ends);
 /// The same of the surface's domain.
 [[nodiscard]] std::string closed_surface_warning(const Domain& domain);
 

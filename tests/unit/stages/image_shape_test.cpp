@@ -42,6 +42,10 @@ TEST(ImageShape, SmallPiecesAreToldWithTheirRemedy) {
   EXPECT_EQ(small_pieces_warning(image, {&plane, 1}), "") << "they are beyond a plane";
   image.at({2, 9, 0}) = image.at({3, 9, 0}) = 1;
   EXPECT_EQ(small_pieces_warning(image, {}).find("1 small piece besides"), 0U) << "one of 4 of 343 is none";
+  EXPECT_EQ(small_pieces_warning(image, {}).find("`largest_component`"), std::string::npos)
+      << "takes it, too";
+  const CutPlane below{Vec3(0, 7.5, 0), -Vec3::UnitY()};
+  EXPECT_EQ(small_pieces_warning(image, {&below, 1}), "") << "the largest is beyond a plane";
 }
 
 /// Two cubes of 4 x 4 x 4 voxels, with or without a layer of voxels between.
