@@ -1,6 +1,5 @@
 #include "defects.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "crossings.hpp"
+#include "lumesh/domain/facing.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "narrow_gaps.hpp"
 #include "protrusions.hpp"
@@ -183,10 +183,7 @@ class Defect {
         part_.boundary.triangles.begin(), part_.boundary.triangles.end(), [&](const BoundaryTriangle& t) {
           if (t.outside != 0) return false;
           const auto& [a, b, c] = t.vertices;
-          const Vec3 outwards = (at[b] - at[a]).cross(at[c] - at[a]);
-          const Vec3 inwards =
-              setting_.domain.separation((at[a] + at[b] + at[c]) / 3, t.inside, t.outside).gradient;
-          return -outwards.dot(inwards) < min_cosine_ * outwards.norm() * inwards.norm();
+          return cosine_to_boundary(setting_.domain, at[a], at[b], at[c], t.inside, t.outside) < min_cosine_;
         }));
   }
 

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/domain/facing.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -43,12 +43,9 @@ std::vector<Material> materials_inside_walls(const MeshView& mesh, const ImageDo
 /// The triangle alone, if it is a fold.
 Folds fold_at(const MeshView& mesh, const ImageDomain& domain, std::size_t triangle, Material inside) {
   const auto& [a, b, c] = mesh.triangles[triangle];
-  const Vec3 outwards = (mesh.points[b] - mesh.points[a]).cross(mesh.points[c] - mesh.points[a]);
-  const Vec3 centroid = (mesh.points[a] + mesh.points[b] + mesh.points[c]) / 3;
-  const Vec3 inwards = domain.separation(centroid, inside, 0).gradient;
-  const double cosine =
-      std::max(-1.0, -outwards.dot(inwards) / std::max(outwards.norm() * inwards.norm(), 1e-300));
-  return cosine < 0 ? Folds{1, cosine, centroid} : Folds{};
+  const Vec3 &p = mesh.points[a], &q = mesh.points[b], &r = mesh.points[c];
+  const double cosine = std::max(-1.0, cosine_to_boundary(domain, p, q, r, inside, 0));
+  return cosine < 0 ? Folds{1, cosine, (p + q + r) / 3} : Folds{};
 }
 
 }  // namespace
@@ -71,8 +68,7 @@ std::vector<std::string> note_of_folds(const MeshView& mesh, const ImageDomain& 
   if (folds.count == 0) return {};
   return {
       fmt::format("the wall is folded: {} against the image's boundary, the worst at {} by {:.0f} degrees; a "
-                  "smaller `edge_length` "
-                  "may help",
+                  "smaller `edge_length` may help",
                   counted(folds.count, "triangle faces", "triangles face"), place_text(folds.worst_mm),
                   std::acos(folds.worst_cosine) * 180 / std::numbers::pi)};
 }

@@ -19,6 +19,9 @@
 namespace lumesh {
 namespace {
 
+constexpr double kAlike = 0.999;   // Cosine between normals of one direction.
+constexpr double kFewFaces = 3.5;  // Of voxels: too few to tell the section of a vessel.
+
 /// The sections on one side: the first or last layer along an axis, but what planes cut off of it.
 void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int axis, bool is_last,
                   std::vector<BorderSection>& sections) {
@@ -61,7 +64,6 @@ std::optional<std::size_t> opening_of(const BorderSection& section, std::span<co
   std::optional<std::size_t> best;
   std::size_t most = 0;
   for (std::size_t i = 0; i < openings.size(); ++i) {
-    constexpr double kAlike = 0.999;
     const Opening& o = openings[i];
     if (o.label != section.label || !o.squares || o.normal.dot(section.normal) < kAlike) continue;
     const auto held =
@@ -80,14 +82,10 @@ struct Voxels {
   std::size_t sections = 0;  ///< Of some faces.
 
   /// Whether there are too few faces to tell the section of a vessel.
-  [[nodiscard]] bool is_tiny() const {
-    constexpr double kFaces = 3.5;
-    return area_mm2 < kFaces * face_mm2;
-  }
+  [[nodiscard]] bool is_tiny() const { return area_mm2 < kFewFaces * face_mm2; }
 };
 
 bool are_in_one_plane(const Opening& a, const Opening& b) {
-  constexpr double kAlike = 0.999;
   return a.normal.dot(b.normal) > kAlike &&
          std::abs(a.normal.dot(b.centre_mm - a.centre_mm)) < 0.5 * std::min(a.voxel_mm, b.voxel_mm);
 }
@@ -141,7 +139,7 @@ std::string doubt_of_tiny(const std::vector<const Opening*>& tiny) {
 }
 
 bool is_at_border(const ImageFrame& frame, const Opening& opening) {
-  constexpr double kAlike = 0.999, kNear = 1e-3;  // Voxels.
+  constexpr double kNear = 1e-3;  // Voxels.
   const Vec3 index = frame.to_index(opening.centre_mm);
   for (int axis = 0; axis < 3; ++axis)
     if (std::abs(frame.direction.col(axis).dot(opening.normal)) > kAlike)
@@ -166,11 +164,10 @@ bool meet_at_edge(const Opening& a, const Opening& b) {
 
 /// The openings that are worth a boundary condition.
 std::vector<std::uint32_t> openings_at_border(const LabelImage& image, std::span<const Opening> openings) {
-  constexpr double kFaces = 3.5;
   std::vector<std::uint32_t> found;
   for (std::uint32_t i = 0; i < openings.size(); ++i) {
     const Opening& o = openings[i];
-    if (!o.is_rim && o.squares && o.area_mm2 > kFaces * o.voxel_mm * o.voxel_mm &&
+    if (!o.is_rim && o.squares && o.area_mm2 > kFewFaces * o.voxel_mm * o.voxel_mm &&
         is_at_border(image.frame(), o))
       found.push_back(i);
   }

@@ -186,8 +186,7 @@ std::string closed_surface_warning(std::span<const Patch> patches, std::span<con
   if (openings.size() == 1)
     return fmt::format(
         "\"{}\" is the only opening of the surface, and nothing flows through a vessel with one; an end that "
-        "is "
-        "rounded, or cut off obliquely, is taken as wall: cut it off with {}, or give a smaller {}",
+        "is rounded, or cut off obliquely, is taken as wall: cut it off with {}, or give a smaller {}",
         *openings.begin(), option_name("cut_at"), option_name("feature_angle"));
   return "the surface has no flat end, so the mesh has no openings; cut the vessels off flat before, with "
          "edges around the ends that are sharper than `feature_angle`, or mesh their image with `cut_at`";

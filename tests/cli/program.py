@@ -1,6 +1,8 @@
 """What the tests of the program share: a folder of their own, running it, and how it must refuse."""
 import json
+import os
 import pathlib
+import pty
 import signal
 import shutil
 import subprocess
@@ -52,6 +54,21 @@ class ProgramTest(unittest.TestCase):
         result = self.run_lumesh(*arguments)
         self.assertEqual(result.returncode, 0, result.stderr)
         return result
+
+    def on_a_terminal(self, *arguments):
+        """What a terminal gets on stderr."""
+        reader, writer = pty.openpty()
+        with subprocess.Popen([LUMESH, *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=writer) as process:
+            os.close(writer)
+            text = b""
+            try:
+                while block := os.read(reader, 4096):
+                    text += block
+            except OSError:  # The other end is closed.
+                pass
+        os.close(reader)
+        self.assertEqual(process.returncode, 0, text)
+        return text.decode()
 
     def assert_refused(self, result, code, *words):
         """The exit code, and one line that says what is wrong."""

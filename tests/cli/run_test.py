@@ -5,11 +5,8 @@ Usage: run_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input, 4 tim
 """
 import hashlib
 import json
-import os
 import pathlib
-import pty
 import re
-import subprocess
 import sys
 import unittest
 from html.parser import HTMLParser
@@ -351,25 +348,10 @@ class LayersTest(CaseTest):
 
     text = LAYERS
 
-    def lines_on_terminal(self):
-        ours, its = pty.openpty()
-        with subprocess.Popen([LUMESH, "run", self.case, "-o", self.out], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                              stderr=its) as process:
-            os.close(its)
-            text = b""
-            try:
-                while data := os.read(ours, 65536):
-                    text += data
-            except OSError:  # The other end is closed.
-                pass
-        os.close(ours)
-        self.assertEqual(process.returncode, 0, text)
-        return text.decode().replace("\r", "\n").split("\n")
-
     def test_no_end_is_foretold_while_layers_are_made(self):
         adapted = LAYERS.replace("[layers]", "[metric]\ncurvature = true\nedges_per_radius = 6\n[layers]")
         self.case.write_text(adapted + 'report = ""\n')
-        lines = self.lines_on_terminal()
+        lines = self.on_a_terminal("run", self.case, "-o", self.out).replace("\r", "\n").split("\n")
         self.assertTrue([line for line in lines if "lumesh: " in line], "the case is too quick for the test")
         self.assertEqual([line for line in lines if re.search("(9[89]|100) %|room", line)], [])
 

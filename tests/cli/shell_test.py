@@ -6,7 +6,6 @@ Usage: shell_test.py LUMESH
 import json
 import os
 import pathlib
-import pty
 import re
 import shutil
 import signal
@@ -125,21 +124,6 @@ class StopTest(ProgramTest):
         super().setUp()
         self.image = self.folder / "big.nrrd"
         self.run_well("phantom", "carotid", "-o", self.image, "--size", 192, 192, 190, "--spacing", 2.7)
-
-    def on_a_terminal(self, *arguments):
-        """What a terminal gets on stderr."""
-        reader, writer = pty.openpty()
-        with subprocess.Popen([LUMESH, *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=writer) as process:
-            os.close(writer)
-            text = b""
-            try:
-                while block := os.read(reader, 4096):
-                    text += block
-            except OSError:  # The other end is closed.
-                pass
-        os.close(reader)
-        self.assertEqual(process.returncode, 0, text)
-        return text.decode()
 
     def test_a_terminal_shows_stage_and_share_which_never_falls(self):
         text = self.on_a_terminal("lattice", self.image, "--spacing", "2", "-o", self.folder / "a.vtu")
