@@ -80,9 +80,9 @@ class Defect {
     constexpr int kMaxFailures = 3;  // tries in a row that leave too many deviations to improve on
     std::vector<Deviation> deviations = keep_if_best();
     const auto at_start = best_badness_;
-    const bool is_beside = is_at_opening();
-    min_cosine_ = is_beside ? 0.5 : 0;
-    may_steepen_ = at_start.first > kSteps * (is_beside ? 1.25 : 0.75);
+    constexpr double kGross = 1.25;  // voxels
+    min_cosine_ = is_at_opening() ? 0.5 : 0;
+    may_steepen_ = at_start.first > kSteps * kGross;
     max_steep_ = count_steep();
     const MeshPart first = part_;
     take_turns(std::move(deviations), false);
@@ -168,7 +168,7 @@ class Defect {
   }
 
   /// No more triangles of the wall than in the best state are folded, or beside an opening stand at more than
-  /// 60 degrees to the domain's boundary; but where the deviation was gross, 0.75 or 1.25 voxels.
+  /// 60 degrees to the domain's boundary; but where the deviation was gross.
   [[nodiscard]] bool steepens_no_more() {
     if (may_steepen_) return true;
     const std::size_t steep = count_steep();

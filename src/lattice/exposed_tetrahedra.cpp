@@ -37,6 +37,23 @@ class ExposedRemoval {
     return finish();
   }
 
+  /// Only tetrahedra that three faces expose, one of them among these triangles.
+  void run_at(std::span<const std::uint32_t> triangles) {
+    build_neighbours(mesh_);
+    std::vector<std::uint32_t> exposed;
+    for (const std::uint32_t i : triangles) {
+      const Triangle& v = boundary_.triangles[i].vertices;
+      for (const std::uint32_t t : mesh_.star(v[0]))
+        if (has_corner(mesh_.tets[t], v[1]) && has_corner(mesh_.tets[t], v[2]) && open_faces(t) == 3)
+          exposed.push_back(t);
+    }
+    if (exposed.empty()) return;
+    sort_unique(exposed);
+    index_boundary(exposed);
+    for (const std::uint32_t t : exposed) try_drop(t);
+    finish();
+  }
+
   void run_beyond_cuts() {
     std::vector<std::uint32_t> beyond = find_beyond_cuts();
     if (beyond.empty()) return;
@@ -258,6 +275,11 @@ class ExposedRemoval {
 std::vector<std::uint32_t> remove_exposed(WorkMesh& mesh, BoundaryModel& boundary,
                                           const ImageDomain& domain) {
   return ExposedRemoval(mesh, boundary, domain).run();
+}
+
+void remove_exposed_at(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
+                       std::span<const std::uint32_t> triangles) {
+  ExposedRemoval(mesh, boundary, domain).run_at(triangles);
 }
 
 void remove_beyond_cuts(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain) {

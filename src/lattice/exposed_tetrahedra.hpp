@@ -2,6 +2,9 @@
 // Exposed tetrahedra, with two or three faces on the outer boundary: they keep the boundary from becoming
 // smooth.
 
+#include <cstdint>
+#include <span>
+
 #include "boundary_model.hpp"
 
 namespace lumesh {
@@ -14,5 +17,10 @@ std::vector<std::uint32_t> remove_exposed(WorkMesh& mesh, BoundaryModel& boundar
 /// Drops, under the same conditions, tetrahedra with a corner beyond a cut plane: where a wall grazes the
 /// image's border, those whose other corners are in the plane cannot get within.
 void remove_beyond_cuts(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain);
+
+/// Drops, under the same conditions, tetrahedra with three faces towards the outside, one of them among these
+/// boundary triangles. Needs the mesh's stars.
+void remove_exposed_at(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
+                       std::span<const std::uint32_t> triangles);
 
 }  // namespace lumesh

@@ -8,6 +8,7 @@
 #include "defects.hpp"
 #include "exposed_tetrahedra.hpp"
 #include "fitter.hpp"
+#include "folds.hpp"
 #include "offsets.hpp"
 #include "rims.hpp"
 #include "vertex_blocks.hpp"
@@ -107,6 +108,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};
   const std::vector<Deviation> deviations = repair_defects(whole, setting, finder, options.probes.size());
+  remove_folds(mesh, boundary, setting);
   choose_rims(mesh, boundary, domain);  // Triangles that have come to lie in a cut plane.
   without_crossing([&] { settle_wall(mesh, boundary, domain, setting.limits); });
   level_openings(mesh, boundary, setting);

@@ -282,6 +282,13 @@ void Fitter::attract_to(const std::vector<Deviation>& deviations, int sweeps, do
   improve(two_rings_awake(), sweeps, good_enough);
 }
 
+void Fitter::improve_at(std::span<const std::uint32_t> triangles, int sweeps, double good_enough) {
+  std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+  for (const std::uint32_t i : triangles)
+    for (const std::uint32_t v : boundary_.triangles[i].vertices) wake_star(v);
+  improve(two_rings_awake(), sweeps, good_enough);
+}
+
 void Fitter::improve(const VertexBlocks& blocks, int sweeps, double good_enough) {
   for (int s = 0; s < sweeps; ++s) {
     sweep(blocks, [&](std::uint32_t v) {

@@ -67,6 +67,9 @@ class Fitter {
   /// As attract_to_protrusions(), more thoroughly: vertices near by move along.
   void attract_to(const std::vector<Deviation>& deviations, int sweeps, double good_enough);
 
+  /// Looks for better places for the vertices around some boundary triangles.
+  void improve_at(std::span<const std::uint32_t> triangles, int sweeps, double good_enough);
+
   /// Each boundary vertex's value averaged with its neighbours' of the same boundary: what single triangles
   /// in an odd position say counts less.
   [[nodiscard]] std::vector<double> averaged(const std::vector<double>& values) const;

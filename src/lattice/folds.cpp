@@ -1,0 +1,46 @@
+#include "folds.hpp"
+
+#include <cstdint>
+#include <vector>
+
+#include "crossings.hpp"
+#include "exposed_tetrahedra.hpp"
+#include "lumesh/domain/facing.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "vertex_blocks.hpp"
+
+namespace lumesh {
+
+namespace {
+
+/// The numbers of the walls' folded triangles, ascending.
+std::vector<std::uint32_t> find_folds(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                      const ImageDomain& domain) {
+  return parallel::collect<std::uint32_t>(boundary.triangles.size(), [&](std::size_t i, auto& out) {
+    const BoundaryTriangle& t = boundary.triangles[i];
+    if (t.outside != 0) return;
+    const auto& [a, b, c] = t.vertices;
+    const std::vector<Vec3>& at = mesh.positions;
+    if (cosine_to_boundary(domain, at[a], at[b], at[c], t.inside, t.outside) < 0)
+      out.push_back(static_cast<std::uint32_t>(i));
+  });
+}
+
+}  // namespace
+
+void remove_folds(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& setting) {
+  constexpr int kSweeps = 8;
+  constexpr double kGood = 0.3;
+  std::vector<std::uint32_t> folds = find_folds(mesh, boundary, setting.domain);
+  if (folds.empty()) return;
+  build_stars(mesh);
+  remove_exposed_at(mesh, boundary, setting.domain, folds);
+  folds = find_folds(mesh, boundary, setting.domain);
+  const std::vector<Vec3> before_mm = mesh.positions;
+  const VertexBlocks blocks = make_vertex_blocks(mesh, vertices_near_boundary(mesh, boundary));
+  VertexTargets nearest;
+  Fitter(mesh, boundary, nearest, setting, blocks).improve_at(folds, kSweeps, kGood);
+  undo_crossings(mesh, boundary, setting.domain, before_mm, setting.limits);
+}
+
+}  // namespace lumesh

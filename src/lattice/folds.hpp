@@ -1,0 +1,15 @@
+#pragma once
+// Folds of the wall: triangles that face against the domain's boundary.
+
+#include "boundary_model.hpp"
+#include "fitter.hpp"
+#include "work_mesh.hpp"
+
+namespace lumesh {
+
+/// Takes folds out of the walls as far as the limits of the angles allow: drops tetrahedra that stand on a
+/// wall with a folded face, then moves the vertices around the folds that are left, anchored ones too. The
+/// surface comes to cross itself nowhere.
+void remove_folds(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& setting);
+
+}  // namespace lumesh
