@@ -177,9 +177,11 @@ std::string closed_vessel_warning(const LabelImage& image, std::span<const CutPl
 }
 
 std::string closed_surface_warning(std::span<const Patch> patches, std::span<const FlatEnd> ends) {
-  std::set<std::string> openings;
-  for (const Patch& patch : patches)
+  std::set<std::string> names, openings;
+  for (const Patch& patch : patches) {
+    names.insert(patch.name);
     if (patch.kind == PatchKind::kOpening) openings.insert(patch.name);
+  }
   // A patch that lies in several places is no flat end.
   const bool is_one_end = openings.size() == 1 && ends.size() == 1 && ends.front().name == *openings.begin();
   if (!openings.empty() && !is_one_end) return "";
@@ -188,6 +190,12 @@ std::string closed_surface_warning(std::span<const Patch> patches, std::span<con
         "\"{}\" is the only opening of the surface, and nothing flows through a vessel with one; an end that "
         "is rounded, or cut off obliquely, is taken as wall: cut it off with {}, or give a smaller {}",
         *openings.begin(), option_name("cut_at"), option_name("feature_angle"));
+  if (names.size() > 1)
+    return fmt::format(
+        "none of the surface's {} patches is a flat end, so the mesh has no openings; give flat ends patches "
+        "of "
+        "their own, or all triangles one patch, or cut the vessels off with {}",
+        names.size(), option_name("cut_at"));
   return "the surface has no flat end, so the mesh has no openings; cut the vessels off flat before, with "
          "edges around the ends that are sharper than `feature_angle`, or mesh their image with `cut_at`";
 }

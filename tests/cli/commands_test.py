@@ -316,6 +316,14 @@ class NameTest(CommandTest):
             self.assertIn("the surface has no flat end, so the mesh has no openings", told)
             self.assertIn(remedy, told)
 
+    def test_patches_of_a_surface_that_are_no_flat_ends_are_said_to_be_none(self):
+        octahedron = self.folder / "octahedron.obj"
+        octahedron.write_text("v 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\ng upper\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
+                              "g lower\nf 2 1 6\nf 3 2 6\nf 4 3 6\nf 1 4 6\n")
+        told = self.run_well("info", octahedron).stderr
+        self.assertIn("none of the surface's 2 patches is a flat end, so the mesh has no openings", told)
+        self.assertNotIn("has no flat end", told)
+
     def test_a_wall_that_is_called_symmetry_is_no_opening(self):
         made = self.run_well("lattice", self.make_tube(), "-o", self.mesh, "--name", "wall=wall:symmetry",
                              "--name", "8,8,16.5=middle:symmetry", "--strict")
