@@ -8,6 +8,9 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/lattice/lattice.hpp"
 
+/// The example of docs/stages/domain.md; CMakeLists.txt makes it of the page.
+void ask_domain(const lumesh::LabelImage& image);
+
 int main(int argc, char** argv) {
   if (argc != 2) return 1;
   lumesh::ImageFrame frame;
@@ -16,6 +19,7 @@ int main(int argc, char** argv) {
   for (int k = 4; k < 12; ++k)
     for (int j = 4; j < 12; ++j)
       for (int i = 4; i < 12; ++i) image.at({i, j, k}) = 1;
+  ask_domain(image);
   lumesh::Context context;
   const lumesh::ImageDomain domain(image, {});
   const lumesh::LatticeResult result = lumesh::mesh_lattice(image, domain, {}, context);
