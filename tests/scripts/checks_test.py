@@ -148,11 +148,19 @@ class ChecksTest(unittest.TestCase):
         self.assertEqual(self.run_check("check_primitives.py")[0], 0)
 
     def test_references_finds_a_doi_that_is_missing(self):
-        self.write("docs/references.bib", "@article{a,\n  doi = {10.1000/(SICI)1:2<3::A>4.0.CO;2-9}\n}\n")
+        self.write("docs/references.bib", "@article{a,\n  author = {Known, Ann},\n  year = {1990},\n  doi = {10.1000/(SICI)1:2<3::A>4.0.CO;2-9}\n}\n")
         self.write("src/mesh/cited.cpp", "// Known 1990, doi:10.1000/(SICI)1:2<3::A>4.0.CO;2-9).\n")
         self.assertEqual(self.run_check("check_references.py")[0], 0)
-        self.write("docs/page.md", "Unknown 1991, [doi:10.1000/xyz.5](https://doi.org/10.1000/xyz.5).\n")
+        self.write("docs/page.md", "[doi:10.1000/xyz.5](https://doi.org/10.1000/xyz.5).\n")
         self.assert_finds("check_references.py", "docs/page.md:1: 10.1000/xyz.5 is missing")
+
+    def test_references_finds_authors_and_years_that_are_missing(self):
+        self.write("docs/references.bib", "@book{a,\n  author = {de Boor, Carl and Kåsa, I.},\n  year = {1978}\n}\n")
+        self.write("src/mesh/cited.cpp", "/// As de\n/// Boor 1978, Kasa\n/// (1978), Boor and Other 1978, Other, Third and Kasa 1978; OpenFOAM 2012.\n")
+        self.assertEqual(self.run_check("check_references.py")[0], 0, self.run_check("check_references.py")[1])
+        for text in ("Boor 1979", "Other and\n/// Third 1978", "Other et al. (1978)"):
+            self.write("src/mesh/cited.cpp", f"/// Source: {text}.\n")
+            self.assert_finds("check_references.py", "src/mesh/cited.cpp: " + text.replace("\n///", "").replace("(", "").replace(")", "") + " is missing")
 
     def test_references_finds_a_heading_that_is_missing(self):
         self.write("docs/references.bib", "")

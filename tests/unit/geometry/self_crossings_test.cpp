@@ -178,7 +178,7 @@ TEST(SelfCrossings, AreTheSameForEveryThreadCount) {
   EXPECT_EQ(found(1), found(5));
 }
 
-/// Against the interval test in floating point (Moeller 1997), which is safe away from ties.
+/// Against the interval test in floating point (Möller 1997), which is safe away from ties.
 TEST(SelfCrossings, NeitherMissNorInventAnythingAmongRandomTriangles) {
   constexpr unsigned kSeed = 7;
   SCOPED_TRACE(kSeed);
