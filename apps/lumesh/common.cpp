@@ -145,8 +145,12 @@ std::vector<report::OutputFile> files_of(const MeshOutput& output) {
   return {{output.mesh, kMeshWords}, {output.surface, "its boundary"}};
 }
 
-void put(std::FILE* stream, const std::string& text) {
+void put(std::FILE* stream, std::string text) {
   constexpr const char* kClearLine = "\x1b[K";
+  const auto is_control = [](char c) {
+    return (static_cast<unsigned char>(c) < ' ' || c == '\x7f') && c != '\n' && c != '\t' && c != '\r';
+  };
+  std::replace_if(text.begin(), text.end(), is_control, '?');
   // In one piece, for two threads may print.
   std::fputs(::isatty(::fileno(stream)) != 0 ? (kClearLine + text).c_str() : text.c_str(), stream);
 }

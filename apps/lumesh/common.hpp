@@ -88,9 +88,10 @@ class CommandRun {
 /// Words for a mesh among the files of a command.
 inline constexpr const char* kMeshWords = "the mesh, with labels and patches";
 [[nodiscard]] std::vector<report::OutputFile> files_of(const MeshOutput& output);
-/// Writes to a stream, on a terminal in the place of the line that tells the progress. What cannot be written
-/// is lost: results matter more; the end of the program looks whether stdout took all.
-void put(std::FILE* stream, const std::string& text);
+/// Writes to a stream, on a terminal in the place of the line that tells the progress. Control characters,
+/// which names in files may have and a terminal would obey, become question marks. What cannot be written is
+/// lost: results matter more; the end of the program looks whether stdout took all.
+void put(std::FILE* stream, std::string text);
 /// Prints to stdout, or to stderr.
 template <class... Args>
 void print_out(fmt::format_string<Args...> format, Args&&... args) {

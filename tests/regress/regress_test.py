@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Small inputs that go wrong easily, or once did. cases.toml says of each what is run and what must come of it: every command ends in time
-with the exit code, a valid mesh has the pieces and patches, and what is refused is told in one line and leaves no
+with the exit code, a valid mesh has the pieces and patches, and what is refused is told in one line without control characters and leaves no
 file. `scripts/reduce.py` makes a failing input small; put what is left here.
 
 Usage: regress_test.py LUMESH
@@ -47,6 +47,7 @@ class RegressTest(ProgramTest):
             self.assertEqual(result.returncode, code, result.stderr)
             self.assertIn(case.get("says", ""), result.stderr)
             self.assertIn(case.get("prints", ""), result.stdout)
+            self.assertTrue(all(character.isprintable() or character == "\n" for character in result.stderr), repr(result.stderr))
             self.assertEqual(result.stderr.count("lumesh: error: "), int(code != 0), result.stderr)
             if code == 2: self.assertEqual(list(pathlib.Path(folder).iterdir()), [])
             if code == 0 and words[-1].endswith(".vtu"): self.assert_has(words[-1], case)
