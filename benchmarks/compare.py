@@ -79,6 +79,13 @@ def machine():
     return f"{name}, {platform.system()}"
 
 
+def commit():
+    """Of this tree, whose build is recorded; with "changed" behind it where files differ from it."""
+    def git(*words):
+        return subprocess.run(["git", "-C", str(run.ROOT), *words], capture_output=True, text=True, check=True).stdout.strip()
+    return git("rev-parse", "HEAD") + (", changed" if git("status", "--porcelain", "--untracked-files=no") else "")
+
+
 def measured(programs, names, repeats):
     """A record of each program, all in turns."""
     records = []
@@ -173,9 +180,10 @@ def main():
         programs = [str(pathlib.Path(path).resolve()) for path in (arguments.other, arguments.program) if path]
         records = measured(programs, names, arguments.repeats)
         if arguments.record:
-            arguments.record.write_text(as_text(records[-1]))
+            arguments.record.write_text(as_text(records[-1] | {"commit": commit()}))
             if not arguments.other: return 0
         before, after = records if arguments.other else (json.loads(BASELINES.read_text()), records[0])
+    if "commit" in before: print(f"before: {before['version']}, commit {before['commit'][:12]}")
     rows, shift = compared(before, after)
     if arguments.json:
         arguments.json.write_text(json.dumps(rows, indent=1) + "\n")
@@ -184,7 +192,7 @@ def main():
 
 def as_text(record):
     """JSON with a line per row."""
-    head = {key: value for key, value in record.items() if key != "rows"}
+    head = {key: record[key] for key in ("version", "commit", *record) if key != "rows"}
     rows = ",\n".join(f"  {json.dumps(name)}: {json.dumps(row)}" for name, row in record["rows"].items())
     return json.dumps(head, indent=1)[:-2] + ',\n "rows": {\n' + rows + "\n }\n}\n"
 

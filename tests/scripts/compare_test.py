@@ -66,6 +66,7 @@ class CompareTest(unittest.TestCase):
         run = self.compare(ROOT / "benchmarks/baselines.json", ROOT / "benchmarks/baselines.json")
         self.assertEqual(run.returncode, 0, run.stdout)
         self.assertIn("17 rows, 0 worse", run.stdout)
+        self.assertRegex(run.stdout, r"before: lumesh [0-9.]+, commit [0-9a-f]{12}\n")
 
 
 if __name__ == "__main__":
