@@ -3,7 +3,7 @@
 
 A doc line says what it documents ("Planes of the patch."), not whose it is ("Of its planes."). Doc lines (`///`, `///<`) that begin with
 "Of" or "Those" are counted against a budget, which only ever becomes smaller: what remains stands behind members whose name is the
-noun. A page of docs/stages has a heading "## Sources" and a picture, which is there.
+noun. A page of docs/stages has the headings "## Limits" and "## Sources" and a picture, which is there.
 
 Usage: check_words.py [--list] [ROOT]      --list: the lines that count
 """
@@ -27,7 +27,8 @@ def lines_without_noun(root, files):
 
 def faults_of_page(page, root):
     text, name = page.read_text(), page.relative_to(root)
-    if not re.search(r"^## Sources$", text, re.MULTILINE): yield f"{name}: no heading '## Sources'"
+    for heading in ("## Limits", "## Sources"):
+        if not re.search(f"^{heading}$", text, re.MULTILINE): yield f"{name}: no heading '{heading}'"
     pictures = PICTURE.findall(text)
     if not pictures: yield f"{name}: no picture; scripts/stage_pictures.py makes them"
     for picture in pictures:

@@ -178,10 +178,11 @@ class ChecksTest(unittest.TestCase):
 
     def test_words_finds_pages_without_sources_or_picture(self):
         self.write("docs/images/a.png", "")
-        self.write("docs/stages/a.md", "# a\n\n![A](../images/a.png)\n\n## Sources\n")
+        self.write("docs/stages/a.md", "# a\n\n![A](../images/a.png)\n\n## Limits\n\n## Sources\n")
         self.assertEqual(self.run_check("check_words.py")[0], 0)
         self.write("docs/stages/b.md", "# b\n\n![B](../images/b.png)\n")
         self.assert_finds("check_words.py", "docs/stages/b.md: no heading '## Sources'")
+        self.assert_finds("check_words.py", "docs/stages/b.md: no heading '## Limits'")
         self.assert_finds("check_words.py", "docs/stages/b.md: the picture ../images/b.png is not there")
         self.write("docs/stages/b.md", "# b\n\n## Sources\n")
         self.assert_finds("check_words.py", "docs/stages/b.md: no picture")
