@@ -75,10 +75,14 @@ struct DelaunayResult {
   DelaunayReport report;
 };
 
-/// Meshes every label of a domain.
+/// Meshes every label of a domain by Delaunay refinement. Slivers stay: improve() takes them away, and
+/// make_delaunay_mesh() does both.
 ///
-/// @return A compact mesh along the Hilbert curve; patches "wall", "inlet_1", "outlet_1", …, "interface_A_B".
-/// @throws Error{kBadInput} if nothing can be meshed, Error{kMemory}.
+/// @param options  Lengths in mm, as the domain has them.
+/// @param context  Told to stop, refinement ends with what there is: DelaunayReport::complete is false then.
+/// @return A mesh without freed slots, numbered along the Hilbert curve, of all that is not background;
+/// patches "wall", "inlet_1", "outlet_1", …, "interface_A_B".
+/// @throws Error{kUsage} for options out of range, Error{kBadInput} if nothing can be meshed, Error{kMemory}.
 /// Bitwise identical for every thread count. Source: Foteinos and Chrisochoides 2014, High quality real-time
 /// image-to-mesh conversion for finite element simulations, doi:10.1016/j.jpdc.2013.11.002.
 [[nodiscard]] DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& options,

@@ -5,10 +5,10 @@
 
 namespace lumesh::metric {
 
-/// Of metric_from_points().
+/// How points, such as those of centerlines, make a metric: metric_from_points().
 struct PointMetricOptions {
   int k = 40;               ///< Nearest points that an ellipsoid encloses, >= 1.
-  double tolerance = 0.01;  ///< EllipsoidOptions::tolerance.
+  double tolerance = 0.01;  ///< EllipsoidOptions::tolerance, of its volume; in (0, 1].
   double floor_mm = 0;      ///< The least size; 0: the median distance from a point to its nearest one.
   bool isotropic = false;   ///< Instead of ellipsoids, sizes the same in all directions: the mean distance
                             ///< from the place to these points.
@@ -16,20 +16,20 @@ struct PointMetricOptions {
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
 };
 
-/// Of metric_from_velocity().
+/// How the gradient of a velocity makes a metric: metric_from_velocity().
 struct VelocityMetricOptions {
   int k = 20;  ///< Nearest samples that a gradient is fitted to, >= 3. Fewer than 15 do not determine
                ///< it: what they leave open is taken to be 0.
-  double change = 0.2;  ///< Of the speed: how much the velocity changes across an edge where it changes most,
-                        ///< > 0.
+  double change = 0.2;  ///< Share of the speed by which the velocity changes across an edge where it changes
+                        ///< most, > 0.
   double stretch = 12;  ///< Largest size to smallest, >= 1.
-  double flatness = 1.4;  ///< Of the two sizes across the flow: how many times the larger is the smaller
-                          ///< where the velocity changes along one of them only, >= 1.
+  double flatness = 1.4;  ///< Larger size across the flow to the smaller one, where the velocity changes
+                          ///< along one of them only, >= 1.
 
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
 };
 
-/// Of metric_from_hessian().
+/// How second derivatives of a solution make a metric: metric_from_hessian().
 struct HessianMetricOptions {
   double norm =
       2;  ///< p of the Lp norm, >= 1, may be infinite: small numbers see weak features, large ones shocks.
@@ -37,7 +37,7 @@ struct HessianMetricOptions {
   void validate() const;  ///< Throws Error{kUsage}, naming the field.
 };
 
-/// Of metric_from_curvature().
+/// How the curvature of walls makes a metric: metric_from_curvature().
 struct CurvatureOptions {
   double chord_mm = 0;          ///< How far a chord may stand off the arc, >= 0; 0: edges per radius decide.
   double edges_per_radius = 2;  ///< Edges as long as the radius of curvature's share, > 0.

@@ -27,7 +27,7 @@ struct Picture {
   std::vector<std::uint8_t> rgba;
 };
 
-/// A picture and what its colours mean.
+/// One colour of a picture and the name of what has it.
 struct LegendItem {
   std::string name;
   Colour colour;
