@@ -25,6 +25,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   # fmt 9's parser of formats, depending on what it inlines.
   target_compile_options(lumesh_flags INTERFACE $<BUILD_INTERFACE:-Wno-restrict;-Wno-stringop-overflow>)
 endif()
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  target_compile_options(lumesh_flags INTERFACE $<BUILD_INTERFACE:-Wno-unknown-warning-option>)  # Pragmas for g++.
+endif()
 if(LUMESH_WERROR)
   target_compile_options(lumesh_flags INTERFACE $<BUILD_INTERFACE:-Werror>)
 endif()

@@ -36,11 +36,11 @@ logged() {
 }
 
 # configure_and_build PRESET CMAKE_ARGUMENTS... -- TARGETS...
-# The first release build joins the files of each module, a third of the time; folders that are there stay as they are.
+# The first build joins the files of each module, a third of the time; folders that are there stay as they are.
 configure_and_build() {
   local preset=$1 arguments=()
   shift
-  if [[ $preset == release && ! -f build/release/CMakeCache.txt ]]; then
+  if [[ ! -f build/$preset/CMakeCache.txt ]]; then
     arguments=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0)
   fi
   while [[ $# -gt 0 && $1 != -- ]]; do arguments+=("$1"); shift; done

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that lumesh needs and that are missing.
-#   scripts/packages.sh GROUP...          groups: build, test, browser, checks, solvers
+#   scripts/packages.sh GROUP...          groups: build, test, browser, checks, solvers, coverage
 #   scripts/packages.sh --list GROUP...   prints the names only
 # Does nothing, and needs neither network nor root, when everything is there.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
@@ -21,8 +21,10 @@ test_packages=(python3 libgtest-dev gmsh python3-meshio python3-h5py python3-num
 browser_packages=(chromium)
 # Solvers that run on what lumesh writes, 0.8 GB; their tests skip themselves where they are missing.
 solver_packages=(openfoam python3-dolfinx)
-# What checks the source; ccache makes the second build quick.
-check_packages=(clang-format-14 clang-tidy ccache)
+# What checks the source, and the second compiler; ccache makes the second build quick.
+check_packages=(clang-format-14 clang-tidy clang-14 ccache)
+# What reads line coverage (scripts/coverage).
+coverage_packages=(gcovr)
 
 packages_of() {
   case $1 in
@@ -30,8 +32,9 @@ packages_of() {
     test) printf '%s\n' "${test_packages[@]}" ;;
     browser) printf '%s\n' "${browser_packages[@]}" ;;
     checks) printf '%s\n' "${check_packages[@]}" ;;
+    coverage) printf '%s\n' "${coverage_packages[@]}" ;;
     solvers) printf '%s\n' "${solver_packages[@]}" ;;
-    *) fail "scripts/packages.sh: no group '$1'; groups: build, test, browser, checks, solvers" ;;
+    *) fail "scripts/packages.sh: no group '$1'; groups: build, test, browser, checks, solvers, coverage" ;;
   esac
 }
 
@@ -63,7 +66,7 @@ install_missing() {
 
 mode=install
 if [[ ${1:-} == --list ]]; then mode=list; shift; fi
-[[ $# -gt 0 ]] || fail "usage: scripts/packages.sh [--list] GROUP...; groups: build, test, browser, checks, solvers"
+[[ $# -gt 0 ]] || fail "usage: scripts/packages.sh [--list] GROUP...; groups: build, test, browser, checks, solvers, coverage"
 names=()
 for group in "$@"; do mapfile -t -O "${#names[@]}" names < <(packages_of "$group"); done
 if [[ $mode == list ]]; then printf '%s\n' "${names[@]}"; exit; fi
