@@ -5,8 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/three_numbers.hpp"
+#include "lumesh/core/types.hpp"
 
 namespace lumesh {
 namespace {
@@ -72,6 +78,72 @@ TEST(OptionValue, ReadsAsAUserWouldSayIt) {
   EXPECT_EQ(option_called(list, "full").value_text(), "off");
   EXPECT_EQ(option_called(list, "fruit").value_text(), "pear");
   EXPECT_EQ(option_called(list, "prices").value_text(), "none");
+}
+
+/// Options of the other kinds.
+struct Shelf {
+  std::string title;
+  std::string image = "a.nrrd";
+  std::vector<int> labels = {1, 3};
+  std::vector<std::string> names;
+  LabelledFiles files = {{"wall.nrrd", 2}};
+  std::map<int, double> sizes = {{1, 0.5}};
+  Vec3 shift = Vec3::Zero();
+  std::optional<double> limit;
+  std::size_t most = 7;
+
+  void describe(OptionList& list) {
+    list.text("title", title, "Title");
+    list.path("image", image, "Image", {"centerline"});
+    list.integers("labels", labels, "Labels");
+    list.texts("names", names, "Names");
+    list.labelled_files("files", files, "Files");
+    list.of_labels("sizes", sizes, above(0), "Sizes").in("mm");
+    list.rows("shift", three_numbers(shift, "0,0,1"), "Shift").zero("nowhere");
+    list.number("limit", limit, between(0, 1), "Limit").in("s");
+    list.number("most", most, at_least(1), "Most");
+  }
+};
+
+TEST(OptionValue, ListsFilesAndRowsReadAsAUserWouldSayThem) {
+  Shelf shelf;
+  const auto value_of = [&](std::string_view name) {
+    return option_called(options_of(shelf), name).value_text();
+  };
+  EXPECT_EQ(value_of("title"), "none");
+  EXPECT_EQ(value_of("image"), "a.nrrd");
+  EXPECT_EQ(value_of("labels"), "1, 3");
+  EXPECT_EQ(value_of("names"), "none");
+  EXPECT_EQ(value_of("files"), "wall.nrrd=2");
+  EXPECT_EQ(value_of("sizes"), "1=0.5");
+  EXPECT_EQ(value_of("shift"), "nowhere");
+  EXPECT_EQ(value_of("most"), "7");
+  shelf.shift = {0, 0.5, -1};
+  EXPECT_EQ(value_of("shift"), "[0, 0.5, -1]");
+}
+
+TEST(OptionValue, UnitsAndRangesAreSaidTogether) {
+  Shelf shelf;
+  const OptionList list = options_of(shelf);
+  EXPECT_EQ(option_called(list, "sizes").domain_text(), "mm, greater than 0");
+  EXPECT_EQ(option_called(list, "limit").domain_text(), "s, between 0 and 1");
+  EXPECT_EQ(option_called(list, "labels").domain_text(), "");
+}
+
+TEST(OptionValue, OptionsThatDifferAreNamed) {
+  Shelf one, other;
+  other.title = "b";
+  other.shift.x() = 1;
+  EXPECT_EQ(differing_options(one, other), (std::vector<std::string>{"title", "shift"}));
+}
+
+TEST(OptionValue, FilesWithLabelsAreReadOrRefused) {
+  LabelledFiles files;
+  EXPECT_EQ(add_labelled_file("a=b.nrrd=2", files), "");
+  EXPECT_EQ(files, (LabelledFiles{{"a=b.nrrd", 2}}));
+  for (const char* text : {"", "a.nrrd", "=2", "a.nrrd=", "a.nrrd=x", "a.nrrd=0", "a.nrrd=-1"})
+    EXPECT_NE(add_labelled_file(text, files), "") << text;
+  EXPECT_EQ(files.size(), 1U);
 }
 
 TEST(OptionValue, WordsAndTheirSynonymsChooseValues) {

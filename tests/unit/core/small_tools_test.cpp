@@ -1,0 +1,96 @@
+// Misspelt words, options of three numbers, places of grids, disjoint sets, memory.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lumesh/core/disjoint_sets.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/grid.hpp"
+#include "lumesh/core/memory.hpp"
+#include "lumesh/core/nearest_word.hpp"
+#include "lumesh/core/three_numbers.hpp"
+#include "lumesh/core/types.hpp"
+
+namespace lumesh {
+namespace {
+
+const std::vector<std::string>& few_words() {
+  static const std::vector<std::string> kWords = {"lattice", "delaunay", "layers", "sitting"};
+  return kWords;
+}
+
+TEST(NearestWord, IsTheOneThatTakesFewestEdits) {
+  EXPECT_EQ(nearest_word("latice", few_words()), "lattice");  // A letter is missing,
+  EXPECT_EQ(nearest_word("ladders", few_words()), "layers");  // one is too many and one another,
+  EXPECT_EQ(nearest_word("kitten", few_words()), "sitting");  // or three differ: half of the word's.
+}
+
+TEST(NearestWord, IsOneThatBeginsAlike) {
+  EXPECT_EQ(nearest_word("del", few_words()), "delaunay");
+  EXPECT_EQ(nearest_word("la", few_words()), "lattice");  // The first of two.
+}
+
+TEST(NearestWord, IsNoneWhereNothingIsAlike) {
+  EXPECT_EQ(nearest_word("xyzzy", few_words()), "");
+  EXPECT_EQ(nearest_word("mesh", {}), "");
+}
+
+TEST(ThreeNumbers, AreReadAndSet) {
+  Vec3 spacing(0.5, 0.5, 2);
+  const OptionRows rows = three_numbers(spacing, "1,1,1");
+  EXPECT_EQ(rows.get(), (std::vector<std::vector<double>>{{0.5, 0.5, 2}}));
+  rows.set({{1, -2, 0.25}});
+  EXPECT_EQ(spacing, Vec3(1, -2, 0.25));
+}
+
+TEST(ThreeNumbers, OfVoxelsAreWhole) {
+  Index3 size(8, 8, 8);
+  const OptionRows rows = three_numbers(size, "64,64,64");
+  rows.set({{16, 32, 64}});
+  EXPECT_EQ(size, Index3(16, 32, 64));
+  EXPECT_THROW(rows.set({{16, 32.5, 64}}), Error);
+  EXPECT_THROW(rows.set({{16, 1e12, 64}}), Error);
+}
+
+TEST(ThreeNumbers, ANumberAloneStandsForAllOnlyWhereThatMeansSomething) {
+  Vec3 angles = Vec3::Zero();
+  EXPECT_TRUE(three_numbers(angles, "1,1,1").is_single);
+  const OptionRows exactly = exactly_three_numbers(angles, "0,0,90");
+  EXPECT_FALSE(exactly.takes(1));
+  EXPECT_TRUE(exactly.takes(3));
+  EXPECT_EQ(exactly.width_text(), "3 numbers");
+}
+
+TEST(GridPlaces, AreNumberedTheFirstIndexFastest) {
+  const Index3 size(3, 4, 5);
+  EXPECT_EQ(grid_count(size), 60U);
+  EXPECT_EQ(grid_offset(size, {1, 2, 3}), 1U + 3 * (2 + 4 * 3));
+  std::size_t next = 0;
+  for_each_place({0, 0, 0}, {2, 3, 4}, [&](const Index3& at) {
+    EXPECT_EQ(grid_offset(size, at), next);
+    EXPECT_EQ(grid_place(size, next), at);
+    ++next;
+  });
+  EXPECT_EQ(next, 60U);
+}
+
+TEST(DisjointSets, AreRepresentedByTheirLowestNumber) {
+  DisjointSets sets(6);
+  sets.merge(5, 4);
+  sets.merge(4, 1);
+  sets.merge(3, 2);
+  for (const auto& [x, lowest] :
+       std::vector<std::pair<std::uint32_t, std::uint32_t>>{{0, 0}, {1, 1}, {2, 2}, {3, 2}, {4, 1}, {5, 1}})
+    EXPECT_EQ(sets.find(x), lowest);
+}
+
+TEST(Memory, OfThisProcessIsBetweenOneMebibyteAndWhatTheMachineHas) {
+  EXPECT_GT(peak_memory_bytes(), 1U << 20);
+  EXPECT_LT(peak_memory_bytes(), std::uint64_t{1} << 40);
+}
+
+}  // namespace
+}  // namespace lumesh
