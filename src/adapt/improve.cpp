@@ -8,12 +8,14 @@
 #include <optional>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/operators/operators.hpp"
 #include "lumesh/operators/ordered_execution.hpp"
 #include "lumesh/operators/settling.hpp"
 #include "lumesh/operators/speculative_execution.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 namespace {
@@ -136,27 +138,22 @@ DihedralRange dihedral_range(const TetMesh& mesh, const ImproveOptions& options)
     DihedralCosines extreme{-1, 1};
     std::uint64_t outside = 0;
   };
-  const Tally tally = parallel::reduce_blocks<Tally>(
-      mesh.tet_slots(), kBlock, {},
-      [&](std::size_t begin, std::size_t end) {
-        Tally part;
-        for (std::size_t i = begin; i < end; ++i) {
-          const TetId t(static_cast<std::uint32_t>(i));
-          if (!mesh.alive(t)) continue;
-          const DihedralCosines c =
-              min_max_dihedral(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
-          part.extreme.largest_cosine = std::max(part.extreme.largest_cosine, c.largest_cosine);
-          part.extreme.smallest_cosine = std::min(part.extreme.smallest_cosine, c.smallest_cosine);
-          part.outside += c.largest_cosine > max_cosine || c.smallest_cosine < min_cosine;
-        }
-        return part;
+  const auto add = [](Tally all, const Tally& more) {
+    all.extreme.largest_cosine = std::max(all.extreme.largest_cosine, more.extreme.largest_cosine);
+    all.extreme.smallest_cosine = std::min(all.extreme.smallest_cosine, more.extreme.smallest_cosine);
+    all.outside += more.outside;
+    return all;
+  };
+  const Tally tally = parallel::reduce(
+      mesh.tet_slots(), kBlock, Tally(),
+      [&](Tally& part, std::size_t i) {
+        const TetId t(static_cast<std::uint32_t>(i));
+        if (!mesh.alive(t)) return;
+        const DihedralCosines c =
+            min_max_dihedral(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
+        part = add(part, {c, c.largest_cosine > max_cosine || c.smallest_cosine < min_cosine});
       },
-      [](Tally all, const Tally& more) {
-        all.extreme.largest_cosine = std::max(all.extreme.largest_cosine, more.extreme.largest_cosine);
-        all.extreme.smallest_cosine = std::min(all.extreme.smallest_cosine, more.extreme.smallest_cosine);
-        all.outside += more.outside;
-        return all;
-      });
+      add);
   const auto degrees = [](double c) { return std::acos(c) * 180 / std::numbers::pi; };
   return {degrees(tally.extreme.largest_cosine), degrees(tally.extreme.smallest_cosine), tally.outside};
 }
@@ -216,16 +213,12 @@ void make_corners(TetMesh& mesh, const std::vector<PatchId>& patches, const oper
   }
 }
 
-bool comes_before(const Vec3& a, const Vec3& b) {
-  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
-}
-
 /// Places of vertices inside patches, sorted.
 std::vector<Vec3> places_on_surfaces(const TetMesh& mesh) {
   std::vector<Vec3> places;
   for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v)
     if (mesh.dimension(VertexId(v)) == VertexDimension::kSurface) places.push_back(mesh.point(VertexId(v)));
-  parallel::sort(places.begin(), places.end(), comes_before);
+  parallel::sort(places.begin(), places.end(), precedes);
   return places;
 }
 
@@ -255,7 +248,7 @@ bool settle_moved(TetMesh& mesh, const std::vector<Vec3>& places_before, const I
   for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v) {
     if (mesh.dimension(VertexId(v)) != VertexDimension::kSurface) continue;
     const bool is_old =
-        std::binary_search(places_before.begin(), places_before.end(), mesh.point(VertexId(v)), comes_before);
+        std::binary_search(places_before.begin(), places_before.end(), mesh.point(VertexId(v)), precedes);
     has_moved[v] = is_old ? 0 : 1;
     any |= !is_old;
   }

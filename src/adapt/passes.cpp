@@ -9,6 +9,7 @@
 #include "lumesh/operators/operators.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/relaxed.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 namespace {
@@ -206,18 +207,13 @@ template struct Passes<operators::SpeculativeExecution>;
 
 double longest_edge(const TetMesh& mesh) {
   constexpr std::size_t kBlock = 4096;
-  return parallel::reduce_blocks<double>(
-      mesh.tet_slots(), kBlock, 0.0,
-      [&](std::size_t begin, std::size_t end) {
-        double longest = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-          const TetId t(static_cast<std::uint32_t>(i));
-          if (!mesh.alive(t)) continue;
-          for (int e = 0; e < 6; ++e) longest = std::max(longest, length_of(squared_lengths_of(mesh, t, e)));
-        }
-        return longest;
-      },
-      [](double a, double b) { return std::max(a, b); });
+  return parallel::max_of(mesh.tet_slots(), kBlock, 0.0, [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (!mesh.alive(t)) return 0.0;
+    double longest = 0;
+    for (int e = 0; e < 6; ++e) longest = std::max(longest, length_of(squared_lengths_of(mesh, t, e)));
+    return longest;
+  });
 }
 
 }  // namespace lumesh

@@ -9,6 +9,7 @@
 #include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 namespace {
@@ -62,23 +63,19 @@ Eigen::MatrixXd growth_by_patch(const TetMesh& mesh, const std::map<Label, doubl
   constexpr std::size_t kBlock = 65536;
   const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(labels.size()),
                                                      static_cast<Eigen::Index>(movable.area.size()));
-  return parallel::reduce_blocks<Eigen::MatrixXd>(
+  return parallel::reduce(
       mesh.tet_count(), kBlock, none,
-      [&](std::size_t begin, std::size_t end) {
-        Eigen::MatrixXd part = none;
-        for (std::size_t i = begin; i < end; ++i) {
-          const TetId t(static_cast<std::uint32_t>(i));
-          for (int k = 0; k < 4; ++k) {
-            const std::uint32_t v = mesh.vertex(t, k).value;
-            if (movable.patch[v] == kNoPatch) continue;
-            const Cell<3> across = mesh.face_corners(t, k);
-            const Vec3 towards_v = -triangle_area_normal(mesh.points()[across[0]], mesh.points()[across[1]],
-                                                         mesh.points()[across[2]]);
-            const auto row = std::distance(labels.begin(), labels.find(mesh.label(t)));
-            part(row, movable.patch[v]) += towards_v.dot(movable.normal[v]) / 6;
-          }
+      [&](Eigen::MatrixXd& growth, std::size_t i) {
+        const TetId t(static_cast<std::uint32_t>(i));
+        for (int k = 0; k < 4; ++k) {
+          const std::uint32_t v = mesh.vertex(t, k).value;
+          if (movable.patch[v] == kNoPatch) continue;
+          const Cell<3> across = mesh.face_corners(t, k);
+          const Vec3 towards_v = -triangle_area_normal(mesh.points()[across[0]], mesh.points()[across[1]],
+                                                       mesh.points()[across[2]]);
+          const auto row = std::distance(labels.begin(), labels.find(mesh.label(t)));
+          growth(row, movable.patch[v]) += towards_v.dot(movable.normal[v]) / 6;
         }
-        return part;
       },
       [](Eigen::MatrixXd a, const Eigen::MatrixXd& b) {
         a += b;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "lumesh/image/label_image.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 
@@ -49,27 +49,18 @@ std::vector<double> count_kept_voxels(const LabelImage& image, std::span<const C
   const ImageFrame& frame = image.frame();
   const auto width = static_cast<std::size_t>(frame.size.x());
   const auto rows = image.voxels().size() / width;
-  using Counts = std::vector<double>;
-  return parallel::reduce_blocks(
-      rows, 1024, Counts(image.values().size(), 0),
-      [&](std::size_t begin, std::size_t end) {
-        Counts counts(image.values().size(), 0);
-        for (std::size_t r = begin; r < end; ++r) {
-          const auto j = static_cast<int>(r % static_cast<std::size_t>(frame.size.y()));
-          const auto k = static_cast<int>(r / static_cast<std::size_t>(frame.size.y()));
-          for (std::size_t i = 0; i < width; ++i) {
-            const LabelImage::Index label = image.voxels()[r * width + i];
-            if (label != 0)
-              counts[label] +=
-                  kept_share(frame, planes, frame.to_physical(Vec3(static_cast<double>(i), j, k)));
-          }
+  return parallel::reduce(
+      rows, 1024, std::vector<double>(image.values().size(), 0),
+      [&](std::vector<double>& counts, std::size_t row) {
+        const Index3 first = frame.voxel_at(row * width);
+        for (std::size_t i = 0; i < width; ++i) {
+          const LabelImage::Index label = image.voxels()[row * width + i];
+          if (label != 0)
+            counts[label] += kept_share(
+                frame, planes, frame.to_physical(Vec3(static_cast<double>(i), first.y(), first.z())));
         }
-        return counts;
       },
-      [](Counts a, const Counts& b) {
-        for (std::size_t l = 0; l < a.size(); ++l) a[l] += b[l];
-        return a;
-      });
+      parallel::AddEach());
 }
 
 }  // namespace lumesh

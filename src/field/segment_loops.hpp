@@ -2,6 +2,7 @@
 // Loops over the segments of a band or grid, in blocks of fixed size.
 
 #include <cstddef>
+#include <functional>
 
 #include "lumesh/parallel/loops.hpp"
 
@@ -33,7 +34,7 @@ template <class Body>
       [&](std::size_t first, std::size_t last) {
         return body(static_cast<int>(first) + 1, static_cast<int>(last) + 1);
       },
-      [](double a, double b) { return a + b; });
+      std::plus<>());
 }
 
 }  // namespace lumesh::field

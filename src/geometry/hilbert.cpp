@@ -5,6 +5,7 @@
 
 #include "lumesh/core/spread_bits.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 namespace {
@@ -36,13 +37,8 @@ void to_transposed_index(std::array<std::uint32_t, 3>& x) {
 }  // namespace
 
 Box3 bounding_box(std::span<const Vec3> points) {
-  return parallel::reduce_blocks(
-      points.size(), 65536, Box3(),
-      [&](std::size_t begin, std::size_t end) {
-        Box3 box;
-        for (std::size_t i = begin; i < end; ++i) box.extend(points[i]);
-        return box;
-      },
+  return parallel::reduce(
+      points.size(), 65536, Box3(), [&](Box3& box, std::size_t i) { box.extend(points[i]); },
       [](const Box3& a, const Box3& b) { return a.merged(b); });
 }
 

@@ -8,6 +8,7 @@
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 
@@ -186,20 +187,15 @@ CrossingCounts count_crossings(const LabelImage& image) {
     return (image.voxels()[voxel] != 0) != (image.voxels()[voxel + step[axis]] != 0);
   };
   CrossingCounts counts;
-  counts.faces = parallel::reduce_blocks(
-      size.y() * size.z(), kRowsPerBlock, std::size_t{0},
-      [&](std::size_t begin, std::size_t end) {
-        std::size_t faces = 0;
-        for (std::size_t row = begin; row < end; ++row) {
-          const std::array<std::size_t, 3> last = {size.x() - 1, row % size.y() + 1 < size.y() ? size.x() : 0,
-                                                   row / size.y() + 1 < size.z() ? size.x() : 0};
-          for (std::size_t axis = 0; axis < 3; ++axis)
-            for (std::size_t x = 0; x < last[axis]; ++x)
-              faces += static_cast<std::size_t>(is_face(row * size.x() + x, axis));
-        }
-        return faces;
-      },
-      [](std::size_t a, std::size_t b) { return a + b; });
+  counts.faces = parallel::sum<std::size_t>(size.y() * size.z(), kRowsPerBlock, [&](std::size_t row) {
+    const std::array<std::size_t, 3> last = {size.x() - 1, row % size.y() + 1 < size.y() ? size.x() : 0,
+                                             row / size.y() + 1 < size.z() ? size.x() : 0};
+    std::size_t faces = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t x = 0; x < last[axis]; ++x)
+        faces += static_cast<std::size_t>(is_face(row * size.x() + x, axis));
+    return faces;
+  });
   counts.crossed = static_cast<std::size_t>(
       std::count_if(image.crossings().begin(), image.crossings().end(),
                     [&](const FaceCrossing& c) { return is_face(c.voxel, c.axis); }));

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 namespace {
@@ -22,13 +22,10 @@ GreyValues sum(GreyValues a, const GreyValues& b) {
 /// Calls visit(result, value) for all finite values, and adds up the results of blocks.
 template <class Value, class Visit>
 GreyValues visit_finite(std::span<const Value> values, const Visit& visit) {
-  return parallel::reduce_blocks(
+  return parallel::reduce(
       values.size(), kValuesPerBlock, GreyValues{},
-      [&](std::size_t begin, std::size_t end) {
-        GreyValues result;
-        for (std::size_t i = begin; i < end; ++i)
-          if (const auto value = static_cast<double>(values[i]); std::isfinite(value)) visit(result, value);
-        return result;
+      [&](GreyValues& result, std::size_t i) {
+        if (const auto value = static_cast<double>(values[i]); std::isfinite(value)) visit(result, value);
       },
       sum);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -228,7 +229,7 @@ double Phantom::volume_mm3(Label label) const {
     return volume;
   };
   return parallel::reduce_blocks(brick_count(Index3::Zero(), size, kLargeBrick), 1, 0.0, volume_of,
-                                 [](double a, double b) { return a + b; });
+                                 std::plus<>());
 }
 
 PhantomTruth Phantom::truth(Label label) const {

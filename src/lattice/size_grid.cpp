@@ -11,6 +11,7 @@
 #include "lumesh/core/memory.hpp"
 #include "lumesh/image/neighbourhood.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 
@@ -82,19 +83,11 @@ int SizeGrid::level_for(double edge_mm) const {
 /// object. The rest of the object is filled at the coarsest spacing.
 double SizeGrid::predict(int cap, double object_mm3) const {
   const double cell_mm3 = image_.frame().voxel_volume_mm3() * kCell * kCell * kCell;
-  const auto sum = parallel::reduce_blocks(
-      wanted_.size(), 65536, 0.0,
-      [&](std::size_t begin, std::size_t end) {
-        double count = 0;
-        for (std::size_t c = begin; c < end; ++c) {
-          if (wanted_[c] == 0) continue;
-          const int level =
-              (wanted_[c] & kFirm) != 0 ? (wanted_[c] & ~kFirm) - 1 : std::min(cap, wanted_[c] - 1);
-          count += std::exp2(3 * level);
-        }
-        return count;
-      },
-      [](double a, double b) { return a + b; });
+  const auto sum = parallel::sum<double>(wanted_.size(), 65536, [&](std::size_t c) {
+    if (wanted_[c] == 0) return 0.0;
+    const int level = (wanted_[c] & kFirm) != 0 ? (wanted_[c] & ~kFirm) - 1 : std::min(cap, wanted_[c] - 1);
+    return std::exp2(3 * level);
+  });
   const double per_mm3 = 12 / (coarsest_mm_ * coarsest_mm_ * coarsest_mm_);
   return per_mm3 * (object_mm3 + 0.75 * cell_mm3 * sum);
 }

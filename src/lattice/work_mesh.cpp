@@ -5,6 +5,7 @@
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/key_set.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 
@@ -144,35 +145,19 @@ WorkMesh make_work_mesh(bcc::Lattice lattice, const LatticeFrame& frame, const I
 }
 
 double longest_edge_mm(const WorkMesh& mesh) {
-  return parallel::reduce_blocks(
-      mesh.tets.size(), 4096, 0.0,
-      [&](std::size_t begin, std::size_t end) {
-        double longest_mm = 0;
-        for (std::size_t t = begin; t < end; ++t)
-          longest_mm = std::max(longest_mm, mesh.longest_edge_mm(static_cast<std::uint32_t>(t)));
-        return longest_mm;
-      },
-      [](double a, double b) { return std::max(a, b); });
+  return parallel::max_of(mesh.tets.size(), 4096, 0.0,
+                          [&](std::size_t t) { return mesh.longest_edge_mm(static_cast<std::uint32_t>(t)); });
 }
 
 std::vector<double> material_volumes_mm3(const WorkMesh& mesh, std::size_t materials) {
-  const std::vector<double> none(materials, 0.0);
-  const auto add = [](std::vector<double> a, const std::vector<double>& b) {
-    for (std::size_t i = 0; i < a.size(); ++i) a[i] += b[i];
-    return a;
-  };
-  return parallel::reduce_blocks(
-      mesh.tets.size(), 65536, none,
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<double> sum = none;
-        for (std::size_t t = begin; t < end; ++t) {
-          const Corner4& c = mesh.tets[t];
-          sum[mesh.materials[t]] += tetrahedron_volume(mesh.positions[c[0]], mesh.positions[c[1]],
-                                                       mesh.positions[c[2]], mesh.positions[c[3]]);
-        }
-        return sum;
+  return parallel::reduce(
+      mesh.tets.size(), 65536, std::vector<double>(materials, 0.0),
+      [&](std::vector<double>& sum, std::size_t t) {
+        const Corner4& c = mesh.tets[t];
+        sum[mesh.materials[t]] += tetrahedron_volume(mesh.positions[c[0]], mesh.positions[c[1]],
+                                                     mesh.positions[c[2]], mesh.positions[c[3]]);
       },
-      add);
+      parallel::AddEach());
 }
 
 void build_stars(WorkMesh& mesh) {

@@ -2,10 +2,12 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh::metric {
 namespace {
@@ -141,22 +143,14 @@ std::vector<Density> densities_at_vertices(const TetMesh& mesh, MetricField::Hin
 
 /// Integral of the values at vertices, weighted by a quarter of their tetrahedra's volume.
 double vertex_integral(const TetMesh& mesh, const std::vector<Density>& densities) {
-  return parallel::reduce_blocks<double>(
-      mesh.tet_slots(), kTetBlock, 0.0,
-      [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-          const TetId t(static_cast<std::uint32_t>(i));
-          if (!mesh.alive(t)) continue;
-          double of_corners = 0;
-          for (const std::uint32_t v : mesh.tet(t)) of_corners += densities[v].value;
-          sum +=
-              of_corners / 4 *
-              tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
-        }
-        return sum;
-      },
-      [](double a, double b) { return a + b; });
+  return parallel::sum<double>(mesh.tet_slots(), kTetBlock, [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (!mesh.alive(t)) return 0.0;
+    double of_corners = 0;
+    for (const std::uint32_t v : mesh.tet(t)) of_corners += densities[v].value;
+    return of_corners / 4 *
+           tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
+  });
 }
 
 }  // namespace
@@ -196,7 +190,7 @@ double complexity(const MetricField& field, const TetMesh& domain) {
         }
         return sum;
       },
-      [](double a, double b) { return a + b; });
+      std::plus<>());
 }
 
 }  // namespace lumesh::metric

@@ -6,7 +6,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 #include "lumesh/operators/settling.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -89,19 +89,10 @@ Offsets operator+(const Offsets& a, const Offsets& b) {
 Offsets offsets_of(const TetMesh& mesh, const ImageSurface& surface, const BoundaryFaces& faces,
                    const std::vector<std::uint32_t>& triangles) {
   constexpr std::size_t kBlock = 256;
-  return parallel::reduce_blocks<Offsets>(
-      triangles.size(), kBlock, {},
-      [&](std::size_t begin, std::size_t end) {
-        Offsets offsets;
-        for (std::size_t i = begin; i < end; ++i) {
-          const auto [a, b, c] = faces.triangles[triangles[i]];
-          offsets =
-              offsets +
-              offset_of({mesh.point(VertexId(a)), mesh.point(VertexId(b)), mesh.point(VertexId(c))}, surface);
-        }
-        return offsets;
-      },
-      [](const Offsets& a, const Offsets& b) { return a + b; });
+  return parallel::sum<Offsets>(triangles.size(), kBlock, [&](std::size_t i) {
+    const auto [a, b, c] = faces.triangles[triangles[i]];
+    return offset_of({mesh.point(VertexId(a)), mesh.point(VertexId(b)), mesh.point(VertexId(c))}, surface);
+  });
 }
 
 }  // namespace
