@@ -38,14 +38,11 @@ double distance_near_boundary(const Domain& domain, const Vec3& x, const Domain:
 void fill_near_boundaries(const Domain& domain, ValueGrid& grid) {
   const Index3& size = grid.size();
   const auto material_at = [&](const Index3& at) { return domain.material_at(grid.point(at)); };
-  const auto row = static_cast<std::size_t>(size.x());
   parallel::for_each_index(
-      grid.values().size() / row,
-      [&](std::size_t jk) {
-        const auto j = static_cast<int>(jk % static_cast<std::size_t>(size.y())),
-                   k = static_cast<int>(jk / static_cast<std::size_t>(size.y()));
-        for (int i = 0; i < size.x(); ++i) {
-          const Index3 at(i, j, k);
+      grid_row_count(size),
+      [&](std::size_t row) {
+        Index3 at = grid_row(size, row);
+        for (; at.x() < size.x(); ++at.x()) {
           const Domain::Surroundings around = domain.surroundings(grid.point(at));
           float& value = grid.values()[grid.offset(at)];
           value = kUnknown;

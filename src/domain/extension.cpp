@@ -46,7 +46,7 @@ class VesselContinuation final : public FieldContinuation {
 
   /// The grid: around what of the image is not background, and the extensions.
   [[nodiscard]] IndexBox whole() const {
-    IndexBox box{domain_.object_box()[0], domain_.object_box()[1]};
+    IndexBox box{domain_.object_box().low, domain_.object_box().high - Index3::Ones()};
     for (const IndexBox& tube : boxes_) box = {box.low.cwiseMin(tube.low), box.high.cwiseMax(tube.high)};
     constexpr int kMargin = 3, kBrick = LabelField::kBrick;
     for (int axis = 0; axis < 3; ++axis)
@@ -195,12 +195,11 @@ LabelImage extended_image(const LabelImage& image, const VesselContinuation& bey
     for (int i = low.x(); i <= high.x(); ++i)
       if (to[i - low.x()] != 0 && !beyond.is_kept_of_image({i, j, k})) to[i - low.x()] = 0;
   };
-  const auto rows = static_cast<std::size_t>(larger.size.y());
   parallel::for_each_index(
-      rows * static_cast<std::size_t>(larger.size.z()),
-      [&](std::size_t r) {
-        const int j = whole.low.y() + static_cast<int>(r % rows),
-                  k = whole.low.z() + static_cast<int>(r / rows);
+      grid_row_count(larger.size),
+      [&](std::size_t row) {
+        const Index3 place = whole.low + grid_row(larger.size, row);
+        const int j = place.y(), k = place.z();
         fill_row(j, k);
         for (const IndexBox& box : beyond.tube_boxes()) {
           if (j < box.low.y() || j > box.high.y() || k < box.low.z() || k > box.high.z()) continue;

@@ -6,20 +6,9 @@
 #include "descent.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/field/label_field.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/image/selection.hpp"
 
 namespace lumesh {
-
-namespace {
-
-/// The whole row is read, which is quicker than to stop early.
-bool is_background(const LabelImage::Index* row, std::size_t width) {
-  unsigned any = 0;
-  for (std::size_t i = 0; i < width; ++i) any |= row[i];
-  return any == 0;
-}
-
-}  // namespace
 
 const ImageFrame& ImageDomain::frame() const {
   return field_->frame();
@@ -40,7 +29,7 @@ ImageDomain::ImageDomain(const LabelImage& image, LabelField field, const std::v
   index_from_mm_ = f.spacing_mm.cwiseInverse().asDiagonal() * f.direction.transpose();
   voxel_size_mm_ = std::cbrt(f.voxel_volume_mm3());
   unit_mm_ = f.spacing_mm.minCoeff();
-  find_object_box(image);
+  object_box_ = lumesh::object_box(image);
   add_border_cuts(image);
   add_cuts(cuts);
 }
@@ -58,43 +47,11 @@ void ImageDomain::add_cuts(const std::vector<CutPlane>& cuts) {
   }
 }
 
-void ImageDomain::find_object_box(const LabelImage& image) {
-  struct Box {
-    Index3 low, high;
-  };
-  const ImageFrame& f = image.frame();
-  const auto rows = static_cast<std::size_t>(f.size.y()) * static_cast<std::size_t>(f.size.z());
-  const auto width = static_cast<std::size_t>(f.size.x());
-  const Box none{f.size, Index3::Constant(-1)};
-  const Box box = parallel::reduce_blocks(
-      rows, 512, none,
-      [&](std::size_t begin, std::size_t end) {
-        Box b = none;
-        for (std::size_t r = begin; r < end; ++r) {
-          const LabelImage::Index* row = &image.voxels()[r * width];
-          if (is_background(row, width)) continue;
-          std::size_t first = 0;
-          while (row[first] == 0) ++first;
-          std::size_t last = width - 1;
-          while (row[last] == 0) --last;
-          const auto j = static_cast<int>(r % static_cast<std::size_t>(f.size.y()));
-          const auto k = static_cast<int>(r / static_cast<std::size_t>(f.size.y()));
-          b.low = b.low.cwiseMin(Index3(static_cast<int>(first), j, k));
-          b.high = b.high.cwiseMax(Index3(static_cast<int>(last), j, k));
-        }
-        return b;
-      },
-      [](const Box& a, const Box& b) {
-        return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)};
-      });
-  object_box_ = {box.low, box.high};
-}
-
 void ImageDomain::add_border_cuts(const LabelImage& image) {
   const ImageFrame& f = image.frame();
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool upper : {false, true}) {
-      const bool touches = upper ? object_box_[1][axis] == f.size[axis] - 1 : object_box_[0][axis] == 0;
+      const bool touches = upper ? object_box_.high[axis] == f.size[axis] : object_box_.low[axis] == 0;
       if (!touches) continue;
       Vec3 index = Vec3::Zero();
       index[axis] = upper ? f.size[axis] - 0.5 : -0.5;
@@ -200,7 +157,7 @@ Box3 ImageDomain::bounds_mm() const {
   for (int corner = 0; corner < 8; ++corner) {
     Vec3 index;
     for (int axis = 0; axis < 3; ++axis)
-      index[axis] = (corner >> axis & 1) != 0 ? object_box_[1][axis] + 1.5 : object_box_[0][axis] - 1.5;
+      index[axis] = (corner >> axis & 1) != 0 ? object_box_.high[axis] + 0.5 : object_box_.low[axis] - 1.5;
     box.extend(frame().to_physical(index));
   }
   return box;
@@ -242,25 +199,6 @@ double ImageDomain::separation_value(const Vec3& point_mm, Material first, Mater
 std::optional<Vec3> ImageDomain::project(const Vec3& start_mm, const MaterialSet& set,
                                          double reach_mm) const {
   return descend(*this, start_mm, set, {reach_mm, voxel_size_mm_, 2e-3 * voxel_size_mm_});
-}
-
-std::optional<BoundaryPoint> ImageDomain::nearest_boundary(const Vec3& point_mm) const {
-  const double reach = LabelField::kFieldLimit * frame().spacing_mm.maxCoeff() * 1.5;
-  const Material own = material_at(point_mm);
-  std::optional<BoundaryPoint> best;
-  const auto consider = [&](Material inside, Material outside) {
-    const std::optional<Vec3> x = project(point_mm, {inside, outside}, reach);
-    if (!x || (best && (*x - point_mm).norm() >= (best->position_mm - point_mm).norm())) return;
-    if (inside == 0 && !is_cut(outside) && field_->object_label_at(frame().to_index(*x)) != outside) return;
-    best = BoundaryPoint{*x, -separation(*x, inside, outside).gradient.normalized(), {inside, outside}};
-  };
-  for (const Material other : field_->labels_near(frame().to_index(point_mm))) {
-    if (other != own && !is_cut(own)) consider(own, other);
-  }
-  if (is_meshed(own)) {
-    for (std::size_t c = 0; c < cuts_.size(); ++c) consider(own, static_cast<Material>(labels_.size() + c));
-  }
-  return best;
 }
 
 std::optional<Vec3> ImageDomain::first_crossing(const Vec3& from_mm, const Vec3& to_mm) const {

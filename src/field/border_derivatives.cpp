@@ -67,12 +67,10 @@ class Cuts {
     cut = static_cast<std::uint8_t>(cut | faces);
     const Index3 low = (cube - Index3::Constant(kFarthestCube)).cwiseMax(0);
     const Index3 high = (cube + Index3::Constant(kFarthestCube)).cwiseMin(size_ - Index3::Ones());
-    for (int k = low.z(); k <= high.z(); ++k)
-      for (int j = low.y(); j <= high.y(); ++j)
-        for (int i = low.x(); i <= high.x(); ++i) {
-          std::uint8_t& near = near_[index({i, j, k})];
-          near = static_cast<std::uint8_t>(near | faces);
-        }
+    for_each_place(low, high, [&](const Index3& place) {
+      std::uint8_t& near = near_[index(place)];
+      near = static_cast<std::uint8_t>(near | faces);
+    });
   }
 
   Index3 last_, size_;

@@ -194,9 +194,8 @@ class ContinuedFieldBuilder {
 
   void fill_corners(const Index3& brick, LabelIndex* out) const {
     const Index3 first = brick * kBrick + Index3::Constant(LabelField::kFirst);
-    for (int k = 0; k < kCorners; ++k)
-      for (int j = 0; j < kCorners; ++j)
-        for (int i = 0; i < kCorners; ++i) *out++ = image_.at(clamped(first + Index3(i, j, k)));
+    for_each_place(first, first + Index3::Constant(kCorners - 1),
+                   [&](const Index3& voxel) { *out++ = image_.at(clamped(voxel)); });
   }
 
   /// Value at a voxel that the old field has in another brick only. Interpolation gives the voxels' own
@@ -214,16 +213,14 @@ class ContinuedFieldBuilder {
         before == nullptr ? LabelField::BlockRef{} : old_.find_block(*before, pair.second, pair.first);
     const float* const known = ref.sign == 0 ? nullptr : &old_.blocks_[ref.block * LabelField::kBlock];
     const Index3 first = first_stored(brick);
-    for (int k = 0; k < kStored; ++k)
-      for (int j = 0; j < kStored; ++j)
-        for (int i = 0; i < kStored; ++i) {
-          const int at = i + LabelField::kRowPad * (j + kStored * k);
-          const Index3 voxel = first + Index3(i, j, k);
-          if (const auto value = beyond_.value(voxel, pair.first, pair.second))
-            out[at] = std::clamp(static_cast<float>(*value), -kLimit, kLimit);
-          else
-            out[at] = known != nullptr ? known[at] : known_elsewhere(voxel, pair);
-        }
+    for_each_place(Index3::Zero(), Index3::Constant(kStored - 1), [&](const Index3& place) {
+      const int at = place.x() + LabelField::kRowPad * (place.y() + kStored * place.z());
+      const Index3 voxel = first + place;
+      if (const auto value = beyond_.value(voxel, pair.first, pair.second))
+        out[at] = std::clamp(static_cast<float>(*value), -kLimit, kLimit);
+      else
+        out[at] = known != nullptr ? known[at] : known_elsewhere(voxel, pair);
+    });
   }
 
   LabelField& f_;

@@ -191,51 +191,44 @@ bool LabelField::near_boundary(const Vec3& low, const Vec3& high) const {
   return any_brick(low, high, [](std::int32_t code) { return code >= 0; });
 }
 
+/// Calls visit(label, corner) for the voxels around a place that its brick knows: the cell's corners and
+/// `reach` further.
+template <class Visit>
+void LabelField::for_each_corner(const Place& place, int reach, const Visit& visit) const {
+  const LabelIndex* const corners =
+      &corners_[std::size_t{place.brick->corners} * kCorners * kCorners * kCorners];
+  const Index3 base = place.local.cast<int>().cwiseMin(kBrick - 1);
+  const Index3 low = (base - Index3::Constant(reach)).cwiseMax(0);
+  const Index3 high = (base + Index3::Constant(1 + reach)).cwiseMin(kCorners - 1);
+  for_each_place(low, high, [&](const Index3& at) {
+    visit(corners[at.x() + kCorners * (at.y() + kCorners * at.z())], at);
+  });
+}
+
 /// Labels besides the background at the corners of the cell between voxels' centres; where there are none, of
 /// the voxels around, as far as the brick knows them.
 std::size_t LabelField::candidates_at(const Place& place,
                                       std::array<LabelIndex, kMostCandidates>& found) const {
-  const LabelIndex* const corners =
-      &corners_[std::size_t{place.brick->corners} * kCorners * kCorners * kCorners];
-  const Index3 base = place.local.cast<int>().cwiseMin(kBrick - 1);
   std::size_t count = 0;
-  for (int reach = 0; reach < 3 && count == 0; ++reach) {
-    const Index3 low = (base - Index3::Constant(reach)).cwiseMax(0);
-    const Index3 high = (base + Index3::Constant(1 + reach)).cwiseMin(kCorners - 1);
-    for (int k = low.z(); k <= high.z(); ++k) {
-      for (int j = low.y(); j <= high.y(); ++j) {
-        for (int i = low.x(); i <= high.x(); ++i) {
-          const LabelIndex label = corners[i + kCorners * (j + kCorners * k)];
-          if (label == 0 || count == kMostCandidates) continue;
-          const auto end = found.begin() + static_cast<std::ptrdiff_t>(count);
-          if (std::find(found.begin(), end, label) == end) found[count++] = label;
-        }
-      }
-    }
-  }
+  for (int reach = 0; reach < 3 && count == 0; ++reach)
+    for_each_corner(place, reach, [&](LabelIndex label, const Index3& /*corner*/) {
+      if (label == 0 || count == kMostCandidates) return;
+      const auto end = found.begin() + static_cast<std::ptrdiff_t>(count);
+      if (std::find(found.begin(), end, label) == end) found[count++] = label;
+    });
   return count;
 }
 
 bool LabelField::is_nearer(const Place& place, LabelIndex label, LabelIndex than) const {
   if (place.brick == nullptr || !place.brick->has_corners) return label < than;
   constexpr int kReach = 2;  // As far as candidates come from.
-  const LabelIndex* const corners =
-      &corners_[std::size_t{place.brick->corners} * kCorners * kCorners * kCorners];
-  const Index3 base = place.local.cast<int>().cwiseMin(kBrick - 1);
-  const Index3 low = (base - Index3::Constant(kReach)).cwiseMax(0);
-  const Index3 high = (base + Index3::Constant(1 + kReach)).cwiseMin(kCorners - 1);
   double least = 1e300, least_other = 1e300;
-  for (int k = low.z(); k <= high.z(); ++k) {
-    for (int j = low.y(); j <= high.y(); ++j) {
-      for (int i = low.x(); i <= high.x(); ++i) {
-        const LabelIndex at = corners[i + kCorners * (j + kCorners * k)];
-        if (at != label && at != than) continue;
-        const double square = (place.local - Vec3(i, j, k)).cwiseProduct(edges_).squaredNorm();
-        double& nearest = at == label ? least : least_other;
-        nearest = std::min(nearest, square);
-      }
-    }
-  }
+  for_each_corner(place, kReach, [&](LabelIndex at, const Index3& corner) {
+    if (at != label && at != than) return;
+    const double square = (place.local - corner.cast<double>()).cwiseProduct(edges_).squaredNorm();
+    double& nearest = at == label ? least : least_other;
+    nearest = std::min(nearest, square);
+  });
   return least < least_other || (least == least_other && label < than);
 }
 

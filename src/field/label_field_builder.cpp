@@ -134,16 +134,12 @@ class LabelFieldBuilder {
     std::vector<LabelIndex> labels;
     const Index3 first = brick_index(place_[brick]) * kBrick + Index3::Constant(kFirstStored);
     LabelIndex last = 0;
-    for (int k = 0; k < kStored; ++k) {
-      for (int j = 0; j < kStored; ++j) {
-        for (int i = 0; i < kStored; ++i) {
-          const LabelIndex label = image_.at(clamped(first + Index3(i, j, k)));
-          if (!labels.empty() && label == last) continue;
-          last = label;
-          if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
-        }
-      }
-    }
+    for_each_place(first, first + Index3::Constant(kStored - 1), [&](const Index3& voxel) {
+      const LabelIndex label = image_.at(clamped(voxel));
+      if (!labels.empty() && label == last) return;
+      last = label;
+      if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
+    });
     std::sort(labels.begin(), labels.end());
     return labels;
   }
@@ -171,9 +167,8 @@ class LabelFieldBuilder {
     if (!brick.has_corners) return;
     LabelIndex* out = &f_.corners_[std::size_t{brick.corners} * kCorners * kCorners * kCorners];
     const Index3 first = brick_index(place_[b]) * kBrick + Index3::Constant(LabelField::kFirst);
-    for (int k = 0; k < kCorners; ++k)
-      for (int j = 0; j < kCorners; ++j)
-        for (int i = 0; i < kCorners; ++i) *out++ = image_.at(clamped(first + Index3(i, j, k)));
+    for_each_place(first, first + Index3::Constant(kCorners - 1),
+                   [&](const Index3& voxel) { *out++ = image_.at(clamped(voxel)); });
   }
 
   void collect_pairs() {

@@ -76,16 +76,11 @@ template <class IsMarked>
 int count_around(const Band& band, Lane voxel, const IsMarked& is_marked) {
   const bool plus = Band::has(band.plus(voxel / kLanes), voxel % kLanes);
   int count = 0;
-  for (int k = -1; k <= 1; ++k) {
-    for (int j = -1; j <= 1; ++j) {
-      for (int i = -1; i <= 1; ++i) {
-        const Lane other = band.neighbour(voxel, i, j, k);
-        const int s = other / kLanes, lane = other % kLanes;
-        if (Band::has(band.sided(s), lane) && Band::has(band.plus(s), lane) == plus && is_marked(other))
-          ++count;
-      }
-    }
-  }
+  for_each_place(Index3::Constant(-1), Index3::Ones(), [&](const Index3& step) {
+    const Lane other = band.neighbour(voxel, step.x(), step.y(), step.z());
+    const int s = other / kLanes, lane = other % kLanes;
+    count += Band::has(band.sided(s), lane) && Band::has(band.plus(s), lane) == plus && is_marked(other);
+  });
   return count;
 }
 

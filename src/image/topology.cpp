@@ -7,11 +7,13 @@
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/image/runs.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 
 namespace {
 
+using image::for_each_run;
 using image::Run;
 using image::RunImage;
 
@@ -30,24 +32,6 @@ DisjointSets connect(const RunImage& runs) {
     }
   }
   return sets;
-}
-
-void grow(VoxelBox& box, const Run& run, int j, int k) {
-  box.low = box.low.cwiseMin(Index3(run.begin, j, k));
-  box.high = box.high.cwiseMax(Index3(run.end, j + 1, k + 1));
-}
-
-const VoxelBox kEmptyBox = {Index3::Constant(std::numeric_limits<int>::max()), Index3::Constant(-1)};
-
-/// Calls use(run index, j, k) for every run, in order.
-template <class Use>
-void for_each_run(const RunImage& runs, const Use& use) {
-  for (int k = 0; k < runs.size.z(); ++k) {
-    for (int j = 0; j < runs.size.y(); ++j) {
-      const std::size_t row = runs.row(j, k);
-      for (std::uint32_t r = runs.first[row]; r < runs.first[row + 1]; ++r) use(r, j, k);
-    }
-  }
 }
 
 std::vector<Run> overlaps(std::span<const Run> a, std::span<const Run> b) {
@@ -85,22 +69,19 @@ std::vector<std::int64_t> euler_numbers(const RunImage& runs, std::size_t label_
   };
   return parallel::reduce_blocks(static_cast<std::size_t>(runs.size.z()),
                                  static_cast<std::size_t>(slices_per_block), Counts(label_count, 0),
-                                 count_slices, [](Counts a, const Counts& b) {
-                                   for (std::size_t i = 0; i < a.size(); ++i) a[i] += b[i];
-                                   return a;
-                                 });
+                                 count_slices, parallel::AddEach());
 }
 
 std::vector<LabelTopology> describe(const RunImage& runs, std::size_t label_count, double voxel_volume_mm3) {
   std::vector<LabelTopology> result(label_count);
-  for (LabelTopology& entry : result) entry.box = kEmptyBox;
+  for (LabelTopology& entry : result) entry.box = VoxelBox::nothing();
   DisjointSets sets = connect(runs);
   for_each_run(runs, [&](std::uint32_t r, int j, int k) {
     const Run& run = runs.runs[r];
     LabelTopology& entry = result[run.label];
     entry.voxel_count += static_cast<std::size_t>(run.end - run.begin);
     entry.component_count += sets.find(r) == r ? 1 : 0;
-    grow(entry.box, run, j, k);
+    entry.box.add({run.begin, j, k}, {run.end, j + 1, k + 1});
   });
   const std::vector<std::int64_t> euler = euler_numbers(runs, label_count);
   for (std::size_t i = 0; i < label_count; ++i) {
@@ -138,11 +119,11 @@ std::vector<Component> list_components(const LabelImage& image, const RunImage& 
     if (root == r) {  // roots come first in memory, so this is also the component's first voxel
       of_root[r] = static_cast<std::uint32_t>(components.size());
       const Index3 first(run.begin, j, k);
-      components.push_back({{image.label_at(first), 0, kEmptyBox, first}, run.label, r});
+      components.push_back({{image.label_at(first), 0, VoxelBox::nothing(), first}, run.label, r});
     }
     VoxelComponent& shown = components[of_root[root]].shown;
     shown.voxel_count += static_cast<std::size_t>(run.end - run.begin);
-    grow(shown.box, run, j, k);
+    shown.box.add({run.begin, j, k}, {run.end, j + 1, k + 1});
   });
   std::stable_sort(components.begin(), components.end(), [](const Component& a, const Component& b) {
     if (a.run_label != b.run_label) return a.run_label < b.run_label;

@@ -12,6 +12,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/image/distance.hpp"
+#include "lumesh/image/selection.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::image {
@@ -57,10 +58,10 @@ std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b
 }  // namespace
 
 VesselChunks::VesselChunks(const LabelImage& image) {
-  const LabelTopology all = union_topology(image);
-  if (all.voxel_count == 0) return;
-  low_ = (all.box.low - Index3::Ones()).cwiseMax(Index3::Zero());
-  size_ = (all.box.high + Index3::Ones()).cwiseMin(image.frame().size) - low_;
+  const VoxelBox box = object_box(image);
+  if (box.is_empty()) return;
+  low_ = (box.low - Index3::Ones()).cwiseMax(Index3::Zero());
+  size_ = (box.high + Index3::Ones()).cwiseMin(image.frame().size) - low_;
   const double voxels = size_.cast<double>().prod();
   if (voxels >= static_cast<double>(kNoChunk))
     throw Error(ErrorKind::kMemory, "image is too large to look for thin places; crop it");
@@ -113,14 +114,11 @@ void VesselChunks::choose_seeds() {
     const Index3 half = (kBallInHalfWidths * half_width * edges_.cwiseInverse()).array().floor().cast<int>();
     const Index3 from = (seed - half).cwiseMax(Index3::Zero()),
                  to = (seed + half).cwiseMin(size_ - Index3::Ones());
-    for (int k = from.z(); k <= to.z(); ++k)
-      for (int j = from.y(); j <= to.y(); ++j)
-        for (int i = from.x(); i <= to.x(); ++i) {
-          const Index3 at(i, j, k);
-          const double away = (at - seed).cast<double>().cwiseProduct(edges_).norm() / half_width;
-          const bool is_wall = static_cast<double>(distance_[offset(at)]) < kWallShare * half_width;
-          if (away <= (is_wall ? kBallInHalfWidths : kCoreInHalfWidths)) covered[offset(at)] = 1;
-        }
+    for_each_place(from, to, [&](const Index3& at) {
+      const double away = (at - seed).cast<double>().cwiseProduct(edges_).norm() / half_width;
+      const bool is_wall = static_cast<double>(distance_[offset(at)]) < kWallShare * half_width;
+      if (away <= (is_wall ? kBallInHalfWidths : kCoreInHalfWidths)) covered[offset(at)] = 1;
+    });
   }
 }
 

@@ -8,6 +8,7 @@
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/image/runs.hpp"
+#include "lumesh/image/selection.hpp"
 
 namespace lumesh {
 
@@ -34,10 +35,8 @@ struct Hollows {
 image::RunImage background_runs(const LabelImage& image, const VoxelBox& box) {
   const Index3 size = box.high - box.low;
   return image::make_runs(size, [&](std::size_t row, std::vector<image::Run>& runs) {
-    const int j = static_cast<int>(row % static_cast<std::size_t>(size.y())),
-              k = static_cast<int>(row / static_cast<std::size_t>(size.y()));
     const LabelImage::Index* const voxels =
-        image.voxels().data() + image.frame().offset(box.low + Index3(0, j, k));
+        &image.voxels()[image.frame().offset(box.low + grid_row(size, row))];
     for (int i = 0; i < size.x();) {
       const int begin = i;
       while (i < size.x() && voxels[i] == 0) ++i;
@@ -59,27 +58,22 @@ Hollows::Hollows(const LabelImage& image, const VoxelBox& box)
 }
 
 std::vector<std::vector<Index3>> enclosed_pieces(const LabelImage& image) {
-  const LabelTopology all = union_topology(image);
   std::vector<std::vector<Index3>> pieces;
-  if (all.voxel_count == 0) return pieces;
-  VoxelBox box = all.box;
+  VoxelBox box = object_box(image);
+  if (box.is_empty()) return pieces;
   box.low = (box.low - Index3::Ones()).cwiseMax(Index3::Zero());
   box.high = (box.high + Index3::Ones()).cwiseMin(image.frame().size);
   Hollows hollows(image, box);
   const std::uint32_t outside = hollows.sets.find(image::kOutsideSet);
   std::map<std::uint32_t, std::size_t> piece_of;
-  for (int k = 0; k < hollows.runs.size.z(); ++k)
-    for (int j = 0; j < hollows.runs.size.y(); ++j) {
-      const std::size_t row = hollows.runs.row(j, k);
-      for (std::size_t r = hollows.runs.first[row]; r < hollows.runs.first[row + 1]; ++r) {
-        const std::uint32_t set = hollows.set_of(r);
-        if (set == outside) continue;
-        const auto [at, is_new] = piece_of.emplace(set, pieces.size());
-        if (is_new) pieces.emplace_back();
-        for (int i = hollows.runs.runs[r].begin; i < hollows.runs.runs[r].end; ++i)
-          pieces[at->second].emplace_back(box.low + Index3(i, j, k));
-      }
-    }
+  image::for_each_run(hollows.runs, [&](std::uint32_t r, int j, int k) {
+    const std::uint32_t set = hollows.set_of(r);
+    if (set == outside) return;
+    const auto [at, is_new] = piece_of.emplace(set, pieces.size());
+    if (is_new) pieces.emplace_back();
+    for (int i = hollows.runs.runs[r].begin; i < hollows.runs.runs[r].end; ++i)
+      pieces[at->second].emplace_back(box.low + Index3(i, j, k));
+  });
   return pieces;
 }
 
@@ -89,17 +83,14 @@ using FacesBetween = std::map<std::pair<LabelImage::Index, LabelImage::Index>, s
 template <class Use>
 void for_each_label_face(const LabelImage& image, const Use& use) {
   const ImageFrame& frame = image.frame();
-  for (int k = 0; k < frame.size.z(); ++k)
-    for (int j = 0; j < frame.size.y(); ++j)
-      for (int i = 0; i < frame.size.x(); ++i) {
-        const Index3 voxel(i, j, k);
-        for (int axis = 0; axis < 3; ++axis) {
-          const Index3 next = voxel + Index3::Unit(axis);
-          if (!frame.contains(next) || image.at(voxel) == image.at(next)) continue;
-          use(voxel, next);
-          use(next, voxel);
-        }
-      }
+  for_each_place(Index3::Zero(), frame.size - Index3::Ones(), [&](const Index3& voxel) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Index3 next = voxel + Index3::Unit(axis);
+      if (!frame.contains(next) || image.at(voxel) == image.at(next)) continue;
+      use(voxel, next);
+      use(next, voxel);
+    }
+  });
 }
 
 }  // namespace

@@ -353,13 +353,13 @@ LatticeFrame make_lattice_frame(const ImageDomain& domain, double coarsest_mm, i
   frame.levels = levels;
   frame.unit_mm = coarsest_mm / (2 * frame.step(0));
   frame.axes = image.direction;
-  const auto [low, high] = domain.object_box();
+  const auto& [low, end] = domain.object_box();
   // The box of the voxels in mm along the image's axes, and one cube more on each side.
-  const Vec3 extent = (high - low + Index3::Ones()).cast<double>().cwiseProduct(image.spacing_mm);
+  const Vec3 extent = (end - low).cast<double>().cwiseProduct(image.spacing_mm);
   Vec3 corner = low.cast<double>() - Vec3::Constant(0.5);
   if (frame.axes.determinant() < 0) {  // mirror the third axis to get a proper rotation
     frame.axes.col(2) = -frame.axes.col(2);
-    corner.z() = high.z() + 0.5;
+    corner.z() = end.z() - 0.5;
   }
   for (int axis = 0; axis < 3; ++axis) {
     frame.cells[axis] = static_cast<int>(std::min(1e8, std::ceil(extent[axis] / coarsest_mm))) + 3;

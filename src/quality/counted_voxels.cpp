@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lumesh/core/grid.hpp"
+
 namespace lumesh::quality {
 
 namespace {
@@ -27,8 +29,7 @@ void join_runs(std::vector<Run>& runs) {
 RunImage widened(const RunImage& image, int axis) {
   const int along_i = axis == 1 ? kCountedMargin : 0;
   return image::make_runs(image.size, [&](std::size_t row, std::vector<Run>& out) {
-    const auto rows = static_cast<std::size_t>(image.size.y());
-    const Index3 at(0, static_cast<int>(row % rows), static_cast<int>(row / rows));
+    const Index3 at = grid_row(image.size, row);
     std::vector<Run> runs;
     for (int step = -kCountedMargin; step <= kCountedMargin; ++step) {
       Index3 beside = at;
@@ -68,8 +69,8 @@ CountedVoxels::CountedVoxels(const LabelImage& image, const VoxelBox& box) {
   const RunImage near = widened(widened(object, 1), 2);
   runs_ = image::make_runs(object.size, [&](std::size_t row, std::vector<Run>& out) {
     if (near.of_row(row).empty()) return;
-    const auto rows = static_cast<std::size_t>(object.size.y());
-    const int j = static_cast<int>(row % rows), k = static_cast<int>(row / rows);
+    const Index3 at = grid_row(object.size, row);
+    const int j = at.y(), k = at.z();
     const bool in_box = j >= box.low.y() && j < box.high.y() && k >= box.low.z() && k < box.high.z();
     append_row(object.of_row(row), near.of_row(row), box.low.x(), in_box ? box.high.x() : box.low.x(), out);
   });

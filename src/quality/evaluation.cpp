@@ -8,6 +8,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/image/topology.hpp"
 #include "lumesh/quality/curvature.hpp"
 #include "lumesh/quality/hausdorff.hpp"
 #include "lumesh/quality/metric_statistics.hpp"
@@ -121,11 +122,11 @@ void add_difference(const char* what, const Value& found, const OfImage& of_imag
 TopologyDifference difference_of(const LabelEvaluation& label) {
   TopologyDifference more{.label = label.label};
   more.components =
-      static_cast<std::int64_t>(label.components) - static_cast<std::int64_t>(label.image->components);
+      static_cast<std::int64_t>(label.components) - static_cast<std::int64_t>(label.image->component_count);
   if (const auto cavities = label.cavities())
-    more.cavities = *cavities - static_cast<std::int64_t>(label.image->cavities);
-  if (const auto handles = label.handles()) more.handles = *handles - label.image->handles();
-  more.euler = label.euler - label.image->euler;
+    more.cavities = *cavities - static_cast<std::int64_t>(label.image->cavity_count);
+  if (const auto handles = label.handles()) more.handles = *handles - label.image->handle_count();
+  more.euler = label.euler - label.image->euler_number;
   return more;
 }
 
@@ -134,12 +135,12 @@ std::vector<TopologyDifference> list_topology_differences(Evaluation& evaluation
   for (const LabelEvaluation& label : evaluation.labels) {
     if (!label.image || label.lost()) continue;
     std::string words;
-    add_difference("components", label.components, label.image->components, words);
+    add_difference("components", label.components, label.image->component_count, words);
     if (const auto cavities = label.cavities())
-      add_difference("cavities", *cavities, label.image->cavities, words);
+      add_difference("cavities", *cavities, label.image->cavity_count, words);
     if (const auto handles = label.handles())
-      add_difference("handles", *handles, label.image->handles(), words);
-    if (words.empty()) add_difference("Euler number", label.euler, label.image->euler, words);
+      add_difference("handles", *handles, label.image->handle_count(), words);
+    if (words.empty()) add_difference("Euler number", label.euler, label.image->euler_number, words);
     if (words.empty()) continue;
     evaluation.topology_differences.push_back("label " + std::to_string(label.label) + ": " + words);
     differences.push_back(difference_of(label));
@@ -206,11 +207,11 @@ void add_image(const MeshView& mesh, const MeshSurface& surface, const Evaluatio
                Evaluation& evaluation, Context& context) {
   const LabelImage& image = *input.image;
   context.phase("voxel topology", [&] {
-    for (const VoxelTopology& voxels : voxel_topology(image)) entry(evaluation, voxels.label).image = voxels;
+    for (const LabelTopology& voxels : label_topology(image)) entry(evaluation, voxels.label).image = voxels;
   });
   ImageEvaluation& result = evaluation.image.emplace();
   result.frame = image.frame();
-  result.all = context.phase("voxel topology of the union", [&] { return union_voxel_topology(image); });
+  result.all = context.phase("voxel topology of the union", [&] { return union_topology(image); });
   if (!input.cut_planes.empty())
     context.phase("voxels that the cuts keep", [&] { cut_volumes(input, evaluation); });
   ImageDistances distances = context.phase(

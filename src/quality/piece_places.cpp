@@ -59,7 +59,7 @@ struct PieceSize {
   std::uint64_t count = 0;  // Cells or voxels.
   double volume_mm3 = 0;
   Vec3 middle = Vec3::Zero();  // By volume: mm of cells, indices of voxels.
-  VoxelBox box = kNoVoxels;
+  VoxelBox box = VoxelBox::nothing();
   Label label = kBackground;
 };
 
@@ -88,21 +88,17 @@ class PiecePlaces {
  private:
   void measure_voxels() {
     const image::RunImage& runs = voxels_.runs();
-    for (int k = 0; k < runs.size.z(); ++k)
-      for (int j = 0; j < runs.size.y(); ++j) {
-        const std::size_t row = runs.row(j, k);
-        for (std::size_t r = runs.first[row]; r < runs.first[row + 1]; ++r) {
-          const image::Run& run = runs.runs[r];
-          const Label label = image_.values()[run.label];
-          if (!labels_.contains(label)) continue;
-          PieceSize& size = of_voxels_[voxels_.piece_of_run(r)];
-          const auto count = static_cast<double>(run.end - run.begin);
-          size.label = label;
-          size.count += static_cast<std::uint64_t>(run.end - run.begin);
-          size.middle += count * Vec3((run.begin + run.end - 1) / 2.0, j, k);
-          grow(size.box, {run.begin, j, k}, {run.end, j + 1, k + 1});
-        }
-      }
+    image::for_each_run(runs, [&](std::uint32_t r, int j, int k) {
+      const image::Run& run = runs.runs[r];
+      const Label label = image_.values()[run.label];
+      if (!labels_.contains(label)) return;
+      PieceSize& size = of_voxels_[voxels_.piece_of_run(r)];
+      const auto count = static_cast<double>(run.end - run.begin);
+      size.label = label;
+      size.count += static_cast<std::uint64_t>(run.end - run.begin);
+      size.middle += count * Vec3((run.begin + run.end - 1) / 2.0, j, k);
+      size.box.add({run.begin, j, k}, {run.end, j + 1, k + 1});
+    });
     for (auto& [piece, size] : of_voxels_) {
       size.middle /= static_cast<double>(size.count);
       size.volume_mm3 = static_cast<double>(size.count) * image_.frame().voxel_volume_mm3();
@@ -121,7 +117,7 @@ class PiecePlaces {
       for (const Cell<3>& triangle : cells_.triangles(cell))
         for (const std::uint32_t v : triangle) {
           const Index3 voxel = voxel_at(mesh_.points[v]);
-          grow(size.box, voxel, voxel + Index3::Ones());
+          size.box.add(voxel, voxel + Index3::Ones());
         }
     }
     for (auto& [piece, size] : of_cells_)

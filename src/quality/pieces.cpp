@@ -4,6 +4,7 @@
 
 #include "cell_faces.hpp"
 #include "lumesh/core/disjoint_sets.hpp"
+#include "lumesh/core/grid.hpp"
 
 namespace lumesh::quality {
 
@@ -41,9 +42,9 @@ Index3 VoxelPieces::place_of(std::size_t number) const {
   const auto row = static_cast<std::size_t>(
       std::upper_bound(runs_.first.begin(), runs_.first.end(), static_cast<std::uint32_t>(run)) -
       runs_.first.begin() - 1);
-  const auto rows = static_cast<std::size_t>(runs_.size.y());
-  return {runs_.runs[run].begin + static_cast<int>(number - numbers_[run]), static_cast<int>(row % rows),
-          static_cast<int>(row / rows)};
+  Index3 place = grid_row(runs_.size, row);
+  place.x() = runs_.runs[run].begin + static_cast<int>(number - numbers_[run]);
+  return place;
 }
 
 std::size_t VoxelPieces::number_at(const Index3& voxel) const {

@@ -2,7 +2,6 @@
 // Pieces of labels in the voxels and in the mesh, and which holds centres of which.
 
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "lumesh/image/label_image.hpp"
@@ -16,12 +15,6 @@
 namespace lumesh::quality {
 
 constexpr std::uint32_t kNoPiece = 0xFFFFFFFFu;
-
-inline const VoxelBox kNoVoxels = {Index3::Constant(std::numeric_limits<int>::max()), Index3::Constant(-1)};
-inline void grow(VoxelBox& box, const Index3& low, const Index3& high) {
-  box.low = box.low.cwiseMin(low);
-  box.high = box.high.cwiseMax(high);
-}
 
 /// The object's voxels with numbers in the order of memory, and their pieces, joined through faces.
 class VoxelPieces {

@@ -1,5 +1,5 @@
 #pragma once
-/// @file Facts from other modules in the types of this one.
+/// @file What is wrong with a mesh, in the words of its evaluation.
 
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/quality/evaluation.hpp"
@@ -17,10 +17,5 @@ inline constexpr double kFarthest = 1e12;
 /// Fills in the problems of the mesh: by validate() for tetrahedra, by volumes and faces for mixed cells.
 void find_problems(const MeshView& mesh, const TetMesh* kernel, const MeshSurface& surface,
                    Evaluation& evaluation);
-
-/// Per label, ascending.
-[[nodiscard]] std::vector<VoxelTopology> voxel_topology(const LabelImage& image);
-/// Topology of all labels together.
-[[nodiscard]] VoxelTopology union_voxel_topology(const LabelImage& image);
 
 }  // namespace lumesh::quality

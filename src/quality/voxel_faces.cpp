@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/core/spread_bits.hpp"
+#include "lumesh/image/selection.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::quality {
@@ -71,21 +73,6 @@ void scan_row(const LabelImage& image, const std::vector<Voxel>& empty_row, int 
   if (k + 1 == size.z()) compare(2, row, empty_row.data(), j, k);
 }
 
-std::vector<std::uint64_t> count_voxels(const LabelImage& image) {
-  const std::vector<std::uint64_t> zero(image.values().size(), 0);
-  return parallel::reduce_blocks(
-      image.voxels().size(), std::size_t{1} << 20, zero,
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<std::uint64_t> counts = zero;
-        for (std::size_t i = begin; i < end; ++i) ++counts[image.voxels()[i]];
-        return counts;
-      },
-      [](std::vector<std::uint64_t> all, const std::vector<std::uint64_t>& more) {
-        for (std::size_t i = 0; i < all.size(); ++i) all[i] += more[i];
-        return all;
-      });
-}
-
 std::uint64_t morton_code(const VoxelFace& face) {
   std::uint64_t code = 0;
   for (int d = 0; d < 3; ++d)
@@ -99,13 +86,13 @@ std::vector<LabelFaces> collect_voxel_faces(const LabelImage& image) {
   const Index3& size = image.frame().size;
   const std::vector<Voxel> empty_row(static_cast<std::size_t>(size.x()), 0);
   const std::vector<OwnedFace> all = parallel::collect<OwnedFace>(
-      static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z()),
+      grid_row_count(size),
       [&](std::size_t row, std::vector<OwnedFace>& out) {
-        const auto rows = static_cast<std::size_t>(size.y());
-        scan_row(image, empty_row, static_cast<int>(row % rows), static_cast<int>(row / rows), out);
+        const Index3 place = grid_row(size, row);
+        scan_row(image, empty_row, place.y(), place.z(), out);
       },
       256);
-  const std::vector<std::uint64_t> voxels = count_voxels(image);
+  const std::vector<std::uint64_t> voxels = voxel_counts(image);
   std::vector<std::size_t> face_counts(image.values().size(), 0);
   for (const OwnedFace& item : all) ++face_counts[item.owner];
   std::vector<LabelFaces> labels;

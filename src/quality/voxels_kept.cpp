@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "counted_voxels.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "nearby.hpp"
@@ -92,7 +93,6 @@ struct KeptTally {
 std::vector<KeptTally> tally(const LabelImage& image, const CountedVoxels& voxels, const Marks& marks,
                              const CutPlanes& planes) {
   const image::RunImage& runs = voxels.runs();
-  const auto rows = static_cast<std::size_t>(runs.size.y());
   const std::vector<KeptTally> zero(image.values().size());
   return parallel::reduce_blocks(
       runs.first.size() - 1, 512, zero,
@@ -102,7 +102,7 @@ std::vector<KeptTally> tally(const LabelImage& image, const CountedVoxels& voxel
           for (std::size_t r = runs.first[row]; r < runs.first[row + 1]; ++r) {
             const Run& run = runs.runs[r];
             for (std::int32_t i = run.begin; i < run.end; ++i) {
-              const Index3 voxel(i, static_cast<int>(row % rows), static_cast<int>(row / rows));
+              const Index3 voxel = grid_row(runs.size, row) + i * Index3::UnitX();
               const std::size_t number = voxels.number_of(r) + static_cast<std::size_t>(i - run.begin);
               const bool missed = marks.at(number) == (run.label == 0);
               if (!missed && planes.none()) {

@@ -184,13 +184,13 @@ class Warping {
   }
 
   [[nodiscard]] VoxelBox box_of_label() const {
-    VoxelBox box = kNoVoxels;
+    VoxelBox box = VoxelBox::nothing();
     const image::RunImage runs = image::find_runs(image_, image::RunLabels::kEach);
-    for (int k = 0; k < runs.size.z(); ++k)
-      for (int j = 0; j < runs.size.y(); ++j)
-        for (const image::Run& run : runs.of_row(runs.row(j, k)))
-          if (image_.values()[run.label] == difference_.label)
-            grow(box, {run.begin, j, k}, {run.end, j + 1, k + 1});
+    image::for_each_run(runs, [&](std::uint32_t r, int j, int k) {
+      const image::Run& run = runs.runs[r];
+      if (image_.values()[run.label] == difference_.label)
+        box.add({run.begin, j, k}, {run.end, j + 1, k + 1});
+    });
     return box;
   }
 
@@ -337,11 +337,11 @@ class Warping {
 
   [[nodiscard]] TopologyPlace place_of(const Cluster& cluster) const {
     Vec3 mean = Vec3::Zero();
-    VoxelBox box = kNoVoxels;
+    VoxelBox box = VoxelBox::nothing();
     for (const Index3& p : cluster.points) {
       mean += p.cast<double>() / static_cast<double>(cluster.points.size());
       const Index3 voxel = (p.cast<double>() / n_).array().floor().cast<int>();
-      grow(box, voxel, voxel + Index3::Ones());
+      box.add(voxel, voxel + Index3::Ones());
     }
     const Index3 nearest = *std::min_element(
         cluster.points.begin(), cluster.points.end(), [&](const Index3& a, const Index3& b) {

@@ -119,10 +119,11 @@ std::string labels_section(const Evaluation& e) {
     const auto of_image = [&](const auto& value_of) {
       return l.image ? std::optional(static_cast<std::int64_t>(value_of(*l.image))) : std::nullopt;
     };
-    row.push_back(against(std::optional(l.components), of_image([](const auto& v) { return v.components; })));
-    row.push_back(against(l.cavities(), of_image([](const auto& v) { return v.cavities; })));
-    row.push_back(against(l.handles(), of_image([](const auto& v) { return v.handles(); })));
-    row.push_back(against(std::optional(l.euler), of_image([](const auto& v) { return v.euler; })));
+    row.push_back(
+        against(std::optional(l.components), of_image([](const auto& v) { return v.component_count; })));
+    row.push_back(against(l.cavities(), of_image([](const auto& v) { return v.cavity_count; })));
+    row.push_back(against(l.handles(), of_image([](const auto& v) { return v.handle_count(); })));
+    row.push_back(against(std::optional(l.euler), of_image([](const auto& v) { return v.euler_number; })));
     row.push_back(l.lost()       ? "!lost"
                   : l.cells == 0 ? "cut off"
                                  : marked(l.surface.manifold(),

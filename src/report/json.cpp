@@ -141,12 +141,12 @@ Json or_null(const std::optional<Value>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-Json to_json(const VoxelTopology& voxels) {
-  return {{"voxels", voxels.voxels},
-          {"components", voxels.components},
-          {"euler", voxels.euler},
-          {"cavities", voxels.cavities},
-          {"handles", voxels.handles()}};
+Json to_json(const LabelTopology& voxels) {
+  return {{"voxels", voxels.voxel_count},
+          {"components", voxels.component_count},
+          {"euler", voxels.euler_number},
+          {"cavities", voxels.cavity_count},
+          {"handles", voxels.handle_count()}};
 }
 
 Json to_json(const KeptVoxels& kept, double voxel_size_mm) {

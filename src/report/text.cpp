@@ -141,8 +141,8 @@ std::string labels_text(const Evaluation& e) {
     text += fmt::format("{:<22.22}{:>12}{:>12}{:>9}{:>13}{:>12}  {}\n", name, five_digits(l.volume_mm3),
                         l.image ? five_digits(l.image->volume_mm3) : "–",
                         l.image ? fmt::format("{:+.2f}", l.image_volume_error_percent()) : "–",
-                        of_image(l.components, l.image ? l.image->components : 0),
-                        of_image(l.euler, l.image ? l.image->euler : 0),
+                        of_image(l.components, l.image ? l.image->component_count : 0),
+                        of_image(l.euler, l.image ? l.image->euler_number : 0),
                         l.lost()               ? "LOST"
                         : l.cells == 0         ? "cut off"
                         : l.surface.manifold() ? "manifold"

@@ -26,6 +26,16 @@ namespace lumesh {
   return {static_cast<int>(offset % x), static_cast<int>(offset / x % y), static_cast<int>(offset / (x * y))};
 }
 
+/// Rows along the first index, numbered as places.
+[[nodiscard]] inline std::size_t grid_row_count(const Index3& size) {
+  return static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
+}
+/// The first place of a row.
+[[nodiscard]] inline Index3 grid_row(const Index3& size, std::size_t row) {
+  const auto y = static_cast<std::size_t>(size.y());
+  return {0, static_cast<int>(row % y), static_cast<int>(row / y)};
+}
+
 /// Calls visit(place) for the places of a box, `high` included, in the order of their numbers.
 template <class Visit>
 void for_each_place(const Index3& low, const Index3& high, const Visit& visit) {

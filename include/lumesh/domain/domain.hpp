@@ -66,13 +66,6 @@ class MaterialSet {
   std::size_t size_ = 0;
 };
 
-/// A place on a boundary.
-struct BoundaryPoint {
-  Vec3 position_mm = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();                  ///< Unit; points from `inside` to `outside`.
-  std::array<Material, 2> materials = {0, 0};  ///< inside, outside; two materials name the patch.
-};
-
 /// A part of a closed surface where a vessel was cut off.
 struct FlatEnd {
   std::string name;  ///< Name of its patch.

@@ -2,7 +2,6 @@
 /// @file The domain oracle of a segmented image: where each material is, and where their boundaries run.
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -53,9 +52,6 @@ class ImageDomain final : public Domain {
   [[nodiscard]] Label label_at(const Vec3& point_mm) const;
   /// First place along the segment where the material changes, found by steps of half a voxel and bisection.
   [[nodiscard]] std::optional<Vec3> first_crossing(const Vec3& from_mm, const Vec3& to_mm) const;
-  /// Nearest boundary point by descent from the given place; none if no boundary is within the field's reach
-  /// (three voxels).
-  [[nodiscard]] std::optional<BoundaryPoint> nearest_boundary(const Vec3& point_mm) const;
 
   [[nodiscard]] FieldSample separation(const Vec3& point_mm, Material first, Material second) const override;
   [[nodiscard]] double separation_value(const Vec3& point_mm, Material first, Material second) const override;
@@ -76,8 +72,8 @@ class ImageDomain final : public Domain {
   [[nodiscard]] const ImageFrame& frame() const;
   /// Geometric mean of the voxel's edges.
   [[nodiscard]] double voxel_size_mm() const { return voxel_size_mm_; }
-  /// Index box (inclusive) of all voxels that are not background.
-  [[nodiscard]] std::array<Index3, 2> object_box() const { return object_box_; }
+  /// The box of all voxels that are not background.
+  [[nodiscard]] const VoxelBox& object_box() const { return object_box_; }
 
  private:
   /// The cut plane, of those with or without a bound, that the point is furthest beyond, or nearest to; how
@@ -90,7 +86,6 @@ class ImageDomain final : public Domain {
   [[nodiscard]] MaterialSet labels_near(const Vec3& point_mm, double reach_mm) const;
   [[nodiscard]] MaterialSet with_stumps(const MaterialSet& labels, const Vec3& point_mm,
                                         double reach_mm) const;
-  void find_object_box(const LabelImage& image);
   void add_cuts(const std::vector<CutPlane>& cuts);
   void add_border_cuts(const LabelImage& image);
 
@@ -102,7 +97,7 @@ class ImageDomain final : public Domain {
   Mat3 index_from_mm_ = Mat3::Identity();
   double voxel_size_mm_ = 1;
   double unit_mm_ = 1;  // of the field: the smallest edge of a voxel
-  std::array<Index3, 2> object_box_ = {Index3::Zero(), Index3::Zero()};
+  VoxelBox object_box_;
 };
 
 }  // namespace lumesh

@@ -2,6 +2,7 @@
 /// @file A segmented image: one label per voxel and the frame that places it in space.
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -43,6 +44,34 @@ struct ImageFrame {
 struct VoxelBox {
   Index3 low = Index3::Zero();
   Index3 high = Index3::Zero();  ///< One past the last voxel.
+
+  /// What add() begins with.
+  [[nodiscard]] static VoxelBox nothing() {
+    return {Index3::Constant(std::numeric_limits<int>::max()), Index3::Constant(-1)};
+  }
+  [[nodiscard]] bool is_empty() const { return (low.array() >= high.array()).any(); }
+  /// Takes in the voxels [from, to).
+  void add(const Index3& from, const Index3& to) {
+    low = low.cwiseMin(from);
+    high = high.cwiseMax(to);
+  }
+};
+
+/// Topology of the voxels of one label, or of all; image/topology.hpp measures it.
+struct LabelTopology {
+  Label label = kBackground;
+  std::size_t voxel_count = 0;
+  double volume_mm3 = 0;
+  std::size_t component_count = 0;  ///< 6-connected.
+  std::int64_t euler_number = 0;    ///< Components - tunnels + cavities.
+  /// Hollows: 26-connected pieces of what is not the label, the outside left out.
+  std::size_t cavity_count = 0;
+  VoxelBox box;  ///< Smallest box that holds the voxels.
+
+  /// Tunnels through the voxels: handles of their surface.
+  [[nodiscard]] std::int64_t handle_count() const {
+    return static_cast<std::int64_t>(component_count + cavity_count) - euler_number;
+  }
 };
 
 /// Where the boundary of the object crosses the edge between the centres of two voxels that share a face, one

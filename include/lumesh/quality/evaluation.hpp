@@ -23,21 +23,6 @@ struct Polylines;
 
 namespace lumesh::quality {
 
-/// Voxels of one label (or of all).
-struct VoxelTopology {
-  Label label = kBackground;
-  std::uint64_t voxels = 0;
-  double volume_mm3 = 0;         ///< On the kept side of the cut planes; all else is of the uncut image.
-  std::uint64_t components = 0;  ///< Connected through faces.
-  std::int64_t euler = 0;
-  std::uint64_t cavities = 0;  ///< Hollows inside.
-
-  /// Tunnels: components + cavities - euler.
-  [[nodiscard]] std::int64_t handles() const {
-    return static_cast<std::int64_t>(components + cavities) - euler;
-  }
-};
-
 struct LabelEvaluation {
   Label label = kBackground;
   std::string name;         ///< May be empty.
@@ -46,7 +31,9 @@ struct LabelEvaluation {
   std::uint64_t components = 0;
   std::int64_t euler = 0;
   SurfaceTopology surface;
-  std::optional<VoxelTopology> image;         ///< If there is an image.
+  /// If there is an image. The volume is that on the kept side of the cut planes; all else is of the uncut
+  /// image.
+  std::optional<LabelTopology> image;
   std::optional<KeptVoxels> voxels_kept;      ///< If the image has the label.
   std::optional<SurfaceDistances> distances;  ///< If there is an image and the mesh has the label.
   std::optional<LabelReference> reference;    ///< If there is a phantom.
@@ -67,7 +54,7 @@ struct LabelEvaluation {
 struct ImageEvaluation {
   ImageFrame frame;
   double voxel_size_mm = 1;
-  VoxelTopology all;                          ///< Topology of the union of its labels.
+  LabelTopology all;                          ///< Topology of the union of its labels, as of each label.
   KeptVoxels background_kept;                 ///< Background voxels near the object that no cell holds.
   KeptVoxels voxels_kept;                     ///< Voxels kept of all labels and the background.
   std::optional<SurfaceDistances> distances;  ///< Distances of the union; none if the mesh has no surface.

@@ -130,6 +130,8 @@ class LabelField {
   /// The least function of a label against the others of its brick.
   [[nodiscard]] BlockRef least_block(const Place& place, LabelIndex label) const;
   static constexpr std::size_t kMostCandidates = 64;
+  template <class Visit>
+  void for_each_corner(const Place& place, int reach, const Visit& visit) const;
   [[nodiscard]] std::size_t candidates_at(const Place& place,
                                           std::array<LabelIndex, kMostCandidates>& found) const;
   /// Which of two labels that no function tells apart is nearer, by the voxels at the corners of the cells

@@ -12,11 +12,8 @@ template <class LabelAt>
 [[nodiscard]] int same_label_count(const LabelAt& label_at) {
   const LabelImage::Index own = label_at(0, 0, 0);
   int count = 0;
-  for (int k = -1; k <= 1; ++k) {
-    for (int j = -1; j <= 1; ++j) {
-      for (int i = -1; i <= 1; ++i) count += label_at(i, j, k) == own ? 1 : 0;
-    }
-  }
+  for_each_place(Index3::Constant(-1), Index3::Ones(),
+                 [&](const Index3& step) { count += label_at(step.x(), step.y(), step.z()) == own ? 1 : 0; });
   return count;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -34,6 +35,15 @@ struct RunImage {
   }
 };
 
+/// Calls use(run index, j, k) for every run, in order.
+template <class Use>
+void for_each_run(const RunImage& runs, const Use& use) {
+  for (std::size_t row = 0; row + 1 < runs.first.size(); ++row) {
+    const Index3 place = grid_row(runs.size, row);
+    for (std::uint32_t r = runs.first[row]; r < runs.first[row + 1]; ++r) use(r, place.y(), place.z());
+  }
+}
+
 /// How labels are told apart.
 enum class RunLabels : std::uint8_t { kEach, kUnion };
 
@@ -45,7 +55,7 @@ template <class AppendRow>
   constexpr std::size_t kRowsPerBlock = 64;
   RunImage result;
   result.size = size;
-  const std::size_t rows = static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
+  const std::size_t rows = grid_row_count(size);
   result.first.assign(rows + 1, 0);
   std::vector<std::vector<Run>> parts((rows + kRowsPerBlock - 1) / kRowsPerBlock);
   parallel::for_each_block(rows, kRowsPerBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {

@@ -1,5 +1,6 @@
 #pragma once
-/// @file What the voxels of each label amount to: counts, volumes, connected components, Euler numbers.
+/// @file What the voxels of each label amount to: counts, volumes, connected components, Euler numbers
+/// (LabelTopology in label_image.hpp).
 ///
 /// Voxels of one label are joined through their faces (6-connectivity), so the background is joined through
 /// corners (26-connectivity). The Euler number is that of the complex with a vertex for every voxel, an edge
@@ -17,22 +18,6 @@
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
-
-struct LabelTopology {
-  Label label = kBackground;
-  std::size_t voxel_count = 0;
-  double volume_mm3 = 0;            ///< voxel_count times the volume of a voxel.
-  std::size_t component_count = 0;  ///< 6-connected.
-  std::int64_t euler_number = 0;    ///< See the file comment.
-  std::size_t cavity_count =
-      0;         ///< Hollows: 26-connected pieces of what is not the label, the outside left out.
-  VoxelBox box;  ///< Smallest box that holds the voxels.
-
-  /// Tunnels through the voxels: handles of their surface.
-  [[nodiscard]] std::int64_t handle_count() const {
-    return static_cast<std::int64_t>(component_count + cavity_count) - euler_number;
-  }
-};
 
 /// One entry for every label that has a voxel, background excluded, labels ascending.
 [[nodiscard]] std::vector<LabelTopology> label_topology(const LabelImage& image);

@@ -155,22 +155,17 @@ TEST(ImageDomain, ThreeMaterialsMeetInACurveThatProjectionFinds) {
   }
 }
 
-TEST(ImageDomain, NearestBoundaryNamesBothSidesAndPointsOutwards) {
+TEST(ImageDomain, TheBoundaryNearAPlaceIsOnTheBallAndItsNormalPointsOutwards) {
   const Ball ball = odd_ball();
   const ImageDomain domain(ball.image, {});
   for (const Vec3& d : random_directions(200, 4)) {
     const double off = 0.8 * d.z();
-    const auto found = domain.nearest_boundary(ball.centre_mm + (ball.radius_mm + off) * d);
+    const auto found = domain.project(ball.centre_mm + (ball.radius_mm + off) * d, {0, 1}, 5);
     ASSERT_TRUE(found.has_value());
-    EXPECT_NEAR((found->position_mm - ball.centre_mm).norm(), ball.radius_mm, 0.45);
-    EXPECT_NEAR(found->normal.norm(), 1, 1e-9);
-    const Material inside = found->materials[0];
-    EXPECT_NE(inside, found->materials[1]);
-    EXPECT_LE(inside, 1U);
-    EXPECT_LE(found->materials[1], 1U);
-    EXPECT_GT((inside == 1 ? 1 : -1) * found->normal.dot(d), 0.8);
+    EXPECT_NEAR((*found - ball.centre_mm).norm(), ball.radius_mm, 0.45);
+    EXPECT_LT(domain.separation(*found, 1, 0).gradient.normalized().dot(d), -0.8);
   }
-  EXPECT_FALSE(domain.nearest_boundary(ball.centre_mm).has_value()) << "12 mm from the surface";
+  EXPECT_FALSE(domain.project(ball.centre_mm, {0, 1}, 5).has_value()) << "12 mm from the surface";
 }
 
 TEST(ImageDomain, FirstCrossingIsWhereTheSegmentEntersTheBall) {
@@ -192,8 +187,8 @@ TEST(ImageDomain, ObjectsThatTouchTheImageBorderAreCutAtTheVoxelsOuterFaces) {
     return std::hypot(p.x() - 9.4, p.y() - 9.7) < 6 && p.z() < 8 ? 1 : 0;
   });
   const ImageDomain domain(image, {});
-  EXPECT_EQ(domain.object_box()[0], Index3(4, 4, 0));
-  EXPECT_EQ(domain.object_box()[1], Index3(15, 15, 15));
+  EXPECT_EQ(domain.object_box().low, Index3(4, 4, 0));
+  EXPECT_EQ(domain.object_box().high, Index3(16, 16, 16));
   ASSERT_EQ(domain.material_count(), 3U) << "background, label, one cut";
   EXPECT_TRUE(domain.is_cut(2));
   EXPECT_FALSE(domain.is_meshed(2));
