@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "lumesh/core/assert.hpp"
-#include "lumesh/core/error.hpp"
 #include "lumesh/metric/tensor.hpp"
 
 namespace lumesh::metric {
@@ -222,15 +221,6 @@ Ellipsoid EllipsoidSearch::around(std::span<const Vec3> points) {
 SymTensor Ellipsoid::metric() const {
   LUMESH_ASSERT(semi_axes.minCoeff() > 0);
   return from_sizes(axes, semi_axes);
-}
-
-Ellipsoid minimum_volume_ellipsoid(std::span<const Vec3> points, const EllipsoidOptions& options) {
-  if (!(options.tolerance > 0 && options.tolerance <= 1))
-    throw Error(ErrorKind::kUsage, "tolerance of an ellipsoid must be above 0 and at most 1");
-  if (!(options.floor_mm >= 0) || !std::isfinite(options.floor_mm))
-    throw Error(ErrorKind::kUsage, "floor of an ellipsoid's semi-axes must be 0 or more");
-  if (points.empty()) throw Error(ErrorKind::kBadInput, "an ellipsoid needs at least one point");
-  return EllipsoidSearch(options).around(points);
 }
 
 }  // namespace lumesh::metric

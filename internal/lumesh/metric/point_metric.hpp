@@ -19,7 +19,7 @@ namespace lumesh::metric {
 /// @throws Error{kBadInput} if a point is not finite, there are fewer than two different ones or fewer than
 /// k, or none lies within one diagonal of the places' box of that; the message does not name a file. Parallel
 /// inside, bitwise identical for every thread count. Cost: docs/stages/metric.md. Source of the sets and
-/// ellipsoids: minimum_volume_ellipsoid().
+/// ellipsoids: EllipsoidSearch.
 [[nodiscard]] std::vector<SymTensor> metric_from_points(std::span<const Vec3> places,
                                                         std::span<const Vec3> points,
                                                         const PointMetricOptions& options = {});

@@ -8,8 +8,8 @@
 #include <random>
 #include <string>
 
+#include "../src/metric/ellipsoid_search.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/metric/ellipsoid.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -98,8 +98,7 @@ TEST(PointMetric, IsTheEllipsoidOfTheNearestPoints) {
       return (a - places[i]).squaredNorm() < (b - places[i]).squaredNorm();
     });
     sorted.resize(20);
-    const SymTensor expected =
-        minimum_volume_ellipsoid(sorted, {.tolerance = 1e-3, .floor_mm = 1e-3}).metric();
+    const SymTensor expected = EllipsoidSearch({.tolerance = 1e-3, .floor_mm = 1e-3}).around(sorted).metric();
     // The order of the points differs, and with it where within the tolerance the search ends.
     EXPECT_LT((found[i].matrix() - expected.matrix()).norm(), 0.05 * expected.matrix().norm()) << i;
   }
