@@ -29,34 +29,20 @@ bool holds(const TetMesh& mesh, TetId t, const Vec3& point) {
 
 }  // namespace
 
-/// Where t stands in the table, or would.
-std::size_t ConflictFinder::slot_of(TetId t) const {
-  const std::size_t mask = table_.size() - 1;
-  std::size_t slot = (t.value * 0x9E3779B1u >> 7) & mask;
-  while (table_[slot] != TetId::kNone && table_[slot] != t.value) slot = (slot + 1) & mask;
-  return slot;
-}
-
-void ConflictFinder::take_in(TetId t) {
-  table_[slot_of(t)] = t.value;
-  tets_.push_back(t);
-  if (4 * tets_.size() < table_.size()) return;
-  table_.assign(4 * table_.size(), TetId::kNone);
-  for (const TetId one : tets_) table_[slot_of(one)] = one.value;
-}
-
 std::span<const TetId> ConflictFinder::find(const TetMesh& mesh, const Vec3& point, TetId near) {
-  constexpr std::size_t kSmall = 256;
   tets_.clear();
-  table_.assign(kSmall, TetId::kNone);
+  known_.clear();
+  const auto take_in_if_it_holds = [&](TetId t) {
+    if (known_.contains(t.value) || !holds(mesh, t, point)) return;
+    known_.insert(t.value, 0);
+    tets_.push_back(t);
+  };
   const TetId first = walk_to(mesh, point, near);
-  if (!first.valid() || !holds(mesh, first, point)) return {};
-  take_in(first);
+  if (first.valid()) take_in_if_it_holds(first);
   for (std::size_t next = 0; next < tets_.size(); ++next) {
     for (int f = 0; f < 4; ++f) {
       const FaceLink behind = mesh.link(tets_[next], f);
-      if (behind.is_boundary() || table_[slot_of(behind.tet())] != TetId::kNone) continue;
-      if (holds(mesh, behind.tet(), point)) take_in(behind.tet());
+      if (!behind.is_boundary()) take_in_if_it_holds(behind.tet());
     }
   }
   return tets_;

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "lumesh/core/local_map.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh::delaunay {
@@ -17,12 +18,8 @@ class ConflictFinder {
   std::span<const TetId> find(const TetMesh& mesh, const Vec3& point, TetId near);
 
  private:
-  void take_in(TetId t);
-  [[nodiscard]] std::size_t slot_of(TetId t) const;
-
   std::vector<TetId> tets_;
-  std::vector<std::uint32_t>
-      table_;  // The elements of tets_, by open addressing; its size is a power of two.
+  LocalMap<std::uint32_t, char> known_;  // The same.
 };
 
 }  // namespace lumesh::delaunay

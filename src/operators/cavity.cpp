@@ -5,6 +5,7 @@
 
 #include "links.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/edge_key.hpp"
 #include "surface_rules.hpp"
 
 namespace lumesh::operators {

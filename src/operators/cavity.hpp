@@ -7,7 +7,7 @@
 
 #include "angle_star.hpp"
 #include "builder.hpp"
-#include "local_map.hpp"
+#include "lumesh/core/local_map.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/measures.hpp"

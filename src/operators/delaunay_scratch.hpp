@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "local_map.hpp"
+#include "lumesh/core/local_map.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh::operators {

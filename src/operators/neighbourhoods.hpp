@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "local_map.hpp"
+#include "lumesh/core/local_map.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 

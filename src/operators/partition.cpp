@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "cavity.hpp"
-#include "local_map.hpp"
+#include "lumesh/core/local_map.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
 

@@ -7,7 +7,6 @@
 #include "builder.hpp"
 #include "cavity.hpp"
 #include "links.hpp"
-#include "local_map.hpp"
 #include "lumesh/operators/kernel.hpp"
 #include "neighbourhoods.hpp"
 #include "star_shapes.hpp"

@@ -1,8 +1,9 @@
 #pragma once
 /// @file Edges that an operator need not try again.
 
-#include "local_map.hpp"
+#include "lumesh/core/local_map.hpp"
 #include "lumesh/core/types.hpp"
+#include "lumesh/mesh/edge_key.hpp"
 
 namespace lumesh::operators {
 

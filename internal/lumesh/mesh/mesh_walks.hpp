@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "lumesh/core/local_map.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh {
@@ -17,7 +18,7 @@ class VertexStar {
   /// The tetrahedra, the incident one first; empty for an unused vertex. Good until the next call.
   std::span<const TetId> gather(const TetMesh& mesh, VertexId v) {
     tets_.clear();
-    resize_table(kSmallTable);
+    known_.clear();
     if (mesh.incident_tet(v).valid()) insert(mesh.incident_tet(v));
     for (std::size_t next = 0; next < tets_.size(); ++next) {
       const TetId t = tets_[next];
@@ -31,30 +32,12 @@ class VertexStar {
   }
 
  private:
-  static constexpr std::size_t kSmallTable = 128;
-
   void insert(TetId t) {
-    std::size_t slot = slot_of(t);
-    while (table_[slot] != TetId::kNone) {
-      if (table_[slot] == t.value) return;
-      slot = (slot + 1) % table_.size();
-    }
-    table_[slot] = t.value;
-    tets_.push_back(t);
-    if (2 * tets_.size() > table_.size()) resize_table(4 * table_.size());
-  }
-  [[nodiscard]] std::size_t slot_of(TetId t) const { return (t.value * 0x9E3779B1u >> 7) % table_.size(); }
-  void resize_table(std::size_t size) {
-    table_.assign(size, TetId::kNone);
-    for (const TetId t : tets_) {
-      std::size_t slot = slot_of(t);
-      while (table_[slot] != TetId::kNone) slot = (slot + 1) % table_.size();
-      table_[slot] = t.value;
-    }
+    if (known_.insert(t.value, 0).added) tets_.push_back(t);
   }
 
   std::vector<TetId> tets_;
-  std::vector<std::uint32_t> table_;  // Open addressing; its size is a power of two.
+  LocalMap<std::uint32_t, char> known_;  // The same.
 };
 
 /// Calls visit(TetId) for the tetrahedra around v. For many vertices keep a VertexStar instead.

@@ -6,9 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lumesh/mesh/edge_key.hpp"
-
-namespace lumesh::operators {
+namespace lumesh {
 
 /// Keys with a value each, for a few dozen or hundred at a time; clearing costs nothing. Grows when half
 /// full.
@@ -71,4 +69,4 @@ class LocalMap {
   std::uint32_t epoch_ = 1;
 };
 
-}  // namespace lumesh::operators
+}  // namespace lumesh
