@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::delaunay {
@@ -17,10 +18,6 @@ constexpr std::uint32_t kCoarseLevels = 6, kFineLevels = 7;
 constexpr std::size_t kManyPoints = 1000;
 
 using CellPlace = std::array<std::uint32_t, 3>;
-
-bool precedes(const Vec3& a, const Vec3& b) {
-  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
-}
 
 }  // namespace
 

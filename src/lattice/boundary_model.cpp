@@ -20,10 +20,7 @@ BoundaryModel find_boundary(const WorkMesh& mesh, const ImageDomain& domain) {
   // angle it would be drawn to a rim some edges away.
   model.sets.resize(mesh.positions.size());
   for (const BoundaryTriangle& t : model.triangles)
-    for (const std::uint32_t v : t.vertices) {
-      model.sets[v].insert(t.inside);
-      model.sets[v].insert(t.outside);
-    }
+    for (const std::uint32_t v : t.vertices) bind(model.sets[v], t);
   return model;
 }
 

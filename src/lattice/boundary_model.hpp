@@ -15,6 +15,12 @@ struct BoundaryModel {
   std::vector<MaterialSet> sets;  ///< Per vertex: materials on the two sides of its triangles; none inside.
 };
 
+/// The materials on both sides of a triangle join the set of one of its vertices.
+inline void bind(MaterialSet& set, const BoundaryTriangle& triangle) {
+  set.insert(triangle.inside);
+  set.insert(triangle.outside);
+}
+
 /// Whether a vertex of this set lies in a cut plane; of its materials, cuts are the last.
 [[nodiscard]] inline bool is_on_cut(const ImageDomain& domain, const MaterialSet& set) {
   return set.size() >= 2 && domain.is_cut(set[set.size() - 1]);

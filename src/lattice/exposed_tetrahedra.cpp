@@ -76,10 +76,7 @@ class ExposedRemoval {
     for (const std::uint32_t v : touched_) boundary_.sets[v] = {};
     for (const BoundaryTriangle& t : boundary_.triangles)
       for (const std::uint32_t v : t.vertices)
-        if (std::binary_search(touched_.begin(), touched_.end(), v)) {
-          boundary_.sets[v].insert(t.inside);
-          boundary_.sets[v].insert(t.outside);
-        }
+        if (std::binary_search(touched_.begin(), touched_.end(), v)) bind(boundary_.sets[v], t);
     return drop_tetrahedra(mesh_, boundary_, keep_);
   }
 

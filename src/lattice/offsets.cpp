@@ -1,9 +1,9 @@
 #include "offsets.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -41,8 +41,8 @@ std::array<Vec3, 3> edge_middles(const TriangleCorners& p) {
 }
 
 double doubled_area_mm2(const WorkMesh& mesh, const BoundaryTriangle& t) {
-  const Vec3& a = mesh.positions[t.vertices[0]];
-  return (mesh.positions[t.vertices[1]] - a).cross(mesh.positions[t.vertices[2]] - a).norm();
+  const auto [a, b, c] = corners_of(mesh, t);
+  return triangle_area_normal(a, b, c).norm();
 }
 
 }  // namespace

@@ -134,12 +134,8 @@ class RimChoice {
   void renew_sets() {
     sort_unique(touched_);
     for (const std::uint32_t v : touched_) {
-      MaterialSet set;
-      for (const std::uint32_t t : surface_.triangles(v)) {
-        set.insert(boundary_.triangles[t].inside);
-        set.insert(boundary_.triangles[t].outside);
-      }
-      boundary_.sets[v] = set;
+      boundary_.sets[v] = {};
+      for (const std::uint32_t t : surface_.triangles(v)) bind(boundary_.sets[v], boundary_.triangles[t]);
     }
   }
 

@@ -4,6 +4,8 @@
 
 #include "apply.hpp"
 #include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/perturbed_insphere.hpp"
+#include "lumesh/mesh/edge_key.hpp"
 #include "surface_rules.hpp"
 
 namespace lumesh::operators {
@@ -155,8 +157,7 @@ void neighbours_near(const TetMesh& mesh, VertexId v, const VertexBall& ball, do
       near.push_back({VertexId(w), length});
   std::sort(near.begin(), near.end(), [&](const NearVertex& a, const NearVertex& b) {
     if (a.length != b.length) return a.length < b.length;
-    const Vec3 &p = mesh.point(a.vertex), &q = mesh.point(b.vertex);
-    return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
+    return precedes(mesh.point(a.vertex), mesh.point(b.vertex));
   });
 }
 

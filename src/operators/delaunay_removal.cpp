@@ -75,6 +75,13 @@ void DelaunayKernel<Lock>::wrap_hole() {
     at = static_cast<std::uint32_t>(open.size());
     open.push_back(face);
   };
+  const auto join = [&](std::uint32_t tet, std::size_t f, const DelaunayScratch::OpenFace& other) {
+    wrapped[tet].behind[f] = other.tet;
+    wrapped[tet].behind_face[f] = other.face;
+    if ((other.tet & DelaunayScratch::kHull) != 0) return;
+    wrapped[other.tet].behind[static_cast<std::size_t>(other.face)] = tet;
+    wrapped[other.tet].behind_face[static_cast<std::size_t>(other.face)] = static_cast<int>(f);
+  };
   for (std::uint32_t i = 0; i < hull.size(); ++i) add_open({hull[i].places, DelaunayScratch::kHull | i, 0});
   for (std::size_t next = 0; next < open.size(); ++next) {
     const DelaunayScratch::OpenFace face = open[next];
@@ -90,11 +97,8 @@ void DelaunayKernel<Lock>::wrap_hole() {
     }
     LUMESH_ASSERT(apex != kClosed);
     const auto tet = static_cast<std::uint32_t>(wrapped.size());
-    wrapped.push_back({{a, b, c, apex}, {0, 0, 0, face.tet}, {0, 0, 0, face.face}});
-    if ((face.tet & DelaunayScratch::kHull) == 0) {
-      wrapped[face.tet].behind[static_cast<std::size_t>(face.face)] = tet;
-      wrapped[face.tet].behind_face[static_cast<std::size_t>(face.face)] = 3;
-    }
+    wrapped.push_back({{a, b, c, apex}, {}, {}});
+    join(tet, 3, face);
     for (std::size_t f = 0; f < 3; ++f) {
       const auto& [i, j, k] = kTetFaces[f];
       const Cell<4>& v = wrapped[tet].corners;
@@ -105,14 +109,8 @@ void DelaunayKernel<Lock>::wrap_hole() {
         add_open({outwards, tet, static_cast<int>(f)});
         continue;
       }
-      const DelaunayScratch::OpenFace met = open[*other];
+      join(tet, f, open[*other]);
       *other = kClosed;
-      wrapped[tet].behind[f] = met.tet;
-      wrapped[tet].behind_face[f] = met.face;
-      if ((met.tet & DelaunayScratch::kHull) == 0) {
-        wrapped[met.tet].behind[static_cast<std::size_t>(met.face)] = tet;
-        wrapped[met.tet].behind_face[static_cast<std::size_t>(met.face)] = static_cast<int>(f);
-      }
     }
   }
 }

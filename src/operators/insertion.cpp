@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apply.hpp"
+#include "lumesh/geometry/perturbed_insphere.hpp"
 #include "surface_rules.hpp"
 
 namespace lumesh::operators {
@@ -87,9 +88,8 @@ Outcome EdgeSplit::operator()(auto& site, const TetEdge& edge) const {
   const auto [a, b] = vertices_of(site.mesh, edge);
   // The same point whoever asks, and from which end.
   const Vec3 &p = site.mesh.point(a), &q = site.mesh.point(b);
-  const Outcome outcome = std::lexicographical_compare(q.begin(), q.end(), p.begin(), p.end())
-                              ? split_held_edge(site, edge.tet, b, a, 1 - fraction, rules)
-                              : split_held_edge(site, edge.tet, a, b, fraction, rules);
+  const Outcome outcome = precedes(q, p) ? split_held_edge(site, edge.tet, b, a, 1 - fraction, rules)
+                                         : split_held_edge(site, edge.tet, a, b, fraction, rules);
   TriedEdges& tried = site.scratch.tried_splits;
   if (outcome == Outcome::kRejected && !site.lock.contended()) tried.note_failure(a, b);
   if (outcome == Outcome::kApplied) tried.note_change(site.scratch.cavity.hull_vertices());
