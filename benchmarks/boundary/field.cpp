@@ -222,8 +222,7 @@ FieldFigures measure_field(const Shape& shape, const LabelImage& image, std::uin
   figures.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   std::vector<WallSample> places = surface_places(shape, seed);
-  parallel::for_each_index(
-      places.size(), [&](std::size_t p) { find_boundary(domain, places[p]); }, 16);
+  parallel::for_each_index(places.size(), 16, [&](std::size_t p) { find_boundary(domain, places[p]); });
   std::vector<WallSample> main, border;
   for (const WallSample& place : places)
     if (place.found) (place.near_border ? border : main).push_back(place);

@@ -26,21 +26,18 @@ class FineGrid {
   template <class Near, class Far>
   void for_each(const Near& near, const Far& far) const {
     const auto rows = static_cast<std::size_t>(frame_.size.y()) * static_cast<std::size_t>(frame_.size.z());
-    parallel::for_each_index(
-        rows,
-        [&](std::size_t row) {
-          const int j = static_cast<int>(row % static_cast<std::size_t>(frame_.size.y()));
-          const int k = static_cast<int>(row / static_cast<std::size_t>(frame_.size.y()));
-          for (int i = 0; i < frame_.size.x(); ++i) {
-            const Index3 sample(i, j, k);
-            const Material material = material_of_cell(sample);
-            if (material == kMixed)
-              near(sample, Vec3(frame_.to_physical(sample.cast<double>())));
-            else
-              far(sample, material);
-          }
-        },
-        1);
+    parallel::for_each_index(rows, 1, [&](std::size_t row) {
+      const int j = static_cast<int>(row % static_cast<std::size_t>(frame_.size.y()));
+      const int k = static_cast<int>(row / static_cast<std::size_t>(frame_.size.y()));
+      for (int i = 0; i < frame_.size.x(); ++i) {
+        const Index3 sample(i, j, k);
+        const Material material = material_of_cell(sample);
+        if (material == kMixed)
+          near(sample, Vec3(frame_.to_physical(sample.cast<double>())));
+        else
+          far(sample, material);
+      }
+    });
   }
 
  private:

@@ -43,16 +43,13 @@ MovableVertices movable_vertices(const TetMesh& mesh, const PlaceOnPatch& place)
   }
   for (std::size_t p = 0; p < patches; ++p)
     if (counts[p] > 0) found.largest[p] = kMost * std::sqrt(2 * found.area[p] / counts[p]);
-  parallel::for_each_index(
-      found.patch.size(),
-      [&](std::size_t v) {
-        if (found.patch[v] == kNoPatch) return;
-        if (const auto at = place(PatchId(found.patch[v]), mesh.points()[v]))
-          found.normal[v] = at->normal;
-        else
-          found.patch[v] = kNoPatch;
-      },
-      64);
+  parallel::for_each_index(found.patch.size(), 64, [&](std::size_t v) {
+    if (found.patch[v] == kNoPatch) return;
+    if (const auto at = place(PatchId(found.patch[v]), mesh.points()[v]))
+      found.normal[v] = at->normal;
+    else
+      found.patch[v] = kNoPatch;
+  });
   return found;
 }
 

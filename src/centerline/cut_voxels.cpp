@@ -68,25 +68,22 @@ class ImageCutter {
   [[nodiscard]] std::vector<Index3> foreground(const Wanted& is_wanted) const {
     const auto columns = static_cast<std::size_t>(frame_.size.y());
     return parallel::collect<Index3>(
-        columns * static_cast<std::size_t>(frame_.size.z()),
+        columns * static_cast<std::size_t>(frame_.size.z()), 512,
         [&](std::size_t row, std::vector<Index3>& out) {
           const auto j = static_cast<int>(row % columns), k = static_cast<int>(row / columns);
           const LabelImage::Index* labels = image_.voxels().data() + frame_.offset({0, j, k});
           for (int i = 0; i < frame_.size.x(); ++i)
             if (labels[i] != 0 && is_wanted(Index3(i, j, k))) out.emplace_back(i, j, k);
-        },
-        512);
+        });
   }
 
   [[nodiscard]] std::vector<CutSection> sections(const std::vector<Index3>& inside) const {
     std::vector<CutSection> sections;
     for (const CutPlane& plane : planes_) {
-      std::vector<Index3> last = parallel::collect<Index3>(
-          inside.size(),
-          [&](std::size_t n, std::vector<Index3>& out) {
+      std::vector<Index3> last =
+          parallel::collect<Index3>(inside.size(), 4096, [&](std::size_t n, std::vector<Index3>& out) {
             if (is_last(inside[n], plane)) out.push_back(inside[n]);
-          },
-          4096);
+          });
       for (std::vector<Index3>& part : parts_of(plane, std::move(last)))
         sections.push_back({plane, std::move(part)});
     }

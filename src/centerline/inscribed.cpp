@@ -75,12 +75,9 @@ Flattening flattening_at(const Lumen& lumen, const Vec3& centre, double radius, 
 Tube inscribed(const Lumen& lumen, const Tube& tube) {
   const std::vector<Section> sections = sections_of(tube);
   std::vector<Flattening> flattenings(tube.size());
-  parallel::for_each_index(
-      tube.size(),
-      [&](std::size_t i) {
-        flattenings[i] = flattening_at(lumen, tube.centres[i], tube.radii[i], sections[i]);
-      },
-      4);
+  parallel::for_each_index(tube.size(), 4, [&](std::size_t i) {
+    flattenings[i] = flattening_at(lumen, tube.centres[i], tube.radii[i], sections[i]);
+  });
   const std::vector<double> length = lengths_along(tube);
   Tube out = tube;
   std::size_t begin = 0, end = 0;

@@ -109,8 +109,7 @@ void Lumen::make_bricks(const std::vector<Index3>& beyond) {
 }
 
 void Lumen::number() {
-  parallel::for_each_index(
-      stored_.size(), [&](std::size_t b) { stored_[b].ids.fill(kNoVoxel); }, 16);
+  parallel::for_each_index(stored_.size(), 16, [&](std::size_t b) { stored_[b].ids.fill(kNoVoxel); });
   parallel::for_each_index(voxels_.size(), [&](std::size_t id) {
     const Index3& v = voxels_[id];
     Brick& brick = stored_[static_cast<std::size_t>(brick_of_[brick_offset(v - low_)])];
@@ -119,14 +118,11 @@ void Lumen::number() {
 }
 
 void Lumen::mark_inside() {
-  parallel::for_each_index(
-      stored_.size(),
-      [&](std::size_t b) {
-        Brick& brick = stored_[b];
-        for (std::size_t c = 0; c < kCells; ++c)
-          brick.shares[c] = static_cast<std::uint8_t>(brick.ids[c] == kNoVoxel ? 0 : kWhole);
-      },
-      16);
+  parallel::for_each_index(stored_.size(), 16, [&](std::size_t b) {
+    Brick& brick = stored_[b];
+    for (std::size_t c = 0; c < kCells; ++c)
+      brick.shares[c] = static_cast<std::uint8_t>(brick.ids[c] == kNoVoxel ? 0 : kWhole);
+  });
 }
 
 void Lumen::keep_largest_piece() {

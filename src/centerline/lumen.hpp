@@ -133,23 +133,20 @@ void Lumen::refine_shares(const Share& share) {
     return brick != nullptr && brick->shares[cell(v)] != 0;
   };
   std::vector<std::array<std::uint8_t, kCells>> refined(stored_.size());
-  parallel::for_each_index(
-      stored_.size(),
-      [&](std::size_t b) {
-        refined[b] = stored_[b].shares;
-        for (std::size_t c = 0; c < kCells; ++c) {
-          const auto n = static_cast<int>(c);
-          const Index3 v = stored_[b].low + Index3(n % kBrick, n / kBrick % kBrick, n / (kBrick * kBrick));
-          const bool own = refined[b][c] != 0;
-          bool near = false;
-          for (int a = 0; a < 6 && !near; ++a)
-            near = is_inside(v + (a % 2 == 0 ? 1 : -1) * Index3::Unit(a / 2)) != own;
-          if (near)
-            refined[b][c] =
-                static_cast<std::uint8_t>(std::clamp(share(position(v), own), 0.0, 1.0) * kWhole + 0.5);
-        }
-      },
-      16);
+  parallel::for_each_index(stored_.size(), 16, [&](std::size_t b) {
+    refined[b] = stored_[b].shares;
+    for (std::size_t c = 0; c < kCells; ++c) {
+      const auto n = static_cast<int>(c);
+      const Index3 v = stored_[b].low + Index3(n % kBrick, n / kBrick % kBrick, n / (kBrick * kBrick));
+      const bool own = refined[b][c] != 0;
+      bool near = false;
+      for (int a = 0; a < 6 && !near; ++a)
+        near = is_inside(v + (a % 2 == 0 ? 1 : -1) * Index3::Unit(a / 2)) != own;
+      if (near)
+        refined[b][c] =
+            static_cast<std::uint8_t>(std::clamp(share(position(v), own), 0.0, 1.0) * kWhole + 0.5);
+    }
+  });
   for (std::size_t b = 0; b < stored_.size(); ++b) stored_[b].shares = refined[b];
 }
 

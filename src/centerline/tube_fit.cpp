@@ -65,8 +65,7 @@ class TubeFitter {
     for (std::ptrdiff_t i = -margin; i < count + margin; ++i)
       order.push_back(static_cast<std::size_t>((i + count) % count));
     std::vector<WallEquations> walls(tube_.size());
-    parallel::for_each_index(
-        tube_.size(), [&](std::size_t i) { walls[i] = wall_equations(i); }, 4);
+    parallel::for_each_index(tube_.size(), 4, [&](std::size_t i) { walls[i] = wall_equations(i); });
     const std::vector<double> x = solve(order, walls);
     for (std::size_t i = 0; i < tube_.size(); ++i) {
       const double* at = x.data() + 4 * (i + static_cast<std::size_t>(margin));

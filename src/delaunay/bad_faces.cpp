@@ -121,9 +121,8 @@ std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& ru
                                             double min_angle_deg, bool first) {
   const NeededVertices needed(mesh, spacing);
   const double max_cosine = std::cos(min_angle_deg * std::numbers::pi / 180);
-  auto found = parallel::collect<Removal>(
-      mesh.tet_slots(),
-      [&](std::size_t i, std::vector<Removal>& out) {
+  auto found =
+      parallel::collect<Removal>(mesh.tet_slots(), 4096, [&](std::size_t i, std::vector<Removal>& out) {
         const TetId t(static_cast<std::uint32_t>(i));
         if (!mesh.alive(t)) return;
         for (int f = 0; f < 4; ++f) {
@@ -138,8 +137,7 @@ std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& ru
           if (const VertexId gone = superfluous_vertex(mesh, needed, v, first); gone.valid())
             out.push_back({cosine, gone});
         }
-      },
-      4096);
+      });
   std::sort(found.begin(), found.end(), [&](const Removal& a, const Removal& b) {
     return a.badness != b.badness ? a.badness > b.badness
                                   : precedes(mesh.point(a.vertex), mesh.point(b.vertex));

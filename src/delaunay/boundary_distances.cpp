@@ -38,28 +38,25 @@ double distance_near_boundary(const Domain& domain, const Vec3& x, const Domain:
 void fill_near_boundaries(const Domain& domain, ValueGrid& grid) {
   const Index3& size = grid.size();
   const auto material_at = [&](const Index3& at) { return domain.material_at(grid.point(at)); };
-  parallel::for_each_index(
-      grid_row_count(size),
-      [&](std::size_t row) {
-        Index3 at = grid_row(size, row);
-        for (; at.x() < size.x(); ++at.x()) {
-          const Domain::Surroundings around = domain.surroundings(grid.point(at));
-          float& value = grid.values()[grid.offset(at)];
-          value = kUnknown;
-          if (around.clearance_mm < 0.5 * domain.clearance_limit_mm() ||
-              std::isinf(domain.clearance_limit_mm())) {
-            value = static_cast<float>(distance_near_boundary(domain, grid.point(at), around));
-          } else if (domain.clearance_limit_mm() < grid.spacing_mm()) {
-            // A coarse grid may step over all that the field knows of a boundary.
-            for (int a = 0; a < 3; ++a) {
-              const Index3 next = at + Index3::Unit(a);
-              if (next[a] < size[a] && material_at(next) != around.material)
-                value = static_cast<float>(0.5 * grid.spacing_mm());
-            }
-          }
+  parallel::for_each_index(grid_row_count(size), 1, [&](std::size_t row) {
+    Index3 at = grid_row(size, row);
+    for (; at.x() < size.x(); ++at.x()) {
+      const Domain::Surroundings around = domain.surroundings(grid.point(at));
+      float& value = grid.values()[grid.offset(at)];
+      value = kUnknown;
+      if (around.clearance_mm < 0.5 * domain.clearance_limit_mm() ||
+          std::isinf(domain.clearance_limit_mm())) {
+        value = static_cast<float>(distance_near_boundary(domain, grid.point(at), around));
+      } else if (domain.clearance_limit_mm() < grid.spacing_mm()) {
+        // A coarse grid may step over all that the field knows of a boundary.
+        for (int a = 0; a < 3; ++a) {
+          const Index3 next = at + Index3::Unit(a);
+          if (next[a] < size[a] && material_at(next) != around.material)
+            value = static_cast<float>(0.5 * grid.spacing_mm());
         }
-      },
-      1);
+      }
+    }
+  });
 }
 
 /// The distance that the nearest neighbours along the axes give: where |grad d| = 1, upwind. Source: Zhao

@@ -49,8 +49,7 @@ double estimated_tets(const Spacing& spacing) {
     return tets;
   };
   std::vector<double> slices(kSamples);
-  parallel::for_each_index(
-      slices.size(), [&](std::size_t k) { slices[k] = slice_of(k); }, 1);
+  parallel::for_each_index(slices.size(), 1, [&](std::size_t k) { slices[k] = slice_of(k); });
   double sum = 0;
   for (const double slice : slices) sum += slice;
   return sum;

@@ -140,13 +140,10 @@ NearestPoints::NearestPoints(std::span<const Vec3> points, const Box3& region, D
   constexpr std::size_t kParts = 64;
   const Builder::Block root{box.center(), 0.5 * box.sizes(), 0, {0, 0, 0}};
   std::vector<Builder> parts(kParts, Builder{points_, range_, levels_});
-  parallel::for_each_index(
-      kParts,
-      [&](std::size_t i) {
-        const auto octants = static_cast<unsigned>(i);
-        parts[i].build(all, root.child(octants / 8).child(octants % 8));
-      },
-      1);
+  parallel::for_each_index(kParts, 1, [&](std::size_t i) {
+    const auto octants = static_cast<unsigned>(i);
+    parts[i].build(all, root.child(octants / 8).child(octants % 8));
+  });
   cells_.resize(std::size_t{1} << (3 * levels_));
   for (const Builder& part : parts) {
     part.fill(cells_, static_cast<std::uint32_t>(candidates_.size()));

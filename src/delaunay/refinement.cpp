@@ -59,44 +59,35 @@ std::size_t Refinement::complete(std::span<const BoundaryCandidate> candidates) 
 }
 
 std::vector<TetId> Refinement::fresh_tets() const {
-  return parallel::collect<TetId>(
-      mesh_.tet_slots(),
-      [&](std::size_t i, std::vector<TetId>& out) {
-        if (const TetId t(static_cast<std::uint32_t>(i)); mesh_.stamp(t) == stamp_) out.push_back(t);
-      },
-      16384);
+  return parallel::collect<TetId>(mesh_.tet_slots(), 16384, [&](std::size_t i, std::vector<TetId>& out) {
+    if (const TetId t(static_cast<std::uint32_t>(i)); mesh_.stamp(t) == stamp_) out.push_back(t);
+  });
 }
 
 std::vector<Circumsphere> Refinement::find_materials(std::span<const TetId> fresh) {
   std::vector<Circumsphere> spheres(fresh.size());
-  parallel::for_each_index(
-      fresh.size(),
-      [&](std::size_t i) {
-        spheres[i] = circumsphere(mesh_, fresh[i]);
-        mesh_.set_label(fresh[i], static_cast<Label>(rules_.material_at(spheres[i])));
-      },
-      256);
+  parallel::for_each_index(fresh.size(), 256, [&](std::size_t i) {
+    spheres[i] = circumsphere(mesh_, fresh[i]);
+    mesh_.set_label(fresh[i], static_cast<Label>(rules_.material_at(spheres[i])));
+  });
   return spheres;
 }
 
 std::vector<Candidate> Refinement::candidates_for(std::span<const TetId> fresh,
                                                   std::span<const Circumsphere> spheres) const {
-  return parallel::collect<Candidate>(
-      fresh.size(),
-      [&](std::size_t i, std::vector<Candidate>& out) {
-        const TetId t = fresh[i];
-        const Circumsphere& sphere = spheres[i];
-        for (int f = 0; f < 4; ++f) {
-          if (!rules_.is_boundary(t, f)) continue;
-          const TetId other = mesh_.link(t, f).tet();
-          // Once for each face, from the same side whatever the numbers are.
-          if (mesh_.stamp(other) == stamp_ && mesh_.label(other) < mesh_.label(t)) continue;
-          if (const auto candidate = rules_.candidate_for_face(t, f, sphere)) out.push_back(*candidate);
-        }
-        if (const auto candidate = rules_.candidate_for_crossed_opening(t, sphere)) out.push_back(*candidate);
-        if (const auto candidate = rules_.candidate_for_tet(t, sphere)) out.push_back(*candidate);
-      },
-      kBlock);
+  return parallel::collect<Candidate>(fresh.size(), kBlock, [&](std::size_t i, std::vector<Candidate>& out) {
+    const TetId t = fresh[i];
+    const Circumsphere& sphere = spheres[i];
+    for (int f = 0; f < 4; ++f) {
+      if (!rules_.is_boundary(t, f)) continue;
+      const TetId other = mesh_.link(t, f).tet();
+      // Once for each face, from the same side whatever the numbers are.
+      if (mesh_.stamp(other) == stamp_ && mesh_.label(other) < mesh_.label(t)) continue;
+      if (const auto candidate = rules_.candidate_for_face(t, f, sphere)) out.push_back(*candidate);
+    }
+    if (const auto candidate = rules_.candidate_for_crossed_opening(t, sphere)) out.push_back(*candidate);
+    if (const auto candidate = rules_.candidate_for_tet(t, sphere)) out.push_back(*candidate);
+  });
 }
 
 std::vector<VertexId> Refinement::pinched() const {

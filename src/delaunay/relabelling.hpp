@@ -25,13 +25,10 @@ std::size_t relabel_unless_pinching(TetMesh& mesh, const Domain& domain, const M
     TetId tet;
     CornerPlaces corners;
   };
-  auto candidates = parallel::collect<Relabelling>(
-      mesh.tet_slots(),
-      [&](std::size_t i, std::vector<Relabelling>& out) {
-        const TetId t(static_cast<std::uint32_t>(i));
-        if (mesh.alive(t) && material_of(t)) out.push_back({t, corner_places(mesh, t)});
-      },
-      8192);
+  auto candidates = parallel::collect<Relabelling>(mesh.tet_slots(), 8192, [&](std::size_t i, auto& out) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (mesh.alive(t) && material_of(t)) out.push_back({t, corner_places(mesh, t)});
+  });
   parallel::sort(candidates.begin(), candidates.end(),
                  [](const Relabelling& a, const Relabelling& b) { return is_earlier(a.corners, b.corners); });
   std::size_t count = 0;

@@ -61,22 +61,18 @@ class Relaxation {
   }
   void sweep() {
     std::vector<Vec3> next(points_.size());
-    parallel::for_each_index(
-        points_.size(), [&](std::size_t i) { next[i] = moved(i); }, 64);
+    parallel::for_each_index(points_.size(), 64, [&](std::size_t i) { next[i] = moved(i); });
     points_.swap(next);
   }
   /// Back to the surface, from which moves along it lead but a little.
   void finish() const {
-    parallel::for_each_index(
-        points_.size(),
-        [&](std::size_t i) {
-          if (!is_free(i)) return;
-          BoundaryCandidate& mine = candidates_[chosen_[i]];
-          const auto place = domain_.project(points_[i], mine.materials, mine.spacing);
-          if (place && (*place - mine.point).norm() < mine.spacing && !is_cut_off(domain_, *place))
-            mine.point = *place;
-        },
-        64);
+    parallel::for_each_index(points_.size(), 64, [&](std::size_t i) {
+      if (!is_free(i)) return;
+      BoundaryCandidate& mine = candidates_[chosen_[i]];
+      const auto place = domain_.project(points_[i], mine.materials, mine.spacing);
+      if (place && (*place - mine.point).norm() < mine.spacing && !is_cut_off(domain_, *place))
+        mine.point = *place;
+    });
   }
 
  private:

@@ -86,19 +86,16 @@ class Thinning {
   /// Cubes of one colour are farther apart than anything in them reaches.
   void take_of(Level& level, std::size_t max_materials, bool is_fixed) {
     for (int colour = 0; colour < 8; ++colour) {
-      parallel::for_each_index(
-          level.cubes.size(),
-          [&](std::size_t c) {
-            const Index3& cube = level.cubes[c];
-            if (((cube.x() & 1) | (cube.y() & 1) << 1 | (cube.z() & 1) << 2) != colour) return;
-            for (std::uint32_t i = level.starts[c]; i < level.starts[c + 1]; ++i) {
-              const std::size_t materials = candidates_[level.items[i]].materials.size();
-              const bool has_turn = candidates_[level.items[i]].is_fixed == is_fixed &&
-                                    (max_materials > 3 ? materials > 3 : materials == max_materials);
-              if (has_turn && !is_encroached(level.items[i])) level.taken[c].push_back(level.items[i]);
-            }
-          },
-          16);
+      parallel::for_each_index(level.cubes.size(), 16, [&](std::size_t c) {
+        const Index3& cube = level.cubes[c];
+        if (((cube.x() & 1) | (cube.y() & 1) << 1 | (cube.z() & 1) << 2) != colour) return;
+        for (std::uint32_t i = level.starts[c]; i < level.starts[c + 1]; ++i) {
+          const std::size_t materials = candidates_[level.items[i]].materials.size();
+          const bool has_turn = candidates_[level.items[i]].is_fixed == is_fixed &&
+                                (max_materials > 3 ? materials > 3 : materials == max_materials);
+          if (has_turn && !is_encroached(level.items[i])) level.taken[c].push_back(level.items[i]);
+        }
+      });
     }
   }
 

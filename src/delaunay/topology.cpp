@@ -195,9 +195,8 @@ Material part_of(const Domain& domain, const TetMesh& mesh, TetId t) {
 /// outside one is enough.
 std::vector<FanFace> boundary_fans(const TetMesh& mesh, const Domain& domain) {
   const bool has_labels = domain.label_count() > 2;
-  auto fans = parallel::collect<FanFace>(
-      mesh.tet_slots(),
-      [&](std::size_t i, std::vector<FanFace>& out) {
+  auto fans =
+      parallel::collect<FanFace>(mesh.tet_slots(), 8192, [&](std::size_t i, std::vector<FanFace>& out) {
         const TetId t(static_cast<std::uint32_t>(i));
         if (!mesh.alive(t)) return;
         const Material mine = part_of(domain, mesh, t);
@@ -213,8 +212,7 @@ std::vector<FanFace> boundary_fans(const TetMesh& mesh, const Domain& domain) {
             if (ends_object) out.push_back({v[c], 0, {last, next}});
           }
         }
-      },
-      8192);
+      });
   parallel::sort(fans.begin(), fans.end(), [](const FanFace& a, const FanFace& b) {
     return a.vertex != b.vertex ? a.vertex < b.vertex : a.material < b.material;
   });

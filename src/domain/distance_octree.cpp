@@ -32,19 +32,16 @@ DistanceOctree::DistanceOctree(const SurfaceProjector& projector, std::uint32_t 
     const auto first = static_cast<std::uint32_t>(cells_.size());
     cells_.resize(cells_.size() + 8 * level.size());
     std::vector<Place> next(8 * level.size());
-    parallel::for_each_index(
-        level.size(),
-        [&](std::size_t i) {
-          DistanceCell& parent = cells_[level[i].cell];
-          const Found from_parent{&parent, 0.5 * half_diagonal, half_diagonal};
-          parent.first_child = first + static_cast<std::uint32_t>(8 * i);
-          for (std::uint32_t child = 0; child < 8; ++child) {
-            const Place place{parent.first_child + child, middle_of_child(level[i].middle, half_size, child)};
-            cells_[place.cell] = measured(projector, region_count, place, 0.5 * half_diagonal, &from_parent);
-            next[8 * i + child] = place;
-          }
-        },
-        64);
+    parallel::for_each_index(level.size(), 64, [&](std::size_t i) {
+      DistanceCell& parent = cells_[level[i].cell];
+      const Found from_parent{&parent, 0.5 * half_diagonal, half_diagonal};
+      parent.first_child = first + static_cast<std::uint32_t>(8 * i);
+      for (std::uint32_t child = 0; child < 8; ++child) {
+        const Place place{parent.first_child + child, middle_of_child(level[i].middle, half_size, child)};
+        cells_[place.cell] = measured(projector, region_count, place, 0.5 * half_diagonal, &from_parent);
+        next[8 * i + child] = place;
+      }
+    });
     level = std::move(next);
   }
 }

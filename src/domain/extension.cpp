@@ -195,21 +195,18 @@ LabelImage extended_image(const LabelImage& image, const VesselContinuation& bey
     for (int i = low.x(); i <= high.x(); ++i)
       if (to[i - low.x()] != 0 && !beyond.is_kept_of_image({i, j, k})) to[i - low.x()] = 0;
   };
-  parallel::for_each_index(
-      grid_row_count(larger.size),
-      [&](std::size_t row) {
-        const Index3 place = whole.low + grid_row(larger.size, row);
-        const int j = place.y(), k = place.z();
-        fill_row(j, k);
-        for (const IndexBox& box : beyond.tube_boxes()) {
-          if (j < box.low.y() || j > box.high.y() || k < box.low.z() || k > box.high.z()) continue;
-          for (int i = box.low.x(); i <= box.high.x(); ++i) {
-            LabelImage::Index& label = result.at(Index3(i, j, k) - whole.low);
-            if (label == 0) label = beyond.label_at({i, j, k});
-          }
-        }
-      },
-      16);
+  parallel::for_each_index(grid_row_count(larger.size), 16, [&](std::size_t row) {
+    const Index3 place = whole.low + grid_row(larger.size, row);
+    const int j = place.y(), k = place.z();
+    fill_row(j, k);
+    for (const IndexBox& box : beyond.tube_boxes()) {
+      if (j < box.low.y() || j > box.high.y() || k < box.low.z() || k > box.high.z()) continue;
+      for (int i = box.low.x(); i <= box.high.x(); ++i) {
+        LabelImage::Index& label = result.at(Index3(i, j, k) - whole.low);
+        if (label == 0) label = beyond.label_at({i, j, k});
+      }
+    }
+  });
   return result;
 }
 

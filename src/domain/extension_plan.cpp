@@ -185,12 +185,9 @@ class ExtensionPlanner {
   void shorten_all() {
     const std::size_t count = plan_.groups.size();
     std::vector<std::optional<Hit>> hits(count);
-    parallel::for_each_index(
-        count,
-        [&](std::size_t g) {
-          if (plan_.lengths_mm[g] > 0) hits[g] = first_hit(g);
-        },
-        1);
+    parallel::for_each_index(count, 1, [&](std::size_t g) {
+      if (plan_.lengths_mm[g] > 0) hits[g] = first_hit(g);
+    });
     for (std::size_t g = 0; g < count; ++g) {
       if (!hits[g]) continue;
       const double asked_mm = plan_.lengths_mm[g];

@@ -105,20 +105,16 @@ std::shared_ptr<CarriedSection> section_of(std::span<const Opening> openings,
   section->first_mm = plane.point_mm - half * section->step_mm * (section->u + section->v);
   section->inside.resize(static_cast<std::size_t>(section->columns) *
                          static_cast<std::size_t>(section->rows));
-  parallel::for_each_index(
-      section->inside.size(),
-      [&](std::size_t s) {
-        const auto columns = static_cast<std::size_t>(section->columns);
-        const std::size_t row = s / columns, column = s % columns;
-        const Vec3 x = section->first_mm + section->step_mm * (static_cast<double>(column) * section->u +
-                                                               static_cast<double>(row) * section->v);
-        const bool is_own = std::any_of(own.members.begin(), own.members.end(),
-                                        [&](std::size_t m) { return openings[m].squares->hold(x); });
-        const double off_mm = is_own ? 0 : nearest_mm(rim, x);
-        section->inside[s] =
-            static_cast<float>(std::min(air_mm - off_mm, (nearest_mm(others, x) - off_mm) / 2));
-      },
-      64);
+  parallel::for_each_index(section->inside.size(), 64, [&](std::size_t s) {
+    const auto columns = static_cast<std::size_t>(section->columns);
+    const std::size_t row = s / columns, column = s % columns;
+    const Vec3 x = section->first_mm + section->step_mm * (static_cast<double>(column) * section->u +
+                                                           static_cast<double>(row) * section->v);
+    const bool is_own = std::any_of(own.members.begin(), own.members.end(),
+                                    [&](std::size_t m) { return openings[m].squares->hold(x); });
+    const double off_mm = is_own ? 0 : nearest_mm(rim, x);
+    section->inside[s] = static_cast<float>(std::min(air_mm - off_mm, (nearest_mm(others, x) - off_mm) / 2));
+  });
   return section;
 }
 

@@ -95,13 +95,11 @@ class Connections {
 
 void keep_connections(const Band& band, const std::vector<std::uint8_t>& near, LaneArray& values) {
   Connections connections(band, values);
-  const std::vector<Block> blocks = parallel::collect<Block>(
-      band.segment_count(),
-      [&](std::size_t s, std::vector<Block>& out) {
+  const std::vector<Block> blocks =
+      parallel::collect<Block>(band.segment_count(), 512, [&](std::size_t s, std::vector<Block>& out) {
         for (int lane = 0; near[s] != 0 && lane < kLanes; ++lane)
           if (Band::has(near[s], lane)) connections.collect(static_cast<Lane>(s) * kLanes + lane, out);
-      },
-      512);
+      });
   // One after the other: what one block raises is seen by the next.
   bool done = false;
   for (int sweep = 0; sweep < kSweeps && !done; ++sweep) {

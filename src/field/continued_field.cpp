@@ -22,8 +22,7 @@ class ContinuedFieldBuilder {
   void build() {
     plan_bricks();
     reserve();
-    parallel::for_each_index(
-        places_.size(), [&](std::size_t i) { fill(i); }, 16);
+    parallel::for_each_index(places_.size(), 16, [&](std::size_t i) { fill(i); });
   }
 
  private:
@@ -127,8 +126,7 @@ class ContinuedFieldBuilder {
 
   void plan_bricks() {
     std::vector<Plan> plans(static_cast<std::size_t>(f_.bricks_.prod()));
-    parallel::for_each_index(
-        plans.size(), [&](std::size_t b) { plans[b] = plan_of(brick_index(b)); }, 256);
+    parallel::for_each_index(plans.size(), 256, [&](std::size_t b) { plans[b] = plan_of(brick_index(b)); });
     f_.brick_of_.resize(plans.size());
     for (std::size_t b = 0; b < plans.size(); ++b) {
       f_.brick_of_[b] = plans[b].code;

@@ -146,8 +146,7 @@ class LabelFieldBuilder {
 
   void collect_labels() {
     std::vector<std::vector<LabelIndex>> sets(place_.size());
-    parallel::for_each_index(
-        place_.size(), [&](std::size_t b) { sets[b] = labels_in(b); }, 16);
+    parallel::for_each_index(place_.size(), 16, [&](std::size_t b) { sets[b] = labels_in(b); });
     std::uint32_t corners = 0;
     for (std::size_t b = 0; b < sets.size(); ++b) {
       Brick& brick = f_.active_[b];
@@ -158,8 +157,7 @@ class LabelFieldBuilder {
       f_.labels_.insert(f_.labels_.end(), sets[b].begin(), sets[b].end());
     }
     f_.corners_.resize(std::size_t{corners} * kCorners * kCorners * kCorners);
-    parallel::for_each_index(
-        place_.size(), [&](std::size_t b) { fill_corners(b); }, 16);
+    parallel::for_each_index(place_.size(), 16, [&](std::size_t b) { fill_corners(b); });
   }
 
   void fill_corners(std::size_t b) {
@@ -202,17 +200,14 @@ class LabelFieldBuilder {
     const field::PairFunction function = field::fit(band, options_.fidelity);
     const LabelPair& pair = pairs_[p].pair;
     const auto& bricks = bricks_of_pair_[p];
-    parallel::for_each_index(
-        bricks.size(),
-        [&](std::size_t i) {
-          const Brick& brick = f_.active_[static_cast<std::size_t>(f_.brick_of_[bricks[i]])];
-          std::uint32_t block = brick.first_pair;
-          while (f_.pairs_[block].first != pair.first ||
-                 (!pair.is_outer_wall() && f_.pairs_[block].second != pair.second))
-            ++block;
-          fill_block(band, function, pair, brick_index(bricks[i]), block);
-        },
-        16);
+    parallel::for_each_index(bricks.size(), 16, [&](std::size_t i) {
+      const Brick& brick = f_.active_[static_cast<std::size_t>(f_.brick_of_[bricks[i]])];
+      std::uint32_t block = brick.first_pair;
+      while (f_.pairs_[block].first != pair.first ||
+             (!pair.is_outer_wall() && f_.pairs_[block].second != pair.second))
+        ++block;
+      fill_block(band, function, pair, brick_index(bricks[i]), block);
+    });
   }
 
   /// The function's values, cut off a little above what queries tell; beyond the band the same limit on the

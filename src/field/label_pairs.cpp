@@ -82,8 +82,8 @@ std::vector<float> crossings_of(const std::vector<Face>& faces, const LabelImage
 std::vector<PairFaces> touching_pairs(const LabelImage& image) {
   const FaceScan scan(image);
   std::vector<KeyedFace> all = parallel::collect<KeyedFace>(
-      grid_row_count(image.frame().size),
-      [&](std::size_t row, std::vector<KeyedFace>& out) { scan.scan_row(row, out); }, 256);
+      grid_row_count(image.frame().size), 256,
+      [&](std::size_t row, std::vector<KeyedFace>& out) { scan.scan_row(row, out); });
   const bool has_one_pair = image.values().size() <= 2;
   if (!has_one_pair) {
     parallel::sort(all.begin(), all.end(), [](const KeyedFace& a, const KeyedFace& b) {

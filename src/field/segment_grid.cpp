@@ -44,14 +44,14 @@ void SegmentGrid::grow_rows(std::size_t first, std::size_t stride, int count, in
 
 void SegmentGrid::grow_along_y(int reach) {
   const std::size_t plane = row_words() * static_cast<std::size_t>(y_);
-  parallel::for_each_index(
-      static_cast<std::size_t>(z_), [&](std::size_t z) { grow_rows(z * plane, row_words(), y_, reach); }, 4);
+  parallel::for_each_index(static_cast<std::size_t>(z_), 4,
+                           [&](std::size_t z) { grow_rows(z * plane, row_words(), y_, reach); });
 }
 
 void SegmentGrid::grow_along_z(int reach) {
   const std::size_t plane = row_words() * static_cast<std::size_t>(y_);
-  parallel::for_each_index(
-      static_cast<std::size_t>(y_), [&](std::size_t y) { grow_rows(y * row_words(), plane, z_, reach); }, 4);
+  parallel::for_each_index(static_cast<std::size_t>(y_), 4,
+                           [&](std::size_t y) { grow_rows(y * row_words(), plane, z_, reach); });
 }
 
 void SegmentGrid::number() {

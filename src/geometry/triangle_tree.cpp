@@ -173,9 +173,8 @@ std::vector<std::array<std::uint32_t, 2>> TriangleTree::pairs(
   using Pair = std::array<std::uint32_t, 2>;
   if (ids_.empty()) return {};
   const std::size_t first_heap = (std::size_t{1} << depth_) - 1;
-  std::vector<Pair> found = parallel::collect<Pair>(
-      std::size_t{1} << depth_,
-      [&](std::size_t leaf, std::vector<Pair>& out) {
+  std::vector<Pair> found =
+      parallel::collect<Pair>(std::size_t{1} << depth_, 256, [&](std::size_t leaf, std::vector<Pair>& out) {
         const std::size_t end = first_item(depth_, leaf + 1);
         visit_leaves(boxes_[first_heap + leaf], leaf, [&](std::size_t other) {
           for (std::size_t i = first_item(depth_, leaf); i < end; ++i) {
@@ -187,8 +186,7 @@ std::vector<std::array<std::uint32_t, 2>> TriangleTree::pairs(
             }
           }
         });
-      },
-      256);
+      });
   std::sort(found.begin(), found.end());
   return found;
 }

@@ -262,12 +262,10 @@ LabelImage Phantom::rasterise() const {
   };
   const auto clearance = [&](const Vec3& p) { return impl_->sample(p).clearance; };
   parallel::for_each_index(
-      brick_count(Index3::Zero(), impl_->frame.size, kLargeBrick),
-      [&](std::size_t b) {
+      brick_count(Index3::Zero(), impl_->frame.size, kLargeBrick), 1, [&](std::size_t b) {
         cut_brick(impl_->frame, impl_->lipschitz, brick_at(Index3::Zero(), impl_->frame.size, kLargeBrick, b),
                   clearance, fill_uniform, sample_brick);
-      },
-      1);
+      });
   return image;
 }
 

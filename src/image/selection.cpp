@@ -36,7 +36,7 @@ bool is_background(const LabelImage::Index* row, int width) {
 }  // namespace
 
 std::vector<std::uint64_t> voxel_counts(const LabelImage& image) {
-  constexpr std::size_t kVoxelsPerBlock = std::size_t{1} << 20;
+  constexpr std::size_t kVoxelsPerBlock = std::size_t{1} << 22;
   return parallel::reduce(
       image.voxels().size(), kVoxelsPerBlock, std::vector<std::uint64_t>(image.values().size(), 0),
       [&](std::vector<std::uint64_t>& counts, std::size_t v) { ++counts[image.voxels()[v]]; },
@@ -63,9 +63,8 @@ void select_labels(LabelImage& image, std::span<const Label> labels) {
     new_index[i] = static_cast<LabelImage::Index>(values.size());
     values.push_back(image.values()[i]);
   }
-  parallel::for_each_index(
-      image.voxels().size(), [&](std::size_t v) { image.voxels()[v] = new_index[image.voxels()[v]]; },
-      1 << 16);
+  parallel::for_each_index(image.voxels().size(), 1 << 16,
+                           [&](std::size_t v) { image.voxels()[v] = new_index[image.voxels()[v]]; });
   image.values() = std::move(values);
 }
 

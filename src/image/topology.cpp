@@ -88,14 +88,10 @@ std::vector<LabelTopology> describe(const RunImage& runs, std::size_t label_coun
     result[i].euler_number = euler[i];
     result[i].volume_mm3 = static_cast<double>(result[i].voxel_count) * voxel_volume_mm3;
   }
-  parallel::for_each_index(
-      label_count,
-      [&](std::size_t i) {
-        if (result[i].voxel_count > 0)
-          result[i].cavity_count =
-              image::count_cavities(runs, static_cast<LabelImage::Index>(i), result[i].box);
-      },
-      1);
+  parallel::for_each_index(label_count, 1, [&](std::size_t i) {
+    if (result[i].voxel_count > 0)
+      result[i].cavity_count = image::count_cavities(runs, static_cast<LabelImage::Index>(i), result[i].box);
+  });
   return result;
 }
 

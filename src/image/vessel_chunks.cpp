@@ -82,18 +82,15 @@ void VesselChunks::part() {
 
 void VesselChunks::find_distances(const LabelImage& image) {
   LabelImage all(image.frame(), {kBackground, 1});
-  parallel::for_each_index(
-      all.voxels().size(), [&](std::size_t v) { all.voxels()[v] = image.voxels()[v] != 0 ? 1 : 0; }, 1 << 16);
+  parallel::for_each_index(all.voxels().size(), 1 << 16,
+                           [&](std::size_t v) { all.voxels()[v] = image.voxels()[v] != 0 ? 1 : 0; });
   const double edge_mm = image.frame().spacing_mm.minCoeff();
   DistanceField field = distance_to_label_change(all, low_, low_ + size_, kMostHalfWidth * edge_mm);
   distance_ = std::move(field.distance_mm);
-  parallel::for_each_index(
-      distance_.size(),
-      [&](std::size_t v) {
-        const bool is_object = all.at(low_ + place_of(v)) != 0;
-        distance_[v] = is_object ? distance_[v] / static_cast<float>(edge_mm) : 0.0F;
-      },
-      1 << 14);
+  parallel::for_each_index(distance_.size(), 1 << 14, [&](std::size_t v) {
+    const bool is_object = all.at(low_ + place_of(v)) != 0;
+    distance_[v] = is_object ? distance_[v] / static_cast<float>(edge_mm) : 0.0F;
+  });
 }
 
 /// The thickest place that no ball covers yet, again and again. A ball covers its middle, and what is so much
@@ -220,12 +217,9 @@ void VesselChunks::absorb_bumps() {
   // Into one that is larger each, so that no circle closes.
   for (std::uint32_t c = 0; c < part_of.size(); ++c)
     while (part_of[part_of[c]] != part_of[c]) part_of[c] = part_of[part_of[c]];
-  parallel::for_each_index(
-      chunk_of_.size(),
-      [&](std::size_t v) {
-        if (chunk_of_[v] != kNoChunk) chunk_of_[v] = part_of[chunk_of_[v]];
-      },
-      1 << 16);
+  parallel::for_each_index(chunk_of_.size(), 1 << 16, [&](std::size_t v) {
+    if (chunk_of_[v] != kNoChunk) chunk_of_[v] = part_of[chunk_of_[v]];
+  });
 }
 
 void VesselChunks::find_borders(const Index3& image_size) {

@@ -63,16 +63,13 @@ void write_gzip(OutputFile& file, std::size_t bytes,
   uLong crc = crc32_z(0, nullptr, 0);
   for (std::size_t first = 0; first < blocks; first += kBlocksAtOnce) {
     std::vector<Packed> wave(std::min(kBlocksAtOnce, blocks - first));
-    parallel::for_each_index(
-        wave.size(),
-        [&](std::size_t i) {
-          const std::size_t begin = (first + i) * kGzipBlockBytes;
-          const std::size_t end = std::min(bytes, begin + kGzipBlockBytes);
-          std::vector<std::byte> raw(end - begin);
-          fill(begin, end, raw.data());
-          wave[i] = pack(raw, first + i + 1 == blocks ? Z_FINISH : Z_SYNC_FLUSH);
-        },
-        1);
+    parallel::for_each_index(wave.size(), 1, [&](std::size_t i) {
+      const std::size_t begin = (first + i) * kGzipBlockBytes;
+      const std::size_t end = std::min(bytes, begin + kGzipBlockBytes);
+      std::vector<std::byte> raw(end - begin);
+      fill(begin, end, raw.data());
+      wave[i] = pack(raw, first + i + 1 == blocks ? Z_FINISH : Z_SYNC_FLUSH);
+    });
     for (std::size_t i = 0; i < wave.size(); ++i) {
       file.write(wave[i].bytes.data(), wave[i].bytes.size());
       const std::size_t begin = (first + i) * kGzipBlockBytes;

@@ -173,12 +173,9 @@ class BoundaryChooser {
   /// Bad vertices among those that the last round touched.
   [[nodiscard]] std::vector<std::uint32_t> still_bad() {
     sort_unique(touched_);
-    return parallel::collect<std::uint32_t>(
-        touched_.size(),
-        [&](std::size_t i, auto& out) {
-          if (!manifold_at(touched_[i])) out.push_back(touched_[i]);
-        },
-        256);
+    return parallel::collect<std::uint32_t>(touched_.size(), 256, [&](std::size_t i, auto& out) {
+      if (!manifold_at(touched_[i])) out.push_back(touched_[i]);
+    });
   }
 
   void enqueue(std::uint32_t t) {
@@ -208,14 +205,12 @@ class BoundaryChooser {
   void relabel_exposed() {
     while (!queue_.empty()) {
       const std::vector<std::uint32_t> now = std::exchange(queue_, {});
-      const auto relabellings = parallel::collect<Relabelling>(
-          now.size(),
-          [&](std::size_t i, auto& out) {
+      const auto relabellings =
+          parallel::collect<Relabelling>(now.size(), 256, [&](std::size_t i, auto& out) {
             queued_[now[i]] = 0;
             const Relabelling relabelling = relabelling_of(now[i]);
             if (relabelling.to != mesh_.materials[now[i]]) out.push_back(relabelling);
-          },
-          256);
+          });
       ++round_;
       relabel_independent(relabellings);
     }
@@ -223,8 +218,7 @@ class BoundaryChooser {
 
   void relabel_independent(const std::vector<Relabelling>& relabellings) {
     const auto for_each_relabelling = [&](const auto& body) {
-      parallel::for_each_index(
-          relabellings.size(), [&](std::size_t i) { body(i, relabellings[i]); }, 64);
+      parallel::for_each_index(relabellings.size(), 64, [&](std::size_t i) { body(i, relabellings[i]); });
     };
     for_each_relabelling([&](std::size_t, const Relabelling& w) {
       for (const std::uint32_t v : mesh_.tets[w.tet]) parallel::raise_to(claim_[v], priority(w));

@@ -322,8 +322,8 @@ class DefectRepair {
     const SurfaceTree tree(whole_.mesh, whole_.boundary, centres, part_mm_ + edge_mm_);
     const std::size_t share = work_left_ / centres.size();
     std::vector<Repaired> repaired(centres.size());
-    parallel::for_each_index(
-        centres.size(), [&](std::size_t i) { repaired[i] = repair_defect(tree, centres[i], share); }, 1);
+    parallel::for_each_index(centres.size(), 1,
+                             [&](std::size_t i) { repaired[i] = repair_defect(tree, centres[i], share); });
     if (round_ > 0) note_tries(centres, repaired);
     ++round_;
     put_back_all(repaired);

@@ -115,15 +115,13 @@ std::vector<Probe> on_boundary(const LabelImage& image, const ImageDomain& domai
 }  // namespace
 
 std::vector<Probe> boundary_probes(const LabelImage& image, const ImageDomain& domain) {
-  const auto probes = parallel::collect<Probe>(
-      brick_count(image),
-      [&](std::size_t b, std::vector<Probe>& out) {
+  const auto probes =
+      parallel::collect<Probe>(brick_count(image), 64, [&](std::size_t b, std::vector<Probe>& out) {
         for_each_voxel_near_boundary(image, domain.field(), b, [&](const Index3& voxel) {
           append_face_centres(image, voxel, out);
           append_corners(image, voxel, out);
         });
-      },
-      64);
+      });
   return on_boundary(image, domain, probes);
 }
 

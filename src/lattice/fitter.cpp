@@ -17,7 +17,7 @@ namespace lumesh {
 
 namespace {
 
-constexpr double kThere = 0.02;              // voxels from its target at which a vertex counts as arrived
+constexpr double kThere = 0.02;            // voxels from its target at which a vertex counts as arrived
 constexpr double kLevel = 1e-4;              // voxels from its cut plane at which a vertex counts as in it
 constexpr AngleLimits kLevelLimits{8, 165};  // Last resort for openings that are not flat.
 constexpr double kParts[] = {1.0, 0.7, 0.4, 0.2, 0.1};  // of the way to its target that are tried
@@ -303,8 +303,7 @@ void Fitter::improve(const VertexBlocks& blocks, int sweeps, double good_enough)
 template <class Move>
 void Fitter::sweep(const VertexBlocks& blocks, const Move& move) {
   for (const std::vector<VertexBlocks::Block>& of_class : blocks.classes) {
-    parallel::for_each_index(
-        of_class.size(), [&](std::size_t b) { move_waiting(of_class[b], move); }, 1);
+    parallel::for_each_index(of_class.size(), 1, [&](std::size_t b) { move_waiting(of_class[b], move); });
   }
 }
 

@@ -32,8 +32,8 @@ class ProtrusionGrower {
 
   std::size_t run(const std::vector<Deviation>& deviations) {
     std::vector<std::vector<Option>> options(deviations.size());
-    parallel::for_each_index(
-        deviations.size(), [&](std::size_t i) { options[i] = options_for(deviations[i]); }, 4);
+    parallel::for_each_index(deviations.size(), 4,
+                             [&](std::size_t i) { options[i] = options_for(deviations[i]); });
     std::size_t reached = 0;
     for (const std::vector<Option>& choice : options) {
       const auto best =

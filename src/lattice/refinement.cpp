@@ -146,12 +146,9 @@ class Refiner {
 
   template <class Chosen>
   static std::vector<std::uint32_t> pick(const bcc::Lattice& leaves, const Chosen& chosen) {
-    return parallel::collect<std::uint32_t>(
-        leaves.size(),
-        [&](std::size_t i, auto& out) {
-          if (chosen(leaves[i])) out.push_back(static_cast<std::uint32_t>(i));
-        },
-        512);
+    return parallel::collect<std::uint32_t>(leaves.size(), 512, [&](std::size_t i, auto& out) {
+      if (chosen(leaves[i])) out.push_back(static_cast<std::uint32_t>(i));
+    });
   }
 
   /// Replaces the picked leaves of a level (ascending) by their children, but for those far outside the

@@ -48,13 +48,9 @@ SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const Lat
     firm_.push_back(own == options.label_fidelity.end() ? 0 : kFirm);
   }
   wanted_.resize(grid_count(cells_));
-  parallel::for_each_index(
-      brick_count(image),
-      [&](std::size_t b) {
-        for_each_voxel_near_boundary(image_, domain_.field(), b,
-                                     [&](const Index3& voxel) { note_voxel(voxel); });
-      },
-      16);
+  parallel::for_each_index(brick_count(image), 16, [&](std::size_t b) {
+    for_each_voxel_near_boundary(image_, domain_.field(), b, [&](const Index3& voxel) { note_voxel(voxel); });
+  });
   for (const Opening& opening : find_openings(domain)) note_opening(opening);
   keep_within(options.max_tetrahedra, object_voxels);
 }

@@ -63,17 +63,14 @@ VertexBlocks make_vertex_blocks(const WorkMesh& mesh, const std::vector<std::uin
 
 void keep_vertices(VertexBlocks& blocks, const std::vector<std::uint32_t>& kept) {
   for (std::vector<VertexBlocks::Block>& of_class : blocks.classes) {
-    parallel::for_each_index(
-        of_class.size(),
-        [&](std::size_t b) {
-          VertexBlocks::Block left;
-          for (const std::uint32_t v : of_class[b]) {
-            const auto at = std::lower_bound(kept.begin(), kept.end(), v);
-            if (at != kept.end() && *at == v) left.push_back(static_cast<std::uint32_t>(at - kept.begin()));
-          }
-          of_class[b] = std::move(left);
-        },
-        16);
+    parallel::for_each_index(of_class.size(), 16, [&](std::size_t b) {
+      VertexBlocks::Block left;
+      for (const std::uint32_t v : of_class[b]) {
+        const auto at = std::lower_bound(kept.begin(), kept.end(), v);
+        if (at != kept.end() && *at == v) left.push_back(static_cast<std::uint32_t>(at - kept.begin()));
+      }
+      of_class[b] = std::move(left);
+    });
   }
 }
 

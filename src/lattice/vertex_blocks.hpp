@@ -34,15 +34,13 @@ template <class Chosen>
   VertexBlocks picked;
   for (std::size_t c = 0; c < VertexBlocks::kClasses; ++c) {
     picked.classes[c] = parallel::collect<VertexBlocks::Block>(
-        blocks.classes[c].size(),
-        [&](std::size_t b, std::vector<VertexBlocks::Block>& out) {
+        blocks.classes[c].size(), 64, [&](std::size_t b, std::vector<VertexBlocks::Block>& out) {
           VertexBlocks::Block part;
           for (const std::uint32_t v : blocks.classes[c][b]) {
             if (chosen(v)) part.push_back(v);
           }
           if (!part.empty()) out.push_back(std::move(part));
-        },
-        64);
+        });
   }
   return picked;
 }

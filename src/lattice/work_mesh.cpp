@@ -119,8 +119,8 @@ UninitialisedVector<std::uint32_t> order_by_corners(const UninitialisedVector<Co
 
 WorkMesh make_work_mesh(bcc::Lattice lattice, const LatticeFrame& frame, const ImageDomain& domain) {
   UninitialisedVector<Material> materials(lattice.size());
-  parallel::for_each_index(
-      lattice.size(), [&](std::size_t i) { materials[i] = material_of(lattice[i], frame, domain); }, 256);
+  parallel::for_each_index(lattice.size(), 256,
+                           [&](std::size_t i) { materials[i] = material_of(lattice[i], frame, domain); });
   keep_object_ring(lattice, materials, domain);
   const VertexNumbers vertices(lattice);
 

@@ -37,8 +37,7 @@ class DirectionFinder {
     constexpr int kSweeps = 10;
     const std::size_t count = surface_.points.size();
     Directions found{std::vector<Vec3>(count), std::vector<double>(count, 1), std::vector<double>(count, 0)};
-    parallel::for_each_index(
-        count, [&](std::size_t v) { found.of[v] = first_direction(v); }, 64);
+    parallel::for_each_index(count, 64, [&](std::size_t v) { found.of[v] = first_direction(v); });
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       std::vector<Vec3> next(count);
       parallel::for_each_index(count, [&](std::size_t v) { next[v] = smoothed(v, found.of); });

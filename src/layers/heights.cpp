@@ -139,20 +139,17 @@ std::vector<double> scales_of(const LayerSurface& surface, const Directions& dir
   std::vector<double> values(surface.points.size(), 1);
   if (scale == HeightScale::kAbsolute) return values;
   const Box3 box = bounding_box(surface.points);
-  parallel::for_each_index(
-      values.size(),
-      [&](std::size_t v) {
-        const Vec3& p = surface.points[v];
-        if (scale == HeightScale::kRadius) {
-          values[v] = free_ball(p, -side * directions.of[v], outside, -1, box.diagonal().norm());
-          return;
-        }
-        double sum = 0;
-        const auto around = surface.neighbours.of(v);
-        for (const std::uint32_t w : around) sum += (surface.points[w] - p).norm();
-        values[v] = sum / static_cast<double>(around.size());
-      },
-      64);
+  parallel::for_each_index(values.size(), 64, [&](std::size_t v) {
+    const Vec3& p = surface.points[v];
+    if (scale == HeightScale::kRadius) {
+      values[v] = free_ball(p, -side * directions.of[v], outside, -1, box.diagonal().norm());
+      return;
+    }
+    double sum = 0;
+    const auto around = surface.neighbours.of(v);
+    for (const std::uint32_t w : around) sum += (surface.points[w] - p).norm();
+    values[v] = sum / static_cast<double>(around.size());
+  });
   const auto cap = [&](std::size_t v, std::uint32_t w, double value) {
     return value + kSlope * (surface.points[w] - surface.points[v]).norm();
   };
@@ -304,15 +301,12 @@ void keep_from_other_sides(const LayerSurface& surface, const Directions& direct
                            double side, Columns& columns) {
   // Up to the middle between two sides, less a gap or what has to hold the mesh within.
   const double share_of_ball = side > 0 ? 0.8 : 0.6;
-  parallel::for_each_index(
-      surface.points.size(),
-      [&](std::size_t v) {
-        if (columns.fraction[v] == 0) return;
-        const double needed = columns.length_mm(v) / share_of_ball;
-        const double free = free_ball(surface.points[v], directions.of[v], outside, side, needed);
-        if (free < needed) columns.shorten(v, share_of_ball * free, LayerLimit::kOtherSide);
-      },
-      64);
+  parallel::for_each_index(surface.points.size(), 64, [&](std::size_t v) {
+    if (columns.fraction[v] == 0) return;
+    const double needed = columns.length_mm(v) / share_of_ball;
+    const double free = free_ball(surface.points[v], directions.of[v], outside, side, needed);
+    if (free < needed) columns.shorten(v, share_of_ball * free, LayerLimit::kOtherSide);
+  });
 }
 
 void smooth_lengths(const LayerSurface& surface, Columns& columns) {

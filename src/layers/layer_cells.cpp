@@ -89,7 +89,7 @@ class LayerBuilder {
       std::fill_n(feet.begin() + first_[v], counts_[v], vertices_[v]);
     out_.metric.resize(feet.size());
     parallel::for_each_index(
-        feet.size(), [&](std::size_t i) { out_.metric[i] = metric_(out_.points[i], VertexId(feet[i])); }, 64);
+        feet.size(), 64, [&](std::size_t i) { out_.metric[i] = metric_(out_.points[i], VertexId(feet[i])); });
   }
 
   /// A new patch; where one of the mesh has the name, with a number behind it.

@@ -43,16 +43,13 @@ class Skin {
   [[nodiscard]] std::vector<std::uint8_t> columns_that_cut() const {
     const TriangleTree tree(points_, triangles_);
     std::vector<std::uint8_t> flags(surface_.points.size(), 0);
-    parallel::for_each_index(
-        surface_.triangles.size(),
-        [&](std::size_t t) {
-          if (has_layers_[t] == 0) return;
-          for (const std::uint32_t other : cut_by(tree, static_cast<std::uint32_t>(t))) {
-            raise_at(t, flags);
-            if (other < surface_.triangles.size()) raise_at(other, flags);
-          }
-        },
-        64);
+    parallel::for_each_index(surface_.triangles.size(), 64, [&](std::size_t t) {
+      if (has_layers_[t] == 0) return;
+      for (const std::uint32_t other : cut_by(tree, static_cast<std::uint32_t>(t))) {
+        raise_at(t, flags);
+        if (other < surface_.triangles.size()) raise_at(other, flags);
+      }
+    });
     return flags;
   }
 

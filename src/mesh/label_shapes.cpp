@@ -8,6 +8,7 @@
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/relaxed.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 namespace {
@@ -53,17 +54,14 @@ struct Corner {
 
 /// Corners of each boundary face in a row.
 std::vector<Corner> boundary_corners(const TetMesh& mesh) {
-  return parallel::collect<Corner>(
-      mesh.tet_count(),
-      [&](std::size_t i, std::vector<Corner>& out) {
-        const TetId t(static_cast<std::uint32_t>(i));
-        for (int f = 0; f < 4; ++f) {
-          const FaceLink behind = mesh.link(t, f);
-          if (!behind.is_boundary() && mesh.label(behind.tet()) == mesh.label(t)) continue;
-          for (const std::uint32_t v : mesh.face_corners(t, f)) out.push_back({mesh.label(t), v});
-        }
-      },
-      kTetsPerBlock);
+  return parallel::collect<Corner>(mesh.tet_count(), kTetsPerBlock, [&](std::size_t i, auto& out) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    for (int f = 0; f < 4; ++f) {
+      const FaceLink behind = mesh.link(t, f);
+      if (!behind.is_boundary() && mesh.label(behind.tet()) == mesh.label(t)) continue;
+      for (const std::uint32_t v : mesh.face_corners(t, f)) out.push_back({mesh.label(t), v});
+    }
+  });
 }
 
 /// One vertex of each part of the boundaries that edges or vertices join.
@@ -96,13 +94,10 @@ std::vector<TetId> pieces(const TetMesh& mesh) {
         sets.unite(t.value, behind.tet().value);
     }
   });
-  return parallel::collect<TetId>(
-      mesh.tet_count(),
-      [&](std::size_t i, std::vector<TetId>& out) {
-        const auto number = static_cast<std::uint32_t>(i);
-        if (sets.smallest_of(number) == number) out.emplace_back(number);
-      },
-      kTetsPerBlock);
+  return parallel::collect<TetId>(mesh.tet_count(), kTetsPerBlock, [&](std::size_t i, auto& out) {
+    const auto number = static_cast<std::uint32_t>(i);
+    if (sets.smallest_of(number) == number) out.emplace_back(number);
+  });
 }
 
 }  // namespace
@@ -149,16 +144,12 @@ std::uint32_t count_pieces(const TetMesh& mesh) {
 std::map<Label, double> volumes_of_labels(const TetMesh& mesh) {
   using Volumes = std::map<Label, double>;
   constexpr std::size_t kBlock = 1 << 14;
-  return parallel::reduce_blocks<Volumes>(
-      mesh.tet_count(), kBlock, {},
-      [&](std::size_t begin, std::size_t end) {
-        Volumes volumes;
-        for (std::size_t i = begin; i < end; ++i) {
-          const TetId t(static_cast<std::uint32_t>(i));
-          volumes[mesh.label(t)] +=
-              tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
-        }
-        return volumes;
+  return parallel::reduce(
+      mesh.tet_count(), kBlock, Volumes(),
+      [&](Volumes& volumes, std::size_t i) {
+        const TetId t(static_cast<std::uint32_t>(i));
+        volumes[mesh.label(t)] +=
+            tetrahedron_volume(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
       },
       [](Volumes all, const Volumes& some) {
         for (const auto& [label, volume] : some) all[label] += volume;

@@ -79,19 +79,16 @@ BoundarySizes::BoundarySizes(const TetMesh& mesh, const BoundaryFaces& faces, do
   measure_places(mesh, faces);
   const TriangleTree tree(mesh.points(), faces.triangles);
   closest_.resize(mesh.vertex_count());
-  parallel::for_each_index(
-      closest_.size(),
-      [&](std::size_t v) {
-        const Vec3& point = mesh.points()[v];
-        const TriangleTree::Nearest nearest = tree.nearest(point);
-        const Cell<3>& corners = faces.triangles[nearest.triangle];
-        const auto distance_to = [&](std::uint32_t w) { return (mesh.points()[w] - point).squaredNorm(); };
-        std::uint32_t closest = corners[0];
-        for (const std::uint32_t w : corners)
-          if (distance_to(w) < distance_to(closest)) closest = w;
-        closest_[v] = {nearest.distance, closest};
-      },
-      kGrain);
+  parallel::for_each_index(closest_.size(), kGrain, [&](std::size_t v) {
+    const Vec3& point = mesh.points()[v];
+    const TriangleTree::Nearest nearest = tree.nearest(point);
+    const Cell<3>& corners = faces.triangles[nearest.triangle];
+    const auto distance_to = [&](std::uint32_t w) { return (mesh.points()[w] - point).squaredNorm(); };
+    std::uint32_t closest = corners[0];
+    for (const std::uint32_t w : corners)
+      if (distance_to(w) < distance_to(closest)) closest = w;
+    closest_[v] = {nearest.distance, closest};
+  });
 }
 
 SymTensor BoundarySizes::met_at(VertexId v, const SymTensor& wanted) const {

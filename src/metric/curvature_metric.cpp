@@ -166,13 +166,10 @@ std::vector<SurfaceCurvature> fit_curvatures(std::span<const Vec3> points,
   const parallel::Adjacency neighbours = parallel::adjacency_of(edges, points.size());
   const std::vector<Vec3> normals = vertex_normals(points, triangles);
   std::vector<SurfaceCurvature> curvatures(points.size());
-  parallel::for_each_index(
-      points.size(),
-      [&](std::size_t v) {
-        const std::vector<std::uint32_t> about = vertices_about(neighbours, v, kRings, kMinNeighbours);
-        if (!about.empty()) curvatures[v] = fitted_curvature(points, normals, v, about);
-      },
-      64);
+  parallel::for_each_index(points.size(), 64, [&](std::size_t v) {
+    const std::vector<std::uint32_t> about = vertices_about(neighbours, v, kRings, kMinNeighbours);
+    if (!about.empty()) curvatures[v] = fitted_curvature(points, normals, v, about);
+  });
   return curvatures;
 }
 

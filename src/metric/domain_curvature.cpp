@@ -77,14 +77,11 @@ std::vector<SymTensor> metric_from_curvature(const TetMesh& mesh, const Domain& 
   const std::vector<Place> places = boundary_places(mesh, domain);
   std::vector<std::optional<SurfaceCurvature>> curvatures(places.size());
   constexpr double kReach = 3;  // Resolutions: as far as the fields of images tell.
-  parallel::for_each_index(
-      places.size(),
-      [&](std::size_t i) {
-        const auto closest = domain.project(mesh.points()[places[i][0]], {places[i][1], places[i][2]},
-                                            kReach * domain.resolution_mm());
-        if (closest) curvatures[i] = curvature_at(domain, *closest, places[i]);
-      },
-      64);
+  parallel::for_each_index(places.size(), 64, [&](std::size_t i) {
+    const auto closest = domain.project(mesh.points()[places[i][0]], {places[i][1], places[i][2]},
+                                        kReach * domain.resolution_mm());
+    if (closest) curvatures[i] = curvature_at(domain, *closest, places[i]);
+  });
   const auto found = [](const auto& curvature) { return curvature.has_value(); };
   if (std::none_of(curvatures.begin(), curvatures.end(), found))
     throw Error(ErrorKind::kBadInput,

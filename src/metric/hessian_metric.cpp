@@ -64,12 +64,9 @@ std::vector<SymTensor> recover_hessians(const TetMesh& mesh, std::span<const dou
   constexpr std::size_t kMinNeighbours = 24;  // Of the 9 unknowns, with room for bad layouts.
   const parallel::Adjacency neighbours = vertex_neighbours(mesh);
   std::vector<SymTensor> hessians(values.size());
-  parallel::for_each_index(
-      values.size(),
-      [&](std::size_t v) {
-        hessians[v] = fitted_hessian(mesh, values, v, vertices_about(neighbours, v, kRings, kMinNeighbours));
-      },
-      64);
+  parallel::for_each_index(values.size(), 64, [&](std::size_t v) {
+    hessians[v] = fitted_hessian(mesh, values, v, vertices_about(neighbours, v, kRings, kMinNeighbours));
+  });
   return hessians;
 }
 

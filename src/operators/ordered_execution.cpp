@@ -117,13 +117,10 @@ void OrderedExecution::for_each_by_priority(const std::vector<std::uint32_t>& it
       });
   if (picked.empty()) return;
   auto lists = lists_by_bucket(picked, [&](const PrioritisedItem& one) { return bucket_of(one.item); });
-  parallel::for_each_index(
-      partition_.buckets,
-      [&](std::size_t bucket) {
-        const auto list = lists.of(static_cast<std::uint32_t>(bucket));
-        std::stable_sort(list.begin(), list.end(), has_higher_priority);
-      },
-      1);
+  parallel::for_each_index(partition_.buckets, 1, [&](std::size_t bucket) {
+    const auto list = lists.of(static_cast<std::uint32_t>(bucket));
+    std::stable_sort(list.begin(), list.end(), has_higher_priority);
+  });
   const std::uint32_t first_stamp = 2 * next_run_;
   const std::vector<Made> made = run_buckets(
       lists, [&](Kernel& kernel, const PrioritisedItem& one) { step(kernel, one.item, first_stamp); });
@@ -184,13 +181,11 @@ void OrderedExecution::append_made(const std::vector<Made>& made) {
   const std::uint32_t first_run = next_run_ - partition_.buckets;
   const auto append = [&](std::vector<std::uint32_t>& items, const auto& of, const auto& stamp_of) {
     const auto more = parallel::collect<std::uint32_t>(
-        made.size(),
-        [&](std::size_t bucket, std::vector<std::uint32_t>& out) {
+        made.size(), kBucketBlock, [&](std::size_t bucket, std::vector<std::uint32_t>& out) {
           const std::uint32_t stamp = 2 * (first_run + static_cast<std::uint32_t>(bucket)) + 1;
           for (const std::uint32_t item : of(made[bucket]))
             if (stamp_of(item) == stamp) out.push_back(item);
-        },
-        kBucketBlock);
+        });
     items.insert(items.end(), more.begin(), more.end());
   };
   append(

@@ -144,18 +144,15 @@ class Settling {
 
   /// Keeps of the curves between two patches those at the rim of a flat one that stays.
   void find_rims() {
-    parallel::for_each_index(
-        rims_.size(),
-        [&](std::size_t i) {
-          Rim& rim = rims_[i];
-          const auto wall =
-              std::stable_partition(rim.patches.begin(), rim.patches.end(), [&](std::int32_t patch) {
-                return patch != kInVolume &&
-                       place_(PatchId(static_cast<std::uint32_t>(patch)), points_[rim.vertex]).has_value();
-              });
-          rim.is_one = wall - rim.patches.begin() == 1;
-        },
-        64);
+    parallel::for_each_index(rims_.size(), 64, [&](std::size_t i) {
+      Rim& rim = rims_[i];
+      const auto wall =
+          std::stable_partition(rim.patches.begin(), rim.patches.end(), [&](std::int32_t patch) {
+            return patch != kInVolume &&
+                   place_(PatchId(static_cast<std::uint32_t>(patch)), points_[rim.vertex]).has_value();
+          });
+      rim.is_one = wall - rim.patches.begin() == 1;
+    });
     std::erase_if(rims_, [](const Rim& rim) { return !rim.is_one; });
     rim_of_.assign(rims_.empty() ? 0 : points_.size(), kNoRim);
     if (rims_.empty()) return;
@@ -194,19 +191,15 @@ class Settling {
   void find_places() {
     constexpr double kReach = 0.5;  // Of the edges around.
     places_.resize(points_.size());
-    parallel::for_each_index(
-        free_.size(),
-        [&](std::size_t i) {
-          const std::uint32_t v = free_[i];
-          const auto found = is_rim(v)
-                                 ? place_on_rim(rim_at(v), points_[v])
-                                 : place_(PatchId(static_cast<std::uint32_t>(patch_of_[v])), points_[v]);
-          if (found && (found->point - points_[v]).norm() <= kReach * edge_[v])
-            places_[v] = *found;
-          else
-            patch_of_[v] = kStays;
-        },
-        64);
+    parallel::for_each_index(free_.size(), 64, [&](std::size_t i) {
+      const std::uint32_t v = free_[i];
+      const auto found = is_rim(v) ? place_on_rim(rim_at(v), points_[v])
+                                   : place_(PatchId(static_cast<std::uint32_t>(patch_of_[v])), points_[v]);
+      if (found && (found->point - points_[v]).norm() <= kReach * edge_[v])
+        places_[v] = *found;
+      else
+        patch_of_[v] = kStays;
+    });
     std::erase_if(free_, [&](std::uint32_t v) { return !is_free(v); });
   }
 
@@ -261,8 +254,7 @@ class Settling {
   template <class FacetOf>
   [[nodiscard]] std::vector<double> means_around(const FacetOf& facet_of) const {
     std::vector<ValueOnArea> facets(faces_.triangles.size());
-    parallel::for_each_index(
-        facets.size(), [&](std::size_t i) { facets[i] = facet_of(i); }, 64);
+    parallel::for_each_index(facets.size(), 64, [&](std::size_t i) { facets[i] = facet_of(i); });
     return means_around_vertices(faces_.triangles, facets, points_.size());
   }
 
@@ -321,8 +313,8 @@ class Settling {
   /// of its curve: the vertices of the rim that may move make up for it, each by the same distance.
   void find_corrected_targets_of_rims() {
     std::vector<std::optional<double>> missing(rim_edges_.size());  // Area between an edge and its arc.
-    parallel::for_each_index(
-        rim_edges_.size(), [&](std::size_t i) { missing[i] = area_under_arc(rim_edges_[i]); }, 64);
+    parallel::for_each_index(rim_edges_.size(), 64,
+                             [&](std::size_t i) { missing[i] = area_under_arc(rim_edges_[i]); });
     const auto may_move = [&](std::uint32_t v) { return is_free(v) && !rim_at(v).is_on_line(); };
     DisjointSets curves(rims_.size());
     for (const auto& [v, w] : rim_edges_)
@@ -444,15 +436,12 @@ class Settling {
   template <class Bad>
   [[nodiscard]] std::vector<std::uint32_t> moved_corners(const std::vector<std::uint32_t>& touched,
                                                          const Bad& bad) const {
-    return parallel::collect<std::uint32_t>(
-        touched.size(),
-        [&](std::size_t i, std::vector<std::uint32_t>& out) {
-          const auto* corners = bad(touched[i]);
-          if (corners == nullptr) return;
-          for (const std::uint32_t v : *corners)
-            if (halvings_[v] < kHalvings) out.push_back(v);
-        },
-        256);
+    return parallel::collect<std::uint32_t>(touched.size(), 256, [&](std::size_t i, auto& out) {
+      const auto* corners = bad(touched[i]);
+      if (corners == nullptr) return;
+      for (const std::uint32_t v : *corners)
+        if (halvings_[v] < kHalvings) out.push_back(v);
+    });
   }
   template <std::size_t N>
   [[nodiscard]] bool has_changed(const Cell<N>& corners) const {

@@ -56,13 +56,11 @@ void SpeculativeExecution::for_each_by_priority(std::size_t slots, const Priorit
                                                 const Step& step) {
   TetMesh& mesh = subject_.mesh;
   auto picked = parallel::collect<PrioritisedItem>(
-      slots,
-      [&](std::size_t slot, std::vector<PrioritisedItem>& out) {
+      slots, kItemBlock, [&](std::size_t slot, std::vector<PrioritisedItem>& out) {
         const Id id(static_cast<std::uint32_t>(slot));
         if (!mesh.alive(id)) return;
         if (const auto value = static_cast<float>(priority(id)); value > 0) out.push_back({id.value, value});
-      },
-      kItemBlock);
+      });
   parallel::for_each_block(picked.size(), speculative_bucket_size(picked.size()),
                            [&](std::size_t /*bucket*/, std::size_t begin, std::size_t end) {
                              const std::span bucket = std::span(picked).subspan(begin, end - begin);
@@ -97,12 +95,10 @@ void SpeculativeExecution::for_each_vertex_by_priority(const std::function<doubl
 void SpeculativeExecution::for_each_vertex(const std::function<void(Kernel&, VertexId)>& step) {
   TetMesh& mesh = subject_.mesh;
   auto vertices = parallel::collect<std::uint32_t>(
-      mesh.vertex_slots(),
-      [&](std::size_t slot, std::vector<std::uint32_t>& out) {
+      mesh.vertex_slots(), kItemBlock, [&](std::size_t slot, std::vector<std::uint32_t>& out) {
         if (mesh.alive(VertexId(static_cast<std::uint32_t>(slot))))
           out.push_back(static_cast<std::uint32_t>(slot));
-      },
-      kItemBlock);
+      });
   ++epoch_;
   ++stamp_;
   run_buckets(vertices, [&](Kernel& kernel, std::uint32_t v) {

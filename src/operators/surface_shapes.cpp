@@ -136,13 +136,10 @@ std::vector<bool> rim_points(const PatchTriangles& patch) {
 template <class HeightOver>
 void lower(PatchTriangles& patch, const std::vector<Vec3>& normals, const HeightOver& height_over) {
   std::vector<ValueOnArea> heights(patch.triangles.size());
-  parallel::for_each_index(
-      heights.size(),
-      [&](std::size_t i) {
-        const auto& [a, b, c] = patch.triangles[i];
-        heights[i] = {height_over(i), triangle_area(patch.points[a], patch.points[b], patch.points[c])};
-      },
-      64);
+  parallel::for_each_index(heights.size(), 64, [&](std::size_t i) {
+    const auto& [a, b, c] = patch.triangles[i];
+    heights[i] = {height_over(i), triangle_area(patch.points[a], patch.points[b], patch.points[c])};
+  });
   const std::vector<double> means = means_around_vertices(patch.triangles, heights, patch.points.size());
   const std::vector<bool> is_at_rim = rim_points(patch);
   for (std::size_t v = 0; v < patch.points.size(); ++v)

@@ -37,7 +37,7 @@ DistanceSummary mesh_to_image(const Scene& scene, std::span<const Vec3> points,
       out.push_back({distance, weight, p});
     });
   };
-  std::vector<WeightedValue> values = parallel::collect<WeightedValue>(triangles.size(), distances_of, 256);
+  std::vector<WeightedValue> values = parallel::collect<WeightedValue>(triangles.size(), 256, distances_of);
   return summarise(values);
 }
 

@@ -40,15 +40,13 @@ class LabelComparison {
 
   [[nodiscard]] DistanceSummary distances() const {
     std::vector<WeightedValue> values = parallel::collect<WeightedValue>(
-        triangles_.size(),
-        [&](std::size_t t, std::vector<WeightedValue>& out) {
+        triangles_.size(), 64, [&](std::size_t t, std::vector<WeightedValue>& out) {
           const Vec3 &a = corner(t, 0), &b = corner(t, 1), &c = corner(t, 2);
           if (planes_.contain({a, b, c})) return;
           sample_triangle(a, b, c, voxel_mm_, [&](const Vec3& p, double weight) {
             out.push_back({phantom_.surface_distance_mm(p, label_), weight, p});
           });
-        },
-        64);
+        });
     return summarise(values);
   }
 
@@ -56,18 +54,16 @@ class LabelComparison {
   [[nodiscard]] std::optional<DistanceSummary> distances_of_truth(std::span<const VoxelFace> faces) const {
     const TriangleTree tree(points_, triangles_);
     std::vector<WeightedValue> values = parallel::collect<WeightedValue>(
-        faces.size(),
-        [&](std::size_t i, std::vector<WeightedValue>& out) {
+        faces.size(), 256, [&](std::size_t i, std::vector<WeightedValue>& out) {
           if (const auto x = place_on_surface(faces[i])) out.push_back({tree.nearest(*x).distance, 1, *x});
-        },
-        256);
+        });
     if (values.empty()) return std::nullopt;
     return summarise(values);
   }
 
   [[nodiscard]] DistanceSummary normal_angles() const {
     std::vector<WeightedValue> values = parallel::collect<WeightedValue>(
-        triangles_.size(), [&](std::size_t t, std::vector<WeightedValue>& out) { add_angle(t, out); }, 64);
+        triangles_.size(), 64, [&](std::size_t t, std::vector<WeightedValue>& out) { add_angle(t, out); });
     return summarise(values);
   }
 

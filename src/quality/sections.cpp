@@ -135,8 +135,7 @@ std::vector<Station> inner_stations(const Polylines& axes, std::size_t line, con
 template <class MeasureOne>
 std::vector<Measured> measure_all(const std::vector<Station>& stations, const MeasureOne& measure_one) {
   std::vector<Measured> result(stations.size());
-  parallel::for_each_index(
-      stations.size(), [&](std::size_t i) { result[i] = measure_one(stations[i]); }, 1);
+  parallel::for_each_index(stations.size(), 1, [&](std::size_t i) { result[i] = measure_one(stations[i]); });
   return result;
 }
 

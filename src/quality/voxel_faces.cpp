@@ -86,12 +86,10 @@ std::vector<LabelFaces> collect_voxel_faces(const LabelImage& image) {
   const Index3& size = image.frame().size;
   const std::vector<Voxel> empty_row(static_cast<std::size_t>(size.x()), 0);
   const std::vector<OwnedFace> all = parallel::collect<OwnedFace>(
-      grid_row_count(size),
-      [&](std::size_t row, std::vector<OwnedFace>& out) {
+      grid_row_count(size), 256, [&](std::size_t row, std::vector<OwnedFace>& out) {
         const Index3 place = grid_row(size, row);
         scan_row(image, empty_row, place.y(), place.z(), out);
-      },
-      256);
+      });
   const std::vector<std::uint64_t> voxels = voxel_counts(image);
   std::vector<std::size_t> face_counts(image.values().size(), 0);
   for (const OwnedFace& item : all) ++face_counts[item.owner];

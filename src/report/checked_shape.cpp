@@ -43,13 +43,10 @@ class Blocks {
         size_((high - low) / step + Index3::Constant(3)),
         step_(step),
         labels_(grid_count(size_)) {
-    parallel::for_each_index(
-        static_cast<std::size_t>(size_.z()),
-        [&](std::size_t k) {
-          for_each_place({0, 0, static_cast<int>(k)}, {size_.x() - 1, size_.y() - 1, static_cast<int>(k)},
-                         [&](const Index3& at) { labels_[grid_offset(size_, at)] = label_of(image, at); });
-        },
-        1);
+    parallel::for_each_index(static_cast<std::size_t>(size_.z()), 1, [&](std::size_t k) {
+      for_each_place({0, 0, static_cast<int>(k)}, {size_.x() - 1, size_.y() - 1, static_cast<int>(k)},
+                     [&](const Index3& at) { labels_[grid_offset(size_, at)] = label_of(image, at); });
+    });
   }
 
   [[nodiscard]] LabelImage::Index at(const Index3& block) const { return labels_[grid_offset(size_, block)]; }
@@ -132,17 +129,14 @@ void for_each_side(const Blocks& blocks, const Visit& visit) {
 std::array<Index3, 2> labelled_box(const LabelImage& image) {
   const Index3& size = image.frame().size;
   std::vector<std::array<Index3, 2>> boxes(static_cast<std::size_t>(size.z()), {size, -Index3::Ones()});
-  parallel::for_each_index(
-      boxes.size(),
-      [&](std::size_t k) {
-        for_each_place({0, 0, static_cast<int>(k)}, {size.x() - 1, size.y() - 1, static_cast<int>(k)},
-                       [&](const Index3& voxel) {
-                         if (image.at(voxel) == 0) return;
-                         boxes[k][0] = boxes[k][0].cwiseMin(voxel);
-                         boxes[k][1] = boxes[k][1].cwiseMax(voxel);
-                       });
-      },
-      1);
+  parallel::for_each_index(boxes.size(), 1, [&](std::size_t k) {
+    for_each_place({0, 0, static_cast<int>(k)}, {size.x() - 1, size.y() - 1, static_cast<int>(k)},
+                   [&](const Index3& voxel) {
+                     if (image.at(voxel) == 0) return;
+                     boxes[k][0] = boxes[k][0].cwiseMin(voxel);
+                     boxes[k][1] = boxes[k][1].cwiseMax(voxel);
+                   });
+  });
   std::array<Index3, 2> all = {size, -Index3::Ones()};
   for (const auto& [low, high] : boxes) all = {all[0].cwiseMin(low), all[1].cwiseMax(high)};
   if (all[1].x() < 0) return {Index3::Zero(), Index3::Zero()};

@@ -38,14 +38,12 @@ template <std::size_t N>
 std::vector<std::uint32_t> cut_by(std::span<const Vec3> points, std::span<const Cell<N>> cells,
                                   const CutPlane& plane) {
   return parallel::collect<std::uint32_t>(
-      cells.size(),
-      [&](std::size_t i, std::vector<std::uint32_t>& out) {
+      cells.size(), 16384, [&](std::size_t i, std::vector<std::uint32_t>& out) {
         bool above = false, below = false;
         for (const std::uint32_t v : cells[i])
           (plane.normal.dot(points[v] - plane.point_mm) > 0 ? above : below) = true;
         if (above && below) out.push_back(static_cast<std::uint32_t>(i));
-      },
-      16384);
+      });
 }
 
 /// Calls visit(cell, section) for every cell that the plane cuts.

@@ -217,23 +217,19 @@ std::vector<float> blur(const std::vector<Pixel>& pixels, const std::vector<floa
   constexpr std::size_t kReach = 3;
   constexpr float kSameDepth = 12;  // Pixels.
   std::vector<float> smooth(values.size(), 1);
-  parallel::for_each_index(
-      values.size(),
-      [&](std::size_t i) {
-        const Pixel& here = pixels[i];
-        if (here.alpha == 0) return;
-        float sum = values[i], weight = 1;
-        for (std::size_t k = 1; k <= kReach; ++k)
-          for (const std::size_t j : {i - k * step, i + k * step}) {  // Below 0 wraps around beyond the end.
-            if (j >= values.size() || pixels[j].alpha == 0 ||
-                std::abs(pixels[j].depth - here.depth) > kSameDepth)
-              continue;
-            sum += values[j];
-            weight += 1;
-          }
-        smooth[i] = sum / weight;
-      },
-      8192);
+  parallel::for_each_index(values.size(), 8192, [&](std::size_t i) {
+    const Pixel& here = pixels[i];
+    if (here.alpha == 0) return;
+    float sum = values[i], weight = 1;
+    for (std::size_t k = 1; k <= kReach; ++k)
+      for (const std::size_t j : {i - k * step, i + k * step}) {  // Below 0 wraps around beyond the end.
+        if (j >= values.size() || pixels[j].alpha == 0 || std::abs(pixels[j].depth - here.depth) > kSameDepth)
+          continue;
+        sum += values[j];
+        weight += 1;
+      }
+    smooth[i] = sum / weight;
+  });
   return smooth;
 }
 
@@ -242,15 +238,12 @@ std::vector<float> ambient(const std::vector<Pixel>& pixels, int width, int heig
   std::vector<float> light(pixels.size(), 1);
   const float reach = static_cast<float>(width) / 28;
   const AmbientPatterns patterns = ambient_patterns(reach);
-  parallel::for_each_index(
-      static_cast<std::size_t>(height),
-      [&](std::size_t y) {
-        for (std::size_t x = 0; x < columns; ++x)
-          if (pixels[y * columns + x].alpha > 0)
-            light[y * columns + x] = ambient_obscurance(pixels, width, height, patterns, reach,
-                                                        static_cast<int>(x), static_cast<int>(y));
-      },
-      8);
+  parallel::for_each_index(static_cast<std::size_t>(height), 8, [&](std::size_t y) {
+    for (std::size_t x = 0; x < columns; ++x)
+      if (pixels[y * columns + x].alpha > 0)
+        light[y * columns + x] = ambient_obscurance(pixels, width, height, patterns, reach,
+                                                    static_cast<int>(x), static_cast<int>(y));
+  });
   return blur(pixels, blur(pixels, light, 1), columns);
 }
 
@@ -292,18 +285,15 @@ Picture rasterise(const std::vector<ScreenTriangle>& triangles, int width, int h
   const int bands = (height + kBandRows - 1) / kBandRows;
   const auto dealt = deal_into_bands(triangles, bands);
   std::vector<Pixel> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  parallel::for_each_index(
-      static_cast<std::size_t>(bands),
-      [&](std::size_t b) {
-        const int first_row = static_cast<int>(b) * kBandRows, rows = std::min(kBandRows, height - first_row);
-        Band band(triangles, shades, width, first_row, rows, supersampling);
-        for (const std::uint32_t t : dealt[b]) band.draw(t);
-        for (int row = 0; row < rows; ++row)
-          for (int column = 0; column < width; ++column)
-            pixels[static_cast<std::size_t>(first_row + row) * static_cast<std::size_t>(width) +
-                   static_cast<std::size_t>(column)] = band.resolve(column, row);
-      },
-      1);
+  parallel::for_each_index(static_cast<std::size_t>(bands), 1, [&](std::size_t b) {
+    const int first_row = static_cast<int>(b) * kBandRows, rows = std::min(kBandRows, height - first_row);
+    Band band(triangles, shades, width, first_row, rows, supersampling);
+    for (const std::uint32_t t : dealt[b]) band.draw(t);
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < width; ++column)
+        pixels[static_cast<std::size_t>(first_row + row) * static_cast<std::size_t>(width) +
+               static_cast<std::size_t>(column)] = band.resolve(column, row);
+  });
   return finish(pixels, width, height);
 }
 

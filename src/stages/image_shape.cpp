@@ -150,17 +150,13 @@ LabelImage cut_off(LabelImage image, std::span<const CutPlane> planes) {
     return std::any_of(planes.begin(), planes.end(),
                        [&](const CutPlane& plane) { return plane.beyond_mm(x) > 0; });
   };
-  parallel::for_each_index(
-      static_cast<std::size_t>(frame.size.z()),
-      [&](std::size_t k) {
-        for (int j = 0; j < frame.size.y(); ++j)
-          for (int i = 0; i < frame.size.x(); ++i) {
-            const Index3 voxel(i, j, static_cast<int>(k));
-            if (image.at(voxel) != 0 && is_beyond(frame.to_physical(voxel.cast<double>())))
-              image.at(voxel) = 0;
-          }
-      },
-      1);
+  parallel::for_each_index(static_cast<std::size_t>(frame.size.z()), 1, [&](std::size_t k) {
+    for (int j = 0; j < frame.size.y(); ++j)
+      for (int i = 0; i < frame.size.x(); ++i) {
+        const Index3 voxel(i, j, static_cast<int>(k));
+        if (image.at(voxel) != 0 && is_beyond(frame.to_physical(voxel.cast<double>()))) image.at(voxel) = 0;
+      }
+  });
   return image;
 }
 

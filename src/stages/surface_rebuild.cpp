@@ -43,9 +43,9 @@ class GivenSurface {
     LabelImage image(frame_around(mesh_.points, spacing_mm), {0, 1});
     std::vector<float> depths(image.voxels().size());
     const Index3 blocks = (image.frame().size.array() + kBlock - 1) / kBlock;
-    parallel::for_each_index(
-        grid_count(blocks), [&](std::size_t b) { fill_block(kBlock * grid_place(blocks, b), image, depths); },
-        1);
+    parallel::for_each_index(grid_count(blocks), 1, [&](std::size_t b) {
+      fill_block(kBlock * grid_place(blocks, b), image, depths);
+    });
     parallel::for_each_index(depths.size(),
                              [&](std::size_t i) { image.voxels()[i] = depths[i] > 0 ? 1 : 0; });
     (void)find_crossings<float>(depths, 0.0, image);

@@ -74,13 +74,10 @@ template <class AppendRow>
     result.first[row + 1] = static_cast<std::uint32_t>(total);
   }
   result.runs.resize(total);
-  parallel::for_each_index(
-      parts.size(),
-      [&](std::size_t block) {
-        std::copy(parts[block].begin(), parts[block].end(),
-                  result.runs.begin() + static_cast<std::ptrdiff_t>(result.first[block * kRowsPerBlock]));
-      },
-      1);
+  parallel::for_each_index(parts.size(), 1, [&](std::size_t block) {
+    std::copy(parts[block].begin(), parts[block].end(),
+              result.runs.begin() + static_cast<std::ptrdiff_t>(result.first[block * kRowsPerBlock]));
+  });
   return result;
 }
 

@@ -51,22 +51,19 @@ template <class OwnersOf>
   lists.starts.resize(owners + 1);
   lists.starts.back() = first[kRanges];
   lists.items.resize(first[kRanges]);
-  for_each_index(
-      kRanges,
-      [&](std::size_t r) {
-        const std::size_t low = std::min(r * range, owners), high = std::min(low + range, owners);
-        std::vector<std::uint32_t> place(high - low, 0);  // First the counts, then where the next one goes.
-        for (const auto& block : handed)
-          for (const Pair& pair : block[r]) ++place[pair.owner - low];
-        std::uint32_t next = first[r];
-        for (std::size_t o = low; o < high; ++o) {
-          lists.starts[o] = next;
-          next += std::exchange(place[o - low], next);
-        }
-        for (const auto& block : handed)
-          for (const Pair& pair : block[r]) lists.items[place[pair.owner - low]++] = pair.item;
-      },
-      1);
+  for_each_index(kRanges, 1, [&](std::size_t r) {
+    const std::size_t low = std::min(r * range, owners), high = std::min(low + range, owners);
+    std::vector<std::uint32_t> place(high - low, 0);  // First the counts, then where the next one goes.
+    for (const auto& block : handed)
+      for (const Pair& pair : block[r]) ++place[pair.owner - low];
+    std::uint32_t next = first[r];
+    for (std::size_t o = low; o < high; ++o) {
+      lists.starts[o] = next;
+      next += std::exchange(place[o - low], next);
+    }
+    for (const auto& block : handed)
+      for (const Pair& pair : block[r]) lists.items[place[pair.owner - low]++] = pair.item;
+  });
   return lists;
 }
 

@@ -164,8 +164,8 @@ class KeySet {
   }
   static std::vector<std::atomic<std::uint64_t>> make_slots(std::size_t capacity) {
     std::vector<std::atomic<std::uint64_t>> slots(capacity);
-    for_each_index(
-        capacity, [&](std::size_t i) { slots[i].store(kEmpty, std::memory_order_relaxed); }, 65536);
+    for_each_index(capacity, 65536,
+                   [&](std::size_t i) { slots[i].store(kEmpty, std::memory_order_relaxed); });
     return slots;
   }
   static std::size_t hash(std::uint64_t key) {

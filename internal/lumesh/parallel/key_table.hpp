@@ -41,8 +41,7 @@ class KeyTable {
         per_range_(std::max(kMinPerRange, key_count / kMaxRanges + 1)),
         ranges_((key_count + per_range_ - 1) / per_range_) {
     deal_to_ranges(source_count, visit, key_of);
-    for_each_index(
-        ranges_, [&](std::size_t r) { deal_to_keys(r, key_of); }, 1);
+    for_each_index(ranges_, 1, [&](std::size_t r) { deal_to_keys(r, key_of); });
   }
   template <class KeyOf>
   KeyTable(const std::vector<Item>& items, std::size_t key_count, const KeyOf& key_of)

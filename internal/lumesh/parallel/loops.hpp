@@ -38,7 +38,7 @@ class ThreadLimit {
 
 /// Calls body(i) for every i in [0, count); `grain` is the least number of indices per task.
 template <class Body>
-void for_each_index(std::size_t count, const Body& body, std::size_t grain = 1024) {
+void for_each_index(std::size_t count, std::size_t grain, const Body& body) {
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count, grain), [&](const tbb::blocked_range<std::size_t>& range) {
         // A task may have far more indices than `grain`. Looking up takes as long as some ten of the
@@ -50,6 +50,10 @@ void for_each_index(std::size_t count, const Body& body, std::size_t grain = 102
         }
       });
   check_cancelled();
+}
+template <class Body>
+void for_each_index(std::size_t count, const Body& body) {
+  for_each_index(count, 1024, body);
 }
 
 /// Splits [0, count) into blocks of `block` indices and calls body(block_index, begin, end) for each.
@@ -138,21 +142,22 @@ void collect_blocks_into(UninitialisedVector<Item>& all, std::size_t count, std:
   std::vector<std::size_t> first = {all.size()};
   for (const auto& part : parts) first.push_back(first.back() + part.size());
   all.resize(first.back());
-  for_each_index(
-      parts.size(),
-      [&](std::size_t b) {
-        const std::vector<Item> part = std::move(parts[b]);  // frees its memory at once
-        std::copy(part.begin(), part.end(), all.begin() + static_cast<std::ptrdiff_t>(first[b]));
-      },
-      1);
+  for_each_index(parts.size(), 1, [&](std::size_t b) {
+    const std::vector<Item> part = std::move(parts[b]);  // frees its memory at once
+    std::copy(part.begin(), part.end(), all.begin() + static_cast<std::ptrdiff_t>(first[b]));
+  });
 }
 
 /// Collects what append(i, out) appends for every i, in index order whatever the thread count.
 template <class Item, class Append>
-[[nodiscard]] std::vector<Item> collect(std::size_t count, const Append& append, std::size_t block = 4096) {
+[[nodiscard]] std::vector<Item> collect(std::size_t count, std::size_t block, const Append& append) {
   return collect_blocks<Item>(count, block, [&](std::size_t begin, std::size_t end, std::vector<Item>& out) {
     for (std::size_t i = begin; i < end; ++i) append(i, out);
   });
+}
+template <class Item, class Append>
+[[nodiscard]] std::vector<Item> collect(std::size_t count, const Append& append) {
+  return collect<Item>(count, 4096, append);
 }
 
 }  // namespace lumesh::parallel

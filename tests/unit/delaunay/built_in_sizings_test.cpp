@@ -226,8 +226,8 @@ TEST(BuiltInSizing, AnswersTheSameOnManyThreads) {
     parts.push_back(size_from_mesh(TetMesh::build(grid.points, grid.tets, grid.labels), sizes));
     const auto sizing = combined_size(std::move(parts));
     std::vector<double> answers(places.size());
-    parallel::for_each_index(
-        places.size(), [&](std::size_t i) { answers[i] = sizing->size_at(places[i], kAny); }, 16);
+    parallel::for_each_index(places.size(), 16,
+                             [&](std::size_t i) { answers[i] = sizing->size_at(places[i], kAny); });
     return answers;
   };
   EXPECT_EQ(all_of(1), all_of(8));

@@ -25,26 +25,17 @@ constexpr std::size_t kMany = 100'000;
 /// A loop of any kind whose bodies, kMany of them, call `body`.
 using Loop = void (*)(const std::function<void()>& body);
 constexpr Loop kLoops[] = {
-    [](const auto& body) {
-      for_each_index(
-          kMany, [&](std::size_t) { body(); }, 1);
-    },
+    [](const auto& body) { for_each_index(kMany, 1, [&](std::size_t) { body(); }); },
     [](const auto& body) {
       for_each_block(kMany, 1, [&](std::size_t, std::size_t, std::size_t) { body(); });
     },
     [](const auto& body) { for_each_task(kMany, [&](std::size_t) { body(); }); },
     [](const auto& body) {
-      const auto half = [&] {
-        for_each_index(
-            kMany / 2, [&](std::size_t) { body(); }, 1);
-      };
+      const auto half = [&] { for_each_index(kMany / 2, 1, [&](std::size_t) { body(); }); };
       invoke_both(half, half);
     },
     [](const auto& body) {  // Within each other.
-      for_each_task(kMany / 100, [&](std::size_t) {
-        for_each_index(
-            100, [&](std::size_t) { body(); }, 1);
-      });
+      for_each_task(kMany / 100, [&](std::size_t) { for_each_index(100, 1, [&](std::size_t) { body(); }); });
     },
 };
 

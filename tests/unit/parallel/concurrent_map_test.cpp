@@ -14,14 +14,11 @@ TEST(ConcurrentMap, AnswersTheSameToAllThreadsAndKeepsEachKeyOnce) {
   constexpr std::size_t kAsked = 200000, kKeys = 3000;
   ConcurrentMap<std::uint64_t, std::uint64_t, std::hash<std::uint64_t>> map;
   std::atomic<std::size_t> made = 0, wrong = 0;
-  for_each_index(
-      kAsked,
-      [&](std::size_t i) {
-        const std::uint64_t key = i * 2654435761u % kKeys;
-        const std::uint64_t value = map.get(key, [&] { return ++made, key * key + 1; });
-        if (value != key * key + 1) ++wrong;
-      },
-      64);
+  for_each_index(kAsked, 64, [&](std::size_t i) {
+    const std::uint64_t key = i * 2654435761u % kKeys;
+    const std::uint64_t value = map.get(key, [&] { return ++made, key * key + 1; });
+    if (value != key * key + 1) ++wrong;
+  });
   EXPECT_EQ(wrong, 0u);
   EXPECT_EQ(map.size(), kKeys);
   EXPECT_LT(made, kAsked / 10);  // What is known is not made again.

@@ -49,15 +49,13 @@ TEST(KeySet, LookupFindsWhatFindFinds) {
 
 TEST(RaiseTo, LeavesTheLargestOfAll) {
   std::vector<std::uint64_t> most(7, 0);
-  for_each_index(
-      70000, [&](std::size_t i) { raise_to(most[i % 7], i); }, 100);
+  for_each_index(70000, 100, [&](std::size_t i) { raise_to(most[i % 7], i); });
   for (std::size_t r = 0; r < 7; ++r) EXPECT_EQ(most[r], 69993 + r);
 }
 
 TEST(Raise, MarksWhatAnyBodyMarks) {
   std::vector<std::uint8_t> flags(64, 0);
-  for_each_index(
-      70000, [&](std::size_t i) { raise(flags[2 * (i % 32)]); }, 100);
+  for_each_index(70000, 100, [&](std::size_t i) { raise(flags[2 * (i % 32)]); });
   for (std::size_t f = 0; f < flags.size(); ++f) EXPECT_EQ(flags[f], f % 2 == 0 ? 1 : 0);
 }
 
@@ -65,12 +63,9 @@ TEST(ReplaceRelaxed, OneOfAllWinsEachWord) {
   constexpr std::uint32_t kFree = ~0U;
   std::vector<std::uint32_t> words(7, kFree);
   std::vector<std::uint8_t> won(70000, 0);
-  for_each_index(
-      won.size(),
-      [&](std::size_t i) {
-        won[i] = replace_relaxed(words[i % 7], kFree, static_cast<std::uint32_t>(i)) ? 1 : 0;
-      },
-      100);
+  for_each_index(won.size(), 100, [&](std::size_t i) {
+    won[i] = replace_relaxed(words[i % 7], kFree, static_cast<std::uint32_t>(i)) ? 1 : 0;
+  });
   EXPECT_EQ(std::count(won.begin(), won.end(), 1), 7);
   for (const std::uint32_t winner : words) EXPECT_EQ(won[winner], 1);
 }
