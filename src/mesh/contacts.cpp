@@ -12,6 +12,7 @@
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh::detail {
 namespace {
@@ -121,13 +122,10 @@ double distance_between(const PartSurface& from, const PartSurface& to) {
   }
   const TriangleTree tree(to.mesh->points, triangles);
   constexpr std::size_t kBlock = 1024;
-  return parallel::reduce_blocks(
+  return parallel::reduce(
       from.points.size(), kBlock, std::numeric_limits<double>::infinity(),
-      [&](std::size_t begin, std::size_t end) {
-        double smallest = std::numeric_limits<double>::infinity();
-        for (std::size_t i = begin; i < end; ++i)
-          smallest = std::min(smallest, tree.nearest(from.mesh->points[from.points[i]], smallest).distance);
-        return smallest;
+      [&](double& smallest, std::size_t i) {
+        smallest = std::min(smallest, tree.nearest(from.mesh->points[from.points[i]], smallest).distance);
       },
       [](double a, double b) { return std::min(a, b); });
 }

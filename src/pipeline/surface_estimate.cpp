@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh::pipeline {
 namespace {
@@ -11,6 +11,10 @@ namespace {
 struct FaceCounts {
   double voxels = 0;
   Vec3 faces = Vec3::Zero();
+
+  friend FaceCounts operator+(const FaceCounts& a, const FaceCounts& b) {
+    return {a.voxels + b.voxels, a.faces + b.faces};
+  }
 };
 
 /// In one slice, and between it and the next.
@@ -38,22 +42,9 @@ FaceCounts counts_of_slice(const LabelImage& image, int k) {
 
 OutsideSize outside_of(const LabelImage& image) {
   const ImageFrame& frame = image.frame();
-  const FaceCounts counts = parallel::reduce_blocks(
-      static_cast<std::size_t>(frame.size.z()), 1, FaceCounts(),
-      [&](std::size_t begin, std::size_t end) {
-        FaceCounts part;
-        for (std::size_t k = begin; k < end; ++k) {
-          const FaceCounts slice = counts_of_slice(image, static_cast<int>(k));
-          part.voxels += slice.voxels;
-          part.faces += slice.faces;
-        }
-        return part;
-      },
-      [](FaceCounts a, const FaceCounts& b) {
-        a.voxels += b.voxels;
-        a.faces += b.faces;
-        return a;
-      });
+  const auto counts =
+      parallel::sum<FaceCounts>(static_cast<std::size_t>(frame.size.z()), 1,
+                                [&](std::size_t k) { return counts_of_slice(image, static_cast<int>(k)); });
   const Vec3& spacing = frame.spacing_mm;
   const Vec3 face_mm2(spacing.y() * spacing.z(), spacing.z() * spacing.x(), spacing.x() * spacing.y());
   return {counts.faces.dot(face_mm2) * 2 / 3, counts.voxels * frame.voxel_volume_mm3()};

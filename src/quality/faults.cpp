@@ -12,7 +12,7 @@
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 #include "lumesh/quality/surface.hpp"
 #include "validity.hpp"
 
@@ -83,17 +83,13 @@ class Faults {
       Count turned;
       double volume = 0, magnitude = 0;
     };
-    const Sums sums = parallel::reduce_blocks(
+    const Sums sums = parallel::reduce(
         cells_.size(), kBlock, Sums(),
-        [&](std::size_t begin, std::size_t end) {
-          Sums part;
-          for (std::size_t i = begin; i < end; ++i) {
-            if (!is_positive(i)) part.turned.add(i);
-            const double volume = cells_.volume(i);
-            part.volume += volume;
-            part.magnitude += std::abs(volume);
-          }
-          return part;
+        [&](Sums& part, std::size_t i) {
+          if (!is_positive(i)) part.turned.add(i);
+          const double volume = cells_.volume(i);
+          part.volume += volume;
+          part.magnitude += std::abs(volume);
         },
         [](Sums a, const Sums& b) {
           a.turned.add(b.turned);

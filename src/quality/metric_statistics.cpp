@@ -15,6 +15,7 @@
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh::quality {
 
@@ -167,25 +168,21 @@ MetricStatistics measure_edges(const MeshView& mesh, const CornersByVertex& corn
 }
 
 MetricStatistics measure_shapes(const MeshView& mesh, const VertexMetrics& metrics) {
-  return parallel::reduce_blocks(
+  return parallel::reduce(
       mesh.tetrahedra.size(), kTetrahedronBlock, empty_tally(),
-      [&](std::size_t begin, std::size_t end) {
-        MetricStatistics part = empty_tally();
-        for (std::size_t i = begin; i < end; ++i) {
-          const auto [p, q, r, s] = mesh.tetrahedra[i];
-          const Vec3 &a = mesh.points[p], &b = mesh.points[q], &c = mesh.points[r], &d = mesh.points[s];
-          const double ratio =
-              metric::mean_ratio(a, b, c, d, metrics.log[p], metrics.log[q], metrics.log[r], metrics.log[s]);
-          lower(part.smallest_mean_ratio, ratio, static_cast<std::uint32_t>(i));
-          part.mean_mean_ratio += ratio;
-          part.poor_tetrahedra += ratio < kPoorMeanRatio;
-          part.mean_ratio.add(ratio);
-          part.complexity +=
-              tetrahedron_volume(a, b, c, d) / 4 *
-              (metrics.density[p] + metrics.density[q] + metrics.density[r] + metrics.density[s]);
-        }
-        part.tetrahedra = end - begin;
-        return part;
+      [&](MetricStatistics& part, std::size_t i) {
+        const auto [p, q, r, s] = mesh.tetrahedra[i];
+        const Vec3 &a = mesh.points[p], &b = mesh.points[q], &c = mesh.points[r], &d = mesh.points[s];
+        const double ratio =
+            metric::mean_ratio(a, b, c, d, metrics.log[p], metrics.log[q], metrics.log[r], metrics.log[s]);
+        ++part.tetrahedra;
+        lower(part.smallest_mean_ratio, ratio, static_cast<std::uint32_t>(i));
+        part.mean_mean_ratio += ratio;
+        part.poor_tetrahedra += ratio < kPoorMeanRatio;
+        part.mean_ratio.add(ratio);
+        part.complexity +=
+            tetrahedron_volume(a, b, c, d) / 4 *
+            (metrics.density[p] + metrics.density[q] + metrics.density[r] + metrics.density[s]);
       },
       joined);
 }

@@ -9,6 +9,7 @@
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh::quality {
 
@@ -110,14 +111,9 @@ Tally combine(Tally all, const Tally& more) {
 }
 
 TetrahedronStatistics measure_tetrahedra(const MeshView& mesh) {
-  Tally tally = parallel::reduce_blocks(
+  Tally tally = parallel::reduce(
       mesh.tetrahedra.size(), kBlock, Tally(),
-      [&](std::size_t begin, std::size_t end) {
-        Tally part;
-        for (std::size_t i = begin; i < end; ++i)
-          count_tetrahedron(part, mesh, static_cast<std::uint32_t>(i));
-        return part;
-      },
+      [&](Tally& part, std::size_t i) { count_tetrahedron(part, mesh, static_cast<std::uint32_t>(i)); },
       combine);
   TetrahedronStatistics& s = tally.s;
   if (s.count == 0) {
@@ -151,15 +147,8 @@ double min_scaled_jacobian(std::span<const Vec3> points, std::span<const std::ui
 
 template <std::size_t N>
 double min_over_cells(std::span<const Vec3> points, std::span<const Cell<N>> cells) {
-  return parallel::reduce_blocks(
-      cells.size(), kBlock, 1.0,
-      [&](std::size_t begin, std::size_t end) {
-        double smallest = 1;
-        for (std::size_t i = begin; i < end; ++i)
-          smallest = std::min(smallest, scaled_jacobian(points, cells[i]));
-        return smallest;
-      },
-      [](double a, double b) { return std::min(a, b); });
+  return parallel::min_of(cells.size(), kBlock, 1.0,
+                          [&](std::size_t i) { return scaled_jacobian(points, cells[i]); });
 }
 
 double smallest_scaled_jacobian(const MeshView& mesh) {

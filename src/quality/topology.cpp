@@ -7,6 +7,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
+#include "lumesh/parallel/sum.hpp"
 #include "lumesh/quality/surface.hpp"
 
 namespace lumesh::quality {
@@ -156,11 +157,6 @@ struct Labelled {
 
 using Counts = std::vector<std::int64_t>;  // Per label, and of the union at the end.
 
-Counts add(Counts all, const Counts& more) {
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] += more[i];
-  return all;
-}
-
 std::size_t index_of(const std::vector<SolidTopology>& labels, Label label) {
   return static_cast<std::size_t>(
       std::lower_bound(labels.begin(), labels.end(), label,
@@ -172,22 +168,18 @@ std::size_t index_of(const std::vector<SolidTopology>& labels, Label label) {
 template <std::size_t N>
 Counts count_unique(const parallel::KeyTable<Labelled<N>>& items, const std::vector<SolidTopology>& labels) {
   const Counts zero(labels.size() + 1, 0);
-  return parallel::reduce_blocks(
+  return parallel::reduce(
       items.key_count(), 16384, zero,
-      [&](std::size_t begin, std::size_t end) {
-        Counts counts = zero;
-        for (std::size_t v = begin; v < end; ++v) {
-          const Labelled<N>* last = nullptr;
-          for (const Labelled<N>& item : items.of(v)) {
-            const bool new_simplex = !last || item.vertices != last->vertices;
-            if (new_simplex) ++counts.back();
-            if (new_simplex || item.label != last->label) ++counts[index_of(labels, item.label)];
-            last = &item;
-          }
+      [&](Counts& counts, std::size_t v) {
+        const Labelled<N>* last = nullptr;
+        for (const Labelled<N>& item : items.of(v)) {
+          const bool new_simplex = !last || item.vertices != last->vertices;
+          if (new_simplex) ++counts.back();
+          if (new_simplex || item.label != last->label) ++counts[index_of(labels, item.label)];
+          last = &item;
         }
-        return counts;
       },
-      add);
+      parallel::AddEach());
 }
 
 template <std::size_t N, class Collect>

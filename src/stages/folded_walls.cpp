@@ -9,7 +9,7 @@
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/facing.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 
@@ -52,14 +52,11 @@ Folds fold_at(const MeshView& mesh, const ImageDomain& domain, std::size_t trian
 
 std::vector<std::string> note_of_folds(const MeshView& mesh, const ImageDomain& domain) {
   const std::vector<Material> inside = materials_inside_walls(mesh, domain);
-  const Folds folds = parallel::reduce_blocks(
+  const Folds folds = parallel::reduce(
       mesh.triangles.size(), 1024, Folds{},
-      [&](std::size_t begin, std::size_t end) {
-        Folds found;
-        for (std::size_t t = begin; t < end; ++t)
-          if (const Material m = inside[static_cast<std::size_t>(mesh.triangle_patches[t])]; m != 0)
-            found.add(fold_at(mesh, domain, t, m));
-        return found;
+      [&](Folds& found, std::size_t t) {
+        if (const Material m = inside[static_cast<std::size_t>(mesh.triangle_patches[t])]; m != 0)
+          found.add(fold_at(mesh, domain, t, m));
       },
       [](Folds a, const Folds& b) {
         a.add(b);

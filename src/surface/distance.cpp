@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -36,18 +36,14 @@ FarthestPoint farthest_from(const TriangleMesh& surface, const TriangleTree& oth
                             const std::function<bool(std::size_t)>& is_wanted,
                             const std::function<bool(const Vec3&, std::size_t)>& counts) {
   constexpr std::size_t kBlock = 64;
-  return parallel::reduce_blocks(
+  return parallel::reduce(
       surface.triangles.size(), kBlock, FarthestPoint(),
-      [&](std::size_t begin, std::size_t end) {
-        FarthestPoint farthest;
-        for (std::size_t t = begin; t < end; ++t) {
-          if (is_wanted && !is_wanted(t)) continue;
-          const Cell<3>& c = surface.triangles[t];
-          farthest =
-              farthest_of_triangle({surface.points[c[0]], surface.points[c[1]], surface.points[c[2]]}, other,
-                                   step_mm, farthest, [&](const Vec3& p) { return !counts || counts(p, t); });
-        }
-        return farthest;
+      [&](FarthestPoint& farthest, std::size_t t) {
+        if (is_wanted && !is_wanted(t)) return;
+        const Cell<3>& c = surface.triangles[t];
+        farthest =
+            farthest_of_triangle({surface.points[c[0]], surface.points[c[1]], surface.points[c[2]]}, other,
+                                 step_mm, farthest, [&](const Vec3& p) { return !counts || counts(p, t); });
       },
       farther);
 }

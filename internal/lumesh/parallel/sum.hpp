@@ -41,6 +41,14 @@ template <class Value, class ValueOf>
       count, block, least, [&](Value& most, std::size_t i) { most = larger(most, value_of(i)); }, larger);
 }
 
+/// The smallest value_of(i) for i in [0, count), and at most `most`.
+template <class Value, class ValueOf>
+[[nodiscard]] Value min_of(std::size_t count, std::size_t block, const Value& most, const ValueOf& value_of) {
+  const auto smaller = [](const Value& a, const Value& b) { return std::min(a, b); };
+  return reduce(
+      count, block, most, [&](Value& least, std::size_t i) { least = smaller(least, value_of(i)); }, smaller);
+}
+
 /// Adds up one number for each of several things: how reduce() combines such lists.
 struct AddEach {
   template <class Numbers>
