@@ -237,20 +237,11 @@ std::vector<bool> vertices_outside(const TetMesh& mesh, const operators::KeepWit
   return outside;
 }
 
-/// Vertices of patches that keep their volume are offset outwards; no tetrahedron falls below a mean
-/// ratio of 0.4 or, where it was near or below that, loses more than a tenth of it. What is still outside of
-/// the image then comes within, as long as no tetrahedron falls below a mean ratio of 0.02. Sheets of the
-/// outside that have come to cross each other are drawn apart.
-/// @param volumes  Of the labels at the start.
-void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators::KeepWithin& keep_within,
-            const std::map<Label, double>& volumes) {
-  const auto is_any = [&](auto property) { return std::any_of(shapes.begin(), shapes.end(), property); };
-  // Within planes and frozen surfaces the outside stays where it is.
-  if (!is_any([](const auto& shape) { return shape.freedom == operators::PatchFreedom::kCurved; })) return;
-  constexpr double kFloor = 0.4, kKept = 0.9, kFloorOfOutside = 0.02;
-  std::vector<bool> outside(mesh.vertex_count(), false);
-  const operators::MayBecome may_become = [&](std::size_t i, const std::array<Vec3, 4>& /*before*/,
-                                              const std::array<Vec3, 4>& after) {
+/// What tetrahedra may become where vertices settle: none falls below a mean ratio of 0.4 or, where it was
+/// near or below that, loses more than a tenth of it; 0.02 where a vertex comes within that is `outside`.
+operators::MayBecome settled_ratios(const TetMesh& mesh, const std::vector<bool>& outside) {
+  return [&](std::size_t i, const std::array<Vec3, 4>& /*before*/, const std::array<Vec3, 4>& after) {
+    constexpr double kFloor = 0.4, kKept = 0.9, kFloorOfOutside = 0.02;
     const TetId t(static_cast<std::uint32_t>(i));
     const auto log = [&](int k) -> const SymTensor& { return mesh.log_metric(mesh.vertex(t, k)); };
     const double ratio =
@@ -260,9 +251,20 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators
         std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return outside[v]; });
     return ratio >= std::min<double>(comes_within ? kFloorOfOutside : kFloor, kKept * mesh.quality(t));
   };
+}
+
+/// Vertices of patches that keep their volume are offset outwards; what is still outside of the image then
+/// comes within. Sheets of the outside that have come to cross each other are drawn apart.
+/// @param volumes  Of the labels at the start.
+void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators::KeepWithin& keep_within,
+            const std::map<Label, double>& volumes) {
+  const auto is_any = [&](auto property) { return std::any_of(shapes.begin(), shapes.end(), property); };
+  // Within planes and frozen surfaces the outside stays where it is.
+  if (!is_any([](const auto& shape) { return shape.freedom == operators::PatchFreedom::kCurved; })) return;
+  std::vector<bool> outside(mesh.vertex_count(), false);
   if (is_any([](const auto& shape) { return shape.keeps_volume; })) {
     const operators::SettlingRules rules{
-        .may_become = may_become, .keep_within = keep_within, .corrections = 1};
+        .may_become = settled_ratios(mesh, outside), .keep_within = keep_within, .corrections = 1};
     operators::settle(mesh, operators::places_on_shapes(shapes), rules);
     outside = vertices_outside(mesh, keep_within);
     if (std::find(outside.begin(), outside.end(), true) != outside.end()) {

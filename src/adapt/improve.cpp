@@ -160,6 +160,23 @@ DihedralRange dihedral_range(const TetMesh& mesh, const ImproveOptions& options)
 
 namespace {
 
+/// One pass and what it did.
+template <operators::Execution Execution>
+ImprovePass pass_of(Improver<Execution>& run, const TetMesh& mesh, const ImproveOptions& options,
+                    Context& context) {
+  const auto start = std::chrono::steady_clock::now();
+  const operators::OperatorCounts counted = run.counts();
+  ImprovePass row;
+  context.phase("pass", [&] { run.pass(); });
+  row.counts = run.counts();
+  row.counts -= counted;
+  row.tets = mesh.tet_count();
+  row.vertices = mesh.vertex_count();
+  row.angles = dihedral_range(mesh, options);
+  row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return row;
+}
+
 template <operators::Execution Execution>
 void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, ImproveReport& report) {
   // Where targets are out of reach, points would be put in for ever.
@@ -172,17 +189,9 @@ void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, 
   std::uint64_t fewest = report.after.tets_outside;
   int passes_without = 0;
   for (int pass = 0; pass < options.passes && report.after.tets_outside > 0 && !context.cancelled(); ++pass) {
-    const auto start = std::chrono::steady_clock::now();
-    const operators::OperatorCounts counted = run.counts();
-    ImprovePass& row = report.passes.emplace_back();
-    context.phase("pass", [&] { run.pass(); });
-    row.counts = run.counts();
-    row.counts -= counted;
-    row.tets = mesh.tet_count();
-    row.vertices = mesh.vertex_count();
-    report.after = row.angles = dihedral_range(mesh, options);
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    row.seconds = elapsed.count();
+    report.passes.push_back(pass_of(run, mesh, options, context));
+    const ImprovePass& row = report.passes.back();
+    report.after = row.angles;
     if (row.counts.applied() == 0) break;
     passes_without = row.angles.tets_outside < fewest ? 0 : passes_without + 1;
     fewest = std::min(fewest, row.angles.tets_outside);
