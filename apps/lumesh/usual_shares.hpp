@@ -43,7 +43,7 @@ inline constexpr UsualShare kUsualShares[] = {
     {"delaunay", "insertion", 9},
     {"delaunay", "refinement", 5},
     {"delaunay", "topology", 1},
-    {"delaunay", "carving", 2},
+    {"delaunay", "exterior removal", 2},
     {"delaunay", "settling", 1},
     {"delaunay", "improvement", 7},
     {"delaunay", "write", 2},

@@ -206,7 +206,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
       "refinement", [&] { return refined(refinement, seeds.to_find, options, report, context); });
   report.pinched_vertices =
       context.phase("topology", [&] { return relabelled(result.mesh, domain, refinement.pinched()); });
-  context.phase("carving", [&] { delaunay::remove_exterior(result.mesh, domain); });
+  context.phase("exterior removal", [&] { delaunay::remove_exterior(result.mesh, domain); });
   report.held_back = context.phase("settling", [&] { return settle_in(domain, options, result.mesh); });
   note_pinched(report);
   if (result.mesh.tet_count() == 0)

@@ -80,7 +80,8 @@ struct SharedTet {
   friend auto operator<=>(const SharedTet&, const SharedTet&) = default;
 };
 
-/// Drops each candidate that lies too near to one of higher priority that claims the same tetrahedron.
+/// Drops each candidate that lies too near to one of higher priority that claims the same tetrahedron. Who
+/// marks one as lost does not matter, and marks are read after the loop: relaxed is enough.
 template <class IsTooNear>
 void lose_to_each_other(std::vector<SharedTet> shared, const IsTooNear& is_too_near,
                         std::vector<std::uint32_t>& lost) {
@@ -172,6 +173,7 @@ std::vector<Candidate> IndependentSet::select(TetMesh& mesh, std::vector<Candida
     for (const TetId t : replaced[i].tets)
       parallel::raise_to(claims_[t.value], static_cast<std::uint32_t>(candidates.size() - i));
   });
+  // Claims do not change in loops that read them, and become 0 whoever of several clears one.
   const auto first_of = [&](TetId t) { return candidates.size() - parallel::load_relaxed(claims_[t.value]); };
   const auto is_too_near = [&](std::size_t j, std::size_t i) {
     return (candidates[j].point - candidates[i].point).squaredNorm() < replaced[i].reach2;

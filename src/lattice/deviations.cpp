@@ -92,13 +92,13 @@ double longest_edge(const std::array<Vec3, 3>& p) {
 /// that noise explains better, or where a third material has taken its place.
 std::optional<Vec3> boundary_beside(const LabelImage& image, const ImageDomain& domain,
                                     const std::array<Material, 2>& pair, const Vec3& near_mm) {
-  constexpr double kThere = 0.1;  // Voxels.
+  constexpr double kNear = 0.1;  // Voxels.
   const double reach_mm = kAside * 0.5 * image.frame().spacing_mm.norm();
   const std::optional<Vec3> place = domain.project(near_mm, {pair[0], pair[1]}, reach_mm);
   if (!place || domain.beyond_cut(*place)) return std::nullopt;
   const bool is_theirs =
       domain.label_count() == 2 ||
-      domain.materials_near(*place, kThere * domain.voxel_size_mm()).contains_all({pair[0], pair[1]});
+      domain.materials_near(*place, kNear * domain.voxel_size_mm()).contains_all({pair[0], pair[1]});
   return is_theirs ? place : std::nullopt;
 }
 

@@ -17,10 +17,10 @@ namespace lumesh {
 
 namespace {
 
-constexpr double kThere = 0.02;            // voxels from its target at which a vertex counts as arrived
+constexpr double kArrived = 0.02;            // voxels from its target at which a vertex counts as arrived
 constexpr double kLevel = 1e-4;              // voxels from its cut plane at which a vertex counts as in it
 constexpr AngleLimits kLevelLimits{8, 165};  // Last resort for openings that are not flat.
-constexpr double kParts[] = {1.0, 0.7, 0.4, 0.2, 0.1};  // of the way to its target that are tried
+constexpr double kStepShares[] = {1.0, 0.7, 0.4, 0.2, 0.1};  // of the way to its target that are tried
 
 /// A place brought into the cut planes of a vertex of this set.
 Vec3 onto_cuts(const ImageDomain& domain, const MaterialSet& set, Vec3 place) {
@@ -454,7 +454,7 @@ void Fitter::carry_vertex(std::uint32_t v, const Vec3& place) {
   const Vec3 x = mesh_.positions[v];
   StarQuality star(mesh_, v);
   const double enough = std::min(floor_, star.worst(x, -2));
-  for (const double part : kParts) {
+  for (const double part : kStepShares) {
     const Vec3 y = x + part * (place - x);
     if (star.worst(y, enough) < enough) continue;
     mesh_.positions[v] = y;
@@ -474,7 +474,7 @@ void Fitter::fit_vertex(std::uint32_t v, double floor) {
   StarQuality star(mesh_, v);
   const Score now = score(v, star, x, -2);
   const double enough = std::min(floor, now.angles);
-  for (const double part : kParts) {
+  for (const double part : kStepShares) {
     const Vec3 y = x + part * (target - x);
     const Score then = score(v, star, y, enough);
     const bool keeps = then.angles >= enough && then.facing >= std::min(floor, now.facing);
@@ -487,7 +487,7 @@ void Fitter::fit_vertex(std::uint32_t v, double floor) {
 
 /// A second try for vertices that could not reach the boundary yet.
 void Fitter::fit_if_away(std::uint32_t v) {
-  if (constrained(v) && distance_to_target(v) > kThere * domain_.voxel_size_mm()) fit_vertex(v, floor_);
+  if (constrained(v) && distance_to_target(v) > kArrived * domain_.voxel_size_mm()) fit_vertex(v, floor_);
 }
 
 /// Looks for a better place by compass search, on the boundary if the vertex is bound to it. Anchored
@@ -515,7 +515,7 @@ void Fitter::improve_vertex(std::uint32_t v, double good_enough) {
     best = y;
     return true;
   };
-  if (bound && distance_to_target(v) > kThere * domain_.voxel_size_mm()) return;
+  if (bound && distance_to_target(v) > kArrived * domain_.voxel_size_mm()) return;
   const Vec3 middle = bound ? mean_of_surface(v) : mean_of_star(v);
   consider(middle);
   consider(0.5 * (x + middle));

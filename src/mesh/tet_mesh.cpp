@@ -92,6 +92,7 @@ VertexId TetMesh::add_vertex(const Vec3& point, int owner, std::uint32_t stamp) 
   });
   points_[slot] = point;
   incident_[slot] = TetId();
+  // A thread with an old number of the slot may read it: nobody's, before as after. Test: SpeculativeLock.*.
   parallel::store_relaxed(lock_words_[slot], kNoOwner);
   set_stamp(VertexId(slot), stamp);
   dimensions_[slot] = VertexDimension::kVolume;

@@ -473,12 +473,12 @@ class Settling {
   }
 
   [[nodiscard]] SettlingReport report() const {
-    constexpr double kThere = 1e-3;
+    constexpr double kArrived = 1e-3;
     SettlingReport report;
     for (const std::uint32_t v : free_) {
       const double off = (points_[v] - targets_[v]).norm();
       ++report.vertices;
-      report.held_back += off > kThere * edge_[v] ? 1 : 0;
+      report.held_back += off > kArrived * edge_[v] ? 1 : 0;
       report.furthest_off_mm = std::max(report.furthest_off_mm, off);
     }
     return report;

@@ -7,7 +7,8 @@
 
 namespace lumesh::parallel {
 
-/// Relaxed: the value alone matters; the caller says why no other memory is read on its strength.
+/// Relaxed: the value alone matters; the caller says why no other memory is read on its strength. Tests: the
+/// executions in tests/unit/operators and IndependentSet.*.
 [[nodiscard]] inline std::uint32_t load_relaxed(const std::uint32_t& word) {
   return std::atomic_ref<std::uint32_t>(const_cast<std::uint32_t&>(word)).load(std::memory_order_relaxed);
 }

@@ -122,7 +122,7 @@ class SlotPool {
     mine.freed.push_back(slot);
   }
 
-  /// One past the highest slot of any block.
+  /// One past the highest slot of any block. Relaxed: who asks while owners run looks at its own slots only.
   [[nodiscard]] std::uint32_t end() const {
     return shared_ ? shared_->end.load(std::memory_order_relaxed) : 0;
   }

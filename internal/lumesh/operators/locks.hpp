@@ -30,7 +30,9 @@ struct NoLock {
 
 /// The lock of a run of a bucket of a Partition: it holds all vertices in its reach until the run is done,
 /// and nothing contends. One word per bucket has the number of the run whose reach the bucket lies in. Words
-/// of buckets outside the reach may change while they are read; they never hold this run's number.
+/// of buckets outside the reach may change while they are read; they never hold this run's number, and the
+/// order of the runs makes those within visible: relaxed is enough. Tests: OrderedExecution* in
+/// tests/unit/operators.
 class OrderedLock {
  public:
   OrderedLock() = default;
@@ -53,7 +55,8 @@ class OrderedLock {
 /// The lock of one of many threads that acquire the vertices they touch by compare-and-swap, and back off
 /// where another was first. The words of the vertices hold the owner's number. Those of freed vertices and of
 /// new ones whose maker has not taken ownership yet belong to nobody, so that a thread with an old number of
-/// such a vertex never gets it.
+/// such a vertex never gets it: the maker may write them relaxed. Tests: SpeculativeLock.* and
+/// SpeculativeExecution* in tests/unit/operators.
 class SpeculativeLock {
  public:
   SpeculativeLock() = default;

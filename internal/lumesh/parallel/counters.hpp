@@ -54,15 +54,15 @@ class FirstValue {
     int none = kNone;
     if (!state_.compare_exchange_strong(none, kTaken, std::memory_order_relaxed)) return;
     value_ = value;
-    // Release: who sees kThere, by the acquire of get(), sees the value.
-    state_.store(kThere, std::memory_order_release);
+    // Release: who sees kKept, by the acquire of get(), sees the value.
+    state_.store(kKept, std::memory_order_release);
   }
   [[nodiscard]] std::optional<Value> get() const {
-    return state_.load(std::memory_order_acquire) == kThere ? std::optional<Value>(value_) : std::nullopt;
+    return state_.load(std::memory_order_acquire) == kKept ? std::optional<Value>(value_) : std::nullopt;
   }
 
  private:
-  enum State : int { kNone, kTaken, kThere };
+  enum State : int { kNone, kTaken, kKept };
   std::atomic<int> state_ = kNone;
   Value value_ = {};
 };

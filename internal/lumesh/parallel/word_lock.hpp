@@ -15,7 +15,7 @@ inline constexpr std::uint32_t kFreeWord = 0;
 [[nodiscard]] inline bool try_acquire(std::uint32_t& word, std::uint32_t owner) {
   std::uint32_t expected = kFreeWord;
   // Acquire pairs with the release in unlock(): whoever acquires a word sees all that was written under it
-  // before.
+  // before. Relaxed where it fails: nothing is read then.
   return std::atomic_ref(word).compare_exchange_strong(expected, owner, std::memory_order_acquire,
                                                        std::memory_order_relaxed);
 }
