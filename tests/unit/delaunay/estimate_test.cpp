@@ -4,15 +4,15 @@
 
 #include <limits>
 
+#include "fixtures/analytic_domain.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
-#include "lumesh/domain/analytic_domain.hpp"
 
 namespace lumesh::delaunay {
 namespace {
 
 /// Where the volume decides, where the surface does, and where both do.
 TEST(Estimate, CountsTetrahedraWithinAFactorOfThree) {
-  const AnalyticDomain domain = analytic_ball(Vec3(1, 2, 3), 10);
+  const fixtures::AnalyticDomain domain = fixtures::analytic_ball(Vec3(1, 2, 3), 10);
   struct Case {
     double delta_mm, size_mm;
   };

@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "lumesh/domain/analytic_domain.hpp"
+#include "fixtures/analytic_domain.hpp"
 #include "lumesh/operators/delaunay_execution.hpp"
 
 namespace lumesh::delaunay {
@@ -66,7 +66,7 @@ std::set<std::array<std::size_t, 2>> neighbours_once_inserted(TetMesh& mesh,
 /// Many more candidates than vertices, so that most tetrahedra are claimed many times. Points that replace
 /// nothing in common may come a little nearer.
 TEST(IndependentSet, MakesNoEdgesMuchShorterThanEachPointAloneWould) {
-  const AnalyticDomain domain = analytic_ball(Vec3::Constant(5), 4);
+  const fixtures::AnalyticDomain domain = fixtures::analytic_ball(Vec3::Constant(5), 4);
   const Spacing spacing(domain, 1, 1.3, std::numeric_limits<double>::infinity(), nullptr);
   std::size_t all = 0;
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
@@ -92,7 +92,7 @@ TEST(IndependentSet, MakesNoEdgesMuchShorterThanEachPointAloneWould) {
 }
 
 TEST(IndependentSet, SelectsTheHighestPriorityOfACluster) {
-  const AnalyticDomain domain = analytic_ball(Vec3::Constant(5), 4);
+  const fixtures::AnalyticDomain domain = fixtures::analytic_ball(Vec3::Constant(5), 4);
   const Spacing spacing(domain, 1, 1.3, std::numeric_limits<double>::infinity(), nullptr);
   TetMesh mesh = triangulation_of({{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 10}, {10, 10, 10}});
   std::vector<Candidate> candidates;

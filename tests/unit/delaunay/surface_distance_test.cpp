@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fixtures/analytic_domain.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
-#include "lumesh/domain/analytic_domain.hpp"
 #include "lumesh/mesh/validate.hpp"
 
 namespace lumesh {
@@ -24,7 +24,7 @@ BallSurface surface_of_ball(double radius_mm, double delta_mm, double surface_di
   DelaunayOptions options;
   options.delta_mm = delta_mm;
   options.surface_distance_mm = surface_distance_mm;
-  const TetMesh mesh = mesh_delaunay(analytic_ball(centre, radius_mm), options, context).mesh;
+  const TetMesh mesh = mesh_delaunay(fixtures::analytic_ball(centre, radius_mm), options, context).mesh;
   const ValidationReport report = validate(mesh);
   EXPECT_TRUE(report.ok()) << report.text();
   const BoundaryFaces faces = mesh.boundary_faces();
@@ -63,7 +63,8 @@ TEST(SurfaceDistance, FlatPartsAreLeftToDelta) {
     DelaunayOptions options;
     options.delta_mm = 0.8;
     options.surface_distance_mm = surface_distance_mm;
-    const TetMesh mesh = mesh_delaunay(analytic_cylinder({0, 0, 0}, {0, 0, 6}, 4), options, context).mesh;
+    const TetMesh mesh =
+        mesh_delaunay(fixtures::analytic_cylinder({0, 0, 0}, {0, 0, 6}, 4), options, context).mesh;
     const BoundaryFaces faces = mesh.boundary_faces();
     std::array<double, 2> counts{};  // Of the wall, of the ends.
     for (const std::int32_t p : faces.patches)

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "fixtures/analytic_domain.hpp"
 #include "fixtures/surfaces.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
-#include "lumesh/domain/analytic_domain.hpp"
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/validate.hpp"
@@ -171,13 +171,13 @@ TEST(SurfaceMesh, ATorusOfTrianglesIsATorus) {
 }
 
 TEST(AnalyticMesh, ABallAndATorusHaveTheirVolumes) {
-  expect_shapes(mesh_of(analytic_ball({1, 2, 3}, 2), 0.2), {{1, {4 * kPi / 3 * 8, 2}}}, 0.01);
-  expect_shapes(mesh_of(analytic_torus({0, 0, 0}, {1, 1, 1}, 2, 0.7), 0.12),
+  expect_shapes(mesh_of(fixtures::analytic_ball({1, 2, 3}, 2), 0.2), {{1, {4 * kPi / 3 * 8, 2}}}, 0.01);
+  expect_shapes(mesh_of(fixtures::analytic_torus({0, 0, 0}, {1, 1, 1}, 2, 0.7), 0.12),
                 {{1, {2 * kPi * kPi * 2 * 0.49, 0}}}, 0.01);
 }
 
 TEST(AnalyticMesh, ABoxHasSixOpenings) {
-  const TetMesh mesh = mesh_of(analytic_box(Box3(Vec3(0, 0, 0), Vec3(1, 1.5, 2))), 0.12);
+  const TetMesh mesh = mesh_of(fixtures::analytic_box(Box3(Vec3(0, 0, 0), Vec3(1, 1.5, 2))), 0.12);
   expect_shapes(mesh, {{1, {3, 2}}}, 1e-3);
   const auto areas = areas_of_patches(mesh);
   EXPECT_EQ(areas.size(), 6u);
@@ -185,7 +185,7 @@ TEST(AnalyticMesh, ABoxHasSixOpenings) {
 }
 
 TEST(AnalyticMesh, ACylinderHasTwoFlatEnds) {
-  const TetMesh mesh = mesh_of(analytic_cylinder({0, 0, 0}, {0, 0, 4}, 1), 0.12);
+  const TetMesh mesh = mesh_of(fixtures::analytic_cylinder({0, 0, 0}, {0, 0, 4}, 1), 0.12);
   expect_shapes(mesh, {{1, {4 * kPi, 2}}}, 0.01);
   auto areas = areas_of_patches(mesh);
   EXPECT_EQ(areas.size(), 3u);
@@ -197,13 +197,13 @@ TEST(AnalyticMesh, ACylinderHasTwoFlatEnds) {
 }
 
 TEST(AnalyticMesh, NestedBallsShareASphere) {
-  const TetMesh mesh = mesh_of(analytic_nested_balls({0, 0, 0}, 1, 2), 0.12);
+  const TetMesh mesh = mesh_of(fixtures::analytic_nested_balls({0, 0, 0}, 1, 2), 0.12);
   expect_shapes(mesh, {{1, {4 * kPi / 3 * 7, 4}}, {2, {4 * kPi / 3, 2}}}, 0.01);
   EXPECT_NEAR(areas_of_patches(mesh)["interface_1_2"], 4 * kPi, 0.02 * 4 * kPi);
 }
 
 TEST(AnalyticMesh, OverlappingBallsShareADisc) {
-  const TetMesh mesh = mesh_of(analytic_two_balls({0, 0, 0}, 1, {1, 0, 0}, 1), 0.08);
+  const TetMesh mesh = mesh_of(fixtures::analytic_two_balls({0, 0, 0}, 1, {1, 0, 0}, 1), 0.08);
   const double ball = 4 * kPi / 3 - kPi * 0.25 * 2.5 / 3;
   expect_shapes(mesh, {{1, {ball, 2}}, {2, {ball, 2}}}, 0.01);
   EXPECT_NEAR(areas_of_patches(mesh)["interface_1_2"], kPi * 0.75, 0.01 * kPi);

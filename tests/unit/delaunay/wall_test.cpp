@@ -8,9 +8,9 @@
 #include <numbers>
 #include <string>
 
+#include "fixtures/analytic_domain.hpp"
 #include "fixtures/openings.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
-#include "lumesh/domain/analytic_domain.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/operators/settling.hpp"
@@ -23,12 +23,12 @@ using fixtures::openings_of;
 constexpr double kRadius = 5, kLength = 30;  // Of the tube; as many voxels if these are 1 mm.
 const Vec3 kOnAxis(0.31, 0.17, 0.43), kAxis = Vec3(0.48, 0.60, 0.64).normalized();
 
-AnalyticDomain tube() {
-  AnalyticDomainOptions options;
+fixtures::AnalyticDomain tube() {
+  fixtures::AnalyticDomainOptions options;
   options.bounds_mm = Box3(kOnAxis - Vec3::Constant(0.7 * kLength), kOnAxis + Vec3::Constant(0.7 * kLength));
   options.resolution_mm = 1;
   options.cut_planes = {{kOnAxis - 0.5 * kLength * kAxis, -kAxis}, {kOnAxis + 0.5 * kLength * kAxis, kAxis}};
-  return AnalyticDomain({{1, cylinder_shape(kOnAxis, kAxis, kRadius)}}, options);
+  return fixtures::AnalyticDomain({{1, fixtures::cylinder_shape(kOnAxis, kAxis, kRadius)}}, options);
 }
 
 double height_over_tube(const Vec3& x) {
@@ -74,7 +74,7 @@ TEST(Wall, KeepsTheVolumeAndTheMeanRadiusHoweverCoarse) {
   Context context;
   DelaunayOptions options;
   options.delta_mm = 2;
-  const TetMesh ball = mesh_delaunay(analytic_ball(centre, 10), options, context).mesh;
+  const TetMesh ball = mesh_delaunay(fixtures::analytic_ball(centre, 10), options, context).mesh;
   EXPECT_NEAR(validate(ball).labels[0].volume / (4000 * std::numbers::pi / 3), 1, 1e-3);
 }
 
@@ -84,12 +84,12 @@ TEST(Wall, IsThereToTheRimOfOpeningsThatSlant) {
   for (const double angle_deg : {60.0, 45.0, 30.0}) {
     const double angle = angle_deg * std::numbers::pi / 180;  // Between the axis and the openings.
     const Vec3 normal = std::sin(angle) * kAxis + std::cos(angle) * kAxis.unitOrthogonal();
-    AnalyticDomainOptions options;
+    fixtures::AnalyticDomainOptions options;
     options.bounds_mm = Box3(kOnAxis - Vec3::Constant(kLength), kOnAxis + Vec3::Constant(kLength));
     options.resolution_mm = 1;
     options.cut_planes = {{kOnAxis - 0.5 * kLength * kAxis, -normal},
                           {kOnAxis + 0.5 * kLength * kAxis, normal}};
-    const AnalyticDomain domain({{1, cylinder_shape(kOnAxis, kAxis, kRadius)}}, options);
+    const fixtures::AnalyticDomain domain({{1, fixtures::cylinder_shape(kOnAxis, kAxis, kRadius)}}, options);
     Context context;
     DelaunayOptions with;
     with.delta_mm = 2;
@@ -121,13 +121,14 @@ TEST(Wall, OpeningsHaveTheirAreasHoweverCoarse) {
 
 /// Where two openings meet, the ends of the edge between them go along both planes to the wall.
 TEST(Wall, OpeningsThatMeetInAnEdgeHaveTheirAreas) {
-  AnalyticDomainOptions options;
+  fixtures::AnalyticDomainOptions options;
   options.bounds_mm = Box3(Vec3(-12, -12, -12), Vec3(12, 12, 12));
   options.resolution_mm = 1;
   options.cut_planes = {{Vec3(0, 0, 0), Vec3(1, 0, 1).normalized()},
                         {Vec3(0, 0, 0), Vec3(-1, 0, 1).normalized()},
                         {Vec3(0, 0, -11), -Vec3::UnitZ()}};
-  const AnalyticDomain domain({{1, cylinder_shape(Vec3::Zero(), Vec3::UnitZ(), kRadius)}}, options);
+  const fixtures::AnalyticDomain domain({{1, fixtures::cylinder_shape(Vec3::Zero(), Vec3::UnitZ(), kRadius)}},
+                                        options);
   for (const double delta : {1.0, 2.0}) {
     Context context;
     DelaunayOptions with;
@@ -145,14 +146,15 @@ TEST(Wall, OpeningsThatMeetInAnEdgeHaveTheirAreas) {
 
 /// Points at the rim of a lumen stand over its curve, too, though openings lie on both sides of it.
 TEST(Wall, OpeningsWithinOpeningsHaveTheirAreas) {
-  AnalyticDomainOptions options;
+  fixtures::AnalyticDomainOptions options;
   options.bounds_mm = Box3(kOnAxis - Vec3::Constant(0.7 * kLength), kOnAxis + Vec3::Constant(0.7 * kLength));
   options.resolution_mm = 1;
   options.cut_planes = {{kOnAxis - 0.5 * kLength * kAxis, -kAxis}, {kOnAxis + 0.5 * kLength * kAxis, kAxis}};
   constexpr double kLumen = 0.5 * kRadius;
-  const AnalyticDomain domain(
-      {{1, without(cylinder_shape(kOnAxis, kAxis, kRadius), cylinder_shape(kOnAxis, kAxis, kLumen))},
-       {2, cylinder_shape(kOnAxis, kAxis, kLumen)}},
+  const fixtures::AnalyticDomain domain(
+      {{1, fixtures::without(fixtures::cylinder_shape(kOnAxis, kAxis, kRadius),
+                             fixtures::cylinder_shape(kOnAxis, kAxis, kLumen))},
+       {2, fixtures::cylinder_shape(kOnAxis, kAxis, kLumen)}},
       options);
   Context context;
   DelaunayOptions with;
@@ -201,7 +203,7 @@ TEST(Wall, IsTheSameForEveryNumberOfThreads) {
 /// What is held back by its tetrahedra goes as far as they allow, and none becomes worse.
 TEST(Settle, StopsWhereATetrahedronForbidsIt) {
   TetMesh mesh = tube_mesh(1, 0);
-  const AnalyticDomain domain = tube();
+  const fixtures::AnalyticDomain domain = tube();
   const operators::MayBecome never = [](std::size_t, const std::array<Vec3, 4>&, const std::array<Vec3, 4>&) {
     return false;
   };

@@ -1,5 +1,5 @@
 // Domains given by formulas: volumes by counting, distances, and where materials meet.
-#include "lumesh/domain/analytic_domain.hpp"
+#include "fixtures/analytic_domain.hpp"
 
 #include <gtest/gtest.h>
 
@@ -51,27 +51,27 @@ void expect_clearances_hold(const Domain& domain) {
 }
 
 TEST(AnalyticDomain, HasTheVolumesOfItsShapes) {
-  expect_volumes(analytic_ball({1, 2, 3}, 2), {{1, 4 * kPi / 3 * 8}});
-  expect_volumes(analytic_box(Box3(Vec3(0, 0, 0), Vec3(1, 2, 3))), {{1, 6}});
-  expect_volumes(analytic_torus({1, 0, 0}, {1, 1, 1}, 3, 1), {{1, 2 * kPi * kPi * 3}});
-  expect_volumes(analytic_cylinder({0, 0, 1}, {0, 3, 5}, 1.5), {{1, kPi * 2.25 * 5}});
-  expect_volumes(analytic_nested_balls({0, 0, 0}, 1, 2), {{1, 4 * kPi / 3 * 7}, {2, 4 * kPi / 3}});
+  expect_volumes(fixtures::analytic_ball({1, 2, 3}, 2), {{1, 4 * kPi / 3 * 8}});
+  expect_volumes(fixtures::analytic_box(Box3(Vec3(0, 0, 0), Vec3(1, 2, 3))), {{1, 6}});
+  expect_volumes(fixtures::analytic_torus({1, 0, 0}, {1, 1, 1}, 3, 1), {{1, 2 * kPi * kPi * 3}});
+  expect_volumes(fixtures::analytic_cylinder({0, 0, 1}, {0, 3, 5}, 1.5), {{1, kPi * 2.25 * 5}});
+  expect_volumes(fixtures::analytic_nested_balls({0, 0, 0}, 1, 2), {{1, 4 * kPi / 3 * 7}, {2, 4 * kPi / 3}});
   // Two unit balls one apart: each loses a cap of height 1/2, pi h^2 (3 r - h) / 3.
   const double cap = kPi * 0.25 * 2.5 / 3;
-  expect_volumes(analytic_two_balls({0, 0, 0}, 1, {1, 0, 0}, 1),
+  expect_volumes(fixtures::analytic_two_balls({0, 0, 0}, 1, {1, 0, 0}, 1),
                  {{1, 4 * kPi / 3 - cap}, {2, 4 * kPi / 3 - cap}});
 }
 
 TEST(AnalyticDomain, NothingChangesWithinTheClearance) {
-  expect_clearances_hold(analytic_box(Box3(Vec3(0, 0, 0), Vec3(1, 2, 3))));
-  expect_clearances_hold(analytic_torus({1, 0, 0}, {1, 1, 1}, 3, 1));
-  expect_clearances_hold(analytic_cylinder({0, 0, 1}, {0, 3, 5}, 1.5));
-  expect_clearances_hold(analytic_nested_balls({0, 0, 0}, 1, 2));
-  expect_clearances_hold(analytic_two_balls({0, 0, 0}, 1, {1.3, 0.2, 0}, 0.8));
+  expect_clearances_hold(fixtures::analytic_box(Box3(Vec3(0, 0, 0), Vec3(1, 2, 3))));
+  expect_clearances_hold(fixtures::analytic_torus({1, 0, 0}, {1, 1, 1}, 3, 1));
+  expect_clearances_hold(fixtures::analytic_cylinder({0, 0, 1}, {0, 3, 5}, 1.5));
+  expect_clearances_hold(fixtures::analytic_nested_balls({0, 0, 0}, 1, 2));
+  expect_clearances_hold(fixtures::analytic_two_balls({0, 0, 0}, 1, {1.3, 0.2, 0}, 0.8));
 }
 
 TEST(AnalyticDomain, FindsCurvesAndCorners) {
-  const AnalyticDomain balls = analytic_two_balls({0, 0, 0}, 1, {1, 0, 0}, 1);
+  const fixtures::AnalyticDomain balls = fixtures::analytic_two_balls({0, 0, 0}, 1, {1, 0, 0}, 1);
   const auto on_circle = balls.project({0.6, 0.7, 0.1}, {0, 1, 2}, 1);
   ASSERT_TRUE(on_circle);
   EXPECT_NEAR(on_circle->x(), 0.5, 1e-9);
@@ -80,7 +80,7 @@ TEST(AnalyticDomain, FindsCurvesAndCorners) {
   EXPECT_EQ(balls.materials_near({0.5, 0, 0}, 0.1), (MaterialSet{1, 2}));
   EXPECT_EQ(balls.materials_near({-0.95, 0, 0}, 0.1), (MaterialSet{0, 1}));
 
-  const AnalyticDomain box = analytic_box(Box3(Vec3(0, 0, 0), Vec3(1, 2, 3)));
+  const fixtures::AnalyticDomain box = fixtures::analytic_box(Box3(Vec3(0, 0, 0), Vec3(1, 2, 3)));
   const auto corner = box.project({0.9, 1.8, 2.7}, {1, 3, 5, 7}, 1);
   ASSERT_TRUE(corner);
   EXPECT_LT((*corner - Vec3(1, 2, 3)).norm(), 1e-9);
@@ -88,7 +88,7 @@ TEST(AnalyticDomain, FindsCurvesAndCorners) {
   EXPECT_EQ(box.materials_near({1, 1.999, 1.5}, 0.01), (MaterialSet{1, 3, 5}));
   EXPECT_EQ(box.materials_near({1, 2.4, 1.5}, 0.01), (MaterialSet{5})) << "beyond one plane, on another";
 
-  const AnalyticDomain tube = analytic_cylinder({0, 0, 0}, {0, 0, 4}, 1);
+  const fixtures::AnalyticDomain tube = fixtures::analytic_cylinder({0, 0, 0}, {0, 0, 4}, 1);
   const auto rim = tube.project({0.7, 0.5, 3.8}, {0, 1, 3}, 1);
   ASSERT_TRUE(rim);
   EXPECT_NEAR(rim->z(), 4, 1e-9);
@@ -98,9 +98,9 @@ TEST(AnalyticDomain, FindsCurvesAndCorners) {
 TEST(AnalyticDomain, GradientsAreThoseOfTheValues) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> anywhere(-2, 3);
-  const AnalyticDomain torus = analytic_torus({1, 0, 0}, {1, 1, 1}, 2, 0.5);
-  const AnalyticDomain tube = analytic_cylinder({0, 0, 1}, {0, 3, 5}, 1.5);
-  const AnalyticDomain balls = analytic_nested_balls({0, 0, 0}, 1, 2);
+  const fixtures::AnalyticDomain torus = fixtures::analytic_torus({1, 0, 0}, {1, 1, 1}, 2, 0.5);
+  const fixtures::AnalyticDomain tube = fixtures::analytic_cylinder({0, 0, 1}, {0, 3, 5}, 1.5);
+  const fixtures::AnalyticDomain balls = fixtures::analytic_nested_balls({0, 0, 0}, 1, 2);
   for (const auto& [domain, a, b] : {std::tuple<const Domain*, Material, Material>{&torus, 1, 0},
                                      {&tube, 1, 0},
                                      {&tube, 1, 2},
@@ -121,11 +121,15 @@ TEST(AnalyticDomain, GradientsAreThoseOfTheValues) {
 
 TEST(AnalyticDomain, RefusesWhatIsNoDomain) {
   const Box3 box(Vec3(0, 0, 0), Vec3(1, 1, 1));
-  EXPECT_THROW(AnalyticDomain({}, {box, 0.1, {}}), Error);
-  EXPECT_THROW(AnalyticDomain({{0, everywhere_shape()}}, {box, 0.1, {}}), Error);
-  EXPECT_THROW(AnalyticDomain({{1, everywhere_shape()}, {1, everywhere_shape()}}, {box, 0.1, {}}), Error);
-  EXPECT_THROW(AnalyticDomain({{1, everywhere_shape()}}, {box, 0, {}}), Error);
-  EXPECT_THROW(AnalyticDomain({{1, everywhere_shape()}}, {box, 0.1, {{Vec3::Zero(), Vec3::Zero()}}}), Error);
+  EXPECT_THROW(fixtures::AnalyticDomain({}, {box, 0.1, {}}), Error);
+  EXPECT_THROW(fixtures::AnalyticDomain({{0, fixtures::everywhere_shape()}}, {box, 0.1, {}}), Error);
+  EXPECT_THROW(fixtures::AnalyticDomain(
+                   {{1, fixtures::everywhere_shape()}, {1, fixtures::everywhere_shape()}}, {box, 0.1, {}}),
+               Error);
+  EXPECT_THROW(fixtures::AnalyticDomain({{1, fixtures::everywhere_shape()}}, {box, 0, {}}), Error);
+  EXPECT_THROW(fixtures::AnalyticDomain({{1, fixtures::everywhere_shape()}},
+                                        {box, 0.1, {{Vec3::Zero(), Vec3::Zero()}}}),
+               Error);
 }
 
 }  // namespace

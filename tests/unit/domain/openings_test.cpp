@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fixtures/analytic_domain.hpp"
 #include "fixtures/images.hpp"
-#include "lumesh/domain/analytic_domain.hpp"
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/patch_names.hpp"
@@ -23,11 +23,11 @@ TEST(FindOpenings, KnowsTheEllipsesOfASlantedTube) {
   for (const double angle_deg : {90.0, 55.0, 30.0}) {
     const double angle = angle_deg * std::numbers::pi / 180;  // Between the axis and the planes.
     const Vec3 normal = std::sin(angle) * axis + std::cos(angle) * axis.unitOrthogonal();
-    AnalyticDomainOptions options;
+    fixtures::AnalyticDomainOptions options;
     options.bounds_mm = Box3(Vec3::Constant(-20), Vec3::Constant(20));
     options.resolution_mm = 1;
     options.cut_planes = {{on_axis - 8 * axis, -normal}, {on_axis + 8 * axis, normal}};
-    const AnalyticDomain domain({{7, cylinder_shape(on_axis, axis, radius)}}, options);
+    const fixtures::AnalyticDomain domain({{7, fixtures::cylinder_shape(on_axis, axis, radius)}}, options);
     const std::vector<Opening> openings = find_openings(domain);
     ASSERT_EQ(openings.size(), 2U) << angle_deg;
     for (const Opening& opening : openings) {

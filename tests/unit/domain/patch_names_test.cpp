@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lumesh/domain/analytic_domain.hpp"
+#include "fixtures/analytic_domain.hpp"
 
 namespace lumesh {
 namespace {
@@ -11,11 +11,12 @@ namespace {
 /// A tube of radius 2 with its end at z = 0: a square of two triangles is the opening; another triangle that
 /// lies in the plane, and meets it in a corner, is of the wall if it is small.
 TEST(PatchNames, SplintersBesideAnOpeningAreWall) {
-  AnalyticDomainOptions options;
+  fixtures::AnalyticDomainOptions options;
   options.bounds_mm = Box3(Vec3(-3, -3, -4), Vec3(3, 3, 1));
   options.resolution_mm = 0.25;
   options.cut_planes = {{Vec3::Zero(), Vec3::UnitZ()}};
-  const AnalyticDomain domain({{1, cylinder_shape(Vec3::Zero(), Vec3::UnitZ(), 2)}}, options);
+  const fixtures::AnalyticDomain domain({{1, fixtures::cylinder_shape(Vec3::Zero(), Vec3::UnitZ(), 2)}},
+                                        options);
   const Material beyond = domain.material_beyond(0);
   const std::vector<BoundaryTriangle> boundary = {
       {{0, 1, 2}, 1, beyond}, {{0, 2, 3}, 1, beyond}, {{2, 4, 5}, 1, beyond}, {{0, 1, 6}, 1, 0}};

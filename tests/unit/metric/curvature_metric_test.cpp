@@ -6,11 +6,11 @@
 #include <cmath>
 #include <utility>
 
+#include "fixtures/analytic_domain.hpp"
 #include "fixtures/curved_meshes.hpp"
 #include "fixtures/meshes.hpp"
 #include "fixtures/surfaces.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/domain/analytic_domain.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -83,8 +83,8 @@ TEST(CurvatureMetric, OnAPipeIsFineAroundAndCoarseAlongIt) {
 
 TEST(CurvatureMetric, OfADomainIsThatOfItsBoundaryHoweverCoarseTheMesh) {
   const TetMesh mesh = fixtures::ball(1);
-  const std::vector<SymTensor> metric =
-      metric_from_curvature(mesh, analytic_ball(Vec3::Zero(), 1), {.edges_per_radius = 4, .largest_mm = 3});
+  const std::vector<SymTensor> metric = metric_from_curvature(mesh, fixtures::analytic_ball(Vec3::Zero(), 1),
+                                                              {.edges_per_radius = 4, .largest_mm = 3});
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3 sizes = sizes_in(metric[v]);
     const double expected = mesh.dimension(VertexId(v)) == VertexDimension::kVolume ? 3.0 : 0.25;
@@ -95,7 +95,7 @@ TEST(CurvatureMetric, OfADomainIsThatOfItsBoundaryHoweverCoarseTheMesh) {
 
 TEST(CurvatureMetric, OfACylindricalDomainIsUnboundedAlongTheAxis) {
   const TetMesh mesh = fixtures::quarter_pipe(4);  // Its outer side lies on the cylinder.
-  const AnalyticDomain domain = analytic_cylinder(Vec3(0, 0, -9), Vec3(0, 0, 9), 1);
+  const fixtures::AnalyticDomain domain = fixtures::analytic_cylinder(Vec3(0, 0, -9), Vec3(0, 0, 9), 1);
   const std::vector<SymTensor> metric =
       metric_from_curvature(mesh, domain, {.chord_mm = 0.02, .largest_mm = 7});
   const double around = 2 * std::sqrt(0.02 * 1.98);
@@ -109,7 +109,8 @@ TEST(CurvatureMetric, OfACylindricalDomainIsUnboundedAlongTheAxis) {
 }
 
 TEST(CurvatureMetric, OfADomainElsewhereIsRefused) {
-  EXPECT_THROW((void)metric_from_curvature(fixtures::ball(1), analytic_ball(Vec3(30, 0, 0), 1)), Error);
+  EXPECT_THROW((void)metric_from_curvature(fixtures::ball(1), fixtures::analytic_ball(Vec3(30, 0, 0), 1)),
+               Error);
 }
 
 TEST(CurvatureMetric, OfAPolyhedronIsTheLargestSize) {

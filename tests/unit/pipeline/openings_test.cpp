@@ -10,13 +10,13 @@
 #include <random>
 #include <string>
 
+#include "fixtures/analytic_domain.hpp"
 #include "fixtures/curved_meshes.hpp"
 #include "fixtures/images.hpp"
 #include "fixtures/openings.hpp"
 #include "lumesh/adapt/adapt.hpp"
 #include "lumesh/adapt/boundary.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
-#include "lumesh/domain/analytic_domain.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/mesh/validate.hpp"
@@ -241,11 +241,12 @@ TEST(Openings, KeepTheirSectionThroughAdaptation) {
   for (const double angle_deg : {90.0, 50.0}) {  // Between the axis and the openings.
     const double angle = angle_deg * std::numbers::pi / 180;
     const Vec3 normal = std::sin(angle) * axis + std::cos(angle) * axis.unitOrthogonal();
-    AnalyticDomainOptions options;
+    fixtures::AnalyticDomainOptions options;
     options.bounds_mm = Box3(Vec3::Constant(-length), Vec3::Constant(length));
     options.resolution_mm = 0.5;
     options.cut_planes = {{-0.5 * length * axis, -normal}, {0.5 * length * axis, normal}};
-    const AnalyticDomain domain({{1, cylinder_shape(Vec3::Zero(), axis, radius)}}, options);
+    const fixtures::AnalyticDomain domain({{1, fixtures::cylinder_shape(Vec3::Zero(), axis, radius)}},
+                                          options);
     const double truth = std::numbers::pi * radius * radius / std::sin(angle);
     for (const double delta : {0.6, 1.5}) {
       for (const double size : {0.5, 1.2}) {
